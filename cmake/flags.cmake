@@ -1,0 +1,25 @@
+# Flags that every target shares. Sums may be reassociated (neighbour loops vectorise), but never by the alignment of an address: the same
+# program gives the same bits in every run, with any number of threads. NaN and infinity keep their meaning: divergence is detected by them.
+add_library(whorl_flags INTERFACE)
+target_compile_options(whorl_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wno-unknown-pragmas
+  -fno-math-errno -fno-trapping-math -fno-signed-zeros -fassociative-math)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  target_compile_options(whorl_flags INTERFACE --param=vect-max-peeling-for-alignment=0 -Wno-maybe-uninitialized -Wno-restrict)
+endif()
+if(WHORL_NATIVE)
+  target_compile_options(whorl_flags INTERFACE -march=native)
+endif()
+if(WHORL_WERROR)
+  target_compile_options(whorl_flags INTERFACE -Werror)
+endif()
+if(WHORL_DOUBLE)
+  target_compile_definitions(whorl_flags INTERFACE WHORL_DOUBLE)
+endif()
+if(WHORL_SANITIZE)
+  target_compile_options(whorl_flags INTERFACE -fsanitize=${WHORL_SANITIZE} -fno-omit-frame-pointer)
+  target_link_options(whorl_flags INTERFACE -fsanitize=${WHORL_SANITIZE})
+endif()
+if(NOT CMAKE_BUILD_TYPE STREQUAL "Debug")
+  target_compile_options(whorl_flags INTERFACE -O3)
+endif()

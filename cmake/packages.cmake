@@ -1,0 +1,26 @@
+# What Whorl is built on, all from Debian 12 (tools/setup.sh installs it).
+find_package(Threads REQUIRED)
+find_package(OpenMP REQUIRED)
+find_package(Eigen3 3.4 REQUIRED)
+find_package(fmt REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(tomlplusplus REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(epoxy REQUIRED IMPORTED_TARGET epoxy)
+pkg_check_modules(egl REQUIRED IMPORTED_TARGET egl)
+pkg_check_modules(muparser REQUIRED IMPORTED_TARGET muparser)
+add_library(muparser::muparser ALIAS PkgConfig::muparser)
+
+find_path(STB_INCLUDE_DIR stb_image_write.h PATH_SUFFIXES stb REQUIRED)
+add_library(stb INTERFACE)
+target_include_directories(stb SYSTEM INTERFACE ${STB_INCLUDE_DIR})
+
+# OpenVDB's own find module asks for Python bindings that nobody needs here.
+find_package(TBB REQUIRED)
+find_path(OPENVDB_INCLUDE_DIR openvdb/openvdb.h REQUIRED)
+find_library(OPENVDB_LIBRARY openvdb REQUIRED)
+add_library(openvdb INTERFACE)
+target_include_directories(openvdb SYSTEM INTERFACE ${OPENVDB_INCLUDE_DIR})
+target_link_libraries(openvdb INTERFACE ${OPENVDB_LIBRARY} TBB::tbb)

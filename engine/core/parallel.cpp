@@ -1,0 +1,28 @@
+#include "engine/core/parallel.h"
+
+#include <unistd.h>
+
+#include <cstdlib>
+
+namespace whorl {
+namespace {
+int chosen = 0;
+}
+
+void set_threads(int count) {
+    chosen = count > 0 ? count : omp_get_num_procs();
+    omp_set_num_threads(chosen);
+}
+
+int threads() {
+    if (chosen == 0) set_threads(0);
+    return chosen;
+}
+
+void wait_passively(char** argv) {
+    if (std::getenv("OMP_WAIT_POLICY") != nullptr || std::getenv("GOMP_SPINCOUNT") != nullptr) return;
+    setenv("OMP_WAIT_POLICY", "passive", 1);
+    execv("/proc/self/exe", argv);  // returns only where it failed: then the program simply goes on
+}
+
+}  // namespace whorl

@@ -1,0 +1,84 @@
+#pragma once
+/// Parallel loops and sums whose results do not depend on the number of threads.
+#include <omp.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "engine/core/types.h"
+
+namespace whorl {
+
+/// Chooses the number of threads of every parallel loop, once, for OpenMP (and, through render/, for TBB). 0: all cores.
+void set_threads(int count);
+int threads();
+
+/// OpenMP threads that spin while they wait ruin shared machines, and libgomp reads its policy before main() starts.
+/// Call first thing in main(): restarts the program once with a passive policy where the user has set none.
+void wait_passively(char** argv);
+
+/// A loop shorter than this runs on the calling thread: waking the others would cost more.
+inline constexpr Index serial_below = 512;
+
+/// Calls f(i) for i in [0, n). Each f(i) must write only what belongs to i.
+template <class F>
+void parallel_for(Index n, F&& f) {
+    if (n < serial_below || threads() == 1) {
+        for (Index i = 0; i < n; ++i) f(i);
+        return;
+    }
+#pragma omp parallel for schedule(dynamic, 256)
+    for (Index i = 0; i < n; ++i) f(i);
+}
+
+/// Calls f(begin, end) for fixed blocks that cover [0, n): for loops that keep scratch memory per block.
+template <class F>
+void parallel_blocks(Index n, Index block, F&& f) {
+    const Index blocks = (n + block - 1) / block;
+    if (n < serial_below || threads() == 1) {
+        for (Index b = 0; b < blocks; ++b) f(b * block, std::min(n, (b + 1) * block));
+        return;
+    }
+#pragma omp parallel for schedule(dynamic, 1)
+    for (Index b = 0; b < blocks; ++b) f(b * block, std::min(n, (b + 1) * block));
+}
+
+/// sum_i f(i), in double, over fixed blocks that are added in order: the same bits for any number of threads.
+/// T needs operator+= and must be given as its zero.
+template <class T, class F>
+T parallel_sum(Index n, T zero, F&& f) {
+    constexpr Index block = 1024;
+    const Index blocks = (n + block - 1) / block;
+    std::vector<T> partial(static_cast<std::size_t>(blocks), zero);
+    parallel_blocks(n, block, [&](Index begin, Index end) {
+        T sum = zero;
+        for (Index i = begin; i < end; ++i) sum += f(i);
+        partial[static_cast<std::size_t>(begin / block)] = sum;
+    });
+    T total = zero;
+    for (const T& p : partial) total += p;
+    return total;
+}
+
+template <class F>
+double parallel_sum(Index n, F&& f) {
+    return parallel_sum(n, 0.0, [&](Index i) { return static_cast<double>(f(i)); });
+}
+
+/// max_i f(i), at least `lowest`.
+template <class F>
+double parallel_max(Index n, double lowest, F&& f) {
+    constexpr Index block = 1024;
+    const Index blocks = (n + block - 1) / block;
+    std::vector<double> partial(static_cast<std::size_t>(blocks), lowest);
+    parallel_blocks(n, block, [&](Index begin, Index end) {
+        double most = lowest;
+        for (Index i = begin; i < end; ++i) most = std::max(most, static_cast<double>(f(i)));
+        partial[static_cast<std::size_t>(begin / block)] = most;
+    });
+    double most = lowest;
+    for (double p : partial) most = std::max(most, p);
+    return most;
+}
+
+}  // namespace whorl

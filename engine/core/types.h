@@ -1,0 +1,26 @@
+#pragma once
+/// The scalar, vector and index types that every layer shares.
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+
+namespace whorl {
+
+#ifdef WHORL_DOUBLE
+using Real = double;
+#else
+using Real = float;
+#endif
+
+using Index = std::int32_t;
+using Vec3 = Eigen::Matrix<Real, 3, 1>;
+using Mat3 = Eigen::Matrix<Real, 3, 3>;
+using Vec3f = Eigen::Vector3f;
+using Vec3d = Eigen::Vector3d;
+using Mat3f = Eigen::Matrix3f;
+using Mat3d = Eigen::Matrix3d;
+
+template <class T>
+using Span = std::span<T>;
+
+}  // namespace whorl

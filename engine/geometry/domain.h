@@ -1,0 +1,50 @@
+#pragma once
+/// The box that particles live in, with any subset of its axes periodic.
+#include <array>
+#include <cmath>
+
+#include "engine/core/types.h"
+
+namespace whorl {
+
+struct Domain {
+    Vec3 min = Vec3::Zero();                            ///< m
+    Vec3 max = Vec3::Ones();                            ///< m
+    std::array<bool, 3> periodic{false, false, false};  ///< a periodic axis must be at least two support radii long
+
+    bool any_periodic() const { return periodic[0] || periodic[1] || periodic[2]; }
+    Vec3 size() const { return max - min; }
+    bool contains(const Vec3& x) const {
+        for (int a = 0; a < 3; ++a)
+            if (!periodic[a] && !(x[a] >= min[a] && x[a] <= max[a])) return false;
+        return true;
+    }
+    /// Length of each periodic axis, 0 for the others: multiply-add of minimum_image() then needs no branch.
+    Vec3 period() const {
+        Vec3 L = Vec3::Zero();
+        for (int a = 0; a < 3; ++a)
+            if (periodic[a]) L[a] = max[a] - min[a];
+        return L;
+    }
+    /// The shortest of the periodic images of the distance r.
+    Vec3 minimum_image(Vec3 r) const {
+        for (int a = 0; a < 3; ++a)
+            if (periodic[a]) {
+                const Real L = max[a] - min[a];
+                r[a] -= L * std::nearbyint(r[a] / L);
+            }
+        return r;
+    }
+    /// x moved into [min, max) along the periodic axes.
+    Vec3 wrapped(Vec3 x) const {
+        for (int a = 0; a < 3; ++a)
+            if (periodic[a]) {
+                const Real L = max[a] - min[a];
+                x[a] -= L * std::floor((x[a] - min[a]) / L);
+                if (x[a] >= max[a]) x[a] = min[a];
+            }
+        return x;
+    }
+};
+
+}  // namespace whorl

@@ -1,0 +1,57 @@
+#pragma once
+/// Solids: shapes that stand, move and turn by expressions, and the particles that sample their surfaces.
+#include <vector>
+
+#include "engine/geometry/shape.h"
+#include "engine/math/expression.h"
+#include "engine/particles/store.h"
+
+namespace whorl {
+
+/// x_world = rotation x_own + translation.
+struct Pose {
+    Mat3 rotation = Mat3::Identity();
+    Vec3 translation = Vec3::Zero();        ///< m
+    Vec3 velocity = Vec3::Zero();           ///< m/s, of the origin
+    Vec3 angular_velocity = Vec3::Zero();   ///< rad/s, in the world's axes
+    Vec3 velocity_at(const Vec3& x) const { return velocity + angular_velocity.cross(x - translation); }
+};
+
+struct Solid {
+    std::shared_ptr<const Shape> shape;
+    VectorExpression position, spin;  ///< m and rad/s about the own axes, of t
+    bool inside = false;              ///< the fluid is inside the shape
+    bool free_slip = false;
+    std::string material;
+    Pose pose;
+
+    /// Distance from x to the solid's surface, positive on the fluid's side [m].
+    Real distance(const Vec3& x) const;
+    /// Unit vector from the solid into the fluid.
+    Vec3 normal(const Vec3& x) const;
+};
+
+/// All solids of a run, moved together.
+class Solids {
+public:
+    std::vector<Solid> all;
+    /// Sets every pose for time t; velocities such that the pose at t + dt is reached when dt has passed.
+    void set_time(double t, double dt);
+    /// The solid whose surface is nearest to x, -1 where there is none; distance on the fluid's side.
+    int nearest(const Vec3& x, Real& distance) const;
+    bool any_moving() const;
+};
+
+/// One layer of particles on the solids' surfaces, about a spacing apart; they stand half a spacing inside the solid.
+struct SolidParticles {
+    std::vector<Index> solid;          ///< whose
+    Column<Vec3> own_position;         ///< in the solid's axes, m
+    Column<Vec3> position, velocity;   ///< m, m/s, in the world's axes
+    Column<Vec3> normal;               ///< into the fluid
+    Column<Real> volume;               ///< 1/sum W over the solid particles near by, m^3 (Akinci et al. 2012)
+    Index size() const { return static_cast<Index>(solid.size()); }
+    /// Moves the particles with their solids.
+    void follow(const Solids& solids);
+};
+
+}  // namespace whorl

@@ -1,0 +1,36 @@
+#pragma once
+/// An immutable snapshot of a run at one frame time: all that surfacing, drawing and writing ever see of the simulation.
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/core/mesh.h"
+
+namespace whorl {
+
+/// A solid as it stands at the frame's time.
+struct FrameSolid {
+    std::shared_ptr<const TriangleMesh> mesh;  ///< in the solid's own coordinates
+    Mat3f rotation = Mat3f::Identity();        ///< x_world = rotation x + translation
+    Vec3f translation = Vec3f::Zero();         ///< m
+    std::string material;                      ///< name of a material of the look; "" the look's default for solids
+    bool container = false;                    ///< the fluid is inside: drawn as glass or left out, never hiding the fluid
+    bool ground = false;                       ///< an unbounded plane
+};
+
+struct Frame {
+    int number = 0;        ///< 1, 2, ... as in frames/000001.png
+    double time = 0;       ///< s, simulated
+    float spacing = 0;     ///< m
+    std::vector<Vec3f> position;  ///< m
+    std::vector<Vec3f> velocity;  ///< m/s
+    /// Other fields that the look or the export asks for, by their names in files (DESIGN names: "density", "pressure", "viscosity", ...).
+    std::map<std::string, std::vector<float>> scalar;
+    std::map<std::string, std::vector<Vec3f>> vector;  ///< "spin", "vorticity", ...
+    std::vector<FrameSolid> solids;
+    Vec3f domain_min = Vec3f::Zero(), domain_max = Vec3f::Zero();  ///< m
+    std::array<bool, 3> periodic{false, false, false};
+};
+
+}  // namespace whorl

@@ -1,0 +1,52 @@
+#pragma once
+/// Numbers that the scene file gives as expressions of t, x, y, z.
+#include <array>
+#include <memory>
+#include <string>
+
+#include "engine/core/types.h"
+
+namespace whorl {
+
+/// An expression of t [s], x, y, z [m], the constant pi and the functions of muParser (sin, exp, sqrt, if-then-else "a ? b : c", ...).
+/// Cheap to copy; evaluation is not thread-safe.
+class Expression {
+public:
+    Expression() : Expression(0.0) {}
+    Expression(double constant);  // NOLINT: a number is an expression
+    /// @throws std::invalid_argument with muParser's message and the position in the text
+    explicit Expression(const std::string& text);
+
+    double operator()(double t, double x = 0, double y = 0, double z = 0) const;
+    double operator()(double t, const Vec3d& x) const { return (*this)(t, x.x(), x.y(), x.z()); }
+    bool is_constant() const;
+    bool depends_on_time() const;
+    /// As the user wrote it; a plain number where it was one.
+    const std::string& text() const { return text_; }
+
+private:
+    struct Compiled;
+    std::string text_;
+    double constant_ = 0;
+    std::shared_ptr<Compiled> compiled_;
+};
+
+/// A vector of three expressions.
+struct VectorExpression {
+    std::array<Expression, 3> component;
+    Vec3d operator()(double t, const Vec3d& x = Vec3d::Zero()) const {
+        return {component[0](t, x), component[1](t, x), component[2](t, x)};
+    }
+    bool is_zero() const {
+        for (const Expression& e : component)
+            if (!e.is_constant() || e(0) != 0) return false;
+        return true;
+    }
+    bool depends_on_time() const {
+        for (const Expression& e : component)
+            if (e.depends_on_time()) return true;
+        return false;
+    }
+};
+
+}  // namespace whorl

@@ -1,0 +1,19 @@
+#pragma once
+/// What every linear solver takes and returns.
+#include <string>
+
+namespace whorl {
+
+struct SolveLimits {
+    double tolerance = 1e-4;  ///< on the norm that the solver's own docstring names, relative to the right-hand side
+    int max_iterations = 200;
+};
+
+struct SolveReport {
+    int iterations = 0;
+    double first_residual = 0, last_residual = 0;  ///< relative, in the norm that stops the solver
+    bool converged = false;
+    std::string why_not;  ///< empty where it converged
+};
+
+}  // namespace whorl

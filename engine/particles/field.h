@@ -1,0 +1,66 @@
+#pragma once
+/// Fields (columns of the particle store) and the way in which a stage names those it touches.
+///
+/// A field is a type with `type`, `name`, `unit` and `meaning`. A stage is a struct whose operator() takes Read<field>, Write<field> and
+/// Update<field> arguments; from these signatures alone the program knows which columns to allocate, and which ones live on from
+/// step to step (those that a stage reads or updates before any stage has written them): only these are sorted, emitted, checkpointed.
+#include <string_view>
+
+#include "engine/core/types.h"
+
+namespace whorl {
+
+namespace field {
+struct position {
+    using type = Vec3;
+    static constexpr std::string_view name = "position", unit = "m", meaning = "where the particle is";
+};
+struct velocity {
+    using type = Vec3;
+    static constexpr std::string_view name = "velocity", unit = "m/s", meaning = "velocity";
+};
+struct density {
+    using type = Real;
+    static constexpr std::string_view name = "density", unit = "kg/m^3", meaning = "density from the kernel sum";
+};
+struct pressure {
+    using type = Real;
+    static constexpr std::string_view name = "pressure", unit = "Pa", meaning = "pressure";
+};
+struct viscosity {
+    using type = Real;
+    static constexpr std::string_view name = "viscosity", unit = "Pa s", meaning = "dynamic viscosity";
+};
+struct spin {
+    using type = Vec3;
+    static constexpr std::string_view name = "spin", unit = "1/s", meaning = "angular velocity of the micro-rotation";
+};
+struct acceleration {
+    using type = Vec3;
+    static constexpr std::string_view name = "acceleration", unit = "m/s^2", meaning = "forces that act explicitly, over the mass";
+};
+}  // namespace field
+
+template <class F>
+struct Read {
+    using field = F;
+    Span<const typename F::type> values;
+    const typename F::type& operator[](Index i) const { return values[static_cast<std::size_t>(i)]; }
+    Index size() const { return static_cast<Index>(values.size()); }
+    const typename F::type* data() const { return values.data(); }
+};
+
+template <class F>
+struct Write {
+    using field = F;
+    Span<typename F::type> values;
+    typename F::type& operator[](Index i) const { return values[static_cast<std::size_t>(i)]; }
+    Index size() const { return static_cast<Index>(values.size()); }
+    typename F::type* data() const { return values.data(); }
+};
+
+/// Reads the old value and writes the new one.
+template <class F>
+struct Update : Write<F> {};
+
+}  // namespace whorl

@@ -1,0 +1,126 @@
+#pragma once
+/// The columns of the particles: allocated from what the stages declare, sorted, grown and shrunk together.
+#include <map>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "engine/core/errors.h"
+#include "engine/particles/field.h"
+
+namespace whorl {
+
+/// Memory aligned to a cache line, so that vectorised loops give the same bits in every run.
+template <class T>
+struct CacheAligned {
+    using value_type = T;
+    CacheAligned() = default;
+    template <class U>
+    CacheAligned(const CacheAligned<U>&) {}
+    T* allocate(std::size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), std::align_val_t{64})); }
+    void deallocate(T* p, std::size_t) { ::operator delete(p, std::align_val_t{64}); }
+    template <class U>
+    bool operator==(const CacheAligned<U>&) const { return true; }
+};
+template <class T>
+using Column = std::vector<T, CacheAligned<T>>;
+
+/// What the program knows of a field at run time. One object a field: compare by address or by name.
+struct FieldInfo {
+    std::string_view name, unit, meaning;
+    std::size_t bytes;    ///< a particle
+    int components;       ///< 1 scalar, 3 vector, 9 matrix
+    bool integer;         ///< whole numbers rather than Real
+    std::unique_ptr<struct ColumnBase> (*make)();
+};
+
+struct ColumnBase {
+    virtual ~ColumnBase() = default;
+    virtual void resize(std::size_t n) = 0;                      ///< new entries are zero
+    virtual void gather(Span<const Index> order) = 0;            ///< new[k] = old[order[k]]; also shrinks
+    virtual const void* data() const = 0;
+    virtual void* data() = 0;
+    virtual std::size_t capacity_bytes() const = 0;
+};
+
+namespace detail {
+template <class T>
+struct TypedColumn : ColumnBase {
+    Column<T> values, old;
+    static T zero() {
+        if constexpr (std::is_arithmetic_v<T>) return T(0);
+        else return T(T::Zero());
+    }
+    void resize(std::size_t n) override { values.resize(n, zero()); }
+    void gather(Span<const Index> order) override {
+        old.swap(values);
+        values.resize(order.size(), zero());
+        for (std::size_t k = 0; k < order.size(); ++k) values[k] = old[static_cast<std::size_t>(order[k])];
+    }
+    const void* data() const override { return values.data(); }
+    void* data() override { return values.data(); }
+    std::size_t capacity_bytes() const override { return (values.capacity() + old.capacity()) * sizeof(T); }
+};
+template <class T>
+constexpr int components() {
+    if constexpr (std::is_arithmetic_v<T>) return 1;
+    else return T::SizeAtCompileTime;
+}
+}  // namespace detail
+
+template <class F>
+const FieldInfo& field_info() {
+    using T = typename F::type;
+    static const FieldInfo info{F::name, F::unit, F::meaning, sizeof(T), detail::components<T>(), std::is_integral_v<T>,
+                                [] { return std::unique_ptr<ColumnBase>(new detail::TypedColumn<T>); }};
+    return info;
+}
+
+class ParticleStore {
+public:
+    Index size() const { return size_; }
+
+    /// Allocates the column; a field that any caller declares as lasting stays so.
+    /// @param lasting it lives on from step to step: sorted, emitted and checkpointed. The others are scratch.
+    void declare(const FieldInfo& info, bool lasting);
+    bool has(const FieldInfo& info) const { return columns_.count(&info) > 0; }
+    template <class F>
+    bool has() const { return has(field_info<F>()); }
+
+    /// The column; it must have been declared. Valid until the next resize(), gather() or keep().
+    template <class F>
+    Span<typename F::type> column() { return typed<typename F::type>(field_info<F>()); }
+    template <class F>
+    Span<const typename F::type> column() const {
+        return const_cast<ParticleStore*>(this)->typed<typename F::type>(field_info<F>());
+    }
+
+    /// Grows (new entries zero) or shrinks at the end.
+    void resize(Index n);
+    /// new[k] = old[order[k]] in the lasting columns; the scratch columns keep no values. order may be shorter: the rest is gone.
+    void gather(Span<const Index> order);
+
+    struct Entry {
+        const FieldInfo* info;
+        bool lasting;
+        std::unique_ptr<ColumnBase> column;
+    };
+    /// All columns in the order of their names.
+    std::vector<const Entry*> entries() const;
+    Entry* find(std::string_view name);
+    const Entry* find(std::string_view name) const { return const_cast<ParticleStore*>(this)->find(name); }
+    std::size_t capacity_bytes() const;
+
+private:
+    template <class T>
+    Span<T> typed(const FieldInfo& info) {
+        const auto it = columns_.find(&info);
+        WHORL_ASSERT(it != columns_.end(), + std::string(info.name) + " was never declared");
+        return {static_cast<T*>(it->second.column->data()), static_cast<std::size_t>(size_)};
+    }
+    std::map<const FieldInfo*, Entry> columns_;
+    Index size_ = 0;
+};
+
+}  // namespace whorl

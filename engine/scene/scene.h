@@ -1,0 +1,158 @@
+#pragma once
+/// A scene file as checked data: what the user asked for, every default filled in, nothing decided yet (that is plan.h's part).
+#include <map>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "engine/core/errors.h"
+#include "engine/geometry/shape.h"
+#include "engine/math/expression.h"
+#include "engine/math/kernel.h"
+
+namespace whorl {
+
+enum class PressureModel { automatic, none, wcsph, ppe, coupled };
+enum class ViscosityModel { automatic, none, xsph, explicit_laplacian, pairwise, full, full_assembled };
+enum class MicropolarModel { none, seed, bender, eringen };
+enum class BoundaryModel { automatic, none, akinci, ppe };
+enum class ShiftingModel { automatic, none, fickian };
+enum class Preconditioner { none, jacobi, multigrid };
+enum class GradientForm { symmetric, difference };
+enum class LaplacianForm { brookshaw, monaghan };
+enum class CurlForm { symmetric, difference, difference_own_density };
+enum class Sampling { lattice, jittered, blue_noise };
+enum class Slip { no, free };
+enum class Profile { plug, parabolic };
+enum class ProbeKind { point, line, region, coil };
+
+struct TimeKeys {
+    double end = 0;            ///< s
+    double fps = 24;           ///< frames a second of film
+    double slow_motion = 1;    ///< a frame shows 1/(fps slow_motion) s of simulated time
+    double max_step = 5e-3;    ///< s
+    double cfl = 0.4;
+    double frame_interval() const { return 1 / (fps * slow_motion); }
+};
+
+struct DomainKeys {
+    Vec3d min{-1, -1, -1}, max{1, 1, 1};  ///< m
+    std::array<bool, 3> periodic{false, false, false};
+    VectorExpression gravity{{Expression(0.0), Expression(-9.81), Expression(0.0)}};  ///< m/s^2, of t
+};
+
+struct FluidKeys {
+    double spacing = 0;          ///< m
+    double density = 1000;       ///< kg/m^3
+    Expression viscosity{0.0};   ///< Pa s, of x, y, z at the start
+    double surface_tension = 0;  ///< N/m
+    KernelKind kernel = KernelKind::cubic;
+    double support = 2;          ///< kernel radius over spacing
+};
+
+struct ModelKeys {
+    PressureModel pressure = PressureModel::automatic;
+    ViscosityModel viscosity = ViscosityModel::automatic;
+    MicropolarModel micropolar = MicropolarModel::none;
+    BoundaryModel boundary = BoundaryModel::automatic;
+    ShiftingModel shifting = ShiftingModel::automatic;
+};
+
+struct PressureKeys {
+    double tolerance = 1e-3;     ///< relative density error (ppe); preconditioned residual (coupled)
+    int max_iterations = 200;
+    Preconditioner preconditioner = Preconditioner::multigrid;
+    double sound_speed = 0;      ///< m/s, wcsph; 0: ten times the speed that the plan expects
+    double gamma = 7;            ///< exponent of Tait's equation, wcsph
+    double background_pressure = 0;  ///< Pa, wcsph
+    GradientForm gradient = GradientForm::symmetric;  ///< wcsph
+};
+
+struct ViscosityKeys {
+    double tolerance = 1e-4;
+    int max_iterations = 500;
+    LaplacianForm laplacian = LaplacianForm::brookshaw;  ///< explicit
+    double alpha = 0.002;                                ///< xsph
+    bool correction = true;                              ///< full: corrected gradients ("first_order") or as in the note ("none")
+};
+
+struct MicropolarKeys {
+    double transfer_viscosity = 0.3;  ///< Pa s
+    double micro_inertia = 2;         ///< m^2
+    CurlForm curl_velocity = CurlForm::difference_own_density, curl_spin = CurlForm::symmetric;
+    double xsph_velocity = 0.002, xsph_spin = 0.125;
+    double spin_length = 0;           ///< m; 0: the spacing
+    VectorExpression torque;
+};
+
+struct BoundaryKeys {
+    double gate = 0;  ///< a solid acts only past this kernel sum; 0: always
+};
+
+struct BlockKeys {
+    ShapeKeys shape;
+    VectorExpression velocity, spin;  ///< of x, y, z
+    Sampling sampling = Sampling::lattice;
+};
+
+struct EmitterKeys {
+    std::string shape = "disc";   ///< disc | box (a rectangular slot)
+    Vec3d position = Vec3d::Zero();         ///< m, the middle of the opening
+    Vec3d direction{0, -1, 0};    ///< made unit length on reading
+    double radius = 0;            ///< m, disc
+    double width = 0, thickness = 0;  ///< m, box
+    Expression speed{0.0};        ///< m/s, of t; the mean over the opening
+    double start = 0, stop = 1e300;   ///< s
+    Profile profile = Profile::plug;
+};
+
+struct SolidKeys {
+    ShapeKeys shape;
+    VectorExpression position, rotation;  ///< m; rad/s about the solid's own axes; of t
+    bool inside = false;          ///< the fluid is inside the shape
+    Slip slip = Slip::no;
+    std::string material;         ///< of the look
+};
+
+struct ProbeKeys {
+    std::string name;
+    ProbeKind kind = ProbeKind::point;
+    Vec3d min = Vec3d::Zero(), max = Vec3d::Zero();  ///< region
+    Vec3d at = Vec3d::Zero();                        ///< point
+    Vec3d from = Vec3d::Zero(), to = Vec3d::Zero();  ///< line
+    int count = 32;                                  ///< line
+    Vec3d axis_point = Vec3d::Zero(), axis_direction{0, 1, 0};  ///< coil; direction points up, away from the plate
+    double height = 0;                               ///< coil: m above the pile
+};
+
+struct OutputKeys {
+    bool frames = true, video = true;
+    double checkpoint_every = 5;  ///< s of wall time
+    std::vector<std::string> exports;  ///< points, mesh, vdb
+};
+
+struct Scene {
+    std::string name;
+    TimeKeys time;
+    DomainKeys domain;
+    FluidKeys fluid;
+    ModelKeys models;
+    PressureKeys pressure;
+    ViscosityKeys viscosity;
+    MicropolarKeys micropolar;
+    BoundaryKeys boundary;
+    std::vector<BlockKeys> blocks;
+    std::vector<EmitterKeys> emitters;
+    std::vector<SolidKeys> solids;
+    std::vector<ProbeKeys> probes;
+    OutputKeys output;
+    std::uint64_t seed = 1;
+
+    std::string directory;               ///< of the scene file: mesh files are found from here
+    std::map<std::string, Place> places;  ///< where each given key stands: "emitter[0].position" -> file:line:column
+    /// Where `key` stands, or the nearest enclosing table that was given.
+    Place place(const std::string& key) const;
+};
+
+}  // namespace whorl

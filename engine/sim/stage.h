@@ -1,0 +1,94 @@
+#pragma once
+/// Stages: structs whose operator() names what they read and write. make_stage() turns one into something that the step loop can run
+/// and the plan can print.
+#include <functional>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "engine/sim/world.h"
+
+namespace whorl {
+
+enum class Access { read, write, update };
+
+struct FieldAccess {
+    const FieldInfo* field;
+    Access access;
+};
+
+struct Stage {
+    std::string name;   ///< "density", "full viscosity"
+    std::string group;  ///< what run.json adds its time to: neighbours | density | viscosity | pressure | move | ...
+    std::vector<FieldAccess> accesses;
+    std::function<void(World&)> run;
+};
+
+namespace detail {
+
+template <class T>
+struct Argument;  // an operator() names something that World does not hold
+
+template <class F>
+struct Argument<Read<F>> {
+    static void list(std::vector<FieldAccess>& all) { all.push_back({&field_info<F>(), Access::read}); }
+    static Read<F> get(World& w) { return {std::as_const(w.fluid).template column<F>()}; }
+};
+template <class F>
+struct Argument<Write<F>> {
+    static void list(std::vector<FieldAccess>& all) { all.push_back({&field_info<F>(), Access::write}); }
+    static Write<F> get(World& w) { return {w.fluid.template column<F>()}; }
+};
+template <class F>
+struct Argument<Update<F>> {
+    static void list(std::vector<FieldAccess>& all) { all.push_back({&field_info<F>(), Access::update}); }
+    static Update<F> get(World& w) { return {{w.fluid.template column<F>()}}; }
+};
+
+#define WHORL_SHARED_ARGUMENT(Type, member)                    \
+    template <>                                                \
+    struct Argument<Type> {                                    \
+        static void list(std::vector<FieldAccess>&) {}         \
+        static Type get(World& w) { return w.member; }         \
+    };
+WHORL_SHARED_ARGUMENT(const FluidPairs&, fluid_pairs)
+WHORL_SHARED_ARGUMENT(const SolidPairs&, solid_pairs)
+WHORL_SHARED_ARGUMENT(const Solids&, solids)
+WHORL_SHARED_ARGUMENT(const SolidParticles&, solid_particles)
+WHORL_SHARED_ARGUMENT(const StepContext&, step)
+WHORL_SHARED_ARGUMENT(StepReport&, report)
+#undef WHORL_SHARED_ARGUMENT
+
+template <class S, class R, class... A>
+void list_arguments(R (S::*)(A...), std::vector<FieldAccess>& all) {
+    (Argument<A>::list(all), ...);
+}
+template <class S, class R, class... A>
+void list_arguments(R (S::*)(A...) const, std::vector<FieldAccess>& all) {
+    (Argument<A>::list(all), ...);
+}
+template <class S, class R, class... A>
+void run_with(R (S::*)(A...), S& stage, World& w) {
+    stage(Argument<A>::get(w)...);
+}
+template <class S, class R, class... A>
+void run_with(R (S::*)(A...) const, S& stage, World& w) {
+    stage(Argument<A>::get(w)...);
+}
+
+}  // namespace detail
+
+template <class S>
+Stage make_stage(std::string name, std::string group, S stage) {
+    Stage made{std::move(name), std::move(group), {}, {}};
+    detail::list_arguments(&S::operator(), made.accesses);
+    auto shared = std::make_shared<S>(std::move(stage));
+    made.run = [shared](World& w) { detail::run_with(&S::operator(), *shared, w); };
+    return made;
+}
+
+/// The fields that a step needs, and which of them live on: those that a stage reads or updates before any stage wrote them.
+void declare_fields(const std::vector<Stage>& stages, ParticleStore& store);
+
+}  // namespace whorl

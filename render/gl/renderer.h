@@ -1,0 +1,42 @@
+#pragma once
+/// Off-screen drawing through EGL. The only folder that includes EGL and GL (in its .cpp files).
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/io/frame.h"
+#include "render/image/image.h"
+#include "render/look/look.h"
+#include "render/surface/surface.h"
+
+namespace whorl {
+
+/// One rung of the ladder of EGL devices: what was tried and what came of it.
+struct DeviceAttempt {
+    std::string name;      ///< "device 0 (EGL_EXT_device_drm)", "surfaceless", "default display"
+    bool hardware = false;
+    bool works = false;
+    std::string outcome;   ///< renderer and GL version, or why it failed
+};
+/// Tries every rung, for `whorl doctor`.
+std::vector<DeviceAttempt> probe_devices();
+
+/// Draws frames into images. Belongs to the thread that made it.
+class Renderer {
+public:
+    /// @throws EnvironmentError where no rung of the ladder works, with each attempt
+    Renderer(int width, int height);
+    ~Renderer();
+    Renderer(Renderer&&) noexcept;
+
+    /// Draws the fluid's surface (or its particles, after the look), the solids, and the ground.
+    Image draw(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view);
+    /// Renderer and version of the GL in use.
+    std::string device() const;
+
+private:
+    struct Device;
+    std::unique_ptr<Device> device_;
+};
+
+}  // namespace whorl

@@ -1,0 +1,31 @@
+#pragma once
+/// Pictures in memory and on disk. The only place that includes stb (image.cpp).
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace whorl {
+
+/// 8-bit sRGB, rows from the top, three bytes a pixel.
+struct Image {
+    int width = 0, height = 0;
+    std::vector<std::uint8_t> rgb;
+    std::uint8_t* pixel(int x, int y) { return &rgb[3 * (static_cast<std::size_t>(y) * width + x)]; }
+    const std::uint8_t* pixel(int x, int y) const { return &rgb[3 * (static_cast<std::size_t>(y) * width + x)]; }
+};
+
+/// Writes under a temporary name and renames when whole. @throws EnvironmentError (disk full, no such folder)
+void write_png(const std::filesystem::path& file, const Image& image);
+/// @throws InputError where the file is missing or no picture
+Image read_png(const std::filesystem::path& file);
+std::vector<std::uint8_t> encode_png(const Image& image);
+std::vector<std::uint8_t> encode_jpeg(const Image& image, int quality);
+/// The picture made smaller by averaging in linear light.
+Image downscaled(const Image& image, int width, int height);
+/// Pictures side by side in rows of `columns`, each at most cell_width wide, in order, with small gaps.
+Image contact_sheet(const std::vector<Image>& images, int columns, int cell_width);
+/// Mean and largest perceptual difference (CIE76 delta E in L*a*b*, after a 3x3 blur so that one-pixel shifts of an edge count little).
+struct PictureDifference { double mean = 0, p99 = 0, max = 0; };
+PictureDifference difference(const Image& a, const Image& b);
+
+}  // namespace whorl

@@ -1,0 +1,51 @@
+#pragma once
+/// What a picture shows and how: camera, materials, lights. Plain data; render/gl draws it.
+#include <array>
+#include <string>
+#include <vector>
+
+#include "engine/core/types.h"
+
+namespace whorl {
+
+struct CameraKey {
+    double time = 0;  ///< s
+    Vec3f position = Vec3f(0, 0.1f, 0.4f), target = Vec3f::Zero();
+    float fov = 30;   ///< degrees, vertical
+};
+
+/// kind "fixed": position, target. "orbit": turns about `target` at `distance`, `height`, `degrees_per_second`, from `start_angle`.
+/// "keys": smooth (Catmull-Rom) through `keys`. "auto" (default): frames the domain from a pleasing angle.
+struct CameraOptions {
+    std::string kind = "auto";
+    Vec3f position = Vec3f(0, 0.1f, 0.4f), target = Vec3f::Zero(), up = Vec3f(0, 1, 0);
+    float fov = 30;  ///< degrees, vertical
+    float distance = 0.4f, height = 0.1f, start_angle = 0, degrees_per_second = 20;
+    std::vector<CameraKey> keys;
+};
+
+/// The camera at one moment.
+struct View {
+    Vec3f position, target, up;
+    float fov;  ///< degrees, vertical
+};
+View view_at(const CameraOptions& camera, double time, const Vec3f& domain_min, const Vec3f& domain_max);
+
+struct LookOptions {
+    std::string style = "liquid";     ///< liquid (refracting surface) | opaque (paint, lava) | particles (coloured by a field)
+    std::string material = "honey";   ///< preset that the keys below start from: honey | water | paint | chocolate | lava | clay
+    Vec3f absorption = Vec3f(-1, -1, -1);  ///< 1/m, Beer-Lambert a colour channel (linear RGB); negative: the preset's
+    Vec3f colour = Vec3f(-1, -1, -1);      ///< linear RGB of an opaque material; negative: the preset's
+    float refraction = -1;            ///< index; negative: the preset's
+    float roughness = -1;             ///< 0 mirror .. 1 matt; negative: the preset's
+    std::string background = "studio";  ///< studio | dark | white
+    bool ground = true;               ///< a ground with shadow under the scene
+    float exposure = 1;
+    int samples = 4;                  ///< a pixel
+    std::string field = "speed";      ///< of style "particles": speed | pressure | density | spin | vorticity
+    std::string colour_map = "viridis";
+    std::array<float, 2> range{0, 0};   ///< of the colour map; equal: from the frame itself
+    bool legend = false;
+};
+
+}  // namespace whorl

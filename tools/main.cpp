@@ -1,0 +1,3 @@
+#include "engine/core/parallel.h"
+
+int main(int, char** argv) { whorl::wait_passively(argv); }
