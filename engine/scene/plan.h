@@ -1,0 +1,34 @@
+#pragma once
+/// What a scene requires: models chosen (every "auto" resolved, with the reason), constants derived. Nothing is allocated yet.
+#include "engine/scene/scene.h"
+
+namespace whorl {
+
+/// One decision and why.
+struct Choice {
+    std::string key, value;
+    bool automatic = false;  ///< the scene said "auto"
+    std::string reason;      ///< one line with the number that decided
+};
+
+struct Plan {
+    PressureModel pressure = PressureModel::none;     ///< never automatic
+    ViscosityModel viscosity = ViscosityModel::none;  ///< never automatic; none where the pressure model solves for it (coupled)
+    MicropolarModel micropolar = MicropolarModel::none;
+    BoundaryModel boundary = BoundaryModel::none;
+    ShiftingModel shifting = ShiftingModel::none;
+
+    double spacing = 0, support = 0;    ///< m
+    KernelKind kernel = KernelKind::cubic;
+    double expected_speed = 0;          ///< m/s: largest of the given speeds and of a free fall through the domain
+    double sound_speed = 0;             ///< m/s, wcsph
+    double largest_viscosity = 0;       ///< Pa s over blocks and emitters
+    double estimated_particles = 0;     ///< at the end of the run
+    std::vector<Choice> choices;
+    std::vector<std::string> warnings;
+};
+
+/// @throws InputError listing all that cannot work (emitter outside the domain, fluid inside a solid, more particles than memory, ...)
+Plan make_plan(const Scene& scene);
+
+}  // namespace whorl

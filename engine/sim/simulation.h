@@ -1,0 +1,71 @@
+#pragma once
+/// A run in memory: the particles, the stages that the plan asked for, and the step loop.
+#include <iosfwd>
+
+#include "engine/core/clock.h"
+#include "engine/particles/emitter.h"
+#include "engine/scene/plan.h"
+#include "engine/sim/stage.h"
+
+namespace whorl {
+
+/// A bound on the time step that one of the chosen models sets.
+struct StepLimit {
+    std::string name;                        ///< "cfl", "viscous", "sound", "max_step", ...
+    std::string formula;                     ///< for the plan: "0.4 d / max |u|"
+    std::function<double(const World&)> dt;  ///< s
+};
+
+/// What a step consists of.
+struct Assembly {
+    std::vector<Stage> stages;
+    std::vector<StepLimit> limits;
+};
+
+/// The only place that knows all models.
+Assembly assemble(const Scene& scene, const Plan& plan);
+
+/// Sums over the whole run so far.
+struct RunTotals {
+    long steps = 0;
+    double particle_steps = 0;
+    double pressure_iterations = 0, viscosity_iterations = 0;
+    long unconverged_solves = 0;
+    long lost_particles = 0;
+    double emitted_particles = 0;
+    double last_step = 0;                     ///< s, the newest time step
+    std::map<std::string, long> binding;      ///< how often each limit chose the step
+};
+
+class Simulation {
+public:
+    /// Places the fluid and the solids. @throws InputError where the scene cannot be placed
+    Simulation(const Scene& scene, const Plan& plan);
+    ~Simulation();
+    Simulation(Simulation&&) noexcept;
+
+    double time() const;  ///< s
+    const RunTotals& totals() const;
+    const StageTimes& times() const;  ///< by stage group
+    const Scene& scene() const;
+    const Plan& plan() const;
+    const Assembly& assembly() const;
+    const World& world() const;
+    const std::vector<Emitter>& emitters() const;
+
+    /// One step, not past `until` [s], landing on it exactly (the last two steps before it are made equal).
+    /// A step that starts at a frame time (just after a landing) refreshes every lagged set-up, so that a run resumed there is the same run.
+    /// report.diverged tells that the run cannot go on.
+    const StepReport& step(double until);
+
+    /// All state that lives from step to step. Only at a landing; bit-exact; the same build reads it back.
+    void save(std::ostream& out) const;
+    /// @throws EnvironmentError where the data are cut short
+    void load(std::istream& in);
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace whorl
