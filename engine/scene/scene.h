@@ -130,6 +130,7 @@ struct OutputKeys {
     bool frames = true, video = true;
     double checkpoint_every = 5;  ///< s of wall time
     std::vector<std::string> exports;  ///< points, mesh, vdb
+    std::array<int, 2> size{1280, 720};  ///< pixels, width and height, even
 };
 
 struct Scene {
