@@ -1,0 +1,126 @@
+#pragma once
+/// Preconditioned conjugate gradients over particles: one Real (pressure) or one Vec3 (velocity) an entry.
+#include <cmath>
+
+#include "engine/core/parallel.h"
+#include "engine/math/solve.h"
+
+namespace whorl {
+
+/// The norm of the residual r = b - A x that stops the solver.
+enum class ResidualNorm {
+    euclidean,       ///< |r| / |b|
+    preconditioned,  ///< sqrt(r.M r) / sqrt(b.M b): with a good M close to the error's energy norm, which |r| overstates for stiff systems
+};
+
+namespace detail {
+inline double dot_entry(float a, float b) { return static_cast<double>(a) * b; }
+inline double dot_entry(double a, double b) { return a * b; }
+template <class T>
+double dot_entry(const Eigen::Matrix<T, 3, 1>& a, const Eigen::Matrix<T, 3, 1>& b) {
+    return static_cast<double>(a[0]) * b[0] + static_cast<double>(a[1]) * b[1] + static_cast<double>(a[2]) * b[2];
+}
+}  // namespace detail
+
+/// a.b in double, the same bits for any number of threads.
+template <class T>
+double dot(Span<const T> a, Span<const T> b) {
+    return parallel_sum(static_cast<Index>(a.size()), [&](Index i) {
+        const auto k = static_cast<std::size_t>(i);
+        return detail::dot_entry(a[k], b[k]);
+    });
+}
+
+/// The identity: conjugate gradients without a preconditioner.
+struct NoPreconditioner {
+    template <class T>
+    void operator()(Span<const T> r, Span<T> z) const {
+        std::copy(r.begin(), r.end(), z.begin());
+    }
+};
+
+/// Solves A x = b. A and M must be symmetric and positive definite on the entries that b and x use: entries that a mask excludes must be
+/// zero in b and x and left at zero by A and M.
+/// @param A called as A(Span<const T> x, Span<T> y): y = A x
+/// @param M called as M(Span<const T> r, Span<T> z): z is near A^-1 r
+/// @param x the first guess, then the solution; where the solver stops early, its last iterate
+/// @param reference what the residual is measured against in the chosen norm; 0: the norm of b itself
+/// @returns iterations and relative residuals; converged is false with a reason where a limit was reached or A or M are not definite
+template <class T, class Operator, class Preconditioner>
+SolveReport conjugate_gradients(const Operator& A, const Preconditioner& M, Span<const T> b, Span<T> x, const SolveLimits& limits,
+                                ResidualNorm norm = ResidualNorm::euclidean, double reference = 0) {
+    const std::size_t n = b.size();
+    const auto count = static_cast<Index>(n);
+    const T zero = [] {
+        if constexpr (std::is_arithmetic_v<T>) return T(0);
+        else return T(T::Zero());
+    }();
+    std::vector<T> r(n, zero), z(n, zero), p(n, zero), q(n, zero);
+    SolveReport report;
+
+    const auto stopping_norm = [&](Span<const T> residual, double residual_z) {
+        return std::sqrt(norm == ResidualNorm::euclidean ? dot<T>(residual, residual) : residual_z);
+    };
+    if (reference <= 0) {
+        if (norm == ResidualNorm::preconditioned) M(b, Span<T>(z));
+        reference = stopping_norm(b, norm == ResidualNorm::preconditioned ? dot<T>(b, z) : 0);
+        if (reference == 0) {
+            std::fill(x.begin(), x.end(), zero);
+            report.converged = true;
+            return report;
+        }
+    }
+    if (!std::isfinite(reference)) {
+        report.why_not = "the right-hand side is not finite";
+        return report;
+    }
+
+    A(Span<const T>(x), Span<T>(q));
+    parallel_for(count, [&](Index i) {
+        const auto k = static_cast<std::size_t>(i);
+        r[k] = b[k] - q[k];
+    });
+    M(Span<const T>(r), Span<T>(z));
+    double rz = dot<T>(r, z);
+    p = z;
+    report.first_residual = report.last_residual = stopping_norm(r, rz) / reference;
+
+    while (!(report.last_residual <= limits.tolerance)) {
+        if (!std::isfinite(report.last_residual) || !(rz > 0)) {
+            report.why_not = std::isfinite(rz) ? "the preconditioner is not positive definite (r.z = " + std::to_string(rz) + ")"
+                                               : "the residual is not finite";
+            return report;
+        }
+        if (report.iterations >= limits.max_iterations) {
+            report.why_not = "the residual is " + std::to_string(report.last_residual) + " after the allowed " +
+                             std::to_string(limits.max_iterations) + " iterations";
+            return report;
+        }
+        A(Span<const T>(p), Span<T>(q));
+        const double pAp = dot<T>(p, q);
+        if (!(pAp > 0) || !std::isfinite(pAp)) {
+            report.why_not = "the operator is not positive definite (p.A p = " + std::to_string(pAp) + ")";
+            return report;
+        }
+        const Real alpha = static_cast<Real>(rz / pAp);
+        parallel_for(count, [&](Index i) {
+            const auto k = static_cast<std::size_t>(i);
+            x[k] += alpha * p[k];
+            r[k] -= alpha * q[k];
+        });
+        M(Span<const T>(r), Span<T>(z));
+        const double rz_new = dot<T>(r, z);
+        const Real beta = static_cast<Real>(rz_new / rz);
+        rz = rz_new;
+        parallel_for(count, [&](Index i) {
+            const auto k = static_cast<std::size_t>(i);
+            p[k] = z[k] + beta * p[k];
+        });
+        ++report.iterations;
+        report.last_residual = stopping_norm(r, rz) / reference;
+    }
+    report.converged = true;
+    return report;
+}
+
+}  // namespace whorl
