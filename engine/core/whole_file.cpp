@@ -1,0 +1,48 @@
+#include "engine/core/whole_file.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <string>
+
+#include "engine/core/errors.h"
+
+namespace whorl {
+namespace {
+
+[[noreturn]] void fail(const std::filesystem::path& file, int error) {
+    const char* remedy = error == ENOSPC || error == EDQUOT ? "free some space or choose another folder with --out"
+                         : error == ENOENT                  ? "make the folder first"
+                                                            : "";
+    throw EnvironmentError("cannot write " + file.string() + ": " + std::strerror(error), "", remedy);
+}
+
+}  // namespace
+
+WholeFile::WholeFile(std::filesystem::path file) : file_(std::move(file)), temporary_(file_) {
+    temporary_.replace_extension(".part" + file_.extension().string());
+}
+
+WholeFile::~WholeFile() {
+    std::error_code ignored;
+    if (!committed_) std::filesystem::remove(temporary_, ignored);
+}
+
+void WholeFile::commit() {
+    if (std::rename(temporary_.c_str(), file_.c_str()) != 0) fail(file_, errno);
+    committed_ = true;
+}
+
+void write_whole(const std::filesystem::path& file, std::span<const std::byte> bytes) {
+    WholeFile whole(file);
+    std::FILE* out = std::fopen(whole.temporary().c_str(), "wbe");
+    if (out == nullptr) fail(file, errno);
+    // fclose writes what is still in the buffer: a full disk may only show there.
+    const bool written = std::fwrite(bytes.data(), 1, bytes.size(), out) == bytes.size();
+    const int write_error = errno;
+    if (std::fclose(out) != 0) fail(file, errno);
+    if (!written) fail(file, write_error);
+    whole.commit();
+}
+
+}  // namespace whorl

@@ -1,0 +1,30 @@
+#pragma once
+/// Files that are either whole or not there: written under a temporary name in the same folder and renamed.
+#include <cstddef>
+#include <filesystem>
+#include <span>
+
+namespace whorl {
+
+/// A file that takes its name when whole: write to temporary(), then commit(). Without commit() the temporary file is removed.
+class WholeFile {
+public:
+    explicit WholeFile(std::filesystem::path file);
+    ~WholeFile();
+    WholeFile(const WholeFile&) = delete;
+    WholeFile& operator=(const WholeFile&) = delete;
+
+    /// The name to write to: the file's own with ".part" before its extension, so that programs that go by extensions still know the format.
+    const std::filesystem::path& temporary() const { return temporary_; }
+    /// @throws EnvironmentError where it cannot be renamed
+    void commit();
+
+private:
+    std::filesystem::path file_, temporary_;
+    bool committed_ = false;
+};
+
+/// Writes `bytes` to `file`, whole or not at all. @throws EnvironmentError (disk full, no such folder)
+void write_whole(const std::filesystem::path& file, std::span<const std::byte> bytes);
+
+}  // namespace whorl

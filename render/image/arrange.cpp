@@ -1,0 +1,82 @@
+// Pictures made smaller and laid side by side.
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/errors.h"
+#include "engine/core/parallel.h"
+#include "render/image/image.h"
+#include "render/image/linear_light.h"
+
+namespace whorl {
+namespace {
+
+Image filled(int width, int height, std::uint8_t grey) {
+    return {width, height, std::vector<std::uint8_t>(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height), grey)};
+}
+
+// The source pixels that a target pixel covers along one axis, with the share of each.
+struct Cover {
+    int first = 0;
+    std::vector<float> share;  // adds up to 1
+};
+
+std::vector<Cover> covers(int from, int to) {
+    std::vector<Cover> result(static_cast<std::size_t>(to));
+    const double step = static_cast<double>(from) / to;
+    for (int i = 0; i < to; ++i) {
+        const double begin = i * step, end = std::min<double>(from, (i + 1) * step);
+        Cover& cover = result[static_cast<std::size_t>(i)];
+        cover.first = std::min(from - 1, static_cast<int>(begin));
+        for (int k = cover.first; k < std::max<double>(end, cover.first + 1); ++k)
+            cover.share.push_back(static_cast<float>((std::min<double>(end, k + 1) - std::max<double>(begin, k)) / (end - begin)));
+    }
+    return result;
+}
+
+void paste(Image& onto, const Image& image, int x, int y) {
+    for (int row = 0; row < image.height; ++row) std::copy_n(image.pixel(0, row), 3 * image.width, onto.pixel(x, y + row));
+}
+
+}  // namespace
+
+Image downscaled(const Image& image, int width, int height) {
+    WHORL_ASSERT(width > 0 && height > 0 && image.width > 0 && image.height > 0);
+    const std::vector<Cover> columns = covers(image.width, width), rows = covers(image.height, height);
+    Image result = filled(width, height, 0);
+    parallel_blocks(height, 1, [&](Index y, Index) {
+        const Cover& row = rows[static_cast<std::size_t>(y)];
+        for (int x = 0; x < width; ++x) {
+            const Cover& column = columns[static_cast<std::size_t>(x)];
+            Vec3f light = Vec3f::Zero();
+            for (std::size_t j = 0; j < row.share.size(); ++j)
+                for (std::size_t i = 0; i < column.share.size(); ++i) {
+                    const std::uint8_t* p = image.pixel(column.first + static_cast<int>(i), row.first + static_cast<int>(j));
+                    light += row.share[j] * column.share[i] * Vec3f(linear_light(p[0]), linear_light(p[1]), linear_light(p[2]));
+                }
+            for (int c = 0; c < 3; ++c) result.pixel(x, y)[c] = srgb_byte(light[c]);
+        }
+    });
+    return result;
+}
+
+Image contact_sheet(const std::vector<Image>& images, int columns, int cell_width) {
+    if (images.empty()) return {};
+    const int gap = std::max(2, cell_width / 60);
+    std::vector<Image> cells;
+    int cell_height = 0, widest = 0;
+    for (const Image& image : images) {
+        const int width = std::min(cell_width, image.width);
+        const int height = std::max(1, static_cast<int>(std::lround(static_cast<double>(image.height) * width / image.width)));
+        cells.push_back(width == image.width ? image : downscaled(image, width, height));
+        cell_height = std::max(cell_height, height);
+        widest = std::max(widest, width);
+    }
+    columns = std::clamp(columns, 1, static_cast<int>(cells.size()));
+    const int rows = (static_cast<int>(cells.size()) + columns - 1) / columns;
+    Image sheet = filled(columns * (widest + gap) + gap, rows * (cell_height + gap) + gap, 24);
+    for (int i = 0; i < static_cast<int>(cells.size()); ++i)
+        paste(sheet, cells[static_cast<std::size_t>(i)], gap + (i % columns) * (widest + gap), gap + (i / columns) * (cell_height + gap));
+    return sheet;
+}
+
+}  // namespace whorl
