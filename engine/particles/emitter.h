@@ -1,5 +1,6 @@
 #pragma once
 /// Emitters: openings through which fluid enters without gaps or pairs, at any speed and time step.
+#include <cmath>
 #include <iosfwd>
 #include <vector>
 
@@ -16,6 +17,15 @@ struct EmitterShape {
     Real width = 0, thickness = 0;   ///< m
     bool parabolic = false;          ///< else a plug
 };
+
+/// Unit axes of the opening's plane: a slot's width lies along `width` (horizontal; along x where the fluid goes straight up or down),
+/// its thickness along `thickness`; width x thickness = -direction.
+inline void opening_axes(const EmitterShape& opening, Vec3& width, Vec3& thickness) {
+    const Vec3 back = -opening.direction;
+    width = std::abs(back.y()) < Real(0.9) ? Vec3(Vec3::UnitY().cross(back)) : Vec3(Vec3::UnitX() - back.x() * back);
+    width.normalize();
+    thickness = back.cross(width);
+}
 
 /// Pushes an endless column of blue-noise fluid through an opening. A buffer of `depth` [m] above the opening holds particles that are already
 /// in the store with their velocity prescribed (role -k): neighbours find a full neighbourhood at the exit.
