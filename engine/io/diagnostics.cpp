@@ -1,0 +1,86 @@
+#include "engine/io/diagnostics.h"
+
+#include <algorithm>
+#include <string_view>
+
+#include "engine/core/parallel.h"
+#include "engine/io/files.h"
+
+namespace whorl {
+namespace {
+
+/// The sums that one pass over the particles makes: count, u.u, x (3), u (3), x cross u (3), w.w, w (3), compression.
+using Sums = Eigen::Array<double, 16, 1>;
+
+}  // namespace
+
+Measures measure(const World& world, const Vec3d& gravity, double micro_inertia) {
+    const ParticleStore& fluid = world.fluid;
+    const auto x = fluid.column<field::position>();
+    const auto u = fluid.column<field::velocity>();
+    const Span<const std::int16_t> role = fluid.has<field::role>() ? fluid.column<field::role>() : Span<const std::int16_t>();
+    const Span<const Vec3> spin = fluid.has<field::spin>() ? fluid.column<field::spin>() : Span<const Vec3>();
+    const Span<const Real> density = fluid.has<field::density>() ? fluid.column<field::density>() : Span<const Real>();
+    const auto counts = [&](std::size_t k) { return role.empty() || role[k] >= 0; };
+    const auto compression = [&](std::size_t k) {
+        return density.empty() ? 0.0 : std::max(0.0, static_cast<double>(density[k]) / static_cast<double>(world.step.rest_density) - 1);
+    };
+
+    const Sums sums = parallel_sum(fluid.size(), Sums(Sums::Zero()), [&](Index i) {
+        const auto k = static_cast<std::size_t>(i);
+        Sums s = Sums::Zero();
+        if (!counts(k)) return s;
+        const Vec3d xi = x[k].cast<double>(), ui = u[k].cast<double>();
+        s[0] = 1;
+        s[1] = ui.squaredNorm();
+        s.segment<3>(2) = xi.array();
+        s.segment<3>(5) = ui.array();
+        s.segment<3>(8) = xi.cross(ui).array();
+        if (!spin.empty()) {
+            const Vec3d wi = spin[k].cast<double>();
+            s[11] = wi.squaredNorm();
+            s.segment<3>(12) = wi.array();
+        }
+        s[15] = compression(k);
+        return s;
+    });
+    const double fastest = parallel_max(fluid.size(), 0, [&](Index i) {
+        const auto k = static_cast<std::size_t>(i);
+        return counts(k) ? u[k].cast<double>().squaredNorm() : 0.0;
+    });
+
+    const double m = static_cast<double>(world.step.mass);
+    Measures all;
+    all.particles = static_cast<Index>(sums[0]);
+    all.max_speed = std::sqrt(fastest);
+    all.kinetic_energy = m * sums[1] / 2;
+    all.potential_energy = -m * gravity.dot(Vec3d(sums.segment<3>(2).matrix()));
+    all.spin_energy = m * micro_inertia * sums[11] / 2;
+    all.momentum = m * sums.segment<3>(5).matrix();
+    all.angular_momentum = m * (sums.segment<3>(8) + micro_inertia * sums.segment<3>(12)).matrix();
+    all.density_error_mean = sums[0] > 0 ? sums[15] / sums[0] : 0;
+    all.density_error_max =
+        parallel_max(fluid.size(), 0, [&](Index i) { return counts(static_cast<std::size_t>(i)) ? compression(static_cast<std::size_t>(i)) : 0.0; });
+    return all;
+}
+
+std::string diagnostics_header() {
+    return "frame,time,steps,particles,time_step,max_speed,kinetic_energy,potential_energy,spin_energy,momentum_x,momentum_y,momentum_z,"
+           "angular_momentum_x,angular_momentum_y,angular_momentum_z,density_error_mean,density_error_max,pressure_iterations,"
+           "viscosity_iterations,lost_particles,wall_seconds,cpu_seconds";
+}
+
+std::string diagnostics_row(int frame, double time, const Measures& m, const RunTotals& before, const RunTotals& now, double wall,
+                            double cpu) {
+    const double steps = static_cast<double>(std::max(1L, now.steps - before.steps));
+    std::string row = std::to_string(frame);
+    for (double value : {time, static_cast<double>(now.steps), static_cast<double>(m.particles), now.last_step, m.max_speed, m.kinetic_energy,
+                         m.potential_energy, m.spin_energy, m.momentum.x(), m.momentum.y(), m.momentum.z(), m.angular_momentum.x(),
+                         m.angular_momentum.y(), m.angular_momentum.z(), m.density_error_mean, m.density_error_max,
+                         (now.pressure_iterations - before.pressure_iterations) / steps,
+                         (now.viscosity_iterations - before.viscosity_iterations) / steps, static_cast<double>(now.lost_particles), wall, cpu})
+        row += "," + number(value);
+    return row + "\n";
+}
+
+}  // namespace whorl
