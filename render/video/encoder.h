@@ -13,14 +13,16 @@ struct VideoOptions {
     int crf = 18;      ///< H.264 constant rate factor; lower is better and larger
 };
 
-/// Encodes H.264, yuv420p, BT.709 tagged and converted. A killed run leaves a playable file: frames go out in fragments while the run lasts,
-/// and finish() rewrites the file with +faststart under its final name.
+/// Encodes H.264, yuv420p, BT.709 tagged and converted. While the run lasts, frames go in short fragments to partial_video(file), which is
+/// playable at any moment, also after SIGKILL; finish() rewrites it with +faststart under its final name. An encoder that goes without finish()
+/// completes the partial file and leaves it. Odd sizes lose their last row or column: yuv420p has none.
 class VideoEncoder {
 public:
-    /// @throws EnvironmentError where ffmpeg is missing or refuses
+    /// @param file the final name, ending in .mp4. @throws EnvironmentError where ffmpeg is missing
     VideoEncoder(std::filesystem::path file, int width, int height, VideoOptions options);
     ~VideoEncoder();
     VideoEncoder(VideoEncoder&&) noexcept;
+    /// The next frame, of the size given at the start. @throws EnvironmentError where ffmpeg has given up, with its own last words
     void add(const Image& image);
     /// Waits for the encoder. @throws EnvironmentError with ffmpeg's own last words
     void finish();
@@ -29,6 +31,9 @@ private:
     struct Process;
     std::unique_ptr<Process> process_;
 };
+
+/// Where frames go until the video is whole: coil.mp4 -> coil.partial.mp4.
+std::filesystem::path partial_video(const std::filesystem::path& file);
 
 /// The ffmpeg program's version line, "" where there is none.
 std::string encoder_version();

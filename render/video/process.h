@@ -1,0 +1,34 @@
+#pragma once
+/// A program run without a shell, fed through its standard input.
+#include <sys/types.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace whorl {
+
+/// A child process. It has a process group of its own: an interrupt from the terminal is for Whorl, which then ends its children in order;
+/// and where Whorl itself is killed, the child reads the end of its input and finishes by itself.
+class ChildProcess {
+public:
+    /// Starts arguments[0], looked up in PATH. @throws std::system_error (ENOENT: no such program)
+    explicit ChildProcess(const std::vector<std::string>& arguments);
+    ~ChildProcess();
+    ChildProcess(ChildProcess&& other) noexcept;
+
+    /// Writes all of it, waiting where the child is slower. @return false where the child no longer reads; never raises SIGPIPE.
+    bool write(std::span<const std::uint8_t> bytes);
+    /// Ends the child's input and waits for it. @return its exit status, 128 + the signal's number where a signal ended it
+    int wait();
+    /// What the child wrote to standard output and standard error so far.
+    std::string output() const;
+
+private:
+    pid_t pid_ = -1;
+    int input_ = -1, output_ = -1;
+};
+
+}  // namespace whorl
