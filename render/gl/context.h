@@ -1,0 +1,32 @@
+#pragma once
+/// An OpenGL context without a window: the ladder of EGL devices.
+#include <string>
+#include <vector>
+
+#include "render/gl/renderer.h"
+
+namespace whorl {
+
+/// A current OpenGL core context of version 3.3 or newer, bound to the thread that made it.
+class GlContext {
+public:
+    /// Takes the first rung of the ladder that works.
+    /// @throws EnvironmentError with every rung and why it failed
+    GlContext();
+    ~GlContext();
+    GlContext(GlContext&& other) noexcept;
+    GlContext& operator=(GlContext&&) = delete;
+    GlContext(const GlContext&) = delete;
+
+    void make_current() const;
+    /// Renderer and version, as GL names them.
+    const std::string& device() const { return device_; }
+
+private:
+    void* display_ = nullptr;
+    void* context_ = nullptr;
+    void* surface_ = nullptr;  ///< one pixel, only where a context cannot be current without a surface
+    std::string device_;
+};
+
+}  // namespace whorl

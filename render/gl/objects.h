@@ -1,0 +1,92 @@
+#pragma once
+/// OpenGL objects that free themselves. Only .cpp files of render/gl include this.
+#include <epoxy/gl.h>
+
+#include <initializer_list>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/core/types.h"
+
+namespace whorl::gl {
+
+/// A name that GL hands out and takes back.
+template <void (*Delete)(GLuint)>
+class Name {
+public:
+    Name() = default;
+    explicit Name(GLuint id) : id_(id) {}
+    Name(Name&& other) noexcept : id_(std::exchange(other.id_, 0)) {}
+    Name& operator=(Name&& other) noexcept {
+        std::swap(id_, other.id_);
+        return *this;
+    }
+    ~Name() {
+        if (id_ != 0) Delete(id_);
+    }
+    GLuint id() const { return id_; }
+
+private:
+    GLuint id_ = 0;
+};
+
+inline void delete_texture(GLuint id) { glDeleteTextures(1, &id); }
+inline void delete_buffer(GLuint id) { glDeleteBuffers(1, &id); }
+inline void delete_vertex_array(GLuint id) { glDeleteVertexArrays(1, &id); }
+inline void delete_framebuffer(GLuint id) { glDeleteFramebuffers(1, &id); }
+inline void delete_program(GLuint id) { glDeleteProgram(id); }
+
+using Texture = Name<delete_texture>;
+using Buffer = Name<delete_buffer>;
+using VertexArray = Name<delete_vertex_array>;
+using Framebuffer = Name<delete_framebuffer>;
+
+/// An image of `format`, sampled linearly (or not), clamped at its edges.
+Texture texture_2d(GLenum format, int width, int height, bool linear);
+/// A framebuffer with these colour textures and, where not 0, this depth texture.
+Framebuffer framebuffer(std::initializer_list<GLuint> colours, GLuint depth);
+
+/// A linked program; uniforms are set by name, and a name that the compiler threw away is ignored.
+class Program {
+public:
+    /// Each stage is made of embedded files, put together in order after the #version line.
+    /// @throws std::logic_error with the compiler's words
+    Program(std::initializer_list<const char*> vertex_files, std::initializer_list<const char*> fragment_files);
+    void use() const { glUseProgram(name_.id()); }
+    void set(const char* uniform, int value);
+    void set(const char* uniform, float value);
+    void set(const char* uniform, const Eigen::Vector2f& value);
+    void set(const char* uniform, const Vec3f& value);
+    void set(const char* uniform, const Eigen::Vector4f& value);
+    void set(const char* uniform, const Mat3f& value);
+    void set(const char* uniform, const Eigen::Matrix4f& value);
+    /// Binds a texture to a unit and the sampler to it.
+    void texture(const char* uniform, int unit, GLenum target, GLuint id);
+
+private:
+    GLint location(const char* uniform);
+    Name<delete_program> name_;
+    std::map<std::string, GLint> locations_;
+};
+
+/// Triangles or points on the device. Attribute i has components[i] floats a vertex.
+class Vertices {
+public:
+    Vertices(const std::vector<int>& components);
+    /// One array of floats an attribute, in order; `indices` may be empty (points).
+    void fill(std::initializer_list<std::pair<const float*, std::size_t>> attributes, const std::uint32_t* indices, std::size_t index_count);
+    void draw(GLenum primitive) const;
+    std::size_t count() const { return count_; }
+
+private:
+    VertexArray array_;
+    std::vector<Buffer> attributes_;
+    std::vector<int> components_;
+    Buffer indices_;
+    std::size_t count_ = 0;
+    bool indexed_ = false;
+};
+
+}  // namespace whorl::gl

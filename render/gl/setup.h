@@ -1,0 +1,41 @@
+#pragma once
+/// What one picture needs to know about its frame: bounds, camera matrices, where the ground is.
+#include "engine/io/frame.h"
+#include "render/look/look.h"
+#include "render/surface/surface.h"
+
+namespace whorl {
+
+struct Bounds {
+    Vec3f low = Vec3f::Constant(1e30f), high = Vec3f::Constant(-1e30f);
+    bool empty() const { return low.x() > high.x(); }
+    void add(const Vec3f& x) { low = low.cwiseMin(x), high = high.cwiseMax(x); }
+    void add(const Bounds& other) { low = low.cwiseMin(other.low), high = high.cwiseMax(other.high); }
+    Vec3f centre() const { return 0.5f * (low + high); }
+    float radius() const { return 0.5f * (high - low).norm(); }
+};
+
+Bounds bounds_of(const std::vector<Vec3f>& points);
+/// Of a solid where it stands in the frame.
+Bounds bounds_of(const FrameSolid& solid);
+
+/// A solid that the ground of the look stands for: a level plane.
+bool is_level_ground(const FrameSolid& solid);
+/// Height of the ground [m]: that of the highest level plane, else the domain's floor.
+float ground_height(const Frame& frame);
+
+/// World -> clip; the depth range fits the bounds tightly.
+Eigen::Matrix4f camera_matrix(const View& view, float aspect, const Bounds& bounds);
+/// World -> clip of a parallel light from `direction` (unit, towards the light) that sees the bounds.
+Eigen::Matrix4f light_matrix(const Vec3f& direction, const Bounds& bounds);
+/// The matrix with the picture moved by a part of a pixel.
+Eigen::Matrix4f jittered(const Eigen::Matrix4f& matrix, const Eigen::Vector2f& pixels, int width, int height);
+/// Places of the samples in a pixel, -0.5 .. 0.5: low discrepancy (Roberts' R2 sequence), the first in the middle.
+Eigen::Vector2f sample_place(int sample, int samples);
+
+/// A rectangle of pixels, origin at the lower left as in GL.
+struct PixelBox { int x = 0, y = 0, width = 0, height = 0; };
+/// Where the bounds can be seen.
+PixelBox pixels_of(const Bounds& bounds, const Eigen::Matrix4f& matrix, int width, int height);
+
+}  // namespace whorl

@@ -1,0 +1,91 @@
+#include "render/look/material.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace whorl {
+namespace {
+
+constexpr float table_size = 0.4f;  // m: the diagonal of a scene whose liquids look as they do in a kitchen
+
+const std::vector<std::pair<std::string, Material>>& fluid_presets() {
+    static const std::vector<std::pair<std::string, Material>> presets = [] {
+        Material honey;  // a 5 mm thread is gold, a 40 mm pile amber
+        honey.absorption = {5, 42, 250};
+        honey.scatter = {1.0f, 0.46f, 0.05f};
+        honey.haze = 22;
+        Material water;
+        water.absorption = {5.0f, 1.6f, 1.0f};
+        water.refraction = 1.333f;
+        water.scatter = {0.25f, 0.6f, 0.7f};
+        water.haze = 0.3f;
+        Material paint;
+        paint.refracts = false;
+        paint.colour = {0.02f, 0.16f, 0.55f};
+        paint.roughness = 0.12f;
+        paint.softness = 0.15f;
+        Material chocolate;
+        chocolate.refracts = false;
+        chocolate.colour = {0.105f, 0.038f, 0.016f};
+        chocolate.roughness = 0.22f;
+        chocolate.softness = 0.35f;
+        Material lava;
+        lava.refracts = false;
+        lava.colour = {0.04f, 0.022f, 0.016f};
+        lava.emission = {3.2f, 0.55f, 0.05f};
+        lava.roughness = 0.6f;
+        Material clay;
+        clay.refracts = false;
+        clay.colour = {0.42f, 0.17f, 0.09f};
+        clay.roughness = 0.75f;
+        clay.softness = 0.3f;
+        return std::vector<std::pair<std::string, Material>>{{"honey", honey},         {"water", water}, {"paint", paint},
+                                                             {"chocolate", chocolate}, {"lava", lava},   {"clay", clay}};
+    }();
+    return presets;
+}
+
+const std::vector<std::pair<std::string, SolidMaterial>>& solid_presets() {
+    static const std::vector<std::pair<std::string, SolidMaterial>> presets{
+        {"ceramic", {{0.72f, 0.70f, 0.66f}, 0.18f, 0, 0}},  {"white", {{0.82f, 0.82f, 0.82f}, 0.5f, 0, 0}},
+        {"metal", {{0.78f, 0.77f, 0.75f}, 0.2f, 1, 0}},     {"wood", {{0.46f, 0.26f, 0.12f}, 0.5f, 0, 1}},
+        {"clay", {{0.42f, 0.17f, 0.09f}, 0.8f, 0, 0}},      {"dark", {{0.05f, 0.05f, 0.055f}, 0.35f, 0, 0}},
+        {"glass", {{0.85f, 0.9f, 0.9f}, 0.05f, 0, 0}},
+    };
+    return presets;
+}
+
+template <class T>
+std::vector<std::string> names_of(const std::vector<std::pair<std::string, T>>& presets) {
+    std::vector<std::string> names;
+    for (const auto& [name, preset] : presets) names.push_back(name);
+    return names;
+}
+
+}  // namespace
+
+Material fluid_material(const LookOptions& look, float size) {
+    Material material = fluid_presets().front().second;
+    for (const auto& [name, preset] : fluid_presets())
+        if (name == look.material) material = preset;
+    const float scale = std::min(1.0f, table_size / std::max(size, 1e-6f));
+    material.absorption *= scale;
+    material.haze *= scale;
+    if (look.style == "opaque") material.refracts = false;
+    if (look.absorption.minCoeff() >= 0) material.absorption = look.absorption;
+    if (look.colour.minCoeff() >= 0) material.colour = look.colour;
+    if (look.refraction >= 1) material.refraction = look.refraction;
+    if (look.roughness >= 0) material.roughness = look.roughness;
+    return material;
+}
+
+SolidMaterial solid_material(const std::string& name) {
+    for (const auto& [known, preset] : solid_presets())
+        if (known == name) return preset;
+    return solid_presets().front().second;
+}
+
+std::vector<std::string> material_names() { return names_of(fluid_presets()); }
+std::vector<std::string> solid_material_names() { return names_of(solid_presets()); }
+
+}  // namespace whorl

@@ -1,0 +1,44 @@
+// Puts the samples over the background and turns linear light into a picture.
+in vec2 uv;
+uniform sampler2D samples;
+uniform mat4 to_world;
+uniform vec3 eye;
+uniform float exposure;
+uniform float aspect;
+layout(location = 0) out vec4 picture;
+
+// Khronos PBR Neutral tone mapper (Khronos Group, 2024): base colours come through as they are, highlights are compressed and desaturated.
+vec3 tone(vec3 colour) {
+    const float start = 0.8 - 0.04, desaturation = 0.15;
+    float x = min(colour.r, min(colour.g, colour.b));
+    float offset = x < 0.08 ? x - 6.25 * x * x : 0.04;
+    colour -= offset;
+    float peak = max(colour.r, max(colour.g, colour.b));
+    if (peak < start) return colour;
+    const float d = 1.0 - start;
+    float compressed = 1.0 - d * d / (peak + d - start);
+    colour *= compressed / peak;
+    float g = 1.0 - 1.0 / (desaturation * (peak - compressed) + 1.0);
+    return mix(colour, vec3(compressed), g);
+}
+
+vec3 srgb(vec3 linear) {
+    return mix(12.92 * linear, 1.055 * pow(max(linear, 0.0031308), vec3(1.0 / 2.4)) - 0.055, step(0.0031308, linear));
+}
+
+// Half a step of noise hides the steps of 8 bits in smooth gradients. The same in every frame: it must not flicker.
+float dither(vec2 pixel) { return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715)))) - 0.5; }
+
+void main() {
+    vec4 front = texture(samples, uv);
+    vec3 colour = front.rgb;
+    if (front.a < 0.999) {
+        vec4 h = to_world * vec4(2.0 * uv - 1.0, 1.0, 1.0);
+        vec3 d = normalize(h.xyz / h.w - eye);
+        vec3 behind = d.y < -1e-3 ? surroundings(eye, d) : backdrop(d);
+        colour += (1.0 - front.a) * behind;
+    }
+    vec2 off = (uv - 0.5) * vec2(min(aspect, 1.0), 1.0);
+    colour *= exposure * (1.0 - 0.35 * dot(off, off));
+    picture = vec4(srgb(clamp(tone(colour), 0.0, 1.0)) + dither(gl_FragCoord.xy) / 255.0, 1.0);
+}

@@ -1,0 +1,16 @@
+// A mesh in the world. Used for the fluid and for solids, seen from the camera and from the light.
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+uniform mat4 view_projection;
+uniform mat3 rotation;
+uniform vec3 translation;
+out vec3 world;
+out vec3 world_normal;
+out vec3 own;
+
+void main() {
+    own = position;
+    world = rotation * position + translation;
+    world_normal = rotation * normal;
+    gl_Position = view_projection * vec4(world, 1.0);
+}

@@ -1,0 +1,53 @@
+// The studio: a seamless backdrop, soft boxes, and the ground's light. Directions of the studio: x right, y up, z towards the camera.
+uniform mat3 studio;         // world -> studio
+uniform vec3 backdrop_low;   // radiance of the backdrop looking down,
+uniform vec3 backdrop_high;  // looking up,
+uniform vec3 backdrop_glow;  // and added behind the scene
+uniform vec3 key_light;      // radiance of the soft boxes
+uniform vec3 rim_light;
+uniform vec3 fill_light;
+uniform float box_softness;  // 0 crisp .. 1 very soft: rough materials blur what they mirror
+uniform float ground_height; // m; far below where there is no ground
+uniform vec3 ground_area;    // centre x, z and half-width of the ground's light map [m]
+uniform sampler2D ground_light;
+
+vec3 backdrop(vec3 d) {
+    vec3 s = studio * d;
+    float up = smoothstep(-0.5, 0.6, s.y);
+    float glow = exp(-3.0 * (s.x * s.x + (s.y + 0.05) * (s.y + 0.05))) * smoothstep(0.2, -0.6, s.z);
+    return mix(backdrop_low, backdrop_high, up) + backdrop_glow * glow;
+}
+
+// A rectangle of light towards `axis` with half-widths `size` (tangents of angles).
+float soft_box(vec3 s, vec3 axis, vec3 right, vec2 size, float soft) {
+    float ahead = dot(s, axis);
+    vec2 q = abs(vec2(dot(s, right), dot(s, cross(axis, right)))) / max(ahead, 1e-3) / size;
+    vec2 inside = 1.0 - smoothstep(vec2(1.0 - soft), vec2(1.0 + soft), q);
+    return ahead > 0.0 ? inside.x * inside.y : 0.0;
+}
+
+vec3 soft_boxes(vec3 d) {
+    vec3 s = studio * d;
+    float soft = 0.12 + 0.9 * box_softness;
+    vec3 light = key_light * soft_box(s, normalize(vec3(-0.62, 0.68, 0.38)), normalize(vec3(0.52, 0.0, 0.85)), vec2(0.26, 0.42), soft);
+    light += rim_light * soft_box(s, normalize(vec3(0.75, 0.45, -0.55)), normalize(vec3(0.55, 0.0, 0.75)), vec2(0.22, 0.6), soft);
+    light += fill_light * soft_box(s, normalize(vec3(0.85, 0.35, 0.6)), normalize(vec3(0.6, 0.0, -0.85)), vec2(0.5, 0.5), min(1.0, 2.0 * soft));
+    return light;
+}
+
+vec3 environment(vec3 d) { return backdrop(d) + soft_boxes(d); }
+
+// Light that reaches the ground at q over the light it would get alone: shadow, contact, colour, caustic.
+vec3 light_on_ground(vec2 q) {
+    vec2 place = (q - ground_area.xy) / ground_area.z;
+    float edge = max(abs(place.x), abs(place.y));
+    if (edge >= 1.0) return vec3(1.0);
+    return mix(texture(ground_light, 0.5 * place + 0.5).rgb, vec3(1.0), smoothstep(0.7, 1.0, edge));
+}
+
+// What a ray that leaves p sees where no fluid and no solid is in its way. The ground is the backdrop with shadows on it: no horizon.
+vec3 surroundings(vec3 p, vec3 d) {
+    if (d.y > -1e-3 || p.y < ground_height - 1.0) return environment(d);
+    vec3 q = p + d * ((ground_height - p.y) / d.y);
+    return backdrop(d) * light_on_ground(q.xz);
+}

@@ -1,0 +1,25 @@
+#pragma once
+/// Surfaces from formulas: fixed meshes for pictures, without a simulation.
+#include <functional>
+
+#include "render/surface/surface.h"
+
+namespace whorl::test {
+
+/// Signed distance of a shape [m], negative inside.
+using Distance = std::function<float(const Vec3f&)>;
+
+/// Samples the distance in the box [low, high] and meshes its zero by marching tetrahedra.
+Surface surface_of(const Distance& distance, const Vec3f& low, const Vec3f& high, float voxel);
+
+/// A thread of honey that falls from `height` into a coiled heap on the plane y = 0: coils of radius `coil`, thread radius `radius` [m].
+Surface coiled_thread(float radius, float coil, int turns, float height, float voxel);
+Surface sphere(const Vec3f& centre, float radius, float voxel);
+/// A square pool on y = 0 with waves and a hump in the middle.
+Surface pool(float half_width, float depth, float voxel);
+
+/// A closed box, cylinder (with its axis along y) and tube as solids for drawing.
+TriangleMesh box_mesh(const Vec3f& low, const Vec3f& high);
+TriangleMesh cylinder_mesh(const Vec3f& base, float radius, float height);
+
+}  // namespace whorl::test
