@@ -1,0 +1,293 @@
+// This file is compiled without reassociation (CMakeLists.txt): (x_i - x_j) - L must not become (x_i - L) - x_j, or the two rows of a pair
+// across a periodic border could disagree.
+#include "engine/particles/search.h"
+
+#ifdef __AVX512F__
+#include <immintrin.h>
+#endif
+
+#include <bit>
+#include <limits>
+
+#include "engine/core/parallel.h"
+
+namespace whorl {
+namespace {
+
+/// Candidates are tested in groups; the packed columns are padded by one.
+constexpr Index lanes = 16;
+/// Edge of a cell over the support, along x (runs of cells are contiguous) and across. Measured: tools/bench/particles.cpp.
+constexpr double edge_along = 0.25, edge_across = 2.0 / 3;
+
+bool is_finite(const Vec3& x) { return std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2]); }
+
+/// What the distance test needs.
+struct Test {
+    Real x[3];
+    Real period[3], inverse_period[3];
+    Real support2;
+    Index self;
+};
+
+/// Appends those of the candidates [begin, end) that are nearer than the support to out; returns the new end. Writes up to `lanes` past it.
+#if defined(__AVX512F__) && !defined(WHORL_DOUBLE)
+template <bool periodic>
+Index* append_near(const Test& test, const Real* const p[3], const Index* index, Index begin, Index end, Index* out) {
+    for (Index k = begin; k < end; k += lanes) {
+        __m512 d[3];
+        for (int a = 0; a < 3; ++a) {
+            d[a] = _mm512_sub_ps(_mm512_set1_ps(test.x[a]), _mm512_loadu_ps(p[a] + k));
+            if constexpr (periodic) {
+                const __m512 images = _mm512_roundscale_ps(_mm512_mul_ps(d[a], _mm512_set1_ps(test.inverse_period[a])), _MM_FROUND_TO_NEAREST_INT);
+                d[a] = _mm512_fnmadd_ps(images, _mm512_set1_ps(test.period[a]), d[a]);
+            }
+        }
+        const __m512 r2 = _mm512_fmadd_ps(d[0], d[0], _mm512_fmadd_ps(d[1], d[1], _mm512_mul_ps(d[2], d[2])));
+        const __m512i j = _mm512_loadu_si512(index + k);
+        const __mmask16 valid = static_cast<__mmask16>(end - k >= lanes ? 0xffff : (1u << (end - k)) - 1);
+        const __mmask16 other = _mm512_mask_cmpneq_epi32_mask(valid, j, _mm512_set1_epi32(test.self));
+        const __mmask16 near = _mm512_mask_cmp_ps_mask(other, r2, _mm512_set1_ps(test.support2), _CMP_LT_OQ);
+        _mm512_storeu_si512(out, _mm512_maskz_compress_epi32(near, j));
+        out += std::popcount(static_cast<unsigned>(near));
+    }
+    return out;
+}
+#else
+template <bool periodic>
+Index* append_near(const Test& test, const Real* const p[3], const Index* index, Index begin, Index end, Index* out) {
+    for (Index k = begin; k < end; k += lanes) {
+        Real r2[lanes];
+        for (Index l = 0; l < lanes; ++l) {  // always whole groups: every pair goes through the same instructions
+            Real d[3];
+            for (int a = 0; a < 3; ++a) {
+                d[a] = test.x[a] - p[a][k + l];
+                if constexpr (periodic) d[a] -= test.period[a] * std::nearbyint(d[a] * test.inverse_period[a]);
+            }
+            r2[l] = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+        }
+        const Index count = std::min(lanes, end - k);
+        for (Index l = 0; l < count; ++l) {
+            const Index j = index[k + l];
+            *out = j;
+            out += (r2[l] < test.support2) & (j != test.self);
+        }
+    }
+    return out;
+}
+#endif
+
+}  // namespace
+
+int NeighbourSearch::Axis::bin(double cell) const {
+    if (wraps) cell -= bins * std::floor(cell / bins);
+    return static_cast<int>(std::clamp(cell, 0.0, static_cast<double>(bins - 1)));
+}
+
+/// How far the search goes: a little beyond the support, so that rounding in the cells cannot lose a pair that the test would take.
+struct NeighbourSearch::Reach {
+    double radius;
+    Test test;
+};
+
+struct NeighbourSearch::Rows {
+    Column<Index>& entries;
+    std::size_t used = 0;
+    Index* room_for(Index candidates) {
+        const std::size_t needed = used + static_cast<std::size_t>(candidates + 2 * lanes);
+        if (entries.size() < needed) entries.resize(std::max(2 * entries.size(), needed));
+        return entries.data() + used;
+    }
+};
+
+void NeighbourSearch::choose_axes(Span<const Vec3> x, Real support, const Domain& domain) {
+    const double inf = std::numeric_limits<double>::infinity();
+    struct Box {
+        Eigen::Array3d min, max;
+        Box& operator+=(const Box& b) {
+            min = min.min(b.min);
+            max = max.max(b.max);
+            return *this;
+        }
+    };
+    const Box empty{Eigen::Array3d::Constant(inf), Eigen::Array3d::Constant(-inf)};
+    const Box box = parallel_sum(static_cast<Index>(x.size()), empty, [&](Index i) {
+        const Vec3& xi = x[static_cast<std::size_t>(i)];
+        if (!is_finite(xi)) return empty;
+        return Box{xi.cast<double>().array(), xi.cast<double>().array()};
+    });
+
+    double cells[3];
+    for (int a = 0; a < 3; ++a) {
+        const double edge = support * (a == 0 ? edge_along : edge_across);
+        Axis& axis = axis_[a];
+        if (domain.periodic[static_cast<std::size_t>(a)]) {
+            const double length = double(domain.max[a]) - double(domain.min[a]);
+            WHORL_ASSERT(length >= 2 * double(support) * (1 - 1e-5),
+                         + std::string("axis of ") + std::to_string(length) + " m, support " + std::to_string(support) + " m");
+            axis.origin = domain.min[a];
+            cells[a] = std::floor(length / edge);
+            axis.edge = length / cells[a];
+            axis.wraps = true;
+        } else {
+            const bool any = box.min[a] <= box.max[a];
+            axis.origin = any ? box.min[a] : 0;
+            cells[a] = any ? std::floor((box.max[a] - box.min[a]) / edge) + 1 : 1;
+            axis.edge = edge;
+            axis.wraps = false;
+        }
+    }
+    // Not many more bins than particles: the longest axes share bins. Halving keeps a periodic axis whole if its cells are a multiple of its bins.
+    const double most = 8.0 * static_cast<double>(x.size()) + 1024;
+    double bins[3] = {cells[0], cells[1], cells[2]};
+    while (bins[0] * bins[1] * bins[2] > most) {
+        const int longest = static_cast<int>(std::max_element(bins, bins + 3) - bins);
+        bins[longest] = std::floor(bins[longest] / 2);
+        axis_[longest].wraps = true;
+    }
+    for (int a = 0; a < 3; ++a) {
+        Axis& axis = axis_[a];
+        axis.bins = static_cast<int>(bins[a]);
+        if (domain.periodic[static_cast<std::size_t>(a)]) {
+            const double length = axis.edge * cells[a];
+            axis.edge = length / (bins[a] * std::floor(cells[a] / bins[a]));
+        }
+        axis.inverse_edge = 1 / axis.edge;
+    }
+}
+
+void NeighbourSearch::fill_bins(Span<const Vec3> x, const Domain& domain) {
+    const std::size_t n = x.size();
+    bin_of_.resize(n);
+    parallel_for(static_cast<Index>(n), [&](Index i) {
+        const std::size_t k = static_cast<std::size_t>(i);
+        if (!is_finite(x[k])) {
+            bin_of_[k] = -1;
+            return;
+        }
+        const Vec3 xi = domain.wrapped(x[k]);
+        int bin[3];
+        for (int a = 0; a < 3; ++a) bin[a] = axis_[a].bin(axis_[a].cell(xi[a]));
+        bin_of_[k] = (bin[2] * axis_[1].bins + bin[1]) * axis_[0].bins + bin[0];
+    });
+
+    // Counting sort, stable: within a bin the order of the store.
+    const std::size_t bins = static_cast<std::size_t>(axis_[0].bins) * static_cast<std::size_t>(axis_[1].bins) * static_cast<std::size_t>(axis_[2].bins);
+    start_.assign(bins + 2, 0);
+    for (std::size_t k = 0; k < n; ++k)
+        if (bin_of_[k] >= 0) ++start_[static_cast<std::size_t>(bin_of_[k]) + 2];
+    for (std::size_t b = 2; b < bins + 2; ++b) start_[b] += start_[b - 1];
+    for (auto& column : packed_) column.resize(n + lanes, 0);
+    packed_index_.resize(n + lanes, 0);
+    for (std::size_t k = 0; k < n; ++k) {
+        if (bin_of_[k] < 0) continue;
+        const std::size_t place = static_cast<std::size_t>(start_[static_cast<std::size_t>(bin_of_[k]) + 1]++);
+        const Vec3 xi = domain.wrapped(x[k]);
+        for (int a = 0; a < 3; ++a) packed_[a][place] = xi[a];
+        packed_index_[place] = static_cast<Index>(k);
+    }
+}
+
+template <bool periodic>
+void NeighbourSearch::append_row(const Vec3& x, Index self, const Reach& reach, Rows& rows) const {
+    Test test = reach.test;
+    test.self = self;
+    double low[3];
+    int count[3];
+    for (int a = 0; a < 3; ++a) {
+        test.x[a] = x[a];
+        low[a] = axis_[a].cell(double(x[a]) - reach.radius);
+        double high = axis_[a].cell(double(x[a]) + reach.radius);
+        if (!axis_[a].wraps) {
+            low[a] = std::max(low[a], 0.0);
+            high = std::min(high, static_cast<double>(axis_[a].bins - 1));
+            if (!(low[a] <= high)) return;
+        }
+        count[a] = static_cast<int>(std::min(high - low[a] + 1, static_cast<double>(axis_[a].bins)));  // no bin twice
+    }
+    // Along x the bins are contiguous: one run, or two where it wraps.
+    const int columns = axis_[0].bins;
+    const int first = axis_[0].bin(low[0]);
+    const int past = std::min(first + count[0], columns), wrapped = first + count[0] - past;
+    const Real* const p[3] = {packed_[0].data(), packed_[1].data(), packed_[2].data()};
+
+    const auto visit = [&](std::size_t row, int from, int to) {
+        const Index begin = start_[row + static_cast<std::size_t>(from)], end = start_[row + static_cast<std::size_t>(to)];
+        if (begin == end) return;
+        Index* const out = rows.room_for(end - begin);
+        rows.used += static_cast<std::size_t>(append_near<periodic>(test, p, packed_index_.data(), begin, end, out) - out);
+    };
+    for (int k = 0; k < count[2]; ++k) {
+        const std::size_t slab = static_cast<std::size_t>(axis_[2].bin(low[2] + k)) * static_cast<std::size_t>(axis_[1].bins);
+        for (int l = 0; l < count[1]; ++l) {
+            const std::size_t row = (slab + static_cast<std::size_t>(axis_[1].bin(low[1] + l))) * static_cast<std::size_t>(columns);
+            visit(row, first, past);
+            if (wrapped > 0) visit(row, 0, wrapped);
+        }
+    }
+}
+
+template <bool periodic>
+void NeighbourSearch::fill_rows(Span<const Vec3> own, bool among_themselves, Real support, const Domain& domain, Pairs& pairs) {
+    Reach reach{double(support) * (1 + 1e-5), {}};
+    reach.test.support2 = support * support;
+    const Vec3 period = domain.period();
+    for (int a = 0; a < 3; ++a) {
+        reach.test.period[a] = period[a];
+        reach.test.inverse_period[a] = period[a] > 0 ? 1 / period[a] : 0;
+    }
+    // Blocks of rows are found side by side and then joined; a batch of blocks at a time, so that the copies stay small and in the cache.
+    constexpr Index block = 256, batch = 128 * block;
+    const Index n = static_cast<Index>(own.size());
+    pairs.first.resize(own.size() + 1);
+    pairs.first[0] = 0;
+    rows_.resize(static_cast<std::size_t>(batch / block));
+    for (Index from = 0; from < n; from += batch) {
+        const Index count = std::min(batch, n - from);
+        parallel_blocks(count, block, [&](Index begin, Index end) {
+            Rows rows{rows_[static_cast<std::size_t>(begin / block)]};
+            for (Index k = begin; k < end; ++k) {
+                const std::size_t i = static_cast<std::size_t>(from + k);
+                if (is_finite(own[i])) append_row<periodic>(domain.wrapped(own[i]), among_themselves ? from + k : -1, reach, rows);
+                pairs.first[i + 1] = rows.used;  // within the block; shifted below
+            }
+        });
+        std::size_t total = pairs.first[static_cast<std::size_t>(from)];
+        std::size_t offset[batch / block];
+        for (Index begin = 0; begin < count; begin += block) {
+            offset[begin / block] = total;
+            total += pairs.first[static_cast<std::size_t>(from + std::min(begin + block, count))];
+        }
+        if (pairs.other.size() < total) pairs.other.resize(total + total / 16);
+        parallel_blocks(count, block, [&](Index begin, Index end) {
+            const std::size_t shift = offset[begin / block];
+            const std::size_t found = pairs.first[static_cast<std::size_t>(from + end)];
+            std::copy_n(rows_[static_cast<std::size_t>(begin / block)].data(), found, pairs.other.data() + shift);
+            for (Index k = begin; k < end; ++k) pairs.first[static_cast<std::size_t>(from + k) + 1] += shift;
+        });
+    }
+    pairs.other.resize(pairs.first[own.size()]);
+}
+
+void NeighbourSearch::find(Span<const Vec3> x, Real support, const Domain& domain, Pairs& pairs) {
+    find(x, x, support, domain, pairs);
+}
+
+void NeighbourSearch::find(Span<const Vec3> x_own, Span<const Vec3> x_other, Real support, const Domain& domain, Pairs& pairs) {
+    pairs.x_own = x_own;
+    pairs.x_other = x_other;
+    pairs.period = domain.period();
+    choose_axes(x_other, support, domain);
+    fill_bins(x_other, domain);
+    const bool among_themselves = x_own.data() == x_other.data() && x_own.size() == x_other.size();
+    if (domain.any_periodic()) fill_rows<true>(x_own, among_themselves, support, domain, pairs);
+    else fill_rows<false>(x_own, among_themselves, support, domain, pairs);
+}
+
+std::size_t NeighbourSearch::capacity_bytes() const {
+    std::size_t bytes = (bin_of_.capacity() + start_.capacity() + packed_index_.capacity()) * sizeof(Index);
+    for (const auto& column : packed_) bytes += column.capacity() * sizeof(Real);
+    for (const auto& rows : rows_) bytes += rows.capacity() * sizeof(Index);
+    return bytes;
+}
+
+}  // namespace whorl

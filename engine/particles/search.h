@@ -1,0 +1,49 @@
+#pragma once
+/// Neighbour search: fills the rows of Pairs.
+#include "engine/particles/pairs.h"
+
+namespace whorl {
+
+/// Finds all pairs closer than the support radius. Keeps its memory from step to step: one object a use.
+///
+/// Positions are binned in cells somewhat smaller than the support. An axis too long for one bin a cell takes the cell's coordinate modulo the
+/// number of bins, so that a stray particle kilometres away costs nothing (two far cells may share a bin: the distance test tells them apart).
+/// A particle whose position is not finite gets no neighbours. Two particles at the same place are neighbours at distance 0.
+/// The test on |x_i - x_j|^2, in Real, is formed in the same way from both sides: j stands in row i if and only if i stands in row j.
+class NeighbourSearch {
+public:
+    /// Pairs among x, each in both rows. `pairs` refers to x afterwards.
+    /// @param support R [m]; a periodic axis of the domain must be at least 2 R long
+    void find(Span<const Vec3> x, Real support, const Domain& domain, Pairs& pairs);
+    /// For each x_own its neighbours among x_other.
+    void find(Span<const Vec3> x_own, Span<const Vec3> x_other, Real support, const Domain& domain, Pairs& pairs);
+
+    std::size_t capacity_bytes() const;
+
+private:
+    struct Axis {
+        double origin = 0, inverse_edge = 0, edge = 0;
+        int bins = 1;
+        bool wraps = false;  ///< cells share bins modulo `bins`: the axis is periodic, or too long
+        double cell(double x) const { return std::floor((x - origin) * inverse_edge); }
+        int bin(double cell) const;
+    };
+    struct Reach;
+    struct Rows;
+
+    void choose_axes(Span<const Vec3> x, Real support, const Domain& domain);
+    void fill_bins(Span<const Vec3> x, const Domain& domain);
+    template <bool periodic>
+    void fill_rows(Span<const Vec3> own, bool among_themselves, Real support, const Domain& domain, Pairs& pairs);
+    template <bool periodic>
+    void append_row(const Vec3& x, Index self, const Reach& reach, Rows& rows) const;
+
+    Axis axis_[3];
+    Column<Index> bin_of_;        ///< of each particle, -1 where its position is not finite
+    Column<Index> start_;         ///< of each bin in the packed columns
+    Column<Real> packed_[3];      ///< positions in the order of the bins
+    Column<Index> packed_index_;  ///< their places in the store
+    std::vector<Column<Index>> rows_;  ///< of each block of a batch
+};
+
+}  // namespace whorl

@@ -1,0 +1,194 @@
+#include "engine/particles/search.h"
+
+#include <catch2/catch.hpp>
+#include <algorithm>
+#include <limits>
+#include <random>
+#include <set>
+
+#include "engine/core/parallel.h"
+
+using namespace whorl;
+
+namespace {
+
+std::vector<Vec3> cloud(int n, Real size, std::uint32_t seed) {
+    std::mt19937 random(seed);
+    std::vector<Vec3> x(static_cast<std::size_t>(n));
+    for (Vec3& p : x)
+        for (int a = 0; a < 3; ++a) p[a] = size * Real(random()) / Real(4294967296.0);
+    return x;
+}
+
+Domain box(Real size, int periodic_axes) {
+    Domain domain;
+    domain.min = Vec3::Zero();
+    domain.max = Vec3::Constant(size);
+    for (int a = 0; a < 3; ++a) domain.periodic[static_cast<std::size_t>(a)] = (periodic_axes >> a) & 1;
+    return domain;
+}
+
+std::vector<std::set<Index>> rows_of(const Pairs& pairs) {
+    std::vector<std::set<Index>> rows(static_cast<std::size_t>(pairs.size()));
+    for (Index i = 0; i < pairs.size(); ++i) {
+        pairs.of(i, [&](Index j, const Vec3&, Real) { rows[static_cast<std::size_t>(i)].insert(j); });
+        REQUIRE(static_cast<Index>(rows[static_cast<std::size_t>(i)].size()) == pairs.count(i));  // nobody twice
+    }
+    return rows;
+}
+
+/// Pairs within 1e-5 of the support may fall on either side: they are not compared.
+void require_as_brute_force(const Pairs& pairs, const std::vector<Vec3>& own, const std::vector<Vec3>& other, Real support, const Domain& domain,
+                            bool among_themselves) {
+    const auto rows = rows_of(pairs);
+    for (std::size_t i = 0; i < own.size(); ++i)
+        for (std::size_t j = 0; j < other.size(); ++j) {
+            if (among_themselves && i == j) {
+                REQUIRE(rows[i].count(static_cast<Index>(j)) == 0);
+                continue;
+            }
+            double r2 = 0;
+            for (int a = 0; a < 3; ++a) {
+                double d = double(own[i][a]) - double(other[j][a]);
+                const double L = double(domain.max[a]) - double(domain.min[a]);
+                if (domain.periodic[static_cast<std::size_t>(a)]) d -= L * std::nearbyint(d / L);
+                r2 += d * d;
+            }
+            const double q = std::sqrt(r2) / support;
+            if (std::abs(q - 1) < 1e-5) continue;
+            const bool found = rows[i].count(static_cast<Index>(j)) == 1;
+            if (found != (q < 1)) FAIL("pair " << i << " " << j << " at " << q << " supports, found: " << found);
+        }
+}
+
+void require_symmetric(const Pairs& pairs) {
+    const auto rows = rows_of(pairs);
+    for (Index i = 0; i < pairs.size(); ++i)
+        for (Index j : rows[static_cast<std::size_t>(i)]) REQUIRE(rows[static_cast<std::size_t>(j)].count(i) == 1);
+}
+
+}  // namespace
+
+TEST_CASE("the search finds what brute force finds, periodic along any axes, for micrometres and kilometres", "[particles]") {
+    for (const Real scale : {Real(1e-6), Real(1), Real(1e3)})
+        for (int axes = 0; axes < 8; ++axes) {
+            const auto x = cloud(300, 10 * scale, 1 + static_cast<std::uint32_t>(axes));
+            const auto solid = cloud(150, 10 * scale, 77);
+            const Domain domain = box(10 * scale, axes);
+            NeighbourSearch search;
+            for (const Real support : {Real(1.1) * scale, Real(2) * scale, Real(4.9) * scale}) {
+                Pairs pairs;
+                search.find(x, support, domain, pairs);
+                require_as_brute_force(pairs, x, x, support, domain, true);
+                require_symmetric(pairs);
+                search.find(x, solid, support, domain, pairs);
+                require_as_brute_force(pairs, x, solid, support, domain, false);
+            }
+        }
+}
+
+TEST_CASE("pairs exactly a support apart are in both rows or in neither", "[particles]") {
+    // A lattice whose spacing does not fit binary fractions, moved off the origin: rounding decides each pair, and must decide it once.
+    for (int axes : {0, 7}) {
+        std::vector<Vec3> x;
+        const Real d = Real(0.1);
+        for (int k = 0; k < 1000; ++k) x.push_back(Vec3(Real(k % 10), Real(k / 10 % 10), Real(k / 100)) * d + Vec3(d / 3, d / 7, d / 11));
+        Pairs pairs;
+        NeighbourSearch search;
+        search.find(x, 2 * d, box(1, axes), pairs);
+        require_symmetric(pairs);
+        for (Index i = 0; i < pairs.size(); ++i)
+            if (axes == 7) CHECK(pairs.count(i) >= 26);
+    }
+}
+
+TEST_CASE("particles outside a periodic box have the neighbours of their images inside", "[particles]") {
+    auto x = cloud(500, 1, 3);
+    const Domain domain = box(1, 7);
+    Pairs inside, outside;
+    NeighbourSearch search;
+    search.find(x, Real(0.2), domain, inside);
+    auto moved = x;
+    for (std::size_t k = 0; k < x.size(); k += 3) moved[k][k % 2] += Real(k % 2 == 0 ? 1 : -2);
+    search.find(moved, Real(0.2), domain, outside);
+    require_as_brute_force(outside, moved, moved, Real(0.2), domain, true);
+    require_symmetric(outside);
+}
+
+TEST_CASE("positions that are not finite get no neighbours and disturb nobody", "[particles]") {
+    auto x = cloud(600, 1, 5);
+    const auto clean = x;
+    const Real nan = std::numeric_limits<Real>::quiet_NaN(), inf = std::numeric_limits<Real>::infinity();
+    x[10] = Vec3(nan, 0, 0);
+    x[20] = Vec3(0, inf, 0);
+    x[30] = Vec3(0, 0, -inf);
+    for (int axes : {0, 2, 7}) {
+        Pairs pairs, before;
+        NeighbourSearch search;
+        search.find(clean, Real(0.15), box(1, axes), before);
+        search.find(x, Real(0.15), box(1, axes), pairs);
+        const auto rows = rows_of(pairs), old = rows_of(before);
+        for (Index i = 0; i < pairs.size(); ++i) {
+            auto expected = old[static_cast<std::size_t>(i)];
+            for (Index gone : {10, 20, 30}) expected.erase(gone);
+            if (i == 10 || i == 20 || i == 30) expected.clear();
+            REQUIRE(rows[static_cast<std::size_t>(i)] == expected);
+        }
+    }
+}
+
+TEST_CASE("a few stray particles far away cost neither memory nor neighbours", "[particles]") {
+    auto x = cloud(3000, 1, 9);
+    const Real far = std::numeric_limits<Real>::max() / 4;
+    const std::size_t n = x.size();
+    x.push_back(Vec3(5000, 0, 0));
+    x.push_back(Vec3(5000, Real(0.01), 0));
+    x.push_back(Vec3(0, -80000, 90000));
+    x.push_back(Vec3(far, -far, far));
+    Pairs pairs;
+    NeighbourSearch search;
+    search.find(x, Real(0.1), box(1, 0), pairs);
+    CHECK(search.capacity_bytes() < 40e6);
+    CHECK(pairs.count(static_cast<Index>(n)) == 1);
+    CHECK(pairs.count(static_cast<Index>(n) + 2) == 0);
+    CHECK(pairs.count(static_cast<Index>(n) + 3) == 0);
+    x.resize(n);
+    Pairs alone;
+    NeighbourSearch().find(x, Real(0.1), box(1, 0), alone);
+    for (Index i = 0; i < alone.size(); ++i) REQUIRE(pairs.count(i) == alone.count(i));
+}
+
+TEST_CASE("no particles, one particle, and fluid without solids are fine", "[particles]") {
+    NeighbourSearch search;
+    Pairs pairs;
+    const std::vector<Vec3> none, one{Vec3(Real(0.3), 0, 0)};
+    search.find(none, Real(0.1), box(1, 0), pairs);
+    CHECK(pairs.size() == 0);
+    search.find(one, Real(0.1), box(1, 7), pairs);
+    CHECK(pairs.count(0) == 0);
+    search.find(one, none, Real(0.1), box(1, 0), pairs);
+    CHECK(pairs.count(0) == 0);
+    search.find(one, one, Real(0.1), box(1, 0), pairs);
+    CHECK(pairs.count(0) == 0);
+}
+
+TEST_CASE("the rows are the same for 1, 2 and 4 threads and for a search that was used before", "[particles]") {
+    const auto x = cloud(5000, 1, 11), y = cloud(9000, 2, 12);
+    std::vector<std::size_t> first;
+    std::vector<Index> other;
+    NeighbourSearch used;
+    Pairs scratch;
+    used.find(y, Real(0.2), box(2, 1), scratch);
+    for (int count : {1, 2, 4}) {
+        set_threads(count);
+        Pairs pairs;
+        used.find(x, Real(0.1), box(1, 5), pairs);
+        if (first.empty()) {
+            first = pairs.first;
+            other.assign(pairs.other.begin(), pairs.other.end());
+        }
+        CHECK(pairs.first == first);
+        CHECK(std::equal(other.begin(), other.end(), pairs.other.begin(), pairs.other.end()));
+    }
+    set_threads(0);
+}
