@@ -2,6 +2,8 @@
 
 #include <muParser.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <numbers>
 #include <stdexcept>
@@ -11,7 +13,7 @@ namespace whorl {
 struct Expression::Compiled {
     mu::Parser parser;
     double t = 0, x = 0, y = 0, z = 0;
-    bool uses_time = false;
+    std::string uses;
 };
 
 namespace {
@@ -22,6 +24,30 @@ std::string shortest(double value) {
         if (std::stod(text) == value) break;
     }
     return text;
+}
+
+/// muParser's message for an unknown function points at its parenthesis; people look for the name.
+ExpressionError described(const std::string& text, const mu::Parser::exception_type& e) {
+    const auto end = static_cast<std::size_t>(std::max(0, e.GetPos()));
+    if (e.GetCode() == mu::ecUNEXPECTED_PARENS && end > 0 && end < text.size() && text[end] == '(') {
+        std::size_t begin = end;
+        while (begin > 0 && (std::isalnum(static_cast<unsigned char>(text[begin - 1])) || text[begin - 1] == '_')) --begin;
+        if (begin < end) {
+            const int column = static_cast<int>(begin) + 1;
+            return {"\"" + text + "\" is not an expression: no function \"" + text.substr(begin, end - begin) + "\" (column " +
+                        std::to_string(column) + " of the text)", column};
+        }
+    }
+    std::string message = e.GetMsg();
+    const std::size_t place = message.find(" at position");
+    if (place != std::string::npos) message.resize(place);
+    while (!message.empty() && (message.back() == '.' || message.back() == ' ')) message.pop_back();
+    const std::size_t found = message.rfind(" found");
+    if (found != std::string::npos && found + 6 == message.size()) message.resize(found);
+    if (!message.empty()) message[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(message[0])));
+    const int column = e.GetPos() < 0 ? 0 : static_cast<int>(std::min(end, text.size())) + 1;
+    return {"\"" + text + "\" is not an expression: " + message +
+                (column > 0 ? " (column " + std::to_string(column) + " of the text)" : ""), column};
 }
 }  // namespace
 
@@ -39,14 +65,19 @@ Expression::Expression(const std::string& text) : text_(text) {
         p.SetExpr(text);
         const auto used = p.GetUsedVar();
         const double value = p.Eval();
+        // muParser takes "0,25" for a list and returns its last entry.
+        if (p.GetNumResults() > 1)
+            throw ExpressionError("\"" + text + "\" is not an expression: a comma outside a function (column " +
+                                      std::to_string(text.find(',') + 1) + " of the text)", static_cast<int>(text.find(',')) + 1);
         if (used.empty()) {
             constant_ = value;
         } else {
-            compiled->uses_time = used.count("t") > 0;
+            for (const char* name : {"t", "x", "y", "z"})
+                if (used.count(name) > 0) compiled->uses += name;
             compiled_ = std::move(compiled);
         }
     } catch (const mu::Parser::exception_type& e) {
-        throw std::invalid_argument("\"" + text + "\" is not an expression: " + e.GetMsg());
+        throw described(text, e);
     }
 }
 
@@ -60,6 +91,7 @@ double Expression::operator()(double t, double x, double y, double z) const {
 }
 
 bool Expression::is_constant() const { return compiled_ == nullptr; }
-bool Expression::depends_on_time() const { return compiled_ != nullptr && compiled_->uses_time; }
+bool Expression::depends_on_time() const { return compiled_ != nullptr && compiled_->uses.find('t') != std::string::npos; }
+std::string Expression::variables() const { return compiled_ ? compiled_->uses : ""; }
 
 }  // namespace whorl

@@ -2,11 +2,18 @@
 /// Numbers that the scene file gives as expressions of t, x, y, z.
 #include <array>
 #include <memory>
+#include <stdexcept>
 #include <string>
 
 #include "engine/core/types.h"
 
 namespace whorl {
+
+/// A text that is no expression; what() says why and in which column.
+struct ExpressionError : std::invalid_argument {
+    ExpressionError(const std::string& what, int in_column) : std::invalid_argument(what), column(in_column) {}
+    int column;  ///< of the text, from 1; 0: not known
+};
 
 /// An expression of t [s], x, y, z [m], the constant pi and the functions of muParser (sin, exp, sqrt, if-then-else "a ? b : c", ...).
 /// Cheap to copy; evaluation is not thread-safe.
@@ -14,13 +21,15 @@ class Expression {
 public:
     Expression() : Expression(0.0) {}
     Expression(double constant);  // NOLINT: a number is an expression
-    /// @throws std::invalid_argument with muParser's message and the position in the text
+    /// @throws ExpressionError with muParser's message and the column in the text
     explicit Expression(const std::string& text);
 
     double operator()(double t, double x = 0, double y = 0, double z = 0) const;
     double operator()(double t, const Vec3d& x) const { return (*this)(t, x.x(), x.y(), x.z()); }
     bool is_constant() const;
     bool depends_on_time() const;
+    /// Which of t, x, y, z it uses: "", "t", "xz", ...
+    std::string variables() const;
     /// As the user wrote it; a plain number where it was one.
     const std::string& text() const { return text_; }
 

@@ -47,8 +47,8 @@ struct FluidKeys {
     double density = 1000;       ///< kg/m^3
     Expression viscosity{0.0};   ///< Pa s, of x, y, z at the start
     double surface_tension = 0;  ///< N/m
-    KernelKind kernel = KernelKind::cubic;
-    double support = 2;          ///< kernel radius over spacing
+    std::optional<KernelKind> kernel;  ///< none: "auto", what the models want (Plan::kernel decides)
+    std::optional<double> support;     ///< kernel radius over spacing; none: "auto" (Plan::support decides)
 };
 
 struct ModelKeys {
@@ -62,7 +62,7 @@ struct ModelKeys {
 struct PressureKeys {
     double tolerance = 1e-3;     ///< relative density error (ppe); preconditioned residual (coupled)
     int max_iterations = 200;
-    Preconditioner preconditioner = Preconditioner::multigrid;
+    Preconditioner preconditioner = Preconditioner::jacobi;  ///< ppe; coupled brings its own
     double sound_speed = 0;      ///< m/s, wcsph; 0: ten times the speed that the plan expects
     double gamma = 7;            ///< exponent of Tait's equation, wcsph
     double background_pressure = 0;  ///< Pa, wcsph

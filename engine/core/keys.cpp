@@ -1,0 +1,221 @@
+#include "engine/core/keys.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace whorl {
+namespace {
+
+std::string quoted(const std::string& text) {
+    std::string out = "\"";
+    for (const char c : text) {
+        if (c == '"' || c == '\\') out += '\\', out += c;
+        else if (c == '\n') out += "\\n";
+        else if (c == '\t') out += "\\t";
+        else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
+        else out += c;
+    }
+    return out + '"';
+}
+
+std::string number_text(double v) {
+    std::string text = fmt::format("{}", v);
+    if (text.find_first_of(".ein") == std::string::npos) text += ".0";
+    return text;
+}
+
+bool bare(const std::string& key) {
+    return !key.empty() && std::all_of(key.begin(), key.end(), [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; });
+}
+
+std::string in_words(const Value& v) {
+    switch (v.data.index()) {
+        case 1: return *v.as<bool>() ? "true" : "false";
+        case 2:
+        case 3: return "the number " + v.toml();
+        case 4: return "the text " + v.toml();
+        case 5: return "a list of " + std::to_string(v.as<Value::List>()->size());
+        case 6: return "a table";
+        default: return "a date or time";
+    }
+}
+
+/// Ranges as people say them: 1 rather than 1.0.
+std::string plain(double v) { return fmt::format("{}", v); }
+
+KeyType element_of(KeyType type) {
+    switch (type) {
+        case KeyType::flags: return KeyType::flag;
+        case KeyType::integers: return KeyType::integer;
+        case KeyType::numbers: return KeyType::number;
+        case KeyType::expressions: return KeyType::expression;
+        case KeyType::texts: return KeyType::text;
+        default: return type;
+    }
+}
+
+bool fits(KeyType type, const Value& v) {
+    switch (type) {
+        case KeyType::flag: return v.as<bool>() != nullptr;
+        case KeyType::integer: return v.as<std::int64_t>() != nullptr;
+        case KeyType::number: return v.is_number();
+        case KeyType::expression: return v.is_number() || v.as<std::string>();
+        default: return v.as<std::string>() != nullptr;
+    }
+}
+
+}  // namespace
+
+const Value* Value::find(const std::string& key) const {
+    if (const Table* table = as<Table>())
+        for (const auto& [name, value] : *table)
+            if (name == key) return &value;
+    return nullptr;
+}
+
+std::string Value::toml() const {
+    if (const bool* flag = as<bool>()) return *flag ? "true" : "false";
+    if (const auto* whole = as<std::int64_t>()) return std::to_string(*whole);
+    if (const double* number = as<double>()) return number_text(*number);
+    if (const std::string* text = as<std::string>()) return quoted(*text);
+    std::string out;
+    if (const List* list = as<List>()) {
+        for (const Value& v : *list) out += (out.empty() ? "" : ", ") + v.toml();
+        return "[" + out + "]";
+    }
+    if (const Table* table = as<Table>()) {
+        for (const auto& [key, v] : *table) out += (out.empty() ? "" : ", ") + (bare(key) ? key : quoted(key)) + " = " + v.toml();
+        return "{" + out + "}";
+    }
+    return "\"\"";
+}
+
+double shortest_decimal(float v) { return std::isfinite(v) ? std::stod(fmt::format("{}", v)) : static_cast<double>(v); }
+
+Key& Key::one_of(std::vector<std::string> names) {
+    if (type == KeyType::text) type = KeyType::choice;
+    choices = std::move(names);
+    return *this;
+}
+
+std::string Key::type_name() const {
+    const std::string many = count > 0 ? std::to_string(count) + " " : "";
+    switch (type) {
+        case KeyType::flag: return "true or false";
+        case KeyType::integer: return "a whole number";
+        case KeyType::number: return may_be_auto ? "a number or \"auto\"" : "a number";
+        case KeyType::text:
+        case KeyType::choice: return "a text";
+        case KeyType::expression: return "a number or an expression in quotes";
+        case KeyType::flags: return "a list of " + many + "times true or false";
+        case KeyType::integers: return "a list of " + many + "whole numbers";
+        case KeyType::numbers: return "a list of " + many + "numbers";
+        case KeyType::expressions: return "a list of " + many + "numbers or expressions in quotes";
+        case KeyType::texts: return "a list of texts";
+    }
+    return "";
+}
+
+std::string Key::allowed() const {
+    std::string text;
+    if (!choices.empty()) {
+        for (std::size_t i = 0; i < choices.size(); ++i)
+            text += (i == 0 ? "" : i + 1 == choices.size() ? (type == KeyType::texts ? ", " : " or ") : ", ") + choices[i];
+        if (may_be_auto) text = "auto, " + text;
+        return text;
+    }
+    // The limits of the C++ type say nothing to people.
+    const bool bounded_below = std::isfinite(least) && std::abs(least) < 2e9, bounded_above = std::isfinite(most) && std::abs(most) < 2e9;
+    if (bounded_below) text = (least_open ? "more than " : "at least ") + plain(least);
+    if (bounded_above) text += (text.empty() ? "at most " : ", at most ") + plain(most);
+    return text;
+}
+
+void Key::read(void* object, const Value& v, const std::string& path, std::vector<Problem>& problems) const {
+    const auto report = [&](const Place& place, std::string what, std::string hint = "") {
+        const std::string rule = allowed();
+        problems.push_back({place, std::move(what), std::move(hint), rule.empty() ? "" : "allowed: " + rule});
+    };
+    const std::string of_unit = unit.empty() ? "" : " [" + unit + "]";
+    const auto wrong_type = [&](const Place& place, const std::string& found) {
+        problems.push_back({place, path + " must be " + type_name() + of_unit + ", not " + found, "",
+                            choices.empty() ? "" : "allowed: " + allowed()});
+    };
+    const auto in_range = [&](double x, const Place& place, const std::string& called) {
+        if (std::isnan(x) || std::isinf(x)) {
+            problems.push_back({place, called + " = " + plain(x) + " is not a finite number", "", ""});
+            return false;
+        }
+        if (x < least || x > most || (least_open && x == least)) {
+            report(place, called + " = " + plain(x) + " is out of range");
+            return false;
+        }
+        return true;
+    };
+
+    bool good = true;
+    const KeyType element = element_of(type);
+    const auto check = [&](const Value& e, const std::string& called) {
+        if (e.is_number() && (element == KeyType::number || element == KeyType::integer || element == KeyType::expression))
+            good &= in_range(e.number(), e.place, called);
+        if (const std::string* text = e.as<std::string>())
+            if (!choices.empty() && std::find(choices.begin(), choices.end(), *text) == choices.end()) {
+                std::vector<std::string> names = choices;
+                if (may_be_auto) names.emplace_back("auto");
+                const std::string near = nearest_name(*text, names);
+                report(e.place, called + " = " + e.toml() + " is not known", near.empty() ? "" : "did you mean \"" + near + "\"?");
+                good = false;
+            }
+    };
+
+    const bool automatic = may_be_auto && v.as<std::string>() && *v.as<std::string>() == "auto";
+    if (automatic) {
+        set(object, v);
+        return;
+    }
+    if (element == type) {
+        if (!fits(type, v)) return wrong_type(v.place, in_words(v));
+        check(v, path);
+    } else {
+        const Value::List* list = v.as<Value::List>();
+        if (!list) return wrong_type(v.place, in_words(v));
+        if (count > 0 && list->size() != static_cast<std::size_t>(count)) return wrong_type(v.place, in_words(v));
+        for (std::size_t i = 0; i < list->size(); ++i) {
+            const Value& e = (*list)[i];
+            if (!fits(element, e)) return wrong_type(e.place, in_words(e) + " in place " + std::to_string(i + 1));
+            check(e, path + "[" + std::to_string(i) + "]");
+        }
+    }
+    if (!good) return;
+    try {
+        set(object, v);
+    } catch (const KeyFault& fault) {
+        problems.push_back({fault.place, path + ": " + fault.what(), "", variables.empty() ? "" : "allowed: functions of " + fmt::format("{}", fmt::join(variables, ", "))});
+        return;
+    }
+    if (constants)
+        for (const double x : constants(object)) good &= in_range(x, v.place, path);
+    if (used_variables)
+        for (const char c : used_variables(object))
+            if (variables.find(c) == std::string::npos) {
+                problems.push_back({v.place, path + " uses " + c + ", which it cannot depend on", "",
+                                    variables.empty() ? "allowed: a constant" : "allowed: functions of " + fmt::format("{}", fmt::join(variables, ", "))});
+                good = false;
+            }
+}
+
+const Key* KeyTable::find_key(const std::string& name) const {
+    for (const Key& k : keys)
+        if (k.name == name) return &k;
+    return nullptr;
+}
+
+const KeyTable::Part* KeyTable::find_part(const std::string& name) const {
+    for (const Part& p : parts)
+        if (p.name == name) return &p;
+    return nullptr;
+}
+
+}  // namespace whorl

@@ -1,0 +1,283 @@
+#pragma once
+/// Key tables: what keys a plain struct has in a file. One table gives reading with every error, the resolved file, the JSON Schema,
+/// the reference page and the sliders of a live view. Defaults are the struct's own member initialisers.
+///
+///     KeyTable time_keys() {
+///         KeyTableOf<TimeKeys> t("when the run ends, how often a picture is taken");
+///         t.key("end", &TimeKeys::end, "s", "when the run ends").required().above(0);
+///         t.key("fps", &TimeKeys::fps, "1/s", "frames a second of film").above(0).at_most(1000);
+///         return t;
+///     }
+#include <array>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "engine/core/errors.h"
+#include "engine/core/types.h"
+
+namespace whorl {
+
+/// A value as it stands in a file, with its place. No kind at all: something that no key takes (a date).
+struct Value {
+    using List = std::vector<Value>;
+    using Table = std::vector<std::pair<std::string, Value>>;  ///< in the file's order
+    std::variant<std::monostate, bool, std::int64_t, double, std::string, List, Table> data;
+    Place place;      ///< of the value
+    Place key_place;  ///< of the key that names it
+
+    Value() = default;
+    template <class T>
+    explicit Value(T v) : data(std::move(v)) {}
+    template <class T>
+    const T* as() const { return std::get_if<T>(&data); }
+    template <class T>
+    T* as() { return std::get_if<T>(&data); }
+    bool is_number() const { return as<std::int64_t>() || as<double>(); }
+    double number() const { return as<double>() ? *as<double>() : static_cast<double>(*as<std::int64_t>()); }
+    /// The entry of a table, nullptr where there is none.
+    const Value* find(const std::string& key) const;
+    Value* find(const std::string& key) { return const_cast<Value*>(std::as_const(*this).find(key)); }
+    /// As TOML writes it: the shortest text that reads back as the same value.
+    std::string toml() const;
+};
+
+enum class KeyType { flag, integer, number, text, choice, expression, flags, integers, numbers, expressions, texts };
+
+/// What is wrong with a value that has the right type (a bad expression, say).
+struct KeyFault : std::invalid_argument {
+    KeyFault(Place where, const std::string& what) : std::invalid_argument(what), place(std::move(where)) {}
+    Place place;
+};
+
+/// How a member of type T stands in a file. Specialise it for further types; enums need only a choices(E) next to them:
+/// `inline std::vector<std::pair<Slip, const char*>> choices(Slip) { return {{Slip::no, "no"}, {Slip::free, "free"}}; }`
+template <class T, class = void>
+struct KeyCodec;
+
+struct Key {
+    std::string name, unit, meaning;
+    KeyType type = KeyType::number;
+    int count = 0;                     ///< entries of a list type; 0: any number
+    bool may_be_auto = false;          ///< "auto" is a value (a std::optional member)
+    std::vector<std::string> choices;  ///< choice, texts
+    double least = -std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::infinity();
+    bool least_open = false;  ///< `least` itself is not allowed
+    std::string variables;    ///< that an expression may use, of "txyz"
+    bool is_required = false;
+    bool decides = true;      ///< the simulation's result depends on it
+    std::string selector;     ///< key that says whether this one counts: "shape" beside it, "models.pressure" from the root; "": always
+    std::vector<std::string> selected_by;  ///< the selector's values for which it counts
+    Value standard;           ///< the default
+
+    std::function<Value(const void* object)> get;
+    std::function<void(void* object, const Value&)> set;                      ///< the type was checked before; may throw KeyFault
+    std::function<std::vector<double>(const void* object)> constants;         ///< of expressions: those that are plain numbers
+    std::function<std::string(const void* object)> used_variables;            ///< of expressions
+
+    Key& required() { return is_required = true, *this; }
+    Key& at_least(double v) { return least = v, *this; }
+    Key& above(double v) { return least = v, least_open = true, *this; }
+    Key& at_most(double v) { return most = v, *this; }
+    Key& one_of(std::vector<std::string> names);
+    Key& of(std::string names) { return variables = std::move(names), *this; }
+    Key& only_with(std::string key, std::vector<std::string> values) {
+        return selector = std::move(key), selected_by = std::move(values), *this;
+    }
+    Key& not_deciding() { return decides = false, *this; }
+
+    /// Reads v into the object's member; appends to `problems` what is wrong with it. @param path the key's full name, for messages
+    void read(void* object, const Value& v, const std::string& path, std::vector<Problem>& problems) const;
+    /// "more than 0, at most 1", "cubic, wendland_c2 or wendland_c4"; "" where every value of the type is allowed.
+    std::string allowed() const;
+    /// "a number", "3 numbers", "one of the texts", ...
+    std::string type_name() const;
+};
+
+/// The keys of one struct, and its parts: structs and lists of structs inside it, which have tables of their own.
+class KeyTable {
+public:
+    struct Part {
+        std::string name;                       ///< [name], or [[name]] for a list
+        bool is_list = false;
+        bool decides = true;                    ///< the simulation's result depends on it
+        std::shared_ptr<const KeyTable> table;
+        std::function<void*(void* object)> one;                 ///< the part, of a part that is no list
+        std::function<std::size_t(const void* object)> size;
+        std::function<void*(void* object, std::size_t)> at;
+        std::function<void(void* object, std::size_t)> resize;
+        Part& not_deciding() { return decides = false, *this; }
+    };
+    std::string meaning;
+    std::vector<Key> keys;
+    std::vector<Part> parts;
+    std::function<std::shared_ptr<void>()> make;  ///< a struct with every default
+
+    const Key* find_key(const std::string& name) const;
+    const Part* find_part(const std::string& name) const;
+};
+
+template <class S>
+class KeyTableOf : public KeyTable {
+public:
+    explicit KeyTableOf(std::string what) {
+        meaning = std::move(what);
+        make = [] { return std::make_shared<S>(); };
+    }
+
+    /// @param access a member pointer, or a function S& -> T& @param unit "" for a bare number
+    template <class Access>
+    Key& key(std::string name, Access access, std::string unit, std::string what) {
+        using T = std::remove_cvref_t<std::invoke_result_t<Access, S&>>;
+        using Codec = KeyCodec<T>;
+        Key k;
+        k.name = std::move(name), k.unit = std::move(unit), k.meaning = std::move(what);
+        Codec::describe(k);
+        k.get = [access](const void* object) { return Codec::write(std::invoke(access, *static_cast<S*>(const_cast<void*>(object)))); };
+        k.set = [access](void* object, const Value& v) { std::invoke(access, *static_cast<S*>(object)) = Codec::read(v); };
+        if constexpr (requires(const T& t) { Codec::constants(t); }) {
+            k.constants = [access](const void* o) { return Codec::constants(std::invoke(access, *static_cast<S*>(const_cast<void*>(o)))); };
+            k.used_variables = [access](const void* o) { return Codec::variables(std::invoke(access, *static_cast<S*>(const_cast<void*>(o)))); };
+        }
+        const S fresh{};
+        k.standard = k.get(&fresh);
+        keys.push_back(std::move(k));
+        return keys.back();
+    }
+    /// A struct inside this one: [name].
+    template <class T>
+    Part& part(std::string name, T S::*member, KeyTable table) {
+        Part p;
+        p.name = std::move(name), p.table = std::make_shared<const KeyTable>(std::move(table));
+        p.one = [member](void* object) -> void* { return &(static_cast<S*>(object)->*member); };
+        parts.push_back(std::move(p));
+        return parts.back();
+    }
+    /// A list of structs inside this one: [[name]].
+    template <class T>
+    Part& list(std::string name, std::vector<T> S::*member, KeyTable table) {
+        Part p;
+        p.name = std::move(name), p.is_list = true, p.table = std::make_shared<const KeyTable>(std::move(table));
+        p.size = [member](const void* object) { return (static_cast<const S*>(object)->*member).size(); };
+        p.at = [member](void* object, std::size_t i) -> void* { return &(static_cast<S*>(object)->*member)[i]; };
+        p.resize = [member](void* object, std::size_t n) { (static_cast<S*>(object)->*member).resize(n); };
+        parts.push_back(std::move(p));
+        return parts.back();
+    }
+};
+
+/// The shortest decimal that is this number, also for a float.
+double shortest_decimal(float v);
+
+template <>
+struct KeyCodec<bool> {
+    static void describe(Key& k) { k.type = KeyType::flag; }
+    static Value write(bool v) { return Value(v); }
+    static bool read(const Value& v) { return *v.as<bool>(); }
+};
+template <class T>
+struct KeyCodec<T, std::enable_if_t<std::is_integral_v<T> && !std::is_same_v<T, bool>>> {
+    static void describe(Key& k) {
+        k.type = KeyType::integer;
+        k.least = std::is_unsigned_v<T> ? 0 : static_cast<double>(std::numeric_limits<T>::min());
+        k.most = static_cast<double>(std::numeric_limits<T>::max());
+    }
+    static Value write(T v) { return Value(static_cast<std::int64_t>(v)); }
+    static T read(const Value& v) { return static_cast<T>(*v.as<std::int64_t>()); }
+};
+template <class T>
+struct KeyCodec<T, std::enable_if_t<std::is_floating_point_v<T>>> {
+    static void describe(Key& k) { k.type = KeyType::number; }
+    static Value write(T v) {
+        if constexpr (std::is_same_v<T, float>) return Value(shortest_decimal(v));
+        else return Value(v);
+    }
+    static T read(const Value& v) { return static_cast<T>(v.number()); }
+};
+template <>
+struct KeyCodec<std::string> {
+    static void describe(Key& k) { k.type = KeyType::text; }
+    static Value write(const std::string& v) { return Value(v); }
+    static std::string read(const Value& v) { return *v.as<std::string>(); }
+};
+template <>
+struct KeyCodec<std::filesystem::path> {
+    static void describe(Key& k) { k.type = KeyType::text; }
+    static Value write(const std::filesystem::path& v) { return Value(v.string()); }
+    static std::filesystem::path read(const Value& v) { return *v.as<std::string>(); }
+};
+template <class T>
+struct KeyCodec<T, std::enable_if_t<std::is_enum_v<T>>> {
+    static void describe(Key& k) {
+        k.type = KeyType::choice;
+        for (const auto& [value, name] : choices(T{})) k.choices.emplace_back(name);
+    }
+    static Value write(T v) {
+        for (const auto& [value, name] : choices(T{}))
+            if (value == v) return Value(std::string(name));
+        return {};
+    }
+    static T read(const Value& v) {
+        for (const auto& [value, name] : choices(T{}))
+            if (*v.as<std::string>() == name) return value;
+        return T{};
+    }
+};
+/// A value, or "auto".
+template <class T>
+struct KeyCodec<std::optional<T>> {
+    static void describe(Key& k) { KeyCodec<T>::describe(k), k.may_be_auto = true; }
+    static Value write(const std::optional<T>& v) { return v ? KeyCodec<T>::write(*v) : Value(std::string("auto")); }
+    static std::optional<T> read(const Value& v) {
+        if (v.as<std::string>() && *v.as<std::string>() == "auto") return {};
+        return KeyCodec<T>::read(v);
+    }
+};
+
+/// Lists: of a fixed count of flags or numbers, or of any count of texts.
+template <class L, class T, int Count>
+struct ListCodec {
+    static void describe(Key& k) {
+        k.count = Count;
+        if constexpr (std::is_same_v<T, bool>) k.type = KeyType::flags;
+        else if constexpr (std::is_integral_v<T>) k.type = KeyType::integers;
+        else k.type = KeyType::numbers;
+    }
+    static Value write(const L& v) {
+        Value::List list;
+        for (int a = 0; a < Count; ++a) list.push_back(KeyCodec<T>::write(v[a]));
+        return Value(std::move(list));
+    }
+    static L read(const Value& v) {
+        L list;
+        for (int a = 0; a < Count; ++a) list[a] = KeyCodec<T>::read((*v.as<Value::List>())[static_cast<std::size_t>(a)]);
+        return list;
+    }
+};
+template <class T, std::size_t Count>
+struct KeyCodec<std::array<T, Count>> : ListCodec<std::array<T, Count>, T, static_cast<int>(Count)> {};
+template <class T>
+struct KeyCodec<Eigen::Matrix<T, 3, 1>> : ListCodec<Eigen::Matrix<T, 3, 1>, T, 3> {};
+template <>
+struct KeyCodec<std::vector<std::string>> {
+    static void describe(Key& k) { k.type = KeyType::texts; }
+    static Value write(const std::vector<std::string>& v) {
+        Value::List list;
+        for (const std::string& text : v) list.emplace_back(text);
+        return Value(std::move(list));
+    }
+    static std::vector<std::string> read(const Value& v) {
+        std::vector<std::string> list;
+        for (const Value& text : *v.as<Value::List>()) list.push_back(*text.as<std::string>());
+        return list;
+    }
+};
+
+}  // namespace whorl

@@ -1,0 +1,201 @@
+#include "engine/scene/document.h"
+
+#include <fstream>
+#include <sstream>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstring>
+
+namespace whorl {
+namespace {
+
+Place place_of(const toml::source_region& at, const std::string& file) {
+    return {file, static_cast<int>(at.begin.line), static_cast<int>(at.begin.column)};
+}
+
+Value converted(const toml::node& node, const std::string& file) {
+    Value v;
+    if (const auto* table = node.as_table()) {
+        Value::Table entries;
+        for (const auto& [key, child] : *table) {
+            entries.emplace_back(std::string(key.str()), converted(child, file));
+            entries.back().second.key_place = place_of(key.source(), file);
+        }
+        const auto earlier = [](const auto& a, const auto& b) {
+            const Place &p = a.second.key_place, &q = b.second.key_place;
+            return std::pair(p.line, p.column) < std::pair(q.line, q.column);
+        };
+        std::stable_sort(entries.begin(), entries.end(), earlier);
+        v = Value(std::move(entries));
+    } else if (const auto* array = node.as_array()) {
+        Value::List list;
+        for (const toml::node& child : *array) list.push_back(converted(child, file));
+        v = Value(std::move(list));
+    } else if (const auto* text = node.as_string()) {
+        v = Value(text->get());
+    } else if (const auto* whole = node.as_integer()) {
+        v = Value(whole->get());
+    } else if (const auto* number = node.as_floating_point()) {
+        v = Value(number->get());
+    } else if (const auto* flag = node.as_boolean()) {
+        v = Value(flag->get());
+    }
+    v.place = place_of(node.source(), file);
+    v.key_place = v.place;
+    return v;
+}
+
+/// toml++ says "Error while parsing array: expected ...".
+std::string message_of(const toml::parse_error& e) {
+    std::string text(e.description());
+    const std::string start = "Error while parsing ";
+    if (text.rfind(start, 0) == 0) text = "in this " + text.substr(start.size());
+    return text;
+}
+
+struct Step {
+    std::string name;
+    bool is_index = false;
+    std::size_t index = 0;
+};
+
+bool digits(const std::string& text) {
+    return !text.empty() && text.size() < 7 && std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c); });
+}
+
+/// "emitter[0].speed" -> emitter, 0, speed; empty where it is no key.
+std::vector<Step> parse_path(const std::string& key) {
+    std::vector<Step> steps;
+    std::string part;
+    std::istringstream in(key);
+    if (key.empty() || key.back() == '.') return {};
+    while (std::getline(in, part, '.')) {
+        const std::size_t bracket = part.find('[');
+        const std::string name = part.substr(0, bracket);
+        if (name.empty() || name.find_first_of(" \t\"'=") != std::string::npos) return {};
+        steps.push_back({name, digits(name), digits(name) ? std::stoul(name) : 0});
+        for (std::size_t at = bracket; at != std::string::npos && at < part.size();) {
+            const std::size_t close = part.find(']', at);
+            if (part[at] != '[' || close == std::string::npos) return {};
+            const std::string index = part.substr(at + 1, close - at - 1);
+            if (!digits(index)) return {};
+            steps.push_back({index, true, std::stoul(index)});
+            at = close + 1;
+        }
+    }
+    return steps;
+}
+
+/// Puts `value` at the path below `node`, making tables and the next entry of a list on the way.
+void put(Value& node, const std::vector<Step>& steps, std::size_t depth, const Value& value, std::vector<Problem>& problems) {
+    if (depth == steps.size()) {
+        node = value;
+        return;
+    }
+    const Step& step = steps[depth];
+    if (auto* list = node.as<Value::List>()) {
+        if (!step.is_index || step.index > list->size()) {
+            std::string path = steps[0].name;
+            for (std::size_t i = 1; i < depth; ++i) path += steps[i].is_index ? "[" + steps[i].name + "]" : "." + steps[i].name;
+            problems.push_back({value.place, "there is no " + path + "[" + step.name + "]", "",
+                                list->empty() ? "" : path + " has the entries 0 to " + std::to_string(list->size() - 1)});
+            return;
+        }
+        if (step.index == list->size()) {
+            list->emplace_back(Value::Table{});
+            list->back().place = list->back().key_place = value.place;
+        }
+        put((*list)[step.index], steps, depth + 1, value, problems);
+        return;
+    }
+    if (!node.as<Value::Table>()) {  // a plain value stands where a table is needed: the change replaces it
+        const Place place = value.place;
+        node = Value(Value::Table{});
+        node.place = node.key_place = place;
+    }
+    if (Value* child = node.find(step.name)) {
+        put(*child, steps, depth + 1, value, problems);
+        return;
+    }
+    // A list that the file does not have begins with its entry 0.
+    Value child = depth + 1 < steps.size() && steps[depth + 1].is_index ? Value(Value::List{}) : Value(Value::Table{});
+    child.place = child.key_place = value.key_place;
+    put(child, steps, depth + 1, value, problems);
+    node.as<Value::Table>()->emplace_back(step.name, std::move(child));
+}
+
+void set_place(Value& v, const Place& place) {
+    v.place = v.key_place = place;
+    if (auto* list = v.as<Value::List>())
+        for (Value& child : *list) set_place(child, place);
+    if (auto* table = v.as<Value::Table>())
+        for (auto& [key, child] : *table) set_place(child, place);
+}
+
+}  // namespace
+
+Value parse_toml(const std::string& text, const std::string& file) {
+    try {
+        return converted(toml::parse(text, file), file);
+    } catch (const toml::parse_error& e) {
+        const Place place = place_of(e.source(), file);
+        const bool unquoted = std::strstr(e.what(), "could not determine value type") != nullptr;
+        throw InputError(place, "not TOML: " + message_of(e), unquoted ? "texts stand in quotes" : "");
+    }
+}
+
+Value parse_toml_file(const std::string& file) {
+    std::ifstream in(file, std::ios::binary);
+    std::ostringstream text;
+    if (!in || std::filesystem::is_directory(file) || !(text << in.rdbuf()))
+        throw InputError({file, 0, 0}, std::filesystem::is_directory(file)   ? "is a folder, not a scene file"
+                                       : std::filesystem::exists(file) ? "cannot be read, or is empty"
+                                                                       : "no such file");
+    return parse_toml(text.str(), file);
+}
+
+Change parse_change(const std::string& text, const std::string& option) {
+    const std::size_t equals = text.find('=');
+    const Place place{option + " " + text, 0, 0};
+    if (equals == std::string::npos) throw InputError(place, "a change needs a value", "", "allowed: key=value, as in fluid.viscosity=100");
+    return {text.substr(0, equals), text.substr(equals + 1), place.file};
+}
+
+void apply_change(Value& root, const Change& change, std::vector<Problem>& problems) {
+    const Place place{change.source, 0, 0};
+    const std::vector<Step> steps = parse_path(change.key);
+    if (steps.empty()) {
+        problems.push_back({place, "\"" + change.key + "\" is not a key", "", "allowed: names with dots between them, as in emitter[0].speed"});
+        return;
+    }
+    Value value;
+    try {
+        value = *converted(toml::parse("value = " + change.value), "").find("value");
+    } catch (const toml::parse_error& e) {
+        // What looks like TOML must be TOML; anything else is a text, as in models.pressure=ppe.
+        if (change.value.empty() || std::strchr("[{\"'", change.value[0]) != nullptr) {
+            problems.push_back({place, "the value is not TOML: " + message_of(e), "", ""});
+            return;
+        }
+        value = Value(change.value);
+    }
+    set_place(value, place);
+    put(root, steps, 0, value, problems);
+}
+
+void overlay(Value& root, const Value& table, const std::string& path, std::vector<Problem>& problems) {
+    for (const auto& [key, value] : *table.as<Value::Table>()) {
+        const std::string full = path.empty() ? key : path + "." + key;
+        if (value.as<Value::Table>()) {
+            overlay(root, value, full, problems);
+        } else {
+            const std::vector<Step> steps = parse_path(full);
+            if (steps.empty()) problems.push_back({value.key_place, "\"" + key + "\" is not a key", "", ""});
+            else put(root, steps, 0, value, problems);
+        }
+    }
+}
+
+}  // namespace whorl

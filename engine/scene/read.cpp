@@ -1,0 +1,190 @@
+#include "engine/scene/read.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "engine/scene/names.h"
+#include "engine/scene/reader.h"
+
+namespace whorl {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool file_name(const std::string& text) {
+    return !text.empty() && text[0] != '.' && text[0] != '-' &&
+           std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '.'; });
+}
+
+/// Unit length, but a vector that is so already keeps its bits: a resolved scene reads back as itself.
+void make_unit(Vec3d& v) {
+    const double length = v.norm();
+    if (std::abs(length - 1) > 1e-12) v /= length;
+}
+
+class Consistency {
+public:
+    Consistency(Scene& scene, Reader& reader) : scene_(scene), reader_(reader) {}
+
+    void check() {
+        if (!file_name(scene_.name))
+            reader_.disagree({"name"}, "name = \"" + scene_.name + "\" cannot name a folder", "", "allowed: letters, digits, _ - .");
+        ordered("domain.min", scene_.domain.min, "domain.max", scene_.domain.max);
+        for (std::size_t i = 0; i < scene_.blocks.size(); ++i) {
+            const std::string name = entry_name("block", i);
+            shape(name, scene_.blocks[i].shape);
+            if (!scene_.blocks[i].spin.is_zero() && scene_.models.micropolar == MicropolarModel::none)
+                reader_.disagree({name + ".spin", "models.micropolar"}, name + ".spin needs a micropolar model", "set models.micropolar");
+        }
+        for (std::size_t i = 0; i < scene_.emitters.size(); ++i) emitter(entry_name("emitter", i), scene_.emitters[i]);
+        for (std::size_t i = 0; i < scene_.solids.size(); ++i) shape(entry_name("solid", i), scene_.solids[i].shape);
+        probes();
+        for (const int pixels : scene_.output.size)
+            if (pixels % 2 != 0) {
+                reader_.disagree({"output.size"}, "output.size has the odd number " + std::to_string(pixels), "video needs even sizes");
+                break;
+            }
+        if (scene_.blocks.empty() && scene_.emitters.empty())
+            reader_.disagree({"block", "emitter"}, "the scene has no fluid", "add a [[block]] or an [[emitter]]");
+    }
+
+private:
+    void ordered(const std::string& low, const Vec3d& a, const std::string& high, const Vec3d& b) {
+        for (int axis = 0; axis < 3; ++axis)
+            if (!(a[axis] < b[axis])) {
+                reader_.disagree({high, low}, high + " must lie above " + low + " on every axis; on " + "xyz"[axis] + " they are " +
+                                                  Value(b[axis]).toml() + " and " + Value(a[axis]).toml());
+                return;
+            }
+    }
+    void direction(const std::string& key, Vec3d& v) {
+        if (v.norm() == 0) reader_.disagree({key}, key + " has no length");
+        else make_unit(v);
+    }
+    void shape(const std::string& name, ShapeKeys& s) {
+        if (s.kind == "box") ordered(name + ".min", s.min, name + ".max", s.max);
+        if (s.kind == "cylinder" && s.from == s.to)
+            reader_.disagree({name + ".to", name + ".from"}, name + ".from and " + name + ".to are the same point");
+        if (s.kind == "plane") direction(name + ".normal", s.normal);
+        if (s.kind != "mesh") return;
+        const fs::path found = s.file.is_absolute() ? s.file : fs::absolute(fs::path(scene_.directory) / s.file);
+        if (!fs::is_regular_file(found))
+            reader_.disagree({name + ".file"}, name + ".file: no file " + found.lexically_normal().string(), "", "looked for from the scene file's folder");
+        s.file = found.lexically_normal();
+    }
+    void emitter(const std::string& name, EmitterKeys& e) {
+        direction(name + ".direction", e.direction);
+        if (!(e.stop > e.start)) reader_.disagree({name + ".stop", name + ".start"}, name + " stops before it starts");
+    }
+    void probes() {
+        for (std::size_t i = 0; i < scene_.probes.size(); ++i) {
+            ProbeKeys& p = scene_.probes[i];
+            const std::string name = entry_name("probe", i);
+            if (!file_name(p.name))
+                reader_.disagree({name + ".name"}, name + ".name = \"" + p.name + "\" cannot name a file", "", "allowed: letters, digits, _ - .");
+            for (std::size_t j = 0; j < i; ++j)
+                if (scene_.probes[j].name == p.name) {
+                    reader_.disagree({name + ".name", entry_name("probe", j) + ".name"}, name + ".name = \"" + p.name + "\" is taken by " + entry_name("probe", j));
+                    break;
+                }
+            if (p.kind == ProbeKind::region) ordered(name + ".min", p.min, name + ".max", p.max);
+            if (p.kind == ProbeKind::coil) direction(name + ".axis_direction", p.axis_direction);
+            if (p.kind == ProbeKind::line && p.from == p.to) reader_.disagree({name + ".to", name + ".from"}, name + ".from and " + name + ".to are the same point");
+        }
+    }
+
+    Scene& scene_;
+    Reader& reader_;
+};
+
+/// Reads one tree; the scene is complete only where no problem was found.
+void read_tree(const Value& root, const std::string& file, const std::vector<Section>& sections, Scene& scene, std::vector<Problem>& problems) {
+    scene.directory = fs::path(file).parent_path().string();
+    scene.name = fs::path(file).stem().string();
+    Reader reader(scene_keys(), &scene, sections);
+    reader.read(root);
+    Consistency(scene, reader).check();
+    problems.insert(problems.end(), reader.problems.begin(), reader.problems.end());
+    scene.places = std::move(reader.places);
+}
+
+/// Takes [quality] out of the tree.
+Value take_quality(Value& root, std::vector<Problem>& problems) {
+    Value::Table& entries = *root.as<Value::Table>();
+    const auto it = std::find_if(entries.begin(), entries.end(), [](const auto& e) { return e.first == "quality"; });
+    Value quality{Value::Table{}};
+    if (it == entries.end()) return quality;
+    if (it->second.as<Value::Table>()) quality = std::move(it->second);
+    else problems.push_back({it->second.key_place, "quality must be a table, as in [quality.draft]", "", ""});
+    entries.erase(it);
+    Value::Table valid;
+    for (auto& [name, table] : *quality.as<Value::Table>()) {
+        if (name == "standard")
+            problems.push_back({table.key_place, "[quality.standard] cannot be set", "the file itself is the standard quality", "allowed: draft, fine"});
+        else if (name != "draft" && name != "fine")
+            problems.push_back({table.key_place, "unknown quality \"" + name + "\"", "", "allowed: draft, fine"});
+        else if (!table.as<Value::Table>())
+            problems.push_back({table.key_place, "quality." + name + " must be a table, [quality." + name + "]", "", ""});
+        else valid.emplace_back(name, std::move(table));
+    }
+    return Value(std::move(valid));
+}
+
+/// A quality that was not asked for must be right as well: reports what it would add to the problems.
+void check_quality(Value root, const Value& table, const std::string& file, const std::vector<Section>& sections, std::vector<Problem>& problems) {
+    std::vector<Problem> found;
+    overlay(root, table, "", found);
+    std::vector<Section> scratch = sections;
+    std::vector<std::shared_ptr<void>> keep;
+    for (Section& s : scratch) keep.push_back(s.table->make()), s.object = keep.back().get();
+    Scene scene;
+    read_tree(root, file, scratch, scene, found);
+    problems.insert(problems.end(), found.begin(), found.end());
+}
+
+void sort_and_throw(std::vector<Problem> problems, const std::string& file) {
+    if (problems.empty()) return;
+    const auto rank = [&](const Problem& p) { return std::tuple(p.place.file != file, p.place.line, p.place.column); };
+    std::stable_sort(problems.begin(), problems.end(), [&](const Problem& a, const Problem& b) { return rank(a) < rank(b); });
+    std::vector<Problem> unique;
+    for (const Problem& p : problems)
+        if (std::none_of(unique.begin(), unique.end(), [&](const Problem& q) { return q.message() == p.message(); })) unique.push_back(p);
+    throw InputError(std::move(unique));
+}
+
+Scene read_root(Value root, const std::string& file, const ReadRequest& request) {
+    std::vector<Problem> problems;
+    const Value quality = take_quality(root, problems);
+    for (const auto& [name, table] : *quality.as<Value::Table>())
+        if (name != request.quality) check_quality(root, table, file, request.sections, problems);
+    if (!request.quality.empty() && request.quality != "standard") {
+        for (const Change& change : request.presets) apply_change(root, change, problems);
+        if (const Value* table = quality.find(request.quality)) overlay(root, *table, "", problems);
+    }
+    for (const Change& change : request.changes) apply_change(root, change, problems);
+    Scene scene;
+    read_tree(root, file, request.sections, scene, problems);
+    sort_and_throw(std::move(problems), file);
+    return scene;
+}
+
+}  // namespace
+
+Scene read_scene(const std::string& file, const ReadRequest& request) { return read_root(parse_toml_file(file), file, request); }
+
+Scene read_scene_text(const std::string& text, const std::string& file, const ReadRequest& request) {
+    return read_root(parse_toml(text, file), file, request);
+}
+
+Place Scene::place(const std::string& key) const {
+    for (std::string path = key; !path.empty();) {
+        if (const auto it = places.find(path); it != places.end()) return it->second;
+        const std::size_t end = path.find_last_of(".[");
+        path.resize(end == std::string::npos ? 0 : end);
+    }
+    const auto it = places.find("");
+    return it == places.end() ? Place{} : it->second;
+}
+
+}  // namespace whorl

@@ -1,0 +1,156 @@
+#include "engine/scene/reader.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace whorl {
+namespace {
+
+std::string in_quotes(const std::vector<std::string>& names) {
+    std::string text;
+    for (std::size_t i = 0; i < names.size(); ++i) text += (i == 0 ? "\"" : i + 1 == names.size() ? " or \"" : ", \"") + names[i] + "\"";
+    return text;
+}
+
+/// The selector as the user knows it: "shape" stands beside the key, "models.pressure" anywhere.
+std::string selector_name(const Key& key, const std::string& path) {
+    return key.selector.find('.') == std::string::npos ? joined_path(path, key.selector) : key.selector;
+}
+
+std::vector<std::string> names_in(const KeyTable& table) {
+    std::vector<std::string> names;
+    for (const Key& k : table.keys) names.push_back(k.name);
+    for (const KeyTable::Part& p : table.parts) names.push_back(p.name);
+    return names;
+}
+
+}  // namespace
+
+Reader::Reader(const KeyTable& table, void* object, std::vector<Section> sections)
+    : root_{&table, object}, sections_(std::move(sections)) {}
+
+Place Reader::place(const std::string& key) const {
+    for (std::string path = key;;) {
+        if (const auto it = places.find(path); it != places.end()) return it->second;
+        const std::size_t end = path.find_last_of(".[");
+        if (end == std::string::npos) break;
+        path.resize(end);
+    }
+    const auto it = places.find("");
+    return it == places.end() ? Place{} : it->second;
+}
+
+void Reader::disagree(const std::vector<std::string>& keys, std::string what, std::string hint, std::string allowed) {
+    for (const std::string& key : keys)
+        if (failed_.count(key)) return;
+    // The place of the first key that was given: the others hold their defaults.
+    Place where = place(keys.front());
+    for (const std::string& key : keys)
+        if (const auto it = places.find(key); it != places.end()) {
+            where = it->second;
+            break;
+        }
+    problems.push_back({where, std::move(what), std::move(hint), std::move(allowed)});
+}
+
+void Reader::unknown(const Value& v, const std::string& name, const KeyTable& table, const std::string& path) {
+    std::vector<std::string> names = names_in(table);
+    if (path.empty())
+        for (const Section& s : sections_) names.push_back(s.name);
+    if (path.empty()) names.emplace_back("quality");
+    const std::string near = nearest_name(name, names);
+    const std::string where = path.empty() ? "" : " in [" + path + "]";
+    std::string hint = near.empty() ? "" : "did you mean \"" + near + "\"?";
+    if (near.empty())  // a key of another section, most likely
+        for (const KeyTable::Part& part : root_.table->parts)
+            if (part.table->find_key(name) && hint.empty()) hint = "[" + part.name + "] has a key of this name";
+    problems.push_back({v.key_place, "unknown key \"" + name + "\"" + where, hint, fmt::format("allowed: {}", fmt::join(names, ", "))});
+}
+
+void Reader::read_part(const KeyTable::Part& part, void* object, const Value& v, const std::string& path) {
+    const auto wrong = [&](const Place& where, const std::string& form) {
+        problems.push_back({where, path + " must be " + form, "", ""});
+        failed_.insert(path);
+    };
+    places[path] = v.place;
+    if (!part.is_list) {
+        void* inner = part.one(object);
+        if (!v.as<Value::Table>()) return wrong(v.key_place, v.as<Value::List>() ? "one table, [" + path + "]" : "a table, [" + path + "]");
+        return read_table({part.table.get(), inner}, inner, v, path);
+    }
+    const Value::List* list = v.as<Value::List>();
+    if (!list) return wrong(v.key_place, "a list of tables, [[" + path + "]]");
+    part.resize(object, list->size());
+    for (std::size_t i = 0; i < list->size(); ++i) {
+        const Value& entry = (*list)[i];
+        const std::string name = entry_name(path, i);
+        if (!entry.as<Value::Table>()) {
+            wrong(entry.place, "a list of tables, [[" + path + "]]");
+            continue;
+        }
+        places[name] = entry.place;
+        void* inner = part.at(object, i);
+        read_table({part.table.get(), inner}, inner, entry, name);
+    }
+}
+
+void Reader::read_table(const Described& here, void* object, const Value& v, const std::string& path) {
+    for (const auto& [name, value] : *v.as<Value::Table>()) {
+        const std::string full = joined_path(path, name);
+        if (const Key* key = here.table->find_key(name)) {
+            places[full] = value.place;
+            const std::size_t before = problems.size();
+            key->read(object, value, full, problems);
+            if (problems.size() > before) failed_.insert(full);
+        } else if (const KeyTable::Part* part = here.table->find_part(name)) {
+            read_part(*part, object, value, full);
+        } else {
+            const auto section = std::find_if(sections_.begin(), sections_.end(), [&](const Section& s) { return path.empty() && s.name == name; });
+            if (section == sections_.end()) {
+                unknown(value, name, *here.table, path);
+            } else if (!value.as<Value::Table>()) {
+                problems.push_back({value.key_place, name + " must be a table, [" + name + "]", "", ""});
+            } else {
+                places[name] = value.place;
+                read_table({section->table, section->object}, section->object, value, name);
+            }
+        }
+    }
+}
+
+/// Keys that belong to another shape or model than the chosen one, and required keys that are missing.
+void Reader::check_selected(const Described& here, const std::string& path) {
+    for (const Key& key : here.table->keys) {
+        const std::string full = joined_path(path, key.name);
+        const std::string selector = key.selector.empty() ? "" : selector_name(key, path);
+        if (failed_.count(selector)) continue;
+        const bool given = places.count(full) > 0, counted = counts(key, here, root_);
+        if (given && !counted) {
+            const std::string value = selector_value(key, here, root_);
+            std::vector<std::string> valid;
+            for (const Key& k : here.table->keys)
+                if (k.selector == key.selector && counts(k, here, root_)) valid.push_back(k.name);
+            problems.push_back({place(full), full + " belongs to " + selector + " = " + in_quotes(key.selected_by) + ", not to \"" + value + "\"",
+                                "remove it, or change " + selector,
+                                valid.empty() ? "" : fmt::format("keys of \"{}\": {}", value, fmt::join(valid, ", "))});
+            failed_.insert(full);
+        }
+        if (key.is_required && counted && !given) {
+            const std::string unit = key.unit.empty() ? "" : " [" + key.unit + "]";
+            problems.push_back({place(path), full + " is missing", key.meaning + unit, key.allowed().empty() ? "" : "allowed: " + key.allowed()});
+            failed_.insert(full);
+        }
+    }
+    each_part(here, path, [&](const KeyTable::Part&, const std::string& name, const Described& part) {
+        if (!failed_.count(name)) check_selected(part, name);
+    });
+}
+
+void Reader::read(const Value& root) {
+    places[""] = {root.place.file, 0, 0};
+    read_table(root_, const_cast<void*>(root_.object), root, "");
+    check_selected(root_, "");
+    for (const Section& s : sections_) check_selected({s.table, s.object}, s.name);
+}
+
+}  // namespace whorl

@@ -1,0 +1,37 @@
+#pragma once
+/// Fills structs from a tree of values by their key tables, collecting every mistake.
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "engine/scene/read.h"
+#include "engine/scene/tree.h"
+
+namespace whorl {
+
+class Reader {
+public:
+    Reader(const KeyTable& table, void* object, std::vector<Section> sections);
+
+    void read(const Value& root);
+
+    std::vector<Problem> problems;
+    std::map<std::string, Place> places;  ///< of every key and table that was given
+
+    /// Reports a mistake in how keys fit each other, unless one of them was wrong or missing in itself.
+    void disagree(const std::vector<std::string>& keys, std::string what, std::string hint = "", std::string allowed = "");
+    Place place(const std::string& key) const;
+
+private:
+    void read_table(const Described& here, void* object, const Value& v, const std::string& path);
+    void read_part(const KeyTable::Part& part, void* object, const Value& v, const std::string& path);
+    void unknown(const Value& v, const std::string& name, const KeyTable& table, const std::string& path);
+    void check_selected(const Described& here, const std::string& path);
+
+    Described root_;
+    std::vector<Section> sections_;
+    std::set<std::string> failed_;
+};
+
+}  // namespace whorl

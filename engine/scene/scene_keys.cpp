@@ -1,0 +1,213 @@
+#include "engine/scene/expression_keys.h"
+#include "engine/scene/names.h"
+#include "engine/scene/read.h"
+
+namespace whorl {
+namespace {
+
+/// The keys of a shape, of a struct with a member `shape`.
+template <class S>
+void add_shape_keys(KeyTableOf<S>& t, const std::vector<std::string>& kinds, bool with_position) {
+    t.key("shape", [](S& s) -> auto& { return s.shape.kind; }, "", "what it is").required().one_of(kinds);
+    t.key("min", [](S& s) -> auto& { return s.shape.min; }, "m", "lowest corner").required().only_with("shape", {"box"});
+    t.key("max", [](S& s) -> auto& { return s.shape.max; }, "m", "highest corner").required().only_with("shape", {"box"});
+    if (with_position)
+        t.key("position", [](S& s) -> auto& { return s.shape.centre; }, "m", "centre of a sphere; origin of a mesh")
+            .only_with("shape", {"sphere", "mesh"});
+    t.key("from", [](S& s) -> auto& { return s.shape.from; }, "m", "middle of one end").required().only_with("shape", {"cylinder"});
+    t.key("to", [](S& s) -> auto& { return s.shape.to; }, "m", "middle of the other end").required().only_with("shape", {"cylinder"});
+    t.key("radius", [](S& s) -> auto& { return s.shape.radius; }, "m", "radius").required().above(0).only_with("shape", {"sphere", "cylinder"});
+    if (std::find(kinds.begin(), kinds.end(), "plane") != kinds.end())
+        t.key("normal", [](S& s) -> auto& { return s.shape.normal; }, "", "out of the solid, into the fluid").only_with("shape", {"plane"});
+    t.key("file", [](S& s) -> auto& { return s.shape.file; }, "", "OBJ, PLY or STL, found from the scene file's folder")
+        .required()
+        .only_with("shape", {"mesh"});
+    t.key("scale", [](S& s) -> auto& { return s.shape.scale; }, "", "metres per unit of the mesh file").above(0).only_with("shape", {"mesh"});
+}
+
+KeyTable time_keys() {
+    KeyTableOf<TimeKeys> t("when the run ends and how often a picture is taken");
+    t.key("end", &TimeKeys::end, "s", "when the run ends").required().above(0).not_deciding();
+    t.key("fps", &TimeKeys::fps, "1/s", "frames a second of film").above(0).at_most(1000);
+    t.key("slow_motion", &TimeKeys::slow_motion, "", "the film plays this many times slower than life").above(0);
+    t.key("max_step", &TimeKeys::max_step, "s", "longest time step").above(0);
+    t.key("cfl", &TimeKeys::cfl, "", "a step moves no particle further than this part of a spacing").above(0).at_most(2);
+    return t;
+}
+
+KeyTable domain_keys() {
+    KeyTableOf<DomainKeys> t("the box that particles live in; one that leaves it is gone");
+    t.key("min", &DomainKeys::min, "m", "lowest corner");
+    t.key("max", &DomainKeys::max, "m", "highest corner");
+    t.key("periodic", &DomainKeys::periodic, "", "axes along which the box repeats");
+    t.key("gravity", &DomainKeys::gravity, "m/s^2", "acceleration of everything").of("t");
+    return t;
+}
+
+KeyTable fluid_keys() {
+    KeyTableOf<FluidKeys> t("the fluid and its particles");
+    t.key("spacing", &FluidKeys::spacing, "m", "initial distance between particles").required().above(0);
+    t.key("density", &FluidKeys::density, "kg/m^3", "density at rest").above(0);
+    t.key("viscosity", &FluidKeys::viscosity, "Pa s", "dynamic viscosity, where the particle is at the start").at_least(0).of("xyz");
+    t.key("surface_tension", &FluidKeys::surface_tension, "N/m", "surface tension").at_least(0);
+    t.key("kernel", &FluidKeys::kernel, "", "smoothing kernel; auto: wendland_c2 with pressure \"coupled\", else cubic");
+    t.key("support", &FluidKeys::support, "spacings", "kernel radius; auto: 3 with pressure \"coupled\", else 2").at_least(1.2).at_most(6);
+    return t;
+}
+
+KeyTable model_keys() {
+    KeyTableOf<ModelKeys> t("what is modelled; \"auto\" takes what the scene requires (whorl plan says why)");
+    t.key("pressure", &ModelKeys::pressure, "", "what keeps the density: weakly compressible, pressure equation, or one solve with the viscosity");
+    t.key("viscosity", &ModelKeys::viscosity, "", "how momentum diffuses");
+    t.key("micropolar", &ModelKeys::micropolar, "", "particles with a spin of their own");
+    t.key("boundary", &ModelKeys::boundary, "", "how solids act on the fluid's density and pressure");
+    t.key("shifting", &ModelKeys::shifting, "", "small moves that keep particles evenly spread");
+    return t;
+}
+
+KeyTable pressure_keys() {
+    KeyTableOf<PressureKeys> t("of the pressure model");
+    const std::string model = "models.pressure";
+    t.key("tolerance", &PressureKeys::tolerance, "", "ppe: relative density error; coupled: preconditioned residual")
+        .above(0)
+        .at_most(0.5)
+        .only_with(model, {"ppe", "coupled"});
+    t.key("max_iterations", &PressureKeys::max_iterations, "", "of the linear solver, a step").at_least(1).only_with(model, {"ppe", "coupled"});
+    t.key("preconditioner", &PressureKeys::preconditioner, "", "of the linear solver").only_with(model, {"ppe"});
+    t.key("sound_speed", &PressureKeys::sound_speed, "m/s", "0: ten times the largest speed that the plan expects")
+        .at_least(0)
+        .only_with(model, {"wcsph"});
+    t.key("gamma", &PressureKeys::gamma, "", "exponent of Tait's equation").at_least(1).at_most(20).only_with(model, {"wcsph"});
+    t.key("background_pressure", &PressureKeys::background_pressure, "Pa", "0 wherever there is a free surface")
+        .at_least(0)
+        .only_with(model, {"wcsph"});
+    t.key("gradient", &PressureKeys::gradient, "", "form of the pressure gradient").only_with(model, {"wcsph"});
+    return t;
+}
+
+KeyTable viscosity_keys() {
+    KeyTableOf<ViscosityKeys> t("of the viscosity model");
+    const std::string model = "models.viscosity";
+    const std::vector<std::string> implicit{"pairwise", "full", "full_assembled"};
+    t.key("tolerance", &ViscosityKeys::tolerance, "", "relative residual of the linear solver").above(0).at_most(0.5).only_with(model, implicit);
+    t.key("max_iterations", &ViscosityKeys::max_iterations, "", "of the linear solver, a step").at_least(1).only_with(model, implicit);
+    t.key("laplacian", &ViscosityKeys::laplacian, "", "form of the Laplacian").only_with(model, {"explicit"});
+    t.key("alpha", &ViscosityKeys::alpha, "", "part of the neighbours' mean velocity taken over a step").above(0).at_most(1).only_with(model, {"xsph"});
+    t.key("correction", &ViscosityKeys::correction, "", "gradients exact for linear fields: a rigid rotation feels no viscosity")
+        .only_with(model, {"full", "full_assembled"});
+    return t;
+}
+
+KeyTable micropolar_keys() {
+    KeyTableOf<MicropolarKeys> t("of the micropolar model");
+    using M = MicropolarKeys;
+    const auto own = [](Key& k) { k.only_with("models.micropolar", {"seed", "bender", "eringen"}); };
+    own(t.key("transfer_viscosity", &M::transfer_viscosity, "Pa s", "couples spin and flow").at_least(0));
+    own(t.key("micro_inertia", &M::micro_inertia, "m^2", "theta: inertia of the spin over the mass").above(0));
+    own(t.key("curl_velocity", &M::curl_velocity, "", "form of the velocity's curl"));
+    own(t.key("curl_spin", &M::curl_spin, "", "form of the spin's curl"));
+    own(t.key("xsph_velocity", &M::xsph_velocity, "", "smoothing of the velocity a step").at_least(0).at_most(1));
+    own(t.key("xsph_spin", &M::xsph_spin, "", "smoothing of the spin a step").at_least(0).at_most(1));
+    own(t.key("spin_length", &M::spin_length, "m", "l in the spin's diffusion mu l^2; 0: the spacing").at_least(0));
+    own(t.key("torque", &M::torque, "m^2/s^2", "torque on every particle over its mass").of("txyz"));
+    return t;
+}
+
+KeyTable boundary_keys() {
+    KeyTableOf<BoundaryKeys> t("of the boundary model");
+    t.key("gate", &BoundaryKeys::gate, "", "a solid acts only past this kernel sum; 0: always")
+        .at_least(0)
+        .at_most(1)
+        .only_with("models.boundary", {"akinci", "ppe"});
+    return t;
+}
+
+KeyTable block_keys() {
+    KeyTableOf<BlockKeys> t("fluid at the start");
+    add_shape_keys(t, {"box", "sphere", "cylinder", "mesh"}, true);
+    t.key("velocity", &BlockKeys::velocity, "m/s", "at the start").of("xyz");
+    t.key("spin", &BlockKeys::spin, "1/s", "at the start; needs a micropolar model").of("xyz");
+    t.key("sampling", &BlockKeys::sampling, "", "how particles stand in it");
+    return t;
+}
+
+KeyTable emitter_keys() {
+    KeyTableOf<EmitterKeys> t("an opening through which fluid enters");
+    t.key("shape", &EmitterKeys::shape, "", "a round opening, or a slot").one_of({"disc", "box"});
+    t.key("position", &EmitterKeys::position, "m", "middle of the opening").required();
+    t.key("direction", &EmitterKeys::direction, "", "the way the fluid goes, of any length");
+    t.key("radius", &EmitterKeys::radius, "m", "of the opening").required().above(0).only_with("shape", {"disc"});
+    t.key("width", &EmitterKeys::width, "m", "long side of the slot").required().above(0).only_with("shape", {"box"});
+    t.key("thickness", &EmitterKeys::thickness, "m", "short side of the slot").required().above(0).only_with("shape", {"box"});
+    t.key("speed", &EmitterKeys::speed, "m/s", "mean over the opening").required().at_least(0).of("t");
+    t.key("start", &EmitterKeys::start, "s", "when it opens").at_least(0);
+    t.key("stop", &EmitterKeys::stop, "s", "when it closes").above(0);
+    t.key("profile", &EmitterKeys::profile, "", "speed over the opening");
+    return t;
+}
+
+KeyTable solid_keys() {
+    KeyTableOf<SolidKeys> t("something that the fluid meets");
+    add_shape_keys(t, {"box", "plane", "sphere", "cylinder", "mesh"}, false);
+    t.key("position", &SolidKeys::position, "m", "moves the shape from where its own keys put it").of("t");
+    t.key("rotation", &SolidKeys::rotation, "rad/s", "turns it about its own axes").of("t");
+    t.key("inside", &SolidKeys::inside, "", "the fluid is inside the shape: a container");
+    t.key("slip", &SolidKeys::slip, "", "whether the fluid sticks");
+    t.key("material", &SolidKeys::material, "", "how it looks").not_deciding();
+    return t;
+}
+
+KeyTable probe_keys() {
+    KeyTableOf<ProbeKeys> t("a measurement a frame, in probes/<name>.csv");
+    t.key("name", &ProbeKeys::name, "", "of the file").required();
+    t.key("kind", &ProbeKeys::kind, "", "what is measured").required();
+    t.key("at", &ProbeKeys::at, "m", "where the fields are interpolated").required().only_with("kind", {"point"});
+    t.key("from", &ProbeKeys::from, "m", "start of the line").required().only_with("kind", {"line"});
+    t.key("to", &ProbeKeys::to, "m", "end of the line").required().only_with("kind", {"line"});
+    t.key("count", &ProbeKeys::count, "", "points on the line").at_least(2).at_most(100000).only_with("kind", {"line"});
+    t.key("min", &ProbeKeys::min, "m", "lowest corner").required().only_with("kind", {"region"});
+    t.key("max", &ProbeKeys::max, "m", "highest corner").required().only_with("kind", {"region"});
+    t.key("axis_point", &ProbeKeys::axis_point, "m", "where the axis meets the plate").only_with("kind", {"coil"});
+    t.key("axis_direction", &ProbeKeys::axis_direction, "", "up, away from the plate").only_with("kind", {"coil"});
+    t.key("height", &ProbeKeys::height, "m", "of the plane above the pile").required().above(0).only_with("kind", {"coil"});
+    return t;
+}
+
+KeyTable output_keys() {
+    KeyTableOf<OutputKeys> t("what is written into the run folder");
+    t.key("frames", &OutputKeys::frames, "", "pictures: frames/000001.png ...");
+    t.key("video", &OutputKeys::video, "", "<name>.mp4");
+    t.key("size", &OutputKeys::size, "pixels", "width and height of the pictures, even numbers").at_least(16).at_most(8192);
+    t.key("checkpoint_every", &OutputKeys::checkpoint_every, "s", "of wall time").above(0);
+    t.key("export", &OutputKeys::exports, "", "files for other programs, a set a frame").one_of({"points", "mesh", "vdb"});
+    return t;
+}
+
+KeyTable root_keys() {
+    KeyTableOf<Scene> t("a scene of Whorl");
+    t.key("name", &Scene::name, "", "of the run folder and the video; default: the file's name").not_deciding();
+    t.key("seed", &Scene::seed, "", "of everything random");
+    t.part("time", &Scene::time, time_keys());
+    t.part("domain", &Scene::domain, domain_keys());
+    t.part("fluid", &Scene::fluid, fluid_keys());
+    t.part("models", &Scene::models, model_keys());
+    t.part("pressure", &Scene::pressure, pressure_keys());
+    t.part("viscosity", &Scene::viscosity, viscosity_keys());
+    t.part("micropolar", &Scene::micropolar, micropolar_keys());
+    t.part("boundary", &Scene::boundary, boundary_keys());
+    t.list("block", &Scene::blocks, block_keys());
+    t.list("emitter", &Scene::emitters, emitter_keys());
+    t.list("solid", &Scene::solids, solid_keys());
+    t.list("probe", &Scene::probes, probe_keys()).not_deciding();
+    t.part("output", &Scene::output, output_keys()).not_deciding();
+    return t;
+}
+
+}  // namespace
+
+const KeyTable& scene_keys() {
+    static const KeyTable table = root_keys();
+    return table;
+}
+
+}  // namespace whorl

@@ -1,0 +1,143 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "engine/scene/read.h"
+
+namespace whorl {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const Value& v) {
+    if (const bool* flag = v.as<bool>()) return *flag;
+    if (const auto* whole = v.as<std::int64_t>()) return *whole;
+    if (const double* number = v.as<double>()) return *number;
+    if (const std::string* text = v.as<std::string>()) return *text;
+    Json list = Json::array();
+    if (const auto* values = v.as<Value::List>())
+        for (const Value& e : *values) list.push_back(json_of(e));
+    return list;
+}
+
+Json bounded(const Key& key, Json type) {
+    if (std::isfinite(key.least) && std::abs(key.least) < 2e9) type[key.least_open ? "exclusiveMinimum" : "minimum"] = key.least;
+    if (std::isfinite(key.most) && std::abs(key.most) < 2e9) type["maximum"] = key.most;
+    return type;
+}
+
+Json choice_of(const Key& key) {
+    Json type = {{"type", "string"}};
+    if (key.choices.empty()) return type;
+    type["enum"] = key.choices;
+    if (key.may_be_auto) type["enum"].push_back("auto");
+    return type;
+}
+
+Json schema_of(const Key& key) {
+    const Json number = bounded(key, {{"type", "number"}}), whole = bounded(key, {{"type", "integer"}});
+    const Json expression = {{"anyOf", {number, {{"type", "string"}}}}};
+    const auto list = [&](Json items) {
+        Json type = {{"type", "array"}, {"items", std::move(items)}};
+        if (key.count > 0) type["minItems"] = key.count, type["maxItems"] = key.count;
+        return type;
+    };
+    Json s;
+    switch (key.type) {
+        case KeyType::flag: s = {{"type", "boolean"}}; break;
+        case KeyType::integer: s = whole; break;
+        case KeyType::number: s = number; break;
+        case KeyType::text:
+        case KeyType::choice: s = choice_of(key); break;
+        case KeyType::expression: s = expression; break;
+        case KeyType::flags: s = list({{"type", "boolean"}}); break;
+        case KeyType::integers: s = list(whole); break;
+        case KeyType::numbers: s = list(number); break;
+        case KeyType::expressions: s = list(expression); break;
+        case KeyType::texts: s = list(choice_of(key)); break;
+    }
+    if (key.may_be_auto && key.type != KeyType::choice) s = {{"anyOf", {s, {{"const", "auto"}}}}};
+    s["description"] = key.meaning + (key.unit.empty() ? "" : " [" + key.unit + "]");
+    if (!key.is_required) s["default"] = json_of(key.standard);
+    return s;
+}
+
+/// @param partial no key is required: what a [quality] table may hold
+Json schema_of(const KeyTable& table, bool partial) {
+    Json s = {{"type", "object"}, {"description", table.meaning}, {"additionalProperties", false}, {"properties", Json::object()}};
+    Json required = Json::array();
+    for (const Key& key : table.keys) {
+        s["properties"][key.name] = schema_of(key);
+        if (key.is_required && key.selector.empty()) required.push_back(key.name);
+    }
+    for (const KeyTable::Part& part : table.parts) {
+        Json inner = schema_of(*part.table, partial);
+        if (part.is_list) {
+            // A quality may change entry 0, 1, ... of a list, as in emitter.0.speed.
+            const Json entries = {{"type", "array"}, {"items", schema_of(*part.table, false)}};
+            inner = partial ? Json{{"anyOf", {entries, {{"type", "object"}, {"patternProperties", {{"^[0-9]+$", inner}}}, {"additionalProperties", false}}}}}
+                            : entries;
+        } else if (inner.contains("required") && !partial) {
+            required.push_back(part.name);
+        }
+        s["properties"][part.name] = std::move(inner);
+    }
+    if (!required.empty() && !partial) s["required"] = std::move(required);
+    return s;
+}
+
+Json whole_schema(const std::vector<Section>& sections, bool partial) {
+    Json s = schema_of(scene_keys(), partial);
+    for (const Section& section : sections) s["properties"][section.name] = schema_of(*section.table, partial);
+    return s;
+}
+
+std::string in_code(const std::string& text) { return "`" + text + "`"; }
+
+void markdown(const KeyTable& table, const std::string& header, const std::string& path, std::string& text) {
+    text += "\n## " + (header.empty() ? "At the top" : in_code(header)) + "\n\n" + table.meaning + "\n\n";
+    if (!table.keys.empty()) text += "| key | unit | default | allowed | meaning |\n|---|---|---|---|---|\n";
+    for (const Key& key : table.keys) {
+        std::string allowed = key.allowed();
+        if (allowed.empty() || key.type == KeyType::expression || key.type == KeyType::expressions || key.count > 0)
+            allowed = key.type_name() + (allowed.empty() ? "" : ", " + allowed);
+        if (!key.variables.empty()) allowed += fmt::format(" of {}", fmt::join(key.variables, ", "));
+        std::string meaning = key.meaning;
+        if (!key.selector.empty()) meaning += fmt::format(" (only with {} = {})", key.selector, fmt::join(key.selected_by, ", "));
+        const std::string standard = key.is_required ? "required" : in_code(key.standard.toml());
+        text += "| " + in_code(key.name) + " | " + key.unit + " | " + standard + " | " + allowed + " | " + meaning + " |\n";
+    }
+    for (const KeyTable::Part& part : table.parts) {
+        const std::string name = path.empty() ? part.name : path + "." + part.name;
+        markdown(*part.table, part.is_list ? "[[" + name + "]]" : "[" + name + "]", name, text);
+    }
+}
+
+}  // namespace
+
+std::string json_schema(const std::vector<Section>& sections) {
+    Json s = {{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", "Whorl scene"}};
+    s.update(whole_schema(sections, false));
+    const Json partial = whole_schema(sections, true);
+    s["definitions"]["changes"] = partial;
+    const Json changes = {{"$ref", "#/definitions/changes"}};
+    s["properties"]["quality"] = {{"type", "object"},
+                                  {"description", "changes that --quality draft or --quality fine lays over the scene"},
+                                  {"additionalProperties", false},
+                                  {"properties", {{"draft", changes}, {"fine", changes}}}};
+    return s.dump(2) + "\n";
+}
+
+std::string markdown_reference(const std::vector<Section>& sections) {
+    std::string text =
+        "# Keys of a scene file\n\nWritten by `whorl schema --markdown`; do not edit by hand. Scene files are TOML with SI units. Unknown keys are errors.\n"
+        "An expression is a text such as `\"0.25 + 0.1*sin(2*pi*t)\"`, with t [s], x, y, z [m], pi and the functions of muParser.\n"
+        "`[quality.draft]` and `[quality.fine]` may hold any of these keys (`fluid.spacing = 3e-3`, `emitter.0.speed = 0.2`): `--quality draft` lays them\n"
+        "over the file. The file itself is the standard quality. `--set key=value` beats both.\n";
+    markdown(scene_keys(), "", "", text);
+    for (const Section& section : sections) markdown(*section.table, "[" + section.name + "]", section.name, text);
+    return text;
+}
+
+}  // namespace whorl

@@ -1,0 +1,53 @@
+#pragma once
+/// Walking a struct by its key table.
+#include <algorithm>
+
+#include "engine/core/keys.h"
+
+namespace whorl {
+
+/// A struct in memory with the table that describes it.
+struct Described {
+    const KeyTable* table;
+    const void* object;
+};
+
+/// "emitter[2]"
+inline std::string entry_name(const std::string& list, std::size_t i) { return list + "[" + std::to_string(i) + "]"; }
+inline std::string joined_path(const std::string& path, const std::string& name) { return path.empty() ? name : path + "." + name; }
+
+/// The selector's present value: of the key beside (`shape`), or from the root (`models.pressure`).
+inline std::string selector_value(const Key& key, const Described& here, const Described& root) {
+    const std::size_t dot = key.selector.find('.');
+    Described from = here;
+    std::string name = key.selector;
+    if (dot != std::string::npos) {
+        const KeyTable::Part* part = root.table->find_part(key.selector.substr(0, dot));
+        from = {part->table.get(), part->one(const_cast<void*>(root.object))};
+        name = key.selector.substr(dot + 1);
+    }
+    return *from.table->find_key(name)->get(from.object).as<std::string>();
+}
+
+/// Whether the key counts: no other shape or model was chosen than those that it belongs to.
+inline bool counts(const Key& key, const Described& here, const Described& root) {
+    if (key.selector.empty()) return true;
+    const std::string value = selector_value(key, here, root);
+    return value == "auto" || std::find(key.selected_by.begin(), key.selected_by.end(), value) != key.selected_by.end();
+}
+
+/// Calls f(part, path, described part) for every struct inside, entry by entry of the lists.
+template <class F>
+void each_part(const Described& here, const std::string& path, F&& f) {
+    for (const KeyTable::Part& part : here.table->parts) {
+        void* object = const_cast<void*>(here.object);
+        const std::string name = joined_path(path, part.name);
+        if (!part.is_list) {
+            f(part, name, Described{part.table.get(), part.one(object)});
+            continue;
+        }
+        for (std::size_t i = 0; i < part.size(object); ++i) f(part, entry_name(name, i), Described{part.table.get(), part.at(object, i)});
+    }
+}
+
+}  // namespace whorl

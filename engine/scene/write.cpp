@@ -1,0 +1,98 @@
+#include <fmt/format.h>
+
+#include "engine/scene/read.h"
+#include "engine/scene/tree.h"
+
+namespace whorl {
+namespace {
+
+std::string without_indices(const std::string& path) {
+    std::string out;
+    bool inside = false;
+    for (const char c : path) {
+        if (c == '[') inside = true;
+        if (!inside) out += c;
+        if (c == ']') inside = false;
+    }
+    return out;
+}
+
+class Writer {
+public:
+    explicit Writer(Described root) : root_(root) {}
+
+    void table(const Described& here, const std::string& header, const std::string& path) {
+        std::string lines;
+        for (const Key& key : here.table->keys) {
+            if (!counts(key, here, root_)) continue;
+            const std::string line = key.name + " = " + key.get(here.object).toml();
+            const std::string note = key.meaning + (key.unit.empty() ? "" : " [" + key.unit + "]");
+            lines += fmt::format("{:<32} # {}\n", line, note);
+        }
+        // A list's entry needs its header even where it has no keys.
+        if (!header.empty() && (!lines.empty() || header[1] == '[')) text += "\n" + header + "\n";
+        text += lines;
+        each_part(here, path, [&](const KeyTable::Part& part, const std::string& name, const Described& inner) {
+            const std::string bare = without_indices(name);
+            table(inner, part.is_list ? "[[" + bare + "]]" : "[" + bare + "]", name);
+        });
+    }
+
+    std::string text;
+
+private:
+    Described root_;
+};
+
+/// "key = value" of everything that decides the simulation.
+void decide(const Described& here, const Described& root, const std::string& path, std::vector<std::pair<std::string, std::string>>& all) {
+    for (const Key& key : here.table->keys)
+        if (key.decides && counts(key, here, root)) all.emplace_back(joined_path(path, key.name), key.get(here.object).toml());
+    each_part(here, path, [&](const KeyTable::Part& part, const std::string& name, const Described& inner) {
+        if (part.decides) decide(inner, root, name, all);
+    });
+}
+
+std::vector<std::pair<std::string, std::string>> decided(const Scene& scene) {
+    std::vector<std::pair<std::string, std::string>> all;
+    const Described root{&scene_keys(), &scene};
+    decide(root, root, "", all);
+    return all;
+}
+
+}  // namespace
+
+std::string resolved_toml(const Scene& scene, const std::vector<Section>& sections) {
+    const Described root{&scene_keys(), &scene};
+    Writer writer(root);
+    writer.text = "# Every value that was used. This file is a scene: rendering it repeats the run.\n";
+    writer.table(root, "", "");
+    for (const Section& s : sections) writer.table({s.table, s.object}, "[" + s.name + "]", s.name);
+    return std::move(writer.text);
+}
+
+std::string deciding_settings(const Scene& scene) {
+    std::string text;
+    for (const auto& [key, value] : decided(scene)) text += key + " = " + value + "\n";
+    return text;
+}
+
+std::vector<std::string> differences(const Scene& before, const Scene& now) {
+    const auto old = decided(before), fresh = decided(now);
+    const auto value_in = [](const auto& all, const std::string& key) -> const std::string* {
+        for (const auto& [name, value] : all)
+            if (name == key) return &value;
+        return nullptr;
+    };
+    std::vector<std::string> lines;
+    for (const auto& [key, value] : old) {
+        const std::string* other = value_in(fresh, key);
+        if (!other) lines.push_back(key + ": " + value + ", now absent");
+        else if (*other != value) lines.push_back(key + ": " + value + ", now " + *other);
+    }
+    for (const auto& [key, value] : fresh)
+        if (!value_in(old, key)) lines.push_back(key + ": absent, now " + value);
+    return lines;
+}
+
+}  // namespace whorl
