@@ -33,7 +33,8 @@ inline std::string selector_value(const Key& key, const Described& here, const D
 inline bool counts(const Key& key, const Described& here, const Described& root) {
     if (key.selector.empty()) return true;
     const std::string value = selector_value(key, here, root);
-    return value == "auto" || std::find(key.selected_by.begin(), key.selected_by.end(), value) != key.selected_by.end();
+    const bool model = key.selector.find('.') != std::string::npos;  // an "auto" model may turn out to be any
+    return (model && value == "auto") || std::find(key.selected_by.begin(), key.selected_by.end(), value) != key.selected_by.end();
 }
 
 /// Calls f(part, path, described part) for every struct inside, entry by entry of the lists.

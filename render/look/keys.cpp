@@ -1,0 +1,67 @@
+#include "render/look/keys.h"
+
+#include "render/look/look.h"
+
+namespace whorl {
+namespace {
+
+KeyTable make_camera_key_keys() {
+    KeyTableOf<CameraKey> t("where the camera is at one moment; it moves smoothly from one to the next");
+    t.key("time", &CameraKey::time, "s", "simulated time").required().at_least(0);
+    t.key("position", &CameraKey::position, "m", "where it stands").required();
+    t.key("target", &CameraKey::target, "m", "where it looks");
+    t.key("fov", &CameraKey::fov, "degrees", "vertical angle of view").above(0).at_most(150);
+    return t;
+}
+
+KeyTable make_camera_keys() {
+    KeyTableOf<CameraOptions> t("from where the pictures are taken");
+    const std::vector<std::string> orbit{"orbit"};
+    t.key("kind", &CameraOptions::kind, "", "auto: frames the domain").one_of({"auto", "fixed", "orbit", "keys"});
+    t.key("position", &CameraOptions::position, "m", "where it stands").required().only_with("kind", {"fixed"});
+    t.key("target", &CameraOptions::target, "m", "where it looks").only_with("kind", {"fixed", "orbit"});
+    t.key("up", &CameraOptions::up, "", "what is up in the picture").only_with("kind", {"fixed", "orbit", "keys"});
+    t.key("fov", &CameraOptions::fov, "degrees", "vertical angle of view").above(0).at_most(150).only_with("kind", {"fixed", "orbit"});
+    t.key("distance", &CameraOptions::distance, "m", "from the target, along the ground").above(0).only_with("kind", orbit);
+    t.key("height", &CameraOptions::height, "m", "above the target").only_with("kind", orbit);
+    t.key("start_angle", &CameraOptions::start_angle, "degrees", "where the turn begins; 0: along +z").only_with("kind", orbit);
+    t.key("degrees_per_second", &CameraOptions::degrees_per_second, "degrees/s", "of simulated time").only_with("kind", orbit);
+    t.list("key", &CameraOptions::keys, make_camera_key_keys());
+    return t;
+}
+
+KeyTable make_look_keys() {
+    KeyTableOf<LookOptions> t("what the pictures show and how");
+    using L = LookOptions;
+    const std::string preset = "; negative: the material's";
+    const std::vector<std::string> surface{"liquid", "opaque"}, particles{"particles"};
+    t.key("style", &L::style, "", "refracting surface, painted surface, or particles coloured by a field").one_of({"liquid", "opaque", "particles"});
+    t.key("material", &L::material, "", "preset that the keys below start from").one_of({"honey", "water", "paint", "chocolate", "lava", "clay"});
+    t.key("absorption", &L::absorption, "1/m", "Beer-Lambert, red, green, blue" + preset).only_with("style", {"liquid"});
+    t.key("colour", &L::colour, "", "linear red, green, blue of an opaque material" + preset).at_most(1).only_with("style", {"opaque"});
+    t.key("refraction", &L::refraction, "", "index of refraction" + preset).at_most(4).only_with("style", {"liquid"});
+    t.key("roughness", &L::roughness, "", "0 mirror, 1 matt" + preset).at_most(1).only_with("style", surface);
+    t.key("background", &L::background, "", "what stands behind").one_of({"studio", "dark", "white"});
+    t.key("ground", &L::ground, "", "a ground with shadow under the scene");
+    t.key("exposure", &L::exposure, "", "brightness of everything").above(0);
+    t.key("samples", &L::samples, "", "a pixel").at_least(1).at_most(256);
+    t.key("field", &L::field, "", "what colours the particles").one_of({"speed", "pressure", "density", "spin", "vorticity"}).only_with("style", particles);
+    t.key("colour_map", &L::colour_map, "", "of the field").one_of({"viridis", "inferno", "coolwarm"}).only_with("style", particles);
+    t.key("range", &L::range, "", "lowest and highest value of the colour map; equal: from each frame").only_with("style", particles);
+    t.key("legend", &L::legend, "", "draw the colour map with its numbers").only_with("style", particles);
+    return t;
+}
+
+}  // namespace
+
+const KeyTable& camera_keys() {
+    static const KeyTable table = make_camera_keys();
+    return table;
+}
+
+const KeyTable& look_keys() {
+    static const KeyTable table = make_look_keys();
+    return table;
+}
+
+}  // namespace whorl

@@ -1,0 +1,10 @@
+#pragma once
+/// The keys of [camera] and [look] in a scene file.
+#include "engine/core/keys.h"
+
+namespace whorl {
+
+const KeyTable& camera_keys();  ///< of CameraOptions
+const KeyTable& look_keys();    ///< of LookOptions
+
+}  // namespace whorl
