@@ -1,5 +1,6 @@
 #include "engine/io/diagnostics.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <string_view>
 

@@ -1,5 +1,6 @@
 #include "engine/io/snapshot.h"
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
 

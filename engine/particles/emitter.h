@@ -1,5 +1,6 @@
 #pragma once
 /// Emitters: openings through which fluid enters without gaps or pairs, at any speed and time step.
+#include <Eigen/Geometry>
 #include <cmath>
 #include <iosfwd>
 #include <vector>
