@@ -1,5 +1,7 @@
 #include "engine/core/whole_file.h"
 
+#include <unistd.h>
+
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -33,16 +35,21 @@ void WholeFile::commit() {
     committed_ = true;
 }
 
-void write_whole(const std::filesystem::path& file, std::span<const std::byte> bytes) {
+void write_whole(const std::filesystem::path& file, std::span<const std::byte> bytes, bool durable) {
     WholeFile whole(file);
     std::FILE* out = std::fopen(whole.temporary().c_str(), "wbe");
     if (out == nullptr) fail(file, errno);
     // fclose writes what is still in the buffer: a full disk may only show there.
-    const bool written = std::fwrite(bytes.data(), 1, bytes.size(), out) == bytes.size();
+    bool written = std::fwrite(bytes.data(), 1, bytes.size(), out) == bytes.size();
+    if (written && durable) written = std::fflush(out) == 0 && fsync(fileno(out)) == 0;
     const int write_error = errno;
     if (std::fclose(out) != 0) fail(file, errno);
     if (!written) fail(file, write_error);
     whole.commit();
+}
+
+void write_text(const std::filesystem::path& file, std::string_view text, bool durable) {
+    write_whole(file, std::as_bytes(std::span(text.data(), text.size())), durable);
 }
 
 }  // namespace whorl

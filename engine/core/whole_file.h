@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <span>
+#include <string_view>
 
 namespace whorl {
 
@@ -25,6 +26,8 @@ private:
 };
 
 /// Writes `bytes` to `file`, whole or not at all. @throws EnvironmentError (disk full, no such folder)
-void write_whole(const std::filesystem::path& file, std::span<const std::byte> bytes);
+/// @param durable wait until the disk has it, so that it outlives a power cut too
+void write_whole(const std::filesystem::path& file, std::span<const std::byte> bytes, bool durable = false);
+void write_text(const std::filesystem::path& file, std::string_view text, bool durable = false);
 
 }  // namespace whorl

@@ -30,23 +30,6 @@ void write_all(int descriptor, std::string_view content, const std::filesystem::
 
 }  // namespace
 
-void write_whole(const std::filesystem::path& file, std::string_view content) {
-    std::filesystem::path temporary = file;
-    temporary += ".part";
-    const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-    if (descriptor < 0) fail("cannot write", file, errno);
-    try {
-        write_all(descriptor, content, file);
-        if (::fsync(descriptor) != 0) fail("cannot write", file, errno);
-    } catch (...) {
-        ::close(descriptor);
-        ::unlink(temporary.c_str());
-        throw;
-    }
-    ::close(descriptor);
-    if (::rename(temporary.c_str(), file.c_str()) != 0) fail("cannot rename to", file, errno);
-}
-
 std::string read_whole(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
     if (!in) throw InputError({file.string(), 0, 0}, "cannot read the file");

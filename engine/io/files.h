@@ -1,15 +1,11 @@
 #pragma once
-/// Files of a run folder: whole or not at all, and tables that grow line by line.
+/// Files of a run folder that are read back, and tables that grow line by line (whole files: engine/core/whole_file.h).
 #include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
 
 namespace whorl {
-
-/// Writes under a temporary name in the same folder, syncs, and renames: a reader finds the old file or the new one, never half of one.
-/// @throws EnvironmentError (disk full, no permission), leaving no temporary file
-void write_whole(const std::filesystem::path& file, std::string_view content);
 
 /// The bytes of a file. @throws InputError where it cannot be read
 std::string read_whole(const std::filesystem::path& file);

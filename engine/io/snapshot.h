@@ -5,9 +5,6 @@
 
 namespace whorl {
 
-/// A tube around an emitter's opening: the wall stands half a spacing outside the fluid, the tube reaches `length` back from the opening.
-TriangleMesh nozzle_mesh(const EmitterShape& opening, Real spacing, Real length);
-
 /// Takes frames of one run; keeps the solids' meshes, which every frame shares.
 class Snapshots {
 public:
@@ -22,7 +19,7 @@ private:
     std::vector<FrameSolid> solids_;  ///< the nozzles behind the solids; poses are filled in by take()
 };
 
-/// The particles' part of a frame.
+/// The particles' part of a frame (particle_frame.cpp).
 Frame particles_of(const World& world, const std::vector<std::string>& fields);
 
 }  // namespace whorl

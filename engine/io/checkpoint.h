@@ -1,0 +1,40 @@
+#pragma once
+/// Checkpoints: the state of a run at a frame time, whole or not at all, in checkpoints/000012.whorl.
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/core/clock.h"
+
+namespace whorl {
+
+struct Checkpoint {
+    std::string build;     ///< build_id() of the program that wrote it
+    std::string scene;     ///< scene.resolved.toml
+    std::string settings;  ///< deciding_settings(): what must be the same for the run to go on
+    int frame = 0;         ///< the state stands at this frame's time; its row and its picture exist
+    int frames = 0;        ///< the frame that the run is to end with
+    double wall = 0, cpu = 0;  ///< s so far, over all parts of the run
+    StageTimes stages;         ///< the same by stage
+    int resumed = 0;           ///< how often
+    std::map<std::string, std::uint64_t> table_bytes;  ///< length of each table (path in the run folder) when the state was taken
+    std::map<std::string, std::string> probes;         ///< Probe::save() by name
+    std::string simulation;                            ///< Simulation::save()
+};
+
+/// Version, precision, compiler and instruction set: only the same build is sure to go on with the same bits.
+std::string build_id();
+
+/// Writes checkpoints/<frame>.whorl in the run folder, durably, and removes all but the newest two. @throws EnvironmentError (disk full)
+void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& checkpoint);
+
+/// @throws EnvironmentError where the file is cut short, altered or no checkpoint
+Checkpoint read_checkpoint(const std::filesystem::path& file);
+
+/// The newest checkpoint that is sound. @param damaged one line for each newer one that is not
+std::optional<Checkpoint> newest_checkpoint(const std::filesystem::path& folder, std::vector<std::string>& damaged);
+
+}  // namespace whorl

@@ -1,0 +1,96 @@
+#include "engine/io/checkpoint.h"
+
+#include <catch2/catch.hpp>
+#include <algorithm>
+#include <fstream>
+
+#include "engine/core/errors.h"
+#include "engine/io/files.h"
+#include "tests/support/scratch.h"
+
+using namespace whorl;
+namespace fs = std::filesystem;
+
+namespace {
+
+Checkpoint at_frame(int frame) {
+    Checkpoint c;
+    c.build = build_id();
+    c.scene = "name = \"test\"\n";
+    c.frame = frame;
+    c.frames = 96;
+    c.wall = 12.5;
+    c.stages["pressure"] = {1.5, 2.5, 3};
+    c.table_bytes["diagnostics.csv"] = 1234;
+    c.probes["coil"] = std::string("\0\1\2", 3);
+    c.simulation.assign(1000, static_cast<char>(frame));
+    return c;
+}
+
+}  // namespace
+
+TEST_CASE("a checkpoint reads back as it was written", "[io][checkpoint]") {
+    const test::ScratchFolder folder;
+    write_checkpoint(folder.path(), at_frame(7));
+    std::vector<std::string> damaged;
+    const auto back = newest_checkpoint(folder.path(), damaged);
+    REQUIRE(back);
+    CHECK(damaged.empty());
+    CHECK(back->build == build_id());
+    CHECK(back->frame == 7);
+    CHECK(back->frames == 96);
+    CHECK(back->wall == 12.5);
+    CHECK(back->stages.at("pressure").calls == 3);
+    CHECK(back->table_bytes.at("diagnostics.csv") == 1234);
+    CHECK(back->probes.at("coil") == std::string("\0\1\2", 3));
+    CHECK(back->simulation == std::string(1000, '\7'));
+}
+
+TEST_CASE("the newest two checkpoints are kept, and nothing half written", "[io][checkpoint]") {
+    const test::ScratchFolder folder;
+    for (int frame : {9, 10, 11, 12}) write_checkpoint(folder.path(), at_frame(frame));
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder / "checkpoints")) names.push_back(entry.path().filename());
+    std::sort(names.begin(), names.end());
+    CHECK(names == std::vector<std::string>{"000011.whorl", "000012.whorl"});
+}
+
+TEST_CASE("a damaged checkpoint is named and the one before it is taken", "[io][checkpoint]") {
+    const test::ScratchFolder folder;
+    write_checkpoint(folder.path(), at_frame(3));
+    write_checkpoint(folder.path(), at_frame(4));
+    const fs::path newest = folder / "checkpoints" / "000004.whorl";
+    const std::string sound = read_whole(newest);
+
+    std::string content, message;
+    SECTION("cut short") { content = sound.substr(0, sound.size() / 2), message = "bytes of"; }
+    SECTION("one bit altered") {
+        content = sound, message = "checksum";
+        content[content.size() / 2] = static_cast<char>(content[content.size() / 2] ^ 1);
+    }
+    SECTION("empty") { message = "no checkpoint"; }
+    std::ofstream(newest, std::ios::binary) << content;
+
+    std::vector<std::string> damaged;
+    const auto found = newest_checkpoint(folder.path(), damaged);
+    REQUIRE(found);
+    CHECK(found->frame == 3);
+    REQUIRE(damaged.size() == 1);
+    CHECK(damaged[0].find("000004.whorl is damaged") != std::string::npos);
+    CHECK(damaged[0].find(message) != std::string::npos);
+}
+
+TEST_CASE("a table that goes on from a checkpoint is cut back to it", "[io][checkpoint]") {
+    const test::ScratchFolder folder;
+    const fs::path file = folder / "rows.csv";
+    std::uint64_t bytes = 0;
+    {
+        Table table(file, std::string_view("a,b"));
+        table.append("1,2\n");
+        bytes = table.bytes();
+        table.append("3,4\n5,6\n");
+    }
+    Table(file, bytes).append("7,8\n");
+    CHECK(read_whole(file) == "a,b\n1,2\n7,8\n");
+    CHECK_THROWS_AS(Table(file, std::uint64_t{1000}), EnvironmentError);
+}

@@ -1,0 +1,179 @@
+#include "engine/io/diagnostics.h"
+
+#include <Eigen/Geometry>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstring>
+
+#include "engine/core/parallel.h"
+#include "engine/io/files.h"
+#include "engine/io/nozzle.h"
+#include "engine/io/points.h"
+#include "engine/io/probes.h"
+#include "engine/io/snapshot.h"
+#include "tests/support/scratch.h"
+
+using namespace whorl;
+
+namespace {
+
+/// n particles of 2 kg with spin; those that `inside` names are still in a nozzle.
+World some_fluid(Index n) {
+    World world;
+    for (const FieldInfo* info : {&field_info<field::position>(), &field_info<field::velocity>(), &field_info<field::spin>(),
+                                  &field_info<field::density>(), &field_info<field::role>()})
+        world.fluid.declare(*info, true);
+    world.fluid.resize(n);
+    world.step.mass = 2;
+    world.step.rest_density = 1000;
+    world.step.spacing = Real(0.1);
+    world.step.support = Real(0.3);
+    for (Index i = 0; i < n; ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        const auto a = static_cast<Real>(i);
+        world.fluid.column<field::position>()[k] = Vec3(std::sin(a), std::cos(3 * a), a / static_cast<Real>(n));
+        world.fluid.column<field::velocity>()[k] = Vec3(std::cos(a), 1, std::sin(2 * a));
+        world.fluid.column<field::spin>()[k] = Vec3(0, 0, 3);
+        world.fluid.column<field::density>()[k] = i % 2 == 0 ? 1010 : 900;
+    }
+    return world;
+}
+
+void set(World& world, std::size_t i, const Vec3& x, const Vec3& u) {
+    world.fluid.column<field::position>()[i] = x;
+    world.fluid.column<field::velocity>()[i] = u;
+}
+
+}  // namespace
+
+TEST_CASE("the measures of three particles are those worked out by hand; one in a nozzle does not count", "[io][diagnostics]") {
+    World world = some_fluid(4);
+    set(world, 0, {1, 0, 0}, {0, 2, 0});
+    set(world, 1, {0, 3, 0}, {1, 0, 0});
+    set(world, 2, {0, 0, 1}, {0, 0, 1});
+    set(world, 3, {9, 9, 9}, {9, 9, 9});
+    world.fluid.column<field::role>()[3] = -1;
+    const Measures m = measure(world, Vec3d(0, -10, 0), 0.5);
+    CHECK(m.particles == 3);
+    CHECK(m.max_speed == Approx(2));
+    CHECK(m.kinetic_energy == Approx(2 * (4 + 1 + 1) / 2.0));
+    CHECK(m.potential_energy == Approx(2 * 10 * 3));
+    CHECK(m.spin_energy == Approx(3 * 2 * 0.5 * 9 / 2));
+    CHECK((m.momentum - Vec3d(2, 4, 2)).norm() < 1e-12);
+    // x cross u = (0,0,2) + (0,0,-3) + 0, spin part 0.5 * 3 * (0,0,3)
+    CHECK((m.angular_momentum - Vec3d(0, 0, 2 * (2 - 3 + 4.5))).norm() < 1e-12);
+    CHECK(m.density_error_mean == Approx(0.01 * 2 / 3).epsilon(1e-4));  // only compression counts; float densities
+    CHECK(m.density_error_max == Approx(0.01).epsilon(1e-4));
+}
+
+TEST_CASE("a row of diagnostics has the bits of every other thread count's", "[io][diagnostics]") {
+    const World world = some_fluid(20011);
+    std::string rows[3];
+    int k = 0;
+    for (int count : {1, 2, 4}) {
+        set_threads(count);
+        rows[k++] = diagnostics_row(1, 0.5, measure(world, Vec3d(0, -9.81, 0), 1), {}, {}, 0, 0);
+    }
+    set_threads(0);
+    CHECK(rows[0] == rows[1]);
+    CHECK(rows[0] == rows[2]);
+}
+
+TEST_CASE("diagnostics.csv has the documented columns, and a cell for each in every row", "[io][diagnostics]") {
+    CHECK(diagnostics_header() ==
+          "frame,time,steps,particles,time_step,max_speed,kinetic_energy,potential_energy,spin_energy,momentum_x,momentum_y,momentum_z,"
+          "angular_momentum_x,angular_momentum_y,angular_momentum_z,density_error_mean,density_error_max,pressure_iterations,"
+          "viscosity_iterations,lost_particles,wall_seconds,cpu_seconds");
+    RunTotals before, now;
+    before.steps = 10, now.steps = 14;
+    before.pressure_iterations = 100, now.pressure_iterations = 150;
+    now.viscosity_iterations = 8, now.lost_particles = 3, now.last_step = 0.25;
+    CHECK(diagnostics_row(2, 0.125, Measures{}, before, now, 1.5, 2.5) ==
+          "2,0.125,14,0,0.25,0,0,0,0,0,0,0,0,0,0,0,0,12.5,2,3,1.5,2.5\n");
+}
+
+TEST_CASE("a region probe counts, weighs and averages what is inside its box", "[io][probe]") {
+    World world = some_fluid(3);
+    set(world, 0, {0.2f, 0.2f, 0.2f}, {1, 0, 0});
+    set(world, 1, {0.4f, 0.2f, 0.2f}, {3, 0, 0});
+    set(world, 2, {2, 0, 0}, {9, 9, 9});
+    ProbeKeys keys;
+    keys.kind = ProbeKind::region;
+    keys.max = Vec3d(1, 1, 1);
+    const auto probe = make_probe(keys, world);
+    CHECK(probe->header() == "time,particles,mass,centroid_x,centroid_y,centroid_z,velocity_x,velocity_y,velocity_z,spin_x,spin_y,spin_z");
+    CHECK(probe->rows(world, 0.5).substr(0, 12) == "0.5,2,4,0.30");
+    for (std::int16_t& role : world.fluid.column<field::role>()) role = -1;
+    CHECK(probe->rows(world, 0.5) == "0.5,0,0,,,,,,,,,\n");
+}
+
+TEST_CASE("a point probe gives a constant field exactly, at a free surface too, and nothing where there is no fluid", "[io][probe]") {
+    World world = some_fluid(200);
+    for (std::size_t i = 0; i < 200; ++i) {
+        const auto a = static_cast<Real>(i);
+        set(world, i, Vec3(std::sin(a), std::sin(7 * a), std::abs(std::sin(3 * a))) * Real(0.25), {1, 2, 3});
+        world.fluid.column<field::density>()[i] = 1000;
+    }
+    ProbeKeys keys;
+    const auto probe = make_probe(keys, world);
+    CHECK(probe->header() == "time,velocity_x,velocity_y,velocity_z,density,spin_x,spin_y,spin_z");
+    CHECK(probe->rows(world, 2) == "2,1,2,3,1000,0,0,3\n");
+    keys.at = Vec3d(5, 5, 5);
+    CHECK(make_probe(keys, world)->rows(world, 2) == "2,,,,,,,\n");
+}
+
+TEST_CASE("a line probe writes its points from end to end, a profile a frame", "[io][probe]") {
+    const World world = some_fluid(100);
+    ProbeKeys keys;
+    keys.kind = ProbeKind::line;
+    keys.to = Vec3d(0, 0, 2);
+    keys.count = 3;
+    const auto probe = make_probe(keys, world);
+    CHECK(probe->header().substr(0, 13) == "time,s,x,y,z,");
+    const std::string rows = probe->rows(world, 1);
+    CHECK(std::count(rows.begin(), rows.end(), '\n') == 3);
+    CHECK(rows.find("\n1,1,0,0,1,") != std::string::npos);
+    CHECK(rows.find("\n1,2,0,0,2,") != std::string::npos);
+}
+
+TEST_CASE("exported points hold every field of the frame, byte for byte", "[io][points]") {
+    const World world = some_fluid(1000);
+    const test::ScratchFolder folder;
+    const Frame frame = particles_of(world, {"density", "spin", "role"});
+    write_points(folder / "000001.ply", frame);
+    const std::string file = read_whole(folder / "000001.ply");
+    const std::string end = "end_header\n";
+    const std::size_t data = file.find(end) + end.size();
+    CHECK(file.substr(0, data).find("element vertex 1000\nproperty float x\nproperty float y\nproperty float z\nproperty float vx\nproperty float "
+                                    "vy\nproperty float vz\nproperty float density\nproperty float role\nproperty float spin_x\n") !=
+          std::string::npos);
+    REQUIRE(file.size() == data + 1000 * 11 * sizeof(float));
+    float row[11];
+    std::memcpy(row, file.data() + data + 999 * sizeof row, sizeof row);
+    CHECK(row[0] == frame.position[999].x());
+    CHECK(row[6] == 900.f);
+    CHECK(row[10] == 3.f);
+}
+
+TEST_CASE("a nozzle is a closed tube whose wall encloses a volume, for a round opening and a slot in any direction", "[io][snapshot]") {
+    EmitterShape opening;
+    opening.radius = Real(0.005), opening.width = Real(0.02), opening.thickness = Real(0.004);
+    for (const bool slot : {false, true})
+        for (const Vec3& direction : {Vec3(0, -1, 0), Vec3(1, 0, 0), Vec3(Real(0.6), Real(-0.8), 0)}) {
+            opening.slot = slot;
+            opening.direction = direction;
+            const TriangleMesh tube = nozzle_mesh(opening, Real(0.001), Real(0.004));
+            double volume = 0;  // by the divergence theorem: positive where the triangles face outward
+            Vec3d area = Vec3d::Zero();
+            for (const auto& t : tube.triangle) {
+                const Vec3d a = tube.position[t[0]].cast<double>(), b = tube.position[t[1]].cast<double>(), c = tube.position[t[2]].cast<double>();
+                volume += a.dot(b.cross(c)) / 6;
+                area += (b - a).cross(c - a) / 2;
+            }
+            const double gap = 0.0005, wall = 0.00075, pi = 3.14159265;
+            const double section = slot ? (0.02 + 2 * (gap + wall)) * (0.004 + 2 * (gap + wall)) - (0.02 + 2 * gap) * (0.004 + 2 * gap)
+                                        : pi * (std::pow(0.005 + gap + wall, 2) - std::pow(0.005 + gap, 2));
+            CHECK(volume == Approx(section * 0.004).epsilon(0.01));  // 64 segments: 0.16 % less than a circle
+            CHECK(area.norm() < 1e-9);
+        }
+}
