@@ -1,6 +1,6 @@
 #pragma once
 /// The scalar, vector and index types that every layer shares.
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <span>
 

@@ -10,6 +10,7 @@
 #include "engine/geometry/shape.h"
 #include "engine/math/expression.h"
 #include "engine/math/kernel.h"
+#include "engine/particles/sample.h"
 
 namespace whorl {
 
@@ -22,7 +23,6 @@ enum class Preconditioner { none, jacobi, multigrid };
 enum class GradientForm { symmetric, difference };
 enum class LaplacianForm { brookshaw, monaghan };
 enum class CurlForm { symmetric, difference, difference_own_density };
-enum class Sampling { lattice, jittered, blue_noise };
 enum class Slip { no, free };
 enum class Profile { plug, parabolic };
 enum class ProbeKind { point, line, region, coil };

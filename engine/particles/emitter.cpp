@@ -1,0 +1,196 @@
+#include "engine/particles/emitter.h"
+
+#include <algorithm>
+#include <istream>
+#include <numbers>
+#include <ostream>
+
+#include "engine/particles/sample.h"
+
+namespace whorl {
+namespace {
+
+/// Signed distance to the wall of the pipe behind the opening; q in the opening's frame: width, thickness, along the flow.
+Real pipe_distance(const EmitterShape& shape, const Vec3& q) {
+    if (!shape.slot) return std::sqrt(q.x() * q.x() + q.y() * q.y()) - shape.radius;
+    const Real a = std::abs(q.x()) - shape.width / 2, b = std::abs(q.y()) - shape.thickness / 2;
+    if (a <= 0 || b <= 0) return std::max(a, b);
+    return std::sqrt(a * a + b * b);
+}
+
+double opening_area(const EmitterShape& shape) {
+    if (shape.slot) return static_cast<double>(shape.width) * shape.thickness;
+    return std::numbers::pi * shape.radius * shape.radius;
+}
+
+}  // namespace
+
+struct Emitter::State {
+    EmitterShape shape;
+    Expression speed_of_time;
+    double start, stop;
+    Real spacing, depth;
+    std::int16_t role;
+
+    Vec3 width_axis, thickness_axis;
+    double length = 0;                ///< m, of a block of the column; its particles repeat with this period
+    std::vector<Vec3> block;          ///< in the opening's frame: across in x and y, z in [0, length) is pushed out in this order
+    std::vector<long> next_copy;      ///< of each particle of the block: how many of its copies have entered
+    double pushed = 0;                ///< m, integral of the mean speed
+
+    /// Speed over mean speed at a point of the opening.
+    double profile(Real across_width, Real across_thickness) const {
+        if (!shape.parabolic) return 1;
+        if (shape.slot) {
+            const double s = 2 * across_thickness / static_cast<double>(shape.thickness);
+            return 1.5 * std::max(0.0, 1 - s * s);
+        }
+        const double r2 = static_cast<double>(across_width) * across_width + static_cast<double>(across_thickness) * across_thickness;
+        return 2 * std::max(0.0, 1 - r2 / (static_cast<double>(shape.radius) * shape.radius));
+    }
+    double peak() const { return !shape.parabolic ? 1 : shape.slot ? 1.5 : 2; }
+
+    double mean_speed(double t) const { return t < start || t > stop ? 0 : std::max(0.0, speed_of_time(t)); }
+
+    /// Integral of the mean speed over [t, t + dt], by Simpson's rule on what lies between start and stop.
+    double push_during(double t, double dt) const {
+        const double from = std::max(t, start), to = std::min(t + dt, stop);
+        if (from >= to) return 0;
+        const double h = to - from;
+        return h / 6 * (mean_speed(from) + 4 * mean_speed(from + h / 2) + mean_speed(to));
+    }
+
+    double half_width() const { return shape.slot ? shape.width / 2 : shape.radius; }
+    double half_thickness() const { return shape.slot ? shape.thickness / 2 : shape.radius; }
+
+    /// `count` points anywhere in the pipe, relaxed. @param period m along the pipe; 0: all in one cross-section
+    void fill_pipe(long count, double period, std::uint64_t seed) {
+        RandomNumbers random(seed);
+        while (static_cast<long>(block.size()) < count) {
+            const Vec3d q((2 * random() - 1) * half_width(), (2 * random() - 1) * half_thickness(), random() * period);
+            if (pipe_distance(shape, q.cast<Real>()) < 0) block.push_back(q.cast<Real>());
+        }
+        Domain along;
+        along.max = Vec3::Constant(static_cast<Real>(4 * (half_width() + half_thickness() + spacing)));
+        along.min = -along.max;
+        if (period > 0) {
+            along.min.z() = 0;
+            along.max.z() = static_cast<Real>(period);
+            along.periodic[2] = true;
+        }
+        relax(block, [this](const Vec3& q) { return pipe_distance(shape, q); }, spacing, along, 300);
+    }
+
+    /// A plug moves as one: a periodic column of blue noise, as long as makes its volume a whole number of particles, so that the mass flow is exact.
+    void make_column(std::uint64_t seed) {
+        const double volume = std::pow(static_cast<double>(spacing), 3);
+        const long count = std::max(1L, std::lround(opening_area(shape) * 24 * spacing / volume));
+        length = static_cast<double>(count) * volume / opening_area(shape);
+        fill_pipe(count, length, seed);
+    }
+
+    /// Layers that slide past each other would push blue noise into pairs. Streamlines stay apart whatever their speeds: blue noise in the cross-section,
+    /// single files along the flow, each with a phase of its own.
+    void make_streamlines(std::uint64_t seed) {
+        const double area = static_cast<double>(spacing) * spacing;
+        const long count = std::max(1L, std::lround(opening_area(shape) / area));
+        length = std::pow(static_cast<double>(spacing), 3) * static_cast<double>(count) / opening_area(shape);
+        fill_pipe(count, 0, seed);
+        RandomNumbers random(seed + 1);
+        for (Vec3& q : block) q.z() = static_cast<Real>(random() * length);
+    }
+
+    Vec3 world(const Vec3& q) const { return shape.centre + q.x() * width_axis + q.y() * thickness_axis + q.z() * shape.direction; }
+    Vec3 local(const Vec3& x) const {
+        const Vec3 r = x - shape.centre;
+        return {r.dot(width_axis), r.dot(thickness_axis), r.dot(shape.direction)};
+    }
+};
+
+Emitter::Emitter(EmitterShape shape, Expression speed, double start, double stop, Real spacing, Real depth, int number, std::uint64_t seed)
+    : state_(std::make_unique<State>()) {
+    State& s = *state_;
+    s.shape = shape;
+    s.speed_of_time = std::move(speed);
+    s.start = start;
+    s.stop = stop;
+    s.spacing = spacing;
+    s.depth = depth;
+    s.role = static_cast<std::int16_t>(-number);
+    opening_axes(shape, s.width_axis, s.thickness_axis);
+
+    if (shape.parabolic) s.make_streamlines(seed);
+    else s.make_column(seed);
+    s.next_copy.assign(s.block.size(), 0);
+}
+
+Emitter::~Emitter() = default;
+Emitter::Emitter(Emitter&&) noexcept = default;
+
+void Emitter::enter(ParticleStore& fluid, double t, double dt) {
+    State& s = *state_;
+    if (t + dt < s.start) return;
+    const double push = s.push_during(t, dt);
+
+    // A particle at height z of copy c stands where the column has been pushed past it by more than the buffer's depth:
+    // along the flow at  s = factor * pushed - (c length + z), measured from the opening.
+    const Index before = fluid.size();
+    std::vector<Vec3> entering;
+    for (std::size_t k = 0; k < s.block.size(); ++k) {
+        const Vec3& q = s.block[k];
+        const double factor = s.profile(q.x(), q.y());
+        for (;;) {
+            const double z = static_cast<double>(s.next_copy[k]) * s.length + q.z();
+            if (z > factor * (s.pushed + push) + s.depth) break;
+            entering.push_back(s.world(Vec3(q.x(), q.y(), static_cast<Real>(factor * s.pushed - z))));
+            ++s.next_copy[k];
+        }
+    }
+    fluid.resize(before + static_cast<Index>(entering.size()));
+    const auto x = fluid.column<field::position>();
+    const auto u = fluid.column<field::velocity>();
+    const auto role = fluid.column<field::role>();
+    for (std::size_t k = 0; k < entering.size(); ++k) {
+        x[static_cast<std::size_t>(before) + k] = entering[k];
+        role[static_cast<std::size_t>(before) + k] = s.role;
+    }
+
+    const double speed = dt > 0 ? push / dt : 0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        if (role[i] != s.role) continue;
+        const Vec3 q = s.local(x[i]);
+        u[i] = static_cast<Real>(speed * s.profile(q.x(), q.y())) * s.shape.direction;
+    }
+    s.pushed += push;
+}
+
+Index Emitter::release(ParticleStore& fluid, double) const {
+    const State& s = *state_;
+    const auto x = fluid.column<field::position>();
+    const auto role = fluid.column<field::role>();
+    Index released = 0;
+    for (std::size_t i = 0; i < x.size(); ++i)
+        if (role[i] == s.role && s.local(x[i]).z() >= 0) role[i] = 0, ++released;
+    return released;
+}
+
+double Emitter::expected_particles() const {
+    return state_->pushed * opening_area(state_->shape) / std::pow(static_cast<double>(state_->spacing), 3);
+}
+
+double Emitter::speed(double t) const { return state_->peak() * state_->mean_speed(t); }
+
+const EmitterShape& Emitter::shape() const { return state_->shape; }
+
+void Emitter::save(std::ostream& out) const {
+    out.write(reinterpret_cast<const char*>(&state_->pushed), sizeof(double));
+    out.write(reinterpret_cast<const char*>(state_->next_copy.data()), static_cast<std::streamsize>(state_->next_copy.size() * sizeof(long)));
+}
+
+void Emitter::load(std::istream& in) {
+    in.read(reinterpret_cast<char*>(&state_->pushed), sizeof(double));
+    in.read(reinterpret_cast<char*>(state_->next_copy.data()), static_cast<std::streamsize>(state_->next_copy.size() * sizeof(long)));
+    if (!in) throw EnvironmentError("the saved state of an emitter ends too early", "", "resume from an older checkpoint");
+}
+
+}  // namespace whorl

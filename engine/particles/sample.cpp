@@ -1,0 +1,163 @@
+#include "engine/particles/sample.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/parallel.h"
+#include "engine/particles/search.h"
+
+namespace whorl {
+namespace {
+
+/// The box that is sampled: the shape's bounds cut at the domain's, with the periodic axes that it spans.
+struct Extent {
+    Vec3d min, max;
+    bool spans_period[3];
+};
+
+Extent extent_of(const Shape& shape, const Domain& domain) {
+    Vec3 low, high;
+    shape.bounds(low, high);
+    Extent e{low.cast<double>().cwiseMax(domain.min.cast<double>()), high.cast<double>().cwiseMin(domain.max.cast<double>()), {}};
+    for (int a = 0; a < 3; ++a) {
+        const double tolerance = 1e-5 * static_cast<double>(domain.max[a] - domain.min[a]);
+        e.spans_period[a] = domain.periodic[static_cast<std::size_t>(a)] && e.min[a] <= static_cast<double>(domain.min[a]) + tolerance &&
+                            e.max[a] >= static_cast<double>(domain.max[a]) - tolerance;
+    }
+    return e;
+}
+
+std::vector<Vec3> lattice(const Shape& shape, const Extent& e, double spacing, double jitter, std::uint64_t seed) {
+    std::vector<Vec3> x;
+    Vec3d step, first;
+    long count[3];
+    for (int a = 0; a < 3; ++a) {
+        const double length = e.max[a] - e.min[a];
+        if (!(length > 0)) return x;
+        count[a] = std::max(1L, std::lround(length / spacing));
+        // A layer more than fits is no use: its centre would be outside. A periodic axis is filled without a seam.
+        step[a] = e.spans_period[a] ? length / static_cast<double>(count[a]) : spacing;
+        first[a] = e.min[a] + 0.5 * (length - step[a] * static_cast<double>(count[a] - 1));
+    }
+    RandomNumbers random(seed);
+    for (long k = 0; k < count[2]; ++k)
+        for (long j = 0; j < count[1]; ++j)
+            for (long i = 0; i < count[0]; ++i) {
+                Vec3d p = first + Vec3d(static_cast<double>(i) * step[0], static_cast<double>(j) * step[1], static_cast<double>(k) * step[2]);
+                const Vec3d shift(random() - 0.5, random() - 0.5, random() - 0.5);
+                if (shape.distance(p.cast<Real>()) >= 0) continue;
+                const Vec3 moved = (p + 2 * jitter * spacing * shift).cast<Real>();
+                x.push_back(shape.distance(moved) < 0 ? moved : Vec3(p.cast<Real>()));
+            }
+    return x;
+}
+
+/// Volume of the shape within the extent, by the middles of cells a quarter of a spacing wide.
+double volume_within(const Shape& shape, const Extent& e, double spacing) {
+    long count[3];
+    Vec3d step;
+    double cells = 1;
+    for (int a = 0; a < 3; ++a) {
+        const double length = e.max[a] - e.min[a];
+        if (!(length > 0)) return 0;
+        count[a] = std::clamp(std::lround(4 * length / spacing), 1L, 512L);
+        step[a] = length / static_cast<double>(count[a]);
+        cells *= step[a];
+    }
+    const double inside = parallel_sum(static_cast<Index>(count[2]), [&](Index k) {
+        long n = 0;
+        for (long j = 0; j < count[1]; ++j)
+            for (long i = 0; i < count[0]; ++i) {
+                const Vec3d p = e.min + Vec3d((static_cast<double>(i) + 0.5) * step[0], (static_cast<double>(j) + 0.5) * step[1], (k + 0.5) * step[2]);
+                n += shape.distance(p.cast<Real>()) < 0;
+            }
+        return static_cast<double>(n);
+    });
+    return inside * cells;
+}
+
+Vec3 slope(const Distance& distance, const Vec3& x, Real step) {
+    Vec3 g;
+    for (int a = 0; a < 3; ++a) {
+        Vec3 e = Vec3::Zero();
+        e[a] = step;
+        g[a] = distance(x + e) - distance(x - e);
+    }
+    const Real length = g.norm();
+    return length > 0 ? Vec3(g / length) : Vec3::Zero();
+}
+
+}  // namespace
+
+void relax(std::vector<Vec3>& x, const Distance& distance, Real spacing, const Domain& domain, int sweeps) {
+    const auto n = static_cast<Index>(x.size());
+    const Real range = Real(1.6) * spacing, shell = Real(0.25) * spacing;
+    Domain images = domain;  // mirror images may stand outside the box: only the periods count
+    NeighbourSearch search;
+    Pairs pairs;
+    std::vector<Vec3> all, moved(x.size());
+    std::vector<Real> depth(x.size());
+    std::vector<Vec3> outward(x.size());
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
+        const Real rate = Real(0.5) * (1 - Real(0.7) * static_cast<Real>(sweep) / static_cast<Real>(sweeps));
+        parallel_for(n, [&](Index i) {
+            const auto k = static_cast<std::size_t>(i);
+            depth[k] = -distance(x[k]);
+            outward[k] = depth[k] < range ? slope(distance, x[k], Real(0.05) * spacing) : Vec3(Vec3::Zero());
+        });
+        all = x;
+        for (std::size_t k = 0; k < x.size(); ++k)
+            if (depth[k] < range) all.push_back(domain.wrapped(x[k] + 2 * depth[k] * outward[k]));
+        search.find(x, all, range, images, pairs);
+        parallel_for(n, [&](Index i) {
+            const auto k = static_cast<std::size_t>(i);
+            Vec3 push = Vec3::Zero();
+            pairs.of(i, [&](Index j, const Vec3& r, Real distance_ij) {
+                if (j == i || distance_ij < Real(1e-6) * spacing) return;
+                const Real gap = 1 - distance_ij / range;
+                push += gap * gap * rate * spacing / distance_ij * r;
+            });
+            const Real length = push.norm();
+            if (length > Real(0.2) * spacing) push *= Real(0.2) * spacing / length;
+            Vec3 p = domain.wrapped(x[k] + push);
+            const Real d = distance(p);
+            if (d > -shell) p -= (d + shell) * slope(distance, p, Real(0.05) * spacing);
+            moved[k] = domain.wrapped(p);
+        });
+        x.swap(moved);
+    }
+}
+
+std::vector<Vec3> sample_shape(const Shape& shape, Sampling sampling, Real spacing, const Domain& domain, std::uint64_t seed) {
+    const Extent e = extent_of(shape, domain);
+    if (sampling == Sampling::lattice) return lattice(shape, e, spacing, 0, seed);
+    if (sampling == Sampling::jittered) return lattice(shape, e, spacing, 0.2, seed);
+
+    // Blue noise starts from a strongly jittered lattice with as many points as the volume asks for.
+    std::vector<Vec3> x = lattice(shape, e, spacing, 0.4, seed);
+    const auto wanted = static_cast<std::size_t>(std::lround(volume_within(shape, e, spacing) / std::pow(static_cast<double>(spacing), 3)));
+    RandomNumbers random(seed + 1);
+    while (x.size() > wanted) {
+        std::swap(x[static_cast<std::size_t>(random() * static_cast<double>(x.size()))], x.back());
+        x.pop_back();
+    }
+    while (x.size() < wanted && wanted > 0) {
+        const Vec3d p = e.min + Vec3d(random(), random(), random()).cwiseProduct(e.max - e.min);
+        if (shape.distance(p.cast<Real>()) < 0) x.push_back(p.cast<Real>());
+    }
+    Domain periods = domain;
+    for (std::size_t a = 0; a < 3; ++a) periods.periodic[a] = e.spans_period[a];
+    relax(
+        x,
+        [&](const Vec3& p) {
+            // Along a periodic axis that the shape spans there is no surface: look from the middle.
+            Vec3 q = p;
+            for (int a = 0; a < 3; ++a)
+                if (e.spans_period[a]) q[a] = static_cast<Real>(0.5 * (e.min[a] + e.max[a]));
+            return shape.distance(q);
+        },
+        spacing, periods, 150);
+    return x;
+}
+
+}  // namespace whorl

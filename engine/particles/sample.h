@@ -1,0 +1,42 @@
+#pragma once
+/// Fills shapes with particles.
+#include <functional>
+#include <vector>
+
+#include "engine/geometry/domain.h"
+#include "engine/geometry/shape.h"
+
+namespace whorl {
+
+enum class Sampling { lattice, jittered, blue_noise };
+
+/// Signed distance [m], negative inside.
+using Distance = std::function<Real(const Vec3&)>;
+
+/// Positions that fill the shape, one a volume spacing^3; the same for the same seed.
+/// lattice: cubic, centred in the shape, fitted to periodic axes that the shape spans. jittered: the lattice, each point moved by up to a fifth of the spacing.
+/// blue_noise: irregular, no pair closer than about 0.7 spacings, the outermost particles about half a spacing inside the surface.
+/// @return empty where the shape holds no particle
+std::vector<Vec3> sample_shape(const Shape& shape, Sampling sampling, Real spacing, const Domain& domain, std::uint64_t seed);
+
+/// Relaxes points towards blue noise: each is pushed away from neighbours nearer than 1.6 spacings, and from their mirror images behind the surface,
+/// so that the density stays even up to it.
+/// @param domain only its periodic axes are used
+void relax(std::vector<Vec3>& x, const Distance& distance, Real spacing, const Domain& domain, int sweeps);
+
+/// Deterministic uniform numbers in [0, 1): the same on every platform (std's distributions are not).
+class RandomNumbers {
+public:
+    explicit RandomNumbers(std::uint64_t seed) : state_(seed * 0x9E3779B97F4A7C15ull + 0x632BE59BD9B4E019ull) {}
+    double operator()() {  // splitmix64 (Steele, Lea and Flood 2014)
+        std::uint64_t z = (state_ += 0x9E3779B97F4A7C15ull);
+        z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ull;
+        z = (z ^ (z >> 27)) * 0x94D049BB133111EBull;
+        return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1.0p-53;
+    }
+
+private:
+    std::uint64_t state_;
+};
+
+}  // namespace whorl
