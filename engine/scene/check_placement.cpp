@@ -1,0 +1,169 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+#include "engine/scene/checks.h"
+#include "engine/scene/names.h"
+#include "engine/scene/tree.h"
+
+namespace whorl {
+namespace {
+
+std::string point(const Vec3d& x) { return fmt::format("({:.4g}, {:.4g}, {:.4g})", x.x(), x.y(), x.z()); }
+
+/// What the system can still give [bytes]; infinite where it does not say.
+double free_memory() {
+    std::ifstream in("/proc/meminfo");
+    std::string word;
+    double kilobytes = 0;
+    while (in >> word)
+        if (word == "MemAvailable:" && in >> kilobytes) return 1024 * kilobytes;
+    return std::numeric_limits<double>::infinity();
+}
+
+/// Bytes a particle, roughly: columns of all stages, and the neighbour rows (4 bytes a neighbour, twice while they grow).
+double bytes_a_particle(double support_over_spacing) { return 600 + 8 * 4.19 * std::pow(support_over_spacing, 3); }
+
+class Placement {
+public:
+    Placement(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, std::vector<Problem>& problems)
+        : scene_(scene), plan_(plan), n_(numbers), problems_(problems), low_(scene.domain.min), high_(scene.domain.max) {}
+
+    void check() {
+        domain();
+        for (std::size_t i = 0; i < scene_.blocks.size(); ++i) block(entry_name("block", i), scene_.blocks[i]);
+        for (std::size_t i = 0; i < scene_.emitters.size(); ++i) emitter(entry_name("emitter", i), scene_.emitters[i]);
+        for (std::size_t i = 0; i < scene_.solids.size(); ++i) solid(entry_name("solid", i), scene_.solids[i]);
+        for (std::size_t i = 0; i < scene_.probes.size(); ++i) probe(entry_name("probe", i), scene_.probes[i]);
+        memory();
+    }
+
+private:
+    void report(const std::string& key, std::string what, std::string hint = "", std::string allowed = "") {
+        problems_.push_back({scene_.place(key), std::move(what), std::move(hint), std::move(allowed)});
+    }
+    std::string domain_text() const { return "the domain goes from " + point(low_) + " to " + point(high_); }
+
+    /// Axes that repeat have no outside.
+    bool outside(const Vec3d& min, const Vec3d& max) const {
+        for (int a = 0; a < 3; ++a)
+            if (!scene_.domain.periodic[a] && (max[a] < low_[a] || min[a] > high_[a])) return true;
+        return false;
+    }
+    bool reaches_out(const Vec3d& min, const Vec3d& max) const {
+        const double slack = 0.5 * plan_.spacing;
+        for (int a = 0; a < 3; ++a)
+            if (!scene_.domain.periodic[a] && (min[a] < low_[a] - slack || max[a] > high_[a] + slack)) return true;
+        return false;
+    }
+
+    void domain() {
+        for (int a = 0; a < 3; ++a) {
+            const double length = high_[a] - low_[a];
+            if (scene_.domain.periodic[a] && length < 2 * plan_.support)
+                report("domain.periodic",
+                       fmt::format("the periodic axis {} is {:.4g} m long, shorter than two support radii of {:.4g} m", "xyz"[a], length, plan_.support),
+                       "make the domain longer or fluid.spacing smaller");
+        }
+        for (const double t : sample_times(0, scene_.time.end))
+            if (!scene_.domain.gravity(t).allFinite()) {
+                report("domain.gravity", fmt::format("domain.gravity is not finite at t = {:.4g} s", t));
+                break;
+            }
+    }
+
+    void block(const std::string& name, const BlockKeys& b) {
+        const Extent e = extent_of(b.shape);
+        if (!e.min.allFinite()) return;  // a mesh, known once it is read
+        if (outside(e.min, e.max)) return report(name, name + " lies outside of the domain", "", domain_text());
+        if (reaches_out(e.min, e.max))
+            report(name, fmt::format("{} reaches out of the domain: it goes from {} to {}", name, point(e.min), point(e.max)), "", domain_text());
+        for (int a = 0; a < 3; ++a)
+            if (scene_.domain.periodic[a] && e.max[a] - e.min[a] > high_[a] - low_[a] + 1e-6 * plan_.spacing) {
+                report(name, fmt::format("{} is longer than the periodic axis {}: it would overlap itself", name, "xyz"[a]), "", domain_text());
+                break;
+            }
+        const double thinnest = (e.max - e.min).minCoeff();
+        if (thinnest < 0.999 * plan_.spacing) too_coarse(name, thinnest);
+        const Vec3d middle = 0.5 * (e.min + e.max);
+        for (const Vec3d& x : {middle, e.min, e.max}) {
+            if (!(scene_.fluid.viscosity(0, x) >= 0)) {
+                report("fluid.viscosity", fmt::format("fluid.viscosity is {:.4g} Pa s at {} in {}", scene_.fluid.viscosity(0, x), point(x), name), "",
+                       "allowed: at least 0");
+                break;
+            }
+            if (!b.velocity(0, x).allFinite()) {
+                report(name + ".velocity", fmt::format("{}.velocity is not finite at {}", name, point(x)));
+                break;
+            }
+        }
+    }
+
+    void too_coarse(const std::string& name, double thinnest) {
+        report("fluid.spacing", fmt::format("fluid.spacing = {:g} m is larger than {}, which is {:.4g} m across", plan_.spacing, name, thinnest),
+               fmt::format("{:.2g} m puts 5 particles across it", thinnest / 5));
+    }
+
+    void emitter(const std::string& name, const EmitterKeys& e) {
+        if (outside(e.position, e.position))
+            report(name + ".position", fmt::format("{} at {} lies outside of the domain", name, point(e.position)), "", domain_text());
+        const double thinnest = e.shape == "disc" ? 2 * e.radius : std::min(e.width, e.thickness);
+        if (thinnest < plan_.spacing) too_coarse(name, thinnest);
+        for (const double t : sample_times(e.start, std::max(e.start, std::min(e.stop, scene_.time.end))))
+            if (!(e.speed(t) >= 0)) {
+                report(name + ".speed", fmt::format("{}.speed is {:.4g} m/s at t = {:.4g} s", name, e.speed(t), t), "", "allowed: at least 0");
+                break;
+            }
+        if (!(scene_.fluid.viscosity(0, e.position) >= 0))
+            report("fluid.viscosity", fmt::format("fluid.viscosity is {:.4g} Pa s at {}", scene_.fluid.viscosity(0, e.position), name), "",
+                   "allowed: at least 0");
+    }
+
+    void solid(const std::string& name, const SolidKeys& s) {
+        for (const double t : sample_times(0, scene_.time.end))
+            if (!s.position(t).allFinite() || !s.rotation(t).allFinite()) {
+                report(name, fmt::format("{} is nowhere at t = {:.4g} s: its position or rotation is not finite", name, t));
+                return;
+            }
+        if (s.inside || s.position.depends_on_time() || !s.rotation.is_zero()) return;
+        const Extent e = extent_of(s.shape);
+        const Vec3d at = s.position(0);
+        if (outside(e.min + at, e.max + at)) report(name, name + " lies outside of the domain and never enters it", "", domain_text());
+    }
+
+    void probe(const std::string& name, const ProbeKeys& p) {
+        const auto far_away = [&](const char* key) { report(name + "." + key, name + " measures outside of the domain", "", domain_text()); };
+        if (p.kind == ProbeKind::point && outside(p.at, p.at)) far_away("at");
+        if (p.kind == ProbeKind::line && outside(p.from.cwiseMin(p.to), p.from.cwiseMax(p.to))) far_away("from");
+        if (p.kind == ProbeKind::region && outside(p.min, p.max)) far_away("min");
+        if (p.kind == ProbeKind::coil && outside(p.axis_point + p.height * p.axis_direction, p.axis_point + p.height * p.axis_direction))
+            far_away("height");
+    }
+
+    void memory() {
+        if (n_.particles < 1 && scene_.emitters.empty() && problems_.empty())
+            report("fluid.spacing", "the blocks are too small for a single particle", "take a smaller fluid.spacing");
+        const double each = bytes_a_particle(plan_.support / plan_.spacing), need = each * n_.particles, have = free_memory();
+        const double most = std::min(have, each * std::numeric_limits<Index>::max());
+        if (need <= most) return;
+        report("fluid.spacing",
+               fmt::format("about {:.2g} particles need {:.2g} GB of memory, and {:.2g} GB are free", n_.particles, need / 1e9, have / 1e9),
+               fmt::format("fluid.spacing = {:.2g} would fit", plan_.spacing * std::cbrt(1.2 * need / most)));
+    }
+
+    const Scene& scene_;
+    const Plan& plan_;
+    const SceneNumbers& n_;
+    std::vector<Problem>& problems_;
+    Vec3d low_, high_;
+};
+
+}  // namespace
+
+void check_placement(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, std::vector<Problem>& problems) {
+    Placement(scene, plan, numbers, problems).check();
+}
+
+}  // namespace whorl

@@ -1,0 +1,14 @@
+#pragma once
+/// What cannot work although every key is right by itself.
+#include "engine/scene/numbers.h"
+#include "engine/scene/plan.h"
+
+namespace whorl {
+
+/// Models that do not go together, or that this version does not have.
+void check_models(const Scene& scene, const Plan& plan, std::vector<Problem>& problems);
+
+/// Fluid, solids and probes where they cannot be; more particles than memory.
+void check_placement(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, std::vector<Problem>& problems);
+
+}  // namespace whorl

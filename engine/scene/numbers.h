@@ -1,0 +1,40 @@
+#pragma once
+/// The dimensionless numbers of a scene, and the lengths and speeds behind them: what decides which models it requires.
+#include "engine/scene/scene.h"
+
+namespace whorl {
+
+struct SceneNumbers {
+    double spacing = 0;      ///< m
+    double gravity = 0;      ///< m/s^2, the largest over the run
+    double fall = 0;         ///< m, from the highest fluid down to the floor of the domain along gravity; 0 where that axis is periodic
+    double speed = 0;        ///< m/s, the largest of what emitters, blocks and solids are given and of a free fall
+    double viscosity = 0;    ///< Pa s, the largest over blocks and emitters
+    double nu = 0;           ///< m^2/s
+    double step = 0;         ///< s, the time step that flow alone allows: cfl d/speed, at most max_step
+    double viscous_number = 0;  ///< nu step/d^2
+    double explicit_step = 0;   ///< s, longest stable step of explicit viscosity, 0.125 R^2/(4 nu); infinite without viscosity
+    double particles = 0;       ///< at the end of the run
+    double across = 0;          ///< particles across the thinnest feature
+    std::string thinnest;       ///< which that is: "emitter[0]"
+    bool free_surface = true;   ///< not every axis is periodic
+};
+
+/// @param support kernel radius [m]
+SceneNumbers scene_numbers(const Scene& scene, double support);
+
+/// Bounds [m] and volume [m^3] of a shape; a plane has neither (infinite bounds, no volume). @throws InputError for a bad mesh
+struct Extent {
+    Vec3d min = Vec3d::Zero(), max = Vec3d::Zero();
+    double volume = 0;
+};
+Extent extent_of(const ShapeKeys& shape);
+
+/// Points of time over the run at which expressions are looked at.
+std::vector<double> sample_times(double from, double to);
+
+/// Area of an emitter's opening [m^2] and what it lets through until the end of the run [m^3].
+double opening_area(const EmitterKeys& emitter);
+double emitted_volume(const EmitterKeys& emitter, double end);
+
+}  // namespace whorl

@@ -1,0 +1,135 @@
+#include "engine/scene/plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/scene/checks.h"
+#include "engine/scene/names.h"
+#include "engine/scene/numbers.h"
+
+namespace whorl {
+namespace {
+
+/// Takes what the user chose, or the automatic choice with its reason.
+template <class E>
+void choose(Plan& plan, const char* key, E asked, E automatic, const std::string& reason, E& chosen) {
+    const bool is_automatic = asked == E::automatic;
+    chosen = is_automatic ? automatic : asked;
+    plan.choices.push_back({key, name_of(chosen), is_automatic, is_automatic ? reason : "as the scene says"});
+}
+
+std::string pressure_reason(PressureModel pressure, const Scene& scene, const SceneNumbers& n) {
+    if (scene.models.micropolar != MicropolarModel::none) return "micropolar terms need a weakly compressible fluid";
+    if (!n.free_surface) return "every axis is periodic: no free surface";
+    const std::string number = fmt::format("viscous number nu dt/d^2 = {:.3g}", n.viscous_number);
+    return pressure == PressureModel::coupled ? number + " > 1 with a free surface: viscosity and pressure act together within a step"
+                                              : number + " <= 1: the flow hardly diffuses within a step";
+}
+
+PressureModel automatic_pressure(const Scene& scene, const SceneNumbers& n) {
+    if (scene.models.micropolar != MicropolarModel::none) return PressureModel::wcsph;
+    return n.free_surface && n.viscous_number > 1 ? PressureModel::coupled : PressureModel::ppe;
+}
+
+void choose_viscosity(Plan& plan, const Scene& scene, const SceneNumbers& n, double step) {
+    ViscosityModel wanted = ViscosityModel::full;
+    std::string reason;
+    if (plan.pressure == PressureModel::coupled) {
+        wanted = ViscosityModel::none;
+        reason = "the coupled pressure solves for it";
+    } else if (n.viscosity == 0) {
+        wanted = ViscosityModel::none;
+        reason = "fluid.viscosity is 0";
+    } else if (n.explicit_step >= step) {
+        wanted = ViscosityModel::explicit_laplacian;
+        reason = fmt::format("the stable explicit step {:.3g} s is longer than the flow's {:.3g} s", n.explicit_step, step);
+    } else {
+        reason = fmt::format("the stable explicit step {:.3g} s is shorter than the flow's {:.3g} s", n.explicit_step, step);
+    }
+    choose(plan, "models.viscosity", scene.models.viscosity, wanted, reason, plan.viscosity);
+}
+
+void choose_boundary(Plan& plan, const Scene& scene) {
+    BoundaryModel wanted = BoundaryModel::none;
+    std::string reason = "no solids";
+    if (!scene.solids.empty()) switch (plan.pressure) {
+            case PressureModel::wcsph: wanted = BoundaryModel::akinci, reason = "solids with weakly compressible pressure"; break;
+            case PressureModel::ppe: wanted = BoundaryModel::ppe, reason = "solids with the pressure equation"; break;
+            case PressureModel::coupled: reason = "the coupled pressure touches solids by distance: stick or slide"; break;
+            default: reason = "no pressure: solids only keep particles out";
+        }
+    choose(plan, "models.boundary", scene.models.boundary, wanted, reason, plan.boundary);
+}
+
+void warn(Plan& plan, const Scene& scene, const SceneNumbers& n) {
+    const auto add = [&](std::string text) { plan.warnings.push_back(std::move(text)); };
+    if (n.viscosity > 0 && plan.viscosity == ViscosityModel::none && plan.pressure != PressureModel::coupled)
+        add(fmt::format("fluid.viscosity = {:.3g} Pa s has no effect: models.viscosity is none", n.viscosity));
+    if (plan.viscosity == ViscosityModel::explicit_laplacian && n.explicit_step < 0.2 * n.step)
+        add(fmt::format("explicit viscosity needs steps of {:.3g} s where the flow allows {:.3g} s: models.viscosity = \"full\" may be faster",
+                        n.explicit_step, n.step));
+    if (n.across < 4) add(fmt::format("only {:.1f} particles across {}: details there are lost, take a smaller fluid.spacing", n.across, n.thinnest));
+    if (plan.pressure == PressureModel::none) add("models.pressure is none: nothing keeps the particles apart");
+    if (plan.pressure == PressureModel::wcsph && scene.pressure.background_pressure > 0 && n.free_surface)
+        add("pressure.background_pressure pushes particles away from a free surface: 0 is right where there is one");
+    if (plan.sound_speed > 0 && plan.sound_speed < 8 * n.speed)
+        add(fmt::format("Mach number {:.2f} (speed {:.3g} m/s, sound {:.3g} m/s): density varies by about {:.0f} %", n.speed / plan.sound_speed,
+                        n.speed, plan.sound_speed, 100 * std::pow(n.speed / plan.sound_speed, 2)));
+    for (std::size_t i = 0; i < scene.emitters.size(); ++i)
+        if (emitted_volume(scene.emitters[i], scene.time.end) == 0) add(fmt::format("emitter[{}] lets nothing through before the end of the run", i));
+}
+
+}  // namespace
+
+Plan make_plan(const Scene& scene) {
+    Plan plan;
+    const double d = plan.spacing = scene.fluid.spacing;
+    // The viscous number decides the pressure model, and the model the support: explicit viscosity is judged at the support it would have.
+    const SceneNumbers n = scene_numbers(scene, scene.fluid.support.value_or(2) * d);
+    plan.expected_speed = n.speed;
+    plan.largest_viscosity = n.viscosity;
+    plan.estimated_particles = n.particles;
+
+    const PressureModel automatic = automatic_pressure(scene, n);
+    choose(plan, "models.pressure", scene.models.pressure, automatic, pressure_reason(automatic, scene, n), plan.pressure);
+    const bool coupled = plan.pressure == PressureModel::coupled;
+
+    plan.support = scene.fluid.support.value_or(coupled ? 3 : 2) * d;
+    plan.kernel = scene.fluid.kernel.value_or(coupled ? KernelKind::wendland_c2 : KernelKind::cubic);
+    const std::string of_model = coupled ? "what the coupled pressure was measured with" : "usual";
+    plan.choices.push_back({"fluid.kernel", name_of(plan.kernel), !scene.fluid.kernel, scene.fluid.kernel ? "as the scene says" : of_model});
+    plan.choices.push_back({"fluid.support", fmt::format("{:g}", plan.support / d), !scene.fluid.support,
+                            scene.fluid.support ? "as the scene says" : of_model});
+
+    double step = n.step;
+    if (plan.pressure == PressureModel::wcsph) {
+        // A fluid at rest still needs sound: as fast as the longest step could resolve.
+        const double speed = std::max(n.speed, scene.time.cfl * d / scene.time.max_step / 10);
+        plan.sound_speed = scene.pressure.sound_speed > 0 ? scene.pressure.sound_speed : 10 * speed;
+        step = std::min(step, scene.time.cfl * 0.5 * plan.support / (plan.sound_speed + n.speed));
+        plan.choices.push_back({"pressure.sound_speed", fmt::format("{:.3g}", plan.sound_speed), scene.pressure.sound_speed == 0,
+                                fmt::format("Mach number {:.2g} at the expected {:.3g} m/s", n.speed / plan.sound_speed, n.speed)});
+    }
+    choose_viscosity(plan, scene, n, step);
+    plan.micropolar = scene.models.micropolar;
+    if (plan.micropolar != MicropolarModel::none)
+        plan.choices.push_back({"models.micropolar", name_of(plan.micropolar), false, "as the scene says"});
+    choose_boundary(plan, scene);
+    choose(plan, "models.shifting", scene.models.shifting, coupled ? ShiftingModel::fickian : ShiftingModel::none,
+           coupled ? "stretched threads lose their even spacing" : "particles of this model keep apart by themselves", plan.shifting);
+
+    std::vector<Problem> problems;
+    check_models(scene, plan, problems);
+    check_placement(scene, plan, n, problems);
+    if (!problems.empty()) {
+        const auto rank = [](const Problem& p) { return std::pair(p.place.line, p.place.column); };
+        std::stable_sort(problems.begin(), problems.end(), [&](const Problem& a, const Problem& b) { return rank(a) < rank(b); });
+        throw InputError(std::move(problems));
+    }
+    warn(plan, scene, n);
+    return plan;
+}
+
+}  // namespace whorl
