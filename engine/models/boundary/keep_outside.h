@@ -1,0 +1,18 @@
+#pragma once
+/// The last resort against penetration, after the move.
+#include "engine/geometry/solids.h"
+#include "engine/particles/field.h"
+#include "engine/particles/pairs.h"
+#include "engine/particles/step.h"
+
+namespace whorl {
+
+/// A free particle that stands inside a solid is put back on its surface and loses the part of its velocity (relative to the solid) that
+/// points into the solid. Sound while a particle moves less than the solid's thickness in a step, which the CFL limit of the time step ensures
+/// for solids at least a spacing thick.
+struct KeepOutside {
+    void operator()(const Solids& solids, const SolidPairs& pairs, const StepContext& step, Read<field::role> role,
+                    Update<field::position> x, Update<field::velocity> u) const;
+};
+
+}  // namespace whorl

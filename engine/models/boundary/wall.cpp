@@ -1,0 +1,34 @@
+#include "engine/models/boundary/wall.h"
+
+#include <cmath>
+
+namespace whorl {
+
+Real continued_lattice_factor(KernelKind kind, Real support, Real spacing) {
+    return with_kernel(kind, support, [&](const auto& kernel) {
+        const int reach = static_cast<int>(std::ceil(support / spacing));
+        // Sums over the square lattice of a layer k spacings away.
+        const auto layer = [&](int k, auto&& term) {
+            double sum = 0;
+            for (int a = -reach; a <= reach; ++a)
+                for (int b = -reach; b <= reach; ++b) sum += term(spacing * std::sqrt(static_cast<Real>(a * a + b * b + k * k)));
+            return sum;
+        };
+        const auto pull = [&](int k) {
+            return layer(k, [&](Real r) { return static_cast<double>(kernel.derivative(r)) * k * spacing / r; });
+        };
+        double all = 0;
+        for (int k = 1; k <= reach; ++k) all += pull(k);
+        const double own = layer(0, [&](Real r) { return static_cast<double>(kernel.value(r)); });
+        const double volume = static_cast<double>(spacing) * spacing * spacing;
+        return static_cast<Real>(own * volume * all / pull(1));
+    });
+}
+
+std::vector<char> slips(const Solids& solids) {
+    std::vector<char> free(solids.all.size());
+    for (std::size_t k = 0; k < free.size(); ++k) free[k] = solids.all[k].free_slip;
+    return free;
+}
+
+}  // namespace whorl

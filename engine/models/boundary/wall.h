@@ -1,0 +1,33 @@
+#pragma once
+/// How the fluid feels solids through their one layer of particles (Akinci et al. 2012, volumes 1/sum W), for every model alike.
+#include <vector>
+
+#include "engine/geometry/solids.h"
+#include "engine/math/kernel.h"
+#include "engine/particles/step.h"
+
+namespace whorl {
+
+/// What the notes leave out of the layer's volume. A single layer with the volumes 1/sum W weighs more than the layer of fluid that it stands for
+/// (1.43 d^3 a particle on a flat wall with R = 2 d): fluid at rest would hover. With this factor, fluid on a lattice that touches a flat
+/// wall feels the same kernel gradient as if the lattice went on behind the wall. 1: as in the notes.
+/// @param support, spacing [m]
+Real continued_lattice_factor(KernelKind kernel, Real support, Real spacing);
+
+/// The velocity of a solid as a neighbour of fluid particle i at a wall that the fluid sticks to. The particles stand half a spacing inside the
+/// solid; for u to vanish relative to the wall on the solid's surface, not there, the shear is continued behind the surface:
+///   u_i - u_s  becomes  stretch (u_i - u_wall),   stretch = 1 + d_s/d_i,
+/// with d_s and d_i the depths of s and i behind and before the surface, measured along the normal of s, limited to 3 close to the surface.
+struct WallShear {
+    Real depth;  ///< m, of the solid particles below the surface: half a spacing
+    Real stretch(const Vec3& r, const Vec3& normal) const {
+        const Real height = r.dot(normal);
+        if (height <= 0) return 1;  // beyond an edge: the face of s does not face i
+        return 1 + depth / std::max(height - depth, depth / 2);
+    }
+};
+
+/// Free slip by solid: 1 where the fluid does not stick.
+std::vector<char> slips(const Solids& solids);
+
+}  // namespace whorl

@@ -1,0 +1,237 @@
+#include "engine/models/pressure/ppe.h"
+
+#include <limits>
+
+#include "engine/core/parallel.h"
+#include "engine/math/conjugate_gradients.h"
+#include "engine/models/pressure/wall_pressure.h"
+
+namespace whorl {
+namespace {
+
+constexpr Real smallest = std::numeric_limits<Real>::min();
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+void PressureMatrix::multiply(Span<const Real> p, Span<Real> Ap) const {
+    parallel_for(size(), [&](Index i) {
+        Real sum = diagonal[at(i)] * p[at(i)];
+        for (std::size_t k = first[at(i)]; k < first[at(i) + 1]; ++k) sum -= c[k] * p[at(other[k])];
+        Ap[at(i)] = sum;
+    });
+}
+
+PressurePreconditioner jacobi(const PressureMatrix& matrix) {
+    return [&matrix](Span<const Real> r, Span<Real> z) {
+        parallel_for(matrix.size(), [&](Index i) { z[at(i)] = r[at(i)] / matrix.diagonal[at(i)]; });
+    };
+}
+
+/// Free surface: the divergence of the position, 3 inside the fluid (3.06 on a lattice with R = 2 d), 2.24 in the outermost layer of a flat
+/// lattice; solids count as fluid does. A particle that is compressed is no surface, however few its neighbours: it needs a pressure.
+template <class Kernel>
+void PoissonPressure::classify(const Kernel& kernel, const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid,
+                               const StepContext& step, Read<field::role> role, Read<field::density> rho) {
+    constexpr Real surface_divergence = Real(2.55);
+    parallel_for(rho.size(), [&](Index i) {
+        PressureClass& mine = class_[at(i)];
+        if (role[i] != 0) {
+            mine = PressureClass::prescribed;
+            return;
+        }
+        const Index fluid_neighbours = pairs.count(i), solid_neighbours = solid.size() > 0 ? solid_pairs.count(i) : 0;
+        if (fluid_neighbours == 0) {
+            mine = solid_neighbours == 0 ? PressureClass::isolated : PressureClass::separated;
+            return;
+        }
+        Real divergence = 0;
+        pairs.of(i, [&](Index, const Vec3&, Real r) { divergence -= step.volume * kernel.derivative(r) * r; });
+        if (solid_neighbours > 0)
+            solid_pairs.of(i, [&](Index s, const Vec3&, Real r) {
+                divergence -= options_.solid_factor * solid.volume[at(s)] * kernel.derivative(r) * r;
+            });
+        mine = divergence < surface_divergence && rho[i] < step.rest_density ? PressureClass::surface : PressureClass::poisson;
+    });
+}
+
+template <class Kernel>
+void PoissonPressure::build(const Kernel& kernel, const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid,
+                            const StepContext& step, Read<field::role> role, Read<field::density> rho, Update<field::velocity> u,
+                            Update<field::pressure> p) {
+    const Index n = rho.size();
+    const Real rho_0 = step.rest_density, over_dt2 = 1 / (step.dt * step.dt);
+    const auto slope_at = [&](Real r) { return kernel.derivative(r) / std::max(r, smallest); };
+
+    // The weight of the fluid between a particle and a floor below it: known before the solve, so it belongs to u*.
+    if (solid.size() > 0)
+        parallel_for(n, [&](Index i) {
+            const WallPush push = wall_push(kernel, i, solid_pairs, solid, step, options_.solid_factor);
+            wall_[at(i)] = push.gradient;
+            if (role[i] == 0 && p[i] > 0) u[i] -= step.dt * rho_0 / (rho[i] * rho[i]) * push.weight;
+        });
+    else
+        std::fill(wall_.begin(), wall_.end(), Vec3::Zero());
+
+    for (Index i = 0; i < n; ++i) {
+        Index unknowns = 0;
+        if (class_[at(i)] == PressureClass::poisson)
+            for (std::size_t k = pairs.first[at(i)]; k < pairs.first[at(i) + 1]; ++k)
+                unknowns += class_[at(pairs.other[k])] == PressureClass::poisson;
+        matrix_.first[at(i) + 1] = matrix_.first[at(i)] + at(unknowns);
+    }
+    matrix_.other.resize(matrix_.first[at(n)]);
+    matrix_.c.resize(matrix_.first[at(n)]);
+
+    parallel_for(n, [&](Index i) {
+        const PressureClass mine = class_[at(i)];
+        const bool unknown = mine == PressureClass::poisson;
+        matrix_.unknown[at(i)] = unknown;
+        matrix_.diagonal[at(i)] = 1;
+        matrix_.pin[at(i)] = b_[at(i)] = 0;
+        touches_surface_[at(i)] = 0;
+        const Vec3 solid_gradient = wall_[at(i)];
+        Vec3 mirror = solid_gradient, prescribed = Vec3::Zero();
+        wall_[at(i)] *= 2 * rho_0 / (rho[i] * rho[i]);
+        if (!unknown && mine != PressureClass::separated) return;
+
+        const Real V = step.mass / rho[i];
+        std::size_t k = matrix_.first[at(i)];
+        Real row = 0, pin = 0, rate = 0;
+        bool surface = false;
+        pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
+            const Vec3 gradW = slope_at(distance) * r;
+            rate += step.mass * (u[i] - u[j]).dot(gradW);
+            const Real c = V * (step.mass / rho[j]) * -2 * slope_at(distance);
+            switch (class_[at(j)]) {
+                case PressureClass::poisson:
+                    matrix_.other[k] = j;
+                    matrix_.c[k++] = c;
+                    row += c;
+                    break;
+                case PressureClass::prescribed: prescribed += step.volume * gradW; break;
+                default: pin += c, surface = true;
+            }
+        });
+        if (solid.size() > 0)
+            solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+                rate += rho_0 * options_.solid_factor * solid.volume[at(s)] * (u[i] - solid.velocity[at(s)]).dot(slope_at(distance) * r);
+            });
+        mirror += prescribed;
+        wall_[at(i)] += rho_0 / (rho[i] * rho[i]) * prescribed;  // the other half comes from the sum over the pairs
+        const Real alpha = 2 * (rho_0 / rho[i]) * (rho_0 / rho[i]) * mirror.squaredNorm();
+        pin += V * alpha;
+        b_[at(i)] = V * (rho[i] + step.dt * rate - rho_0) * over_dt2;
+        if (unknown) {
+            matrix_.pin[at(i)] = pin;
+            matrix_.diagonal[at(i)] = std::max(row + pin, smallest);
+            touches_surface_[at(i)] = surface;
+        } else {
+            // Between two facing walls the gradients cancel: no pressure pushes anywhere.
+            const Real enough = Real(1e-6) / (step.spacing * step.spacing);
+            p[i] = alpha > enough ? std::max(Real(0), b_[at(i)] / (V * alpha)) : 0;
+            b_[at(i)] = 0;
+        }
+    });
+}
+
+/// Flood fill from the unknowns next to the surface. What it does not reach is closed: a full box, a pocket. It takes one pass over the pairs, in
+/// order, so the result does not depend on threads.
+void PoissonPressure::find_closed() {
+    const Index n = matrix_.size();
+    closed_.clear();
+    std::vector<char> reached(at(n), 0);
+    std::vector<Index> queue;
+    const auto spread = [&] {
+        for (std::size_t head = 0; head < queue.size(); ++head) {
+            const Index i = queue[head];
+            for (std::size_t k = matrix_.first[at(i)]; k < matrix_.first[at(i) + 1]; ++k) {
+                const Index j = matrix_.other[k];
+                if (!reached[at(j)] && matrix_.c[k] > 0) reached[at(j)] = 1, queue.push_back(j);
+            }
+        }
+    };
+    for (Index i = 0; i < n; ++i)
+        if (matrix_.unknown[at(i)] && touches_surface_[at(i)]) reached[at(i)] = 1, queue.push_back(i);
+    spread();
+    for (Index i = 0; i < n; ++i) {
+        if (!matrix_.unknown[at(i)] || reached[at(i)]) continue;
+        queue.assign(1, i);
+        reached[at(i)] = 1;
+        spread();
+        Closed component{queue, true};
+        for (Index k : queue)
+            if (matrix_.pin[at(k)] > Real(1e-6) * matrix_.diagonal[at(k)]) component.singular = false;
+        closed_.push_back(std::move(component));
+    }
+}
+
+void PoissonPressure::solve(const StepContext& step, StepReport& report, Update<field::pressure> p) {
+    const Index n = matrix_.size();
+    for (const Closed& component : closed_) {
+        if (!component.singular) continue;
+        // Solvable where the right-hand side has no mean: the walls take what is left.
+        double mean = 0;
+        for (Index i : component.members) mean += b_[at(i)];
+        mean /= static_cast<double>(component.members.size());
+        for (Index i : component.members) b_[at(i)] -= static_cast<Real>(mean);
+    }
+    Column<Real> x(at(n));
+    const double unknowns = parallel_sum(n, [&](Index i) {
+        const bool unknown = matrix_.unknown[at(i)];
+        x[at(i)] = unknown ? p[i] : 0;
+        return static_cast<double>(unknown);
+    });
+    if (unknowns > 0) {
+        const PressurePreconditioner M = options_.preconditioner(matrix_);
+        const auto A = [&](Span<const Real> in, Span<Real> out) { matrix_.multiply(in, out); };
+        // |r| against that of a residual of rho_0/dt^2 everywhere: the tolerance is a relative density error.
+        const double reference = std::sqrt(unknowns) * static_cast<double>(step.volume) * step.rest_density / (static_cast<double>(step.dt) * step.dt);
+        report.solves.push_back({"pressure", conjugate_gradients<Real>(A, M, Span<const Real>(b_), Span<Real>(x), options_.limits,
+                                                                       ResidualNorm::euclidean, reference)});
+    } else {
+        report.solves.push_back({"pressure", SolveReport{0, 0, 0, true, ""}});
+    }
+    // Without a surface the pressure has no natural zero. Its lowest value is made 0, so that the clamp below takes nothing away.
+    for (const Closed& component : closed_) {
+        Real lowest = component.singular ? std::numeric_limits<Real>::max() : 0;
+        for (Index i : component.members) lowest = std::min(lowest, x[at(i)]);
+        for (Index i : component.members) x[at(i)] -= lowest;
+    }
+    parallel_for(n, [&](Index i) {
+        if (class_[at(i)] != PressureClass::separated) p[i] = std::max(Real(0), x[at(i)]);
+    });
+}
+
+void PoissonPressure::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, const StepContext& step,
+                                 StepReport& report, Read<field::role> role, Read<field::density> rho, Update<field::velocity> u,
+                                 Update<field::pressure> p) {
+    const std::size_t n = at(rho.size());
+    class_.resize(n);
+    touches_surface_.resize(n);
+    matrix_.first.assign(n + 1, 0);
+    matrix_.diagonal.resize(n);
+    matrix_.pin.resize(n);
+    matrix_.unknown.resize(n);
+    b_.resize(n);
+    wall_.resize(n);
+    with_kernel(step.kernel, step.support, [&](const auto& kernel) {
+        classify(kernel, pairs, solid_pairs, solid, step, role, rho);
+        build(kernel, pairs, solid_pairs, solid, step, role, rho, u, p);
+        find_closed();
+        solve(step, report, p);
+        // u_i -= dt sum_j m (p_i/rho_i^2 + p_j/rho_j^2) grad W_ij + dt wall_i p_i
+        parallel_for(rho.size(), [&](Index i) {
+            if (class_[at(i)] == PressureClass::prescribed) return;
+            const Real own = p[i] / (rho[i] * rho[i]);
+            Vec3 sum = Vec3::Zero();
+            pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
+                sum += (own + p[j] / (rho[j] * rho[j])) * (kernel.derivative(distance) / std::max(distance, smallest)) * r;
+            });
+            u[i] -= step.dt * (step.mass * sum + p[i] * wall_[at(i)]);
+        });
+    });
+}
+
+}  // namespace whorl

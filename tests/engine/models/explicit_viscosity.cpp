@@ -1,0 +1,76 @@
+#include "engine/models/viscosity/explicit.h"
+
+#include <catch2/catch.hpp>
+#include <numbers>
+
+#include "engine/models/boundary/wall.h"
+#include "engine/models/motion/motion.h"
+#include "engine/sph/density.h"
+#include "tests/support/world.h"
+
+using namespace whorl;
+using namespace whorl::test;
+
+namespace {
+
+/// A drop of fluid in free space with uneven density and viscosity, so that no symmetry hides an error.
+TestWorld uneven_blob(std::vector<Stage> stages) {
+    TestWorld w(0.1, 2, Domain{Vec3(-2, -2, -2), Vec3(2, 2, 2), {}});
+    w.use(std::move(stages));
+    w.place(Vec3(-0.4, -0.3, -0.3), Vec3(0.4, 0.3, 0.3), 1, [](const Vec3& x) { return Vec3(std::sin(9 * x.y()), 1 + x.x() * x.z(), std::cos(7 * x.x())); });
+    auto x = w.column<field::position>();
+    auto mu = w.column<field::viscosity>();
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        mu[i] = 1 + Real(i % 7);
+        x[i] += Real(0.02) * Vec3(std::sin(Real(3 * i)), std::sin(Real(5 * i)), std::sin(Real(7 * i)));
+    }
+    return w;
+}
+
+}  // namespace
+
+TEST_CASE("XSPH smooths and keeps the momentum to 1e-6 of the sum of |m u|", "[viscosity]") {
+    TestWorld w = uneven_blob({make_stage("density", "density", Density{}), make_stage("xsph", "viscosity", XsphViscosity{Real(0.2)})});
+    const Vec3d before = w.momentum();
+    double scale = 0, rough = 0, smooth = 0;
+    for (const Vec3& u : w.column<field::velocity>()) scale += w.world.step.mass * u.norm(), rough += u.squaredNorm();
+    w.step(1);
+    for (const Vec3& u : w.column<field::velocity>()) smooth += u.squaredNorm();
+    CHECK((w.momentum() - before).norm() < 1e-6 * scale);
+    CHECK(smooth < rough);
+}
+
+TEST_CASE("explicit viscosity is a force between pairs: momentum is kept to 1e-6, whatever density and viscosity do", "[viscosity]") {
+    for (bool monaghan : {false, true}) {
+        TestWorld w = uneven_blob({make_stage("density", "density", Density{}), make_stage("gravity", "move", Gravity{}),
+                                   make_stage("viscosity", "viscosity", ExplicitViscosity{{monaghan, 1}}), make_stage("kick", "move", Kick{})});
+        const Vec3d before = w.momentum();
+        double scale = 0;
+        for (const Vec3& u : w.column<field::velocity>()) scale += w.world.step.mass * u.norm();
+        w.step(0.05);
+        CHECK((w.momentum() - before).norm() < 1e-6 * scale);
+    }
+}
+
+TEST_CASE("shear along a wall that the fluid sticks to feels no viscous force, next to the wall either", "[viscosity][boundary]") {
+    // u = y e_x above a wall at y = 0: Lap u = 0. The lattice goes on in the wall, the shear too: zero to round-off.
+    const Real d = Real(0.1);
+    TestWorld w(d, 2, Domain{Vec3(0, 0, 0), Vec3(1, 1, 1), {true, false, true}});
+    const Real factor = continued_lattice_factor(KernelKind::cubic, 2 * d, d);
+    w.use({make_stage("density", "density", Density{factor}), make_stage("gravity", "move", Gravity{}),
+           make_stage("viscosity", "viscosity", ExplicitViscosity{{false, factor}})});
+    w.add_wall(1, +1, 0);
+    w.place(Vec3(0, 0, 0), Vec3(1, 1, 1), 1, [](const Vec3& x) { return Vec3(x.y(), 0, 0); });
+    w.step(0);
+    const auto x = w.column<field::position>();
+    const auto a = w.column<field::acceleration>();
+    const auto rho = w.column<field::density>();
+    double largest = 0, densest = 0;
+    for (std::size_t i = 0; i < x.size(); ++i)
+        if (x[i].y() < 0.75) {
+            largest = std::max<double>(largest, a[i].norm());
+            densest = std::max<double>(densest, std::abs(rho[i] / 1000 - 1));
+        }
+    CHECK(largest < 1e-4 * 1.0 / (1000 * d));  // of mu u'/(rho d), the force of one layer on the next
+    CHECK(densest < 1e-3);                     // the lattice sum itself is 1.0004 rho_0
+}

@@ -1,0 +1,140 @@
+#include "tests/support/world.h"
+
+#include <cmath>
+
+#include "engine/core/parallel.h"
+
+namespace whorl::test {
+namespace {
+
+struct HalfSpace : Shape {
+    int axis, side;
+    Real at;
+    HalfSpace(int axis_, int side_, Real at_) : axis(axis_), side(side_), at(at_) {}
+    Real distance(const Vec3& x) const override { return side * (x[axis] - at); }
+    Vec3 normal(const Vec3&) const override { return side * Vec3::Unit(axis); }
+    void bounds(Vec3& min, Vec3& max) const override { min = max = Vec3::Zero(); }
+    bool bounded() const override { return false; }
+    TriangleMesh mesh(Real, Real) const override { return {}; }
+};
+
+}  // namespace
+
+TestWorld::TestWorld(double spacing, double support, const Domain& domain, KernelKind kernel) {
+    StepContext& step = world.step;
+    step.domain = domain;
+    step.spacing = static_cast<Real>(spacing);
+    step.support = static_cast<Real>(support * spacing);
+    step.rest_density = 1000;
+    step.volume = static_cast<Real>(spacing * spacing * spacing);
+    step.mass = step.rest_density * step.volume;
+    step.kernel = kernel;
+    world.fluid.declare(field_info<field::position>(), true);
+    world.fluid.declare(field_info<field::velocity>(), true);
+    world.fluid.declare(field_info<field::viscosity>(), true);
+    world.fluid.declare(field_info<field::role>(), true);
+}
+
+void TestWorld::use(std::vector<Stage> all) {
+    stages = std::move(all);
+    declare_fields(stages, world.fluid);
+}
+
+void TestWorld::place(const Vec3& min, const Vec3& max, double mu, const std::function<Vec3(const Vec3&)>& u) {
+    const Real d = world.step.spacing;
+    int count[3];
+    for (int a = 0; a < 3; ++a) count[a] = static_cast<int>(std::lround((max[a] - min[a]) / d));
+    Index n = world.fluid.size();
+    const Index first = n;
+    n += count[0] * count[1] * count[2];
+    world.fluid.resize(n);
+    const auto x = column<field::position>();
+    const auto v = column<field::velocity>();
+    const auto viscosity = column<field::viscosity>();
+    auto k = static_cast<std::size_t>(first);
+    for (int c = 0; c < count[2]; ++c)
+        for (int b = 0; b < count[1]; ++b)
+            for (int a = 0; a < count[0]; ++a, ++k) {
+                x[k] = min + d * Vec3(a + Real(0.5), b + Real(0.5), c + Real(0.5));
+                if (u) v[k] = u(x[k]);
+                viscosity[k] = static_cast<Real>(mu);
+            }
+}
+
+void TestWorld::add_wall(int axis, int side, double at, bool free_slip) {
+    Solid solid;
+    solid.shape = std::make_shared<HalfSpace>(axis, side, static_cast<Real>(at));
+    solid.free_slip = free_slip;
+    const auto whose = static_cast<Index>(world.solids.all.size());
+    world.solids.all.push_back(solid);
+
+    const StepContext& step = world.step;
+    const Real d = step.spacing;
+    Vec3 low = step.domain.min, high = step.domain.max;
+    for (int a = 0; a < 3; ++a)
+        if (!step.domain.periodic[static_cast<std::size_t>(a)]) low[a] -= 3 * d, high[a] += 3 * d;
+    const int b = (axis + 1) % 3, c = (axis + 2) % 3;
+    const auto nb = static_cast<int>(std::lround((high[b] - low[b]) / d)), nc = static_cast<int>(std::lround((high[c] - low[c]) / d));
+    SolidParticles& all = world.solid_particles;
+    for (int k = 0; k < nc; ++k)
+        for (int j = 0; j < nb; ++j) {
+            Vec3 x = low;
+            x[axis] = static_cast<Real>(at) - side * d / 2;
+            x[b] += (j + Real(0.5)) * d;
+            x[c] += (k + Real(0.5)) * d;
+            all.solid.push_back(whose);
+            all.own_position.push_back(x);
+            all.position.push_back(x);
+            all.velocity.push_back(Vec3::Zero());
+            all.normal.push_back(side * Vec3::Unit(axis));
+            all.volume.push_back(0);
+        }
+    Pairs pairs;
+    solid_search.find(all.position, step.support, step.domain, pairs);
+    with_kernel(step.kernel, step.support, [&](const auto& kernel) {
+        for (Index s = 0; s < all.size(); ++s) {
+            Real sum = kernel.value(0);
+            pairs.of(s, [&](Index, const Vec3&, Real r) { sum += kernel.value(r); });
+            all.volume[static_cast<std::size_t>(s)] = 1 / sum;
+        }
+    });
+}
+
+void TestWorld::find_pairs() {
+    const auto x = column<field::position>();
+    for (Vec3& one : x) one = world.step.domain.wrapped(one);
+    search.find(x, world.step.support, world.step.domain, world.fluid_pairs);
+    solid_search.find(x, world.solid_particles.position, world.step.support, world.step.domain, world.solid_pairs);
+}
+
+void TestWorld::step(double dt) {
+    world.report = {};
+    world.step.dt = static_cast<Real>(dt);
+    find_pairs();
+    for (const Stage& stage : stages) stage.run(world);
+    world.step.time += dt;
+}
+
+Vec3d TestWorld::momentum() {
+    const auto u = column<field::velocity>();
+    Vec3d sum = Vec3d::Zero();
+    for (const Vec3& one : u) sum += static_cast<double>(world.step.mass) * one.cast<double>();
+    return sum;
+}
+
+Vec3d TestWorld::angular_momentum() {
+    const auto x = column<field::position>();
+    const auto u = column<field::velocity>();
+    Vec3d sum = Vec3d::Zero();
+    for (std::size_t i = 0; i < x.size(); ++i)
+        sum += static_cast<double>(world.step.mass) * x[i].cast<double>().cross(u[i].cast<double>());
+    return sum;
+}
+
+double TestWorld::max_speed() {
+    double most = 0;
+    for (const Vec3& one : column<field::velocity>()) most = std::max(most, static_cast<double>(one.norm()));
+    return most;
+}
+
+}  // namespace whorl::test
