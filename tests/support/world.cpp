@@ -5,20 +5,6 @@
 #include "engine/core/parallel.h"
 
 namespace whorl::test {
-namespace {
-
-struct HalfSpace : Shape {
-    int axis, side;
-    Real at;
-    HalfSpace(int axis_, int side_, Real at_) : axis(axis_), side(side_), at(at_) {}
-    Real distance(const Vec3& x) const override { return side * (x[axis] - at); }
-    Vec3 normal(const Vec3&) const override { return side * Vec3::Unit(axis); }
-    void bounds(Vec3& min, Vec3& max) const override { min = max = Vec3::Zero(); }
-    bool bounded() const override { return false; }
-    TriangleMesh mesh(Real, Real) const override { return {}; }
-};
-
-}  // namespace
 
 TestWorld::TestWorld(double spacing, double support, const Domain& domain, KernelKind kernel) {
     StepContext& step = world.step;
@@ -63,7 +49,6 @@ void TestWorld::place(const Vec3& min, const Vec3& max, double mu, const std::fu
 
 void TestWorld::add_wall(int axis, int side, double at, bool free_slip) {
     Solid solid;
-    solid.shape = std::make_shared<HalfSpace>(axis, side, static_cast<Real>(at));
     solid.free_slip = free_slip;
     const auto whose = static_cast<Index>(world.solids.all.size());
     world.solids.all.push_back(solid);
