@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "engine/core/errors.h"
 #include "engine/core/parallel.h"
 #include "engine/core/version.h"
 #include "tools/command.h"
@@ -16,13 +17,31 @@ const char* const examples =
     "  whorl plan my_scene.toml                      what would be modelled, why, and what it costs\n"
     "  whorl resume runs/a                           go on after an interruption\n";
 
-/// CLI11 knows its own mistakes only; bad input of any kind ends with 2.
-int end_of_parsing(CLI::App& program, const CLI::ParseError& e) {
+/// The nearest subcommand or option to a word that was not expected.
+std::string meant(const CLI::App& at, const std::string& word) {
+    std::vector<std::string> names;
+    for (const CLI::App* sub : at.get_subcommands([](const CLI::App*) { return true; })) names.push_back(sub->get_name());
+    for (const CLI::Option* option : at.get_options())
+        for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    const std::string near = whorl::nearest_name(word.substr(0, word.find('=')), names);
+    return near.empty() ? "" : "; did you mean \"" + near + "\"?";
+}
+
+/// Bad input of any kind ends with 2.
+int end_of_parsing(CLI::App& program, const CLI::ParseError& e, const std::vector<std::string>& words) {
     if (e.get_exit_code() == 0) return program.exit(e);  // --help, --version
     const CLI::App* at = &program;
     while (!at->get_subcommands().empty()) at = at->get_subcommands().front();
     const std::string name = at == &program ? "whorl" : "whorl " + at->get_name();
-    fmt::print(stderr, "{}: {}; see {} --help\n", name, e.what(), name);
+    std::string what = e.what(), hint;
+    if (at == &program && !words.empty()) {
+        what = (words[0][0] == '-' ? "unknown option \"" : "unknown subcommand \"") + words[0] + "\"";
+        hint = meant(program, words[0]);
+    } else if (const std::vector<std::string> left = at->remaining(); !left.empty()) {
+        what = "unexpected argument \"" + left[0] + "\"";
+        hint = meant(*at, left[0]);
+    }
+    fmt::print(stderr, "{}: {}{}; see {} --help\n", name, what, hint, name);
     return whorl::exit_bad_input;
 }
 
@@ -37,10 +56,11 @@ int main(int argc, char** argv) {
 
     whorl::Job chosen;
     whorl::add_schema(program, chosen);
+    whorl::add_doctor(program, chosen);
     try {
         program.parse(argc, argv);
     } catch (const CLI::ParseError& e) {
-        return end_of_parsing(program, e);
+        return end_of_parsing(program, e, {argv + 1, argv + argc});
     }
     return whorl::run_guarded(chosen);
 }

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <numeric>
+#include <tuple>
 
 namespace whorl {
 namespace {
@@ -39,6 +40,15 @@ std::string Problem::message() const {
     if (!hint.empty()) text += "; " + hint;
     if (!allowed.empty()) text += "; " + allowed;
     return text;
+}
+
+std::vector<Problem> in_order(std::vector<Problem> problems, const std::string& main_file) {
+    const auto rank = [&](const Problem& p) { return std::tuple(p.place.file != main_file, p.place.line, p.place.column); };
+    std::stable_sort(problems.begin(), problems.end(), [&](const Problem& a, const Problem& b) { return rank(a) < rank(b); });
+    std::vector<Problem> once;
+    for (Problem& p : problems)
+        if (std::none_of(once.begin(), once.end(), [&](const Problem& q) { return q.message() == p.message(); })) once.push_back(std::move(p));
+    return once;
 }
 
 InputError::InputError(std::vector<Problem> problems)

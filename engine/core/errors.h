@@ -23,6 +23,9 @@ struct Problem {
     std::string message() const;
 };
 
+/// Problems in the order in which people read them: the main file's by line and column, then those of the command line; each once.
+std::vector<Problem> in_order(std::vector<Problem> problems, const std::string& main_file);
+
 /// The user's mistakes, all that were found in one go. Exit code 2.
 class InputError : public std::runtime_error {
 public:

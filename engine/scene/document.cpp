@@ -158,13 +158,16 @@ Value parse_toml_file(const std::string& file) {
 
 Change parse_change(const std::string& text, const std::string& option) {
     const std::size_t equals = text.find('=');
-    const Place place{option + " " + text, 0, 0};
-    if (equals == std::string::npos) throw InputError(place, "a change needs a value", "", "allowed: key=value, as in fluid.viscosity=100");
-    return {text.substr(0, equals), text.substr(equals + 1), place.file};
+    if (equals == std::string::npos) return {text, "", option + " " + text, false};
+    return {text.substr(0, equals), text.substr(equals + 1), option + " " + text};
 }
 
 void apply_change(Value& root, const Change& change, std::vector<Problem>& problems) {
     const Place place{change.source, 0, 0};
+    if (!change.complete) {
+        problems.push_back({place, "a change needs a value", "", "allowed: key=value, as in fluid.viscosity=100"});
+        return;
+    }
     const std::vector<Step> steps = parse_path(change.key);
     if (steps.empty()) {
         problems.push_back({place, "\"" + change.key + "\" is not a key", "", "allowed: names with dots between them, as in emitter[0].speed"});

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "engine/scene/checks.h"
@@ -123,11 +122,7 @@ Plan make_plan(const Scene& scene) {
     std::vector<Problem> problems;
     check_models(scene, plan, problems);
     check_placement(scene, plan, n, problems);
-    if (!problems.empty()) {
-        const auto rank = [](const Problem& p) { return std::pair(p.place.line, p.place.column); };
-        std::stable_sort(problems.begin(), problems.end(), [&](const Problem& a, const Problem& b) { return rank(a) < rank(b); });
-        throw InputError(std::move(problems));
-    }
+    if (!problems.empty()) throw InputError(in_order(std::move(problems), scene.place("").file));
     warn(plan, scene, n);
     return plan;
 }

@@ -143,16 +143,6 @@ void check_quality(Value root, const Value& table, const std::string& file, cons
     problems.insert(problems.end(), found.begin(), found.end());
 }
 
-void sort_and_throw(std::vector<Problem> problems, const std::string& file) {
-    if (problems.empty()) return;
-    const auto rank = [&](const Problem& p) { return std::tuple(p.place.file != file, p.place.line, p.place.column); };
-    std::stable_sort(problems.begin(), problems.end(), [&](const Problem& a, const Problem& b) { return rank(a) < rank(b); });
-    std::vector<Problem> unique;
-    for (const Problem& p : problems)
-        if (std::none_of(unique.begin(), unique.end(), [&](const Problem& q) { return q.message() == p.message(); })) unique.push_back(p);
-    throw InputError(std::move(unique));
-}
-
 Scene read_root(Value root, const std::string& file, const ReadRequest& request) {
     std::vector<Problem> problems;
     const Value quality = take_quality(root, problems);
@@ -165,7 +155,7 @@ Scene read_root(Value root, const std::string& file, const ReadRequest& request)
     for (const Change& change : request.changes) apply_change(root, change, problems);
     Scene scene;
     read_tree(root, file, request.sections, scene, problems);
-    sort_and_throw(std::move(problems), file);
+    if (!problems.empty()) throw InputError(in_order(std::move(problems), file));
     return scene;
 }
 

@@ -59,7 +59,7 @@ void Reader::unknown(const Value& v, const std::string& name, const KeyTable& ta
         for (const Section& s : sections_) names.push_back(s.name);
     if (path.empty()) names.emplace_back("quality");
     const std::string near = nearest_name(name, names);
-    const std::string where = path.empty() ? "" : " in [" + path + "]";
+    const std::string where = path.empty() ? "" : (path.back() == ']' ? " in " + path : " in [" + path + "]");
     std::string hint = near.empty() ? "" : "did you mean \"" + near + "\"?";
     if (near.empty())  // a key of another section, most likely
         for (const KeyTable::Part& part : root_.table->parts)
@@ -125,7 +125,7 @@ void Reader::check_selected(const Described& here, const std::string& path) {
         const std::string selector = key.selector.empty() ? "" : selector_name(key, path);
         if (failed_.count(selector)) continue;
         const bool given = places.count(full) > 0, counted = counts(key, here, root_);
-        if (given && !counted) {
+        if (given && !counted && !failed_.count(full)) {
             const std::string value = selector_value(key, here, root_);
             std::vector<std::string> valid;
             for (const Key& k : here.table->keys)

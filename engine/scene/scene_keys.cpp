@@ -16,7 +16,7 @@ void add_shape_keys(KeyTableOf<S>& t, const std::vector<std::string>& kinds, boo
             .only_with("shape", {"sphere", "mesh"});
     t.key("from", [](S& s) -> auto& { return s.shape.from; }, "m", "middle of one end").required().only_with("shape", {"cylinder"});
     t.key("to", [](S& s) -> auto& { return s.shape.to; }, "m", "middle of the other end").required().only_with("shape", {"cylinder"});
-    t.key("radius", [](S& s) -> auto& { return s.shape.radius; }, "m", "radius").required().above(0).only_with("shape", {"sphere", "cylinder"});
+    t.key("radius", [](S& s) -> auto& { return s.shape.radius; }, "m", "of the sphere or cylinder").required().above(0).only_with("shape", {"sphere", "cylinder"});
     if (std::find(kinds.begin(), kinds.end(), "plane") != kinds.end())
         t.key("normal", [](S& s) -> auto& { return s.shape.normal; }, "", "out of the solid, into the fluid").only_with("shape", {"plane"});
     t.key("file", [](S& s) -> auto& { return s.shape.file; }, "", "OBJ, PLY or STL, found from the scene file's folder")
@@ -136,7 +136,7 @@ KeyTable emitter_keys() {
     t.key("shape", &EmitterKeys::shape, "", "a round opening, or a slot").one_of({"disc", "box"});
     t.key("position", &EmitterKeys::position, "m", "middle of the opening").required();
     t.key("direction", &EmitterKeys::direction, "", "the way the fluid goes, of any length");
-    t.key("radius", &EmitterKeys::radius, "m", "of the opening").required().above(0).only_with("shape", {"disc"});
+    t.key("radius", &EmitterKeys::radius, "m", "of the round opening").required().above(0).only_with("shape", {"disc"});
     t.key("width", &EmitterKeys::width, "m", "long side of the slot").required().above(0).only_with("shape", {"box"});
     t.key("thickness", &EmitterKeys::thickness, "m", "short side of the slot").required().above(0).only_with("shape", {"box"});
     t.key("speed", &EmitterKeys::speed, "m/s", "mean over the opening").required().at_least(0).of("t");
