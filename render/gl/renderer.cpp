@@ -3,149 +3,185 @@
 #include <Eigen/LU>
 #include <algorithm>
 
-#include "engine/core/errors.h"
 #include "render/gl/context.h"
+#include "render/gl/field_texture.h"
+#include "render/gl/ground_light.h"
 #include "render/gl/objects.h"
 #include "render/gl/setup.h"
+#include "render/gl/things.h"
 #include "render/look/material.h"
 #include "render/look/studio.h"
 
 namespace whorl {
+namespace {
 
-using gl::Program;
+/// Texture units: 0 .. 3 are a pass's own.
+constexpr int ground_unit = 4, shadow_unit = 5, field_unit = 7;
+
+/// All that one picture is made of.
+struct Shot {
+    const LookOptions& look;
+    const View& view;
+    Studio studio;
+    Material material;
+    float spacing = 0;  ///< m
+    float ground = 0;   ///< m
+    Eigen::Matrix4f camera;
+    float aspect = 1;
+};
+
+}  // namespace
 
 struct Renderer::Device {
-    Device(int w, int h) : width(w), height(h) {}
+    Device(int w, int h) : width(w), height(h) { glGenVertexArrays(1, &no_vertices); }
+    ~Device() { glDeleteVertexArrays(1, &no_vertices); }
+
+    Image draw(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view);
+    void draw_sample(const Shot& shot, int sample);
+    void draw_solids(const Shot& shot, const Eigen::Matrix4f& matrix);
+    void shade_fluid(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
+    void compose_picture(const Shot& shot);
+    Image read_back() const;
+    void set_studio(gl::Program& program, const Shot& shot) const;
+    void cover_screen() const;
 
     GlContext context;  // first: everything below is freed while it is still current
     int width, height;
 
-    Program fluid_normal{{"mesh.vert"}, {"normal.frag"}};
-    Program solid_colour{{"mesh.vert"}, {"studio.glsl", "solid.frag"}};
-    Program liquid{{"screen.vert"}, {"studio.glsl", "liquid.frag"}};
-    Program compose{{"screen.vert"}, {"studio.glsl", "compose.frag"}};
+    gl::Program fluid_normal{{"mesh.vert"}, {"normal.frag"}};
+    gl::Program solid_colour{{"mesh.vert"}, {"studio.glsl", "field.glsl", "shadow.glsl", "solid.frag"}};
+    gl::Program liquid{{"screen.vert"}, {"studio.glsl", "field.glsl", "liquid.frag"}};
+    gl::Program compose{{"screen.vert"}, {"studio.glsl", "compose.frag"}};
 
     gl::Texture depth = gl::texture_2d(GL_DEPTH_COMPONENT32F, width, height, false);
     gl::Texture solid = gl::texture_2d(GL_RGBA16F, width, height, false);
     gl::Texture normal = gl::texture_2d(GL_RGBA16F, width, height, false);
     gl::Texture sum = gl::texture_2d(GL_RGBA16F, width, height, false);
     gl::Texture picture = gl::texture_2d(GL_RGBA8, width, height, false);
-    gl::Texture ground_light = gl::texture_2d(GL_RGBA16F, 1, 1, true);
     gl::Framebuffer geometry = gl::framebuffer({solid.id(), normal.id()}, depth.id());
     gl::Framebuffer accumulate = gl::framebuffer({sum.id()}, 0);
     gl::Framebuffer output = gl::framebuffer({picture.id()}, 0);
 
-    gl::Vertices fluid{{3, 3}};
-    gl::Vertices solid_vertices{{3, 3}};
-    gl::Vertices screen{{1}};
-
-    Image draw(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view);
-    void set_studio(Program& program, const LookOptions& look, const View& view, float ground);
-    void cover_screen();
+    Things things;
+    FieldTexture field;
+    GroundLight ground_light;
+    GLuint no_vertices = 0;
 };
 
-namespace {
-
-void fill(gl::Vertices& vertices, const TriangleMesh& mesh) {
-    vertices.fill({{mesh.position.empty() ? nullptr : mesh.position[0].data(), 3 * mesh.position.size()},
-                   {mesh.normal.empty() ? nullptr : mesh.normal[0].data(), 3 * mesh.normal.size()}},
-                  mesh.triangle.empty() ? nullptr : mesh.triangle[0].data(), 3 * mesh.triangle.size());
+void Renderer::Device::set_studio(gl::Program& program, const Shot& shot) const {
+    program.use();
+    program.set("studio", studio_axes(shot.view));
+    program.set("backdrop_low", shot.studio.backdrop_low);
+    program.set("backdrop_high", shot.studio.backdrop_high);
+    program.set("backdrop_glow", shot.studio.backdrop_glow);
+    program.set("key_light", shot.studio.key);
+    program.set("window_light", shot.studio.window);
+    program.set("rim_light", shot.studio.rim);
+    program.set("fill_light", shot.studio.fill);
+    program.set("sky", shot.studio.sky);
+    program.set("key_colour", shot.studio.sun);
+    program.set("ground_height", shot.look.ground ? shot.ground : -1e6f);
+    program.set("eye", shot.view.position);
+    ground_light.bind_ground(program, ground_unit);
 }
 
-}  // namespace
-
-void Renderer::Device::set_studio(Program& program, const LookOptions& look, const View& view, float ground) {
-    const Studio studio = studio_of(look.background);
-    program.set("studio", studio_axes(view));
-    program.set("backdrop_low", studio.backdrop_low);
-    program.set("backdrop_high", studio.backdrop_high);
-    program.set("backdrop_glow", studio.backdrop_glow);
-    program.set("key_light", studio.key);
-    program.set("rim_light", studio.rim);
-    program.set("fill_light", studio.fill);
-    program.set("box_softness", 0.05f);
-    program.set("ground_height", ground);
-    program.set("ground_area", Vec3f(0, 0, 1e-9f));
-    program.texture("ground_light", 7, GL_TEXTURE_2D, ground_light.id());
-    program.set("eye", view.position);
+void Renderer::Device::cover_screen() const {
+    glBindVertexArray(no_vertices);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
 }
-
-void Renderer::Device::cover_screen() { glDrawArrays(GL_TRIANGLES, 0, 3); }
 
 Image Renderer::Device::draw(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view) {
     context.make_current();
-    const float ground = look.ground ? ground_height(frame) : -1e6f;
-    Bounds content = bounds_of(surface.mesh.position);
-    std::vector<const FrameSolid*> solids;
-    for (const FrameSolid& s : frame.solids)
-        if (s.mesh && !s.container && !is_level_ground(s)) solids.push_back(&s), content.add(bounds_of(s));
-    if (content.empty()) content.add(frame.domain_min), content.add(frame.domain_max);
-    const Eigen::Matrix4f camera = camera_matrix(view, static_cast<float>(width) / static_cast<float>(height), content);
+    things.fill(frame, surface.mesh);
+    field.fill(surface.distance);
+    const float aspect = static_cast<float>(width) / static_cast<float>(height);
+    const Shot shot{look,          view, studio_of(look.background), fluid_material(look, (frame.domain_max - frame.domain_min).norm()),
+                    frame.spacing, ground_height(frame), camera_matrix(view, aspect, things.bounds()), aspect};
+    glBindVertexArray(no_vertices);
+    ground_light.draw(things, shot.material, studio_axes(view), shot.ground, look.ground);
 
-    fill(fluid, surface.mesh);
     glViewport(0, 0, width, height);
-    glDisable(GL_BLEND);
-    glBindFramebuffer(GL_FRAMEBUFFER, accumulate.id());
     glClearColor(0, 0, 0, 0);
+    glBindFramebuffer(GL_FRAMEBUFFER, accumulate.id());
     glClear(GL_COLOR_BUFFER_BIT);
+    for (int i = 0; i < std::max(look.samples, 1); ++i) draw_sample(shot, i);
+    compose_picture(shot);
+    return read_back();
+}
 
-    const int samples = std::max(look.samples, 1);
-    for (int i = 0; i < samples; ++i) {
-        const Eigen::Matrix4f matrix = jittered(camera, sample_place(i, samples), width, height);
-        const Eigen::Matrix4f to_world = matrix.inverse();
-        glBindFramebuffer(GL_FRAMEBUFFER, geometry.id());
-        glEnable(GL_DEPTH_TEST);
-        glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-        solid_colour.use();
-        set_studio(solid_colour, look, view, ground);
-        solid_colour.set("view_projection", matrix);
-        for (const FrameSolid* s : solids) {
-            const SolidMaterial material = solid_material(s->material);
-            solid_colour.set("rotation", s->rotation);
-            solid_colour.set("translation", s->translation);
-            solid_colour.set("solid_colour", material.colour);
-            solid_colour.set("metal", material.metal);
-            fill(solid_vertices, *s->mesh);
-            solid_vertices.draw(GL_TRIANGLES);
-        }
-        glColorMaski(0, GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-        fluid_normal.use();
-        fluid_normal.set("view_projection", matrix);
-        fluid_normal.set("rotation", Mat3f(Mat3f::Identity()));
-        fluid_normal.set("translation", Vec3f(Vec3f::Zero()));
-        fluid_normal.set("ground_height", ground);
-        fluid_normal.set("tolerance", 0.5f * frame.spacing);
-        fluid.draw(GL_TRIANGLES);
-        glColorMaski(0, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+void Renderer::Device::draw_sample(const Shot& shot, int sample) {
+    const int samples = std::max(shot.look.samples, 1);
+    const Eigen::Matrix4f matrix = jittered(shot.camera, sample_place(sample, samples), width, height);
+    const PixelBox box = pixels_of(things.bounds(), shot.camera, width, height);
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(box.x, box.y, box.width, box.height);
 
-        glDisable(GL_DEPTH_TEST);
-        glBindFramebuffer(GL_FRAMEBUFFER, accumulate.id());
-        glEnable(GL_BLEND);
-        glBlendFunc(GL_ONE, GL_ONE);
-        const PixelBox box = pixels_of(content, camera, width, height);
-        glEnable(GL_SCISSOR_TEST);
-        glScissor(box.x, box.y, box.width, box.height);
-        liquid.use();
-        set_studio(liquid, look, view, ground);
-        liquid.texture("depth_buffer", 0, GL_TEXTURE_2D, depth.id());
-        liquid.texture("normal_buffer", 1, GL_TEXTURE_2D, normal.id());
-        liquid.texture("solid_buffer", 2, GL_TEXTURE_2D, solid.id());
-        liquid.set("to_world", to_world);
-        liquid.set("weight", 1.0f / static_cast<float>(samples));
-        cover_screen();
-        glDisable(GL_SCISSOR_TEST);
-        glDisable(GL_BLEND);
-    }
+    glBindFramebuffer(GL_FRAMEBUFFER, geometry.id());
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    glEnable(GL_DEPTH_TEST);
+    draw_solids(shot, matrix);
+    glColorMaski(0, GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    fluid_normal.use();
+    fluid_normal.set("view_projection", matrix);
+    fluid_normal.set("ground_height", shot.look.ground ? shot.ground : -1e6f);
+    fluid_normal.set("tolerance", 0.5f * shot.spacing);
+    things.draw_fluid(fluid_normal);
+    glColorMaski(0, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glDisable(GL_DEPTH_TEST);
 
-    glBindFramebuffer(GL_FRAMEBUFFER, output.id());
-    compose.use();
-    set_studio(compose, look, view, ground);
-    compose.texture("samples", 0, GL_TEXTURE_2D, sum.id());
-    compose.set("to_world", Eigen::Matrix4f(camera.inverse()));
-    compose.set("exposure", look.exposure);
-    compose.set("aspect", static_cast<float>(width) / static_cast<float>(height));
+    glBindFramebuffer(GL_FRAMEBUFFER, accumulate.id());
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_ONE);
+    shade_fluid(shot, matrix, 1.0f / static_cast<float>(samples));
+    glDisable(GL_BLEND);
+    glDisable(GL_SCISSOR_TEST);
+}
+
+void Renderer::Device::draw_solids(const Shot& shot, const Eigen::Matrix4f& matrix) {
+    if (!things.any_solids()) return;
+    set_studio(solid_colour, shot);
+    ground_light.bind_shadow(solid_colour, shadow_unit);
+    field.bind(solid_colour, field_unit);
+    solid_colour.set("view_projection", matrix);
+    things.draw_solids(solid_colour, false, [&](const FrameSolid& s) {
+        const SolidMaterial material = solid_material(s.material);
+        solid_colour.set("solid_colour", material.colour);
+        solid_colour.set("metal", material.metal);
+        solid_colour.set("grain", material.grain);
+        solid_colour.set("roughness", material.roughness);
+        solid_colour.set("box_softness", material.roughness);
+    });
+}
+
+void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matrix, float weight) {
+    set_studio(liquid, shot);
+    field.bind(liquid, field_unit);
+    liquid.texture("depth_buffer", 0, GL_TEXTURE_2D, depth.id());
+    liquid.texture("normal_buffer", 1, GL_TEXTURE_2D, normal.id());
+    liquid.texture("solid_buffer", 2, GL_TEXTURE_2D, solid.id());
+    liquid.set("to_world", Eigen::Matrix4f(matrix.inverse()));
+    liquid.set("to_clip", matrix);
+    liquid.set("weight", weight);
+    liquid.set("has_solids", things.any_solids() ? 1 : 0);
+    liquid.set("box_softness", shot.material.roughness);
+    liquid.set("refraction", shot.material.refraction);
+    liquid.set("absorption", Vec3f(shot.material.absorption * field.voxel()));
+    liquid.set("scatter", shot.material.scatter);
+    liquid.set("haze", shot.material.haze * field.voxel());
     cover_screen();
+}
 
+void Renderer::Device::compose_picture(const Shot& shot) {
+    glBindFramebuffer(GL_FRAMEBUFFER, output.id());
+    set_studio(compose, shot);
+    compose.texture("samples", 0, GL_TEXTURE_2D, sum.id());
+    compose.set("to_world", Eigen::Matrix4f(shot.camera.inverse()));
+    compose.set("exposure", shot.look.exposure);
+    compose.set("aspect", shot.aspect);
+    cover_screen();
+}
+
+Image Renderer::Device::read_back() const {
     Image image{width, height, std::vector<std::uint8_t>(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height))};
     std::vector<std::uint8_t> rows(image.rgb.size());
     glPixelStorei(GL_PACK_ALIGNMENT, 1);

@@ -5,11 +5,27 @@
 namespace whorl {
 
 Studio studio_of(const std::string& background) {
-    if (background == "dark")
-        return {{0.030f, 0.032f, 0.037f}, {0.012f, 0.013f, 0.016f}, {0.10f, 0.10f, 0.11f}, Vec3f(7.0f, 6.9f, 6.7f), Vec3f(5.0f, 5.2f, 5.6f), Vec3f(0.5f, 0.5f, 0.5f)};
-    if (background == "white")
-        return {{0.95f, 0.95f, 0.95f}, {0.90f, 0.90f, 0.90f}, {0.12f, 0.12f, 0.12f}, Vec3f(8.0f, 7.9f, 7.7f), Vec3f(4.0f, 4.0f, 4.0f), Vec3f(0.6f, 0.6f, 0.6f)};
-    return {{0.66f, 0.645f, 0.62f}, {0.33f, 0.335f, 0.345f}, {0.42f, 0.40f, 0.37f}, Vec3f(8.0f, 7.8f, 7.4f), Vec3f(4.5f, 4.6f, 4.8f), Vec3f(0.5f, 0.5f, 0.5f)};
+    Studio studio;
+    studio.backdrop_low = {0.56f, 0.56f, 0.56f};
+    studio.backdrop_high = {0.33f, 0.335f, 0.345f};
+    studio.backdrop_glow = {0.40f, 0.39f, 0.38f};
+    studio.key = {38.0f, 37.6f, 37.0f};
+    studio.window = {5.0f, 4.9f, 4.7f};
+    studio.rim = {16.0f, 16.1f, 16.3f};
+    studio.fill = {0.5f, 0.5f, 0.5f};
+    studio.sky = {0.62f, 0.62f, 0.62f};
+    studio.sun = {0.55f, 0.54f, 0.52f};
+    if (background == "dark") {
+        studio.backdrop_low = {0.030f, 0.032f, 0.037f};
+        studio.backdrop_high = {0.012f, 0.013f, 0.016f};
+        studio.backdrop_glow = {0.10f, 0.10f, 0.11f};
+        studio.sky = {0.30f, 0.30f, 0.32f};
+    } else if (background == "white") {
+        studio.backdrop_low = {0.95f, 0.95f, 0.95f};
+        studio.backdrop_high = {0.90f, 0.90f, 0.90f};
+        studio.backdrop_glow = {0.12f, 0.12f, 0.12f};
+    }
+    return studio;
 }
 
 std::vector<std::string> background_names() { return {"studio", "dark", "white"}; }

@@ -11,7 +11,9 @@ namespace whorl {
 /// Radiances, linear RGB.
 struct Studio {
     Vec3f backdrop_low, backdrop_high, backdrop_glow;
-    Vec3f key, rim, fill;
+    Vec3f key, window, rim, fill;  ///< the soft boxes; the window is the shadow light
+    Vec3f sky;             ///< the light that falls on a body from all round
+    Vec3f sun;             ///< what the shadow light adds on a white surface that faces it
 };
 /// studio | dark | white; any other name: studio.
 Studio studio_of(const std::string& background);

@@ -1,12 +1,107 @@
-// The fluid seen in one sample a pixel.
+// The fluid seen in one sample a pixel: first hit from the mesh, then light's way through it.
 in vec2 uv;
 uniform sampler2D depth_buffer;
 uniform sampler2D normal_buffer;
 uniform sampler2D solid_buffer;
 uniform mat4 to_world;       // clip -> world
+uniform mat4 to_clip;
 uniform vec3 eye;
 uniform float weight;        // of this sample in the pixel
+uniform bool has_solids;
+uniform float refraction;    // index
+uniform vec3 absorption;     // 1/voxel
+uniform vec3 scatter;
+uniform float haze;          // 1/voxel
+uniform vec3 sky;            // light that falls on a body from all round
 layout(location = 0) out vec4 colour;
+
+float fresnel(float facing) {
+    float f0 = (refraction - 1.0) / (refraction + 1.0);
+    f0 *= f0;
+    float x = 1.0 - clamp(facing, 0.0, 1.0), x2 = x * x;
+    return f0 + (1.0 - f0) * x2 * x2 * x;
+}
+
+// Voxels from p along d to the surface, from inside.
+float way_out(vec3 p, vec3 d, float limit) {
+    float t = 0.6, last_t = 0.0, last_f = 0.3;
+    for (int i = 0; i < 28; ++i) {
+        float f = -near_distance(p + t * d);
+        if (f < 0.0) return mix(last_t, t, last_f / (last_f - f));
+        last_t = t;
+        last_f = f;
+        t += max(f, 0.4);
+        if (t > limit) return limit;
+    }
+    return t;
+}
+
+// Voxels from p along d to where the fluid begins again, or -1.
+float way_in(vec3 p, vec3 d, float limit) {
+    float t = 1.0;
+    for (int i = 0; i < 14; ++i) {
+        vec3 q = p + t * d;
+        float f = far_distance(q);
+        if (f < 5.0) f = near_distance(q);
+        if (f < 0.05) return t;
+        t += max(f, 0.7);
+        vec3 outside = abs(q - 0.5 * field_size) - 0.5 * field_size;
+        if (t > limit || max(outside.x, max(outside.y, outside.z)) > 0.0) return -1.0;
+    }
+    return -1.0;
+}
+
+// Colour of the solid that a ray from p sees, by what the camera sees of solids; a: found.
+vec4 solid_behind(vec3 p, vec3 d) {
+    float t = 0.5 * voxel;
+    for (int i = 0; i < 7; ++i) {
+        vec3 q = p + t * d;
+        vec4 h = to_clip * vec4(q, 1.0);
+        vec4 s = textureLod(solid_buffer, 0.5 * h.xy / h.w + 0.5, 0.0);
+        float behind = distance(q, eye) - s.a;
+        if (s.a > 0.0 && behind > -voxel && behind < 2.0 * t + 3.0 * voxel) return vec4(s.rgb, 1.0);
+        t *= 2.2;
+    }
+    return vec4(0.0);
+}
+
+vec3 seen_from(vec3 p, vec3 d) {
+    vec4 s = has_solids ? solid_behind(p, d) : vec4(0.0);
+    // Lights seen through the body are held back: far above white they would wash its colour out.
+    return min(s.a > 0.5 ? s.rgb : surroundings(p, d), vec3(1.8));
+}
+
+vec3 light_through(vec3 p, vec3 d) {
+    vec3 through = vec3(1.0), light = vec3(0.0);
+    float floor_place = (ground_height - field_origin.y) / voxel;
+    for (int turn = 0; turn < 4; ++turn) {
+        float to_floor = d.y < -1e-3 && floor_place > -100.0 ? max((floor_place - p.y) / d.y, 0.0) : 1e4;
+        float way = way_out(p, d, to_floor);
+        vec3 middle = p + 0.5 * way * d;
+        float depth = max(-far_distance(middle), 0.0);
+        float milk = 1.0 - exp(-haze * way);
+        light += through * milk * scatter * sky * exp(-absorption * 1.2 * depth);
+        through *= exp(-absorption * way) * (1.0 - milk);
+        p += way * d;
+        if (way >= to_floor) break;
+        vec3 n = field_normal(p);
+        vec3 out_d = refract(d, -n, refraction);
+        if (dot(out_d, out_d) < 0.5) {   // total reflection
+            d = reflect(d, -n);
+            p -= 0.3 * n;
+            continue;
+        }
+        d = out_d;
+        if (turn == 3) break;
+        to_floor = d.y < -1e-3 && floor_place > -100.0 ? max((floor_place - p.y) / d.y, 0.0) : 1e4;
+        float gap = way_in(p, d, to_floor);
+        if (gap < 0.0) break;
+        p += gap * d;
+        n = field_normal(p);
+        d = refract(d, dot(n, d) < 0.0 ? n : -n, 1.0 / refraction);
+    }
+    return light + through * seen_from(world_of(p), d);
+}
 
 void main() {
     vec4 g = texture(normal_buffer, uv);
@@ -18,13 +113,15 @@ void main() {
     }
     float depth = texture(depth_buffer, uv).r;
     vec4 h = to_world * vec4(2.0 * vec3(uv, depth) - 1.0, 1.0);
-    vec3 p = h.xyz / h.w;
-    vec3 v = normalize(p - eye);
+    vec3 x = h.xyz / h.w;
+    vec3 v = normalize(x - eye);
     vec3 n = normalize(g.xyz);
     if (dot(n, v) > -0.02) n = normalize(n - (dot(n, v) + 0.02) * v);
-    float facing = -dot(n, v);
+    vec3 p = place_of(x);
     vec3 r = reflect(v, n);
-    float fresnel = 0.04 + 0.96 * pow(1.0 - facing, 5.0);
-    vec3 body = vec3(0.8, 0.4, 0.05) * (0.3 + 0.7 * (0.5 + 0.5 * n.y));
-    colour = weight * vec4(mix(body, surroundings(p, r), fresnel), 1.0);
+    float mirror = fresnel(-dot(n, v));
+    float open = openness(p + n, r, 30.0);
+    vec3 mirrored = mix(scatter * sky * 0.5, surroundings(x, r) + strip_light(r), open);
+    vec3 body = light_through(p, refract(v, n, 1.0 / refraction));
+    colour = weight * vec4(mix(body, mirrored, mirror), 1.0);
 }

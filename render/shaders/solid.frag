@@ -5,8 +5,22 @@ in vec3 own;
 uniform vec3 eye;
 uniform vec3 solid_colour;
 uniform float metal;
+uniform float roughness;
+uniform float grain;
+uniform bool has_field;
+uniform vec3 sky;
+uniform vec3 key_colour;
 layout(location = 0) out vec4 solid;
 layout(location = 1) out vec4 normal;
+
+// Rings of a trunk that lies along x, cut by the solid's surface.
+vec3 wood(vec3 colour) {
+    vec3 q = own * 28.0;
+    float r = length(q.yz + vec2(7.0, 2.0) + 0.15 * vec2(sin(3.1 * q.x), cos(2.3 * q.x)));
+    float ring = fract(1.7 * r + 0.12 * sin(9.0 * r) + 0.05 * sin(41.0 * q.z));
+    float late = smoothstep(0.2, 0.95, ring) * (1.0 - smoothstep(0.95, 1.0, ring));
+    return colour * (1.15 - 0.5 * grain * late);
+}
 
 void main() {
     if (world.y < ground_height - 1e-4) discard;
@@ -14,9 +28,21 @@ void main() {
     vec3 n = normalize(world_normal);
     if (dot(n, v) > 0.0) n = -n;
     vec3 r = reflect(v, n);
-    float fresnel = mix(0.04, 0.9, metal);
-    fresnel += (1.0 - fresnel) * pow(1.0 + dot(n, v), 5.0);
-    vec3 diffuse = solid_colour * (1.0 - metal) * (0.55 + 0.45 * n.y);
-    solid = vec4(diffuse + fresnel * mix(vec3(1.0), solid_colour, metal) * surroundings(world, r), length(world - eye));
+    vec3 albedo = grain > 0.0 ? wood(solid_colour) : solid_colour;
+    float f0 = mix(0.045, 0.85, metal);
+    float mirror = f0 + (1.0 - f0) * pow(clamp(1.0 + dot(n, v), 0.0, 1.0), 5.0) * (1.0 - 0.7 * roughness);
+    float open = 1.0, seen = 1.0;
+    vec3 key = key_colour * clamp(dot(n, light), 0.0, 1.0);
+    if (has_field) {
+        vec3 p = place_of(world);
+        open = openness(p + n, n, 40.0);
+        seen = openness(p + n, r, 40.0);
+        key *= key_at(world, false);
+    }
+    vec3 around = mix(backdrop_low, sky, 0.5 + 0.5 * n.y);
+    vec3 diffuse = albedo * (1.0 - metal) * (around * open + key);
+    vec3 mirrored = surroundings(world, r) * mix(1.0, seen, 0.8);
+    vec3 tint = mix(vec3(1.0), albedo, metal);
+    solid = vec4(diffuse + mirror * tint * mirrored, length(world - eye));
     normal = vec4(0.0);
 }

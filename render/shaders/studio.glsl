@@ -4,6 +4,7 @@ uniform vec3 backdrop_low;   // radiance of the backdrop looking down,
 uniform vec3 backdrop_high;  // looking up,
 uniform vec3 backdrop_glow;  // and added behind the scene
 uniform vec3 key_light;      // radiance of the soft boxes
+uniform vec3 window_light;    // of the box that throws the shadow, behind the scene
 uniform vec3 rim_light;
 uniform vec3 fill_light;
 uniform float box_softness;  // 0 crisp .. 1 very soft: rough materials blur what they mirror
@@ -29,13 +30,24 @@ float soft_box(vec3 s, vec3 axis, vec3 right, vec2 size, float soft) {
 vec3 soft_boxes(vec3 d) {
     vec3 s = studio * d;
     float soft = 0.12 + 0.9 * box_softness;
-    vec3 light = key_light * soft_box(s, normalize(vec3(-0.62, 0.68, 0.38)), normalize(vec3(0.52, 0.0, 0.85)), vec2(0.26, 0.42), soft);
+    vec3 light = key_light * soft_box(s, normalize(vec3(-0.62, 0.68, 0.38)), normalize(vec3(0.52, 0.0, 0.85)), vec2(0.17, 0.30), soft);
     light += rim_light * soft_box(s, normalize(vec3(0.75, 0.45, -0.55)), normalize(vec3(0.55, 0.0, 0.75)), vec2(0.22, 0.6), soft);
+    light += window_light * soft_box(s, normalize(vec3(-0.50, 0.62, -0.60)), normalize(vec3(0.77, 0.0, -0.64)), vec2(0.45, 0.35), soft);
     light += fill_light * soft_box(s, normalize(vec3(0.85, 0.35, 0.6)), normalize(vec3(0.6, 0.0, -0.85)), vec2(0.5, 0.5), min(1.0, 2.0 * soft));
     return light;
 }
 
-vec3 environment(vec3 d) { return backdrop(d) + soft_boxes(d); }
+// Dark flags stand at the sides, out of the picture: they draw the edges of things that light passes through.
+vec3 environment(vec3 d) {
+    float aside = (studio * d).x;
+    return backdrop(d) * (1.0 - 0.8 * smoothstep(0.1, 0.8, abs(aside))) + soft_boxes(d);
+}
+
+// A narrow tall box near the viewer's left that stands on the floor: the long highlight along an upright thread.
+vec3 strip_light(vec3 d) {
+    vec3 s = studio * d;
+    return 0.3 * key_light * soft_box(s, normalize(vec3(-0.80, 0.12, 0.58)), normalize(vec3(0.58, 0.0, 0.80)), vec2(0.075, 0.75), 0.25 + box_softness);
+}
 
 // Light that reaches the ground at q over the light it would get alone: shadow, contact, colour, caustic.
 vec3 light_on_ground(vec2 q) {

@@ -168,10 +168,10 @@ Surface coiled_thread(float radius, float coil, int turns, float height, float v
         };
         const float own = nearest(false), thread = joined(own, nearest(true), 0.4f * radius);
         const float puddle = (x.cwiseProduct(Vec3f(1, 3.2f, 1)).norm() - 1.75f * coil) / 2;
-        return std::max(joined(thread, puddle, radius), -x.y());
+        return std::max(joined(thread, puddle, radius), -0.4f * radius - x.y());  // sinks a little into the ground, as a level set does
     };
     const float wide = 1.9f * coil + 2 * radius;
-    return surface_of(distance, Vec3f(-wide, 0, -wide), Vec3f(wide, height, wide), voxel);
+    return surface_of(distance, Vec3f(-wide, -0.4f * radius, -wide), Vec3f(wide, height, wide), voxel);
 }
 
 Surface sphere(const Vec3f& centre, float radius, float voxel) {
@@ -184,9 +184,9 @@ Surface pool(float half_width, float depth, float voxel) {
         const float r = std::hypot(x.x(), x.z()) / half_width;
         const float level = depth * (1 + 0.8f * std::exp(-14 * r * r) + 0.12f * std::sin(9 * x.x() / half_width) * std::cos(7 * x.z() / half_width));
         const float side = std::max(std::abs(x.x()), std::abs(x.z())) - half_width;
-        return std::max({0.8f * (x.y() - level), side, -x.y()});
+        return std::max({0.8f * (x.y() - level), side, -0.1f * depth - x.y()});
     };
-    return surface_of(distance, Vec3f(-half_width, 0, -half_width), Vec3f(half_width, 2 * depth, half_width), voxel);
+    return surface_of(distance, Vec3f(-half_width, -0.1f * depth, -half_width), Vec3f(half_width, 2 * depth, half_width), voxel);
 }
 
 TriangleMesh box_mesh(const Vec3f& low, const Vec3f& high) {

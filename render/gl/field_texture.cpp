@@ -1,0 +1,58 @@
+#include "render/gl/field_texture.h"
+
+#include "engine/core/parallel.h"
+#include "render/gl/far_field.h"
+
+namespace whorl {
+namespace {
+
+constexpr int coarseness = 4, margin = 4;
+
+void upload(gl::Texture& texture, const Volume& volume, float unit) {
+    if (texture.id() == 0) {
+        GLuint id = 0;
+        glGenTextures(1, &id);
+        texture = gl::Texture(id);
+        glBindTexture(GL_TEXTURE_3D, id);
+        for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) glTexParameteri(GL_TEXTURE_3D, filter, GL_LINEAR);
+        for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R}) glTexParameteri(GL_TEXTURE_3D, axis, GL_CLAMP_TO_EDGE);
+    }
+    std::vector<float> value(volume.value.size());
+    parallel_for(static_cast<Index>(value.size()), [&](Index i) { value[static_cast<std::size_t>(i)] = volume.value[static_cast<std::size_t>(i)] / unit; });
+    glBindTexture(GL_TEXTURE_3D, texture.id());
+    glTexImage3D(GL_TEXTURE_3D, 0, GL_R32F, volume.nx, volume.ny, volume.nz, 0, GL_RED, GL_FLOAT, value.data());
+}
+
+Vec3f count_of(const Volume& v) { return {static_cast<float>(v.nx), static_cast<float>(v.ny), static_cast<float>(v.nz)}; }
+
+}  // namespace
+
+void FieldTexture::fill(const Volume& band) {
+    size_ = band.value.empty() ? Vec3f::Zero() : count_of(band);
+    if (empty()) return;
+    voxel_ = band.voxel;
+    origin_ = band.origin;
+    const Volume wide = far_field(band, coarseness, margin);
+    upload(near_, band, voxel_);
+    upload(far_, wide, voxel_);
+    // place p of the band (voxels) -> p/coarseness + margin in the far field's voxels -> texture: (that + 1/2) / its size.
+    far_scale_ = (count_of(wide) * static_cast<float>(coarseness)).cwiseInverse();
+    far_offset_ = Vec3f::Constant(static_cast<float>(margin) + 0.5f).cwiseQuotient(count_of(wide));
+    far_half_ = 0.5f * size_ + Vec3f::Constant(static_cast<float>(margin * coarseness) - 1);
+}
+
+void FieldTexture::bind(gl::Program& program, int unit) const {
+    program.set("has_field", empty() ? 0 : 1);
+    if (empty()) return;
+    program.texture("near_field", unit, GL_TEXTURE_3D, near_.id());
+    program.texture("far_field", unit + 1, GL_TEXTURE_3D, far_.id());
+    program.set("field_origin", origin_);
+    program.set("voxel", voxel_);
+    program.set("near_scale", Vec3f(size_.cwiseInverse()));
+    program.set("far_scale", far_scale_);
+    program.set("far_offset", far_offset_);
+    program.set("field_size", size_);
+    program.set("far_half", far_half_);
+}
+
+}  // namespace whorl

@@ -1,0 +1,23 @@
+#pragma once
+/// The fluid's distance field on the device: the band as it is, and the far field (far_field.h).
+#include "render/gl/objects.h"
+#include "render/surface/surface.h"
+
+namespace whorl {
+
+class FieldTexture {
+public:
+    void fill(const Volume& band);
+    /// Sets the uniforms of field.glsl; takes two texture units from `unit` on.
+    void bind(gl::Program& program, int unit) const;
+    bool empty() const { return size_.isZero(); }
+    float voxel() const { return voxel_; }  ///< m
+
+private:
+    gl::Texture near_, far_;
+    Vec3f origin_ = Vec3f::Zero(), size_ = Vec3f::Zero();
+    Vec3f far_scale_ = Vec3f::Zero(), far_offset_ = Vec3f::Zero(), far_half_ = Vec3f::Zero();
+    float voxel_ = 0;
+};
+
+}  // namespace whorl

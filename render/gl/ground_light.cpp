@@ -1,0 +1,144 @@
+#include "render/gl/ground_light.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "render/look/studio.h"
+
+namespace whorl {
+namespace {
+
+constexpr float light_radius = 0.16f;  // of the soft box over its distance: how fast shadows soften
+constexpr float key_share = 0.55f;     // of the light on open ground
+
+void cover(int size) {
+    glViewport(0, 0, size, size);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+/// Averages of the texture over squares of 2, 4, 8, ... texels.
+void average(const gl::Texture& texture) {
+    glBindTexture(GL_TEXTURE_2D, texture.id());
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+    glGenerateMipmap(GL_TEXTURE_2D);
+}
+
+/// The area of the ground that gets a light map. It grows and moves in steps, so that its texels stand still while the fluid flows.
+Vec3f ground_area(const Bounds& bounds) {
+    const float reach = 1.9f * bounds.radius();
+    const float half = std::exp2(std::ceil(2 * std::log2(std::max(reach, 1e-6f))) / 2);
+    const float step = half / 16;
+    const Vec3f middle = bounds.centre();
+    return {step * std::round(middle.x() / step), step * std::round(middle.z() / step), half};
+}
+
+}  // namespace
+
+void GroundLight::draw(const Things& things, const Material& material, const Mat3f& to_studio, float ground, bool has_ground) {
+    light_ = to_studio.transpose() * shadow_light();
+    centre_ = things.bounds().centre();
+    radius_ = std::max(1.02f * things.bounds().radius(), 1e-4f);
+    light_matrix_ = light_matrix(light_, things.bounds());
+    glDisable(GL_DEPTH_TEST);
+    draw_layers(things);
+
+    const Vec3f absorption = material.refracts ? Vec3f(material.absorption + Vec3f::Constant(0.15f * material.haze)) : Vec3f::Constant(1e6f);
+    glBindFramebuffer(GL_FRAMEBUFFER, transmission_target_.id());
+    transmission_program_.use();
+    transmission_program_.texture("fluid_layers", 0, GL_TEXTURE_2D, fluid_layers_.id());
+    transmission_program_.texture("solid_layers", 1, GL_TEXTURE_2D, solid_layers_.id());
+    transmission_program_.set("shadow_absorption", absorption);
+    transmission_program_.set("caustic", material.refracts ? 3.0f : 0.0f);
+    cover(light_size);
+    average(open_);
+    average(blockers_);
+
+    area_ = Vec3f(0, 0, 1e-9f);
+    if (!has_ground) return;
+    area_ = ground_area(things.bounds());
+    const float thick = things.fluid_bounds().empty() ? 0.0f : 0.35f * things.fluid_bounds().radius();
+    const Vec3f tint = material.refracts ? Vec3f(0.55f * (-absorption * thick).array().exp()) : Vec3f(0.35f * material.colour);
+    draw_ground(things, tint, ground);
+}
+
+void GroundLight::draw_layers(const Things& things) {
+    glBindFramebuffer(GL_FRAMEBUFFER, layers_target_.id());
+    glViewport(0, 0, light_size, light_size);
+    glClearColor(0, 0, 0, 0);
+    glClear(GL_COLOR_BUFFER_BIT);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_ONE);
+    layers_program_.use();
+    layers_program_.set("view_projection", light_matrix_);
+    layers_program_.set("light", light_);
+    layers_program_.set("light_centre", centre_);
+    layers_program_.set("is_solid", 0);
+    things.draw_fluid(layers_program_);
+    layers_program_.set("is_solid", 1);
+    things.draw_solids(layers_program_, false, [](const FrameSolid&) {});
+    glDisable(GL_BLEND);
+}
+
+void GroundLight::draw_ground(const Things& things, const Vec3f& tint, float ground) {
+    // From above: x, z of the area -> the picture.
+    Eigen::Matrix4f from_above = Eigen::Matrix4f::Zero();
+    from_above(0, 0) = from_above(1, 2) = 1 / area_.z();
+    from_above(0, 3) = -area_.x() / area_.z();
+    from_above(1, 3) = -area_.y() / area_.z();
+    from_above(3, 3) = 1;
+    glBindFramebuffer(GL_FRAMEBUFFER, lowest_target_.id());
+    glViewport(0, 0, ground_size, ground_size);
+    glClearColor(1e3f, 0, 0, 0);
+    glClear(GL_COLOR_BUFFER_BIT);
+    glEnable(GL_BLEND);
+    glBlendEquation(GL_MIN);
+    lowest_program_.use();
+    lowest_program_.set("view_projection", from_above);
+    things.draw_fluid(lowest_program_);
+    things.draw_solids(lowest_program_, false, [](const FrameSolid&) {});
+    glBlendEquation(GL_FUNC_ADD);
+    glDisable(GL_BLEND);
+
+    const Eigen::Vector4f reach = 0.5f * area_.z() * Eigen::Vector4f(0.015f, 0.05f, 0.15f, 0.4f);  // m
+    glBindFramebuffer(GL_FRAMEBUFFER, nearness_target_.id());
+    nearness_program_.use();
+    nearness_program_.texture("lowest", 0, GL_TEXTURE_2D, lowest_.id());
+    nearness_program_.set("ground_height", ground);
+    nearness_program_.set("reach", reach);
+    cover(ground_size);
+    average(nearness_);
+
+    glBindFramebuffer(GL_FRAMEBUFFER, map_target_.id());
+    ground_program_.use();
+    ground_program_.texture("nearness", 0, GL_TEXTURE_2D, nearness_.id());
+    ground_program_.set("reach", Eigen::Vector4f(0.5f * reach / area_.z()));
+    bind_shadow(ground_program_, 1);
+    ground_program_.set("least_blur", 3.5f * area_.z() / static_cast<float>(ground_size));
+    ground_program_.set("ground_area", area_);
+    ground_program_.set("ground_height", ground);
+    ground_program_.set("shadow_tint", tint);
+    ground_program_.set("key_share", key_share);
+    cover(ground_size);
+}
+
+void GroundLight::bind_shadow(gl::Program& program, int unit) const {
+    Eigen::Matrix4f to_texture = Eigen::Matrix4f::Identity();
+    to_texture.topLeftCorner<3, 3>() *= 0.5f;
+    to_texture.topRightCorner<3, 1>().setConstant(0.5f);
+    program.texture("open_map", unit, GL_TEXTURE_2D, open_.id());
+    program.texture("blocker_map", unit + 1, GL_TEXTURE_2D, blockers_.id());
+    program.set("to_light", Eigen::Matrix4f(to_texture * light_matrix_));
+    program.set("light", light_);
+    program.set("light_centre", centre_);
+    program.set("light_texel", 2 * radius_ / static_cast<float>(light_size));
+    program.set("least_blur", 3 * radius_ / static_cast<float>(light_size));
+    program.set("light_size", light_radius);
+}
+
+void GroundLight::bind_ground(gl::Program& program, int unit) const {
+    program.set("ground_area", area_);
+    program.texture("ground_light", unit, GL_TEXTURE_2D, map_.id());
+}
+
+}  // namespace whorl

@@ -1,0 +1,47 @@
+#pragma once
+/// Light that reaches the ground and the solids: through the fluid (coloured, gathered), past the solids, and from the open sky.
+#include "render/gl/things.h"
+#include "render/look/look.h"
+#include "render/look/material.h"
+
+namespace whorl {
+
+class GroundLight {
+public:
+    /// @param to_studio studio_axes() of the view @param ground its height [m] @param has_ground else only the solids are lit
+    void draw(const Things& things, const Material& material, const Mat3f& to_studio, float ground, bool has_ground);
+    /// Sets the uniforms of shadow.glsl; takes two texture units from `unit` on.
+    void bind_shadow(gl::Program& program, int unit) const;
+    /// Sets the uniforms of studio.glsl about the ground; takes one texture unit.
+    void bind_ground(gl::Program& program, int unit) const;
+
+private:
+    static constexpr int light_size = 256, ground_size = 256;
+    void draw_layers(const Things& things);
+    void draw_ground(const Things& things, const Vec3f& tint, float ground);
+
+    gl::Program layers_program_{{"mesh.vert"}, {"light.frag"}};
+    gl::Program transmission_program_{{"screen.vert"}, {"transmission.frag"}};
+    gl::Program lowest_program_{{"mesh.vert"}, {"lowest.frag"}};
+    gl::Program nearness_program_{{"screen.vert"}, {"nearness.frag"}};
+    gl::Program ground_program_{{"screen.vert"}, {"shadow.glsl", "ground.frag"}};
+    gl::Texture fluid_layers_ = gl::texture_2d(GL_RGBA32F, light_size, light_size, true);
+    gl::Texture solid_layers_ = gl::texture_2d(GL_RGBA32F, light_size, light_size, true);
+    gl::Texture open_ = gl::texture_2d(GL_RGBA16F, light_size, light_size, true);
+    gl::Texture blockers_ = gl::texture_2d(GL_RGBA32F, light_size, light_size, true);
+    gl::Texture lowest_ = gl::texture_2d(GL_R32F, ground_size, ground_size, false);
+    gl::Texture nearness_ = gl::texture_2d(GL_RGBA16F, ground_size, ground_size, true);
+    gl::Texture map_ = gl::texture_2d(GL_RGBA16F, ground_size, ground_size, true);
+    gl::Framebuffer layers_target_ = gl::framebuffer({fluid_layers_.id(), solid_layers_.id()}, 0);
+    gl::Framebuffer transmission_target_ = gl::framebuffer({open_.id(), blockers_.id()}, 0);
+    gl::Framebuffer lowest_target_ = gl::framebuffer({lowest_.id()}, 0);
+    gl::Framebuffer nearness_target_ = gl::framebuffer({nearness_.id()}, 0);
+    gl::Framebuffer map_target_ = gl::framebuffer({map_.id()}, 0);
+
+    Vec3f light_ = Vec3f::UnitY(), centre_ = Vec3f::Zero();
+    float radius_ = 1;                  ///< of what the light sees [m]
+    Eigen::Matrix4f light_matrix_ = Eigen::Matrix4f::Identity();
+    Vec3f area_ = Vec3f(0, 0, 1e-9f);   ///< centre x, z, half-width [m]
+};
+
+}  // namespace whorl

@@ -1,0 +1,80 @@
+#include "render/gl/things.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+
+namespace whorl {
+namespace {
+
+void fill_vertices(gl::Vertices& vertices, const TriangleMesh& mesh) {
+    if (mesh.triangle.empty()) return vertices.fill({{nullptr, 0}, {nullptr, 0}}, nullptr, 0);
+    vertices.fill({{mesh.position[0].data(), 3 * mesh.position.size()}, {mesh.normal[0].data(), 3 * mesh.normal.size()}},
+                  mesh.triangle[0].data(), 3 * mesh.triangle.size());
+}
+
+}  // namespace
+
+TriangleMesh with_normals(const TriangleMesh& mesh) {
+    if (mesh.normal.size() == mesh.position.size()) return mesh;
+    const float crease = std::cos(40 * std::numbers::pi_v<float> / 180);
+    std::vector<Vec3f> face;  // length: twice the area
+    std::vector<std::vector<std::uint32_t>> around(mesh.position.size());
+    for (const auto& t : mesh.triangle) {
+        for (const std::uint32_t corner : t) around[corner].push_back(static_cast<std::uint32_t>(face.size()));
+        face.push_back((mesh.position[t[1]] - mesh.position[t[0]]).cross(mesh.position[t[2]] - mesh.position[t[0]]));
+    }
+    TriangleMesh split;
+    for (std::size_t f = 0; f < mesh.triangle.size(); ++f) {
+        const auto first = static_cast<std::uint32_t>(split.position.size());
+        for (const std::uint32_t corner : mesh.triangle[f]) {
+            Vec3f normal = Vec3f::Zero();
+            for (const std::uint32_t other : around[corner])
+                if (face[other].dot(face[f]) >= crease * face[other].norm() * face[f].norm()) normal += face[other];
+            split.position.push_back(mesh.position[corner]);
+            split.normal.push_back(normal.normalized());
+        }
+        split.triangle.push_back({first, first + 1, first + 2});
+    }
+    return split;
+}
+
+const gl::Vertices& Things::model(const std::shared_ptr<const TriangleMesh>& mesh) {
+    const auto [place, is_new] = models_.try_emplace(mesh.get());
+    if (is_new) {
+        place->second.mesh = mesh;
+        fill_vertices(place->second.vertices, with_normals(*mesh));
+    }
+    return place->second.vertices;
+}
+
+void Things::fill(const Frame& frame, const TriangleMesh& fluid) {
+    fill_vertices(fluid_, fluid.normal.size() == fluid.position.size() ? fluid : with_normals(fluid));
+    bounds_ = fluid_bounds_ = bounds_of(fluid.position);
+    solids_.clear();
+    containers_.clear();
+    for (const FrameSolid& solid : frame.solids) {
+        if (!solid.mesh || is_level_ground(solid)) continue;
+        (solid.container ? containers_ : solids_).emplace_back(solid, &model(solid.mesh));
+        bounds_.add(bounds_of(solid));
+    }
+    std::erase_if(models_, [](const auto& entry) { return entry.second.mesh.use_count() == 1; });
+    if (bounds_.empty()) bounds_.add(frame.domain_min), bounds_.add(frame.domain_max);
+}
+
+void Things::draw_fluid(gl::Program& program) const {
+    program.set("rotation", Mat3f(Mat3f::Identity()));
+    program.set("translation", Vec3f(Vec3f::Zero()));
+    fluid_.draw(GL_TRIANGLES);
+}
+
+void Things::draw_solids(gl::Program& program, bool containers, const std::function<void(const FrameSolid&)>& prepare) const {
+    for (const auto& [solid, vertices] : containers ? containers_ : solids_) {
+        program.set("rotation", solid.rotation);
+        program.set("translation", solid.translation);
+        prepare(solid);
+        vertices->draw(GL_TRIANGLES);
+    }
+}
+
+}  // namespace whorl

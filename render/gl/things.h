@@ -1,0 +1,41 @@
+#pragma once
+/// What stands in a frame, on the device: the fluid's mesh and the solids.
+#include <functional>
+#include <map>
+#include <memory>
+
+#include "render/gl/objects.h"
+#include "render/gl/setup.h"
+
+namespace whorl {
+
+/// The mesh with a normal for every corner: faces that meet at less than 40 degrees share one. Meshes that have normals come back as they are.
+TriangleMesh with_normals(const TriangleMesh& mesh);
+
+class Things {
+public:
+    void fill(const Frame& frame, const TriangleMesh& fluid);
+    /// Draws with a program of mesh.vert, its view_projection already set.
+    void draw_fluid(gl::Program& program) const;
+    /// `prepare` sets what the program wants to know of each solid.
+    void draw_solids(gl::Program& program, bool containers, const std::function<void(const FrameSolid&)>& prepare) const;
+    bool any_solids() const { return !solids_.empty(); }
+    bool any_containers() const { return !containers_.empty(); }
+    const Bounds& fluid_bounds() const { return fluid_bounds_; }
+    /// Of the fluid and of all solids but the ground; of the domain where there is nothing.
+    const Bounds& bounds() const { return bounds_; }
+
+private:
+    struct Model {
+        std::shared_ptr<const TriangleMesh> mesh;  ///< held so that its address stays its name
+        gl::Vertices vertices{{3, 3}};
+    };
+    const gl::Vertices& model(const std::shared_ptr<const TriangleMesh>& mesh);
+
+    gl::Vertices fluid_{{3, 3}};
+    std::map<const TriangleMesh*, Model> models_;
+    std::vector<std::pair<FrameSolid, const gl::Vertices*>> solids_, containers_;
+    Bounds fluid_bounds_, bounds_;
+};
+
+}  // namespace whorl

@@ -1,0 +1,27 @@
+// The ground's light: key light through fluid and past solids, and as much of the sky as is open.
+in vec2 uv;
+uniform sampler2D nearness;    // nearness.frag, with averages over ever wider squares
+uniform vec4 reach;            // of its channels, in the map's widths
+uniform vec3 ground_area;      // centre x, z, half-width
+uniform float ground_height;
+uniform vec3 shadow_tint;      // light that comes out of the fluid where it hides the sky
+uniform float key_share;       // of the light on open ground
+layout(location = 0) out vec4 light_map;
+
+// What is near within a reach, averaged over a disc of that reach.
+float hidden(int channel) {
+    float radius = reach[channel], texels = radius * float(textureSize(nearness, 0).x);
+    float level = max(log2(texels) - 0.5, 0.0), sum = 0.0;
+    for (int i = 0; i < 6; ++i) {
+        float r = radius * sqrt((float(i) + 0.5) / 6.0), angle = 2.39996 * float(i);
+        sum += textureLod(nearness, uv + r * vec2(cos(angle), sin(angle)), level)[channel];
+    }
+    return sum / 6.0;
+}
+
+void main() {
+    vec2 q = ground_area.xy + ground_area.z * (2.0 * uv - 1.0);
+    vec3 key = key_at(vec3(q.x, ground_height, q.y), true);
+    float sky = 1.0 - 0.32 * hidden(0) - 0.28 * hidden(1) - 0.24 * hidden(2) - 0.16 * hidden(3);
+    light_map = vec4(key_share * key + (1.0 - key_share) * mix(shadow_tint, vec3(1.0), sky), 1.0);
+}

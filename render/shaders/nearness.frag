@@ -1,0 +1,11 @@
+// How much of the sky what stands lowest over a place hides, for four reaches: 1 on the ground, less with height over the reach.
+in vec2 uv;
+uniform sampler2D lowest;
+uniform float ground_height;
+uniform vec4 reach;   // m
+layout(location = 0) out vec4 nearness;
+
+void main() {
+    float height = max(texture(lowest, uv).r - ground_height, 0.0);
+    nearness = 1.0 / (1.0 + height * height / (reach * reach));
+}
