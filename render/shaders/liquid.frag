@@ -71,16 +71,17 @@ vec3 seen_from(vec3 p, vec3 d) {
     return min(s.a > 0.5 ? s.rgb : surroundings(p, d), vec3(1.8));
 }
 
-vec3 light_through(vec3 p, vec3 d) {
+vec3 light_through(vec3 p, vec3 d, vec3 glow) {
     vec3 through = vec3(1.0), light = vec3(0.0);
     float floor_place = (ground_height - field_origin.y) / voxel;
     for (int turn = 0; turn < 4; ++turn) {
         float to_floor = d.y < -1e-3 && floor_place > -100.0 ? max((floor_place - p.y) / d.y, 0.0) : 1e4;
         float way = way_out(p, d, to_floor);
-        vec3 middle = p + 0.5 * way * d;
+        // The glow comes from where light of every colour still gets out again, not from the depth of a thick body.
+        vec3 middle = p + min(0.5 * way, 0.5 / max(absorption.g, 1e-4)) * d;
         float depth = max(-far_distance(middle), 0.0);
         float milk = 1.0 - exp(-haze * way);
-        light += through * milk * scatter * sky * exp(-absorption * 1.2 * depth);
+        light += through * milk * glow * exp(-absorption * 1.2 * depth);
         through *= exp(-absorption * way) * (1.0 - milk);
         p += way * d;
         if (way >= to_floor) break;
@@ -122,6 +123,8 @@ void main() {
     float mirror = fresnel(-dot(n, v));
     float open = openness(p + n, r, 30.0);
     vec3 mirrored = mix(scatter * sky * 0.5, surroundings(x, r) + strip_light(r), open);
-    vec3 body = light_through(p, refract(v, n, 1.0 / refraction));
+    // The body glows more on the side of the window behind the scene and from above.
+    vec3 glow = scatter * sky * (0.9 + 0.4 * dot(studio * n, vec3(-0.48, 0.77, -0.42)));
+    vec3 body = light_through(p, refract(v, n, 1.0 / refraction), glow);
     colour = weight * vec4(mix(body, mirrored, mirror), 1.0);
 }
