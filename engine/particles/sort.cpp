@@ -1,0 +1,100 @@
+#include "engine/particles/sort.h"
+
+#include <bit>
+#include <limits>
+
+#include "engine/core/parallel.h"
+
+namespace whorl {
+namespace {
+
+constexpr int axis_bits = 20;  // of a key: 3 x 20, and one bit more for positions that are not finite
+constexpr std::uint64_t not_finite = std::uint64_t(1) << (3 * axis_bits);
+
+/// Place of the cell c on the Hilbert curve through 2^bits cells an axis.
+std::uint64_t hilbert_key(std::array<std::uint32_t, 3> c, int bits) {
+    if (bits == 0) return 0;
+    const std::uint32_t top = std::uint32_t(1) << (bits - 1);
+    for (std::uint32_t q = top; q > 1; q >>= 1) {
+        const std::uint32_t below = q - 1;
+        for (std::uint32_t& axis : c) {
+            if (axis & q) {
+                c[0] ^= below;
+            } else {
+                const std::uint32_t swapped = (c[0] ^ axis) & below;
+                c[0] ^= swapped;
+                axis ^= swapped;
+            }
+        }
+    }
+    c[1] ^= c[0];
+    c[2] ^= c[1];
+    std::uint32_t flips = 0;
+    for (std::uint32_t q = top; q > 1; q >>= 1)
+        if (c[2] & q) flips ^= q - 1;
+    for (std::uint32_t& axis : c) axis ^= flips;
+    std::uint64_t key = 0;
+    for (int b = bits - 1; b >= 0; --b)
+        for (const std::uint32_t axis : c) key = key << 1 | (axis >> b & 1);
+    return key;
+}
+
+}  // namespace
+
+Span<const Index> CurveSort::order(Span<const Vec3> x, Real cell) {
+    const Index n = static_cast<Index>(x.size());
+    const auto at = [](Index i) { return static_cast<std::size_t>(i); };
+    key_.resize(x.size());
+    other_key_.resize(x.size());
+    order_.resize(x.size());
+    other_order_.resize(x.size());
+    const auto finite = [&](Index i) { return std::isfinite(x[at(i)][0]) && std::isfinite(x[at(i)][1]) && std::isfinite(x[at(i)][2]); };
+
+    // Cells count from the middle of the range of keys at the origin and wrap: a stray particle far away cannot coarsen the cells of the others.
+    constexpr double range = double(1 << axis_bits);
+    const auto coordinate = [&](Index i, int a) {
+        const double c = std::floor(double(x[at(i)][a]) / double(cell)) + range / 2;
+        return static_cast<std::uint32_t>(std::clamp(c - range * std::floor(c / range), 0.0, range - 1));
+    };
+    std::array<std::uint32_t, 3> lowest{}, highest{};
+    for (int a = 0; a < 3; ++a) {
+        lowest[static_cast<std::size_t>(a)] =
+            static_cast<std::uint32_t>(-parallel_max(n, 1 - range, [&](Index i) { return finite(i) ? -double(coordinate(i, a)) : 1 - range; }));
+        highest[static_cast<std::size_t>(a)] =
+            static_cast<std::uint32_t>(parallel_max(n, 0, [&](Index i) { return finite(i) ? double(coordinate(i, a)) : 0; }));
+    }
+    std::uint32_t extent = 0;
+    for (std::size_t a = 0; a < 3; ++a) extent = std::max(extent, highest[a] >= lowest[a] ? highest[a] - lowest[a] : 0);
+    const int bits = std::bit_width(extent);
+
+    parallel_for(n, [&](Index i) {
+        std::array<std::uint32_t, 3> c;
+        for (int a = 0; a < 3; ++a) c[static_cast<std::size_t>(a)] = finite(i) ? coordinate(i, a) - lowest[static_cast<std::size_t>(a)] : 0;
+        key_[at(i)] = finite(i) ? hilbert_key(c, bits) : not_finite;
+        order_[at(i)] = i;
+    });
+
+    // Radix sort, stable, from the lowest digit up; digits that all keys share are skipped.
+    constexpr int digit_bits = 11, digits = 1 << digit_bits;
+    std::uint64_t any = 0, all = ~std::uint64_t(0);
+    for (const std::uint64_t key : key_) {
+        any |= key;
+        all &= key;
+    }
+    for (int shift = 0; shift <= 3 * axis_bits; shift += digit_bits) {
+        if (((any & ~all) >> shift & (digits - 1)) == 0) continue;
+        std::array<Index, digits + 1> start{};
+        for (const std::uint64_t key : key_) ++start[(key >> shift & (digits - 1)) + 1];
+        for (std::size_t d = 1; d <= digits; ++d) start[d] += start[d - 1];
+        for (Index k = 0; k < n; ++k) {
+            const std::size_t place = at(start[key_[at(k)] >> shift & (digits - 1)]++);
+            other_key_[place] = key_[at(k)];
+            other_order_[place] = order_[at(k)];
+        }
+        key_.swap(other_key_);
+        order_.swap(other_order_);
+    }
+    return order_;
+}
+
+}  // namespace whorl
