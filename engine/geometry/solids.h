@@ -1,5 +1,6 @@
 #pragma once
 /// Solids: shapes that stand, move and turn by expressions, and the particles that sample their surfaces.
+#include <Eigen/Geometry>
 #include <vector>
 
 #include "engine/geometry/shape.h"
@@ -17,14 +18,26 @@ struct Pose {
     Vec3 velocity_at(const Vec3& x) const { return velocity + angular_velocity.cross(x - translation); }
 };
 
+/// How far a solid with a spin that depends on time had turned after whole intervals of the quadrature; follows from the expression alone.
+struct Turned {
+    long intervals = 0;
+    Mat3d rotation = Mat3d::Identity();
+};
+
+/// The point that a solid turns about: the middle of the shape's bounds, where the shape first stands; of a plane, its point nearest to the origin.
+Vec3d turning_point(const Shape& shape);
+
 struct Solid {
     std::shared_ptr<const Shape> shape;
-    VectorExpression position, spin;  ///< m and rad/s about the own axes, of t
+    VectorExpression position;        ///< m, of t: how far it has moved from where the shape stands
+    VectorExpression spin;            ///< rad/s about the own axes through turning_point(), of t
     bool inside = false;              ///< the fluid is inside the shape
     bool free_slip = false;
     std::string material;
     Pose pose;
+    Turned turned;
 
+    bool moves() const;
     /// Distance from x to the solid's surface, positive on the fluid's side [m].
     Real distance(const Vec3& x) const;
     /// Unit vector from the solid into the fluid.
@@ -35,7 +48,8 @@ struct Solid {
 class Solids {
 public:
     std::vector<Solid> all;
-    /// Sets every pose for time t; velocities such that the pose at t + dt is reached when dt has passed.
+    /// Sets every pose for time t; velocities such that the pose at t + dt is reached when dt has passed. Depends on t and dt alone, not on
+    /// earlier calls: the same bits after a resume.
     void set_time(double t, double dt);
     /// The solid whose surface is nearest to x, -1 where there is none; distance on the fluid's side.
     int nearest(const Vec3& x, Real& distance) const;
@@ -46,6 +60,7 @@ public:
 struct SolidParticles {
     std::vector<Index> solid;          ///< whose
     Column<Vec3> own_position;         ///< in the solid's axes, m
+    Column<Vec3> own_normal;           ///< in the solid's axes, into the fluid; empty: normals stay as they are
     Column<Vec3> position, velocity;   ///< m, m/s, in the world's axes
     Column<Vec3> normal;               ///< into the fluid
     Column<Real> volume;               ///< 1/sum W over the solid particles near by, m^3 (Akinci et al. 2012)

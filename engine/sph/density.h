@@ -1,28 +1,25 @@
 #pragma once
-/// Density by the kernel sum, solids included.
-#include "engine/core/parallel.h"
+/// Density and number density by kernel sums.
 #include "engine/geometry/solids.h"
 #include "engine/particles/pairs.h"
 #include "engine/particles/step.h"
 
 namespace whorl {
 
-/// rho_i = m W(0) + sum_j m W_ij + rho_0 sum_s f V_s W_is
-struct Density {
-    Real solid_factor = 1;  ///< f on the solids' volumes, see models/boundary/wall.h
+/// rho_i = m W_ii + sum_j m W_ij + rho_0 sum_s f V_s W_is        Solids count with their volumes (Akinci et al. 2012).
+/// @param solid_volume V_s [m^3], one a solid particle @param solid_factor f, see models/boundary/wall.h @param density [kg/m^3], written
+void sum_density(const FluidPairs& fluid, const SolidPairs& solids, Span<const Real> solid_volume, Real solid_factor, const StepContext& step,
+                 Span<Real> density);
 
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, const StepContext& step,
+/// n_i = W_ii + sum_j W_ij        Without the solids [m^-3].
+void sum_number_density(const Pairs& pairs, const StepContext& step, Span<Real> number_density);
+
+/// The stage of sum_density().
+struct Density {
+    Real solid_factor = 1;
+    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solids, const StepContext& step,
                     Write<field::density> rho) const {
-        with_kernel(step.kernel, step.support, [&](const auto& kernel) {
-            parallel_for(rho.size(), [&](Index i) {
-                Real fluid = kernel.value(0);
-                pairs.of(i, [&](Index, const Vec3&, Real r) { fluid += kernel.value(r); });
-                Real wall = 0;
-                if (solid.size() > 0)
-                    solid_pairs.of(i, [&](Index s, const Vec3&, Real r) { wall += solid.volume[static_cast<std::size_t>(s)] * kernel.value(r); });
-                rho[i] = step.mass * fluid + step.rest_density * solid_factor * wall;
-            });
-        });
+        sum_density(pairs, solid_pairs, solids.volume, solid_factor, step, rho.values);
     }
 };
 

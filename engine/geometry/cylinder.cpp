@@ -1,0 +1,92 @@
+#include <Eigen/Geometry>
+#include <numbers>
+
+#include "engine/geometry/kinds.h"
+
+namespace whorl {
+namespace {
+
+class Cylinder final : public Shape {
+public:
+    Cylinder(const Vec3d& from, const Vec3d& to, double radius)
+        : middle_(((from + to) / 2).cast<Real>()), axis_((to - from).normalized().cast<Real>()), half_(Real((to - from).norm() / 2)), radius_(Real(radius)) {}
+
+    Real distance(const Vec3& x) const override {
+        Real along, out;
+        Vec3 radial;
+        split(x, along, out, radial);
+        const Real a = std::abs(along) - half_, b = out - radius_;
+        return std::hypot(std::max(a, Real(0)), std::max(b, Real(0))) + std::min(std::max(a, b), Real(0));
+    }
+    Vec3 normal(const Vec3& x) const override {
+        Real along, out;
+        Vec3 radial;
+        split(x, along, out, radial);
+        const Real a = std::abs(along) - half_, b = out - radius_;
+        const Vec3 end = std::copysign(Real(1), along) * axis_;
+        if (a > 0 && b > 0) return (a * end + b * radial).normalized();
+        return a > b ? end : radial;
+    }
+    void bounds(Vec3& min, Vec3& max) const override {
+        for (int k = 0; k < 3; ++k) {
+            const Real reach = half_ * std::abs(axis_[k]) + radius_ * std::sqrt(std::max(Real(0), 1 - axis_[k] * axis_[k]));
+            min[k] = middle_[k] - reach;
+            max[k] = middle_[k] + reach;
+        }
+    }
+    TriangleMesh mesh(Real edge, Real) const override {
+        const double wanted = edge > 0 ? 2 * std::numbers::pi * radius_ / edge : 0;
+        const int around = static_cast<int>(std::clamp(wanted, 64.0, 512.0));
+        Vec3d ud, vd;
+        frame_of(axis_.cast<double>(), ud, vd);
+        const Vec3f n = axis_.cast<float>(), u = ud.cast<float>(), v = vd.cast<float>(), c = middle_.cast<float>();
+        const float h = static_cast<float>(half_), R = static_cast<float>(radius_);
+        TriangleMesh m;
+        for (int l = 0; l <= around; ++l) {
+            const double angle = 2 * std::numbers::pi * (l % around) / around;
+            const Vec3f out = static_cast<float>(std::cos(angle)) * u + static_cast<float>(std::sin(angle)) * v;
+            for (float side : {-1.f, 1.f}) {  // the wall and, with their own normals, the two ends
+                const Vec3f rim = c + side * h * n + R * out;
+                m.position.push_back(rim);
+                m.normal.push_back(out);
+                m.position.push_back(rim);
+                m.normal.push_back(side * n);
+            }
+        }
+        const std::uint32_t centres = static_cast<std::uint32_t>(m.position.size());
+        for (float side : {-1.f, 1.f}) {
+            m.position.push_back(c + side * h * n);
+            m.normal.push_back(side * n);
+        }
+        for (std::uint32_t l = 0; l < static_cast<std::uint32_t>(around); ++l) {
+            const std::uint32_t a = 4 * l, b = 4 * (l + 1);  // wall below, end below, wall above, end above
+            m.triangle.push_back({a, b, b + 2});
+            m.triangle.push_back({a, b + 2, a + 2});
+            m.triangle.push_back({centres, b + 1, a + 1});
+            m.triangle.push_back({centres + 1, a + 3, b + 3});
+        }
+        return m;
+    }
+
+private:
+    /// x - middle = along axis + out radial
+    void split(const Vec3& x, Real& along, Real& out, Vec3& radial) const {
+        const Vec3 r = x - middle_;
+        along = r.dot(axis_);
+        radial = r - along * axis_;
+        out = radial.norm();
+        if (out > 0) radial /= out;
+        else radial = axis_.unitOrthogonal();
+    }
+
+    Vec3 middle_, axis_;
+    Real half_, radius_;
+};
+
+}  // namespace
+
+std::shared_ptr<const Shape> make_cylinder(const Vec3d& from, const Vec3d& to, double radius) {
+    return std::make_shared<Cylinder>(from, to, radius);
+}
+
+}  // namespace whorl

@@ -1,0 +1,105 @@
+#include "engine/geometry/solids.h"
+
+#include <limits>
+
+#include "engine/core/parallel.h"
+
+namespace whorl {
+namespace {
+
+/// Turns add up over fixed intervals of this many seconds from t = 0: the pose at a time does not depend on the steps that led there.
+constexpr double interval = 1.0 / 256;
+
+Mat3d turned_by(const Vec3d& angle) {
+    const double size = angle.norm();
+    return size > 0 ? Eigen::AngleAxisd(size, angle / size).toRotationMatrix() : Mat3d(Mat3d::Identity());
+}
+
+/// dR/dt = R [w]x from t to t + h, to fourth order (Magnus): R exp(h/2 (w1 + w2) + sqrt(3)/12 h^2 w1 x w2), w1 and w2 at the two Gauss points.
+Mat3d turned_over(const Mat3d& R, const VectorExpression& spin, double t, double h) {
+    const double root = std::sqrt(3.0) / 6;
+    const Vec3d w1 = spin(t + (0.5 - root) * h), w2 = spin(t + (0.5 + root) * h);
+    return R * turned_by(h / 2 * (w1 + w2) + std::sqrt(3.0) / 12 * h * h * w1.cross(w2));
+}
+
+/// The rotation at time t; `turned` keeps the last whole interval.
+Mat3d rotation_at(const VectorExpression& spin, double t, Turned& turned) {
+    if (spin.is_zero()) return Mat3d::Identity();
+    if (!spin.depends_on_time()) return turned_by(t * spin(0));
+    const long whole = static_cast<long>(std::floor(std::max(t, 0.0) / interval));
+    if (whole < turned.intervals) turned = {};
+    for (; turned.intervals < whole; ++turned.intervals)
+        turned.rotation = turned_over(turned.rotation, spin, static_cast<double>(turned.intervals) * interval, interval);
+    const double begin = static_cast<double>(whole) * interval;
+    return turned_over(turned.rotation, spin, begin, t - begin);
+}
+
+}  // namespace
+
+Vec3d turning_point(const Shape& shape) {
+    if (!shape.bounded()) {  // a point of the plane near the origin
+        const Vec3 origin = Vec3::Zero();
+        return (-shape.distance(origin) * shape.normal(origin)).cast<double>();
+    }
+    Vec3 min, max;
+    shape.bounds(min, max);
+    return (min.cast<double>() + max.cast<double>()) / 2;
+}
+
+Real Solid::distance(const Vec3& x) const {
+    const Real distance = shape->distance(pose.rotation.transpose() * (x - pose.translation));
+    return inside ? -distance : distance;
+}
+
+Vec3 Solid::normal(const Vec3& x) const {
+    const Vec3 outward = pose.rotation * shape->normal(pose.rotation.transpose() * (x - pose.translation));
+    return inside ? Vec3(-outward) : outward;
+}
+
+bool Solid::moves() const { return position.depends_on_time() || !spin.is_zero(); }
+
+void Solids::set_time(double t, double dt) {
+    for (Solid& solid : all) {
+        // x_world = R (x_own - c) + c + position: it turns about its own centre c.
+        const Vec3d c = turning_point(*solid.shape), moved = solid.position(t);
+        const Mat3d R = rotation_at(solid.spin, t, solid.turned);
+        solid.pose.rotation = R.cast<Real>();
+        solid.pose.translation = (c - R * c + moved).cast<Real>();
+        solid.pose.velocity = solid.pose.angular_velocity = Vec3::Zero();
+        if (!solid.moves()) continue;
+        const double step = dt > 0 ? dt : 1e-6;
+        Turned ahead = solid.turned;
+        const Eigen::AngleAxisd turn(rotation_at(solid.spin, t + step, ahead) * R.transpose());
+        const Vec3d w = turn.angle() / step * turn.axis(), u = (solid.position(t + step) - moved) / step;
+        solid.pose.angular_velocity = w.cast<Real>();
+        solid.pose.velocity = (u - w.cross(R * c)).cast<Real>();  // of the own origin; the centre moves with u
+    }
+}
+
+int Solids::nearest(const Vec3& x, Real& distance) const {
+    int found = -1;
+    distance = std::numeric_limits<Real>::max();
+    for (std::size_t k = 0; k < all.size(); ++k) {
+        const Real one = all[k].distance(x);
+        if (!(one < distance)) continue;
+        distance = one;
+        found = static_cast<int>(k);
+    }
+    return found;
+}
+
+bool Solids::any_moving() const {
+    return std::any_of(all.begin(), all.end(), [](const Solid& solid) { return solid.moves(); });
+}
+
+void SolidParticles::follow(const Solids& solids) {
+    parallel_for(size(), [&](Index s) {
+        const std::size_t k = static_cast<std::size_t>(s);
+        const Solid& whose = solids.all[static_cast<std::size_t>(solid[k])];
+        position[k] = whose.pose.rotation * own_position[k] + whose.pose.translation;
+        velocity[k] = whose.pose.velocity_at(position[k]);
+        if (!own_normal.empty()) normal[k] = whose.pose.rotation * own_normal[k];
+    });
+}
+
+}  // namespace whorl

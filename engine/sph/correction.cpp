@@ -1,0 +1,50 @@
+#include "engine/sph/correction.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+#include "engine/core/parallel.h"
+
+namespace whorl {
+
+Mat3d pseudo_inverse(const Mat3d& matrix) {
+    const double size = matrix.trace();
+    if (!(size > 0) || !std::isfinite(size)) return Mat3d::Zero();
+    const Mat3d A = matrix / size;
+    // With trace 1 and s_min/s_max = 0.04 the determinant is 0.0047 at most: above that no direction is near the step.
+    if (A.determinant() > 0.005) return A.inverse() / size;
+    Eigen::SelfAdjointEigenSolver<Mat3d> eigen;
+    eigen.computeDirect(A);
+    const Vec3d s = eigen.eigenvalues();
+    Vec3d inverse;
+    for (int a = 0; a < 3; ++a) {
+        const double relative = s[a] / s[2];
+        const double t = relative > 0 ? std::clamp(std::log(relative / 0.01) / std::log(0.04 / 0.01), 0.0, 1.0) : 0;
+        inverse[a] = t > 0 ? t * t * (3 - 2 * t) / s[a] : 0;
+    }
+    const Mat3d Q = eigen.eigenvectors();
+    return Q * inverse.asDiagonal() * Q.transpose() / size;
+}
+
+void sum_correction(const Pairs& pairs, KernelKind kernel, Real support, Span<const Real> V, Span<Mat3> L) {
+    with_kernel(kernel, support, [&](const auto& W) {
+        parallel_for(pairs.size(), [&](Index i) {
+            // grad W_ij (x_j - x_i)^T = -W'/|r| r r^T: symmetric, six sums.
+            Real xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+            pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
+                const Real w = distance > 0 ? -V[static_cast<std::size_t>(j)] * W.derivative(distance) / distance : 0;
+                xx += w * r[0] * r[0];
+                xy += w * r[0] * r[1];
+                xz += w * r[0] * r[2];
+                yy += w * r[1] * r[1];
+                yz += w * r[1] * r[2];
+                zz += w * r[2] * r[2];
+            });
+            Mat3d M;
+            M << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+            L[static_cast<std::size_t>(i)] = pseudo_inverse(M).cast<Real>();
+        });
+    });
+}
+
+}  // namespace whorl
