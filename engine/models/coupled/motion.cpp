@@ -1,0 +1,141 @@
+#include "engine/core/parallel.h"
+#include "engine/models/coupled/system.h"
+
+namespace whorl {
+namespace {
+
+/// Where a point that moves with the solid is a time dt later (earlier for dt < 0): the midpoint rule keeps its distance on a turning solid.
+Vec3 carried(const Pose& pose, const Vec3& x, Real dt) {
+    const Vec3 middle = x + (dt / 2) * pose.velocity_at(x);
+    return x + dt * pose.velocity_at(middle);
+}
+
+}  // namespace
+
+void CoupledMove::operator()(Update<field::position> x, Read<field::velocity> u, Read<field::role> role, const Solids& solids,
+                             const StepContext& step) const {
+    system->x_before.assign(x.values.begin(), x.values.end());
+    parallel_for(x.size(), [&](Index i) {
+        if (role[i] > 0) x[i] = carried(solids.all[static_cast<std::size_t>(role[i] - 1)].pose, x[i], step.dt);
+        else x[i] += step.dt * u[i];
+    });
+}
+
+// dx_i = -rate dt sum_j (|D_i| + |D_j|)/2 (range - r) r_ij/|r_ij| over neighbours within the range: repulsion only; any attraction clumps.
+void CoupledShift::operator()(Update<field::position> x, Update<field::velocity> u, Read<field::velocity_gradient> G,
+                              Read<field::role> role, const StepContext& step) const {
+    const CoupledSystem& s = *system;
+    const CoupledOptions& o = s.options;
+    const Real d = step.spacing, range = static_cast<Real>(o.shift_range), longest = static_cast<Real>(o.longest_shift);
+    const Real strongest = Real(0.15);
+    std::vector<Real> rate(static_cast<std::size_t>(x.size()));
+    parallel_for(x.size(), [&](Index i) {
+        rate[static_cast<std::size_t>(i)] =
+            static_cast<Real>(o.shift_rate) * step.dt * Real(0.25) * (G[i] + G[i].transpose()).norm();  // half of |D|
+    });
+
+    std::vector<Vec3> shift(static_cast<std::size_t>(x.size()), Vec3::Zero());
+    parallel_blocks(x.size(), CoupledRows::block_size, [&](Index begin, Index end) {
+        const RowBlock& block = s.rows.blocks[static_cast<std::size_t>(begin / CoupledRows::block_size)];
+        for (Index i = begin; i < end; ++i) {
+            if (role[i] != 0) continue;
+            const auto k = static_cast<std::size_t>(i);
+            Vec3 dx = Vec3::Zero();
+            for (std::size_t e = block.row_begin(i - begin); e < block.row_end(i - begin); ++e) {
+                const Real before2 = block.x[e] * block.x[e] + block.y[e] * block.y[e] + block.z[e] * block.z[e];
+                if (before2 > 4 || block.w[e] == 0) continue;  // too far to come within the range in one step
+                const Index j = block.touched[static_cast<std::size_t>(block.other[e])];
+                const Vec3 r = step.domain.minimum_image(x[j] - x[i]) / d;
+                const Real distance = r.norm();
+                if (!(distance < range) || distance < Real(1e-6)) continue;
+                dx -= std::min(rate[k] + rate[static_cast<std::size_t>(j)], strongest) * (range - distance) / distance * r;
+            }
+            const Real length = dx.norm();
+            if (length > longest) dx *= longest / length;
+            // At the surface the repulsion has nothing to balance it: its outward part would fatten the thread.
+            const Neighbourhood& hood = s.rows.neighbourhood[k];
+            const Real on_surface = std::clamp((hood.surface - Real(0.12)) / Real(0.18), Real(0), Real(1));
+            const Real outward = dx.dot(hood.outward);
+            if (outward > 0) dx -= on_surface * outward * hood.outward;
+            shift[k] = d * dx;
+        }
+    });
+
+    // The velocity of the place that a particle comes to: u += G dx. The sum of these changes goes back to the neighbours, so that the linear
+    // momentum stays.
+    Column<Vec4> spread(s.rows.entries());
+    parallel_blocks(x.size(), CoupledRows::block_size, [&](Index begin, Index end) {
+        const RowBlock& block = s.rows.blocks[static_cast<std::size_t>(begin / CoupledRows::block_size)];
+        Vec4* out = spread.data() + block.place;
+        std::fill(out, out + block.touched.size(), Vec4{{0, 0, 0, 0}});
+        for (Index i = begin; i < end; ++i) {
+            const auto k = static_cast<std::size_t>(i);
+            if (shift[k] == Vec3::Zero()) continue;
+            const Vec3 du = G[i] * shift[k];
+            const std::size_t e0 = block.row_begin(i - begin), e1 = block.row_end(i - begin);
+            Real weights = 1;
+            for (std::size_t e = e0; e < e1; ++e) weights += block.w[e];
+            const Vec3 share = du / weights;
+            const auto give = [&](std::size_t place, const Vec3& v) {
+                for (int a = 0; a < 3; ++a) out[place].v[a] += v[a];
+            };
+            give(static_cast<std::size_t>(i - begin), du - share);
+            for (std::size_t e = e0; e < e1; ++e) give(static_cast<std::size_t>(block.other[e]), -block.w[e] * share);
+        }
+    });
+    s.rows.gather<Vec4>(spread, [&](Index i, const Vec4& v) {
+        if (role[i] != 0) return;
+        u[i] += Vec3(v.v[0], v.v[1], v.v[2]);
+        x[i] += shift[static_cast<std::size_t>(i)];
+    });
+    parallel_for(x.size(), [&](Index i) { x[i] = step.domain.wrapped(x[i]); });
+}
+
+// In the solid's own frame: the path from x_before to x minus the solid's motion. Distances are Lipschitz, so a particle that ends farther
+// away than its path is long has met nothing; the others are followed along their path, thin plates included.
+void CoupledContact::operator()(Update<field::position> x, Update<field::velocity> u, Update<field::role> role,
+                                Update<field::contact_normal> slip, const Solids& solids, const StepContext& step) const {
+    if (solids.all.empty()) return;
+    const CoupledSystem& s = *system;
+    const Real d = step.spacing, dt = step.dt;
+    const Real touching = static_cast<Real>(s.options.stick) * d, closest = static_cast<Real>(s.options.closest) * d;
+    parallel_for(x.size(), [&](Index i) {
+        if (role[i] != 0) return;
+        const Vec3 was_touching = slip[i];
+        slip[i] = Vec3::Zero();
+        const Vec3 from = s.x_before[static_cast<std::size_t>(i)];
+        for (std::size_t k = 0; k < solids.all.size(); ++k) {
+            const Solid& solid = solids.all[k];
+            const Vec3 to = carried(solid.pose, x[i], -dt);
+            const Vec3 path = step.domain.minimum_image(to - from);
+            const Real length = path.norm();
+            Real distance = solid.distance(to);
+            if (!(distance < length + touching)) continue;
+            Vec3 at = to;
+            Real travelled = 0;
+            distance = solid.distance(from);
+            while (distance > closest && travelled < length) {
+                travelled = std::min(length, travelled + std::max(distance - closest, Real(0.05) * d));
+                at = from + (travelled / length) * path;
+                distance = solid.distance(at);
+            }
+            if (travelled >= length || length == 0) at = to, distance = solid.distance(to);
+            if (!(distance < touching)) continue;
+            const Vec3 normal = solid.normal(at);
+            if (distance < closest) at += (closest - distance) * normal;
+            const Vec3 there = carried(solid.pose, at, dt);
+            if (distance < closest || travelled < length) x[i] = there;
+            const Vec3 solid_velocity = solid.pose.velocity_at(there);
+            if (!solid.free_slip) {
+                role[i] = static_cast<std::int16_t>(k + 1);
+                u[i] = solid_velocity;
+                slip[i] = Vec3::Zero();
+                return;
+            }
+            const Real approach = normal.dot(u[i] - solid_velocity);
+            if (was_touching != Vec3::Zero() || approach < 0) slip[i] = normal;
+        }
+    });
+}
+
+}  // namespace whorl

@@ -1,0 +1,37 @@
+#pragma once
+/// What can be chosen about the coupled solve. Lengths in spacings d.
+#include "engine/math/solve.h"
+
+namespace whorl {
+
+struct CoupledOptions {
+    /// On sqrt(r.M r) / sqrt(b.M b), which follows the velocity's error: 3e-3 suffices for coils, stretched threads want 1e-3.
+    SolveLimits limits{1e-3, 300};
+
+    double support = 3, widest_support = 5;  ///< kernel radius; it grows where a particle has fewer than `enough_neighbours`
+    int enough_neighbours = 16;
+
+    double bulk = 10;              ///< lambda over mu: resistance to a change of volume within one step (the multiplier does the rest)
+    double smoothing = 0.3;        ///< penalty on what the linear field does not explain, over mu
+    double pair_smoothing = 5;     ///< the same along the pair only: keeps necks from growing without stiffening bending
+    double thin_smoothing = 5, thin_pair_smoothing = 20;  ///< added in thin threads
+    double thin_below = 0.8, thin_at = 0.6;               ///< middle over largest eigenvalue of M between which a thread turns thin
+    double unresolved_at = 0.01, resolved_above = 0.04;   ///< eigenvalue of M over the largest between which a direction counts as resolved
+
+    double gate = 1.6;    ///< longer pairs count only with a common neighbour closer than `bridge` to both:
+    double bridge = 1.7;  ///< turns of a coil must not feel each other through the air
+
+    double push = 0.1, fastest_push = 50;  ///< compressed particles part at the rate push (n/n0 - 1)/dt, at most fastest_push [1/s]
+    double memory = 0.98;                  ///< of the multiplier from step to step
+    double turning_limit = 10;             ///< 1/s, bound on dt I2(grad u), the divergence that keeps a turning body's volume
+
+    double shift_rate = 10, shift_range = 1.1, longest_shift = 0.1;  ///< repulsion of close particles: rate over |D|, range, bound a step
+
+    double stick = 0.5, closest = 0.3;  ///< distance from a solid below which a particle touches it, and which it never goes below
+
+    int aggregate = 64;      ///< particles in an aggregate of the coarse level
+    int refresh_every = 5;   ///< steps between two set-ups of the coarse level
+    int fewest_for_coarse = 150;  ///< free particles below which the diagonal alone preconditions
+};
+
+}  // namespace whorl

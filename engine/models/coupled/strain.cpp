@@ -1,0 +1,275 @@
+#include "engine/models/coupled/strain.h"
+
+#include "engine/core/parallel.h"
+
+namespace whorl {
+namespace {
+
+/// Memory of one block while its rows are run through.
+struct RowScratch {
+    Column<Vec4> u;                  ///< velocities of the touched particles
+    Column<Real> du, dv, dw;         ///< u_j - u_i of each pair of a row
+    Column<Real> t;                  ///< 2 c' w/r^2 (u_ij.r - r.G r)
+    Column<Real> fx, fy, fz;         ///< force on j
+    void resize(std::size_t touched, std::size_t longest_row) {
+        if (u.size() < touched) u.resize(touched);
+        if (du.size() < longest_row) {
+            for (Column<Real>* c : {&du, &dv, &dw, &t, &fx, &fy, &fz}) c->resize(longest_row);
+        }
+    }
+};
+
+RowScratch& scratch(const RowBlock& block, const CoupledRows& rows) {
+    thread_local RowScratch memory;
+    memory.resize(block.touched.size(), rows.longest_row);
+    return memory;
+}
+
+/// The pairs of one row, as pointers that the compiler may assume to be distinct.
+struct RowView {
+    const Real *__restrict x, *__restrict y, *__restrict z, *__restrict w;
+    const Index* __restrict other;
+    Index count;
+    RowView(const RowBlock& b, Index row) {
+        const std::size_t at = b.row_begin(row);
+        x = b.x.data() + at, y = b.y.data() + at, z = b.z.data() + at, w = b.w.data() + at;
+        other = b.other.data() + at;
+        count = static_cast<Index>(b.row_end(row) - at);
+    }
+};
+
+/// u_j - u_i of each pair, and A = sum w (u_j - u_i) r^T.
+Mat3 differences(const RowView& row, const Vec4* __restrict u, Index own, RowScratch& s) {
+    const Real u0 = u[own].v[0], u1 = u[own].v[1], u2 = u[own].v[2];
+    Real *__restrict du = s.du.data(), *__restrict dv = s.dv.data(), *__restrict dw = s.dw.data();
+    for (Index e = 0; e < row.count; ++e) {
+        const Real* uj = u[row.other[e]].v;
+        du[e] = uj[0] - u0, dv[e] = uj[1] - u1, dw[e] = uj[2] - u2;
+    }
+    Real a00 = 0, a01 = 0, a02 = 0, a10 = 0, a11 = 0, a12 = 0, a20 = 0, a21 = 0, a22 = 0;
+    for (Index e = 0; e < row.count; ++e) {
+        const Real wx = row.w[e] * row.x[e], wy = row.w[e] * row.y[e], wz = row.w[e] * row.z[e];
+        a00 += du[e] * wx, a01 += du[e] * wy, a02 += du[e] * wz;
+        a10 += dv[e] * wx, a11 += dv[e] * wy, a12 += dv[e] * wz;
+        a20 += dw[e] * wx, a21 += dw[e] * wy, a22 += dw[e] * wz;
+    }
+    Mat3 A;
+    A << a00, a01, a02, a10, a11, a12, a20, a21, a22;
+    return A;
+}
+
+/// Adds the row's forces on its neighbours, s.f of each pair, to out, and their opposite to the row's own particle.
+void scatter(const RowView& row, Index own, const RowScratch& s, Vec4* __restrict out) {
+    Real sx = 0, sy = 0, sz = 0;
+    const Real *__restrict fx = s.fx.data(), *__restrict fy = s.fy.data(), *__restrict fz = s.fz.data();
+    for (Index e = 0; e < row.count; ++e) sx += fx[e], sy += fy[e], sz += fz[e];
+    for (Index e = 0; e < row.count; ++e) {
+        Real* o = out[row.other[e]].v;
+        o[0] += fx[e], o[1] += fy[e], o[2] += fz[e];
+    }
+    Real* o = out[own].v;
+    o[0] -= sx, o[1] -= sy, o[2] -= sz;
+}
+
+Mat3 symmetric(const Mat3& A) { return Real(0.5) * (A + A.transpose()); }
+
+/// dE/dG of the strain and bulk terms.
+Mat3 stress(const Mat3& G, const Neighbourhood& n, const StrainCoefficients& c) {
+    if (n.unresolved == 0) {
+        Mat3 S = c.shear * symmetric(G);
+        S.diagonal().array() += c.bulk * G.trace();
+        return S;
+    }
+    const Mat3 D = symmetric(n.resolved * G);
+    Mat3 S = c.shear * D;
+    S.diagonal().array() += c.bulk * D.trace();
+    return n.resolved * S;
+}
+
+}  // namespace
+
+void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Real dt, Real density, Real spacing, const CoupledOptions& o) {
+    rows_ = &rows;
+    inverse_spacing_ = 1 / spacing;
+    coefficients_.resize(static_cast<std::size_t>(rows.size()));
+    parallel_for(rows.size(), [&](Index i) {
+        const auto k = static_cast<std::size_t>(i);
+        const Neighbourhood& n = rows.neighbourhood[k];
+        const double K = double(viscosity[k]) * dt / (double(density) * spacing * spacing);
+        StrainCoefficients& c = coefficients_[k];
+        c.shear = static_cast<Real>(2 * K);
+        c.bulk = static_cast<Real>(2 * K * o.bulk / (2 + n.unresolved * o.bulk));
+        const double base = n.spread > 0 ? 2 * K * 3 / n.spread : 0;
+        c.smooth = static_cast<Real>(base * (o.smoothing + o.thin_smoothing * n.thin));
+        c.pair = static_cast<Real>(base * (o.pair_smoothing + o.thin_pair_smoothing * n.thin));
+    });
+    forces_.resize(rows.entries());
+}
+
+void StrainForm::apply(Span<const Vec3> u, Span<Vec3> y) const {
+    const CoupledRows& rows = *rows_;
+    parallel_blocks(rows.size(), CoupledRows::block_size, [&](Index begin, Index) {
+        const RowBlock& block = rows.blocks[static_cast<std::size_t>(begin / CoupledRows::block_size)];
+        RowScratch& s = scratch(block, rows);
+        Vec4* out = forces_.data() + block.place;
+        for (std::size_t l = 0; l < block.touched.size(); ++l) {
+            const Vec3& v = u[static_cast<std::size_t>(block.touched[l])];
+            s.u[l] = {{v[0], v[1], v[2], 0}};
+            out[l] = {{0, 0, 0, 0}};
+        }
+        for (Index own = 0; own < block.size(); ++own) {
+            const RowView row(block, own);
+            if (row.count == 0) continue;
+            const auto i = static_cast<std::size_t>(block.begin + own);
+            const Neighbourhood& n = rows.neighbourhood[i];
+            const StrainCoefficients& c = coefficients_[i];
+            const Mat3 A = differences(row, s.u.data(), own, s);
+            const Mat3 G = A * n.inverse_moment;
+            const Mat3 D = symmetric(G);
+
+            // t = 2 c' w/r^2 ((u_j - u_i).r - r.G r),  H = sum t r r^T
+            const Real *__restrict du = s.du.data(), *__restrict dv = s.dv.data(), *__restrict dw = s.dw.data();
+            Real* __restrict ts = s.t.data();
+            const Real d00 = D(0, 0), d11 = D(1, 1), d22 = D(2, 2), d01 = 2 * D(0, 1), d02 = 2 * D(0, 2), d12 = 2 * D(1, 2);
+            Real h00 = 0, h11 = 0, h22 = 0, h01 = 0, h02 = 0, h12 = 0;
+            for (Index e = 0; e < row.count; ++e) {
+                const Real rx = row.x[e], ry = row.y[e], rz = row.z[e];
+                const Real xx = rx * rx, yy = ry * ry, zz = rz * rz, xy = rx * ry, xz = rx * rz, yz = ry * rz;
+                const Real along = du[e] * rx + dv[e] * ry + dw[e] * rz;
+                const Real linear = d00 * xx + d11 * yy + d22 * zz + d01 * xy + d02 * xz + d12 * yz;
+                const Real t = c.pair * row.w[e] / (xx + yy + zz) * (along - linear);
+                ts[e] = t;
+                h00 += t * xx, h11 += t * yy, h22 += t * zz, h01 += t * xy, h02 += t * xz, h12 += t * yz;
+            }
+            Mat3 H;
+            H << h00, h01, h02, h01, h11, h12, h02, h12, h22;
+
+            // Force on j: Q w r + 2 c w (u_j - u_i) + t r,  Q = (P S - H) M+ - 2 c G
+            const Mat3 Q = (stress(G, n, c) - H) * n.inverse_moment - c.smooth * G;
+            Real *__restrict fx = s.fx.data(), *__restrict fy = s.fy.data(), *__restrict fz = s.fz.data();
+            for (Index e = 0; e < row.count; ++e) {
+                const Real w = row.w[e], cw = c.smooth * w, t = ts[e];
+                const Real rx = row.x[e], ry = row.y[e], rz = row.z[e];
+                fx[e] = w * (Q(0, 0) * rx + Q(0, 1) * ry + Q(0, 2) * rz) + cw * du[e] + t * rx;
+                fy[e] = w * (Q(1, 0) * rx + Q(1, 1) * ry + Q(1, 2) * rz) + cw * dv[e] + t * ry;
+                fz[e] = w * (Q(2, 0) * rx + Q(2, 1) * ry + Q(2, 2) * rz) + cw * dw[e] + t * rz;
+            }
+            scatter(row, own, s, out);
+        }
+    });
+    rows.gather<Vec4>(forces_, [&](Index i, const Vec4& f) {
+        const auto k = static_cast<std::size_t>(i);
+        y[k] = u[k] + Vec3(f.v[0], f.v[1], f.v[2]);
+    });
+}
+
+void StrainForm::add_pressure(Span<const Real> q, Span<Vec3> y) const {
+    const CoupledRows& rows = *rows_;
+    parallel_blocks(rows.size(), CoupledRows::block_size, [&](Index begin, Index) {
+        const RowBlock& block = rows.blocks[static_cast<std::size_t>(begin / CoupledRows::block_size)];
+        RowScratch& s = scratch(block, rows);
+        Vec4* out = forces_.data() + block.place;
+        std::fill(out, out + block.touched.size(), Vec4{{0, 0, 0, 0}});
+        for (Index own = 0; own < block.size(); ++own) {
+            const RowView row(block, own);
+            const auto i = static_cast<std::size_t>(block.begin + own);
+            if (row.count == 0 || q[i] == 0) continue;
+            const Neighbourhood& n = rows.neighbourhood[i];
+            const Mat3 Q = q[i] * (n.resolved * n.inverse_moment);
+            Real *__restrict fx = s.fx.data(), *__restrict fy = s.fy.data(), *__restrict fz = s.fz.data();
+            for (Index e = 0; e < row.count; ++e) {
+                const Real wx = row.w[e] * row.x[e], wy = row.w[e] * row.y[e], wz = row.w[e] * row.z[e];
+                fx[e] = Q(0, 0) * wx + Q(0, 1) * wy + Q(0, 2) * wz;
+                fy[e] = Q(1, 0) * wx + Q(1, 1) * wy + Q(1, 2) * wz;
+                fz[e] = Q(2, 0) * wx + Q(2, 1) * wy + Q(2, 2) * wz;
+            }
+            scatter(row, own, s, out);
+        }
+    });
+    rows.gather<Vec4>(forces_, [&](Index i, const Vec4& f) { y[static_cast<std::size_t>(i)] += Vec3(f.v[0], f.v[1], f.v[2]); });
+}
+
+void StrainForm::gradient(Span<const Vec3> u, Span<Mat3> G) const {
+    const CoupledRows& rows = *rows_;
+    parallel_blocks(rows.size(), CoupledRows::block_size, [&](Index begin, Index) {
+        const RowBlock& block = rows.blocks[static_cast<std::size_t>(begin / CoupledRows::block_size)];
+        RowScratch& s = scratch(block, rows);
+        for (std::size_t l = 0; l < block.touched.size(); ++l) {
+            const Vec3& v = u[static_cast<std::size_t>(block.touched[l])];
+            s.u[l] = {{v[0], v[1], v[2], 0}};
+        }
+        for (Index own = 0; own < block.size(); ++own) {
+            const auto i = static_cast<std::size_t>(block.begin + own);
+            G[i] = inverse_spacing_ * (differences(RowView(block, own), s.u.data(), own, s) * rows.neighbourhood[i].inverse_moment);
+        }
+    });
+}
+
+Real StrainForm::divergence(Index i, const Mat3& G) const {
+    const Neighbourhood& n = rows_->neighbourhood[static_cast<std::size_t>(i)];
+    return n.unresolved == 0 ? G.trace() : (n.resolved * G).trace();
+}
+
+// With g = M+ w r the block of j gets from row i  K (1 + Lambda) g g^T + K |g|^2  and the penalties' 2 w (1 - g.r)(c + c' r r^T / r^2), where the
+// last r r^T stands for a fourth moment. The block of i gets the first with -h for g, h = sum g, and 2 w ((1 - h.r) c + (1 - h.r)^2 c' r r^T / r^2).
+void StrainForm::diagonal(Span<Mat3> B) const {
+    const CoupledRows& rows = *rows_;
+    struct alignas(8 * sizeof(Real)) Symmetric {
+        Real v[8] = {};  ///< xx yy zz xy xz yz
+    };
+    static_assert(sizeof(Symmetric) == 8 * sizeof(Real));
+    Column<Symmetric> parts(rows.entries());
+    parallel_blocks(rows.size(), CoupledRows::block_size, [&](Index begin, Index) {
+        const RowBlock& block = rows.blocks[static_cast<std::size_t>(begin / CoupledRows::block_size)];
+        Symmetric* out = parts.data() + block.place;
+        for (Index own = 0; own < block.size(); ++own) {
+            const RowView row(block, own);
+            if (row.count == 0) continue;
+            const auto i = static_cast<std::size_t>(block.begin + own);
+            const Mat3& M = rows.neighbourhood[i].inverse_moment;
+            const StrainCoefficients& c = coefficients_[i];
+            const Real K = c.shear / 2, outer = K + c.bulk;
+            Real sum[3] = {0, 0, 0};
+            for (Index e = 0; e < row.count; ++e) {
+                const Real x = row.x[e], y = row.y[e], z = row.z[e], w = row.w[e];
+                const Real g0 = w * (M(0, 0) * x + M(0, 1) * y + M(0, 2) * z);
+                const Real g1 = w * (M(1, 0) * x + M(1, 1) * y + M(1, 2) * z);
+                const Real g2 = w * (M(2, 0) * x + M(2, 1) * y + M(2, 2) * z);
+                const Real left = std::max(Real(0), 1 - (g0 * x + g1 * y + g2 * z));
+                const Real cw = c.smooth * w, pw = c.pair * w / (x * x + y * y + z * z);
+                const Real p[6] = {cw + pw * x * x, cw + pw * y * y, cw + pw * z * z, pw * x * y, pw * x * z, pw * y * z};
+                const Real round = K * (g0 * g0 + g1 * g1 + g2 * g2);
+                Real* o = out[row.other[e]].v;
+                o[0] += outer * g0 * g0 + round + left * p[0];
+                o[1] += outer * g1 * g1 + round + left * p[1];
+                o[2] += outer * g2 * g2 + round + left * p[2];
+                o[3] += outer * g0 * g1 + left * p[3];
+                o[4] += outer * g0 * g2 + left * p[4];
+                o[5] += outer * g1 * g2 + left * p[5];
+                sum[0] += g0, sum[1] += g1, sum[2] += g2;
+            }
+            Real self[6] = {0, 0, 0, 0, 0, 0};
+            for (Index e = 0; e < row.count; ++e) {
+                const Real x = row.x[e], y = row.y[e], z = row.z[e], w = row.w[e];
+                const Real left = 1 - (sum[0] * x + sum[1] * y + sum[2] * z);
+                const Real cw = c.smooth * w * left, pw = c.pair * w * left * left / (x * x + y * y + z * z);
+                self[0] += cw + pw * x * x, self[1] += cw + pw * y * y, self[2] += cw + pw * z * z;
+                self[3] += pw * x * y, self[4] += pw * x * z, self[5] += pw * y * z;
+            }
+            const Real round = K * (sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
+            Real* o = out[own].v;
+            o[0] += outer * sum[0] * sum[0] + round + self[0];
+            o[1] += outer * sum[1] * sum[1] + round + self[1];
+            o[2] += outer * sum[2] * sum[2] + round + self[2];
+            o[3] += outer * sum[0] * sum[1] + self[3];
+            o[4] += outer * sum[0] * sum[2] + self[4];
+            o[5] += outer * sum[1] * sum[2] + self[5];
+        }
+    });
+    rows.gather<Symmetric>(parts, [&](Index i, const Symmetric& p) {
+        Mat3& b = B[static_cast<std::size_t>(i)];
+        b << 1 + p.v[0], p.v[3], p.v[4], p.v[3], 1 + p.v[1], p.v[5], p.v[4], p.v[5], 1 + p.v[2];
+    });
+}
+
+}  // namespace whorl

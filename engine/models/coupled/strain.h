@@ -1,0 +1,55 @@
+#pragma once
+/// The quadratic form that the coupled solve minimises, over the particles' rows (PHYSICS.md 1, made incompressible).
+///
+/// Per unit mass, lengths in spacings, with K_i = mu_i dt/(rho d^2):
+///
+///   E(u) = sum_i |u_i - u*_i|^2 / 2 + K_i [ D_i:D_i + Lambda_i/2 (tr D_i - s_i)^2 ] - q_i tr D_i + c_i S_i + c'_i S'_i
+///
+///   A_i = sum_j w (u_j - u_i) r^T      G_i = A_i M_i+      D_i = (P_i G_i + G_i^T P_i)/2
+///   S_i = sum_j w |u_j - u_i|^2 - A_i:G_i                        what the linear field does not explain
+///   S'_i = sum_j w/r^2 ((u_j - u_i).r - r.G_i r)^2               the same along the pair
+///
+/// D is exact where all directions are resolved and zero for a rigid rotation even in a single file of particles. The forces are the exact
+/// derivative of E, pair by pair opposite: momentum is conserved to round-off.
+#include "engine/models/coupled/rows.h"
+
+namespace whorl {
+
+/// What the form needs of particle i besides its row.
+struct StrainCoefficients {
+    Real shear = 0;   ///< 2 K
+    Real bulk = 0;    ///< K Lambda; an unresolved lateral direction is stress-free, so that a single file has Trouton's 3 mu instead of locking
+    Real smooth = 0;  ///< 2 c
+    Real pair = 0;    ///< 2 c'
+};
+
+class StrainForm {
+public:
+    /// @param viscosity mu [Pa s] of each particle @param dt [s] @param density rho [kg/m^3] @param spacing d [m]
+    void set(const CoupledRows& rows, Span<const Real> viscosity, Real dt, Real density, Real spacing, const CoupledOptions& options);
+
+    /// y = (1 + K) u: mass and strain, over the mass [m/s].
+    void apply(Span<const Vec3> u, Span<Vec3> y) const;
+    /// y_i += sum over rows of P q M+ (w r): the forces of -q tr D [m/s].
+    void add_pressure(Span<const Real> q, Span<Vec3> y) const;
+    /// G d^-1, the gradient of u [1/s].
+    void gradient(Span<const Vec3> u, Span<Mat3> G) const;
+    /// The 3x3 diagonal blocks of 1 + K (to a few per cent where directions are unresolved).
+    void diagonal(Span<Mat3> B) const;
+
+    /// tr D of the particle, given its gradient [1/s].
+    Real divergence(Index i, const Mat3& G) const;
+    const StrainCoefficients& coefficients(Index i) const { return coefficients_[static_cast<std::size_t>(i)]; }
+    const CoupledRows& rows() const { return *rows_; }
+
+private:
+    template <class F>
+    void each_row(Span<const Vec3> u, const F& f) const;
+
+    const CoupledRows* rows_ = nullptr;
+    std::vector<StrainCoefficients> coefficients_;
+    Real inverse_spacing_ = 1;
+    mutable Column<Vec4> forces_;  ///< one a touched particle of each block
+};
+
+}  // namespace whorl
