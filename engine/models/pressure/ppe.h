@@ -36,8 +36,12 @@ using PressurePreconditionerSetup = std::function<PressurePreconditioner(const P
 PressurePreconditioner jacobi(const PressureMatrix& matrix);
 
 struct PoissonPressureOptions {
-    /// tolerance: root mean square over the unknown particles of |r_i| dt^2/rho_0, the relative density error that the linear solve leaves.
+    /// tolerance: root mean square over the unknown particles of |r_i| dt^2/rho_0, the relative density error that the linear solve leaves; at
+    /// most ten times that share of the right-hand side.
     SolveLimits limits{1e-3, 200};
+    /// Share of the density error that one step corrects: the source is (dt drho/dt + share (rho - rho_0))/dt^2. 1: as in the notes; then an error e
+    /// throws the fluid about with e d/dt and the pressure with rho_0 e H^2/dt^2, many times its weight.
+    double density_correction = 0.1;
     Real solid_factor = 1;  ///< on the solids' volumes, see models/boundary/wall.h
     PressurePreconditionerSetup preconditioner = jacobi;
 };
@@ -45,7 +49,7 @@ struct PoissonPressureOptions {
 /// What a particle is to the pressure solve.
 enum class PressureClass : char { isolated, surface, separated, poisson, prescribed };
 
-/// Row of particle i: sum_j a_ij (p_i - p_j) + alpha_i p_i = (rho*_i - rho_0)/dt^2, then
+/// Row of particle i: sum_j a_ij (p_i - p_j) + alpha_i p_i = (dt drho_i/dt(u*) + share (rho_i - rho_0))/dt^2, then
 /// u_i = u*_i - dt sum_j m (p_i/rho_i^2 + p_j/rho_j^2) grad W_ij - dt (rho_0/rho_i^2) 2 p_i sum_s V_s grad W_is.
 /// Prescribed particles (emitter) act as solids do: their pressure mirrors that of i.
 class PoissonPressure {
@@ -69,7 +73,7 @@ private:
                   Read<field::role> role, Read<field::density> rho);
     template <class Kernel>
     void build(const Kernel& kernel, const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, const StepContext& step,
-               Read<field::role> role, Read<field::density> rho, Update<field::velocity> u, Update<field::pressure> p);
+               Read<field::density> rho, Update<field::velocity> u, Update<field::pressure> p);
     void find_closed();
     void solve(const StepContext& step, StepReport& report, Update<field::pressure> p);
 
@@ -79,7 +83,8 @@ private:
     std::vector<char> touches_surface_;
     std::vector<Closed> closed_;
     Column<Real> b_;     ///< V_i (rho*_i - rho_0)/dt^2
-    Column<Vec3> wall_;  ///< acceleration by solids and prescribed neighbours, over -p_i [1/(kg/m^2)]
+    Column<Vec3> wall_;    ///< acceleration by solids and prescribed neighbours, over -p_i [m^2/kg]
+    Column<Vec3> weight_;  ///< acceleration by the solids' hydrostatic share, negative [m/s^2]
 };
 
 }  // namespace whorl
