@@ -2,6 +2,7 @@
 #include <numbers>
 
 #include "engine/geometry/kinds.h"
+#include "engine/geometry/layer.h"
 
 namespace whorl {
 namespace {
@@ -66,6 +67,43 @@ public:
             m.triangle.push_back({centres + 1, a + 3, b + 3});
         }
         return m;
+    }
+
+    /// Rings on the wall, every other one turned by half a spacing, and rings on the ends.
+    std::vector<LayerPoint> layer(Real offset, const LayerRegion& region) const override {
+        const double R = inset(radius_, offset), half = inset(half_, offset), d = region.spacing, pi = std::numbers::pi;
+        const Vec3d c = middle_.cast<double>(), n = axis_.cast<double>();
+        check_count(2 * pi * R * (2 * half + R) / (d * d), "cylinder");
+        Vec3d u, v;
+        frame_of(n, u, v);
+        std::vector<LayerPoint> points;
+        const auto ring = [&](double along, double radius, double turn, const Vec3d* end) {
+            const double count = std::max(1.0, std::round(2 * pi * radius / d));
+            for (double k = 0; k < count; ++k) {
+                const double angle = 2 * pi * (k + turn) / count;
+                const Vec3d out = std::cos(angle) * u + std::sin(angle) * v;
+                points.push_back({c + along * n + radius * out, end ? *end : out});
+            }
+        };
+        int axis = 0;
+        n.cwiseAbs().maxCoeff(&axis);
+        const bool through = std::abs(n[axis]) > 1 - 1e-6 && region.spans_period(axis, c[axis] - half_, c[axis] + half_);
+        if (through) {
+            double turn = 0;
+            for (double x : period_points(region, axis)) ring((x - c[axis]) * n[axis], R, turn = 0.5 - turn, nullptr);
+            return points;
+        }
+        const double steps = std::max(1.0, std::round(2 * half / d)), rings = std::max(1.0, std::round(R / d));
+        for (double k = 1; k < steps; ++k) ring(-half + 2 * half * k / steps, R, std::fmod(k, 2) / 2, nullptr);
+        for (double side : {-1.0, 1.0}) {
+            const double turn = side < 0 ? 0 : std::fmod(steps, 2) / 2;
+            const std::size_t rim = points.size();
+            ring(side * half, R, turn, nullptr);
+            for (std::size_t k = rim; k < points.size(); ++k) points[k].outward = (points[k].outward + side * n).normalized();
+            const Vec3d end = side * n;
+            for (double k = 1; k <= rings; ++k) ring(side * half, R * (1 - k / rings), 0, &end);
+        }
+        return points;
     }
 
 private:

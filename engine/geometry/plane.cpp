@@ -1,6 +1,7 @@
 #include <limits>
 
 #include "engine/geometry/kinds.h"
+#include "engine/geometry/layer.h"
 
 namespace whorl {
 namespace {
@@ -32,6 +33,49 @@ public:
         }
         m.triangle = {{0, 1, 2}, {0, 2, 3}};
         return m;
+    }
+
+    /// A lattice along two directions in the plane: axes of the domain where the plane holds them (then without a seam where they are periodic).
+    std::vector<LayerPoint> layer(Real offset, const LayerRegion& region) const override {
+        const Vec3d n = normal_.cast<double>();
+        Vec3d direction[2];
+        int axes[2] = {-1, -1}, found = 0;
+        for (int a = 0; a < 3 && found < 2; ++a)
+            if (std::abs(n[a]) < 1e-6) axes[found++] = a;
+        if (found > 0) direction[0] = Vec3d::Unit(axes[0]);
+        else frame_of(n, direction[0], direction[1]);
+        direction[1] = n.cross(direction[0]);
+        if (found > 1) direction[1] = Vec3d::Unit(axes[1]);
+
+        std::vector<double> line[2];
+        for (std::size_t k = 0; k < 2; ++k) {
+            const int a = axes[k];
+            if (a >= 0 && region.domain.periodic[static_cast<std::size_t>(a)]) {
+                line[k] = period_points(region, a);
+                continue;
+            }
+            double low = 0, high = 0;  // the domain seen along the direction
+            for (int b = 0; b < 3; ++b) {
+                const double at_min = (double(region.domain.min[b]) - region.margin) * direction[k][b];
+                const double at_max = (double(region.domain.max[b]) + region.margin) * direction[k][b];
+                low += std::min(at_min, at_max);
+                high += std::max(at_min, at_max);
+            }
+            check_count((high - low) / region.spacing, "plane");
+            for (double x = low + region.spacing / 2; x < high; x += region.spacing) line[k].push_back(x);
+        }
+        check_count(double(line[0].size()) * double(line[1].size()), "plane");
+        const Vec3d foot = n * (point_.cast<double>().dot(n) + offset);
+        std::vector<LayerPoint> points;
+        for (double x : line[0])
+            for (double y : line[1]) {
+                const Vec3d at = foot + x * direction[0] + y * direction[1];
+                bool wanted = region.contains(at);
+                for (int a = 0; a < 3; ++a)  // an inclined plane along a periodic axis: once
+                    if (region.domain.periodic[static_cast<std::size_t>(a)]) wanted = wanted && at[a] >= region.domain.min[a] && at[a] < region.domain.max[a];
+                if (wanted) points.push_back({at, n});
+            }
+        return points;
     }
 
 private:

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "engine/core/mesh.h"
+#include "engine/geometry/domain.h"
 
 namespace whorl {
 
@@ -21,6 +22,22 @@ struct ShapeKeys {
     double scale = 1;
 };
 
+/// Where a layer of particles along a shape's surface is wanted, in the shape's own axes.
+struct LayerRegion {
+    Real spacing = 0;      ///< m
+    Domain domain;         ///< periodic axes that a box, cylinder or plane spans are filled without a seam and without ends
+    Real margin = 0;       ///< m beyond the domain
+    bool clipped = false;  ///< what is further out is not wanted; planes are always clipped
+    /// Within the margin along the axes that are not periodic.
+    bool contains(const Vec3d& x) const;
+    /// Whether [low, high] covers the domain along a periodic axis.
+    bool spans_period(int axis, double low, double high) const;
+};
+
+struct LayerPoint {
+    Vec3d position, outward;  ///< m; unit, away from the shape's inside
+};
+
 class Shape {
 public:
     virtual ~Shape() = default;
@@ -33,6 +50,9 @@ public:
     virtual bool bounded() const { return true; }
     /// For drawing. @param edge wanted length of an edge [m] @param extent half-width of a plane's drawn patch [m]
     virtual TriangleMesh mesh(Real edge, Real extent) const = 0;
+    /// Points about a spacing apart on the surface at the signed distance `offset` [m] (nearer where the shape is too thin for it).
+    /// This one throws darts on mesh(): blue noise; the same for the same shape. @throws InputError beyond 50 million points
+    virtual std::vector<LayerPoint> layer(Real offset, const LayerRegion& region) const;
 };
 
 /// @throws InputError where a mesh file is missing, unreadable or not closed

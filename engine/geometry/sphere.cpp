@@ -1,6 +1,7 @@
 #include <numbers>
 
 #include "engine/geometry/kinds.h"
+#include "engine/geometry/layer.h"
 
 namespace whorl {
 namespace {
@@ -26,8 +27,8 @@ public:
         for (int k = 0; k <= rings; ++k)
             for (int l = 0; l <= around; ++l) {
                 const double polar = std::numbers::pi * k / rings, angle = 2 * std::numbers::pi * (l % around) / around;
-                const Vec3f n(static_cast<float>(std::sin(polar) * std::cos(angle)), static_cast<float>(std::cos(polar)),
-                              static_cast<float>(std::sin(polar) * std::sin(angle)));
+                const double out = k == 0 || k == rings ? 0 : std::sin(polar);  // the poles exactly, so that they are one point
+                const Vec3f n(static_cast<float>(out * std::cos(angle)), static_cast<float>(std::cos(polar)), static_cast<float>(out * std::sin(angle)));
                 m.normal.push_back(n);
                 m.position.push_back(centre_.cast<float>() + static_cast<float>(radius_) * n);
             }
@@ -38,6 +39,20 @@ public:
                 if (k < rings - 1) m.triangle.push_back({vertex(k, l + 1), vertex(k + 1, l + 1), vertex(k + 1, l)});
             }
         return m;
+    }
+
+    /// A spiral of equal areas (Swinbank and Purser 2006).
+    std::vector<LayerPoint> layer(Real offset, const LayerRegion& region) const override {
+        const double R = inset(radius_, offset), d = region.spacing, count = std::max(4.0, std::round(4 * std::numbers::pi * R * R / (d * d)));
+        check_count(count, "sphere");
+        const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
+        std::vector<LayerPoint> points;
+        for (double k = 0; k < count; ++k) {
+            const double y = 1 - (2 * k + 1) / count, r = std::sqrt(1 - y * y);
+            const Vec3d n(r * std::cos(golden * k), y, r * std::sin(golden * k));
+            points.push_back({centre_.cast<double>() + R * n, n});
+        }
+        return points;
     }
 
 private:

@@ -3,6 +3,7 @@
 #include <functional>
 #include <vector>
 
+#include "engine/core/random.h"
 #include "engine/geometry/domain.h"
 #include "engine/geometry/shape.h"
 
@@ -23,20 +24,5 @@ std::vector<Vec3> sample_shape(const Shape& shape, Sampling sampling, Real spaci
 /// so that the density stays even up to it.
 /// @param domain only its periodic axes are used
 void relax(std::vector<Vec3>& x, const Distance& distance, Real spacing, const Domain& domain, int sweeps);
-
-/// Deterministic uniform numbers in [0, 1): the same on every platform (std's distributions are not).
-class RandomNumbers {
-public:
-    explicit RandomNumbers(std::uint64_t seed) : state_(seed * 0x9E3779B97F4A7C15ull + 0x632BE59BD9B4E019ull) {}
-    double operator()() {  // splitmix64 (Steele, Lea and Flood 2014)
-        std::uint64_t z = (state_ += 0x9E3779B97F4A7C15ull);
-        z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ull;
-        z = (z ^ (z >> 27)) * 0x94D049BB133111EBull;
-        return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1.0p-53;
-    }
-
-private:
-    std::uint64_t state_;
-};
 
 }  // namespace whorl

@@ -1,0 +1,51 @@
+#include "engine/geometry/solid_sampling.h"
+
+#include "engine/core/parallel.h"
+#include "engine/particles/search.h"
+
+namespace whorl {
+
+SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& domain, KernelKind kernel, Real support) {
+    SolidParticles particles;
+    for (std::size_t k = 0; k < solids.all.size(); ++k) {
+        const Solid& solid = solids.all[k];
+        LayerRegion region{spacing, domain, 3 * spacing, !solid.moves()};
+        region.domain.min -= solid.pose.translation;  // a solid that stands still is not turned either
+        region.domain.max -= solid.pose.translation;
+        if (!solid.spin.is_zero()) region.domain.periodic = {false, false, false};
+        for (const LayerPoint& point : solid.shape->layer((solid.inside ? 1 : -1) * spacing / 2, region)) {
+            if (region.clipped && !region.contains(point.position)) continue;
+            particles.solid.push_back(static_cast<Index>(k));
+            particles.own_position.push_back(point.position.cast<Real>());
+            particles.own_normal.push_back((solid.inside ? -point.outward : point.outward).cast<Real>());
+        }
+    }
+    const std::size_t n = particles.solid.size();
+    particles.position.resize(n);
+    particles.velocity.resize(n);
+    particles.normal.resize(n);
+    particles.volume.resize(n);
+    particles.follow(solids);
+    set_solid_volumes(particles, solids, domain, kernel, support > 0 ? support : 2 * spacing);
+    return particles;
+}
+
+void set_solid_volumes(SolidParticles& particles, const Solids& solids, const Domain& domain, KernelKind kernel, Real support) {
+    Pairs pairs;
+    NeighbourSearch().find(particles.position, support, domain, pairs);
+    std::vector<char> moves;
+    for (const Solid& solid : solids.all) moves.push_back(solid.moves());
+    with_kernel(kernel, support, [&](const auto& W) {
+        parallel_for(particles.size(), [&](Index s) {
+            const auto whose = [&](Index i) { return static_cast<std::size_t>(particles.solid[static_cast<std::size_t>(i)]); };
+            Real sum = W.value(0);
+            pairs.of(s, [&](Index other, const Vec3&, Real distance) {
+                const std::size_t a = whose(s), b = whose(other);
+                if (a == b || (!moves[a] && !moves[b])) sum += W.value(distance);
+            });
+            particles.volume[static_cast<std::size_t>(s)] = 1 / sum;
+        });
+    });
+}
+
+}  // namespace whorl
