@@ -43,9 +43,10 @@ void FieldTexture::fill(const Volume& band) {
 
 void FieldTexture::bind(gl::Program& program, int unit) const {
     program.set("has_field", empty() ? 0 : 1);
-    if (empty()) return;
+    // Also where there is no field: two samplers of different kinds must not stand on the same unit.
     program.texture("near_field", unit, GL_TEXTURE_3D, near_.id());
     program.texture("far_field", unit + 1, GL_TEXTURE_3D, far_.id());
+    if (empty()) return;
     program.set("field_origin", origin_);
     program.set("voxel", voxel_);
     program.set("near_scale", Vec3f(size_.cwiseInverse()));

@@ -8,8 +8,8 @@ namespace whorl {
 
 class GroundLight {
 public:
-    /// @param to_studio studio_axes() of the view @param ground its height [m] @param has_ground else only the solids are lit
-    void draw(const Things& things, const Material& material, const Mat3f& to_studio, float ground, bool has_ground);
+    /// @param to_studio studio_axes() of the view @param spacing of the particles [m] @param ground its height [m] @param has_ground else only the solids are lit
+    void draw(const Things& things, const Material& material, const Mat3f& to_studio, float spacing, float ground, bool has_ground);
     /// Sets the uniforms of shadow.glsl; takes two texture units from `unit` on.
     void bind_shadow(gl::Program& program, int unit) const;
     /// Sets the uniforms of studio.glsl about the ground; takes one texture unit.
@@ -17,8 +17,8 @@ public:
 
 private:
     static constexpr int light_size = 256, ground_size = 256;
-    void draw_layers(const Things& things);
-    void draw_ground(const Things& things, const Vec3f& tint, float ground);
+    void draw_layers(const Things& things, float spacing);
+    void draw_ground(const Things& things, const Vec3f& tint, float ground, float spacing);
 
     gl::Program layers_program_{{"mesh.vert"}, {"light.frag"}};
     gl::Program transmission_program_{{"screen.vert"}, {"transmission.frag"}};

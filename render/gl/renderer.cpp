@@ -2,6 +2,8 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "render/gl/context.h"
 #include "render/gl/field_texture.h"
@@ -9,6 +11,8 @@
 #include "render/gl/objects.h"
 #include "render/gl/setup.h"
 #include "render/gl/things.h"
+#include "render/look/colour_map.h"
+#include "render/look/field_values.h"
 #include "render/look/material.h"
 #include "render/look/studio.h"
 
@@ -33,12 +37,18 @@ struct Shot {
 }  // namespace
 
 struct Renderer::Device {
-    Device(int w, int h) : width(w), height(h) { glGenVertexArrays(1, &no_vertices); }
+    Device(int w, int h) : width(w), height(h) {
+        glGenVertexArrays(1, &no_vertices);
+        glEnable(GL_PROGRAM_POINT_SIZE);
+    }
     ~Device() { glDeleteVertexArrays(1, &no_vertices); }
 
     Image draw(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view);
     void draw_sample(const Shot& shot, int sample);
     void draw_solids(const Shot& shot, const Eigen::Matrix4f& matrix);
+    void draw_particles(const Shot& shot, const Eigen::Matrix4f& matrix);
+    void fill_particles(const Frame& frame, const LookOptions& look);
+    void draw_fluid(const Shot& shot, const Eigen::Matrix4f& matrix);
     void shade_fluid(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
     void compose_picture(const Shot& shot);
     Image read_back() const;
@@ -51,12 +61,15 @@ struct Renderer::Device {
     gl::Program fluid_normal{{"mesh.vert"}, {"normal.frag"}};
     gl::Program solid_colour{{"mesh.vert"}, {"studio.glsl", "field.glsl", "shadow.glsl", "solid.frag"}};
     gl::Program liquid{{"screen.vert"}, {"studio.glsl", "field.glsl", "liquid.frag"}};
+    gl::Program opaque{{"screen.vert"}, {"studio.glsl", "field.glsl", "opaque.frag"}};
+    gl::Program particles{{"particles.vert"}, {"particles.frag"}};
     gl::Program compose{{"screen.vert"}, {"studio.glsl", "compose.frag"}};
 
     gl::Texture depth = gl::texture_2d(GL_DEPTH_COMPONENT32F, width, height, false);
     gl::Texture solid = gl::texture_2d(GL_RGBA16F, width, height, false);
     gl::Texture normal = gl::texture_2d(GL_RGBA16F, width, height, false);
     gl::Texture sum = gl::texture_2d(GL_RGBA16F, width, height, false);
+    gl::Texture colours = gl::texture_2d(GL_RGBA16F, 256, 1, true);
     gl::Texture picture = gl::texture_2d(GL_RGBA8, width, height, false);
     gl::Framebuffer geometry = gl::framebuffer({solid.id(), normal.id()}, depth.id());
     gl::Framebuffer accumulate = gl::framebuffer({sum.id()}, 0);
@@ -92,13 +105,16 @@ void Renderer::Device::cover_screen() const {
 
 Image Renderer::Device::draw(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view) {
     context.make_current();
-    things.fill(frame, surface.mesh);
-    field.fill(surface.distance);
+    if (look.style == "particles")
+        fill_particles(frame, look);
+    else
+        things.fill(frame, surface.mesh);
+    field.fill(look.style == "particles" ? Volume{} : surface.distance);
     const float aspect = static_cast<float>(width) / static_cast<float>(height);
     const Shot shot{look,          view, studio_of(look.background), fluid_material(look, (frame.domain_max - frame.domain_min).norm()),
                     frame.spacing, ground_height(frame), camera_matrix(view, aspect, things.bounds()), aspect};
     glBindVertexArray(no_vertices);
-    ground_light.draw(things, shot.material, studio_axes(view), shot.ground, look.ground);
+    ground_light.draw(things, shot.material, studio_axes(view), frame.spacing, shot.ground, look.ground);
 
     glViewport(0, 0, width, height);
     glClearColor(0, 0, 0, 0);
@@ -120,13 +136,10 @@ void Renderer::Device::draw_sample(const Shot& shot, int sample) {
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     glEnable(GL_DEPTH_TEST);
     draw_solids(shot, matrix);
-    glColorMaski(0, GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-    fluid_normal.use();
-    fluid_normal.set("view_projection", matrix);
-    fluid_normal.set("ground_height", shot.look.ground ? shot.ground : -1e6f);
-    fluid_normal.set("tolerance", 0.5f * shot.spacing);
-    things.draw_fluid(fluid_normal);
-    glColorMaski(0, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    if (things.are_particles())
+        draw_particles(shot, matrix);
+    else
+        draw_fluid(shot, matrix);
     glDisable(GL_DEPTH_TEST);
 
     glBindFramebuffer(GL_FRAMEBUFFER, accumulate.id());
@@ -153,21 +166,63 @@ void Renderer::Device::draw_solids(const Shot& shot, const Eigen::Matrix4f& matr
     });
 }
 
+void Renderer::Device::draw_fluid(const Shot& shot, const Eigen::Matrix4f& matrix) {
+    glColorMaski(0, GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    fluid_normal.use();
+    fluid_normal.set("view_projection", matrix);
+    fluid_normal.set("ground_height", shot.look.ground ? shot.ground : -1e6f);
+    fluid_normal.set("tolerance", 0.5f * shot.spacing);
+    things.draw_fluid(fluid_normal);
+    glColorMaski(0, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+}
+
+void Renderer::Device::fill_particles(const Frame& frame, const LookOptions& look) {
+    std::vector<float> values = field_values(frame, look);
+    const std::array<float, 2> range = field_range(values, look);
+    for (float& v : values) v = std::clamp((v - range[0]) / (range[1] - range[0]), 0.0f, 1.0f);
+    things.fill(frame, values);
+    std::vector<float> texels;
+    for (int i = 0; i < 256; ++i) {
+        const Vec3f srgb = map_colour(look.colour_map, static_cast<float>(i) / 255);
+        for (const float c : srgb) texels.push_back(std::pow(c, 2.2f));
+        texels.push_back(1);
+    }
+    glBindTexture(GL_TEXTURE_2D, colours.id());
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, 256, 1, GL_RGBA, GL_FLOAT, texels.data());
+}
+
+void Renderer::Device::draw_particles(const Shot& shot, const Eigen::Matrix4f& matrix) {
+    set_studio(particles, shot);
+    particles.texture("colours", 0, GL_TEXTURE_2D, colours.id());
+    particles.set("view_projection", matrix);
+    particles.set("to_world", Eigen::Matrix4f(matrix.inverse()));
+    particles.set("radius", 0.5f * shot.spacing);
+    particles.set("pixels", 0.5f * static_cast<float>(height) / std::tan(shot.view.fov * std::numbers::pi_v<float> / 360));
+    particles.set("picture_size", Eigen::Vector2f(static_cast<float>(width), static_cast<float>(height)));
+    things.draw_fluid(particles);
+}
+
 void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matrix, float weight) {
-    set_studio(liquid, shot);
-    field.bind(liquid, field_unit);
-    liquid.texture("depth_buffer", 0, GL_TEXTURE_2D, depth.id());
-    liquid.texture("normal_buffer", 1, GL_TEXTURE_2D, normal.id());
-    liquid.texture("solid_buffer", 2, GL_TEXTURE_2D, solid.id());
-    liquid.set("to_world", Eigen::Matrix4f(matrix.inverse()));
-    liquid.set("to_clip", matrix);
-    liquid.set("weight", weight);
-    liquid.set("has_solids", things.any_solids() ? 1 : 0);
-    liquid.set("box_softness", shot.material.roughness);
-    liquid.set("refraction", shot.material.refraction);
-    liquid.set("absorption", Vec3f(shot.material.absorption * field.voxel()));
-    liquid.set("scatter", shot.material.scatter);
-    liquid.set("haze", shot.material.haze * field.voxel());
+    const Material& material = shot.material;
+    gl::Program& program = material.refracts && !field.empty() ? liquid : opaque;
+    set_studio(program, shot);
+    field.bind(program, field_unit);
+    program.texture("depth_buffer", 0, GL_TEXTURE_2D, depth.id());
+    program.texture("normal_buffer", 1, GL_TEXTURE_2D, normal.id());
+    program.texture("solid_buffer", 2, GL_TEXTURE_2D, solid.id());
+    program.set("to_world", Eigen::Matrix4f(matrix.inverse()));
+    program.set("to_clip", matrix);
+    program.set("weight", weight);
+    program.set("has_solids", things.any_solids() ? 1 : 0);
+    program.set("box_softness", material.roughness);
+    program.set("roughness", material.roughness);
+    program.set("refraction", material.refraction);
+    program.set("absorption", Vec3f(material.absorption * field.voxel()));
+    program.set("scatter", material.scatter);
+    program.set("haze", material.haze * field.voxel());
+    program.set("body_colour", material.refracts ? material.scatter.cwiseMin(1.0f).eval() : material.colour);
+    program.set("emission", material.emission);
+    program.set("softness", material.refracts ? 0.5f : material.softness);
     cover_screen();
 }
 

@@ -50,7 +50,23 @@ const gl::Vertices& Things::model(const std::shared_ptr<const TriangleMesh>& mes
 
 void Things::fill(const Frame& frame, const TriangleMesh& fluid) {
     fill_vertices(fluid_, fluid.normal.size() == fluid.position.size() ? fluid : with_normals(fluid));
+    are_particles_ = false;
     bounds_ = fluid_bounds_ = bounds_of(fluid.position);
+    fill_solids(frame);
+}
+
+void Things::fill(const Frame& frame, const std::vector<float>& value) {
+    const float* first = frame.position.empty() ? nullptr : frame.position[0].data();
+    particles_.fill({{first, 3 * frame.position.size()}, {value.data(), value.size()}}, nullptr, 0);
+    are_particles_ = true;
+    bounds_ = Bounds{};
+    const Vec3f radius = Vec3f::Constant(0.5f * frame.spacing);
+    for (const Vec3f& x : frame.position) bounds_.add(x - radius), bounds_.add(x + radius);
+    fluid_bounds_ = bounds_;
+    fill_solids(frame);
+}
+
+void Things::fill_solids(const Frame& frame) {
     solids_.clear();
     containers_.clear();
     for (const FrameSolid& solid : frame.solids) {
@@ -65,7 +81,10 @@ void Things::fill(const Frame& frame, const TriangleMesh& fluid) {
 void Things::draw_fluid(gl::Program& program) const {
     program.set("rotation", Mat3f(Mat3f::Identity()));
     program.set("translation", Vec3f(Vec3f::Zero()));
-    fluid_.draw(GL_TRIANGLES);
+    if (are_particles_)
+        particles_.draw(GL_POINTS);
+    else
+        fluid_.draw(GL_TRIANGLES);
 }
 
 void Things::draw_solids(gl::Program& program, bool containers, const std::function<void(const FrameSolid&)>& prepare) const {

@@ -15,8 +15,11 @@ TriangleMesh with_normals(const TriangleMesh& mesh);
 class Things {
 public:
     void fill(const Frame& frame, const TriangleMesh& fluid);
-    /// Draws with a program of mesh.vert, its view_projection already set.
+    /// The fluid as its particles, each with a value.
+    void fill(const Frame& frame, const std::vector<float>& value);
+    /// Draws with a program of mesh.vert, its view_projection already set; particles as points.
     void draw_fluid(gl::Program& program) const;
+    bool are_particles() const { return are_particles_; }
     /// `prepare` sets what the program wants to know of each solid.
     void draw_solids(gl::Program& program, bool containers, const std::function<void(const FrameSolid&)>& prepare) const;
     bool any_solids() const { return !solids_.empty(); }
@@ -30,9 +33,11 @@ private:
         std::shared_ptr<const TriangleMesh> mesh;  ///< held so that its address stays its name
         gl::Vertices vertices{{3, 3}};
     };
+    void fill_solids(const Frame& frame);
     const gl::Vertices& model(const std::shared_ptr<const TriangleMesh>& mesh);
 
-    gl::Vertices fluid_{{3, 3}};
+    gl::Vertices fluid_{{3, 3}}, particles_{{3, 1}};
+    bool are_particles_ = false;
     std::map<const TriangleMesh*, Model> models_;
     std::vector<std::pair<FrameSolid, const gl::Vertices*>> solids_, containers_;
     Bounds fluid_bounds_, bounds_;

@@ -4,6 +4,7 @@ layout(location = 1) in vec3 normal;
 uniform mat4 view_projection;
 uniform mat3 rotation;
 uniform vec3 translation;
+uniform float point_size;   // pixels, where particles are drawn as points
 out vec3 world;
 out vec3 world_normal;
 out vec3 own;
@@ -12,5 +13,6 @@ void main() {
     own = position;
     world = rotation * position + translation;
     world_normal = rotation * normal;
+    gl_PointSize = point_size;
     gl_Position = view_projection * vec4(world, 1.0);
 }

@@ -53,3 +53,36 @@ TEST_CASE("a frame without fluid is a picture of the studio, and two renderers l
     CHECK(second.draw(empty_frame(), Surface{}, one_sample(), from_the_front).width == 32);
     CHECK(first.draw(empty_frame(), Surface{}, one_sample(), from_the_front).rgb == studio.rgb);
 }
+
+TEST_CASE("particles take their colours from the map: fast ones yellow, slow ones dark in viridis", "[render]") {
+    Renderer renderer(96, 64);
+    Frame frame = empty_frame();
+    frame.spacing = 0.06f;
+    frame.position = {Vec3f(-0.06f, 0.1f, 0), Vec3f(0.06f, 0.1f, 0)};
+    frame.velocity = {Vec3f::Zero(), Vec3f(1, 0, 0)};
+    LookOptions look = one_sample();
+    look.style = "particles";
+    const Image picture = renderer.draw(frame, Surface{}, look, from_the_front);
+    const int right = 48 + static_cast<int>(0.06 / 0.6 * 64 / (2 * 0.26795));  // 0.06 m at 0.6 m, tan 15 degrees = 0.26795
+    const auto *slow = picture.pixel(96 - right, 32), *fast = picture.pixel(right, 32);
+    CHECK(fast[0] > fast[2] + 60);
+    CHECK(slow[2] > slow[1]);
+    CHECK(fast[1] > slow[1] + 60);
+}
+
+TEST_CASE("a mesh without a distance field is drawn, though opaque", "[render]") {
+    Renderer renderer(64, 64);
+    Surface ball = test::sphere(Vec3f(0, 0.1f, 0), 0.05f, 0.005f);
+    ball.distance = Volume{};
+    const Image picture = renderer.draw(empty_frame(), ball, one_sample(), from_the_front);
+    const auto* middle = picture.pixel(32, 32);
+    CHECK(middle[0] > middle[2] + 60);
+}
+
+TEST_CASE("the same frame gives the same picture, bit for bit", "[render]") {
+    const Surface ball = test::sphere(Vec3f(0, 0.05f, 0), 0.05f, 0.005f);
+    Renderer renderer(64, 64), other(64, 64);
+    const Image picture = renderer.draw(empty_frame(), ball, {}, from_the_front);
+    CHECK(renderer.draw(empty_frame(), ball, {}, from_the_front).rgb == picture.rgb);
+    CHECK(other.draw(empty_frame(), ball, {}, from_the_front).rgb == picture.rgb);
+}

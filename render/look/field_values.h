@@ -1,0 +1,16 @@
+#pragma once
+/// The field that colours particles, as places on a colour map.
+#include <vector>
+
+#include "engine/io/frame.h"
+#include "render/look/look.h"
+
+namespace whorl {
+
+/// One value a particle: speed [m/s], the norm of a vector field (its component along z on a diverging map), or a scalar field.
+/// Zeros where the frame does not carry the field.
+std::vector<float> field_values(const Frame& frame, const LookOptions& look);
+/// The look's range; where it is empty the values' own, symmetric about zero on a diverging map.
+std::array<float, 2> field_range(const std::vector<float>& values, const LookOptions& look);
+
+}  // namespace whorl

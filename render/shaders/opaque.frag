@@ -1,0 +1,65 @@
+// An opaque fluid (paint, chocolate, lava, clay), or any fluid where no distance field was made.
+in vec2 uv;
+uniform sampler2D depth_buffer;
+uniform sampler2D normal_buffer;
+uniform sampler2D solid_buffer;
+uniform mat4 to_world;       // clip -> world
+uniform vec3 eye;
+uniform float weight;        // of this sample in the pixel
+uniform bool has_field;
+uniform vec3 body_colour;
+uniform vec3 emission;
+uniform float roughness;
+uniform float softness;      // how far light creeps round into shadow
+uniform vec3 sky;
+uniform vec3 key_colour;
+layout(location = 0) out vec4 colour;
+
+// The front light that shapes an opaque body; it stands where its soft box is mirrored.
+const vec3 front_light = vec3(-0.62, 0.68, 0.38);
+
+// Soft shadow towards l: how narrow the gap to the body gets along the way, against the light's width.
+float unshadowed(vec3 p, vec3 l) {
+    float open = 1.0, t = 3.0;
+    for (int i = 0; i < 9; ++i) {
+        float f = far_distance(p + t * l);
+        open = min(open, 0.5 + 1.6 * f / t);
+        t += clamp(f, 3.0, 40.0);
+    }
+    return smoothstep(0.0, 1.0, open);
+}
+
+void main() {
+    vec4 g = texture(normal_buffer, uv);
+    vec4 solid = texture(solid_buffer, uv);
+    if (g.a < 0.5) {
+        if (solid.a == 0.0) discard;
+        colour = weight * vec4(solid.rgb, 1.0);
+        return;
+    }
+    vec4 h = to_world * vec4(2.0 * vec3(uv, texture(depth_buffer, uv).r) - 1.0, 1.0);
+    vec3 x = h.xyz / h.w;
+    vec3 v = normalize(x - eye);
+    vec3 n = normalize(g.xyz);
+    if (dot(n, v) > -0.02) n = normalize(n - (dot(n, v) + 0.02) * v);
+    vec3 r = reflect(v, n);
+    vec3 l = front_light * studio;  // studio's inverse: into the world
+    float open = 1.0, seen = 1.0, lit = 1.0;
+    if (has_field) {
+        vec3 p = place_of(x) + n;
+        open = openness(p, n, 40.0);
+        seen = openness(p, r, 30.0);
+        lit = unshadowed(p, l);
+    }
+    // Light wraps round by `softness`, and what comes out of shadow has gone through the body: it takes on more of its colour.
+    float wrapped = clamp((dot(n, l) + softness) / (1.0 + softness), 0.0, 1.0);
+    vec3 bled = mix(vec3(1.0), body_colour / max(max(body_colour.r, max(body_colour.g, body_colour.b)), 1e-3), softness * (1.0 - wrapped));
+    vec3 around = mix(0.6 * backdrop_low, sky, 0.5 + 0.5 * n.y) * mix(body_colour, vec3(1.0), open) * open;
+    vec3 diffuse = body_colour * (around + 1.5 * key_colour * wrapped * lit * bled);
+    float facing = clamp(-dot(n, v), 0.0, 1.0);
+    float mirror = 0.04 + 0.96 * pow(1.0 - facing, 5.0) * (1.0 - 0.8 * roughness);
+    vec3 mirrored = (surroundings(x, r) + (1.0 - roughness) * strip_light(r)) * seen * (1.0 - 0.75 * roughness);
+    // Hot where it is hidden from the cold air, crusted where it is open.
+    vec3 glow = emission * pow(1.0 - 0.9 * open, 2.0);
+    colour = weight * vec4(diffuse + glow + mirror * mirrored, 1.0);
+}
