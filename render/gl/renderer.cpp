@@ -50,6 +50,7 @@ struct Renderer::Device {
     void fill_particles(const Frame& frame, const LookOptions& look);
     void draw_fluid(const Shot& shot, const Eigen::Matrix4f& matrix);
     void shade_fluid(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
+    void draw_glass(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
     void compose_picture(const Shot& shot);
     Image read_back() const;
     void set_studio(gl::Program& program, const Shot& shot) const;
@@ -63,16 +64,19 @@ struct Renderer::Device {
     gl::Program liquid{{"screen.vert"}, {"studio.glsl", "field.glsl", "liquid.frag"}};
     gl::Program opaque{{"screen.vert"}, {"studio.glsl", "field.glsl", "opaque.frag"}};
     gl::Program particles{{"particles.vert"}, {"particles.frag"}};
+    gl::Program glass_walls{{"mesh.vert"}, {"studio.glsl", "glass.frag"}};
     gl::Program compose{{"screen.vert"}, {"studio.glsl", "compose.frag"}};
 
     gl::Texture depth = gl::texture_2d(GL_DEPTH_COMPONENT32F, width, height, false);
     gl::Texture solid = gl::texture_2d(GL_RGBA16F, width, height, false);
     gl::Texture normal = gl::texture_2d(GL_RGBA16F, width, height, false);
     gl::Texture sum = gl::texture_2d(GL_RGBA16F, width, height, false);
+    gl::Texture glass = gl::texture_2d(GL_RGBA16F, width, height, false);
     gl::Texture colours = gl::texture_2d(GL_RGBA16F, 256, 1, true);
     gl::Texture picture = gl::texture_2d(GL_RGBA8, width, height, false);
     gl::Framebuffer geometry = gl::framebuffer({solid.id(), normal.id()}, depth.id());
     gl::Framebuffer accumulate = gl::framebuffer({sum.id()}, 0);
+    gl::Framebuffer glass_target = gl::framebuffer({glass.id()}, depth.id());
     gl::Framebuffer output = gl::framebuffer({picture.id()}, 0);
 
     Things things;
@@ -120,6 +124,10 @@ Image Renderer::Device::draw(const Frame& frame, const Surface& surface, const L
     glClearColor(0, 0, 0, 0);
     glBindFramebuffer(GL_FRAMEBUFFER, accumulate.id());
     glClear(GL_COLOR_BUFFER_BIT);
+    if (things.any_containers()) {
+        glBindFramebuffer(GL_FRAMEBUFFER, glass_target.id());
+        glClear(GL_COLOR_BUFFER_BIT);
+    }
     for (int i = 0; i < std::max(look.samples, 1); ++i) draw_sample(shot, i);
     compose_picture(shot);
     return read_back();
@@ -146,6 +154,7 @@ void Renderer::Device::draw_sample(const Shot& shot, int sample) {
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE);
     shade_fluid(shot, matrix, 1.0f / static_cast<float>(samples));
+    if (things.any_containers()) draw_glass(shot, matrix, 1.0f / static_cast<float>(samples));
     glDisable(GL_BLEND);
     glDisable(GL_SCISSOR_TEST);
 }
@@ -226,10 +235,25 @@ void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matr
     cover_screen();
 }
 
+void Renderer::Device::draw_glass(const Shot& shot, const Eigen::Matrix4f& matrix, float weight) {
+    glBindFramebuffer(GL_FRAMEBUFFER, glass_target.id());
+    glEnable(GL_DEPTH_TEST);
+    glDepthMask(GL_FALSE);
+    set_studio(glass_walls, shot);
+    glass_walls.set("view_projection", matrix);
+    glass_walls.set("weight", weight);
+    glass_walls.set("box_softness", 0.05f);
+    things.draw_solids(glass_walls, true, [](const FrameSolid&) {});
+    glDepthMask(GL_TRUE);
+    glDisable(GL_DEPTH_TEST);
+}
+
 void Renderer::Device::compose_picture(const Shot& shot) {
     glBindFramebuffer(GL_FRAMEBUFFER, output.id());
     set_studio(compose, shot);
     compose.texture("samples", 0, GL_TEXTURE_2D, sum.id());
+    compose.texture("glass", 1, GL_TEXTURE_2D, glass.id());
+    compose.set("has_glass", things.any_containers() ? 1 : 0);
     compose.set("to_world", Eigen::Matrix4f(shot.camera.inverse()));
     compose.set("exposure", shot.look.exposure);
     compose.set("aspect", shot.aspect);

@@ -7,7 +7,7 @@
 namespace whorl {
 namespace {
 
-/// Polynomials of degree 6 that follow the maps of van der Walt and Smith (2015) within 2/100 (fit by M. Zucker, public domain).
+/// Polynomials of degree 6 that follow the maps of van der Walt and Smith (2015) within 0.03 a channel (fit by M. Zucker, public domain).
 using Polynomial = std::array<Vec3f, 7>;
 const Polynomial viridis{Vec3f(0.277727f, 0.005407f, 0.334100f),  Vec3f(0.105093f, 1.404614f, 1.384590f),
                          Vec3f(-0.330862f, 0.214848f, 0.095095f), Vec3f(-4.634230f, -5.799101f, -19.332441f),

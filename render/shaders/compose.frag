@@ -1,6 +1,8 @@
 // Puts the samples over the background and turns linear light into a picture.
 in vec2 uv;
 uniform sampler2D samples;
+uniform sampler2D glass;     // walls of containers, over everything
+uniform bool has_glass;
 uniform mat4 to_world;
 uniform vec3 eye;
 uniform float exposure;
@@ -37,6 +39,10 @@ void main() {
         vec3 d = normalize(h.xyz / h.w - eye);
         vec3 behind = d.y < -1e-3 ? surroundings(eye, d) : backdrop(d);
         colour += (1.0 - front.a) * behind;
+    }
+    if (has_glass) {
+        vec4 wall = texture(glass, uv);
+        colour = colour * (1.0 - min(wall.a, 1.0)) + wall.rgb;
     }
     vec2 off = (uv - 0.5) * vec2(min(aspect, 1.0), 1.0);
     colour *= exposure * (1.0 - 0.35 * dot(off, off));

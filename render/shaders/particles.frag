@@ -27,6 +27,6 @@ void main() {
     float lit = clamp(0.25 + 0.75 * dot(n, vec3(-0.48, 0.68, 0.55) * studio), 0.0, 1.0);
     vec3 c0 = texture(colours, vec2(place, 0.5)).rgb;
     // Little gloss: a colour must be read off the map.
-    solid = vec4(c0 * (0.75 * sky * open + 1.2 * key_colour * lit) + 0.02 * pow(clamp(1.0 + dot(n, d), 0.0, 1.0), 3.0), distance(x, eye));
+    solid = vec4(c0 * (sky * open + 1.4 * key_colour * lit) + 0.02 * pow(clamp(1.0 + dot(n, d), 0.0, 1.0), 3.0), distance(x, eye));
     normal = vec4(0.0);
 }

@@ -37,11 +37,10 @@ vec3 soft_boxes(vec3 d) {
     return light;
 }
 
-// Dark flags stand at the sides, out of the picture: they draw the edges of things that light passes through.
-vec3 environment(vec3 d) {
-    float aside = (studio * d).x;
-    return backdrop(d) * (1.0 - 0.8 * smoothstep(0.1, 0.8, abs(aside))) + soft_boxes(d);
-}
+// Dark flags stand at the sides, out of the picture: they draw the edges of things that light passes through, and of metal.
+float flags(vec3 d) { return 1.0 - 0.8 * smoothstep(0.1, 0.8, abs((studio * d).x)); }
+
+vec3 environment(vec3 d) { return backdrop(d) * flags(d) + soft_boxes(d); }
 
 // A narrow tall box near the viewer's left that stands on the floor: the long highlight along an upright thread.
 vec3 strip_light(vec3 d) {

@@ -1,0 +1,18 @@
+// A container: only what its walls mirror, so that it never hides the fluid. Walls that lie level are left out: it has no lid.
+in vec3 world;
+in vec3 world_normal;
+uniform vec3 eye;
+uniform float weight;
+layout(location = 0) out vec4 glass;   // light added, and how much of what is behind is held back
+
+void main() {
+    vec3 n = normalize(world_normal);
+    if (abs(n.y) > 0.8 || world.y < ground_height) discard;
+    vec3 v = normalize(world - eye);
+    if (dot(n, v) > 0.0) n = -n;
+    float x = 1.0 + dot(n, v);
+    float mirror = 0.08 + 0.92 * x * x * x * x * x;
+    vec3 r = reflect(v, n);
+    vec3 light = min(surroundings(world, r) + strip_light(r), vec3(3.0));
+    glass = weight * vec4(mirror * light, 0.03 + 0.9 * mirror);
+}

@@ -1,0 +1,106 @@
+/// Pictures of fixed meshes, compared with the ones in pictures/. They were drawn with Mesa's software driver; on other devices small
+/// differences are expected and the tolerance is the same. WHORL_UPDATE_GOLDEN=1 draws them anew: look at them before you commit them.
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <filesystem>
+
+#include "render/gl/renderer.h"
+#include "tests/support/shapes.h"
+
+using namespace whorl;
+
+namespace {
+
+struct Picture {
+    Frame frame;
+    Surface surface;
+    LookOptions look;
+    View view{Vec3f(0.06f, 0.13f, 0.30f), Vec3f(0, 0.035f, 0), Vec3f(0, 1, 0), 24};
+};
+
+Picture blank(const std::string& material) {
+    Picture picture;
+    picture.look.material = material;
+    picture.frame.spacing = 0.002f;
+    picture.frame.domain_min = Vec3f(-0.1f, 0, -0.1f);
+    picture.frame.domain_max = Vec3f(0.1f, 0.14f, 0.1f);
+    return picture;
+}
+
+Surface coil() { return test::coiled_thread(0.005f, 0.018f, 4, 0.12f, 0.0015f); }
+
+void add_solid(Frame& frame, TriangleMesh mesh, const std::string& material, bool container = false) {
+    FrameSolid solid;
+    solid.mesh = std::make_shared<const TriangleMesh>(std::move(mesh));
+    solid.material = material;
+    solid.container = container;
+    frame.solids.push_back(solid);
+}
+
+void compare(const Picture& picture, const std::string& name) {
+    Renderer renderer(320, 240);
+    const Image drawn = renderer.draw(picture.frame, picture.surface, picture.look, picture.view);
+    const std::filesystem::path file = std::filesystem::path(WHORL_SOURCE_DIR) / "tests/golden/pictures" / (name + ".png");
+    if (std::getenv("WHORL_UPDATE_GOLDEN") != nullptr) write_png(file, drawn);
+    const PictureDifference d = difference(drawn, read_png(file));
+    INFO(name << ": mean " << d.mean << ", 99th percentile " << d.p99 << ", largest " << d.max << " (delta E); drawn on " << renderer.device());
+    // A delta E of 2.3 is a just noticeable difference on flat colour. The mean must be invisible; where light is refracted often (1 % of
+    // the pixels) rounding may send a ray elsewhere.
+    CHECK(d.mean < 0.3);
+    CHECK(d.p99 < 4);
+}
+
+}  // namespace
+
+TEST_CASE("honey coils on the ground", "[golden]") {
+    Picture picture = blank("honey");
+    picture.surface = coil();
+    compare(picture, "honey_coil");
+}
+
+TEST_CASE("honey runs from a metal nozzle onto a ceramic plate", "[golden]") {
+    Picture picture = blank("honey");
+    picture.surface = coil();
+    picture.frame.domain_min.y() = -0.008f;
+    add_solid(picture.frame, test::cylinder_mesh(Vec3f(0, -0.008f, 0), 0.06f, 0.008f), "ceramic");
+    add_solid(picture.frame, test::cylinder_mesh(Vec3f(0, 0.118f, 0), 0.007f, 0.04f), "metal");
+    picture.view.position = Vec3f(0.08f, 0.15f, 0.40f);
+    picture.view.target = Vec3f(0, 0.055f, 0);
+    compare(picture, "honey_plate");
+}
+
+TEST_CASE("water waves in a glass box", "[golden]") {
+    Picture picture = blank("water");
+    picture.surface = test::pool(0.05f, 0.02f, 0.001f);
+    add_solid(picture.frame, test::box_mesh(Vec3f(-0.05f, 0, -0.05f), Vec3f(0.05f, 0.06f, 0.05f)), "glass", true);
+    compare(picture, "water_box");
+}
+
+TEST_CASE("paint is opaque and glossy, in a dark studio", "[golden]") {
+    Picture picture = blank("paint");
+    picture.surface = coil();
+    picture.look.background = "dark";
+    compare(picture, "paint_dark");
+}
+
+TEST_CASE("chocolate on white", "[golden]") {
+    Picture picture = blank("chocolate");
+    picture.surface = coil();
+    picture.look.background = "white";
+    compare(picture, "chocolate_white");
+}
+
+TEST_CASE("particles are spheres coloured by their speed", "[golden]") {
+    Picture picture = blank("honey");
+    const Volume field = test::coiled_thread(0.005f, 0.018f, 4, 0.12f, 0.002f).distance;
+    for (int k = 0; k < field.nz; ++k)
+        for (int j = 0; j < field.ny; ++j)
+            for (int i = 0; i < field.nx; ++i)
+                if (field.value[(static_cast<std::size_t>(k) * field.ny + j) * field.nx + i] < 0) {
+                    const Vec3f x = field.origin + field.voxel * Vec3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k));
+                    picture.frame.position.push_back(x);
+                    picture.frame.velocity.emplace_back(0, -2 * x.y(), 0);
+                }
+    picture.look.style = "particles";
+    compare(picture, "particles_speed");
+}
