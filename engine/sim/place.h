@@ -1,0 +1,17 @@
+#pragma once
+/// Puts the scene's fluid and solids into an empty world.
+#include "engine/particles/emitter.h"
+#include "engine/scene/plan.h"
+#include "engine/sim/world.h"
+
+namespace whorl {
+
+/// Fills the step's constants from the plan.
+void place_constants(const Scene& scene, const Plan& plan, World& world);
+/// Solids at t = 0, with their particles where the plan's boundary model wants any.
+void place_solids(const Scene& scene, const Plan& plan, World& world);
+/// Fluid of the blocks; columns must be declared. @throws InputError where a block holds no particle or overlaps another
+void place_blocks(const Scene& scene, const Plan& plan, World& world);
+std::vector<Emitter> make_emitters(const Scene& scene, const Plan& plan);
+
+}  // namespace whorl

@@ -1,0 +1,217 @@
+#include "engine/sim/simulation.h"
+
+#include <algorithm>
+#include <istream>
+#include <ostream>
+
+#include "engine/core/parallel.h"
+#include "engine/particles/sort.h"
+#include "engine/sim/check.h"
+#include "engine/sim/place.h"
+#include "engine/sim/time_step.h"
+
+namespace whorl {
+namespace {
+
+/// Steps between two sorts along the space-filling curve, counted from the last landing.
+constexpr long sort_every = 16;
+
+template <class T>
+void put(std::ostream& out, const T& value) {
+    out.write(reinterpret_cast<const char*>(&value), sizeof value);
+}
+template <class T>
+T take(std::istream& in) {
+    T value{};
+    if (!in.read(reinterpret_cast<char*>(&value), sizeof value))
+        throw EnvironmentError("the saved state ends too early", "", "resume from an older checkpoint");
+    return value;
+}
+
+}  // namespace
+
+struct Simulation::State {
+    Scene scene;
+    Plan plan;
+    World world;
+    Assembly assembly;
+    std::vector<Emitter> emitters;
+    double time = 0;
+    long steps_since_landing = 0;
+    RunTotals totals;
+    StageTimes times;
+
+    State(const Scene& s, const Plan& p) : scene(s), plan(p), assembly(assemble(s, p)) {
+        declare_fields(assembly.stages, world.fluid);
+        world.fluid.declare(field_info<field::position>(), true);
+        world.fluid.declare(field_info<field::velocity>(), true);
+        world.fluid.declare(field_info<field::role>(), true);
+        place_constants(scene, plan, world);
+        place_solids(scene, plan, world);
+        place_blocks(scene, plan, world);
+        emitters = make_emitters(scene, plan);
+        set_gravity();
+    }
+
+    void set_gravity() { world.step.gravity = scene.domain.gravity(time).cast<Real>(); }
+
+    double choose_step(double until) {
+        const StepLimit* binding = nullptr;
+        double wanted = until - time;
+        for (const StepLimit& limit : assembly.limits) {
+            const double dt = limit.dt(world);
+            if (dt < wanted) wanted = dt, binding = &limit;
+        }
+        const double dt = landing_step(wanted, until - time);
+        ++totals.binding[binding != nullptr && dt == wanted ? binding->name : "frame time"];
+        return dt;
+    }
+
+    void emit() {
+        Index first = world.fluid.size();
+        for (Emitter& emitter : emitters) emitter.enter(world.fluid, time, world.step.dt);
+        if (!world.fluid.has<field::viscosity>()) return;
+        const auto x = std::as_const(world.fluid).column<field::position>();
+        const auto mu = world.fluid.column<field::viscosity>();
+        for (auto i = static_cast<std::size_t>(first); i < mu.size(); ++i)
+            mu[i] = static_cast<Real>(scene.fluid.viscosity(time, x[i].cast<double>()));
+    }
+
+    void sort() {
+        const auto order = curve_order(world.fluid.column<field::position>(), world.step.domain, world.step.support);
+        world.fluid.gather(order);
+    }
+
+    /// Periodic axes wrap; who left through another side is gone and counted.
+    void keep_inside() {
+        const auto x = world.fluid.column<field::position>();
+        const auto role = world.fluid.column<field::role>();
+        const Domain& domain = world.step.domain;
+        if (domain.any_periodic()) parallel_for(world.fluid.size(), [&](Index i) { x[i] = domain.wrapped(x[i]); });
+        std::vector<Index> kept;
+        const auto inside = [&](std::size_t i) { return role[i] < 0 || domain.contains(x[i]); };
+        for (std::size_t i = 0; i < x.size(); ++i) {
+            if (inside(i)) continue;
+            if (kept.empty() && world.report.lost_particles == 0)
+                for (std::size_t k = 0; k < x.size(); ++k)
+                    if (inside(k)) kept.push_back(static_cast<Index>(k));
+            ++world.report.lost_particles;
+        }
+        if (world.report.lost_particles > 0) world.fluid.gather(kept);
+        totals.lost_particles += world.report.lost_particles;
+    }
+
+    bool run_stages() {
+        for (const Stage& stage : assembly.stages) {
+            const double wall = wall_seconds(), cpu = cpu_seconds();
+            stage.run(world);
+            StageTime& spent = times[stage.group];
+            spent.wall += wall_seconds() - wall;
+            spent.cpu += cpu_seconds() - cpu;
+            ++spent.calls;
+            world.report.diverged = find_divergence(stage, world);
+            if (world.report.diverged) return false;
+        }
+        return true;
+    }
+
+    void count_solves() {
+        for (const StepReport::Solve& solve : world.report.solves) {
+            if (solve.name == "pressure") totals.pressure_iterations += solve.report.iterations;
+            if (solve.name == "viscosity") totals.viscosity_iterations += solve.report.iterations;
+            if (!solve.report.converged) ++totals.unconverged_solves;
+        }
+    }
+
+    const StepReport& step(double until) {
+        world.report = {};
+        world.step.time = time;
+        world.step.at_landing = steps_since_landing == 0;
+        set_gravity();
+        const double dt = choose_step(until);
+        if (!(dt > 1e-12 * scene.time.end)) {
+            world.report.diverged = Divergence{"time step", "velocity", time, Vec3d::Zero(), "the time step collapsed: something moves far too fast"};
+            return world.report;
+        }
+        world.step.dt = static_cast<Real>(dt);
+        world.solids.set_time(time, dt);
+        world.solid_particles.follow(world.solids);
+        emit();
+        if (steps_since_landing % sort_every == 0) sort();
+        if (!run_stages()) return world.report;
+        for (const Emitter& emitter : emitters) totals.emitted_particles += emitter.release(world.fluid, time + dt);
+        keep_inside();
+
+        const bool landed = dt == until - time;
+        time = landed ? until : time + dt;
+        steps_since_landing = landed ? 0 : steps_since_landing + 1;
+        ++totals.steps;
+        totals.particle_steps += world.fluid.size();
+        totals.last_step = dt;
+        count_solves();
+        return world.report;
+    }
+};
+
+Simulation::Simulation(const Scene& scene, const Plan& plan) : state_(std::make_unique<State>(scene, plan)) {}
+Simulation::~Simulation() = default;
+Simulation::Simulation(Simulation&&) noexcept = default;
+
+double Simulation::time() const { return state_->time; }
+const RunTotals& Simulation::totals() const { return state_->totals; }
+const StageTimes& Simulation::times() const { return state_->times; }
+const Scene& Simulation::scene() const { return state_->scene; }
+const Plan& Simulation::plan() const { return state_->plan; }
+const Assembly& Simulation::assembly() const { return state_->assembly; }
+const World& Simulation::world() const { return state_->world; }
+const std::vector<Emitter>& Simulation::emitters() const { return state_->emitters; }
+const StepReport& Simulation::step(double until) { return state_->step(until); }
+
+void Simulation::save(std::ostream& out) const {
+    const State& s = *state_;
+    WHORL_ASSERT(s.steps_since_landing == 0, "save() between landings");
+    put(out, s.time);
+    put(out, s.totals.steps);
+    put(out, s.totals.particle_steps);
+    put(out, s.totals.pressure_iterations);
+    put(out, s.totals.viscosity_iterations);
+    put(out, s.totals.unconverged_solves);
+    put(out, s.totals.lost_particles);
+    put(out, s.totals.emitted_particles);
+    put(out, s.totals.last_step);
+    put(out, s.world.fluid.size());
+    for (const ParticleStore::Entry* entry : s.world.fluid.entries())
+        if (entry->lasting)
+            out.write(static_cast<const char*>(std::as_const(*entry->column).data()),
+                      static_cast<std::streamsize>(entry->info->bytes * static_cast<std::size_t>(s.world.fluid.size())));
+    for (const Emitter& emitter : s.emitters) emitter.save(out);
+}
+
+void Simulation::load(std::istream& in) {
+    State& s = *state_;
+    s.time = take<double>(in);
+    s.totals = {};
+    s.totals.steps = take<long>(in);
+    s.totals.particle_steps = take<double>(in);
+    s.totals.pressure_iterations = take<double>(in);
+    s.totals.viscosity_iterations = take<double>(in);
+    s.totals.unconverged_solves = take<long>(in);
+    s.totals.lost_particles = take<long>(in);
+    s.totals.emitted_particles = take<double>(in);
+    s.totals.last_step = take<double>(in);
+    s.world.fluid.resize(take<Index>(in));
+    for (const ParticleStore::Entry* entry : s.world.fluid.entries())
+        if (entry->lasting) {
+            const auto bytes = static_cast<std::streamsize>(entry->info->bytes * static_cast<std::size_t>(s.world.fluid.size()));
+            if (!in.read(static_cast<char*>(entry->column->data()), bytes))
+                throw EnvironmentError("the saved state ends too early", "", "resume from an older checkpoint");
+        }
+    for (Emitter& emitter : s.emitters) emitter.load(in);
+    s.steps_since_landing = 0;
+    s.set_gravity();
+    s.world.step.time = s.time;
+    s.world.solids.set_time(s.time, scene().time.max_step);
+    s.world.solid_particles.follow(s.world.solids);
+}
+
+}  // namespace whorl
