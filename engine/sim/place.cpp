@@ -1,0 +1,96 @@
+#include "engine/sim/place.h"
+
+#include <limits>
+
+#include "engine/geometry/solid_sampling.h"
+#include "engine/particles/sample.h"
+
+namespace whorl {
+
+void place_constants(const Scene& scene, const Plan& plan, World& world) {
+    StepContext& step = world.step;
+    step.domain.min = scene.domain.min.cast<Real>();
+    step.domain.max = scene.domain.max.cast<Real>();
+    step.domain.periodic = scene.domain.periodic;
+    step.spacing = static_cast<Real>(plan.spacing);
+    step.support = static_cast<Real>(plan.support);
+    step.kernel = plan.kernel;
+    step.rest_density = static_cast<Real>(scene.fluid.density);
+    step.volume = static_cast<Real>(plan.spacing * plan.spacing * plan.spacing);
+    step.mass = static_cast<Real>(scene.fluid.density * plan.spacing * plan.spacing * plan.spacing);
+}
+
+void place_solids(const Scene& scene, const Plan& plan, World& world) {
+    for (const SolidKeys& keys : scene.solids) {
+        Solid solid;
+        solid.shape = make_shape(keys.shape);
+        solid.position = keys.position;
+        solid.spin = keys.rotation;
+        solid.inside = keys.inside;
+        solid.free_slip = keys.slip == Slip::free;
+        solid.material = keys.material;
+        world.solids.all.push_back(std::move(solid));
+    }
+    world.solids.set_time(0, scene.time.max_step);
+    if (plan.boundary != BoundaryModel::none) world.solid_particles = sample_solids(world.solids, world.step.spacing, world.step.domain);
+}
+
+void place_blocks(const Scene& scene, const Plan& plan, World& world) {
+    ParticleStore& fluid = world.fluid;
+    std::vector<Problem> problems;
+    for (std::size_t b = 0; b < scene.blocks.size(); ++b) {
+        const BlockKeys& keys = scene.blocks[b];
+        const auto shape = make_shape(keys.shape);
+        std::vector<Vec3> points = sample_shape(*shape, keys.sampling, world.step.spacing, world.step.domain, scene.seed + 1000 * b);
+        std::erase_if(points, [&](const Vec3& x) {
+            Real distance = std::numeric_limits<Real>::max();
+            return world.solids.nearest(x, distance) >= 0 && distance < Real(0.45) * world.step.spacing;
+        });
+        if (points.empty())
+            problems.push_back({scene.place("block[" + std::to_string(b) + "]"), "the block holds no particle",
+                                "make it larger than the spacing, or move it out of the solids", ""});
+        const auto first = static_cast<std::size_t>(fluid.size());
+        fluid.resize(fluid.size() + static_cast<Index>(points.size()));
+        const auto x = fluid.column<field::position>();
+        const auto u = fluid.column<field::velocity>();
+        for (std::size_t k = 0; k < points.size(); ++k) {
+            x[first + k] = points[k];
+            u[first + k] = keys.velocity(0, points[k].cast<double>()).cast<Real>();
+        }
+        if (fluid.has<field::spin>()) {
+            const auto w = fluid.column<field::spin>();
+            for (std::size_t k = 0; k < points.size(); ++k) w[first + k] = keys.spin(0, points[k].cast<double>()).cast<Real>();
+        }
+    }
+    if (!problems.empty()) throw InputError(std::move(problems));
+    if (fluid.has<field::viscosity>()) {
+        const auto x = fluid.column<field::position>();
+        const auto mu = fluid.column<field::viscosity>();
+        for (std::size_t i = 0; i < x.size(); ++i) mu[i] = static_cast<Real>(scene.fluid.viscosity(0, x[i].cast<double>()));
+    }
+    if (fluid.has<field::density>())
+        for (Real& rho : fluid.column<field::density>()) rho = world.step.rest_density;
+    (void)plan;
+}
+
+std::vector<Emitter> make_emitters(const Scene& scene, const Plan& plan) {
+    std::vector<Emitter> emitters;
+    for (const EmitterKeys& keys : scene.emitters) {
+        EmitterShape shape;
+        shape.slot = keys.shape == "box";
+        shape.centre = keys.position.cast<Real>();
+        shape.direction = keys.direction.normalized().cast<Real>();
+        shape.radius = static_cast<Real>(keys.radius);
+        shape.width = static_cast<Real>(keys.width);
+        shape.thickness = static_cast<Real>(keys.thickness);
+        shape.parabolic = keys.profile == Profile::parabolic;
+        const int number = static_cast<int>(emitters.size()) + 1;
+        // A particle at the opening must find its whole neighbourhood.
+        const auto depth = static_cast<Real>(plan.support + plan.spacing);
+        emitters.emplace_back(shape, keys.speed, keys.start, keys.stop, static_cast<Real>(plan.spacing), depth, number,
+                              scene.seed + 77 * static_cast<std::uint64_t>(number));
+    }
+    return emitters;
+}
+
+}  // namespace whorl
