@@ -36,6 +36,7 @@ struct Simulation::State {
     World world;
     Assembly assembly;
     std::vector<Emitter> emitters;
+    CurveSort curve;
     double time = 0;
     long steps_since_landing = 0;
     RunTotals totals;
@@ -78,8 +79,7 @@ struct Simulation::State {
     }
 
     void sort() {
-        const auto order = curve_order(world.fluid.column<field::position>(), world.step.domain, world.step.support);
-        world.fluid.gather(order);
+        world.fluid.gather(curve.order(std::as_const(world.fluid).column<field::position>(), world.step.support));
     }
 
     /// Periodic axes wrap; who left through another side is gone and counted.

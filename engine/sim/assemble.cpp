@@ -1,0 +1,170 @@
+// The only place that knows all models: from the plan to the stages of a step, in order, and the limits of its length.
+#include <cmath>
+#include <limits>
+
+#include "engine/core/parallel.h"
+#include "engine/models/boundary/keep_outside.h"
+#include "engine/models/boundary/wall.h"
+#include "engine/models/coupled/stages.h"
+#include "engine/models/motion/motion.h"
+#include "engine/models/pressure/ppe.h"
+#include "engine/models/pressure/wcsph.h"
+#include "engine/models/viscosity/explicit.h"
+#include "engine/models/viscosity/full.h"
+#include "engine/particles/search.h"
+#include "engine/sim/simulation.h"
+#include "engine/sph/density.h"
+
+namespace whorl {
+namespace {
+
+double largest_speed(const World& w) {
+    const auto u = w.fluid.column<field::velocity>();
+    return std::sqrt(parallel_max(w.fluid.size(), 0, [&](Index i) { return u[static_cast<std::size_t>(i)].squaredNorm(); }));
+}
+
+/// Fluid and solid neighbours of the models with one support radius.
+Stage neighbours() {
+    struct Searches {
+        NeighbourSearch fluid, solid;
+    };
+    Stage stage{"neighbours", "neighbours", {{&field_info<field::position>(), Access::read}}, {}};
+    auto searches = std::make_shared<Searches>();
+    stage.run = [searches](World& w) {
+        const auto x = std::as_const(w.fluid).column<field::position>();
+        searches->fluid.find(x, w.step.support, w.step.domain, w.fluid_pairs);
+        searches->solid.find(x, w.solid_particles.position, w.step.support, w.step.domain, w.solid_pairs);
+    };
+    return stage;
+}
+
+/// The solids where they are at the end of the step.
+Stage move_solids() {
+    return {"solids", "move", {}, [](World& w) {
+                w.solids.set_time(w.step.time + w.step.dt, w.step.dt);
+                w.solid_particles.follow(w.solids);
+            }};
+}
+
+class Assembler {
+public:
+    Assembler(const Scene& scene, const Plan& plan) : scene_(scene), plan_(plan) {}
+
+    Assembly assemble() {
+        limit("max_step", number(scene_.time.max_step) + " s", [most = scene_.time.max_step](const World&) { return most; });
+        flow_limits();
+        if (plan_.pressure == PressureModel::coupled) coupled();
+        else apart();
+        return std::move(made_);
+    }
+
+private:
+    template <class S>
+    void stage(const char* name, const char* group, S s) {
+        made_.stages.push_back(make_stage(name, group, std::move(s)));
+    }
+    void limit(std::string name, std::string formula, std::function<double(const World&)> dt) {
+        made_.limits.push_back({std::move(name), std::move(formula), std::move(dt)});
+    }
+    static std::string number(double value) { return Expression(value).text(); }
+
+    /// No particle moves by more than cfl spacings, whether by its speed or by falling from rest; nor does a solid.
+    void flow_limits() {
+        const double cfl = scene_.time.cfl, d = plan_.spacing;
+        limit("cfl", number(cfl) + " d / max |u|", [=](const World& w) {
+            double speed = largest_speed(w);
+            for (const Vec3& u : w.solid_particles.velocity) speed = std::max(speed, static_cast<double>(u.norm()));
+            for (const Solid& s : w.solids.all) speed = std::max(speed, static_cast<double>(s.pose.velocity.norm()));
+            return speed > 0 ? cfl * d / speed : std::numeric_limits<double>::infinity();
+        });
+        limit("gravity", "sqrt(2 " + number(cfl) + " d / g)", [=](const World& w) {
+            const double g = w.step.gravity.norm();
+            return g > 0 ? std::sqrt(2 * cfl * d / g) : std::numeric_limits<double>::infinity();
+        });
+        if (scene_.emitters.empty()) return;
+        std::vector<Expression> speeds;
+        for (const EmitterKeys& e : scene_.emitters) speeds.push_back(e.speed);
+        limit("emitter", number(cfl) + " d / emitter speed", [=](const World& w) {
+            double speed = 0;
+            for (const Expression& s : speeds) speed = std::max(speed, 2 * std::abs(s(w.step.time)));
+            return speed > 0 ? 2 * cfl * d / speed : std::numeric_limits<double>::infinity();
+        });
+    }
+
+    void coupled() {
+        CoupledOptions options;
+        options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
+        options.support = plan_.support / plan_.spacing;
+        auto system = std::make_shared<CoupledSystem>(options);
+        stage("coupled neighbourhood", "neighbours", CoupledNeighbourhood{system});
+        stage("coupled solve", "pressure", CoupledSolve{system});
+        stage("coupled move", "move", CoupledMove{system});
+        made_.stages.push_back(move_solids());
+        if (plan_.shifting != ShiftingModel::none) stage("coupled shift", "shifting", CoupledShift{system});
+        stage("coupled contact", "boundary", CoupledContact{system});
+    }
+
+    void apart() {
+        const Real solid_factor = plan_.boundary == BoundaryModel::none
+                                      ? Real(1)
+                                      : continued_lattice_factor(plan_.kernel, static_cast<Real>(plan_.support), static_cast<Real>(plan_.spacing));
+        made_.stages.push_back(neighbours());
+        stage("density", "density", Density{solid_factor});
+
+        WeaklyCompressible tait;
+        tait.sound_speed = plan_.sound_speed;
+        tait.gamma = scene_.pressure.gamma;
+        tait.background_pressure = scene_.pressure.background_pressure;
+        tait.difference_gradient = scene_.pressure.gradient == GradientForm::difference;
+        tait.solid_factor = solid_factor;
+        const bool wcsph = plan_.pressure == PressureModel::wcsph;
+        if (wcsph) stage("Tait's equation", "pressure", TaitPressure{tait});
+        stage("gravity", "move", Gravity{});
+        if (wcsph) {
+            stage("pressure acceleration", "pressure", PressureAcceleration{tait});
+            limit("sound", number(scene_.time.cfl) + " R/2 / (c + max |u|)",
+                  [cfl = scene_.time.cfl, R = plan_.support, c = plan_.sound_speed](const World& w) { return sound_step(cfl, R, c, largest_speed(w)); });
+        }
+        if (plan_.viscosity == ViscosityModel::explicit_laplacian) explicit_viscosity(solid_factor);
+        stage("kick", "move", Kick{});
+        if (plan_.viscosity == ViscosityModel::xsph) stage("XSPH", "viscosity", XsphViscosity{static_cast<Real>(scene_.viscosity.alpha)});
+        if (plan_.viscosity == ViscosityModel::full) {
+            FullViscosityOptions options;
+            options.limits = {scene_.viscosity.tolerance, scene_.viscosity.max_iterations};
+            options.corrected = scene_.viscosity.correction;
+            options.solid_factor = solid_factor;
+            stage("full viscosity", "viscosity", FullViscosity{options});
+        }
+        if (plan_.pressure == PressureModel::ppe) {
+            PoissonPressureOptions options;
+            options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
+            options.solid_factor = solid_factor;
+            stage("pressure equation", "pressure", PoissonPressure{options});
+        }
+        stage("move", "move", Move{});
+        if (!scene_.solids.empty()) {
+            made_.stages.push_back(move_solids());
+            stage("keep outside", "boundary", KeepOutside{});
+        }
+    }
+
+    void explicit_viscosity(Real solid_factor) {
+        ExplicitOptions options;
+        options.monaghan = scene_.viscosity.laplacian == LaplacianForm::monaghan;
+        options.solid_factor = solid_factor;
+        stage("explicit viscosity", "viscosity", ExplicitViscosity{options});
+        limit("viscous", "0.125 R^2 / (4 nu)", [R = plan_.support, nu = plan_.largest_viscosity / scene_.fluid.density](const World&) {
+            return nu > 0 ? viscous_step(R, nu) : std::numeric_limits<double>::infinity();
+        });
+    }
+
+    const Scene& scene_;
+    const Plan& plan_;
+    Assembly made_;
+};
+
+}  // namespace
+
+Assembly assemble(const Scene& scene, const Plan& plan) { return Assembler(scene, plan).assemble(); }
+
+}  // namespace whorl
