@@ -2,7 +2,6 @@
 
 #include <limits>
 
-#include "engine/geometry/solid_sampling.h"
 #include "engine/particles/sample.h"
 
 namespace whorl {
@@ -32,7 +31,7 @@ void place_solids(const Scene& scene, const Plan& plan, World& world) {
         world.solids.all.push_back(std::move(solid));
     }
     world.solids.set_time(0, scene.time.max_step);
-    if (plan.boundary != BoundaryModel::none) world.solid_particles = sample_solids(world.solids, world.step.spacing, world.step.domain);
+    (void)plan;
 }
 
 void place_blocks(const Scene& scene, const Plan& plan, World& world) {
