@@ -5,7 +5,7 @@
 #include "engine/core/parallel.h"
 #include "engine/models/boundary/keep_outside.h"
 #include "engine/models/boundary/wall.h"
-#include "engine/models/coupled/stages.h"
+#include "engine/models/coupled/system.h"
 #include "engine/models/motion/motion.h"
 #include "engine/models/pressure/ppe.h"
 #include "engine/models/pressure/wcsph.h"

@@ -117,7 +117,7 @@ struct Simulation::State {
 
     void count_solves() {
         for (const StepReport::Solve& solve : world.report.solves) {
-            if (solve.name == "pressure") totals.pressure_iterations += solve.report.iterations;
+            if (solve.name == "pressure" || solve.name == "coupled") totals.pressure_iterations += solve.report.iterations;
             if (solve.name == "viscosity") totals.viscosity_iterations += solve.report.iterations;
             if (!solve.report.converged) ++totals.unconverged_solves;
         }
