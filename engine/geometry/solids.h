@@ -5,7 +5,7 @@
 
 #include "engine/geometry/shape.h"
 #include "engine/math/expression.h"
-#include "engine/particles/store.h"
+#include "engine/core/column.h"
 
 namespace whorl {
 

@@ -6,25 +6,11 @@
 #include <type_traits>
 #include <vector>
 
+#include "engine/core/column.h"
 #include "engine/core/errors.h"
 #include "engine/particles/field.h"
 
 namespace whorl {
-
-/// Memory aligned to a cache line, so that vectorised loops give the same bits in every run.
-template <class T>
-struct CacheAligned {
-    using value_type = T;
-    CacheAligned() = default;
-    template <class U>
-    CacheAligned(const CacheAligned<U>&) {}
-    T* allocate(std::size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), std::align_val_t{64})); }
-    void deallocate(T* p, std::size_t) { ::operator delete(p, std::align_val_t{64}); }
-    template <class U>
-    bool operator==(const CacheAligned<U>&) const { return true; }
-};
-template <class T>
-using Column = std::vector<T, CacheAligned<T>>;
 
 /// What the program knows of a field at run time. One object a field: compare by address or by name.
 struct FieldInfo {

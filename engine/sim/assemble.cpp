@@ -10,6 +10,7 @@
 #include "engine/models/pressure/ppe.h"
 #include "engine/models/pressure/wcsph.h"
 #include "engine/models/viscosity/explicit.h"
+#include "engine/models/viscosity/full.h"
 #include "engine/particles/search.h"
 #include "engine/sim/simulation.h"
 #include "engine/sph/density.h"
@@ -127,6 +128,13 @@ private:
         if (plan_.viscosity == ViscosityModel::explicit_laplacian) explicit_viscosity(solid_factor);
         stage("kick", "move", Kick{});
         if (plan_.viscosity == ViscosityModel::xsph) stage("XSPH", "viscosity", XsphViscosity{static_cast<Real>(scene_.viscosity.alpha)});
+        if (plan_.viscosity == ViscosityModel::full) {
+            FullViscosityOptions options;
+            options.limits = {scene_.viscosity.tolerance, scene_.viscosity.max_iterations};
+            options.correction = scene_.viscosity.correction;
+            options.solid_factor = solid_factor;
+            stage("full viscosity", "viscosity", FullViscosity(options));
+        }
         if (plan_.pressure == PressureModel::ppe) {
             PoissonPressureOptions options;
             options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "engine/particles/sample.h"
+#include "engine/particles/solid_sampling.h"
 
 namespace whorl {
 
@@ -31,10 +32,11 @@ void place_solids(const Scene& scene, const Plan& plan, World& world) {
         world.solids.all.push_back(std::move(solid));
     }
     world.solids.set_time(0, scene.time.max_step);
-    (void)plan;
+    if (plan.boundary == BoundaryModel::none) return;
+    world.solid_particles = sample_solids(world.solids, world.step.spacing, world.step.domain, plan.kernel, world.step.support);
 }
 
-void place_blocks(const Scene& scene, const Plan& plan, World& world) {
+void place_blocks(const Scene& scene, World& world) {
     ParticleStore& fluid = world.fluid;
     std::vector<Problem> problems;
     for (std::size_t b = 0; b < scene.blocks.size(); ++b) {
@@ -69,7 +71,6 @@ void place_blocks(const Scene& scene, const Plan& plan, World& world) {
     }
     if (fluid.has<field::density>())
         for (Real& rho : fluid.column<field::density>()) rho = world.step.rest_density;
-    (void)plan;
 }
 
 std::vector<Emitter> make_emitters(const Scene& scene, const Plan& plan) {

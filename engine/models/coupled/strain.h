@@ -1,5 +1,5 @@
 #pragma once
-/// The quadratic form that the coupled solve minimises, over the particles' rows (PHYSICS.md 1, made incompressible).
+/// The quadratic form that the coupled solve minimises, over the particles' rows (docs/physics.md 4 and 5, made incompressible).
 ///
 /// Per unit mass, lengths in spacings, with K_i = mu_i dt/(rho d^2):
 ///

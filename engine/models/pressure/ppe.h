@@ -1,5 +1,5 @@
 #pragma once
-/// Incompressible pressure: a Poisson equation for the density that the step would end with (PHYSICS.md 2; Takahashi et al. 2016).
+/// Incompressible pressure: a Poisson equation for the density that the step would end with (docs/physics.md 3; Takahashi et al. 2016).
 ///
 /// Stages of a step, in order: Density (sph/density.h), Gravity, (forces), Kick, (viscosity), PoissonPressure, Move, KeepOutside.
 #include <functional>

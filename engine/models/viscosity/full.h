@@ -1,5 +1,5 @@
 #pragma once
-/// Implicit viscosity in its full form, variational and matrix-free (PHYSICS.md 1; Takahashi et al. 2015, mended).
+/// Implicit viscosity in its full form, variational and matrix-free (docs/physics.md 4; Takahashi et al. 2015, mended).
 ///
 /// Stages of a step, in order: Gravity, (forces), Kick, FullViscosity, (pressure), Move. It needs no density.
 #include "engine/core/parallel.h"

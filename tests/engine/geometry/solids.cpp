@@ -3,7 +3,7 @@
 
 #include "engine/core/errors.h"
 #include "engine/geometry/kinds.h"
-#include "engine/geometry/solid_sampling.h"
+#include "engine/particles/solid_sampling.h"
 #include "engine/particles/search.h"
 
 using namespace whorl;

@@ -1,4 +1,4 @@
-#include "engine/geometry/solid_sampling.h"
+#include "engine/particles/solid_sampling.h"
 
 #include "engine/core/parallel.h"
 #include "engine/particles/search.h"

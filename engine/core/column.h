@@ -1,0 +1,22 @@
+#pragma once
+/// Arrays whose memory is aligned to a cache line, so that vectorised loops give the same bits in every run.
+#include <new>
+#include <vector>
+
+namespace whorl {
+
+template <class T>
+struct CacheAligned {
+    using value_type = T;
+    CacheAligned() = default;
+    template <class U>
+    CacheAligned(const CacheAligned<U>&) {}
+    T* allocate(std::size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), std::align_val_t{64})); }
+    void deallocate(T* p, std::size_t) { ::operator delete(p, std::align_val_t{64}); }
+    template <class U>
+    bool operator==(const CacheAligned<U>&) const { return true; }
+};
+template <class T>
+using Column = std::vector<T, CacheAligned<T>>;
+
+}  // namespace whorl
