@@ -65,7 +65,8 @@ std::string nearest_name(const std::string& word, const std::vector<std::string>
     std::string best;
     std::size_t least = std::max<std::size_t>(2, word.size() / 3) + 1;
     for (const std::string& name : names) {
-        const std::size_t distance = edit_distance(word, name);
+        const bool shortened = word.size() >= 3 && name.rfind(word, 0) == 0;  // "wendland" for "wendland_c2"
+        const std::size_t distance = shortened ? 1 : edit_distance(word, name);
         if (distance < least) least = distance, best = name;
     }
     return best;

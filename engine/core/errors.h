@@ -44,7 +44,7 @@ public:
     EnvironmentError(std::string what, std::string tried = "", std::string remedy = "");
 };
 
-/// The closest of `names` to `word` by edit distance, or "" where none is near enough to be meant.
+/// The closest of `names` to `word` by edit distance (a beginning counts as close), or "" where none is near enough to be meant.
 std::string nearest_name(const std::string& word, const std::vector<std::string>& names);
 
 }  // namespace whorl

@@ -70,7 +70,7 @@ private:
         if (s.kind != "mesh") return;
         const fs::path found = s.file.is_absolute() ? s.file : fs::absolute(fs::path(scene_.directory) / s.file);
         if (!fs::is_regular_file(found))
-            reader_.disagree({name + ".file"}, name + ".file: no file " + found.lexically_normal().string(), "", "looked for from the scene file's folder");
+            reader_.disagree({name + ".file"}, name + ".file: no file \"" + s.file.string() + "\"", "", "it is looked for from the scene file's folder");
         s.file = found.lexically_normal();
     }
     void emitter(const std::string& name, EmitterKeys& e) {

@@ -1,0 +1,196 @@
+#include "engine/scene/read.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "engine/scene/tree.h"
+
+using namespace whorl;
+
+namespace {
+
+const std::string text = R"toml(
+name = "all_sorts"
+[time]
+end = 2
+fps = 30
+[domain]
+min = [-0.1, 0.0, -0.1]
+max = [ 0.1, 0.2,  0.1]
+periodic = [true, false, true]
+gravity = [0, "-9.81*(1 + 0.1*sin(t))", 0]
+[fluid]
+spacing = 2e-3
+viscosity = "x > 0 ? 1 : 2"
+support = 2.5
+[models]
+pressure = "wcsph"
+[pressure]
+sound_speed = 0.1
+gradient = "difference"
+[[block]]
+shape = "sphere"
+position = [0.1, 0.2, 0.3]
+radius = 0.05
+velocity = ["1", "x", 0.25]
+[[emitter]]
+position = [0, 0.08, 0]
+direction = [1, -2, 3]
+radius = 5e-3
+speed = "0.25"
+[[emitter]]
+shape = "box"
+position = [0, 0.08, 0]
+width = 0.01
+thickness = 0.004
+speed = "0.1 + t"
+profile = "parabolic"
+[[solid]]
+shape = "plane"
+normal = [1, 1, 0]
+slip = "free"
+[[probe]]
+name = "mid"
+kind = "line"
+from = [0, 0, 0]
+to = [0, 1, 0]
+[quality.draft]
+fluid.spacing = 4e-3
+emitter.1.speed = 7
+[quality.fine.fluid]
+spacing = 1e-3
+)toml";
+
+}  // namespace
+
+TEST_CASE("a resolved scene reads back as the same scene, to the last bit and every key", "[scene]") {
+    const Scene scene = read_scene_text(text, "a/all.toml");
+    const std::string resolved = resolved_toml(scene);
+    const Scene again = read_scene_text(resolved, "b/other.toml");
+    CHECK(resolved_toml(again) == resolved);
+    CHECK(differences(scene, again).empty());
+    CHECK(again.emitters[0].direction == scene.emitters[0].direction);
+    CHECK(again.emitters[1].speed.text() == "0.1 + t");
+    CHECK(again.solids[0].shape.normal == scene.solids[0].shape.normal);
+    CHECK(again.fluid.viscosity(0, Vec3d(-1, 0, 0)) == 2);
+    CHECK(again.name == "all_sorts");
+}
+
+TEST_CASE("what a scene leaves out takes the defaults of the structs", "[scene]") {
+    const Scene scene = read_scene_text(text, "x.toml");
+    CHECK(scene.time.cfl == TimeKeys{}.cfl);
+    CHECK(scene.fluid.density == 1000);
+    CHECK_FALSE(scene.fluid.kernel.has_value());
+    CHECK(scene.output.size == std::array<int, 2>{1280, 720});
+    CHECK(scene.pressure.gamma == 7);
+    CHECK(read_scene_text("[time]\nend = 1\n[fluid]\nspacing = 1\n[[block]]\nshape = \"box\"\nmin = [0,0,0]\nmax = [1,1,1]\n", "dir/name.toml").name == "name");
+}
+
+TEST_CASE("texts keep their quotes and odd characters through a resolved scene", "[scene]") {
+    CHECK(Value(std::string("a \"b\" \\ \n\t")).toml() == "\"a \\\"b\\\" \\\\ \\n\\t\"");
+    const Value read = parse_toml("x = " + Value(std::string("a \"b\" \\ \n\t\x01")).toml(), "f");
+    CHECK(*read.find("x")->as<std::string>() == "a \"b\" \\ \n\t\x01");
+}
+
+TEST_CASE("a scene remembers where each key stands, and the nearest table of one that was not given", "[scene]") {
+    const Scene scene = read_scene_text("[time]\nend = 1\n[fluid]\nspacing = 0.1\n[[block]]\nshape = \"box\"\nmin = [0,0,0]\nmax = [1,1,1]\n", "s.toml");
+    CHECK(scene.place("fluid.spacing").line == 4);
+    CHECK(scene.place("fluid.spacing").column == 11);
+    CHECK(scene.place("fluid.viscosity").line == 3);
+    CHECK(scene.place("block[0].velocity").line == 5);
+    CHECK(scene.place("emitter[2].speed").file == "s.toml");
+    CHECK(scene.place("emitter[2].speed").line == 0);
+}
+
+TEST_CASE("changes of the command line beat the quality, and the quality beats the file", "[scene]") {
+    ReadRequest request;
+    CHECK(read_scene_text(text, "s.toml", request).fluid.spacing == 2e-3);
+    request.quality = "standard";
+    CHECK(read_scene_text(text, "s.toml", request).fluid.spacing == 2e-3);
+    request.quality = "fine";
+    CHECK(read_scene_text(text, "s.toml", request).fluid.spacing == 1e-3);
+    request.quality = "draft";
+    const Scene draft = read_scene_text(text, "s.toml", request);
+    CHECK(draft.fluid.spacing == 4e-3);
+    CHECK(draft.emitters[1].speed(0) == 7);
+    CHECK(draft.emitters[0].speed(0) == 0.25);
+    request.presets = {{"fluid.spacing", "8e-3", "--quality draft"}, {"time.cfl", "0.2", "--quality draft"}};
+    request.changes = {parse_change("emitter[1].speed=3*t"), parse_change("models.pressure=ppe"), parse_change("pressure={tolerance=0.01}"),
+                       parse_change("domain.gravity=[0,\"-t\",0]"), parse_change("solid.0.slip=no"), parse_change("seed=9")};
+    const Scene changed = read_scene_text(text, "s.toml", request);
+    CHECK(changed.fluid.spacing == 4e-3);
+    CHECK(changed.time.cfl == 0.2);
+    CHECK(changed.emitters[1].speed(2) == 6);
+    CHECK(changed.models.pressure == PressureModel::ppe);
+    CHECK(changed.pressure.tolerance == 0.01);
+    CHECK(changed.domain.gravity(3).y() == -3);
+    CHECK(changed.solids[0].slip == Slip::no);
+    CHECK(changed.seed == 9);
+    CHECK(changed.place("emitter[1].speed").file == "--set emitter[1].speed=3*t");
+}
+
+TEST_CASE("a change can add the next entry of a list", "[scene]") {
+    ReadRequest request;
+    request.changes = {parse_change("probe[1].name=b"), parse_change("probe[1].kind=\"point\""), parse_change("probe[1].at=[0, 0.1, 0]")};
+    const Scene scene = read_scene_text(text, "s.toml", request);
+    REQUIRE(scene.probes.size() == 2);
+    CHECK(scene.probes[1].at.y() == 0.1);
+}
+
+TEST_CASE("settings that decide the simulation are told apart from those of the picture", "[scene]") {
+    const auto changed = [](const std::string& change) {
+        ReadRequest request;
+        request.changes = {parse_change(change)};
+        return differences(read_scene_text(text, "s.toml"), read_scene_text(text, "s.toml", request));
+    };
+    CHECK(changed("output.size=[640, 360]").empty());
+    CHECK(changed("name=other").empty());
+    CHECK(changed("probe[0].count=5").empty());
+    CHECK(changed("time.end=9").empty());
+    CHECK(changed("fluid.density=900") == std::vector<std::string>{"fluid.density: 1000.0, now 900.0"});
+    CHECK(changed("emitter[1].speed=1") == std::vector<std::string>{"emitter[1].speed: \"0.1 + t\", now 1.0"});
+    CHECK(changed("seed=2") == std::vector<std::string>{"seed: 1, now 2"});
+    CHECK(changed("fluid.kernel=wendland_c4") == std::vector<std::string>{"fluid.kernel: \"auto\", now \"wendland_c4\""});
+}
+
+namespace {
+
+/// Every key of the table stands in the schema with its type.
+void check_covered(const KeyTable& table, const nlohmann::json& schema) {
+    CHECK(schema.at("additionalProperties") == false);
+    CHECK(schema.at("properties").size() == table.keys.size() + table.parts.size() + (schema.contains("$schema") ? 1 : 0));
+    for (const Key& key : table.keys) {
+        CAPTURE(key.name);
+        REQUIRE(schema.at("properties").contains(key.name));
+        const nlohmann::json& s = schema.at("properties").at(key.name);
+        CHECK((s.contains("type") || s.contains("anyOf")));
+        CHECK(!s.at("description").get<std::string>().empty());
+        CHECK(s.contains("default") == !key.is_required);
+    }
+    for (const KeyTable::Part& part : table.parts) {
+        CAPTURE(part.name);
+        const nlohmann::json& inner = schema.at("properties").at(part.name);
+        check_covered(*part.table, part.is_list ? inner.at("items") : inner);
+    }
+}
+
+}  // namespace
+
+TEST_CASE("the JSON Schema is valid JSON and covers every key", "[scene]") {
+    const nlohmann::json schema = nlohmann::json::parse(json_schema());
+    check_covered(scene_keys(), schema);
+    CHECK(schema["properties"]["fluid"]["required"] == nlohmann::json{"spacing"});
+    CHECK(schema["properties"]["models"]["properties"]["pressure"]["enum"] == nlohmann::json({"auto", "none", "wcsph", "ppe", "coupled"}));
+    CHECK(schema["properties"]["time"]["properties"]["cfl"]["maximum"] == 2);
+    CHECK(schema["properties"]["fluid"]["properties"]["viscosity"]["anyOf"].size() == 2);
+    CHECK(schema["properties"]["quality"]["properties"]["draft"]["$ref"] == "#/definitions/changes");
+}
+
+TEST_CASE("the reference page has a row for every key", "[scene]") {
+    const std::string page = markdown_reference();
+    const std::function<void(const KeyTable&)> check = [&](const KeyTable& table) {
+        for (const Key& key : table.keys) CHECK(page.find("| `" + key.name + "` |") != std::string::npos);
+        for (const KeyTable::Part& part : table.parts) check(*part.table);
+    };
+    check(scene_keys());
+}
