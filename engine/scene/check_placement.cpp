@@ -28,14 +28,14 @@ double bytes_a_particle(double support_over_spacing) { return 600 + 8 * 4.19 * s
 
 class Placement {
 public:
-    Placement(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, std::vector<Problem>& problems)
-        : scene_(scene), plan_(plan), n_(numbers), problems_(problems), low_(scene.domain.min), high_(scene.domain.max) {}
+    Placement(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, const SceneShapes& shapes, std::vector<Problem>& problems)
+        : scene_(scene), plan_(plan), n_(numbers), shapes_(shapes), problems_(problems), low_(scene.domain.min), high_(scene.domain.max) {}
 
     void check() {
         domain();
-        for (std::size_t i = 0; i < scene_.blocks.size(); ++i) block(entry_name("block", i), scene_.blocks[i]);
+        for (std::size_t i = 0; i < scene_.blocks.size(); ++i) block(entry_name("block", i), i);
         for (std::size_t i = 0; i < scene_.emitters.size(); ++i) emitter(entry_name("emitter", i), scene_.emitters[i]);
-        for (std::size_t i = 0; i < scene_.solids.size(); ++i) solid(entry_name("solid", i), scene_.solids[i]);
+        for (std::size_t i = 0; i < scene_.solids.size(); ++i) solid(entry_name("solid", i), i);
         for (std::size_t i = 0; i < scene_.probes.size(); ++i) probe(entry_name("probe", i), scene_.probes[i]);
         memory();
     }
@@ -74,9 +74,9 @@ private:
             }
     }
 
-    void block(const std::string& name, const BlockKeys& b) {
-        const Extent e = extent_of(b.shape);
-        if (!e.min.allFinite()) return;  // a mesh, known once it is read
+    void block(const std::string& name, std::size_t i) {
+        const BlockKeys& b = scene_.blocks[i];
+        const Extent& e = shapes_.block_extent[i];
         if (outside(e.min, e.max)) return report(name, name + " lies outside of the domain", "", domain_text());
         if (reaches_out(e.min, e.max))
             report(name, fmt::format("{} reaches out of the domain: it goes from {} to {}", name, point(e.min), point(e.max)), "", domain_text());
@@ -87,6 +87,7 @@ private:
             }
         const double thinnest = (e.max - e.min).minCoeff();
         if (thinnest < 0.999 * plan_.spacing) too_coarse(name, thinnest);
+        else if (part_inside_solids(shapes_, i, plan_.spacing) == 1) report(name, name + " lies wholly inside solids", "move it or the solid");
         const Vec3d middle = 0.5 * (e.min + e.max);
         for (const Vec3d& x : {middle, e.min, e.max}) {
             if (!(scene_.fluid.viscosity(0, x) >= 0)) {
@@ -109,6 +110,10 @@ private:
     void emitter(const std::string& name, const EmitterKeys& e) {
         if (outside(e.position, e.position))
             report(name + ".position", fmt::format("{} at {} lies outside of the domain", name, point(e.position)), "", domain_text());
+        Real distance = 0;
+        const int k = shapes_.solids.nearest(e.position.cast<Real>(), distance);
+        if (k >= 0 && distance < 0)
+            report(name + ".position", fmt::format("{} at {} lies {:.3g} m inside solid[{}]", name, point(e.position), -distance, k), "move one of them");
         const double thinnest = e.shape == "disc" ? 2 * e.radius : std::min(e.width, e.thickness);
         if (thinnest < plan_.spacing) too_coarse(name, thinnest);
         for (const double t : sample_times(e.start, std::max(e.start, std::min(e.stop, scene_.time.end))))
@@ -121,14 +126,15 @@ private:
                    "allowed: at least 0");
     }
 
-    void solid(const std::string& name, const SolidKeys& s) {
+    void solid(const std::string& name, std::size_t i) {
+        const SolidKeys& s = scene_.solids[i];
         for (const double t : sample_times(0, scene_.time.end))
             if (!s.position(t).allFinite() || !s.rotation(t).allFinite()) {
                 report(name, fmt::format("{} is nowhere at t = {:.4g} s: its position or rotation is not finite", name, t));
                 return;
             }
         if (s.inside || s.position.depends_on_time() || !s.rotation.is_zero()) return;
-        const Extent e = extent_of(s.shape);
+        const Extent& e = shapes_.solid_extent[i];
         const Vec3d at = s.position(0);
         if (outside(e.min + at, e.max + at)) report(name, name + " lies outside of the domain and never enters it", "", domain_text());
     }
@@ -156,14 +162,33 @@ private:
     const Scene& scene_;
     const Plan& plan_;
     const SceneNumbers& n_;
+    const SceneShapes& shapes_;
     std::vector<Problem>& problems_;
     Vec3d low_, high_;
 };
 
 }  // namespace
 
-void check_placement(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, std::vector<Problem>& problems) {
-    Placement(scene, plan, numbers, problems).check();
+double part_inside_solids(const SceneShapes& shapes, std::size_t block, double spacing) {
+    const Shape& shape = *shapes.blocks[block];
+    const Extent& e = shapes.block_extent[block];
+    constexpr int points = 17;  // an axis
+    int all = 0, inside = 0;
+    for (int i = 0; i < points; ++i)
+        for (int j = 0; j < points; ++j)
+            for (int k = 0; k < points; ++k) {
+                const Vec3d part = (Vec3d(i, j, k) + Vec3d::Constant(0.5)) / points;
+                const Vec3 x = (e.min + part.cwiseProduct(e.max - e.min)).cast<Real>();
+                if (shape.distance(x) > 0) continue;
+                ++all;
+                Real distance = 0;
+                if (shapes.solids.nearest(x, distance) >= 0 && distance < Real(0.45 * spacing)) ++inside;
+            }
+    return all > 0 ? static_cast<double>(inside) / all : 0;
+}
+
+void check_placement(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, const SceneShapes& shapes, std::vector<Problem>& problems) {
+    Placement(scene, plan, numbers, shapes, problems).check();
 }
 
 }  // namespace whorl

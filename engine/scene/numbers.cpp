@@ -11,10 +11,9 @@ namespace whorl {
 namespace {
 
 /// The fastest that a solid's surface moves, from its expressions.
-double solid_speed(const SolidKeys& solid, double end) {
+double solid_speed(const SolidKeys& solid, const Extent& extent, double end) {
     if (!solid.position.depends_on_time() && solid.rotation.is_zero()) return 0;
-    const Extent extent = extent_of(solid.shape);
-    const double reach = std::max(extent.min.norm(), extent.max.norm());
+    const double reach = 0.5 * (extent.max - extent.min).norm();  // it turns about its middle
     double most = 0;
     const double dt = 1e-4 * end;
     for (const double t : sample_times(0, end)) {
@@ -41,23 +40,6 @@ std::vector<double> sample_times(double from, double to) {
     return times;
 }
 
-Extent extent_of(const ShapeKeys& s) {
-    const double pi = std::numbers::pi, endless = std::numeric_limits<double>::infinity();
-    if (s.kind == "box") return {s.min, s.max, (s.max - s.min).prod()};
-    if (s.kind == "sphere") {
-        const Vec3d r = Vec3d::Constant(s.radius);
-        return {s.centre - r, s.centre + r, 4 * pi / 3 * std::pow(s.radius, 3)};
-    }
-    if (s.kind == "cylinder") {
-        const Vec3d axis = (s.to - s.from).normalized();
-        // A disc of radius r reaches r sqrt(1 - n_a^2) along axis a.
-        Vec3d reach;
-        for (int a = 0; a < 3; ++a) reach[a] = s.radius * std::sqrt(std::max(0.0, 1 - axis[a] * axis[a]));
-        return {s.from.cwiseMin(s.to) - reach, s.from.cwiseMax(s.to) + reach, pi * s.radius * s.radius * (s.to - s.from).norm()};
-    }
-    return {Vec3d::Constant(-endless), Vec3d::Constant(endless), 0};
-}
-
 double opening_area(const EmitterKeys& e) { return e.shape == "disc" ? std::numbers::pi * e.radius * e.radius : e.width * e.thickness; }
 
 double emitted_volume(const EmitterKeys& e, double end) {
@@ -70,7 +52,7 @@ double emitted_volume(const EmitterKeys& e, double end) {
     return sum * opening_area(e);
 }
 
-SceneNumbers scene_numbers(const Scene& scene, double support) {
+SceneNumbers scene_numbers(const Scene& scene, const SceneShapes& shapes, double support) {
     SceneNumbers n;
     const double d = n.spacing = scene.fluid.spacing, end = scene.time.end;
     n.free_surface = !(scene.domain.periodic[0] && scene.domain.periodic[1] && scene.domain.periodic[2]);
@@ -100,7 +82,7 @@ SceneNumbers scene_numbers(const Scene& scene, double support) {
 
     for (std::size_t i = 0; i < scene.blocks.size(); ++i) {
         const BlockKeys& block = scene.blocks[i];
-        const Extent e = extent_of(block.shape);
+        const Extent& e = shapes.block_extent[i];
         const Vec3d low = e.min.cwiseMax(scene.domain.min), high = e.max.cwiseMin(scene.domain.max);
         over_box(low, high, [&](const Vec3d& x) {
             n.speed = std::max(n.speed, block.velocity(0, x).norm());
@@ -123,7 +105,7 @@ SceneNumbers scene_numbers(const Scene& scene, double support) {
         n.fall = std::max(n.fall, height(e.position, e.position));
         thin(e.shape == "disc" ? 2 * e.radius : std::min(e.width, e.thickness), entry_name("emitter", i));
     }
-    for (const SolidKeys& solid : scene.solids) n.speed = std::max(n.speed, solid_speed(solid, end));
+    for (std::size_t i = 0; i < scene.solids.size(); ++i) n.speed = std::max(n.speed, solid_speed(scene.solids[i], shapes.solid_extent[i], end));
 
     n.speed = std::max(n.speed, std::sqrt(n.speed * n.speed + 2 * n.gravity * n.fall));
     n.nu = n.viscosity / scene.fluid.density;

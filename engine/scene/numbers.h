@@ -1,5 +1,6 @@
 #pragma once
 /// The dimensionless numbers of a scene, and the lengths and speeds behind them: what decides which models it requires.
+#include "engine/geometry/solids.h"
 #include "engine/scene/scene.h"
 
 namespace whorl {
@@ -20,15 +21,23 @@ struct SceneNumbers {
     bool free_surface = true;   ///< not every axis is periodic
 };
 
-/// @param support kernel radius [m]
-SceneNumbers scene_numbers(const Scene& scene, double support);
-
-/// Bounds [m] and volume [m^3] of a shape; a plane has neither (infinite bounds, no volume). @throws InputError for a bad mesh
+/// Bounds [m] and volume [m^3] of a shape; a plane has infinite bounds and no volume.
 struct Extent {
     Vec3d min = Vec3d::Zero(), max = Vec3d::Zero();
     double volume = 0;
 };
-Extent extent_of(const ShapeKeys& shape);
+
+/// The shapes of a scene as geometry sees them; the solids stand where they are at the start.
+struct SceneShapes {
+    std::vector<std::shared_ptr<const Shape>> blocks;
+    Solids solids;
+    std::vector<Extent> block_extent, solid_extent;
+};
+/// Appends to `problems` where a mesh cannot be used; the shapes are complete only where it added none.
+SceneShapes make_shapes(const Scene& scene, std::vector<Problem>& problems);
+
+/// @param support kernel radius [m]
+SceneNumbers scene_numbers(const Scene& scene, const SceneShapes& shapes, double support);
 
 /// Points of time over the run at which expressions are looked at.
 std::vector<double> sample_times(double from, double to);

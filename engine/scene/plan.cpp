@@ -62,7 +62,7 @@ void choose_boundary(Plan& plan, const Scene& scene) {
     choose(plan, "models.boundary", scene.models.boundary, wanted, reason, plan.boundary);
 }
 
-void warn(Plan& plan, const Scene& scene, const SceneNumbers& n) {
+void warn(Plan& plan, const Scene& scene, const SceneNumbers& n, const SceneShapes& shapes) {
     const auto add = [&](std::string text) { plan.warnings.push_back(std::move(text)); };
     if (n.viscosity > 0 && plan.viscosity == ViscosityModel::none && plan.pressure != PressureModel::coupled)
         add(fmt::format("fluid.viscosity = {:.3g} Pa s has no effect: models.viscosity is none", n.viscosity));
@@ -76,6 +76,9 @@ void warn(Plan& plan, const Scene& scene, const SceneNumbers& n) {
     if (plan.sound_speed > 0 && plan.sound_speed < 8 * n.speed)
         add(fmt::format("Mach number {:.2f} (speed {:.3g} m/s, sound {:.3g} m/s): density varies by about {:.0f} %", n.speed / plan.sound_speed,
                         n.speed, plan.sound_speed, 100 * std::pow(n.speed / plan.sound_speed, 2)));
+    for (std::size_t i = 0; i < scene.blocks.size(); ++i)
+        if (const double part = part_inside_solids(shapes, i, plan.spacing); part > 0.1)
+            add(fmt::format("{:.0f} % of block[{}] lies inside solids and is left out", 100 * part, i));
     for (std::size_t i = 0; i < scene.emitters.size(); ++i)
         if (emitted_volume(scene.emitters[i], scene.time.end) == 0) add(fmt::format("emitter[{}] lets nothing through before the end of the run", i));
 }
@@ -83,10 +86,15 @@ void warn(Plan& plan, const Scene& scene, const SceneNumbers& n) {
 }  // namespace
 
 Plan make_plan(const Scene& scene) {
+    std::vector<Problem> problems;
+    const std::string file = scene.place("").file;
+    const SceneShapes shapes = make_shapes(scene, problems);
+    if (!problems.empty()) throw InputError(in_order(std::move(problems), file));
+
     Plan plan;
     const double d = plan.spacing = scene.fluid.spacing;
     // The viscous number decides the pressure model, and the model the support: explicit viscosity is judged at the support it would have.
-    const SceneNumbers n = scene_numbers(scene, scene.fluid.support.value_or(2) * d);
+    const SceneNumbers n = scene_numbers(scene, shapes, scene.fluid.support.value_or(2) * d);
     plan.expected_speed = n.speed;
     plan.largest_viscosity = n.viscosity;
     plan.estimated_particles = n.particles;
@@ -119,11 +127,10 @@ Plan make_plan(const Scene& scene) {
     choose(plan, "models.shifting", scene.models.shifting, coupled ? ShiftingModel::fickian : ShiftingModel::none,
            coupled ? "stretched threads lose their even spacing" : "particles of this model keep apart by themselves", plan.shifting);
 
-    std::vector<Problem> problems;
     check_models(scene, plan, problems);
-    check_placement(scene, plan, n, problems);
-    if (!problems.empty()) throw InputError(in_order(std::move(problems), scene.place("").file));
-    warn(plan, scene, n);
+    check_placement(scene, plan, n, shapes, problems);
+    if (!problems.empty()) throw InputError(in_order(std::move(problems), file));
+    warn(plan, scene, n, shapes);
     return plan;
 }
 

@@ -11,6 +11,7 @@
 #include "engine/math/expression.h"
 #include "engine/math/kernel.h"
 #include "engine/particles/sample.h"
+#include "engine/particles/sample.h"
 
 namespace whorl {
 

@@ -1,0 +1,63 @@
+#include <limits>
+#include <numbers>
+
+#include "engine/scene/numbers.h"
+#include "engine/scene/tree.h"
+
+namespace whorl {
+namespace {
+
+double volume_of(const TriangleMesh& mesh) {
+    double sum = 0;
+    for (const auto& t : mesh.triangle)
+        sum += mesh.position[t[0]].cast<double>().dot(mesh.position[t[1]].cast<double>().cross(mesh.position[t[2]].cast<double>()));
+    return sum / 6;
+}
+
+Extent extent_of(const ShapeKeys& keys, const Shape& shape) {
+    constexpr double pi = std::numbers::pi, endless = std::numeric_limits<double>::infinity();
+    if (!shape.bounded()) return {Vec3d::Constant(-endless), Vec3d::Constant(endless), 0};
+    if (keys.kind == "box") return {keys.min, keys.max, (keys.max - keys.min).prod()};
+    Vec3 min, max;
+    shape.bounds(min, max);
+    const double r = keys.radius;
+    const double volume = keys.kind == "sphere"     ? 4 * pi / 3 * r * r * r
+                          : keys.kind == "cylinder" ? pi * r * r * (keys.to - keys.from).norm()
+                                                    : volume_of(shape.mesh(1, 1));
+    return {min.cast<double>(), max.cast<double>(), volume};
+}
+
+/// The shape, or what is wrong with its mesh file, at the key that names it.
+std::shared_ptr<const Shape> made(const Scene& scene, const std::string& name, const ShapeKeys& keys, std::vector<Problem>& problems) {
+    try {
+        return make_shape(keys);
+    } catch (const InputError& e) {
+        for (const Problem& p : e.problems()) problems.push_back({scene.place(name + ".file"), name + ": " + p.message(), "", ""});
+        return nullptr;
+    }
+}
+
+}  // namespace
+
+SceneShapes make_shapes(const Scene& scene, std::vector<Problem>& problems) {
+    SceneShapes shapes;
+    for (std::size_t i = 0; i < scene.blocks.size(); ++i) {
+        const ShapeKeys& keys = scene.blocks[i].shape;
+        shapes.blocks.push_back(made(scene, entry_name("block", i), keys, problems));
+        shapes.block_extent.push_back(shapes.blocks.back() ? extent_of(keys, *shapes.blocks.back()) : Extent{});
+    }
+    for (std::size_t i = 0; i < scene.solids.size(); ++i) {
+        const SolidKeys& keys = scene.solids[i];
+        Solid solid;
+        solid.shape = made(scene, entry_name("solid", i), keys.shape, problems);
+        solid.position = keys.position;
+        solid.spin = keys.rotation;
+        solid.inside = keys.inside;
+        shapes.solid_extent.push_back(solid.shape ? extent_of(keys.shape, *solid.shape) : Extent{});
+        shapes.solids.all.push_back(std::move(solid));
+    }
+    if (problems.empty()) shapes.solids.set_time(0, scene.time.max_step);
+    return shapes;
+}
+
+}  // namespace whorl
