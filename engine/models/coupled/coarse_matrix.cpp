@@ -147,7 +147,7 @@ Eigen::SparseMatrix<double> coarse_matrix(const StrainForm& form, Span<const std
                 share.arm_s += arm[j] * wr.transpose();
                 share.b += b;
                 share.arm_b += (wi * arm[j].cross(r)) * q.transpose();
-                share.spring += W * motion(arm[j]);
+                share.spring += W.lazyProduct(motion(arm[j]));
             }
             const std::int32_t own = of[static_cast<std::size_t>(i)];
             if (own >= 0) {
@@ -156,7 +156,7 @@ Eigen::SparseMatrix<double> coarse_matrix(const StrainForm& form, Span<const std
                 const Mat36 E = motion(a);
                 share_of(own);
                 for (const Share& share : shares) {
-                    const Mat6 coupling = -E.transpose() * share.spring;
+                    const Mat6 coupling = -E.transpose().lazyProduct(share.spring);
                     partial.add(own, share.aggregate, coupling);
                     if (share.aggregate == own) partial.add(own, own, Mat6(coupling.transpose()));
                 }
@@ -174,7 +174,7 @@ Eigen::SparseMatrix<double> coarse_matrix(const StrainForm& form, Span<const std
             for (std::size_t k = 0; k < shares.size(); ++k)
                 for (std::size_t l = 0; l < shares.size(); ++l)
                     if (shares[k].aggregate >= shares[l].aggregate)
-                        partial.add(shares[k].aggregate, shares[l].aggregate, Mat6(F[k].transpose() * dF[l]));
+                        partial.add(shares[k].aggregate, shares[l].aggregate, Mat6(F[k].transpose().lazyProduct(dF[l])));
         }
         for (std::size_t place = 0; place < springs.size(); ++place) {
             const auto j = static_cast<std::size_t>(block.touched[place]);
@@ -182,7 +182,7 @@ Eigen::SparseMatrix<double> coarse_matrix(const StrainForm& form, Span<const std
             const Mat36 E = motion(arm[j]);
             const bool own_row = static_cast<Index>(place) < block.size();
             const Mat3 W = springs[place] + (own_row ? Mat3(Mat3::Identity()) : Mat3(Mat3::Zero()));
-            partial.add(of[j], of[j], Mat6(E.transpose() * (W * E)));
+            partial.add(of[j], of[j], Mat6(E.transpose().lazyProduct(Mat36(W * E))));
         }
     });
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -53,12 +54,14 @@ void invert_moment(const Mat3& M, const CoupledOptions& o, Neighbourhood& n) {
 
 /// Candidates of one row: all particles within the widest support in use, lengths in spacings.
 struct CoupledRows::Scratch {
-    Column<Real> x, y, z, r2;
+    Column<Real> x, y, z, r2, w;
     std::vector<Index> index;
-    Column<Real> bridge_x, bridge_y, bridge_z;
     std::vector<Real> order;
-    std::vector<Index> place;  ///< of each particle in the block's touched list, where stamp is 1
-    std::vector<char> stamp;   ///< all 0 between two blocks
+    std::vector<std::size_t> bridges;
+    std::vector<Index> place;    ///< of each particle in the block's touched list, -1: not in it. All -1 between two blocks
+    std::vector<Index> reached;  ///< the particle whose close neighbours' close neighbours were marked last, this one among them
+
+    unsigned long build = 0;     ///< for which `reached` was cleared
 
     void clear() {
         x.clear(), y.clear(), z.clear(), r2.clear(), index.clear();
@@ -68,35 +71,77 @@ struct CoupledRows::Scratch {
         r2.push_back(r.squaredNorm());
         index.push_back(j);
     }
-
-    /// Is there a particle closer than `reach` to both ends of pair k? The bridge lists hold those close to i, padded with far ones. The other end
-    /// itself is at distance 0 and does not count.
+    /// Is there a candidate closer than `reach` to both the particle and candidate k? `bridges` lists those close to the particle.
     bool bridged(std::size_t k, Real reach2) const {
-        const Real xk = x[k], yk = y[k], zk = z[k];
-        int found = 0;
-        for (std::size_t l = 0; l < bridge_x.size(); ++l) {
-            const Real dx = bridge_x[l] - xk, dy = bridge_y[l] - yk, dz = bridge_z[l] - zk;
-            const Real r = dx * dx + dy * dy + dz * dz;
-            found += static_cast<int>(r < reach2) & static_cast<int>(r > 0);
+        for (const std::size_t l : bridges) {
+            const Real dx = x[l] - x[k], dy = y[l] - y[k], dz = z[l] - z[k];
+            if (l != k && dx * dx + dy * dy + dz * dz < reach2) return true;
         }
-        return found > 0;
+        return false;
     }
 };
+
+namespace {
+
+/// The weights of all candidates, 0 beyond h; returns n/n0.
+Real weigh(Index count, const Real* __restrict r2, Real h0, Real h, Real* __restrict w) {
+    const Real inverse_h0 = 1 / h0, inverse_h = 1 / h;
+    Real density = 1;
+    for (Index k = 0; k < count; ++k) {
+        const Real r = std::sqrt(r2[k]);
+        density += wendland(r * inverse_h0);
+        w[k] = r2[k] > Real(1e-12) ? wendland(r * inverse_h) : 0;
+    }
+    return density * static_cast<Real>(21 / (2 * std::numbers::pi)) / (h0 * h0 * h0);
+}
+
+/// Sums over a finished row: M, and what tells a surface.
+Mat3 moments(Index count, const Real* __restrict x, const Real* __restrict y, const Real* __restrict z, const Real* __restrict w,
+             Neighbourhood& n) {
+    Real xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0, sx = 0, sy = 0, sz = 0, distances = 0;
+    for (Index e = 0; e < count; ++e) {
+        const Real wx = w[e] * x[e], wy = w[e] * y[e], wz = w[e] * z[e];
+        xx += wx * x[e], yy += wy * y[e], zz += wz * z[e], xy += wx * y[e], xz += wx * z[e], yz += wy * z[e];
+        sx += wx, sy += wy, sz += wz;
+        distances += w[e] * std::sqrt(x[e] * x[e] + y[e] * y[e] + z[e] * z[e]);
+    }
+    const Vec3 centre(sx, sy, sz);
+    n.spread = xx + yy + zz;
+    if (distances > 0) n.surface = centre.norm() / distances;
+    if (n.surface > 0) n.outward = -centre.normalized();
+    Mat3 M;
+    M << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+    return M;
+}
+
+}  // namespace
 
 void CoupledRows::build(Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real spacing,
                         const CoupledOptions& options) {
     const auto n = static_cast<Index>(x.size());
     const Real support = static_cast<Real>(options.support) * spacing;
     near_search_.find(x, support, domain, near_);
+    static std::atomic<unsigned long> count{0};
+    builds_ = ++count;
 
     // h = 1.15 times the distance of the 16th neighbour, within [support, widest_support]: only particles without 16 neighbours in support / 1.15
     // need to look further.
     const Real dense_reach = support / Real(1.15);
+    const Real bridge = static_cast<Real>(options.bridge) * spacing;
     sparse_place_.assign(x.size(), -1);
+    close_.resize(x.size() * most_close);
+    close_count_.resize(x.size());
     parallel_for(n, [&](Index i) {
-        int close = 0;
-        near_.of(i, [&](Index, const Vec3&, Real r) { close += r < dense_reach; });
-        if (close < options.enough_neighbours) sparse_place_[static_cast<std::size_t>(i)] = 0;
+        const auto at = static_cast<std::size_t>(i);
+        Index* list = close_.data() + at * most_close;
+        Index listed = 0;
+        int dense = 0;
+        near_.of(i, [&](Index j, const Vec3&, Real r) {
+            dense += r < dense_reach;
+            if (r < bridge && listed < most_close) list[listed++] = j;
+        });
+        close_count_[at] = listed;
+        if (dense < options.enough_neighbours) sparse_place_[at] = 0;
     });
     sparse_.clear();
     for (std::size_t i = 0; i < x.size(); ++i)
@@ -127,26 +172,23 @@ void CoupledRows::build(Span<const Vec3> x, Span<const std::int16_t> role, const
 
 void CoupledRows::build_block(RowBlock& block, Span<const Vec3> x, Span<const std::int16_t> role, Real spacing, const CoupledOptions& o) {
     thread_local Scratch s;
-    s.place.resize(x.size());
-    s.stamp.resize(x.size(), 0);
+    s.place.resize(x.size(), -1);
+    if (s.reached.size() != x.size() || s.build != builds_) s.reached.assign(x.size(), -1), s.build = builds_;
     block.touched.clear();
     block.first.assign(1, 0);
-    block.x.clear(), block.y.clear(), block.z.clear(), block.w.clear(), block.other.clear();
     const auto place_of = [&](Index j) {
-        const auto k = static_cast<std::size_t>(j);
-        if (!s.stamp[k]) {
-            s.stamp[k] = 1;
-            s.place[k] = static_cast<Index>(block.touched.size());
+        Index& place = s.place[static_cast<std::size_t>(j)];
+        if (place < 0) {
+            place = static_cast<Index>(block.touched.size());
             block.touched.push_back(j);
         }
-        return s.place[k];
+        return place;
     };
     for (Index i = block.begin; i < block.end; ++i) place_of(i);
 
     const Real inverse_spacing = 1 / spacing;
     const Real h0 = static_cast<Real>(o.support), widest = static_cast<Real>(o.widest_support);
-    const Real per_volume = static_cast<Real>(21 / (2 * std::numbers::pi * o.support * o.support * o.support));
-    std::size_t counted = 0;
+    std::size_t counted = 0, end = 0;
 
     for (Index i = block.begin; i < block.end; ++i) {
         const auto at = static_cast<std::size_t>(i);
@@ -164,59 +206,56 @@ void CoupledRows::build_block(RowBlock& block, Span<const Vec3> x, Span<const st
             h = widest;
             if (static_cast<int>(candidates) >= o.enough_neighbours) {
                 s.order.assign(s.r2.begin(), s.r2.end());
-                const auto sixteenth = s.order.begin() + (o.enough_neighbours - 1);
-                std::nth_element(s.order.begin(), sixteenth, s.order.end());
-                h = std::clamp(Real(1.15) * std::sqrt(*sixteenth), h0, widest);
+                const auto enough = s.order.begin() + (o.enough_neighbours - 1);
+                std::nth_element(s.order.begin(), enough, s.order.end());
+                h = std::clamp(Real(1.15) * std::sqrt(*enough), h0, widest);
             }
         }
-        const Real scale = h / h0, gate = static_cast<Real>(o.gate) * scale, reach = static_cast<Real>(o.bridge) * scale;
-        s.bridge_x.clear(), s.bridge_y.clear(), s.bridge_z.clear();
-        for (std::size_t k = 0; k < candidates; ++k)
-            if (s.r2[k] < reach * reach) {
-                s.bridge_x.push_back(s.x[k]), s.bridge_y.push_back(s.y[k]), s.bridge_z.push_back(s.z[k]);
-            }
-        while (s.bridge_x.size() % lanes != 0) {
-            s.bridge_x.push_back(Real(1e6)), s.bridge_y.push_back(Real(1e6)), s.bridge_z.push_back(Real(1e6));
-        }
-
         Neighbourhood& hood = neighbourhood[at];
-        Mat3 M = Mat3::Zero();
-        Vec3 centre = Vec3::Zero();
-        Real density = 1, spread = 0, distance_sum = 0;
-        for (std::size_t k = 0; k < candidates; ++k) {
-            const Real r2 = s.r2[k], r = std::sqrt(r2);
-            density += wendland(r / h0);
-            if (!(r < h) || r < Real(1e-6)) continue;
-            const Index j = s.index[k];
-            if (r > gate && !(role[at] != 0 && role[static_cast<std::size_t>(j)] != 0) && !s.bridged(k, reach * reach)) continue;
-            const Real w = wendland(r / h);
-            const Vec3 e(s.x[k], s.y[k], s.z[k]);
-            block.x.push_back(e[0]), block.y.push_back(e[1]), block.z.push_back(e[2]), block.w.push_back(w);
-            block.other.push_back(place_of(j));
-            M += w * e * e.transpose();
-            centre += w * e;
-            spread += w * r2;
-            distance_sum += w * r;
-            ++counted;
-        }
-        const Index own = i - block.begin;
-        while (block.x.size() % lanes != 0) {
-            block.x.push_back(1), block.y.push_back(0), block.z.push_back(0), block.w.push_back(0);
-            block.other.push_back(own);
-        }
-        block.first.push_back(block.x.size());
+        s.w.resize(candidates);
+        hood.density = weigh(static_cast<Index>(candidates), s.r2.data(), h0, h, s.w.data());
 
-        hood.density = density * per_volume;
-        hood.spread = spread;
-        if (distance_sum > 0) {
-            const Real length = centre.norm();
-            hood.surface = length / distance_sum;
-            if (length > 0) hood.outward = -centre / length;
+        // Pairs longer than the gate need a bridge. In the normal support: candidates that are close to one that is close to i.
+        const Real scale = h / h0, gate = static_cast<Real>(o.gate) * scale, reach = static_cast<Real>(o.bridge) * scale;
+        if (h == h0) {
+            for (Index k = 0; k < close_count_[at]; ++k) {
+                const auto bridge = static_cast<std::size_t>(close_[at * most_close + static_cast<std::size_t>(k)]);
+                for (Index l = 0; l < close_count_[bridge]; ++l)
+                    s.reached[static_cast<std::size_t>(close_[bridge * most_close + static_cast<std::size_t>(l)])] = i;
+            }
+        } else {
+            s.bridges.clear();
+            for (std::size_t k = 0; k < candidates; ++k)
+                if (s.r2[k] < reach * reach) s.bridges.push_back(k);
         }
-        if (spread > 0) invert_moment(M, o, hood);
+
+        const std::size_t begin = end;
+        for (Column<Real>* column : {&block.x, &block.y, &block.z, &block.w})
+            if (column->size() < begin + candidates + lanes) column->resize(2 * (begin + candidates + lanes));
+        if (block.other.size() < block.x.size()) block.other.resize(block.x.size());
+        for (std::size_t k = 0; k < candidates; ++k) {
+            if (s.w[k] == 0) continue;
+            const Index j = s.index[k];
+            if (s.r2[k] > gate * gate && !(role[at] != 0 && role[static_cast<std::size_t>(j)] != 0)) {
+                const bool counts = h == h0 ? s.reached[static_cast<std::size_t>(j)] == i : s.bridged(k, reach * reach);
+                if (!counts) continue;
+            }
+            block.x[end] = s.x[k], block.y[end] = s.y[k], block.z[end] = s.z[k], block.w[end] = s.w[k];
+            block.other[end] = place_of(j);
+            ++end;
+        }
+        counted += end - begin;
+        for (; (end - begin) % lanes != 0; ++end) {
+            block.x[end] = 1, block.y[end] = 0, block.z[end] = 0, block.w[end] = 0;
+            block.other[end] = i - block.begin;
+        }
+        block.first.push_back(end);
+        const Mat3 M = moments(static_cast<Index>(end - begin), block.x.data() + begin, block.y.data() + begin, block.z.data() + begin,
+                               block.w.data() + begin, hood);
+        if (hood.spread > 0) invert_moment(M, o, hood);
     }
     row_pairs_[static_cast<std::size_t>(block.begin / block_size)] = counted;
-    for (Index j : block.touched) s.stamp[static_cast<std::size_t>(j)] = 0;
+    for (Index j : block.touched) s.place[static_cast<std::size_t>(j)] = -1;
 }
 
 /// Lists for every particle the places, in the blocks' order, at which blocks hold something for it.

@@ -72,6 +72,9 @@ private:
     NeighbourSearch near_search_, far_search_;
     Pairs near_, far_;
     std::vector<Vec3> sparse_;         ///< positions of particles with few neighbours
+    static constexpr Index most_close = 48;
+    std::vector<Index> close_, close_count_;  ///< neighbours within the bridge's reach, at most most_close each
+    unsigned long builds_ = 0;                ///< number of this build among all
     std::vector<Index> sparse_place_;  ///< of each particle in sparse_, -1: enough neighbours
     std::vector<std::size_t> first_slot_, slot_;
     std::vector<std::size_t> row_pairs_;  ///< of each block

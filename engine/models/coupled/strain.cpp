@@ -1,5 +1,7 @@
 #include "engine/models/coupled/strain.h"
 
+#include <array>
+
 #include "engine/core/parallel.h"
 
 namespace whorl {
@@ -58,17 +60,77 @@ Mat3 differences(const RowView& row, const Vec4* __restrict u, Index own, RowScr
     return A;
 }
 
-/// Adds the row's forces on its neighbours, s.f of each pair, to out, and their opposite to the row's own particle.
-void scatter(const RowView& row, Index own, const RowScratch& s, Vec4* __restrict out) {
-    Real sx = 0, sy = 0, sz = 0;
-    const Real *__restrict fx = s.fx.data(), *__restrict fy = s.fy.data(), *__restrict fz = s.fz.data();
-    for (Index e = 0; e < row.count; ++e) sx += fx[e], sy += fy[e], sz += fz[e];
+/// t = pair w/r^2 ((u_j - u_i).r - r.D r) of each pair, and H = sum t r r^T. These loops are functions of their own so that the compiler
+/// believes their pointers to be distinct.
+Mat3 along_pairs(const RowView row, const Mat3& D, Real pair, const Real* __restrict du, const Real* __restrict dv,
+                 const Real* __restrict dw, Real* __restrict ts) {
+    const Real d00 = D(0, 0), d11 = D(1, 1), d22 = D(2, 2), d01 = 2 * D(0, 1), d02 = 2 * D(0, 2), d12 = 2 * D(1, 2);
+    Real h00 = 0, h11 = 0, h22 = 0, h01 = 0, h02 = 0, h12 = 0;
     for (Index e = 0; e < row.count; ++e) {
-        Real* o = out[row.other[e]].v;
-        o[0] += fx[e], o[1] += fy[e], o[2] += fz[e];
+        const Real rx = row.x[e], ry = row.y[e], rz = row.z[e];
+        const Real xx = rx * rx, yy = ry * ry, zz = rz * rz, xy = rx * ry, xz = rx * rz, yz = ry * rz;
+        const Real along = du[e] * rx + dv[e] * ry + dw[e] * rz;
+        const Real linear = d00 * xx + d11 * yy + d22 * zz + d01 * xy + d02 * xz + d12 * yz;
+        const Real t = pair * row.w[e] / (xx + yy + zz) * (along - linear);
+        ts[e] = t;
+        h00 += t * xx, h11 += t * yy, h22 += t * zz, h01 += t * xy, h02 += t * xz, h12 += t * yz;
     }
-    Real* o = out[own].v;
-    o[0] -= sx, o[1] -= sy, o[2] -= sz;
+    Mat3 H;
+    H << h00, h01, h02, h01, h11, h12, h02, h12, h22;
+    return H;
+}
+
+/// f = Q w r + smooth w (u_j - u_i) + t r of each pair.
+void pair_forces(const RowView row, const Mat3& Q, Real smooth, const Real* __restrict du, const Real* __restrict dv,
+                 const Real* __restrict dw, const Real* __restrict ts, Real* __restrict fx, Real* __restrict fy, Real* __restrict fz) {
+    const Real q00 = Q(0, 0), q01 = Q(0, 1), q02 = Q(0, 2), q10 = Q(1, 0), q11 = Q(1, 1), q12 = Q(1, 2);
+    const Real q20 = Q(2, 0), q21 = Q(2, 1), q22 = Q(2, 2);
+    for (Index e = 0; e < row.count; ++e) {
+        const Real w = row.w[e], cw = smooth * w, t = ts[e];
+        const Real rx = row.x[e], ry = row.y[e], rz = row.z[e];
+        fx[e] = w * (q00 * rx + q01 * ry + q02 * rz) + cw * du[e] + t * rx;
+        fy[e] = w * (q10 * rx + q11 * ry + q12 * rz) + cw * dv[e] + t * ry;
+        fz[e] = w * (q20 * rx + q21 * ry + q22 * rz) + cw * dw[e] + t * rz;
+    }
+}
+
+/// f = Q w r of each pair.
+void pair_forces(const RowView row, const Mat3& Q, Real* __restrict fx, Real* __restrict fy, Real* __restrict fz) {
+    const Real q00 = Q(0, 0), q01 = Q(0, 1), q02 = Q(0, 2), q10 = Q(1, 0), q11 = Q(1, 1), q12 = Q(1, 2);
+    const Real q20 = Q(2, 0), q21 = Q(2, 1), q22 = Q(2, 2);
+    for (Index e = 0; e < row.count; ++e) {
+        const Real wx = row.w[e] * row.x[e], wy = row.w[e] * row.y[e], wz = row.w[e] * row.z[e];
+        fx[e] = q00 * wx + q01 * wy + q02 * wz;
+        fy[e] = q10 * wx + q11 * wy + q12 * wz;
+        fz[e] = q20 * wx + q21 * wy + q22 * wz;
+    }
+}
+
+using Quad = Real __attribute__((vector_size(4 * sizeof(Real))));
+
+/// Adds the row's forces on its neighbours, s.f of each pair, to out, and their opposite to the row's own particle.
+void scatter(const RowView row, Index own, const RowScratch& s, Vec4* __restrict out) {
+    const Real *__restrict fx = s.fx.data(), *__restrict fy = s.fy.data(), *__restrict fz = s.fz.data();
+    const Quad none = {0, 0, 0, 0};
+    Quad sum = none;
+    const auto add = [&](Index j, Quad f) {
+        Quad& to = *reinterpret_cast<Quad*>(out[j].v);
+        to += f;
+        sum += f;
+    };
+    static_assert(CoupledRows::lanes % 4 == 0);
+    for (Index e = 0; e < row.count; e += 4) {
+        // Four pairs' x, y, z become four pairs' (x, y, z, 0).
+        const Quad x = *reinterpret_cast<const Quad*>(fx + e), y = *reinterpret_cast<const Quad*>(fy + e);
+        const Quad z = *reinterpret_cast<const Quad*>(fz + e);
+        const Quad xy0 = __builtin_shufflevector(x, y, 0, 4, 1, 5), xy1 = __builtin_shufflevector(x, y, 2, 6, 3, 7);
+        const Quad z0 = __builtin_shufflevector(z, none, 0, 4, 1, 5), z1 = __builtin_shufflevector(z, none, 2, 6, 3, 7);
+        add(row.other[e], __builtin_shufflevector(xy0, z0, 0, 1, 4, 5));
+        add(row.other[e + 1], __builtin_shufflevector(xy0, z0, 2, 3, 6, 7));
+        add(row.other[e + 2], __builtin_shufflevector(xy1, z1, 0, 1, 4, 5));
+        add(row.other[e + 3], __builtin_shufflevector(xy1, z1, 2, 3, 6, 7));
+    }
+    *reinterpret_cast<Quad*>(out[own].v) -= sum;
 }
 
 Mat3 symmetric(const Mat3& A) { return Real(0.5) * (A + A.transpose()); }
@@ -127,33 +189,11 @@ void StrainForm::apply(Span<const Vec3> u, Span<Vec3> y) const {
             const Mat3 G = A * n.inverse_moment;
             const Mat3 D = symmetric(G);
 
-            // t = 2 c' w/r^2 ((u_j - u_i).r - r.G r),  H = sum t r r^T
-            const Real *__restrict du = s.du.data(), *__restrict dv = s.dv.data(), *__restrict dw = s.dw.data();
-            Real* __restrict ts = s.t.data();
-            const Real d00 = D(0, 0), d11 = D(1, 1), d22 = D(2, 2), d01 = 2 * D(0, 1), d02 = 2 * D(0, 2), d12 = 2 * D(1, 2);
-            Real h00 = 0, h11 = 0, h22 = 0, h01 = 0, h02 = 0, h12 = 0;
-            for (Index e = 0; e < row.count; ++e) {
-                const Real rx = row.x[e], ry = row.y[e], rz = row.z[e];
-                const Real xx = rx * rx, yy = ry * ry, zz = rz * rz, xy = rx * ry, xz = rx * rz, yz = ry * rz;
-                const Real along = du[e] * rx + dv[e] * ry + dw[e] * rz;
-                const Real linear = d00 * xx + d11 * yy + d22 * zz + d01 * xy + d02 * xz + d12 * yz;
-                const Real t = c.pair * row.w[e] / (xx + yy + zz) * (along - linear);
-                ts[e] = t;
-                h00 += t * xx, h11 += t * yy, h22 += t * zz, h01 += t * xy, h02 += t * xz, h12 += t * yz;
-            }
-            Mat3 H;
-            H << h00, h01, h02, h01, h11, h12, h02, h12, h22;
+            const Mat3 H = along_pairs(row, D, c.pair, s.du.data(), s.dv.data(), s.dw.data(), s.t.data());
 
             // Force on j: Q w r + 2 c w (u_j - u_i) + t r,  Q = (P S - H) M+ - 2 c G
             const Mat3 Q = (stress(G, n, c) - H) * n.inverse_moment - c.smooth * G;
-            Real *__restrict fx = s.fx.data(), *__restrict fy = s.fy.data(), *__restrict fz = s.fz.data();
-            for (Index e = 0; e < row.count; ++e) {
-                const Real w = row.w[e], cw = c.smooth * w, t = ts[e];
-                const Real rx = row.x[e], ry = row.y[e], rz = row.z[e];
-                fx[e] = w * (Q(0, 0) * rx + Q(0, 1) * ry + Q(0, 2) * rz) + cw * du[e] + t * rx;
-                fy[e] = w * (Q(1, 0) * rx + Q(1, 1) * ry + Q(1, 2) * rz) + cw * dv[e] + t * ry;
-                fz[e] = w * (Q(2, 0) * rx + Q(2, 1) * ry + Q(2, 2) * rz) + cw * dw[e] + t * rz;
-            }
+            pair_forces(row, Q, c.smooth, s.du.data(), s.dv.data(), s.dw.data(), s.t.data(), s.fx.data(), s.fy.data(), s.fz.data());
             scatter(row, own, s, out);
         }
     });
@@ -176,13 +216,7 @@ void StrainForm::add_pressure(Span<const Real> q, Span<Vec3> y) const {
             if (row.count == 0 || q[i] == 0) continue;
             const Neighbourhood& n = rows.neighbourhood[i];
             const Mat3 Q = q[i] * (n.resolved * n.inverse_moment);
-            Real *__restrict fx = s.fx.data(), *__restrict fy = s.fy.data(), *__restrict fz = s.fz.data();
-            for (Index e = 0; e < row.count; ++e) {
-                const Real wx = row.w[e] * row.x[e], wy = row.w[e] * row.y[e], wz = row.w[e] * row.z[e];
-                fx[e] = Q(0, 0) * wx + Q(0, 1) * wy + Q(0, 2) * wz;
-                fy[e] = Q(1, 0) * wx + Q(1, 1) * wy + Q(1, 2) * wz;
-                fz[e] = Q(2, 0) * wx + Q(2, 1) * wy + Q(2, 2) * wz;
-            }
+            pair_forces(row, Q, s.fx.data(), s.fy.data(), s.fz.data());
             scatter(row, own, s, out);
         }
     });
@@ -210,6 +244,35 @@ Real StrainForm::divergence(Index i, const Mat3& G) const {
     return n.unresolved == 0 ? G.trace() : (n.resolved * G).trace();
 }
 
+namespace {
+
+/// The blocks (xx, yy, zz, xy, xz, yz) that a row adds to its neighbours, and sum g.
+Vec3 neighbour_blocks(const RowView row, const Mat3& M, const StrainCoefficients& c, std::array<Column<Real>, 6>& p) {
+    const Real K = c.shear / 2, outer = K + c.bulk;
+    Real *__restrict p0 = p[0].data(), *__restrict p1 = p[1].data(), *__restrict p2 = p[2].data();
+    Real *__restrict p3 = p[3].data(), *__restrict p4 = p[4].data(), *__restrict p5 = p[5].data();
+    const Real m00 = M(0, 0), m11 = M(1, 1), m22 = M(2, 2), m01 = M(0, 1), m02 = M(0, 2), m12 = M(1, 2);
+    const Real smooth = c.smooth, pair = c.pair;
+    Real s0 = 0, s1 = 0, s2 = 0;
+    for (Index e = 0; e < row.count; ++e) {
+        const Real x = row.x[e], y = row.y[e], z = row.z[e], w = row.w[e];
+        const Real g0 = w * (m00 * x + m01 * y + m02 * z), g1 = w * (m01 * x + m11 * y + m12 * z), g2 = w * (m02 * x + m12 * y + m22 * z);
+        const Real left = std::max(Real(0), 1 - (g0 * x + g1 * y + g2 * z));
+        const Real pw = left * pair * w / (x * x + y * y + z * z);
+        const Real round = K * (g0 * g0 + g1 * g1 + g2 * g2) + left * smooth * w;
+        p0[e] = outer * g0 * g0 + round + pw * x * x;
+        p1[e] = outer * g1 * g1 + round + pw * y * y;
+        p2[e] = outer * g2 * g2 + round + pw * z * z;
+        p3[e] = outer * g0 * g1 + pw * x * y;
+        p4[e] = outer * g0 * g2 + pw * x * z;
+        p5[e] = outer * g1 * g2 + pw * y * z;
+        s0 += g0, s1 += g1, s2 += g2;
+    }
+    return Vec3(s0, s1, s2);
+}
+
+}  // namespace
+
 // With g = M+ w r the block of j gets from row i  K (1 + Lambda) g g^T + K |g|^2  and the penalties' 2 w (1 - g.r)(c + c' r r^T / r^2), where the
 // last r r^T stands for a fourth moment. The block of i gets the first with -h for g, h = sum g, and 2 w ((1 - h.r) c + (1 - h.r)^2 c' r r^T / r^2).
 void StrainForm::diagonal(Span<Mat3> B) const {
@@ -222,6 +285,10 @@ void StrainForm::diagonal(Span<Mat3> B) const {
     parallel_blocks(rows.size(), CoupledRows::block_size, [&](Index begin, Index) {
         const RowBlock& block = rows.blocks[static_cast<std::size_t>(begin / CoupledRows::block_size)];
         Symmetric* out = parts.data() + block.place;
+        thread_local struct {
+            std::array<Column<Real>, 6> p;
+        } block_scratch;
+        for (Column<Real>& p : block_scratch.p) p.resize(std::max(p.size(), rows.longest_row));
         for (Index own = 0; own < block.size(); ++own) {
             const RowView row(block, own);
             if (row.count == 0) continue;
@@ -229,24 +296,13 @@ void StrainForm::diagonal(Span<Mat3> B) const {
             const Mat3& M = rows.neighbourhood[i].inverse_moment;
             const StrainCoefficients& c = coefficients_[i];
             const Real K = c.shear / 2, outer = K + c.bulk;
-            Real sum[3] = {0, 0, 0};
+            const Vec3 sum = neighbour_blocks(row, M, c, block_scratch.p);
+            const Real *__restrict p0 = block_scratch.p[0].data(), *__restrict p1 = block_scratch.p[1].data();
+            const Real *__restrict p2 = block_scratch.p[2].data(), *__restrict p3 = block_scratch.p[3].data();
+            const Real *__restrict p4 = block_scratch.p[4].data(), *__restrict p5 = block_scratch.p[5].data();
             for (Index e = 0; e < row.count; ++e) {
-                const Real x = row.x[e], y = row.y[e], z = row.z[e], w = row.w[e];
-                const Real g0 = w * (M(0, 0) * x + M(0, 1) * y + M(0, 2) * z);
-                const Real g1 = w * (M(1, 0) * x + M(1, 1) * y + M(1, 2) * z);
-                const Real g2 = w * (M(2, 0) * x + M(2, 1) * y + M(2, 2) * z);
-                const Real left = std::max(Real(0), 1 - (g0 * x + g1 * y + g2 * z));
-                const Real cw = c.smooth * w, pw = c.pair * w / (x * x + y * y + z * z);
-                const Real p[6] = {cw + pw * x * x, cw + pw * y * y, cw + pw * z * z, pw * x * y, pw * x * z, pw * y * z};
-                const Real round = K * (g0 * g0 + g1 * g1 + g2 * g2);
                 Real* o = out[row.other[e]].v;
-                o[0] += outer * g0 * g0 + round + left * p[0];
-                o[1] += outer * g1 * g1 + round + left * p[1];
-                o[2] += outer * g2 * g2 + round + left * p[2];
-                o[3] += outer * g0 * g1 + left * p[3];
-                o[4] += outer * g0 * g2 + left * p[4];
-                o[5] += outer * g1 * g2 + left * p[5];
-                sum[0] += g0, sum[1] += g1, sum[2] += g2;
+                o[0] += p0[e], o[1] += p1[e], o[2] += p2[e], o[3] += p3[e], o[4] += p4[e], o[5] += p5[e];
             }
             Real self[6] = {0, 0, 0, 0, 0, 0};
             for (Index e = 0; e < row.count; ++e) {

@@ -1,0 +1,203 @@
+#include "engine/models/coupled/system.h"
+
+#include <catch2/catch.hpp>
+
+#include "engine/math/conjugate_gradients.h"
+
+#include "tests/support/coupled_world.h"
+
+using namespace whorl;
+using namespace whorl::test;
+
+namespace {
+
+constexpr Real d = 0.002;
+
+struct Random {
+    std::uint64_t state = 1;
+    Real operator()() {
+        state = state * 6364136223846793005u + 1442695040888963407u;
+        return Real(state >> 40) / Real(1u << 24) * 2 - 1;
+    }
+    Vec3 vector() { return Vec3((*this)(), (*this)(), (*this)()); }
+};
+
+/// Rows and form of a blob, with K = nu dt / d^2.
+struct Form {
+    CoupledOptions options;
+    CoupledRows rows;
+    StrainForm form;
+    std::vector<Real> mu;
+    std::vector<std::int16_t> role;
+    Form(const std::vector<Vec3>& x, Real K) : mu(x.size(), 1000 * K * d * d), role(x.size(), 0) {
+        rows.build(x, role, Domain{}, d, options);
+        form.set(rows, mu, 1, 1000, d, options);
+    }
+};
+
+double dot_all(const std::vector<Vec3>& a, const std::vector<Vec3>& b) { return dot<Vec3>(a, b); }
+
+}  // namespace
+
+TEST_CASE("the strain form is symmetric, conserves momentum, and leaves rigid motions alone", "[models][coupled]") {
+    const std::vector<Vec3> x = blue_noise_cylinder(Real(2.5) * d, 20 * d, d);
+    const Form f(x, 10);
+    Random random;
+    std::vector<Vec3> u(x.size()), v(x.size()), Au(x.size()), Av(x.size());
+    for (std::size_t i = 0; i < x.size(); ++i) u[i] = random.vector(), v[i] = random.vector();
+    f.form.apply(u, Au);
+    f.form.apply(v, Av);
+    CHECK(dot_all(Au, v) == Approx(dot_all(u, Av)).epsilon(1e-5));
+
+    Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();
+    double scale = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        const Vec3d inner = (Au[i] - u[i]).cast<double>();
+        force += inner;
+        torque += (x[i].cast<double>() / d).cross(inner);
+        scale += inner.norm();
+    }
+    CHECK(force.norm() < 1e-6 * scale);
+    CHECK(torque.norm() < 1e-5 * scale);
+
+    const Vec3 omega(1, 2, -3);
+    for (std::size_t i = 0; i < x.size(); ++i) u[i] = Vec3(1, 0, 2) + omega.cross(x[i] / d);
+    f.form.apply(u, Au);
+    double left = 0, size = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) left += (Au[i] - u[i]).squaredNorm(), size += u[i].squaredNorm();
+    // Round-off of K w (u_j - u_i), which K = 10 and the penalties' factors amplify.
+    CHECK(std::sqrt(left / size) < 1e-4);
+}
+
+TEST_CASE("a linear velocity field has its exact gradient, at the surface too", "[models][coupled]") {
+    const std::vector<Vec3> x = blue_noise_cylinder(Real(2.5) * d, 20 * d, d);
+    const Form f(x, 1);
+    Mat3 gradient;
+    gradient << 1, 2, 3, -4, 5, 6, 7, -8, -6;
+    std::vector<Vec3> u(x.size());
+    std::vector<Mat3> G(x.size());
+    for (std::size_t i = 0; i < x.size(); ++i) u[i] = gradient * x[i];
+    f.form.gradient(u, G);
+    double worst = 0;
+    for (const Mat3& g : G) worst = std::max(worst, double((g - gradient).norm()));
+    CHECK(worst < 1e-3 * gradient.norm());
+}
+
+TEST_CASE("the diagonal blocks are those of the operator", "[models][coupled]") {
+    const std::vector<Vec3> x = blue_noise_cylinder(Real(2.5) * d, 12 * d, d);
+    const Form f(x, 10);
+    std::vector<Mat3> B(x.size());
+    f.form.diagonal(B);
+    std::vector<Vec3> e(x.size(), Vec3::Zero()), column(x.size());
+    for (std::size_t i = 0; i < x.size(); i += 37)
+        for (int a = 0; a < 3; ++a) {
+            e[i][a] = 1;
+            f.form.apply(e, column);
+            e[i][a] = 0;
+            // The penalties' projections are taken at their mean: 2 % of the block.
+            CHECK((column[i] - B[i].col(a)).norm() < 0.05 * B[i].norm());
+        }
+}
+
+TEST_CASE("a viscous blob keeps its momentum to 1e-5 while it changes shape", "[models][coupled]") {
+    std::vector<Vec3> x = blue_noise_cylinder(Real(2.5) * d, 16 * d, d);
+    CoupledWorld w(x, d, Real(0.05));
+    auto u = w.velocity();
+    for (std::size_t i = 0; i < x.size(); ++i) u[i] = Vec3(Real(0.1) - x[i][0] * 10, x[i][1] * 20 - Real(0.3), -x[i][2] * 10);
+    const auto momentum = [&] {
+        Vec3d p = Vec3d::Zero();
+        for (const Vec3& v : w.velocity()) p += v.cast<double>();
+        return p;
+    };
+    const Vec3d before = momentum();
+    for (int k = 0; k < 60; ++k) {
+        CHECK(w.step(Real(1e-3)));
+    }
+    CHECK((momentum() - before).norm() < 1e-5 * before.norm());
+}
+
+TEST_CASE("a rigid rotation keeps its angular momentum within 1 % over a second", "[models][coupled]") {
+    std::vector<Vec3> x;
+    for (const Vec3& p : blue_noise_cylinder(Real(2.5) * d, 8 * d, d)) x.push_back(p - Vec3(0, 4 * d, 0));
+    CoupledWorld w(x, d, 1);
+    const Vec3 omega(0, 1, 5);
+    auto u = w.velocity();
+    for (std::size_t i = 0; i < x.size(); ++i) u[i] = omega.cross(x[i]);
+    const auto momentum = [&] {
+        Vec3d L = Vec3d::Zero();
+        for (std::size_t i = 0; i < x.size(); ++i) L += w.position()[i].cast<double>().cross(w.velocity()[i].cast<double>());
+        return L;
+    };
+    const Vec3d before = momentum();
+    for (int k = 0; k < 250; ++k) w.step(Real(4e-3));
+    CHECK((momentum() - before).norm() < 0.01 * before.norm());
+}
+
+namespace {
+
+struct Floor : Shape {
+    Real distance(const Vec3& x) const override { return std::abs(x[1] + Real(0.1) * d) - Real(0.1) * d; }  // a plate 0.2 d thin
+    Vec3 normal(const Vec3& x) const override { return x[1] > Real(-0.1) * d ? Vec3(Vec3::UnitY()) : Vec3(-Vec3::UnitY()); }
+    void bounds(Vec3& low, Vec3& high) const override { low = Vec3(-1, -Real(0.2) * d, -1), high = Vec3(1, 0, 1); }
+    TriangleMesh mesh(Real, Real) const override { return {}; }
+};
+
+CoupledWorld falling_blob(bool free_slip) {
+    std::vector<Vec3> x;
+    for (const Vec3& p : blue_noise_cylinder(3 * d, 6 * d, d)) x.push_back(p + Vec3(0, 2 * d, 0));
+    CoupledWorld w(x, d, Real(0.5));
+    Solid plate;
+    plate.shape = std::make_shared<Floor>();
+    plate.free_slip = free_slip;
+    w.world.solids.all.push_back(plate);
+    w.world.step.gravity = Vec3(Real(free_slip ? 2 : 0), Real(-9.81), 0);
+    for (Vec3& u : w.velocity()) u = Vec3(0, Real(-0.3), 0);
+    return w;
+}
+
+}  // namespace
+
+TEST_CASE("a blob that falls on a plate thinner than a step's path sticks to it", "[models][coupled]") {
+    CoupledWorld w = falling_blob(false);
+    for (int k = 0; k < 40; ++k) w.step(Real(0.006));  // 0.9 d a step on touching
+    int stuck = 0;
+    Real lowest = 1;
+    for (std::size_t i = 0; i < w.position().size(); ++i) {
+        stuck += w.role()[i] == 1;
+        lowest = std::min(lowest, w.position()[i][1]);
+        if (w.role()[i] == 1) CHECK(w.velocity()[i].norm() == 0);
+    }
+    CHECK(stuck > 5);
+    CHECK(lowest > Real(0.29) * d);
+}
+
+TEST_CASE("on a plate that slips a blob slides freely and does not sink in", "[models][coupled]") {
+    CoupledWorld w = falling_blob(true);
+    double time = 0;
+    for (int k = 0; k < 60; ++k, time += 0.004) w.step(Real(0.004));
+    double sideways = 0;
+    Real lowest = 1;
+    for (std::size_t i = 0; i < w.position().size(); ++i) {
+        sideways += w.velocity()[i][0];
+        lowest = std::min(lowest, w.position()[i][1]);
+        CHECK(w.role()[i] == 0);
+    }
+    // 2 m/s^2 along the plate and nothing against it.
+    CHECK(sideways / double(w.position().size()) == Approx(2 * time).epsilon(0.01));
+    CHECK(lowest > Real(0.25) * d);
+}
+
+TEST_CASE("the coupled solve gives the same bits for 1, 2 and 4 threads", "[models][coupled]") {
+    const int before = threads();
+    std::vector<Vec3> reference;
+    for (const int count : {1, 2, 4}) {
+        set_threads(count);
+        CoupledWorld w(blue_noise_cylinder(Real(3.5) * d, 24 * d, d), d, 1);
+        for (std::size_t i = 0; i < w.position().size(); ++i) w.velocity()[i] = Vec3(0, w.position()[i][1] * 5, w.position()[i][0]);
+        for (int k = 0; k < 5; ++k) w.step(Real(2e-3));
+        const std::vector<Vec3> x(w.position().begin(), w.position().end());
+        if (count == 1) reference = x;
+        else CHECK(x == reference);
+    }
+    set_threads(before);
+}
