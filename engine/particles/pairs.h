@@ -34,6 +34,36 @@ public:
             f(j, r, std::sqrt(r.squaredNorm()));
         }
     }
+
+    /// Up to 64 neighbours at a time with their distances side by side: a loop over `count` vectorises where a call a neighbour does not.
+    struct Group {
+        static constexpr Index most = 64;
+        Index count;
+        const Index* other;
+        Real r[3][most];  ///< components of x_i - x_j, m
+        Real distance[most];
+    };
+    /// Calls f(group) until all neighbours of i have been in one.
+    template <class F>
+    void groups_of(Index i, F&& f) const {
+        const Vec3 xi = x_own[static_cast<std::size_t>(i)];
+        const std::size_t end = first[static_cast<std::size_t>(i) + 1];
+        Group group;
+        for (std::size_t k = first[static_cast<std::size_t>(i)]; k < end; k += Group::most) {
+            group.count = static_cast<Index>(std::min<std::size_t>(Group::most, end - k));
+            group.other = other.data() + k;
+            for (Index l = 0; l < group.count; ++l) {
+                const Vec3& xj = x_other[static_cast<std::size_t>(group.other[l])];
+                for (int a = 0; a < 3; ++a) group.r[a][l] = xi[a] - xj[a];
+            }
+            for (int a = 0; a < 3; ++a)
+                if (period[a] > 0)
+                    for (Index l = 0; l < group.count; ++l) group.r[a][l] -= period[a] * std::nearbyint(group.r[a][l] / period[a]);
+            for (Index l = 0; l < group.count; ++l)
+                group.distance[l] = std::sqrt(group.r[0][l] * group.r[0][l] + group.r[1][l] * group.r[1][l] + group.r[2][l] * group.r[2][l]);
+            f(static_cast<const Group&>(group));
+        }
+    }
 };
 
 /// Neighbours among the fluid, and the solid neighbours of the fluid: two types, so that a stage's signature tells them apart.

@@ -14,10 +14,10 @@
 namespace whorl {
 namespace {
 
-/// Candidates are tested in groups; the packed columns are padded by one.
+/// Candidates are tested in groups; the packed columns are padded by two.
 constexpr Index lanes = 16;
 /// Edge of a cell over the support, along x (runs of cells are contiguous) and across. Measured: tools/bench/particles.cpp.
-constexpr double edge_along = 0.25, edge_across = 2.0 / 3;
+constexpr double edge_along = 0.5, edge_across = 1;
 
 bool is_finite(const Vec3& x) { return std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2]); }
 
@@ -33,7 +33,7 @@ struct Test {
 #if defined(__AVX512F__) && !defined(WHORL_DOUBLE)
 template <bool periodic>
 Index* append_near(const Test& test, const Real* const p[3], const Index* index, Index begin, Index end, Index* out) {
-    for (Index k = begin; k < end; k += lanes) {
+    const auto group = [&](Index k) {
         __m512 d[3];
         for (int a = 0; a < 3; ++a) {
             d[a] = _mm512_sub_ps(_mm512_set1_ps(test.x[a]), _mm512_loadu_ps(p[a] + k));
@@ -44,11 +44,15 @@ Index* append_near(const Test& test, const Real* const p[3], const Index* index,
         }
         const __m512 r2 = _mm512_fmadd_ps(d[0], d[0], _mm512_fmadd_ps(d[1], d[1], _mm512_mul_ps(d[2], d[2])));
         const __m512i j = _mm512_loadu_si512(index + k);
-        const __mmask16 valid = static_cast<__mmask16>(end - k >= lanes ? 0xffff : (1u << (end - k)) - 1);
+        const __mmask16 valid = static_cast<__mmask16>((1u << std::clamp(end - k, 0, lanes)) - 1);
         const __mmask16 other = _mm512_mask_cmpneq_epi32_mask(valid, j, _mm512_set1_epi32(test.self));
         const __mmask16 near = _mm512_mask_cmp_ps_mask(other, r2, _mm512_set1_ps(test.support2), _CMP_LT_OQ);
         _mm512_storeu_si512(out, _mm512_maskz_compress_epi32(near, j));
         out += std::popcount(static_cast<unsigned>(near));
+    };
+    for (Index k = begin; k < end; k += 2 * lanes) {  // two at a time: a run's length is then rarely a surprise to the branch predictor
+        group(k);
+        group(k + lanes);
     }
     return out;
 }
@@ -176,8 +180,8 @@ void NeighbourSearch::fill_bins(Span<const Vec3> x, const Domain& domain) {
     for (std::size_t k = 0; k < n; ++k)
         if (bin_of_[k] >= 0) ++start_[static_cast<std::size_t>(bin_of_[k]) + 2];
     for (std::size_t b = 2; b < bins + 2; ++b) start_[b] += start_[b - 1];
-    for (auto& column : packed_) column.resize(n + lanes, 0);
-    packed_index_.resize(n + lanes, 0);
+    for (auto& column : packed_) column.resize(n + 2 * lanes, 0);
+    packed_index_.resize(n + 2 * lanes, 0);
     for (std::size_t k = 0; k < n; ++k) {
         if (bin_of_[k] < 0) continue;
         const std::size_t place = static_cast<std::size_t>(start_[static_cast<std::size_t>(bin_of_[k]) + 1]++);

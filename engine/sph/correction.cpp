@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <limits>
 
 #include "engine/core/parallel.h"
 
@@ -31,14 +32,20 @@ void sum_correction(const Pairs& pairs, KernelKind kernel, Real support, Span<co
         parallel_for(pairs.size(), [&](Index i) {
             // grad W_ij (x_j - x_i)^T = -W'/|r| r r^T: symmetric, six sums.
             Real xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
-            pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-                const Real w = distance > 0 ? -V[static_cast<std::size_t>(j)] * W.derivative(distance) / distance : 0;
-                xx += w * r[0] * r[0];
-                xy += w * r[0] * r[1];
-                xz += w * r[0] * r[2];
-                yy += w * r[1] * r[1];
-                yz += w * r[1] * r[2];
-                zz += w * r[2] * r[2];
+            pairs.groups_of(i, [&](const Pairs::Group& group) {
+                Real volume[Pairs::Group::most];
+                for (Index l = 0; l < group.count; ++l) volume[l] = V[static_cast<std::size_t>(group.other[l])];
+                for (Index l = 0; l < group.count; ++l) {
+                    const Real x = group.r[0][l], y = group.r[1][l], z = group.r[2][l], distance = group.distance[l];
+                    // Two at the same place: r = 0, and the product with any finite w is.
+                    const Real w = -volume[l] * W.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
+                    xx += w * x * x;
+                    xy += w * x * y;
+                    xz += w * x * z;
+                    yy += w * y * y;
+                    yz += w * y * z;
+                    zz += w * z * z;
+                }
             });
             Mat3d M;
             M << xx, xy, xz, xy, yy, yz, xz, yz, zz;

@@ -3,6 +3,21 @@
 #include "engine/core/parallel.h"
 
 namespace whorl {
+namespace {
+
+/// sum_j W_ij
+template <class Kernel>
+Real sum_over_row(const Pairs& pairs, Index i, const Kernel& W) {
+    Real sum = 0;
+    pairs.groups_of(i, [&](const Pairs::Group& group) {
+        Real value[Pairs::Group::most];
+        for (Index l = 0; l < group.count; ++l) value[l] = W.value(group.distance[l]);
+        for (Index l = 0; l < group.count; ++l) sum += value[l];
+    });
+    return sum;
+}
+
+}  // namespace
 
 void sum_density(const FluidPairs& fluid, const SolidPairs& solids, Span<const Real> solid_volume, Real solid_factor, const StepContext& step,
                  Span<Real> density) {
@@ -10,8 +25,7 @@ void sum_density(const FluidPairs& fluid, const SolidPairs& solids, Span<const R
         const Real m = step.mass, own = m * W.value(0);
         const bool any_solids = solids.size() == fluid.size() && !solids.other.empty();
         parallel_for(fluid.size(), [&](Index i) {
-            Real sum = 0;
-            fluid.of(i, [&](Index, const Vec3&, Real distance) { sum += W.value(distance); });
+            const Real sum = sum_over_row(fluid, i, W);
             Real wall = 0;
             if (any_solids)
                 solids.of(i, [&](Index s, const Vec3&, Real distance) { wall += solid_volume[static_cast<std::size_t>(s)] * W.value(distance); });
@@ -23,9 +37,7 @@ void sum_density(const FluidPairs& fluid, const SolidPairs& solids, Span<const R
 void sum_number_density(const Pairs& pairs, const StepContext& step, Span<Real> number_density) {
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(pairs.size(), [&](Index i) {
-            Real sum = W.value(0);
-            pairs.of(i, [&](Index, const Vec3&, Real distance) { sum += W.value(distance); });
-            number_density[static_cast<std::size_t>(i)] = sum;
+            number_density[static_cast<std::size_t>(i)] = W.value(0) + sum_over_row(pairs, i, W);
         });
     });
 }
