@@ -129,13 +129,13 @@ void NeighbourSearch::choose_axes(Span<const Vec3> x, Real support, const Domain
             WHORL_ASSERT(length >= 2 * double(support) * (1 - 1e-5),
                          + std::string("axis of ") + std::to_string(length) + " m, support " + std::to_string(support) + " m");
             axis.origin = domain.min[a];
-            cells[a] = std::floor(length / edge);
+            cells[a] = std::min(std::floor(length / edge), most_cells);
             axis.edge = length / cells[a];
             axis.wraps = true;
         } else {
             const bool any = box.min[a] <= box.max[a];
             axis.origin = any ? box.min[a] : 0;
-            cells[a] = any ? std::floor((box.max[a] - box.min[a]) / edge) + 1 : 1;
+            cells[a] = any ? std::min(std::floor((box.max[a] - box.min[a]) / edge) + 1, most_cells) : 1;
             axis.edge = edge;
             axis.wraps = false;
         }

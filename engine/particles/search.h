@@ -1,5 +1,8 @@
 #pragma once
 /// Neighbour search: fills the rows of Pairs.
+#include <algorithm>
+#include <cmath>
+
 #include "engine/particles/pairs.h"
 
 namespace whorl {
@@ -21,11 +24,13 @@ public:
     std::size_t capacity_bytes() const;
 
 private:
+    static constexpr double most_cells = 1e15;
     struct Axis {
         double origin = 0, inverse_edge = 0, edge = 0;
         int bins = 1;
         bool wraps = false;  ///< cells share bins modulo `bins`: the axis is periodic, or too long
-        double cell(double x) const { return std::floor((x - origin) * inverse_edge); }
+        /// Limited to what a double counts exactly; beyond it the neighbours' positions are too coarse for neighbours anyway.
+        double cell(double x) const { return std::clamp(std::floor((x - origin) * inverse_edge), -most_cells, most_cells); }
         int bin(double cell) const;
     };
     struct Reach;
