@@ -172,9 +172,15 @@ void PoissonPressure::find_closed() {
         queue.assign(1, i);
         reached[at(i)] = 1;
         spread();
-        Closed component{queue, true};
-        for (Index k : queue)
-            if (matrix_.pin[at(k)] > Real(1e-6) * matrix_.diagonal[at(k)]) component.singular = false;
+        // What little alpha a full box has comes from uneven neighbours: it would turn the right-hand side's mean into a huge uniform pressure.
+        double pins = 0, diagonals = 0;
+        for (Index k : queue) pins += matrix_.pin[at(k)], diagonals += matrix_.diagonal[at(k)];
+        Closed component{queue, pins < 0.01 * diagonals};
+        if (component.singular)
+            for (Index k : queue) {
+                matrix_.diagonal[at(k)] = std::max(matrix_.diagonal[at(k)] - matrix_.pin[at(k)], smallest);
+                matrix_.pin[at(k)] = 0;
+            }
         closed_.push_back(std::move(component));
     }
 }

@@ -65,7 +65,7 @@ private:
     /// A connected component of unknowns that touches no surface particle.
     struct Closed {
         std::vector<Index> members;
-        bool singular = false;  ///< no alpha either: p is defined up to a constant
+        bool singular = false;  ///< next to no alpha either: p is defined up to a constant
     };
 
     template <class Kernel>
