@@ -25,6 +25,20 @@ Real continued_lattice_factor(KernelKind kind, Real support, Real spacing) {
     });
 }
 
+Real lattice_second_moment(KernelKind kind, Real support, Real spacing) {
+    return with_kernel(kind, support, [&](const auto& kernel) {
+        const int reach = static_cast<int>(std::ceil(support / spacing));
+        double sum = 0;
+        for (int a = -reach; a <= reach; ++a)
+            for (int b = -reach; b <= reach; ++b)
+                for (int c = -reach; c <= reach; ++c) {
+                    const Real r = spacing * std::sqrt(static_cast<Real>(a * a + b * b + c * c));
+                    sum -= static_cast<double>(kernel.derivative(r)) * r;
+                }
+        return static_cast<Real>(sum * spacing * spacing * spacing);
+    });
+}
+
 std::vector<char> slips(const Solids& solids) {
     std::vector<char> free(solids.all.size());
     for (std::size_t k = 0; k < free.size(); ++k) free[k] = solids.all[k].free_slip;

@@ -14,6 +14,9 @@ namespace whorl {
 /// @param support, spacing [m]
 Real continued_lattice_factor(KernelKind kernel, Real support, Real spacing);
 
+/// sum_j V |W'(r_ij)| r_ij over a cubic lattice: 3 for dense neighbours.
+Real lattice_second_moment(KernelKind kernel, Real support, Real spacing);
+
 /// The velocity of a solid as a neighbour of fluid particle i at a wall that the fluid sticks to. The particles stand half a spacing inside the
 /// solid; for u to vanish relative to the wall on the solid's surface, not there, the shear is continued behind the surface:
 ///   u_i - u_s  becomes  stretch (u_i - u_wall),   stretch = 1 + d_s/d_i,
