@@ -1,0 +1,149 @@
+#include "engine/scene/plan.h"
+
+#include <catch2/catch.hpp>
+
+#include "engine/scene/read.h"
+
+using namespace whorl;
+
+namespace {
+
+/// Honey poured onto a plate.
+const std::string honey = R"toml([time]
+end = 4
+[domain]
+min = [-0.1, -0.01, -0.1]
+max = [0.1, 0.1, 0.1]
+[fluid]
+spacing = 2e-3
+viscosity = 1000
+[[emitter]]
+position = [0, 0.08, 0]
+radius = 5e-3
+speed = 0.25
+[[solid]]
+shape = "plane"
+)toml";
+
+Scene scene_with(const std::vector<std::string>& changes, const std::string& text = honey) {
+    ReadRequest request;
+    for (const std::string& c : changes) request.changes.push_back(parse_change(c));
+    return read_scene_text(text, "honey.toml", request);
+}
+Plan plan_with(const std::vector<std::string>& changes) { return make_plan(scene_with(changes)); }
+
+std::string messages_with(const std::vector<std::string>& changes) {
+    try {
+        plan_with(changes);
+    } catch (const InputError& e) {
+        return e.what();
+    }
+    return "no error";
+}
+
+const Choice& choice(const Plan& plan, const std::string& key) {
+    for (const Choice& c : plan.choices)
+        if (c.key == key) return c;
+    FAIL("no choice of " + key);
+    return plan.choices.front();
+}
+
+}  // namespace
+
+TEST_CASE("thick honey with a free surface is solved with its pressure, and the reason has the viscous number", "[plan]") {
+    const Plan plan = plan_with({});
+    CHECK(plan.pressure == PressureModel::coupled);
+    CHECK(plan.viscosity == ViscosityModel::none);
+    CHECK(plan.boundary == BoundaryModel::none);
+    CHECK(plan.shifting == ShiftingModel::fickian);
+    CHECK(plan.kernel == KernelKind::wendland_c2);
+    CHECK(plan.support == Approx(6e-3));
+    CHECK(choice(plan, "models.pressure").automatic);
+    CHECK(choice(plan, "models.pressure").reason.find("nu dt/d^2 = ") != std::string::npos);
+    // pi (5 mm)^2 0.25 m/s 4 s / (2 mm)^3
+    CHECK(plan.estimated_particles == Approx(9817).epsilon(0.01));
+    // fall from 0.08 m to the domain's floor at -0.01 m
+    CHECK(plan.expected_speed == Approx(std::sqrt(0.25 * 0.25 + 2 * 9.81 * 0.09)));
+    CHECK(plan.warnings.empty());
+}
+
+TEST_CASE("what the user chose stays, also the kernel and its support", "[plan]") {
+    const Plan plan = plan_with({"fluid.kernel=cubic", "fluid.support=2.5"});
+    CHECK(plan.kernel == KernelKind::cubic);
+    CHECK(plan.support == Approx(5e-3));
+    CHECK_FALSE(choice(plan, "fluid.support").automatic);
+}
+
+TEST_CASE("water takes the pressure equation and explicit viscosity, a dry fluid none", "[plan]") {
+    const Plan water = plan_with({"fluid.viscosity=0.001"});
+    CHECK(water.pressure == PressureModel::ppe);
+    CHECK(water.viscosity == ViscosityModel::explicit_laplacian);
+    CHECK(water.boundary == BoundaryModel::ppe);
+    CHECK(water.shifting == ShiftingModel::none);
+    CHECK(water.support == Approx(4e-3));
+    CHECK(plan_with({"fluid.viscosity=0"}).viscosity == ViscosityModel::none);
+}
+
+TEST_CASE("thick fluid without a free surface, or with another pressure, gets the full implicit viscosity", "[plan]") {
+    const std::vector<std::string> closed = {"domain.periodic=[true,true,true]", "domain.gravity=[0,0,0]"};
+    CHECK(plan_with(closed).pressure == PressureModel::ppe);
+    CHECK(plan_with(closed).viscosity == ViscosityModel::full);
+    CHECK(plan_with({"models.pressure=ppe"}).viscosity == ViscosityModel::full);
+}
+
+TEST_CASE("weakly compressible sound is ten times the expected speed, and solids act by their volumes", "[plan]") {
+    const Plan plan = plan_with({"models.pressure=wcsph", "fluid.viscosity=0.1"});
+    CHECK(plan.boundary == BoundaryModel::akinci);
+    CHECK(plan.sound_speed == Approx(10 * plan.expected_speed));
+    CHECK(plan_with({"models.pressure=wcsph", "fluid.viscosity=0.1", "pressure.sound_speed=20"}).sound_speed == 20);
+}
+
+TEST_CASE("viscosity that varies in space counts with its largest value", "[plan]") {
+    CHECK(plan_with({"fluid.viscosity=y > 0.07 ? 5 : 1"}).largest_viscosity == 5);
+}
+
+TEST_CASE("few particles across the opening are a warning", "[plan]") {
+    const Plan plan = plan_with({"fluid.spacing=4e-3"});
+    REQUIRE(plan.warnings.size() == 1);
+    CHECK(plan.warnings[0] == "only 2.5 particles across emitter[0]: details there are lost, take a smaller fluid.spacing");
+}
+
+TEST_CASE("impossible scenes are told with place and hint", "[plan]") {
+    const std::string domain = "; the domain goes from (-0.1, -0.01, -0.1) to (0.1, 0.1, 0.1)";
+    CHECK(messages_with({"emitter[0].position=[0,0.2,0]"}) ==
+          "--set emitter[0].position=[0,0.2,0]: emitter[0] at (0, 0.2, 0) lies outside of the domain" + domain);
+    CHECK(messages_with({"emitter[0].position=[0,-0.005,0]"}) ==
+          "--set emitter[0].position=[0,-0.005,0]: emitter[0] at (0, -0.005, 0) lies 0.005 m inside solid[0]; move one of them");
+    CHECK(messages_with({"fluid.spacing=0.02"}) ==
+          "--set fluid.spacing=0.02: fluid.spacing = 0.02 m is larger than emitter[0], which is 0.01 m across; 0.002 m puts 5 particles across it");
+    CHECK(messages_with({"emitter[0].speed=0.1-t"}).find("emitter[0].speed is -0.0") != std::string::npos);
+    CHECK(messages_with({"block[0]={shape=\"box\", min=[0.2,0,0], max=[0.3,0.1,0.1]}"}).find("block[0] lies outside of the domain") != std::string::npos);
+    CHECK(messages_with({"block[0]={shape=\"box\", min=[0.05,0,0], max=[0.15,0.1,0.1]}"}).find("block[0] reaches out of the domain") != std::string::npos);
+    CHECK(messages_with({"block[0]={shape=\"box\", min=[0,-0.01,0], max=[0.1,-0.001,0.1]}"}).find("block[0] lies wholly inside solids; move it or the solid") !=
+          std::string::npos);
+    CHECK(messages_with({"solid[1]={shape=\"sphere\", radius=0.01, position=[1,0,0]}"}).find("solid[1] lies outside of the domain and never enters it") !=
+          std::string::npos);
+    CHECK(messages_with({"probe[0]={name=\"a\", kind=\"point\", at=[0,9,0]}"}).find("probe[0] measures outside of the domain") != std::string::npos);
+    CHECK(messages_with({"domain.periodic=[true,false,false]", "domain.min=[-0.004,-0.01,-0.1]", "domain.max=[0.004,0.1,0.1]"})
+              .find("the periodic axis x is 0.008 m long, shorter than two support radii of 0.006 m") != std::string::npos);
+    CHECK(messages_with({"fluid.spacing=1e-8"}).find("particles need") != std::string::npos);
+}
+
+TEST_CASE("models that do not go together, or that this version does not have, are told", "[plan]") {
+    CHECK(messages_with({"models.micropolar=eringen"}) ==
+          "--set models.micropolar=eringen: models.micropolar = \"eringen\" is not available in this version; allowed: none");
+    CHECK(messages_with({"models.pressure=ppe", "pressure.preconditioner=multigrid"}) ==
+          "--set pressure.preconditioner=multigrid: pressure.preconditioner = \"multigrid\" is not available in this version; take \"jacobi\"; "
+          "allowed: none or jacobi");
+    CHECK(messages_with({"models.pressure=coupled", "models.viscosity=full"}) ==
+          "--set models.viscosity=full: models.pressure = \"coupled\" solves for the viscosity itself; leave models.viscosity = \"full\" out, or choose "
+          "another pressure; allowed: auto or none");
+    CHECK(messages_with({"models.boundary=akinci"}).find("does not go with models.pressure = \"coupled\"") != std::string::npos);
+    CHECK(messages_with({"models.viscosity=pairwise", "models.pressure=ppe"}).find("not available in this version") != std::string::npos);
+    CHECK(messages_with({"fluid.surface_tension=0.07"}).find("surface tension is not available in this version") != std::string::npos);
+}
+
+TEST_CASE("all that is impossible is told in one go", "[plan]") {
+    const std::string all = messages_with({"emitter[0].position=[0,0.2,0]", "models.micropolar=seed", "fluid.spacing=0.02"});
+    CHECK(std::count(all.begin(), all.end(), '\n') == 2);
+}

@@ -1,0 +1,138 @@
+#include <array>
+#include <catch2/catch.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "engine/scene/read.h"
+#include "tools/options.h"
+#include "tools/sections.h"
+
+using namespace whorl;
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Outcome {
+    int code;
+    std::string text;  ///< standard output and error together
+};
+
+/// Runs the built program in a folder.
+Outcome whorl_in(const fs::path& folder, const std::string& arguments) {
+    const std::string line = "cd '" + folder.string() + "' && '" WHORL_PROGRAM "' " + arguments + " 2>&1";
+    std::FILE* pipe = popen(line.c_str(), "r");
+    std::string text;
+    std::array<char, 4096> buffer;
+    for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) text.append(buffer.data(), n);
+    const int status = pclose(pipe);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text};
+}
+
+fs::path empty_folder(const std::string& name) {
+    const fs::path folder = fs::temp_directory_path() / ("whorl_program_" + name + "_" + std::to_string(getpid()));
+    fs::remove_all(folder);
+    fs::create_directories(folder);
+    return folder;
+}
+
+void write(const fs::path& file, const std::string& text) { std::ofstream(file) << text; }
+
+}  // namespace
+
+TEST_CASE("the program tells its version, and its help has examples", "[tools]") {
+    const Outcome version = whorl_in(".", "--version");
+    CHECK(version.code == 0);
+    CHECK(version.text.rfind("whorl 0.", 0) == 0);
+    const Outcome help = whorl_in(".", "--help");
+    CHECK(help.code == 0);
+    CHECK(help.text.find("Examples:\n  whorl render honey_coil") != std::string::npos);
+}
+
+TEST_CASE("a mistyped command line ends with 2 and the nearest word", "[tools]") {
+    CHECK(whorl_in(".", "").code == 2);
+    const Outcome command = whorl_in(".", "shema");
+    CHECK(command.code == 2);
+    CHECK(command.text == "whorl: unknown subcommand \"shema\"; did you mean \"schema\"?; see whorl --help\n");
+    const Outcome option = whorl_in(".", "schema --markdwn");
+    CHECK(option.code == 2);
+    CHECK(option.text == "whorl schema: unexpected argument \"--markdwn\"; did you mean \"--markdown\"?; see whorl schema --help\n");
+}
+
+TEST_CASE("the schema that the program prints is JSON and has the sections of the picture too", "[tools]") {
+    const Outcome schema = whorl_in(".", "schema");
+    CHECK(schema.code == 0);
+    const nlohmann::json json = nlohmann::json::parse(schema.text);
+    for (const char* name : {"time", "fluid", "block", "surface", "camera", "look", "output", "quality"})
+        CHECK(json.at("properties").contains(name));
+    CHECK(json["properties"]["camera"]["properties"]["key"]["type"] == "array");
+}
+
+TEST_CASE("the reference page in the repository is what the program prints", "[tools]") {
+    std::ifstream file(WHORL_SOURCE_DIR "/docs/scene_keys.md");
+    std::ostringstream page;
+    page << file.rdbuf();
+    INFO("write it again: whorl schema --markdown > docs/scene_keys.md");
+    CHECK(page.str() == markdown_reference(known_sections()));
+}
+
+TEST_CASE("the options of the command line change the scene and show up in the resolved one", "[tools]") {
+    const fs::path folder = empty_folder("options");
+    write(folder / "s.toml",
+          "[time]\nend = 1\n[fluid]\nspacing = 0.01\n[[block]]\nshape = \"box\"\nmin = [0,0,0]\nmax = [0.1,0.1,0.1]\n"
+          "[look]\nbackground = \"dark\"\n[camera]\nkind = \"keys\"\n[[camera.key]]\ntime = 0\nposition = [0, 0.1, 1]\n[[camera.key]]\ntime = 1\n"
+          "position = [1, 0.1, 0]\nfov = 20\n[quality.draft]\nfluid.spacing = 0.02\nlook.exposure = 2\n");
+    Options o;
+    o.scene = (folder / "s.toml").string();
+    o.quality = "draft";
+    o.until = 0.5;
+    o.size = "640x360";
+    o.fps = 12;
+    o.seed = 5;
+    o.no_video = true;
+    o.exports = {"points", "vdb"};
+    o.set = {"camera.key[1].fov=25"};
+    const SceneFile file = read_scene_file(o);
+    CHECK(file.scene.time.end == 0.5);
+    CHECK(file.scene.output.size == std::array<int, 2>{640, 360});
+    CHECK(file.scene.time.fps == 12);
+    CHECK(file.scene.seed == 5);
+    CHECK_FALSE(file.scene.output.video);
+    CHECK(file.scene.output.frames);
+    CHECK(file.scene.output.exports == std::vector<std::string>{"points", "vdb"});
+    CHECK(file.scene.fluid.spacing == 0.02);
+    CHECK(file.look.exposure == 2);
+    CHECK(file.look.samples == 1);
+    CHECK(file.camera.keys.at(1).fov == 25);
+
+    write(folder / "resolved.toml", resolved_toml(file));
+    const SceneFile again = read_scene_file(folder / "resolved.toml");
+    CHECK(resolved_toml(again) == resolved_toml(file));
+    CHECK(again.camera.keys.at(0).position == file.camera.keys.at(0).position);
+    fs::remove_all(folder);
+}
+
+TEST_CASE("an option that makes no sense is told as the user typed it", "[tools]") {
+    const fs::path folder = empty_folder("bad_options");
+    write(folder / "s.toml", "[time]\nend = 1\n[fluid]\nspacing = 0.01\n[[block]]\nshape = \"box\"\nmin = [0,0,0]\nmax = [0.1,0.1,0.1]\n");
+    Options o;
+    o.scene = (folder / "s.toml").string();
+    o.size = "640";
+    CHECK_THROWS_WITH(read_scene_file(o), "--size 640: a size is width x height in pixels; allowed: as in 1280x720");
+    o.size = "641x360";
+    CHECK_THROWS_WITH(read_scene_file(o), "--size 641x360: output.size has the odd number 641; video needs even sizes");
+    o.size = "";
+    o.quality = "drft";
+    CHECK_THROWS_WITH(read_scene_file(o), "--quality drft: no such quality; did you mean \"draft\"?; allowed: draft, standard or fine");
+    o.quality = "standard";
+    o.exports = {"mehs"};
+    CHECK_THROWS_WITH(read_scene_file(o), "--export mehs: output.export[0] = \"mehs\" is not known; did you mean \"mesh\"?; allowed: points, mesh, vdb");
+    o.exports = {};
+    o.until = -1;
+    CHECK_THROWS_WITH(read_scene_file(o), "--until -1.0: time.end = -1 is out of range; allowed: more than 0");
+    fs::remove_all(folder);
+}
