@@ -55,6 +55,7 @@ int main(int argc, char** argv) {
     program.require_subcommand(1);
 
     whorl::Job chosen;
+    whorl::add_plan(program, chosen);
     whorl::add_schema(program, chosen);
     whorl::add_doctor(program, chosen);
     try {

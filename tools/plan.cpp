@@ -1,0 +1,137 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "engine/sim/simulation.h"
+#include "tools/command.h"
+#include "tools/options.h"
+
+namespace whorl {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// The scene as it would begin, and what its first step would obey.
+struct Preview {
+    const Plan& plan;
+    const Assembly& assembly;
+    const World& world;
+};
+
+std::size_t bytes_a_particle(const World& world) {
+    std::size_t bytes = 0;
+    for (const ParticleStore::Entry* e : world.fluid.entries()) bytes += e->info->bytes;
+    return bytes;
+}
+
+const char* name_of(Access access) { return access == Access::read ? "reads" : access == Access::write ? "writes" : "updates"; }
+
+/// What a limit says of the scene at its start [s]; infinite where it does not bind.
+double at_start(const StepLimit& limit, const World& world) {
+    const double dt = limit.dt(world);
+    return dt > 0 ? dt : std::numeric_limits<double>::infinity();
+}
+
+const StepLimit* binding(const Preview& p) {
+    const StepLimit* least = nullptr;
+    for (const StepLimit& limit : p.assembly.limits)
+        if (!least || at_start(limit, p.world) < at_start(*least, p.world)) least = &limit;
+    return least;
+}
+
+void print_text(const SceneFile& file, const Preview& p) {
+    fmt::print("{}: {:g} s, a frame every {:.4g} s\n\nmodels\n", file.scene.name, file.scene.time.end, file.scene.time.frame_interval());
+    for (const Choice& c : p.plan.choices) fmt::print("  {:<22} {:<12} {}{}\n", c.key, c.value, c.automatic ? "auto: " : "", c.reason);
+
+    fmt::print("\nfields, {} bytes a particle\n", bytes_a_particle(p.world));
+    for (const ParticleStore::Entry* e : p.world.fluid.entries())
+        fmt::print("  {:<22} {:>3} B  {:<8} {}{}\n", e->info->name, e->info->bytes, e->lasting ? "lasting" : "scratch", e->info->meaning,
+                   e->info->unit.empty() ? "" : fmt::format(" [{}]", e->info->unit));
+
+    fmt::print("\nstages of a step, in order\n");
+    for (const Stage& stage : p.assembly.stages) {
+        fmt::print("  {:<22}", stage.name);
+        for (const Access access : {Access::read, Access::update, Access::write}) {
+            std::string names;
+            for (const FieldAccess& a : stage.accesses)
+                if (a.access == access) names += (names.empty() ? " " : ", ") + std::string(a.field->name);
+            if (!names.empty()) fmt::print(" {}{};", name_of(access), names);
+        }
+        fmt::print("\n");
+    }
+
+    fmt::print("\nlimits of the time step, at the start\n");
+    const StepLimit* least = binding(p);
+    for (const StepLimit& limit : p.assembly.limits) {
+        const double dt = at_start(limit, p.world);
+        fmt::print("  {:<22} {:<12} {}{}\n", limit.name, std::isfinite(dt) ? fmt::format("{:.3g} s", dt) : "-", limit.formula,
+                   &limit == least ? "   <- binds" : "");
+    }
+    fmt::print("\nparticles                {} at the start, about {:.0f} at the end; fastest expected {:.3g} m/s\n", p.world.fluid.size(),
+               p.plan.estimated_particles, p.plan.expected_speed);
+    for (const std::string& warning : p.plan.warnings) fmt::print("warning: {}\n", warning);
+}
+
+void print_json(const SceneFile& file, const Preview& p) {
+    Json choices = Json::array(), fields = Json::array(), stages = Json::array(), limits = Json::array();
+    for (const Choice& c : p.plan.choices)
+        choices.push_back({{"key", c.key}, {"value", c.value}, {"automatic", c.automatic}, {"reason", c.reason}});
+    for (const ParticleStore::Entry* e : p.world.fluid.entries())
+        fields.push_back({{"name", e->info->name},
+                          {"bytes", e->info->bytes},
+                          {"lasting", e->lasting},
+                          {"unit", e->info->unit},
+                          {"meaning", e->info->meaning}});
+    for (const Stage& stage : p.assembly.stages) {
+        Json accesses = Json::object();
+        for (const FieldAccess& a : stage.accesses) accesses[name_of(a.access)].push_back(a.field->name);
+        stages.push_back({{"name", stage.name}, {"group", stage.group}, {"fields", accesses}});
+    }
+    const StepLimit* least = binding(p);
+    for (const StepLimit& limit : p.assembly.limits) {
+        const double dt = at_start(limit, p.world);
+        limits.push_back({{"name", limit.name}, {"formula", limit.formula}, {"step", std::isfinite(dt) ? Json(dt) : Json()}, {"binds", &limit == least}});
+    }
+    const Json all = {{"scene", file.scene.name},
+                      {"end", file.scene.time.end},
+                      {"frame_interval", file.scene.time.frame_interval()},
+                      {"models", choices},
+                      {"fields", fields},
+                      {"bytes_a_particle", bytes_a_particle(p.world)},
+                      {"stages", stages},
+                      {"limits", limits},
+                      {"particles_at_start", p.world.fluid.size()},
+                      {"expected_particles", p.plan.estimated_particles},
+                      {"expected_speed", p.plan.expected_speed},
+                      {"warnings", p.plan.warnings}};
+    fmt::print("{}\n", all.dump(2));
+}
+
+int preview(const Options& options) {
+    const SceneFile file = read_scene_file(options);
+    const Plan plan = make_plan(file.scene);
+    const Simulation simulation(file.scene, plan);
+    const Preview p{plan, simulation.assembly(), simulation.world()};
+    options.json ? print_json(file, p) : print_text(file, p);
+    return exit_done;
+}
+
+}  // namespace
+
+void add_plan(CLI::App& program, Job& chosen) {
+    const auto options = std::make_shared<Options>();
+    CLI::App* app = program.add_subcommand("plan", "what would be modelled, why, and what it costs; runs and writes nothing");
+    using O = Option;
+    add_options(*app, *options, {O::scene, O::set, O::until, O::fps, O::quality, O::seed, O::json});
+    app->footer(
+        "Examples:\n"
+        "  whorl plan honey_coil\n"
+        "  whorl plan honey_coil --set fluid.viscosity=0.001        what changes when honey becomes water\n");
+    app->callback([options, &chosen] { chosen = [options] { return preview(*options); }; });
+}
+
+}  // namespace whorl
