@@ -136,3 +136,42 @@ TEST_CASE("an option that makes no sense is told as the user typed it", "[tools]
     CHECK_THROWS_WITH(read_scene_file(o), "--until -1.0: time.end = -1 is out of range; allowed: more than 0");
     fs::remove_all(folder);
 }
+
+TEST_CASE("bad input ends with 2, tells every mistake, and writes nothing", "[tools]") {
+    const fs::path folder = empty_folder("bad_input");
+    write(folder / "s.toml", "[time]\nend = \"x\"\n[fluid]\nspacng = 0.01\n");
+    const Outcome bad = whorl_in(folder, "plan s.toml --set look.stile=opaque");
+    CHECK(bad.code == 2);
+    CHECK(bad.text ==
+          "s.toml: the scene has no fluid; add a [[block]] or an [[emitter]]\n"
+          "s.toml:2:7: time.end must be a number [s], not the text \"x\"\n"
+          "s.toml:3:1: fluid.spacing is missing; initial distance between particles [m]; allowed: more than 0\n"
+          "s.toml:4:1: unknown key \"spacng\" in [fluid]; did you mean \"spacing\"?; allowed: spacing, density, viscosity, surface_tension, kernel, "
+          "support\n"
+          "--set look.stile=opaque: unknown key \"stile\" in [look]; did you mean \"style\"?; allowed: style, material, absorption, colour, refraction, "
+          "roughness, background, ground, exposure, samples, field, colour_map, range, legend\n");
+    CHECK(whorl_in(folder, "plan no_such.toml").code == 2);
+    CHECK(std::distance(fs::directory_iterator(folder), fs::directory_iterator()) == 1);
+    fs::remove_all(folder);
+}
+
+TEST_CASE("a plan tells models with reasons, fields, stages in order and the limit of the step that binds", "[tools]") {
+    const fs::path folder = empty_folder("plan");
+    write(folder / "s.toml",
+          "[time]\nend = 1\n[fluid]\nspacing = 0.02\nviscosity = 0.1\n[[block]]\nshape = \"box\"\nmin = [0,0,0]\nmax = [0.1,0.1,0.1]\n");
+    const Outcome plan = whorl_in(folder, "plan s.toml --json");
+    REQUIRE(plan.code == 0);
+    const nlohmann::json json = nlohmann::json::parse(plan.text);
+    CHECK(json.at("particles_at_start") == 125);
+    CHECK(json.at("expected_particles") == Approx(125));
+    CHECK(json.at("models").at(0).at("key") == "models.pressure");
+    CHECK(json.at("models").at(0).at("reason").get<std::string>().find("viscous number") != std::string::npos);
+    CHECK(json.at("stages").size() >= 5);
+    CHECK(json.at("bytes_a_particle").get<int>() >= 30);
+    int binding = 0;
+    for (const auto& limit : json.at("limits")) binding += limit.at("binds").get<bool>();
+    CHECK(binding == 1);
+    CHECK(whorl_in(folder, "plan s.toml").text.find("stages of a step, in order") != std::string::npos);
+    CHECK(std::distance(fs::directory_iterator(folder), fs::directory_iterator()) == 1);
+    fs::remove_all(folder);
+}
