@@ -11,9 +11,9 @@ namespace whorl {
 
 struct SurfaceOptions {
     double voxel = 0.5;     ///< edge of a voxel over the spacing
-    double radius = 2.75;   ///< kernel radius over the spacing
-    double iso = 0.6;       ///< the colour field's value on the surface (0.5: the middle of the interface; 1: the inside)
-    int smoothing = 1;      ///< passes of smoothing on the mesh (or field)
+    double radius = 2.25;   ///< kernel radius over the spacing
+    double iso = 0.615;     ///< the colour field's value on the surface, near 1 inside; 0.615: unbiased (render/surface/colour_field.h)
+    int smoothing = 1;      ///< rounds of smoothing on the mesh that keep its volume; 0: none
     bool distance = true;   ///< make the distance volume (refraction needs it)
 };
 

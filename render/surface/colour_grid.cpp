@@ -1,0 +1,117 @@
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <mutex>
+#include <unordered_map>
+
+#include "render/surface/colour_grid_tree.h"
+#include "render/surface/loops.h"
+
+namespace whorl {
+namespace {
+
+constexpr int edge = ColourBlock::edge;
+
+// Makes the blocks of all nodes that particles reach, and one node more: so a surface never runs along a missing block. Particles come sorted
+// along rows; what a bunch of them reaches together is asked for once.
+void touch_blocks(const ColourField& field, float voxel, openvdb::FloatTree& tree) {
+    const ParticleRows& p = field.particles();
+    const float reach = field.reach() + voxel, block = voxel * edge;
+    openvdb::tree::ValueAccessor<openvdb::FloatTree> accessor(tree);
+    for (Index begin = 0; begin < p.size();) {
+        Vec3f low(p.x[begin], p.y[begin], p.z[begin]), high = low;
+        Index end = begin + 1;
+        for (; end < p.size(); ++end) {
+            const Vec3f next(p.x[end], p.y[end], p.z[end]);
+            const Vec3f lower = low.cwiseMin(next), upper = high.cwiseMax(next);
+            if ((upper - lower).maxCoeff() > field.reach()) break;
+            low = lower;
+            high = upper;
+        }
+        const Eigen::Vector3i first = ((low.array() - reach) / block).floor().cast<int>(), last = ((high.array() + reach) / block).floor().cast<int>();
+        for (int a = first.x(); a <= last.x(); ++a)
+            for (int b = first.y(); b <= last.y(); ++b)
+                for (int c = first.z(); c <= last.z(); ++c) accessor.touchLeaf({a * edge, b * edge, c * edge});
+        begin = end;
+    }
+}
+
+// c at the block's nodes: each particle in turn adds its bump to the nodes that it reaches, row by row along z (8 nodes, one vector).
+void fill(const LocalField& local, float voxel, ColourBlock& block) {
+    alignas(64) float colour[edge * edge * edge] = {};
+    const float inverse_R2 = voxel * voxel / (local.reach * local.reach), r = local.reach / voxel;
+    for (std::size_t n = 0; n < local.x.size(); ++n) {
+        const float px = local.x[n] / voxel - static_cast<float>(block.origin[0]), py = local.y[n] / voxel - static_cast<float>(block.origin[1]),
+                    pz = local.z[n] / voxel - static_cast<float>(block.origin[2]);
+        const int i0 = std::max(0, static_cast<int>(std::ceil(px - r))), i1 = std::min(edge - 1, static_cast<int>(std::floor(px + r)));
+        const int j0 = std::max(0, static_cast<int>(std::ceil(py - r))), j1 = std::min(edge - 1, static_cast<int>(std::floor(py + r)));
+        alignas(32) float z2[edge];
+        for (int k = 0; k < edge; ++k) z2[k] = inverse_R2 * (static_cast<float>(k) - pz) * (static_cast<float>(k) - pz);
+        const float height = local.height[n];
+        for (int i = i0; i <= i1; ++i)
+            for (int j = j0; j <= j1; ++j) {
+                const float dx = static_cast<float>(i) - px, dy = static_cast<float>(j) - py, rest = 1 - inverse_R2 * (dx * dx + dy * dy);
+                if (rest <= 0) continue;
+                float* row = colour + (i * edge + j) * edge;
+                for (int k = 0; k < edge; ++k) {
+                    const float t = std::max(0.0f, rest - z2[k]);
+                    row[k] += height * t * t * t;
+                }
+            }
+    }
+    std::copy(std::begin(colour), std::end(colour), block.value);
+    block.least = *std::min_element(std::begin(colour), std::end(colour));
+    block.most = *std::max_element(std::begin(colour), std::end(colour));
+}
+
+std::int64_t key(int a, int b, int c) {
+    constexpr std::int64_t offset = 1 << 20;  // blocks: a million each way
+    return ((a + offset) << 42) | ((b + offset) << 21) | (c + offset);
+}
+
+}  // namespace
+
+void prepare_openvdb() {
+    static std::once_flag once;
+    std::call_once(once, [] { openvdb::initialize(); });
+    // The control holds while it lives; the newest count wins, the smallest of those alive.
+    static std::mutex mutex;
+    static std::unique_ptr<tbb::global_control> control;
+    static int count = 0;
+    const std::lock_guard lock(mutex);
+    if (count != threads()) {
+        control.reset();
+        control = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads()));
+        count = threads();
+    }
+}
+
+ColourGrid::ColourGrid(const ColourField& field, float voxel) : voxel_(voxel), tree_(std::make_unique<Tree>()) {
+    prepare_openvdb();
+    touch_blocks(field, voxel, tree_->floats);
+    std::unordered_map<std::int64_t, Index> index;
+    blocks_.reserve(tree_->floats.leafCount());
+    for (auto leaf = tree_->floats.beginLeaf(); leaf; ++leaf) {
+        const openvdb::Coord& o = leaf->origin();
+        index.emplace(key(o.x() / edge, o.y() / edge, o.z() / edge), static_cast<Index>(blocks_.size()));
+        ColourBlock block;
+        block.origin = {o.x(), o.y(), o.z()};
+        block.value = leaf->buffer().data();
+        blocks_.push_back(block);
+    }
+    parallel_tasks(static_cast<Index>(blocks_.size()), [&](Index b) {
+        ColourBlock& block = blocks_[b];
+        for (int n = 0; n < 8; ++n) {
+            const auto found = index.find(key(block.origin[0] / edge + (n >> 2), block.origin[1] / edge + (n >> 1 & 1), block.origin[2] / edge + (n & 1)));
+            block.ahead[n] = found == index.end() ? -1 : found->second;
+        }
+        thread_local LocalField local;
+        const Vec3f low = voxel * Vec3f(static_cast<float>(block.origin[0]), static_cast<float>(block.origin[1]), static_cast<float>(block.origin[2]));
+        local.gather(field, low, low.array() + voxel * (edge - 1));
+        fill(local, voxel, block);
+    });
+}
+
+ColourGrid::~ColourGrid() = default;
+
+}  // namespace whorl

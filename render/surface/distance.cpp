@@ -1,0 +1,174 @@
+#include "render/surface/distance.h"
+
+#include <cmath>
+#include <limits>
+
+#include "render/surface/loops.h"
+
+namespace whorl {
+namespace {
+
+constexpr double most_voxels = 16e6;
+
+// The point of triangle abc closest to p (Ericson, Real-Time Collision Detection, 5.1.5).
+Vec3f closest_point(const Vec3f& p, const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+    const Vec3f ab = b - a, ac = c - a, ap = p - a;
+    const float d1 = ab.dot(ap), d2 = ac.dot(ap);
+    if (d1 <= 0 && d2 <= 0) return a;
+    const Vec3f bp = p - b;
+    const float d3 = ab.dot(bp), d4 = ac.dot(bp);
+    if (d3 >= 0 && d4 <= d3) return b;
+    const float vc = d1 * d4 - d3 * d2;
+    if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + d1 / (d1 - d3) * ab;
+    const Vec3f cp = p - c;
+    const float d5 = ab.dot(cp), d6 = ac.dot(cp);
+    if (d6 >= 0 && d5 <= d6) return c;
+    const float vb = d5 * d2 - d1 * d6;
+    if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + d2 / (d2 - d6) * ac;
+    const float va = d3 * d6 - d5 * d4;
+    if (va <= 0 && d4 >= d3 && d5 >= d6) return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
+    const float sum = va + vb + vc;
+    return sum > 0 ? Vec3f(a + (vb * ab + vc * ac) / sum) : a;
+}
+
+// What a voxel knows of the surface.
+struct Closest {
+    Vec3f point = Vec3f::Constant(std::numeric_limits<float>::infinity());
+    float distance2 = std::numeric_limits<float>::infinity();
+};
+
+struct Extent {
+    Vec3f origin;
+    float voxel;
+    std::array<int, 3> size;
+    std::size_t count() const { return static_cast<std::size_t>(size[0]) * size[1] * size[2]; }
+    std::size_t index(int i, int j, int k) const { return (static_cast<std::size_t>(k) * size[1] + j) * size[0] + i; }
+    Vec3f at(int i, int j, int k) const { return origin + voxel * Vec3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k)); }
+};
+
+Extent extent_of(const TriangleMesh& mesh, float voxel) {
+    Vec3f low = mesh.position[0], high = low;
+    for (const Vec3f& p : mesh.position) low = low.cwiseMin(p), high = high.cwiseMax(p);
+    for (;; voxel *= 1.25f) {
+        Extent extent{Vec3f::Zero(), voxel, {}};
+        double count = 1;
+        for (int a = 0; a < 3; ++a) {
+            const double first = std::floor(low[a] / voxel) - 2, last = std::ceil(high[a] / voxel) + 2;
+            extent.origin[a] = voxel * static_cast<float>(first);
+            extent.size[a] = static_cast<int>(last - first) + 1;
+            count *= last - first + 1;
+        }
+        if (count <= most_voxels) return extent;
+    }
+}
+
+// Triangles by the slabs of voxels along z that they come near.
+class Slabs {
+public:
+    static constexpr int thickness = 4;
+    Slabs(const TriangleMesh& mesh, const Extent& extent, float margin) : begin_((extent.size[2] + thickness - 1) / thickness + 1, 0) {
+        const auto range = [&](std::size_t t) {
+            float low = std::numeric_limits<float>::max(), high = -low;
+            for (std::uint32_t v : mesh.triangle[t]) low = std::min(low, mesh.position[v].z()), high = std::max(high, mesh.position[v].z());
+            const int first = static_cast<int>((low - margin - extent.origin.z()) / extent.voxel) / thickness;
+            const int last = static_cast<int>((high + margin - extent.origin.z()) / extent.voxel) / thickness;
+            return std::pair(std::max(0, first), std::min(count() - 1, last));
+        };
+        for (std::size_t t = 0; t < mesh.triangle.size(); ++t)
+            for (auto [s, last] = range(t); s <= last; ++s) ++begin_[s + 1];
+        for (int s = 0; s < count(); ++s) begin_[s + 1] += begin_[s];
+        triangle_.resize(begin_.back());
+        std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
+        for (std::size_t t = 0; t < mesh.triangle.size(); ++t)
+            for (auto [s, last] = range(t); s <= last; ++s) triangle_[next[s]++] = static_cast<std::uint32_t>(t);
+    }
+    int count() const { return static_cast<int>(begin_.size()) - 1; }
+    Span<const std::uint32_t> triangles(int slab) const { return {triangle_.data() + begin_[slab], begin_[slab + 1] - begin_[slab]}; }
+
+private:
+    std::vector<std::size_t> begin_;
+    std::vector<std::uint32_t> triangle_;
+};
+
+// Exact closest points of all voxels within `margin` of the surface, and on which side of it they are. The nearest triangle decides; where
+// several share the nearest point (an edge, a corner), the one that faces the voxel most squarely does.
+void near_surface(const TriangleMesh& mesh, const Extent& e, float margin, std::vector<Closest>& closest, std::vector<std::int8_t>& side) {
+    const Slabs slabs(mesh, e, margin);
+    parallel_tasks(slabs.count(), [&](Index slab) {
+        const int k_begin = slab * Slabs::thickness, k_end = std::min(e.size[2], k_begin + Slabs::thickness);
+        std::vector<float> squareness(static_cast<std::size_t>(e.size[0]) * e.size[1] * Slabs::thickness, 0.0f);
+        for (std::uint32_t t : slabs.triangles(slab)) {
+            const Vec3f &a = mesh.position[mesh.triangle[t][0]], &b = mesh.position[mesh.triangle[t][1]], &c = mesh.position[mesh.triangle[t][2]];
+            const Vec3f area = (b - a).cross(c - a);
+            const float doubled = area.norm();
+            if (doubled <= 0) continue;
+            const Vec3f normal = area / doubled;
+            const Vec3f low = (a.cwiseMin(b).cwiseMin(c).array() - margin - e.origin.array()) / e.voxel,
+                        high = (a.cwiseMax(b).cwiseMax(c).array() + margin - e.origin.array()) / e.voxel;
+            const int i0 = std::max(0, static_cast<int>(std::ceil(low.x()))), i1 = std::min(e.size[0] - 1, static_cast<int>(high.x()));
+            const int j0 = std::max(0, static_cast<int>(std::ceil(low.y()))), j1 = std::min(e.size[1] - 1, static_cast<int>(high.y()));
+            const int k0 = std::max(k_begin, static_cast<int>(std::ceil(low.z()))), k1 = std::min(k_end - 1, static_cast<int>(high.z()));
+            for (int k = k0; k <= k1; ++k)
+                for (int j = j0; j <= j1; ++j)
+                    for (int i = i0; i <= i1; ++i) {
+                        const Vec3f p = e.at(i, j, k);
+                        const float above = normal.dot(p - a);
+                        if (std::abs(above) > margin) continue;
+                        const Vec3f q = closest_point(p, a, b, c);
+                        const float distance2 = (p - q).squaredNorm();
+                        Closest& best = closest[e.index(i, j, k)];
+                        float& square = squareness[(static_cast<std::size_t>(k - k_begin) * e.size[1] + j) * e.size[0] + i];
+                        const float tie = 1e-5f * e.voxel * e.voxel;
+                        if (distance2 > best.distance2 + tie) continue;
+                        const bool nearer = distance2 < best.distance2 - tie;
+                        if (nearer || std::abs(above) > square) {
+                            square = std::abs(above);
+                            side[e.index(i, j, k)] = above < 0 ? -1 : 1;
+                        }
+                        if (distance2 < best.distance2) best = {q, distance2};
+                    }
+        }
+    });
+}
+
+// Hands closest points and sides on along lines of one axis, forwards and backwards.
+void sweep(const Extent& e, int axis, std::vector<Closest>& closest, std::vector<std::int8_t>& side) {
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3, n = e.size[axis];
+    const std::array<std::size_t, 3> stride{1, static_cast<std::size_t>(e.size[0]), static_cast<std::size_t>(e.size[0]) * e.size[1]};
+    parallel_each(static_cast<Index>(e.size[u]) * e.size[v], [&](Index line) {
+        std::array<int, 3> at{};
+        at[u] = line % e.size[u];
+        at[v] = line / e.size[u];
+        const std::size_t start = e.index(at[0], at[1], at[2]);
+        for (int direction : {1, -1})
+            for (int s = 1; s < n; ++s) {
+                at[axis] = direction > 0 ? s : n - 1 - s;
+                const std::size_t here = start + at[axis] * stride[axis], before = direction > 0 ? here - stride[axis] : here + stride[axis];
+                if (closest[before].distance2 == std::numeric_limits<float>::infinity()) continue;
+                if (side[here] == 0) side[here] = side[before];
+                const float distance2 = (e.at(at[0], at[1], at[2]) - closest[before].point).squaredNorm();
+                if (distance2 < closest[here].distance2) closest[here] = {closest[before].point, distance2};
+            }
+    });
+}
+
+}  // namespace
+
+Volume distance_volume(const TriangleMesh& mesh, float voxel, int band) {
+    if (mesh.triangle.empty()) return {};
+    const Extent e = extent_of(mesh, voxel);
+    std::vector<Closest> closest(e.count());
+    std::vector<std::int8_t> side(e.count(), 0);
+    // Each cell that the surface crosses has all its corners within sqrt(3) voxels of it: sides never leak through.
+    near_surface(mesh, e, 1.75f * e.voxel, closest, side);
+    for (int axis : {0, 1, 2, 0, 1, 2}) sweep(e, axis, closest, side);
+
+    Volume volume{e.origin, e.voxel, e.size[0], e.size[1], e.size[2], std::vector<float>(e.count())};
+    const float limit = static_cast<float>(band) * e.voxel;
+    parallel_each(static_cast<Index>(e.count()), [&](Index n) {
+        volume.value[n] = (side[n] < 0 ? -1.0f : 1.0f) * std::min(limit, std::sqrt(closest[n].distance2));
+    });
+    return volume;
+}
+
+}  // namespace whorl

@@ -1,0 +1,59 @@
+#include "render/surface/particle_rows.h"
+
+#include <cmath>
+#include <limits>
+
+#include "render/surface/loops.h"
+
+namespace whorl {
+
+ParticleRows::ParticleRows(Span<const Vec3f> position, float width) : width_(width) {
+    std::vector<Index> finite;
+    finite.reserve(position.size());
+    Vec3f low = Vec3f::Constant(std::numeric_limits<float>::max()), high = -low;
+    for (std::size_t i = 0; i < position.size(); ++i)
+        if (position[i].allFinite()) {
+            finite.push_back(static_cast<Index>(i));
+            low = low.cwiseMin(position[i]);
+            high = high.cwiseMax(position[i]);
+        }
+    if (finite.empty()) return;
+
+    // A stray particle far away must not ask for more rows than there is memory: wider rows are slower, never wrong.
+    origin_ = low;
+    const auto rows_along = [&](int axis) { return std::floor(static_cast<double>(high[axis] - low[axis]) / width_) + 1; };
+    while (rows_along(1) * rows_along(2) > 1e7) width_ *= 2;
+    ny_ = static_cast<int>(rows_along(1));
+    nz_ = static_cast<int>(rows_along(2));
+
+    const std::size_t rows = static_cast<std::size_t>(ny_) * nz_;
+    std::vector<Index> row(finite.size());
+    row_begin_.assign(rows + 1, 0);
+    for (std::size_t n = 0; n < finite.size(); ++n) {
+        const Vec3f& p = position[finite[n]];
+        row[n] = std::min(row_of(p.z(), low.z()), nz_ - 1) * ny_ + std::min(row_of(p.y(), low.y()), ny_ - 1);
+        ++row_begin_[row[n] + 1];
+    }
+    for (std::size_t r = 0; r < rows; ++r) row_begin_[r + 1] += row_begin_[r];
+
+    original.resize(finite.size());
+    std::vector<Index> next(row_begin_.begin(), row_begin_.end() - 1);
+    for (std::size_t n = 0; n < finite.size(); ++n) original[next[row[n]]++] = finite[n];
+    parallel_tasks(static_cast<Index>(rows), [&](Index r) {
+        std::sort(original.begin() + row_begin_[r], original.begin() + row_begin_[r + 1], [&](Index a, Index b) {
+            return position[a].x() != position[b].x() ? position[a].x() < position[b].x() : a < b;
+        });
+    });
+
+    x.resize(finite.size());
+    y.resize(finite.size());
+    z.resize(finite.size());
+    parallel_each(size(), [&](Index i) {
+        const Vec3f& p = position[original[i]];
+        x[i] = p.x();
+        y[i] = p.y();
+        z[i] = p.z();
+    });
+}
+
+}  // namespace whorl
