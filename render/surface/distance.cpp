@@ -131,25 +131,30 @@ void near_surface(const TriangleMesh& mesh, const Extent& e, float margin, std::
     });
 }
 
-// Hands closest points and sides on along lines of one axis, forwards and backwards.
-void sweep(const Extent& e, int axis, std::vector<Closest>& closest, std::vector<std::int8_t>& side) {
+// Hands closest points and sides on from plane to plane along one axis, forwards and backwards; each voxel beyond the exact margin asks the
+// nine voxels next to it in the plane before. Six such sweeps reach every voxel along a path that hardly leaves the straight one.
+void sweep(const Extent& e, int axis, float margin, float limit, std::vector<Closest>& closest, std::vector<std::int8_t>& side) {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3, n = e.size[axis];
     const std::array<std::size_t, 3> stride{1, static_cast<std::size_t>(e.size[0]), static_cast<std::size_t>(e.size[0]) * e.size[1]};
-    parallel_each(static_cast<Index>(e.size[u]) * e.size[v], [&](Index line) {
-        std::array<int, 3> at{};
-        at[u] = line % e.size[u];
-        at[v] = line / e.size[u];
-        const std::size_t start = e.index(at[0], at[1], at[2]);
-        for (int direction : {1, -1})
-            for (int s = 1; s < n; ++s) {
+    for (int direction : {1, -1})
+        for (int s = 1; s < n; ++s)
+            parallel_each(static_cast<Index>(e.size[u]) * e.size[v], [&](Index m) {
+                std::array<int, 3> at{};
                 at[axis] = direction > 0 ? s : n - 1 - s;
-                const std::size_t here = start + at[axis] * stride[axis], before = direction > 0 ? here - stride[axis] : here + stride[axis];
-                if (closest[before].distance2 == std::numeric_limits<float>::infinity()) continue;
+                at[u] = m % e.size[u];
+                at[v] = m / e.size[u];
+                const std::size_t here = e.index(at[0], at[1], at[2]), before = direction > 0 ? here - stride[axis] : here + stride[axis];
                 if (side[here] == 0) side[here] = side[before];
-                const float distance2 = (e.at(at[0], at[1], at[2]) - closest[before].point).squaredNorm();
-                if (distance2 < closest[here].distance2) closest[here] = {closest[before].point, distance2};
-            }
-    });
+                Closest& best = closest[here];
+                if (best.distance2 <= margin * margin || !(closest[before].distance2 < limit * limit)) return;
+                const Vec3f x = e.at(at[0], at[1], at[2]);
+                for (int dv = at[v] > 0 ? -1 : 0; dv <= (at[v] + 1 < e.size[v] ? 1 : 0); ++dv)
+                    for (int du = at[u] > 0 ? -1 : 0; du <= (at[u] + 1 < e.size[u] ? 1 : 0); ++du) {
+                        const Closest& other = closest[before + du * stride[u] + dv * stride[v]];
+                        const float distance2 = (x - other.point).squaredNorm();
+                        if (distance2 < best.distance2) best = {other.point, distance2};
+                    }
+            });
 }
 
 }  // namespace
@@ -160,11 +165,11 @@ Volume distance_volume(const TriangleMesh& mesh, float voxel, int band) {
     std::vector<Closest> closest(e.count());
     std::vector<std::int8_t> side(e.count(), 0);
     // Each cell that the surface crosses has all its corners within sqrt(3) voxels of it: sides never leak through.
-    near_surface(mesh, e, 1.75f * e.voxel, closest, side);
-    for (int axis : {0, 1, 2, 0, 1, 2}) sweep(e, axis, closest, side);
+    const float margin = 1.75f * e.voxel, limit = static_cast<float>(band) * e.voxel;
+    near_surface(mesh, e, margin, closest, side);
+    for (int axis : {0, 1, 2}) sweep(e, axis, margin, limit + 2 * e.voxel, closest, side);
 
     Volume volume{e.origin, e.voxel, e.size[0], e.size[1], e.size[2], std::vector<float>(e.count())};
-    const float limit = static_cast<float>(band) * e.voxel;
     parallel_each(static_cast<Index>(e.count()), [&](Index n) {
         volume.value[n] = (side[n] < 0 ? -1.0f : 1.0f) * std::min(limit, std::sqrt(closest[n].distance2));
     });
