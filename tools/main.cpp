@@ -56,6 +56,7 @@ int main(int argc, char** argv) {
 
     whorl::Job chosen;
     whorl::add_plan(program, chosen);
+    whorl::add_video(program, chosen);
     whorl::add_schema(program, chosen);
     whorl::add_doctor(program, chosen);
     try {

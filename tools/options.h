@@ -52,6 +52,8 @@ struct SceneFile {
 SceneFile read_scene_file(const Options& options);
 /// Reads a resolved scene back (resume, video).
 SceneFile read_scene_file(const std::filesystem::path& file, const std::vector<std::string>& set = {});
+/// The same from its text, as a checkpoint keeps it. @param file stands for it in messages
+SceneFile read_resolved(const std::string& text, const std::string& file);
 /// scene.resolved.toml: every value used. Reading it back gives the same scene.
 std::string resolved_toml(const SceneFile& file);
 

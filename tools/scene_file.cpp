@@ -108,6 +108,14 @@ SceneFile read_scene_file(const fs::path& path, const std::vector<std::string>& 
     return read(path, std::move(request));
 }
 
+SceneFile read_resolved(const std::string& text, const std::string& path) {
+    SceneFile file;
+    ReadRequest request;
+    request.sections = sections_of(file);
+    file.scene = read_scene_text(text, path, request);
+    return file;
+}
+
 std::string resolved_toml(const SceneFile& file) {
     SceneFile copy = file;
     return resolved_toml(copy.scene, sections_of(copy));

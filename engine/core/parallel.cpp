@@ -19,6 +19,8 @@ int threads() {
     return chosen;
 }
 
+void adopt_threads() { omp_set_num_threads(threads()); }
+
 void wait_passively(char** argv) {
     if (std::getenv("OMP_WAIT_POLICY") != nullptr || std::getenv("GOMP_SPINCOUNT") != nullptr) return;
     setenv("OMP_WAIT_POLICY", "passive", 1);

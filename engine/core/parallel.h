@@ -13,6 +13,9 @@ namespace whorl {
 void set_threads(int count);
 int threads();
 
+/// Call first in every thread that is not OpenMP's own: its parallel loops use the chosen number of threads too (OpenMP keeps it a thread).
+void adopt_threads();
+
 /// OpenMP threads that spin while they wait ruin shared machines, and libgomp reads its policy before main() starts.
 /// Call first thing in main(): restarts the program once with a passive policy where the user has set none.
 void wait_passively(char** argv);

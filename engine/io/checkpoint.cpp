@@ -84,7 +84,7 @@ struct Unpacker {
 /// Every member, in the order of the file.
 template <class Archive, class C>
 void each_member(Archive& a, C& c) {
-    a(c.build), a(c.scene), a(c.settings), a(c.frame), a(c.frames), a(c.wall), a(c.cpu), a(c.stages), a(c.resumed);
+    a(c.build), a(c.scene), a(c.frame), a(c.frames), a(c.wall), a(c.cpu), a(c.stages), a(c.resumed);
     a(c.table_bytes), a(c.probes), a(c.simulation);
 }
 
@@ -128,6 +128,8 @@ void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& che
     file.bytes += packed.bytes;
     std::filesystem::create_directories(folder / "checkpoints");
     write_text(folder / "checkpoints" / fmt::format("{:06}.whorl", checkpoint.frame), file.bytes, true);
+    for (const auto& entry : std::filesystem::directory_iterator(folder / "checkpoints"))
+        if (!entry.path().stem().extension().empty()) std::filesystem::remove(entry.path());  // half written when a run was killed
     const auto files = checkpoint_files(folder);
     for (std::size_t k = 2; k < files.size(); ++k) std::filesystem::remove(files[k]);
 }

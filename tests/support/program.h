@@ -1,0 +1,38 @@
+#pragma once
+/// The built program, run as a user runs it.
+#include <sys/types.h>
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace whorl::test {
+
+struct Outcome {
+    int code = 0;  ///< exit status; 128 + the signal's number where a signal ended it
+    std::string out, err;
+};
+
+class Program {
+public:
+    /// Starts whorl with these arguments (or another program, where its name is given).
+    explicit Program(const std::vector<std::string>& arguments, const std::string& program = WHORL_PROGRAM);
+    ~Program();
+    Program(const Program&) = delete;
+    Program& operator=(const Program&) = delete;
+
+    /// Waits until the condition holds. @return false where the program ends before, or after a minute
+    bool wait_until(const std::function<bool()>& condition);
+    void signal(int number) const;
+    Outcome wait();
+
+private:
+    pid_t pid_ = -1;
+    int out_ = -1, err_ = -1, status_ = 0;
+    bool ended_ = false;
+};
+
+inline Outcome whorl(const std::vector<std::string>& arguments) { return Program(arguments).wait(); }
+
+}  // namespace whorl::test

@@ -1,0 +1,334 @@
+#include "tools/run/run.h"
+
+#include <fmt/format.h>
+#include <spdlog/sinks/basic_file_sink.h>
+#include <spdlog/spdlog.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "engine/core/whole_file.h"
+#include "engine/io/columns.h"
+#include "engine/io/diagnostics.h"
+#include "engine/io/files.h"
+#include "engine/io/probes.h"
+#include "engine/io/snapshot.h"
+#include "render/video/encoder.h"
+#include "tools/command.h"
+#include "tools/run/film.h"
+#include "tools/run/interrupt.h"
+#include "tools/run/progress.h"
+#include "tools/run/report.h"
+#include "tools/run/run_folder.h"
+#include "tools/run/usage.h"
+
+namespace whorl {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A probe and the table that it fills.
+struct ProbeTable {
+    std::string name;
+    std::unique_ptr<Probe> probe;
+    Table table;
+};
+
+FilmOptions film_options(const RunRequest& request, int frames_before) {
+    const Scene& scene = request.file.scene;
+    FilmOptions options;
+    options.folder = request.folder;
+    options.images = scene.output.frames;
+    if (scene.output.frames && scene.output.video) options.video = request.folder / (scene.name + ".mp4");
+    options.exports = scene.output.exports;
+    options.width = scene.output.size[0];
+    options.height = scene.output.size[1];
+    options.fps = scene.time.fps;
+    options.frames_before = frames_before;
+    options.surface = request.file.surface;
+    options.camera = request.file.camera;
+    options.look = request.file.look;
+    return options;
+}
+
+/// What a frame needs besides positions and velocities.
+std::vector<std::string> snapshot_fields(const SceneFile& file, const World& world) {
+    const auto& exports = file.scene.output.exports;
+    if (std::find(exports.begin(), exports.end(), "points") != exports.end()) return live_fields(world.fluid);
+    return {file.look.field};
+}
+
+class Run {
+public:
+    Run(const RunRequest& request, const Plan& plan);
+    int go();
+
+private:
+    void make_folders();
+    void open_tables();
+    void resume();
+    std::unique_ptr<Table> open_table(const std::string& name, const std::string& header) const;
+
+    void land(int frame);
+    bool step_to(int frame);
+    std::shared_ptr<Checkpoint> state_at(int frame) const;
+    std::optional<Divergence> loop();
+    void save_newest();
+    void write_report(const std::string& status, const std::string& message);
+    int conclude(const std::string& status, const std::string& message);
+
+    double wall() const { return earlier_wall_ + wall_seconds() - began_; }
+    double cpu() const { return earlier_cpu_ + cpu_seconds() + children_cpu_seconds(); }
+    StageTimes stages() const;
+
+    const RunRequest& request_;
+    const Scene& scene_;
+    double began_ = wall_seconds(), earlier_wall_ = 0, earlier_cpu_ = 0;
+    StageTimes earlier_stages_;
+    int resumed_ = 0;
+    int first_ = 1, last_ = 1;  ///< frames that this part of the run makes
+    Simulation simulation_;     ///< places fluid and solids: may throw InputError, so the folder comes after it
+    RunFolder folder_;
+    std::shared_ptr<spdlog::logger> log_;
+    std::string scene_text_;
+    std::unique_ptr<Table> diagnostics_;
+    std::vector<ProbeTable> probes_;
+    std::optional<Snapshots> snapshots_;
+    RunTotals totals_at_row_;
+    double saved_at_ = wall_seconds();
+    InterruptGuard interrupt_;
+    std::optional<Progress> progress_;
+    std::optional<Film> film_;
+};
+
+Run::Run(const RunRequest& request, const Plan& plan)
+    : request_(request), scene_(request.file.scene), simulation_(scene_, plan),
+      folder_(request.from ? RunFolder::existing(request.folder) : RunFolder::fresh(request.folder)), scene_text_(resolved_toml(request.file)) {
+    last_ = request.frames.value_or(frame_count(scene_));
+    make_folders();
+    if (request.from) resume();
+    open_tables();
+    snapshots_.emplace(simulation_, snapshot_fields(request.file, simulation_.world()));
+    totals_at_row_ = simulation_.totals();
+    log_->info("whorl {}, {}: frames {} to {}", build_id(), scene_.name, first_, last_);
+    for (const Choice& c : plan.choices) log_->info("{} = {}{}: {}", c.key, c.value, c.automatic ? " (auto)" : "", c.reason);
+    for (const std::string& warning : plan.warnings) log_->warn("{}", warning);
+    progress_.emplace(first_, last_, request.quiet, request.json);
+    for (const std::string& warning : plan.warnings) progress_->say("warning: " + warning);
+    film_.emplace(film_options(request, first_ - 1));
+    write_report("running", "");
+}
+
+void Run::make_folders() {
+    const auto& exports = scene_.output.exports;
+    std::vector<std::string> names(exports.begin(), exports.end());
+    if (scene_.output.frames) names.emplace_back("frames");
+    if (!scene_.probes.empty()) names.emplace_back("probes");
+    for (const std::string& name : names) fs::create_directories(folder_.path() / name);
+    write_text(folder_.path() / "scene.resolved.toml", scene_text_);
+    spdlog::drop("run");
+    log_ = spdlog::basic_logger_mt("run", (folder_.path() / "log.txt").string());
+    log_->flush_on(spdlog::level::info);
+}
+
+void Run::resume() {
+    const Checkpoint& from = *request_.from;
+    std::istringstream state(from.simulation);
+    simulation_.load(state);
+    first_ = from.frame + 1;
+    earlier_wall_ = from.wall, earlier_cpu_ = from.cpu, earlier_stages_ = from.stages, resumed_ = from.resumed + 1;
+}
+
+std::unique_ptr<Table> Run::open_table(const std::string& name, const std::string& header) const {
+    if (request_.from)
+        if (const auto found = request_.from->table_bytes.find(name); found != request_.from->table_bytes.end())
+            return std::make_unique<Table>(folder_.path() / name, found->second);
+    return std::make_unique<Table>(folder_.path() / name, std::string_view(header));
+}
+
+void Run::open_tables() {
+    diagnostics_ = open_table("diagnostics.csv", diagnostics_header());
+    for (const ProbeKeys& keys : scene_.probes) {
+        std::unique_ptr<Probe> probe = make_probe(keys, simulation_.world());
+        if (request_.from)
+            if (const auto found = request_.from->probes.find(keys.name); found != request_.from->probes.end()) {
+                std::istringstream state(found->second);
+                probe->load(state);
+            }
+        std::unique_ptr<Table> table = open_table("probes/" + keys.name + ".csv", probe->header());
+        probes_.push_back({keys.name, std::move(probe), std::move(*table)});
+    }
+}
+
+StageTimes Run::stages() const {
+    double simulation_cpu = 0;
+    for (const auto& [name, seconds] : cpu_by_thread_name())
+        if (name != "surface" && name != "draw" && name != "write") simulation_cpu += seconds;
+    StageTimes all = with_shared_cpu(simulation_.times(), simulation_cpu);
+    all.merge(film_->times());
+    for (const auto& [name, t] : earlier_stages_) {
+        StageTime& sum = all[name];
+        sum.wall += t.wall, sum.cpu += t.cpu, sum.calls += t.calls;
+    }
+    return all;
+}
+
+std::shared_ptr<Checkpoint> Run::state_at(int frame) const {
+    auto state = std::make_shared<Checkpoint>();
+    state->build = build_id();
+    state->scene = scene_text_;
+    state->frame = frame;
+    state->frames = last_;
+    state->wall = wall(), state->cpu = cpu(), state->stages = stages(), state->resumed = resumed_;
+    state->table_bytes["diagnostics.csv"] = diagnostics_->bytes();
+    for (const ProbeTable& p : probes_) {
+        state->table_bytes["probes/" + p.name + ".csv"] = p.table.bytes();
+        std::ostringstream memory;
+        p.probe->save(memory);
+        state->probes[p.name] = std::move(memory).str();
+    }
+    std::ostringstream particles;
+    simulation_.save(particles);
+    state->simulation = std::move(particles).str();
+    return state;
+}
+
+/// The frame's row, its lines in the probes' tables, and its picture on the way.
+void Run::land(int frame) {
+    const double time = simulation_.time();
+    const RunTotals& totals = simulation_.totals();
+    const Measures measures = measure(simulation_.world(), scene_.domain.gravity(time), scene_.micropolar.micro_inertia);
+    diagnostics_->append(diagnostics_row(frame, time, measures, totals_at_row_, totals, wall(), cpu()));
+    for (ProbeTable& p : probes_) p.table.append(p.probe->rows(simulation_.world(), time));
+    const double steps = static_cast<double>(std::max(1L, totals.steps - totals_at_row_.steps));
+    const double iterations = (totals.pressure_iterations - totals_at_row_.pressure_iterations + totals.viscosity_iterations -
+                               totals_at_row_.viscosity_iterations) / steps;
+    totals_at_row_ = totals;
+
+    const bool due = frame == last_ || wall_seconds() - saved_at_ >= scene_.output.checkpoint_every;
+    film_->add(snapshots_->take(simulation_, frame), state_at(frame), due);
+    if (due) {
+        saved_at_ = wall_seconds();
+        write_report("running", "");
+    }
+    progress_->landed(simulation_, frame, iterations);
+}
+
+/// @return false where the run was interrupted or diverged on the way
+bool Run::step_to(int frame) {
+    const double until = frame_time(scene_, frame);
+    while (simulation_.time() < until) {
+        if (interrupt_.interrupted()) return false;
+        if (simulation_.step(until).diverged) return false;
+        for (ProbeTable& p : probes_) p.probe->after_step(simulation_.world(), simulation_.time());
+        progress_->step(simulation_, frame);
+    }
+    return true;
+}
+
+std::optional<Divergence> Run::loop() {
+    for (int frame = first_; frame <= last_; ++frame) {
+        if (!step_to(frame)) return simulation_.world().report.diverged;
+        land(frame);
+    }
+    return std::nullopt;
+}
+
+void Run::write_report(const std::string& status, const std::string& message) {
+    RunReport report;
+    report.status = status, report.message = message;
+    report.frames = std::max(first_ - 1, film_->frames_written());
+    report.frames_planned = last_;
+    report.wall = wall(), report.cpu = cpu(), report.resumed = resumed_;
+    report.first_picture = film_->first_picture() > 0 ? film_->first_picture() - began_ : 0;
+    report.gl_device = film_->device();
+    static const std::string encoder = encoder_version();
+    report.encoder = scene_.output.frames && scene_.output.video ? encoder : "";
+    report.stages = stages();
+    write_text(folder_.path() / "run.json", run_json(simulation_, report).dump(2) + "\n");
+}
+
+/// Twelve frames from the first to the last, evenly.
+void write_contact_sheet(const fs::path& folder, int frames) {
+    const int pictures = std::min(12, frames);
+    std::vector<Image> images;
+    for (int k = 0; k < pictures; ++k) {
+        const int frame = pictures > 1 ? 1 + static_cast<int>(std::lround(k * (frames - 1.0) / (pictures - 1))) : 1;
+        images.push_back(read_png(folder / "frames" / fmt::format("{:06}.png", frame)));
+    }
+    if (!images.empty()) write_png(folder / "contact.png", contact_sheet(images, 4, 480));
+}
+
+/// Saves the state of the newest frame whose row and picture are on disk.
+void Run::save_newest() {
+    if (const auto state = film_->newest_state()) write_checkpoint(folder_.path(), *state);
+}
+
+int Run::conclude(const std::string& status, const std::string& message) {
+    const int frames = std::max(first_ - 1, film_->frames_written());
+    if (scene_.output.frames) write_contact_sheet(folder_.path(), frames);
+    write_report(status, message);
+    log_->info("{} after {} frames, {} steps, {:.1f} s{}{}", status, frames, simulation_.totals().steps, wall(), message.empty() ? "" : ": ", message);
+    const std::string folder = folder_.path().string();
+    if (status == "done") {
+        const bool video = scene_.output.frames && scene_.output.video;
+        progress_->say(fmt::format("{} frames, {} in {}: {}", frames, status, duration(wall()), video ? folder + "/" + scene_.name + ".mp4" : folder));
+    }
+    if (request_.json) {
+        const nlohmann::ordered_json result{{"event", "result"},  {"status", status},
+                                            {"message", message}, {"folder", folder},
+                                            {"frames", frames},   {"time", simulation_.time()},
+                                            {"particles", simulation_.world().fluid.size()}, {"wall_seconds", wall()}};
+        std::printf("%s\n", result.dump().c_str());
+    }
+    progress_.reset();
+    if (status == "done") return exit_done;
+    std::fprintf(stderr, "whorl: %s\n", message.c_str());
+    return status == "interrupted" ? exit_interrupted : exit_failed;
+}
+
+int Run::go() try {
+    const auto diverged = loop();
+    if (diverged) {
+        film_->finish(true);
+        const Vec3d& x = diverged->place;
+        return conclude("diverged", fmt::format("the run diverged at {:.6g} s in stage \"{}\", field \"{}\", at ({:.4g}, {:.4g}, {:.4g}) m: {}; the "
+                                                "{} frames before it are in {}",
+                                                diverged->time, diverged->stage, diverged->field, x.x(), x.y(), x.z(), diverged->what,
+                                                film_->frames_written(), folder_.path().string()));
+    }
+    if (simulation_.time() < frame_time(scene_, last_)) {
+        progress_->say("interrupted: completing the frames on their way");
+        film_->finish(false);
+        save_newest();
+        return conclude("interrupted", fmt::format("interrupted after frame {} of {}; go on with: whorl resume {}",
+                                                   std::max(first_ - 1, film_->frames_written()), last_, folder_.path().string()));
+    }
+    film_->finish(true);
+    return conclude("done", "");
+} catch (const std::exception& error) {
+    log_->error("{}", error.what());
+    try {
+        save_newest();
+        write_report("failed", error.what());
+    } catch (const std::exception&) {  // the disk is full, most likely: what stands there stays
+    }
+    throw;
+}
+
+}  // namespace
+
+double frame_time(const Scene& scene, int frame) { return (frame - 1) * scene.time.frame_interval(); }
+
+int frame_count(const Scene& scene) {
+    // A hair more than the product, for ends that are a whole number of frames up to rounding.
+    return static_cast<int>(std::floor(scene.time.end / scene.time.frame_interval() * (1 + 1e-12) + 1e-9)) + 1;
+}
+
+int run_scene(const RunRequest& request) {
+    const Plan plan = make_plan(request.file.scene);
+    return Run(request, plan).go();
+}
+
+}  // namespace whorl
