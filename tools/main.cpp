@@ -55,7 +55,9 @@ int main(int argc, char** argv) {
     program.require_subcommand(1);
 
     whorl::Job chosen;
+    whorl::add_render(program, chosen);
     whorl::add_plan(program, chosen);
+    whorl::add_resume(program, chosen);
     whorl::add_video(program, chosen);
     whorl::add_schema(program, chosen);
     whorl::add_doctor(program, chosen);

@@ -1,0 +1,259 @@
+#include <signal.h>
+
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "engine/io/files.h"
+#include "render/image/image.h"
+#include "tests/support/program.h"
+#include "tests/support/scratch.h"
+
+using namespace whorl;
+using test::Outcome;
+using test::Program;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A short thread of honey and a lump of it, enough particles (> 512) that parallel loops do run in parallel.
+const char* const honey = R"(
+name = "little_honey"
+[time]
+end = 0.3
+fps = 40
+[domain]
+min = [-0.03, -0.01, -0.03]
+max = [0.03, 0.06, 0.03]
+[fluid]
+spacing = 2.5e-3
+viscosity = 200
+[models]
+pressure = "coupled"
+[[block]]
+shape = "box"
+min = [-0.013, 0.0, -0.013]
+max = [0.013, 0.025, 0.013]
+[[emitter]]
+shape = "disc"
+position = [0, 0.045, 0]
+radius = 4e-3
+speed = "0.3"
+[[solid]]
+shape = "plane"
+[[probe]]
+name = "pile"
+kind = "coil"
+[[probe]]
+name = "all"
+kind = "region"
+min = [-1, -1, -1]
+max = [1, 1, 1]
+)";
+
+struct Scratch : test::ScratchFolder {
+    explicit Scratch(const std::string& text = honey) { std::ofstream(*this / "scene.toml") << text; }
+    std::string scene() const { return (*this / "scene.toml").string(); }
+    std::string run(const std::string& name = "run") const { return (*this / name).string(); }
+};
+
+std::vector<std::string> lines(const fs::path& file) {
+    std::vector<std::string> all;
+    std::ifstream in(file);
+    for (std::string line; std::getline(in, line);) all.push_back(line);
+    return all;
+}
+
+/// Without the wall and CPU seconds at the end, which no two runs share.
+std::vector<std::string> reproducible(std::vector<std::string> rows) {
+    for (std::string& row : rows) row.resize(row.rfind(',', row.rfind(',') - 1));
+    return rows;
+}
+
+std::vector<fs::path> files_in(const fs::path& folder) {
+    std::vector<fs::path> all;
+    for (const auto& entry : fs::directory_iterator(folder)) all.push_back(entry.path());
+    std::sort(all.begin(), all.end());
+    return all;
+}
+
+void check_same_particles(const fs::path& a, const fs::path& b) {
+    const auto first = files_in(a / "points"), second = files_in(b / "points");
+    REQUIRE(first.size() == second.size());
+    REQUIRE_FALSE(first.empty());
+    for (std::size_t k = 0; k < first.size(); ++k) {
+        INFO(second[k]);
+        CHECK((read_whole(first[k]) == read_whole(second[k])));
+    }
+}
+
+nlohmann::json report(const fs::path& run) { return nlohmann::json::parse(read_whole(run / "run.json")); }
+
+}  // namespace
+
+TEST_CASE("a run writes a row a frame, its probes, its settings and what it used", "[tools][render]") {
+    const Scratch scratch;
+    const Outcome done = test::whorl({"render", scratch.scene(), "--no-images", "--until", "0.1", "--out", scratch.run(), "--json"});
+    INFO(done.err);
+    REQUIRE(done.code == 0);
+    const auto rows = lines(scratch / "run/diagnostics.csv");
+    REQUIRE(rows.size() == 1 + 5);  // the header; 0.1 s at 40 frames a second, both ends
+    CHECK(rows[1].substr(0, 4) == "1,0,");
+    CHECK(rows[5].substr(0, 6) == "5,0.1,");
+    CHECK(lines(scratch / "run/probes/pile.csv").size() == rows.size());
+    CHECK(lines(scratch / "run/probes/all.csv").size() == rows.size());
+    CHECK_FALSE(fs::exists(scratch / "run/frames"));
+    const auto run = report(scratch / "run");
+    CHECK(run["status"] == "done");
+    CHECK(run["frames"] == 5);
+    CHECK(run["particles"] > 512);
+    CHECK(run["peak_memory_bytes"] > 1000000);
+    CHECK(run["cpu_seconds"] > 0);
+    // The last line on standard output is the result.
+    const std::string last = done.out.substr(done.out.rfind('\n', done.out.size() - 2) + 1);
+    CHECK(nlohmann::json::parse(last)["event"] == "result");
+
+    const Outcome again = test::whorl({"render", scratch.run() + "/scene.resolved.toml", "--out", scratch.run("again"), "--quiet"});
+    INFO(again.err);
+    REQUIRE(again.code == 0);
+    CHECK(again.err.empty());
+    CHECK(reproducible(lines(scratch / "again/diagnostics.csv")) == reproducible(rows));
+}
+
+TEST_CASE("the same scene gives the same particles, bit for bit, with 1, 2 and 4 threads", "[tools][render]") {
+    const Scratch scratch;
+    for (const std::string threads : {"1", "2", "4"}) {
+        const Outcome done = test::whorl({"render", scratch.scene(), "--no-images", "--until", "0.1", "--export", "points", "--threads", threads,
+                                          "--out", scratch.run(threads), "--quiet"});
+        INFO(done.err);
+        REQUIRE(done.code == 0);
+    }
+    check_same_particles(scratch / "1", scratch / "2");
+    check_same_particles(scratch / "1", scratch / "4");
+    CHECK(reproducible(lines(scratch / "1/diagnostics.csv")) == reproducible(lines(scratch / "4/diagnostics.csv")));
+}
+
+TEST_CASE("an interrupted run says how to go on, and goes on to the same bits as one that never stopped", "[tools][resume]") {
+    const Scratch scratch;
+    const std::vector<std::string> arguments{"render", scratch.scene(), "--no-images", "--export", "points", "--quiet", "--out"};
+    const auto with = [&](const std::string& folder) {
+        auto all = arguments;
+        all.push_back(folder);
+        return all;
+    };
+    REQUIRE(test::whorl(with(scratch.run("whole"))).code == 0);
+
+    Program interrupted(with(scratch.run()));
+    REQUIRE(interrupted.wait_until([&] { return lines(scratch / "run/diagnostics.csv").size() > 4; }));
+    interrupted.signal(GENERATE(SIGINT, SIGTERM));
+    const Outcome stopped = interrupted.wait();
+    CHECK(stopped.code == 130);
+    CHECK(stopped.err.find("whorl resume " + scratch.run()) != std::string::npos);
+    CHECK(report(scratch / "run")["status"] == "interrupted");
+    const std::size_t rows = lines(scratch / "run/diagnostics.csv").size();
+    REQUIRE(rows < lines(scratch / "whole/diagnostics.csv").size());
+
+    const Outcome resumed = test::whorl({"resume", scratch.run(), "--quiet"});
+    INFO(resumed.err);
+    REQUIRE(resumed.code == 0);
+    check_same_particles(scratch / "whole", scratch / "run");
+    CHECK(reproducible(lines(scratch / "run/diagnostics.csv")) == reproducible(lines(scratch / "whole/diagnostics.csv")));
+    for (const char* probe : {"probes/pile.csv", "probes/all.csv"}) CHECK(read_whole(scratch / "run" / probe) == read_whole(scratch / "whole" / probe));
+    const auto run = report(scratch / "run");
+    CHECK(run["status"] == "done");
+    CHECK(run["resumed"] == 1);
+}
+
+TEST_CASE("resume refuses other settings and names them, and takes settings that only change the picture", "[tools][resume]") {
+    const Scratch scratch;
+    REQUIRE(test::whorl({"render", scratch.scene(), "--no-images", "--until", "0.05", "--quiet", "--out", scratch.run()}).code == 0);
+    std::string scene = read_whole(scratch / "run/scene.resolved.toml");
+    const auto replace = [&](const std::string& from, const std::string& to) {
+        const std::size_t at = scene.find(from);
+        REQUIRE(at != std::string::npos);
+        scene.replace(at, from.size(), to);
+        std::ofstream(scratch / "run/scene.resolved.toml") << scene;
+    };
+    replace("exposure = 1", "exposure = 2");
+    CHECK(test::whorl({"resume", scratch.run(), "--quiet"}).code == 0);
+    replace("spacing = 0.0025", "spacing = 0.0026");
+    const Outcome refused = test::whorl({"resume", scratch.run()});
+    CHECK(refused.code == 2);
+    CHECK(refused.err.find("the checkpoint is of other settings") != std::string::npos);
+    CHECK(refused.err.find("fluid.spacing: 0.0025, now 0.0026") != std::string::npos);
+}
+
+TEST_CASE("a folder that is not a run's is left alone, a run's is replaced", "[tools][render]") {
+    const Scratch scratch;
+    const std::vector<std::string> arguments{"render", scratch.scene(), "--no-images", "--until", "0.03", "--quiet", "--out", scratch.run()};
+    fs::create_directories(scratch / "run");
+    std::ofstream(scratch / "run/thesis.txt") << "years of work";
+    const Outcome refused = test::whorl(arguments);
+    CHECK(refused.code == 2);
+    CHECK(refused.err.find("holds files that are not of a run") != std::string::npos);
+    CHECK(files_in(scratch / "run").size() == 1);
+
+    fs::remove(scratch / "run/thesis.txt");
+    REQUIRE(test::whorl(arguments).code == 0);
+    std::ofstream(scratch / "run/notes.txt") << "keep";
+    CHECK(test::whorl(arguments).code == 0);
+    CHECK(fs::exists(scratch / "run/notes.txt"));
+    CHECK(test::whorl({"resume", (scratch / "nowhere").string()}).code == 2);
+    CHECK(test::whorl({"video", scratch.run()}).code == 2);
+}
+
+TEST_CASE("a run that diverges says where and when, ends with 1 and keeps what was made", "[tools][render]") {
+    std::string text = honey;
+    text.insert(text.find("[fluid]"), "gravity = [\"0\", \"t > 0.06 ? -1e37 : -9.81\", \"0\"]\n");
+    const Scratch scratch(text);
+    const Outcome diverged = test::whorl({"render", scratch.scene(), "--no-images", "--quiet", "--out", scratch.run()});
+    CHECK(diverged.code == 1);
+    INFO(diverged.err);
+    CHECK(diverged.err.find("the run diverged at 0.0") != std::string::npos);
+    CHECK(diverged.err.find("stage") != std::string::npos);
+    CHECK(report(scratch / "run")["status"] == "diverged");
+    CHECK(lines(scratch / "run/diagnostics.csv").size() >= 1 + 3);
+}
+
+TEST_CASE("a killed render leaves valid pictures and a playable video, and resume completes both", "[tools][resume]") {
+    const Scratch scratch;
+    const std::vector<std::string> arguments{"render", scratch.scene(), "--until", "0.25", "--size", "160x90", "--quality", "draft", "--set",
+                                             "output.checkpoint_every=0.001", "--quiet", "--out", scratch.run()};
+    Program killed(arguments);
+    const bool started = killed.wait_until([&] { return fs::exists(scratch / "run/frames/000004.png"); });
+    killed.signal(SIGKILL);
+    const Outcome outcome = killed.wait();
+    INFO(outcome.err);
+    REQUIRE(started);
+    CHECK(outcome.code == 128 + SIGKILL);
+
+    const auto valid_pictures = [&] {
+        int count = 0;
+        for (const fs::path& file : files_in(scratch / "run/frames"))
+            if (file.stem().extension().empty()) count += read_png(file).width == 160;
+        return count;
+    };
+    const auto playable_frames = [&](const std::string& video) {
+        const Outcome probe = Program({"-v", "error", "-count_frames", "-select_streams", "v:0", "-show_entries", "stream=nb_read_frames", "-of",
+                                       "csv=p=0", (scratch / "run" / video).string()},
+                                      "ffprobe").wait();
+        CHECK(probe.err.empty());
+        return probe.code == 0 ? std::stoi("0" + probe.out) : -1;
+    };
+    const int before = valid_pictures();
+    CHECK(before >= 4);
+    // The encoder sees its input end and completes the file; give it a moment.
+    Program patience({"1"}, "sleep");
+    patience.wait_until([&] { return false; });
+    CHECK(playable_frames("little_honey.partial.mp4") >= 1);
+
+    const Outcome resumed = test::whorl({"resume", scratch.run(), "--quiet"});
+    INFO(resumed.err);
+    REQUIRE(resumed.code == 0);
+    CHECK(valid_pictures() == 11);
+    CHECK(playable_frames("little_honey.mp4") == 11);
+    CHECK_FALSE(fs::exists(scratch / "run/little_honey.partial.mp4"));
+    CHECK(read_png(scratch / "run/contact.png").width > 0);
+    CHECK(test::whorl({"video", scratch.run(), "--out", (scratch / "again.mp4").string()}).code == 0);
+    CHECK(fs::exists(scratch / "again.mp4"));
+}
