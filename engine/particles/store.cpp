@@ -21,10 +21,7 @@ void ParticleStore::resize(Index n) {
 }
 
 void ParticleStore::gather(Span<const Index> order) {
-    for (auto& [info, entry] : columns_) {
-        if (entry.lasting) entry.column->gather(order);
-        else entry.column->resize(order.size());
-    }
+    for (auto& [info, entry] : columns_) entry.column->gather(order);
     size_ = static_cast<Index>(order.size());
 }
 

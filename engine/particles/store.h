@@ -84,7 +84,7 @@ public:
 
     /// Grows (new entries zero) or shrinks at the end.
     void resize(Index n);
-    /// new[k] = old[order[k]] in the lasting columns; the scratch columns keep no values. order may be shorter: the rest is gone.
+    /// new[k] = old[order[k]] in every column. order may be shorter: the rest is gone.
     void gather(Span<const Index> order);
 
     struct Entry {
