@@ -5,5 +5,10 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 bash tools/setup.sh
 echo "Building (the first time takes some minutes) ..."
-CONFIGURE= bash tools/build.sh release whorl
+bash tools/build.sh release whorl
+video=out/honey_coil/honey_coil.mp4
+if [ $# -eq 0 ] && [ "$video" -nt build/release/whorl ] && [ "$video" -nt scenes/honey_coil.toml ]; then
+  echo "Already poured with this program and scene: $PWD/$video"
+  exit 0
+fi
 build/release/whorl render scenes/honey_coil.toml "$@"

@@ -32,15 +32,27 @@ CoilProbe::CoilProbe(const ProbeKeys& keys) : point_(keys.axis_point), up_(keys.
     across_y_ = up_.cross(across_x_);
 }
 
+namespace {
+/// Mean velocity of what sticks to a solid: a pile on a plate that moves rests on the plate.
+Vec3d pile_velocity(Span<const Vec3> u, Span<const std::int16_t> role) {
+    Vec3d sum = Vec3d::Zero();
+    double count = 0;
+    for (std::size_t k = 0; k < role.size(); ++k)
+        if (role[k] > 0) sum += u[k].cast<double>(), count += 1;
+    return count > 0 ? Vec3d(sum / count) : sum;
+}
+}  // namespace
+
 CoilProbe::Sample CoilProbe::look(const World& world) const {
     const auto x = world.fluid.column<field::position>();
     const auto u = world.fluid.column<field::velocity>();
     const Span<const std::int16_t> role =
         world.fluid.has<field::role>() ? world.fluid.column<field::role>() : Span<const std::int16_t>();
     const double d = static_cast<double>(world.step.spacing);
+    const Vec3d carried = pile_velocity(u, role);
     const auto for_each_free = [&](auto&& f) {
         for (std::size_t k = 0; k < x.size(); ++k)
-            if (role.empty() || role[k] >= 0) f(Vec3d(x[k].cast<double>() - point_), Vec3d(u[k].cast<double>()));
+            if (role.empty() || role[k] >= 0) f(Vec3d(x[k].cast<double>() - point_), Vec3d(u[k].cast<double>() - carried));
     };
 
     Sample sample;

@@ -1,7 +1,7 @@
 #pragma once
 /// How a falling thread coils: frequency and radius of the circle on which it touches its pile.
 ///
-/// At every step, with z the height above `axis_point` along `axis_direction`:
+/// At every step, with z the height above `axis_point` along `axis_direction`, and velocities relative to what sticks to a solid (a plate may move):
 /// 1. Thread speed U: the largest mean downward speed of a layer one spacing thick. The layer's number of particles gives the thread's radius a.
 /// 2. Pile: what moves slower than 0.1 U. Its height is where, counted from the top, half a slice of thread (one spacing long) has been met, low-passed
 ///    over the time in which 4 a of thread are laid.
