@@ -17,7 +17,10 @@ Snapshots::Snapshots(const Simulation& simulation, std::vector<std::string> fiel
     }
     for (const Emitter& emitter : simulation.emitters()) {
         FrameSolid nozzle;
-        nozzle.mesh = std::make_shared<TriangleMesh>(nozzle_mesh(emitter.shape(), spacing, 4 * spacing));
+        // A pipe, not a ring: long beside its bore.
+        const EmitterShape& opening = emitter.shape();
+        const Real bore = opening.slot ? opening.thickness : 2 * opening.radius;
+        nozzle.mesh = std::make_shared<TriangleMesh>(nozzle_mesh(opening, spacing, std::max(4 * spacing, 4 * bore)));
         nozzle.material = "metal";
         solids_.push_back(std::move(nozzle));
     }
