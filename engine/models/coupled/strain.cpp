@@ -113,7 +113,7 @@ void scatter(const RowView row, Index own, const RowScratch& s, Vec4* __restrict
     const Real *__restrict fx = s.fx.data(), *__restrict fy = s.fy.data(), *__restrict fz = s.fz.data();
     const Quad none = {0, 0, 0, 0};
     Quad sum = none;
-    const auto add = [&](Index j, Quad f) {
+    const auto add = [&](Index j, const Quad& f) {
         Quad& to = *reinterpret_cast<Quad*>(out[j].v);
         to += f;
         sum += f;
