@@ -137,9 +137,17 @@ void CoilProbe::follow(const Means& contact, double least_radius, double time) {
     const double before = memory_.angle, time_before = memory_.angle_time;
     memory_.angle += change;
     memory_.angle_time = time;
+    // A thread that swings back and forth folds, it does not coil: a turn begins anew where the contact turned round.
+    if (std::abs(memory_.angle - memory_.turn_angle) > std::abs(memory_.farthest - memory_.turn_angle)) {
+        memory_.farthest = memory_.angle, memory_.farthest_time = time;
+    } else if (memory_.turning && std::abs(memory_.angle - memory_.farthest) > two_pi / 4) {
+        memory_.turn_time = memory_.farthest_time, memory_.turn_angle = memory_.farthest, memory_.turned = {};
+        memory_.farthest = memory_.angle, memory_.farthest_time = time;
+    }
     if (broken || !memory_.turning) {
         memory_.turning = !broken;
         memory_.turn_time = time, memory_.turn_angle = memory_.angle, memory_.turned = {};
+        memory_.farthest = memory_.angle, memory_.farthest_time = time;
         return;
     }
     const double c = std::cos(memory_.angle), s = std::sin(memory_.angle);

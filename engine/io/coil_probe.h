@@ -13,8 +13,9 @@
 ///    the axis to the thread's centre line where it touches.
 ///    With `height` > 0 the thread's section at that height above the pile is taken instead, as it is.
 /// 4. A turn is full when the angle has gone on by 2 pi; frequency and radius are means over the newest four turns, spreads their standard
-///    deviations (empty before two turns). A turn that breaks off (the contact runs through the axis or jumps by more than a quarter turn within a step)
-///    does not count. Cells are empty until a full turn was seen, and again when none was completed for three periods.
+///    deviations (empty before two turns). A turn that breaks off (the contact runs through the axis or jumps by more than a quarter turn within
+///    a step) does not count; one that goes back by a quarter begins anew where it turned round. Cells are empty until a full turn was seen,
+///    and again when none was completed for three periods.
 #include <array>
 
 #include "engine/io/probes.h"
@@ -44,9 +45,10 @@ private:
     struct Memory {
         double last_time = 0, fastest = 0, pile_height = 0;
         bool pile_seen = false, turning = false;
-        double angle = 0, angle_time = 0;      ///< rad, unwrapped; s
-        double turn_time = 0, turn_angle = 0;  ///< where the present turn began
-        Means turned{};                        ///< of the present turn, in axes that turn with the contact
+        double angle = 0, angle_time = 0;        ///< rad, unwrapped; s
+        double turn_time = 0, turn_angle = 0;    ///< where the present turn began
+        double farthest = 0, farthest_time = 0;  ///< rad, s: where the present turn has got to
+        Means turned{};                          ///< of the present turn, in axes that turn with the contact
         double full_turns = 0;
         std::array<Turn, kept_turns> turns{};  ///< newest first
         int turns_kept = 0;

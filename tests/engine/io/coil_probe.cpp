@@ -112,6 +112,18 @@ TEST_CASE("a coil that quickens shows in the spread of its turns", "[io][probe]"
     CHECK(row[4] > 0.02 * thread.frequency);
 }
 
+TEST_CASE("a thread that folds back and forth has no frequency; once it coils, its folding is not counted in", "[io][probe]") {
+    CoilingThread thread;
+    thread.frequency = thread.U / (2 * pi * thread.R);
+    CoilProbe probe(upright_axis());
+    double t = 0;
+    for (; t < 1.5; t += 0.01) probe.after_step(thread.at(0.5 + 0.15 * std::sin(2 * pi * t)), t);  // to and fro by 0.67 of a turn
+    CHECK(std::isnan(cells(probe.rows(thread.at(0.5), t))[1]));
+    for (; t < 3; t += 0.01) probe.after_step(thread.at(t - 1), t);
+    const auto row = cells(probe.rows(thread.at(t - 1), t));
+    CHECK(row[1] == Approx(thread.frequency).epsilon(0.05));
+}
+
 TEST_CASE("the coil probe goes on from its saved state with the same bits", "[io][probe]") {
     CoilingThread thread;
     CoilProbe whole(upright_axis()), first(upright_axis()), second(upright_axis());
