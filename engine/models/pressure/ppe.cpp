@@ -77,9 +77,7 @@ void PoissonPressure::build(const Kernel& kernel, const FluidPairs& pairs, const
     const WallShear wall{step.spacing / 2};
 
     parallel_for(n, [&](Index i) {
-        const WallPush push = solid.size() > 0 ? wall_push(kernel, i, solid_pairs, solid, step, options_.solid_factor) : WallPush{};
-        wall_[at(i)] = push.gradient;
-        weight_[at(i)] = rho_0 / (rho[i] * rho[i]) * push.weight;
+        wall_[at(i)] = solid.size() > 0 ? wall_gradient(kernel, i, solid_pairs, solid, options_.solid_factor) : Vec3(Vec3::Zero());
     });
 
     for (Index i = 0; i < n; ++i) {
@@ -100,7 +98,7 @@ void PoissonPressure::build(const Kernel& kernel, const FluidPairs& pairs, const
         matrix_.pin[at(i)] = b_[at(i)] = 0;
         touches_surface_[at(i)] = 0;
         Vec3 mirror = wall_[at(i)], prescribed = Vec3::Zero(), fluid = Vec3::Zero();
-        wall_[at(i)] *= 2 * rho_0 / (rho[i] * rho[i]);
+        wall_[at(i)].setZero();
         if (!unknown && mine != PressureClass::separated) return;
 
         const Real V = step.mass / rho[i];
@@ -131,7 +129,7 @@ void PoissonPressure::build(const Kernel& kernel, const FluidPairs& pairs, const
                 rate += rho_0 * options_.solid_factor * solid.volume[at(s)] * slope_at(distance) * turned.dot(r);
             });
         mirror += prescribed;
-        wall_[at(i)] += rho_0 / (rho[i] * rho[i]) * prescribed;  // the other half comes from the sum over the pairs
+        wall_[at(i)] = rho_0 / (rho[i] * rho[i]) * prescribed;  // the other half comes from the sum over the pairs
         const Real alpha = 2 * (rho_0 / rho[i]) * (rho_0 / rho[i]) * mirror.squaredNorm() * unbalanced(fluid, mirror);
         pin += V * alpha;
         b_[at(i)] = V * (static_cast<Real>(options_.density_correction) * (rho[i] - rho_0) + step.dt * rate) * over_dt2;
@@ -215,11 +213,14 @@ void PoissonPressure::solve(const StepContext& step, StepReport& report, Update<
     } else {
         report.solves.push_back({"pressure", SolveReport{0, 0, 0, true, ""}});
     }
-    // Without a surface the pressure has no natural zero. Its lowest value is made 0, so that the clamp below takes nothing away.
+    // Without a surface the pressure has no natural zero. Its lowest value is made the weight of a layer, so that neither the clamp below nor that
+    // of a ceiling (wall_push) takes anything away.
+    const Real layer = step.rest_density * step.gravity.norm() * step.spacing;
     for (const Closed& component : closed_) {
         Real lowest = component.singular ? std::numeric_limits<Real>::max() : 0;
         for (Index i : component.members) lowest = std::min(lowest, x[at(i)]);
-        for (Index i : component.members) x[at(i)] -= lowest;
+        const Real shift = component.singular ? layer - lowest : -lowest;
+        for (Index i : component.members) x[at(i)] += shift;
     }
     parallel_for(n, [&](Index i) {
         if (class_[at(i)] != PressureClass::separated) p[i] = std::max(Real(0), x[at(i)]);
@@ -238,13 +239,12 @@ void PoissonPressure::operator()(const FluidPairs& pairs, const SolidPairs& soli
     matrix_.unknown.resize(n);
     b_.resize(n);
     wall_.resize(n);
-    weight_.resize(n);
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         classify(kernel, pairs, solid_pairs, solid, step, role, rho);
         build(kernel, pairs, solid_pairs, solid, step, rho, u, p);
         find_closed();
         solve(step, report, p);
-        // u_i -= dt sum_j m (p_i/rho_i^2 + p_j/rho_j^2) grad W_ij + dt (wall_i p_i + weight_i)
+        // u_i -= dt sum_j m (p_i/rho_i^2 + p_j/rho_j^2) grad W_ij + dt (push of prescribed neighbours and solids)
         parallel_for(rho.size(), [&](Index i) {
             if (class_[at(i)] == PressureClass::prescribed) return;
             const Real own = p[i] / (rho[i] * rho[i]);
@@ -253,7 +253,8 @@ void PoissonPressure::operator()(const FluidPairs& pairs, const SolidPairs& soli
                 sum += (own + p[j] / (rho[j] * rho[j])) * (kernel.derivative(distance) / std::max(distance, smallest)) * r;
             });
             u[i] -= step.dt * (step.mass * sum + p[i] * wall_[at(i)]);
-            if (p[i] > 0) u[i] -= step.dt * weight_[at(i)];
+            if (p[i] > 0 && solid.size() > 0)
+                u[i] -= step.dt * step.rest_density / (rho[i] * rho[i]) * wall_push(kernel, i, solid_pairs, solid, step, options_.solid_factor, p[i]);
         });
     });
 }

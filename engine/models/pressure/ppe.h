@@ -50,7 +50,7 @@ struct PoissonPressureOptions {
 enum class PressureClass : char { isolated, surface, separated, poisson, prescribed };
 
 /// Row of particle i: sum_j a_ij (p_i - p_j) + alpha_i p_i = (dt drho_i/dt(u*) + share (rho_i - rho_0))/dt^2, then
-/// u_i = u*_i - dt sum_j m (p_i/rho_i^2 + p_j/rho_j^2) grad W_ij - dt (rho_0/rho_i^2) 2 p_i sum_s V_s grad W_is.
+/// u_i = u*_i - dt sum_j m (p_i/rho_i^2 + p_j/rho_j^2) grad W_ij - dt (rho_0/rho_i^2) sum_s (p_i + p_s) V_s grad W_is (wall_pressure.h).
 /// Prescribed particles (emitter) act as solids do: their pressure mirrors that of i.
 class PoissonPressure {
 public:
@@ -83,8 +83,7 @@ private:
     std::vector<char> touches_surface_;
     std::vector<Closed> closed_;
     Column<Real> b_;     ///< V_i (rho*_i - rho_0)/dt^2
-    Column<Vec3> wall_;    ///< acceleration by solids and prescribed neighbours, over -p_i [m^2/kg]
-    Column<Vec3> weight_;  ///< acceleration by the solids' hydrostatic share, negative [m/s^2]
+    Column<Vec3> wall_;  ///< build(): gradient of the solids [1/m]; then: acceleration by prescribed neighbours over -p_i [m^2/kg]
 };
 
 }  // namespace whorl

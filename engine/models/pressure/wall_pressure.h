@@ -8,25 +8,32 @@
 
 namespace whorl {
 
-/// The solids' part of the pressure force on fluid particle i is -(rho_0/rho_i^2)(2 p_i gradient + weight): a solid particle s mirrors p_i and
-/// adds the hydrostatic difference over the distance to it along its normal n_s,
-///   gradient = sum_s V_s grad W_is        weight = sum_s V_s rho_0 max(0, -g.n_s)(r_is.n_s) grad W_is.
-/// Without the weight the pressure of the lowest layer is too high by rho g d: 1/N of the bottom pressure of N layers.
-/// The notes' form (Akinci et al. 2012) is p_i gradient, half of it with a volume 1.43 times as large.
-struct WallPush {
-    Vec3 gradient = Vec3::Zero(), weight = Vec3::Zero();
-};
-
+/// grad_i = sum_s V_s grad W_is        What a pressure of 1 at the solids does to fluid particle i, times -1 and its density.
 template <class Kernel>
-WallPush wall_push(const Kernel& kernel, Index i, const SolidPairs& pairs, const SolidParticles& solid, const StepContext& step, Real volume_factor) {
-    WallPush push;
+Vec3 wall_gradient(const Kernel& kernel, Index i, const SolidPairs& pairs, const SolidParticles& solid, Real volume_factor) {
+    Vec3 gradient = Vec3::Zero();
+    pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+        const Real slope = kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
+        gradient += volume_factor * solid.volume[static_cast<std::size_t>(s)] * slope * r;
+    });
+    return gradient;
+}
+
+/// The solids' part of the pressure force on fluid particle i is -(rho_0/rho_i^2) sum_s (p_i + p_s) V_s grad W_is, where a solid particle mirrors
+/// p_i and adds the hydrostatic difference over the distance to it along its normal n_s, and never pulls:
+///   p_i + p_s = max(0, 2 p_i - rho_0 (g.n_s)(r_is.n_s)).
+/// Without the difference the pressure of the lowest layer is too high by rho g d: 1/N of the bottom pressure of N layers; and a ceiling would
+/// push the topmost layer of a full box away, as if it weighed on it.
+/// The notes' form (Akinci et al. 2012) is p_i, half of it with a volume 1.43 times as large.
+template <class Kernel>
+Vec3 wall_push(const Kernel& kernel, Index i, const SolidPairs& pairs, const SolidParticles& solid, const StepContext& step, Real volume_factor, Real p) {
+    Vec3 push = Vec3::Zero();
     pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
         const auto k = static_cast<std::size_t>(s);
         const Real slope = kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
-        const Vec3 grad = volume_factor * solid.volume[k] * slope * r;
-        push.gradient += grad;
         const Vec3& n = solid.normal[k];
-        push.weight += step.rest_density * std::max(Real(0), -step.gravity.dot(n)) * std::max(Real(0), r.dot(n)) * grad;
+        const Real both = 2 * p - step.rest_density * step.gravity.dot(n) * std::max(Real(0), r.dot(n));
+        push += std::max(Real(0), both) * volume_factor * solid.volume[k] * slope * r;
     });
     return push;
 }

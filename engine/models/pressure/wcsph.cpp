@@ -43,9 +43,8 @@ void PressureAcceleration::operator()(const FluidPairs& pairs, const SolidPairs&
         if (solid.size() == 0) return;
         parallel_for(a.size(), [&](Index i) {
             if (!(p[i] > 0)) return;
-            const WallPush push = wall_push(kernel, i, solid_pairs, solid, step, options.solid_factor);
-            // The wall's pressure is p_i + (weight down to it): both halves of the symmetric form, rho_s = rho_0 and rho_i near it.
-            a[i] -= (2 * p[i] * push.gradient + push.weight) * (step.rest_density / (rho[i] * rho[i]));
+            // Both halves of the symmetric form, rho_s = rho_0 and rho_i near it.
+            a[i] -= step.rest_density / (rho[i] * rho[i]) * wall_push(kernel, i, solid_pairs, solid, step, options.solid_factor, p[i]);
         });
     });
 }
