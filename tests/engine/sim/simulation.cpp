@@ -42,6 +42,7 @@ viscosity = 20
 pressure = "ppe"
 viscosity = "full"
 [[block]]
+shape = "box"
 min = [0, 0, 0]
 max = [0.07, 0.1, 0.1]
 [[solid]]

@@ -39,6 +39,7 @@ spacing = 0.01
 [viscosity]
 alpha = 0.05
 [[block]]
+shape = "box"
 min = [0, 0, 0]
 max = [0.06, 0.3, 0.06]
 [[solid]]
@@ -78,6 +79,7 @@ spacing = 0.01
 [models]
 pressure = "ppe"
 [[block]]
+shape = "box"
 min = [0, 0, 0]
 max = [0.1, 0.1, 0.1]
 [[solid]]
