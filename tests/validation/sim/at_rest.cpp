@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "engine/models/boundary/wall.h"
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
 
@@ -63,7 +64,8 @@ pressure = ")toml" + pressure + "\"\n", "column.toml");
     }
 }
 
-TEST_CASE("water that fills the slot between a floor and a ceiling stays at rest, its pressure hydrostatic within 2 %", "[validation][sim]") {
+TEST_CASE("water that fills the slot between a floor and a ceiling stays at rest, with a pressure 2 % too flat", "[validation][sim]") {
+    // Too flat by what the kernel makes of a linear pressure on a lattice with R = 2 d: its gradient is 1.02 times too steep. Within 1 % of that.
     // No free surface: the pressure has no natural zero. The ceiling must mirror the pressure less the weight up to it, or the topmost layer falls
     // (the run diverged within 0.2 s). Held until the lattice, which is no stable packing, starts to melt (0.3 s).
     const Scene scene = read_scene_text(R"toml([time]
@@ -103,5 +105,6 @@ normal = [0, -1, 0]
         }
     }
     CHECK(max_speed(simulation) < 0.002 * std::sqrt(2 * g * 10 * d));
-    CHECK((low - high) / steps == Approx(rho_0 * g * 9 * d).epsilon(0.02));
+    const double steepness = lattice_second_moment(KernelKind::cubic, Real(2 * d), Real(d)) / 3;
+    CHECK((low - high) / steps * steepness == Approx(rho_0 * g * 9 * d).epsilon(0.01));
 }
