@@ -24,7 +24,11 @@ void adopt_threads() { omp_set_num_threads(threads()); }
 void wait_passively(char** argv) {
     if (std::getenv("OMP_WAIT_POLICY") != nullptr || std::getenv("GOMP_SPINCOUNT") != nullptr) return;
     setenv("OMP_WAIT_POLICY", "passive", 1);
-    execv("/proc/self/exe", argv);  // returns only where it failed: then the program simply goes on
+    char program[4096];  // by its own path: named "exe" it would not be found by name among the processes
+    const ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
+    if (length <= 0) return;
+    program[length] = 0;
+    execv(program, argv);  // returns only where it failed: then the program simply goes on
 }
 
 }  // namespace whorl

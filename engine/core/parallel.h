@@ -23,27 +23,35 @@ void wait_passively(char** argv);
 /// A loop shorter than this runs on the calling thread: waking the others would cost more.
 inline constexpr Index serial_below = 512;
 
-/// Calls f(i) for i in [0, n). Each f(i) must write only what belongs to i.
-template <class F>
-void parallel_for(Index n, F&& f) {
-    if (n < serial_below || threads() == 1) {
-        for (Index i = 0; i < n; ++i) f(i);
-        return;
-    }
-#pragma omp parallel for schedule(dynamic, 256)
-    for (Index i = 0; i < n; ++i) f(i);
-}
-
-/// Calls f(begin, end) for fixed blocks that cover [0, n): for loops that keep scratch memory per block.
+/// Calls f(begin, end) for fixed blocks that cover [0, n). The body is compiled once and always runs over the same blocks: inlined twice, for one
+/// thread and for several, the compiler might contract or vectorise the copies differently, and their bits would differ.
+/// Each call must write only what belongs to its block.
 template <class F>
 void parallel_blocks(Index n, Index block, F&& f) {
+    const auto run = [&f](Index begin, Index end) __attribute__((noinline)) { f(begin, end); };
     const Index blocks = (n + block - 1) / block;
     if (n < serial_below || threads() == 1) {
-        for (Index b = 0; b < blocks; ++b) f(b * block, std::min(n, (b + 1) * block));
+        for (Index b = 0; b < blocks; ++b) run(b * block, std::min(n, (b + 1) * block));
         return;
     }
 #pragma omp parallel for schedule(dynamic, 1)
-    for (Index b = 0; b < blocks; ++b) f(b * block, std::min(n, (b + 1) * block));
+    for (Index b = 0; b < blocks; ++b) run(b * block, std::min(n, (b + 1) * block));
+}
+
+/// Calls f(i) for i in [0, n). Each f(i) must write only what belongs to i.
+template <class F>
+void parallel_for(Index n, F&& f) {
+    parallel_blocks(n, 256, [&f](Index begin, Index end) {
+        for (Index i = begin; i < end; ++i) f(i);
+    });
+}
+
+/// The same for few iterations that each take long: threads fetch them one by one.
+template <class F>
+void parallel_tasks(Index n, F&& f) {
+    const auto run = [&f](Index i) __attribute__((noinline)) { f(i); };
+#pragma omp parallel for schedule(dynamic, 1) if (n > 1 && threads() > 1)
+    for (Index i = 0; i < n; ++i) run(i);
 }
 
 /// sum_i f(i), in double, over fixed blocks that are added in order: the same bits for any number of threads.

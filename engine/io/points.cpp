@@ -30,7 +30,7 @@ void write_points(const std::filesystem::path& file, const Frame& frame) {
         for (int c = 0; c < 3; ++c) add(names[static_cast<std::size_t>(c)], values.empty() ? nullptr : values.front().data() + c, 3);
     };
     add_vector(frame.position, {"x", "y", "z"});
-    add_vector(frame.velocity, {"vx", "vy", "vz"});
+    add_vector(frame.velocity, {"velocity_x", "velocity_y", "velocity_z"});
     for (const auto& [name, values] : frame.scalar) add(name, values.data(), 1);
     for (const auto& [name, values] : frame.vector) add_vector(values, {name + "_x", name + "_y", name + "_z"});
     header += "end_header\n";

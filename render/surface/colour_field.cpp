@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "render/surface/loops.h"
+#include "engine/core/parallel.h"
 
 namespace whorl {
 namespace {
@@ -23,7 +23,7 @@ float kernel_sum(const ParticleRows& p, Index begin, Index end, float x, float y
 ColourField::ColourField(Span<const Vec3f> position, double spacing, double radius)
     : reach_(static_cast<float>(radius * spacing)), rows_(position, reach_), height_(rows_.x.size()) {
     const float inverse_R2 = 1 / (reach_ * reach_);
-    parallel_each(rows_.size(), [&](Index i) {
+    parallel_for(rows_.size(), [&](Index i) {
         const Vec3f p(rows_.x[i], rows_.y[i], rows_.z[i]);
         float sum = 0;
         rows_.runs(p.array() - reach_, p.array() + reach_,

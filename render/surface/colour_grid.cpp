@@ -5,7 +5,7 @@
 #include <unordered_map>
 
 #include "render/surface/colour_grid_tree.h"
-#include "render/surface/loops.h"
+#include "engine/core/parallel.h"
 
 namespace whorl {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "render/surface/loops.h"
+#include "engine/core/parallel.h"
 
 namespace whorl {
 namespace {
@@ -138,7 +138,7 @@ void sweep(const Extent& e, int axis, float margin, float limit, std::vector<Clo
     const std::array<std::size_t, 3> stride{1, static_cast<std::size_t>(e.size[0]), static_cast<std::size_t>(e.size[0]) * e.size[1]};
     for (int direction : {1, -1})
         for (int s = 1; s < n; ++s)
-            parallel_each(static_cast<Index>(e.size[u]) * e.size[v], [&](Index m) {
+            parallel_for(static_cast<Index>(e.size[u]) * e.size[v], [&](Index m) {
                 std::array<int, 3> at{};
                 at[axis] = direction > 0 ? s : n - 1 - s;
                 at[u] = m % e.size[u];
@@ -170,7 +170,7 @@ Volume distance_volume(const TriangleMesh& mesh, float voxel, int band) {
     for (int axis : {0, 1, 2}) sweep(e, axis, margin, limit + 2 * e.voxel, closest, side);
 
     Volume volume{e.origin, e.voxel, e.size[0], e.size[1], e.size[2], std::vector<float>(e.count())};
-    parallel_each(static_cast<Index>(e.count()), [&](Index n) {
+    parallel_for(static_cast<Index>(e.count()), [&](Index n) {
         volume.value[n] = (side[n] < 0 ? -1.0f : 1.0f) * std::min(limit, std::sqrt(closest[n].distance2));
     });
     return volume;

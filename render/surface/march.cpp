@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "render/surface/cube_cases.h"
-#include "render/surface/loops.h"
+#include "engine/core/parallel.h"
 
 namespace whorl {
 namespace {

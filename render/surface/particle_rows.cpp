@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "render/surface/loops.h"
+#include "engine/core/parallel.h"
 
 namespace whorl {
 
@@ -48,7 +48,7 @@ ParticleRows::ParticleRows(Span<const Vec3f> position, float width) : width_(wid
     x.resize(finite.size());
     y.resize(finite.size());
     z.resize(finite.size());
-    parallel_each(size(), [&](Index i) {
+    parallel_for(size(), [&](Index i) {
         const Vec3f& p = position[original[i]];
         x[i] = p.x();
         y[i] = p.y();

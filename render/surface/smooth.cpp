@@ -1,6 +1,6 @@
 #include "render/surface/smooth.h"
 
-#include "render/surface/loops.h"
+#include "engine/core/parallel.h"
 
 namespace whorl {
 namespace {
@@ -27,7 +27,7 @@ struct Ring {
 // (1 - lambda k)^steps of each component of the shape with eigenvalue k of the umbrella operator.
 void blur(const Ring& ring, std::vector<Vec3f>& position, std::vector<Vec3f>& scratch, int steps, float lambda) {
     for (int s = 0; s < steps; ++s) {
-        parallel_each(static_cast<Index>(position.size()), [&](Index v) {
+        parallel_for(static_cast<Index>(position.size()), [&](Index v) {
             Vec3f sum = Vec3f::Zero();
             for (Index n = ring.begin[v]; n < ring.begin[v + 1]; ++n) sum += position[ring.neighbour[n]];
             const auto count = static_cast<float>(ring.begin[v + 1] - ring.begin[v]);
@@ -53,7 +53,7 @@ void smooth(TriangleMesh& mesh, int rounds, int steps) {
         for (int pass = 0; pass < order; ++pass) {
             blurred = lost;
             blur(ring, blurred, scratch, steps, lambda);
-            parallel_each(n, [&](Index v) {
+            parallel_for(n, [&](Index v) {
                 mesh.position[v] += blurred[v];
                 lost[v] -= blurred[v];
             });
@@ -65,11 +65,11 @@ void set_normals(TriangleMesh& mesh) {
     const Ring ring(mesh);
     mesh.normal.resize(mesh.position.size());
     std::vector<Vec3f> area(mesh.triangle.size());
-    parallel_each(static_cast<Index>(mesh.triangle.size()), [&](Index t) {
+    parallel_for(static_cast<Index>(mesh.triangle.size()), [&](Index t) {
         const auto& [a, b, c] = mesh.triangle[t];
         area[t] = (mesh.position[b] - mesh.position[a]).cross(mesh.position[c] - mesh.position[a]);
     });
-    parallel_each(static_cast<Index>(mesh.position.size()), [&](Index v) {
+    parallel_for(static_cast<Index>(mesh.position.size()), [&](Index v) {
         Vec3f sum = Vec3f::Zero();
         for (Index n = ring.begin[v]; n < ring.begin[v + 1]; ++n) sum += area[ring.triangle[n]];
         const float length = sum.norm();

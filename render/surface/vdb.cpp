@@ -5,7 +5,7 @@
 #include "engine/core/whole_file.h"
 #include "render/surface/colour_grid_tree.h"
 #include "render/surface/distance.h"
-#include "render/surface/loops.h"
+#include "engine/core/parallel.h"
 #include "render/surface/surface.h"
 
 namespace whorl {

@@ -144,8 +144,8 @@ TEST_CASE("exported points hold every field of the frame, byte for byte", "[io][
     const std::string file = read_whole(folder / "000001.ply");
     const std::string end = "end_header\n";
     const std::size_t data = file.find(end) + end.size();
-    CHECK(file.substr(0, data).find("element vertex 1000\nproperty float x\nproperty float y\nproperty float z\nproperty float vx\nproperty float "
-                                    "vy\nproperty float vz\nproperty float density\nproperty float role\nproperty float spin_x\n") !=
+    CHECK(file.substr(0, data).find("element vertex 1000\nproperty float x\nproperty float y\nproperty float z\nproperty float velocity_x\nproperty float "
+                                    "velocity_y\nproperty float velocity_z\nproperty float density\nproperty float role\nproperty float spin_x\n") !=
           std::string::npos);
     REQUIRE(file.size() == data + 1000 * 11 * sizeof(float));
     float row[11];
