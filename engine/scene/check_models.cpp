@@ -17,6 +17,7 @@ void check_models(const Scene& scene, const Plan& plan, std::vector<Problem>& pr
     if (plan.pressure == PressureModel::ppe && scene.pressure.preconditioner == Preconditioner::multigrid)
         report("pressure.preconditioner", "pressure.preconditioner = \"multigrid\"" + not_here, "take \"jacobi\"", "none or jacobi");
     if (scene.fluid.surface_tension > 0) report("fluid.surface_tension", "surface tension" + not_here, "set fluid.surface_tension = 0");
+    if (scene.boundary.gate > 0) report("boundary.gate", "the gate at solids" + not_here, "set boundary.gate = 0");
 
     if (plan.pressure == PressureModel::coupled && plan.viscosity != ViscosityModel::none)
         report("models.viscosity", "models.pressure = \"coupled\" solves for the viscosity itself",

@@ -141,6 +141,7 @@ TEST_CASE("models that do not go together, or that this version does not have, a
     CHECK(messages_with({"models.boundary=akinci"}).find("does not go with models.pressure = \"coupled\"") != std::string::npos);
     CHECK(messages_with({"models.viscosity=pairwise", "models.pressure=ppe"}).find("not available in this version") != std::string::npos);
     CHECK(messages_with({"fluid.surface_tension=0.07"}).find("surface tension is not available in this version") != std::string::npos);
+    CHECK(messages_with({"boundary.gate=0.1"}).find("the gate at solids is not available in this version") != std::string::npos);
 }
 
 TEST_CASE("all that is impossible is told in one go", "[plan]") {
