@@ -36,6 +36,14 @@ void place_solids(const Scene& scene, const Plan& plan, World& world) {
     world.solid_particles = sample_solids(world.solids, world.step.spacing, world.step.domain, plan.kernel, world.step.support);
 }
 
+void set_viscosity(const Scene& scene, World& world, Index first, double time) {
+    if (!world.fluid.has<field::viscosity>()) return;
+    const auto x = world.fluid.column<field::position>();
+    const auto mu = world.fluid.column<field::viscosity>();
+    for (auto i = static_cast<std::size_t>(first); i < mu.size(); ++i)
+        mu[i] = static_cast<Real>(scene.fluid.viscosity(time, x[i].cast<double>()));
+}
+
 void place_blocks(const Scene& scene, World& world) {
     ParticleStore& fluid = world.fluid;
     std::vector<Problem> problems;
@@ -64,11 +72,7 @@ void place_blocks(const Scene& scene, World& world) {
         }
     }
     if (!problems.empty()) throw InputError(std::move(problems));
-    if (fluid.has<field::viscosity>()) {
-        const auto x = fluid.column<field::position>();
-        const auto mu = fluid.column<field::viscosity>();
-        for (std::size_t i = 0; i < x.size(); ++i) mu[i] = static_cast<Real>(scene.fluid.viscosity(0, x[i].cast<double>()));
-    }
+    set_viscosity(scene, world, 0, 0);
     if (fluid.has<field::density>())
         for (Real& rho : fluid.column<field::density>()) rho = world.step.rest_density;
 }

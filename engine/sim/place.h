@@ -12,6 +12,8 @@ void place_constants(const Scene& scene, const Plan& plan, World& world);
 void place_solids(const Scene& scene, const Plan& plan, World& world);
 /// Fluid of the blocks; columns must be declared. @throws InputError where a block holds no particle or overlaps another
 void place_blocks(const Scene& scene, World& world);
+/// Viscosity of the particles from `first` on, which have just come in; nothing where no model asks for it. @param time s
+void set_viscosity(const Scene& scene, World& world, Index first, double time);
 std::vector<Emitter> make_emitters(const Scene& scene, const Plan& plan);
 
 }  // namespace whorl

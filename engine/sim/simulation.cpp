@@ -69,13 +69,9 @@ struct Simulation::State {
     }
 
     void emit() {
-        Index first = world.fluid.size();
+        const Index first = world.fluid.size();
         for (Emitter& emitter : emitters) emitter.enter(world.fluid, time, world.step.dt);
-        if (!world.fluid.has<field::viscosity>()) return;
-        const auto x = std::as_const(world.fluid).column<field::position>();
-        const auto mu = world.fluid.column<field::viscosity>();
-        for (auto i = static_cast<std::size_t>(first); i < mu.size(); ++i)
-            mu[i] = static_cast<Real>(scene.fluid.viscosity(time, x[i].cast<double>()));
+        set_viscosity(scene, world, first, time);
     }
 
     void sort() {
@@ -88,16 +84,14 @@ struct Simulation::State {
         const auto role = world.fluid.column<field::role>();
         const Domain& domain = world.step.domain;
         if (domain.any_periodic()) parallel_for(world.fluid.size(), [&](Index i) { x[i] = domain.wrapped(x[i]); });
+        const Index n = world.fluid.size();
+        const auto inside = [&](Index i) { return role[i] < 0 || domain.contains(x[i]); };
+        world.report.lost_particles = static_cast<Index>(parallel_sum(n, [&](Index i) { return inside(i) ? 0 : 1; }));
+        if (world.report.lost_particles == 0) return;
         std::vector<Index> kept;
-        const auto inside = [&](std::size_t i) { return role[i] < 0 || domain.contains(x[i]); };
-        for (std::size_t i = 0; i < x.size(); ++i) {
-            if (inside(i)) continue;
-            if (kept.empty() && world.report.lost_particles == 0)
-                for (std::size_t k = 0; k < x.size(); ++k)
-                    if (inside(k)) kept.push_back(static_cast<Index>(k));
-            ++world.report.lost_particles;
-        }
-        if (world.report.lost_particles > 0) world.fluid.gather(kept);
+        for (Index i = 0; i < n; ++i)
+            if (inside(i)) kept.push_back(i);
+        world.fluid.gather(kept);
         totals.lost_particles += world.report.lost_particles;
     }
 
