@@ -1,3 +1,6 @@
+#include <fmt/format.h>
+
+#include "engine/models/viscosity/assembled.h"
 #include "engine/scene/checks.h"
 #include "engine/scene/names.h"
 
@@ -11,13 +14,16 @@ void check_models(const Scene& scene, const Plan& plan, std::vector<Problem>& pr
 
     if (plan.micropolar != MicropolarModel::none)
         report("models.micropolar", std::string("models.micropolar = \"") + name_of(plan.micropolar) + "\"" + not_here, "", "none");
-    if (plan.viscosity == ViscosityModel::pairwise || plan.viscosity == ViscosityModel::full_assembled)
-        report("models.viscosity", std::string("models.viscosity = \"") + name_of(plan.viscosity) + "\"" + not_here, "take \"full\"",
-               "auto, none, xsph, explicit or full");
     if (plan.pressure == PressureModel::ppe && scene.pressure.preconditioner == Preconditioner::multigrid)
         report("pressure.preconditioner", "pressure.preconditioner = \"multigrid\"" + not_here, "take \"jacobi\"", "none or jacobi");
     if (scene.fluid.surface_tension > 0) report("fluid.surface_tension", "surface tension" + not_here, "set fluid.surface_tension = 0");
     if (scene.boundary.gate > 0) report("boundary.gate", "the gate at solids" + not_here, "set boundary.gate = 0");
+
+    if (plan.viscosity == ViscosityModel::full_assembled)
+        if (const double bytes = plan.estimated_particles * assembled_bytes(plan.support / plan.spacing); bytes > most_assembled_bytes)
+            report("models.viscosity", fmt::format("the matrix of models.viscosity = \"full_assembled\" would take {:.1f} GB ({:.0f} particles)",
+                                                   bytes / 1e9, plan.estimated_particles),
+                   "take \"full\", the same without a matrix, or a larger fluid.spacing", fmt::format("up to {:g} GB", most_assembled_bytes / 1e9));
 
     if (plan.pressure == PressureModel::coupled && plan.viscosity != ViscosityModel::none)
         report("models.viscosity", "models.pressure = \"coupled\" solves for the viscosity itself",

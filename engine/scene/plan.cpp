@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "engine/models/viscosity/assembled.h"
+#include "engine/models/viscosity/pairwise.h"
 #include "engine/scene/checks.h"
 #include "engine/scene/names.h"
 #include "engine/scene/numbers.h"
@@ -48,6 +50,23 @@ void choose_viscosity(Plan& plan, const Scene& scene, const SceneNumbers& n, dou
         reason = fmt::format("the stable explicit step {:.3g} s is shorter than the flow's {:.3g} s", n.explicit_step, step);
     }
     choose(plan, "models.viscosity", scene.models.viscosity, wanted, reason, plan.viscosity);
+    if (plan.viscosity == ViscosityModel::full_assembled) {
+        const double bytes = assembled_bytes(plan.support / plan.spacing);
+        plan.choices.push_back({"viscosity matrix", fmt::format("{:.3g} GB", plan.estimated_particles * bytes / 1e9), true,
+                                fmt::format("{:.1f} kB a particle: two rings of neighbours, 3x3 numbers each", bytes / 1e3)});
+    }
+}
+
+/// Forces along pairs take their isotropy from the neighbours' fourth moments, which few neighbours on a lattice do not have.
+void warn_of_lattice(Plan& plan, const Scene& scene) {
+    const bool along_pairs = plan.viscosity == ViscosityModel::pairwise || (plan.viscosity == ViscosityModel::explicit_laplacian &&
+                                                                           scene.viscosity.laplacian == LaplacianForm::monaghan);
+    if (!along_pairs) return;
+    const LatticeStiffness stiff = pairwise_lattice_stiffness(plan.kernel, plan.support, plan.spacing);
+    if (std::max(std::abs(stiff.stretching - 1), std::abs(stiff.shear - 1)) > 0.05)
+        plan.warnings.push_back(fmt::format("on a lattice, viscosity along pairs is {:.2f} times as stiff as it should be in stretching and {:.2f} times in "
+                                            "shear with fluid.support = {:g}; take 4, or models.viscosity = \"full\"",
+                                            stiff.stretching, stiff.shear, plan.support / plan.spacing));
 }
 
 void choose_boundary(Plan& plan, const Scene& scene) {
@@ -69,6 +88,7 @@ void warn(Plan& plan, const Scene& scene, const SceneNumbers& n, const SceneShap
     if (plan.viscosity == ViscosityModel::explicit_laplacian && n.explicit_step < 0.2 * n.step)
         add(fmt::format("explicit viscosity needs steps of {:.3g} s where the flow allows {:.3g} s: models.viscosity = \"full\" may be faster",
                         n.explicit_step, n.step));
+    warn_of_lattice(plan, scene);
     if (n.across < 4) add(fmt::format("only {:.1f} particles across {}: details there are lost, take a smaller fluid.spacing", n.across, n.thinnest));
     if (plan.pressure == PressureModel::none) add("models.pressure is none: nothing keeps the particles apart");
     if (plan.pressure == PressureModel::wcsph && scene.pressure.background_pressure > 0 && n.free_surface)

@@ -94,7 +94,7 @@ KeyTable viscosity_keys() {
     t.key("laplacian", &ViscosityKeys::laplacian, "", "form of the Laplacian").only_with(model, {"explicit"});
     t.key("alpha", &ViscosityKeys::alpha, "", "part of the neighbours' mean velocity taken over a step").above(0).at_most(1).only_with(model, {"xsph"});
     t.key("correction", &ViscosityKeys::correction, "", "gradients exact for linear fields: a rigid rotation feels no viscosity")
-        .only_with(model, {"full", "full_assembled"});
+        .only_with(model, {"full"});
     return t;
 }
 

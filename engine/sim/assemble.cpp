@@ -9,8 +9,10 @@
 #include "engine/models/motion/motion.h"
 #include "engine/models/pressure/ppe.h"
 #include "engine/models/pressure/wcsph.h"
+#include "engine/models/viscosity/assembled.h"
 #include "engine/models/viscosity/explicit.h"
 #include "engine/models/viscosity/full.h"
+#include "engine/models/viscosity/pairwise.h"
 #include "engine/particles/search.h"
 #include "engine/sim/simulation.h"
 #include "engine/sph/density.h"
@@ -128,13 +130,7 @@ private:
         if (plan_.viscosity == ViscosityModel::explicit_laplacian) explicit_viscosity(solid_factor);
         stage("kick", "move", Kick{});
         if (plan_.viscosity == ViscosityModel::xsph) stage("XSPH", "viscosity", XsphViscosity{static_cast<Real>(scene_.viscosity.alpha)});
-        if (plan_.viscosity == ViscosityModel::full) {
-            FullViscosityOptions options;
-            options.limits = {scene_.viscosity.tolerance, scene_.viscosity.max_iterations};
-            options.correction = scene_.viscosity.correction;
-            options.solid_factor = solid_factor;
-            stage("full viscosity", "viscosity", FullViscosity(options));
-        }
+        implicit_viscosity(solid_factor);
         if (plan_.pressure == PressureModel::ppe) {
             PoissonPressureOptions options;
             options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
@@ -156,6 +152,29 @@ private:
         limit("viscous", "0.125 R^2 / (4 nu)", [R = plan_.support, nu = plan_.largest_viscosity / scene_.fluid.density](const World&) {
             return nu > 0 ? viscous_step(R, nu) : std::numeric_limits<double>::infinity();
         });
+    }
+
+    void implicit_viscosity(Real solid_factor) {
+        const SolveLimits limits{scene_.viscosity.tolerance, scene_.viscosity.max_iterations};
+        if (plan_.viscosity == ViscosityModel::full) {
+            FullViscosityOptions options;
+            options.limits = limits;
+            options.solid_factor = solid_factor;
+            if (scene_.viscosity.correction) stage("full viscosity", "viscosity", FullViscosity(options));
+            else stage("uncorrected viscosity", "viscosity", UncorrectedViscosity(options));
+        }
+        if (plan_.viscosity == ViscosityModel::full_assembled) {
+            AssembledViscosityOptions options;
+            options.limits = limits;
+            options.solid_factor = solid_factor;
+            stage("assembled viscosity", "viscosity", AssembledViscosity(options));
+        }
+        if (plan_.viscosity == ViscosityModel::pairwise) {
+            PairwiseViscosityOptions options;
+            options.limits = limits;
+            options.solid_factor = solid_factor;
+            stage("pairwise viscosity", "viscosity", PairwiseViscosity(options));
+        }
     }
 
     const Scene& scene_;

@@ -1,7 +1,7 @@
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <limits>
 
+#include "engine/core/parallel.h"
 #include "engine/models/boundary/wall.h"
 #include "engine/models/viscosity/full.h"
 
@@ -33,12 +33,14 @@ bool pseudo_inverse(const Mat3d& M, Mat3d& inverse, Mat3d& projection) {
 }  // namespace
 
 void ViscousOperator::set_up(const FullViscosityOptions& options, const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids,
-                             const SolidParticles& layer, const StepContext& step, Read<field::role> role, Read<field::viscosity> mu) {
+                             const SolidParticles& layer, const StepContext& step, Read<field::role> role, Read<field::viscosity> mu,
+                             Span<const Real> density) {
     const std::size_t n = at(mu.size());
     pairs_ = &pairs;
     solid_pairs_ = layer.size() > 0 ? &solid_pairs : nullptr;
     pair_.resize(pairs.other.size());
-    for (Column<Mat3>* all : {&M_, &P_, &block_inverse_}) all->resize(n);
+    corrected_ = options.correction;
+    M_.resize(n), P_.resize(n);
     K_.resize(n), c_.resize(n), free_.resize(n), whole_.resize(n), u_.resize(n), Q_.resize(n);
 
     touches_wall_ = false;
@@ -65,7 +67,12 @@ void ViscousOperator::set_up(const FullViscosityOptions& options, const FluidPai
             c_[at(i)] = 0;
             M_[at(i)] = P_[at(i)] = Mat3::Identity();
             whole_[at(i)] = 1;
-            if (!options.correction) return;
+            if (!options.correction) {
+                const Real compression = density.empty() ? 1 : density[at(i)] / step.rest_density;
+                M_[at(i)] /= compression;  // V_i/V
+                K_[at(i)] /= compression;  // dt mu V_i/m
+                return;
+            }
             Mat3d inverse, projection;
             whole_[at(i)] = pseudo_inverse(M, inverse, projection);
             M_[at(i)] = inverse.cast<Real>();
@@ -114,6 +121,7 @@ void ViscousOperator::set_up_blocks() {
         else B += K_[at(j)] * P_[at(j)] * S * P_[at(j)];
         return h.dot(g);
     };
+    Column<Mat3> blocks(K_.size());
     parallel_for(size(), [&](Index i) {
         Mat3 B = Mat3::Identity();
         Vec3 g = Vec3::Zero();
@@ -134,8 +142,9 @@ void ViscousOperator::set_up_blocks() {
         const Real seen = strain_block(i, g, B);
         diagonal += 2 * c_[at(i)] * std::max(Real(0), weight - seen);
         B.diagonal().array() += diagonal;
-        block_inverse_[at(i)] = B.inverse();
+        blocks[at(i)] = B;
     });
+    diagonal_.set(std::move(blocks), free_);
 }
 
 void ViscousOperator::load(Span<const Vec3> u, bool free_only) const {
@@ -217,10 +226,6 @@ void ViscousOperator::force(Span<const Vec3> u, Span<Vec3> y) const {
     load(u, false);
     strain(true);
     divergence(true, u, y);
-}
-
-void ViscousOperator::precondition(Span<const Vec3> r, Span<Vec3> z) const {
-    parallel_for(size(), [&](Index i) { z[at(i)] = free_[at(i)] ? Vec3(block_inverse_[at(i)] * r[at(i)]) : Vec3::Zero(); });
 }
 
 }  // namespace whorl

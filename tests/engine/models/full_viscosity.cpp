@@ -6,7 +6,7 @@
 
 #include "engine/models/boundary/wall.h"
 #include "engine/models/motion/motion.h"
-#include "tests/support/world.h"
+#include "tests/support/viscous_block.h"
 
 using namespace whorl;
 using namespace whorl::test;
@@ -14,22 +14,6 @@ using namespace whorl::test;
 namespace {
 
 constexpr double d = 0.1;
-
-Vec3 noise(Index i) { return Vec3(std::sin(Real(3 * i)), std::sin(Real(5 * i)), std::sin(Real(7 * i))); }
-
-/// A free block of fluid, its particles moved off the lattice, with viscosity from 1 to 7 times mu.
-TestWorld block(double mu, Real unevenness, std::vector<Stage> stages = {}, const Vec3& half = Vec3(Real(0.4), Real(0.3), Real(0.3))) {
-    TestWorld w(d, 2, Domain{Vec3(-2, -2, -2), Vec3(2, 2, 2), {}});
-    w.use(std::move(stages));
-    w.place(-half, half, mu);
-    auto x = w.column<field::position>();
-    auto viscosity = w.column<field::viscosity>();
-    for (std::size_t i = 0; i < x.size(); ++i) {
-        x[i] += unevenness * Real(d) * noise(static_cast<Index>(i));
-        viscosity[i] *= 1 + Real(i % 7);
-    }
-    return w;
-}
 
 ViscousOperator make_operator(TestWorld& w, Real dt, const FullViscosityOptions& options = {}) {
     w.find_pairs();
@@ -40,40 +24,29 @@ ViscousOperator make_operator(TestWorld& w, Real dt, const FullViscosityOptions&
     return A;
 }
 
-double inner(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
-    double sum = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) sum += a[i].cast<double>().dot(b[i].cast<double>());
-    return sum;
-}
-
 Stage full(FullViscosityOptions options = {}) { return make_stage("viscosity", "viscosity", FullViscosity(options)); }
 
 }  // namespace
 
 TEST_CASE("the viscous operator is symmetric and positive, with walls, uneven particles and uneven viscosity", "[viscosity]") {
     for (bool correction : {true, false}) {
-        TestWorld w = block(1000, Real(0.2));
+        TestWorld w = uneven_block(1000, Real(0.2));
         w.add_wall(1, +1, -0.32);
         FullViscosityOptions options;
         options.correction = correction;
         const ViscousOperator A = make_operator(w, Real(0.01), options);
+        CHECK(asymmetry(A) < 1e-6);
         const auto n = static_cast<std::size_t>(A.size());
-        std::vector<Vec3> u(n), v(n), Au(n), Av(n);
-        for (std::size_t i = 0; i < n; ++i) {
-            u[i] = noise(static_cast<Index>(2 * i + 1));
-            v[i] = noise(static_cast<Index>(11 * i + 4));
-        }
+        std::vector<Vec3> u(n), Au(n);
+        for (std::size_t i = 0; i < n; ++i) u[i] = noise(static_cast<Index>(2 * i + 1));
         A.multiply(u, Au);
-        A.multiply(v, Av);
-        const double scale = std::sqrt(inner(Au, Au) * inner(v, v));
-        CHECK(std::abs(inner(Au, v) - inner(Av, u)) < 1e-6 * scale);
         CHECK(inner(Au, u) > inner(u, u));
     }
 }
 
 TEST_CASE("a rigid motion feels no viscosity, even at a free surface, on a line, in a plane and for a pair", "[viscosity]") {
     for (const Vec3& half : {Vec3(0.4, 0.3, 0.3), Vec3(0.4, 0.05, 0.05), Vec3(0.3, 0.3, 0.05), Vec3(0.1, 0.05, 0.05), Vec3(0.05, 0.05, 0.05)}) {
-        TestWorld w = block(1000, half.minCoeff() > 0.1 ? Real(0.2) : Real(0), {}, half);
+        TestWorld w = uneven_block(1000, half.minCoeff() > 0.1 ? Real(0.2) : Real(0), {}, half);
         const ViscousOperator A = make_operator(w, Real(0.01));
         const auto x = w.column<field::position>();
         std::vector<Vec3> u(x.size()), Au(x.size());
@@ -86,7 +59,7 @@ TEST_CASE("a rigid motion feels no viscosity, even at a free surface, on a line,
 }
 
 TEST_CASE("the blocks of the preconditioner are the operator's own diagonal", "[viscosity]") {
-    TestWorld w = block(1000, Real(0.2), {}, Vec3(0.2, 0.2, 0.2));
+    TestWorld w = uneven_block(1000, Real(0.2), {}, Vec3(0.2, 0.2, 0.2));
     w.add_wall(1, +1, -0.22);
     const ViscousOperator A = make_operator(w, Real(0.01));
     const auto n = static_cast<std::size_t>(A.size());
@@ -108,7 +81,7 @@ TEST_CASE("implicit viscosity keeps momentum and angular momentum of a free body
     for (double mu : {1e-3, 1e3, 1e7}) {
         FullViscosityOptions options;
         options.limits = {1e-2, 500};
-        TestWorld w = block(mu, Real(0.2), {full(options)});
+        TestWorld w = uneven_block(mu, Real(0.2), {full(options)});
         auto u = w.column<field::velocity>();
         double scale = 0;
         for (std::size_t i = 0; i < u.size(); ++i) {

@@ -139,9 +139,25 @@ TEST_CASE("models that do not go together, or that this version does not have, a
           "--set models.viscosity=full: models.pressure = \"coupled\" solves for the viscosity itself; leave models.viscosity = \"full\" out, or choose "
           "another pressure; allowed: auto or none");
     CHECK(messages_with({"models.boundary=akinci"}).find("does not go with models.pressure = \"coupled\"") != std::string::npos);
-    CHECK(messages_with({"models.viscosity=pairwise", "models.pressure=ppe"}).find("not available in this version") != std::string::npos);
+    CHECK(messages_with({"models.viscosity=full_assembled", "models.pressure=ppe", "fluid.spacing=5e-4"}).find("would take") != std::string::npos);
     CHECK(messages_with({"fluid.surface_tension=0.07"}).find("surface tension is not available in this version") != std::string::npos);
     CHECK(messages_with({"boundary.gate=0.1"}).find("the gate at solids is not available in this version") != std::string::npos);
+}
+
+TEST_CASE("the plan of the assembled viscosity tells what its matrix takes", "[plan]") {
+    const Plan plan = plan_with({"models.viscosity=full_assembled", "models.pressure=ppe"});
+    // 251 lattice points nearer than four spacings, each nine numbers and an index.
+    CHECK(choice(plan, "viscosity matrix").reason.find(sizeof(Real) == 4 ? "10.0 kB a particle" : "19.1 kB a particle") != std::string::npos);
+}
+
+TEST_CASE("viscosity along pairs with few neighbours is warned of with its stiffness on a lattice", "[plan]") {
+    const auto warning = [](const std::string& support) {
+        std::string all;
+        for (const std::string& w : plan_with({"models.viscosity=pairwise", "models.pressure=ppe", "fluid.support=" + support}).warnings) all += w;
+        return all;
+    };
+    CHECK(warning("2").find("times as stiff") != std::string::npos);
+    CHECK(warning("4").find("times as stiff") == std::string::npos);
 }
 
 TEST_CASE("all that is impossible is told in one go", "[plan]") {

@@ -1,0 +1,62 @@
+#pragma once
+/// What every implicit viscosity shares: the solve of one step.
+#include "engine/math/solve.h"
+#include "engine/core/column.h"
+#include "engine/particles/field.h"
+#include "engine/particles/step.h"
+
+namespace whorl {
+
+namespace field {
+struct viscous_acceleration {
+    using type = Vec3;
+    static constexpr std::string_view name = "viscous_acceleration", unit = "m/s^2", meaning = "viscous force of the last step over the mass";
+};
+}  // namespace field
+
+/// The derivative of E(u) = sum_i m |u_i - u*_i|^2/2 + (viscous energy) at fixed positions, over m: symmetric and positive definite. Particles that are
+/// not free keep their velocity.
+class ImplicitOperator {
+public:
+    virtual ~ImplicitOperator() = default;
+    /// y = A u; particles that are not free take part with 0 and get 0.
+    virtual void multiply(Span<const Vec3> u, Span<Vec3> y) const = 0;
+    /// The velocities' share in (dE/du)/m, without u*: u - dt (viscous force)/m, walls and prescribed particles with their velocities.
+    virtual void force(Span<const Vec3> u, Span<Vec3> y) const = 0;
+    /// z is near A^-1 r; symmetric and positive definite on the free particles, 0 on the others.
+    virtual void precondition(Span<const Vec3> r, Span<Vec3> z) const = 0;
+    /// z = B^-1 r with the true 3x3 diagonal blocks B of A: what the residual is measured by.
+    virtual void divide_by_diagonal(Span<const Vec3> r, Span<Vec3> z) const = 0;
+    virtual bool touches_wall() const = 0;
+    /// Whether the rotation of a free body costs no energy.
+    virtual bool rotations_are_free() const = 0;
+};
+
+/// What the stage of an implicit viscosity was given.
+struct ImplicitStep {
+    const StepContext& step;
+    StepReport& report;
+    Read<field::role> role;
+    Read<field::position> x;
+    Update<field::velocity> u;
+    Update<field::viscous_acceleration> last;
+};
+
+/// u = argmin E, by conjugate gradients from u* + dt (last step's viscous acceleration). Where no solid and no prescribed particle takes part, momentum
+/// (and angular momentum, if rotations are free) is kept to round-off whatever the tolerance: the preconditioner works in the space without them.
+/// @param limits tolerance: sqrt(r.z), z = precondition(r), against sqrt(b.B^-1 b), b the velocities before the solve relative to their mean
+void solve_implicit(const ImplicitOperator& A, const SolveLimits& limits, const ImplicitStep& s);
+
+/// The inverse of the 3x3 diagonal blocks; z = B^-1 r for the free particles, 0 for the others.
+class BlockDiagonal {
+public:
+    /// @param B written: inverted in place
+    void set(Column<Mat3> B, std::vector<char> free);
+    void apply(Span<const Vec3> r, Span<Vec3> z) const;
+
+private:
+    Column<Mat3> inverse_;
+    std::vector<char> free_;
+};
+
+}  // namespace whorl

@@ -1,0 +1,127 @@
+#include "engine/models/viscosity/pairwise.h"
+
+#include <cmath>
+#include <limits>
+
+#include "engine/core/parallel.h"
+#include "engine/models/boundary/wall.h"
+
+namespace whorl {
+namespace {
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+/// 2 (d + 2) |W'(r)|/r / (r^2 + 0.01 h^2)
+template <class Kernel>
+Real pair_stiffness(const Kernel& kernel, Real support, Real distance) {
+    const Real softening = Real(0.01) * support * support / 4;
+    return -10 * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min()) / (distance * distance + softening);
+}
+
+}  // namespace
+
+void PairwiseOperator::set_up(const PairwiseViscosityOptions& options, const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids,
+                              const SolidParticles& layer, const StepContext& step, Read<field::role> role, Read<field::viscosity> mu) {
+    const std::size_t n = at(mu.size());
+    pairs_ = &pairs;
+    pair_.resize(pairs.other.size());
+    free_.resize(n);
+    wall_.clear(), wall_force_.clear();
+    const bool walls = layer.size() > 0;
+    if (walls) wall_.resize(n), wall_force_.resize(n);
+    const std::vector<char> slip = slips(solids);
+    const WallShear shear{step.spacing / 2};
+    Column<Mat3> blocks(n);
+    std::vector<char> touches(n, 0);
+    with_kernel(step.kernel, step.support, [&](const auto& kernel) {
+        parallel_for(mu.size(), [&](Index i) {
+            free_[at(i)] = role[i] == 0;
+            const Real own_mu = mu[i], scale = step.dt / step.rest_density;
+            Mat3 B = Mat3::Identity();
+            std::size_t k = pairs.first[at(i)];
+            pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
+                const Real both = own_mu + mu[j], mean = both > 0 ? 2 * own_mu * mu[j] / both : 0;
+                pair_[k] = std::sqrt(scale * step.volume * mean * pair_stiffness(kernel, step.support, distance)) * r;
+                B += pair_[k] * pair_[k].transpose();
+                ++k;
+            });
+            if (walls) {
+                Mat3 hold = Mat3::Zero();
+                Vec3 drag = Vec3::Zero();
+                solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+                    const std::size_t whose = at(layer.solid[at(s)]);
+                    if (slip[whose]) return;
+                    touches[at(i)] = 1;
+                    const Mat3 c = scale * options.solid_factor * layer.volume[at(s)] * own_mu * pair_stiffness(kernel, step.support, distance) * r *
+                                   r.transpose();
+                    const Real stretch = shear.stretch(r, layer.normal[at(s)]);
+                    // stretch (u_i - u_wall(x_i)) + (u_wall(x_i) - u_wall(x_s)), with the rigid motion of the solid u_wall
+                    const Vec3 here = solids.all[whose].pose.velocity_at(layer.position[at(s)] + r);
+                    hold += stretch * c;
+                    drag -= c * ((stretch - 1) * here + layer.velocity[at(s)]);
+                });
+                wall_[at(i)] = hold;
+                wall_force_[at(i)] = drag;
+                B += hold;
+            }
+            blocks[at(i)] = B;
+        });
+    });
+    touches_wall_ = parallel_sum(size(), [&](Index i) { return touches[at(i)]; }) > 0;
+    diagonal_.set(std::move(blocks), free_);
+}
+
+void PairwiseOperator::multiply(Span<const Vec3> u, Span<Vec3> y) const {
+    parallel_for(size(), [&](Index i) {
+        if (!free_[at(i)]) {
+            y[at(i)].setZero();
+            return;
+        }
+        const Vec3 own = u[at(i)];
+        Vec3 sum = own;
+        for (std::size_t k = pairs_->first[at(i)]; k < pairs_->first[at(i) + 1]; ++k) {
+            const std::size_t j = at(pairs_->other[k]);
+            sum += (free_[j] ? Vec3(own - u[j]) : own).dot(pair_[k]) * pair_[k];
+        }
+        if (!wall_.empty()) sum += wall_[at(i)] * own;
+        y[at(i)] = sum;
+    });
+}
+
+void PairwiseOperator::force(Span<const Vec3> u, Span<Vec3> y) const {
+    parallel_for(size(), [&](Index i) {
+        const Vec3 own = u[at(i)];
+        Vec3 sum = own;
+        for (std::size_t k = pairs_->first[at(i)]; k < pairs_->first[at(i) + 1]; ++k) sum += (own - u[at(pairs_->other[k])]).dot(pair_[k]) * pair_[k];
+        if (!wall_.empty()) sum += wall_[at(i)] * own + wall_force_[at(i)];
+        y[at(i)] = sum;
+    });
+}
+
+LatticeStiffness pairwise_lattice_stiffness(KernelKind kind, double support, double spacing) {
+    // Stiffness of a lattice with central forces, C_abcd = sum V w r_a r_b r_c r_d/2: C_xxxx and C_xxyy = C_xyxy. Exact: 3 mu and mu, so that stretching
+    // at constant volume, (C_xxxx - C_xxyy)/2, and shear, C_xyxy, both are mu.
+    return with_kernel(kind, static_cast<Real>(support), [&](const auto& kernel) {
+        const int reach = static_cast<int>(std::ceil(support / spacing));
+        double along = 0, across = 0;
+        for (int x = -reach; x <= reach; ++x)
+            for (int y = -reach; y <= reach; ++y)
+                for (int z = -reach; z <= reach; ++z) {
+                    if (x == 0 && y == 0 && z == 0) continue;
+                    const double r2 = spacing * spacing * (x * x + y * y + z * z);
+                    const double w = pair_stiffness(kernel, static_cast<Real>(support), static_cast<Real>(std::sqrt(r2))) / 2;
+                    along += w * std::pow(spacing, 7) * x * x * x * x;
+                    across += w * std::pow(spacing, 7) * x * x * y * y;
+                }
+        return LatticeStiffness{(along - across) / 2, across};
+    });
+}
+
+void PairwiseViscosity::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
+                                   const StepContext& step, StepReport& report, Read<field::role> role, Read<field::position> x,
+                                   Read<field::viscosity> mu, Update<field::velocity> u, Update<field::viscous_acceleration> last) {
+    operator_.set_up(options_, pairs, solid_pairs, solids, layer, step, role, mu);
+    solve_implicit(operator_, options_.limits, {step, report, role, x, u, last});
+}
+
+}  // namespace whorl
