@@ -6,9 +6,12 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "engine/core/parallel.h"
 #include "engine/sim/simulation.h"
 #include "tools/command.h"
+#include "tools/cost/estimate.h"
 #include "tools/options.h"
+#include "tools/run/progress.h"
 
 namespace whorl {
 namespace {
@@ -20,6 +23,8 @@ struct Preview {
     const Plan& plan;
     const Assembly& assembly;
     const World& world;
+    const Calibration& calibration;
+    const Estimate& cost;
 };
 
 std::size_t bytes_a_particle(const World& world) {
@@ -41,6 +46,39 @@ const StepLimit* binding(const Preview& p) {
     for (const StepLimit& limit : p.assembly.limits)
         if (!least || at_start(limit, p.world) < at_start(*least, p.world)) least = &limit;
     return least;
+}
+
+void print_cost(const Preview& p) {
+    const Estimate& e = p.cost;
+    fmt::print("\ncost on this machine with {} threads, from {:.0f} particles of the same models {}\n", threads(), p.calibration.particles,
+               p.calibration.kept ? "measured earlier" : "measured now");
+    fmt::print("  iterations             about {:.0f} a step\n", e.iterations);
+    fmt::print("  steps                  about {:.0f} a frame, of {:.3g} s\n", e.steps_a_frame, e.step);
+    fmt::print("  the last frame         {:.0f} ms: simulate {:.0f}", 1e3 * e.frame, 1e3 * e.simulate);
+    std::string parts;
+    for (const auto& [name, seconds] : e.stages)
+        if (seconds > 0.02 * e.simulate) parts += fmt::format("{}{} {:.0f}", parts.empty() ? "" : ", ", name, 1e3 * seconds);
+    fmt::print(" ({})", parts);
+    if (e.drawn) fmt::print("; CPU ms of surface {:.0f}, draw {:.0f}, write {:.0f}", 1e3 * e.surface, 1e3 * e.draw, 1e3 * e.write);
+    fmt::print("\n  the whole film         {} for {} frames{}\n", duration(e.film), e.frames, e.drawn ? "" : ", without pictures");
+    fmt::print("  memory                 {:.0f} MB, {:.0f} bytes a particle with neighbours and matrices\n", 1e-6 * e.memory, p.calibration.bytes_a_particle);
+}
+
+Json cost_json(const Preview& p) {
+    const Estimate& e = p.cost;
+    return {{"threads", threads()},
+            {"calibration_particles", p.calibration.particles},
+            {"step", e.step},
+            {"steps_per_frame", e.steps_a_frame},
+            {"iterations_per_step", e.iterations},
+            {"last_frame_seconds", e.frame},
+            {"last_frame_simulate_seconds", e.simulate},
+            {"last_frame_simulate_stages", e.stages},
+            {"last_frame_cpu_seconds", e.drawn ? Json{{"surface", e.surface}, {"draw", e.draw}, {"write", e.write}} : Json()},
+            {"film_seconds", e.film},
+            {"frames", e.frames},
+            {"memory_bytes", e.memory},
+            {"bytes_a_particle", p.calibration.bytes_a_particle}};
 }
 
 void print_text(const SceneFile& file, const Preview& p) {
@@ -73,6 +111,7 @@ void print_text(const SceneFile& file, const Preview& p) {
     }
     fmt::print("\nparticles                {} at the start, about {:.0f} at the end; fastest expected {:.3g} m/s\n", p.world.fluid.size(),
                p.plan.estimated_particles, p.plan.expected_speed);
+    print_cost(p);
     for (const std::string& warning : p.plan.warnings) fmt::print("warning: {}\n", warning);
 }
 
@@ -107,15 +146,19 @@ void print_json(const SceneFile& file, const Preview& p) {
                       {"particles_at_start", p.world.fluid.size()},
                       {"expected_particles", p.plan.estimated_particles},
                       {"expected_speed", p.plan.expected_speed},
+                      {"cost", cost_json(p)},
                       {"warnings", p.plan.warnings}};
     fmt::print("{}\n", all.dump(2));
 }
 
 int preview(const Options& options) {
+    set_threads(options.threads);
     const SceneFile file = read_scene_file(options);
     const Plan plan = make_plan(file.scene);
     const Simulation simulation(file.scene, plan);
-    const Preview p{plan, simulation.assembly(), simulation.world()};
+    const Calibration calibration = calibrate(file, plan);
+    const Estimate cost = estimate(file, plan, simulation, calibration);
+    const Preview p{plan, simulation.assembly(), simulation.world(), calibration, cost};
     options.json ? print_json(file, p) : print_text(file, p);
     return exit_done;
 }
@@ -124,9 +167,9 @@ int preview(const Options& options) {
 
 void add_plan(CLI::App& program, Job& chosen) {
     const auto options = std::make_shared<Options>();
-    CLI::App* app = program.add_subcommand("plan", "what would be modelled, why, and what it costs; runs and writes nothing");
+    CLI::App* app = program.add_subcommand("plan", "what would be modelled, why, and what it costs; the scene is not run");
     using O = Option;
-    add_options(*app, *options, {O::scene, O::set, O::until, O::fps, O::quality, O::seed, O::json});
+    add_options(*app, *options, {O::scene, O::set, O::until, O::size, O::fps, O::quality, O::no_video, O::no_images, O::threads, O::seed, O::json});
     app->footer(
         "Examples:\n"
         "  whorl plan honey_coil\n"

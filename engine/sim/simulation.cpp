@@ -28,6 +28,13 @@ T take(std::istream& in) {
     return value;
 }
 
+/// Calls f for each number of the totals, in the order in which a saved state holds them.
+template <class Totals, class F>
+void each_number(Totals& t, F&& f) {
+    f(t.steps), f(t.particle_steps), f(t.pressure_iterations), f(t.viscosity_iterations);
+    f(t.unconverged_solves), f(t.lost_particles), f(t.emitted_particles), f(t.last_step);
+}
+
 }  // namespace
 
 struct Simulation::State {
@@ -165,14 +172,13 @@ void Simulation::save(std::ostream& out) const {
     const State& s = *state_;
     WHORL_ASSERT(s.steps_since_landing == 0, "save() between landings");
     put(out, s.time);
-    put(out, s.totals.steps);
-    put(out, s.totals.particle_steps);
-    put(out, s.totals.pressure_iterations);
-    put(out, s.totals.viscosity_iterations);
-    put(out, s.totals.unconverged_solves);
-    put(out, s.totals.lost_particles);
-    put(out, s.totals.emitted_particles);
-    put(out, s.totals.last_step);
+    each_number(s.totals, [&](const auto& number) { put(out, number); });
+    put(out, s.totals.binding.size());
+    for (const auto& [limit, times] : s.totals.binding) {
+        put(out, limit.size());
+        out.write(limit.data(), static_cast<std::streamsize>(limit.size()));
+        put(out, times);
+    }
     put(out, s.world.fluid.size());
     for (const ParticleStore::Entry* entry : s.world.fluid.entries())
         if (entry->lasting)
@@ -185,14 +191,12 @@ void Simulation::load(std::istream& in) {
     State& s = *state_;
     s.time = take<double>(in);
     s.totals = {};
-    s.totals.steps = take<long>(in);
-    s.totals.particle_steps = take<double>(in);
-    s.totals.pressure_iterations = take<double>(in);
-    s.totals.viscosity_iterations = take<double>(in);
-    s.totals.unconverged_solves = take<long>(in);
-    s.totals.lost_particles = take<long>(in);
-    s.totals.emitted_particles = take<double>(in);
-    s.totals.last_step = take<double>(in);
+    each_number(s.totals, [&](auto& number) { number = take<std::remove_reference_t<decltype(number)>>(in); });
+    for (auto limits = take<std::size_t>(in); limits > 0; --limits) {
+        std::string limit(take<std::size_t>(in), ' ');
+        in.read(limit.data(), static_cast<std::streamsize>(limit.size()));
+        s.totals.binding[limit] = take<long>(in);
+    }
     s.world.fluid.resize(take<Index>(in));
     for (const ParticleStore::Entry* entry : s.world.fluid.entries())
         if (entry->lasting) {

@@ -171,6 +171,10 @@ TEST_CASE("a plan tells models with reasons, fields, stages in order and the lim
     int binding = 0;
     for (const auto& limit : json.at("limits")) binding += limit.at("binds").get<bool>();
     CHECK(binding == 1);
+    const auto& cost = json.at("cost");
+    CHECK(cost.at("iterations_per_step").get<double>() > 0);
+    CHECK(cost.at("film_seconds").get<double>() > cost.at("last_frame_seconds").get<double>());
+    CHECK(cost.at("bytes_a_particle").get<double>() > json.at("bytes_a_particle").get<double>());
     CHECK(whorl_in(folder, "plan s.toml").text.find("stages of a step, in order") != std::string::npos);
     CHECK(std::distance(fs::directory_iterator(folder), fs::directory_iterator()) == 1);
     fs::remove_all(folder);

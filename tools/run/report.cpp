@@ -56,6 +56,7 @@ nlohmann::ordered_json run_json(const Simulation& simulation, const RunReport& r
             {"converged", totals.unconverged_solves == 0},
             {"time_step_limits", totals.binding},
             {"wall_seconds", report.wall},
+            {"predicted_wall_seconds", report.predicted_wall > 0 ? Json(report.predicted_wall) : Json()},
             {"cpu_seconds", report.cpu},
             {"first_picture_seconds", report.first_picture},
             {"resumed", report.resumed},

@@ -14,6 +14,7 @@ struct RunReport {
     std::string message;             ///< why, where it is not done
     int frames = 0, frames_planned = 0;
     double wall = 0, cpu = 0;  ///< s, over all parts of the run
+    double predicted_wall = 0;  ///< s, for the whole run, before it began; 0: its costs were not known
     int resumed = 0;
     double first_picture = 0;  ///< s after the start of this part
     std::string gl_device, encoder;

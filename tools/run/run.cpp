@@ -16,6 +16,7 @@
 #include "engine/io/snapshot.h"
 #include "render/video/encoder.h"
 #include "tools/command.h"
+#include "tools/cost/estimate.h"
 #include "tools/run/film.h"
 #include "tools/run/interrupt.h"
 #include "tools/run/progress.h"
@@ -97,6 +98,7 @@ private:
     std::optional<Snapshots> snapshots_;
     RunTotals totals_at_row_;
     double saved_at_ = wall_seconds();
+    double predicted_ = 0;  ///< s, wall time of the whole run where costs were measured before (whorl plan); else 0
     InterruptGuard interrupt_;
     std::optional<Progress> progress_;
     std::optional<Film> film_;
@@ -116,6 +118,10 @@ Run::Run(const RunRequest& request, const Plan& plan)
     for (const std::string& warning : plan.warnings) log_->warn("{}", warning);
     progress_.emplace(first_, last_, request.quiet, request.json);
     for (const std::string& warning : plan.warnings) progress_->say("warning: " + warning);
+    if (const auto costs = find_calibration(request.file, plan); costs && !request.from && !request.frames) {
+        predicted_ = estimate(request.file, plan, simulation_, *costs).film;
+        progress_->say(fmt::format("about {} expected", duration(predicted_)));
+    }
     film_.emplace(film_options(request, first_ - 1));
     write_report("running", "");
 }
@@ -240,7 +246,7 @@ void Run::write_report(const std::string& status, const std::string& message) {
     report.status = status, report.message = message;
     report.frames = std::max(first_ - 1, film_->frames_written());
     report.frames_planned = last_;
-    report.wall = wall(), report.cpu = cpu(), report.resumed = resumed_;
+    report.wall = wall(), report.cpu = cpu(), report.resumed = resumed_, report.predicted_wall = predicted_;
     report.first_picture = film_->first_picture() > 0 ? film_->first_picture() - began_ : 0;
     report.gl_device = film_->device();
     static const std::string encoder = encoder_version();
@@ -273,7 +279,8 @@ int Run::conclude(const std::string& status, const std::string& message) {
     const std::string folder = folder_.path().string();
     if (status == "done") {
         const bool video = scene_.output.frames && scene_.output.video;
-        progress_->say(fmt::format("{} frames, {} in {}: {}", frames, status, duration(wall()), video ? folder + "/" + scene_.name + ".mp4" : folder));
+        const std::string expected = predicted_ > 0 ? fmt::format(" ({} expected)", duration(predicted_)) : "";
+        progress_->say(fmt::format("{} frames, {} in {}{}: {}", frames, status, duration(wall()), expected, video ? folder + "/" + scene_.name + ".mp4" : folder));
     }
     if (request_.json) {
         const nlohmann::ordered_json result{{"event", "result"},  {"status", status},

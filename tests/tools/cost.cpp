@@ -1,0 +1,67 @@
+#include "tools/cost/estimate.h"
+
+#include <catch2/catch.hpp>
+
+#include "tools/cost/sample.h"
+
+using namespace whorl;
+
+namespace {
+
+SceneFile shipped(const std::string& name, std::vector<std::string> set = {}) {
+    Options options;
+    options.scene = name;
+    options.set = std::move(set);
+    options.quality = "draft";
+    return read_scene_file(options);
+}
+
+const char* name_of(const Plan& plan, const std::string& key) {
+    for (const Choice& c : plan.choices)
+        if (c.key == key) return c.value.c_str();
+    return "";
+}
+
+/// Costs as another machine might have measured them.
+Calibration costs() {
+    Calibration c;
+    c.particles = 3000, c.iterations = 10, c.bytes_a_particle = 1000;
+    c.stages = {{"neighbours", 1e-6}, {"pressure", 4e-6}};
+    c.surface = 4e-6, c.draw = 0.1, c.write = 0.02;
+    return c;
+}
+
+}  // namespace
+
+TEST_CASE("the small scene that costs are measured on has the models, spacing and viscosity of the large one, and some thousand particles", "[cost]") {
+    for (const char* scene : {"honey_coil", "honey_ball", "dam_break", "rotating_drop"}) {
+        CAPTURE(scene);
+        const SceneFile file = shipped(scene);
+        const Plan plan = make_plan(file.scene);
+        const SceneFile sample = sample_of(file, plan);
+        const Plan same = make_plan(sample.scene);
+        for (const char* key : {"models.pressure", "models.viscosity", "models.boundary", "models.shifting", "fluid.kernel", "fluid.support"})
+            CHECK(std::string(name_of(same, key)) == name_of(plan, key));
+        CHECK(same.spacing == plan.spacing);
+        CHECK(same.largest_viscosity == Approx(plan.largest_viscosity));
+        Simulation simulation(sample.scene, same);
+        const auto particles = simulation.world().fluid.size();
+        CHECK(particles > 500);
+        CHECK(particles < 6000);
+        for (int k = 0; k < 3; ++k) CHECK_FALSE(simulation.step(sample.scene.time.end).diverged);
+    }
+}
+
+TEST_CASE("a finer spacing costs more steps and particles; a film that is poured costs less than its last frame many times over", "[cost]") {
+    const auto of = [&](const char* spacing) {
+        const SceneFile file = shipped("honey_coil", {std::string("fluid.spacing=") + spacing, "time.max_step=0.1"});
+        const Plan plan = make_plan(file.scene);
+        return estimate(file, plan, Simulation(file.scene, plan), costs());
+    };
+    const Estimate coarse = of("0.0025"), fine = of("0.00125");
+    CHECK(fine.simulate / coarse.simulate == Approx(16).epsilon(0.15));  // 8 times the particles, twice the steps (whole numbers a frame)
+    CHECK(fine.steps_a_frame > 1.7 * coarse.steps_a_frame);
+    CHECK(fine.memory > coarse.memory);
+    CHECK(coarse.film < coarse.frames * coarse.frame);
+    CHECK(coarse.film > 0.3 * coarse.frames * coarse.frame);
+}
