@@ -37,7 +37,7 @@ const char* name_of(Access access) { return access == Access::read ? "reads" : a
 
 /// What a limit says of the scene at its start [s]; infinite where it does not bind.
 double at_start(const StepLimit& limit, const World& world) {
-    const double dt = limit.dt(world);
+    const double dt = limit.dt(world, largest_speed(world));
     return dt > 0 ? dt : std::numeric_limits<double>::infinity();
 }
 

@@ -69,6 +69,20 @@ void warn_of_lattice(Plan& plan, const Scene& scene) {
                                             stiff.stretching, stiff.shear, plan.support / plan.spacing));
 }
 
+/// Particles come to rest with a viscosity of alpha = 0.1: nu = alpha c R/20. The fluid's own counts.
+void choose_artificial_viscosity(Plan& plan, const Scene& scene, const SceneNumbers& n) {
+    constexpr double enough = 0.1;
+    double own = 20 * n.nu / (plan.sound_speed * plan.support);
+    std::string reason = fmt::format("what the fluid's viscosity lacks to {:g}", enough);
+    if (plan.viscosity == ViscosityModel::none) own = 0, reason = "no viscosity of its own: particles come to rest";
+    if (plan.viscosity == ViscosityModel::xsph) own = enough, reason = "XSPH smooths";
+    if (plan.micropolar != MicropolarModel::none) own = enough, reason = "the micropolar model's own viscosity alone";
+    plan.artificial_viscosity = scene.pressure.artificial_viscosity.value_or(std::max(0.0, enough - own));
+    const bool automatic = !scene.pressure.artificial_viscosity;
+    plan.choices.push_back({"pressure.artificial_viscosity", fmt::format("{:.2g}", plan.artificial_viscosity), automatic,
+                            automatic ? reason : "as the scene says"});
+}
+
 void choose_boundary(Plan& plan, const Scene& scene) {
     BoundaryModel wanted = BoundaryModel::none;
     std::string reason = "no solids";
@@ -141,6 +155,7 @@ Plan make_plan(const Scene& scene) {
     }
     choose_viscosity(plan, scene, n, step);
     plan.micropolar = scene.models.micropolar;
+    if (plan.pressure == PressureModel::wcsph) choose_artificial_viscosity(plan, scene, n);
     if (plan.micropolar != MicropolarModel::none)
         plan.choices.push_back({"models.micropolar", name_of(plan.micropolar), false, "as the scene says"});
     choose_boundary(plan, scene);

@@ -22,6 +22,7 @@ struct Plan {
     KernelKind kernel = KernelKind::cubic;
     double expected_speed = 0;          ///< m/s: largest of the given speeds and of a free fall through the domain
     double sound_speed = 0;             ///< m/s, wcsph
+    double artificial_viscosity = 0;    ///< alpha, wcsph
     double largest_viscosity = 0;       ///< Pa s over blocks and emitters
     double estimated_particles = 0;     ///< at the end of the run
     std::vector<Choice> choices;

@@ -68,6 +68,8 @@ struct PressureKeys {
     double gamma = 7;            ///< exponent of Tait's equation, wcsph
     double background_pressure = 0;  ///< Pa, wcsph
     GradientForm gradient = GradientForm::symmetric;  ///< wcsph
+    double sound_damping = 1;    ///< bulk viscosity over rho c R/2, wcsph
+    std::optional<double> artificial_viscosity;  ///< alpha, shear viscosity over rho c R/20, wcsph; none: "auto" (Plan::artificial_viscosity)
 };
 
 struct ViscosityKeys {

@@ -81,6 +81,15 @@ KeyTable pressure_keys() {
     t.key("background_pressure", &PressureKeys::background_pressure, "Pa", "0 wherever there is a free surface")
         .at_least(0)
         .only_with(model, {"wcsph"});
+    t.key("sound_damping", &PressureKeys::sound_damping, "", "bulk viscosity over density, sound speed and half the kernel radius; 0: sound rings on")
+        .at_least(0)
+        .at_most(2)
+        .only_with(model, {"wcsph"});
+    t.key("artificial_viscosity", &PressureKeys::artificial_viscosity, "",
+          "viscosity over density, sound speed and a twentieth of the kernel radius; auto: what the fluid's own lacks to 0.1, 0 with xsph and micropolar")
+        .at_least(0)
+        .at_most(2)
+        .only_with(model, {"wcsph"});
     t.key("gradient", &PressureKeys::gradient, "", "form of the pressure gradient").only_with(model, {"wcsph"});
     return t;
 }

@@ -2,7 +2,6 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/core/parallel.h"
 #include "engine/models/boundary/keep_outside.h"
 #include "engine/models/boundary/wall.h"
 #include "engine/models/coupled/system.h"
@@ -19,11 +18,6 @@
 
 namespace whorl {
 namespace {
-
-double largest_speed(const World& w) {
-    const auto u = w.fluid.column<field::velocity>();
-    return std::sqrt(parallel_max(w.fluid.size(), 0, [&](Index i) { return u[static_cast<std::size_t>(i)].squaredNorm(); }));
-}
 
 /// Fluid and solid neighbours of the models with one support radius.
 Stage neighbours() {
@@ -53,7 +47,7 @@ public:
     Assembler(const Scene& scene, const Plan& plan) : scene_(scene), plan_(plan) {}
 
     Assembly assemble() {
-        limit("max_step", number(scene_.time.max_step) + " s", [most = scene_.time.max_step](const World&) { return most; });
+        limit("max_step", number(scene_.time.max_step) + " s", [most = scene_.time.max_step](const World&, double) { return most; });
         flow_limits();
         if (plan_.pressure == PressureModel::coupled) coupled();
         else apart();
@@ -65,7 +59,7 @@ private:
     void stage(const char* name, const char* group, S s) {
         made_.stages.push_back(make_stage(name, group, std::move(s)));
     }
-    void limit(std::string name, std::string formula, std::function<double(const World&)> dt) {
+    void limit(std::string name, std::string formula, std::function<double(const World&, double)> dt) {
         made_.limits.push_back({std::move(name), std::move(formula), std::move(dt)});
     }
     static std::string number(double value) { return Expression(value).text(); }
@@ -73,20 +67,19 @@ private:
     /// No particle moves by more than cfl spacings, whether by its speed or by falling from rest; nor does a solid.
     void flow_limits() {
         const double cfl = scene_.time.cfl, d = plan_.spacing;
-        limit("cfl", number(cfl) + " d / max |u|", [=](const World& w) {
-            double speed = largest_speed(w);
+        limit("cfl", number(cfl) + " d / max |u|", [=](const World& w, double speed) {
             for (const Vec3& u : w.solid_particles.velocity) speed = std::max(speed, static_cast<double>(u.norm()));
             for (const Solid& s : w.solids.all) speed = std::max(speed, static_cast<double>(s.pose.velocity.norm()));
             return speed > 0 ? cfl * d / speed : std::numeric_limits<double>::infinity();
         });
-        limit("gravity", "sqrt(2 " + number(cfl) + " d / g)", [=](const World& w) {
+        limit("gravity", "sqrt(2 " + number(cfl) + " d / g)", [=](const World& w, double) {
             const double g = w.step.gravity.norm();
             return g > 0 ? std::sqrt(2 * cfl * d / g) : std::numeric_limits<double>::infinity();
         });
         if (scene_.emitters.empty()) return;
         std::vector<Expression> speeds;
         for (const EmitterKeys& e : scene_.emitters) speeds.push_back(e.speed);
-        limit("emitter", number(cfl) + " d / emitter speed", [=](const World& w) {
+        limit("emitter", number(cfl) + " d / emitter speed", [=](const World& w, double) {
             double speed = 0;
             for (const Expression& s : speeds) speed = std::max(speed, 2 * std::abs(s(w.step.time)));
             return speed > 0 ? 2 * cfl * d / speed : std::numeric_limits<double>::infinity();
@@ -119,13 +112,20 @@ private:
         tait.background_pressure = scene_.pressure.background_pressure;
         tait.difference_gradient = scene_.pressure.gradient == GradientForm::difference;
         tait.solid_factor = solid_factor;
+        tait.sound_damping = scene_.pressure.sound_damping;
+        tait.artificial_viscosity = plan_.artificial_viscosity;
         const bool wcsph = plan_.pressure == PressureModel::wcsph;
         if (wcsph) stage("Tait's equation", "pressure", TaitPressure{tait});
+        if (wcsph && tait.sound_damping > 0) stage("sound damping", "pressure", SoundDamping{tait});
         stage("gravity", "move", Gravity{});
         if (wcsph) {
             stage("pressure acceleration", "pressure", PressureAcceleration{tait});
+            if (tait.artificial_viscosity > 0) stage("artificial viscosity", "pressure", ArtificialViscosity{tait});
             limit("sound", number(scene_.time.cfl) + " R/2 / (c + max |u|)",
-                  [cfl = scene_.time.cfl, R = plan_.support, c = plan_.sound_speed](const World& w) { return sound_step(cfl, R, c, largest_speed(w)); });
+                  [cfl = scene_.time.cfl, R = plan_.support, c = plan_.sound_speed](const World&, double fastest) { return sound_step(cfl, R, c, fastest); });
+            if (tait.sound_damping > 0)
+                limit("sound damping", "0.6 R/2 / (sound_damping c)",
+                      [dt = sound_damping_step(plan_.support, tait.sound_speed, tait.sound_damping)](const World&, double) { return dt; });
         }
         if (plan_.viscosity == ViscosityModel::explicit_laplacian) explicit_viscosity(solid_factor);
         stage("kick", "move", Kick{});
@@ -149,7 +149,7 @@ private:
         options.monaghan = scene_.viscosity.laplacian == LaplacianForm::monaghan;
         options.solid_factor = solid_factor;
         stage("explicit viscosity", "viscosity", ExplicitViscosity{options});
-        limit("viscous", "0.125 R^2 / (4 nu)", [R = plan_.support, nu = plan_.largest_viscosity / scene_.fluid.density](const World&) {
+        limit("viscous", "0.125 R^2 / (4 nu)", [R = plan_.support, nu = plan_.largest_viscosity / scene_.fluid.density](const World&, double) {
             return nu > 0 ? viscous_step(R, nu) : std::numeric_limits<double>::infinity();
         });
     }

@@ -1,6 +1,7 @@
 #include "engine/sim/simulation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <istream>
 #include <ostream>
 
@@ -37,6 +38,11 @@ void each_number(Totals& t, F&& f) {
 
 }  // namespace
 
+double largest_speed(const World& world) {
+    const auto u = world.fluid.column<field::velocity>();
+    return std::sqrt(parallel_max(world.fluid.size(), 0, [&](Index i) { return u[static_cast<std::size_t>(i)].squaredNorm(); }));
+}
+
 struct Simulation::State {
     Scene scene;
     Plan plan;
@@ -66,8 +72,9 @@ struct Simulation::State {
     double choose_step(double until) {
         const StepLimit* binding = nullptr;
         double wanted = until - time;
+        const double fastest = largest_speed(world);
         for (const StepLimit& limit : assembly.limits) {
-            const double dt = limit.dt(world);
+            const double dt = limit.dt(world, fastest);
             if (dt < wanted) wanted = dt, binding = &limit;
         }
         const double dt = landing_step(wanted, until - time);

@@ -11,10 +11,13 @@ namespace whorl {
 
 /// A bound on the time step that one of the chosen models sets.
 struct StepLimit {
-    std::string name;                        ///< "cfl", "viscous", "sound", "max_step", ...
-    std::string formula;                     ///< for the plan: "0.4 d / max |u|"
-    std::function<double(const World&)> dt;  ///< s
+    std::string name;     ///< "cfl", "viscous", "sound", "max_step", ...
+    std::string formula;  ///< for the plan: "0.4 d / max |u|"
+    std::function<double(const World&, double fastest)> dt;  ///< s; fastest: largest_speed() of the fluid, found once for all limits
 };
+
+/// max |u| of the fluid [m/s].
+double largest_speed(const World& world);
 
 /// What a step consists of.
 struct Assembly {

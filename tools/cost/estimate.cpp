@@ -35,8 +35,9 @@ double usual_speed(const Scene& scene, const Plan& plan) {
 double usual_step(const Scene& scene, const Plan& plan, const Simulation& simulation) {
     const double speed = usual_speed(scene, plan);
     double dt = speed > 0 ? scene.time.cfl * plan.spacing / speed : scene.time.max_step;
+    const double fastest = largest_speed(simulation.world());
     for (const StepLimit& limit : simulation.assembly().limits)
-        if (const double at_start = limit.dt(simulation.world()); at_start > 0) dt = std::min(dt, at_start);
+        if (const double at_start = limit.dt(simulation.world(), fastest); at_start > 0) dt = std::min(dt, at_start);
     return std::min(dt, scene.time.frame_interval());
 }
 

@@ -1,11 +1,21 @@
 #include "engine/models/pressure/wcsph.h"
 
 #include <cmath>
+#include <limits>
 
 #include "engine/core/parallel.h"
-#include "engine/models/pressure/wall_pressure.h"
+#include "engine/models/boundary/wall.h"
 
 namespace whorl {
+namespace {
+
+/// W'(r)/r
+template <class Kernel>
+Real slope_over_distance(const Kernel& kernel, Real distance) {
+    return kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
+}
+
+}  // namespace
 
 void TaitPressure::operator()(const StepContext& step, Read<field::density> rho, Write<field::pressure> p) const {
     const double rho_0 = step.rest_density, c0 = options.sound_speed;
@@ -13,6 +23,53 @@ void TaitPressure::operator()(const StepContext& step, Read<field::density> rho,
     const auto gamma = static_cast<Real>(options.gamma), p0 = static_cast<Real>(options.background_pressure);
     parallel_for(p.size(), [&](Index i) {
         p[i] = std::max(stiffness * (std::pow(rho[i] / step.rest_density, gamma) - 1) + p0, Real(0));
+    });
+}
+
+void SoundDamping::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, const StepContext& step,
+                              Read<field::velocity> u, Update<field::pressure> p) const {
+    const auto zeta = static_cast<Real>(options.sound_damping * options.sound_speed * step.support / 2);
+    with_kernel(step.kernel, step.support, [&](const auto& kernel) {
+        parallel_for(p.size(), [&](Index i) {
+            const Vec3 own = u[i];
+            Real rate = 0;  // D rho/D t
+            pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
+                rate += step.mass * slope_over_distance(kernel, distance) * (own - u[j]).dot(r);
+            });
+            if (solid.size() > 0)
+                solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+                    const auto k = static_cast<std::size_t>(s);
+                    const Real mass = step.rest_density * options.solid_factor * solid.volume[k];
+                    rate += mass * slope_over_distance(kernel, distance) * (own - solid.velocity[k]).dot(r);
+                });
+            p[i] = std::max(p[i] + zeta * rate, Real(0));
+        });
+    });
+}
+
+void ArtificialViscosity::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
+                                     const StepContext& step, Read<field::density> rho, Read<field::velocity> u,
+                                     Update<field::acceleration> a) const {
+    const Real h = step.support / 2, strength = static_cast<Real>(options.artificial_viscosity * options.sound_speed) * h;
+    const Real softening = Real(0.01) * h * h;
+    const std::vector<char> slip = slips(solids);
+    with_kernel(step.kernel, step.support, [&](const auto& kernel) {
+        // (u_ij . r_ij)/(r^2 + 0.01 h^2) grad W_ij
+        const auto along = [&](const Vec3& u_ij, const Vec3& r, Real distance) {
+            return Vec3(u_ij.dot(r) / (distance * distance + softening) * slope_over_distance(kernel, distance) * r);
+        };
+        parallel_for(a.size(), [&](Index i) {
+            const Vec3 own = u[i];
+            Vec3 sum = Vec3::Zero();
+            pairs.of(i, [&](Index j, const Vec3& r, Real distance) { sum += 2 * step.mass / (rho[i] + rho[j]) * along(own - u[j], r, distance); });
+            if (layer.size() > 0)
+                solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+                    const auto k = static_cast<std::size_t>(s);
+                    if (slip[static_cast<std::size_t>(layer.solid[k])]) return;
+                    sum += options.solid_factor * layer.volume[k] * along(own - layer.velocity[k], r, distance);
+                });
+            a[i] += strength * sum;
+        });
     });
 }
 
@@ -25,9 +82,8 @@ void add_pressure(const Kernel& kernel, const FluidPairs& pairs, const StepConte
         const Real own = p[i] / (rho[i] * rho[i]);
         Vec3 sum = Vec3::Zero();
         pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-            const Real slope = kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
             const Real push = difference ? (p[j] - p[i]) / (rho[i] * rho[j]) : own + p[j] / (rho[j] * rho[j]);
-            sum += push * slope * r;
+            sum += push * slope_over_distance(kernel, distance) * r;
         });
         a[i] -= step.mass * sum;
     });
@@ -43,12 +99,19 @@ void PressureAcceleration::operator()(const FluidPairs& pairs, const SolidPairs&
         if (solid.size() == 0) return;
         parallel_for(a.size(), [&](Index i) {
             if (!(p[i] > 0)) return;
+            Vec3 push = Vec3::Zero();
+            solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+                const Real both = std::max(Real(0), 2 * p[i] - step.rest_density * step.gravity.dot(r));
+                push += both * solid.volume[static_cast<std::size_t>(s)] * slope_over_distance(kernel, distance) * r;
+            });
             // Both halves of the symmetric form, rho_s = rho_0 and rho_i near it.
-            a[i] -= step.rest_density / (rho[i] * rho[i]) * wall_push(kernel, i, solid_pairs, solid, step, options.solid_factor, p[i]);
+            a[i] -= step.rest_density * options.solid_factor / (rho[i] * rho[i]) * push;
         });
     });
 }
 
 double sound_step(double cfl, double support, double sound_speed, double max_speed) { return cfl * (support / 2) / (sound_speed + max_speed); }
+
+double sound_damping_step(double support, double sound_speed, double sound_damping) { return 0.6 * (support / 2) / (sound_damping * sound_speed); }
 
 }  // namespace whorl

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "engine/core/random.h"
 #include "engine/models/boundary/wall.h"
 #include "engine/models/motion/motion.h"
 #include "engine/models/pressure/ppe.h"
@@ -20,7 +21,8 @@ constexpr double d = 0.01, g = 9.81, rho_0 = 1000;
 struct Setting {
     bool wcsph = false;
     double sound_speed = 0;
-    Real smoothing = 0;  ///< XSPH, settles the particles
+    Real smoothing = 0;  ///< XSPH, settles the particles of ppe
+    bool damped = true;  ///< wcsph: with the two dampers as scenes have them
 };
 
 std::vector<Stage> stages_of(const Setting& s) {
@@ -28,10 +30,14 @@ std::vector<Stage> stages_of(const Setting& s) {
     WeaklyCompressible tait;
     tait.sound_speed = s.sound_speed;
     tait.solid_factor = factor;
+    tait.sound_damping = s.damped ? 1 : 0;
+    tait.artificial_viscosity = s.damped ? 0.1 : 0;
     std::vector<Stage> all{make_stage("density", "density", Density{factor})};
     if (s.wcsph) all.push_back(make_stage("tait", "pressure", TaitPressure{tait}));
+    if (s.wcsph && s.damped) all.push_back(make_stage("sound damping", "pressure", SoundDamping{tait}));
     all.push_back(make_stage("gravity", "move", Gravity{}));
     if (s.wcsph) all.push_back(make_stage("pressure", "pressure", PressureAcceleration{tait}));
+    if (s.wcsph && s.damped) all.push_back(make_stage("artificial viscosity", "pressure", ArtificialViscosity{tait}));
     all.push_back(make_stage("kick", "move", Kick{}));
     if (s.smoothing > 0) all.push_back(make_stage("xsph", "viscosity", XsphViscosity{s.smoothing}));
     if (!s.wcsph) {
@@ -59,23 +65,27 @@ double bottom_pressure(TestWorld& w, int layers) {
 }  // namespace
 
 TEST_CASE("the pressure at the bottom of a column of 30 layers is its weight within 2 %, with both pressure models", "[validation][pressure]") {
-    // The surface costs wcsph half a layer (the kernel sum falls short there and p is clamped at 0): 1.6 % of 30.
     const int layers = 30;
     const double H = layers * d;
-    for (bool wcsph : {false, true}) {
-        INFO((wcsph ? "wcsph" : "ppe"));
+    // The lattice is no stable packing: it melts when round-off has grown enough, wcsph up to 0.9 s after the start. A start with the particles
+    // moved by up to 0.05 d melts at once.
+    for (const auto& [wcsph, jitter] : {std::pair{false, 0.0}, {true, 0.0}, {true, 0.05}}) {
+        INFO((wcsph ? "wcsph" : "ppe") << ", jitter " << jitter << " d");
         Setting s;
         s.wcsph = wcsph;
         s.sound_speed = 10 * std::sqrt(2 * g * H);
-        s.smoothing = wcsph ? Real(0.05) : Real(0.1);
+        s.smoothing = wcsph ? Real(0) : Real(0.1);
         TestWorld w(d, 2, Domain{Vec3::Zero(), Vec3(Real(6 * d), Real(2 * H), Real(6 * d)), {true, false, true}});
         w.use(stages_of(s));
         w.world.step.gravity = Vec3(0, Real(-g), 0);
         w.add_wall(1, +1, 0);
         w.place(Vec3::Zero(), Vec3(Real(6 * d), Real(H), Real(6 * d)));
+        RandomNumbers random(1);
+        for (Vec3& x : w.column<field::position>())
+            for (int a = 0; a < 3; ++a) x[a] += static_cast<Real>(jitter * d * (2 * random() - 1));
         const double dt = wcsph ? sound_step(0.4, 2 * d, s.sound_speed, 0.1) : 1e-3;
-        // Settle, then the mean over 0.2 s: single steps scatter by 2 to 4 % (ppe), sound goes to and fro (wcsph).
-        const int settle = static_cast<int>(0.6 / dt), average = static_cast<int>(0.2 / dt);
+        // Settle, then the mean over 0.2 s: single steps of ppe scatter by 2 to 4 %.
+        const int settle = static_cast<int>((wcsph ? 1.0 : 0.6) / dt), average = static_cast<int>(0.2 / dt);
         for (int k = 0; k < settle; ++k) w.step(dt);
         double mean = 0;
         for (int k = 0; k < average; ++k) {
@@ -83,7 +93,7 @@ TEST_CASE("the pressure at the bottom of a column of 30 layers is its weight wit
             mean += bottom_pressure(w, layers) / average;
         }
         CHECK(mean == Approx(1).epsilon(0.02));
-        CHECK(w.max_speed() < 0.02 * std::sqrt(2 * g * H));
+        CHECK(w.max_speed() < (wcsph ? 0.01 : 0.02) * std::sqrt(2 * g * H));
     }
 }
 

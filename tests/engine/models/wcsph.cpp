@@ -1,0 +1,127 @@
+/// The weakly compressible pressure's forces, one application each.
+#include "engine/models/pressure/wcsph.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "engine/core/random.h"
+#include "engine/models/boundary/wall.h"
+#include "engine/models/motion/motion.h"
+#include "engine/sph/density.h"
+#include "tests/support/world.h"
+
+using namespace whorl;
+using namespace whorl::test;
+
+namespace {
+
+constexpr double d = 0.01, g = 9.81, rho_0 = 1000;
+
+/// Sets the pressure, in place of Tait's equation.
+struct GivenPressure {
+    std::function<double(const Vec3&)> value;
+    void operator()(Read<field::position> x, Write<field::pressure> p) const {
+        for (Index i = 0; i < p.size(); ++i) p[i] = static_cast<Real>(value(x[i]));
+    }
+};
+
+/// A free ball of jittered particles with the velocities u(x) [m/s]; a step of dt = 0 leaves the accelerations of the stages.
+TestWorld ball(const WeaklyCompressible& options, const std::function<Vec3(const Vec3&)>& u) {
+    TestWorld w(d, 2, Domain{Vec3(-1, -1, -1), Vec3(1, 1, 1), {}});
+    std::vector<Stage> stages{make_stage("density", "density", Density{}), make_stage("given", "pressure", GivenPressure{[](const Vec3&) { return 1e5; }}),
+                              make_stage("gravity", "move", Gravity{})};
+    if (options.sound_damping > 0) stages.insert(stages.begin() + 2, make_stage("sound damping", "pressure", SoundDamping{options}));
+    stages.push_back(make_stage("pressure", "pressure", PressureAcceleration{options}));
+    if (options.artificial_viscosity > 0) stages.push_back(make_stage("artificial viscosity", "pressure", ArtificialViscosity{options}));
+    w.use(std::move(stages));
+    w.place(Vec3::Constant(Real(-4 * d)), Vec3::Constant(Real(4 * d)));
+    RandomNumbers random(7);
+    const auto x = w.column<field::position>();
+    for (Vec3& one : x)
+        for (int a = 0; a < 3; ++a) one[a] += static_cast<Real>(0.2 * d * (2 * random() - 1));
+    const auto v = w.column<field::velocity>();
+    for (std::size_t i = 0; i < x.size(); ++i) v[i] = u(x[i]);
+    w.step(0);
+    return w;
+}
+
+/// What the dampers add (the other forces do not look at the velocities): sums over the particles.
+struct Effect {
+    Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();
+    double power = 0, size = 0;  ///< W; sum |m a| [N]
+};
+
+Effect effect_of(WeaklyCompressible dampers, const std::function<Vec3(const Vec3&)>& u) {
+    dampers.sound_speed = 10;
+    WeaklyCompressible bare = dampers;
+    bare.sound_damping = bare.artificial_viscosity = 0;
+    TestWorld with = ball(dampers, u), without = ball(bare, u);
+    const auto x = with.column<field::position>(), v = with.column<field::velocity>();
+    const auto a = with.column<field::acceleration>(), b = without.column<field::acceleration>();
+    Effect e;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        const Vec3d f = static_cast<double>(with.world.step.mass) * (a[i].cast<double>() - b[i].cast<double>());
+        e.force += f;
+        e.torque += x[i].cast<double>().cross(f);
+        e.power += f.dot(v[i].cast<double>());
+        e.size += f.norm();
+    }
+    return e;
+}
+
+WeaklyCompressible damper(bool sound) {
+    WeaklyCompressible options;
+    (sound ? options.sound_damping : options.artificial_viscosity) = 1;
+    return options;
+}
+
+}  // namespace
+
+TEST_CASE("sound damping and artificial viscosity take energy and leave momentum and angular momentum alone", "[wcsph]") {
+    for (const bool sound : {true, false}) {
+        INFO((sound ? "sound damping" : "artificial viscosity"));
+        RandomNumbers random(3);
+        const auto component = [&] { return static_cast<Real>(random() - 0.5); };
+        const Effect e = effect_of(damper(sound), [&](const Vec3&) { return Vec3(component(), component(), component()); });
+        CHECK(e.power < -1e-3 * e.size);
+        // Differences of two sums in float: each acceleration carries round-off of its pressure part.
+        CHECK(e.force.norm() < 1e-4 * e.size);
+        CHECK(e.torque.norm() < 1e-4 * e.size * 4 * d);
+    }
+}
+
+TEST_CASE("a ball that flies and turns as one feels neither sound damping nor artificial viscosity", "[wcsph]") {
+    const Vec3 flight(1, 2, 3), turn(4, -5, 6);
+    for (const bool sound : {true, false}) {
+        const Effect rigid = effect_of(damper(sound), [&](const Vec3& x) { return Vec3(flight + turn.cross(x)); });
+        const Effect growing = effect_of(damper(sound), [&](const Vec3& x) { return Vec3(8 * x); });
+        CHECK(rigid.size < 1e-3 * growing.size);
+    }
+}
+
+TEST_CASE("water beside a vertical wall is carried by the whole pressure gradient, as it is far from the wall", "[wcsph]") {
+    const double H = 12 * d;
+    WeaklyCompressible options;
+    options.sound_speed = 10;
+    options.solid_factor = continued_lattice_factor(KernelKind::cubic, Real(2 * d), Real(d));
+    TestWorld w(d, 2, Domain{Vec3::Zero(), Vec3(Real(12 * d), Real(H), Real(6 * d)), {false, false, true}});
+    w.use({make_stage("density", "density", Density{options.solid_factor}),
+           make_stage("given", "pressure", GivenPressure{[&](const Vec3& x) { return rho_0 * g * (H - x.y()); }}), make_stage("gravity", "move", Gravity{}),
+           make_stage("pressure", "pressure", PressureAcceleration{options})});
+    w.world.step.gravity = Vec3(0, Real(-g), 0);
+    w.add_wall(0, +1, 0);
+    w.place(Vec3::Zero(), Vec3(Real(12 * d), Real(H), Real(6 * d)));
+    w.step(0);
+    const auto x = w.column<field::position>(), a = w.column<field::acceleration>();
+    double beside = 0, far = 0, sideways = 0;
+    int count_beside = 0, count_far = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        if (std::abs(x[i].y() - H / 2) > 2 * d) continue;
+        if (x[i].x() < d) beside += a[i].y() + g, sideways += a[i].x(), ++count_beside;
+        if (std::abs(x[i].x() - 6 * d) < d) far += a[i].y() + g, ++count_far;
+    }
+    // A lattice feels a linear pressure 1.02 times; the layer of the wall stands for two of the lattice, but for what the second would add along it.
+    CHECK(far / count_far == Approx(g * lattice_second_moment(KernelKind::cubic, Real(2 * d), Real(d)) / 3).epsilon(2e-3));
+    CHECK(beside / count_beside == Approx(far / count_far).epsilon(0.05));
+    CHECK(std::abs(sideways / count_beside) < 0.05 * g);
+}
