@@ -83,7 +83,7 @@ Json cost_json(const Preview& p) {
 
 void print_text(const SceneFile& file, const Preview& p) {
     fmt::print("{}: {:g} s, a frame every {:.4g} s\n\nmodels\n", file.scene.name, file.scene.time.end, file.scene.time.frame_interval());
-    for (const Choice& c : p.plan.choices) fmt::print("  {:<22} {:<12} {}{}\n", c.key, c.value, c.automatic ? "auto: " : "", c.reason);
+    for (const Choice& c : p.plan.choices) fmt::print("  {:<29} {:<12} {}{}\n", c.key, c.value, c.automatic ? "auto: " : "", c.reason);
 
     fmt::print("\nfields, {} bytes a particle\n", bytes_a_particle(p.world));
     for (const ParticleStore::Entry* e : p.world.fluid.entries())
