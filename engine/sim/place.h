@@ -11,7 +11,7 @@ void place_constants(const Scene& scene, const Plan& plan, World& world);
 /// Solids at t = 0, with their particles where the plan's boundary model wants any.
 void place_solids(const Scene& scene, const Plan& plan, World& world);
 /// Fluid of the blocks; columns must be declared. @throws InputError where a block holds no particle or overlaps another
-void place_blocks(const Scene& scene, World& world);
+void place_blocks(const Scene& scene, const Plan& plan, World& world);
 /// Viscosity of the particles from `first` on, which have just come in; nothing where no model asks for it. @param time s
 void set_viscosity(const Scene& scene, World& world, Index first, double time);
 std::vector<Emitter> make_emitters(const Scene& scene, const Plan& plan);

@@ -62,7 +62,7 @@ struct Simulation::State {
         world.fluid.declare(field_info<field::role>(), true);
         place_constants(scene, plan, world);
         place_solids(scene, plan, world);
-        place_blocks(scene, world);
+        place_blocks(scene, plan, world);
         emitters = make_emitters(scene, plan);
         set_gravity();
     }

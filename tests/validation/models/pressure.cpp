@@ -67,9 +67,9 @@ double bottom_pressure(TestWorld& w, int layers) {
 TEST_CASE("the pressure at the bottom of a column of 30 layers is its weight within 2 %, with both pressure models", "[validation][pressure]") {
     const int layers = 30;
     const double H = layers * d;
-    // The lattice is no stable packing: it melts when round-off has grown enough, wcsph up to 0.9 s after the start. A start with the particles
-    // moved by up to 0.05 d melts at once.
-    for (const auto& [wcsph, jitter] : {std::pair{false, 0.0}, {true, 0.0}, {true, 0.05}}) {
+    // The lattice is no stable packing: left perfect it melts when round-off has grown enough, with wcsph 0.7 s after the start in float and later in
+    // double, in a jolt. Scenes start their lattices moved by up to 0.01 d for that reason (engine/sim/place.cpp), and so does this column.
+    for (const auto& [wcsph, jitter] : {std::pair{false, 0.0}, {true, 0.01}, {true, 0.05}}) {
         INFO((wcsph ? "wcsph" : "ppe") << ", jitter " << jitter << " d");
         Setting s;
         s.wcsph = wcsph;
