@@ -24,17 +24,13 @@ ConstraintPreconditioner no_preconditioner(const ConstraintMatrix&) { return NoP
 /// Active set: conjugate gradients over the particles that are taken to press, then those that would pull stop, those that are still compressed
 /// start, and again. What pressed in the last step presses first, with all that is about full: from below, the pressed set would grow by two
 /// neighbours' reach a round.
-SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContext& step, Span<Real> q) {
+SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContext& step, bool full, Span<Real> q) {
     constexpr Real about_full = Real(0.02);  // relative density that is missing
+    constexpr double step_share = 0.1;       // of the tolerated density error that one step may add
     const Index n = D_.size();
     const double worst_rate = std::sqrt(static_cast<double>(n)) * static_cast<double>(step.rest_density / step.dt);
-    const double source = std::sqrt(parallel_sum(n, [&](Index i) {
-        const double b = std::max(Real(0), b_[at(i)]);
-        return b * b;
-    }));
-    // Relative density error that this step may add. At small steps the weight of a column compresses it by less than that in a step: then a
-    // share of the source; but not below round-off.
-    const double tolerance = std::max(1e-6, std::min(options_.correction * options_.limits.tolerance, 0.05 * source / worst_rate));
+    // A lattice has modes (neighbours up and down in turn) that no pressure moves: asked for more than this, they would grow without bound.
+    const double tolerance = step_share * options_.limits.tolerance;
     const ConstraintPreconditioner M = options_.preconditioner(matrix);
     const auto A = [&](Span<const Real> in, Span<Real> out) { matrix.multiply(in, out); };
     Column<Real> masked(at(n));
@@ -65,7 +61,9 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
                                                        SolveLimits{aim, options_.limits.max_iterations - report.iterations},
                                                        ResidualNorm::euclidean, worst_rate)
                                  .iterations;
-        parallel_for(n, [&](Index i) { q[at(i)] = std::max(Real(0), q[at(i)]); });
+        // In a full box a uniform pressure pushes nothing: the lowest is made zero, so that the cut takes nothing away.
+        const Real lowest = full ? static_cast<Real>(-parallel_max(n, 0, [&](Index i) { return static_cast<double>(-q[at(i)]); })) : 0;
+        parallel_for(n, [&](Index i) { q[at(i)] = D_.diagonal[at(i)] > 0 ? std::max(Real(0), q[at(i)] - lowest) : 0; });
     }
 }
 
@@ -88,12 +86,13 @@ void ConstraintPressure::operator()(const FluidPairs& pairs, const SolidPairs& s
     // without end would be the answer. (The sum over a lattice alone is 4e-4 too high.)
     constexpr double brim = 0.08;  // the outermost layer of a free surface lacks 0.15
     const double emptiest = parallel_max(n, 0, [&](Index i) { return static_cast<double>(1 - rho[i] / rho_0); });
-    if (emptiest < brim) {
+    const bool full = emptiest < brim;
+    if (full) {
         const double mean = parallel_sum(n, [&](Index i) { return static_cast<double>(b_[at(i)]); }) / std::max(1.0, static_cast<double>(n));
         parallel_for(n, [&](Index i) { b_[at(i)] -= static_cast<Real>(std::max(0.0, mean)); });
     }
     ConstraintMatrix matrix{D_, {}, Column<Vec3>(at(n))};
-    report.solves.push_back({"pressure", solve(matrix, step, p.values)});
+    report.solves.push_back({"pressure", solve(matrix, step, full, p.values)});
     D_.transposed(p.values, matrix.force);
     parallel_for(n, [&](Index i) {
         u[i] -= matrix.force[at(i)];

@@ -34,7 +34,7 @@ ConstraintPreconditioner diagonal_scaling(const ConstraintMatrix& matrix);
 ConstraintPreconditioner no_preconditioner(const ConstraintMatrix& matrix);
 
 struct ConstraintOptions {
-    /// tolerance: the relative density error (root mean square) that stays in the long run: what a step may add is the share that it corrects of it.
+    /// tolerance: relative density error (root mean square), of which a step may add a tenth.
     SolveLimits limits{1e-3, 200};
     double correction = 0.2;   ///< share of the density error that a step corrects; its motion stays in the velocity
     bool active_set = true;    ///< false: p >= 0 is clamped after one solve, as in the notes
@@ -53,7 +53,7 @@ public:
     const DensityRate& density_rate() const { return D_; }
 
 private:
-    SolveReport solve(ConstraintMatrix& A, const StepContext& step, Span<Real> q);
+    SolveReport solve(ConstraintMatrix& A, const StepContext& step, bool full, Span<Real> q);
 
     ConstraintOptions options_;
     DensityRate D_;

@@ -211,7 +211,10 @@ Rest settle(const std::string& solids, const std::string& periodic, const Vec3d&
     };
     Rest rest{};
     run_until(simulation, 0.4);
-    for (steps = 0; simulation.time() < 0.6; ++steps) REQUIRE_FALSE(simulation.step(0.6).diverged), rest.early += mean_square();
+    for (steps = 0; simulation.time() < 0.6; ++steps) {
+        REQUIRE_FALSE(simulation.step(0.6).diverged);
+        rest.early += mean_square();
+    }
     rest.early = std::sqrt(rest.early / steps);
     run_until(simulation, end - 0.2);
     for (steps = 0; simulation.time() < end; ++steps) {
