@@ -24,7 +24,7 @@ ConstraintPreconditioner no_preconditioner(const ConstraintMatrix&) { return NoP
 /// Active set: conjugate gradients over the particles that are taken to press, then those that would pull stop, those that are still compressed
 /// start, and again. What pressed in the last step presses first, with all that is about full: from below, the pressed set would grow by two
 /// neighbours' reach a round.
-SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContext& step, bool full, Span<Real> q) {
+SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContext& step, Span<Real> q) {
     constexpr Real about_full = Real(0.02);  // relative density that is missing
     constexpr double step_share = 0.1;       // of the tolerated density error that one step may add
     const Index n = D_.size();
@@ -61,9 +61,7 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
                                                        SolveLimits{aim, options_.limits.max_iterations - report.iterations},
                                                        ResidualNorm::euclidean, worst_rate)
                                  .iterations;
-        // In a full box a uniform pressure pushes nothing: the lowest is made zero, so that the cut takes nothing away.
-        const Real lowest = full ? static_cast<Real>(-parallel_max(n, 0, [&](Index i) { return static_cast<double>(-q[at(i)]); })) : 0;
-        parallel_for(n, [&](Index i) { q[at(i)] = D_.diagonal[at(i)] > 0 ? std::max(Real(0), q[at(i)] - lowest) : 0; });
+        parallel_for(n, [&](Index i) { q[at(i)] = std::max(Real(0), q[at(i)]); });
     }
 }
 
@@ -82,17 +80,8 @@ void ConstraintPressure::operator()(const FluidPairs& pairs, const SolidPairs& s
         b_[at(i)] += (excess > 0 ? static_cast<Real>(options_.correction) : Real(1)) * excess / step.dt;
         p[i] = D_.diagonal[at(i)] > 0 ? p[i] * step.dt / (rho[i] * rho[i]) : 0;  // q
     });
-    // Full to the brim, the fluid has nowhere to go: what all densities exceed on average cannot be pressed away, and a uniform pressure that grows
-    // without end would be the answer. (The sum over a lattice alone is 4e-4 too high.)
-    constexpr double brim = 0.08;  // the outermost layer of a free surface lacks 0.15
-    const double emptiest = parallel_max(n, 0, [&](Index i) { return static_cast<double>(1 - rho[i] / rho_0); });
-    const bool full = emptiest < brim;
-    if (full) {
-        const double mean = parallel_sum(n, [&](Index i) { return static_cast<double>(b_[at(i)]); }) / std::max(1.0, static_cast<double>(n));
-        parallel_for(n, [&](Index i) { b_[at(i)] -= static_cast<Real>(std::max(0.0, mean)); });
-    }
     ConstraintMatrix matrix{D_, {}, Column<Vec3>(at(n))};
-    report.solves.push_back({"pressure", solve(matrix, step, full, p.values)});
+    report.solves.push_back({"pressure", solve(matrix, step, p.values)});
     D_.transposed(p.values, matrix.force);
     parallel_for(n, [&](Index i) {
         u[i] -= matrix.force[at(i)];

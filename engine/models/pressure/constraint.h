@@ -53,7 +53,7 @@ public:
     const DensityRate& density_rate() const { return D_; }
 
 private:
-    SolveReport solve(ConstraintMatrix& A, const StepContext& step, bool full, Span<Real> q);
+    SolveReport solve(ConstraintMatrix& A, const StepContext& step, Span<Real> q);
 
     ConstraintOptions options_;
     DensityRate D_;
