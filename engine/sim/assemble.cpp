@@ -158,7 +158,7 @@ private:
         if (scene_.pressure.damping > 0) stage("unresolved motion", "pressure", DampUnresolved{scene_.pressure.damping});
         stage("density constraint", "pressure", ConstraintPressure{options});
         limit("pressure", number(scene_.time.cfl) + " d / sqrt(p / rho)",
-              [cfl = scene_.time.cfl, d = plan_.spacing, rho_0 = scene_.fluid.density](const World& w) {
+              [cfl = scene_.time.cfl, d = plan_.spacing, rho_0 = scene_.fluid.density](const World& w, double) {
                   return pressure_step(cfl, d, rho_0, w.fluid.column<field::pressure>());
               });
     }
