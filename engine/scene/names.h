@@ -34,6 +34,9 @@ inline Choices<ShiftingModel> choices(ShiftingModel) {
 inline Choices<Preconditioner> choices(Preconditioner) {
     return {{Preconditioner::none, "none"}, {Preconditioner::jacobi, "jacobi"}, {Preconditioner::multigrid, "multigrid"}};
 }
+inline Choices<PressureForm> choices(PressureForm) {
+    return {{PressureForm::constraint, "constraint"}, {PressureForm::poisson, "poisson"}};
+}
 inline Choices<GradientForm> choices(GradientForm) {
     return {{GradientForm::symmetric, "symmetric"}, {GradientForm::difference, "difference"}};
 }

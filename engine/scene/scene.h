@@ -21,6 +21,7 @@ enum class MicropolarModel { none, seed, bender, eringen };
 enum class BoundaryModel { automatic, none, akinci, ppe };
 enum class ShiftingModel { automatic, none, fickian };
 enum class Preconditioner { none, jacobi, multigrid };
+enum class PressureForm { constraint, poisson };
 enum class GradientForm { symmetric, difference };
 enum class LaplacianForm { brookshaw, monaghan };
 enum class CurlForm { symmetric, difference, difference_own_density };
@@ -64,6 +65,10 @@ struct PressureKeys {
     double tolerance = 1e-3;     ///< relative density error (ppe); preconditioned residual (coupled)
     int max_iterations = 200;
     Preconditioner preconditioner = Preconditioner::jacobi;  ///< ppe; coupled brings its own
+    PressureForm form = PressureForm::constraint;            ///< ppe
+    double correction = 0.2;     ///< ppe, constraint: share of the density error that a step corrects
+    bool active_set = true;      ///< ppe, constraint: false: p >= 0 by a clamp after one solve
+    double damping = 2;          ///< ppe, constraint: of motion between neighbours that is not resolved, times sqrt(g/d)
     double sound_speed = 0;      ///< m/s, wcsph; 0: ten times the speed that the plan expects
     double gamma = 7;            ///< exponent of Tait's equation, wcsph
     double background_pressure = 0;  ///< Pa, wcsph

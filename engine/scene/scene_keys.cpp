@@ -74,6 +74,17 @@ KeyTable pressure_keys() {
         .only_with(model, {"ppe", "coupled"});
     t.key("max_iterations", &PressureKeys::max_iterations, "", "of the linear solver, a step").at_least(1).only_with(model, {"ppe", "coupled"});
     t.key("preconditioner", &PressureKeys::preconditioner, "", "of the linear solver").only_with(model, {"ppe"});
+    t.key("form", &PressureKeys::form, "", "no density above that at rest (constraint), or the pressure equation as published (poisson)")
+        .only_with(model, {"ppe"});
+    t.key("correction", &PressureKeys::correction, "", "constraint: share of the density error that a step corrects")
+        .above(0)
+        .at_most(1)
+        .only_with(model, {"ppe"});
+    t.key("active_set", &PressureKeys::active_set, "", "constraint: pressures are found with p >= 0; false: cut off at 0 after one solve")
+        .only_with(model, {"ppe"});
+    t.key("damping", &PressureKeys::damping, "", "constraint: rate at which unresolved motion between neighbours dies, times sqrt(g/d)")
+        .at_least(0)
+        .only_with(model, {"ppe"});
     t.key("sound_speed", &PressureKeys::sound_speed, "m/s", "0: ten times the largest speed that the plan expects")
         .at_least(0)
         .only_with(model, {"wcsph"});

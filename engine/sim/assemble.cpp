@@ -6,6 +6,8 @@
 #include "engine/models/boundary/wall.h"
 #include "engine/models/coupled/system.h"
 #include "engine/models/motion/motion.h"
+#include "engine/models/pressure/constraint.h"
+#include "engine/models/pressure/damping.h"
 #include "engine/models/pressure/ppe.h"
 #include "engine/models/pressure/wcsph.h"
 #include "engine/models/viscosity/assembled.h"
@@ -104,7 +106,9 @@ private:
                                       ? Real(1)
                                       : continued_lattice_factor(plan_.kernel, static_cast<Real>(plan_.support), static_cast<Real>(plan_.spacing));
         made_.stages.push_back(neighbours());
-        stage("density", "density", Density{solid_factor});
+        const bool constraint = plan_.pressure == PressureModel::ppe && scene_.pressure.form == PressureForm::constraint;
+        // The constraint makes its own densities, in its own way at solids; viscosity acts before it.
+        if (!constraint || plan_.viscosity != ViscosityModel::none) stage("density", "density", Density{solid_factor});
 
         WeaklyCompressible tait;
         tait.sound_speed = plan_.sound_speed;
@@ -131,7 +135,8 @@ private:
         stage("kick", "move", Kick{});
         if (plan_.viscosity == ViscosityModel::xsph) stage("XSPH", "viscosity", XsphViscosity{static_cast<Real>(scene_.viscosity.alpha)});
         implicit_viscosity(solid_factor);
-        if (plan_.pressure == PressureModel::ppe) {
+        if (constraint) constrained_density();
+        else if (plan_.pressure == PressureModel::ppe) {
             PoissonPressureOptions options;
             options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
             options.solid_factor = solid_factor;
@@ -142,6 +147,20 @@ private:
             made_.stages.push_back(move_solids());
             stage("keep outside", "boundary", KeepOutside{});
         }
+    }
+
+    void constrained_density() {
+        ConstraintOptions options;
+        options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
+        options.correction = scene_.pressure.correction;
+        options.active_set = scene_.pressure.active_set;
+        if (scene_.pressure.preconditioner == Preconditioner::none) options.preconditioner = no_preconditioner;
+        if (scene_.pressure.damping > 0) stage("unresolved motion", "pressure", DampUnresolved{scene_.pressure.damping});
+        stage("density constraint", "pressure", ConstraintPressure{options});
+        limit("pressure", number(scene_.time.cfl) + " d / sqrt(p / rho)",
+              [cfl = scene_.time.cfl, d = plan_.spacing, rho_0 = scene_.fluid.density](const World& w, double) {
+                  return pressure_step(cfl, d, rho_0, w.fluid.column<field::pressure>());
+              });
     }
 
     void explicit_viscosity(Real solid_factor) {

@@ -1,0 +1,106 @@
+#include "engine/models/pressure/constraint.h"
+
+#include <cmath>
+#include <limits>
+
+#include "engine/core/parallel.h"
+#include "engine/math/conjugate_gradients.h"
+
+namespace whorl {
+namespace {
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+ConstraintPreconditioner diagonal_scaling(const ConstraintMatrix& matrix) {
+    return [&matrix](Span<const Real> r, Span<Real> z) {
+        parallel_for(matrix.size(), [&](Index i) { z[at(i)] = matrix.presses[at(i)] ? r[at(i)] / matrix.D.diagonal[at(i)] : 0; });
+    };
+}
+
+ConstraintPreconditioner no_preconditioner(const ConstraintMatrix&) { return NoPreconditioner{}; }
+
+/// Active set: conjugate gradients over the particles that are taken to press, then those that would pull stop, those that are still compressed
+/// start, and again. What pressed in the last step presses first, with all that is about full: from below, the pressed set would grow by two
+/// neighbours' reach a round.
+SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContext& step, Span<Real> q) {
+    constexpr Real about_full = Real(0.02);  // relative density that is missing
+    constexpr double step_share = 0.1;       // of the tolerated density error that one step may add
+    const Index n = D_.size();
+    const double worst_rate = std::sqrt(static_cast<double>(n)) * static_cast<double>(step.rest_density / step.dt);
+    // A lattice has modes (neighbours up and down in turn) that no pressure moves: asked for more than this, they would grow without bound.
+    const double tolerance = step_share * options_.limits.tolerance;
+    const ConstraintPreconditioner M = options_.preconditioner(matrix);
+    const auto A = [&](Span<const Real> in, Span<Real> out) { matrix.multiply(in, out); };
+    Column<Real> masked(at(n));
+    SolveReport report;
+    for (int round = 0;; ++round) {
+        matrix.presses.assign(at(n), 1);
+        matrix.multiply(q, residual_);
+        const Real enough = round == 0 ? -about_full * step.rest_density / step.dt : Real(0);
+        const double left = std::sqrt(parallel_sum(n, [&](Index i) {
+            const Real r = b_[at(i)] - residual_[at(i)];
+            const bool can = D_.diagonal[at(i)] > std::numeric_limits<Real>::min(), counts = can && (q[at(i)] > 0 || r > 0);
+            matrix.presses[at(i)] = counts || (can && r > enough);
+            masked[at(i)] = matrix.presses[at(i)] ? b_[at(i)] : 0;
+            return counts ? static_cast<double>(r) * r : 0.0;
+        }));
+        report.last_residual = left / worst_rate;
+        if (round == 0) report.first_residual = report.last_residual;
+        report.converged = report.last_residual <= tolerance || (round > 0 && !options_.active_set);
+        if (report.converged) return report;
+        if (!std::isfinite(left) || report.iterations >= options_.limits.max_iterations || round > options_.limits.max_iterations) {
+            report.why_not = "the density error of the step is " + std::to_string(report.last_residual) + " after " +
+                             std::to_string(report.iterations) + " iterations in " + std::to_string(round) + " rounds";
+            return report;
+        }
+        // Early rounds need not be exact: their set changes.
+        const double aim = options_.active_set ? std::max(tolerance / 2, report.last_residual / 10) : tolerance;
+        report.iterations += conjugate_gradients<Real>(A, M, Span<const Real>(masked), q,
+                                                       SolveLimits{aim, options_.limits.max_iterations - report.iterations},
+                                                       ResidualNorm::euclidean, worst_rate)
+                                 .iterations;
+        parallel_for(n, [&](Index i) { q[at(i)] = std::max(Real(0), q[at(i)]); });
+    }
+}
+
+void ConstraintPressure::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, const StepContext& step,
+                                    StepReport& report, Read<field::role> role, Write<field::density> rho, Update<field::velocity> u,
+                                    Update<field::pressure> p) {
+    const Index n = rho.size();
+    const Real rho_0 = step.rest_density;
+    b_.resize(at(n));
+    residual_.resize(at(n));
+    const WallImage wall(step.kernel, step.support, step.spacing);
+    D_.build(wall, pairs, solid_pairs, solid, step, role, Read<field::velocity>{u.values}, rho.values, b_);
+    parallel_for(n, [&](Index i) {
+        // What an impact has pressed together is pushed apart no faster than 5 % of its density allow, or it would jump.
+        const Real excess = std::min(rho[i] - rho_0, rho_0 / 20);
+        b_[at(i)] += (excess > 0 ? static_cast<Real>(options_.correction) : Real(1)) * excess / step.dt;
+        p[i] = D_.diagonal[at(i)] > 0 ? p[i] * step.dt / (rho[i] * rho[i]) : 0;  // q
+    });
+    ConstraintMatrix matrix{D_, {}, Column<Vec3>(at(n))};
+    report.solves.push_back({"pressure", solve(matrix, step, p.values)});
+    D_.transposed(p.values, matrix.force);
+    parallel_for(n, [&](Index i) {
+        u[i] -= matrix.force[at(i)];
+        p[i] *= rho[i] * rho[i] / step.dt;
+    });
+}
+
+double pressure_step(double cfl, double spacing, double rest_density, Span<const Real> pressure) {
+    struct Sums {
+        double p = 0, p2 = 0;
+        void operator+=(const Sums& o) { p += o.p, p2 += o.p2; }
+    };
+    const Sums sums = parallel_sum(static_cast<Index>(pressure.size()), Sums{}, [&](Index i) {
+        const double p = pressure[at(i)];
+        return Sums{p, p * p};
+    });
+    if (!(sums.p2 > 0)) return std::numeric_limits<double>::infinity();
+    // The mean weighted with p: 2/3 of the bottom's in a column; single spikes of an impact count little.
+    return cfl * spacing / std::sqrt(1.5 * sums.p2 / sums.p / rest_density);
+}
+
+}  // namespace whorl

@@ -1,0 +1,67 @@
+#pragma once
+/// Incompressible pressure as a constraint: no density exceeds the rest density (docs/physics.md 3).
+///
+/// Stages of a step, in order: Density (where the viscosity needs one), Gravity, (forces), Kick, (viscosity), DampUnresolved, ConstraintPressure,
+/// Move, KeepOutside.
+#include <functional>
+
+#include "engine/math/solve.h"
+#include "engine/models/pressure/density_rate.h"
+
+namespace whorl {
+
+/// A = D D^T on the particles that press, the identity elsewhere kept out: symmetric, positive semi-definite.
+///   A_ik = D_i.D_k,  where D_i holds own_i at i and -f_i g_ij at the neighbours j that are free.
+/// A row reaches the neighbours' neighbours, so it is applied as two passes over the pairs.
+struct ConstraintMatrix {
+    const DensityRate& D;
+    std::vector<char> presses;    ///< 1: an unknown of the present solve
+    mutable Column<Vec3> force;   ///< D^T q of the last product
+    Index size() const { return D.size(); }
+    void multiply(Span<const Real> q, Span<Real> Aq) const {
+        D.transposed(q, force);
+        D.apply(force, presses, Aq);
+    }
+};
+
+/// z is near A^-1 r, symmetric and positive definite on the particles that press; z = 0 elsewhere.
+using ConstraintPreconditioner = std::function<void(Span<const Real> r, Span<Real> z)>;
+/// Set up once a step; the returned function reads `presses` at each call, as it changes within a step.
+using ConstraintPreconditionerSetup = std::function<ConstraintPreconditioner(const ConstraintMatrix&)>;
+/// z = r/diagonal
+ConstraintPreconditioner diagonal_scaling(const ConstraintMatrix& matrix);
+/// z = r
+ConstraintPreconditioner no_preconditioner(const ConstraintMatrix& matrix);
+
+struct ConstraintOptions {
+    /// tolerance: relative density error (root mean square), of which a step may add a tenth.
+    SolveLimits limits{1e-3, 200};
+    double correction = 0.2;   ///< share of the density error that a step corrects; its motion stays in the velocity
+    bool active_set = true;    ///< false: p >= 0 is clamped after one solve, as in the notes
+    ConstraintPreconditionerSetup preconditioner = diagonal_scaling;
+};
+
+/// Finds q = dt p/rho^2 with   q >= 0,   rho_i + dt (D (u - D^T q))_i <= rho_0,   and q_i = 0 where the density stays below, then u -= D^T q.
+/// Where rho_i exceeds rho_0 only a share of the excess has to go. The projection loses energy, never makes any; a free surface needs no search,
+/// and neither do single particles, closed boxes or slots: A q = b is solvable wherever something can give way.
+class ConstraintPressure {
+public:
+    explicit ConstraintPressure(ConstraintOptions options) : options_(std::move(options)) {}
+    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, const StepContext& step, StepReport& report,
+                    Read<field::role> role, Write<field::density> rho, Update<field::velocity> u, Update<field::pressure> p);
+
+    const DensityRate& density_rate() const { return D_; }
+
+private:
+    SolveReport solve(ConstraintMatrix& A, const StepContext& step, Span<Real> q);
+
+    ConstraintOptions options_;
+    DensityRate D_;
+    Column<Real> b_, residual_;
+};
+
+/// Limit of the time step from pressure: cfl d / sqrt(p/rho_0) [s], p the mean pressure of the pressed fluid. Displacements over a step turn the
+/// forces between neighbours; beyond twice this (at cfl 0.4) a column at rest shakes itself apart, whatever the solver's tolerance.
+double pressure_step(double cfl, double spacing, double rest_density, Span<const Real> pressure);
+
+}  // namespace whorl

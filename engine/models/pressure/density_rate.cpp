@@ -1,0 +1,115 @@
+#include "engine/models/pressure/density_rate.h"
+
+#include <cmath>
+#include <limits>
+
+#include "engine/core/parallel.h"
+
+namespace whorl {
+namespace {
+
+constexpr Real smallest = std::numeric_limits<Real>::min();
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+WallImage::WallImage(KernelKind kind, Real support, Real d) : spacing(d), nearest(d / 20) {
+    with_kernel(kind, support, [&](const auto& W) {
+        const int reach = static_cast<int>(std::ceil(support / d));
+        // Value and pull along the normal of a layer of the lattice k spacings away.
+        const auto layer = [&](int k, double& value, double& pull) {
+            for (int a = -reach; a <= reach; ++a)
+                for (int b = -reach; b <= reach; ++b) {
+                    const Real r = d * std::sqrt(static_cast<Real>(a * a + b * b + k * k));
+                    value += static_cast<double>(W.value(r));
+                    if (k > 0) pull -= static_cast<double>(W.derivative(r) * k * d / r);
+                }
+        };
+        double own = 0, none = 0, first = 0, first_pull = 0, all = 0, all_pull = 0;
+        layer(0, own, none);
+        layer(1, first, first_pull);
+        for (int k = 1; k <= reach; ++k) layer(k, all, all_pull);
+        const double volume = static_cast<double>(d) * d * d;
+        factor = static_cast<Real>(own * volume * all / first);
+        // f (fluid - stretch wall) + fluid = 0 along the normal: the row of i and the rows of its neighbours.
+        stretch = static_cast<Real>(all_pull * first / (first_pull * all) * (2 - volume * all));
+    });
+}
+
+void DensityRate::build(const WallImage& wall, const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid,
+                        const StepContext& step, Read<field::role> role, Read<field::velocity> u, Span<Real> rho, Span<Real> rate) {
+    first = pairs.first;
+    other = pairs.other;
+    const std::size_t n = at(pairs.size());
+    gradient.resize(other.size());
+    fill.resize(n);
+    own.resize(n);
+    diagonal.resize(n);
+    free.resize(n);
+    const Real m = step.mass;
+    with_kernel(step.kernel, step.support, [&](const auto& W) {
+        parallel_for(pairs.size(), [&](Index i) {
+            Vec3 fluid = Vec3::Zero();
+            Real density = m * W.value(0), squares = 0, change = 0;
+            std::size_t k = first[at(i)];
+            pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
+                const Vec3 g = m * W.derivative(distance) / std::max(distance, smallest) * r;
+                gradient[k++] = g;
+                fluid += g;
+                squares += g.squaredNorm();
+                density += m * W.value(distance);
+                change += g.dot(u[i] - u[j]);
+            });
+            Vec3 walls = Vec3::Zero();
+            Real w = 0, wall_change = 0;
+            if (solid.size() > 0)
+                solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+                    const Real V = wall.factor * solid.volume[at(s)];
+                    const Vec3& normal = solid.normal[at(s)];
+                    const Real height = r.dot(normal);
+                    Vec3 g = r;
+                    if (height > 0) {  // else s belongs to a face that does not face i
+                        const Real image = std::max(wall.spacing + wall.stretch * (height - wall.spacing), wall.nearest);
+                        g += (wall.stretch * image - height) * normal;
+                        distance = std::sqrt(std::max(Real(0), r.squaredNorm() - height * height) + image * image);
+                    }
+                    w += V * W.value(distance);
+                    g *= V * W.derivative(distance) / std::max(distance, smallest);
+                    walls += g;
+                    wall_change += g.dot(u[i] - solid.velocity[at(s)]);
+                });
+            // Where solids leave next to no room the quotient is limited, or it would blow up.
+            const Real f = 1 / std::max(1 - w, Real(0.25));
+            const Real density_i = f * density;
+            fill[at(i)] = f;
+            own[at(i)] = f * (fluid + density_i * walls);
+            free[at(i)] = role[i] == 0;
+            diagonal[at(i)] = role[i] == 0 ? own[at(i)].squaredNorm() + f * f * squares : 0;
+            rho[at(i)] = density_i;
+            rate[at(i)] = f * (change + density_i * wall_change);
+        });
+    });
+}
+
+void DensityRate::transposed(Span<const Real> q, Span<Vec3> v) const {
+    parallel_for(size(), [&](Index i) {
+        Vec3 sum = q[at(i)] * own[at(i)];
+        for (std::size_t k = first[at(i)]; k < first[at(i) + 1]; ++k) {
+            const std::size_t j = at(other[k]);
+            sum += fill[j] * q[j] * gradient[k];
+        }
+        v[at(i)] = free[at(i)] ? sum : Vec3(Vec3::Zero());
+    });
+}
+
+void DensityRate::apply(Span<const Vec3> v, Span<const char> wanted, Span<Real> rate) const {
+    parallel_for(size(), [&](Index i) {
+        rate[at(i)] = 0;
+        if (!wanted[at(i)]) return;
+        Real sum = 0;
+        for (std::size_t k = first[at(i)]; k < first[at(i) + 1]; ++k) sum += gradient[k].dot(v[at(other[k])]);
+        rate[at(i)] = own[at(i)].dot(v[at(i)]) - fill[at(i)] * sum;
+    });
+}
+
+}  // namespace whorl

@@ -1,0 +1,48 @@
+#pragma once
+/// The rate at which the density of every particle changes, as a linear function of the velocities, and its transpose (docs/physics.md 3).
+#include <vector>
+
+#include "engine/geometry/solids.h"
+#include "engine/math/kernel.h"
+#include "engine/particles/field.h"
+#include "engine/particles/pairs.h"
+#include "engine/particles/step.h"
+
+namespace whorl {
+
+/// How a fluid particle sees the one layer of a solid. What lies behind the surface is full of fluid as dense as the particle's own surroundings,
+///   rho_i = (m W_ii + sum_j m W_ij)/(1 - w_i),   w_i = sum_s V_s W(|r'_is|),
+/// and comes nearer `stretch` times as fast as the layer, like an image in a mirror: r'_is = r_is, its part along the normal of s replaced by
+/// d + stretch (r_is.n_s - d). Both are such that on a lattice that touches a flat wall the density is that of the lattice without a wall, and
+/// a uniform pressure pushes nothing.
+struct WallImage {
+    Real factor;       ///< on the solids' volumes
+    Real stretch;      ///< 1.85 for the cubic kernel with R = 2 d
+    Real spacing;      ///< m
+    Real nearest;      ///< m, an image comes no closer than this along the normal
+    WallImage(KernelKind kernel, Real support, Real spacing);
+};
+
+/// (D u)_i = d rho_i/dt = own_i.u_i - f_i sum_j g_ij.u_j - wall_i        with g_ij = m grad W_ij, f_i = 1/(1 - w_i), wall_i: what moving solids do
+/// It is the exact derivative of the density above, so that what holds the densities also has an energy: the work of D^T q on the fluid.
+struct DensityRate {
+    Span<const std::size_t> first;  ///< rows of the pairs that it was built from
+    Span<const Index> other;
+    Column<Vec3> gradient;          ///< g_ij, a pair [kg/m^4]
+    Column<Real> fill;              ///< f_i
+    Column<Vec3> own;               ///< own_i [kg/m^4]
+    Column<Real> diagonal;          ///< of D D^T [kg^2/m^8]; 0 where the density cannot change
+    std::vector<char> free;         ///< 0: the velocity is prescribed (inside a nozzle): it does not react and has no pressure of its own
+
+    Index size() const { return static_cast<Index>(own.size()); }
+
+    /// @param rho written @param rate D u with prescribed and solid velocities included
+    void build(const WallImage& wall, const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, const StepContext& step,
+               Read<field::role> role, Read<field::velocity> u, Span<Real> rho, Span<Real> rate);
+    /// v = D^T q where free, 0 elsewhere.
+    void transposed(Span<const Real> q, Span<Vec3> v) const;
+    /// rate_i = (D v)_i without the solids, where wanted[i]; 0 elsewhere.
+    void apply(Span<const Vec3> v, Span<const char> wanted, Span<Real> rate) const;
+};
+
+}  // namespace whorl
