@@ -178,7 +178,7 @@ KeyTable probe_keys() {
     t.key("max", &ProbeKeys::max, "m", "highest corner").required().only_with("kind", {"region"});
     t.key("axis_point", &ProbeKeys::axis_point, "m", "where the axis meets the plate").only_with("kind", {"coil"});
     t.key("axis_direction", &ProbeKeys::axis_direction, "", "up, away from the plate").only_with("kind", {"coil"});
-    t.key("height", &ProbeKeys::height, "m", "of the plane above the pile; 0: where the thread comes to rest").at_least(0).only_with("kind", {"coil"});
+    t.key("height", &ProbeKeys::height, "m", "of the section that is measured, above the pile; 0: where the thread comes to rest").at_least(0).only_with("kind", {"coil"});
     return t;
 }
 
