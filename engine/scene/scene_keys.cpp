@@ -166,6 +166,13 @@ KeyTable solid_keys() {
     return t;
 }
 
+KeyTable drain_keys() {
+    KeyTableOf<DrainKeys> t("a place from which fluid is taken away");
+    add_shape_keys(t, {"box", "sphere", "cylinder", "mesh"}, true);
+    t.key("after", &DrainKeys::after, "s", "fluid that has been inside for this long is gone").at_least(0);
+    return t;
+}
+
 KeyTable probe_keys() {
     KeyTableOf<ProbeKeys> t("a measurement a frame, in probes/<name>.csv");
     t.key("name", &ProbeKeys::name, "", "of the file").required();
@@ -207,6 +214,7 @@ KeyTable root_keys() {
     t.list("block", &Scene::blocks, block_keys());
     t.list("emitter", &Scene::emitters, emitter_keys());
     t.list("solid", &Scene::solids, solid_keys());
+    t.list("drain", &Scene::drains, drain_keys());
     t.list("probe", &Scene::probes, probe_keys()).not_deciding();
     t.part("output", &Scene::output, output_keys()).not_deciding();
     return t;
