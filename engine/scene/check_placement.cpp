@@ -39,6 +39,7 @@ public:
         for (std::size_t i = 0; i < scene_.blocks.size(); ++i) block(entry_name("block", i), i);
         for (std::size_t i = 0; i < scene_.emitters.size(); ++i) emitter(entry_name("emitter", i), scene_.emitters[i]);
         for (std::size_t i = 0; i < scene_.solids.size(); ++i) solid(entry_name("solid", i), i);
+        for (std::size_t i = 0; i < scene_.drains.size(); ++i) drain(entry_name("drain", i), shapes_.drain_extent[i]);
         for (std::size_t i = 0; i < scene_.probes.size(); ++i) probe(entry_name("probe", i), scene_.probes[i]);
         memory();
     }
@@ -140,6 +141,10 @@ private:
         const Extent& e = shapes_.solid_extent[i];
         const Vec3d at = s.position(0);
         if (outside(e.min + at, e.max + at)) report(name, name + " lies outside of the domain and never enters it", "", domain_text());
+    }
+
+    void drain(const std::string& name, const Extent& e) {
+        if (outside(e.min, e.max)) report(name, name + " lies outside of the domain", "", domain_text());
     }
 
     void probe(const std::string& name, const ProbeKeys& p) {

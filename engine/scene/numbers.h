@@ -29,9 +29,9 @@ struct Extent {
 
 /// The shapes of a scene as geometry sees them; the solids stand where they are at the start.
 struct SceneShapes {
-    std::vector<std::shared_ptr<const Shape>> blocks;
+    std::vector<std::shared_ptr<const Shape>> blocks, drains;
     Solids solids;
-    std::vector<Extent> block_extent, solid_extent;
+    std::vector<Extent> block_extent, solid_extent, drain_extent;
 };
 /// Appends to `problems` where a mesh cannot be used; the shapes are complete only where it added none.
 SceneShapes make_shapes(const Scene& scene, std::vector<Problem>& problems);

@@ -39,6 +39,7 @@ public:
         }
         for (std::size_t i = 0; i < scene_.emitters.size(); ++i) emitter(entry_name("emitter", i), scene_.emitters[i]);
         for (std::size_t i = 0; i < scene_.solids.size(); ++i) shape(entry_name("solid", i), scene_.solids[i].shape);
+        for (std::size_t i = 0; i < scene_.drains.size(); ++i) shape(entry_name("drain", i), scene_.drains[i].shape);
         probes();
         for (const int pixels : scene_.output.size)
             if (pixels % 2 != 0) {

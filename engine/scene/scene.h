@@ -123,6 +123,11 @@ struct SolidKeys {
     std::string material;         ///< of the look
 };
 
+struct DrainKeys {
+    ShapeKeys shape;
+    double after = 0;  ///< s
+};
+
 struct ProbeKeys {
     std::string name;
     ProbeKind kind = ProbeKind::point;
@@ -154,6 +159,7 @@ struct Scene {
     std::vector<BlockKeys> blocks;
     std::vector<EmitterKeys> emitters;
     std::vector<SolidKeys> solids;
+    std::vector<DrainKeys> drains;
     std::vector<ProbeKeys> probes;
     OutputKeys output;
     std::uint64_t seed = 1;

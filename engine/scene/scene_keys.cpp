@@ -177,6 +177,13 @@ KeyTable solid_keys() {
     return t;
 }
 
+KeyTable drain_keys() {
+    KeyTableOf<DrainKeys> t("a place from which fluid is taken away");
+    add_shape_keys(t, {"box", "sphere", "cylinder", "mesh"}, true);
+    t.key("after", &DrainKeys::after, "s", "fluid that has been inside for this long is gone").at_least(0);
+    return t;
+}
+
 KeyTable probe_keys() {
     KeyTableOf<ProbeKeys> t("a measurement a frame, in probes/<name>.csv");
     t.key("name", &ProbeKeys::name, "", "of the file").required();
@@ -189,7 +196,7 @@ KeyTable probe_keys() {
     t.key("max", &ProbeKeys::max, "m", "highest corner").required().only_with("kind", {"region"});
     t.key("axis_point", &ProbeKeys::axis_point, "m", "where the axis meets the plate").only_with("kind", {"coil"});
     t.key("axis_direction", &ProbeKeys::axis_direction, "", "up, away from the plate").only_with("kind", {"coil"});
-    t.key("height", &ProbeKeys::height, "m", "of the plane above the pile; 0: where the thread comes to rest").at_least(0).only_with("kind", {"coil"});
+    t.key("height", &ProbeKeys::height, "m", "of the section that is measured, above the pile; 0: where the thread comes to rest").at_least(0).only_with("kind", {"coil"});
     return t;
 }
 
@@ -218,6 +225,7 @@ KeyTable root_keys() {
     t.list("block", &Scene::blocks, block_keys());
     t.list("emitter", &Scene::emitters, emitter_keys());
     t.list("solid", &Scene::solids, solid_keys());
+    t.list("drain", &Scene::drains, drain_keys());
     t.list("probe", &Scene::probes, probe_keys()).not_deciding();
     t.part("output", &Scene::output, output_keys()).not_deciding();
     return t;

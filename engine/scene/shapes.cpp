@@ -56,6 +56,11 @@ SceneShapes make_shapes(const Scene& scene, std::vector<Problem>& problems) {
         shapes.solid_extent.push_back(solid.shape ? extent_of(keys.shape, *solid.shape) : Extent{});
         shapes.solids.all.push_back(std::move(solid));
     }
+    for (std::size_t i = 0; i < scene.drains.size(); ++i) {
+        const ShapeKeys& keys = scene.drains[i].shape;
+        shapes.drains.push_back(made(scene, entry_name("drain", i), keys, problems));
+        shapes.drain_extent.push_back(shapes.drains.back() ? extent_of(keys, *shapes.drains.back()) : Extent{});
+    }
     if (problems.empty()) shapes.solids.set_time(0, scene.time.max_step);
     return shapes;
 }

@@ -93,6 +93,12 @@ void place_blocks(const Scene& scene, const Plan& plan, World& world) {
         for (Real& rho : fluid.column<field::density>()) rho = world.step.rest_density;
 }
 
+std::vector<Drain> make_drains(const Scene& scene) {
+    std::vector<Drain> drains;
+    for (const DrainKeys& keys : scene.drains) drains.push_back({make_shape(keys.shape), static_cast<Real>(keys.after)});
+    return drains;
+}
+
 std::vector<Emitter> make_emitters(const Scene& scene, const Plan& plan) {
     std::vector<Emitter> emitters;
     for (const EmitterKeys& keys : scene.emitters) {

@@ -1,5 +1,6 @@
 #pragma once
 /// Puts the scene's fluid and solids into an empty world.
+#include "engine/particles/drain.h"
 #include "engine/particles/emitter.h"
 #include "engine/scene/plan.h"
 #include "engine/sim/world.h"
@@ -14,6 +15,7 @@ void place_solids(const Scene& scene, const Plan& plan, World& world);
 void place_blocks(const Scene& scene, const Plan& plan, World& world);
 /// Viscosity of the particles from `first` on, which have just come in; nothing where no model asks for it. @param time s
 void set_viscosity(const Scene& scene, World& world, Index first, double time);
+std::vector<Drain> make_drains(const Scene& scene);
 std::vector<Emitter> make_emitters(const Scene& scene, const Plan& plan);
 
 }  // namespace whorl

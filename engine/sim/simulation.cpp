@@ -33,7 +33,7 @@ T take(std::istream& in) {
 template <class Totals, class F>
 void each_number(Totals& t, F&& f) {
     f(t.steps), f(t.particle_steps), f(t.pressure_iterations), f(t.viscosity_iterations);
-    f(t.unconverged_solves), f(t.lost_particles), f(t.emitted_particles), f(t.last_step);
+    f(t.unconverged_solves), f(t.lost_particles), f(t.emitted_particles), f(t.drained_particles), f(t.last_step);
 }
 
 }  // namespace
@@ -49,6 +49,7 @@ struct Simulation::State {
     World world;
     Assembly assembly;
     std::vector<Emitter> emitters;
+    std::vector<Drain> drains;
     CurveSort curve;
     double time = 0;
     long steps_since_landing = 0;
@@ -60,10 +61,12 @@ struct Simulation::State {
         world.fluid.declare(field_info<field::position>(), true);
         world.fluid.declare(field_info<field::velocity>(), true);
         world.fluid.declare(field_info<field::role>(), true);
+        if (!scene.drains.empty()) world.fluid.declare(field_info<field::time_in_drain>(), true);
         place_constants(scene, plan, world);
         place_solids(scene, plan, world);
         place_blocks(scene, plan, world);
         emitters = make_emitters(scene, plan);
+        drains = make_drains(scene);
         set_gravity();
     }
 
@@ -148,6 +151,7 @@ struct Simulation::State {
         if (steps_since_landing % sort_every == 0) sort();
         if (!run_stages()) return world.report;
         for (const Emitter& emitter : emitters) totals.emitted_particles += emitter.release(world.fluid, time + dt);
+        if (!drains.empty()) totals.drained_particles += drain(world.fluid, drains, world.step.dt);
         keep_inside();
 
         const bool landed = dt == until - time;

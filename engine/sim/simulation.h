@@ -35,7 +35,7 @@ struct RunTotals {
     double pressure_iterations = 0, viscosity_iterations = 0;
     long unconverged_solves = 0;
     long lost_particles = 0;
-    double emitted_particles = 0;
+    double emitted_particles = 0, drained_particles = 0;
     double last_step = 0;                     ///< s, the newest time step
     std::map<std::string, long> binding;      ///< how often each limit chose the step
 };

@@ -49,6 +49,7 @@ nlohmann::ordered_json run_json(const Simulation& simulation, const RunReport& r
             {"particle_steps", totals.particle_steps},
             {"lost_particles", totals.lost_particles},
             {"emitted_particles", totals.emitted_particles},
+            {"drained_particles", totals.drained_particles},
             {"iterations", {{"pressure", totals.pressure_iterations}, {"viscosity", totals.viscosity_iterations}}},
             {"iterations_per_step",
              {{"pressure", totals.pressure_iterations / steps}, {"viscosity", totals.viscosity_iterations / steps}}},
