@@ -142,14 +142,15 @@ void stroke(Image& image, const std::vector<Line>& lines, float radius, float so
     Point low = lines[0].first, high = low;
     for (const Line& line : lines)
         low = low.cwiseMin(line.first).cwiseMin(line.second), high = high.cwiseMax(line.first).cwiseMax(line.second);
-    const float reach = radius + soft;
+    const float reach = 1.5f * radius + soft;
     const int x0 = std::max(0, static_cast<int>(low.x() - reach)), x1 = std::min(image.width - 1, static_cast<int>(high.x() + reach) + 1);
     const int y0 = std::max(0, static_cast<int>(low.y() - reach)), y1 = std::min(image.height - 1, static_cast<int>(high.y() + reach) + 1);
     for (int y = y0; y <= y1; ++y)
         for (int x = x0; x <= x1; ++x) {
             const Point p(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
             float nearest = reach;
-            for (const Line& line : lines) nearest = std::min(nearest, distance(p, line));
+            // A dot is thicker than a stroke, or it would be lost in small print.
+            for (const Line& line : lines) nearest = std::min(nearest, distance(p, line) - (line.first == line.second ? 0.5f * radius : 0));
             const float share = strength * std::clamp((radius - nearest) / soft + 0.5f, 0.0f, 1.0f);
             if (share > 0) mix(image.pixel(x, y), colour, share);
         }
