@@ -9,18 +9,9 @@ namespace {
 constexpr int coarseness = 4, margin = 4;
 
 void upload(gl::Texture& texture, const Volume& volume, float unit) {
-    if (texture.id() == 0) {
-        GLuint id = 0;
-        glGenTextures(1, &id);
-        texture = gl::Texture(id);
-        glBindTexture(GL_TEXTURE_3D, id);
-        for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) glTexParameteri(GL_TEXTURE_3D, filter, GL_LINEAR);
-        for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R}) glTexParameteri(GL_TEXTURE_3D, axis, GL_CLAMP_TO_EDGE);
-    }
     std::vector<float> value(volume.value.size());
     parallel_for(static_cast<Index>(value.size()), [&](Index i) { value[static_cast<std::size_t>(i)] = volume.value[static_cast<std::size_t>(i)] / unit; });
-    glBindTexture(GL_TEXTURE_3D, texture.id());
-    glTexImage3D(GL_TEXTURE_3D, 0, GL_R32F, volume.nx, volume.ny, volume.nz, 0, GL_RED, GL_FLOAT, value.data());
+    gl::fill_3d(texture, volume.nx, volume.ny, volume.nz, value.data());
 }
 
 Vec3f count_of(const Volume& v) { return {static_cast<float>(v.nx), static_cast<float>(v.ny), static_cast<float>(v.nz)}; }

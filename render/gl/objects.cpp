@@ -48,6 +48,19 @@ Texture texture_2d(GLenum format, int width, int height, bool linear) {
     return texture;
 }
 
+void fill_3d(Texture& texture, int nx, int ny, int nz, const float* value) {
+    if (texture.id() == 0) {
+        GLuint id = 0;
+        glGenTextures(1, &id);
+        texture = Texture(id);
+        glBindTexture(GL_TEXTURE_3D, id);
+        for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) glTexParameteri(GL_TEXTURE_3D, filter, GL_LINEAR);
+        for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R}) glTexParameteri(GL_TEXTURE_3D, axis, GL_CLAMP_TO_EDGE);
+    }
+    glBindTexture(GL_TEXTURE_3D, texture.id());
+    glTexImage3D(GL_TEXTURE_3D, 0, GL_R32F, nx, ny, nz, 0, GL_RED, GL_FLOAT, value);
+}
+
 Framebuffer framebuffer(std::initializer_list<GLuint> colours, GLuint depth) {
     Framebuffer target(made(glGenFramebuffers));
     glBindFramebuffer(GL_FRAMEBUFFER, target.id());

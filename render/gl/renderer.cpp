@@ -10,17 +10,19 @@
 #include "render/gl/ground_light.h"
 #include "render/gl/objects.h"
 #include "render/gl/setup.h"
+#include "render/gl/solid_field.h"
 #include "render/gl/things.h"
 #include "render/look/colour_map.h"
 #include "render/look/field_values.h"
 #include "render/look/material.h"
+#include "render/look/overlay.h"
 #include "render/look/studio.h"
 
 namespace whorl {
 namespace {
 
 /// Texture units: 0 .. 3 are a pass's own.
-constexpr int ground_unit = 4, shadow_unit = 5, field_unit = 7;
+constexpr int ground_unit = 4, shadow_unit = 5, field_unit = 7, solid_unit = 9;
 
 /// All that one picture is made of.
 struct Shot {
@@ -47,7 +49,7 @@ struct Renderer::Device {
     void draw_sample(const Shot& shot, int sample);
     void draw_solids(const Shot& shot, const Eigen::Matrix4f& matrix);
     void draw_particles(const Shot& shot, const Eigen::Matrix4f& matrix);
-    void fill_particles(const Frame& frame, const LookOptions& look);
+    std::array<float, 2> fill_particles(const Frame& frame, const LookOptions& look);
     void draw_fluid(const Shot& shot, const Eigen::Matrix4f& matrix);
     void shade_fluid(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
     void draw_glass(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
@@ -60,7 +62,7 @@ struct Renderer::Device {
     int width, height;
 
     gl::Program fluid_normal{{"mesh.vert"}, {"normal.frag"}};
-    gl::Program solid_colour{{"mesh.vert"}, {"studio.glsl", "field.glsl", "shadow.glsl", "solid.frag"}};
+    gl::Program solid_colour{{"mesh.vert"}, {"studio.glsl", "field.glsl", "solids.glsl", "shadow.glsl", "solid.frag"}};
     gl::Program liquid{{"screen.vert"}, {"studio.glsl", "field.glsl", "liquid.frag"}};
     gl::Program opaque{{"screen.vert"}, {"studio.glsl", "field.glsl", "opaque.frag"}};
     gl::Program particles{{"particles.vert"}, {"particles.frag"}};
@@ -81,6 +83,7 @@ struct Renderer::Device {
 
     Things things;
     FieldTexture field;
+    SolidField solid_field;
     GroundLight ground_light;
     GLuint no_vertices = 0;
 };
@@ -109,11 +112,13 @@ void Renderer::Device::cover_screen() const {
 
 Image Renderer::Device::draw(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view) {
     context.make_current();
+    std::array<float, 2> range{0, 1};
     if (look.style == "particles")
-        fill_particles(frame, look);
+        range = fill_particles(frame, look);
     else
         things.fill(frame, surface.mesh);
     field.fill(look.style == "particles" ? Volume{} : surface.distance);
+    solid_field.fill(frame.solids);
     const float aspect = static_cast<float>(width) / static_cast<float>(height);
     const Shot shot{look,          view, studio_of(look.background), fluid_material(look, (frame.domain_max - frame.domain_min).norm()),
                     frame.spacing, ground_height(frame), camera_matrix(view, aspect, things.bounds()), aspect};
@@ -130,7 +135,10 @@ Image Renderer::Device::draw(const Frame& frame, const Surface& surface, const L
     }
     for (int i = 0; i < std::max(look.samples, 1); ++i) draw_sample(shot, i);
     compose_picture(shot);
-    return read_back();
+    Image image = read_back();
+    if (look.legend && look.style == "particles") draw_legend(image, look, range);
+    if (look.time_stamp) draw_time(image, look, frame.time);
+    return image;
 }
 
 void Renderer::Device::draw_sample(const Shot& shot, int sample) {
@@ -164,6 +172,7 @@ void Renderer::Device::draw_solids(const Shot& shot, const Eigen::Matrix4f& matr
     set_studio(solid_colour, shot);
     ground_light.bind_shadow(solid_colour, shadow_unit);
     field.bind(solid_colour, field_unit);
+    solid_field.bind(solid_colour, solid_unit);
     solid_colour.set("view_projection", matrix);
     things.draw_solids(solid_colour, false, [&](const FrameSolid& s) {
         const SolidMaterial material = solid_material(s.material);
@@ -185,19 +194,19 @@ void Renderer::Device::draw_fluid(const Shot& shot, const Eigen::Matrix4f& matri
     glColorMaski(0, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
 }
 
-void Renderer::Device::fill_particles(const Frame& frame, const LookOptions& look) {
+std::array<float, 2> Renderer::Device::fill_particles(const Frame& frame, const LookOptions& look) {
     std::vector<float> values = field_values(frame, look);
     const std::array<float, 2> range = field_range(values, look);
     for (float& v : values) v = std::clamp((v - range[0]) / (range[1] - range[0]), 0.0f, 1.0f);
     things.fill(frame, values);
     std::vector<float> texels;
     for (int i = 0; i < 256; ++i) {
-        const Vec3f srgb = map_colour(look.colour_map, static_cast<float>(i) / 255);
-        for (const float c : srgb) texels.push_back(std::pow(c, 2.2f));
+        for (const float c : linear_of(map_colour(look.colour_map, static_cast<float>(i) / 255))) texels.push_back(c);
         texels.push_back(1);
     }
     glBindTexture(GL_TEXTURE_2D, colours.id());
     glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, 256, 1, GL_RGBA, GL_FLOAT, texels.data());
+    return range;
 }
 
 void Renderer::Device::draw_particles(const Shot& shot, const Eigen::Matrix4f& matrix) {

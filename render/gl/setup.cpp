@@ -36,7 +36,13 @@ float ground_height(const Frame& frame) {
             height = found ? std::max(height, level) : level;
             found = true;
         }
-    return height;
+    if (found) return height;
+    // What reaches down nearly to the domain's floor (a plate, a tank) stands on the ground; it must not hover.
+    float lowest = frame.domain_max.y();
+    for (const FrameSolid& solid : frame.solids)
+        if (solid.mesh && !solid.mesh->position.empty()) lowest = std::min(lowest, bounds_of(solid).low.y());
+    const bool near = lowest - height < 0.15f * (frame.domain_max.y() - height);
+    return near ? std::max(lowest, height) : height;
 }
 
 Eigen::Matrix4f camera_matrix(const View& view, float aspect, const Bounds& bounds) {

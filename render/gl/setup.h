@@ -21,7 +21,7 @@ Bounds bounds_of(const FrameSolid& solid);
 
 /// A solid that the ground of the look stands for: a level plane.
 bool is_level_ground(const FrameSolid& solid);
-/// Height of the ground [m]: that of the highest level plane, else the domain's floor.
+/// Height of the ground [m]: that of the highest level plane, else of the lowest solid that stands near the domain's floor, else that floor.
 float ground_height(const Frame& frame);
 
 /// World -> clip; the depth range fits the bounds tightly.

@@ -7,9 +7,15 @@
 
 namespace whorl {
 
-/// sRGB, 0 .. 1, at t in [0, 1]. viridis | inferno | coolwarm (diverging, for signed values); any other name: viridis.
+/// sRGB, 0 .. 1, at t in [0, 1]. viridis | inferno: lightness rises evenly. coolwarm: blue, light grey, red for signed values, as light
+/// at t as at 1 - t. Any other name: viridis.
 Vec3f map_colour(const std::string& map, float t);
 bool is_diverging(const std::string& map);
 std::vector<std::string> colour_map_names();
+
+/// sRGB, 0 .. 1 -> linear light.
+Vec3f linear_of(const Vec3f& colour);
+/// sRGB, 0 .. 1 -> CIE L*a*b* (D65).
+Vec3f lab_of(const Vec3f& colour);
 
 }  // namespace whorl

@@ -47,8 +47,9 @@ KeyTable make_look_keys() {
     t.key("samples", &L::samples, "", "a pixel").at_least(1).at_most(256);
     t.key("field", &L::field, "", "what colours the particles").one_of({"speed", "pressure", "density", "spin", "vorticity"}).only_with("style", particles);
     t.key("colour_map", &L::colour_map, "", "of the field").one_of({"viridis", "inferno", "coolwarm"}).only_with("style", particles);
-    t.key("range", &L::range, "", "lowest and highest value of the colour map; equal: from each frame").only_with("style", particles);
-    t.key("legend", &L::legend, "", "draw the colour map with its numbers").only_with("style", particles);
+    t.key("range", &L::range, "", "lowest and highest value of the colour map; equal: chosen once for the whole film, from the scene").only_with("style", particles);
+    t.key("legend", &L::legend, "", "draw the colour map with its numbers and unit").only_with("style", particles);
+    t.key("time_stamp", &L::time_stamp, "", "write the time on every picture");
     return t;
 }
 

@@ -44,8 +44,9 @@ struct LookOptions {
     int samples = 4;                  ///< a pixel
     std::string field = "speed";      ///< of style "particles": speed | pressure | density | spin | vorticity
     std::string colour_map = "viridis";
-    std::array<float, 2> range{0, 0};   ///< of the colour map; equal: from the frame itself
+    std::array<float, 2> range{0, 0};   ///< of the colour map; equal: a film's is chosen at its start, a single picture's from its frame
     bool legend = false;
+    bool time_stamp = false;
 };
 
 }  // namespace whorl

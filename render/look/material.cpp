@@ -11,9 +11,9 @@ constexpr float table_size = 0.4f;  // m: the diagonal of a scene whose liquids 
 const std::vector<std::pair<std::string, Material>>& fluid_presets() {
     static const std::vector<std::pair<std::string, Material>> presets = [] {
         Material honey;  // a 5 mm thread is gold, a 40 mm pile amber
-        honey.absorption = {11, 58, 290};
-        honey.scatter = {1.15f, 0.52f, 0.025f};
-        honey.haze = 30;
+        honey.absorption = {7, 60, 310};
+        honey.scatter = {1.2f, 0.53f, 0.022f};
+        honey.haze = 31;
         Material water;
         water.absorption = {5.0f, 1.6f, 1.0f};
         water.refraction = 1.333f;

@@ -11,8 +11,9 @@ void main() {
     vec3 v = normalize(world - eye);
     if (dot(n, v) > 0.0) n = -n;
     float x = 1.0 + dot(n, v);
-    float mirror = 0.08 + 0.92 * x * x * x * x * x;
+    float mirror = 0.05 + 0.95 * x * x * x * x * x;
     vec3 r = reflect(v, n);
-    vec3 light = min(surroundings(world, r) + strip_light(r), vec3(3.0));
+    // Lamps are held back: their mirror image must not stand before the fluid like a sheet of paper.
+    vec3 light = min(surroundings(world, r) + strip_light(r), vec3(1.3));
     glass = weight * vec4(mirror * light, 0.03 + 0.9 * mirror);
 }

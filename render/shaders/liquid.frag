@@ -84,7 +84,8 @@ vec3 light_through(vec3 p, vec3 d, vec3 glow) {
         light += through * milk * glow * exp(-absorption * 1.2 * depth);
         through *= exp(-absorption * way) * (1.0 - milk);
         p += way * d;
-        if (way >= to_floor) break;
+        // What can still come is less than a step of 8 bits.
+        if (way >= to_floor || max(through.r, max(through.g, through.b)) < 0.003) break;
         vec3 n = field_normal(p);
         vec3 out_d = refract(d, -n, refraction);
         if (dot(out_d, out_d) < 0.5) {   // total reflection

@@ -13,11 +13,11 @@ uniform vec3 key_colour;
 layout(location = 0) out vec4 solid;
 layout(location = 1) out vec4 normal;
 
-// Rings of a trunk that lies along x, cut by the solid's surface.
+// Rings of a trunk that lies along x, some 6 mm apart, cut by the solid's surface.
 vec3 wood(vec3 colour) {
-    vec3 q = own * 28.0;
+    vec3 q = own * 90.0;
     float r = length(q.yz + vec2(7.0, 2.0) + 0.15 * vec2(sin(3.1 * q.x), cos(2.3 * q.x)));
-    float ring = fract(1.7 * r + 0.12 * sin(9.0 * r) + 0.05 * sin(41.0 * q.z));
+    float ring = fract(1.7 * r + 0.12 * sin(9.0 * r) + 0.05 * sin(11.0 * q.z));
     float late = smoothstep(0.2, 0.95, ring) * (1.0 - smoothstep(0.95, 1.0, ring));
     return colour * (1.15 - 0.5 * grain * late);
 }
@@ -38,6 +38,11 @@ void main() {
         open = openness(p + n, n, 40.0);
         seen = openness(p + n, r, 40.0);
         key *= key_at(world, false);
+    }
+    if (has_solid_field) {
+        open *= solid_openness(world, n);
+        seen *= solid_openness(world + solid_voxel * n, r);
+        if (dot(n, light) > 0.0) key *= past_solids(world, n, light);
     }
     vec3 around = mix(backdrop_low, sky, 0.5 + 0.5 * n.y);
     vec3 diffuse = albedo * (1.0 - metal) * (around * open + key);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "render/surface/colour_field.h"
+#include "render/surface/ghosts.h"
 
 namespace whorl {
 
@@ -20,7 +21,8 @@ struct ColourBlock {
 
 class ColourGrid {
 public:
-    ColourGrid(const ColourField& field, float voxel);
+    /// Blocks that lie wholly inside the fluid are not computed but set to 1. At the sides of `cut` the colour falls through `iso`.
+    ColourGrid(const ColourField& field, float voxel, const Cut& cut = {}, float iso = 0);
     ~ColourGrid();
 
     float voxel() const { return voxel_; }  ///< m

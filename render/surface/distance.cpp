@@ -102,7 +102,8 @@ void near_surface(const TriangleMesh& mesh, const Extent& e, float margin, std::
             const Vec3f area = (b - a).cross(c - a);
             const float doubled = area.norm();
             if (doubled <= 0) continue;
-            const Vec3f normal = area / doubled;
+            const Vec3f normal = area / doubled, middle = (a + b + c) / 3;
+            const float round = std::sqrt(std::max({(a - middle).squaredNorm(), (b - middle).squaredNorm(), (c - middle).squaredNorm()})) + margin;
             const Vec3f low = (a.cwiseMin(b).cwiseMin(c).array() - margin - e.origin.array()) / e.voxel,
                         high = (a.cwiseMax(b).cwiseMax(c).array() + margin - e.origin.array()) / e.voxel;
             const int i0 = std::max(0, static_cast<int>(std::ceil(low.x()))), i1 = std::min(e.size[0] - 1, static_cast<int>(high.x()));
@@ -113,13 +114,14 @@ void near_surface(const TriangleMesh& mesh, const Extent& e, float margin, std::
                     for (int i = i0; i <= i1; ++i) {
                         const Vec3f p = e.at(i, j, k);
                         const float above = normal.dot(p - a);
-                        if (std::abs(above) > margin) continue;
+                        if (std::abs(above) > margin || (p - middle).squaredNorm() > round * round) continue;
                         const Vec3f q = closest_point(p, a, b, c);
                         const float distance2 = (p - q).squaredNorm();
                         Closest& best = closest[e.index(i, j, k)];
                         float& square = squareness[(static_cast<std::size_t>(k - k_begin) * e.size[1] + j) * e.size[0] + i];
                         const float tie = 1e-5f * e.voxel * e.voxel;
-                        if (distance2 > best.distance2 + tie) continue;
+                        // A large triangle's box holds voxels far beside it: which side of its plane they are on means nothing.
+                        if (distance2 > margin * margin || distance2 > best.distance2 + tie) continue;
                         const bool nearer = distance2 < best.distance2 - tie;
                         if (nearer || std::abs(above) > square) {
                             square = std::abs(above);

@@ -162,7 +162,7 @@ MarchedMesh march(const ColourGrid& grid, float iso) {
     return result;
 }
 
-void project(const ColourField& field, float iso, float voxel, const ColourGrid& grid, MarchedMesh& marched) {
+void project(const ColourField& field, float iso, float voxel, const ColourGrid& grid, const Cut& cut, MarchedMesh& marched) {
     TriangleMesh& mesh = marched.mesh;
     mesh.normal.resize(mesh.position.size());
     parallel_tasks(static_cast<Index>(marched.block.size()), [&](Index n) {
@@ -171,7 +171,12 @@ void project(const ColourField& field, float iso, float voxel, const ColourGrid&
         const Vec3f low = voxel * Vec3f(static_cast<float>(o[0]), static_cast<float>(o[1]), static_cast<float>(o[2]));
         local.gather(field, low, low.array() + voxel * ColourBlock::edge);
         for (Index v = marched.block_begin[n]; v < marched.block_begin[n + 1]; ++v) {
-            const LocalField::Sample sample = local.at(mesh.position[v]);
+            LocalField::Sample sample = local.at(mesh.position[v]);
+            if (cut.any()) {
+                const Cut::Side side = cut.at(mesh.position[v]);
+                const float most = cut_colour(side.inside, iso, field.reach());
+                if (most < sample.colour) sample = {most, side.inward / field.reach()};
+            }
             const float slope = sample.gradient.norm();
             if (slope * voxel < 1e-3f) {  // a saddle: it stands where it stands
                 mesh.normal[v] = Vec3f::UnitY();

@@ -15,7 +15,8 @@ struct MarchedMesh {
 /// The surface c = iso by marching cubes: closed and manifold always (every edge belongs to two triangles, every vertex to one fan).
 MarchedMesh march(const ColourGrid& grid, float iso);
 
-/// Moves every vertex onto c = iso of the field itself, which the grid only samples, and sets the normals from its gradient.
-void project(const ColourField& field, float iso, float voxel, const ColourGrid& grid, MarchedMesh& marched);
+/// Moves every vertex onto c = iso of the field itself, which the grid only samples, and sets the normals from its gradient. Vertices on the cut
+/// stay there.
+void project(const ColourField& field, float iso, float voxel, const ColourGrid& grid, const Cut& cut, MarchedMesh& marched);
 
 }  // namespace whorl

@@ -11,8 +11,8 @@ namespace whorl {
 
 struct SurfaceOptions {
     double voxel = 0.5;     ///< edge of a voxel over the spacing
-    double radius = 2.25;   ///< kernel radius over the spacing
-    double iso = 0.615;     ///< the colour field's value on the surface, near 1 inside; 0.615: unbiased (render/surface/colour_field.h)
+    double radius = 2.0;    ///< kernel radius over the spacing; up to 1.2 times that where particles have little company
+    double iso = 0.605;     ///< the colour field's value on the surface, near 1 inside; 0.605: unbiased (render/surface/colour_field.h)
     int smoothing = 1;      ///< rounds of smoothing on the mesh that keep its volume; 0: none
     bool distance = true;   ///< make the distance volume (refraction needs it)
 };

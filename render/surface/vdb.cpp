@@ -41,8 +41,8 @@ openvdb::FloatGrid::Ptr level_set(const TriangleMesh& mesh, float voxel) {
 }
 
 // Colour and velocity at the nodes that the fluid fills at least in part:  v(x) = sum_j V_j W v_j / sum_j V_j W.
-void sample(const ColourField& field, const ColourGrid& colours, const std::vector<Vec3f>& velocity, openvdb::FloatGrid& density,
-            openvdb::Vec3SGrid& velocities) {
+void sample(const ColourField& field, const ColourGrid& colours, const std::vector<Vec3f>& velocity, const std::vector<Index>& original,
+            openvdb::FloatGrid& density, openvdb::Vec3SGrid& velocities) {
     constexpr int edge = ColourBlock::edge;
     std::vector<std::pair<openvdb::FloatTree::LeafNodeType*, openvdb::Vec3STree::LeafNodeType*>> leaves;
     for (const ColourBlock& block : colours.blocks()) {
@@ -53,20 +53,23 @@ void sample(const ColourField& field, const ColourGrid& colours, const std::vect
     parallel_tasks(static_cast<Index>(leaves.size()), [&](Index b) {
         thread_local LocalField local;
         const ColourBlock& block = colours.blocks()[b];
-        const float voxel = colours.voxel(), inverse_R2 = 1 / (field.reach() * field.reach());
+        const float voxel = colours.voxel();
         const Vec3f low = voxel * Vec3f(static_cast<float>(block.origin[0]), static_cast<float>(block.origin[1]), static_cast<float>(block.origin[2]));
         local.gather(field, low, low.array() + voxel * (edge - 1));
         for (openvdb::Index n = 0; n < edge * edge * edge; ++n) {
             if (block.value[n] < 0.05f) continue;
             leaves[b].first->setValueOn(n, std::min(1.0f, block.value[n]));
-            if (!known) continue;
+            if (!known || local.x.empty()) continue;
             const Vec3f x = low + voxel * Vec3f(static_cast<float>(n >> 6), static_cast<float>(n >> 3 & 7), static_cast<float>(n & 7));
             Vec3f sum = Vec3f::Zero();
+            float weight = 0;
             for (std::size_t j = 0; j < local.x.size(); ++j) {
-                const float t = std::max(0.0f, 1 - inverse_R2 * (x - Vec3f(local.x[j], local.y[j], local.z[j])).squaredNorm());
-                sum += local.height[j] * t * t * t * velocity[local.original[j]];
+                const float t = std::max(0.0f, 1 - local.inverse_R2[j] * (x - Vec3f(local.x[j], local.y[j], local.z[j])).squaredNorm());
+                const float w = local.height[j] * t * t * t;
+                weight += w;
+                sum += w * velocity[original.empty() ? local.original[j] : original[local.original[j]]];
             }
-            const Vec3f mean = sum / block.value[n];
+            const Vec3f mean = sum / std::max(weight, 1e-6f);
             leaves[b].second->setValueOn(n, {mean.x(), mean.y(), mean.z()});
         }
     });
@@ -79,8 +82,10 @@ void write_vdb(const std::filesystem::path& file, const Frame& frame, const Surf
     const auto voxel = static_cast<float>(options.voxel * frame.spacing);
     SurfaceOptions mesh_only = options;
     mesh_only.distance = false;
-    const ColourField field(frame.position, frame.spacing, options.radius);
-    const ColourGrid colours(field, voxel);
+    const Cut cut = cut_of(frame);
+    const Ghosted ghosted = with_ghosts(frame, static_cast<float>(2 * options.radius * frame.spacing));
+    const ColourField field(cut.any() ? ghosted.position : frame.position, frame.spacing, options.radius);
+    const ColourGrid colours(field, voxel, cut, static_cast<float>(options.iso));
 
     auto density = openvdb::FloatGrid::create(0);
     density->setGridClass(openvdb::GRID_FOG_VOLUME);
@@ -88,7 +93,7 @@ void write_vdb(const std::filesystem::path& file, const Frame& frame, const Surf
     auto velocity = openvdb::Vec3SGrid::create();
     velocity->setVectorType(openvdb::VEC_CONTRAVARIANT_RELATIVE);
     describe(*velocity, "velocity", voxel);
-    sample(field, colours, frame.velocity, *density, *velocity);
+    sample(field, colours, frame.velocity, ghosted.original, *density, *velocity);
     const openvdb::GridCPtrVec grids{level_set(build_surface(frame, mesh_only).mesh, voxel), density, velocity};
 
     WholeFile whole(file);

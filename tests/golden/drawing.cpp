@@ -69,6 +69,16 @@ TEST_CASE("honey runs from a metal nozzle onto a ceramic plate", "[golden]") {
     compare(picture, "honey_plate");
 }
 
+TEST_CASE("a wooden ball on a ceramic plate, in the shadow of a metal rod", "[golden]") {
+    Picture picture = blank("honey");
+    picture.frame.domain_min.y() = -0.008f;
+    add_solid(picture.frame, test::cylinder_mesh(Vec3f(0, -0.008f, 0), 0.07f, 0.008f), "ceramic");
+    add_solid(picture.frame, test::sphere(Vec3f(0, 0.0215f, 0), 0.022f, 0.0015f).mesh, "wood");
+    add_solid(picture.frame, test::cylinder_mesh(Vec3f(-0.035f, 0, 0.02f), 0.004f, 0.06f), "metal");
+    picture.view.target = Vec3f(0, 0.02f, 0);
+    compare(picture, "solids_shade");
+}
+
 TEST_CASE("water waves in a glass box", "[golden]") {
     Picture picture = blank("water");
     picture.surface = test::pool(0.05f, 0.02f, 0.001f);
@@ -90,7 +100,11 @@ TEST_CASE("chocolate on white", "[golden]") {
     compare(picture, "chocolate_white");
 }
 
-TEST_CASE("particles are spheres coloured by their speed", "[golden]") {
+namespace {
+
+/// Particles in the coil, which move as `velocity` says.
+template <class F>
+Picture particles(F&& velocity) {
     Picture picture = blank("honey");
     const Volume field = test::coiled_thread(0.005f, 0.018f, 4, 0.12f, 0.002f).distance;
     for (int k = 0; k < field.nz; ++k)
@@ -99,8 +113,26 @@ TEST_CASE("particles are spheres coloured by their speed", "[golden]") {
                 if (field.value[(static_cast<std::size_t>(k) * field.ny + j) * field.nx + i] < 0) {
                     const Vec3f x = field.origin + field.voxel * Vec3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k));
                     picture.frame.position.push_back(x);
-                    picture.frame.velocity.emplace_back(0, -2 * x.y(), 0);
+                    picture.frame.velocity.push_back(velocity(x));
                 }
     picture.look.style = "particles";
-    compare(picture, "particles_speed");
+    return picture;
+}
+
+}  // namespace
+
+TEST_CASE("particles are spheres coloured by their speed", "[golden]") {
+    compare(particles([](const Vec3f& x) { return Vec3f(0, -2 * x.y(), 0); }), "particles_speed");
+}
+
+TEST_CASE("a signed field with its legend and the time, in a dark studio", "[golden]") {
+    Picture picture = particles([](const Vec3f&) { return Vec3f::Zero(); });
+    for (const Vec3f& x : picture.frame.position) picture.frame.vector["spin"].emplace_back(0, 0, 500 * x.x());
+    picture.frame.time = 1.25;
+    picture.look.field = "spin";
+    picture.look.colour_map = "coolwarm";
+    picture.look.range = {-10, 10};
+    picture.look.background = "dark";
+    picture.look.legend = picture.look.time_stamp = true;
+    compare(picture, "particles_legend");
 }

@@ -257,3 +257,21 @@ TEST_CASE("a killed render leaves valid pictures and a playable video, and resum
     CHECK(test::whorl({"video", scratch.run(), "--out", (scratch / "again.mp4").string()}).code == 0);
     CHECK(fs::exists(scratch / "again.mp4"));
 }
+
+TEST_CASE("a film of particles chooses its range of colours at the start, writes it down, and leaves a given one alone", "[tools][render]") {
+    const Scratch scratch;
+    const auto range_of = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> arguments{"render",    scratch.scene(), "--frames", "1",      "--no-video", "--size", "64x36",
+                                           "--out", scratch.run(), "--set", "look.style=particles"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        const Outcome done = test::whorl(arguments);
+        INFO(done.err);
+        REQUIRE(done.code == 0);
+        for (const std::string& line : lines(scratch / "run/scene.resolved.toml"))
+            if (line.rfind("range", 0) == 0) return line.substr(line.find('['), line.find(']') + 1 - line.find('['));
+        return std::string();
+    };
+    // A fall from the nozzle, 45 mm above the plane, to the domain's floor 10 mm below it: sqrt(2 * 9.81 * 0.055) = 1.04 m/s, rounded up.
+    CHECK(range_of({}) == "[0.0, 1.2]");
+    CHECK(range_of({"--set", "look.range=[0, 2]"}) == "[0.0, 2.0]");
+}

@@ -46,7 +46,7 @@ void parts(benchmark::State& state) {
         const double t2 = wall_seconds();
         MarchedMesh marched = march(grid, iso);
         const double t3 = wall_seconds();
-        project(field, iso, voxel, grid, marched);
+        project(field, iso, voxel, grid, {}, marched);
         const double t4 = wall_seconds();
         smooth(marched.mesh, options.smoothing, 10);
         set_normals(marched.mesh);

@@ -17,6 +17,7 @@
 #include "render/video/encoder.h"
 #include "tools/command.h"
 #include "tools/cost/estimate.h"
+#include "tools/run/colour_range.h"
 #include "tools/run/film.h"
 #include "tools/run/interrupt.h"
 #include "tools/run/progress.h"
@@ -36,8 +37,8 @@ struct ProbeTable {
     Table table;
 };
 
-FilmOptions film_options(const RunRequest& request, int frames_before) {
-    const Scene& scene = request.file.scene;
+FilmOptions film_options(const RunRequest& request, const SceneFile& file, int frames_before) {
+    const Scene& scene = file.scene;
     FilmOptions options;
     options.folder = request.folder;
     options.images = scene.output.frames;
@@ -47,9 +48,9 @@ FilmOptions film_options(const RunRequest& request, int frames_before) {
     options.height = scene.output.size[1];
     options.fps = scene.time.fps;
     options.frames_before = frames_before;
-    options.surface = request.file.surface;
-    options.camera = request.file.camera;
-    options.look = request.file.look;
+    options.surface = file.surface;
+    options.camera = file.camera;
+    options.look = file.look;
     return options;
 }
 
@@ -66,6 +67,7 @@ public:
     int go();
 
 private:
+    SceneFile with_colour_range() const;
     void make_folders();
     void open_tables();
     void resume();
@@ -90,12 +92,13 @@ private:
     int resumed_ = 0;
     int first_ = 1, last_ = 1;  ///< frames that this part of the run makes
     Simulation simulation_;     ///< places fluid and solids: may throw InputError, so the folder comes after it
+    Snapshots snapshots_;
+    SceneFile file_;            ///< the request's, with what is chosen at the start put in
     RunFolder folder_;
     std::shared_ptr<spdlog::logger> log_;
     std::string scene_text_;
     std::unique_ptr<Table> diagnostics_;
     std::vector<ProbeTable> probes_;
-    std::optional<Snapshots> snapshots_;
     RunTotals totals_at_row_;
     double saved_at_ = wall_seconds();
     double predicted_ = 0;  ///< s, wall time of the whole run where costs were measured before (whorl plan); else 0
@@ -105,13 +108,13 @@ private:
 };
 
 Run::Run(const RunRequest& request, const Plan& plan)
-    : request_(request), scene_(request.file.scene), simulation_(scene_, plan),
-      folder_(request.from ? RunFolder::existing(request.folder) : RunFolder::fresh(request.folder)), scene_text_(resolved_toml(request.file)) {
+    : request_(request), scene_(request.file.scene), simulation_(scene_, plan), snapshots_(simulation_, snapshot_fields(request.file, simulation_.world())),
+      file_(with_colour_range()), folder_(request.from ? RunFolder::existing(request.folder) : RunFolder::fresh(request.folder)),
+      scene_text_(resolved_toml(file_)) {
     last_ = request.frames.value_or(frame_count(scene_));
     make_folders();
     if (request.from) resume();
     open_tables();
-    snapshots_.emplace(simulation_, snapshot_fields(request.file, simulation_.world()));
     totals_at_row_ = simulation_.totals();
     log_->info("whorl {}, {}: frames {} to {}", build_id(), scene_.name, first_, last_);
     for (const Choice& c : plan.choices) log_->info("{} = {}{}: {}", c.key, c.value, c.automatic ? " (auto)" : "", c.reason);
@@ -122,8 +125,15 @@ Run::Run(const RunRequest& request, const Plan& plan)
         predicted_ = estimate(request.file, plan, simulation_, *costs).film;
         progress_->say(fmt::format("about {} expected", duration(predicted_)));
     }
-    film_.emplace(film_options(request, first_ - 1));
+    film_.emplace(film_options(request, file_, first_ - 1));
     write_report("running", "");
+}
+
+/// The range of the colour map stands in scene.resolved.toml and thereby in every checkpoint: a resumed film keeps it.
+SceneFile Run::with_colour_range() const {
+    SceneFile file = request_.file;
+    if (file.look.style == "particles") file.look.range = film_range(file.look, simulation_, snapshots_.take(simulation_, 1));
+    return file;
 }
 
 void Run::make_folders() {
@@ -213,7 +223,7 @@ void Run::land(int frame) {
     totals_at_row_ = totals;
 
     const bool due = frame == last_ || wall_seconds() - saved_at_ >= scene_.output.checkpoint_every;
-    film_->add(snapshots_->take(simulation_, frame), state_at(frame), due);
+    film_->add(snapshots_.take(simulation_, frame), state_at(frame), due);
     if (due) {
         saved_at_ = wall_seconds();
         write_report("running", "");

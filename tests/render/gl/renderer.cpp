@@ -86,3 +86,63 @@ TEST_CASE("the same frame gives the same picture, bit for bit", "[render]") {
     CHECK(renderer.draw(empty_frame(), ball, {}, from_the_front).rgb == picture.rgb);
     CHECK(other.draw(empty_frame(), ball, {}, from_the_front).rgb == picture.rgb);
 }
+
+namespace {
+
+float brightness(const Image& picture, int x, int y) {
+    const auto* p = picture.pixel(x, y);
+    return static_cast<float>(p[0] + p[1] + p[2]) / 3;
+}
+
+FrameSolid solid(TriangleMesh mesh) {
+    FrameSolid made;
+    made.mesh = std::make_shared<const TriangleMesh>(std::move(mesh));
+    made.material = "white";
+    return made;
+}
+
+}  // namespace
+
+TEST_CASE("a box that stands on a plate darkens the plate at its foot and throws a soft shadow towards the viewer; alone the plate is even", "[render]") {
+    Renderer renderer(192, 128);
+    const View from_above{Vec3f(0, 0.35f, 0.5f), Vec3f(0, 0.02f, 0), Vec3f(0, 1, 0), 30};
+    Frame frame = empty_frame();
+    frame.solids.push_back(solid(test::box_mesh(Vec3f(-0.1f, 0, -0.1f), Vec3f(0.1f, 0.02f, 0.1f))));
+    const Image alone = renderer.draw(frame, Surface{}, one_sample(), from_above);
+    frame.solids.push_back(solid(test::box_mesh(Vec3f(-0.02f, 0.02f, -0.02f), Vec3f(0.02f, 0.06f, 0.02f))));
+    const Image both = renderer.draw(frame, Surface{}, one_sample(), from_above);
+
+    // The light stands behind on the left: straight in front and on the right of the box there is shadow, far on the left nothing changes.
+    int darkest_x = 0, darkest_y = 0;
+    float most = 0;
+    for (int y = 0; y < alone.height; ++y)
+        for (int x = 0; x < alone.width; ++x)
+            if (brightness(alone, x, y) - brightness(both, x, y) > most) most = brightness(alone, x, y) - brightness(both, x, y), darkest_x = x, darkest_y = y;
+    CHECK(most > 40);
+    CHECK(darkest_x > 80);
+    CHECK(darkest_y > 50);
+    CHECK(std::abs(brightness(alone, 50, 70) - brightness(both, 50, 70)) < 4);
+    // A solid does not shade itself: a lone plate's top differs only by what the studio mirrors in it.
+    CHECK(std::abs(brightness(alone, 96, 70) - brightness(alone, 110, 70)) < 6);
+}
+
+TEST_CASE("with a fixed range a speed has the same colour whatever else moves", "[render]") {
+    Renderer renderer(96, 64);
+    Frame frame = empty_frame();
+    frame.spacing = 0.06f;
+    frame.position = {Vec3f(-0.06f, 0.1f, 0), Vec3f(0.06f, 0.1f, 0)};
+    frame.velocity = {Vec3f(1, 0, 0), Vec3f(1, 0, 0)};
+    LookOptions look = one_sample();
+    look.style = "particles";
+    look.range = {0, 4};
+    const Image slow = renderer.draw(frame, Surface{}, look, from_the_front);
+    frame.velocity[1] = Vec3f(4, 0, 0);
+    const Image fast = renderer.draw(frame, Surface{}, look, from_the_front);
+    bool other_changed = false;
+    for (int y = 0; y < 64; ++y)
+        for (int x = 0; x < 96; ++x) {
+            if (x < 40) REQUIRE(std::equal(slow.pixel(x, y), slow.pixel(x, y) + 3, fast.pixel(x, y)));
+            other_changed = other_changed || slow.pixel(x, y)[0] != fast.pixel(x, y)[0];
+        }
+    CHECK(other_changed);
+}

@@ -1,0 +1,37 @@
+#pragma once
+/// The solids of a frame as one distance field on the device: what they hide from each other, and where they throw shadow.
+#include "engine/io/frame.h"
+#include "render/gl/objects.h"
+#include "render/surface/surface.h"
+
+namespace whorl {
+
+class SolidField {
+public:
+    /// Containers and the level ground are left out. Made anew only where a solid has moved.
+    void fill(const std::vector<FrameSolid>& solids);
+    /// Sets the uniforms of solids.glsl; takes one texture unit.
+    void bind(gl::Program& program, int unit) const;
+
+private:
+    struct Placed {
+        std::shared_ptr<const TriangleMesh> mesh;
+        Mat3f rotation;
+        Vec3f translation;
+    };
+    const Volume& own_field(const std::shared_ptr<const TriangleMesh>& mesh);
+
+    std::vector<Placed> placed_;
+    std::vector<std::pair<std::shared_ptr<const TriangleMesh>, Volume>> own_;  ///< signed distance in each mesh's own coordinates, everywhere
+    gl::Texture texture_;
+    Vec3f origin_ = Vec3f::Zero(), size_ = Vec3f::Ones();
+    float voxel_ = 1;  ///< m
+    bool empty_ = true;
+};
+
+/// Signed distance to the union of placed volumes on a grid of at most `most` voxels along its longest side.
+/// Outside a volume the distance to the volume's edge is added: an upper bound of the true distance.
+Volume union_of(const std::vector<const Volume*>& own, const std::vector<Mat3f>& rotation, const std::vector<Vec3f>& translation, const Vec3f& low,
+                const Vec3f& high, int most);
+
+}  // namespace whorl
