@@ -3,10 +3,18 @@
 ///
 /// Stages of a step, in order: Gravity, (forces), Kick, FullViscosity, (pressure), Move. Corrected, it needs no density.
 #include "engine/geometry/solids.h"
+#include "engine/math/block_cholesky.h"
 #include "engine/models/viscosity/implicit.h"
-#include "engine/particles/pairs.h"
+#include "engine/particles/aggregates.h"
 
 namespace whorl {
+
+namespace field {
+struct viscous_aggregate {
+    using type = std::int32_t;
+    static constexpr std::string_view name = "viscous_aggregate", unit = "", meaning = "rigid group in the coarse level of the viscosity, 0: none";
+};
+}  // namespace field
 
 struct FullViscosityOptions {
     SolveLimits limits{1e-4, 500};  ///< see solve_implicit()
@@ -15,6 +23,9 @@ struct FullViscosityOptions {
     /// gradient loses of short waves: a wave of 32 particles decays 2.2 % too slowly with 0.05.
     Real penalty = Real(0.3);
     Real solid_factor = 1;       ///< on the solids' volumes, see models/boundary/wall.h
+    int aggregate = 48;          ///< particles in a group of the coarse level; 0: no coarse level
+    int refresh_every = 5;       ///< steps between two set-ups of the coarse level
+    double coarse_above = 4;     ///< largest nu dt/d^2 that the diagonal alone settles in few iterations
 };
 
 /// The operator of one step at fixed positions. With w_ij = V |W'(r)|/r (so that -w_ij r_ij = V grad W_ij), r_ij = x_i - x_j, u_ij = u_i - u_j:
@@ -34,38 +45,63 @@ public:
 
     void multiply(Span<const Vec3> u, Span<Vec3> y) const override;
     void force(Span<const Vec3> u, Span<Vec3> y) const override;
-    void precondition(Span<const Vec3> r, Span<Vec3> z) const override { diagonal_.apply(r, z); }
+    /// z = B^-1 r, and with use_coarse() + R Ac^-1 R^T r: B the 3x3 diagonal blocks; R the rigid motions of the groups, Ac = R^T A R.
+    void precondition(Span<const Vec3> r, Span<Vec3> z) const override;
     void divide_by_diagonal(Span<const Vec3> r, Span<Vec3> z) const override { diagonal_.apply(r, z); }
     bool touches_wall() const override { return touches_wall_; }
     bool rotations_are_free() const override { return corrected_; }
     Index size() const { return static_cast<Index>(K_.size()); }
+    /// Largest dt nu_i [m^2].
+    double largest_spread() const;
+
+    /// R^T A R.
+    SymmetricBlocks coarse_matrix(const RigidAggregates& groups) const;
+    /// Both must outlive the use; null: the diagonal alone.
+    void use_coarse(const RigidAggregates* groups, const BlockCholesky* factor) { groups_ = groups, factor_ = factor; }
 
 private:
-    using Vec4 = Eigen::Array<Real, 4, 1>;
-    /// What the force pass reads of a neighbour: the columns of Q = 2 K P D M^+ - 2 c G, and c in the last place of the first.
-    struct Stress {
-        Vec4 column[3];
+    /// Sixteen numbers side by side, one or two vector registers: lane 4 a + b belongs to component a of a velocity and b of a pair.
+    struct alignas(64) Sixteen {
+        Real lane[16];
     };
-    void strain(bool with_walls) const;
-    void divergence(bool with_walls, Span<const Vec3> u, Span<Vec3> y) const;
-    void load(Span<const Vec3> u, bool free_only) const;
+    /// w r_ij, and what the penalty couples the pair by: 2 w (c_i + c_j).
+    struct alignas(4 * sizeof(Real)) Pair {
+        Vec3 wr;
+        Real spring;
+    };
+    /// What the solids near a particle do, linear in its velocity: sum w stretch r and sum 2 c w stretch^2 times u; the rest from their own velocities.
+    struct Wall {
+        Vec3 wr = Vec3::Zero();
+        Real spring = 0;
+        Mat3 gradient = Mat3::Zero();
+        Vec3 pull = Vec3::Zero();
+    };
+    void set_up_moments(const FullViscosityOptions& options, const StepContext& step, Read<field::role> role, Read<field::viscosity> mu,
+                        Span<const Real> density);
     void set_up_wall(const FullViscosityOptions& options, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
                      const StepContext& step);
     void set_up_blocks();
+    template <bool difference>
+    void sum_row(Index i, Sixteen& sum) const;
+    void spread(Span<const Vec3> u, bool free_only) const;
+    void stress(bool with_walls) const;
+    void divergence(Span<const Vec3> u, Span<Vec3> y, bool free_only) const;
 
     const FluidPairs* pairs_ = nullptr;
-    const SolidPairs* solid_pairs_ = nullptr;
-    Column<Vec4> pair_;        ///< w r_ij and w of each pair
-    Column<Vec4> wall_pair_;   ///< the same for solids, both times the stretch of the wall's shear; 0 where the fluid slips
-    Column<Real> wall_stretch_;
-    Column<Vec3> wall_velocity_;  ///< of the pair: stretch u_i - wall_velocity is the difference over it
+    Column<Pair> pair_;
+    Column<Vec3> wr_;          ///< sum of w r_ij over fluid and solids
+    Column<Wall> wall_;        ///< empty: there are no solids
+    Column<Mat3d> wall_moment_;  ///< what the solids add to M
     Column<Mat3> M_, P_;       ///< M^+ and P
     Column<Real> K_, c_;       ///< dt mu/rho_0 and the penalty's coefficient
     std::vector<char> free_, whole_;  ///< whole: P = 1
     BlockDiagonal diagonal_;
     bool touches_wall_ = false, corrected_ = true;
-    mutable Column<Vec4> u_;
-    mutable Column<Stress> Q_;
+    const RigidAggregates* groups_ = nullptr;
+    const BlockCholesky* factor_ = nullptr;
+    mutable Column<Sixteen> u_, Q_;
+    mutable Column<Vec3> own_;  ///< the part of y that needs no stress
+    mutable std::vector<Real> load_;
 };
 
 /// The stage of the corrected form: u = argmin E.
@@ -74,11 +110,16 @@ public:
     explicit FullViscosity(FullViscosityOptions options) : options_(options) {}
     void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer, const StepContext& step,
                     StepReport& report, Read<field::role> role, Read<field::position> x, Read<field::viscosity> mu, Update<field::velocity> u,
-                    Update<field::viscous_acceleration> last);
+                    Update<field::viscous_acceleration> last, Update<field::viscous_aggregate> aggregate);
 
 private:
+    void set_up_coarse(const FluidPairs& pairs, const StepContext& step, Read<field::role> role, Read<field::position> x,
+                       Span<std::int32_t> aggregate);
     FullViscosityOptions options_;
     ViscousOperator operator_;
+    RigidAggregates groups_;
+    BlockCholesky factor_;
+    int group_count_ = 0, steps_since_refresh_ = 0;  ///< of the coarse level; no groups: there is none
 };
 
 /// The stage of the form as in the note, which weights by the density.

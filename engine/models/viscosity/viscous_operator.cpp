@@ -1,4 +1,5 @@
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <limits>
 
 #include "engine/core/parallel.h"
@@ -13,10 +14,17 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 /// M^+ and P of the matrix M of a neighbourhood. A direction counts as resolved by a smooth step of its eigenvalue over the largest, from 0.01 to
 /// 0.04: neighbours on a line or in a plane, or a single one, tell nothing about the directions across. Returns whether all three are resolved.
 bool pseudo_inverse(const Mat3d& M, Mat3d& inverse, Mat3d& projection) {
+    const double size = M.trace();
+    inverse = projection = Mat3d::Zero();
+    if (!(size > 0)) return false;
+    // With trace 1 and s_min/s_max = 0.04 the determinant is 0.0047 at most: above that all three are resolved.
+    if (const Mat3d scaled = M / size; scaled.determinant() > 0.005) {
+        inverse = scaled.inverse() / size;
+        projection.setIdentity();
+        return true;
+    }
     const Eigen::SelfAdjointEigenSolver<Mat3d> axes(M);
     const Vec3d s = axes.eigenvalues();
-    inverse = projection = Mat3d::Zero();
-    if (!(s[2] > 0)) return false;
     bool whole = true;
     for (int a = 0; a < 3; ++a) {
         const double t = std::log(std::max(s[a] / s[2], 1e-30) / 0.01) / std::log(4.0);
@@ -37,81 +45,99 @@ void ViscousOperator::set_up(const FullViscosityOptions& options, const FluidPai
                              Span<const Real> density) {
     const std::size_t n = at(mu.size());
     pairs_ = &pairs;
-    solid_pairs_ = layer.size() > 0 ? &solid_pairs : nullptr;
-    pair_.resize(pairs.other.size());
     corrected_ = options.correction;
-    M_.resize(n), P_.resize(n);
-    K_.resize(n), c_.resize(n), free_.resize(n), whole_.resize(n), u_.resize(n), Q_.resize(n);
-
+    use_coarse(nullptr, nullptr);
+    pair_.resize(pairs.other.size());
+    M_.resize(n), P_.resize(n), K_.resize(n), c_.resize(n), wr_.resize(n), free_.resize(n), whole_.resize(n);
+    u_.resize(n), Q_.resize(n), own_.resize(n);
     touches_wall_ = false;
-    if (solid_pairs_) set_up_wall(options, solid_pairs, solids, layer, step);
+    wall_.clear(), wall_moment_.clear();
+    if (layer.size() > 0) set_up_wall(options, solid_pairs, solids, layer, step);
+    set_up_moments(options, step, role, mu, density);
+    set_up_blocks();
+}
 
+void ViscousOperator::set_up_moments(const FullViscosityOptions& options, const StepContext& step, Read<field::role> role, Read<field::viscosity> mu,
+                                     Span<const Real> density) {
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         parallel_for(mu.size(), [&](Index i) {
-            Mat3d M = Mat3d::Zero();
-            const auto add = [&](const Vec4& w) {
-                if (!(w[3] > 0)) return;
-                const Vec3d wr = w.head<3>().matrix().template cast<double>();
-                M += wr * wr.transpose() / static_cast<double>(w[3]);
-            };
-            std::size_t k = pairs.first[at(i)];
-            pairs.of(i, [&](Index, const Vec3& r, Real distance) {
-                const Real w = -step.volume * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
-                pair_[k] << w * r[0], w * r[1], w * r[2], w;
-                add(pair_[k++]);
+            Real xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0, gx = 0, gy = 0, gz = 0;
+            std::size_t k = pairs_->first[at(i)];
+            pairs_->groups_of(i, [&](const Pairs::Group& group) {
+                Real weight[Pairs::Group::most];
+                for (Index l = 0; l < group.count; ++l) {
+                    const Real x = group.r[0][l], y = group.r[1][l], z = group.r[2][l], distance = group.distance[l];
+                    const Real w = -step.volume * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
+                    weight[l] = w;
+                    xx += w * x * x, xy += w * x * y, xz += w * x * z, yy += w * y * y, yz += w * y * z, zz += w * z * z;
+                    gx += w * x, gy += w * y, gz += w * z;
+                }
+                for (Index l = 0; l < group.count; ++l, ++k) {
+                    const Real w = weight[l];
+                    pair_[k] = {Vec3(w * group.r[0][l], w * group.r[1][l], w * group.r[2][l]), w};
+                }
             });
-            if (solid_pairs_)
-                for (std::size_t s = solid_pairs.first[at(i)]; s < solid_pairs.first[at(i) + 1]; ++s) add(wall_pair_[s]);
+            Mat3d M;
+            M << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+            wr_[at(i)] = Vec3(gx, gy, gz);
+            if (!wall_.empty()) M += wall_moment_[at(i)], wr_[at(i)] += wall_[at(i)].wr;
             free_[at(i)] = role[i] == 0;
             K_[at(i)] = step.dt * mu[i] / step.rest_density;
             c_[at(i)] = 0;
             M_[at(i)] = P_[at(i)] = Mat3::Identity();
             whole_[at(i)] = 1;
-            if (!options.correction) {
+            if (options.correction) {
+                Mat3d inverse, projection;
+                whole_[at(i)] = pseudo_inverse(M, inverse, projection);
+                M_[at(i)] = inverse.cast<Real>();
+                P_[at(i)] = projection.cast<Real>();
+                if (M.trace() > 0) c_[at(i)] = options.penalty * K_[at(i)] * static_cast<Real>(3 / M.trace());
+            } else {
                 const Real compression = density.empty() ? 1 : density[at(i)] / step.rest_density;
                 M_[at(i)] /= compression;  // V_i/V
                 K_[at(i)] /= compression;  // dt mu V_i/m
-                return;
             }
-            Mat3d inverse, projection;
-            whole_[at(i)] = pseudo_inverse(M, inverse, projection);
-            M_[at(i)] = inverse.cast<Real>();
-            P_[at(i)] = projection.cast<Real>();
-            if (M.trace() > 0) c_[at(i)] = options.penalty * K_[at(i)] * static_cast<Real>(3 / M.trace());
+            if (!wall_.empty()) {
+                wall_[at(i)].spring *= 2 * c_[at(i)];
+                wall_[at(i)].pull *= 2 * c_[at(i)];
+            }
         });
     });
-    set_up_blocks();
 }
 
 void ViscousOperator::set_up_wall(const FullViscosityOptions& options, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
                                   const StepContext& step) {
     const std::vector<char> slip = slips(solids);
     const WallShear shear{step.spacing / 2};
-    const std::size_t count = solid_pairs.other.size();
-    wall_pair_.resize(count);
-    wall_stretch_.resize(count);
-    wall_velocity_.resize(count);
+    wall_.assign(K_.size(), {});
+    wall_moment_.assign(K_.size(), Mat3d::Zero());
+    std::vector<char> touches(K_.size(), 0);
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         parallel_for(solid_pairs.size(), [&](Index i) {
-            std::size_t k = solid_pairs.first[at(i)];
+            Wall& wall = wall_[at(i)];
             solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
                 const auto whose = at(layer.solid[at(s)]);
-                Real w = -options.solid_factor * layer.volume[at(s)] * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
-                if (slip[whose]) w = 0;
+                const Real w = -options.solid_factor * layer.volume[at(s)] * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
+                if (slip[whose] || !(w > 0)) return;
+                touches[at(i)] = 1;
                 const Real stretch = options.correction ? shear.stretch(r, layer.normal[at(s)]) : 1;
                 // stretch (u_i - u_wall(x_i)) + (u_wall(x_i) - u_wall(x_s)), with the rigid motion of the solid u_wall
                 const Vec3 here = solids.all[whose].pose.velocity_at(layer.position[at(s)] + r);
-                wall_pair_[k] << w * r[0], w * r[1], w * r[2], w;
-                wall_stretch_[k] = stretch;
-                wall_velocity_[k++] = (stretch - 1) * here + layer.velocity[at(s)];
+                const Vec3 velocity = (stretch - 1) * here + layer.velocity[at(s)];
+                wall_moment_[at(i)] += (w * r * r.transpose()).template cast<double>();
+                wall.wr += stretch * w * r;
+                wall.spring += stretch * stretch * w;
+                wall.gradient += velocity * (w * r).transpose();
+                wall.pull += stretch * w * velocity;
             });
         });
     });
-    touches_wall_ = parallel_sum(static_cast<Index>(count), [&](Index k) { return wall_pair_[at(k)][3] > 0; }) > 0;
+    touches_wall_ = std::find(touches.begin(), touches.end(), 1) != touches.end();
 }
 
 /// B_i = 1 + K_i P_i (|h|^2 + h h^T) P_i + 2 c_i (sum w - g.M_i^+ g)            own energy: g = sum_j w r_ij, h = M_i^+ g
 ///         + sum_j K_j P_j (|h_j|^2 + h_j h_j^T) P_j + 2 c_j (w - w r.M_j^+ w r)   that of the neighbours: h_j = M_j^+ w r_ij
+/// Also turns the pairs' w into what the penalty couples them by.
 void ViscousOperator::set_up_blocks() {
     const auto strain_block = [&](Index j, const Vec3& g, Mat3& B) {
         const Vec3 h = M_[at(j)] * g;
@@ -124,108 +150,32 @@ void ViscousOperator::set_up_blocks() {
     Column<Mat3> blocks(K_.size());
     parallel_for(size(), [&](Index i) {
         Mat3 B = Mat3::Identity();
-        Vec3 g = Vec3::Zero();
-        Real weight = 0, diagonal = 0;
+        const Real own = c_[at(i)];
+        Real springs = wall_.empty() ? 0 : wall_[at(i)].spring, seen = 0;
         for (std::size_t k = pairs_->first[at(i)]; k < pairs_->first[at(i) + 1]; ++k) {
             const Index j = pairs_->other[k];
-            const Vec3 wr = pair_[k].head<3>().matrix();
-            const Real seen = strain_block(j, wr, B);
-            diagonal += 2 * c_[at(j)] * std::max(Real(0), pair_[k][3] - seen);
-            g += wr;
-            weight += pair_[k][3];
+            seen += 2 * c_[at(j)] * strain_block(j, pair_[k].wr, B);
+            pair_[k].spring *= 2 * (own + c_[at(j)]);
+            springs += pair_[k].spring;
         }
-        if (solid_pairs_)
-            for (std::size_t k = solid_pairs_->first[at(i)]; k < solid_pairs_->first[at(i) + 1]; ++k) {
-                g += wall_stretch_[k] * wall_pair_[k].head<3>().matrix();
-                weight += wall_stretch_[k] * wall_stretch_[k] * wall_pair_[k][3];
-            }
-        const Real seen = strain_block(i, g, B);
-        diagonal += 2 * c_[at(i)] * std::max(Real(0), weight - seen);
-        B.diagonal().array() += diagonal;
+        seen += 2 * own * strain_block(i, wr_[at(i)], B);
+        B.diagonal().array() += std::max(Real(0), springs - seen);
         blocks[at(i)] = B;
     });
     diagonal_.set(std::move(blocks), free_);
 }
 
-void ViscousOperator::load(Span<const Vec3> u, bool free_only) const {
-    parallel_for(size(), [&](Index i) {
-        if (free_only && !free_[at(i)]) u_[at(i)].setZero();
-        else u_[at(i)] << u[at(i)][0], u[at(i)][1], u[at(i)][2], 0;
-    });
+double ViscousOperator::largest_spread() const {
+    return parallel_max(size(), 0, [&](Index i) { return K_[at(i)]; });
 }
 
-void ViscousOperator::strain(bool with_walls) const {
-    parallel_for(size(), [&](Index i) {
-        // Columns of sum_j w u_ij r_ij^T.
-        Vec4 x = Vec4::Zero(), y = Vec4::Zero(), z = Vec4::Zero();
-        const Vec4 own = u_[at(i)];
-        for (std::size_t k = pairs_->first[at(i)]; k < pairs_->first[at(i) + 1]; ++k) {
-            const Vec4 u_ij = own - u_[at(pairs_->other[k])], w = pair_[k];
-            x += w[0] * u_ij;
-            y += w[1] * u_ij;
-            z += w[2] * u_ij;
-        }
-        if (solid_pairs_)
-            for (std::size_t k = solid_pairs_->first[at(i)]; k < solid_pairs_->first[at(i) + 1]; ++k) {
-                Vec4 u_is = wall_stretch_[k] * own;
-                if (with_walls) u_is.head<3>() -= wall_velocity_[k].array();
-                const Vec4 w = wall_pair_[k];
-                x += w[0] * u_is;
-                y += w[1] * u_is;
-                z += w[2] * u_is;
-            }
-        Mat3 B;
-        B.col(0) = x.head<3>().matrix();
-        B.col(1) = y.head<3>().matrix();
-        B.col(2) = z.head<3>().matrix();
-        const Mat3 G = B * M_[at(i)];
-        Mat3 D = whole_[at(i)] ? G : Mat3(P_[at(i)] * G);
-        D = (Real(0.5) * (D + D.transpose())).eval();
-        if (!whole_[at(i)]) D = (P_[at(i)] * D).eval();
-        const Real c = c_[at(i)];
-        const Mat3 Q = 2 * K_[at(i)] * (D * M_[at(i)]) - 2 * c * G;
-        Stress& stress = Q_[at(i)];
-        for (int a = 0; a < 3; ++a) stress.column[a] << Q(0, a), Q(1, a), Q(2, a), 0;
-        stress.column[0][3] = c;
-    });
-}
-
-void ViscousOperator::divergence(bool with_walls, Span<const Vec3> u, Span<Vec3> y) const {
-    parallel_for(size(), [&](Index i) {
-        Vec4 sum = Vec4::Zero();
-        const Vec4 own = u_[at(i)], Qx = Q_[at(i)].column[0], Qy = Q_[at(i)].column[1], Qz = Q_[at(i)].column[2];
-        const Real c = Qx[3];
-        for (std::size_t k = pairs_->first[at(i)]; k < pairs_->first[at(i) + 1]; ++k) {
-            const Index j = pairs_->other[k];
-            const Stress& other = Q_[at(j)];
-            const Vec4 w = pair_[k];
-            const Real cw = 2 * w[3] * (c + other.column[0][3]);
-            sum += w[0] * (Qx + other.column[0]) + w[1] * (Qy + other.column[1]) + w[2] * (Qz + other.column[2]) + cw * (own - u_[at(j)]);
-        }
-        if (solid_pairs_)
-            for (std::size_t k = solid_pairs_->first[at(i)]; k < solid_pairs_->first[at(i) + 1]; ++k) {
-                const Vec4 w = wall_stretch_[k] * wall_pair_[k];
-                Vec4 u_is = wall_stretch_[k] * own;
-                if (with_walls) u_is.head<3>() -= wall_velocity_[k].array();
-                sum += w[0] * Qx + w[1] * Qy + w[2] * Qz + 2 * c * w[3] * u_is;
-            }
-        y[at(i)] = u[at(i)] + Vec3(sum.head<3>().matrix());
-    });
-}
-
-void ViscousOperator::multiply(Span<const Vec3> u, Span<Vec3> y) const {
-    load(u, true);
-    strain(false);
-    divergence(false, u, y);
-    parallel_for(size(), [&](Index i) {
-        if (!free_[at(i)]) y[at(i)].setZero();
-    });
-}
-
-void ViscousOperator::force(Span<const Vec3> u, Span<Vec3> y) const {
-    load(u, false);
-    strain(true);
-    divergence(true, u, y);
+void ViscousOperator::precondition(Span<const Vec3> r, Span<Vec3> z) const {
+    diagonal_.apply(r, z);
+    if (!groups_) return;
+    load_.resize(at(6 * groups_->groups()));
+    groups_->restrict_to_groups(r, load_);
+    factor_->solve(load_);
+    groups_->add_motion(load_, z);
 }
 
 }  // namespace whorl

@@ -1,0 +1,45 @@
+#pragma once
+/// Compact groups of neighbouring particles: the coarse level of two-level preconditioners.
+#include "engine/particles/pairs.h"
+
+namespace whorl {
+
+/// Groups of about `size` free particles: equal runs along the space-filling curve, made round by sweeps in which each particle joins the nearest
+/// centre among its neighbours' groups (Lloyd). Runs alone need more than twice the iterations.
+/// @param role field::role: only free particles are grouped @param cell [m], of the curve's cells
+/// @param group written: 1 to the number returned; 0 for particles that are not free
+int form_aggregates(const Pairs& pairs, Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real cell, int size,
+                    Span<std::int32_t> group);
+
+/// Centre of each group as a mean over its members' images near the first of them; groups without members stay at the origin.
+/// @param group from 1; 0: in none
+std::vector<Vec3d> aggregate_centres(Span<const Vec3> x, Span<const std::int32_t> group, int groups, const Domain& domain);
+
+/// The six rigid motions of each group at the present positions: u_i = v + omega x arm_i, arm_i from the group's centre in spacings.
+class RigidAggregates {
+public:
+    /// @param group as form_aggregates() leaves it; particles that are not free any more drop out
+    void place(Span<const Vec3> x, Span<const std::int16_t> role, Span<const std::int32_t> group, int groups, const Domain& domain, Real spacing);
+    int groups() const { return static_cast<int>(centre_.size()); }
+    /// From 0; -1: in none.
+    int of(Index i) const { return of_[static_cast<std::size_t>(i)]; }
+    const Vec3& arm(Index i) const { return arm_[static_cast<std::size_t>(i)]; }
+    Span<const Index> members(int g) const {
+        const auto k = static_cast<std::size_t>(g);
+        return {member_.data() + first_[k], static_cast<std::size_t>(first_[k + 1] - first_[k])};
+    }
+    Span<const Vec3d> centres() const { return centre_; }
+
+    /// load = R^T r: six sums a group.
+    void restrict_to_groups(Span<const Vec3> r, Span<Real> load) const;
+    /// z += R motion.
+    void add_motion(Span<const Real> motion, Span<Vec3> z) const;
+
+private:
+    std::vector<std::int32_t> of_;
+    Column<Vec3> arm_;
+    std::vector<Index> first_, member_;
+    std::vector<Vec3d> centre_;
+};
+
+}  // namespace whorl
