@@ -105,7 +105,8 @@ void PressureAcceleration::operator()(const FluidPairs& pairs, const SolidPairs&
                 push += both * solid.volume[static_cast<std::size_t>(s)] * slope_over_distance(kernel, distance) * r;
             });
             // Both halves of the symmetric form, rho_s = rho_0 and rho_i near it.
-            a[i] -= step.rest_density * options.solid_factor / (rho[i] * rho[i]) * push;
+            const Real gate = options.gate.weight(kernel, i, solid_pairs, solid.volume, options.solid_factor);
+            a[i] -= gate * step.rest_density * options.solid_factor / (rho[i] * rho[i]) * push;
         });
     });
 }
