@@ -79,13 +79,19 @@ template <bool difference, class Kernel>
 void add_pressure(const Kernel& kernel, const FluidPairs& pairs, const StepContext& step, Read<field::density> rho, Read<field::pressure> p,
                   Update<field::acceleration> a) {
     parallel_for(a.size(), [&](Index i) {
-        const Real own = p[i] / (rho[i] * rho[i]);
-        Vec3 sum = Vec3::Zero();
-        pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-            const Real push = difference ? (p[j] - p[i]) / (rho[i] * rho[j]) : own + p[j] / (rho[j] * rho[j]);
-            sum += push * slope_over_distance(kernel, distance) * r;
+        const Real b_i = 1 / rho[i], p_i = p[i], own = p_i * b_i * b_i;
+        Real x = 0, y = 0, z = 0;
+        pairs.groups_of(i, [&](const Pairs::Group& group) {
+            Real density[Pairs::Group::most], pressure[Pairs::Group::most];
+            for (Index l = 0; l < group.count; ++l) density[l] = rho[group.other[l]], pressure[l] = p[group.other[l]];
+            for (Index l = 0; l < group.count; ++l) {
+                const Real distance = group.distance[l], b = 1 / density[l];
+                const Real slope = slope_over_distance(kernel, distance);
+                const Real push = slope * (difference ? (pressure[l] - p_i) * b_i * b : own + pressure[l] * b * b);
+                x += push * group.r[0][l], y += push * group.r[1][l], z += push * group.r[2][l];
+            }
         });
-        a[i] -= step.mass * sum;
+        a[i] -= step.mass * Vec3(x, y, z);
     });
 }
 
