@@ -71,7 +71,7 @@ std::vector<Measured> run(const std::vector<std::string>& changes, const std::ve
 
 std::string refinement_table() {
     const std::vector<double> times{0.1, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2};
-    const std::vector<std::string> spin{"models.micropolar=seed", "micropolar.transfer_viscosity=0.8", "micropolar.micro_inertia=0.005",
+    const std::vector<std::string> spin{"models.micropolar=seed", "micropolar.transfer_viscosity=0.8", "micropolar.micro_inertia=2.5e-4",
                                         "micropolar.xsph_spin=0", "micropolar.xsph_velocity=0"};
     const std::vector<Measured> coarse = run({}, times), with = run(spin, times), fine = run({"fluid.spacing=0.025"}, times);
     std::string table =
