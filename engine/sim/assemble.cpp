@@ -233,7 +233,8 @@ private:
         if (n.implicit_exchange || n.coupling == 0) return;
         const double k = largest_curl(plan_.kernel, static_cast<Real>(R), static_cast<Real>(plan_.spacing));
         const double exchange = exchange_step(n.coupling / rho, n.micro_inertia, k);
-        limit("exchange", "theta / (kappa (1 + sqrt(1 + theta k^2))), k = " + number(std::round(100 * k * plan_.spacing) / 100) + "/d", [=](const World&, double) { return exchange; });
+        limit("exchange", "theta / (kappa (1 + sqrt(1 + theta k^2))), k = " + number(std::round(100 * k * plan_.spacing) / 100) + "/d",
+              [=](const World&, double) { return exchange; });
     }
 
     /// Books what the stage before does to the kinetic energy as work, where the models keep a budget.
