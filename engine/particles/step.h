@@ -34,12 +34,25 @@ struct Divergence {
     std::string what;                ///< "velocity is not finite", ...
 };
 
+/// Work on the particles in a step, into their kinetic and spin energy, by its cause [J]; what is dissipated counts negative. Solids do their work
+/// through the terms by which they act.
+struct EnergyWork {
+    double gravity = 0, torque = 0, pressure = 0, viscosity = 0, exchange = 0, smoothing = 0, boundary = 0;
+    EnergyWork& operator+=(const EnergyWork& o) {
+        gravity += o.gravity, torque += o.torque, pressure += o.pressure, viscosity += o.viscosity;
+        exchange += o.exchange, smoothing += o.smoothing, boundary += o.boundary;
+        return *this;
+    }
+    double total() const { return gravity + torque + pressure + viscosity + exchange + smoothing + boundary; }
+};
+
 struct StepReport {
     struct Solve {
         std::string name;  ///< "pressure", "viscosity"
         SolveReport report;
     };
     std::vector<Solve> solves;
+    std::optional<EnergyWork> work;  ///< where the models keep an energy budget
     Index lost_particles = 0;  ///< left the domain in this step
     std::optional<Divergence> diverged;
 };

@@ -12,12 +12,13 @@ void check_models(const Scene& scene, const Plan& plan, std::vector<Problem>& pr
     };
     const std::string not_here = " is not available in this version";
 
-    if (plan.micropolar != MicropolarModel::none)
-        report("models.micropolar", std::string("models.micropolar = \"") + name_of(plan.micropolar) + "\"" + not_here, "", "none");
     if (plan.pressure == PressureModel::ppe && scene.pressure.preconditioner == Preconditioner::multigrid)
         report("pressure.preconditioner", "pressure.preconditioner = \"multigrid\"" + not_here, "take \"jacobi\"", "none or jacobi");
     if (scene.fluid.surface_tension > 0) report("fluid.surface_tension", "surface tension" + not_here, "set fluid.surface_tension = 0");
-    if (scene.boundary.gate > 0) report("boundary.gate", "the gate at solids" + not_here, "set boundary.gate = 0");
+    if (scene.boundary.gate > 0 && plan.boundary != BoundaryModel::akinci)
+        report("boundary.gate", std::string("boundary.gate belongs to solids of models.pressure = \"wcsph\", and this scene has models.pressure = \"") +
+                                    name_of(plan.pressure) + "\"" + (scene.solids.empty() ? " and no solids" : ""),
+               "set boundary.gate = 0");
 
     if (plan.viscosity == ViscosityModel::full_assembled)
         if (const double bytes = plan.estimated_particles * assembled_bytes(plan.support / plan.spacing); bytes > most_assembled_bytes)
@@ -37,6 +38,7 @@ void check_models(const Scene& scene, const Plan& plan, std::vector<Problem>& pr
         report("models.boundary",
                std::string("models.boundary = \"") + name_of(plan.boundary) + "\" does not go with models.pressure = \"" + name_of(plan.pressure) + "\"",
                "take \"auto\"", "akinci with wcsph, ppe with ppe, none with any");
+    check_micropolar(scene, plan, problems);
 }
 
 }  // namespace whorl

@@ -41,8 +41,13 @@ inline Choices<GradientForm> choices(GradientForm) {
     return {{GradientForm::symmetric, "symmetric"}, {GradientForm::difference, "difference"}};
 }
 inline Choices<LaplacianForm> choices(LaplacianForm) {
-    return {{LaplacianForm::brookshaw, "brookshaw"}, {LaplacianForm::monaghan, "monaghan"}};
+    return {{LaplacianForm::brookshaw, "brookshaw"}, {LaplacianForm::monaghan, "monaghan"}, {LaplacianForm::split, "split"}};
 }
+inline Choices<ExchangeScheme> choices(ExchangeScheme) {
+    using E = ExchangeScheme;
+    return {{E::automatic, "auto"}, {E::explicit_steps, "explicit"}, {E::implicit, "implicit"}};
+}
+inline Choices<WallSpin> choices(WallSpin) { return {{WallSpin::solid, "solid"}, {WallSpin::free, "free"}}; }
 inline Choices<CurlForm> choices(CurlForm) {
     return {{CurlForm::symmetric, "symmetric"},
             {CurlForm::difference, "difference"},

@@ -22,7 +22,7 @@ void choose(Plan& plan, const char* key, E asked, E automatic, const std::string
 }
 
 std::string pressure_reason(PressureModel pressure, const Scene& scene, const SceneNumbers& n) {
-    if (scene.models.micropolar != MicropolarModel::none) return "micropolar terms need a weakly compressible fluid";
+    if (scene.models.micropolar != MicropolarModel::none) return "the usual company of micropolar terms; \"ppe\" has them too";
     if (!n.free_surface) return "every axis is periodic: no free surface";
     const std::string number = fmt::format("viscous number nu dt/d^2 = {:.3g}", n.viscous_number);
     return pressure == PressureModel::coupled ? number + " > 1 with a free surface: viscosity and pressure act together within a step"
@@ -119,7 +119,8 @@ void warn(Plan& plan, const Scene& scene, const SceneNumbers& n, const SceneShap
 
 }  // namespace
 
-Plan make_plan(const Scene& scene) {
+Plan make_plan(const Scene& given) {
+    const Scene scene = calibrated(given);
     std::vector<Problem> problems;
     const std::string file = scene.place("").file;
     const SceneShapes shapes = make_shapes(scene, problems);
@@ -156,16 +157,16 @@ Plan make_plan(const Scene& scene) {
     choose_viscosity(plan, scene, n, step);
     plan.micropolar = scene.models.micropolar;
     if (plan.pressure == PressureModel::wcsph) choose_artificial_viscosity(plan, scene, n);
-    if (plan.micropolar != MicropolarModel::none)
-        plan.choices.push_back({"models.micropolar", name_of(plan.micropolar), false, "as the scene says"});
+    if (plan.micropolar != MicropolarModel::none) choose_micropolar(plan, scene, given, step);
     choose_boundary(plan, scene);
     choose(plan, "models.shifting", scene.models.shifting, coupled ? ShiftingModel::fickian : ShiftingModel::none,
            coupled ? "stretched threads lose their even spacing" : "particles of this model keep apart by themselves", plan.shifting);
 
-    check_models(scene, plan, problems);
+    check_models(given, plan, problems);
     check_placement(scene, plan, n, shapes, problems);
     if (!problems.empty()) throw InputError(in_order(std::move(problems), file));
     warn(plan, scene, n, shapes);
+    if (plan.micropolar != MicropolarModel::none) warn_micropolar(plan, scene);
     return plan;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 /// What a scene requires: models chosen (every "auto" resolved, with the reason), constants derived. Nothing is allocated yet.
-#include "engine/scene/scene.h"
+#include "engine/scene/micropolar.h"
 
 namespace whorl {
 
@@ -24,6 +24,7 @@ struct Plan {
     double sound_speed = 0;             ///< m/s, wcsph
     double artificial_viscosity = 0;    ///< alpha, wcsph
     double largest_viscosity = 0;       ///< Pa s over blocks and emitters
+    MicropolarNumbers spin;             ///< where a micropolar model is chosen
     double estimated_particles = 0;     ///< at the end of the run
     std::vector<Choice> choices;
     std::vector<std::string> warnings;

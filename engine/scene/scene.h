@@ -11,7 +11,7 @@
 #include "engine/math/expression.h"
 #include "engine/math/kernel.h"
 #include "engine/particles/sample.h"
-#include "engine/particles/sample.h"
+#include "engine/sph/curl.h"
 
 namespace whorl {
 
@@ -23,8 +23,9 @@ enum class ShiftingModel { automatic, none, fickian };
 enum class Preconditioner { none, jacobi, multigrid };
 enum class PressureForm { constraint, poisson };
 enum class GradientForm { symmetric, difference };
-enum class LaplacianForm { brookshaw, monaghan };
-enum class CurlForm { symmetric, difference, difference_own_density };
+enum class LaplacianForm { brookshaw, monaghan, split };
+enum class ExchangeScheme { automatic, explicit_steps, implicit };
+enum class WallSpin { solid, free };
 enum class Slip { no, free };
 enum class Profile { plug, parabolic };
 enum class ProbeKind { point, line, region, coil };
@@ -89,13 +90,19 @@ struct MicropolarKeys {
     double transfer_viscosity = 0.3;  ///< Pa s
     double micro_inertia = 2;         ///< m^2
     CurlForm curl_velocity = CurlForm::difference_own_density, curl_spin = CurlForm::symmetric;
+    bool co_rotating = true;          ///< curl u - 2 w as the curl seen from the turning particle
     double xsph_velocity = 0.002, xsph_spin = 0.125;
+    double xsph_time = 0;             ///< s; 0: the parts are taken every step, whatever its length
     double spin_length = 0;           ///< m; 0: the spacing
+    std::optional<double> spin_viscosity;  ///< gamma [Pa s m^2]; none: viscosity spin_length^2
     VectorExpression torque;
+    ExchangeScheme exchange = ExchangeScheme::automatic;
+    WallSpin wall_spin = WallSpin::solid;
+    std::optional<double> effective_viscosity;  ///< Pa s; given: viscosities and inertia are chosen for it and spin_length
 };
 
 struct BoundaryKeys {
-    double gate = 0;  ///< a solid acts only past this kernel sum; 0: always
+    double gate = 0;  ///< a solid acts only past this kernel sum; 0: always (SolidGate)
 };
 
 struct BlockKeys {

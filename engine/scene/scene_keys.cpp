@@ -111,7 +111,8 @@ KeyTable viscosity_keys() {
     const std::vector<std::string> implicit{"pairwise", "full", "full_assembled"};
     t.key("tolerance", &ViscosityKeys::tolerance, "", "relative residual of the linear solver").above(0).at_most(0.5).only_with(model, implicit);
     t.key("max_iterations", &ViscosityKeys::max_iterations, "", "of the linear solver, a step").at_least(1).only_with(model, implicit);
-    t.key("laplacian", &ViscosityKeys::laplacian, "", "form of the Laplacian").only_with(model, {"explicit"});
+    t.key("laplacian", &ViscosityKeys::laplacian, "", "form of the Laplacian; split, with a micropolar model: the share that its coupling needs in the first form, the rest in the "
+          "second").only_with(model, {"explicit"});
     t.key("alpha", &ViscosityKeys::alpha, "", "part of the neighbours' mean velocity taken over a step").above(0).at_most(1).only_with(model, {"xsph"});
     t.key("correction", &ViscosityKeys::correction, "", "gradients exact for linear fields: a rigid rotation feels no viscosity")
         .only_with(model, {"full"});
@@ -123,19 +124,28 @@ KeyTable micropolar_keys() {
     using M = MicropolarKeys;
     const auto own = [](Key& k) { k.only_with("models.micropolar", {"seed", "bender", "eringen"}); };
     own(t.key("transfer_viscosity", &M::transfer_viscosity, "Pa s", "couples spin and flow").at_least(0));
-    own(t.key("micro_inertia", &M::micro_inertia, "m^2", "theta: inertia of the spin over the mass").above(0));
+    own(t.key("micro_inertia", &M::micro_inertia, "m^2", "theta: inertia of the spin over the mass; 2 as in the notes makes the spin inert at centimetres")
+            .above(0));
     own(t.key("curl_velocity", &M::curl_velocity, "", "form of the velocity's curl"));
     own(t.key("curl_spin", &M::curl_spin, "", "form of the spin's curl"));
+    own(t.key("co_rotating", &M::co_rotating, "", "curl u - 2 w as the curl seen from the turning particle, which conserves angular momentum; false: as written"));
     own(t.key("xsph_velocity", &M::xsph_velocity, "", "smoothing of the velocity a step").at_least(0).at_most(1));
     own(t.key("xsph_spin", &M::xsph_spin, "", "smoothing of the spin a step").at_least(0).at_most(1));
-    own(t.key("spin_length", &M::spin_length, "m", "l in the spin's diffusion mu l^2; 0: the spacing").at_least(0));
+    own(t.key("xsph_time", &M::xsph_time, "s", "time in which the smoothings take their parts; 0: every step, as in the notes").at_least(0));
+    own(t.key("spin_length", &M::spin_length, "m", "l in the spin's diffusion viscosity l^2; 0: the spacing").at_least(0));
+    own(t.key("spin_viscosity", &M::spin_viscosity, "Pa s m^2", "gamma, diffusion of the spin; auto: viscosity spin_length^2").at_least(0));
     own(t.key("torque", &M::torque, "m^2/s^2", "torque on every particle over its mass").of("txyz"));
+    own(t.key("exchange", &M::exchange, "", "of spin and flow; auto: explicit where its stable step is long enough"));
+    own(t.key("wall_spin", &M::wall_spin, "", "spin at walls that the fluid sticks to: the solid's rotation, or free of couple stress"));
+    own(t.key("effective_viscosity", &M::effective_viscosity, "Pa s",
+              "what slow flows shall feel; given, it chooses viscosity, transfer_viscosity, spin_viscosity and micro_inertia together with spin_length")
+            .above(0));
     return t;
 }
 
 KeyTable boundary_keys() {
     KeyTableOf<BoundaryKeys> t("of the boundary model");
-    t.key("gate", &BoundaryKeys::gate, "", "a solid acts only past this kernel sum; 0: always")
+    t.key("gate", &BoundaryKeys::gate, "", "a solid acts only where its kernel sum at the particle passes this; 0: always")
         .at_least(0)
         .at_most(1)
         .only_with("models.boundary", {"akinci", "ppe"});

@@ -5,6 +5,7 @@
 #include "engine/models/boundary/keep_outside.h"
 #include "engine/models/boundary/wall.h"
 #include "engine/models/coupled/system.h"
+#include "engine/models/micropolar/micropolar.h"
 #include "engine/models/motion/motion.h"
 #include "engine/models/pressure/constraint.h"
 #include "engine/models/pressure/damping.h"
@@ -20,6 +21,16 @@
 
 namespace whorl {
 namespace {
+
+/// Of the particles that move freely [J].
+double free_kinetic_energy(const World& w) {
+    const auto u = w.fluid.column<field::velocity>();
+    const auto role = w.fluid.column<field::role>();
+    return 0.5 * static_cast<double>(w.step.mass) * parallel_sum(w.fluid.size(), [&](Index i) {
+        const auto k = static_cast<std::size_t>(i);
+        return role[k] == 0 ? u[k].cast<double>().squaredNorm() : 0.0;
+    });
+}
 
 /// Fluid and solid neighbours of the models with one support radius.
 Stage neighbours() {
@@ -106,9 +117,11 @@ private:
                                       ? Real(1)
                                       : continued_lattice_factor(plan_.kernel, static_cast<Real>(plan_.support), static_cast<Real>(plan_.spacing));
         made_.stages.push_back(neighbours());
+        gate_.threshold = static_cast<Real>(scene_.boundary.gate);
         const bool constraint = plan_.pressure == PressureModel::ppe && scene_.pressure.form == PressureForm::constraint;
-        // The constraint makes its own densities, in its own way at solids; viscosity acts before it.
-        if (!constraint || plan_.viscosity != ViscosityModel::none) stage("density", "density", Density{solid_factor});
+        // The constraint makes its own densities, in its own way at solids; viscosity and spin act before it.
+        if (!constraint || plan_.viscosity != ViscosityModel::none || plan_.micropolar != MicropolarModel::none)
+            stage("density", "density", Density{solid_factor, gate_});
 
         WeaklyCompressible tait;
         tait.sound_speed = plan_.sound_speed;
@@ -118,6 +131,7 @@ private:
         tait.solid_factor = solid_factor;
         tait.sound_damping = scene_.pressure.sound_damping;
         tait.artificial_viscosity = plan_.artificial_viscosity;
+        tait.gate = gate_;
         const bool wcsph = plan_.pressure == PressureModel::wcsph;
         if (wcsph) stage("Tait's equation", "pressure", TaitPressure{tait});
         if (wcsph && tait.sound_damping > 0) stage("sound damping", "pressure", SoundDamping{tait});
@@ -131,21 +145,31 @@ private:
                 limit("sound damping", "0.6 R/2 / (sound_damping c)",
                       [dt = sound_damping_step(plan_.support, tait.sound_speed, tait.sound_damping)](const World&, double) { return dt; });
         }
-        if (plan_.viscosity == ViscosityModel::explicit_laplacian) explicit_viscosity(solid_factor);
+        const bool micropolar = plan_.micropolar != MicropolarModel::none;
+        if (micropolar) spin(solid_factor);
+        else if (plan_.viscosity == ViscosityModel::explicit_laplacian) explicit_viscosity(solid_factor);
         stage("kick", "move", Kick{});
-        if (plan_.viscosity == ViscosityModel::xsph) stage("XSPH", "viscosity", XsphViscosity{static_cast<Real>(scene_.viscosity.alpha)});
-        implicit_viscosity(solid_factor);
+        if (plan_.viscosity == ViscosityModel::xsph) {
+            stage("XSPH", "viscosity", XsphViscosity{static_cast<Real>(scene_.viscosity.alpha)});
+            booked(&EnergyWork::smoothing);
+        }
+        if (plan_.viscosity == ViscosityModel::full || plan_.viscosity == ViscosityModel::full_assembled || plan_.viscosity == ViscosityModel::pairwise) {
+            implicit_viscosity(solid_factor);
+            booked(&EnergyWork::viscosity);
+        }
         if (constraint) constrained_density();
         else if (plan_.pressure == PressureModel::ppe) {
             PoissonPressureOptions options;
             options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
             options.solid_factor = solid_factor;
             stage("pressure equation", "pressure", PoissonPressure{options});
+            booked(&EnergyWork::pressure);
         }
         stage("move", "move", Move{});
         if (!scene_.solids.empty()) {
             made_.stages.push_back(move_solids());
             stage("keep outside", "boundary", KeepOutside{});
+            booked(&EnergyWork::boundary);
         }
     }
 
@@ -155,8 +179,12 @@ private:
         options.correction = scene_.pressure.correction;
         options.active_set = scene_.pressure.active_set;
         if (scene_.pressure.preconditioner == Preconditioner::none) options.preconditioner = no_preconditioner;
-        if (scene_.pressure.damping > 0) stage("unresolved motion", "pressure", DampUnresolved{scene_.pressure.damping});
+        if (scene_.pressure.damping > 0) {
+            stage("unresolved motion", "pressure", DampUnresolved{scene_.pressure.damping});
+            booked(&EnergyWork::smoothing);
+        }
         stage("density constraint", "pressure", ConstraintPressure{options});
+        booked(&EnergyWork::pressure);
         limit("pressure", number(scene_.time.cfl) + " d / sqrt(p / rho)",
               [cfl = scene_.time.cfl, d = plan_.spacing, rho_0 = scene_.fluid.density](const World& w, double) {
                   return pressure_step(cfl, d, rho_0, w.fluid.column<field::pressure>());
@@ -167,6 +195,7 @@ private:
         ExplicitOptions options;
         options.monaghan = scene_.viscosity.laplacian == LaplacianForm::monaghan;
         options.solid_factor = solid_factor;
+        options.gate = gate_;
         stage("explicit viscosity", "viscosity", ExplicitViscosity{options});
         limit("viscous", "0.125 R^2 / (4 nu)", [R = plan_.support, nu = plan_.largest_viscosity / scene_.fluid.density](const World&, double) {
             return nu > 0 ? viscous_step(R, nu) : std::numeric_limits<double>::infinity();
@@ -196,8 +225,56 @@ private:
         }
     }
 
+    /// Micropolar terms with the explicit viscosity in the same pass over the pairs.
+    void spin(Real solid_factor) {
+        const MicropolarKeys& keys = scene_.micropolar;
+        const MicropolarNumbers& n = plan_.spin;
+        MicropolarOptions options;
+        options.coupling = n.coupling;
+        options.pair_viscosity = n.pair_viscosity;
+        options.central_viscosity = n.central_viscosity;
+        options.spin_viscosity = n.spin_viscosity;
+        options.micro_inertia = n.micro_inertia;
+        options.curl_velocity = keys.curl_velocity;
+        options.curl_spin = keys.curl_spin;
+        options.co_rotating = keys.co_rotating;
+        options.implicit_exchange = n.implicit_exchange;
+        options.smoothing_velocity = keys.xsph_velocity;
+        options.smoothing_spin = keys.xsph_spin;
+        options.smoothing_time = keys.xsph_time;
+        options.free_spin_walls = keys.wall_spin == WallSpin::free;
+        options.torque = keys.torque;
+        options.solid_factor = solid_factor;
+        options.gate = gate_;
+        stage("micropolar", "micropolar", Micropolar{options});
+
+        const double never = std::numeric_limits<double>::infinity(), R = plan_.support, rho = n.density;
+        // The spin slaved to the flow takes coupling/2 off the viscosity: whichever is larger bounds the step.
+        const double nu = std::max({n.pair_viscosity + std::abs(n.central_viscosity), n.coupling / 2}) / rho;
+        limit("viscous", "0.125 R^2 / (4 max(nu, kappa/2))", [=](const World&, double) { return nu > 0 ? viscous_step(R, nu) : never; });
+        const double diffusion = n.spin_viscosity / (rho * n.micro_inertia);
+        limit("spin diffusion", "0.125 R^2 theta / (4 gamma/rho)", [=](const World&, double) { return diffusion > 0 ? viscous_step(R, diffusion) : never; });
+        if (n.implicit_exchange || n.coupling == 0) return;
+        const double k = largest_curl(plan_.kernel, static_cast<Real>(R), static_cast<Real>(plan_.spacing));
+        const double exchange = exchange_step(n.coupling / rho, n.micro_inertia, k);
+        limit("exchange", "theta / (kappa (1 + sqrt(1 + theta k^2))), k = " + number(std::round(100 * k * plan_.spacing) / 100) + "/d",
+              [=](const World&, double) { return exchange; });
+    }
+
+    /// Books what the stage before does to the kinetic energy as work, where the models keep a budget.
+    void booked(double EnergyWork::*cause) {
+        if (plan_.micropolar == MicropolarModel::none) return;
+        Stage& last = made_.stages.back();
+        last.run = [run = std::move(last.run), cause](World& w) {
+            const double before = free_kinetic_energy(w);
+            run(w);
+            if (w.report.work) (*w.report.work).*cause += free_kinetic_energy(w) - before;
+        };
+    }
+
     const Scene& scene_;
     const Plan& plan_;
+    SolidGate gate_;
     Assembly made_;
 };
 

@@ -34,6 +34,7 @@ template <class Totals, class F>
 void each_number(Totals& t, F&& f) {
     f(t.steps), f(t.particle_steps), f(t.pressure_iterations), f(t.viscosity_iterations);
     f(t.unconverged_solves), f(t.lost_particles), f(t.emitted_particles), f(t.drained_particles), f(t.last_step);
+    f(t.work), f(t.any_work);
 }
 
 }  // namespace
@@ -56,7 +57,7 @@ struct Simulation::State {
     RunTotals totals;
     StageTimes times;
 
-    State(const Scene& s, const Plan& p) : scene(s), plan(p), assembly(assemble(s, p)) {
+    State(const Scene& s, const Plan& p) : scene(calibrated(s)), plan(p), assembly(assemble(scene, p)) {
         declare_fields(assembly.stages, world.fluid);
         world.fluid.declare(field_info<field::position>(), true);
         world.fluid.declare(field_info<field::velocity>(), true);
@@ -160,6 +161,7 @@ struct Simulation::State {
         ++totals.steps;
         totals.particle_steps += world.fluid.size();
         totals.last_step = dt;
+        if (world.report.work) totals.work += *world.report.work, totals.any_work = true;
         count_solves();
         return world.report;
     }

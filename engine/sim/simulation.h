@@ -37,6 +37,8 @@ struct RunTotals {
     long lost_particles = 0;
     double emitted_particles = 0, drained_particles = 0;
     double last_step = 0;                     ///< s, the newest time step
+    EnergyWork work;                          ///< J, where the models keep a budget: any_work
+    bool any_work = false;
     std::map<std::string, long> binding;      ///< how often each limit chose the step
 };
 

@@ -19,8 +19,8 @@ Real sum_over_row(const Pairs& pairs, Index i, const Kernel& W) {
 
 }  // namespace
 
-void sum_density(const FluidPairs& fluid, const SolidPairs& solids, Span<const Real> solid_volume, Real solid_factor, const StepContext& step,
-                 Span<Real> density) {
+void sum_density(const FluidPairs& fluid, const SolidPairs& solids, Span<const Real> solid_volume, Real solid_factor, SolidGate gate,
+                 const StepContext& step, Span<Real> density) {
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         const Real m = step.mass, own = m * W.value(0);
         const bool any_solids = solids.size() == fluid.size() && !solids.other.empty();
@@ -29,6 +29,7 @@ void sum_density(const FluidPairs& fluid, const SolidPairs& solids, Span<const R
             Real wall = 0;
             if (any_solids)
                 solids.of(i, [&](Index s, const Vec3&, Real distance) { wall += solid_volume[static_cast<std::size_t>(s)] * W.value(distance); });
+            if (wall > 0) wall *= gate.weight(W, i, solids, solid_volume, solid_factor);
             density[static_cast<std::size_t>(i)] = own + m * sum + step.rest_density * solid_factor * wall;
         });
     });

@@ -214,7 +214,7 @@ std::shared_ptr<Checkpoint> Run::state_at(int frame) const {
 void Run::land(int frame) {
     const double time = simulation_.time();
     const RunTotals& totals = simulation_.totals();
-    const Measures measures = measure(simulation_.world(), scene_.domain.gravity(time), scene_.micropolar.micro_inertia);
+    const Measures measures = measure(simulation_.world(), scene_.domain.gravity(time), simulation_.plan().spin.micro_inertia);
     diagnostics_->append(diagnostics_row(frame, time, measures, totals_at_row_, totals, wall(), cpu()));
     for (ProbeTable& p : probes_) p.table.append(p.probe->rows(simulation_.world(), time));
     const double steps = static_cast<double>(std::max(1L, totals.steps - totals_at_row_.steps));

@@ -33,15 +33,22 @@ void SoundDamping::operator()(const FluidPairs& pairs, const SolidPairs& solid_p
         parallel_for(p.size(), [&](Index i) {
             const Vec3 own = u[i];
             Real rate = 0;  // D rho/D t
-            pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-                rate += step.mass * slope_over_distance(kernel, distance) * (own - u[j]).dot(r);
+            pairs.groups_of(i, [&](const Pairs::Group& group) {
+                Real other[3][Pairs::Group::most];
+                for (Index l = 0; l < group.count; ++l)
+                    for (int c = 0; c < 3; ++c) other[c][l] = u[group.other[l]][c];
+                for (Index l = 0; l < group.count; ++l)
+                    rate += slope_over_distance(kernel, group.distance[l]) * ((own[0] - other[0][l]) * group.r[0][l] + (own[1] - other[1][l]) * group.r[1][l] +
+                                                                              (own[2] - other[2][l]) * group.r[2][l]);
             });
-            if (solid.size() > 0)
+            rate *= step.mass;
+            if (solid.size() > 0) {
+                const Real mass = step.rest_density * options.solid_factor * options.gate.weight(kernel, i, solid_pairs, solid.volume, options.solid_factor);
                 solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
                     const auto k = static_cast<std::size_t>(s);
-                    const Real mass = step.rest_density * options.solid_factor * solid.volume[k];
-                    rate += mass * slope_over_distance(kernel, distance) * (own - solid.velocity[k]).dot(r);
+                    rate += mass * solid.volume[k] * slope_over_distance(kernel, distance) * (own - solid.velocity[k]).dot(r);
                 });
+            }
             p[i] = std::max(p[i] + zeta * rate, Real(0));
         });
     });
@@ -62,11 +69,12 @@ void ArtificialViscosity::operator()(const FluidPairs& pairs, const SolidPairs& 
             const Vec3 own = u[i];
             Vec3 sum = Vec3::Zero();
             pairs.of(i, [&](Index j, const Vec3& r, Real distance) { sum += 2 * step.mass / (rho[i] + rho[j]) * along(own - u[j], r, distance); });
-            if (layer.size() > 0)
+            const Real factor = layer.size() > 0 ? options.solid_factor * options.gate.weight(kernel, i, solid_pairs, layer.volume, options.solid_factor) : 0;
+            if (factor > 0)
                 solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
                     const auto k = static_cast<std::size_t>(s);
                     if (slip[static_cast<std::size_t>(layer.solid[k])]) return;
-                    sum += options.solid_factor * layer.volume[k] * along(own - layer.velocity[k], r, distance);
+                    sum += factor * layer.volume[k] * along(own - layer.velocity[k], r, distance);
                 });
             a[i] += strength * sum;
         });
@@ -79,13 +87,19 @@ template <bool difference, class Kernel>
 void add_pressure(const Kernel& kernel, const FluidPairs& pairs, const StepContext& step, Read<field::density> rho, Read<field::pressure> p,
                   Update<field::acceleration> a) {
     parallel_for(a.size(), [&](Index i) {
-        const Real own = p[i] / (rho[i] * rho[i]);
-        Vec3 sum = Vec3::Zero();
-        pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-            const Real push = difference ? (p[j] - p[i]) / (rho[i] * rho[j]) : own + p[j] / (rho[j] * rho[j]);
-            sum += push * slope_over_distance(kernel, distance) * r;
+        const Real b_i = 1 / rho[i], p_i = p[i], own = p_i * b_i * b_i;
+        Real x = 0, y = 0, z = 0;
+        pairs.groups_of(i, [&](const Pairs::Group& group) {
+            Real density[Pairs::Group::most], pressure[Pairs::Group::most];
+            for (Index l = 0; l < group.count; ++l) density[l] = rho[group.other[l]], pressure[l] = p[group.other[l]];
+            for (Index l = 0; l < group.count; ++l) {
+                const Real distance = group.distance[l], b = 1 / density[l];
+                const Real slope = slope_over_distance(kernel, distance);
+                const Real push = slope * (difference ? (pressure[l] - p_i) * b_i * b : own + pressure[l] * b * b);
+                x += push * group.r[0][l], y += push * group.r[1][l], z += push * group.r[2][l];
+            }
         });
-        a[i] -= step.mass * sum;
+        a[i] -= step.mass * Vec3(x, y, z);
     });
 }
 
@@ -105,7 +119,8 @@ void PressureAcceleration::operator()(const FluidPairs& pairs, const SolidPairs&
                 push += both * solid.volume[static_cast<std::size_t>(s)] * slope_over_distance(kernel, distance) * r;
             });
             // Both halves of the symmetric form, rho_s = rho_0 and rho_i near it.
-            a[i] -= step.rest_density * options.solid_factor / (rho[i] * rho[i]) * push;
+            const Real gate = options.gate.weight(kernel, i, solid_pairs, solid.volume, options.solid_factor);
+            a[i] -= gate * step.rest_density * options.solid_factor / (rho[i] * rho[i]) * push;
         });
     });
 }

@@ -7,6 +7,7 @@
 #include "engine/particles/field.h"
 #include "engine/particles/pairs.h"
 #include "engine/particles/step.h"
+#include "engine/sph/gate.h"
 
 namespace whorl {
 
@@ -18,6 +19,7 @@ struct WeaklyCompressible {
     double sound_damping = 0;          ///< bulk viscosity over rho c0 R/2
     double artificial_viscosity = 0;   ///< alpha, shear viscosity over rho c0 R/20
     Real solid_factor = 1;           ///< on the solids' volumes, see models/boundary/wall.h
+    SolidGate gate = {};
 };
 
 /// p = max(c0^2 rho_0/gamma ((rho/rho_0)^gamma - 1) + p0, 0)

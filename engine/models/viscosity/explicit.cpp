@@ -35,7 +35,7 @@ struct Monaghan {
 };
 
 template <class Kernel, class Form>
-void add_viscosity(const Kernel& kernel, const Form& form, Real solid_factor, const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids,
+void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions& options, const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids,
                    const SolidParticles& layer, const StepContext& step, Read<field::density> rho, Read<field::viscosity> mu,
                    Read<field::velocity> u, Update<field::acceleration> a) {
     const std::vector<char> slip = slips(solids);
@@ -50,7 +50,8 @@ void add_viscosity(const Kernel& kernel, const Form& form, Real solid_factor, co
             const Real mean = both > 0 ? 2 * own_mu * mu[j] / both : 0;
             sum += step.mass / rho[j] * mean * form(own - u[j], r, distance, slope_at(distance));
         });
-        if (layer.size() > 0)
+        const Real solid_factor = layer.size() > 0 ? options.solid_factor * options.gate.weight(kernel, i, solid_pairs, layer.volume, options.solid_factor) : 0;
+        if (solid_factor > 0)
             solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
                 const auto k = static_cast<std::size_t>(s);
                 const auto whose = static_cast<std::size_t>(layer.solid[k]);
@@ -72,7 +73,7 @@ void ExplicitViscosity::operator()(const FluidPairs& pairs, const SolidPairs& so
                                    Update<field::acceleration> a) const {
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         const auto add = [&](const auto& form) {
-            add_viscosity(kernel, form, options.solid_factor, pairs, solid_pairs, solids, layer, step, rho, mu, u, a);
+            add_viscosity(kernel, form, options, pairs, solid_pairs, solids, layer, step, rho, mu, u, a);
         };
         if (options.monaghan) add(Monaghan{Real(0.01) * step.support * step.support / 4});
         else add(Brookshaw{Real(3) / lattice_second_moment(step.kernel, step.support, step.spacing)});

@@ -6,6 +6,7 @@
 #include "engine/particles/field.h"
 #include "engine/particles/pairs.h"
 #include "engine/particles/step.h"
+#include "engine/sph/gate.h"
 
 namespace whorl {
 
@@ -28,6 +29,7 @@ struct XsphViscosity {
 struct ExplicitOptions {
     bool monaghan = false;   ///< the second Laplacian of the notes rather than the first
     Real solid_factor = 1;   ///< on the solids' volumes, see models/boundary/wall.h
+    SolidGate gate = {};
 };
 
 /// a_i += mu/rho Lap u, with mu_ij = 2 mu_i mu_j/(mu_i + mu_j), which conserves momentum and keeps the stress at a jump of mu:

@@ -130,8 +130,6 @@ TEST_CASE("impossible scenes are told with place and hint", "[plan]") {
 }
 
 TEST_CASE("models that do not go together, or that this version does not have, are told", "[plan]") {
-    CHECK(messages_with({"models.micropolar=eringen"}) ==
-          "--set models.micropolar=eringen: models.micropolar = \"eringen\" is not available in this version; allowed: none");
     CHECK(messages_with({"models.pressure=ppe", "pressure.preconditioner=multigrid"}) ==
           "--set pressure.preconditioner=multigrid: pressure.preconditioner = \"multigrid\" is not available in this version; take \"jacobi\"; "
           "allowed: none or jacobi");
@@ -141,7 +139,8 @@ TEST_CASE("models that do not go together, or that this version does not have, a
     CHECK(messages_with({"models.boundary=akinci"}).find("does not go with models.pressure = \"coupled\"") != std::string::npos);
     CHECK(messages_with({"models.viscosity=full_assembled", "models.pressure=ppe", "fluid.spacing=5e-4"}).find("would take") != std::string::npos);
     CHECK(messages_with({"fluid.surface_tension=0.07"}).find("surface tension is not available in this version") != std::string::npos);
-    CHECK(messages_with({"boundary.gate=0.1"}).find("the gate at solids is not available in this version") != std::string::npos);
+    CHECK(messages_with({"boundary.gate=0.1", "models.boundary=ppe", "models.pressure=ppe"})
+              .find("boundary.gate belongs to solids of models.pressure = \"wcsph\", and this scene has models.pressure = \"ppe\"") != std::string::npos);
 }
 
 TEST_CASE("the plan of the assembled viscosity tells what its matrix takes", "[plan]") {
@@ -161,6 +160,102 @@ TEST_CASE("viscosity along pairs with few neighbours is warned of with its stiff
 }
 
 TEST_CASE("all that is impossible is told in one go", "[plan]") {
-    const std::string all = messages_with({"emitter[0].position=[0,0.2,0]", "models.micropolar=seed", "fluid.spacing=0.02"});
+    const std::string all = messages_with({"emitter[0].position=[0,0.2,0]", "boundary.gate=0.1", "fluid.spacing=0.02"});
     CHECK(std::count(all.begin(), all.end(), '\n') == 2);
+}
+
+namespace {
+
+/// A periodic box of fluid with a micropolar model.
+const std::string eddies = R"toml([time]
+end = 1
+[domain]
+min = [0, 0, 0]
+max = [1, 1, 1]
+periodic = [true, true, true]
+gravity = [0, 0, 0]
+[fluid]
+spacing = 0.05
+viscosity = 4
+[models]
+micropolar = "seed"
+[[block]]
+shape = "box"
+min = [0, 0, 0]
+max = [1, 1, 1]
+velocity = ["sin(2*pi*x)", "0", "0"]
+)toml";
+
+std::string eddy_messages(const std::vector<std::string>& changes) {
+    try {
+        make_plan(scene_with(changes, eddies));
+    } catch (const InputError& e) {
+        return e.what();
+    }
+    return "no error";
+}
+
+}  // namespace
+
+TEST_CASE("the three micropolar systems differ in their viscosity and coupling, and long waves feel the one less half of the other", "[plan][micropolar]") {
+    const auto numbers = [](const std::string& model) {
+        return make_plan(scene_with({"models.micropolar=" + model, "micropolar.transfer_viscosity=2", "micropolar.micro_inertia=0.01"}, eddies)).spin;
+    };
+    CHECK(numbers("seed").viscosity == Approx(4));
+    CHECK(numbers("seed").coupling == Approx(6));
+    CHECK(numbers("bender").viscosity == Approx(4));
+    CHECK(numbers("bender").coupling == Approx(2));
+    CHECK(numbers("eringen").viscosity == Approx(6));
+    CHECK(numbers("eringen").coupling == Approx(2));
+    CHECK(numbers("seed").effective_viscosity() == Approx(1));
+    CHECK(numbers("seed").response_time() == Approx(0.01 * 1000 / 12));
+    CHECK(numbers("seed").spin_viscosity == Approx(4 * 0.05 * 0.05));
+    CHECK(numbers("seed").spin_length() == Approx(std::sqrt(4 * 0.01 / (6 * 2))));
+}
+
+TEST_CASE("a calibrated micropolar fluid has the effective viscosity and the spin length that were asked for, in every system", "[plan][micropolar]") {
+    std::string text = eddies;
+    text.replace(text.find("viscosity = 4\n"), 14, "");
+    for (const std::string model : {"seed", "bender", "eringen"}) {
+        INFO(model);
+        const Plan plan = make_plan(scene_with({"models.micropolar=" + model, "micropolar.effective_viscosity=3", "micropolar.spin_length=0.1"}, text));
+        CHECK(plan.spin.effective_viscosity() == Approx(3));
+        CHECK(plan.spin.spin_length() == Approx(0.1));
+        CHECK(plan.spin.coupling == Approx(plan.spin.viscosity));
+        CHECK(plan.spin.pair_viscosity == Approx(plan.spin.coupling));
+        CHECK(choice(plan, "micropolar.micro_inertia").reason.find("calibrated") != std::string::npos);
+    }
+}
+
+TEST_CASE("a micropolar system that feeds energy in is an error by default and a warning with its numbers where it was asked for", "[plan][micropolar]") {
+    const std::string by_default = eddy_messages({"fluid.viscosity=0.001"});
+    CHECK(by_default.find("models.micropolar = \"seed\" would feed energy in: its coupling, fluid.viscosity + the default micropolar.transfer_viscosity = 0.3 Pa s, "
+                          "is more than twice the 0.001 Pa s that models.viscosity = \"explicit\" applies") != std::string::npos);
+    const Plan asked = make_plan(scene_with({"micropolar.transfer_viscosity=5", "micropolar.micro_inertia=0.01"}, eddies));
+    REQUIRE(asked.warnings.size() == 1);
+    CHECK(asked.warnings[0].find("coupling 9 Pa s is more than twice its viscosity 4 Pa s, so that slow flows feel -0.5 Pa s and waves longer than 0.419 m grow") !=
+          std::string::npos);
+    CHECK(make_plan(scene_with({"models.micropolar=eringen", "micropolar.transfer_viscosity=500", "micropolar.micro_inertia=0.01"}, eddies)).warnings.empty());
+    CHECK(make_plan(scene_with({}, eddies)).warnings[0].find("the spin answers to the flow in 233 s, longer than the run of 1 s") != std::string::npos);
+}
+
+TEST_CASE("micropolar keys that cannot be are told", "[plan][micropolar]") {
+    CHECK(eddy_messages({"micropolar.micro_inertia=0"}).find("micropolar.micro_inertia") != std::string::npos);
+    CHECK(eddy_messages({"micropolar.transfer_viscosity=-1"}).find("micropolar.transfer_viscosity") != std::string::npos);
+    CHECK(eddy_messages({"fluid.viscosity=1+x"}).find("fluid.viscosity varies, and a micropolar model couples flow and spin by one viscosity") !=
+          std::string::npos);
+    CHECK(eddy_messages({"micropolar.effective_viscosity=1"}).find("fluid.viscosity is chosen by micropolar.effective_viscosity; leave one of them out") !=
+          std::string::npos);
+    CHECK(eddy_messages({"models.pressure=coupled"}).find("models.pressure = \"coupled\" has no micropolar terms") != std::string::npos);
+    CHECK(eddy_messages({"models.micropolar=none", "viscosity.laplacian=split", "models.viscosity=explicit"}).find("splits by the coupling of a micropolar model") !=
+          std::string::npos);
+    CHECK(eddy_messages({"models.micropolar=none", "block[0].spin=[0,0,1]"}).find("block[0].spin has no effect") != std::string::npos);
+}
+
+TEST_CASE("the exchange is explicit where its stable step is long enough, else implicit", "[plan][micropolar]") {
+    const auto scheme = [](const std::string& theta) {
+        return choice(make_plan(scene_with({"micropolar.transfer_viscosity=2", "micropolar.micro_inertia=" + theta}, eddies)), "micropolar.exchange").value;
+    };
+    CHECK(scheme("0.1") == "explicit");
+    CHECK(scheme("1e-6") == "implicit");
 }

@@ -1,0 +1,193 @@
+#include "engine/models/micropolar/micropolar.h"
+
+#include <cmath>
+#include <limits>
+
+#include "engine/core/parallel.h"
+#include "engine/models/boundary/wall.h"
+
+namespace whorl {
+namespace {
+
+/// Particles whose torque is evaluated by one copy of the expression.
+constexpr Index torque_block = 4096;
+
+/// A vector's components as three sums, which the compiler keeps in registers side by side.
+struct Sum3 {
+    Real x = 0, y = 0, z = 0;
+    Vec3 times(Real s) const { return {s * x, s * y, s * z}; }
+};
+
+/// Sums over the neighbours of one particle; each still lacks the mass and the lattice's factor.
+struct Sums {
+    Sum3 viscous;   ///< sum (b_i^2 + b_j^2) W'/r (u_i - u_j), half of 1/rho_i times the first Laplacian in its symmetric weights
+    Sum3 central;   ///< the same of the second Laplacian
+    Sum3 diffuse;   ///< the first Laplacian of w
+    Sum3 curl_u;    ///< of the velocity, seen from the turning particle where co_rotating
+    Sum3 curl_w;
+    Sum3 smooth_u, smooth_w;  ///< sum 2/(rho_i + rho_j) (u_j - u_i) W_ij
+};
+
+/// What a pair needs of particle i.
+struct Own {
+    Vec3 u, w, turning;  ///< turning: w where co_rotating, else 0
+    Real b;              ///< 1/rho
+    CurlWeights of_u, of_w;
+};
+
+template <bool central, class Kernel>
+void add_fluid(Sums& all, const Kernel& W, const FluidPairs& pairs, Index i, const Own& own, Real softening, const Real* rho, const Vec3* u, const Vec3* w) {
+    const Real ux = own.u.x(), uy = own.u.y(), uz = own.u.z(), wx = own.w.x(), wy = own.w.y(), wz = own.w.z();
+    const Real tx = own.turning.x(), ty = own.turning.y(), tz = own.turning.z(), b_i = own.b;
+    const CurlWeights of_u = own.of_u, of_w = own.of_w;
+    Sums s = all;
+    pairs.groups_of(i, [&](const Pairs::Group& group) {
+        Real density[Pairs::Group::most], u_j[3][Pairs::Group::most], w_j[3][Pairs::Group::most];
+        for (Index l = 0; l < group.count; ++l) {
+            const auto j = static_cast<std::size_t>(group.other[l]);
+            density[l] = rho[j];
+            for (int a = 0; a < 3; ++a) u_j[a][l] = u[j][a], w_j[a][l] = w[j][a];
+        }
+        for (Index l = 0; l < group.count; ++l) {
+            const Real rx = group.r[0][l], ry = group.r[1][l], rz = group.r[2][l], r = group.distance[l];
+            const Real b = 1 / density[l], slope = W.derivative(r) / std::max(r, std::numeric_limits<Real>::min());
+            const Real vx = u_j[0][l], vy = u_j[1][l], vz = u_j[2][l], ox = w_j[0][l], oy = w_j[1][l], oz = w_j[2][l];
+            const Real dux = ux - vx, duy = uy - vy, duz = uz - vz, dwx = wx - ox, dwy = wy - oy, dwz = wz - oz;
+            const Real even = slope * (b_i * b_i + b * b), near = W.value(r) * 2 * b_i * b / (b_i + b);
+            s.viscous.x += even * dux, s.viscous.y += even * duy, s.viscous.z += even * duz;
+            s.diffuse.x += even * dwx, s.diffuse.y += even * dwy, s.diffuse.z += even * dwz;
+            s.smooth_u.x -= near * dux, s.smooth_u.y -= near * duy, s.smooth_u.z -= near * duz;
+            s.smooth_w.x -= near * dwx, s.smooth_w.y -= near * dwy, s.smooth_w.z -= near * dwz;
+            if constexpr (central) {
+                const Real along = 5 * even * (dux * rx + duy * ry + duz * rz) / (r * r + softening);
+                s.central.x += along * rx, s.central.y += along * ry, s.central.z += along * rz;
+            }
+            // (P u_i - Q (u_j + w_i x r)) x grad W
+            const Real p = slope * of_u.own(b), q = slope * of_u.other(b);
+            const Real ax = p * ux - q * (vx + ty * rz - tz * ry), ay = p * uy - q * (vy + tz * rx - tx * rz), az = p * uz - q * (vz + tx * ry - ty * rx);
+            s.curl_u.x += ay * rz - az * ry, s.curl_u.y += az * rx - ax * rz, s.curl_u.z += ax * ry - ay * rx;
+            const Real g = slope * of_w.own(b), h = slope * of_w.other(b);
+            const Real cx = g * wx - h * ox, cy = g * wy - h * oy, cz = g * wz - h * oz;
+            s.curl_w.x += cy * rz - cz * ry, s.curl_w.y += cz * rx - cx * rz, s.curl_w.z += cx * ry - cy * rx;
+        }
+    });
+    all = s;
+}
+
+/// Solids that the fluid sticks to, as neighbours with the volume V_s for m/rho_j. Velocity and spin are continued behind the surface, so that on it
+/// the fluid has those of the solid.
+template <bool central, class Kernel>
+void add_solids(Sums& all, const Kernel& W, const MicropolarOptions& options, const SolidPairs& pairs, Index i, const Own& own, Real softening,
+                const Solids& solids, const SolidParticles& layer, const StepContext& step, Real gate) {
+    const WallShear shear{step.spacing / 2};
+    const auto add = [](Sum3& sum, const Vec3& v) { sum.x += v.x(), sum.y += v.y(), sum.z += v.z(); };
+    const bool both_u = options.curl_velocity == CurlForm::symmetric, both_w = options.curl_spin == CurlForm::symmetric;
+    pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+        const auto k = static_cast<std::size_t>(s);
+        const Solid& solid = solids.all[static_cast<std::size_t>(layer.solid[k])];
+        if (solid.free_slip) return;
+        const Real stretch = shear.stretch(r, layer.normal[k]);
+        const Vec3 wall = solid.pose.velocity_at(layer.position[k] + r);
+        const Vec3 u_is = stretch * (own.u - wall) + (wall - layer.velocity[k]);
+        const Vec3 w_is = options.free_spin_walls ? Vec3(Vec3::Zero()) : Vec3(stretch * (own.w - solid.pose.angular_velocity));
+        const Real slope = W.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
+        const Real b = gate * options.solid_factor * layer.volume[k] / step.mass, even = 2 * own.b * b * slope;
+        add(all.viscous, even * u_is);
+        add(all.diffuse, even * w_is);
+        if constexpr (central) add(all.central, 5 * even * u_is.dot(r) / (distance * distance + softening) * r);
+        const Vec3 u_s = own.u - u_is + own.turning.cross(r), w_s = own.w - w_is;
+        add(all.curl_u, slope * b * Vec3((both_u ? -1 : 1) * own.u - u_s).cross(r));
+        add(all.curl_w, slope * b * Vec3((both_w ? -1 : 1) * own.w - w_s).cross(r));
+    });
+}
+
+}  // namespace
+
+Micropolar::Micropolar(MicropolarOptions options) : options_(std::move(options)) {}
+
+void Micropolar::set_torque(const StepContext& step, Read<field::position> x, Write<field::spin_change> change) {
+    const Index n = x.size(), blocks = (n + torque_block - 1) / torque_block;
+    const auto& component = options_.torque.component;
+    while (torque_of_block_.size() < static_cast<std::size_t>(blocks))
+        torque_of_block_.push_back({{Expression(component[0].text()), Expression(component[1].text()), Expression(component[2].text())}});
+    parallel_tasks(blocks, [&](Index b) {
+        const VectorExpression& torque = torque_of_block_[static_cast<std::size_t>(b)];
+        for (Index i = b * torque_block; i < std::min(n, (b + 1) * torque_block); ++i)
+            change[i] = torque(step.time, x[i].template cast<double>()).template cast<Real>();
+    });
+}
+
+template <class Kernel, bool central>
+EnergyWork Micropolar::advance(const Kernel& kernel, const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids,
+                               const SolidParticles& layer, const StepContext& step, Read<field::role> role, Read<field::density> rho,
+                               Read<field::velocity> u, Update<field::acceleration> a, Write<field::spin_change> change, Read<field::spin> w) const {
+    const MicropolarOptions& o = options_;
+    const Real lattice = 3 / lattice_second_moment(step.kernel, step.support, step.spacing), softening = Real(0.01) * step.support * step.support / 4;
+    const Real dt = step.dt, m = step.mass;
+    const auto part = [&](double given) {
+        return static_cast<Real>(o.smoothing_time > 0 ? std::min(0.5, given * static_cast<double>(dt) / o.smoothing_time) : given);
+    };
+    const Real lambda = static_cast<Real>(o.coupling), over_theta = static_cast<Real>(1 / o.micro_inertia);
+    const Real alpha = part(o.smoothing_velocity) / dt, beta = part(o.smoothing_spin) / dt;
+    const Real mu = static_cast<Real>(o.pair_viscosity), mu_central = static_cast<Real>(o.central_viscosity), gamma = static_cast<Real>(o.spin_viscosity);
+    const bool any_torque = !o.torque.is_zero(), any_solids = layer.size() > 0;
+
+    return parallel_sum(a.size(), EnergyWork{}, [&](Index i) -> EnergyWork {
+        if (role[i] != 0) {
+            change[i].setZero();
+            return {};
+        }
+        const Real b = 1 / rho[i];
+        const Own own{u[i], w[i], o.co_rotating ? w[i] : Vec3(Vec3::Zero()), b, curl_weights(o.curl_velocity, b), curl_weights(o.curl_spin, b)};
+        Sums s;
+        add_fluid<central>(s, kernel, pairs, i, own, softening, rho.data(), u.data(), w.data());
+        if (any_solids && solid_pairs.count(i) > 0) {
+            const Real gate = o.gate.weight(kernel, i, solid_pairs, layer.volume, o.solid_factor);
+            add_solids<central>(s, kernel, o, solid_pairs, i, own, softening, solids, layer, step, gate);
+        }
+
+        Vec3 viscous = s.viscous.times(m * lattice * mu);
+        if constexpr (central) viscous += s.central.times(m * mu_central);
+        const Vec3 spin_push = s.curl_w.times(m * lattice * lambda * b), smoothing = s.smooth_u.times(m * alpha);
+        const Vec3 before = a[i];
+        a[i] += viscous + spin_push + smoothing;
+
+        // theta dw/dt; the decay -2 lambda/rho w at the end of the step where implicit: one division.
+        const Vec3 tau = any_torque ? Vec3(change[i]) : Vec3(Vec3::Zero());
+        const Vec3 decay = o.co_rotating ? Vec3(Vec3::Zero()) : Vec3(2 * own.w);
+        const Vec3 exchanged = lambda * b * (s.curl_u.times(m * lattice) - decay), diffused = s.diffuse.times(m * lattice * gamma);
+        const Real ahead = o.implicit_exchange ? 1 / (1 + 2 * lambda * b * dt * over_theta) : 1;
+        const Vec3 spin_smoothing = s.smooth_w.times(m * beta), rate = ahead * over_theta * (exchanged + diffused + tau);
+        change[i] = dt * (rate + spin_smoothing);
+
+        // Each force at the mean of the velocities before and after the kick: their works then add up to what the kick does, whatever dt.
+        const Vec3 u_mid = own.u + dt / 2 * a[i], w_mid = own.w + change[i] / 2;
+        const double energy = static_cast<double>(m * dt), spin_energy = energy * static_cast<double>(ahead);
+        EnergyWork work;
+        work.gravity = energy * static_cast<double>(step.gravity.dot(u_mid));
+        work.pressure = energy * static_cast<double>((before - step.gravity).dot(u_mid));
+        work.viscosity = energy * static_cast<double>(viscous.dot(u_mid)) + spin_energy * static_cast<double>(diffused.dot(w_mid));
+        work.exchange = energy * static_cast<double>(spin_push.dot(u_mid)) + spin_energy * static_cast<double>(exchanged.dot(w_mid));
+        work.torque = spin_energy * static_cast<double>(tau.dot(w_mid));
+        work.smoothing = energy * (static_cast<double>(smoothing.dot(u_mid)) + o.micro_inertia * static_cast<double>(spin_smoothing.dot(w_mid)));
+        return work;
+    });
+}
+
+void Micropolar::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
+                            const StepContext& step, StepReport& report, Read<field::role> role, Read<field::density> rho, Read<field::position> x,
+                            Read<field::velocity> u, Update<field::acceleration> a, Write<field::spin_change> change, Update<field::spin> w) {
+    if (!options_.torque.is_zero()) set_torque(step, x, change);
+    const Read<field::spin> spin{w.values};
+    report.work = with_kernel(step.kernel, step.support, [&](const auto& kernel) {
+        using Kernel = std::decay_t<decltype(kernel)>;
+        return options_.central_viscosity != 0
+                   ? advance<Kernel, true>(kernel, pairs, solid_pairs, solids, layer, step, role, rho, u, a, change, spin)
+                   : advance<Kernel, false>(kernel, pairs, solid_pairs, solids, layer, step, role, rho, u, a, change, spin);
+    });
+    parallel_for(w.size(), [&](Index i) { w[i] += change[i]; });
+}
+
+double exchange_step(double kappa, double theta, double k) { return theta / (kappa * (1 + std::sqrt(1 + theta * k * k))); }
+
+}  // namespace whorl

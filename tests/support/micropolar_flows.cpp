@@ -1,0 +1,153 @@
+#include "tests/support/micropolar_flows.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "engine/core/random.h"
+#include "engine/models/motion/motion.h"
+#include "engine/models/pressure/wcsph.h"
+#include "engine/models/viscosity/explicit.h"
+#include "engine/sph/density.h"
+
+namespace whorl::test {
+namespace {
+
+constexpr double rho_0 = 1000;
+
+std::pair<double, double> rates(const Micropolar2& c, double k, double U, double W) {
+    return {-2 * c.a * k * k * U + c.kappa * k * W, (-2 * c.g * k * k * W + c.kappa * (2 * k * U - 2 * W)) / c.theta};
+}
+
+std::pair<double, double> runge_kutta(const Micropolar2& c, double k, double U, double W, double dt) {
+    const auto [u1, w1] = rates(c, k, U, W);
+    const auto [u2, w2] = rates(c, k, U + dt / 2 * u1, W + dt / 2 * w1);
+    const auto [u3, w3] = rates(c, k, U + dt / 2 * u2, W + dt / 2 * w2);
+    const auto [u4, w4] = rates(c, k, U + dt * u3, W + dt * w3);
+    return {U + dt / 6 * (u1 + 2 * u2 + 2 * u3 + u4), W + dt / 6 * (w1 + 2 * w2 + 2 * w3 + w4)};
+}
+
+constexpr double wave = 2 * std::numbers::pi;
+
+/// Stable for all three explicit parts together.
+double explicit_step(const Micropolar2& c, KernelKind kernel, double support, double spacing) {
+    const double exchange = exchange_step(c.kappa, c.theta, largest_curl(kernel, Real(support), Real(spacing)));
+    return std::min({viscous_step(support, std::max(c.a, c.kappa / 2)), viscous_step(support, c.g / c.theta), exchange});
+}
+
+void shake(Span<Vec3> x, double by, unsigned seed) {
+    RandomNumbers random(seed);
+    for (Vec3& one : x)
+        for (int a = 0; a < 3; ++a) one[a] += static_cast<Real>(by) * (2 * static_cast<Real>(random()) - 1);
+}
+
+}  // namespace
+
+std::pair<double, double> exact_vortex(const Micropolar2& c, double t) {
+    double U = 1, W = 0;
+    const int steps = 4000;
+    for (int s = 0; s < steps; ++s) std::tie(U, W) = runge_kutta(c, wave, U, W, t / steps);
+    return {U, W};
+}
+
+MicropolarOptions with_coefficients(MicropolarOptions options, const Micropolar2& c, bool central) {
+    options.coupling = rho_0 * c.kappa;
+    (central ? options.central_viscosity : options.pair_viscosity) = rho_0 * c.a;
+    options.spin_viscosity = rho_0 * c.g;
+    options.micro_inertia = c.theta;
+    return options;
+}
+
+VortexError taylor_green_error(const Micropolar2& c, MicropolarOptions options, bool central, int N, double support, double jitter) {
+    const double d = 1.0 / N, depth = std::ceil(2 * support) * d;
+    TestWorld w(d, support, Domain{Vec3::Zero(), Vec3(1, 1, Real(depth)), {true, true, true}});
+    w.use({make_stage("density", "density", Density{}), make_stage("gravity", "move", Gravity{}),
+           make_stage("micropolar", "micropolar", Micropolar(with_coefficients(options, c, central))), make_stage("kick", "move", Kick{})});
+    w.place(Vec3::Zero(), w.world.step.domain.max);
+    const auto x = w.column<field::position>();
+    const auto u = w.column<field::velocity>();
+    const auto spin = w.column<field::spin>();
+    if (jitter > 0) shake(x, jitter * d, 3);
+    // Sums against the mode, over the mode's own: an amplitude also where the particles stand unevenly.
+    const auto amplitudes = [&] {
+        double uu = 0, ww = 0, u2 = 0, w2 = 0;
+        for (std::size_t i = 0; i < x.size(); ++i) {
+            const double sx = std::sin(wave * x[i].x()), cx = std::cos(wave * x[i].x()), sy = std::sin(wave * x[i].y()), cy = std::cos(wave * x[i].y());
+            uu += u[i].x() * sx * cy - u[i].y() * cx * sy, u2 += sx * sx * cy * cy + cx * cx * sy * sy;
+            ww += spin[i].z() * sx * sy, w2 += sx * sx * sy * sy;
+        }
+        return std::pair{uu / u2, ww / w2};
+    };
+    for (std::size_t i = 0; i < x.size(); ++i)
+        u[i] = Vec3(Real(std::sin(wave * x[i].x()) * std::cos(wave * x[i].y())), Real(-std::cos(wave * x[i].x()) * std::sin(wave * x[i].y())), 0);
+
+    const double end = 1 / (2 * (c.a - c.kappa / 4) * wave * wave);
+    const int steps = static_cast<int>(std::ceil(end / explicit_step(c, KernelKind::cubic, support * d, d)));
+    double U = 1, W = 0, most_w = 0, error_u = 0, error_w = 0;
+    for (int s = 0; s < steps; ++s) {
+        w.step(end / steps);
+        std::tie(U, W) = runge_kutta(c, wave, U, W, end / steps);
+        const auto [u_is, w_is] = amplitudes();
+        error_u = std::max(error_u, std::abs(u_is - U)), error_w = std::max(error_w, std::abs(w_is - W));
+        most_w = std::max(most_w, W);
+    }
+    return {error_u, error_w / most_w};
+}
+
+Drift blob_drift(const Micropolar2& c, MicropolarOptions options, bool central, int steps) {
+    const double d = 0.05, radius = 0.3, speed = 1;
+    WeaklyCompressible tait;
+    tait.sound_speed = 10 * speed;
+    TestWorld w(d, 2, Domain{Vec3::Constant(-2), Vec3::Constant(2), {}});
+    const MicropolarOptions all = with_coefficients(options, c, central);
+    w.use({make_stage("density", "density", Density{}), make_stage("tait", "pressure", TaitPressure{tait}), make_stage("gravity", "move", Gravity{}),
+           make_stage("pressure", "pressure", PressureAcceleration{tait}), make_stage("micropolar", "micropolar", Micropolar(all)),
+           make_stage("kick", "move", Kick{}), make_stage("move", "move", Move{})});
+    const Real edge = static_cast<Real>(std::ceil(radius / d) * d);
+    w.place(Vec3::Constant(-edge), Vec3::Constant(edge));
+    std::vector<Index> inside;
+    for (Index i = 0; i < w.world.fluid.size(); ++i)
+        if (static_cast<double>(w.column<field::position>()[static_cast<std::size_t>(i)].norm()) < radius) inside.push_back(i);
+    w.world.fluid.gather(inside);
+    const auto x = w.column<field::position>();
+    const auto u = w.column<field::velocity>();
+    const auto spin = w.column<field::spin>();
+    shake(x, 0.15 * d, 5);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        const double turn = speed / radius * std::exp(-static_cast<double>(x[i].squaredNorm()) / (radius * radius));
+        u[i] = static_cast<Real>(turn) * Vec3(-x[i].y(), x[i].x(), 0);
+        spin[i] = Vec3(0, x[i].x(), static_cast<Real>(turn));
+    }
+    const auto total = [&] {
+        Vec3d L = w.angular_momentum();
+        for (const Vec3& one : spin) L += static_cast<double>(w.world.step.mass) * c.theta * one.cast<double>();
+        return L;
+    };
+    Drift drift;
+    w.find_pairs();
+    w.stages[0].run(w.world);
+    const auto rho = w.column<field::density>();
+    const Span<const Real> density(rho.data(), rho.size());
+    double flow = 0, turning = 0;
+    with_kernel(w.world.step.kernel, w.world.step.support, [&](const auto& W) {
+        for (std::size_t i = 0; i < x.size(); ++i) {
+            const auto k = static_cast<Index>(i);
+            const Vec3 curl_w = curl(all.curl_spin, w.world.fluid_pairs, k, W, w.world.step.mass, density, Span<const Vec3>(spin.data(), spin.size()));
+            const Vec3 curl_u = curl(all.curl_velocity, w.world.fluid_pairs, k, W, w.world.step.mass, density, Span<const Vec3>(u.data(), u.size()));
+            flow += static_cast<double>(u[i].dot(curl_w) / rho[i]), turning += static_cast<double>(spin[i].dot(curl_u) / rho[i]);
+        }
+    });
+    drift.exchange = std::abs(flow - turning) / std::max(std::abs(flow), std::abs(turning));
+
+    const Vec3d momentum = w.momentum(), angular = total();
+    double size = 0;
+    for (const Vec3& one : u) size += static_cast<double>(w.world.step.mass * one.norm());
+    const double dt = std::min(0.5 * explicit_step(c, KernelKind::cubic, 2 * d, d), sound_step(0.4, 2 * d, tait.sound_speed, speed));
+    for (int s = 0; s < steps; ++s) {
+        w.step(dt);
+        drift.momentum = std::max(drift.momentum, (w.momentum() - momentum).norm() / size);
+        drift.angular_momentum = std::max(drift.angular_momentum, (total() - angular).norm() / angular.norm());
+    }
+    return drift;
+}
+
+}  // namespace whorl::test
