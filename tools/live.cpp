@@ -74,7 +74,7 @@ int live(LiveOptions options) {
     Journal journal(folder.path());
     LiveLoop loop(wishes, screen, journal, status, !options.unpaced);
     write_report(folder.path(), loop.simulation(), "running");
-    server.start([&] { return loop.recording(); }, folder.path());
+    server.start([&] { return loop.save_recording(); }, folder.path());
     const FileWatch watch([&] { return wishes.scene_path(); }, [&] { wishes.file_edited(); });
 
     std::printf("%s\n", server.url().c_str());

@@ -43,22 +43,6 @@ std::vector<std::pair<std::string, Described>> roots(const SceneFile& file) {
             {"look", {&look_keys(), &file.look}}};
 }
 
-/// emitter.0.speed -> emitter[0].speed
-std::string with_brackets(const std::string& path) {
-    std::string out;
-    for (std::size_t i = 0; i < path.size();) {
-        std::size_t end = i + 1;
-        while (end < path.size() && std::isdigit(static_cast<unsigned char>(path[end]))) ++end;
-        if (path[i] == '.' && end > i + 1 && (end == path.size() || path[end] == '.')) {
-            out += "[" + path.substr(i + 1, end - i - 1) + "]";
-            i = end;
-        } else {
-            out += path[i++];
-        }
-    }
-    return out;
-}
-
 Found find(const SceneFile& file, const std::string& path) {
     for (const auto& [name, root] : roots(file)) {
         const Found found = find(root, name, path);
@@ -88,6 +72,21 @@ std::map<std::string, std::string> values(const SceneFile& file) {
 
 }  // namespace
 
+std::string full_path(const std::string& path) {
+    std::string out;
+    for (std::size_t i = 0; i < path.size();) {
+        std::size_t end = i + 1;
+        while (end < path.size() && std::isdigit(static_cast<unsigned char>(path[end]))) ++end;
+        if (path[i] == '.' && end > i + 1 && (end == path.size() || path[end] == '.')) {
+            out += "[" + path.substr(i + 1, end - i - 1) + "]";
+            i = end;
+        } else {
+            out += path[i++];
+        }
+    }
+    return out;
+}
+
 std::vector<UsedKey> used_keys(const SceneFile& file) {
     std::vector<UsedKey> all;
     for (const auto& [name, root] : roots(file)) collect(root, name.empty() ? root : roots(file)[0].second, name, all);
@@ -98,7 +97,7 @@ SceneFile changed(const SceneFile& file, const std::vector<KeyChange>& changes) 
     SceneFile copy = file;
     std::vector<Problem> problems;
     for (const KeyChange& change : changes) {
-        KeyChange c{with_brackets(change.path), change.value, change.source};
+        KeyChange c{full_path(change.path), change.value, change.source};
         const Found found = find(copy, c.path);
         if (found.key == nullptr) {
             problems.push_back(unknown(copy, c));
@@ -198,7 +197,7 @@ SceneFile Replay::moment(std::size_t& change) const {
 
 bool Replay::make_until(double time, const Follow& simulation) {
     bool any = false;
-    while (next() <= time) {
+    while (made_ < changes_.size() && next() <= time) {
         const double when = next();
         SceneFile then = moment(made_);
         if (const auto lines = needs_restart(now_, then); !lines.empty())

@@ -21,6 +21,9 @@ struct UsedKey {
 /// Every key that counts in this scene, in the order of the resolved file. Valid while `file` lives; its changes are not among them.
 std::vector<UsedKey> used_keys(const SceneFile& file);
 
+/// A key's full name: emitter.0.speed is emitter[0].speed.
+std::string full_path(const std::string& path);
+
 /// A new value for a key. `source` stands for file, line and column in messages.
 struct KeyChange {
     std::string path;

@@ -23,6 +23,7 @@ bool is_mesh_file(const std::string& key) { return key.size() > 5 && key.compare
 
 void Journal::begin(const SceneFile& scene, const std::filesystem::path& path, const std::string& quality) {
     quality_ = quality;
+    name_ = scene.scene.name;
     entries_.clear();
     Options options;
     options.scene = path.string();
@@ -64,8 +65,9 @@ std::string Journal::text(double time) const {
         text += "\n[[change]]\ntime = " + Value(when).toml() + "\nkey = " + Value(key).toml() + "\nvalue = " + value + "\n";
     };
     for (const Entry& e : entries_)
-        if (e.key != "time.end") entry(e.time, e.key, e.value);
+        if (e.key != "time.end" && e.key != "name") entry(e.time, e.key, e.value);
     if (time > 0) entry(0, "time.end", Value(time).toml());
+    entry(0, "name", Value(name_ + "_recording").toml());  // beside a film of the scene itself, not over it
     return text;
 }
 

@@ -29,7 +29,7 @@ private:
         std::string key, value;
     };
     std::filesystem::path folder_;
-    std::string quality_, base_;
+    std::string name_, quality_, base_;
     std::vector<Entry> entries_;
 };
 

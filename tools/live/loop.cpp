@@ -82,12 +82,14 @@ void LiveLoop::take_up(const Orders& orders) {
         } catch (const InputError&) {  // a solid moved over the fluid: from where it stands, then
         }
     if (wanted.simulation) return begin(wanted);
+    if (state_ == State::diverged) return;  // stopped between two landings: only a restart helps, and has these values
     const double time = simulation_->time();
     simulation_->change(wanted.file.scene, wanted.plan);
     snapshots_.emplace(*simulation_, std::vector<std::string>{wanted.file.look.field});
     {
         const std::lock_guard lock(recording_mutex_);
         journal_.add(time, orders.changes);
+        journal_.write(time);
     }
     if (state_ == State::ended && time < wanted.file.scene.time.end) state_ = State::running;
     screen_.look({wanted.file.surface, wanted.file.camera, wanted.file.look});
@@ -198,12 +200,12 @@ void LiveLoop::run(const std::function<bool()>& stop) {
             tell();
         }
     }
-    const std::lock_guard lock(recording_mutex_);
-    journal_.write(time_);
+    save_recording();
 }
 
-std::string LiveLoop::recording() const {
+std::string LiveLoop::save_recording() const {
     const std::lock_guard lock(recording_mutex_);
+    journal_.write(time_);
     return journal_.text(time_);
 }
 

@@ -30,8 +30,8 @@ public:
     LiveLoop(Wishes& wishes, Screen& screen, Journal& journal, Status& status, bool real_time);
     /// Until `stop` says so. @throws EnvironmentError
     void run(const std::function<bool()>& stop);
-    /// The recording as it would be written now; any thread.
-    std::string recording() const;
+    /// Writes the recording as it stands, and returns it; any thread. @throws EnvironmentError (disk full)
+    std::string save_recording() const;
     const Simulation& simulation() const { return *simulation_; }
 
 private:

@@ -210,9 +210,10 @@ void LiveServer::Http::stop_recording(Response& response) {
     const std::lock_guard lock(recorder_mutex);
     const auto recorded = screen.stop_recording();
     if (!recorded) return refuse(response, 400, "nothing is being recorded");
-    wishes.tell(!recorded->problem.empty(), fmt::format("{} pictures in {}{}{}", recorded->pictures, recorded->folder.string(),
+    recording();
+    wishes.tell(!recorded->problem.empty(), fmt::format("{} pictures in {}{}{}; for a film of this run at any quality: whorl render {} --quality fine", recorded->pictures, recorded->folder.string(),
                                                          recorded->video.empty() ? "" : ", video " + recorded->video.string(),
-                                                         recorded->problem.empty() ? "" : "; " + recorded->problem));
+                                                         recorded->problem.empty() ? "" : "; " + recorded->problem, (folder / "recording.toml").string()));
     done(response, {{"folder", recorded->folder.string()}, {"pictures", recorded->pictures}, {"video", recorded->video.string()}, {"problem", recorded->problem}});
 }
 

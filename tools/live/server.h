@@ -22,7 +22,7 @@ public:
     LiveServer(const LiveServer&) = delete;
     LiveServer& operator=(const LiveServer&) = delete;
 
-    /// Answers from now on. @param recording text of recording.toml as it stands @param folder for pictures and videos that are recorded
+    /// Answers from now on. @param recording writes recording.toml as it stands and returns its text @param folder for pictures and videos that are recorded
     void start(std::function<std::string()> recording, std::filesystem::path folder);
     /// "http://127.0.0.1:8080/", with the token where one is needed.
     std::string url() const;

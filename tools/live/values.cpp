@@ -109,7 +109,7 @@ std::vector<KeyChange> changes_of(const nlohmann::json& json) {
     std::vector<Problem> problems;
     for (const auto& [path, entry] : json.items()) {
         auto value = value_of(entry);
-        if (value) changes.push_back({path, std::move(*value), {}});
+        if (value) changes.push_back({full_path(path), std::move(*value), {}});
         else problems.push_back({{}, path.substr(0, 100) + " has a value that no key takes", "", form});
     }
     if (!problems.empty()) throw InputError(std::move(problems));

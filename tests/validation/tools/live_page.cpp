@@ -164,3 +164,21 @@ TEST_CASE("the page fits a phone and can be used with the keyboard alone", "[liv
     CHECK(browser.evaluate(contrast).get<double>() >= 4.5);
     CHECK(live.end().code == 0);
 }
+
+// Not a test: the picture of the README (tools/pictures.sh).
+TEST_CASE("the page's picture", "[.][page_picture]") {
+    const char* file = std::getenv("WHORL_PICTURE");
+    if (file == nullptr || missing()) return;
+    test::ScratchFolder folder;
+    test::Program live({"live", "honey_coil", "--port", "8099", "--out", (folder / "run").string(), "--unpaced", "--set", "look.samples=4"});
+    REQUIRE(live.wait_until([&] { return live.output().find('\n') != std::string::npos; }));
+    Browser browser(1180, 1000);
+    browser.open("http://127.0.0.1:8099/");
+    REQUIRE(browser.wait_for("state && state.time > 2.4", 600));
+    browser.click("#play");
+    REQUIRE(browser.wait_for("state.picture_frame == state.frame && !state.playing"));
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+    browser.screenshot(file);
+    live.signal(SIGINT);
+    CHECK(live.wait().code == 0);
+}

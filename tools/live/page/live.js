@@ -75,7 +75,7 @@ function show(now) {
   const playing = now.playing && now.state === 'running';
   $('pill').textContent = now.state !== 'running' ? now.state : now.playing ? 'playing' : 'paused';
   $('pill').className = 'pill ' + (now.state === 'diverged' ? 'bad' : playing ? 'running' : '');
-  $('play').textContent = playing ? 'Pause' : 'Play';
+  $('play').textContent = playing ? 'Pause' : now.state === 'running' ? 'Play' : 'Again';
   $('undo').disabled = !now.can_undo;
   const recording = now.recorded_pictures !== null;
   $('record').textContent = recording ? 'Stop (' + now.recorded_pictures + ')' : 'Record';
@@ -300,7 +300,7 @@ function tries() {
 
 // --- buttons and keys ------------------------------------------------------------------------------------------------------------------
 const actions = {
-  play: () => control({do: state && state.playing && state.state === 'running' ? 'pause' : 'play'}),
+  play: () => control({do: !state || state.state === 'running' ? (state && state.playing ? 'pause' : 'play') : 'restart'}),
   step: () => control({do: 'step'}),
   restart: () => { say(''); return control({do: 'restart'}); },
   undo: () => { if (state && state.can_undo) control({do: 'undo'}); },

@@ -60,7 +60,7 @@ const Plots = (() => {
       }
       if (low > 0 && low < 0.5 * high) low = 0;
       if (high === low) high = low + (Math.abs(low) || 1);
-      const left = 44, right = w - 4, top = 6, bottom = h - 16;
+      const left = 56, right = w - 4, top = 6, bottom = h - 16;
       const x = k => left + (right - left) * (times.length > 1 ? k / (times.length - 1) : 1), y = v => bottom - (bottom - top) * (v - low) / (high - low);
       g.font = '11px system-ui', g.fillStyle = ink, g.strokeStyle = grid, g.lineWidth = 1;
       for (const part of [0, 0.5, 1]) {
