@@ -1,9 +1,9 @@
-# Called by embed_shaders(): writes OUT with the text of each of SHADERS.
-set(text "#include \"render/gl/shader_source.h\"\n#include <stdexcept>\nnamespace whorl {\nstd::string shader_source(const std::string& name) {\n")
-foreach(file IN LISTS SHADERS)
+# Called by embed_texts(): writes OUT with the text of each of TEXTS.
+set(text "#include \"${HEADER}\"\n#include <stdexcept>\nnamespace whorl {\nstd::string ${FUNCTION}(const std::string& name) {\n")
+foreach(file IN LISTS TEXTS)
   get_filename_component(name ${file} NAME)
   file(READ ${file} body)
-  string(APPEND text "    if (name == \"${name}\")\n        return R\"GLSL(${body})GLSL\";\n")
+  string(APPEND text "    if (name == \"${name}\")\n        return R\"EMBEDDED(${body})EMBEDDED\";\n")
 endforeach()
-string(APPEND text "    throw std::logic_error(\"no shader named \" + name);\n}\n}  // namespace whorl\n")
+string(APPEND text "    throw std::logic_error(\"nothing named \" + name + \" is embedded\");\n}\n}  // namespace whorl\n")
 file(WRITE ${OUT} "${text}")

@@ -11,6 +11,8 @@ find_package(PkgConfig REQUIRED)
 pkg_check_modules(epoxy REQUIRED IMPORTED_TARGET epoxy)
 pkg_check_modules(egl REQUIRED IMPORTED_TARGET egl)
 pkg_check_modules(muparser REQUIRED IMPORTED_TARGET muparser)
+# Debian builds it with TLS and compression, which a client of it must be told; the live view uses neither.
+pkg_check_modules(httplib REQUIRED IMPORTED_TARGET cpp-httplib)
 add_library(muparser::muparser ALIAS PkgConfig::muparser)
 
 # stb writes PNG through zlib, ten times faster than through its own deflate.

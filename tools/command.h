@@ -25,6 +25,7 @@ using Job = std::function<int()>;
 int run_guarded(const Job& job);
 
 void add_render(CLI::App& program, Job& chosen);
+void add_live(CLI::App& program, Job& chosen);
 void add_plan(CLI::App& program, Job& chosen);
 void add_resume(CLI::App& program, Job& chosen);
 void add_video(CLI::App& program, Job& chosen);

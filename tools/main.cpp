@@ -14,6 +14,7 @@ const char* const examples =
     "  whorl render honey_coil                       frames, video and diagnostics in out/honey_coil\n"
     "  whorl render honey_coil --quality draft --until 1 --set fluid.viscosity=300\n"
     "  whorl render my_scene.toml --out runs/a --size 1920x1080 --export mesh\n"
+    "  whorl live honey_coil                         the same in a browser, while it pours\n"
     "  whorl plan my_scene.toml                      what would be modelled, why, and what it costs\n"
     "  whorl resume runs/a                           go on after an interruption\n";
 
@@ -56,6 +57,7 @@ int main(int argc, char** argv) {
 
     whorl::Job chosen;
     whorl::add_render(program, chosen);
+    whorl::add_live(program, chosen);
     whorl::add_plan(program, chosen);
     whorl::add_resume(program, chosen);
     whorl::add_video(program, chosen);

@@ -57,6 +57,8 @@ SceneFile read_resolved(const std::string& text, const std::string& file);
 /// scene.resolved.toml: every value used. Reading it back gives the same scene.
 std::string resolved_toml(const SceneFile& file);
 
+/// The scenes that ship, by name.
+std::vector<std::pair<std::string, std::filesystem::path>> shipped_scenes();
 /// The file that `name` means: itself where it exists, else <name>.toml among the scenes that ship (installed share folder, or the source tree).
 /// @throws InputError with the nearest name
 std::filesystem::path find_scene(const std::string& name);

@@ -18,3 +18,8 @@ picture() {
 picture honey_coil 52
 picture honey_ball 62 --quality draft --set look.samples=4
 picture dam_break 16 --quality draft --set look.samples=4
+
+# The page of a live run, as Chromium shows it.
+bash tools/setup.sh chromium
+bash tools/build.sh release whorl_validation
+WHORL_PICTURE=$PWD/docs/pictures/live.png build/release/tests/whorl_validation "[page_picture]"

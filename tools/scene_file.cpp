@@ -4,6 +4,7 @@
 #include "render/look/keys.h"
 #include "render/surface/keys.h"
 #include "tools/options.h"
+#include "tools/scene_changes.h"
 #include "tools/sections.h"
 
 namespace whorl {
@@ -25,6 +26,8 @@ std::vector<fs::path> scene_folders() {
     return folders;
 }
 
+}  // namespace
+
 std::vector<std::pair<std::string, fs::path>> shipped_scenes() {
     std::vector<std::pair<std::string, fs::path>> found;
     for (const fs::path& folder : scene_folders()) {
@@ -36,6 +39,8 @@ std::vector<std::pair<std::string, fs::path>> shipped_scenes() {
     std::sort(found.begin(), found.end());
     return found;
 }
+
+namespace {
 
 std::string joined(const std::vector<std::string>& names) {
     std::string text;
@@ -80,7 +85,15 @@ SceneFile read(const fs::path& path, ReadRequest request) {
     SceneFile file;
     request.sections = sections_of(file);
     file.scene = read_scene(path.string(), request);
-    return file;
+    if (file.scene.changes.empty()) return file;
+    std::vector<KeyChange> beat;
+    for (const Change& change : request.changes) {
+        std::vector<Problem> problems;
+        Value tree{Value::Table{}};
+        apply_change(tree, {"value", change.value, change.source}, problems);
+        if (problems.empty()) beat.push_back({change.key, *tree.find("value"), {change.source, 0, 0}});
+    }
+    return with_first_changes(file, beat);
 }
 
 }  // namespace

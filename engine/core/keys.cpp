@@ -62,6 +62,7 @@ bool fits(KeyType type, const Value& v) {
         case KeyType::integer: return v.as<std::int64_t>() != nullptr;
         case KeyType::number: return v.is_number();
         case KeyType::expression: return v.is_number() || v.as<std::string>();
+        case KeyType::any: return v.data.index() > 0 && !v.as<Value::Table>();
         default: return v.as<std::string>() != nullptr;
     }
 }
@@ -114,6 +115,7 @@ std::string Key::type_name() const {
         case KeyType::numbers: return "a list of " + many + "numbers";
         case KeyType::expressions: return "a list of " + many + "numbers or expressions in quotes";
         case KeyType::texts: return "a list of texts";
+        case KeyType::any: return "a value as the key takes it";
     }
     return "";
 }

@@ -49,7 +49,7 @@ struct Value {
     std::string toml() const;
 };
 
-enum class KeyType { flag, integer, number, text, choice, expression, flags, integers, numbers, expressions, texts };
+enum class KeyType { flag, integer, number, text, choice, expression, flags, integers, numbers, expressions, texts, any };
 
 /// What is wrong with a value that has the right type (a bad expression, say).
 struct KeyFault : std::invalid_argument {
@@ -73,6 +73,7 @@ struct Key {
     std::string variables;    ///< that an expression may use, of "txyz"
     bool is_required = false;
     bool decides = true;      ///< the simulation's result depends on it
+    bool may_change = false;  ///< while a run goes on
     std::string selector;     ///< key that says whether this one counts: "shape" beside it, "models.pressure" from the root; "": always
     std::vector<std::string> selected_by;  ///< the selector's values for which it counts
     Value standard;           ///< the default
@@ -92,6 +93,7 @@ struct Key {
         return selector = std::move(key), selected_by = std::move(values), *this;
     }
     Key& not_deciding() { return decides = false, *this; }
+    Key& live() { return may_change = true, *this; }
 
     /// Reads v into the object's member; appends to `problems` what is wrong with it. @param path the key's full name, for messages
     void read(void* object, const Value& v, const std::string& path, std::vector<Problem>& problems) const;
@@ -120,6 +122,10 @@ public:
     std::vector<Part> parts;
     std::function<std::shared_ptr<void>()> make;  ///< a struct with every default
 
+    /// Every key of it may change while a run goes on; parts have tables of their own.
+    void all_live() {
+        for (Key& k : keys) k.live();
+    }
     const Key* find_key(const std::string& name) const;
     const Part* find_part(const std::string& name) const;
 };
@@ -200,6 +206,13 @@ struct KeyCodec<T, std::enable_if_t<std::is_floating_point_v<T>>> {
         else return Value(v);
     }
     static T read(const Value& v) { return static_cast<T>(v.number()); }
+};
+/// A value of any type: what it must be follows from elsewhere.
+template <>
+struct KeyCodec<Value> {
+    static void describe(Key& k) { k.type = KeyType::any; }
+    static Value write(const Value& v) { return v; }
+    static Value read(const Value& v) { return v; }
 };
 template <>
 struct KeyCodec<std::string> {

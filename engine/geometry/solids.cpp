@@ -58,19 +58,30 @@ Vec3 Solid::normal(const Vec3& x) const {
 
 bool Solid::moves() const { return position.depends_on_time() || !spin.is_zero(); }
 
+// R(t) = turn A(t) solves dR/dt = R [w]x for any constant `turn`, A being the turning by the spin since t = 0.
+void Solid::go_on_as(VectorExpression new_position, VectorExpression new_spin, double t) {
+    const Vec3d moved = position(t) + shift;
+    const Mat3d R = turn * rotation_at(spin, t, turned);
+    position = std::move(new_position);
+    spin = std::move(new_spin);
+    turned = {};
+    shift = moved - position(t);
+    turn = R * rotation_at(spin, t, turned).transpose();
+}
+
 void Solids::set_time(double t, double dt) {
     for (Solid& solid : all) {
         // x_world = R (x_own - c) + c + position: it turns about its own centre c.
-        const Vec3d c = turning_point(*solid.shape), moved = solid.position(t);
-        const Mat3d R = rotation_at(solid.spin, t, solid.turned);
+        const Vec3d c = turning_point(*solid.shape), moved = solid.position(t) + solid.shift;
+        const Mat3d R = solid.turn * rotation_at(solid.spin, t, solid.turned);
         solid.pose.rotation = R.cast<Real>();
         solid.pose.translation = (c - R * c + moved).cast<Real>();
         solid.pose.velocity = solid.pose.angular_velocity = Vec3::Zero();
         if (!solid.moves()) continue;
         const double step = dt > 0 ? dt : 1e-6;
         Turned ahead = solid.turned;
-        const Eigen::AngleAxisd turn(rotation_at(solid.spin, t + step, ahead) * R.transpose());
-        const Vec3d w = turn.angle() / step * turn.axis(), u = (solid.position(t + step) - moved) / step;
+        const Eigen::AngleAxisd turn(solid.turn * rotation_at(solid.spin, t + step, ahead) * R.transpose());
+        const Vec3d w = turn.angle() / step * turn.axis(), u = (solid.position(t + step) + solid.shift - moved) / step;
         solid.pose.angular_velocity = w.cast<Real>();
         solid.pose.velocity = (u - w.cross(R * c)).cast<Real>();  // of the own origin; the centre moves with u
     }

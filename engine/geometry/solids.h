@@ -34,9 +34,13 @@ struct Solid {
     bool inside = false;              ///< the fluid is inside the shape
     bool free_slip = false;
     std::string material;
+    Vec3d shift = Vec3d::Zero();      ///< m, added to `position`; follows from earlier motions (go_on_as)
+    Mat3d turn = Mat3d::Identity();   ///< before the turning by `spin` since t = 0; follows from earlier motions
     Pose pose;
     Turned turned;
 
+    /// Moves and turns as these say from time t [s] on, from where it stands then.
+    void go_on_as(VectorExpression new_position, VectorExpression new_spin, double t);
     bool moves() const;
     /// Distance from x to the solid's surface, positive on the fluid's side [m].
     Real distance(const Vec3& x) const;

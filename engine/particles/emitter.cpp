@@ -182,6 +182,11 @@ double Emitter::speed(double t) const { return state_->peak() * state_->mean_spe
 
 const EmitterShape& Emitter::shape() const { return state_->shape; }
 
+void Emitter::change(Expression speed, double start, double stop) {
+    state_->speed_of_time = std::move(speed);
+    state_->start = start, state_->stop = stop;
+}
+
 void Emitter::save(std::ostream& out) const {
     out.write(reinterpret_cast<const char*>(&state_->pushed), sizeof(double));
     out.write(reinterpret_cast<const char*>(state_->next_copy.data()), static_cast<std::streamsize>(state_->next_copy.size() * sizeof(long)));

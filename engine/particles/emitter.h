@@ -47,6 +47,9 @@ public:
     double speed(double t) const;
     const EmitterShape& shape() const;
 
+    /// From now on another speed and other times. What has been pushed stays pushed: the column goes on without a gap.
+    void change(Expression speed, double start, double stop);
+
     void save(std::ostream&) const;
     void load(std::istream&);
     ~Emitter();

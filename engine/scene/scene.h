@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-#include "engine/core/errors.h"
+#include "engine/core/keys.h"
 #include "engine/geometry/shape.h"
 #include "engine/math/expression.h"
 #include "engine/math/kernel.h"
@@ -146,6 +146,13 @@ struct ProbeKeys {
     double height = 0;                               ///< coil: m above the pile
 };
 
+/// One key that takes another value while the run goes on: what a live run records, and a film of it repeats.
+struct ChangeKeys {
+    double time = 0;  ///< s; a step ends exactly then
+    std::string key;  ///< "emitter[0].speed"; one that may change
+    Value value;
+};
+
 struct OutputKeys {
     bool frames = true, video = true;
     double checkpoint_every = 5;  ///< s of wall time
@@ -168,6 +175,7 @@ struct Scene {
     std::vector<SolidKeys> solids;
     std::vector<DrainKeys> drains;
     std::vector<ProbeKeys> probes;
+    std::vector<ChangeKeys> changes;
     OutputKeys output;
     std::uint64_t seed = 1;
 

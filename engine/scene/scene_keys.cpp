@@ -27,11 +27,11 @@ void add_shape_keys(KeyTableOf<S>& t, const std::vector<std::string>& kinds, boo
 
 KeyTable time_keys() {
     KeyTableOf<TimeKeys> t("when the run ends and how often a picture is taken");
-    t.key("end", &TimeKeys::end, "s", "when the run ends").required().above(0).not_deciding();
+    t.key("end", &TimeKeys::end, "s", "when the run ends").required().above(0).not_deciding().live();
     t.key("fps", &TimeKeys::fps, "1/s", "frames a second of film").above(0).at_most(1000);
     t.key("slow_motion", &TimeKeys::slow_motion, "", "the film plays this many times slower than life").above(0);
-    t.key("max_step", &TimeKeys::max_step, "s", "longest time step").above(0);
-    t.key("cfl", &TimeKeys::cfl, "", "a step moves no particle further than this part of a spacing").above(0).at_most(2);
+    t.key("max_step", &TimeKeys::max_step, "s", "longest time step").above(0).live();
+    t.key("cfl", &TimeKeys::cfl, "", "a step moves no particle further than this part of a spacing").above(0).at_most(2).live();
     return t;
 }
 
@@ -40,7 +40,7 @@ KeyTable domain_keys() {
     t.key("min", &DomainKeys::min, "m", "lowest corner");
     t.key("max", &DomainKeys::max, "m", "highest corner");
     t.key("periodic", &DomainKeys::periodic, "", "axes along which the box repeats");
-    t.key("gravity", &DomainKeys::gravity, "m/s^2", "acceleration of everything").of("t");
+    t.key("gravity", &DomainKeys::gravity, "m/s^2", "acceleration of everything").of("t").live();
     return t;
 }
 
@@ -48,8 +48,8 @@ KeyTable fluid_keys() {
     KeyTableOf<FluidKeys> t("the fluid and its particles");
     t.key("spacing", &FluidKeys::spacing, "m", "initial distance between particles").required().above(0);
     t.key("density", &FluidKeys::density, "kg/m^3", "density at rest").above(0);
-    t.key("viscosity", &FluidKeys::viscosity, "Pa s", "dynamic viscosity, where the particle is at the start").at_least(0).of("xyz");
-    t.key("surface_tension", &FluidKeys::surface_tension, "N/m", "surface tension").at_least(0);
+    t.key("viscosity", &FluidKeys::viscosity, "Pa s", "dynamic viscosity, where the particle is at the start").at_least(0).of("xyz").live();
+    t.key("surface_tension", &FluidKeys::surface_tension, "N/m", "surface tension").at_least(0).live();
     t.key("kernel", &FluidKeys::kernel, "", "smoothing kernel; auto: wendland_c2 with pressure \"coupled\", else cubic");
     t.key("support", &FluidKeys::support, "spacings", "kernel radius; auto: 3 with pressure \"coupled\", else 2").at_least(1.2).at_most(6);
     return t;
@@ -71,8 +71,8 @@ KeyTable pressure_keys() {
     t.key("tolerance", &PressureKeys::tolerance, "", "ppe: relative density error; coupled: preconditioned residual")
         .above(0)
         .at_most(0.5)
-        .only_with(model, {"ppe", "coupled"});
-    t.key("max_iterations", &PressureKeys::max_iterations, "", "of the linear solver, a step").at_least(1).only_with(model, {"ppe", "coupled"});
+        .only_with(model, {"ppe", "coupled"}).live();
+    t.key("max_iterations", &PressureKeys::max_iterations, "", "of the linear solver, a step").at_least(1).only_with(model, {"ppe", "coupled"}).live();
     t.key("preconditioner", &PressureKeys::preconditioner, "", "of the linear solver").only_with(model, {"ppe"});
     t.key("form", &PressureKeys::form, "", "no density above that at rest (constraint), or the pressure equation as published (poisson)")
         .only_with(model, {"ppe"});
@@ -87,21 +87,21 @@ KeyTable pressure_keys() {
         .only_with(model, {"ppe"});
     t.key("sound_speed", &PressureKeys::sound_speed, "m/s", "0: ten times the largest speed that the plan expects")
         .at_least(0)
-        .only_with(model, {"wcsph"});
-    t.key("gamma", &PressureKeys::gamma, "", "exponent of Tait's equation").at_least(1).at_most(20).only_with(model, {"wcsph"});
+        .only_with(model, {"wcsph"}).live();
+    t.key("gamma", &PressureKeys::gamma, "", "exponent of Tait's equation").at_least(1).at_most(20).only_with(model, {"wcsph"}).live();
     t.key("background_pressure", &PressureKeys::background_pressure, "Pa", "0 wherever there is a free surface")
         .at_least(0)
-        .only_with(model, {"wcsph"});
+        .only_with(model, {"wcsph"}).live();
     t.key("sound_damping", &PressureKeys::sound_damping, "", "bulk viscosity over density, sound speed and half the kernel radius; 0: sound rings on")
         .at_least(0)
         .at_most(2)
-        .only_with(model, {"wcsph"});
+        .only_with(model, {"wcsph"}).live();
     t.key("artificial_viscosity", &PressureKeys::artificial_viscosity, "",
           "viscosity over density, sound speed and a twentieth of the kernel radius; auto: what the fluid's own lacks to 0.1, 0 with xsph and micropolar")
         .at_least(0)
         .at_most(2)
-        .only_with(model, {"wcsph"});
-    t.key("gradient", &PressureKeys::gradient, "", "form of the pressure gradient").only_with(model, {"wcsph"});
+        .only_with(model, {"wcsph"}).live();
+    t.key("gradient", &PressureKeys::gradient, "", "form of the pressure gradient").only_with(model, {"wcsph"}).live();
     return t;
 }
 
@@ -109,11 +109,11 @@ KeyTable viscosity_keys() {
     KeyTableOf<ViscosityKeys> t("of the viscosity model");
     const std::string model = "models.viscosity";
     const std::vector<std::string> implicit{"pairwise", "full", "full_assembled"};
-    t.key("tolerance", &ViscosityKeys::tolerance, "", "relative residual of the linear solver").above(0).at_most(0.5).only_with(model, implicit);
-    t.key("max_iterations", &ViscosityKeys::max_iterations, "", "of the linear solver, a step").at_least(1).only_with(model, implicit);
+    t.key("tolerance", &ViscosityKeys::tolerance, "", "relative residual of the linear solver").above(0).at_most(0.5).only_with(model, implicit).live();
+    t.key("max_iterations", &ViscosityKeys::max_iterations, "", "of the linear solver, a step").at_least(1).only_with(model, implicit).live();
     t.key("laplacian", &ViscosityKeys::laplacian, "", "form of the Laplacian; split, with a micropolar model: the share that its coupling needs in the first form, the rest in the "
-          "second").only_with(model, {"explicit"});
-    t.key("alpha", &ViscosityKeys::alpha, "", "part of the neighbours' mean velocity taken over a step").above(0).at_most(1).only_with(model, {"xsph"});
+          "second").only_with(model, {"explicit"}).live();
+    t.key("alpha", &ViscosityKeys::alpha, "", "part of the neighbours' mean velocity taken over a step").above(0).at_most(1).only_with(model, {"xsph"}).live();
     t.key("correction", &ViscosityKeys::correction, "", "gradients exact for linear fields: a rigid rotation feels no viscosity")
         .only_with(model, {"full"});
     return t;
@@ -122,19 +122,19 @@ KeyTable viscosity_keys() {
 KeyTable micropolar_keys() {
     KeyTableOf<MicropolarKeys> t("of the micropolar model");
     using M = MicropolarKeys;
-    const auto own = [](Key& k) { k.only_with("models.micropolar", {"seed", "bender", "eringen"}); };
-    own(t.key("transfer_viscosity", &M::transfer_viscosity, "Pa s", "couples spin and flow").at_least(0));
+    const auto own = [](Key& k) -> Key& { return k.only_with("models.micropolar", {"seed", "bender", "eringen"}); };
+    own(t.key("transfer_viscosity", &M::transfer_viscosity, "Pa s", "couples spin and flow").at_least(0)).live();
     own(t.key("micro_inertia", &M::micro_inertia, "m^2", "theta: inertia of the spin over the mass; 2 as in the notes makes the spin inert at centimetres")
-            .above(0));
+            .above(0)).live();
     own(t.key("curl_velocity", &M::curl_velocity, "", "form of the velocity's curl"));
     own(t.key("curl_spin", &M::curl_spin, "", "form of the spin's curl"));
     own(t.key("co_rotating", &M::co_rotating, "", "curl u - 2 w as the curl seen from the turning particle, which conserves angular momentum; false: as written"));
-    own(t.key("xsph_velocity", &M::xsph_velocity, "", "smoothing of the velocity a step").at_least(0).at_most(1));
-    own(t.key("xsph_spin", &M::xsph_spin, "", "smoothing of the spin a step").at_least(0).at_most(1));
+    own(t.key("xsph_velocity", &M::xsph_velocity, "", "smoothing of the velocity a step").at_least(0).at_most(1)).live();
+    own(t.key("xsph_spin", &M::xsph_spin, "", "smoothing of the spin a step").at_least(0).at_most(1)).live();
     own(t.key("xsph_time", &M::xsph_time, "s", "time in which the smoothings take their parts; 0: every step, as in the notes").at_least(0));
     own(t.key("spin_length", &M::spin_length, "m", "l in the spin's diffusion viscosity l^2; 0: the spacing").at_least(0));
     own(t.key("spin_viscosity", &M::spin_viscosity, "Pa s m^2", "gamma, diffusion of the spin; auto: viscosity spin_length^2").at_least(0));
-    own(t.key("torque", &M::torque, "m^2/s^2", "torque on every particle over its mass").of("txyz"));
+    own(t.key("torque", &M::torque, "m^2/s^2", "torque on every particle over its mass").of("txyz")).live();
     own(t.key("exchange", &M::exchange, "", "of spin and flow; auto: explicit where its stable step is long enough"));
     own(t.key("wall_spin", &M::wall_spin, "", "spin at walls that the fluid sticks to: the solid's rotation, or free of couple stress"));
     own(t.key("effective_viscosity", &M::effective_viscosity, "Pa s",
@@ -148,7 +148,7 @@ KeyTable boundary_keys() {
     t.key("gate", &BoundaryKeys::gate, "", "a solid acts only where its kernel sum at the particle passes this; 0: always")
         .at_least(0)
         .at_most(1)
-        .only_with("models.boundary", {"akinci", "ppe"});
+        .only_with("models.boundary", {"akinci", "ppe"}).live();
     return t;
 }
 
@@ -169,9 +169,9 @@ KeyTable emitter_keys() {
     t.key("radius", &EmitterKeys::radius, "m", "of the round opening").required().above(0).only_with("shape", {"disc"});
     t.key("width", &EmitterKeys::width, "m", "long side of the slot").required().above(0).only_with("shape", {"box"});
     t.key("thickness", &EmitterKeys::thickness, "m", "short side of the slot").required().above(0).only_with("shape", {"box"});
-    t.key("speed", &EmitterKeys::speed, "m/s", "mean over the opening").required().at_least(0).of("t");
-    t.key("start", &EmitterKeys::start, "s", "when it opens").at_least(0);
-    t.key("stop", &EmitterKeys::stop, "s", "when it closes").above(0);
+    t.key("speed", &EmitterKeys::speed, "m/s", "mean over the opening").required().at_least(0).of("t").live();
+    t.key("start", &EmitterKeys::start, "s", "when it opens").at_least(0).live();
+    t.key("stop", &EmitterKeys::stop, "s", "when it closes").above(0).live();
     t.key("profile", &EmitterKeys::profile, "", "speed over the opening");
     return t;
 }
@@ -179,11 +179,11 @@ KeyTable emitter_keys() {
 KeyTable solid_keys() {
     KeyTableOf<SolidKeys> t("something that the fluid meets");
     add_shape_keys(t, {"box", "plane", "sphere", "cylinder", "mesh"}, false);
-    t.key("position", &SolidKeys::position, "m", "moves the shape from where its own keys put it").of("t");
-    t.key("rotation", &SolidKeys::rotation, "rad/s", "turns it about its own axes").of("t");
+    t.key("position", &SolidKeys::position, "m", "moves the shape from where its own keys put it").of("t").live();
+    t.key("rotation", &SolidKeys::rotation, "rad/s", "turns it about its own axes").of("t").live();
     t.key("inside", &SolidKeys::inside, "", "the fluid is inside the shape: a container");
-    t.key("slip", &SolidKeys::slip, "", "whether the fluid sticks");
-    t.key("material", &SolidKeys::material, "", "how it looks").not_deciding();
+    t.key("slip", &SolidKeys::slip, "", "whether the fluid sticks").live();
+    t.key("material", &SolidKeys::material, "", "how it looks").not_deciding().live();
     return t;
 }
 
@@ -207,6 +207,14 @@ KeyTable probe_keys() {
     t.key("axis_point", &ProbeKeys::axis_point, "m", "where the axis meets the plate").only_with("kind", {"coil"});
     t.key("axis_direction", &ProbeKeys::axis_direction, "", "up, away from the plate").only_with("kind", {"coil"});
     t.key("height", &ProbeKeys::height, "m", "of the section that is measured, above the pile; 0: where the thread comes to rest").at_least(0).only_with("kind", {"coil"});
+    return t;
+}
+
+KeyTable change_keys() {
+    KeyTableOf<ChangeKeys> t("a key that takes another value while the run goes on, as whorl live records it; at time 0 any key, then those that may change");
+    t.key("time", &ChangeKeys::time, "s", "when; a step ends exactly then").required().at_least(0);
+    t.key("key", &ChangeKeys::key, "", "as in emitter[0].speed").required();
+    t.key("value", &ChangeKeys::value, "", "what it is from then on").required();
     return t;
 }
 
@@ -237,6 +245,7 @@ KeyTable root_keys() {
     t.list("solid", &Scene::solids, solid_keys());
     t.list("drain", &Scene::drains, drain_keys());
     t.list("probe", &Scene::probes, probe_keys()).not_deciding();
+    t.list("change", &Scene::changes, change_keys());
     t.part("output", &Scene::output, output_keys()).not_deciding();
     return t;
 }

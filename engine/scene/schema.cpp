@@ -56,6 +56,7 @@ Json schema_of(const Key& key) {
         case KeyType::numbers: s = list(number); break;
         case KeyType::expressions: s = list(expression); break;
         case KeyType::texts: s = list(choice_of(key)); break;
+        case KeyType::any: s = Json::object(); break;
     }
     if (key.may_be_auto && key.type != KeyType::choice) s = {{"anyOf", {s, {{"const", "auto"}}}}};
     s["description"] = key.meaning + (key.unit.empty() ? "" : " [" + key.unit + "]");

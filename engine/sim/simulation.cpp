@@ -7,6 +7,7 @@
 
 #include "engine/core/parallel.h"
 #include "engine/particles/sort.h"
+#include "engine/scene/names.h"
 #include "engine/sim/check.h"
 #include "engine/sim/place.h"
 #include "engine/sim/time_step.h"
@@ -36,6 +37,8 @@ void each_number(Totals& t, F&& f) {
     f(t.unconverged_solves), f(t.lost_particles), f(t.emitted_particles), f(t.drained_particles), f(t.last_step);
     f(t.work), f(t.any_work);
 }
+
+std::string text_of(const VectorExpression& e) { return e.component[0].text() + "; " + e.component[1].text() + "; " + e.component[2].text(); }
 
 }  // namespace
 
@@ -72,6 +75,26 @@ struct Simulation::State {
     }
 
     void set_gravity() { world.step.gravity = scene.domain.gravity(time).cast<Real>(); }
+
+    /// @param at s, when the change is or was made
+    void change(const Scene& now, const Plan& new_plan, double at) {
+        WHORL_ASSERT(steps_since_landing == 0, "change() between landings");
+        for (std::size_t k = 0; k < now.solids.size(); ++k) {
+            Solid& solid = world.solids.all[k];
+            if (text_of(scene.solids[k].position) != text_of(now.solids[k].position) || text_of(scene.solids[k].rotation) != text_of(now.solids[k].rotation))
+                solid.go_on_as(now.solids[k].position, now.solids[k].rotation, at);
+            solid.free_slip = now.solids[k].slip == Slip::free;
+            solid.material = now.solids[k].material;
+        }
+        for (std::size_t k = 0; k < now.emitters.size(); ++k) emitters[k].change(now.emitters[k].speed, now.emitters[k].start, now.emitters[k].stop);
+        scene = now, plan = new_plan;
+        assembly = assemble(scene, plan);
+        declare_fields(assembly.stages, world.fluid);
+        place_constants(scene, plan, world);
+        world.solids.set_time(time, scene.time.max_step);
+        world.solid_particles.follow(world.solids);
+        set_gravity();
+    }
 
     double choose_step(double until) {
         const StepLimit* binding = nullptr;
@@ -181,6 +204,13 @@ const World& Simulation::world() const { return state_->world; }
 const std::vector<Emitter>& Simulation::emitters() const { return state_->emitters; }
 const StepReport& Simulation::step(double until) { return state_->step(until); }
 
+void Simulation::change(const Scene& scene, const Plan& plan) {
+    const bool other_viscosity = state_->scene.fluid.viscosity.text() != scene.fluid.viscosity.text();
+    state_->change(scene, plan, state_->time);
+    if (other_viscosity) set_viscosity(state_->scene, state_->world, 0, state_->time);
+}
+void Simulation::changed_before(const Scene& scene, const Plan& plan, double time) { state_->change(scene, plan, time); }
+
 void Simulation::save(std::ostream& out) const {
     const State& s = *state_;
     WHORL_ASSERT(s.steps_since_landing == 0, "save() between landings");
@@ -223,6 +253,26 @@ void Simulation::load(std::istream& in) {
     s.world.step.time = s.time;
     s.world.solids.set_time(s.time, scene().time.max_step);
     s.world.solid_particles.follow(s.world.solids);
+}
+
+std::vector<std::string> changes_of_models(const Plan& running, const Plan& wanted) {
+    std::vector<std::string> lines;
+    const auto compare = [&](const std::string& key, const auto& before, const auto& now) {
+        if (before == now) return;
+        if constexpr (std::is_enum_v<std::remove_cvref_t<decltype(now)>>)
+            lines.push_back(key + ": " + name_of(before) + ", now " + name_of(now));
+        else
+            lines.push_back(key + ": " + Expression(before).text() + ", now " + Expression(now).text());
+    };
+    compare("models.pressure", running.pressure, wanted.pressure);
+    compare("models.viscosity", running.viscosity, wanted.viscosity);
+    compare("models.micropolar", running.micropolar, wanted.micropolar);
+    compare("models.boundary", running.boundary, wanted.boundary);
+    compare("models.shifting", running.shifting, wanted.shifting);
+    compare("fluid.kernel", running.kernel, wanted.kernel);
+    compare("fluid.spacing", running.spacing, wanted.spacing);
+    compare("fluid.support", running.support, wanted.support);
+    return lines;
 }
 
 }  // namespace whorl

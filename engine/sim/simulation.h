@@ -63,6 +63,13 @@ public:
     /// report.diverged tells that the run cannot go on.
     const StepReport& step(double until);
 
+    /// From now on the run goes by another scene: the same fluid, solids and models with other values of the keys that may change (Key::may_change).
+    /// Only at a landing. Solids go on from where they stand; the viscosity is that of `scene` where each particle now is.
+    /// @param plan of `scene`; changes_of_models(plan(), plan) must be empty
+    void change(const Scene& scene, const Plan& plan);
+    /// For a run that was resumed with load(): that change was made at `time` [s], before the state was saved.
+    void changed_before(const Scene& scene, const Plan& plan, double time);
+
     /// All state that lives from step to step. Only at a landing; bit-exact; the same build reads it back.
     void save(std::ostream& out) const;
     /// @throws EnvironmentError where the data are cut short
@@ -72,5 +79,8 @@ private:
     struct State;
     std::unique_ptr<State> state_;
 };
+
+/// What a running simulation cannot follow, a line each: "models.viscosity: none, now full".
+std::vector<std::string> changes_of_models(const Plan& running, const Plan& wanted);
 
 }  // namespace whorl

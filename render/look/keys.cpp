@@ -11,6 +11,7 @@ KeyTable make_camera_key_keys() {
     t.key("position", &CameraKey::position, "m", "where it stands").required();
     t.key("target", &CameraKey::target, "m", "where it looks");
     t.key("fov", &CameraKey::fov, "degrees", "vertical angle of view").above(0).at_most(150);
+    t.all_live();
     return t;
 }
 
@@ -26,6 +27,7 @@ KeyTable make_camera_keys() {
     t.key("height", &CameraOptions::height, "m", "above the target").only_with("kind", orbit);
     t.key("start_angle", &CameraOptions::start_angle, "degrees", "where the turn begins; 0: along +z").only_with("kind", orbit);
     t.key("degrees_per_second", &CameraOptions::degrees_per_second, "degrees/s", "of simulated time").only_with("kind", orbit);
+    t.all_live();
     t.list("key", &CameraOptions::keys, make_camera_key_keys());
     return t;
 }
@@ -50,6 +52,7 @@ KeyTable make_look_keys() {
     t.key("range", &L::range, "", "lowest and highest value of the colour map; equal: chosen once for the whole film, from the scene").only_with("style", particles);
     t.key("legend", &L::legend, "", "draw the colour map with its numbers and unit").only_with("style", particles);
     t.key("time_stamp", &L::time_stamp, "", "write the time on every picture");
+    t.all_live();
     return t;
 }
 

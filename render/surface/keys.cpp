@@ -12,6 +12,7 @@ KeyTable make_surface_keys() {
     t.key("iso", &SurfaceOptions::iso, "", "the smoothed colour on the surface: 1 inside, 0 outside").above(0).at_most(0.99);
     t.key("smoothing", &SurfaceOptions::smoothing, "", "passes over the mesh").at_least(0).at_most(50);
     t.key("distance", &SurfaceOptions::distance, "", "make the distance volume that refraction needs");
+    t.all_live();
     return t;
 }
 

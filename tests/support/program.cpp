@@ -47,6 +47,8 @@ Program::~Program() {
     close(err_);
 }
 
+std::string Program::output() const { return content(out_); }
+
 void Program::signal(int number) const { kill(pid_, number); }
 
 bool Program::wait_until(const std::function<bool()>& condition) {

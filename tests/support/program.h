@@ -25,6 +25,9 @@ public:
     /// Waits until the condition holds. @return false where the program ends before, or after a minute
     bool wait_until(const std::function<bool()>& condition);
     void signal(int number) const;
+    /// What it has written to standard output so far.
+    std::string output() const;
+    pid_t id() const { return pid_; }
     Outcome wait();
 
 private:

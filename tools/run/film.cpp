@@ -62,7 +62,7 @@ void Film::timed(const char* stage, const std::function<void()>& work) {
 void Film::make_surfaces() {
     while (auto shot = to_surface_.pop()) {
         if (options_.images || exports("mesh"))
-            timed("surface", [&] { (*shot)->surface = build_surface(*(*shot)->frame, options_.surface); });
+            timed("surface", [&] { (*shot)->surface = build_surface(*(*shot)->frame, (*shot)->how->surface); });
         if (!to_draw_.push(std::move(*shot))) return;
     }
     to_draw_.close();
@@ -75,8 +75,8 @@ void Film::draw() {
         const Frame& frame = *(*shot)->frame;
         if (renderer)
             timed("draw", [&] {
-                const View view = view_at(options_.camera, frame.time, frame.domain_min, frame.domain_max);
-                (*shot)->image = renderer->draw(frame, (*shot)->surface, options_.look, view);
+                const View view = view_at((*shot)->how->camera, frame.time, frame.domain_min, frame.domain_max);
+                (*shot)->image = renderer->draw(frame, (*shot)->surface, (*shot)->how->look, view);
                 const std::lock_guard lock(mutex_);
                 device_ = renderer->device();
             });
@@ -119,7 +119,7 @@ void Film::write_files(const Shot& shot) {
     if (options_.images) write_png(numbered(options_.folder, "frames", frame.number, "png"), shot.image);
     if (exports("points")) write_points(numbered(options_.folder, "points", frame.number, "ply"), frame);
     if (exports("mesh")) write_ply_mesh(numbered(options_.folder, "mesh", frame.number, "ply"), shot.surface.mesh);
-    if (exports("vdb")) write_vdb(numbered(options_.folder, "vdb", frame.number, "vdb"), frame, options_.surface);
+    if (exports("vdb")) write_vdb(numbered(options_.folder, "vdb", frame.number, "vdb"), frame, shot.how->surface);
 }
 
 void Film::rethrow() const {
@@ -127,9 +127,10 @@ void Film::rethrow() const {
     if (error_) std::rethrow_exception(error_);
 }
 
-void Film::add(Frame frame, std::shared_ptr<const Checkpoint> state, bool write_state) {
+void Film::add(Frame frame, std::shared_ptr<const PictureOptions> how, std::shared_ptr<const Checkpoint> state, bool write_state) {
     auto shot = std::make_unique<Shot>();
     shot->frame = std::make_shared<const Frame>(std::move(frame));
+    shot->how = std::move(how);
     shot->state = std::move(state);
     shot->write_state = write_state;
     if (!to_surface_.push(std::move(shot))) rethrow();

@@ -23,6 +23,13 @@
 
 namespace whorl {
 
+/// How a picture is made; a scene may change it from frame to frame.
+struct PictureOptions {
+    SurfaceOptions surface;
+    CameraOptions camera;
+    LookOptions look;
+};
+
 struct FilmOptions {
     std::filesystem::path folder;      ///< the run folder
     std::filesystem::path video;       ///< empty: none
@@ -31,9 +38,6 @@ struct FilmOptions {
     int width = 1280, height = 720;
     double fps = 24;
     int frames_before = 0;  ///< pictures that stand in the folder already (a resumed run): they begin the video
-    SurfaceOptions surface;
-    CameraOptions camera;
-    LookOptions look;
 };
 
 class Film {
@@ -44,9 +48,9 @@ public:
     Film(const Film&) = delete;
     Film& operator=(const Film&) = delete;
 
-    /// @param state of the run at the frame's time @param write_state also write it to disk
+    /// @param how to make its picture @param state of the run at the frame's time @param write_state also write it to disk
     /// @throws whatever a stage threw
-    void add(Frame frame, std::shared_ptr<const Checkpoint> state, bool write_state);
+    void add(Frame frame, std::shared_ptr<const PictureOptions> how, std::shared_ptr<const Checkpoint> state, bool write_state);
     /// Waits until all frames are written. @param complete false: the run goes on later, the video keeps its partial name
     void finish(bool complete);
 
@@ -63,6 +67,7 @@ public:
 private:
     struct Shot {
         std::shared_ptr<const Frame> frame;
+        std::shared_ptr<const PictureOptions> how;
         std::shared_ptr<const Checkpoint> state;
         bool write_state = false;
         Surface surface;

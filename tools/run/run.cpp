@@ -24,6 +24,7 @@
 #include "tools/run/report.h"
 #include "tools/run/run_folder.h"
 #include "tools/run/usage.h"
+#include "tools/scene_changes.h"
 
 namespace whorl {
 namespace {
@@ -48,9 +49,6 @@ FilmOptions film_options(const RunRequest& request, const SceneFile& file, int f
     options.height = scene.output.size[1];
     options.fps = scene.time.fps;
     options.frames_before = frames_before;
-    options.surface = file.surface;
-    options.camera = file.camera;
-    options.look = file.look;
     return options;
 }
 
@@ -73,6 +71,8 @@ private:
     void resume();
     std::unique_ptr<Table> open_table(const std::string& name, const std::string& header) const;
 
+    void take_up(const SceneFile& file);
+    void follow_changes();
     void land(int frame);
     bool step_to(int frame);
     std::shared_ptr<Checkpoint> state_at(int frame) const;
@@ -92,13 +92,15 @@ private:
     int resumed_ = 0;
     int first_ = 1, last_ = 1;  ///< frames that this part of the run makes
     Simulation simulation_;     ///< places fluid and solids: may throw InputError, so the folder comes after it
-    Snapshots snapshots_;
     SceneFile file_;            ///< the request's, with what is chosen at the start put in
+    Replay replay_;             ///< what changes while the scene runs
     RunFolder folder_;
     std::shared_ptr<spdlog::logger> log_;
     std::string scene_text_;
     std::unique_ptr<Table> diagnostics_;
     std::vector<ProbeTable> probes_;
+    std::optional<Snapshots> snapshots_;
+    std::shared_ptr<const PictureOptions> how_;
     RunTotals totals_at_row_;
     double saved_at_ = wall_seconds();
     double predicted_ = 0;  ///< s, wall time of the whole run where costs were measured before (whorl plan); else 0
@@ -108,13 +110,13 @@ private:
 };
 
 Run::Run(const RunRequest& request, const Plan& plan)
-    : request_(request), scene_(request.file.scene), simulation_(scene_, plan), snapshots_(simulation_, snapshot_fields(request.file, simulation_.world())),
-      file_(with_colour_range()), folder_(request.from ? RunFolder::existing(request.folder) : RunFolder::fresh(request.folder)),
-      scene_text_(resolved_toml(file_)) {
+    : request_(request), scene_(request.file.scene), simulation_(scene_, plan), file_(with_colour_range()), replay_(file_),
+      folder_(request.from ? RunFolder::existing(request.folder) : RunFolder::fresh(request.folder)), scene_text_(resolved_toml(file_)) {
     last_ = request.frames.value_or(frame_count(scene_));
     make_folders();
     if (request.from) resume();
     open_tables();
+    take_up(replay_.now());
     totals_at_row_ = simulation_.totals();
     log_->info("whorl {}, {}: frames {} to {}", build_id(), scene_.name, first_, last_);
     for (const Choice& c : plan.choices) log_->info("{} = {}{}: {}", c.key, c.value, c.automatic ? " (auto)" : "", c.reason);
@@ -132,7 +134,10 @@ Run::Run(const RunRequest& request, const Plan& plan)
 /// The range of the colour map stands in scene.resolved.toml and thereby in every checkpoint: a resumed film keeps it.
 SceneFile Run::with_colour_range() const {
     SceneFile file = request_.file;
-    if (file.look.style == "particles") file.look.range = film_range(file.look, simulation_, snapshots_.take(simulation_, 1));
+    if (file.look.style == "particles") {
+        const Snapshots start(simulation_, snapshot_fields(file, simulation_.world()));
+        file.look.range = film_range(file.look, simulation_, start.take(simulation_, 1));
+    }
     return file;
 }
 
@@ -152,6 +157,7 @@ void Run::resume() {
     const Checkpoint& from = *request_.from;
     std::istringstream state(from.simulation);
     simulation_.load(state);
+    replay_.make_until(simulation_.time(), [&](const Scene& s, const Plan& p, double time) { simulation_.changed_before(s, p, time); });
     first_ = from.frame + 1;
     earlier_wall_ = from.wall, earlier_cpu_ = from.cpu, earlier_stages_ = from.stages, resumed_ = from.resumed + 1;
 }
@@ -210,11 +216,21 @@ std::shared_ptr<Checkpoint> Run::state_at(int frame) const {
     return state;
 }
 
+/// From now on pictures are made as `file` says.
+void Run::take_up(const SceneFile& file) {
+    snapshots_.emplace(simulation_, snapshot_fields(file, simulation_.world()));
+    how_ = std::make_shared<const PictureOptions>(PictureOptions{file.surface, file.camera, file.look});
+}
+
+void Run::follow_changes() {
+    if (replay_.make_until(simulation_.time(), [&](const Scene& s, const Plan& p, double) { simulation_.change(s, p); })) take_up(replay_.now());
+}
+
 /// The frame's row, its lines in the probes' tables, and its picture on the way.
 void Run::land(int frame) {
     const double time = simulation_.time();
     const RunTotals& totals = simulation_.totals();
-    const Measures measures = measure(simulation_.world(), scene_.domain.gravity(time), simulation_.plan().spin.micro_inertia);
+    const Measures measures = measure(simulation_.world(), simulation_.scene().domain.gravity(time), simulation_.plan().spin.micro_inertia);
     diagnostics_->append(diagnostics_row(frame, time, measures, totals_at_row_, totals, wall(), cpu()));
     for (ProbeTable& p : probes_) p.table.append(p.probe->rows(simulation_.world(), time));
     const double steps = static_cast<double>(std::max(1L, totals.steps - totals_at_row_.steps));
@@ -223,7 +239,7 @@ void Run::land(int frame) {
     totals_at_row_ = totals;
 
     const bool due = frame == last_ || wall_seconds() - saved_at_ >= scene_.output.checkpoint_every;
-    film_->add(snapshots_.take(simulation_, frame), state_at(frame), due);
+    film_->add(snapshots_->take(simulation_, frame), how_, state_at(frame), due);
     if (due) {
         saved_at_ = wall_seconds();
         write_report("running", "");
@@ -236,9 +252,10 @@ bool Run::step_to(int frame) {
     const double until = frame_time(scene_, frame);
     while (simulation_.time() < until) {
         if (interrupt_.interrupted()) return false;
-        if (simulation_.step(until).diverged) return false;
+        if (simulation_.step(std::min(until, replay_.next())).diverged) return false;
         for (ProbeTable& p : probes_) p.probe->after_step(simulation_.world(), simulation_.time());
         progress_->step(simulation_, frame);
+        follow_changes();
     }
     return true;
 }

@@ -55,6 +55,13 @@ std::uint64_t peak_memory() {
     return 1024 * kilobytes;
 }
 
+std::uint64_t resident_memory() {
+    std::istringstream in(value_after("/proc/self/status", "VmRSS"));
+    std::uint64_t kilobytes = 0;
+    in >> kilobytes;
+    return 1024 * kilobytes;
+}
+
 std::string processor_name() { return value_after("/proc/cpuinfo", "model name"); }
 
 std::uint64_t total_memory() {

@@ -14,6 +14,8 @@ std::map<std::string, double> cpu_by_thread_name();
 double children_cpu_seconds();
 /// The process's largest resident memory so far [bytes].
 std::uint64_t peak_memory();
+/// The process's resident memory now [bytes].
+std::uint64_t resident_memory();
 /// "AMD EPYC ...", and the machine's memory [bytes].
 std::string processor_name();
 std::uint64_t total_memory();

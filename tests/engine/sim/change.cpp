@@ -1,0 +1,108 @@
+/// Keys that take other values while a run goes on.
+#include <catch2/catch.hpp>
+#include <cstring>
+#include <sstream>
+
+#include "engine/scene/read.h"
+#include "engine/sim/simulation.h"
+
+using namespace whorl;
+
+namespace {
+
+/// Syrup falls from a nozzle on a plate that moves and turns.
+const std::string syrup = R"toml([time]
+end = 1
+max_step = 5e-3
+[domain]
+min = [-0.06, -0.02, -0.06]
+max = [0.06, 0.08, 0.06]
+[fluid]
+spacing = 5e-3
+viscosity = 20
+[models]
+pressure = "ppe"
+viscosity = "full"
+[[emitter]]
+position = [0, 0.05, 0]
+radius = 8e-3
+speed = "0.4"
+[[solid]]
+shape = "box"
+min = [-0.05, -0.01, -0.05]
+max = [0.05, 0, 0.05]
+position = ["0.1*t", 0, 0]
+rotation = [0, 3, 0]
+)toml";
+
+Scene scene_of(const std::vector<std::pair<std::string, std::string>>& changes = {}) {
+    ReadRequest request;
+    for (const auto& [key, value] : changes) request.changes.push_back({key, value, "test"});
+    return read_scene_text(syrup, "test.toml", request);
+}
+
+void run_until(Simulation& simulation, double end) {
+    while (simulation.time() < end) REQUIRE_FALSE(simulation.step(end).diverged);
+}
+
+std::string state_of(const Simulation& simulation) {
+    std::ostringstream out;
+    simulation.save(out);
+    return out.str();
+}
+
+}  // namespace
+
+TEST_CASE("a run that is told what it does already goes on with the same bits", "[sim][change]") {
+    const Scene scene = scene_of();
+    Simulation told(scene, make_plan(scene)), untold(scene, make_plan(scene));
+    for (const double until : {0.04, 0.08, 0.12}) {
+        run_until(told, until), run_until(untold, until);
+        told.change(scene, make_plan(scene));
+    }
+    CHECK(state_of(told) == state_of(untold));
+}
+
+TEST_CASE("a change acts from the landing on: viscosity, emitter, gravity, solids", "[sim][change]") {
+    const Scene before = scene_of();
+    const Scene after = scene_of({{"fluid.viscosity", "5"}, {"emitter[0].speed", "0.2"}, {"domain.gravity", "[0, -5, 0]"}, {"solid[0].position", "[0, 0, \"0.2*t\"]"},
+                                  {"solid[0].rotation", "[0, -1, 0]"}});
+    Simulation simulation(before, make_plan(before));
+    run_until(simulation, 0.1);
+    const Pose stood = simulation.world().solids.all[0].pose;
+    const double pushed = simulation.emitters()[0].expected_particles();
+    REQUIRE(changes_of_models(simulation.plan(), make_plan(after)).empty());
+    simulation.change(after, make_plan(after));
+
+    const Pose stands = simulation.world().solids.all[0].pose;
+    CHECK((stands.translation - stood.translation).norm() < 1e-7f);  // rounding of float
+    CHECK((stands.rotation - stood.rotation).norm() < 1e-6f);
+    for (const Real mu : simulation.world().fluid.column<field::viscosity>()) CHECK(mu == 5);
+
+    run_until(simulation, 0.2);
+    const Pose moved = simulation.world().solids.all[0].pose;
+    const Vec3 by = moved.translation - stood.translation;
+    CHECK(by.x() == Approx(0).margin(1e-6));
+    CHECK(by.z() == Approx(0.2 * 0.1).epsilon(1e-4));
+    CHECK(moved.angular_velocity.y() == Approx(-1).epsilon(1e-3));
+    CHECK(simulation.world().step.gravity.y() == Approx(-5));
+    // What has been pushed out before stays; then half as much a second.
+    CHECK(simulation.emitters()[0].expected_particles() - pushed == Approx(pushed / 2).epsilon(1e-9));
+}
+
+TEST_CASE("a run resumed after a change is the run that went on", "[sim][change]") {
+    const Scene before = scene_of(), after = scene_of({{"fluid.viscosity", "\"5 + 100*y\""}, {"solid[0].rotation", "[0, \"2*sin(9*t)\", 0]"}, {"emitter[0].speed", "\"0.3+t\""}});
+    Simulation whole(before, make_plan(before));
+    run_until(whole, 0.1);
+    whole.change(after, make_plan(after));
+    run_until(whole, 0.15);
+    const std::string saved = state_of(whole);
+    run_until(whole, 0.2);
+
+    Simulation resumed(before, make_plan(before));
+    std::istringstream in(saved);
+    resumed.load(in);
+    resumed.changed_before(after, make_plan(after), 0.1);
+    run_until(resumed, 0.2);
+    CHECK(state_of(resumed) == state_of(whole));
+}

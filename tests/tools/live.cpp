@@ -1,0 +1,318 @@
+#include <signal.h>
+
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <httplib.h>
+#include <random>
+
+#include "engine/io/files.h"
+#include "render/image/image.h"
+#include "tests/support/live_program.h"
+#include "tools/live/door.h"
+
+using namespace whorl;
+using test::LiveProgram;
+using test::Reply;
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A short thread of honey on a plate that can be moved: a few hundred particles.
+const char* const honey = R"(
+name = "little_honey"
+[time]
+end = 2.0
+fps = 50
+[domain]
+min = [-0.03, -0.01, -0.03]
+max = [0.03, 0.06, 0.03]
+[fluid]
+spacing = 4e-3
+viscosity = 200
+[models]
+pressure = "coupled"
+[[block]]
+shape = "box"
+min = [-0.013, 0.0, -0.013]
+max = [0.013, 0.02, 0.013]
+[[emitter]]
+position = [0, 0.045, 0]
+radius = 5e-3
+speed = 0.3
+[[solid]]
+shape = "box"
+min = [-0.03, -0.008, -0.03]
+max = [0.03, 0.0, 0.03]
+[[probe]]
+name = "pile"
+kind = "coil"
+[quality.draft]
+pressure.tolerance = 2e-3
+)";
+
+/// Everything that a request could change.
+std::string wanted(LiveProgram& live) {
+    const json s = live.state();
+    return s.at("values").dump() + s.at("playing").dump() + s.at("frame").dump() + s.at("scene").dump() + s.at("recorded_pictures").dump();
+}
+
+std::vector<std::string> cells(const std::string& line) {
+    std::vector<std::string> all;
+    std::istringstream in(line);
+    for (std::string cell; std::getline(in, cell, ',');) all.push_back(cell);
+    return all;
+}
+
+}  // namespace
+
+TEST_CASE("a live run tells its state, changes what it is told, steps, and ends cleanly", "[tools][live]") {
+    LiveProgram live(honey);
+    const json first = live.state();
+    CHECK(first.at("time") == 0);
+    CHECK(first.at("frame") == 1);
+    CHECK(first.at("playing") == false);
+    CHECK(first.at("particles").get<int>() > 100);
+    CHECK(first.at("values").at("fluid.viscosity") == 200);
+    CHECK(first.at("values").at("pressure.tolerance") == 2e-3);  // draft, when nothing else is asked for
+    CHECK(first.at("values").contains("solid[0].position"));
+    CHECK_FALSE(first.at("values").contains("fluid.spacing"));
+
+    CHECK(live.post("/set", R"({"fluid.viscosity": 300, "emitter[0].speed": "0.2+0.1*t", "look.material": "chocolate"})").status == 200);
+    const json set = live.state();
+    CHECK(set.at("values").at("fluid.viscosity") == 300);
+    CHECK(set.at("values").at("emitter[0].speed") == "0.2+0.1*t");
+    CHECK(set.at("values").at("look.material") == "chocolate");
+
+    const json second = live.step();
+    CHECK(second.at("time").get<double>() == Approx(0.02).epsilon(1e-12));
+    CHECK(second.at("ms").contains("pressure"));
+    CHECK(second.at("ms").contains("draw"));
+    CHECK(second.at("energy").at("kinetic").get<double>() > 0);
+    CHECK(live.state().at("frame") == 2);  // one step, and then it waits again
+
+    const Reply picture = live.get("/frame.png");
+    CHECK(picture.headers.at("content-type") == "image/png");
+    CHECK(picture.headers.at("x-frame") == "2");
+    std::ofstream(live.folder() / "now.png", std::ios::binary) << picture.body;
+    CHECK(read_png(live.folder() / "now.png").width == 160);
+
+    CHECK(live.order("undo").status == 200);
+    CHECK(live.state().at("values").at("fluid.viscosity") == 200);
+    CHECK(live.order("undo").status == 400);
+    CHECK(live.order("play").status == 200);
+    CHECK(live.wait_for([](const json& s) { return s.at("frame") > 5; }));
+    CHECK(live.order("restart").status == 200);
+    CHECK(live.wait_for([](const json& s) { return s.at("frame") < 5; }));
+
+    const test::Outcome end = live.end();
+    CHECK(end.code == 0);
+    CHECK(end.out.rfind("http://127.0.0.1:" + std::to_string(live.port()) + "/\n", 0) == 0);
+    CHECK(fs::exists(live.run() / "recording.toml"));
+    CHECK(json::parse(read_whole(live.run() / "run.json")).at("status") == "done");
+}
+
+TEST_CASE("changes are made as a whole or not at all, and the answer says why", "[tools][live]") {
+    LiveProgram live(honey);
+    const std::string before = wanted(live);
+    const auto refused = [&](const std::string& body) {
+        const Reply reply = live.post("/set", body);
+        INFO(body << " -> " << reply.body);
+        CHECK(reply.status == 400);
+        return reply.json().value("error", "");
+    };
+    CHECK(refused(R"({"fluid.viscosity": 500, "fluid.viscocity": 3})").find("did you mean \"fluid.viscosity\"?") != std::string::npos);
+    CHECK(refused(R"({"look.material": "lava", "emitter[0].speed": -1})").find("emitter[0].speed = -1 is out of range; allowed: at least 0") != std::string::npos);
+    CHECK(refused(R"({"fluid.spacing": 0.003})").find("restart") != std::string::npos);
+    CHECK(refused(R"({"models.viscosity": "none"})").find("restart") != std::string::npos);
+    CHECK(refused(R"({"fluid.viscosity": "2*t"})").find("cannot depend") != std::string::npos);
+    CHECK(refused(R"([1, 2])").find("object") != std::string::npos);
+    CHECK(refused("{").find("JSON") != std::string::npos);
+    CHECK(live.post("/control", R"({"do": "fly"})").status == 400);
+    CHECK(live.post("/control", R"({"do": "restart", "set": {"fluid.spacing": 1e-9}})").status == 400);
+    CHECK(live.post("/control", R"({"do": "restart", "scene": "../../etc/passwd"})").status == 400);
+    CHECK(wanted(live) == before);
+
+    // What needs a restart is done with one.
+    CHECK(live.post("/control", R"({"do": "restart", "set": {"fluid.spacing": 0.005}})").status == 200);
+    CHECK(live.wait_for([](const json& s) { return s.at("particles") < 120; }));
+}
+
+TEST_CASE("a change acts from the next frame on, and a film of the recording is the same run", "[tools][live]") {
+    LiveProgram live(honey);
+    live.post("/set", R"({"look.exposure": 1.5, "emitter[0].speed": 0.25})");  // before anything moved
+    live.step(), live.step();
+    CHECK(live.post("/set", R"({"fluid.viscosity": 40, "emitter[0].speed": "0.5", "solid[0].position": ["0.2*t", 0, 0], "domain.gravity": [1, -9, 0]})").status == 200);
+    live.step();
+    CHECK(live.post("/set", R"({"solid[0].rotation": [0, 5, 0], "camera.kind": "orbit", "camera.distance": 0.2})").status == 200);
+    live.step();
+    CHECK(live.post("/set", R"json({"solid[0].position": [0, 0, "0.1*sin(20*t)"], "pressure.tolerance": 1e-3})json").status == 200);
+    const json last = live.step();
+    const std::string seen = live.get("/frame.png").body;
+    CHECK(live.end().code == 0);
+
+    const std::string film = (live.folder() / "film").string(), recording = (live.run() / "recording.toml").string();
+    const test::Outcome render = test::whorl({"render", recording, "--quality", "draft", "--size", "160x90", "--no-video", "--quiet", "--out", film});
+    INFO(render.err);
+    REQUIRE(render.code == 0);
+    std::istringstream rows(read_whole(fs::path(film) / "diagnostics.csv"));
+    std::string header, row;
+    std::getline(rows, header);
+    for (std::string next; std::getline(rows, next);) row = next;
+    const auto names = cells(header), values = cells(row);
+    const auto column = [&](const std::string& name) { return std::stod(values.at(static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin()))); };
+    CHECK(column("frame") == last.at("frame"));
+    CHECK(column("particles") == last.at("particles"));
+    CHECK(column("kinetic_energy") == Approx(last.at("energy").at("kinetic").get<double>()).epsilon(1e-8));  // the table's nine digits
+    CHECK(column("potential_energy") == Approx(last.at("energy").at("potential").get<double>()).epsilon(1e-8));
+    CHECK(read_whole(fs::path(film) / "frames" / "000006.png") == seen);
+
+    // Interrupted in the middle and resumed, it is still the same.
+    const std::string part = (live.folder() / "part").string();
+    CHECK(test::whorl({"render", recording, "--quality", "draft", "--no-images", "--quiet", "--frames", "4", "--out", part}).code == 0);
+    CHECK(test::whorl({"resume", part, "--frames", "6", "--quiet"}).code == 0);
+    std::string resumed = read_whole(fs::path(part) / "diagnostics.csv");
+    resumed = resumed.substr(resumed.rfind('\n', resumed.size() - 2) + 1);
+    CHECK(cells(resumed).at(static_cast<std::size_t>(std::find(names.begin(), names.end(), "kinetic_energy") - names.begin())) ==
+          values.at(static_cast<std::size_t>(std::find(names.begin(), names.end(), "kinetic_energy") - names.begin())));
+}
+
+TEST_CASE("a saved scene file acts while the run goes on; a broken one is told with its place and changes nothing", "[tools][live]") {
+    LiveProgram live(honey);
+    const auto save = [&](const std::string& from, const std::string& to) {
+        std::string text = honey;
+        text.replace(text.find(from), from.size(), to);
+        std::ofstream(live.scene()) << text;
+    };
+    const auto told = [&](const std::string& what) {
+        return live.wait_for([&](const json& s) { return s.at("notice").is_object() && s.at("notice").at("text").get<std::string>().find(what) != std::string::npos; });
+    };
+    live.step();
+    save("viscosity = 200", "viscosity = 77");
+    CHECK(told("fluid.viscosity = 77"));
+    CHECK(live.state().at("values").at("fluid.viscosity") == 77);
+    CHECK(live.state().at("frame") == 2);
+    save("viscosity = 200", "viscosity = 55 +");
+    CHECK(told("scene.toml:11:"));
+    CHECK(live.state().at("values").at("fluid.viscosity") == 77);
+    save("spacing = 4e-3\nviscosity = 200", "spacing = 5e-3\nviscosity = 66");
+    CHECK(told("restart to use the new fluid.spacing"));
+    CHECK(live.state().at("values").at("fluid.viscosity") == 66);
+    CHECK(live.program().output().find('\n') != std::string::npos);
+}
+
+TEST_CASE("only our own page and programs on this machine are answered", "[tools][live]") {
+    LiveProgram live(honey);
+    const std::string before = wanted(live), port = std::to_string(live.port()), change = R"({"fluid.viscosity": 1})";
+    CHECK(live.post("/set", change, {{"Host", "evil.example:" + port}}).status == 403);
+    CHECK(live.post("/set", change, {{"Origin", "http://evil.example"}}).status == 403);
+    CHECK(live.post("/set", change, {{"Origin", "null"}}).status == 403);
+    CHECK(live.get("/state", {{"Sec-Fetch-Site", "cross-site"}}).status == 403);
+    CHECK(live.get("/../../../../etc/passwd").status == 404);
+    CHECK(live.get("/%2e%2e/%2e%2e/etc/passwd").status == 404);
+    CHECK(live.get("/recording.toml/../run.json").status == 404);
+    CHECK(live.post("/set", std::string(100'000, ' ') + change).status == 413);
+    CHECK(wanted(live) == before);
+    CHECK(live.get("/", {{"Origin", "http://127.0.0.1:" + port}}).body.find("Whorl") != std::string::npos);
+    CHECK(live.get("/state", {{"Host", "localhost:" + port}}).status == 200);
+
+    // From elsewhere: only with the token.
+    const Door open("0.0.0.0", 8080, "secret");
+    CHECK(open.refusal({"box:8080", "", "", ""}) != "");
+    CHECK(open.refusal({"box:8080", "", "", "secre"}) != "");
+    CHECK(open.refusal({"box:8080", "http://box:8080", "", "secret"}) == "");
+    CHECK(open.refusal({"box:8080", "http://other", "", "secret"}) != "");
+}
+
+TEST_CASE("a live run that others can reach asks for a token", "[tools][live]") {
+    LiveProgram live(honey, {"--paused", "--host", "0.0.0.0"});
+    const std::string address = live.program().output();
+    const std::string token = address.substr(address.find("?token=") + 7, 32);
+    CHECK(token.find_first_not_of("0123456789abcdef") == std::string::npos);
+    CHECK(live.get("/state").status == 403);
+    CHECK(live.get("/live.js").status == 200);
+    CHECK(live.get("/state?token=" + token).status == 200);
+    CHECK(live.get("/state", {{"Authorization", "Bearer " + token}}).status == 200);
+    CHECK(live.post("/control?token=" + std::string(32, '0'), R"({"do": "play"})").status == 403);
+}
+
+TEST_CASE("nonsense at every endpoint changes nothing and kills nothing", "[tools][live]") {
+    LiveProgram live(honey);
+    const std::string before = wanted(live);
+    std::mt19937 random(7);
+    const std::vector<std::string> seeds{R"({"fluid.viscosity": 500})", R"({"do": "restart", "set": {"fluid.spacing": 0.01}})", R"json({"emitter[0].speed": "0.3*sin(t)"})json",
+                                         R"({"domain.gravity": [0, "-9.81", 0], "camera.position": [0, 1, 2]})"};
+    const auto bytes = [&](std::size_t n) {
+        std::string text;
+        for (std::size_t i = 0; i < n; ++i) text += static_cast<char>(random() % 256);
+        return text;
+    };
+    for (int k = 0; k < 120; ++k) {
+        std::string body = seeds[random() % seeds.size()];
+        // Cut, so that it is no JSON; or its values made into something that no key takes.
+        if (k % 3 == 0) body = body.substr(0, 1 + random() % (body.size() - 1));
+        else if (k % 3 == 1) body = "{\"" + std::string(random() % 40, 'a') + "[" + std::to_string(random()) + "].b\": " + std::to_string(static_cast<int>(random())) + "}";
+        else body = bytes(random() % 300);
+        const Reply reply = live.post(k % 2 ? "/set" : "/control", body);
+        INFO(body);
+        CHECK(reply.status == 400);
+    }
+    for (const char* body : {R"({"fluid.viscosity": null})", R"({"fluid.viscosity": {}})", R"({"fluid.viscosity": [[1]]})", R"({"fluid.viscosity": 1e999})",
+                             R"({"fluid.viscosity": "((((((((((((((((((((((("})", R"({"emitter[99999999999999999999].speed": 1})", R"({"emitter[-1].speed": 1})",
+                             R"({"emitter[0].speed": ""})", R"({"domain.gravity": [1, 2]})", R"({"camera.fov": 1e300})", R"({"": 1})", R"({".": 1})"}) {
+        INFO(body);
+        CHECK(live.post("/set", body).status == 400);
+    }
+    CHECK(live.post("/set", "{\"fluid.viscosity\": " + std::string(30000, '[')).status == 400);
+    CHECK(live.post("/set", "{\"emitter[0].speed\": \"" + std::string(2000, '(') + "1\"}").status == 400);
+    for (const char* path : {"/set", "/control", "/nothing", "/state/x", "/stream/../set"}) CHECK(live.get(path).status >= 400);
+    for (const std::string& raw : {std::string("\r\n\r\n"), bytes(500), std::string("GET / HTTP/1.1\r\nHost: "), std::string("POST /set HTTP/1.1\r\nContent-Length: -5\r\n\r\n"),
+                                   std::string("POST /set HTTP/1.1\r\nHost: localhost:1\r\nTransfer-Encoding: chunked\r\n\r\nzz\r\n"), "GET /" + std::string(20000, 'x') + " HTTP/1.1\r\n\r\n"})
+        live.send_raw(raw);
+    CHECK(wanted(live) == before);
+    CHECK(live.end().code == 0);
+}
+
+TEST_CASE("a viewer that does not read, and one that vanishes, hold up nobody", "[tools][live]") {
+    LiveProgram live(honey, {"--unpaced"});
+    const int silent = live.open("GET /stream HTTP/1.1\r\nHost: localhost:" + std::to_string(live.port()) + "\r\n\r\n");
+    const int gone = live.open("GET /stream HTTP/1.1\r\nHost: localhost:" + std::to_string(live.port()) + "\r\n\r\n");
+    ::close(gone);
+    // A third sees new pictures.
+    int pictures = 0;
+    std::string head;
+    httplib::Client client("127.0.0.1", live.port());
+    client.Get("/stream", [&](const char* data, std::size_t n) {
+        const std::string part(data, n);
+        for (std::size_t at = 0; (at = part.find("Content-Type: image/jpeg", at)) != std::string::npos; ++at) ++pictures;
+        return pictures < 5;
+    });
+    CHECK(pictures >= 5);
+    std::string event;
+    client.Get("/events", [&](const char* data, std::size_t n) {
+        event.append(data, n);
+        return event.find("\n\n") == std::string::npos;
+    });
+    CHECK(event.rfind("data: {", 0) == 0);
+    const int before = live.state().at("frame");
+    CHECK(live.wait_for([&](const json& s) { return s.at("frame") > before + 3; }));
+    ::close(silent);
+    CHECK(live.end().code == 0);
+}
+
+TEST_CASE("what is seen can be recorded as pictures and a video", "[tools][live]") {
+    LiveProgram live(honey);
+    CHECK(live.order("record").status == 200);
+    live.step(), live.step(), live.step();
+    const Reply stop = live.order("stop_recording");
+    CHECK(stop.json().at("pictures") == 3);
+    CHECK(live.order("stop_recording").status == 400);
+    const fs::path folder = live.run() / "recording_1";
+    CHECK(read_png(folder / "frames" / "000003.png").width == 160);
+    CHECK(fs::file_size(folder / "recording_1.mp4") > 500);
+    // Ended while it records, it completes what it has.
+    CHECK(live.order("record").status == 200);
+    live.step();
+    CHECK(live.end().code == 0);
+    CHECK(fs::exists(live.run() / "recording_2" / "recording_2.mp4"));
+}

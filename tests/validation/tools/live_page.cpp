@@ -1,0 +1,184 @@
+// The page of `whorl live` in a real browser. Without Chromium (apt-get install chromium) these tests say so and are skipped.
+#include <signal.h>
+
+#include <catch2/catch.hpp>
+#include <cstdio>
+#include <fstream>
+#include <thread>
+
+#include "tests/support/browser.h"
+#include "tests/support/live_program.h"
+
+using namespace whorl;
+using test::Browser;
+using test::LiveProgram;
+using nlohmann::json;
+
+namespace {
+
+const char* const honey = R"(
+name = "page_honey"
+[time]
+end = 60
+fps = 24
+[domain]
+min = [-0.03, -0.01, -0.03]
+max = [0.03, 0.06, 0.03]
+[fluid]
+spacing = 4e-3
+viscosity = 200
+[models]
+pressure = "coupled"
+[[emitter]]
+position = [0, 0.045, 0]
+radius = 5e-3
+speed = 0.3
+stop = 0.4
+[[solid]]
+shape = "box"
+min = [-0.03, -0.008, -0.03]
+max = [0.03, 0.0, 0.03]
+[[probe]]
+name = "pile"
+kind = "coil"
+)";
+
+bool missing() {
+    if (Browser::installed()) return false;
+    std::fprintf(stderr, "skipped: there is no Chromium; apt-get install chromium\n");
+    WARN("skipped: there is no Chromium; apt-get install chromium");
+    return true;
+}
+
+std::string address(const LiveProgram& live) { return "http://127.0.0.1:" + std::to_string(live.port()) + "/"; }
+
+/// The picture as the page shows it, in a few numbers that change when it does.
+const char* const look_at_picture = "(() => { const p = document.getElementById('picture'); if (!p.naturalWidth) return ''; const c = document.createElement('canvas'); "
+                                    "c.width = 32; c.height = 18; const g = c.getContext('2d'); g.drawImage(p, 0, 0, 32, 18); "
+                                    "return [...g.getImageData(0, 0, 32, 18).data].filter((v, i) => i % 4 != 3).join(); })()";
+
+}  // namespace
+
+TEST_CASE("the page shows the run, moves it and changes it", "[live][page]") {
+    if (missing()) return;
+    LiveProgram live(honey, {"--unpaced"});
+    Browser browser(1280, 800);
+    browser.open(address(live));
+    REQUIRE(browser.wait_for("document.getElementById('picture').naturalWidth == 160"));
+    REQUIRE(browser.wait_for("document.querySelector('[data-path=\"fluid.viscosity\"] input[type=range]')"));
+
+    // The picture changes while it plays, and stands when it pauses.
+    const std::string first = browser.evaluate(look_at_picture);
+    CHECK(browser.wait_for(std::string(look_at_picture) + " != '" + first + "'"));
+    browser.click("#play");
+    REQUIRE(browser.wait_for("document.getElementById('pill').textContent == 'paused'"));
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    const int paused = live.state().at("frame");
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    CHECK(live.state().at("frame") == paused);
+    browser.click("#step");
+    CHECK(browser.wait_for("state.frame == " + std::to_string(paused + 1)));
+
+    // A slider changes the physics; undo puts it back.
+    browser.slide("[data-path=\"fluid.viscosity\"] input[type=range]", 200);
+    CHECK(live.wait_for([](const json& s) { return s.at("values").at("fluid.viscosity") < 150; }));
+    browser.evaluate("document.activeElement.blur()");
+    browser.press("u");
+    CHECK(live.wait_for([](const json& s) { return s.at("values").at("fluid.viscosity") == 200; }));
+    // A field that is wrong says so beside itself, and takes the value back.
+    browser.evaluate("(() => { const e = document.querySelector('[data-path=\"fluid.viscosity\"] input[type=text]'); e.value = '-4'; e.dispatchEvent(new Event('change')); })()");
+    CHECK(browser.wait_for("document.querySelector('[data-path=\"fluid.viscosity\"] .wrong').textContent.includes('out of range')"));
+    CHECK(browser.wait_for("document.querySelector('[data-path=\"fluid.viscosity\"] input[type=text]').value == '200'"));
+
+    // The mouse turns the camera: another picture of the same frame.
+    const std::string before = browser.evaluate(look_at_picture);
+    const json camera = live.state().at("view").at("position");
+    browser.drag("#frame", 120, 30);
+    CHECK(live.wait_for([&](const json& s) { return s.at("view").at("position") != camera; }));
+    CHECK(browser.wait_for(std::string(look_at_picture) + " != '" + before + "'"));
+    const json turned = live.state().at("view").at("position");
+    browser.wheel("#frame", -100);
+    CHECK(live.wait_for([&](const json& s) { return s.at("view").at("position") != turned; }));
+    browser.evaluate("document.getElementById('frame').focus()");
+    const json zoomed = live.state().at("view").at("position");
+    browser.press("ArrowLeft");
+    CHECK(live.wait_for([&](const json& s) { return s.at("view").at("position") != zoomed; }));
+    CHECK(live.state().at("frame") == paused + 1);
+
+    // Recording, and the scene to keep.
+    browser.click("#record");
+    CHECK(browser.wait_for("document.getElementById('record').textContent.startsWith('Stop')"));
+    browser.click("#step");
+    CHECK(browser.wait_for("state.recorded_pictures >= 1"));
+    browser.click("#record");
+    CHECK(browser.wait_for("document.getElementById('notice').textContent.includes('pictures in')"));
+    CHECK(browser.evaluate("fetch(document.getElementById('save').href).then(r => r.text())").get<std::string>().find("[fluid]") != std::string::npos);
+    CHECK(live.end().code == 0);
+}
+
+TEST_CASE("two viewers see the same run, and a page finds a run that was started again", "[live][page]") {
+    if (missing()) return;
+    LiveProgram live(honey);
+    Browser browser(1000, 700);
+    const int one = browser.open(address(live)), two = browser.open(address(live));
+    for (const int page : {one, two}) {
+        browser.front(page);
+        CHECK(browser.wait_for("document.getElementById('picture').naturalWidth == 160"));
+    }
+    live.post("/set", R"({"fluid.viscosity": 123})");
+    for (const int page : {one, two}) {
+        browser.front(page);
+        CHECK(browser.wait_for("state.values['fluid.viscosity'] == 123"));
+    }
+    browser.close(two);
+    browser.front(one);
+    const std::string port = std::to_string(live.port());
+    CHECK(live.end().code == 0);
+    CHECK(browser.wait_for("document.getElementById('pill').textContent.startsWith('no connection')"));
+    test::Program again({"live", live.scene().string(), "--port", port, "--out", live.run().string(), "--size", "320x180", "--quiet"});
+    CHECK(browser.wait_for("document.getElementById('picture').naturalWidth == 320", 40));
+    again.signal(SIGTERM);
+    CHECK(again.wait().code == 0);
+}
+
+TEST_CASE("the page fits a phone and can be used with the keyboard alone", "[live][page]") {
+    if (missing()) return;
+    LiveProgram live(honey);
+    Browser browser(390, 844);
+    browser.open(address(live));
+    REQUIRE(browser.wait_for("document.querySelector('[data-path=\"fluid.viscosity\"]')"));
+    CHECK(browser.evaluate("document.documentElement.scrollWidth") == 390);
+    // Everything that can be pressed has a name, and can be reached.
+    CHECK(browser.evaluate("[...document.querySelectorAll('button, a, input, select, summary')].filter(e => e.tabIndex < 0 || "
+                           "!(e.textContent.trim() || e.labels?.length || e.getAttribute('aria-label'))).length") == 0);
+    browser.press(".");
+    CHECK(live.wait_for([](const json& s) { return s.at("frame") == 2; }));
+    // Text stands out from its ground by 4.5 to 1 at least (WCAG AA), in the light and in the dark scheme.
+    const char* const contrast =
+        "(() => { const light = c => { const v = c.match(/[0-9.]+/g).slice(0, 3).map(x => x / 255).map(x => x <= 0.03928 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4); "
+        "return 0.2126 * v[0] + 0.7152 * v[1] + 0.0722 * v[2]; }; let least = 99; for (const e of document.querySelectorAll('p, dt, dd, label, button, summary, h1, .name span')) "
+        "{ if (!e.textContent.trim() || !e.offsetParent || e.id == 'clock' || e.disabled) continue; let g = e; while (g && getComputedStyle(g).backgroundColor == 'rgba(0, 0, 0, 0)') g = g.parentElement; "
+        "const a = light(getComputedStyle(e).color), b = light(getComputedStyle(g).backgroundColor); least = Math.min(least, (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05)); } return least; })()";
+    CHECK(browser.evaluate(contrast).get<double>() >= 4.5);
+    browser.scheme("dark");
+    CHECK(browser.evaluate(contrast).get<double>() >= 4.5);
+    CHECK(live.end().code == 0);
+}
+
+// Not a test: the picture of the README (tools/pictures.sh).
+TEST_CASE("the page's picture", "[.][page_picture]") {
+    const char* file = std::getenv("WHORL_PICTURE");
+    if (file == nullptr || missing()) return;
+    test::ScratchFolder folder;
+    test::Program live({"live", "honey_coil", "--port", "8099", "--out", (folder / "run").string(), "--unpaced", "--set", "look.samples=4"});
+    REQUIRE(live.wait_until([&] { return live.output().find('\n') != std::string::npos; }));
+    Browser browser(1180, 1000);
+    browser.open("http://127.0.0.1:8099/");
+    REQUIRE(browser.wait_for("state && state.time > 2.4", 600));
+    browser.click("#play");
+    REQUIRE(browser.wait_for("state.picture_frame == state.frame && !state.playing"));
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+    browser.screenshot(file);
+    live.signal(SIGINT);
+    CHECK(live.wait().code == 0);
+}

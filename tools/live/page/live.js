@@ -1,0 +1,397 @@
+'use strict';
+// The page of a live run: everything it shows comes from /keys and /events, everything it does goes through /set and /control.
+const $ = id => document.getElementById(id);
+const token = new URLSearchParams(location.search).get('token');
+const address = path => token ? path + (path.includes('?') ? '&' : '?') + 'token=' + encodeURIComponent(token) : path;
+let state = null, keys = null, revision = -1, plotted = -1, noticed = null, events = null;
+const knobs = new Map();
+
+// --- talking ---------------------------------------------------------------------------------------------------------------------------
+async function post(path, body) {
+  try {
+    const reply = await fetch(address(path), {method: 'POST', headers: {'Content-Type': 'application/json'}, body: JSON.stringify(body)});
+    return await reply.json();
+  } catch (error) {
+    return {ok: false, error: 'no connection to whorl: ' + error.message};
+  }
+}
+
+async function control(order) {
+  const reply = await post('/control', order);
+  if (!reply.ok) say(reply.error, true);
+  return reply;
+}
+
+// One request at a time; what is set meanwhile goes out together, the newest value of each key.
+let waiting = {}, sending = false;
+function set(changes) {
+  Object.assign(waiting, changes);
+  if (!sending) send();
+}
+async function send() {
+  sending = true;
+  while (Object.keys(waiting).length > 0) {
+    const changes = waiting;
+    waiting = {};
+    const reply = await post('/set', changes);
+    for (const path of Object.keys(changes)) {
+      const knob = knobs.get(path);
+      if (knob) knob.wrong.textContent = reply.ok ? '' : reply.error;
+      if (knob && !reply.ok && state) knob.show(state.values[path], true);
+    }
+    if (!reply.ok) say(reply.error, true);
+  }
+  sending = false;
+}
+
+function say(text, bad) {
+  $('notice').hidden = !text;
+  $('notice').textContent = text || '';
+  $('notice').className = bad ? 'bad' : '';
+}
+
+// --- the state, as it comes ------------------------------------------------------------------------------------------------------------
+function connect() {
+  if (events) events.close();
+  events = new EventSource(address('/events'));
+  events.onopen = () => { $('picture').src = address('/stream?' + Date.now()); };
+  events.onerror = () => { $('pill').textContent = 'no connection, trying again'; $('pill').className = 'pill bad'; };
+  events.onmessage = message => show(JSON.parse(message.data));
+}
+document.addEventListener('visibilitychange', () => {
+  // A page that nobody sees holds no connection: browsers allow six to one address.
+  if (document.hidden) { events.close(); $('picture').removeAttribute('src'); } else connect();
+});
+
+const fixed = (v, digits) => v === null || v === undefined ? '–' : Number(v).toFixed(digits);
+const grouped = v => v === null || v === undefined ? '–' : Number(v).toLocaleString('en');
+
+function show(now) {
+  const before = state;
+  state = now;
+  if (now.revision !== revision && (keys === null || before === null || now.scene !== before.scene || structure(now) !== structure(before))) loadKeys();
+  revision = now.revision;
+  if (before && now.frame < before.frame) Plots.clear(), plotted = -1;
+  const playing = now.playing && now.state === 'running';
+  $('pill').textContent = now.state !== 'running' ? now.state : now.playing ? 'playing' : 'paused';
+  $('pill').className = 'pill ' + (now.state === 'diverged' ? 'bad' : playing ? 'running' : '');
+  $('play').textContent = playing ? 'Pause' : now.state === 'running' ? 'Play' : 'Again';
+  $('undo').disabled = !now.can_undo;
+  const recording = now.recorded_pictures !== null;
+  $('record').textContent = recording ? 'Stop (' + now.recorded_pictures + ')' : 'Record';
+  $('record').classList.toggle('on', recording);
+  $('clock').textContent = fixed(now.time, 2) + ' s of ' + Plots.short(now.end) + ' s · frame ' + now.frame;
+  if (now.notice && now.notice.number !== noticed) {
+    if (noticed !== null || now.notice.error) say(now.notice.text, now.notice.error);
+    noticed = now.notice.number;
+  } else if (noticed === null) noticed = now.notice ? now.notice.number : 0;
+  facts(now);
+  for (const [path, knob] of knobs) if (path in now.values) knob.show(now.values[path], false);
+  if (now.frame !== plotted) plot(now), plotted = now.frame;
+}
+// Which keys there are: another kind of camera or look has others.
+const structure = s => Object.keys(s.values).join();
+
+function facts(s) {
+  const list = [
+    ['particles', grouped(s.particles)], ['real time', s.simulated_per_wall_second > 0 ? fixed(100 * s.simulated_per_wall_second, 0) + ' %' : '–'],
+    ['frames a second', fixed(s.frames_per_second, 1)], ['frame', fixed(s.frame_ms, 0) + ' ms'], ['steps a frame', s.steps],
+    ['iterations a step', fixed(s.iterations, 1)], ['fastest', Plots.short(s.max_speed) + ' m/s'], ['memory', grouped(Math.round(s.memory_bytes / 1e6)) + ' MB'],
+    ['viewers', s.viewers], ['drawn by', (s.device || '').split(/[,(]/)[0]]];
+  $('facts').replaceChildren(...list.map(([name, value]) => {
+    const box = document.createElement('div'), dt = document.createElement('dt'), dd = document.createElement('dd');
+    dt.textContent = name, dd.textContent = value;
+    box.append(dt, dd);
+    return box;
+  }));
+}
+
+function plot(s) {
+  const where = $('plots');
+  Plots.add(where, 'ms a frame, by stage', s.time, s.ms);
+  Plots.add(where, 'iterations a step', s.time, {iterations: s.iterations, steps: s.steps});
+  const energy = {kinetic: s.energy.kinetic};
+  if (s.energy.spin) energy.spin = s.energy.spin;
+  Plots.add(where, 'energy of motion [J]', s.time, energy);
+  for (const [name, row] of Object.entries(s.probes)) {
+    if ('frequency' in row) {
+      Plots.add(where, name + ': turns a second [Hz]', s.time, {frequency: row.frequency});
+      Plots.add(where, name + ': radius and height [mm]', s.time, {radius: row.radius === null ? null : 1e3 * row.radius, pile: row.pile_height === null ? null : 1e3 * row.pile_height});
+    }
+  }
+  Plots.draw();
+}
+window.addEventListener('resize', () => Plots.draw());
+
+// --- knobs, from the scene's own description -------------------------------------------------------------------------------------------
+async function loadKeys() {
+  try {
+    keys = await (await fetch(address('/keys'))).json();
+  } catch (error) { return; }
+  const options = (select, names, chosen) => select.replaceChildren(...names.map(name => new Option(name, name, name === chosen, name === chosen)));
+  const names = keys.scenes.includes(keys.scene) ? keys.scenes : [keys.scene, ...keys.scenes];
+  options($('scene'), names, keys.scene);
+  $('quality').value = keys.quality;
+  if (document.body.dataset.scene !== keys.scene) home = view = null, document.body.dataset.scene = keys.scene;
+  document.title = keys.scene + ' · Whorl live';
+  const open = new Set([...document.querySelectorAll('#knobs details[open]')].map(d => d.dataset.group));
+  const first = knobs.size === 0;
+  knobs.clear();
+  const groups = new Map();
+  $('fixed').replaceChildren();
+  for (const key of keys.keys) {
+    const knob = makeKnob(key);
+    if (!key.live) { $('fixed').append(knob.row); continue; }
+    knobs.set(key.path, knob);
+    const group = key.path.includes('.') ? key.path.slice(0, key.path.lastIndexOf('.')) : 'scene';
+    if (!groups.has(group)) groups.set(group, []);
+    groups.get(group).push(knob);
+  }
+  const order = ['fluid', 'emitter[0]', 'solid[0]', 'domain', 'look', 'camera'];
+  const rank = name => (order.indexOf(name) + order.length + 1) % (order.length + 1) + (order.includes(name) ? 0 : order.length);
+  $('knobs').replaceChildren(...[...groups].sort((a, b) => rank(a[0]) - rank(b[0])).map(([name, list]) => {
+    const box = document.createElement('details'), summary = document.createElement('summary');
+    box.dataset.group = name;
+    box.open = first ? ['fluid', 'emitter[0]'].includes(name) : open.has(name);
+    summary.textContent = name.replace('[', ' ').replace(']', '');
+    box.append(summary, ...list.map(k => k.row));
+    return box;
+  }));
+  $('models').replaceChildren(...keys.models.flatMap(m => {
+    const dt = document.createElement('dt'), dd = document.createElement('dd');
+    dt.textContent = m.key + ' = ' + m.value + (m.automatic ? ' (auto)' : '');
+    dd.textContent = m.reason;
+    return [dt, dd];
+  }), ...keys.warnings.map(w => { const dd = document.createElement('dd'); dd.textContent = 'Note: ' + w; return dd; }));
+  tries();
+  filter();
+}
+
+// A slider's scale: logarithmic where the values are positive and may span decades.
+function scaleOf(key, value) {
+  let low = key.least, high = key.most;
+  const positive = low !== null && low >= 0;
+  const size = Math.abs(value) || 1;
+  if (low === null) low = -2 * size;
+  if (high === null) high = positive ? 30 * size : 2 * size;
+  if (positive && value > 0 && (key.most === null || key.most > 200 * value || (key.least > 0 && key.most / key.least > 200))) {
+    const from = Math.max(low, value / 30) || value / 30, to = Math.min(key.most ?? Infinity, 30 * value), span = Math.log(to / from);
+    return {at: v => v <= 0 ? 0 : Math.log(v / from) / span, value: p => from * Math.exp(p * span)};
+  }
+  return {at: v => (v - low) / (high - low), value: p => low + p * (high - low)};
+}
+const rounded = v => Number(v.toPrecision(3));
+
+function makeKnob(key) {
+  const row = document.createElement('div'), name = document.createElement('label'), unit = document.createElement('span');
+  const fields = document.createElement('div'), why = document.createElement('p'), wrong = document.createElement('p');
+  row.className = 'knob', name.className = 'name', fields.className = 'fields', why.className = 'why', wrong.className = 'wrong';
+  row.dataset.path = key.path;
+  name.textContent = key.path.slice(key.path.lastIndexOf('.') + 1).replace(/_/g, ' ');
+  unit.textContent = key.unit;
+  name.append(unit);
+  why.textContent = key.meaning + (key.variables ? ' (a number, or of ' + [...key.variables].join(', ') + ')' : '');
+  const id = 'k_' + key.path.replace(/[^a-z0-9]+/gi, '_');
+  name.htmlFor = id;
+  row.append(name, fields, wrong, why);
+  let shown = null, held = 0;
+  const change = value => {
+    held = Date.now();
+    shown = JSON.stringify(value);
+    row.dataset.changed = '1', row.dataset.value = shown;
+    if (key.live) set({[key.path]: value});
+  };
+  const knob = {row, wrong, key, put: () => {}, show(value, force) {
+    const text = JSON.stringify(value);
+    // What is just being moved or typed into is not pulled away.
+    if (!force && (text === shown || Date.now() - held < 700 || (fields.contains(document.activeElement) && document.activeElement.type === 'text'))) return;
+    shown = text;
+    this.put(value);
+  }};
+  const field = (value, cls) => {
+    const input = document.createElement('input');
+    input.type = 'text', input.className = cls, input.spellcheck = false, input.autocomplete = 'off';
+    input.value = value;
+    return input;
+  };
+  // "0.2" is a number, anything else a text: an expression, or "auto".
+  const typed = text => text.trim() !== '' && isFinite(Number(text)) ? Number(text) : text;
+
+  if (key.type === 'flag') {
+    const box = document.createElement('input');
+    box.type = 'checkbox', box.id = id;
+    box.onchange = () => change(box.checked);
+    knob.put = v => { box.checked = v; };
+    fields.append(box);
+  } else if (key.choices.length > 0 && ['choice', 'text'].includes(key.type)) {
+    const select = document.createElement('select');
+    select.id = id;
+    for (const c of [...(key.auto ? ['auto'] : []), ...key.choices]) select.append(new Option(c, c));
+    select.onchange = () => change(select.value);
+    knob.put = v => { select.value = v; };
+    fields.append(select);
+  } else if (['numbers', 'integers', 'expressions'].includes(key.type)) {
+    fields.classList.add('three');
+    const inputs = key.value.map((v, i) => {
+      const input = field(v, '');
+      if (i === 0) input.id = id;
+      input.setAttribute('aria-label', key.path + ' ' + ('xyz'[i] || i));
+      input.onchange = () => change(inputs.map(each => typed(each.value)));
+      return input;
+    });
+    knob.put = v => v.forEach((one, i) => { if (inputs[i]) inputs[i].value = one; });
+    fields.append(...inputs);
+  } else if (['number', 'integer', 'expression'].includes(key.type) && typeof key.value === 'number') {
+    const slider = document.createElement('input'), input = field(key.value, '');
+    slider.type = 'range', slider.min = 0, slider.max = 1000, slider.step = 1, slider.setAttribute('aria-label', key.path + ' slider');
+    input.id = id, input.inputMode = 'decimal';
+    let scale = scaleOf(key, key.value);
+    slider.oninput = () => {
+      const v = key.type === 'integer' ? Math.round(scale.value(slider.value / 1000)) : rounded(scale.value(slider.value / 1000));
+      input.value = v;
+      change(v);
+    };
+    input.onchange = () => { change(typed(input.value)); if (isFinite(Number(input.value))) scale = scaleOf(key, Number(input.value)), slider.value = 1000 * scale.at(Number(input.value)); };
+    knob.put = v => { input.value = v; slider.disabled = typeof v !== 'number'; if (typeof v === 'number') slider.value = 1000 * Math.min(1, Math.max(0, scale.at(v))); };
+    fields.append(slider, input);
+  } else {
+    const input = field(key.value, 'wide');
+    input.id = id;
+    input.onchange = () => change(typed(input.value));
+    knob.put = v => { input.value = Array.isArray(v) ? v.join(', ') : v; };
+    fields.append(input);
+  }
+  knob.show(key.value, true);
+  row.dataset.changed = '';
+  return knob;
+}
+
+function filter() {
+  const wanted = $('find').value.trim().toLowerCase();
+  for (const knob of document.querySelectorAll('#knobs .knob')) knob.hidden = wanted !== '' && !knob.textContent.toLowerCase().includes(wanted) && !knob.dataset.path.includes(wanted);
+  for (const box of document.querySelectorAll('#knobs details')) {
+    const any = [...box.querySelectorAll('.knob')].some(k => !k.hidden);
+    box.hidden = !any;
+    if (wanted !== '' && any) box.open = true;
+  }
+}
+$('find').oninput = filter;
+
+// Things worth trying, where the scene has the keys for them.
+function tries() {
+  const v = path => state ? state.values[path] : undefined;
+  const scaled = (path, factor) => () => typeof v(path) === 'number' ? {[path]: rounded(v(path) * factor)} : null;
+  const list = [
+    ['three times thicker', 'fluid.viscosity', scaled('fluid.viscosity', 3)], ['three times thinner', 'fluid.viscosity', scaled('fluid.viscosity', 1 / 3)],
+    ['pour half as fast again', 'emitter[0].speed', scaled('emitter[0].speed', 1.5)], ['pour in pulses', 'emitter[0].speed', () => ({'emitter[0].speed': rounded(Number(v('emitter[0].speed')) || 0.2) + '*(1+0.8*sin(12*t))'})],
+    ['turn the solid', 'solid[0].rotation', () => ({'solid[0].rotation': [0, 6, 0]})],
+    ['swing the solid', 'solid[0].position', () => ({'solid[0].position': ['0.015*sin(8*t)', 0, 0]})],
+    ['gravity of the moon', 'domain.gravity', () => ({'domain.gravity': [0, -1.62, 0]})], ['tilt the world', 'domain.gravity', () => ({'domain.gravity': [3, -9.3, 0]})],
+    ['chocolate', 'look.material', () => ({'look.style': 'opaque', 'look.material': 'chocolate'})], ['honey', 'look.material', () => ({'look.style': 'liquid', 'look.material': 'honey'})],
+    ['lava', 'look.material', () => ({'look.style': 'opaque', 'look.material': 'lava'})], ['show the speed', 'look.style', () => ({'look.style': 'particles', 'look.field': 'speed', 'look.legend': true})]];
+  $('try').replaceChildren(new Option('choose', ''), ...list.filter(([, path]) => v(path) !== undefined).map(([name]) => new Option(name, name)));
+  $('try').onchange = () => {
+    const chosen = list.find(([name]) => name === $('try').value);
+    const changes = chosen && chosen[2]();
+    if (changes) set(changes);
+    $('try').value = '';
+  };
+}
+
+// --- buttons and keys ------------------------------------------------------------------------------------------------------------------
+const actions = {
+  play: () => control({do: !state || state.state === 'running' ? (state && state.playing ? 'pause' : 'play') : 'restart'}),
+  step: () => control({do: 'step'}),
+  restart: () => { say(''); return control({do: 'restart'}); },
+  undo: () => { if (state && state.can_undo) control({do: 'undo'}); },
+  record: () => control({do: state && state.recorded_pictures !== null ? 'stop_recording' : 'record'}),
+};
+for (const [name, act] of Object.entries(actions)) $(name).onclick = act;
+$('apply').onclick = () => {
+  const changes = {};
+  for (const row of $('fixed').children) if (row.dataset.changed === '1') changes[row.dataset.path] = JSON.parse(row.dataset.value);
+  control({do: 'restart', set: changes}).then(reply => { if (reply.ok) say(''), keys = null; });
+};
+$('forget').onclick = () => control({do: 'restart', forget: true}).then(() => { keys = null; });
+$('scene').onchange = () => control({do: 'restart', scene: $('scene').value}).then(reply => { keys = null; if (!reply.ok) loadKeys(); });
+$('quality').onchange = () => control({do: 'restart', quality: $('quality').value}).then(reply => { keys = null; if (!reply.ok) loadKeys(); });
+for (const link of ['save', 'recording']) $(link).href = address($(link).getAttribute('href'));
+
+document.addEventListener('keydown', event => {
+  if (event.ctrlKey || event.metaKey || event.altKey) return;
+  const busy = ['INPUT', 'SELECT', 'TEXTAREA', 'BUTTON', 'A', 'SUMMARY'].includes(event.target.tagName);
+  const name = {' ': 'play', '.': 'step', 'r': 'restart', 'u': 'undo', 'c': 'record'}[event.key];
+  if (name && !busy) { event.preventDefault(); actions[name](); }
+});
+
+// --- the camera: turning about what it looks at ----------------------------------------------------------------------------------------
+const add = (a, b) => a.map((v, i) => v + b[i]), scale = (a, s) => a.map(v => v * s), minus = (a, b) => a.map((v, i) => v - b[i]);
+const dot = (a, b) => a.reduce((sum, v, i) => sum + v * b[i], 0), length = a => Math.sqrt(dot(a, a));
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const unit = a => scale(a, 1 / (length(a) || 1));
+const turned = (a, axis, angle) => add(add(scale(a, Math.cos(angle)), scale(cross(axis, a), Math.sin(angle))), scale(axis, dot(axis, a) * (1 - Math.cos(angle))));
+let view = null, viewed = 0, home = null;
+
+function camera() {
+  // While it is moved, its own view counts; the state's is a little behind.
+  if (!view || Date.now() - viewed > 1500) view = state && state.view ? JSON.parse(JSON.stringify(state.view)) : null;
+  if (view && !home) home = Object.fromEntries(Object.entries(state.values).filter(([k]) => k.startsWith('camera.')));
+  return view;
+}
+function moved() {
+  viewed = Date.now();
+  const round = a => a.map(v => Number(v.toFixed(5)));
+  set({'camera.kind': 'fixed', 'camera.position': round(view.position), 'camera.target': round(view.target), 'camera.up': view.up, 'camera.fov': view.fov});
+}
+function orbit(dx, dy) {
+  if (!camera()) return;
+  const up = unit(view.up);
+  let offset = turned(minus(view.position, view.target), up, -dx);
+  const side = unit(cross(up, offset)), tilted = turned(offset, side, -dy);
+  if (Math.abs(dot(unit(tilted), up)) < 0.985) offset = tilted;
+  view.position = add(view.target, offset);
+  moved();
+}
+function pan(dx, dy) {
+  if (!camera()) return;
+  const offset = minus(view.position, view.target), side = unit(cross(view.up, offset)), above = unit(cross(offset, side));
+  const size = 2 * length(offset) * Math.tan(view.fov * Math.PI / 360), by = add(scale(side, -dx * size), scale(above, dy * size));
+  view.position = add(view.position, by), view.target = add(view.target, by);
+  moved();
+}
+function zoom(factor) {
+  if (!camera()) return;
+  view.position = add(view.target, scale(minus(view.position, view.target), factor));
+  moved();
+}
+function goHome() {
+  if (home) set(home), view = null;
+}
+
+const frame = $('frame'), pointers = new Map();
+frame.addEventListener('contextmenu', event => event.preventDefault());
+frame.addEventListener('pointerdown', event => { frame.setPointerCapture(event.pointerId); pointers.set(event.pointerId, [event.clientX, event.clientY]); });
+for (const end of ['pointerup', 'pointercancel']) frame.addEventListener(end, event => pointers.delete(event.pointerId));
+frame.addEventListener('pointermove', event => {
+  const last = pointers.get(event.pointerId);
+  if (!last) return;
+  const dx = event.clientX - last[0], dy = event.clientY - last[1];
+  if (pointers.size === 2) {
+    const other = [...pointers].find(([id]) => id !== event.pointerId)[1];
+    const before = Math.hypot(last[0] - other[0], last[1] - other[1]), after = Math.hypot(event.clientX - other[0], event.clientY - other[1]);
+    if (before > 0 && after > 0) zoom(before / after);
+    pan(dx / 2 / frame.clientHeight, dy / 2 / frame.clientHeight);
+  } else if (event.shiftKey || event.buttons & 2) pan(dx / frame.clientHeight, dy / frame.clientHeight);
+  else orbit(dx * 0.008, dy * 0.008);
+  pointers.set(event.pointerId, [event.clientX, event.clientY]);
+});
+frame.addEventListener('wheel', event => { event.preventDefault(); zoom(Math.exp(Math.max(-1, Math.min(1, event.deltaY / 100)) * 0.12)); }, {passive: false});
+frame.addEventListener('keydown', event => {
+  const by = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]}[event.key];
+  if (by) { event.preventDefault(); if (event.shiftKey) pan(0.05 * by[0], 0.05 * by[1]); else orbit(0.1 * by[0], 0.1 * by[1]); }
+  else if (event.key === '+' || event.key === '=') zoom(0.9);
+  else if (event.key === '-') zoom(1 / 0.9);
+  else if (event.key === '0') goHome();
+});
+
+connect();

@@ -1,0 +1,99 @@
+'use strict';
+// Values over time on canvases: one plot a group, one line a name; the newest points at the right.
+const Plots = (() => {
+  const kept = 600;
+  const colours = ['#d9822b', '#2f8fd0', '#3fa45b', '#b565c9', '#d14c4c', '#7b8a97', '#c2a516', '#26a59a'];
+  const plots = new Map();
+
+  function short(v) {
+    if (v === null || v === undefined || !isFinite(v)) return '–';
+    const a = Math.abs(v);
+    if (a !== 0 && (a >= 1e5 || a < 1e-3)) return v.toExponential(2);
+    return String(Number(v.toPrecision(3)));
+  }
+
+  function make(parent, title) {
+    const figure = document.createElement('figure');
+    figure.className = 'plot';
+    const caption = document.createElement('figcaption');
+    caption.textContent = title;
+    const canvas = document.createElement('canvas');
+    canvas.setAttribute('role', 'img');
+    canvas.setAttribute('aria-label', title + ' over time');
+    const legend = document.createElement('div');
+    legend.className = 'legend';
+    figure.append(caption, canvas, legend);
+    parent.append(figure);
+    return {canvas, legend, times: [], lines: new Map()};
+  }
+
+  function add(parent, title, time, values) {
+    if (!plots.has(title)) plots.set(title, make(parent, title));
+    const plot = plots.get(title);
+    plot.times.push(time);
+    for (const [name, value] of Object.entries(values)) {
+      if (!plot.lines.has(name)) plot.lines.set(name, {colour: colours[plot.lines.size % colours.length], points: new Array(plot.times.length - 1).fill(null)});
+      plot.lines.get(name).points.push(typeof value === 'number' && isFinite(value) ? value : null);
+    }
+    for (const line of plot.lines.values()) while (line.points.length < plot.times.length) line.points.push(null);
+    if (plot.times.length > kept) {
+      plot.times.shift();
+      for (const line of plot.lines.values()) line.points.shift();
+    }
+  }
+
+  function draw() {
+    for (const plot of plots.values()) {
+      const {canvas, times, lines} = plot;
+      const scale = window.devicePixelRatio || 1, w = canvas.clientWidth, h = canvas.clientHeight;
+      if (w === 0) continue;
+      if (canvas.width !== Math.round(w * scale)) canvas.width = Math.round(w * scale), canvas.height = Math.round(h * scale);
+      const g = canvas.getContext('2d');
+      g.setTransform(scale, 0, 0, scale, 0, 0);
+      g.clearRect(0, 0, w, h);
+      let low = Infinity, high = -Infinity;
+      for (const line of lines.values()) for (const p of line.points) if (p !== null) low = Math.min(low, p), high = Math.max(high, p);
+      const ink = getComputedStyle(canvas).getPropertyValue('--soft'), grid = getComputedStyle(canvas).getPropertyValue('--line');
+      if (!isFinite(low)) {
+        g.fillStyle = ink, g.font = '12px system-ui', g.fillText('nothing measured yet', 8, h / 2);
+        continue;
+      }
+      if (low > 0 && low < 0.5 * high) low = 0;
+      if (high === low) high = low + (Math.abs(low) || 1);
+      const left = 56, right = w - 4, top = 6, bottom = h - 16;
+      const x = k => left + (right - left) * (times.length > 1 ? k / (times.length - 1) : 1), y = v => bottom - (bottom - top) * (v - low) / (high - low);
+      g.font = '11px system-ui', g.fillStyle = ink, g.strokeStyle = grid, g.lineWidth = 1;
+      for (const part of [0, 0.5, 1]) {
+        const v = low + part * (high - low);
+        g.beginPath(), g.moveTo(left, y(v)), g.lineTo(right, y(v)), g.stroke();
+        g.textAlign = 'right', g.fillText(short(v), left - 5, y(v) + 4);
+      }
+      g.textAlign = 'left', g.fillText(short(times[0]) + ' s', left, h - 3);
+      g.textAlign = 'right', g.fillText(short(times[times.length - 1]) + ' s', right, h - 3);
+      g.lineWidth = 1.8;
+      for (const line of lines.values()) {
+        g.strokeStyle = line.colour;
+        g.beginPath();
+        let open = false;
+        line.points.forEach((p, k) => {
+          if (p === null) { open = false; return; }
+          if (open) g.lineTo(x(k), y(p)); else g.moveTo(x(k), y(p));
+          open = true;
+        });
+        g.stroke();
+      }
+      plot.legend.replaceChildren(...[...lines].map(([name, line]) => {
+        const entry = document.createElement('span'), mark = document.createElement('i');
+        mark.style.background = line.colour;
+        entry.append(mark, name + ' ' + short(line.points[line.points.length - 1]));
+        return entry;
+      }));
+    }
+  }
+
+  function clear() {
+    for (const plot of plots.values()) plot.canvas.parentElement.remove();
+    plots.clear();
+  }
+  return {add, draw, clear, short};
+})();

@@ -1,0 +1,357 @@
+#include "tools/live/server.h"
+
+#include <httplib.h>
+
+#include <fmt/format.h>
+
+#include <atomic>
+#include <thread>
+
+#include "engine/core/parallel.h"
+#include "engine/scene/read.h"
+#include "tools/live/door.h"
+#include "tools/live/page.h"
+#include "tools/live/values.h"
+#include "tools/run/usage.h"
+
+namespace whorl {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using httplib::Request;
+using httplib::Response;
+
+/// Connections that are answered at once; streams keep one each, and leave enough for everything else.
+constexpr int workers = 40, most_streams = 12;
+constexpr std::size_t longest_body = 64 * 1024;
+constexpr double patience = 0.25;  ///< s, after which a waiting thread looks whether the server ends
+
+void answer(Response& response, int status, const Json& json) {
+    response.status = status;
+    response.set_content(json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n", "application/json");
+}
+void refuse(Response& response, int status, const std::string& why) { answer(response, status, {{"ok", false}, {"error", why}}); }
+void done(Response& response, Json more = Json::object()) {
+    Json json{{"ok", true}};
+    json.update(more);
+    answer(response, 200, json);
+}
+
+Json json_of(const Vec3f& v) { return {v.x(), v.y(), v.z()}; }
+
+/// Parts of the program that a page asks for by itself, without the token.
+bool is_part_of_page(const std::string& path) { return path == "/live.css" || path == "/live.js" || path == "/plots.js"; }
+
+Caller caller_of(const Request& request) {
+    Caller c{request.get_header_value("Host"), request.get_header_value("Origin"), request.get_header_value("Sec-Fetch-Site"), ""};
+    if (request.has_param("token")) c.token = request.get_param_value("token");
+    const std::string bearer = request.get_header_value("Authorization");
+    if (c.token.empty() && bearer.rfind("Bearer ", 0) == 0) c.token = bearer.substr(7);
+    return c;
+}
+
+/// Counts the viewers that keep a connection; refuses where there are too many.
+class Seats {
+public:
+    std::shared_ptr<void> take() {
+        if (taken_.fetch_add(1) >= most_streams) {
+            --taken_;
+            return nullptr;
+        }
+        return {this, [this](void*) { --taken_; }};
+    }
+    int taken() const { return taken_; }
+
+private:
+    std::atomic<int> taken_{0};
+};
+
+}  // namespace
+
+struct LiveServer::Http {
+    ServerOptions options;
+    Wishes& wishes;
+    Screen& screen;
+    Status& status;
+    httplib::Server server;
+    int port = 0;
+    std::optional<Door> door;
+    std::function<std::string()> recording;
+    std::filesystem::path folder;
+    std::atomic<bool> ending{false};
+    std::atomic<int> recordings{0};
+    Seats pictures, events;
+    std::mutex recorder_mutex;  ///< starting and stopping
+    std::thread thread;
+
+    Http(ServerOptions o, Wishes& w, Screen& s, Status& t) : options(std::move(o)), wishes(w), screen(s), status(t) {}
+
+    void bind() {
+        // Nobody else may take the port while we have it (the default would allow that); one that a run just left is free at once.
+        server.set_socket_options([](socket_t socket) {
+            const int yes = 1;
+            setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+        });
+        port = options.port == 0 ? server.bind_to_any_port(options.host) : server.bind_to_port(options.host, options.port) ? options.port : -1;
+        if (port <= 0)
+            throw EnvironmentError(fmt::format("cannot listen on {}:{}", options.host, options.port), "", "take another port: --port 0 finds a free one");
+        door.emplace(options.host, port, options.token);
+        server.new_task_queue = [] { return new httplib::ThreadPool(workers); };
+        server.set_payload_max_length(longest_body);
+        server.set_keep_alive_timeout(1);
+        server.set_keep_alive_max_count(1000);
+        server.set_read_timeout(5);
+        server.set_write_timeout(5);
+        server.set_tcp_nodelay(true);
+    }
+
+    void routes();
+    Json state() const;
+    Json described() const;
+    void stream(const Request&, Response& response);
+    void follow_events(const Request&, Response& response);
+    void control(const nlohmann::json& order, Response& response);
+    void record(Response& response);
+    void stop_recording(Response& response);
+};
+
+Json LiveServer::Http::state() const {
+    Json json = status.get();
+    for (const auto& [name, t] : screen.times()) json["ms"][name] = 1e3 * t.wall;
+    const auto recorded = screen.recording();
+    const auto newest = screen.newest();
+    const auto notice = wishes.newest_notice();
+    json["playing"] = wishes.playing();
+    json["quality"] = wishes.options().quality;
+    json["revision"] = wishes.revision();
+    json["can_undo"] = wishes.can_undo();
+    json["picture"] = newest ? Json(newest->number) : Json();
+    json["picture_frame"] = newest ? Json(newest->frame) : Json();
+    json["recorded_pictures"] = recorded ? Json(*recorded) : Json();
+    json["viewers"] = pictures.taken();
+    json["device"] = screen.device();
+    json["memory_bytes"] = resident_memory();
+    json["notice"] = notice ? Json{{"number", notice->number}, {"error", notice->error}, {"text", notice->text}} : Json();
+    const SceneFile file = wishes.file();
+    const View view = view_at(file.camera, json.value("time", 0.0), file.scene.domain.min.cast<float>(), file.scene.domain.max.cast<float>());
+    json["view"] = {{"position", json_of(view.position)}, {"target", json_of(view.target)}, {"up", json_of(view.up)}, {"fov", view.fov}};
+    json["values"] = live_values(file);
+    return json;
+}
+
+Json LiveServer::Http::described() const {
+    const Plan plan = wishes.plan();
+    Json models = Json::array(), scenes = Json::array();
+    for (const Choice& c : plan.choices) models.push_back({{"key", c.key}, {"value", c.value}, {"automatic", c.automatic}, {"reason", c.reason}});
+    for (const auto& [name, path] : shipped_scenes()) scenes.push_back(name);
+    return {{"scene", wishes.file().scene.name}, {"quality", wishes.options().quality}, {"revision", wishes.revision()},
+            {"keys", described_keys(wishes.file())}, {"models", models}, {"warnings", plan.warnings}, {"scenes", scenes}};
+}
+
+/// MJPEG: each viewer gets the newest picture when the one before has gone out; what it misses is dropped.
+void LiveServer::Http::stream(const Request&, Response& response) {
+    const auto seat = pictures.take();
+    if (!seat) return refuse(response, 503, "too many viewers");
+    auto seen = std::make_shared<std::uint64_t>(0);
+    response.set_content_provider(
+        "multipart/x-mixed-replace; boundary=picture",
+        [this, seat, seen](std::size_t, httplib::DataSink& sink) {
+            for (;;) {
+                if (ending || !sink.is_writable()) return false;
+                const auto picture = screen.after(*seen, patience);
+                if (!picture) continue;
+                *seen = picture->number;
+                const std::string& jpeg = picture->jpeg();
+                const std::string head = fmt::format("--picture\r\nContent-Type: image/jpeg\r\nContent-Length: {}\r\nX-Time: {}\r\nX-Frame: {}\r\n\r\n", jpeg.size(),
+                                                     picture->time, picture->frame);
+                return sink.write(head.data(), head.size()) && sink.write(jpeg.data(), jpeg.size()) && sink.write("\r\n", 2);
+            }
+        },
+        [seat](bool) {});
+}
+
+/// Server-sent events: the state, whenever it has changed, at most ten times a second.
+void LiveServer::Http::follow_events(const Request&, Response& response) {
+    const auto seat = events.take();
+    if (!seat) return refuse(response, 503, "too many viewers");
+    auto sent = std::make_shared<std::string>();
+    response.set_chunked_content_provider(
+        "text/event-stream",
+        [this, seat, sent](std::size_t, httplib::DataSink& sink) {
+            for (int quiet = 0;; ++quiet) {
+                if (ending || !sink.is_writable()) return false;
+                Json json = state();
+                const std::string memory = json["memory_bytes"].dump();
+                json.erase("memory_bytes");
+                const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+                if (text != *sent || quiet > 50) {
+                    *sent = text;
+                    json["memory_bytes"] = nlohmann::json::parse(memory);
+                    const std::string event = "data: " + json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n\n";
+                    const bool went = sink.write(event.data(), event.size());
+                    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+                    return went;
+                }
+                std::this_thread::sleep_for(std::chrono::milliseconds(100));
+            }
+        },
+        [seat](bool) {});
+}
+
+void LiveServer::Http::record(Response& response) {
+    const std::lock_guard lock(recorder_mutex);
+    if (screen.recording()) return done(response, {{"text", "is recording already"}});
+    const std::filesystem::path where = folder / fmt::format("recording_{}", ++recordings);
+    screen.record(where, wishes.file().scene.time.fps);
+    done(response, {{"folder", where.string()}});
+}
+
+void LiveServer::Http::stop_recording(Response& response) {
+    const std::lock_guard lock(recorder_mutex);
+    const auto recorded = screen.stop_recording();
+    if (!recorded) return refuse(response, 400, "nothing is being recorded");
+    recording();
+    wishes.tell(!recorded->problem.empty(), fmt::format("{} pictures in {}{}{}; for a film of this run at any quality: whorl render {} --quality fine", recorded->pictures, recorded->folder.string(),
+                                                         recorded->video.empty() ? "" : ", video " + recorded->video.string(),
+                                                         recorded->problem.empty() ? "" : "; " + recorded->problem, (folder / "recording.toml").string()));
+    done(response, {{"folder", recorded->folder.string()}, {"pictures", recorded->pictures}, {"video", recorded->video.string()}, {"problem", recorded->problem}});
+}
+
+void LiveServer::Http::control(const nlohmann::json& order, Response& response) {
+    const std::string allowed = "allowed: {\"do\": \"pause | play | step | restart | undo | record | stop_recording\"}";
+    if (!order.is_object() || !order.contains("do") || !order["do"].is_string()) return refuse(response, 400, "the order has no \"do\"; " + allowed);
+    const std::string what = order["do"].get<std::string>();
+    for (const auto& [key, value] : order.items())
+        if (key != "do" && !(what == "restart" && (key == "set" || key == "scene" || key == "quality" || key == "forget")))
+            return refuse(response, 400, "\"" + what.substr(0, 40) + "\" takes no \"" + key.substr(0, 40) + "\"");
+    if (what == "pause") wishes.pause();
+    else if (what == "play") wishes.play();
+    else if (what == "step") wishes.step();
+    else if (what == "undo") {
+        if (!wishes.undo()) return refuse(response, 400, "there is nothing to undo");
+        screen.look(wishes.picture());
+    } else if (what == "record") return record(response);
+    else if (what == "stop_recording") return stop_recording(response);
+    else if (what == "restart") {
+        Wishes::Restart how;
+        if (order.contains("set")) how.set = changes_of(order["set"]);
+        for (const KeyChange& c : how.set)
+            if (c.path == "name" || c.path.find("file") != std::string::npos || c.path.rfind("output", 0) == 0)
+                return refuse(response, 400, c.path.substr(0, 100) + " is set on the command line or in the scene file only");
+        const auto text = [&](const char* key, std::string& to) {
+            if (order.contains(key)) to = order[key].is_string() ? order[key].get<std::string>() : "?";
+        };
+        text("scene", how.scene), text("quality", how.quality);
+        const auto scenes = shipped_scenes();
+        if (!how.scene.empty() && std::none_of(scenes.begin(), scenes.end(), [&](const auto& s) { return s.first == how.scene; }))
+            return refuse(response, 400, "no scene of that name ships");
+        how.forget = order.contains("forget") && order["forget"] == true;
+        wishes.restart(how);
+    } else return refuse(response, 400, "cannot do \"" + what.substr(0, 40) + "\"; " + allowed);
+    done(response);
+}
+
+void LiveServer::Http::routes() {
+    server.set_default_headers({{"Cache-Control", "no-store"},
+                                {"X-Content-Type-Options", "nosniff"},
+                                {"Referrer-Policy", "no-referrer"},
+                                {"Content-Security-Policy", "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
+                                                            "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"}});
+    server.set_pre_routing_handler([this](const Request& request, Response& response) {
+        Caller caller = caller_of(request);
+        if (is_part_of_page(request.path)) caller.token = options.token;
+        const std::string why = door->refusal(caller);
+        if (why.empty()) return httplib::Server::HandlerResponse::Unhandled;
+        refuse(response, 403, why);
+        return httplib::Server::HandlerResponse::Handled;
+    });
+    server.set_error_handler([](const Request&, Response& response) {
+        if (!response.body.empty()) return;
+        refuse(response, response.status, response.status == 404   ? "there is nothing of that name; GET / /state /keys /stream /frame.png /events /scene.toml "
+                                                                      "/recording.toml, POST /set /control"
+                                          : response.status == 413 ? "the body is too long"
+                                                                   : "the request cannot be understood");
+    });
+    server.set_exception_handler([](const Request&, Response& response, std::exception_ptr error) {
+        try {
+            std::rethrow_exception(error);
+        } catch (const std::exception& e) {
+            refuse(response, 500, e.what());
+        } catch (...) {
+            refuse(response, 500, "failed");
+        }
+    });
+    for (const auto& [path, name, type] : {std::array<const char*, 3>{"/", "index.html", "text/html; charset=utf-8"},
+                                           {"/live.css", "live.css", "text/css; charset=utf-8"},
+                                           {"/live.js", "live.js", "text/javascript; charset=utf-8"},
+                                           {"/plots.js", "plots.js", "text/javascript; charset=utf-8"}})
+        server.Get(path, [name = std::string(name), type = std::string(type)](const Request&, Response& response) { response.set_content(live_page(name), type); });
+    server.Get("/state", [this](const Request&, Response& response) { answer(response, 200, state()); });
+    server.Get("/keys", [this](const Request&, Response& response) { answer(response, 200, described()); });
+    server.Get("/stream", [this](const Request& request, Response& response) { stream(request, response); });
+    server.Get("/events", [this](const Request& request, Response& response) { follow_events(request, response); });
+    server.Get("/frame.png", [this](const Request&, Response& response) {
+        const auto picture = screen.newest() ? screen.newest() : screen.after(0, 5);
+        if (!picture) return refuse(response, 503, "there is no picture yet");
+        response.set_header("X-Frame", std::to_string(picture->frame));
+        response.set_header("X-Time", fmt::format("{}", picture->time));
+        response.set_content(picture->png(), "image/png");
+    });
+    server.Get("/scene.toml", [this](const Request&, Response& response) {
+        response.set_header("Content-Disposition", "attachment; filename=\"scene.toml\"");
+        response.set_content(resolved_toml(wishes.file()), "text/plain; charset=utf-8");
+    });
+    server.Get("/recording.toml", [this](const Request&, Response& response) {
+        response.set_header("Content-Disposition", "attachment; filename=\"recording.toml\"");
+        response.set_content(recording(), "text/plain; charset=utf-8");
+    });
+    // The user's mistakes are answered with what is wrong and what is allowed.
+    const auto post = [this](const char* path, auto act) {
+        server.Post(path, [this, act](const Request& request, Response& response) {
+            omp_set_num_threads(1);  // of this thread: the cores are the simulation's
+            const auto json = nlohmann::json::parse(request.body, nullptr, false);
+            if (json.is_discarded()) return refuse(response, 400, "the body is no JSON");
+            try {
+                act(json, response);
+            } catch (const InputError& error) {
+                refuse(response, 400, error.what());
+            }
+        });
+    };
+    post("/set", [this](const nlohmann::json& json, Response& response) {
+        wishes.set(changes_of(json));
+        screen.look(wishes.picture());
+        done(response, {{"revision", wishes.revision()}});
+    });
+    post("/control", [this](const nlohmann::json& json, Response& response) { control(json, response); });
+}
+
+LiveServer::LiveServer(ServerOptions options, Wishes& wishes, Screen& screen, Status& status)
+    : http_(std::make_unique<Http>(std::move(options), wishes, screen, status)) {
+    http_->bind();
+}
+
+LiveServer::~LiveServer() {
+    http_->ending = true;
+    http_->server.stop();
+    if (http_->thread.joinable()) http_->thread.join();
+}
+
+void LiveServer::start(std::function<std::string()> recording, std::filesystem::path folder) {
+    http_->recording = std::move(recording);
+    http_->folder = std::move(folder);
+    http_->routes();
+    http_->thread = std::thread([this] {
+        name_thread("server");
+        http_->server.listen_after_bind();
+    });
+    while (!http_->server.is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+std::string LiveServer::url() const {
+    const std::string& host = http_->options.host;
+    const bool six = host.find(':') != std::string::npos && host[0] != '[';
+    return fmt::format("http://{}:{}/{}", six ? "[" + host + "]" : host, http_->port, http_->options.token.empty() ? "" : "?token=" + http_->options.token);
+}
+
+}  // namespace whorl

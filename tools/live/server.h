@@ -1,0 +1,35 @@
+#pragma once
+/// The HTTP side of a live run: every endpoint, and nothing else. No file is served but the page, which is part of the program.
+#include <memory>
+#include <string>
+
+#include "tools/live/loop.h"
+
+namespace whorl {
+
+struct ServerOptions {
+    std::string host = "127.0.0.1";
+    int port = 8080;      ///< 0: any that is free
+    std::string token;    ///< "" where none is needed
+};
+
+class LiveServer {
+public:
+    /// Binds. @throws EnvironmentError where the address is taken or cannot be had
+    LiveServer(ServerOptions options, Wishes& wishes, Screen& screen, Status& status);
+    /// Stops: open streams end within a fraction of a second.
+    ~LiveServer();
+    LiveServer(const LiveServer&) = delete;
+    LiveServer& operator=(const LiveServer&) = delete;
+
+    /// Answers from now on. @param recording writes recording.toml as it stands and returns its text @param folder for pictures and videos that are recorded
+    void start(std::function<std::string()> recording, std::filesystem::path folder);
+    /// "http://127.0.0.1:8080/", with the token where one is needed.
+    std::string url() const;
+
+private:
+    struct Http;
+    std::unique_ptr<Http> http_;
+};
+
+}  // namespace whorl

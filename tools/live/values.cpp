@@ -1,0 +1,119 @@
+#include "tools/live/values.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace whorl {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Longer than any expression that a person writes.
+constexpr std::size_t longest_text = 1000, longest_list = 100;
+
+const char* type_of(const Key& key) {
+    switch (key.type) {
+        case KeyType::flag: return "flag";
+        case KeyType::integer: return "integer";
+        case KeyType::number: return "number";
+        case KeyType::text: return "text";
+        case KeyType::choice: return "choice";
+        case KeyType::expression: return "expression";
+        case KeyType::flags: return "flags";
+        case KeyType::integers: return "integers";
+        case KeyType::numbers: return "numbers";
+        case KeyType::expressions: return "expressions";
+        case KeyType::texts: return "texts";
+        case KeyType::any: return "any";
+    }
+    return "";
+}
+
+/// The limits of the C++ type say nothing to people.
+Json bound(double v) { return std::isfinite(v) && std::abs(v) < 2e9 ? Json(v) : Json(); }
+
+/// Not a knob: names, files, what is written.
+bool hidden(const UsedKey& k) {
+    for (const char* part : {"output.", "probe[", "camera.key"})
+        if (k.path.rfind(part, 0) == 0) return true;
+    return k.path == "name" || k.path == "seed" || (k.key->type == KeyType::text && !k.key->may_change);
+}
+
+}  // namespace
+
+Json json_of(const Value& v) {
+    if (const bool* flag = v.as<bool>()) return *flag;
+    if (const auto* whole = v.as<std::int64_t>()) return *whole;
+    if (const double* number = v.as<double>()) return *number;
+    if (const std::string* text = v.as<std::string>()) return *text;
+    Json list = Json::array();
+    if (const auto* values = v.as<Value::List>())
+        for (const Value& e : *values) list.push_back(json_of(e));
+    return list;
+}
+
+std::optional<Value> value_of(const nlohmann::json& json) {
+    if (json.is_boolean()) return Value(json.get<bool>());
+    if (json.is_number_unsigned() && json.get<std::uint64_t>() > std::uint64_t(std::numeric_limits<std::int64_t>::max())) return Value(json.get<double>());
+    if (json.is_number_integer()) return Value(json.get<std::int64_t>());
+    if (json.is_number()) return Value(json.get<double>());
+    if (json.is_string()) {
+        auto text = json.get<std::string>();
+        if (text.size() > longest_text) return std::nullopt;
+        return Value(std::move(text));
+    }
+    if (!json.is_array() || json.size() > longest_list) return std::nullopt;
+    Value::List list;
+    for (const auto& entry : json) {
+        if (entry.is_array()) return std::nullopt;
+        auto value = value_of(entry);
+        if (!value) return std::nullopt;
+        list.push_back(std::move(*value));
+    }
+    return Value(std::move(list));
+}
+
+Json live_values(const SceneFile& file) {
+    Json all = Json::object();
+    for (const UsedKey& k : used_keys(file))
+        if (k.key->may_change) all[k.path] = json_of(k.value());
+    return all;
+}
+
+Json described_keys(const SceneFile& file) {
+    Json all = Json::array();
+    for (const UsedKey& k : used_keys(file)) {
+        if (hidden(k)) continue;
+        const Key& key = *k.key;
+        all.push_back({{"path", k.path},
+                       {"unit", key.unit},
+                       {"meaning", key.meaning},
+                       {"type", type_of(key)},
+                       {"count", key.count},
+                       {"least", bound(key.least)},
+                       {"least_open", key.least_open},
+                       {"most", bound(key.most)},
+                       {"choices", key.choices},
+                       {"auto", key.may_be_auto},
+                       {"variables", key.variables},
+                       {"live", key.may_change},
+                       {"value", json_of(k.value())}});
+    }
+    return all;
+}
+
+std::vector<KeyChange> changes_of(const nlohmann::json& json) {
+    const std::string form = "allowed: an object of keys and values, as in {\"fluid.viscosity\": 500}";
+    if (!json.is_object()) throw InputError({}, "the changes are no JSON object", "", form);
+    std::vector<KeyChange> changes;
+    std::vector<Problem> problems;
+    for (const auto& [path, entry] : json.items()) {
+        auto value = value_of(entry);
+        if (value) changes.push_back({full_path(path), std::move(*value), {}});
+        else problems.push_back({{}, path.substr(0, 100) + " has a value that no key takes", "", form});
+    }
+    if (!problems.empty()) throw InputError(std::move(problems));
+    return changes;
+}
+
+}  // namespace whorl

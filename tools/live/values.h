@@ -1,0 +1,22 @@
+#pragma once
+/// Values of scene keys as JSON, and back.
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+
+#include "tools/scene_changes.h"
+
+namespace whorl {
+
+nlohmann::ordered_json json_of(const Value& value);
+/// Nothing where no key takes such a value: null, objects, lists in lists, long texts.
+std::optional<Value> value_of(const nlohmann::json& json);
+
+/// {"fluid.viscosity": 1000.0, ...} of the keys that may change while a run goes on.
+nlohmann::ordered_json live_values(const SceneFile& file);
+/// What a page needs to show each key: path, unit, meaning, type, range, choices, whether it may change while a run goes on.
+nlohmann::ordered_json described_keys(const SceneFile& file);
+
+/// Changes from {"fluid.viscosity": 500, ...}. @throws InputError where it is no object, or holds a value of no kind
+std::vector<KeyChange> changes_of(const nlohmann::json& json);
+
+}  // namespace whorl

@@ -1,0 +1,44 @@
+#include "tools/live/watch.h"
+
+#include <sys/stat.h>
+
+#include <array>
+
+#include "tools/run/usage.h"
+
+namespace whorl {
+namespace {
+
+/// Changes with every save; zeros where the file is not there (an editor that is just replacing it).
+std::array<long, 4> stamp(const std::filesystem::path& file) {
+    struct stat s {};
+    if (stat(file.c_str(), &s) != 0) return {};
+    return {static_cast<long>(s.st_ino), static_cast<long>(s.st_size), s.st_mtim.tv_sec, s.st_mtim.tv_nsec};
+}
+
+}  // namespace
+
+FileWatch::FileWatch(std::function<std::filesystem::path()> file, std::function<void()> saved) {
+    thread_ = std::thread([this, file = std::move(file), saved = std::move(saved)] {
+        name_thread("watch");
+        std::filesystem::path watched = file();
+        auto known = stamp(watched), last = known;
+        while (!ending_) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(125));
+            if (const auto now = file(); now != watched) watched = now, known = last = stamp(now);
+            const auto seen = stamp(watched);
+            const bool settled = seen == last && seen != decltype(seen){};
+            last = seen;
+            if (!settled || seen == known) continue;
+            known = seen;
+            saved();
+        }
+    });
+}
+
+FileWatch::~FileWatch() {
+    ending_ = true;
+    thread_.join();
+}
+
+}  // namespace whorl

@@ -1,0 +1,260 @@
+#include "tools/live/wishes.h"
+
+#include <algorithm>
+#include <chrono>
+#include <set>
+
+#include "engine/core/clock.h"
+
+namespace whorl {
+namespace {
+
+/// Changes of the same keys within so many seconds are one movement of a slider: undone together.
+constexpr double one_movement = 1.0;
+constexpr std::size_t kept_undos = 200;
+
+SceneFile without_later_changes(SceneFile file) {
+    file.scene.changes.clear();
+    return file;
+}
+
+std::map<std::string, Value> values(const SceneFile& file) {
+    std::map<std::string, Value> all;
+    for (const UsedKey& k : used_keys(file)) all.emplace(k.path, k.value());
+    return all;
+}
+
+/// What leads from one reading of a file to the next.
+struct Edit {
+    std::vector<KeyChange> live;
+    std::vector<std::string> restart;  ///< keys
+};
+Edit edit_between(const SceneFile& before, const SceneFile& now) {
+    Edit edit;
+    const auto old = values(before);
+    std::set<std::string> present;
+    for (const UsedKey& k : used_keys(now)) {
+        present.insert(k.path);
+        const auto it = old.find(k.path);
+        if (it != old.end() && it->second.toml() == k.value().toml()) continue;
+        if (k.key->may_change && (it != old.end() || k.path.find('[') == std::string::npos)) edit.live.push_back({k.path, k.value(), now.scene.place(k.path)});
+        else edit.restart.push_back(k.path);
+    }
+    for (const auto& [path, value] : old)
+        if (present.count(path) == 0 && path.find('[') != std::string::npos) edit.restart.push_back(path);
+    return edit;
+}
+
+}  // namespace
+
+Wishes::Wishes(Options options) : options_(std::move(options)) {
+    orders_.playing = true;
+    restart({});
+}
+
+void Wishes::set(const std::vector<KeyChange>& changes) {
+    const std::lock_guard lock(mutex_);
+    set_locked(changes, true);
+}
+
+void Wishes::set_locked(const std::vector<KeyChange>& changes, bool may_undo) {
+    if (changes.empty()) return;
+    auto next = std::make_shared<WantedScene>();
+    next->file = changed(wanted_, changes);
+    if (const auto lines = needs_restart(wanted_, next->file); !lines.empty()) {
+        std::vector<Problem> problems;
+        for (const std::string& line : lines)
+            problems.push_back({changes.front().source, line + " while the run goes on", "restart with it: POST /control {\"do\": \"restart\", \"set\": {...}}", ""});
+        throw InputError(std::move(problems));
+    }
+    next->plan = decides(wanted_, next->file) ? make_plan(next->file.scene) : plan_;
+    if (const auto models = changes_of_models(plan_, next->plan); !models.empty())
+        throw InputError(changes.front().source, "this asks for other models: " + models.front(), "restart with it: POST /control {\"do\": \"restart\", \"set\": {...}}");
+
+    if (orders_.scene && orders_.scene->simulation) {  // still to begin: begins with these values
+        next->simulation = std::make_unique<Simulation>(next->file.scene, next->plan);
+        orders_.changes.clear();
+    } else {
+        orders_.changes.insert(orders_.changes.end(), changes.begin(), changes.end());
+    }
+    const auto old = values(wanted_), fresh = values(next->file);
+    wanted_ = next->file;
+    plan_ = next->plan;
+    orders_.scene = std::move(next);
+    for (const KeyChange& c : changes) set_.insert_or_assign(c.path, c.value);
+    if (may_undo) remember(old, fresh);
+    ++revision_;
+    changed_.notify_all();
+}
+
+/// What leads back from `fresh` to `old`.
+void Wishes::remember(const std::map<std::string, Value>& old, const std::map<std::string, Value>& fresh) {
+    Undo undo{{}, wall_seconds()};
+    for (const auto& [path, value] : fresh) {
+        const auto it = old.find(path);
+        if (it != old.end() && it->second.toml() != value.toml()) undo.back.push_back({path, it->second, {}});
+    }
+    if (undo.back.empty()) return;
+    const auto same_keys = [&](const Undo& before) {
+        return std::equal(before.back.begin(), before.back.end(), undo.back.begin(), undo.back.end(), [](const auto& a, const auto& b) { return a.path == b.path; });
+    };
+    if (!undo_.empty() && undo.when - undo_.back().when < one_movement && same_keys(undo_.back())) undo_.back().when = undo.when;
+    else undo_.push_back(std::move(undo));
+    if (undo_.size() > kept_undos) undo_.erase(undo_.begin());
+}
+
+bool Wishes::undo() {
+    const std::lock_guard lock(mutex_);
+    if (undo_.empty()) return false;
+    const Undo last = std::move(undo_.back());
+    undo_.pop_back();
+    set_locked(last.back, false);
+    return true;
+}
+
+void Wishes::play() {
+    const std::lock_guard lock(mutex_);
+    orders_.playing = true;
+    changed_.notify_all();
+}
+void Wishes::pause() {
+    const std::lock_guard lock(mutex_);
+    orders_.playing = orders_.step = false;
+    changed_.notify_all();
+}
+void Wishes::step() {
+    const std::lock_guard lock(mutex_);
+    orders_.playing = false;
+    orders_.step = true;
+    changed_.notify_all();
+}
+
+void Wishes::restart(const Restart& how) {
+    while (!try_restart(how)) {}
+}
+
+/// Placing the particles takes its time, and is done without the lock. @return false where something was set meanwhile
+bool Wishes::try_restart(const Restart& how) {
+    std::unique_lock lock(mutex_);
+    Options options = options_;
+    const std::map<std::string, Value> set = set_;
+    const std::uint64_t revision = revision_;
+    lock.unlock();
+
+    const bool other = !how.scene.empty();
+    if (other) options.scene = how.scene, options.set.clear();
+    if (!how.quality.empty()) options.quality = how.quality;
+    const SceneFile base = without_later_changes(read_scene_file(options));
+    std::map<std::string, Value> kept;
+    std::string not_kept;
+    auto next = std::make_shared<WantedScene>();
+    next->file = base;
+    if (!other && !how.forget)
+        for (const auto& [path, value] : set) try {
+                next->file = changed(next->file, {{path, value, {}}});
+                kept.emplace(path, value);
+            } catch (const InputError& error) {
+                not_kept += (not_kept.empty() ? "not kept over the restart: " : "; ") + std::string(error.what());
+            }
+    if (!how.set.empty()) next->file = changed(next->file, how.set);
+    for (const KeyChange& c : how.set) kept.insert_or_assign(c.path, c.value);
+    next->plan = make_plan(next->file.scene);
+    next->simulation = std::make_unique<Simulation>(next->file.scene, next->plan);
+
+    lock.lock();
+    if (revision != revision_) return false;
+    options_ = std::move(options);
+    path_ = find_scene(options_.scene);
+    from_file_ = base;
+    set_ = std::move(kept);
+    undo_.clear();
+    wanted_ = next->file;
+    plan_ = next->plan;
+    orders_.scene = std::move(next);
+    orders_.changes.clear();
+    if (!not_kept.empty()) tell_locked(false, not_kept);
+    ++revision_;
+    changed_.notify_all();
+    return true;
+}
+
+void Wishes::file_edited() {
+    const std::lock_guard lock(mutex_);
+    try {
+        SceneFile now = without_later_changes(read_scene_file(options_));
+        const Edit edit = edit_between(from_file_, now);
+        if (edit.live.empty() && edit.restart.empty()) {
+            from_file_ = std::move(now);
+            return tell_locked(false, "the scene file was saved; no value changed");
+        }
+        set_locked(edit.live, true);
+        from_file_ = std::move(now);
+        std::string text = "the scene file was saved";
+        for (std::size_t i = 0; i < edit.live.size(); ++i) text += (i == 0 ? ": " : ", ") + edit.live[i].path + " = " + edit.live[i].value.toml();
+        for (std::size_t i = 0; i < edit.restart.size(); ++i) text += (i == 0 ? "; restart to use the new " : ", ") + edit.restart[i];
+        tell_locked(false, text);
+    } catch (const InputError& error) {
+        tell_locked(true, error.what());
+    }
+}
+
+void Wishes::tell(bool error, std::string text) {
+    const std::lock_guard lock(mutex_);
+    tell_locked(error, std::move(text));
+}
+void Wishes::tell_locked(bool error, std::string text) { notice_ = Notice{++notices_, error, std::move(text)}; }
+
+std::optional<Notice> Wishes::newest_notice() const {
+    const std::lock_guard lock(mutex_);
+    return notice_;
+}
+
+Orders Wishes::take(double seconds) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, std::chrono::duration<double>(seconds), [&] { return orders_.playing || orders_.step || orders_.scene; });
+    Orders taken = orders_;
+    orders_.step = false;
+    orders_.scene.reset();
+    orders_.changes.clear();
+    return taken;
+}
+
+bool Wishes::restart_wanted() const {
+    const std::lock_guard lock(mutex_);
+    return orders_.scene && orders_.scene->simulation;
+}
+
+SceneFile Wishes::file() const {
+    const std::lock_guard lock(mutex_);
+    return wanted_;
+}
+Plan Wishes::plan() const {
+    const std::lock_guard lock(mutex_);
+    return plan_;
+}
+PictureOptions Wishes::picture() const {
+    const std::lock_guard lock(mutex_);
+    return {wanted_.surface, wanted_.camera, wanted_.look};
+}
+Options Wishes::options() const {
+    const std::lock_guard lock(mutex_);
+    return options_;
+}
+bool Wishes::playing() const {
+    const std::lock_guard lock(mutex_);
+    return orders_.playing;
+}
+bool Wishes::can_undo() const {
+    const std::lock_guard lock(mutex_);
+    return !undo_.empty();
+}
+std::uint64_t Wishes::revision() const {
+    const std::lock_guard lock(mutex_);
+    return revision_;
+}
+std::filesystem::path Wishes::scene_path() const {
+    const std::lock_guard lock(mutex_);
+    return path_;
+}
+
+}  // namespace whorl

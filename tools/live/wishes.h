@@ -1,0 +1,105 @@
+#pragma once
+/// What people want of a live run: from the server's threads and the watched file to the loop. Every wish is checked here, at once and as a
+/// whole; what the loop takes can be done.
+#include <condition_variable>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "engine/sim/simulation.h"
+#include "tools/run/film.h"
+#include "tools/scene_changes.h"
+
+namespace whorl {
+
+/// A scene as wanted, with its plan. Whoever holds it may evaluate its expressions; nobody else does.
+struct WantedScene {
+    SceneFile file;
+    Plan plan;
+    std::unique_ptr<Simulation> simulation;  ///< where the run is to begin anew: placed already, so that nothing can go wrong later
+};
+
+/// Something to be told to people.
+struct Notice {
+    std::uint64_t number = 0;
+    bool error = false;
+    std::string text;
+};
+
+/// What the loop is to do next.
+struct Orders {
+    bool playing = false;
+    bool step = false;                             ///< one frame, although it does not play
+    std::shared_ptr<WantedScene> scene;            ///< where something changed
+    std::vector<KeyChange> changes;                ///< what leads from the scene before to this one
+};
+
+class Wishes {
+public:
+    /// Reads the scene. @throws InputError
+    explicit Wishes(Options options);
+
+    /// All of the changes, or none. @throws InputError; nothing is changed then
+    void set(const std::vector<KeyChange>& changes);
+    /// Puts back what the newest set() changed. @return false where there is nothing to undo
+    bool undo();
+    void play();
+    void pause();
+    void step();
+    struct Restart {
+        std::string scene, quality;  ///< other ones; empty: as it is
+        std::vector<KeyChange> set;  ///< any key
+        bool forget = false;         ///< the changes made so far
+    };
+    /// Begins anew: the scene file as it stands now, and what was set since. @throws InputError; the run goes on then
+    void restart(const Restart& how);
+    /// The scene file was edited: does what can be done while the run goes on, and tells the rest.
+    void file_edited();
+
+    void tell(bool error, std::string text);
+    std::optional<Notice> newest_notice() const;
+
+    /// For the loop. Waits until there is something to do or `seconds` have passed.
+    Orders take(double seconds);
+    /// Whether take() would return a run to begin anew, which need not wait for the end of the frame.
+    bool restart_wanted() const;
+
+    // What is wanted now.
+    SceneFile file() const;
+    Plan plan() const;
+    PictureOptions picture() const;
+    Options options() const;
+    bool playing() const;
+    bool can_undo() const;
+    /// Grows with every change of the scene.
+    std::uint64_t revision() const;
+    std::filesystem::path scene_path() const;
+
+private:
+    void remember(const std::map<std::string, Value>& old, const std::map<std::string, Value>& fresh);
+    void set_locked(const std::vector<KeyChange>& changes, bool may_undo);
+    bool try_restart(const Restart& how);
+    void tell_locked(bool error, std::string text);
+
+    mutable std::mutex mutex_;
+    std::condition_variable changed_;
+    Options options_;
+    std::filesystem::path path_;
+    SceneFile from_file_;                    ///< as the file last was when it was sound
+    SceneFile wanted_;
+    Plan plan_;
+    std::map<std::string, Value> set_;       ///< by people, since the scene was chosen
+    struct Undo {
+        std::vector<KeyChange> back;
+        double when = 0;
+    };
+    std::vector<Undo> undo_;
+    Orders orders_;
+    std::optional<Notice> notice_;
+    std::uint64_t revision_ = 1, notices_ = 0;
+};
+
+}  // namespace whorl
