@@ -31,9 +31,10 @@ struct Size {
 Size size_of(const std::string& text) {
     Size size;
     char end = 0;
-    if (std::sscanf(text.c_str(), "%5dx%5d%c", &size.width, &size.height, &end) != 2 || size.width < 16 || size.height < 16 || size.width > 4096 ||
-        size.height > 4096 || size.width % 2 != 0 || size.height % 2 != 0)
-        throw InputError({"--size " + text, 0, 0}, "a size is width x height in pixels", "", "allowed: even numbers from 16 to 4096, as in 640x360");
+    if (std::sscanf(text.c_str(), "%5dx%5d%c", &size.width, &size.height, &end) != 2 || size.width < 16 || size.height < 16 ||
+        size.width > 4096 || size.height > 4096 || size.width % 2 != 0 || size.height % 2 != 0)
+        throw InputError({"--size " + text, 0, 0}, "a size is width x height in pixels", "",
+                         "allowed: even numbers from 16 to 4096, as in 640x360");
     return size;
 }
 
@@ -46,7 +47,8 @@ fs::path free_folder(const std::string& scene) {
 }
 
 void check_server(ServerOptions& server) {
-    if (server.port < 0 || server.port > 65535) throw InputError({"--port", 0, 0}, "no such port", "", "allowed: 0 (any free one) to 65535");
+    if (server.port < 0 || server.port > 65535)
+        throw InputError({"--port", 0, 0}, "no such port", "", "allowed: 0 (any free one) to 65535");
     if (!is_loopback(server.host) && server.token.empty()) server.token = random_token();
 }
 
@@ -74,7 +76,12 @@ int live(LiveOptions options) {
     Journal journal(folder.path());
     LiveLoop loop(wishes, screen, journal, status, !options.unpaced);
     write_report(folder.path(), loop.simulation(), "running");
+    struct Serving {  // ends before what it answers from does
+        LiveServer& server;
+        ~Serving() { server.stop(); }
+    };
     server.start([&] { return loop.save_recording(); }, folder.path());
+    const Serving serving{server};
     const FileWatch watch([&] { return wishes.scene_path(); }, [&] { wishes.file_edited(); });
 
     std::printf("%s\n", server.url().c_str());
@@ -82,11 +89,13 @@ int live(LiveOptions options) {
     if (!options.shared.quiet) fmt::print(stderr, "whorl: live in a browser at the address above; Ctrl-C ends it\n");
     loop.run([&] { return interrupt.interrupted(); });
 
-    screen.close();
+    server.stop();
     screen.stop_recording();
+    screen.close();
     write_report(folder.path(), loop.simulation(), "done");
     if (!options.shared.quiet)
-        fmt::print(stderr, "whorl: recorded; to repeat it as a film: whorl render {} --quality {}\n", journal.file().string(), wishes.options().quality);
+        fmt::print(stderr, "whorl: recorded; to repeat it as a film: whorl render {} --quality {}\n", journal.file().string(),
+                   wishes.options().quality);
     return exit_done;
 }
 
@@ -100,7 +109,8 @@ const char* const endpoints =
     "  GET  /keys            every key with unit, range and meaning; whether it may change while the run goes on; the models and why\n"
     "  POST /set             {\"fluid.viscosity\": 500, \"emitter[0].speed\": \"0.2+0.1*sin(6*t)\"}: all or nothing; 400 with the reason\n"
     "  POST /control         {\"do\": \"pause\"}, play, step, undo, record, stop_recording, restart\n"
-    "                        {\"do\": \"restart\", \"scene\": \"dam_break\", \"quality\": \"draft\", \"set\": {...}, \"forget\": true}: all but \"do\" optional\n"
+    "                        {\"do\": \"restart\", \"scene\": \"dam_break\", \"quality\": \"draft\", \"set\": {...}, \"forget\": true}: "
+    "all but \"do\" optional\n"
     "  GET  /frame.png       the newest picture (X-Time, X-Frame)\n"
     "  GET  /stream          MJPEG; a slow viewer misses pictures, nobody waits for it\n"
     "  GET  /events          server-sent events: the state whenever it changes\n"
@@ -121,10 +131,13 @@ void add_live(CLI::App& program, Job& chosen) {
     options->shared.quality = "draft";
     options->shared.size = "640x360";
     CLI::App* app = program.add_subcommand("live", "the same loop in a browser: watch it pour, turn the knobs, keep what you like");
-    add_options(*app, options->shared, {Option::scene, Option::set, Option::out, Option::size, Option::quality, Option::threads, Option::seed, Option::quiet});
+    add_options(*app, options->shared,
+                {Option::scene, Option::set, Option::out, Option::size, Option::quality, Option::threads, Option::seed, Option::quiet});
     app->add_option("--host", options->server.host, "address to listen on (default: 127.0.0.1, this machine only)")->type_name("ADDRESS");
     app->add_option("--port", options->server.port, "port (default: 8080; 0: any that is free)")->type_name("N");
-    app->add_option("--token", options->server.token, "what every request must bring (default: a random one where --host is not this machine)")->type_name("TEXT");
+    app->add_option("--token", options->server.token,
+                    "what every request must bring (default: a random one where --host is not this machine)")
+        ->type_name("TEXT");
     app->add_flag("--paused", options->paused, "do not play at once");
     app->add_flag("--unpaced", options->unpaced, "as fast as it goes, not in real time");
     app->footer(endpoints);

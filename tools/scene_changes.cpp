@@ -127,8 +127,10 @@ std::vector<std::string> needs_restart(const SceneFile& before, const SceneFile&
     for (const UsedKey& k : used_keys(now)) {
         if (k.key->may_change || k.path.rfind("output.", 0) == 0 || k.path.rfind("probe[", 0) == 0 || k.path == "name") continue;
         const auto it = old.find(k.path);
-        if (it == old.end()) lines.push_back(k.path + " is new");
-        else if (it->second != fresh.at(k.path)) lines.push_back(k.path + " cannot change from " + it->second + " to " + fresh.at(k.path));
+        if (it == old.end())
+            lines.push_back(k.path + " is new");
+        else if (it->second != fresh.at(k.path))
+            lines.push_back(k.path + " cannot change from " + it->second + " to " + fresh.at(k.path));
     }
     for (const UsedKey& k : used_keys(before))
         if (!k.key->may_change && fresh.count(k.path) == 0 && k.path.rfind("probe[", 0) != 0) lines.push_back(k.path + " is gone");
@@ -141,7 +143,8 @@ bool decides(const SceneFile& before, const SceneFile& now) {
         for (const SolidKeys& s : scene.solids) all += s.material + "\n";
         return all;
     };
-    return !differences(before.scene, now.scene).empty() || before.scene.time.end != now.scene.time.end || material(before.scene) != material(now.scene);
+    return !differences(before.scene, now.scene).empty() || before.scene.time.end != now.scene.time.end ||
+           material(before.scene) != material(now.scene);
 }
 
 SceneFile with_first_changes(const SceneFile& file, const std::vector<KeyChange>& beat) {
@@ -150,8 +153,10 @@ SceneFile with_first_changes(const SceneFile& file, const std::vector<KeyChange>
     rest.scene.changes.clear();
     for (std::size_t i = 0; i < file.scene.changes.size(); ++i) {
         const ChangeKeys& c = file.scene.changes[i];
-        if (c.time <= 0) first.push_back({c.key, c.value, file.scene.place("change[" + std::to_string(i) + "].value")});
-        else rest.scene.changes.push_back(c);
+        if (c.time <= 0)
+            first.push_back({c.key, c.value, file.scene.place("change[" + std::to_string(i) + "].value")});
+        else
+            rest.scene.changes.push_back(c);
     }
     if (first.empty()) return file;
     std::vector<ChangeKeys> later = std::move(rest.scene.changes);
@@ -161,7 +166,8 @@ SceneFile with_first_changes(const SceneFile& file, const std::vector<KeyChange>
     made.scene.changes = std::move(later);
     made.scene.places = file.scene.places;
     for (std::size_t i = 0, k = 0; i < file.scene.changes.size(); ++i)
-        if (file.scene.changes[i].time > 0) made.scene.places[entry_name("change", k++) + ".value"] = file.scene.place(entry_name("change", i) + ".value");
+        if (file.scene.changes[i].time > 0)
+            made.scene.places[entry_name("change", k++) + ".value"] = file.scene.place(entry_name("change", i) + ".value");
     return made;
 }
 
@@ -180,7 +186,8 @@ Replay::Replay(const SceneFile& file) : now_(file), changes_(file.scene.changes)
     Plan plan = make_plan(now_.scene);
     trial.make_until(std::numeric_limits<double>::infinity(), [&](const Scene&, const Plan& next, double) {
         const auto models = changes_of_models(plan, next);
-        if (!models.empty()) throw InputError(trial.places_[trial.made_ - 1], "this change asks for other models while the run goes on: " + models[0]);
+        if (!models.empty())
+            throw InputError(trial.places_[trial.made_ - 1], "this change asks for other models while the run goes on: " + models[0]);
     });
 }
 
@@ -201,7 +208,8 @@ bool Replay::make_until(double time, const Follow& simulation) {
         const double when = next();
         SceneFile then = moment(made_);
         if (const auto lines = needs_restart(now_, then); !lines.empty())
-            throw InputError(places_[made_ - 1], lines[0] + " while the run goes on", "", "allowed: keys that may change (whorl live --help)");
+            throw InputError(places_[made_ - 1], lines[0] + " while the run goes on", "",
+                             "allowed: keys that may change (whorl live --help)");
         const bool physics = decides(now_, then);
         now_ = std::move(then);
         if (physics) simulation(now_.scene, make_plan(now_.scene), when);

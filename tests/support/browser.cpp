@@ -46,11 +46,24 @@ bool Browser::installed() { return !program().empty(); }
 Browser::Browser(int width, int height) : width_(width), height_(height) {
     int in[2], out[2];
     if (pipe(in) != 0 || pipe(out) != 0) throw std::runtime_error("no pipes");
-    const std::string folder = "--user-data-dir=" + profile_.path().string(), window = fmt::format("--window-size={},{}", width, height), path = program();
+    const std::string folder = "--user-data-dir=" + profile_.path().string(), window = fmt::format("--window-size={},{}", width, height),
+                      path = program();
     // No sandbox: CI runs as root in a container, and the only page that is opened is ours.
-    const std::vector<std::string> arguments{path, "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run", "--mute-audio",
-                                             "--remote-debugging-pipe", "--disable-background-networking", "--disable-component-update", "--disable-sync",
-                                             "--disable-extensions", folder, window, "about:blank"};
+    const std::vector<std::string> arguments{path,
+                                             "--headless=new",
+                                             "--no-sandbox",
+                                             "--disable-gpu",
+                                             "--disable-dev-shm-usage",
+                                             "--no-first-run",
+                                             "--mute-audio",
+                                             "--remote-debugging-pipe",
+                                             "--disable-background-networking",
+                                             "--disable-component-update",
+                                             "--disable-sync",
+                                             "--disable-extensions",
+                                             folder,
+                                             window,
+                                             "about:blank"};
     std::vector<char*> argv;
     for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
     argv.push_back(nullptr);
@@ -159,7 +172,8 @@ bool Browser::wait_for(const std::string& expression, double seconds) {
 
 std::pair<double, double> Browser::middle(const std::string& selector) {
     const json at = evaluate("(() => { const e = document.querySelector('" + selector +
-                             "'); e.scrollIntoView({block: 'nearest'}); const b = e.getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2]; })()");
+                             "'); e.scrollIntoView({block: 'nearest'}); const b = e.getBoundingClientRect(); return [b.x + b.width / 2, "
+                             "b.y + b.height / 2]; })()");
     return {at.at(0), at.at(1)};
 }
 
@@ -198,9 +212,11 @@ void Browser::press(const std::string& key) {
 }
 
 void Browser::slide(const std::string& selector, double value) {
-    evaluate(fmt::format("(() => {{ const e = document.querySelector('{}'); const from = Number(e.value); for (let k = 1; k <= 4; ++k) {{ e.value = from + ({} - from) * k / 4; "
-                         "e.dispatchEvent(new Event('input', {{bubbles: true}})); }} }})()",
-                         selector, value));
+    evaluate(
+        fmt::format("(() => {{ const e = document.querySelector('{}'); const from = Number(e.value); for (let k = 1; k <= 4; ++k) {{ "
+                    "e.value = from + ({} - from) * k / 4; "
+                    "e.dispatchEvent(new Event('input', {{bubbles: true}})); }} }})()",
+                    selector, value));
 }
 
 void Browser::screenshot(const std::filesystem::path& png, bool whole_page) {

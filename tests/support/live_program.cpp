@@ -27,7 +27,8 @@ httplib::Headers headers_of(const std::map<std::string, std::string>& headers) {
 
 LiveProgram::LiveProgram(const std::string& scene, const std::vector<std::string>& more) {
     std::ofstream(this->scene()) << scene;
-    std::vector<std::string> arguments{"live", this->scene().string(), "--port", "0", "--out", run().string(), "--size", "160x90", "--quiet"};
+    std::vector<std::string> arguments{"live",   this->scene().string(), "--port", "0", "--out", run().string(), "--size", "160x90",
+                                       "--quiet"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     program_ = std::make_unique<Program>(arguments);
     std::string line;

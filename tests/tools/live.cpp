@@ -1,8 +1,8 @@
+#include <httplib.h>
 #include <signal.h>
 
 #include <catch2/catch.hpp>
 #include <fstream>
-#include <httplib.h>
 #include <random>
 
 #include "engine/io/files.h"
@@ -11,9 +11,9 @@
 #include "tools/live/door.h"
 
 using namespace whorl;
+using nlohmann::json;
 using test::LiveProgram;
 using test::Reply;
-using nlohmann::json;
 namespace fs = std::filesystem;
 
 namespace {
@@ -122,7 +122,8 @@ TEST_CASE("changes are made as a whole or not at all, and the answer says why", 
         return reply.json().value("error", "");
     };
     CHECK(refused(R"({"fluid.viscosity": 500, "fluid.viscocity": 3})").find("did you mean \"fluid.viscosity\"?") != std::string::npos);
-    CHECK(refused(R"({"look.material": "lava", "emitter[0].speed": -1})").find("emitter[0].speed = -1 is out of range; allowed: at least 0") != std::string::npos);
+    CHECK(refused(R"({"look.material": "lava", "emitter[0].speed": -1})")
+              .find("emitter[0].speed = -1 is out of range; allowed: at least 0") != std::string::npos);
     CHECK(refused(R"({"fluid.spacing": 0.003})").find("restart") != std::string::npos);
     CHECK(refused(R"({"models.viscosity": "none"})").find("restart") != std::string::npos);
     CHECK(refused(R"({"fluid.viscosity": "2*t"})").find("cannot depend") != std::string::npos);
@@ -142,7 +143,11 @@ TEST_CASE("a change acts from the next frame on, and a film of the recording is 
     LiveProgram live(honey);
     live.post("/set", R"({"look.exposure": 1.5, "emitter[0].speed": 0.25})");  // before anything moved
     live.step(), live.step();
-    CHECK(live.post("/set", R"({"fluid.viscosity": 40, "emitter[0].speed": "0.5", "solid[0].position": ["0.2*t", 0, 0], "domain.gravity": [1, -9, 0]})").status == 200);
+    CHECK(
+        live.post(
+                "/set",
+                R"({"fluid.viscosity": 40, "emitter[0].speed": "0.5", "solid[0].position": ["0.2*t", 0, 0], "domain.gravity": [1, -9, 0]})")
+            .status == 200);
     live.step();
     CHECK(live.post("/set", R"({"solid[0].rotation": [0, 5, 0], "camera.kind": "orbit", "camera.distance": 0.2})").status == 200);
     live.step();
@@ -152,7 +157,8 @@ TEST_CASE("a change acts from the next frame on, and a film of the recording is 
     CHECK(live.end().code == 0);
 
     const std::string film = (live.folder() / "film").string(), recording = (live.run() / "recording.toml").string();
-    const test::Outcome render = test::whorl({"render", recording, "--quality", "draft", "--size", "160x90", "--no-video", "--quiet", "--out", film});
+    const test::Outcome render =
+        test::whorl({"render", recording, "--quality", "draft", "--size", "160x90", "--no-video", "--quiet", "--out", film});
     INFO(render.err);
     REQUIRE(render.code == 0);
     std::istringstream rows(read_whole(fs::path(film) / "diagnostics.csv"));
@@ -160,7 +166,9 @@ TEST_CASE("a change acts from the next frame on, and a film of the recording is 
     std::getline(rows, header);
     for (std::string next; std::getline(rows, next);) row = next;
     const auto names = cells(header), values = cells(row);
-    const auto column = [&](const std::string& name) { return std::stod(values.at(static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin()))); };
+    const auto column = [&](const std::string& name) {
+        return std::stod(values.at(static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin())));
+    };
     CHECK(column("frame") == last.at("frame"));
     CHECK(column("particles") == last.at("particles"));
     CHECK(column("kinetic_energy") == Approx(last.at("energy").at("kinetic").get<double>()).epsilon(1e-8));  // the table's nine digits
@@ -185,7 +193,9 @@ TEST_CASE("a saved scene file acts while the run goes on; a broken one is told w
         std::ofstream(live.scene()) << text;
     };
     const auto told = [&](const std::string& what) {
-        return live.wait_for([&](const json& s) { return s.at("notice").is_object() && s.at("notice").at("text").get<std::string>().find(what) != std::string::npos; });
+        return live.wait_for([&](const json& s) {
+            return s.at("notice").is_object() && s.at("notice").at("text").get<std::string>().find(what) != std::string::npos;
+        });
     };
     live.step();
     save("viscosity = 200", "viscosity = 77");
@@ -240,7 +250,8 @@ TEST_CASE("nonsense at every endpoint changes nothing and kills nothing", "[tool
     LiveProgram live(honey);
     const std::string before = wanted(live);
     std::mt19937 random(7);
-    const std::vector<std::string> seeds{R"({"fluid.viscosity": 500})", R"({"do": "restart", "set": {"fluid.spacing": 0.01}})", R"json({"emitter[0].speed": "0.3*sin(t)"})json",
+    const std::vector<std::string> seeds{R"({"fluid.viscosity": 500})", R"({"do": "restart", "set": {"fluid.spacing": 0.01}})",
+                                         R"json({"emitter[0].speed": "0.3*sin(t)"})json",
                                          R"({"domain.gravity": [0, "-9.81", 0], "camera.position": [0, 1, 2]})"};
     const auto bytes = [&](std::size_t n) {
         std::string text;
@@ -250,24 +261,31 @@ TEST_CASE("nonsense at every endpoint changes nothing and kills nothing", "[tool
     for (int k = 0; k < 120; ++k) {
         std::string body = seeds[random() % seeds.size()];
         // Cut, so that it is no JSON; or its values made into something that no key takes.
-        if (k % 3 == 0) body = body.substr(0, 1 + random() % (body.size() - 1));
-        else if (k % 3 == 1) body = "{\"" + std::string(random() % 40, 'a') + "[" + std::to_string(random()) + "].b\": " + std::to_string(static_cast<int>(random())) + "}";
-        else body = bytes(random() % 300);
+        if (k % 3 == 0)
+            body = body.substr(0, 1 + random() % (body.size() - 1));
+        else if (k % 3 == 1)
+            body = "{\"" + std::string(random() % 40, 'a') + "[" + std::to_string(random()) +
+                   "].b\": " + std::to_string(static_cast<int>(random())) + "}";
+        else
+            body = bytes(random() % 300);
         const Reply reply = live.post(k % 2 ? "/set" : "/control", body);
         INFO(body);
         CHECK(reply.status == 400);
     }
-    for (const char* body : {R"({"fluid.viscosity": null})", R"({"fluid.viscosity": {}})", R"({"fluid.viscosity": [[1]]})", R"({"fluid.viscosity": 1e999})",
-                             R"({"fluid.viscosity": "((((((((((((((((((((((("})", R"({"emitter[99999999999999999999].speed": 1})", R"({"emitter[-1].speed": 1})",
-                             R"({"emitter[0].speed": ""})", R"({"domain.gravity": [1, 2]})", R"({"camera.fov": 1e300})", R"({"": 1})", R"({".": 1})"}) {
+    for (const char* body : {R"({"fluid.viscosity": null})", R"({"fluid.viscosity": {}})", R"({"fluid.viscosity": [[1]]})",
+                             R"({"fluid.viscosity": 1e999})", R"({"fluid.viscosity": "((((((((((((((((((((((("})",
+                             R"({"emitter[99999999999999999999].speed": 1})", R"({"emitter[-1].speed": 1})", R"({"emitter[0].speed": ""})",
+                             R"({"domain.gravity": [1, 2]})", R"({"camera.fov": 1e300})", R"({"": 1})", R"({".": 1})"}) {
         INFO(body);
         CHECK(live.post("/set", body).status == 400);
     }
     CHECK(live.post("/set", "{\"fluid.viscosity\": " + std::string(30000, '[')).status == 400);
     CHECK(live.post("/set", "{\"emitter[0].speed\": \"" + std::string(2000, '(') + "1\"}").status == 400);
     for (const char* path : {"/set", "/control", "/nothing", "/state/x", "/stream/../set"}) CHECK(live.get(path).status >= 400);
-    for (const std::string& raw : {std::string("\r\n\r\n"), bytes(500), std::string("GET / HTTP/1.1\r\nHost: "), std::string("POST /set HTTP/1.1\r\nContent-Length: -5\r\n\r\n"),
-                                   std::string("POST /set HTTP/1.1\r\nHost: localhost:1\r\nTransfer-Encoding: chunked\r\n\r\nzz\r\n"), "GET /" + std::string(20000, 'x') + " HTTP/1.1\r\n\r\n"})
+    for (const std::string& raw : {std::string("\r\n\r\n"), bytes(500), std::string("GET / HTTP/1.1\r\nHost: "),
+                                   std::string("POST /set HTTP/1.1\r\nContent-Length: -5\r\n\r\n"),
+                                   std::string("POST /set HTTP/1.1\r\nHost: localhost:1\r\nTransfer-Encoding: chunked\r\n\r\nzz\r\n"),
+                                   "GET /" + std::string(20000, 'x') + " HTTP/1.1\r\n\r\n"})
         live.send_raw(raw);
     CHECK(wanted(live) == before);
     CHECK(live.end().code == 0);

@@ -11,7 +11,8 @@ namespace {
 /// Takes the same time wherever the texts differ.
 bool same(const std::string& a, const std::string& b) {
     unsigned difference = a.size() == b.size() ? 0 : 1;
-    for (std::size_t i = 0; i < b.size(); ++i) difference |= static_cast<unsigned char>(b[i]) ^ static_cast<unsigned char>(i < a.size() ? a[i] : 0);
+    for (std::size_t i = 0; i < b.size(); ++i)
+        difference |= static_cast<unsigned char>(b[i]) ^ static_cast<unsigned char>(i < a.size() ? a[i] : 0);
     return difference == 0;
 }
 
@@ -38,7 +39,8 @@ bool Door::own(const std::string& host) const {
 
 std::string Door::refusal(const Caller& caller) const {
     if (!own(caller.host)) return "this server does not go by the name \"" + caller.host.substr(0, 100) + "\"";
-    if (!caller.origin.empty() && caller.origin != "http://" + caller.host) return "pages of " + caller.origin.substr(0, 100) + " may not ask this server";
+    if (!caller.origin.empty() && caller.origin != "http://" + caller.host)
+        return "pages of " + caller.origin.substr(0, 100) + " may not ask this server";
     if (caller.fetch_site == "cross-site" || caller.fetch_site == "same-site") return "other pages may not ask this server";
     if (!token_.empty() && !same(caller.token, token_)) return "the token is missing or wrong: use the address that whorl printed";
     return "";

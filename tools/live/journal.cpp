@@ -34,8 +34,9 @@ void Journal::begin(const SceneFile& scene, const std::filesystem::path& path, c
         const auto given = values(plain);
         base_ = read_whole(path);
         bool same_keys = plain.scene.changes.empty() && plain.scene.blocks.size() == scene.scene.blocks.size() &&
-                         plain.scene.emitters.size() == scene.scene.emitters.size() && plain.scene.solids.size() == scene.scene.solids.size() &&
-                         plain.scene.probes.size() == scene.scene.probes.size() && plain.camera.keys.size() == scene.camera.keys.size();
+                         plain.scene.emitters.size() == scene.scene.emitters.size() &&
+                         plain.scene.solids.size() == scene.scene.solids.size() && plain.scene.probes.size() == scene.scene.probes.size() &&
+                         plain.camera.keys.size() == scene.camera.keys.size();
         for (const auto& [key, value] : wanted) {
             const auto it = given.find(key);
             // Files are found from the scene's folder, which is another one from now on.
@@ -59,7 +60,9 @@ void Journal::add(double time, const std::vector<KeyChange>& changes) {
 }
 
 std::string Journal::text(double time) const {
-    std::string text = fmt::format("# Recorded by whorl live with --quality {0}. To repeat it: whorl render recording.toml --quality {0}\n", quality_) + base_;
+    std::string text =
+        fmt::format("# Recorded by whorl live with --quality {0}. To repeat it: whorl render recording.toml --quality {0}\n", quality_) +
+        base_;
     if (!text.empty() && text.back() != '\n') text += '\n';
     const auto entry = [&](double when, const std::string& key, const std::string& value) {
         text += "\n[[change]]\ntime = " + Value(when).toml() + "\nkey = " + Value(key).toml() + "\nvalue = " + value + "\n";

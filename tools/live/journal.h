@@ -12,7 +12,8 @@ class Journal {
 public:
     explicit Journal(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-    /// A run begins with this scene. @param path of the scene file, whose text is kept (with its qualities); @param quality that is laid over it
+    /// A run begins with this scene. @param path of the scene file, whose text is kept (with its qualities); @param quality that is laid
+    /// over it
     void begin(const SceneFile& scene, const std::filesystem::path& path, const std::string& quality);
     /// At `time` [s] these keys took other values.
     void add(double time, const std::vector<KeyChange>& changes);

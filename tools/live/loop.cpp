@@ -121,7 +121,8 @@ bool LiveLoop::step_to_frame(const std::function<bool()>& stop) {
 void LiveLoop::land() {
     const RunTotals& totals = simulation_->totals();
     frame_steps_ = totals.steps - totals_before_.steps;
-    const double iterations = totals.pressure_iterations + totals.viscosity_iterations - totals_before_.pressure_iterations - totals_before_.viscosity_iterations;
+    const double iterations =
+        totals.pressure_iterations + totals.viscosity_iterations - totals_before_.pressure_iterations - totals_before_.viscosity_iterations;
     frame_iterations_ = iterations / static_cast<double>(std::max(1L, frame_steps_));
     totals_before_ = totals;
     frame_times_.clear();
@@ -155,25 +156,28 @@ void LiveLoop::tell() {
     Json ms = Json::object();
     for (const auto& [name, t] : frame_times_) ms[name] = 1e3 * t.wall;
     const RunTotals& totals = simulation_->totals();
-    status_.set({{"scene", scene.name},
-                 {"time", time},
-                 {"end", scene.time.end},
-                 {"frame", frame_},
-                 {"state", state_ == State::running ? "running" : state_ == State::ended ? "ended" : "diverged"},
-                 {"particles", m.particles},
-                 {"ms", ms},
-                 {"simulate_ms", 1e3 * simulate_wall_},
-                 {"frame_ms", 1e3 * frame_wall_},
-                 {"frames_per_second", frames_a_second_},
-                 {"simulated_per_wall_second", pace_},
-                 {"steps", frame_steps_},
-                 {"time_step", totals.last_step},
-                 {"iterations", frame_iterations_},
-                 {"energy", {{"kinetic", finite(m.kinetic_energy)}, {"potential", finite(m.potential_energy)}, {"spin", finite(m.spin_energy)}}},
-                 {"max_speed", finite(m.max_speed)},
-                 {"density_error", finite(m.density_error_max)},
-                 {"lost_particles", totals.lost_particles},
-                 {"probes", probed_}});
+    status_.set(
+        {{"scene", scene.name},
+         {"time", time},
+         {"end", scene.time.end},
+         {"frame", frame_},
+         {"state", state_ == State::running ? "running"
+                   : state_ == State::ended ? "ended"
+                                            : "diverged"},
+         {"particles", m.particles},
+         {"ms", ms},
+         {"simulate_ms", 1e3 * simulate_wall_},
+         {"frame_ms", 1e3 * frame_wall_},
+         {"frames_per_second", frames_a_second_},
+         {"simulated_per_wall_second", pace_},
+         {"steps", frame_steps_},
+         {"time_step", totals.last_step},
+         {"iterations", frame_iterations_},
+         {"energy", {{"kinetic", finite(m.kinetic_energy)}, {"potential", finite(m.potential_energy)}, {"spin", finite(m.spin_energy)}}},
+         {"max_speed", finite(m.max_speed)},
+         {"density_error", finite(m.density_error_max)},
+         {"lost_particles", totals.lost_particles},
+         {"probes", probed_}});
 }
 
 /// A film's frames do not come faster than it plays.

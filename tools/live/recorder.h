@@ -12,7 +12,7 @@ namespace whorl {
 struct Recorded {
     std::filesystem::path folder, video;  ///< video: empty where there is no encoder
     int pictures = 0;
-    std::string problem;                  ///< why there is no video, or why it ended early
+    std::string problem;  ///< why there is no video, or why it ended early
 };
 
 class Recorder {

@@ -1,6 +1,6 @@
 #pragma once
-/// From frames to pictures, on a thread of its own: surface -> draw -> newest picture. A frame that comes before the last one was drawn takes its
-/// place: stale frames are dropped, and the simulation never waits (but while pictures are recorded).
+/// From frames to pictures, on a thread of its own: surface -> draw -> newest picture. A frame that comes before the last one was drawn
+/// takes its place: stale frames are dropped, and the simulation never waits (but while pictures are recorded).
 #include <condition_variable>
 #include <exception>
 #include <optional>
@@ -59,9 +59,9 @@ private:
     std::string device_;
     std::exception_ptr error_;
     std::unique_ptr<Recorder> recorder_;
-    Surface surface_;          ///< of drawn_; the thread's own
+    Surface surface_;  ///< of drawn_; the thread's own
     SurfaceOptions surface_of_;
-    std::thread thread_;       ///< last: it uses all of the above
+    std::thread thread_;  ///< last: it uses all of the above
 };
 
 }  // namespace whorl

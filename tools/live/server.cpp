@@ -1,8 +1,7 @@
 #include "tools/live/server.h"
 
-#include <httplib.h>
-
 #include <fmt/format.h>
+#include <httplib.h>
 
 #include <atomic>
 #include <thread>
@@ -92,9 +91,12 @@ struct LiveServer::Http {
             const int yes = 1;
             setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
         });
-        port = options.port == 0 ? server.bind_to_any_port(options.host) : server.bind_to_port(options.host, options.port) ? options.port : -1;
+        port = options.port == 0                                 ? server.bind_to_any_port(options.host)
+               : server.bind_to_port(options.host, options.port) ? options.port
+                                                                 : -1;
         if (port <= 0)
-            throw EnvironmentError(fmt::format("cannot listen on {}:{}", options.host, options.port), "", "take another port: --port 0 finds a free one");
+            throw EnvironmentError(fmt::format("cannot listen on {}:{}", options.host, options.port), "",
+                                   "take another port: --port 0 finds a free one");
         door.emplace(options.host, port, options.token);
         server.new_task_queue = [] { return new httplib::ThreadPool(workers); };
         server.set_payload_max_length(longest_body);
@@ -133,7 +135,8 @@ Json LiveServer::Http::state() const {
     json["memory_bytes"] = resident_memory();
     json["notice"] = notice ? Json{{"number", notice->number}, {"error", notice->error}, {"text", notice->text}} : Json();
     const SceneFile file = wishes.file();
-    const View view = view_at(file.camera, json.value("time", 0.0), file.scene.domain.min.cast<float>(), file.scene.domain.max.cast<float>());
+    const View view =
+        view_at(file.camera, json.value("time", 0.0), file.scene.domain.min.cast<float>(), file.scene.domain.max.cast<float>());
     json["view"] = {{"position", json_of(view.position)}, {"target", json_of(view.target)}, {"up", json_of(view.up)}, {"fov", view.fov}};
     json["values"] = live_values(file);
     return json;
@@ -142,10 +145,16 @@ Json LiveServer::Http::state() const {
 Json LiveServer::Http::described() const {
     const Plan plan = wishes.plan();
     Json models = Json::array(), scenes = Json::array();
-    for (const Choice& c : plan.choices) models.push_back({{"key", c.key}, {"value", c.value}, {"automatic", c.automatic}, {"reason", c.reason}});
+    for (const Choice& c : plan.choices)
+        models.push_back({{"key", c.key}, {"value", c.value}, {"automatic", c.automatic}, {"reason", c.reason}});
     for (const auto& [name, path] : shipped_scenes()) scenes.push_back(name);
-    return {{"scene", wishes.file().scene.name}, {"quality", wishes.options().quality}, {"revision", wishes.revision()},
-            {"keys", described_keys(wishes.file())}, {"models", models}, {"warnings", plan.warnings}, {"scenes", scenes}};
+    return {{"scene", wishes.file().scene.name},
+            {"quality", wishes.options().quality},
+            {"revision", wishes.revision()},
+            {"keys", described_keys(wishes.file())},
+            {"models", models},
+            {"warnings", plan.warnings},
+            {"scenes", scenes}};
 }
 
 /// MJPEG: each viewer gets the newest picture when the one before has gone out; what it misses is dropped.
@@ -162,8 +171,9 @@ void LiveServer::Http::stream(const Request&, Response& response) {
                 if (!picture) continue;
                 *seen = picture->number;
                 const std::string& jpeg = picture->jpeg();
-                const std::string head = fmt::format("--picture\r\nContent-Type: image/jpeg\r\nContent-Length: {}\r\nX-Time: {}\r\nX-Frame: {}\r\n\r\n", jpeg.size(),
-                                                     picture->time, picture->frame);
+                const std::string head =
+                    fmt::format("--picture\r\nContent-Type: image/jpeg\r\nContent-Length: {}\r\nX-Time: {}\r\nX-Frame: {}\r\n\r\n",
+                                jpeg.size(), picture->time, picture->frame);
                 return sink.write(head.data(), head.size()) && sink.write(jpeg.data(), jpeg.size()) && sink.write("\r\n", 2);
             }
         },
@@ -201,7 +211,9 @@ void LiveServer::Http::follow_events(const Request&, Response& response) {
 void LiveServer::Http::record(Response& response) {
     const std::lock_guard lock(recorder_mutex);
     if (screen.recording()) return done(response, {{"text", "is recording already"}});
-    const std::filesystem::path where = folder / fmt::format("recording_{}", ++recordings);
+    std::filesystem::path where;
+    do where = folder / fmt::format("recording_{}", ++recordings);
+    while (std::filesystem::exists(where));
     screen.record(where, wishes.file().scene.time.fps);
     done(response, {{"folder", where.string()}});
 }
@@ -211,27 +223,38 @@ void LiveServer::Http::stop_recording(Response& response) {
     const auto recorded = screen.stop_recording();
     if (!recorded) return refuse(response, 400, "nothing is being recorded");
     recording();
-    wishes.tell(!recorded->problem.empty(), fmt::format("{} pictures in {}{}{}; for a film of this run at any quality: whorl render {} --quality fine", recorded->pictures, recorded->folder.string(),
-                                                         recorded->video.empty() ? "" : ", video " + recorded->video.string(),
-                                                         recorded->problem.empty() ? "" : "; " + recorded->problem, (folder / "recording.toml").string()));
-    done(response, {{"folder", recorded->folder.string()}, {"pictures", recorded->pictures}, {"video", recorded->video.string()}, {"problem", recorded->problem}});
+    wishes.tell(
+        !recorded->problem.empty(),
+        fmt::format("{} pictures in {}{}{}; for a film of this run at any quality: whorl render {} --quality fine", recorded->pictures,
+                    recorded->folder.string(), recorded->video.empty() ? "" : ", video " + recorded->video.string(),
+                    recorded->problem.empty() ? "" : "; " + recorded->problem, (folder / "recording.toml").string()));
+    done(response, {{"folder", recorded->folder.string()},
+                    {"pictures", recorded->pictures},
+                    {"video", recorded->video.string()},
+                    {"problem", recorded->problem}});
 }
 
 void LiveServer::Http::control(const nlohmann::json& order, Response& response) {
     const std::string allowed = "allowed: {\"do\": \"pause | play | step | restart | undo | record | stop_recording\"}";
-    if (!order.is_object() || !order.contains("do") || !order["do"].is_string()) return refuse(response, 400, "the order has no \"do\"; " + allowed);
+    if (!order.is_object() || !order.contains("do") || !order["do"].is_string())
+        return refuse(response, 400, "the order has no \"do\"; " + allowed);
     const std::string what = order["do"].get<std::string>();
     for (const auto& [key, value] : order.items())
         if (key != "do" && !(what == "restart" && (key == "set" || key == "scene" || key == "quality" || key == "forget")))
             return refuse(response, 400, "\"" + what.substr(0, 40) + "\" takes no \"" + key.substr(0, 40) + "\"");
-    if (what == "pause") wishes.pause();
-    else if (what == "play") wishes.play();
-    else if (what == "step") wishes.step();
+    if (what == "pause")
+        wishes.pause();
+    else if (what == "play")
+        wishes.play();
+    else if (what == "step")
+        wishes.step();
     else if (what == "undo") {
         if (!wishes.undo()) return refuse(response, 400, "there is nothing to undo");
         screen.look(wishes.picture());
-    } else if (what == "record") return record(response);
-    else if (what == "stop_recording") return stop_recording(response);
+    } else if (what == "record")
+        return record(response);
+    else if (what == "stop_recording")
+        return stop_recording(response);
     else if (what == "restart") {
         Wishes::Restart how;
         if (order.contains("set")) how.set = changes_of(order["set"]);
@@ -247,7 +270,8 @@ void LiveServer::Http::control(const nlohmann::json& order, Response& response) 
             return refuse(response, 400, "no scene of that name ships");
         how.forget = order.contains("forget") && order["forget"] == true;
         wishes.restart(how);
-    } else return refuse(response, 400, "cannot do \"" + what.substr(0, 40) + "\"; " + allowed);
+    } else
+        return refuse(response, 400, "cannot do \"" + what.substr(0, 40) + "\"; " + allowed);
     done(response);
 }
 
@@ -255,8 +279,9 @@ void LiveServer::Http::routes() {
     server.set_default_headers({{"Cache-Control", "no-store"},
                                 {"X-Content-Type-Options", "nosniff"},
                                 {"Referrer-Policy", "no-referrer"},
-                                {"Content-Security-Policy", "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
-                                                            "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"}});
+                                {"Content-Security-Policy",
+                                 "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
+                                 "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"}});
     server.set_pre_routing_handler([this](const Request& request, Response& response) {
         Caller caller = caller_of(request);
         if (is_part_of_page(request.path)) caller.token = options.token;
@@ -267,10 +292,11 @@ void LiveServer::Http::routes() {
     });
     server.set_error_handler([](const Request&, Response& response) {
         if (!response.body.empty()) return;
-        refuse(response, response.status, response.status == 404   ? "there is nothing of that name; GET / /state /keys /stream /frame.png /events /scene.toml "
-                                                                      "/recording.toml, POST /set /control"
-                                          : response.status == 413 ? "the body is too long"
-                                                                   : "the request cannot be understood");
+        refuse(response, response.status,
+               response.status == 404   ? "there is nothing of that name; GET / /state /keys /stream /frame.png /events /scene.toml "
+                                          "/recording.toml, POST /set /control"
+               : response.status == 413 ? "the body is too long"
+                                        : "the request cannot be understood");
     });
     server.set_exception_handler([](const Request&, Response& response, std::exception_ptr error) {
         try {
@@ -285,7 +311,9 @@ void LiveServer::Http::routes() {
                                            {"/live.css", "live.css", "text/css; charset=utf-8"},
                                            {"/live.js", "live.js", "text/javascript; charset=utf-8"},
                                            {"/plots.js", "plots.js", "text/javascript; charset=utf-8"}})
-        server.Get(path, [name = std::string(name), type = std::string(type)](const Request&, Response& response) { response.set_content(live_page(name), type); });
+        server.Get(path, [name = std::string(name), type = std::string(type)](const Request&, Response& response) {
+            response.set_content(live_page(name), type);
+        });
     server.Get("/state", [this](const Request&, Response& response) { answer(response, 200, state()); });
     server.Get("/keys", [this](const Request&, Response& response) { answer(response, 200, described()); });
     server.Get("/stream", [this](const Request& request, Response& response) { stream(request, response); });
@@ -331,7 +359,9 @@ LiveServer::LiveServer(ServerOptions options, Wishes& wishes, Screen& screen, St
     http_->bind();
 }
 
-LiveServer::~LiveServer() {
+LiveServer::~LiveServer() { stop(); }
+
+void LiveServer::stop() {
     http_->ending = true;
     http_->server.stop();
     if (http_->thread.joinable()) http_->thread.join();
@@ -351,7 +381,8 @@ void LiveServer::start(std::function<std::string()> recording, std::filesystem::
 std::string LiveServer::url() const {
     const std::string& host = http_->options.host;
     const bool six = host.find(':') != std::string::npos && host[0] != '[';
-    return fmt::format("http://{}:{}/{}", six ? "[" + host + "]" : host, http_->port, http_->options.token.empty() ? "" : "?token=" + http_->options.token);
+    return fmt::format("http://{}:{}/{}", six ? "[" + host + "]" : host, http_->port,
+                       http_->options.token.empty() ? "" : "?token=" + http_->options.token);
 }
 
 }  // namespace whorl

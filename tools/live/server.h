@@ -9,21 +9,23 @@ namespace whorl {
 
 struct ServerOptions {
     std::string host = "127.0.0.1";
-    int port = 8080;      ///< 0: any that is free
-    std::string token;    ///< "" where none is needed
+    int port = 8080;    ///< 0: any that is free
+    std::string token;  ///< "" where none is needed
 };
 
 class LiveServer {
 public:
     /// Binds. @throws EnvironmentError where the address is taken or cannot be had
     LiveServer(ServerOptions options, Wishes& wishes, Screen& screen, Status& status);
-    /// Stops: open streams end within a fraction of a second.
     ~LiveServer();
     LiveServer(const LiveServer&) = delete;
     LiveServer& operator=(const LiveServer&) = delete;
 
-    /// Answers from now on. @param recording writes recording.toml as it stands and returns its text @param folder for pictures and videos that are recorded
+    /// Answers from now on. @param recording writes recording.toml as it stands and returns its text @param folder for pictures and videos
+    /// that are recorded
     void start(std::function<std::string()> recording, std::filesystem::path folder);
+    /// Answers no longer: open streams end within a fraction of a second.
+    void stop();
     /// "http://127.0.0.1:8080/", with the token where one is needed.
     std::string url() const;
 

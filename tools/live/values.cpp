@@ -13,18 +13,30 @@ constexpr std::size_t longest_text = 1000, longest_list = 100;
 
 const char* type_of(const Key& key) {
     switch (key.type) {
-        case KeyType::flag: return "flag";
-        case KeyType::integer: return "integer";
-        case KeyType::number: return "number";
-        case KeyType::text: return "text";
-        case KeyType::choice: return "choice";
-        case KeyType::expression: return "expression";
-        case KeyType::flags: return "flags";
-        case KeyType::integers: return "integers";
-        case KeyType::numbers: return "numbers";
-        case KeyType::expressions: return "expressions";
-        case KeyType::texts: return "texts";
-        case KeyType::any: return "any";
+        case KeyType::flag:
+            return "flag";
+        case KeyType::integer:
+            return "integer";
+        case KeyType::number:
+            return "number";
+        case KeyType::text:
+            return "text";
+        case KeyType::choice:
+            return "choice";
+        case KeyType::expression:
+            return "expression";
+        case KeyType::flags:
+            return "flags";
+        case KeyType::integers:
+            return "integers";
+        case KeyType::numbers:
+            return "numbers";
+        case KeyType::expressions:
+            return "expressions";
+        case KeyType::texts:
+            return "texts";
+        case KeyType::any:
+            return "any";
     }
     return "";
 }
@@ -54,7 +66,8 @@ Json json_of(const Value& v) {
 
 std::optional<Value> value_of(const nlohmann::json& json) {
     if (json.is_boolean()) return Value(json.get<bool>());
-    if (json.is_number_unsigned() && json.get<std::uint64_t>() > std::uint64_t(std::numeric_limits<std::int64_t>::max())) return Value(json.get<double>());
+    if (json.is_number_unsigned() && json.get<std::uint64_t>() > std::uint64_t(std::numeric_limits<std::int64_t>::max()))
+        return Value(json.get<double>());
     if (json.is_number_integer()) return Value(json.get<std::int64_t>());
     if (json.is_number()) return Value(json.get<double>());
     if (json.is_string()) {
@@ -109,8 +122,10 @@ std::vector<KeyChange> changes_of(const nlohmann::json& json) {
     std::vector<Problem> problems;
     for (const auto& [path, entry] : json.items()) {
         auto value = value_of(entry);
-        if (value) changes.push_back({full_path(path), std::move(*value), {}});
-        else problems.push_back({{}, path.substr(0, 100) + " has a value that no key takes", "", form});
+        if (value)
+            changes.push_back({full_path(path), std::move(*value), {}});
+        else
+            problems.push_back({{}, path.substr(0, 100) + " has a value that no key takes", "", form});
     }
     if (!problems.empty()) throw InputError(std::move(problems));
     return changes;

@@ -37,8 +37,10 @@ Edit edit_between(const SceneFile& before, const SceneFile& now) {
         present.insert(k.path);
         const auto it = old.find(k.path);
         if (it != old.end() && it->second.toml() == k.value().toml()) continue;
-        if (k.key->may_change && (it != old.end() || k.path.find('[') == std::string::npos)) edit.live.push_back({k.path, k.value(), now.scene.place(k.path)});
-        else edit.restart.push_back(k.path);
+        if (k.key->may_change && (it != old.end() || k.path.find('[') == std::string::npos))
+            edit.live.push_back({k.path, k.value(), now.scene.place(k.path)});
+        else
+            edit.restart.push_back(k.path);
     }
     for (const auto& [path, value] : old)
         if (present.count(path) == 0 && path.find('[') != std::string::npos) edit.restart.push_back(path);
@@ -64,12 +66,14 @@ void Wishes::set_locked(const std::vector<KeyChange>& changes, bool may_undo) {
     if (const auto lines = needs_restart(wanted_, next->file); !lines.empty()) {
         std::vector<Problem> problems;
         for (const std::string& line : lines)
-            problems.push_back({changes.front().source, line + " while the run goes on", "restart with it: POST /control {\"do\": \"restart\", \"set\": {...}}", ""});
+            problems.push_back({changes.front().source, line + " while the run goes on",
+                                "restart with it: POST /control {\"do\": \"restart\", \"set\": {...}}", ""});
         throw InputError(std::move(problems));
     }
     next->plan = decides(wanted_, next->file) ? make_plan(next->file.scene) : plan_;
     if (const auto models = changes_of_models(plan_, next->plan); !models.empty())
-        throw InputError(changes.front().source, "this asks for other models: " + models.front(), "restart with it: POST /control {\"do\": \"restart\", \"set\": {...}}");
+        throw InputError(changes.front().source, "this asks for other models: " + models.front(),
+                         "restart with it: POST /control {\"do\": \"restart\", \"set\": {...}}");
 
     if (orders_.scene && orders_.scene->simulation) {  // still to begin: begins with these values
         next->simulation = std::make_unique<Simulation>(next->file.scene, next->plan);
@@ -96,10 +100,13 @@ void Wishes::remember(const std::map<std::string, Value>& old, const std::map<st
     }
     if (undo.back.empty()) return;
     const auto same_keys = [&](const Undo& before) {
-        return std::equal(before.back.begin(), before.back.end(), undo.back.begin(), undo.back.end(), [](const auto& a, const auto& b) { return a.path == b.path; });
+        return std::equal(before.back.begin(), before.back.end(), undo.back.begin(), undo.back.end(),
+                          [](const auto& a, const auto& b) { return a.path == b.path; });
     };
-    if (!undo_.empty() && undo.when - undo_.back().when < one_movement && same_keys(undo_.back())) undo_.back().when = undo.when;
-    else undo_.push_back(std::move(undo));
+    if (!undo_.empty() && undo.when - undo_.back().when < one_movement && same_keys(undo_.back()))
+        undo_.back().when = undo.when;
+    else
+        undo_.push_back(std::move(undo));
     if (undo_.size() > kept_undos) undo_.erase(undo_.begin());
 }
 
@@ -130,7 +137,8 @@ void Wishes::step() {
 }
 
 void Wishes::restart(const Restart& how) {
-    while (!try_restart(how)) {}
+    while (!try_restart(how)) {
+    }
 }
 
 /// Placing the particles takes its time, and is done without the lock. @return false where something was set meanwhile
@@ -190,7 +198,8 @@ void Wishes::file_edited() {
         set_locked(edit.live, true);
         from_file_ = std::move(now);
         std::string text = "the scene file was saved";
-        for (std::size_t i = 0; i < edit.live.size(); ++i) text += (i == 0 ? ": " : ", ") + edit.live[i].path + " = " + edit.live[i].value.toml();
+        for (std::size_t i = 0; i < edit.live.size(); ++i)
+            text += (i == 0 ? ": " : ", ") + edit.live[i].path + " = " + edit.live[i].value.toml();
         for (std::size_t i = 0; i < edit.restart.size(); ++i) text += (i == 0 ? "; restart to use the new " : ", ") + edit.restart[i];
         tell_locked(false, text);
     } catch (const InputError& error) {

@@ -32,9 +32,9 @@ struct Notice {
 /// What the loop is to do next.
 struct Orders {
     bool playing = false;
-    bool step = false;                             ///< one frame, although it does not play
-    std::shared_ptr<WantedScene> scene;            ///< where something changed
-    std::vector<KeyChange> changes;                ///< what leads from the scene before to this one
+    bool step = false;                   ///< one frame, although it does not play
+    std::shared_ptr<WantedScene> scene;  ///< where something changed
+    std::vector<KeyChange> changes;      ///< what leads from the scene before to this one
 };
 
 class Wishes {
@@ -88,10 +88,10 @@ private:
     std::condition_variable changed_;
     Options options_;
     std::filesystem::path path_;
-    SceneFile from_file_;                    ///< as the file last was when it was sound
+    SceneFile from_file_;  ///< as the file last was when it was sound
     SceneFile wanted_;
     Plan plan_;
-    std::map<std::string, Value> set_;       ///< by people, since the scene was chosen
+    std::map<std::string, Value> set_;  ///< by people, since the scene was chosen
     struct Undo {
         std::vector<KeyChange> back;
         double when = 0;

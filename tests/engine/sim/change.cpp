@@ -65,7 +65,10 @@ TEST_CASE("a run that is told what it does already goes on with the same bits", 
 
 TEST_CASE("a change acts from the landing on: viscosity, emitter, gravity, solids", "[sim][change]") {
     const Scene before = scene_of();
-    const Scene after = scene_of({{"fluid.viscosity", "5"}, {"emitter[0].speed", "0.2"}, {"domain.gravity", "[0, -5, 0]"}, {"solid[0].position", "[0, 0, \"0.2*t\"]"},
+    const Scene after = scene_of({{"fluid.viscosity", "5"},
+                                  {"emitter[0].speed", "0.2"},
+                                  {"domain.gravity", "[0, -5, 0]"},
+                                  {"solid[0].position", "[0, 0, \"0.2*t\"]"},
                                   {"solid[0].rotation", "[0, -1, 0]"}});
     Simulation simulation(before, make_plan(before));
     run_until(simulation, 0.1);
@@ -91,7 +94,9 @@ TEST_CASE("a change acts from the landing on: viscosity, emitter, gravity, solid
 }
 
 TEST_CASE("a run resumed after a change is the run that went on", "[sim][change]") {
-    const Scene before = scene_of(), after = scene_of({{"fluid.viscosity", "\"5 + 100*y\""}, {"solid[0].rotation", "[0, \"2*sin(9*t)\", 0]"}, {"emitter[0].speed", "\"0.3+t\""}});
+    const Scene before = scene_of(), after = scene_of({{"fluid.viscosity", "\"5 + 100*y\""},
+                                                       {"solid[0].rotation", "[0, \"2*sin(9*t)\", 0]"},
+                                                       {"emitter[0].speed", "\"0.3+t\""}});
     Simulation whole(before, make_plan(before));
     run_until(whole, 0.1);
     whole.change(after, make_plan(after));

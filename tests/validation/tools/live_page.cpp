@@ -10,9 +10,9 @@
 #include "tests/support/live_program.h"
 
 using namespace whorl;
+using nlohmann::json;
 using test::Browser;
 using test::LiveProgram;
-using nlohmann::json;
 
 namespace {
 
@@ -53,9 +53,10 @@ bool missing() {
 std::string address(const LiveProgram& live) { return "http://127.0.0.1:" + std::to_string(live.port()) + "/"; }
 
 /// The picture as the page shows it, in a few numbers that change when it does.
-const char* const look_at_picture = "(() => { const p = document.getElementById('picture'); if (!p.naturalWidth) return ''; const c = document.createElement('canvas'); "
-                                    "c.width = 32; c.height = 18; const g = c.getContext('2d'); g.drawImage(p, 0, 0, 32, 18); "
-                                    "return [...g.getImageData(0, 0, 32, 18).data].filter((v, i) => i % 4 != 3).join(); })()";
+const char* const look_at_picture =
+    "(() => { const p = document.getElementById('picture'); if (!p.naturalWidth) return ''; const c = document.createElement('canvas'); "
+    "c.width = 32; c.height = 18; const g = c.getContext('2d'); g.drawImage(p, 0, 0, 32, 18); "
+    "return [...g.getImageData(0, 0, 32, 18).data].filter((v, i) => i % 4 != 3).join(); })()";
 
 }  // namespace
 
@@ -86,7 +87,9 @@ TEST_CASE("the page shows the run, moves it and changes it", "[live][page]") {
     browser.press("u");
     CHECK(live.wait_for([](const json& s) { return s.at("values").at("fluid.viscosity") == 200; }));
     // A field that is wrong says so beside itself, and takes the value back.
-    browser.evaluate("(() => { const e = document.querySelector('[data-path=\"fluid.viscosity\"] input[type=text]'); e.value = '-4'; e.dispatchEvent(new Event('change')); })()");
+    browser.evaluate(
+        "(() => { const e = document.querySelector('[data-path=\"fluid.viscosity\"] input[type=text]'); e.value = '-4'; "
+        "e.dispatchEvent(new Event('change')); })()");
     CHECK(browser.wait_for("document.querySelector('[data-path=\"fluid.viscosity\"] .wrong').textContent.includes('out of range')"));
     CHECK(browser.wait_for("document.querySelector('[data-path=\"fluid.viscosity\"] input[type=text]').value == '200'"));
 
@@ -112,7 +115,8 @@ TEST_CASE("the page shows the run, moves it and changes it", "[live][page]") {
     CHECK(browser.wait_for("state.recorded_pictures >= 1"));
     browser.click("#record");
     CHECK(browser.wait_for("document.getElementById('notice').textContent.includes('pictures in')"));
-    CHECK(browser.evaluate("fetch(document.getElementById('save').href).then(r => r.text())").get<std::string>().find("[fluid]") != std::string::npos);
+    CHECK(browser.evaluate("fetch(document.getElementById('save').href).then(r => r.text())").get<std::string>().find("[fluid]") !=
+          std::string::npos);
     CHECK(live.end().code == 0);
 }
 
@@ -155,10 +159,14 @@ TEST_CASE("the page fits a phone and can be used with the keyboard alone", "[liv
     CHECK(live.wait_for([](const json& s) { return s.at("frame") == 2; }));
     // Text stands out from its ground by 4.5 to 1 at least (WCAG AA), in the light and in the dark scheme.
     const char* const contrast =
-        "(() => { const light = c => { const v = c.match(/[0-9.]+/g).slice(0, 3).map(x => x / 255).map(x => x <= 0.03928 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4); "
-        "return 0.2126 * v[0] + 0.7152 * v[1] + 0.0722 * v[2]; }; let least = 99; for (const e of document.querySelectorAll('p, dt, dd, label, button, summary, h1, .name span')) "
-        "{ if (!e.textContent.trim() || !e.offsetParent || e.id == 'clock' || e.disabled) continue; let g = e; while (g && getComputedStyle(g).backgroundColor == 'rgba(0, 0, 0, 0)') g = g.parentElement; "
-        "const a = light(getComputedStyle(e).color), b = light(getComputedStyle(g).backgroundColor); least = Math.min(least, (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05)); } return least; })()";
+        "(() => { const light = c => { const v = c.match(/[0-9.]+/g).slice(0, 3).map(x => x / 255).map(x => x <= 0.03928 ? x / 12.92 : ((x "
+        "+ 0.055) / 1.055) ** 2.4); "
+        "return 0.2126 * v[0] + 0.7152 * v[1] + 0.0722 * v[2]; }; let least = 99; for (const e of document.querySelectorAll('p, dt, dd, "
+        "label, button, summary, h1, .name span')) "
+        "{ if (!e.textContent.trim() || !e.offsetParent || e.id == 'clock' || e.disabled) continue; let g = e; while (g && "
+        "getComputedStyle(g).backgroundColor == 'rgba(0, 0, 0, 0)') g = g.parentElement; "
+        "const a = light(getComputedStyle(e).color), b = light(getComputedStyle(g).backgroundColor); least = Math.min(least, (Math.max(a, "
+        "b) + 0.05) / (Math.min(a, b) + 0.05)); } return least; })()";
     CHECK(browser.evaluate(contrast).get<double>() >= 4.5);
     browser.scheme("dark");
     CHECK(browser.evaluate(contrast).get<double>() >= 4.5);
@@ -170,7 +178,8 @@ TEST_CASE("the page's picture", "[.][page_picture]") {
     const char* file = std::getenv("WHORL_PICTURE");
     if (file == nullptr || missing()) return;
     test::ScratchFolder folder;
-    test::Program live({"live", "honey_coil", "--port", "8099", "--out", (folder / "run").string(), "--unpaced", "--set", "look.samples=4"});
+    test::Program live(
+        {"live", "honey_coil", "--port", "8099", "--out", (folder / "run").string(), "--unpaced", "--set", "look.samples=4"});
     REQUIRE(live.wait_until([&] { return live.output().find('\n') != std::string::npos; }));
     Browser browser(1180, 1000);
     browser.open("http://127.0.0.1:8099/");
