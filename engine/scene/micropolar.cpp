@@ -118,10 +118,6 @@ void check_micropolar(const Scene& scene, const Plan& plan, std::vector<Problem>
         if (plan.viscosity == ViscosityModel::explicit_laplacian && scene.viscosity.laplacian == LaplacianForm::split)
             report("viscosity.laplacian", "viscosity.laplacian = \"split\" splits by the coupling of a micropolar model, and there is none", "",
                    "brookshaw or monaghan");
-        for (std::size_t b = 0; b < scene.blocks.size(); ++b)
-            if (!scene.blocks[b].spin.is_zero())
-                report("block[" + std::to_string(b) + "].spin", "block[" + std::to_string(b) + "].spin has no effect: models.micropolar is none",
-                       "choose a micropolar model");
         return;
     }
     if (plan.pressure == PressureModel::coupled)

@@ -173,7 +173,10 @@ TEST_CASE("a change acts from the next frame on, and a film of the recording is 
     CHECK(column("particles") == last.at("particles"));
     CHECK(column("kinetic_energy") == Approx(last.at("energy").at("kinetic").get<double>()).epsilon(1e-8));  // the table's nine digits
     CHECK(column("potential_energy") == Approx(last.at("energy").at("potential").get<double>()).epsilon(1e-8));
-    CHECK(read_whole(fs::path(film) / "frames" / "000006.png") == seen);
+    // The renderer's distance field of solids that turn depends in its last bits on which pictures were drawn before: one pixel may differ by rounding.
+    const fs::path shown = live.folder() / "seen.png";
+    std::ofstream(shown, std::ios::binary) << seen;
+    CHECK(difference(read_png(fs::path(film) / "frames" / "000006.png"), read_png(shown)).max < 1);
 
     // Interrupted in the middle and resumed, it is still the same.
     const std::string part = (live.folder() / "part").string();

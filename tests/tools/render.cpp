@@ -64,9 +64,13 @@ std::vector<std::string> lines(const fs::path& file) {
     return all;
 }
 
-/// Without the wall and CPU seconds at the end, which no two runs share.
+/// Without the wall and CPU seconds (columns 21 and 22), which no two runs share.
 std::vector<std::string> reproducible(std::vector<std::string> rows) {
-    for (std::string& row : rows) row.resize(row.rfind(',', row.rfind(',') - 1));
+    for (std::string& row : rows) {
+        std::size_t from = 0;
+        for (int column = 1; column < 21; ++column) from = row.find(',', from) + 1;
+        row.erase(from, row.find(',', row.find(',', from) + 1) - from);
+    }
     return rows;
 }
 

@@ -70,7 +70,7 @@ void density(benchmark::State& state) {
     NeighbourSearch().find(block.x, step.support, {}, pairs);
     std::vector<Real> rho(block.x.size());
     for (auto _ : state) {
-        sum_density(pairs, {}, {}, 1, step, rho);
+        sum_density(pairs, {}, {}, 1, {}, step, rho);
         benchmark::ClobberMemory();
     }
     per_particle(state, block.x.size(), mean_neighbours(pairs));

@@ -140,7 +140,8 @@ void Screen::draw(std::optional<Renderer>& renderer, std::shared_ptr<const Frame
 
 void Screen::record(const std::filesystem::path& folder, double fps) {
     auto recorder = std::make_unique<Recorder>(folder, width_, height_, fps);
-    const std::lock_guard lock(mutex_);
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return closed_ || (!waiting_ && !busy_); });  // what was shown before is not recorded
     recorder_ = std::move(recorder);
 }
 

@@ -71,7 +71,7 @@ const std::vector<Case> cases = {
      "bad.toml:3:1: unknown key \"periodic\" in [time]; [domain] has a key of this name; allowed: end, fps, slow_motion, max_step, cfl"},
     {"[time]", "[tme]",
      "bad.toml: time.end is missing; when the run ends [s]; allowed: more than 0\n"
-     "bad.toml:1:2: unknown key \"tme\"; did you mean \"time\"?; allowed: name, seed, time, domain, fluid, models, pressure, viscosity, micropolar, boundary, block, emitter, solid, drain, probe, output, quality"},
+     "bad.toml:1:2: unknown key \"tme\"; did you mean \"time\"?; allowed: name, seed, time, domain, fluid, models, pressure, viscosity, micropolar, boundary, block, emitter, solid, drain, probe, change, output, quality"},
     {"[time]", "[[time]]",
      "bad.toml:1:3: time must be one table, [time]"},
     {"[[block]]", "[block]",
@@ -139,7 +139,7 @@ const std::vector<Case> cases = {
      "bad.toml:10:8: output.size must be a list of 2 whole numbers [pixels], not the text \"big\"\n"
      "bad.toml:11:10: output.export must be a list of texts, not the text \"mesh\"; allowed: points, mesh, vdb"},
     {"", "[outptu]\nframes = true",
-     "bad.toml:9:2: unknown key \"outptu\"; did you mean \"output\"?; allowed: name, seed, time, domain, fluid, models, pressure, viscosity, micropolar, boundary, block, emitter, solid, drain, probe, output, quality"},
+     "bad.toml:9:2: unknown key \"outptu\"; did you mean \"output\"?; allowed: name, seed, time, domain, fluid, models, pressure, viscosity, micropolar, boundary, block, emitter, solid, drain, probe, change, output, quality"},
     {"", "[quality.draft]\nfluid.spacng = 1\n[quality.coarse]\n[quality.standard]",
      "bad.toml:10:7: unknown key \"spacng\" in [fluid]; did you mean \"spacing\"?; allowed: spacing, density, viscosity, surface_tension, kernel, support\n"
      "bad.toml:11:10: unknown quality \"coarse\"; allowed: draft, fine\n"

@@ -249,7 +249,7 @@ TEST_CASE("micropolar keys that cannot be are told", "[plan][micropolar]") {
     CHECK(eddy_messages({"models.pressure=coupled"}).find("models.pressure = \"coupled\" has no micropolar terms") != std::string::npos);
     CHECK(eddy_messages({"models.micropolar=none", "viscosity.laplacian=split", "models.viscosity=explicit"}).find("splits by the coupling of a micropolar model") !=
           std::string::npos);
-    CHECK(eddy_messages({"models.micropolar=none", "block[0].spin=[0,0,1]"}).find("block[0].spin has no effect") != std::string::npos);
+    CHECK(eddy_messages({"models.micropolar=none", "block[0].spin=[0,0,1]"}).find("block[0].spin needs a micropolar model") != std::string::npos);
 }
 
 TEST_CASE("the exchange is explicit where its stable step is long enough, else implicit", "[plan][micropolar]") {

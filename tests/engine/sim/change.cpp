@@ -89,8 +89,8 @@ TEST_CASE("a change acts from the landing on: viscosity, emitter, gravity, solid
     CHECK(by.z() == Approx(0.2 * 0.1).epsilon(1e-4));
     CHECK(moved.angular_velocity.y() == Approx(-1).epsilon(1e-3));
     CHECK(simulation.world().step.gravity.y() == Approx(-5));
-    // What has been pushed out before stays; then half as much a second.
-    CHECK(simulation.emitters()[0].expected_particles() - pushed == Approx(pushed / 2).epsilon(1e-9));
+    // What has been pushed out before stays; then half as much a second, to the rounding of time steps in single precision.
+    CHECK(simulation.emitters()[0].expected_particles() - pushed == Approx(pushed / 2).epsilon(1e-6));
 }
 
 TEST_CASE("a run resumed after a change is the run that went on", "[sim][change]") {
