@@ -78,14 +78,14 @@ void ConstraintPressure::operator()(const FluidPairs& pairs, const SolidPairs& s
         // What an impact has pressed together is pushed apart no faster than 5 % of its density allow, or it would jump.
         const Real excess = std::min(rho[i] - rho_0, rho_0 / 20);
         b_[at(i)] += (excess > 0 ? static_cast<Real>(options_.correction) : Real(1)) * excess / step.dt;
-        p[i] = D_.diagonal[at(i)] > 0 ? p[i] * step.dt / (rho[i] * rho[i]) : 0;  // q
+        p[i] = D_.diagonal[at(i)] > 0 ? p[i] / D_.virial[at(i)] * step.dt / (rho[i] * rho[i]) : 0;  // q
     });
     ConstraintMatrix matrix{D_, {}, Column<Vec3>(at(n))};
     report.solves.push_back({"pressure", solve(matrix, step, p.values)});
     D_.transposed(p.values, matrix.force);
     parallel_for(n, [&](Index i) {
         u[i] -= matrix.force[at(i)];
-        p[i] *= rho[i] * rho[i] / step.dt;
+        p[i] *= D_.virial[at(i)] * rho[i] * rho[i] / step.dt;
     });
 }
 

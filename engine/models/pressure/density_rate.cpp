@@ -1,5 +1,6 @@
 #include "engine/models/pressure/density_rate.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -13,7 +14,7 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
-WallImage::WallImage(KernelKind kind, Real support, Real d) : spacing(d), nearest(d / 20) {
+WallImage::WallImage(KernelKind kind, Real support, Real d) : spacing(d), nearest(d / 2) {
     with_kernel(kind, support, [&](const auto& W) {
         const int reach = static_cast<int>(std::ceil(support / d));
         // Value and pull along the normal of a layer of the lattice k spacings away.
@@ -46,11 +47,12 @@ void DensityRate::build(const WallImage& wall, const FluidPairs& pairs, const So
     own.resize(n);
     diagonal.resize(n);
     free.resize(n);
+    virial.resize(n);
     const Real m = step.mass;
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(pairs.size(), [&](Index i) {
             Vec3 fluid = Vec3::Zero();
-            Real density = m * W.value(0), squares = 0, change = 0;
+            Real density = m * W.value(0), squares = 0, change = 0, pull = 0;
             std::size_t k = first[at(i)];
             pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
                 const Vec3 g = m * W.derivative(distance) / std::max(distance, smallest) * r;
@@ -58,10 +60,11 @@ void DensityRate::build(const WallImage& wall, const FluidPairs& pairs, const So
                 fluid += g;
                 squares += g.squaredNorm();
                 density += m * W.value(distance);
+                pull -= m * W.derivative(distance) * distance;
                 change += g.dot(u[i] - u[j]);
             });
             Vec3 walls = Vec3::Zero();
-            Real w = 0, wall_change = 0;
+            Real w = 0, wall_change = 0, wall_pull = 0;
             if (solid.size() > 0)
                 solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
                     const Real V = wall.factor * solid.volume[at(s)];
@@ -74,6 +77,7 @@ void DensityRate::build(const WallImage& wall, const FluidPairs& pairs, const So
                         distance = std::sqrt(std::max(Real(0), r.squaredNorm() - height * height) + image * image);
                     }
                     w += V * W.value(distance);
+                    wall_pull -= V * W.derivative(distance) * distance;
                     g *= V * W.derivative(distance) / std::max(distance, smallest);
                     walls += g;
                     wall_change += g.dot(u[i] - solid.velocity[at(s)]);
@@ -85,6 +89,7 @@ void DensityRate::build(const WallImage& wall, const FluidPairs& pairs, const So
             own[at(i)] = f * (fluid + density_i * walls);
             free[at(i)] = role[i] == 0;
             diagonal[at(i)] = role[i] == 0 ? own[at(i)].squaredNorm() + f * f * squares : 0;
+            virial[at(i)] = std::clamp(f * (pull / density_i + wall_pull) / 3, Real(0.8), Real(1.5));  // a surface particle has no pressure to speak of
             rho[at(i)] = density_i;
             rate[at(i)] = f * (change + density_i * wall_change);
         });
