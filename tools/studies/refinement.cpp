@@ -25,7 +25,9 @@ pressure = "wcsph"
 viscosity = "explicit"
 [pressure]
 sound_speed = 10
-background_pressure = 10000
+background_pressure = 1000
+sound_damping = 0
+artificial_viscosity = 0
 [[block]]
 shape = "box"
 min = [0, 0, 0]
