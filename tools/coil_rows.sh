@@ -28,11 +28,14 @@ printf '%3s %6s %6s %6s %8s | %22s %7s %6s | %20s %6s %6s | %6s %6s %6s\n' \
 for row in "${rows[@]}"; do
     IFS=, read -r speed fall nu frequency radius _ < <(sed -n "$((row + 1))p" "$theory")
     folder=$out/row$row-$spacing
-    # The fall takes no longer than fall/speed; what was laid goes after 0.6 of a turn.
+    # The fall takes no longer than fall/speed; what was laid goes after 0.6 of a turn; the plate circles until the thread has been down for 1.5 turns.
     end=$(awk "BEGIN { print $fall / $speed + $turns / $frequency }")
+    circle=$(awk "BEGIN { printf \"%g*max(0, min(1, (%g-t)*%g))\", $radius, $fall / $speed + 1.5 / $frequency, $frequency }")
+    phase=$(awk "BEGIN { printf \"(%g*t)\", 6.283185 * $frequency }")
     "$whorl" render "$top/scenes/studies/coil_on_plate.toml" --no-images --quiet --out "$folder" \
         --set "fluid.spacing=$spacing" --set "fluid.viscosity=$(awk "BEGIN { print 1000 * $nu }")" \
         --set "emitter[0].speed=$speed" --set "emitter[0].position=[0, $fall, 0]" \
+        --set "solid[0].position=[\"$circle*cos$phase\", \"0\", \"$circle*sin$phase\"]" \
         --set "drain[0].after=$(awk "BEGIN { print 0.6 / $frequency }")" --set "time.end=$end" > "$folder.log" 2>&1 ||
         { echo "row $row failed, see $folder.log"; continue; }
     cpu=$(sed -n 's/.*"cpu_seconds": *\([0-9.]*\).*/\1/p' "$folder/run.json" | head -1)

@@ -34,16 +34,15 @@ struct CoilProbe::Step {
     };
     std::vector<Place> fluid;
     double spacing = 0;
-    double opening = 0;   ///< m, height of the nozzle; where there is none, of the highest fluid
+    double opening = 0;    ///< m, height of the nozzle; where there is none, of the highest fluid
     double fastest_z = 0;  ///< m, upper side of the fastest layer
-    double slice = 0;     ///< particles in a layer of thread
+    double slice = 0;      ///< particles in a layer of thread
     bool pile = false;
     double pile_top = 0;  ///< m
     CoilTurns::Sight sight;
 };
 
-CoilProbe::CoilProbe(const ProbeKeys& keys)
-    : point_(keys.axis_point), up_(keys.axis_direction.normalized()), height_(keys.height) {
+CoilProbe::CoilProbe(const ProbeKeys& keys) : point_(keys.axis_point), up_(keys.axis_direction.normalized()), height_(keys.height) {
     across_x_ = up_.unitOrthogonal();
     across_y_ = up_.cross(across_x_);
 }
@@ -51,8 +50,7 @@ CoilProbe::CoilProbe(const ProbeKeys& keys)
 CoilProbe::Step CoilProbe::look(const World& world) const {
     const auto x = world.fluid.column<field::position>();
     const auto u = world.fluid.column<field::velocity>();
-    const Span<const std::int16_t> role =
-        world.fluid.has<field::role>() ? world.fluid.column<field::role>() : Span<const std::int16_t>();
+    const Span<const std::int16_t> role = world.fluid.has<field::role>() ? world.fluid.column<field::role>() : Span<const std::int16_t>();
     const Vec3d carried = pile_velocity(u, role);
     Step step;
     step.spacing = static_cast<double>(world.step.spacing);
@@ -103,7 +101,8 @@ void CoilProbe::find_pile(Step& step) const {
         met += slow[l];
         if (met < step.slice / 2) continue;
         step.pile = true;
-        step.pile_top = (static_cast<double>(l) + 0.5) * thickness + step.spacing / 2;  // half a spacing from the last centre to the surface
+        step.pile_top =
+            (static_cast<double>(l) + 0.5) * thickness + step.spacing / 2;  // half a spacing from the last centre to the surface
     }
 }
 

@@ -11,7 +11,8 @@ namespace whorl {
 namespace field {
 struct time_in_drain {
     using type = Real;
-    static constexpr std::string_view name = "time_in_drain", unit = "s", meaning = "how long the particle has been inside a drain, without leaving it";
+    static constexpr std::string_view name = "time_in_drain", unit = "s",
+                                      meaning = "how long the particle has been inside a drain, without leaving it";
 };
 }  // namespace field
 
@@ -20,7 +21,8 @@ struct Drain {
     Real after = 0;  ///< s: fluid that has been inside for this long is gone
 };
 
-/// Takes away what the drains let go at the end of a step of length dt [s]; the order of the rest stays. The store must have field::time_in_drain.
+/// Takes away what the drains let go at the end of a step of length dt [s]; the order of the rest stays. The store must have
+/// field::time_in_drain.
 /// @return how many particles went
 Index drain(ParticleStore& fluid, const std::vector<Drain>& drains, Real dt);
 

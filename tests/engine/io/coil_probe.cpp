@@ -13,9 +13,10 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-/// A steadily coiling thread of speed U on a pile that grows by a thread's thickness a turn, as particles in a jittered filling of the thread.
-/// The centre line, in axes that turn with the contact: s = 0 at the contact, q = s/L, radius R (1 - q^3)^2, slope sin^2(pi q/2): as in the theory
-/// (Ribe 2004) the thread touches down horizontally, at rest, with the curvature 1/R of the turn laid before; upright at s = L.
+/// A steadily coiling thread of speed U on a pile that grows by a thread's thickness a turn, as particles in a jittered filling of the
+/// thread. The centre line, in axes that turn with the contact: s = 0 at the contact, q = s/L, radius R (1 - q^3)^2, slope sin^2(pi q/2):
+/// as in the theory (Ribe 2004) the thread touches down horizontally, at rest, with the curvature 1/R of the turn laid before; upright at s
+/// = L.
 struct CoilingThread {
     double R = 0.0177, a = 0.0051, U = 0.25, d = 0.002, frequency = 2.1, noise = 0.2;
     double drift = 0;  ///< relative change of the frequency a second
@@ -51,7 +52,8 @@ struct CoilingThread {
         double phi = 0, z = 0;
         for (double s = 0; s < L + 0.03; s += d) {
             const double q = std::min(1.0, s / L), r = R * std::pow(1 - q * q * q, 2), dr = -6 * R * q * q / L * (1 - q * q * q);
-            const double dz = std::sqrt(1 - dr * dr) * std::pow(std::sin(pi / 2 * q), 2), along = std::sqrt(std::max(0.0, 1 - dr * dr - dz * dz));
+            const double dz = std::sqrt(1 - dr * dr) * std::pow(std::sin(pi / 2 * q), 2),
+                         along = std::sqrt(std::max(0.0, 1 - dr * dr - dz * dz));
             const Vec3d radial(std::cos(phase + phi), 0, std::sin(phase + phi)), around(-std::sin(phase + phi), 0, std::cos(phase + phi));
             const Vec3d tangent = dr * radial + along * around + dz * Vec3d::UnitY();
             // velocity seen from the room: along the thread, and turning with it (laid at rest: U = turning R at the contact)
@@ -107,9 +109,10 @@ TEST_CASE("the coil probe reads frequency and radius of a coiling thread within 
     CHECK(row[8] == Approx(row[5] / 2));
 }
 
-// The mean over the newest four turns: at t the ground that the thread landed on about two turns ago, so the fall is longer by two turns' growth
-// of the pile, 4 a. The pile's growth within a sight's range of speeds and the layers cost a spacing each.
-TEST_CASE("the coil probe's fall is from the top of the thread to the ground that its last turns landed on, to two spacings", "[io][probe]") {
+// The mean over the newest four turns: at t the ground that the thread landed on about two turns ago, so the fall is longer by two turns'
+// growth of the pile, 4 a. The pile's growth within a sight's range of speeds and the layers cost a spacing each.
+TEST_CASE("the coil probe's fall is from the top of the thread to the ground that its last turns landed on, to two spacings",
+          "[io][probe]") {
     CoilingThread thread;
     thread.frequency = thread.U / (2 * pi * thread.R);
     CoilProbe probe(upright_axis());
@@ -122,8 +125,8 @@ TEST_CASE("the coil probe's fall is from the top of the thread to the ground tha
     CHECK(row[9] == Approx(top - thread.ground(t) + 2 * thread.a * 2.2).margin(2 * thread.d));
 }
 
-// Where the thread is 1.5 particles in radius, or every particle off its place by half a spacing, a slice's mean is good to d/sqrt(7), a turn's to
-// a tenth of that: 4 % stands for the probe's own ranges, which hold a particle or two each.
+// Where the thread is 1.5 particles in radius, or every particle off its place by half a spacing, a slice's mean is good to d/sqrt(7), a
+// turn's to a tenth of that: 4 % stands for the probe's own ranges, which hold a particle or two each.
 TEST_CASE("few particles, noise, the other direction or an axis beside the coil's leave frequency and radius within 4 %", "[io][probe]") {
     CoilingThread thread;
     thread.frequency = thread.U / (2 * pi * thread.R);

@@ -1,0 +1,73 @@
+/// A whole coil: emission, fall, contact, probe, against slender-thread theory.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "engine/io/probes.h"
+#include "engine/scene/read.h"
+#include "engine/sim/simulation.h"
+
+using namespace whorl;
+
+namespace {
+
+struct CoilCase {
+    double speed, fall, nu;    ///< m/s, m, m^2/s
+    double frequency, radius;  ///< Hz, m: slender-thread theory (Ribe 2004) for a nozzle of 5 mm radius
+};
+
+/// A thread that coils on a plate; what was laid goes after 0.6 of a turn, so that no heap shortens the fall. The plate circles as the coil
+/// will until the thread has been down for 1.5 turns: else it folds for some turns first.
+Scene coil_on_plate(const CoilCase& c, double spacing, double turns) {
+    std::ostringstream text, circle, phase;
+    circle << c.radius << "*max(0, min(1, (" << c.fall / c.speed + 1.5 / c.frequency << "-t)*" << c.frequency << "))";
+    phase << "(" << 2 * std::numbers::pi * c.frequency << "*t)";
+    text << "[time]\nend = " << c.fall / c.speed + turns / c.frequency
+         << "\n[domain]\nmin = [-0.12, -0.02, -0.12]\nmax = [0.12, 0.22, 0.12]\n"
+         << "[fluid]\nspacing = " << spacing << "\nviscosity = " << 1000 * c.nu << "\n[models]\npressure = \"coupled\"\n"
+         << "[[emitter]]\nposition = [0, " << c.fall << ", 0]\nradius = 5e-3\nspeed = " << c.speed << "\n"
+         << "[[solid]]\nshape = \"cylinder\"\nfrom = [0, -0.01, 0]\nto = [0, 0, 0]\nradius = 0.1\n"
+         << "position = [\"" << circle.str() << "*cos" << phase.str() << "\", \"0\", \"" << circle.str() << "*sin" << phase.str() << "\"]\n"
+         << "[[drain]]\nshape = \"cylinder\"\nfrom = [0, 0, 0]\nto = [0, 0.012, 0]\nradius = 0.12\nafter = " << 0.6 / c.frequency << "\n"
+         << "[[probe]]\nname = \"coil\"\nkind = \"coil\"\n";
+    return read_scene_text(text.str(), "coil.toml");
+}
+
+/// time, frequency, radius, turns, spreads, pile_height, uncertainties, fall
+std::vector<double> measured(const CoilCase& c, double spacing, double turns) {
+    const Scene scene = coil_on_plate(c, spacing, turns);
+    Simulation simulation(scene, make_plan(scene));
+    const auto probe = make_probe(scene.probes.at(0), simulation.world());
+    while (simulation.time() < scene.time.end) {
+        REQUIRE_FALSE(simulation.step(scene.time.end).diverged);
+        probe->after_step(simulation.world(), simulation.time());
+    }
+    CHECK(simulation.totals().lost_particles == 0);
+    std::vector<double> values;
+    std::istringstream row(probe->rows(simulation.world(), simulation.time()));
+    for (std::string cell; std::getline(row, cell, ',');) values.push_back(cell.empty() || cell == "\n" ? NAN : std::stod(cell));
+    return values;
+}
+
+}  // namespace
+
+// The aims of the comparison themselves, at 2.5 particles across the nozzle's radius: 10 % of the frequency, 15 % of the radius. Measured
+// there and at finer spacings: docs/coils.md. The probe's own uncertainty after seven turns is 1 to 2 %.
+TEST_CASE(
+    "coils in the viscous and in the inertio-gravitational regime turn as slender-thread theory says, within 10 %, on its radius within 15 "
+    "%",
+    "[validation][coil]") {
+    const CoilCase cases[] = {{0.25, 0.08, 1.0, 2.139, 0.017737}, {0.1, 0.12, 0.2, 1.5221, 0.016686}, {0.25, 0.08, 0.05, 3.371, 0.013175}};
+    for (const CoilCase& c : cases) {
+        INFO(c.speed << " m/s from " << c.fall << " m, " << c.nu << " m^2/s");
+        const std::vector<double> row = measured(c, 2e-3, 7);
+        REQUIRE(row.size() >= 10);
+        CHECK(row[1] == Approx(c.frequency).epsilon(0.1));
+        CHECK(row[2] == Approx(c.radius).epsilon(0.15));
+        CHECK(row[3] > 4);
+        CHECK(row[9] == Approx(c.fall).epsilon(0.03));  // no heap
+    }
+}
