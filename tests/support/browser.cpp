@@ -132,7 +132,7 @@ json Browser::call(const std::string& method, const json& parameters, bool of_pa
 }
 
 int Browser::open(const std::string& url) {
-    const std::string target = call("Target.createTarget", {{"url", url}, {"width", width_}, {"height", height_}}, false).at("targetId");
+    const std::string target = call("Target.createTarget", {{"url", url}, {"width", width_}, {"height", height_}, {"newWindow", true}}, false).at("targetId");
     pages_.push_back({target, call("Target.attachToTarget", {{"targetId", target}, {"flatten", true}}, false).at("sessionId")});
     front_ = pages_.size() - 1;
     call("Page.enable");
