@@ -132,7 +132,7 @@ json Browser::call(const std::string& method, const json& parameters, bool of_pa
 }
 
 int Browser::open(const std::string& url) {
-    const std::string target = call("Target.createTarget", {{"url", url}, {"width", width_}, {"height", height_}, {"newWindow", true}}, false).at("targetId");
+    const std::string target = call("Target.createTarget", {{"url", url}}, false).at("targetId");
     pages_.push_back({target, call("Target.attachToTarget", {{"targetId", target}, {"flatten", true}}, false).at("sessionId")});
     front_ = pages_.size() - 1;
     call("Page.enable");
@@ -164,7 +164,8 @@ json Browser::evaluate(const std::string& expression) {
 bool Browser::wait_for(const std::string& expression, double seconds) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
     while (std::chrono::steady_clock::now() < end) {
-        if (evaluate("!!(" + expression + ")") == true) return true;
+        // Before the page has been read, what the expression looks for is not there yet.
+        if (evaluate("(() => { try { return !!(" + expression + "); } catch (e) { return false; } })()") == true) return true;
         std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }
     return false;

@@ -172,7 +172,7 @@ TEST_CASE("a plan tells models with reasons, fields, stages in order and the lim
     for (const auto& limit : json.at("limits")) binding += limit.at("binds").get<bool>();
     CHECK(binding == 1);
     const auto& cost = json.at("cost");
-    CHECK(cost.at("iterations_per_step").get<double>() > 0);
+    CHECK(cost.at("iterations_per_step").get<double>() >= 0);  // water at rest on a lattice may need none
     CHECK(cost.at("film_seconds").get<double>() > cost.at("last_frame_seconds").get<double>());
     CHECK(cost.at("bytes_a_particle").get<double>() > json.at("bytes_a_particle").get<double>());
     CHECK(whorl_in(folder, "plan s.toml").text.find("stages of a step, in order") != std::string::npos);
