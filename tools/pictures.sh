@@ -15,7 +15,7 @@ picture() {
   rm -r "$folder"
 }
 
-picture honey_coil 52
+picture honey_coil 54
 picture honey_ball 62 --quality draft --set look.samples=4
 picture dam_break 16 --quality draft --set look.samples=4
 
