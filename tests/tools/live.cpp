@@ -173,7 +173,8 @@ TEST_CASE("a change acts from the next frame on, and a film of the recording is 
     CHECK(column("particles") == last.at("particles"));
     CHECK(column("kinetic_energy") == Approx(last.at("energy").at("kinetic").get<double>()).epsilon(1e-8));  // the table's nine digits
     CHECK(column("potential_energy") == Approx(last.at("energy").at("potential").get<double>()).epsilon(1e-8));
-    // The renderer's distance field of solids that turn depends in its last bits on which pictures were drawn before: one pixel may differ by rounding.
+    // From the same particles, meshes and poses, a renderer that drew other pictures before gives some pixels that differ by rounding (one here; so does
+    // a film that was resumed). It is not the solids' distance field, made anew for each picture; the cause is not known.
     const fs::path shown = live.folder() / "seen.png";
     std::ofstream(shown, std::ios::binary) << seen;
     CHECK(difference(read_png(fs::path(film) / "frames" / "000006.png"), read_png(shown)).max < 1);
