@@ -25,6 +25,7 @@ const char* __tsan_default_suppressions() {
 
 #ifdef __SANITIZE_THREAD__
 #include <omp.h>
+#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <atomic>
@@ -52,6 +53,9 @@ struct Team {
     }
 };
 thread_local Team* own_team = nullptr;
+
+/// TBB is not instrumented either: its algorithms, which OpenVDB uses, run on the thread that calls them.
+const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
 
 }  // namespace
 

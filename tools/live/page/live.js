@@ -23,13 +23,12 @@ async function control(order) {
 }
 
 // One request at a time; what is set meanwhile goes out together, the newest value of each key.
-let waiting = {}, sending = false;
+let waiting = {}, sending = null;
 function set(changes) {
   Object.assign(waiting, changes);
-  if (!sending) send();
+  if (!sending) sending = send().finally(() => { sending = null; });
 }
 async function send() {
-  sending = true;
   while (Object.keys(waiting).length > 0) {
     const changes = waiting;
     waiting = {};
@@ -41,7 +40,6 @@ async function send() {
     }
     if (!reply.ok) say(reply.error, true);
   }
-  sending = false;
 }
 
 function say(text, bad) {
@@ -303,7 +301,7 @@ const actions = {
   play: () => control({do: !state || state.state === 'running' ? (state && state.playing ? 'pause' : 'play') : 'restart'}),
   step: () => control({do: 'step'}),
   restart: () => { say(''); return control({do: 'restart'}); },
-  undo: () => { if (state && state.can_undo) control({do: 'undo'}); },
+  undo: async () => { await sending; control({do: 'undo'}); },  // what has just been moved counts, too
   record: () => control({do: state && state.recorded_pictures !== null ? 'stop_recording' : 'record'}),
 };
 for (const [name, act] of Object.entries(actions)) $(name).onclick = act;
