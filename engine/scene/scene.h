@@ -153,6 +153,11 @@ struct ChangeKeys {
     Value value;
 };
 
+struct PanelKeys {
+    std::string label;             ///< written on it
+    std::vector<std::string> set;  ///< "key=value", what this panel has of its own
+};
+
 struct OutputKeys {
     bool frames = true, video = true;
     double checkpoint_every = 5;  ///< s of wall time
@@ -176,6 +181,7 @@ struct Scene {
     std::vector<DrainKeys> drains;
     std::vector<ProbeKeys> probes;
     std::vector<ChangeKeys> changes;
+    std::vector<PanelKeys> panels;  ///< side by side in one film; none: the scene itself
     OutputKeys output;
     std::uint64_t seed = 1;
 

@@ -218,6 +218,13 @@ KeyTable change_keys() {
     return t;
 }
 
+KeyTable panel_keys() {
+    KeyTableOf<PanelKeys> t("one of several runs of this scene, side by side in one film, frame by frame; each is a run of its own in panels/1, panels/2, ...");
+    t.key("label", &PanelKeys::label, "", "written on it");
+    t.key("set", &PanelKeys::set, "", "what it has of its own, as in [\"models.micropolar=none\", \"fluid.spacing=2e-3\"]");
+    return t;
+}
+
 KeyTable output_keys() {
     KeyTableOf<OutputKeys> t("what is written into the run folder");
     t.key("frames", &OutputKeys::frames, "", "pictures: frames/000001.png ...");
@@ -246,6 +253,7 @@ KeyTable root_keys() {
     t.list("drain", &Scene::drains, drain_keys());
     t.list("probe", &Scene::probes, probe_keys()).not_deciding();
     t.list("change", &Scene::changes, change_keys());
+    t.list("panel", &Scene::panels, panel_keys()).not_deciding();
     t.part("output", &Scene::output, output_keys()).not_deciding();
     return t;
 }
