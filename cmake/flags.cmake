@@ -20,9 +20,16 @@ if(WHORL_SANITIZE)
   target_compile_options(whorl_flags INTERFACE -fsanitize=${WHORL_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer -O1 -g1)
   target_link_options(whorl_flags INTERFACE -fsanitize=${WHORL_SANITIZE})
 endif()
+# What computes nothing to speak of (reading scenes, the command line, tests) is optimised little: that halves its compile time. A target says so
+# by the property WHORL_COLD, sources of a hot target by cold_sources().
 if(NOT CMAKE_BUILD_TYPE STREQUAL "Debug" AND NOT WHORL_SANITIZE)
-  target_compile_options(whorl_flags INTERFACE -O3)
+  target_compile_options(whorl_flags INTERFACE $<IF:$<BOOL:$<TARGET_PROPERTY:WHORL_COLD>>,-O1,-O3>)
 endif()
+function(cold_sources)
+  if(NOT CMAKE_BUILD_TYPE STREQUAL "Debug")
+    set_property(SOURCE ${ARGN} APPEND PROPERTY COMPILE_OPTIONS -O1)
+  endif()
+endfunction()
 
 # What nearly every source includes, compiled once for a target (two fifths of its compile time), with what else most of the target's sources include.
 function(precompile_headers target)
