@@ -157,7 +157,8 @@ Json LiveServer::Http::described() const {
             {"scenes", scenes}};
 }
 
-/// MJPEG: each viewer gets the newest picture when the one before has gone out; what it misses is dropped.
+/// MJPEG: each viewer gets the newest picture when the one before has gone out; what it misses is dropped. The boundary follows each picture at once:
+/// browsers show a picture when they see its end, and a run that pauses has no next one.
 void LiveServer::Http::stream(const Request&, Response& response) {
     const auto seat = pictures.take();
     if (!seat) return refuse(response, 503, "too many viewers");
@@ -169,12 +170,14 @@ void LiveServer::Http::stream(const Request&, Response& response) {
                 if (ending || !sink.is_writable()) return false;
                 const auto picture = screen.after(*seen, patience);
                 if (!picture) continue;
+                const bool first = *seen == 0;
                 *seen = picture->number;
                 const std::string& jpeg = picture->jpeg();
                 const std::string head =
-                    fmt::format("--picture\r\nContent-Type: image/jpeg\r\nContent-Length: {}\r\nX-Time: {}\r\nX-Frame: {}\r\n\r\n",
-                                jpeg.size(), picture->time, picture->frame);
-                return sink.write(head.data(), head.size()) && sink.write(jpeg.data(), jpeg.size()) && sink.write("\r\n", 2);
+                    fmt::format("{}Content-Type: image/jpeg\r\nContent-Length: {}\r\nX-Time: {}\r\nX-Frame: {}\r\n\r\n",
+                                first ? "--picture\r\n" : "", jpeg.size(), picture->time, picture->frame);
+                const std::string end = "\r\n--picture\r\n";
+                return sink.write(head.data(), head.size()) && sink.write(jpeg.data(), jpeg.size()) && sink.write(end.data(), end.size());
             }
         },
         [seat](bool) {});
