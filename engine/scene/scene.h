@@ -163,6 +163,7 @@ struct OutputKeys {
     double checkpoint_every = 5;  ///< s of wall time
     std::vector<std::string> exports;  ///< points, mesh, vdb
     std::array<int, 2> size{1280, 720};  ///< pixels, width and height, even
+    std::optional<int> panel_columns;    ///< of a film of panels; none: as many as there are, in a square from four on
 };
 
 struct Scene {

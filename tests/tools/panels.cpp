@@ -57,12 +57,21 @@ nlohmann::json run_json(const fs::path& folder) { return nlohmann::json::parse(r
 
 }  // namespace
 
-TEST_CASE("panels stand in a row of two or three, more of them in a square") {
-    CHECK(panel_columns(1) == 1);
-    CHECK(panel_columns(2) == 2);
-    CHECK(panel_columns(3) == 3);
-    CHECK(panel_columns(4) == 2);
-    CHECK(panel_columns(5) == 3);
+TEST_CASE("panels stand in a row of two or three, more of them in a square, or as the scene says") {
+    Scene scene;
+    const auto columns = [&](std::size_t panels) {
+        scene.panels.resize(panels);
+        return panel_columns(scene);
+    };
+    CHECK(columns(1) == 1);
+    CHECK(columns(2) == 2);
+    CHECK(columns(3) == 3);
+    CHECK(columns(4) == 2);
+    CHECK(columns(5) == 3);
+    scene.output.panel_columns = 1;
+    CHECK(columns(2) == 1);
+    scene.output.panel_columns = 9;
+    CHECK(columns(2) == 2);
 }
 
 TEST_CASE("panels that show the same field share the range of the colour map") {

@@ -120,7 +120,7 @@ private:
                 images.push_back(read_png(picture_file(panel_folder(folder_.path(), k), frame)));
                 draw_label(images.back(), scenes_[k].look, scene_.panels[k].label);
             }
-            const Image whole = side_by_side(images, panel_columns(scenes_.size()), gap, width, height);
+            const Image whole = side_by_side(images, panel_columns(scene_), gap, width, height);
             write_png(picture_file(folder_.path(), frame), whole);
             if (encoder) encoder->add(whole);
         }
@@ -154,12 +154,14 @@ private:
 
 }  // namespace
 
-int panel_columns(std::size_t panels) {
+int panel_columns(const Scene& scene) {
+    const std::size_t panels = scene.panels.size();
+    if (scene.output.panel_columns) return std::min(*scene.output.panel_columns, static_cast<int>(panels));
     return panels <= 3 ? static_cast<int>(panels) : static_cast<int>(std::ceil(std::sqrt(static_cast<double>(panels))));
 }
 
 std::vector<SceneFile> panel_scenes(const SceneFile& file) {
-    const int count = static_cast<int>(file.scene.panels.size()), columns = panel_columns(file.scene.panels.size());
+    const int count = static_cast<int>(file.scene.panels.size()), columns = panel_columns(file.scene);
     const int rows = (count + columns - 1) / columns;
     SceneFile alone = file;
     alone.scene.panels.clear();

@@ -13,8 +13,8 @@ namespace whorl {
 /// range, so that equal colours mean equal values. @throws InputError with what is wrong with a panel's keys
 std::vector<SceneFile> panel_scenes(const SceneFile& file);
 
-/// How many panels stand in a row: all of two or three, else about as many as there are rows.
-int panel_columns(std::size_t panels);
+/// How many panels stand in a row: as the scene says, else all of two or three, from four on about as many as there are rows.
+int panel_columns(const Scene& scene);
 
 enum class PanelRuns { anew, go_on };
 /// @return as run_scene(); where a panel diverged the film ends with its last picture
