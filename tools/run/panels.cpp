@@ -33,16 +33,18 @@ fs::path panel_folder(const fs::path& run_folder, std::size_t panel) { return ru
 
 std::string name_of(const PanelKeys& panel, std::size_t k) { return panel.label.empty() ? std::to_string(k + 1) : panel.label; }
 
-/// The range of each map that several panels draw with: one that holds them all.
+/// The range of each map that several panels draw with: one that holds them all. Places the fluid of every panel for it.
+/// @throws InputError where a panel's scene is impossible
 void share_ranges(std::vector<SceneFile>& panels) {
     std::map<std::pair<std::string, std::string>, std::array<float, 2>> shared;
     const auto wants = [](const LookOptions& look) { return shows_field(look) && look.range[0] == look.range[1]; };
-    for (const SceneFile& panel : panels)
-        if (wants(panel.look)) {
-            const auto range = film_range(panel.look, Simulation(panel.scene, make_plan(panel.scene)));
-            const auto [it, first] = shared.try_emplace({panel.look.field, panel.look.colour_map}, range);
-            it->second = {std::min(it->second[0], range[0]), std::max(it->second[1], range[1])};
-        }
+    for (const SceneFile& panel : panels) {
+        const Simulation start(panel.scene, make_plan(panel.scene));  // an impossible scene ends here, before anything is written
+        if (!wants(panel.look)) continue;
+        const auto range = film_range(panel.look, start);
+        const auto [it, first] = shared.try_emplace({panel.look.field, panel.look.colour_map}, range);
+        it->second = {std::min(it->second[0], range[0]), std::max(it->second[1], range[1])};
+    }
     for (SceneFile& panel : panels)
         if (wants(panel.look)) panel.look.range = shared.at({panel.look.field, panel.look.colour_map});
 }
@@ -180,6 +182,7 @@ std::vector<SceneFile> panel_scenes(const SceneFile& file) {
                 changes.back().source = file.scene.place(name);
             }
             scenes.push_back(changed(alone, changes));
+            scenes.back().scene.places = file.scene.places;  // what is wrong with it is told by the places in the file
         } catch (const InputError& error) {
             for (Problem problem : error.problems()) {
                 problem.place = file.scene.place(name);
