@@ -48,7 +48,7 @@ struct DomainKeys {
 struct FluidKeys {
     double spacing = 0;          ///< m
     double density = 1000;       ///< kg/m^3
-    Expression viscosity{0.0};   ///< Pa s, of x, y, z at the start
+    Expression viscosity{0.0};   ///< Pa s, of x, y, z at the start and of age
     double surface_tension = 0;  ///< N/m
     std::optional<KernelKind> kernel;  ///< none: "auto", what the models want (Plan::kernel decides)
     std::optional<double> support;     ///< kernel radius over spacing; none: "auto" (Plan::support decides)
@@ -120,6 +120,7 @@ struct EmitterKeys {
     Expression speed{0.0};        ///< m/s, of t; the mean over the opening
     double start = 0, stop = 1e300;   ///< s
     Profile profile = Profile::plug;
+    std::optional<Expression> viscosity;  ///< Pa s, of x, y, z at the start and of age; none: the fluid's
 };
 
 struct SolidKeys {
@@ -127,6 +128,7 @@ struct SolidKeys {
     VectorExpression position, rotation;  ///< m; rad/s about the solid's own axes; of t
     bool inside = false;          ///< the fluid is inside the shape
     Slip slip = Slip::no;
+    double slip_length = 0;       ///< m, Navier's: the fluid seems to rest this far behind the surface
     std::string material;         ///< of the look
 };
 
@@ -181,6 +183,13 @@ struct Scene {
 
     std::string directory;               ///< of the scene file: mesh files are found from here
     std::map<std::string, Place> places;  ///< where each given key stands: "emitter[0].position" -> file:line:column
+    /// Viscosity of what comes from emitter k - 1, or (k = 0) is there at the start.
+    const Expression& viscosity_of_source(std::size_t k) const {
+        return k > 0 && emitters[k - 1].viscosity ? *emitters[k - 1].viscosity : fluid.viscosity;
+    }
+    /// Whether any of them changes with age; and whether any depends on the place, too.
+    bool viscosity_ages() const;
+    bool viscosity_ages_by_place() const;
     /// Where `key` stands, or the nearest enclosing table that was given.
     Place place(const std::string& key) const;
 };

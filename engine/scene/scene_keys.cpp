@@ -48,7 +48,7 @@ KeyTable fluid_keys() {
     KeyTableOf<FluidKeys> t("the fluid and its particles");
     t.key("spacing", &FluidKeys::spacing, "m", "initial distance between particles").required().above(0);
     t.key("density", &FluidKeys::density, "kg/m^3", "density at rest").above(0);
-    t.key("viscosity", &FluidKeys::viscosity, "Pa s", "dynamic viscosity, where the particle is at the start").at_least(0).of("xyz").live();
+    t.key("viscosity", &FluidKeys::viscosity, "Pa s", "dynamic viscosity, of the particle's place at the start and of its age in s").at_least(0).of("xyza").live();
     t.key("surface_tension", &FluidKeys::surface_tension, "N/m", "surface tension").at_least(0).live();
     t.key("kernel", &FluidKeys::kernel, "", "smoothing kernel; auto: wendland_c2 with pressure \"coupled\", else cubic");
     t.key("support", &FluidKeys::support, "spacings", "kernel radius; auto: 3 with pressure \"coupled\", else 2").at_least(1.2).at_most(6);
@@ -173,6 +173,7 @@ KeyTable emitter_keys() {
     t.key("start", &EmitterKeys::start, "s", "when it opens").at_least(0).live();
     t.key("stop", &EmitterKeys::stop, "s", "when it closes").above(0).live();
     t.key("profile", &EmitterKeys::profile, "", "speed over the opening");
+    t.key("viscosity", &EmitterKeys::viscosity, "Pa s", "of what comes from here; auto: fluid.viscosity").at_least(0).of("xyza");
     return t;
 }
 
@@ -183,6 +184,7 @@ KeyTable solid_keys() {
     t.key("rotation", &SolidKeys::rotation, "rad/s", "turns it about its own axes").of("t").live();
     t.key("inside", &SolidKeys::inside, "", "the fluid is inside the shape: a container");
     t.key("slip", &SolidKeys::slip, "", "whether the fluid sticks").live();
+    t.key("slip_length", &SolidKeys::slip_length, "m", "the fluid slides as if it stuck this far behind the surface (Navier)").at_least(0).only_with("slip", {"no"});
     t.key("material", &SolidKeys::material, "", "how it looks").not_deciding().live();
     return t;
 }

@@ -11,6 +11,7 @@
 #include "engine/models/pressure/damping.h"
 #include "engine/models/pressure/ppe.h"
 #include "engine/models/pressure/wcsph.h"
+#include "engine/models/viscosity/ageing.h"
 #include "engine/models/viscosity/assembled.h"
 #include "engine/models/viscosity/explicit.h"
 #include "engine/models/viscosity/full.h"
@@ -62,6 +63,7 @@ public:
     Assembly assemble() {
         limit("max_step", number(scene_.time.max_step) + " s", [most = scene_.time.max_step](const World&, double) { return most; });
         flow_limits();
+        if (plan_.viscosity != ViscosityModel::none || plan_.micropolar != MicropolarModel::none || plan_.pressure == PressureModel::coupled) ageing();
         if (plan_.pressure == PressureModel::coupled) coupled();
         else apart();
         return std::move(made_);
@@ -191,11 +193,26 @@ private:
               });
     }
 
+    SlipLengths slip_lengths() const {
+        SlipLengths lengths;
+        for (const SolidKeys& solid : scene_.solids) lengths.push_back(static_cast<Real>(solid.slip_length));
+        return lengths;
+    }
+
+    void ageing() {
+        if (!scene_.viscosity_ages()) return;
+        std::vector<Expression> of_source;
+        for (std::size_t k = 0; k <= scene_.emitters.size(); ++k) of_source.push_back(scene_.viscosity_of_source(k));
+        if (scene_.viscosity_ages_by_place()) stage("ageing", "viscosity", AgeingViscosityByPlace{std::move(of_source)});
+        else stage("ageing", "viscosity", AgeingViscosity{std::move(of_source)});
+    }
+
     void explicit_viscosity(Real solid_factor) {
         ExplicitOptions options;
         options.monaghan = scene_.viscosity.laplacian == LaplacianForm::monaghan;
         options.solid_factor = solid_factor;
         options.gate = gate_;
+        options.slip_lengths = slip_lengths();
         stage("explicit viscosity", "viscosity", ExplicitViscosity{options});
         limit("viscous", "0.125 R^2 / (4 nu)", [R = plan_.support, nu = plan_.largest_viscosity / scene_.fluid.density](const World&, double) {
             return nu > 0 ? viscous_step(R, nu) : std::numeric_limits<double>::infinity();
@@ -208,6 +225,7 @@ private:
             FullViscosityOptions options;
             options.limits = limits;
             options.solid_factor = solid_factor;
+            options.slip_lengths = slip_lengths();
             if (scene_.viscosity.correction) stage("full viscosity", "viscosity", FullViscosity(options));
             else stage("uncorrected viscosity", "viscosity", UncorrectedViscosity(options));
         }
@@ -221,6 +239,7 @@ private:
             PairwiseViscosityOptions options;
             options.limits = limits;
             options.solid_factor = solid_factor;
+            options.slip_lengths = slip_lengths();
             stage("pairwise viscosity", "viscosity", PairwiseViscosity(options));
         }
     }

@@ -1,0 +1,139 @@
+/// Viscosity by emitter and by age, and slip lengths, through whole runs from the text of a scene.
+#include <catch2/catch.hpp>
+#include <sstream>
+
+#include "engine/scene/read.h"
+#include "engine/sim/simulation.h"
+
+using namespace whorl;
+
+namespace {
+
+Simulation simulation_of(const std::string& text) {
+    const Scene scene = read_scene_text(text, "test.toml");
+    return Simulation(scene, make_plan(scene));
+}
+
+/// Two nozzles side by side over a block, nothing touches.
+const std::string pour = R"toml([time]
+end = 0.1
+[domain]
+min = [-0.1, -0.1, -0.1]
+max = [0.1, 0.1, 0.1]
+gravity = [0, 0, 0]
+[fluid]
+spacing = 5e-3
+viscosity = "10 + 1000*x"
+[models]
+pressure = "ppe"
+viscosity = "full"
+[[block]]
+shape = "box"
+min = [-0.02, -0.09, -0.02]
+max = [0.02, -0.07, 0.02]
+[[emitter]]
+position = [-0.05, 0, 0]
+radius = 0.01
+speed = 0.2
+viscosity = 3
+[[emitter]]
+position = [0.05, 0, 0]
+radius = 0.01
+speed = 0.2
+viscosity = "2 + 100*age"
+)toml";
+
+}  // namespace
+
+TEST_CASE("each emitter gives its own viscosity, by age where it says so; what was there at the start keeps that of its place", "[sim][viscosity]") {
+    Simulation simulation = simulation_of(pour);
+    while (simulation.time() < 0.1) REQUIRE_FALSE(simulation.step(0.1).diverged);
+    const World& w = simulation.world();
+    const auto mu = w.fluid.column<field::viscosity>();
+    const auto x = w.fluid.column<field::position>();
+    const auto role = w.fluid.column<field::role>();
+    int left = 0, right = 0, below = 0;
+    for (std::size_t i = 0; i < mu.size(); ++i) {
+        if (x[i].y() < -0.06) {
+            ++below;
+            CHECK(mu[i] == Approx(10 + 1000 * x[i].x()).margin(0.1));
+        } else if (x[i].x() < 0) {
+            ++left;
+            CHECK(mu[i] == 3);
+        } else if (role[i] < 0) {
+            CHECK(mu[i] == 2);  // inside the nozzle nothing grows older
+        } else {
+            ++right;  // 0.2 m/s from the nozzle at y = 0: age = -y/0.2 to within two steps of 5 ms at most
+            CHECK(mu[i] == Approx(2 + 100 * -x[i].y() / 0.2).margin(100 * 0.01));
+        }
+    }
+    CHECK(below > 100);
+    CHECK(left > 50);
+    CHECK(right > 50);
+}
+
+TEST_CASE("a run with ageing viscosity that is saved and loaded half-way ends with the same bits", "[sim][viscosity][resume]") {
+    const auto state = [](const Simulation& s) {
+        std::ostringstream out;
+        s.save(out);
+        return out.str();
+    };
+    const auto run = [](Simulation& s, double end) {
+        while (s.time() < end) REQUIRE_FALSE(s.step(end).diverged);
+    };
+    Simulation whole = simulation_of(pour);
+    run(whole, 0.05);
+    std::istringstream saved(state(whole));
+    run(whole, 0.1);
+    Simulation resumed = simulation_of(pour);
+    resumed.load(saved);
+    run(resumed, 0.1);
+    CHECK((state(resumed) == state(whole)));
+}
+
+TEST_CASE("a viscosity that becomes negative with age is told before anything runs", "[plan]") {
+    std::string text = pour;
+    text.replace(text.find("2 + 100*age"), 11, "2 - 100*age");
+    const Scene scene = read_scene_text(text, "test.toml");
+    CHECK_THROWS_WITH(make_plan(scene), Catch::Contains("emitter[1].viscosity is") && Catch::Contains("at the age of"));
+}
+
+TEST_CASE("plane Couette flow over a wall with a slip length b moves as if the wall were b lower, within 2 %", "[viscosity][boundary]") {
+    // Height 0.1 m, the upper wall moves with 1 m/s, b = 0.05 m at the lower: u = (y + b)/(H + b). nu dt/d^2 = 1 to 16, steady after 1 s.
+    for (const std::string model : {"explicit", "full", "pairwise"}) {
+        INFO(model);
+        const std::string support = model == "pairwise" ? "4" : "2", viscosity = model == "explicit" ? "20" : "100";
+        Simulation simulation = simulation_of(R"toml([time]
+end = 1
+max_step = 4e-3
+[domain]
+min = [0, -0.02, 0]
+max = [0.08, 0.12, 0.08]
+periodic = [true, false, true]
+gravity = [0, 0, 0]
+[fluid]
+spacing = 0.01
+support = )toml" + support + "\nviscosity = " + viscosity + R"toml(
+[models]
+pressure = "ppe"
+viscosity = ")toml" + model + R"toml("
+[[block]]
+shape = "box"
+min = [0, 0, 0]
+max = [0.08, 0.1, 0.08]
+[[solid]]
+shape = "plane"
+slip_length = 0.05
+[[solid]]
+shape = "plane"
+normal = [0, -1, 0]
+position = ["t", 0.1, 0]
+)toml");
+        while (simulation.time() < 1) REQUIRE_FALSE(simulation.step(1).diverged);
+        const auto x = simulation.world().fluid.column<field::position>();
+        const auto u = simulation.world().fluid.column<field::velocity>();
+        double worst = 0;
+        for (std::size_t i = 0; i < x.size(); ++i) worst = std::max<double>(worst, std::abs(u[i].x() - (x[i].y() + 0.05) / 0.15));
+        CHECK(worst < 0.02);
+    }
+}
