@@ -5,7 +5,7 @@ target_compile_options(whorl_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wno-unknown-pragmas
   -fno-math-errno -fno-trapping-math -fno-signed-zeros -fassociative-math)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  target_compile_options(whorl_flags INTERFACE --param=vect-max-peeling-for-alignment=0 -Wno-maybe-uninitialized -Wno-restrict -Wno-stringop-overflow)
+  target_compile_options(whorl_flags INTERFACE --param=vect-max-peeling-for-alignment=0 -Wno-maybe-uninitialized -Wno-restrict)
 endif()
 if(WHORL_NATIVE)
   target_compile_options(whorl_flags INTERFACE -march=native)

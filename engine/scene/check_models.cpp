@@ -38,6 +38,9 @@ void check_models(const Scene& scene, const Plan& plan, std::vector<Problem>& pr
         for (std::size_t i = 0; i < scene.solids.size(); ++i)
             if (const std::string key = "solid[" + std::to_string(i) + "].slip_length"; scene.solids[i].slip_length > 0)
                 report(key, key + " has no effect with the viscosity as published", "take models.viscosity = \"full\" with its correction");
+    if (plan.viscosity == ViscosityModel::full && !scene.viscosity.correction && scene.viscosity.preconditioner == ViscousPreconditioner::two_level)
+        report("viscosity.preconditioner", "viscosity.preconditioner = \"two_level\" needs viscosity.correction: as published, a rotation is no rigid motion",
+               "take \"block_jacobi\"", "auto, none or block_jacobi");
     if (plan.pressure == PressureModel::coupled && plan.largest_viscosity == 0)
         report("models.pressure", "models.pressure = \"coupled\" needs a viscosity, and fluid.viscosity is 0", "take \"ppe\"");
     const bool right_pressure = plan.boundary == BoundaryModel::none ||

@@ -21,6 +21,8 @@ enum class MicropolarModel { none, seed, bender, eringen };
 enum class BoundaryModel { automatic, none, akinci, ppe };
 enum class ShiftingModel { automatic, none, fickian };
 enum class Preconditioner { none, jacobi, multigrid };
+/// automatic: two_level where the diagonal alone would take many iterations.
+enum class ViscousPreconditioner { automatic, none, block_jacobi, two_level };
 enum class PressureForm { constraint, poisson };
 enum class GradientForm { symmetric, difference };
 enum class LaplacianForm { brookshaw, monaghan, split };
@@ -81,6 +83,7 @@ struct PressureKeys {
 struct ViscosityKeys {
     double tolerance = 1e-4;
     int max_iterations = 500;
+    ViscousPreconditioner preconditioner = ViscousPreconditioner::automatic;  ///< full
     LaplacianForm laplacian = LaplacianForm::brookshaw;  ///< explicit
     double alpha = 0.002;                                ///< xsph
     bool correction = true;                              ///< full: corrected gradients ("first_order") or as in the note ("none")

@@ -111,6 +111,9 @@ KeyTable viscosity_keys() {
     const std::vector<std::string> implicit{"pairwise", "full", "full_assembled"};
     t.key("tolerance", &ViscosityKeys::tolerance, "", "relative residual of the linear solver").above(0).at_most(0.5).only_with(model, implicit).live();
     t.key("max_iterations", &ViscosityKeys::max_iterations, "", "of the linear solver, a step").at_least(1).only_with(model, implicit).live();
+    t.key("preconditioner", &ViscosityKeys::preconditioner, "",
+          "of the linear solver: 3x3 diagonal blocks, these and rigid motions of groups of particles, or auto: the groups where nu dt/d^2 passes 4")
+        .only_with(model, {"full"});
     t.key("laplacian", &ViscosityKeys::laplacian, "", "form of the Laplacian; split, with a micropolar model: the share that its coupling needs in the first form, the rest in the "
           "second").only_with(model, {"explicit"}).live();
     t.key("alpha", &ViscosityKeys::alpha, "", "part of the neighbours' mean velocity taken over a step").above(0).at_most(1).only_with(model, {"xsph"}).live();

@@ -226,6 +226,10 @@ private:
             options.limits = limits;
             options.solid_factor = solid_factor;
             options.slip_lengths = slip_lengths();
+            const ViscousPreconditioner wanted = scene_.viscosity.preconditioner;
+            options.diagonal = wanted != ViscousPreconditioner::none;
+            if (wanted == ViscousPreconditioner::none || wanted == ViscousPreconditioner::block_jacobi) options.aggregate = 0;
+            if (wanted == ViscousPreconditioner::two_level) options.coarse_above = 0;
             if (scene_.viscosity.correction) stage("full viscosity", "viscosity", FullViscosity(options));
             else stage("uncorrected viscosity", "viscosity", UncorrectedViscosity(options));
         }

@@ -91,6 +91,54 @@ TEST_CASE("a run with ageing viscosity that is saved and loaded half-way ends wi
     CHECK((state(resumed) == state(whole)));
 }
 
+TEST_CASE("a live change of fluid.viscosity acts on what that key gave its viscosity; emitters with their own keep theirs", "[sim][viscosity][change]") {
+    const auto changed = [](const std::string& viscosity) {
+        ReadRequest request;
+        request.changes.push_back({"fluid.viscosity", viscosity, "test"});
+        return read_scene_text(pour, "test.toml", request);
+    };
+    Simulation simulation = simulation_of(pour);
+    while (simulation.time() < 0.1) REQUIRE_FALSE(simulation.step(0.1).diverged);
+    const auto mu = [&] { return simulation.world().fluid.column<field::viscosity>(); };
+    const std::vector<Real> before(mu().begin(), mu().end());
+
+    // To an expression of the place, which is where the particles are now, and of their age, which is 0.1 s for what was there at the start.
+    const Scene after = changed("\"20 + 500*y + 1000*age\"");
+    simulation.change(after, make_plan(after));
+    const auto x = simulation.world().fluid.column<field::position>();
+    int touched = 0;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+        if (x[i].y() < -0.06) ++touched, CHECK(mu()[i] == Approx(20 + 500 * x[i].y() + 100).epsilon(1e-5));
+        else CHECK(mu()[i] == before[i]);
+    }
+    CHECK(touched > 100);
+
+    // What ages goes on ageing, by the new expression and from the place of the change.
+    while (simulation.time() < 0.15) REQUIRE_FALSE(simulation.step(0.15).diverged);
+    const auto source = simulation.world().fluid.column<field::source>();
+    const auto start = simulation.world().fluid.column<field::birthplace>();
+    const double last = 0.15 - simulation.totals().last_step;  // the age in the newest step
+    for (std::size_t i = 0; i < source.size(); ++i) {
+        if (source[i] == 0) CHECK(mu()[i] == Approx(20 + 500 * start[i].y() + 1000 * last).epsilon(1e-4));
+        if (source[i] == 1) CHECK(mu()[i] == 3);
+    }
+}
+
+TEST_CASE("a live change of fluid.viscosity leaves an emitter with its own alone where nothing ages, too", "[sim][viscosity][change]") {
+    std::string text = pour;
+    text.replace(text.find("\"2 + 100*age\""), 13, "7");
+    Simulation simulation = simulation_of(text);
+    CHECK_FALSE(simulation.world().fluid.has<field::age>());
+    while (simulation.time() < 0.05) REQUIRE_FALSE(simulation.step(0.05).diverged);
+    ReadRequest request;
+    request.changes.push_back({"fluid.viscosity", "50", "test"});
+    const Scene after = read_scene_text(text, "test.toml", request);
+    simulation.change(after, make_plan(after));
+    const auto x = simulation.world().fluid.column<field::position>();
+    const auto mu = simulation.world().fluid.column<field::viscosity>();
+    for (std::size_t i = 0; i < mu.size(); ++i) CHECK(mu[i] == (x[i].y() < -0.06 ? 50 : x[i].x() < 0 ? 3 : 7));
+}
+
 TEST_CASE("a viscosity that becomes negative with age is told before anything runs", "[plan]") {
     std::string text = pour;
     text.replace(text.find("2 + 100*age"), 11, "2 - 100*age");
