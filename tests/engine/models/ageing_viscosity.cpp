@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <sstream>
 
+#include "engine/models/viscosity/ageing.h"
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
 
@@ -108,8 +109,9 @@ TEST_CASE("a live change of fluid.viscosity acts on what that key gave its visco
     const auto x = simulation.world().fluid.column<field::position>();
     int touched = 0;
     for (std::size_t i = 0; i < before.size(); ++i) {
-        if (x[i].y() < -0.06) ++touched, CHECK(mu()[i] == Approx(20 + 500 * x[i].y() + 100).epsilon(1e-5));
-        else CHECK(mu()[i] == before[i]);
+        const bool block = x[i].y() < -0.06;
+        touched += block;
+        CHECK(mu()[i] == Approx(block ? 20 + 500 * x[i].y() + 100 : before[i]).epsilon(1e-5));
     }
     CHECK(touched > 100);
 
