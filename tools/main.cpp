@@ -16,7 +16,8 @@ const char* const examples =
     "  whorl render my_scene.toml --out runs/a --size 1920x1080 --export mesh\n"
     "  whorl live honey_coil                         the same in a browser, while it pours\n"
     "  whorl plan my_scene.toml                      what would be modelled, why, and what it costs\n"
-    "  whorl resume runs/a                           go on after an interruption\n";
+    "  whorl resume runs/a                           go on after an interruption\n"
+    "  whorl tradeoff coil_frequency --budget 10min  what accuracy costs: sweep, Pareto front\n";
 
 /// The nearest subcommand or option to a word that was not expected.
 std::string meant(const CLI::App& at, const std::string& word) {
@@ -61,6 +62,8 @@ int main(int argc, char** argv) {
     whorl::add_plan(program, chosen);
     whorl::add_resume(program, chosen);
     whorl::add_video(program, chosen);
+    whorl::add_tradeoff(program, chosen);
+    whorl::add_stability(program, chosen);
     whorl::add_schema(program, chosen);
     whorl::add_doctor(program, chosen);
     try {

@@ -14,6 +14,11 @@ void add_options(CLI::App& app, Options& o, std::initializer_list<Option> which)
                     ->type_name("KEY=VALUE")
                     ->allow_extra_args(false);
                 break;
+            case Option::with:
+                app.add_option("--with", o.with, "lay the keys of this file over the scene's (what `whorl tradeoff --recommend` wrote, say; repeatable)")
+                    ->type_name("FILE")
+                    ->allow_extra_args(false);
+                break;
             case Option::out: app.add_option("--out", o.out, "run folder (default: out/<scene name>)")->type_name("DIR"); break;
             case Option::until: app.add_option("--until", o.until, "end of the run [s] (time.end)")->type_name("T"); break;
             case Option::frames: app.add_option("--frames", o.frames, "stop after so many frames")->type_name("N")->check(CLI::PositiveNumber); break;

@@ -21,6 +21,7 @@ namespace whorl {
 struct Options {
     std::string scene;                          ///< a path, or the bare name of a scene that ships
     std::vector<std::string> set;               ///< "key=value"
+    std::vector<std::string> with;              ///< files of a few keys that are laid over the scene
     std::filesystem::path out;                  ///< empty: out/<scene name>
     std::optional<double> until;                ///< s; time.end
     std::optional<int> frames;                  ///< stop after so many frames (render counts them; not a key of the scene)
@@ -34,7 +35,7 @@ struct Options {
     bool dry_run = false, quiet = false, json = false;
 };
 
-enum class Option { scene, set, out, until, frames, size, fps, quality, no_video, no_images, exports, threads, seed, dry_run, quiet, json };
+enum class Option { scene, set, with, out, until, frames, size, fps, quality, no_video, no_images, exports, threads, seed, dry_run, quiet, json };
 
 /// Adds those options to a subcommand; `options` must outlive the parsing (keep it in a shared_ptr that the callback holds).
 void add_options(CLI::App& subcommand, Options& options, std::initializer_list<Option> which);
@@ -62,5 +63,7 @@ std::vector<std::pair<std::string, std::filesystem::path>> shipped_scenes();
 /// The file that `name` means: itself where it exists, else <name>.toml among the scenes that ship (installed share folder, or the source tree).
 /// @throws InputError with the nearest name
 std::filesystem::path find_scene(const std::string& name);
+/// The same for a sweep (whorl tradeoff, whorl stability).
+std::filesystem::path find_study(const std::string& name);
 
 }  // namespace whorl

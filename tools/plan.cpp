@@ -169,7 +169,7 @@ void add_plan(CLI::App& program, Job& chosen) {
     const auto options = std::make_shared<Options>();
     CLI::App* app = program.add_subcommand("plan", "what would be modelled, why, and what it costs; the scene is not run");
     using O = Option;
-    add_options(*app, *options, {O::scene, O::set, O::until, O::size, O::fps, O::quality, O::no_video, O::no_images, O::threads, O::seed, O::json});
+    add_options(*app, *options, {O::scene, O::set, O::with, O::until, O::size, O::fps, O::quality, O::no_video, O::no_images, O::threads, O::seed, O::json});
     app->footer(
         "Examples:\n"
         "  whorl plan honey_coil\n"

@@ -41,7 +41,7 @@ void add_render(CLI::App& program, Job& chosen) {
     const auto options = std::make_shared<Options>();
     CLI::App* app = program.add_subcommand("render", "simulate a scene and film it: frames, video and diagnostics in a run folder");
     add_options(*app, *options,
-                {Option::scene, Option::set, Option::out, Option::until, Option::frames, Option::size, Option::fps, Option::quality,
+                {Option::scene, Option::set, Option::with, Option::out, Option::until, Option::frames, Option::size, Option::fps, Option::quality,
                  Option::no_video, Option::no_images, Option::exports, Option::threads, Option::seed, Option::dry_run, Option::quiet, Option::json});
     app->footer(
         "A run folder that stands already is replaced; a folder that is none is refused. Ctrl-C saves the state.\n"

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "engine/scene/read.h"
@@ -26,21 +28,24 @@ std::vector<fs::path> scene_folders() {
     return folders;
 }
 
-}  // namespace
+/// Sweeps over scenes lie in folders of their own: they are no scenes.
+bool is_study(const fs::path& file) {
+    const std::string folder = file.parent_path().filename().string();
+    return folder == "tradeoff" || folder == "stability";
+}
 
-std::vector<std::pair<std::string, fs::path>> shipped_scenes() {
+/// Scenes that ship, or with `studies` the sweeps that ship.
+std::vector<std::pair<std::string, fs::path>> shipped(bool studies) {
     std::vector<std::pair<std::string, fs::path>> found;
     for (const fs::path& folder : scene_folders()) {
         std::error_code ignored;
         for (const auto& entry : fs::recursive_directory_iterator(folder, ignored))
-            if (entry.path().extension() == ".toml") found.emplace_back(entry.path().stem().string(), entry.path());
+            if (entry.path().extension() == ".toml" && is_study(entry.path()) == studies) found.emplace_back(entry.path().stem().string(), entry.path());
         if (!found.empty()) break;
     }
     std::sort(found.begin(), found.end());
     return found;
 }
-
-namespace {
 
 std::string joined(const std::vector<std::string>& names) {
     std::string text;
@@ -96,6 +101,24 @@ SceneFile read(const fs::path& path, ReadRequest request) {
     return with_first_changes(file, beat);
 }
 
+fs::path find_file(const std::string& name, bool study) {
+    std::error_code ignored;
+    if (fs::is_regular_file(name, ignored)) return name;
+    const auto known = shipped(study);
+    const char* kind = study ? "study" : "scene";
+    const bool bare = name.find('/') == std::string::npos;
+    const std::string stem = fs::path(name).extension() == ".toml" ? fs::path(name).stem().string() : name;
+    std::vector<std::string> names;
+    for (const auto& [scene, path] : known) {
+        if (bare && scene == stem) return path;
+        names.push_back(scene);
+    }
+    if (fs::is_directory(name, ignored)) throw InputError({name, 0, 0}, fmt::format("is a folder, not a {} file", kind));
+    const std::string near = nearest_name(bare ? stem : "", names);
+    throw InputError({name, 0, 0}, fmt::format("no such {} file", kind), near.empty() ? "" : "did you mean \"" + near + "\"?",
+                     names.empty() ? "" : "allowed: a path, or one of " + joined(names));
+}
+
 }  // namespace
 
 std::vector<Section> known_sections() {
@@ -111,6 +134,7 @@ SceneFile read_scene_file(const Options& options) {
     ReadRequest request;
     request.quality = options.quality;
     request.presets = presets_of(options.quality);
+    request.overlays = options.with;
     request.changes = changes_of(options);
     return read(find_scene(options.scene), std::move(request));
 }
@@ -134,21 +158,9 @@ std::string resolved_toml(const SceneFile& file) {
     return resolved_toml(copy.scene, sections_of(copy));
 }
 
-fs::path find_scene(const std::string& name) {
-    std::error_code ignored;
-    if (fs::is_regular_file(name, ignored)) return name;
-    const auto shipped = shipped_scenes();
-    const bool bare = name.find('/') == std::string::npos;
-    const std::string stem = fs::path(name).extension() == ".toml" ? fs::path(name).stem().string() : name;
-    std::vector<std::string> names;
-    for (const auto& [scene, path] : shipped) {
-        if (bare && scene == stem) return path;
-        names.push_back(scene);
-    }
-    if (fs::is_directory(name, ignored)) throw InputError({name, 0, 0}, "is a folder, not a scene file");
-    const std::string near = nearest_name(bare ? stem : "", names);
-    throw InputError({name, 0, 0}, "no such scene file", near.empty() ? "" : "did you mean \"" + near + "\"?",
-                     names.empty() ? "" : "allowed: a path, or one of " + joined(names));
-}
+std::vector<std::pair<std::string, fs::path>> shipped_scenes() { return shipped(false); }
+
+fs::path find_scene(const std::string& name) { return find_file(name, false); }
+fs::path find_study(const std::string& name) { return find_file(name, true); }
 
 }  // namespace whorl

@@ -153,6 +153,7 @@ Scene read_root(Value root, const std::string& file, const ReadRequest& request)
         for (const Change& change : request.presets) apply_change(root, change, problems);
         if (const Value* table = quality.find(request.quality)) overlay(root, *table, "", problems);
     }
+    for (const std::string& overlay_file : request.overlays) overlay(root, parse_toml_file(overlay_file), "", problems);
     for (const Change& change : request.changes) apply_change(root, change, problems);
     Scene scene;
     read_tree(root, file, request.sections, scene, problems);

@@ -36,6 +36,7 @@ struct TimeKeys {
     double slow_motion = 1;    ///< a frame shows 1/(fps slow_motion) s of simulated time
     double max_step = 5e-3;    ///< s
     double cfl = 0.4;
+    double fixed_step = 0;     ///< s; every step is this long, whatever the models allow; 0: they decide
     double frame_interval() const { return 1 / (fps * slow_motion); }
 };
 

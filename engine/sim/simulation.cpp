@@ -97,6 +97,10 @@ struct Simulation::State {
     }
 
     double choose_step(double until) {
+        if (scene.time.fixed_step > 0) {
+            ++totals.binding["fixed_step"];
+            return landing_step(std::min(scene.time.fixed_step, until - time), until - time);
+        }
         const StepLimit* binding = nullptr;
         double wanted = until - time;
         const double fastest = largest_speed(world);

@@ -1,0 +1,140 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/program.h"
+#include "tests/support/scratch.h"
+#include "tools/study/accuracy.h"
+#include "tools/study/recommend.h"
+#include "tools/study/sweep.h"
+#include "tools/study/table.h"
+
+using namespace whorl;
+using namespace whorl::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+void write(const fs::path& file, const std::string& text) {
+    fs::create_directories(file.parent_path());
+    std::ofstream(file) << text;
+}
+
+/// A drop of honey that falls for a moment: cheap, and its path is known.
+const char* const falling =
+    "name = \"falling\"\n[time]\nend = 0.1\nfps = 20\n[domain]\nmin = [-1, -1, -1]\nmax = [1, 1, 1]\n[fluid]\nspacing = 0.05\nviscosity = 100\n"
+    "[[block]]\nshape = \"sphere\"\nposition = [0, 0.5, 0]\nradius = 0.15\n"
+    "[[probe]]\nname = \"all\"\nkind = \"region\"\nmin = [-1, -1, -1]\nmax = [1, 1, 1]\n";
+
+}  // namespace
+
+TEST_CASE("the Pareto front holds the points that no other beats in both cost and error, from cheap to dear, and no failed run", "[study]") {
+    const std::vector<Measured> points{{{0}, 1, 5}, {{1}, 2, 6}, {{2}, 3, 2}, {{3}, 4, 2}, {{4}, 5, 1}, {{5}, 0.1, NAN}};
+    CHECK(pareto_front(points) == std::vector<std::size_t>{0, 2, 4});
+}
+
+TEST_CASE("the search finds the front of a smooth sweep while it runs less than half of the grid", "[study]") {
+    // Halving the spacing costs 16 times and quarters the error; a tighter tolerance costs 1.5 times and adds in its own share of the error.
+    const auto cost = [](const GridPoint& p) { return std::pow(16.0, p[0]) * std::pow(1.5, p[1]); };
+    const auto error = [](const GridPoint& p) { return 0.1 * std::pow(0.25, p[0]) + 0.05 * std::pow(0.3, p[1]); };
+    const FrontSearch search({5, 6});
+    std::vector<Measured> found, all;
+    for (int i = 0; i < 5; ++i)
+        for (int j = 0; j < 6; ++j) all.push_back({{i, j}, cost({i, j}), error({i, j})});
+    for (GridPoint p; !(p = search.next(found)).empty();) {
+        found.push_back({p, cost(p), error(p)});
+        REQUIRE(found.size() <= all.size());
+    }
+    CHECK(found.size() <= 18);
+    // What it found is nowhere more than a fifth worse than the true front: by then the rest would not have been worth running.
+    for (const std::size_t k : pareto_front(all)) {
+        double least = 1e9;
+        for (const Measured& m : found) least = std::min(least, std::max(m.cost / all[k].cost, m.error / all[k].error));
+        CHECK(least < 1.2);
+    }
+}
+
+TEST_CASE("wishes are read, and nonsense is refused with an example", "[study]") {
+    CHECK(parse_wish("error<2%").bound == Approx(0.02));
+    CHECK(parse_wish("error < 0.02").holds(1, 0.019, 1));
+    CHECK(parse_wish("fps>24").holds(1, 1, 25));
+    CHECK_FALSE(parse_wish("cost<60").holds(61, 0, 1));
+    CHECK_THROWS_WITH(parse_wish("speed>3"), "--recommend speed>3: is no wish; allowed: \"error<2%\", \"fps>24\", \"cost<60\"");
+    CHECK_THROWS_AS(parse_wish("error>2%"), InputError);
+}
+
+TEST_CASE("errors of a run: against an expression, its first row, and a run that counts as true", "[study]") {
+    const ScratchFolder folder;
+    write(folder / "a" / "diagnostics.csv", "frame,time,kinetic_energy\n1,0,10\n2,1,4\n3,2,1\n");
+    write(folder / "b" / "diagnostics.csv", "frame,time,kinetic_energy\n1,0,10\n2,2,2\n");
+    AccuracyKeys a;
+    a.column = "kinetic_energy";
+    a.expected = Expression("10*exp(-t)");
+    CHECK(error_of(a, folder / "a", "") == Approx(std::abs(1 - 10 * std::exp(-2.0)) / (10 * std::exp(-2.0))));
+    a.of = AccuracyKind::conserved;
+    CHECK(error_of(a, folder / "a", "") == Approx(0.9));
+    a.of = AccuracyKind::reference, a.at = Moment::all;
+    CHECK(error_of(a, folder / "a", folder / "b") == Approx(std::sqrt((0 + 4 + 1) / 3.0) / 10));
+    a.column = "kinetic_enrgy";
+    CHECK_THROWS_WITH(error_of(a, folder / "a", ""), Catch::Contains("did you mean \"kinetic_energy\"?"));
+}
+
+TEST_CASE("a study runs its points once, writes table and pictures, recommends, and a second call keeps what is done", "[study]") {
+    const ScratchFolder folder;
+    write(folder / "falling.toml", falling);
+    // Free fall of the centroid: 0.5 - g t^2/2. A first-order integrator is wrong by g t dt/2.
+    write(folder / "fall_study.toml",
+          "scenes = [\"falling.toml\"]\n[[knob]]\nkey = \"time.max_step\"\nvalues = [0.02, 0.01, 0.005]\n[accuracy]\ntable = \"probes/all.csv\"\n"
+          "column = \"centroid_y\"\nexpected = \"0.5-9.81*t^2/2\"\n");
+    const std::vector<std::string> command{"tradeoff", (folder / "fall_study.toml").string(), "--out", (folder / "out").string(), "--threads", "1",
+                                           "--all", "--recommend", "error<50%"};
+    const Outcome first = whorl(command);
+    INFO(first.err << first.out);
+    REQUIRE(first.code == 0);
+    const CsvTable table = read_csv(folder / "out" / "tradeoff.csv");
+    REQUIRE(table.rows.size() == 3);
+    for (const auto& row : table.rows) CHECK(row[table.index("error")] < 0.1);
+    CHECK(fs::file_size(folder / "out" / "tradeoff.png") > 1000);
+    CHECK(fs::exists(folder / "out" / "tradeoff.svg"));
+    std::ifstream in(folder / "out" / "recommended.toml");
+    const std::string overlay((std::istreambuf_iterator<char>(in)), {});
+    CHECK(overlay.find("time.max_step = 0.0") != std::string::npos);
+    const Outcome again = whorl(command);
+    CHECK(again.code == 0);
+    CHECK(again.out.find("(kept from before)") != std::string::npos);
+    // The overlay is one that render takes.
+    const Outcome dry = whorl({"render", (folder / "falling.toml").string(), "--with", (folder / "out" / "recommended.toml").string(), "--dry-run"});
+    CHECK(dry.code == 0);
+}
+
+TEST_CASE("a stability map tells stable from unstable steps, with the limit that the plan predicts in its table", "[study]") {
+    const ScratchFolder folder;
+    write(folder / "falling.toml", falling);
+    // Explicit viscosity is stable to 0.125 R^2/(4 nu) = 3.1e-3 s here, R = 0.1 m, nu = 0.1 m^2/s.
+    write(folder / "map.toml",
+          "scenes = [\"falling.toml\"]\nset = [\"models.pressure=none\", \"models.viscosity=explicit\", \"block[0].velocity=['2*y','2*x','0']\", "
+          "\"domain.gravity=[0,0,0]\"]\n[[knob]]\nkey = \"fluid.viscosity\"\nvalues = [100, 101]\n[[knob]]\nkey = \"time.fixed_step\"\n"
+          "values = [2e-3, 5e-2]\n[stability]\nenergy_growth = 0.05\n");
+    const Outcome map = whorl({"stability", (folder / "map.toml").string(), "--out", (folder / "out").string(), "--threads", "1", "--json"});
+    INFO(map.err << map.out);
+    REQUIRE(map.code == 0);
+    const auto cells = nlohmann::json::parse(map.out).at("cells");
+    REQUIRE(cells.size() == 4);
+    CHECK(cells[0].at("state") == "stable");
+    CHECK(cells[1].at("state") == "stable");
+    CHECK(cells[2].at("state") != "stable");
+    CHECK(cells[0].at("limits").at("viscous").get<double>() == Approx(3.1e-3).epsilon(0.05));
+    CHECK(fs::file_size(folder / "out" / "stability.png") > 1000);
+}
+
+TEST_CASE("a study file's mistakes are told with their places, all in one go", "[study]") {
+    const ScratchFolder folder;
+    write(folder / "bad.toml", "scenes = []\nlimit = -1\n[[knob]]\nkey = \"a\"\nvalues = [1]\n[acuracy]\n");
+    const Outcome bad = whorl({"tradeoff", (folder / "bad.toml").string(), "--out", (folder / "out").string()});
+    CHECK(bad.code == 2);
+    CHECK_THAT(bad.err, Catch::Contains("bad.toml:1:") && Catch::Contains("scenes is empty") && Catch::Contains("limit = -1 is out of range") &&
+                            Catch::Contains("needs two values or more") && Catch::Contains("unknown key \"acuracy\"; did you mean \"accuracy\"?"));
+    CHECK_FALSE(fs::exists(folder / "out"));
+}

@@ -1,0 +1,127 @@
+#include "tools/study/front.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace whorl {
+namespace {
+
+bool counts(const Measured& m) { return std::isfinite(m.cost) && std::isfinite(m.error); }
+
+/// How far (in logarithms) a point with this cost and error would push the front out: the smallest move that takes it off the dominated side;
+/// negative where the front beats it.
+double gain(double cost, double error, const std::vector<Measured>& measured) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Measured& m : measured)
+        if (counts(m)) least = std::min(least, std::max(std::log(m.cost) - cost, std::log(std::max(m.error, 1e-12)) - error));
+    return least;
+}
+
+}  // namespace
+
+std::vector<std::size_t> pareto_front(const std::vector<Measured>& points) {
+    std::vector<std::size_t> order(points.size());
+    std::iota(order.begin(), order.end(), 0);
+    order.erase(std::remove_if(order.begin(), order.end(), [&](std::size_t i) { return !counts(points[i]); }), order.end());
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        return std::pair(points[a].cost, points[a].error) < std::pair(points[b].cost, points[b].error);
+    });
+    std::vector<std::size_t> front;
+    for (const std::size_t i : order)
+        if (front.empty() || points[i].error < points[front.back()].error) front.push_back(i);
+    return front;
+}
+
+FrontSearch::FrontSearch(std::vector<int> levels) : levels_(std::move(levels)) {}
+
+std::size_t FrontSearch::size() const {
+    std::size_t n = 1;
+    for (const int l : levels_) n *= static_cast<std::size_t>(l);
+    return n;
+}
+
+std::vector<GridPoint> FrontSearch::all_points() const {
+    std::vector<GridPoint> all;
+    for (std::size_t k = 0; k < size(); ++k) {
+        GridPoint p;
+        std::size_t rest = k;
+        for (const int l : levels_) p.push_back(static_cast<int>(rest % static_cast<std::size_t>(l))), rest /= static_cast<std::size_t>(l);
+        all.push_back(std::move(p));
+    }
+    return all;
+}
+
+std::vector<GridPoint> FrontSearch::first_points() const {
+    std::vector<GridPoint> points;
+    GridPoint middle;
+    for (const int l : levels_) middle.push_back(l / 2);
+    if (levels_.size() <= 3) {
+        for (unsigned corner = 0; corner < 1U << levels_.size(); ++corner) {
+            GridPoint p;
+            for (std::size_t a = 0; a < levels_.size(); ++a) p.push_back(corner >> a & 1U ? levels_[a] - 1 : 0);
+            points.push_back(std::move(p));
+        }
+    } else {
+        for (std::size_t a = 0; a < levels_.size(); ++a)
+            for (const int end : {0, levels_[a] - 1}) {
+                GridPoint p = middle;
+                p[a] = end;
+                points.push_back(std::move(p));
+            }
+    }
+    points.push_back(std::move(middle));
+    return points;
+}
+
+double FrontSearch::distance(const GridPoint& a, const GridPoint& b) const {
+    double sum = 0;
+    for (std::size_t k = 0; k < levels_.size(); ++k) sum += std::pow(static_cast<double>(a[k] - b[k]) / std::max(1, levels_[k] - 1), 2);
+    return std::sqrt(sum);
+}
+
+FrontSearch::Guess FrontSearch::guess(const GridPoint& p, const std::vector<Measured>& measured) const {
+    // Least squares of a + b.(index) with weights that fall off over a third of the grid; a little ridge keeps unknown slopes at zero.
+    const auto n = static_cast<Eigen::Index>(levels_.size() + 1);
+    Eigen::MatrixXd normal = 1e-3 * Eigen::MatrixXd::Identity(n, n);
+    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(n, 2);
+    double nearest = std::numeric_limits<double>::infinity(), slope = 0;
+    for (const Measured& m : measured) {
+        if (!counts(m)) continue;
+        const double far = distance(p, m.at), weight = std::exp(-4.5 * far * far) + 1e-6;
+        nearest = std::min(nearest, far);
+        Eigen::VectorXd row(n);
+        row[0] = 1;
+        for (std::size_t k = 0; k < levels_.size(); ++k) row[static_cast<Eigen::Index>(k + 1)] = static_cast<double>(m.at[k] - p[k]) / std::max(1, levels_[k] - 1);
+        normal += weight * row * row.transpose();
+        right.col(0) += weight * std::log(m.cost) * row;
+        right.col(1) += weight * std::log(std::max(m.error, 1e-12)) * row;
+    }
+    if (!std::isfinite(nearest)) return {0, 0, std::numeric_limits<double>::infinity()};
+    const Eigen::MatrixXd fit = normal.ldlt().solve(right);
+    for (Eigen::Index k = 1; k < n; ++k) slope = std::max(slope, std::abs(fit(k, 1)));
+    return {fit(0, 0), fit(0, 1), 0.5 * nearest * std::max(slope, 0.5)};
+}
+
+double FrontSearch::expected_cost(const GridPoint& p, const std::vector<Measured>& measured) const { return std::exp(guess(p, measured).cost); }
+
+GridPoint FrontSearch::next(const std::vector<Measured>& measured) const {
+    const auto was_run = [&](const GridPoint& p) { return std::any_of(measured.begin(), measured.end(), [&](const Measured& m) { return m.at == p; }); };
+    for (const GridPoint& p : first_points())
+        if (!was_run(p)) return p;
+    GridPoint best;
+    double most = 0;
+    for (const GridPoint& p : all_points()) {
+        if (was_run(p)) continue;
+        const Guess g = guess(p, measured);
+        const double promise = gain(g.cost, g.error - g.spread, measured);
+        if (promise < 0.05) continue;
+        const double worth = promise / std::exp(0.5 * g.cost);  // dear points must promise more
+        if (worth > most) most = worth, best = p;
+    }
+    return best;
+}
+
+}  // namespace whorl

@@ -1,0 +1,46 @@
+#pragma once
+/// The Pareto front of a sweep, and which point to run next.
+#include <cstddef>
+#include <vector>
+
+namespace whorl {
+
+/// A point of the knobs' grid: which value each knob takes.
+using GridPoint = std::vector<int>;
+
+struct Measured {
+    GridPoint at;
+    double cost = 0, error = 0;  ///< both positive; not finite where the run failed
+};
+
+/// Indices of the points that no other beats in both cost and error, from cheap to dear.
+std::vector<std::size_t> pareto_front(const std::vector<Measured>& points);
+
+/// Chooses points so that the front is known early: first the grid's corners (its ends one knob at a time where there are more than three knobs) and
+/// its middle; then always the point whose optimistic guess would push the front furthest for its expected cost. Guesses are local linear fits of the
+/// logarithms of cost and error over the knobs' indices; optimistic by a spread that grows with the distance to what was run. Where no point promises
+/// to move the front by a twentieth, the front is known.
+class FrontSearch {
+public:
+    /// @param levels number of values of each knob
+    explicit FrontSearch(std::vector<int> levels);
+
+    /// @return the next point to run; empty where the front is known (or the grid is exhausted)
+    GridPoint next(const std::vector<Measured>& measured) const;
+    /// Guessed cost of a point.
+    double expected_cost(const GridPoint& p, const std::vector<Measured>& measured) const;
+    std::size_t size() const;
+
+private:
+    struct Guess {
+        double cost, error, spread;  ///< logarithms
+    };
+    Guess guess(const GridPoint& p, const std::vector<Measured>& measured) const;
+    std::vector<GridPoint> first_points() const;
+    std::vector<GridPoint> all_points() const;
+    double distance(const GridPoint& a, const GridPoint& b) const;
+
+    std::vector<int> levels_;
+};
+
+}  // namespace whorl

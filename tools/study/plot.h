@@ -1,0 +1,33 @@
+#pragma once
+/// The two pictures that studies draw.
+#include <string>
+#include <vector>
+
+#include "tools/study/canvas.h"
+
+namespace whorl {
+
+struct PlotPoint {
+    double x = 0, y = 0;
+    double x_low = 0, x_high = 0;  ///< error bar
+    std::string label;
+    bool on_front = false;
+};
+
+/// Cost against error on logarithmic axes, the front joined by a line, its points labelled.
+Canvas draw_front(const std::vector<PlotPoint>& points, const std::string& title, const std::string& x_name, const std::string& y_name);
+
+struct MapCell {
+    std::string state;  ///< what colours it
+    std::string note;   ///< written into it
+};
+/// Where a predicted limit runs: between which values of the second knob (as a place on its axis, 0: the first value), for each of the first's.
+struct MapLimit {
+    std::string name;
+    std::vector<double> place;  ///< NaN: outside the map
+};
+/// A table of cells: the first knob's values along x, the second's upwards.
+Canvas draw_map(const std::vector<std::string>& x_values, const std::vector<std::string>& y_values, const std::vector<MapCell>& cells,
+                const std::vector<MapLimit>& limits, const std::string& title, const std::string& x_name, const std::string& y_name);
+
+}  // namespace whorl

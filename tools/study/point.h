@@ -1,0 +1,44 @@
+#pragma once
+/// One point of a study: a run of its own process, kept when it is done.
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tools/study/study.h"
+
+namespace whorl {
+
+struct PointResult {
+    std::string status;              ///< of run.json: done | diverged | failed; or "timeout"
+    std::string message;
+    std::vector<double> cpu, wall;   ///< s, one for each timing
+    double memory = 0;               ///< bytes, peak
+    double frames = 0;
+    bool kept = false;               ///< it was there already
+    std::filesystem::path folder;    ///< of the run
+    bool done() const { return status == "done"; }
+    double fps() const { return frames / wall.front(); }
+};
+
+/// Thrown where SIGINT or SIGTERM ended a point: the study stands as far as it was and goes on when it is called again.
+struct StudyInterrupted {};
+
+class PointRunner {
+public:
+    /// @param folder of the study's results; points go into its folder "points" @param threads of each run; 0: all cores
+    PointRunner(const Study& study, std::filesystem::path folder, int threads);
+
+    /// @param settings on top of the study's own @param repeat timings @param pictures draw
+    /// @throws InputError where the scene or a setting cannot work, StudyInterrupted
+    PointResult run(const std::string& scene, const std::vector<std::string>& settings, int repeat, bool pictures) const;
+
+private:
+    const Study& study_;
+    std::filesystem::path folder_;
+    int threads_;
+};
+
+/// "fluid.spacing=0.002, pressure.tolerance=0.01"
+std::string joined_settings(const std::vector<std::string>& settings);
+
+}  // namespace whorl

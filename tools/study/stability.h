@@ -1,0 +1,16 @@
+#pragma once
+/// What a run was like: stable, or in which way not.
+#include "tools/study/point.h"
+
+namespace whorl {
+
+struct Verdict {
+    std::string state;  ///< stable | noisy | diverged | lost particles | stalled solver | unphysical energy | timeout | failed
+    std::string why;    ///< the number that decided; the report of the first bad step where there is one
+    bool stable() const { return state == "stable"; }
+};
+
+/// Judges a run by its run.json and diagnostics.csv, the worst finding first.
+Verdict judge(const StabilityKeys& keys, const PointResult& result);
+
+}  // namespace whorl

@@ -1,0 +1,65 @@
+#pragma once
+/// Study files: which settings of which scene are swept, what counts as accurate or stable, what counts as cost.
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/core/errors.h"
+#include "engine/math/expression.h"
+
+namespace whorl {
+
+enum class AccuracyKind { exact, reference, conserved, picture };
+enum class Moment { last, mean, all };
+enum class CostKind { cpu, wall, memory };
+
+/// One setting and the values that it takes.
+struct Knob {
+    std::string key;                  ///< a scene key; or scene, quality, threads, program
+    std::vector<std::string> values;  ///< as --set takes them
+};
+
+struct AccuracyKeys {
+    AccuracyKind of = AccuracyKind::exact;
+    std::string table = "diagnostics.csv";  ///< in the run folder: "probes/coil.csv"
+    std::string column;
+    Moment at = Moment::last;    ///< the newest row, the mean of the rows, or the root of the mean square of every row's error
+    double from = 0;             ///< s; earlier rows do not count
+    Expression expected{0.0};    ///< exact: of t, and of x, y, z where the table has such columns
+    double scale = 0;            ///< what the error is divided by; 0: the largest expected value
+    std::vector<std::string> reference;  ///< settings of the run that counts as true
+};
+
+struct CostKeys {
+    CostKind of = CostKind::cpu;
+    int repeat = 1;  ///< timings of a point: more give error bars
+};
+
+struct StabilityKeys {
+    double noisy_speed = 0;      ///< m/s; a run whose fastest particle ends above it is noisy; 0: not asked
+    double energy_growth = 0.05; ///< of the scene's own energy; more is unphysical; 0: not asked (emitters and moving solids feed energy in)
+    double stalled = 0.05;       ///< part of the solves that may end without convergence
+    std::string bisect;          ///< key whose largest stable value is searched for in each cell; "": none
+    double low = 0, high = 0;    ///< between these, halving the interval of its logarithm
+    int halvings = 5;
+};
+
+struct Study {
+    std::string name;
+    std::vector<std::string> scenes;   ///< names of shipped scenes, or files found from the study's folder
+    std::string quality = "standard";
+    std::vector<std::string> set;      ///< for every point
+    double limit = 600;                ///< s of wall time a point may take
+    bool pictures = false;             ///< draw too (an accuracy of kind picture does so anyway)
+    std::vector<Knob> knobs;
+    AccuracyKeys accuracy;
+    CostKeys cost;
+    StabilityKeys stability;
+    std::filesystem::path directory;   ///< of the study file
+};
+
+/// @param file a path, or the name of a study that ships @throws InputError with all that is wrong
+Study read_study(const std::string& file);
+
+}  // namespace whorl

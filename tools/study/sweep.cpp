@@ -1,0 +1,51 @@
+#include "tools/study/sweep.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+
+namespace whorl {
+
+void add_sweep_options(CLI::App& app, SweepOptions& o) {
+    app.add_option("study", o.study, "study file, or the name of a study that ships")->required()->type_name("STUDY");
+    app.add_option("--out", o.out, "folder of the results (default: out/<study name>)")->type_name("DIR");
+    app.add_option("--threads", o.threads, "threads of each run (default: all cores)")->type_name("N")->check(CLI::Range(0, 1024));
+    app.add_option("--budget", o.budget, "stop after that much wall time: 90s, 10min, 1h")->type_name("TIME");
+    app.add_flag("--json", o.json, "the result as JSON on standard output");
+}
+
+std::filesystem::path folder_of(const Study& study, const SweepOptions& options) {
+    return options.out.empty() ? std::filesystem::path("out") / study.name : options.out;
+}
+
+std::vector<std::string> settings_at(const Study& study, const GridPoint& p) {
+    std::vector<std::string> settings;
+    for (std::size_t k = 0; k < study.knobs.size(); ++k) settings.push_back(study.knobs[k].key + "=" + study.knobs[k].values[static_cast<std::size_t>(p[k])]);
+    return settings;
+}
+
+std::string label_at(const Study& study, const GridPoint& p) {
+    std::string label;
+    for (std::size_t k = 0; k < study.knobs.size(); ++k) label += (k ? ", " : "") + study.knobs[k].values[static_cast<std::size_t>(p[k])];
+    return label;
+}
+
+double seconds_of(const std::string& budget) {
+    if (budget.empty()) return 0;
+    char* end = nullptr;
+    const double number = std::strtod(budget.c_str(), &end);
+    const std::string unit = end;
+    const double scale = unit.empty() || unit == "s" ? 1 : unit == "min" || unit == "m" ? 60 : unit == "h" ? 3600 : 0;
+    if (end == budget.c_str() || scale == 0 || !(number > 0))
+        throw InputError({"--budget " + budget, 0, 0}, "is no time", "", "allowed: as in 90s, 10min, 1h");
+    return number * scale;
+}
+
+std::string csv_cell(const std::string& text) {
+    if (text.find_first_of(",\"\n") == std::string::npos) return text;
+    std::string quoted = "\"";
+    for (const char c : text) quoted += c == '"' ? "\"\"" : c == '\n' ? " " : std::string(1, c);
+    return quoted + "\"";
+}
+
+}  // namespace whorl
