@@ -162,7 +162,7 @@ Plan make_plan(const Scene& given) {
     choose(plan, "models.shifting", scene.models.shifting, coupled ? ShiftingModel::fickian : ShiftingModel::none,
            coupled ? "stretched threads lose their even spacing" : "particles of this model keep apart by themselves", plan.shifting);
 
-    check_models(given, plan, problems);
+    check_models(given, plan, n.viscous_number, problems);
     check_placement(scene, plan, n, shapes, problems);
     if (!problems.empty()) throw InputError(in_order(std::move(problems), file));
     warn(plan, scene, n, shapes);

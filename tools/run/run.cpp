@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -102,6 +103,7 @@ private:
     std::optional<Snapshots> snapshots_;
     std::shared_ptr<const PictureOptions> how_;
     RunTotals totals_at_row_;
+    Troubles troubles_;
     double saved_at_ = wall_seconds();
     double predicted_ = 0;  ///< s, wall time of the whole run where costs were measured before (whorl plan); else 0
     InterruptGuard interrupt_;
@@ -159,6 +161,9 @@ void Run::resume() {
     simulation_.load(state);
     replay_.make_until(simulation_.time(), [&](const Scene& s, const Plan& p, double time) { simulation_.changed_before(s, p, time); });
     first_ = from.frame + 1;
+    std::ifstream report(folder_.path() / "run.json");
+    if (const auto earlier = nlohmann::json::parse(report, nullptr, false); earlier.is_object() && earlier.contains("first_troubles"))
+        troubles_.take(earlier["first_troubles"]);
     earlier_wall_ = from.wall, earlier_cpu_ = from.cpu, earlier_stages_ = from.stages, resumed_ = from.resumed + 1;
 }
 
@@ -252,7 +257,10 @@ bool Run::step_to(int frame) {
     const double until = frame_time(scene_, frame);
     while (simulation_.time() < until) {
         if (interrupt_.interrupted()) return false;
-        if (simulation_.step(std::min(until, replay_.next())).diverged) return false;
+        const double time = simulation_.time();
+        const StepReport& report = simulation_.step(std::min(until, replay_.next()));
+        troubles_.look(report, time, simulation_.totals().steps + (report.diverged ? 1 : 0));
+        if (report.diverged) return false;
         for (ProbeTable& p : probes_) p.probe->after_step(simulation_.world(), simulation_.time());
         progress_->step(simulation_, frame);
         follow_changes();
@@ -279,6 +287,7 @@ void Run::write_report(const std::string& status, const std::string& message) {
     static const std::string encoder = encoder_version();
     report.encoder = scene_.output.frames && scene_.output.video ? encoder : "";
     report.stages = stages();
+    report.troubles = troubles_;
     write_text(folder_.path() / "run.json", run_json(simulation_, report).dump(2) + "\n");
 }
 
