@@ -17,6 +17,7 @@
 #include "engine/models/viscosity/pairwise.h"
 #include "engine/particles/search.h"
 #include "engine/sim/simulation.h"
+#include "engine/sim/sleep.h"
 #include "engine/sph/density.h"
 
 namespace whorl {
@@ -64,6 +65,7 @@ public:
         flow_limits();
         if (plan_.pressure == PressureModel::coupled) coupled();
         else apart();
+        if (scene_.time.sleep > 0) stage("hold sleepers", "sleep", HoldSleepers{});
         return std::move(made_);
     }
 
