@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -12,6 +13,7 @@
 #include "tools/command.h"
 #include "tools/options.h"
 #include "tools/run/progress.h"
+#include "tools/study/jobs.h"
 #include "tools/study/plot.h"
 #include "tools/study/stability.h"
 #include "tools/study/sweep.h"
@@ -22,47 +24,59 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
 struct Cell {
     Verdict verdict;
-    double largest_stable = NAN;              ///< of the bisected key; NaN: none was, or nothing is stable
-    std::map<std::string, double> limits;     ///< s, the time steps that the models allow at the start, from the plan
+    double largest_stable = unknown;       ///< of the bisected key; NaN: none was, or nothing is stable
+    std::map<std::string, double> limits;  ///< s, the time steps that the models allow at the start, from the plan
 };
 
-const std::string fixed_step = "time.fixed_step";
-
-/// One scene of a study, swept over two knobs (one: a map of one row).
+/// One scene of a study, swept over two knobs (one: a map of one row), a map for each value of a third.
 class StabilityMap {
 public:
     StabilityMap(const Study& study, const SweepOptions& options, std::string scene, fs::path folder)
         : study_(study), options_(options), scene_(std::move(scene)), folder_(std::move(folder)), runner_(study, folder_, options.threads),
-          nx_(study.knobs[0].values.size()), ny_(study.knobs.size() > 1 ? study.knobs[1].values.size() : 1) {}
+          nx_(values(0).size()), ny_(values(1).size()), panels_(values(2).size()), cells_(nx_ * ny_ * panels_), was_run_(cells_.size(), false) {}
 
-    /// @return number of cells that are not stable
-    long run() {
+    void run() {
         const double began = wall_seconds(), budget = seconds_of(options_.budget);
-        for (std::size_t k = 0; k < nx_ * ny_; ++k) {
-            if (budget > 0 && wall_seconds() - began > budget) {
+        Jobs<Cell> jobs(static_cast<std::size_t>(options_.jobs));
+        std::size_t started = 0, done = 0;
+        while (started < cells_.size() || !jobs.empty()) {
+            const bool spent = budget > 0 && wall_seconds() - began > budget;
+            if (started < cells_.size() && !jobs.full() && !spent) {
+                start(jobs, started++);
+            } else if (!jobs.empty()) {
+                auto [k, cell] = jobs.next();
+                cells_[k] = std::move(cell), was_run_[k] = true;
+                ++done;
+                tell(k, done, (wall_seconds() - began) / static_cast<double>(done) * static_cast<double>(cells_.size() - done));
+            } else {
                 say(fmt::format("the budget of {} is spent; the same command goes on from here", options_.budget));
                 break;
             }
-            cells_.push_back(study_.stability.bisect.empty() ? cell(settings(k)) : bisected(settings(k)));
-            const double left = (wall_seconds() - began) / static_cast<double>(k + 1) * static_cast<double>(nx_ * ny_ - k - 1);
-            say(fmt::format("cell {} of {}: {}: {}{} ({} left)", k + 1, nx_ * ny_, joined_settings(settings(k)), note(cells_.back()),
-                            cells_.back().verdict.why.empty() ? "" : ": " + cells_.back().verdict.why, duration(left)));
         }
-        write();
-        return std::count_if(cells_.begin(), cells_.end(), [](const Cell& c) { return !c.verdict.stable() && c.verdict.state != "refused"; });
+        write_table();
+        draw();
+        conclude();
     }
 
 private:
+    const std::vector<std::string>& values(std::size_t knob) const {
+        static const std::vector<std::string> one{""};
+        return knob < study_.knobs.size() ? study_.knobs[knob].values : one;
+    }
     void say(const std::string& text) const {
         if (!options_.json) fmt::print("{}\n", text), std::fflush(stdout);
     }
     bool bisects() const { return !study_.stability.bisect.empty(); }
 
+    /// Cells lie along the first knob, then the second, then the third.
     std::vector<std::string> settings(std::size_t k) const {
         GridPoint p{static_cast<int>(k % nx_)};
-        if (study_.knobs.size() > 1) p.push_back(static_cast<int>(k / nx_));
+        if (study_.knobs.size() > 1) p.push_back(static_cast<int>(k / nx_ % ny_));
+        if (study_.knobs.size() > 2) p.push_back(static_cast<int>(k / nx_ / ny_));
         return settings_at(study_, p);
     }
 
@@ -71,12 +85,20 @@ private:
         return std::isfinite(cell.largest_stable) ? fmt::format("to {:.3g}", cell.largest_stable) : "nowhere stable";
     }
 
+    void tell(std::size_t k, std::size_t done, double left) const {
+        const Verdict& v = cells_[k].verdict;
+        say(fmt::format("cell {} of {}: {}: {}{} (about {} left)", done, cells_.size(), joined_settings(settings(k)), note(cells_[k]),
+                        v.why.empty() ? "" : ": " + v.why, duration(left)));
+    }
+
     /// What the models allow at the start. @throws InputError where the plan refuses the scene
     std::map<std::string, double> limits_of(const std::vector<std::string>& settings) const {
         Options options;
         options.scene = scene_, options.quality = study_.quality;
-        options.set = study_.set;
-        options.set.insert(options.set.end(), settings.begin(), settings.end());
+        for (const std::string& setting : run_settings(study_, settings)) {
+            const std::string key = setting.substr(0, setting.find('='));
+            if (key.find('.') != std::string::npos) options.set.push_back(setting);
+        }
         const SceneFile file = read_scene_file(options);
         const Plan plan = make_plan(file.scene);
         const Simulation simulation(file.scene, plan);
@@ -87,24 +109,41 @@ private:
         return limits;
     }
 
-    Cell cell(const std::vector<std::string>& settings) const {
-        Cell cell;
+    void start(Jobs<Cell>& jobs, std::size_t k) {
+        Cell empty;
+        std::vector<std::string> all = settings(k);
+        if (bisects()) all.push_back(fmt::format("{}={:.6g}", study_.stability.bisect, study_.stability.low));
         try {
-            cell.limits = limits_of(settings);
-            cell.verdict = judge(study_.stability, runner_.run(scene_, settings, 1, false));
+            empty.limits = limits_of(all);
         } catch (const InputError& error) {
-            cell.verdict = {"refused", error.what()};
+            empty.verdict = refused(error);
+            jobs.start(k, [empty] { return empty; });
+            return;
+        }
+        jobs.start(k, [this, k, empty] { return bisects() ? bisected(settings(k), empty) : cell(settings(k), empty); });
+    }
+
+    static Verdict refused(const InputError& error) { return {"refused", error.what(), 0, 0}; }
+
+    Cell cell(const std::vector<std::string>& settings, Cell cell) const {
+        try {
+            StabilityKeys keys = study_.stability;
+            for (std::string* text : {&keys.noisy_speed, &keys.energy_scale})
+                if (!text->empty()) *text = with_values("{" + *text + "}", settings);
+            cell.verdict = judge(keys, runner_.run(scene_, settings, 1, false));
+        } catch (const InputError& error) {
+            cell.verdict = refused(error);
         }
         return cell;
     }
 
     /// The largest value of the bisected key that is stable, on a logarithmic scale.
-    Cell bisected(const std::vector<std::string>& settings) const {
+    Cell bisected(const std::vector<std::string>& settings, const Cell& empty) const {
         const StabilityKeys& s = study_.stability;
         const auto at = [&](double value) {
             std::vector<std::string> all = settings;
             all.push_back(fmt::format("{}={:.6g}", s.bisect, value));
-            return cell(all);
+            return cell(all, empty);
         };
         Cell low = at(s.low);
         if (!low.verdict.stable()) return low;
@@ -121,62 +160,90 @@ private:
         return low;
     }
 
-    /// Where the predicted limits cross the map: only where its second knob is the time step itself.
-    std::vector<MapLimit> predicted() const {
-        std::map<std::string, MapLimit> limits;
-        if (ny_ < 2 || study_.knobs[1].key != fixed_step) return {};
-        std::vector<double> steps;
-        for (const std::string& v : study_.knobs[1].values) steps.push_back(std::log(std::max(1e-300, std::strtod(v.c_str(), nullptr))));
-        for (std::size_t i = 0; i < nx_ && i < cells_.size(); ++i)
-            for (const auto& [name, dt] : cells_[i].limits) {
-                MapLimit& limit = limits.try_emplace(name, MapLimit{name, std::vector<double>(nx_, NAN)}).first->second;
-                const double wanted = std::log(dt);
-                for (std::size_t j = 0; j + 1 < steps.size(); ++j)
-                    if ((wanted - steps[j]) * (wanted - steps[j + 1]) <= 0)
-                        limit.place[i] = static_cast<double>(j) + (wanted - steps[j]) / (steps[j + 1] - steps[j]);
+    /// Where a value lies on the second knob's axis: 0 at its first value, half a cell more at both ends; NaN outside.
+    double place_of(double value) const {
+        std::vector<double> at;
+        for (const std::string& v : values(1)) at.push_back(std::log(std::max(1e-300, std::strtod(v.c_str(), nullptr))));
+        const double wanted = std::log(value);
+        for (std::size_t j = 0; j + 1 < at.size(); ++j) {
+            const double place = static_cast<double>(j) + (wanted - at[j]) / (at[j + 1] - at[j]);
+            const double from = j == 0 ? -0.5 : static_cast<double>(j), to = static_cast<double>(j) + (j + 2 == at.size() ? 1.5 : 1.0);
+            if (place >= from && place <= to) return place;
+        }
+        return unknown;
+    }
+
+    /// Lines of the plan's limits, where the second knob is the time step itself, and of those that the study predicts.
+    std::vector<MapLimit> predicted(std::size_t panel) const {
+        std::map<std::string, MapLimit> found;
+        const auto add = [&](const std::string& name, std::size_t i, double value) {
+            found.try_emplace(name, MapLimit{name, std::vector<double>(nx_, unknown)}).first->second.place[i] = place_of(value);
+        };
+        if (ny_ < 2) return {};
+        const std::string& y = study_.knobs[1].key;
+        for (std::size_t i = 0; i < nx_; ++i) {
+            const std::size_t first = i + panel * nx_ * ny_;
+            if (y == "time.fixed_step" || y == "dt")
+                for (const auto& [name, dt] : cells_[first].limits) add(name, i, dt);
+            for (const LimitKeys& limit : study_.stability.limits) {
+                std::vector<std::string> known = settings(first);
+                known.push_back("x=" + values(0)[i]);
+                add(limit.name, i, std::strtod(with_values("{" + limit.value + "}", known).c_str(), nullptr));
             }
+        }
         std::vector<MapLimit> all;
-        for (auto& [name, limit] : limits)
+        for (auto& [name, limit] : found)
             if (std::any_of(limit.place.begin(), limit.place.end(), [](double p) { return std::isfinite(p); })) all.push_back(limit);
         return all;
     }
 
-    void write() const {
+    void write_table() const {
         std::string csv;
         for (const Knob& knob : study_.knobs) csv += csv_cell(knob.key) + ",";
-        csv += "state,largest_stable,limits,why\n";
-        std::vector<MapCell> drawn;
-        for (std::size_t k = 0; k < nx_ * ny_; ++k) {
-            if (k >= cells_.size()) {
-                drawn.push_back({"not run", ""});
-                continue;
-            }
+        csv += "state,largest_stable,first_bad_time,first_bad_step,limits,why\n";
+        for (std::size_t k = 0; k < cells_.size(); ++k) {
+            if (!was_run_[k]) continue;
             const Cell& c = cells_[k];
             for (const std::string& setting : settings(k)) csv += csv_cell(setting.substr(setting.find('=') + 1)) + ",";
             std::string limits;
             for (const auto& [name, dt] : c.limits) limits += fmt::format("{}{} {:.3g}", limits.empty() ? "" : "; ", name, dt);
-            csv += fmt::format("{},{},{},{}\n", c.verdict.state, std::isfinite(c.largest_stable) ? fmt::format("{:.4g}", c.largest_stable) : "", csv_cell(limits),
+            const bool placed = c.verdict.step > 0;
+            csv += fmt::format("{},{},{},{},{},{}\n", c.verdict.state, std::isfinite(c.largest_stable) ? fmt::format("{:.4g}", c.largest_stable) : "",
+                               placed ? fmt::format("{:.6g}", c.verdict.time) : "", placed ? fmt::format("{}", c.verdict.step) : "", csv_cell(limits),
                                csv_cell(c.verdict.why));
-            drawn.push_back({c.verdict.state, bisects() ? note(c) : ""});
         }
         write_text(folder_ / "stability.csv", csv);
-        const std::vector<std::string> one{""};
-        const bool two = study_.knobs.size() > 1;
+    }
+
+    void draw() const {
+        std::vector<StabilityPanel> panels;
+        for (std::size_t p = 0; p < panels_; ++p) {
+            StabilityPanel panel{panels_ > 1 ? study_.knobs[2].key + " = " + values(2)[p] : "", {}, predicted(p)};
+            for (std::size_t k = p * nx_ * ny_; k < (p + 1) * nx_ * ny_; ++k)
+                panel.cells.push_back(was_run_[k] ? MapCell{cells_[k].verdict.state, bisects() ? note(cells_[k]) : ""} : MapCell{"not run", ""});
+            panels.push_back(std::move(panel));
+        }
         const std::string title = study_.name + (bisects() ? ": largest stable " + study_.stability.bisect : "");
-        const Canvas canvas = draw_map(study_.knobs[0].values, two ? study_.knobs[1].values : one, drawn, predicted(), title, study_.knobs[0].key,
-                                       two ? study_.knobs[1].key : "");
+        const Canvas canvas = draw_maps(panels, values(0), values(1), title, study_.knobs[0].key, study_.knobs.size() > 1 ? study_.knobs[1].key : "");
         write_png(folder_ / "stability.png", canvas.image());
         write_text(folder_ / "stability.svg", canvas.svg());
+    }
+
+    void conclude() const {
         std::map<std::string, int> count;
-        for (const Cell& c : cells_) ++count[c.verdict.state];
+        for (std::size_t k = 0; k < cells_.size(); ++k)
+            if (was_run_[k]) ++count[cells_[k].verdict.state];
         std::string sums;
         for (const auto& [state, n] : count) sums += fmt::format("{}{} {}", sums.empty() ? "" : ", ", n, state);
         say(fmt::format("{}; {}/stability.csv, stability.png, stability.svg", sums, folder_.string()));
         if (!options_.json) return;
         Json cells = Json::array();
-        for (std::size_t k = 0; k < cells_.size(); ++k)
-            cells.push_back({{"settings", settings(k)}, {"state", cells_[k].verdict.state}, {"why", cells_[k].verdict.why},
-                             {"largest_stable", std::isfinite(cells_[k].largest_stable) ? Json(cells_[k].largest_stable) : Json()}, {"limits", cells_[k].limits}});
+        for (std::size_t k = 0; k < cells_.size(); ++k) {
+            const Cell& c = cells_[k];
+            if (was_run_[k])
+                cells.push_back({{"settings", settings(k)}, {"state", c.verdict.state}, {"why", c.verdict.why}, {"first_bad_step", c.verdict.step},
+                                 {"largest_stable", std::isfinite(c.largest_stable) ? Json(c.largest_stable) : Json()}, {"limits", c.limits}});
+        }
         fmt::print("{}\n", Json{{"study", study_.name}, {"scene", scene_}, {"folder", folder_.string()}, {"cells", cells}}.dump(2));
     }
 
@@ -185,15 +252,18 @@ private:
     std::string scene_;
     fs::path folder_;
     PointRunner runner_;
-    std::size_t nx_, ny_;
+    std::size_t nx_, ny_, panels_;
     std::vector<Cell> cells_;
+    std::vector<bool> was_run_;
 };
 
-int stability(const SweepOptions& options) {
+int stability(SweepOptions options) {
     const Study study = read_study(options.study);
-    if (study.knobs.empty() || study.knobs.size() > 2)
-        throw InputError({options.study, 0, 0}, fmt::format("a map has one knob or two, this study has {}", study.knobs.size()), "a third one can be searched for: stability.bisect");
+    if (study.knobs.empty() || study.knobs.size() > 3)
+        throw InputError({options.study, 0, 0}, fmt::format("a map has one knob or two, and may be drawn for each value of a third; this study has {}", study.knobs.size()),
+                         "a further one can be searched for: stability.bisect");
     seconds_of(options.budget);
+    share_cores(options, false);
     const fs::path folder = folder_of(study, options);
     try {
         for (const std::string& scene : study.scenes) {

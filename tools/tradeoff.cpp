@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -11,6 +12,7 @@
 #include "tools/command.h"
 #include "tools/run/progress.h"
 #include "tools/study/accuracy.h"
+#include "tools/study/jobs.h"
 #include "tools/study/plot.h"
 #include "tools/study/recommend.h"
 #include "tools/study/sweep.h"
@@ -39,23 +41,65 @@ public:
         std::vector<int> levels;
         for (const Knob& knob : study_.knobs) levels.push_back(static_cast<int>(knob.values.size()));
         const FrontSearch search(levels);
-        for (std::size_t k = 0; options_.all ? k < search.size() : true; ++k) {
-            const GridPoint next = options_.all ? grid_point(levels, k) : search.next(measured_);
-            if (next.empty()) break;
-            if (budget > 0 && wall_seconds() - began > budget) {
-                say(fmt::format("the budget of {} is spent; the same command with a larger one goes on from here", options_.budget));
+        Jobs<PointResult> jobs(static_cast<std::size_t>(options_.jobs));
+        std::vector<GridPoint> started;
+        while (true) {
+            const double left = budget > 0 ? budget - (wall_seconds() - began) : std::numeric_limits<double>::infinity();
+            // What is running counts as what it is guessed to be, so that no two ask the same question.
+            std::vector<Measured> known = measured_;
+            for (const GridPoint& p : started)
+                if (!was_measured(p)) known.push_back(search.expected(p, measured_));
+            GridPoint next;
+            if (!jobs.full() && left > 0) {
+                if (!options_.all) next = search.next(known, left / wall_over_cost());
+                else if (started.size() < search.size()) next = search.point(started.size());
+            }
+            if (!next.empty()) {
+                started.push_back(next);
+                jobs.start(started.size() - 1, [this, settings = settings_at(study_, next)] { return run_point(settings); });
+            } else if (!jobs.empty()) {
+                auto [k, result] = jobs.next();
+                measure(started[k], std::move(result), search);
+            } else {
+                if (budget > 0 && started.size() < search.size() && !search.next(known).empty())
+                    say(fmt::format("the budget of {} is spent, or too little of it is left for what the front still needs; the same command with a larger one "
+                                    "goes on from here", options_.budget));
                 break;
             }
-            measure(next, search.size());
         }
         write();
     }
 
 private:
-    static GridPoint grid_point(const std::vector<int>& levels, std::size_t k) {
-        GridPoint p;
-        for (const int l : levels) p.push_back(static_cast<int>(k % static_cast<std::size_t>(l))), k /= static_cast<std::size_t>(l);
-        return p;
+    bool was_measured(const GridPoint& p) const {
+        return std::any_of(measured_.begin(), measured_.end(), [&](const Measured& m) { return m.at == p; });
+    }
+
+    /// A point that the plan refuses is a result too.
+    PointResult run_point(const std::vector<std::string>& settings) const try {
+        return runner_.run(scene_, settings, study_.cost.repeat, draws());
+    } catch (const InputError& error) {
+        PointResult refused;
+        refused.status = "refused", refused.message = error.what();
+        return refused;
+    }
+
+    /// Wall seconds of a point (all its timings) over its cost, from those that were run; before the first, unknown: 0.
+    double wall_over_cost() const {
+        double wall = 0, cost = 0;
+        for (std::size_t i = 0; i < rows_.size(); ++i) {
+            for (const double w : rows_[i].result.wall) wall += w;
+            if (std::isfinite(measured_[i].cost)) cost += measured_[i].cost;
+        }
+        return cost > 0 ? wall / cost : 0;
+    }
+
+    /// Wall seconds that all points not yet run would take: the search stops earlier.
+    double most_left(const FrontSearch& search) const {
+        double cost = 0;
+        for (std::size_t k = 0; k < search.size(); ++k)
+            if (const GridPoint p = search.point(k); !was_measured(p)) cost += search.expected(p, measured_).cost;
+        return cost * wall_over_cost() / options_.jobs;
     }
 
     void say(const std::string& text) const {
@@ -73,23 +117,27 @@ private:
 
     bool draws() const { return study_.pictures || study_.accuracy.of == AccuracyKind::picture; }
 
-    void measure(const GridPoint& p, std::size_t most) {
+    void measure(const GridPoint& p, PointResult result, const FrontSearch& search) {
         const std::vector<std::string> settings = settings_at(study_, p);
-        Row row{scene_, runner_.run(scene_, settings, study_.cost.repeat, draws())};
-        Measured m{p, NAN, NAN};
+        Row row{scene_, std::move(result), 0, 0};
+        if (measured_.empty() && row.result.status == "refused") throw InputError({study_.name, 0, 0}, row.result.message);
+        Measured m{p, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
         std::vector<double> costs = study_.cost.of == CostKind::cpu ? row.result.cpu : row.result.wall;
         if (study_.cost.of == CostKind::memory) costs = {row.result.memory};
         std::sort(costs.begin(), costs.end());
-        row.cost_low = costs.front(), row.cost_high = costs.back();
-        m.cost = costs[costs.size() / 2];
+        if (!costs.empty() && row.result.status != "refused") {
+            row.cost_low = costs.front(), row.cost_high = costs.back();
+            m.cost = costs[costs.size() / 2];
+        }
         if (row.result.done()) m.error = error_of(study_.accuracy, row.result.folder, reference_);
         measured_.push_back(m), rows_.push_back(row);
-        say(fmt::format("point {} of at most {}: {}: {}, {}{}", measured_.size(), most, joined_settings(settings), cost_text(m.cost),
-                        row.result.done() ? "error " + error_text(m.error) : row.result.status + " (" + row.result.message + ")",
-                        row.result.kept ? " (kept from before)" : ""));
+        say(fmt::format("point {} of {} {}: {}: {}, {}{} ({} {} left)", measured_.size(), options_.all ? "the" : "at most", search.size(), joined_settings(settings),
+                        cost_text(m.cost), row.result.done() ? "error " + error_text(m.error) : row.result.status + " (" + row.result.message + ")",
+                        row.result.kept ? ", kept from before" : "", options_.all ? "about" : "at most", duration(most_left(search))));
     }
 
     std::string cost_text(double cost) const {
+        if (!std::isfinite(cost)) return "no cost";
         if (study_.cost.of == CostKind::memory) return fmt::format("{:.0f} MB", 1e-6 * cost);
         return fmt::format("{:.3g} s{}", cost, study_.cost.of == CostKind::cpu ? " CPU" : "");
     }
@@ -120,7 +168,7 @@ private:
             csv += csv_cell(r.scene);
             for (std::size_t k = 0; k < study_.knobs.size(); ++k) csv += "," + csv_cell(study_.knobs[k].values[static_cast<std::size_t>(measured_[i].at[k])]);
             csv += fmt::format(",{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.0f},{:.4g},{},{},{}\n", measured_[i].cost, r.cost_low, r.cost_high, measured_[i].error,
-                               r.result.wall.front(), r.result.memory, r.result.fps(), has(front, i) ? 1 : 0, r.result.status, csv_cell(r.result.message));
+                               r.result.wall.empty() ? 0 : r.result.wall.front(), r.result.memory, r.result.wall.empty() ? 0 : r.result.fps(), has(front, i) ? 1 : 0, r.result.status, csv_cell(r.result.message));
         }
         write_text(folder_ / "tradeoff.csv", csv);
     }
@@ -172,18 +220,29 @@ private:
         }
         if (!best) throw EnvironmentError(fmt::format("no point of the study reaches {}", wish.text), "", "widen the knobs' values");
         std::string overlay = fmt::format("# {} of the study {}: {}, error {}\n", wish.text, study_.name, cost_text(best->cost), error_text(best->error));
-        std::vector<std::string> options;
-        for (const std::string& setting : settings_at(study_, best->at)) {
+        // What the study sets for all of its points is the study's, but what follows from a knob is the knob's.
+        std::string options, scene = scene_;
+        std::vector<std::string> chosen;
+        for (const std::string& setting : study_.set)
+            if (setting.find('{') != std::string::npos) chosen.push_back(with_values(setting, settings_at(study_, best->at)));
+        for (const std::string& setting : settings_at(study_, best->at))
+            if (!is_name(setting.substr(0, setting.find('=')))) chosen.push_back(setting);
+        for (const std::string& setting : chosen) {
             const std::size_t equals = setting.find('=');
             const std::string key = setting.substr(0, equals), value = setting.substr(equals + 1);
-            if (key == "scene" || key == "quality" || key == "threads" || key == "program") options.push_back("--" + key + " " + value);
-            else overlay += fmt::format("{} = {}\n", key, toml_value(value));
+            if (key == "scene") scene = value;
+            else if (key == "program") overlay += "# with the program " + value + "\n";
+            else if (key == "quality" || key == "threads") options += " --" + key + " " + value;
+            else overlay += fmt::format("{} = {}\n", quoted(key), toml_value(value));
         }
         const fs::path file = folder_ / "recommended.toml";
         write_text(file, overlay);
-        say(fmt::format("\nfor {}: {} ({}, error {}); {} holds them:\n  whorl render {} --with {}", wish.text, joined_settings(settings_at(study_, best->at)),
-                        cost_text(best->cost), error_text(best->error), file.string(), scene_, file.string()));
+        say(fmt::format("\nfor {}: {} ({}, error {}); {} holds them:\n  whorl render {} --with {}{}", wish.text, joined_settings(settings_at(study_, best->at)),
+                        cost_text(best->cost), error_text(best->error), file.string(), scene, file.string(), options));
     }
+
+    /// A key as an overlay takes it: those of list entries in quotes.
+    static std::string quoted(const std::string& key) { return key.find('[') == std::string::npos ? key : "\"" + key + "\""; }
 
     /// A value as TOML writes it: bare words are texts.
     static std::string toml_value(const std::string& value) {
@@ -202,7 +261,7 @@ private:
     }
 
     const Study& study_;
-    const SweepOptions& options_;
+    SweepOptions options_;
     std::string scene_;
     fs::path folder_;
     PointRunner runner_;
@@ -211,8 +270,9 @@ private:
     std::vector<Row> rows_;
 };
 
-int tradeoff(const SweepOptions& options) {
+int tradeoff(SweepOptions options) {
     const Study study = read_study(options.study);
+    share_cores(options, study.cost.of != CostKind::memory);
     if (study.knobs.empty()) throw InputError({options.study, 0, 0}, "the study turns no knob", "add a [[knob]] with key and values");
     if (study.accuracy.column.empty() && study.accuracy.of != AccuracyKind::picture)
         throw InputError({options.study, 0, 0}, "accuracy.column is missing", "it names a column of accuracy.table");

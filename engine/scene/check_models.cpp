@@ -6,7 +6,14 @@
 
 namespace whorl {
 
-void check_models(const Scene& scene, const Plan& plan, std::vector<Problem>& problems) {
+namespace {
+
+/// Beyond it conjugate gradients with the matrix's diagonal alone stall (docs: `whorl stability viscous_steps`).
+constexpr double most_assembled_viscous_number = 2e5;
+
+}  // namespace
+
+void check_models(const Scene& scene, const Plan& plan, double viscous_number, std::vector<Problem>& problems) {
     const auto report = [&](const std::string& key, const std::string& what, const std::string& hint, const std::string& allowed = "") {
         problems.push_back({scene.place(key), what, hint, allowed.empty() ? "" : "allowed: " + allowed});
     };
@@ -25,6 +32,10 @@ void check_models(const Scene& scene, const Plan& plan, std::vector<Problem>& pr
             report("models.viscosity", fmt::format("the matrix of models.viscosity = \"full_assembled\" would take {:.1f} GB ({:.0f} particles)",
                                                    bytes / 1e9, plan.estimated_particles),
                    "take \"full\", the same without a matrix, or a larger fluid.spacing", fmt::format("up to {:g} GB", most_assembled_bytes / 1e9));
+
+    if (plan.viscosity == ViscosityModel::full_assembled && viscous_number > most_assembled_viscous_number)
+        report("models.viscosity", fmt::format("the solver of models.viscosity = \"full_assembled\" does not converge where nu dt/d^2 = {:.2g}", viscous_number),
+               "take \"full\", whose iterations do not grow with it, or smaller steps", fmt::format("up to {:g}", most_assembled_viscous_number));
 
     if (plan.pressure == PressureModel::coupled && plan.viscosity != ViscosityModel::none)
         report("models.viscosity", "models.pressure = \"coupled\" solves for the viscosity itself",
@@ -51,6 +62,14 @@ void check_models(const Scene& scene, const Plan& plan, std::vector<Problem>& pr
                std::string("models.boundary = \"") + name_of(plan.boundary) + "\" does not go with models.pressure = \"" + name_of(plan.pressure) + "\"",
                "take \"auto\"", "akinci with wcsph, ppe with ppe, none with any");
     check_micropolar(scene, plan, problems);
+    if (scene.time.sleep == 0) return;
+    const auto watchful = [&](const std::string& who) {
+        report("time.sleep", "time.sleep puts away fluid that " + who, "take time.sleep = 0", "0");
+    };
+    if (scene.domain.gravity.depends_on_time()) watchful("a changing gravity moves all of");
+    if (!scene.drains.empty()) watchful("a drain has to see at every step");
+    for (const ProbeKeys& probe : scene.probes)
+        if (probe.kind == ProbeKind::coil) watchful("a coil probe has to see at every step");
 }
 
 }  // namespace whorl

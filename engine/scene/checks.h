@@ -6,7 +6,8 @@
 namespace whorl {
 
 /// Models that do not go together, or that this version does not have.
-void check_models(const Scene& scene, const Plan& plan, std::vector<Problem>& problems);
+/// @param viscous_number nu dt/d^2 of the steps that the flow allows
+void check_models(const Scene& scene, const Plan& plan, double viscous_number, std::vector<Problem>& problems);
 
 /// Fluid, solids and probes where they cannot be; more particles than memory.
 void check_placement(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, const SceneShapes& shapes, std::vector<Problem>& problems);

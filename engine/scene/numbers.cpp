@@ -116,6 +116,7 @@ SceneNumbers scene_numbers(const Scene& scene, const SceneShapes& shapes, double
     n.speed = std::max(n.speed, std::sqrt(n.speed * n.speed + 2 * n.gravity * n.fall));
     n.nu = n.viscosity / scene.fluid.density;
     n.step = n.speed > 0 ? std::min(scene.time.max_step, scene.time.cfl * d / n.speed) : scene.time.max_step;
+    if (scene.time.fixed_step > 0) n.step = scene.time.fixed_step;
     n.viscous_number = n.nu * n.step / (d * d);
     n.explicit_step = n.nu > 0 ? 0.125 * support * support / (4 * n.nu) : std::numeric_limits<double>::infinity();
     return n;

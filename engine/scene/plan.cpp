@@ -162,7 +162,9 @@ Plan make_plan(const Scene& given) {
     choose(plan, "models.shifting", scene.models.shifting, coupled ? ShiftingModel::fickian : ShiftingModel::none,
            coupled ? "stretched threads lose their even spacing" : "particles of this model keep apart by themselves", plan.shifting);
 
-    check_models(given, plan, problems);
+    if (scene.time.sleep > 0)
+        plan.choices.push_back({"time.sleep", fmt::format("{:g}", scene.time.sleep), false, "what moves less than that many spacings in half a second is not solved for"});
+    check_models(given, plan, n.viscous_number, problems);
     check_placement(scene, plan, n, shapes, problems);
     if (!problems.empty()) throw InputError(in_order(std::move(problems), file));
     warn(plan, scene, n, shapes);

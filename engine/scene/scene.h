@@ -39,6 +39,7 @@ struct TimeKeys {
     double max_step = 5e-3;    ///< s
     double cfl = 0.4;
     double fixed_step = 0;     ///< s; every step is this long, whatever the models allow; 0: they decide
+    double sleep = 0;          ///< spacings; a particle that moves less in half a second rests, and is not solved for until something near it moves; 0: never
     double frame_interval() const { return 1 / (fps * slow_motion); }
 };
 
@@ -152,6 +153,17 @@ struct ProbeKeys {
     double height = 0;                               ///< coil: m above the pile
 };
 
+/// What a run may give up to keep to a budget of time: never the physics' own parameters.
+struct BudgetKeys {
+    double seconds_per_frame = 0;  ///< s of wall time; 0: none
+    double seconds = 0;            ///< s of wall time for the whole film; 0: none
+    double tolerance = 10;         ///< times those of the scene, at most
+    double cfl = 0.8;              ///< at most
+    double voxel = 1;              ///< spacings, at most
+    int samples = 1;               ///< a pixel, at least
+    bool any() const { return seconds_per_frame > 0 || seconds > 0; }
+};
+
 /// One key that takes another value while the run goes on: what a live run records, and a film of it repeats.
 struct ChangeKeys {
     double time = 0;  ///< s; a step ends exactly then
@@ -190,6 +202,7 @@ struct Scene {
     std::vector<ChangeKeys> changes;
     std::vector<PanelKeys> panels;  ///< side by side in one film; none: the scene itself
     OutputKeys output;
+    BudgetKeys budget;
     std::uint64_t seed = 1;
 
     std::string directory;               ///< of the scene file: mesh files are found from here

@@ -33,6 +33,9 @@ KeyTable time_keys() {
     t.key("max_step", &TimeKeys::max_step, "s", "longest time step").above(0).live();
     t.key("cfl", &TimeKeys::cfl, "", "a step moves no particle further than this part of a spacing").above(0).at_most(2).live();
     t.key("fixed_step", &TimeKeys::fixed_step, "s", "every step is this long, whatever the models allow (for studies of stability); 0: they decide").at_least(0);
+    t.key("sleep", &TimeKeys::sleep, "spacings", "a particle that moves less in half a second rests, and is not solved for until something near it moves; 0: never")
+        .at_least(0)
+        .at_most(1);
     return t;
 }
 
@@ -242,6 +245,17 @@ KeyTable output_keys() {
     return t;
 }
 
+KeyTable budget_keys() {
+    KeyTableOf<BudgetKeys> t("wall time that a frame may take, and what may be given up for it, in this order; budget.csv tells what was");
+    t.key("seconds_per_frame", &BudgetKeys::seconds_per_frame, "s", "of wall time; 0: as long as it takes").at_least(0).live();
+    t.key("seconds", &BudgetKeys::seconds, "s", "of wall time for the whole film; 0: as long as it takes").at_least(0).live();
+    t.key("tolerance", &BudgetKeys::tolerance, "", "tolerances of the solvers grow up to this times the scene's").at_least(1).at_most(1000).live();
+    t.key("cfl", &BudgetKeys::cfl, "", "then steps grow up to this cfl").above(0).at_most(2).live();
+    t.key("voxel", &BudgetKeys::voxel, "spacings", "then the surface gets coarser up to this").above(0).at_most(2).live();
+    t.key("samples", &BudgetKeys::samples, "", "then pictures get fewer samples a pixel, down to this").at_least(1).live();
+    return t;
+}
+
 KeyTable root_keys() {
     KeyTableOf<Scene> t("a scene of Whorl");
     t.key("name", &Scene::name, "", "of the run folder and the video; default: the file's name").not_deciding();
@@ -262,6 +276,7 @@ KeyTable root_keys() {
     t.list("change", &Scene::changes, change_keys());
     t.list("panel", &Scene::panels, panel_keys()).not_deciding();
     t.part("output", &Scene::output, output_keys()).not_deciding();
+    t.part("budget", &Scene::budget, budget_keys());
     return t;
 }
 

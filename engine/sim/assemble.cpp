@@ -18,6 +18,7 @@
 #include "engine/models/viscosity/pairwise.h"
 #include "engine/particles/search.h"
 #include "engine/sim/simulation.h"
+#include "engine/sim/sleep.h"
 #include "engine/sph/density.h"
 
 namespace whorl {
@@ -66,6 +67,7 @@ public:
         if (plan_.viscosity != ViscosityModel::none || plan_.micropolar != MicropolarModel::none || plan_.pressure == PressureModel::coupled) ageing();
         if (plan_.pressure == PressureModel::coupled) coupled();
         else apart();
+        if (scene_.time.sleep > 0) stage("hold sleepers", "sleep", HoldSleepers{});
         return std::move(made_);
     }
 

@@ -11,6 +11,7 @@
 #include "engine/scene/names.h"
 #include "engine/sim/check.h"
 #include "engine/sim/place.h"
+#include "engine/sim/sleep.h"
 #include "engine/sim/time_step.h"
 
 namespace whorl {
@@ -58,6 +59,8 @@ struct Simulation::State {
     CurveSort curve;
     double time = 0;
     long steps_since_landing = 0;
+    std::optional<Sleep> sleep;
+    double since_look = 0;  ///< s, since the last look at who sleeps
     RunTotals totals;
     StageTimes times;
 
@@ -73,6 +76,12 @@ struct Simulation::State {
         place_constants(scene, plan, world);
         place_solids(scene, plan, world);
         place_blocks(scene, plan, world);
+        if (scene.time.sleep > 0) {
+            SleepOptions options;
+            options.tolerance = static_cast<Real>(scene.time.sleep);
+            options.cfl = static_cast<Real>(scene.time.cfl);
+            sleep.emplace(options);
+        }
         emitters = make_emitters(scene, plan);
         drains = make_drains(scene);
         set_gravity();
@@ -92,6 +101,7 @@ struct Simulation::State {
         }
         for (std::size_t k = 0; k < now.emitters.size(); ++k) emitters[k].change(now.emitters[k].speed, now.emitters[k].start, now.emitters[k].stop);
         scene = now, plan = new_plan;
+        if (sleep) sleep->wake_all(world);
         assembly = assemble(scene, plan);
         declare_fields(assembly.stages, world.fluid);
         place_constants(scene, plan, world);
@@ -161,6 +171,14 @@ struct Simulation::State {
         return true;
     }
 
+    template <class F>
+    void sleep_through(F&& f) {
+        const double wall = wall_seconds(), cpu = cpu_seconds();
+        f();
+        times["sleep"].wall += wall_seconds() - wall;
+        times["sleep"].cpu += cpu_seconds() - cpu;
+    }
+
     void count_solves() {
         for (const StepReport::Solve& solve : world.report.solves) {
             if (solve.name == "pressure" || solve.name == "coupled") totals.pressure_iterations += solve.report.iterations;
@@ -184,7 +202,11 @@ struct Simulation::State {
         world.solid_particles.follow(world.solids);
         emit();
         if (steps_since_landing % sort_every == 0) sort();
-        if (!run_stages()) return world.report;
+        if (sleep && steps_since_landing % Sleep::look_every == 0) sleep_through([&] { sleep->tuck_in(world); });
+        if (!run_stages()) {
+            if (sleep) sleep->gather(world);
+            return world.report;
+        }
         for (const Emitter& emitter : emitters) totals.emitted_particles += emitter.release(world.fluid, time + dt);
         if (!drains.empty()) totals.drained_particles += drain(world.fluid, drains, world.step.dt);
         keep_inside();
@@ -194,6 +216,11 @@ struct Simulation::State {
         steps_since_landing = landed ? 0 : steps_since_landing + 1;
         ++totals.steps;
         totals.particle_steps += world.fluid.size();
+        since_look += dt;
+        if (sleep && steps_since_landing % Sleep::look_every == 0) {
+            sleep_through([&] { sleep->look(world, since_look); });
+            since_look = 0;
+        }
         totals.last_step = dt;
         if (world.report.work) totals.work += *world.report.work, totals.any_work = true;
         count_solves();

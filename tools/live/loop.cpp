@@ -69,6 +69,7 @@ void LiveLoop::begin(WantedScene& scene) {
         time_ = 0;
     }
     screen_.look({scene.file.surface, scene.file.camera, scene.file.look});
+    governor_.emplace(scene.file, frame_count(scene.file.scene));
     landed_at_ = due_ = wall_seconds();
     land();
 }
@@ -93,7 +94,23 @@ void LiveLoop::take_up(const Orders& orders) {
     }
     if (state_ == State::ended && time < wanted.file.scene.time.end) state_ = State::running;
     screen_.look({wanted.file.surface, wanted.file.camera, wanted.file.look});
+    governor_->want(wanted.file);
+    if (governor_->now().amount > 0) go_by(governor_->governed());
     tell();
+}
+
+void LiveLoop::go_by(const SceneFile& governed) {
+    const Scene scene = with_models_of(simulation_->plan(), governed.scene);
+    simulation_->change(scene, make_plan(scene));
+    screen_.look({governed.surface, governed.camera, governed.look});
+}
+
+/// Keeps to the scene's budget of time from the next frame on.
+void LiveLoop::govern() {
+    double picture = 0;  // s, beside the simulation
+    for (const auto& [name, t] : screen_.times()) picture += t.wall;
+    const auto next = governor_->look(std::max(simulate_wall_, picture), frame_, 0);
+    if (next && state_ == State::running) go_by(*next);
 }
 
 /// @return false where it was broken off, to end or to begin anew
@@ -110,6 +127,7 @@ bool LiveLoop::step_to_frame(const std::function<bool()>& stop) {
             wishes_.tell(true, why_);
             return false;
         }
+        for (const StepReport::Solve& solve : report.solves) largest_residual_ = std::max(largest_residual_, solve.report.last_residual);
         for (auto& [name, probe] : probes_) probe->after_step(simulation_->world(), simulation_->time());
     }
     simulate_wall_ = wall_seconds() - began;
@@ -146,7 +164,9 @@ void LiveLoop::land() {
         state_ = State::ended;
         wishes_.tell(false, fmt::format("the scene ends at {:g} s: raise time.end to go on, or restart", simulation_->scene().time.end));
     }
+    if (frame_steps_ > 0) govern();
     tell();
+    largest_residual_ = 0;
 }
 
 void LiveLoop::tell() {
@@ -156,6 +176,8 @@ void LiveLoop::tell() {
     Json ms = Json::object();
     for (const auto& [name, t] : frame_times_) ms[name] = 1e3 * t.wall;
     const RunTotals& totals = simulation_->totals();
+    const Sacrifice s = governor_->now();
+    const Json given_up = {{"amount", s.amount}, {"tolerance_factor", s.tolerance}, {"cfl", s.cfl}, {"voxel", s.voxel}, {"samples", s.samples}};
     status_.set(
         {{"scene", scene.name},
          {"time", time},
@@ -176,6 +198,8 @@ void LiveLoop::tell() {
          {"energy", {{"kinetic", finite(m.kinetic_energy)}, {"potential", finite(m.potential_energy)}, {"spin", finite(m.spin_energy)}}},
          {"max_speed", finite(m.max_speed)},
          {"density_error", finite(m.density_error_max)},
+         {"given_up", given_up},
+         {"largest_residual", finite(largest_residual_)},
          {"lost_particles", totals.lost_particles},
          {"probes", probed_}});
 }

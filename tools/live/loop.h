@@ -10,6 +10,7 @@
 #include "tools/live/journal.h"
 #include "tools/live/screen.h"
 #include "tools/live/wishes.h"
+#include "tools/run/governor.h"
 
 namespace whorl {
 
@@ -39,6 +40,8 @@ private:
     void take_up(const Orders& orders);
     bool step_to_frame(const std::function<bool()>& stop);
     void land();
+    void govern();
+    void go_by(const SceneFile& governed);
     void tell();
     void wait_for_real_time();
 
@@ -54,6 +57,9 @@ private:
     int frame_ = 1;
     enum class State { running, ended, diverged } state_ = State::running;
     std::string why_;  ///< it diverged
+
+    std::optional<Governor> governor_;  ///< where the scene has a budget
+    double largest_residual_ = 0;       ///< of the newest frame's solves
 
     // What the newest frame took.
     StageTimes times_before_, frame_times_;

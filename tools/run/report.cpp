@@ -55,6 +55,7 @@ nlohmann::ordered_json run_json(const Simulation& simulation, const RunReport& r
              {{"pressure", totals.pressure_iterations / steps}, {"viscosity", totals.viscosity_iterations / steps}}},
             {"unconverged_solves", totals.unconverged_solves},
             {"converged", totals.unconverged_solves == 0},
+            {"first_troubles", report.troubles.json()},
             {"time_step_limits", totals.binding},
             {"wall_seconds", report.wall},
             {"predicted_wall_seconds", report.predicted_wall > 0 ? Json(report.predicted_wall) : Json()},

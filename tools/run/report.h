@@ -6,6 +6,7 @@
 
 #include "engine/core/clock.h"
 #include "engine/sim/simulation.h"
+#include "tools/run/troubles.h"
 
 namespace whorl {
 
@@ -19,6 +20,7 @@ struct RunReport {
     double first_picture = 0;  ///< s after the start of this part
     std::string gl_device, encoder;
     StageTimes stages;         ///< over all parts of the run
+    Troubles troubles;
 };
 
 /// CPU seconds of the simulation's stages: the simulation's threads' CPU time, shared out by the stages' wall time (measured stage by stage, the

@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -20,6 +21,7 @@
 #include "tools/run/colour_range.h"
 #include "tools/run/contact_sheet.h"
 #include "tools/run/film.h"
+#include "tools/run/governor.h"
 #include "tools/run/interrupt.h"
 #include "tools/run/panels.h"
 #include "tools/run/progress.h"
@@ -62,6 +64,16 @@ std::vector<std::string> snapshot_fields(const SceneFile& file, const World& wor
     return {file.look.field};
 }
 
+/// What the governor of the run so far had given up, by the last row of its table.
+double last_given_up(const fs::path& table) {
+    std::ifstream in(table);
+    std::string line, last;
+    while (std::getline(in, line))
+        if (!line.empty()) last = line;
+    for (int column = 0; column < 4; ++column) last = last.substr(std::min(last.size(), last.find(',') + 1));
+    return std::strtod(last.c_str(), nullptr);
+}
+
 class Run {
 public:
     Run(const RunRequest& request, const Plan& plan);
@@ -77,6 +89,8 @@ private:
     void take_up(const SceneFile& file);
     void follow_changes();
     void land(int frame);
+    std::optional<SceneFile> govern(int frame, const Measures& measures);
+    void go_by(const SceneFile& file);
     bool step_to(int frame);
     std::shared_ptr<Checkpoint> state_at(int frame) const;
     std::optional<Divergence> loop();
@@ -105,6 +119,11 @@ private:
     std::optional<Snapshots> snapshots_;
     std::shared_ptr<const PictureOptions> how_;
     RunTotals totals_at_row_;
+    Troubles troubles_;
+    std::optional<Governor> governor_;  ///< where the scene has a budget
+    std::unique_ptr<Table> budget_;
+    double landed_at_ = wall_seconds(), largest_residual_ = 0;  ///< of the frame on its way
+    long unconverged_at_row_ = 0;
     double saved_at_ = wall_seconds();
     double predicted_ = 0;  ///< s, wall time of the whole run where costs were measured before (whorl plan); else 0
     InterruptGuard interrupt_;
@@ -118,8 +137,10 @@ Run::Run(const RunRequest& request, const Plan& plan)
     last_ = request.frames.value_or(frame_count(scene_));
     make_folders();
     if (request.from) resume();
+    if (scene_.budget.any()) governor_.emplace(replay_.now(), last_);
     open_tables();
     take_up(replay_.now());
+    if (governor_ && governor_->now().amount > 0) go_by(governor_->governed());
     totals_at_row_ = simulation_.totals();
     log_->info("whorl {}, {}: frames {} to {}", build_id(), scene_.name, first_, last_);
     for (const Choice& c : plan.choices) log_->info("{} = {}{}: {}", c.key, c.value, c.automatic ? " (auto)" : "", c.reason);
@@ -159,6 +180,9 @@ void Run::resume() {
     simulation_.load(state);
     replay_.make_until(simulation_.time(), [&](const Scene& s, const Plan& p, double time) { simulation_.changed_before(s, p, time); });
     first_ = from.frame + 1;
+    std::ifstream report(folder_.path() / "run.json");
+    if (const auto earlier = nlohmann::json::parse(report, nullptr, false); earlier.is_object() && earlier.contains("first_troubles"))
+        troubles_.take(earlier["first_troubles"]);
     earlier_wall_ = from.wall, earlier_cpu_ = from.cpu, earlier_stages_ = from.stages, resumed_ = from.resumed + 1;
 }
 
@@ -171,6 +195,10 @@ std::unique_ptr<Table> Run::open_table(const std::string& name, const std::strin
 
 void Run::open_tables() {
     diagnostics_ = open_table("diagnostics.csv", diagnostics_header());
+    if (governor_) {
+        budget_ = open_table("budget.csv", budget_header());
+        if (request_.from) governor_->set(last_given_up(folder_.path() / "budget.csv"));
+    }
     for (const ProbeKeys& keys : scene_.probes) {
         std::unique_ptr<Probe> probe = make_probe(keys, simulation_.world());
         if (request_.from)
@@ -204,6 +232,7 @@ std::shared_ptr<Checkpoint> Run::state_at(int frame) const {
     state->frames = last_;
     state->wall = wall(), state->cpu = cpu(), state->stages = stages(), state->resumed = resumed_;
     state->table_bytes["diagnostics.csv"] = diagnostics_->bytes();
+    if (budget_) state->table_bytes["budget.csv"] = budget_->bytes();
     for (const ProbeTable& p : probes_) {
         state->table_bytes["probes/" + p.name + ".csv"] = p.table.bytes();
         std::ostringstream memory;
@@ -223,7 +252,31 @@ void Run::take_up(const SceneFile& file) {
 }
 
 void Run::follow_changes() {
-    if (replay_.make_until(simulation_.time(), [&](const Scene& s, const Plan& p, double) { simulation_.change(s, p); })) take_up(replay_.now());
+    if (!replay_.make_until(simulation_.time(), [&](const Scene& s, const Plan& p, double) { simulation_.change(s, p); })) return;
+    take_up(replay_.now());
+    if (!governor_) return;
+    governor_->want(replay_.now());
+    if (governor_->now().amount > 0) go_by(governor_->governed());
+}
+
+/// From now on simulation and pictures go by what the governor allows. The models stay those that run.
+void Run::go_by(const SceneFile& file) {
+    const Scene scene = with_models_of(simulation_.plan(), file.scene);
+    simulation_.change(scene, make_plan(scene));
+    take_up(file);
+}
+
+/// What the frame took, and what the next one may. @return how to go on, where it is another way than before
+std::optional<SceneFile> Run::govern(int frame, const Measures& measures) {
+    const double now = wall_seconds(), seconds = now - landed_at_;
+    landed_at_ = now;
+    if (frame == first_ && !request_.from) return std::nullopt;  // nothing was simulated for it
+    const Sacrifice before = governor_->now();
+    auto next = governor_->look(seconds, frame, wall());
+    budget_->append(budget_row({frame, simulation_.time(), seconds, governor_->allowed(), before, largest_residual_,
+                                simulation_.totals().unconverged_solves - unconverged_at_row_, measures.density_error_mean, measures.density_error_max}));
+    largest_residual_ = 0, unconverged_at_row_ = simulation_.totals().unconverged_solves;
+    return frame < last_ ? next : std::nullopt;
 }
 
 /// The frame's row, its lines in the probes' tables, and its picture on the way.
@@ -237,6 +290,7 @@ void Run::land(int frame) {
     const double iterations = (totals.pressure_iterations - totals_at_row_.pressure_iterations + totals.viscosity_iterations -
                                totals_at_row_.viscosity_iterations) / steps;
     totals_at_row_ = totals;
+    const std::optional<SceneFile> next = governor_ ? govern(frame, measures) : std::nullopt;
 
     const bool due = frame == last_ || wall_seconds() - saved_at_ >= scene_.output.checkpoint_every;
     film_->add(snapshots_->take(simulation_, frame), how_, state_at(frame), due);
@@ -245,6 +299,7 @@ void Run::land(int frame) {
         write_report("running", "");
     }
     progress_->landed(simulation_, frame, iterations);
+    if (next) go_by(*next);
 }
 
 /// @return false where the run was interrupted or diverged on the way
@@ -252,7 +307,11 @@ bool Run::step_to(int frame) {
     const double until = frame_time(scene_, frame);
     while (simulation_.time() < until) {
         if (interrupt_.interrupted()) return false;
-        if (simulation_.step(std::min(until, replay_.next())).diverged) return false;
+        const double time = simulation_.time();
+        const StepReport& report = simulation_.step(std::min(until, replay_.next()));
+        for (const StepReport::Solve& solve : report.solves) largest_residual_ = std::max(largest_residual_, solve.report.last_residual);
+        troubles_.look(report, time, simulation_.totals().steps + (report.diverged ? 1 : 0));
+        if (report.diverged) return false;
         for (ProbeTable& p : probes_) p.probe->after_step(simulation_.world(), simulation_.time());
         progress_->step(simulation_, frame);
         follow_changes();
@@ -279,6 +338,7 @@ void Run::write_report(const std::string& status, const std::string& message) {
     static const std::string encoder = encoder_version();
     report.encoder = scene_.output.frames && scene_.output.video ? encoder : "";
     report.stages = stages();
+    report.troubles = troubles_;
     write_text(folder_.path() / "run.json", run_json(simulation_, report).dump(2) + "\n");
 }
 

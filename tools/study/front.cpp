@@ -43,15 +43,10 @@ std::size_t FrontSearch::size() const {
     return n;
 }
 
-std::vector<GridPoint> FrontSearch::all_points() const {
-    std::vector<GridPoint> all;
-    for (std::size_t k = 0; k < size(); ++k) {
-        GridPoint p;
-        std::size_t rest = k;
-        for (const int l : levels_) p.push_back(static_cast<int>(rest % static_cast<std::size_t>(l))), rest /= static_cast<std::size_t>(l);
-        all.push_back(std::move(p));
-    }
-    return all;
+GridPoint FrontSearch::point(std::size_t k) const {
+    GridPoint p;
+    for (const int l : levels_) p.push_back(static_cast<int>(k % static_cast<std::size_t>(l))), k /= static_cast<std::size_t>(l);
+    return p;
 }
 
 std::vector<GridPoint> FrontSearch::first_points() const {
@@ -105,21 +100,26 @@ FrontSearch::Guess FrontSearch::guess(const GridPoint& p, const std::vector<Meas
     return {fit(0, 0), fit(0, 1), 0.5 * nearest * std::max(slope, 0.5)};
 }
 
-double FrontSearch::expected_cost(const GridPoint& p, const std::vector<Measured>& measured) const { return std::exp(guess(p, measured).cost); }
+Measured FrontSearch::expected(const GridPoint& p, const std::vector<Measured>& measured) const {
+    const Guess g = guess(p, measured);
+    return {p, std::exp(g.cost), std::exp(g.error)};
+}
 
-GridPoint FrontSearch::next(const std::vector<Measured>& measured) const {
+GridPoint FrontSearch::next(const std::vector<Measured>& measured, double most) const {
     const auto was_run = [&](const GridPoint& p) { return std::any_of(measured.begin(), measured.end(), [&](const Measured& m) { return m.at == p; }); };
+    const auto too_dear = [&](double cost) { return measured.size() > levels_.size() && cost > std::log(most); };  // a plane through fewer says nothing
     for (const GridPoint& p : first_points())
-        if (!was_run(p)) return p;
+        if (!was_run(p) && !too_dear(guess(p, measured).cost)) return p;
     GridPoint best;
-    double most = 0;
-    for (const GridPoint& p : all_points()) {
+    double largest = 0;
+    for (std::size_t k = 0; k < size(); ++k) {
+        const GridPoint p = point(k);
         if (was_run(p)) continue;
         const Guess g = guess(p, measured);
         const double promise = gain(g.cost, g.error - g.spread, measured);
-        if (promise < 0.05) continue;
+        if (promise < 0.05 || too_dear(g.cost)) continue;
         const double worth = promise / std::exp(0.5 * g.cost);  // dear points must promise more
-        if (worth > most) most = worth, best = p;
+        if (worth > largest) largest = worth, best = p;
     }
     return best;
 }

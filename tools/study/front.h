@@ -1,6 +1,7 @@
 #pragma once
 /// The Pareto front of a sweep, and which point to run next.
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 namespace whorl {
@@ -25,11 +26,13 @@ public:
     /// @param levels number of values of each knob
     explicit FrontSearch(std::vector<int> levels);
 
+    /// @param most points that are expected to cost more are left out
     /// @return the next point to run; empty where the front is known (or the grid is exhausted)
-    GridPoint next(const std::vector<Measured>& measured) const;
-    /// Guessed cost of a point.
-    double expected_cost(const GridPoint& p, const std::vector<Measured>& measured) const;
+    GridPoint next(const std::vector<Measured>& measured, double most = std::numeric_limits<double>::infinity()) const;
+    /// What a point is guessed to be, from those that were measured.
+    Measured expected(const GridPoint& p, const std::vector<Measured>& measured) const;
     std::size_t size() const;
+    GridPoint point(std::size_t k) const;
 
 private:
     struct Guess {
@@ -37,7 +40,6 @@ private:
     };
     Guess guess(const GridPoint& p, const std::vector<Measured>& measured) const;
     std::vector<GridPoint> first_points() const;
-    std::vector<GridPoint> all_points() const;
     double distance(const GridPoint& a, const GridPoint& b) const;
 
     std::vector<int> levels_;

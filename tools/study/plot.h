@@ -26,8 +26,14 @@ struct MapLimit {
     std::string name;
     std::vector<double> place;  ///< NaN: outside the map
 };
-/// A table of cells: the first knob's values along x, the second's upwards.
-Canvas draw_map(const std::vector<std::string>& x_values, const std::vector<std::string>& y_values, const std::vector<MapCell>& cells,
-                const std::vector<MapLimit>& limits, const std::string& title, const std::string& x_name, const std::string& y_name);
+/// One map of several with the same axes.
+struct StabilityPanel {
+    std::string title;
+    std::vector<MapCell> cells;  ///< along x first
+    std::vector<MapLimit> limits;
+};
+/// Tables of cells: the first knob's values along x, the second's upwards.
+Canvas draw_maps(const std::vector<StabilityPanel>& panels, const std::vector<std::string>& x_values, const std::vector<std::string>& y_values,
+                 const std::string& title, const std::string& x_name, const std::string& y_name);
 
 }  // namespace whorl

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -18,7 +19,6 @@
 #include "engine/core/whole_file.h"
 #include "engine/io/checkpoint.h"
 #include "tools/command.h"
-#include "tools/run/interrupt.h"
 
 namespace whorl {
 namespace {
@@ -32,22 +32,23 @@ struct ChildUse {
 };
 
 /// Runs a program with its output in a file, until it ends, its time is over, or the user interrupts.
-ChildUse run_child(const std::vector<std::string>& arguments, const fs::path& output, double limit) {
+ChildUse run_child(const std::vector<std::string>& arguments, const fs::path& output, double limit, const InterruptGuard& interrupt) {
     std::vector<char*> argv;
     for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
     argv.push_back(nullptr);
-    const InterruptGuard interrupt;
     const double began = wall_seconds();
+    const int file = open(output.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
     const pid_t pid = fork();
     if (pid < 0) throw EnvironmentError("a point could not be started");
     if (pid == 0) {
         setpgid(0, 0);  // the terminal's interrupt is for the study, which ends its points itself
-        const int file = open(output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+        prctl(PR_SET_PDEATHSIG, SIGKILL);
         dup2(file, STDOUT_FILENO);
         dup2(file, STDERR_FILENO);
         execvp(argv[0], argv.data());
         _exit(127);
     }
+    close(file);
     rusage usage{};
     int status = 0;
     bool late = false;
@@ -92,8 +93,7 @@ std::string joined_settings(const std::vector<std::string>& settings) { return f
 PointRunner::PointRunner(const Study& study, fs::path folder, int threads) : study_(study), folder_(std::move(folder)), threads_(threads) {}
 
 PointResult PointRunner::run(const std::string& scene, const std::vector<std::string>& settings, int repeat, bool pictures) const {
-    std::vector<std::string> all = study_.set;
-    all.insert(all.end(), settings.begin(), settings.end());
+    const std::vector<std::string> all = run_settings(study_, settings);
     std::string program = fs::read_symlink("/proc/self/exe").string(), name = scene, quality = study_.quality, threads = std::to_string(threads_);
     std::vector<std::string> keys;
     for (const std::string& s : all) {
@@ -126,7 +126,7 @@ PointResult PointRunner::run(const std::string& scene, const std::vector<std::st
     fs::create_directories(result.folder.parent_path());
     const fs::path output = result.folder.string() + ".txt";
     for (int k = 0; k < repeat && (k == 0 || result.done()); ++k) {
-        const ChildUse use = run_child(arguments, output, study_.limit);
+        const ChildUse use = run_child(arguments, output, study_.limit, interrupt_);
         if (use.code == exit_bad_input) throw InputError({study_.name, 0, 0}, fmt::format("the point {} cannot run: {}", words, text_of(output)));
         const Json run = json_of(result.folder / "run.json");
         result.status = use.code == -1 ? "timeout" : use.code == exit_done ? "done" : run.is_object() ? run.value("status", "failed") : "failed";

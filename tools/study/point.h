@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/run/interrupt.h"
 #include "tools/study/study.h"
 
 namespace whorl {
@@ -23,6 +24,7 @@ struct PointResult {
 /// Thrown where SIGINT or SIGTERM ended a point: the study stands as far as it was and goes on when it is called again.
 struct StudyInterrupted {};
 
+/// Runs points, from several threads at a time if need be.
 class PointRunner {
 public:
     /// @param folder of the study's results; points go into its folder "points" @param threads of each run; 0: all cores
@@ -36,6 +38,7 @@ private:
     const Study& study_;
     std::filesystem::path folder_;
     int threads_;
+    InterruptGuard interrupt_;
 };
 
 /// "fluid.spacing=0.002, pressure.tolerance=0.01"

@@ -1,6 +1,10 @@
 #include "tools/study/study.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cctype>
+#include <map>
 
 #include "engine/scene/document.h"
 #include "engine/scene/expression_keys.h"
@@ -23,7 +27,7 @@ namespace {
 
 KeyTable knob_keys() {
     KeyTableOf<Knob> t("a setting and the values that it takes");
-    t.key("key", &Knob::key, "", "a scene key, or scene, quality, threads, program").required();
+    t.key("key", &Knob::key, "", "a scene key, or scene, quality, threads, program, or a name of its own that settings use in braces").required();
     t.key("values", &Knob::values, "", "its values, in order from cheap to dear or the other way round").required();
     return t;
 }
@@ -48,15 +52,24 @@ KeyTable cost_keys() {
     return t;
 }
 
+KeyTable limit_keys() {
+    KeyTableOf<LimitKeys> t("a predicted limit, drawn on the map");
+    t.key("name", &LimitKeys::name, "", "as the map's legend calls it").required();
+    t.key("value", &LimitKeys::value, "", "of the second knob, an expression of the first one's value x").required();
+    return t;
+}
+
 KeyTable stability_keys() {
     KeyTableOf<StabilityKeys> t("what stable means");
-    t.key("noisy_speed", &StabilityKeys::noisy_speed, "m/s", "a run whose fastest particle ends above it is noisy; 0: not asked").at_least(0);
+    t.key("noisy_speed", &StabilityKeys::noisy_speed, "m/s", "a run whose fastest particle ends above it is noisy; none: not asked");
     t.key("energy_growth", &StabilityKeys::energy_growth, "", "of the scene's energy; more is unphysical; 0: not asked").at_least(0);
+    t.key("energy_scale", &StabilityKeys::energy_scale, "J", "growth is measured against what moved, but at least against this");
     t.key("stalled", &StabilityKeys::stalled, "", "part of the solves that may end without convergence").at_least(0).at_most(1);
     t.key("bisect", &StabilityKeys::bisect, "", "key whose largest stable value is searched for in each cell");
     t.key("low", &StabilityKeys::low, "", "its lowest value").at_least(0);
     t.key("high", &StabilityKeys::high, "", "its highest value").at_least(0);
     t.key("halvings", &StabilityKeys::halvings, "", "of the interval between them, of its logarithm").at_least(1).at_most(20);
+    t.list("limit", &StabilityKeys::limits, limit_keys());
     return t;
 }
 
@@ -66,7 +79,7 @@ const KeyTable& study_keys() {
         t.key("name", &Study::name, "", "names the folder of its results; default: the file's name");
         t.key("scenes", &Study::scenes, "", "names of shipped scenes, or files found from the study's folder").required();
         t.key("quality", &Study::quality, "", "of every point").one_of({"draft", "standard", "fine"});
-        t.key("set", &Study::set, "", "settings of every point: \"time.end=1\"");
+        t.key("set", &Study::set, "", "settings of every point: \"time.end=1\"; {...} holds an expression of the knobs");
         t.key("limit", &Study::limit, "s", "wall time that a point may take").above(0);
         t.key("pictures", &Study::pictures, "", "draw too");
         t.list("knob", &Study::knobs, knob_keys());
@@ -89,6 +102,30 @@ void values_to_texts(Value& root) {
         for (Value& v : *values->as<Value::List>())
             if (!v.as<std::string>() && !v.as<Value::Table>()) v.data = v.toml();
     }
+    Value* stability = root.find("stability");
+    if (!stability || !stability->as<Value::Table>()) return;
+    for (const char* key : {"noisy_speed", "energy_scale"})
+        if (Value* text = stability->find(key); text && text->is_number()) text->data = text->toml();
+}
+
+bool letter(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; }
+
+/// The expression with names of knobs replaced by their values.
+std::string expression_of(const std::string& text, const std::map<std::string, std::string>& values) {
+    std::string out;
+    for (std::size_t i = 0; i < text.size();) {
+        if (!letter(text[i]) || std::isdigit(static_cast<unsigned char>(text[i]))) {  // a number takes its letters with it: 1e-3
+            const bool number = letter(text[i]);
+            do out += text[i++];
+            while (number && i < text.size() && (letter(text[i]) || text[i] == '.'));
+            continue;
+        }
+        std::string name;
+        while (i < text.size() && letter(text[i])) name += text[i++];
+        const auto found = values.find(name);
+        out += found == values.end() ? name : "(" + found->second + ")";
+    }
+    return out;
 }
 
 void check(const Study& study, Reader& reader) {
@@ -97,6 +134,17 @@ void check(const Study& study, Reader& reader) {
         if (study.knobs[i].values.size() < 2) reader.disagree({name + ".values"}, name + ".values needs two values or more");
         for (std::size_t j = 0; j < i; ++j)
             if (study.knobs[j].key == study.knobs[i].key) reader.disagree({name + ".key"}, name + ".key is swept by " + entry_name("knob", j) + " already");
+    }
+    for (std::size_t i = 0; i < study.knobs.size(); ++i) {
+        const std::string& key = study.knobs[i].key;
+        const auto uses = [&](const std::string& text) {
+            for (std::size_t open = text.find('{'); open != std::string::npos; open = text.find('{', open + 1))
+                if (text.substr(open, text.find('}', open) - open).find(key) != std::string::npos) return true;
+            return false;
+        };
+        if (is_name(key) && std::none_of(study.set.begin(), study.set.end(), uses))
+            reader.disagree({entry_name("knob", i) + ".key"}, entry_name("knob", i) + ".key = \"" + key + "\" turns nothing",
+                            "take a scene key, or use {" + key + "} in set");
     }
     if (study.scenes.empty()) reader.disagree({"scenes"}, "scenes is empty");
     for (const std::vector<std::string>* settings : {&study.set, &study.accuracy.reference})
@@ -109,6 +157,47 @@ void check(const Study& study, Reader& reader) {
 }
 
 }  // namespace
+
+bool is_name(const std::string& key) {
+    static const std::vector<std::string> options{"scene", "quality", "threads", "program", "seed", "name"};
+    return key.find('.') == std::string::npos && std::find(options.begin(), options.end(), key) == options.end();
+}
+
+std::string with_values(const std::string& text, const std::vector<std::string>& settings) {
+    std::map<std::string, std::string> values;
+    for (const std::string& setting : settings) {
+        const std::size_t equals = setting.find('='), dot = setting.rfind('.', equals);
+        values[setting.substr(dot == std::string::npos ? 0 : dot + 1, equals - (dot == std::string::npos ? 0 : dot + 1))] = setting.substr(equals + 1);
+    }
+    std::string out;
+    for (std::size_t i = 0; i < text.size();) {
+        const std::size_t close = text[i] == '{' ? text.find('}', i) : std::string::npos;
+        if (close == std::string::npos) {
+            out += text[i++];
+            continue;
+        }
+        const std::string inside = text.substr(i + 1, close - i - 1);
+        i = close + 1;
+        if (const auto word = values.find(inside); word != values.end()) {
+            out += word->second;
+            continue;
+        }
+        try {
+            out += fmt::format("{:.9g}", Expression(expression_of(inside, values))(0));
+        } catch (const ExpressionError& error) {
+            throw InputError({text, 0, 0}, fmt::format("{{{}}} is no expression of the knobs: {}", inside, error.what()));
+        }
+    }
+    return out;
+}
+
+std::vector<std::string> run_settings(const Study& study, const std::vector<std::string>& settings) {
+    std::vector<std::string> all;
+    for (const std::string& setting : study.set) all.push_back(with_values(setting, settings));
+    for (const std::string& setting : settings)
+        if (!is_name(setting.substr(0, setting.find('=')))) all.push_back(with_values(setting, settings));
+    return all;
+}
 
 Study read_study(const std::string& name) {
     const std::filesystem::path file = find_study(name);

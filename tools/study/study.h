@@ -16,7 +16,7 @@ enum class CostKind { cpu, wall, memory };
 
 /// One setting and the values that it takes.
 struct Knob {
-    std::string key;                  ///< a scene key; or scene, quality, threads, program
+    std::string key;                  ///< a scene key; or scene, quality, threads, program; or a name of its own, which settings use in braces
     std::vector<std::string> values;  ///< as --set takes them
 };
 
@@ -36,20 +36,28 @@ struct CostKeys {
     int repeat = 1;  ///< timings of a point: more give error bars
 };
 
+/// A limit that theory predicts, as a line on the map.
+struct LimitKeys {
+    std::string name;
+    std::string value;  ///< of the second knob; an expression of the first one's value x, braces allowed
+};
+
 struct StabilityKeys {
-    double noisy_speed = 0;      ///< m/s; a run whose fastest particle ends above it is noisy; 0: not asked
+    std::string noisy_speed;     ///< m/s; a run whose fastest particle ends above it is noisy; braces allowed; "": not asked
     double energy_growth = 0.05; ///< of the scene's own energy; more is unphysical; 0: not asked (emitters and moving solids feed energy in)
+    std::string energy_scale;    ///< J; growth is measured against what moved, but at least against this; braces allowed; "": 0
     double stalled = 0.05;       ///< part of the solves that may end without convergence
     std::string bisect;          ///< key whose largest stable value is searched for in each cell; "": none
     double low = 0, high = 0;    ///< between these, halving the interval of its logarithm
     int halvings = 5;
+    std::vector<LimitKeys> limits;
 };
 
 struct Study {
     std::string name;
     std::vector<std::string> scenes;   ///< names of shipped scenes, or files found from the study's folder
     std::string quality = "standard";
-    std::vector<std::string> set;      ///< for every point
+    std::vector<std::string> set;      ///< for every point; "{...}" stands for the value of an expression of the knobs: "time.end={40*dt}"
     double limit = 600;                ///< s of wall time a point may take
     bool pictures = false;             ///< draw too (an accuracy of kind picture does so anyway)
     std::vector<Knob> knobs;
@@ -58,6 +66,14 @@ struct Study {
     StabilityKeys stability;
     std::filesystem::path directory;   ///< of the study file
 };
+
+/// The settings of a run as --set takes them: the study's own, then those of its knobs, with every "{...}" replaced by its value.
+/// @param settings "key=value" of each knob @throws InputError
+std::vector<std::string> run_settings(const Study& study, const std::vector<std::string>& settings);
+/// A text with every "{...}" replaced by its value. @param settings where names find their values
+std::string with_values(const std::string& text, const std::vector<std::string>& settings);
+/// Whether a knob is no setting itself, but a name that settings use.
+bool is_name(const std::string& key);
 
 /// @param file a path, or the name of a study that ships @throws InputError with all that is wrong
 Study read_study(const std::string& file);

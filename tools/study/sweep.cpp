@@ -3,15 +3,23 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <thread>
 
 namespace whorl {
 
 void add_sweep_options(CLI::App& app, SweepOptions& o) {
     app.add_option("study", o.study, "study file, or the name of a study that ships")->required()->type_name("STUDY");
     app.add_option("--out", o.out, "folder of the results (default: out/<study name>)")->type_name("DIR");
-    app.add_option("--threads", o.threads, "threads of each run (default: all cores)")->type_name("N")->check(CLI::Range(0, 1024));
+    app.add_option("--threads", o.threads, "threads of each run (default: what the runs at the same time leave each)")->type_name("N")->check(CLI::Range(0, 1024));
+    app.add_option("--jobs", o.jobs, "runs at the same time (default: as many as do not disturb what is measured)")->type_name("N")->check(CLI::Range(0, 1024));
     app.add_option("--budget", o.budget, "stop after that much wall time: 90s, 10min, 1h")->type_name("TIME");
     app.add_flag("--json", o.json, "the result as JSON on standard output");
+}
+
+void share_cores(SweepOptions& o, bool timed) {
+    const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+    if (o.jobs == 0) o.jobs = timed ? 1 : o.threads > 0 ? std::max(1, cores / o.threads) : cores;
+    if (o.threads == 0) o.threads = std::max(1, cores / o.jobs);
 }
 
 std::filesystem::path folder_of(const Study& study, const SweepOptions& options) {

@@ -12,7 +12,8 @@ namespace whorl {
 struct SweepOptions {
     std::string study;
     std::filesystem::path out;   ///< empty: out/<study name>
-    int threads = 0;
+    int threads = 0;             ///< of each run; 0: those that the jobs leave
+    int jobs = 0;                ///< runs at the same time; 0: as many as do not disturb what is measured
     std::string budget;          ///< "10min": stop after that long
     std::string recommend;       ///< tradeoff: "error<2%", "fps>24"
     bool all = false;            ///< tradeoff: the whole grid
@@ -21,6 +22,8 @@ struct SweepOptions {
 
 void add_sweep_options(CLI::App& app, SweepOptions& options);
 
+/// Fills in threads and jobs. @param timed runs are timed: they get the cores for themselves
+void share_cores(SweepOptions& options, bool timed);
 std::filesystem::path folder_of(const Study& study, const SweepOptions& options);
 /// The settings at a point of the grid: "key=value" for each knob.
 std::vector<std::string> settings_at(const Study& study, const GridPoint& p);

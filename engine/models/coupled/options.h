@@ -21,9 +21,10 @@ struct CoupledOptions {
     double gate = 1.6;    ///< longer pairs count only with a common neighbour closer than `bridge` to both:
     double bridge = 1.7;  ///< turns of a coil must not feel each other through the air
 
-    double push = 0.1, fastest_push = 50;  ///< compressed particles part at the rate push (n/n0 - 1)/dt, at most fastest_push [1/s]
+    double push = 0.1;                     ///< compressed particles part at the rate push (n/n0 - 1)/dt
+    double fastest_push = 0.5;             ///< but not faster than this times (max |u| + sqrt(g d))/d: however short the step, they bring no motion of their own
     double memory = 0.98;                  ///< of the multiplier from step to step
-    double turning_limit = 10;             ///< 1/s, bound on dt I2(grad u), the divergence that keeps a turning body's volume
+    double turning_limit = 0.1;            ///< times max |u|/d, bound on dt I2(grad u), the divergence that keeps a turning body's volume
 
     double shift_rate = 10, shift_range = 1.1, longest_shift = 0.1;  ///< repulsion of close particles: rate over |D|, range, bound a step
 

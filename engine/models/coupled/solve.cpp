@@ -121,11 +121,14 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
     // s_i: compressed particles part; and a body that turns needs div u = -dt I2(grad u) to keep its volume under x += dt u.
     // q_i: the multiplier, and the bulk term's part that does not depend on u.
     std::vector<Real> target(count), q(count);
+    const double fastest = std::sqrt(parallel_max(n, 0, [&](Index i) { return static_cast<double>(u[i].squaredNorm()); }));
+    const double turning_limit = o.turning_limit * fastest / d;
+    const double fastest_push = o.fastest_push * (fastest / d + std::sqrt(step.gravity.norm() / d));
     parallel_for(n, [&](Index i) {
         const auto k = static_cast<std::size_t>(i);
         const double compressed = s.rows.neighbourhood[k].density - 1;
-        double wanted = compressed > 0 ? std::min(o.push * compressed / dt, o.fastest_push) : 0;
-        if (role[i] == 0) wanted += std::clamp(-double(dt) * second_invariant(G[i]), -o.turning_limit, o.turning_limit);
+        double wanted = compressed > 0 ? std::min(o.push * compressed / dt, fastest_push) : 0;
+        if (role[i] == 0) wanted += std::clamp(-double(dt) * second_invariant(G[i]), -turning_limit, turning_limit);
         target[k] = static_cast<Real>(wanted);
         q[k] = form.coefficients(i).bulk * d * target[k] + dt * p[i] / (step.rest_density * d);
     });

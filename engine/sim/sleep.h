@@ -1,0 +1,64 @@
+#pragma once
+/// Fluid at rest is not solved for: it sleeps, out of the stages' sight, until something moves nearby.
+///
+/// A particle is quiet while it stays within `tolerance` spacings of its anchor, the place where it last had moved by more. Once all particles within
+/// reach have been quiet for `after` seconds it falls asleep: its velocity is zero and stays so. Sleepers next to somebody awake are held in the store
+/// with a prescribed role, so that every model treats them as it treats fluid that a nozzle holds; the others are put away. Whoever moves (is not quiet for
+/// half of `after`) wakes all sleepers within reach. Reach is a kernel radius and what CFL allows between two looks.
+///
+/// At every landing all particles are in the store with their own roles: frames, probes and checkpoints know nothing of sleep.
+#include "engine/sim/world.h"
+
+namespace whorl {
+
+namespace field {
+struct anchor {
+    using type = Vec3;
+    static constexpr std::string_view name = "anchor", unit = "m", meaning = "where the particle last had moved by more than what counts as rest";
+};
+/// Negative: asleep.
+struct quiet_time {
+    using type = Real;
+    static constexpr std::string_view name = "quiet_time", unit = "s", meaning = "since then; negative: asleep";
+};
+}  // namespace field
+
+/// The last of a step's stages: sleepers stay where they are, whatever the models before it did.
+struct HoldSleepers {
+    void operator()(Read<field::role> role, Read<field::anchor> anchor, Update<field::quiet_time> quiet, Update<field::velocity> u,
+                    Update<field::position> x) const;
+};
+
+struct SleepOptions {
+    Real tolerance = 0;         ///< spacings
+    Real after = Real(0.5);     ///< s
+    Real cfl = Real(0.4);       ///< spacings that a particle may move in a step
+};
+
+class Sleep {
+public:
+    /// Steps between two looks, counted from the landing.
+    static constexpr long look_every = 4;
+    static constexpr std::int16_t asleep_role = -32768;
+
+    explicit Sleep(SleepOptions options) : options_(options) {}
+
+    /// After a step: brings all particles back into the store, sees who rests and who wakes. @param elapsed s, since the last look
+    void look(World& world, double elapsed);
+    /// Before a step: puts away who sleeps deep, holds who sleeps next to somebody awake.
+    void tuck_in(World& world);
+    /// Brings all particles back, with their own roles.
+    void gather(World& world);
+    /// Something changed that everybody feels. Only where all particles are in the store.
+    void wake_all(World& world);
+
+    Index sleepers() const { return sleepers_; }  ///< of the last look
+
+private:
+    struct Cells;
+    SleepOptions options_;
+    ParticleStore dormant_;
+    Index sleepers_ = 0;
+};
+
+}  // namespace whorl

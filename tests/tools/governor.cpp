@@ -1,0 +1,85 @@
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <sstream>
+
+#include "tests/support/program.h"
+#include "tests/support/scratch.h"
+#include "tools/run/governor.h"
+#include "tools/study/table.h"
+
+using namespace whorl;
+using test::Outcome;
+namespace fs = std::filesystem;
+
+namespace {
+
+SceneFile with_budget(double seconds_per_frame) {
+    SceneFile file;
+    file.scene.pressure.tolerance = 1e-3, file.scene.viscosity.tolerance = 1e-4, file.scene.time.cfl = 0.4;
+    file.surface.voxel = 0.5, file.look.samples = 8;
+    file.scene.budget.seconds_per_frame = seconds_per_frame;
+    return file;
+}
+
+}  // namespace
+
+TEST_CASE("frames that take too long cost tolerance first, then step length, then the surface, then samples, each within its bound", "[governor]") {
+    Governor governor(with_budget(0.1), 100);
+    CHECK(governor.now().amount == 0);
+    double last = 0;
+    for (int frame = 2; frame < 60; ++frame) {
+        governor.look(0.5, frame, 0);  // whatever is given up, it does not help
+        const Sacrifice s = governor.now();
+        CHECK(s.amount >= last);
+        last = s.amount;
+        if (s.cfl > 0.4 * 1.0001) CHECK(s.tolerance == Approx(10));
+        if (s.voxel > 0.5 * 1.0001) CHECK(s.cfl == Approx(0.8));
+        if (s.samples < 8) CHECK(s.voxel == Approx(1));
+    }
+    CHECK(last == 4);
+    const SceneFile least = governor.governed();
+    CHECK(least.scene.pressure.tolerance == Approx(1e-2));
+    CHECK(least.scene.viscosity.tolerance == Approx(1e-3));
+    CHECK(least.look.samples == 1);
+    CHECK(least.scene.fluid.spacing == with_budget(0.1).scene.fluid.spacing);
+}
+
+TEST_CASE("a governor settles where frames take what they may, and takes everything back when there is time again", "[governor]") {
+    Governor governor(with_budget(0.1), 1000);
+    // A frame costs as tolerance^-0.3 and steps^-1.
+    const auto seconds = [&](double base) { return base * std::pow(governor.now().tolerance, -0.3) * 0.4 / governor.now().cfl; };
+    for (int frame = 2; frame < 40; ++frame) governor.look(seconds(0.25), frame, 0);
+    CHECK(seconds(0.25) < 0.105);
+    CHECK(seconds(0.25) > 0.07);
+    for (int frame = 40; frame < 80; ++frame) governor.look(seconds(0.04), frame, 0);
+    CHECK(governor.now().amount == 0);
+}
+
+TEST_CASE("a budget for the film is shared out over the frames that are left", "[governor]") {
+    SceneFile file = with_budget(0);
+    file.scene.budget.seconds = 10;
+    Governor governor(file, 101);
+    governor.look(0.1, 1, 0);
+    CHECK(governor.allowed() == Approx(0.1));
+    governor.look(0.1, 51, 7.5);  // half of the frames for three quarters of the time
+    CHECK(governor.allowed() == Approx(0.05));
+}
+
+TEST_CASE("a run with too small a budget gives up what it may, says so frame by frame with residuals measured, and keeps its fluid", "[governor]") {
+    const test::ScratchFolder folder;
+    std::ofstream(folder / "blob.toml") << "name = \"blob\"\n[time]\nend = 0.4\nfps = 50\n[domain]\nmin = [-0.1, -0.02, -0.1]\nmax = [0.1, 0.2, 0.1]\n"
+                                           "[fluid]\nspacing = 5e-3\nviscosity = 50\n[models]\npressure = \"coupled\"\n[[block]]\nshape = \"box\"\n"
+                                           "min = [-0.02, 0.01, -0.02]\nmax = [0.02, 0.06, 0.02]\n[[solid]]\nshape = \"box\"\nmin = [-0.1, -0.02, -0.1]\n"
+                                           "max = [0.1, 0, 0.1]\n[budget]\nseconds_per_frame = 1e-4\n";
+    const Outcome run = test::whorl({"render", (folder / "blob.toml").string(), "--no-images", "--quiet", "--out", (folder / "out").string()});
+    INFO(run.err);
+    REQUIRE(run.code == 0);
+    const CsvTable table = read_csv(folder / "out" / "budget.csv");
+    REQUIRE(table.rows.size() == 20);
+    CHECK(table.rows.back()[table.index("given_up")] == 4);
+    CHECK(table.rows.back()[table.index("tolerance_factor")] == Approx(10));
+    // What it was worth: the solves end with larger residuals than at first, and the table has them.
+    CHECK(table.rows.back()[table.index("largest_residual")] > table.rows.front()[table.index("largest_residual")]);
+    const CsvTable figures = read_csv(folder / "out" / "diagnostics.csv");
+    CHECK(figures.rows.back()[figures.index("particles")] == figures.rows.front()[figures.index("particles")]);
+}
