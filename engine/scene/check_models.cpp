@@ -19,8 +19,6 @@ void check_models(const Scene& scene, const Plan& plan, double viscous_number, s
     };
     const std::string not_here = " is not available in this version";
 
-    if (plan.pressure == PressureModel::ppe && scene.pressure.preconditioner == Preconditioner::multigrid)
-        report("pressure.preconditioner", "pressure.preconditioner = \"multigrid\"" + not_here, "take \"jacobi\"", "none or jacobi");
     if (scene.fluid.surface_tension > 0) report("fluid.surface_tension", "surface tension" + not_here, "set fluid.surface_tension = 0");
     if (scene.boundary.gate > 0 && plan.boundary != BoundaryModel::akinci)
         report("boundary.gate", std::string("boundary.gate belongs to solids of models.pressure = \"wcsph\", and this scene has models.pressure = \"") +

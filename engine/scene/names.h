@@ -32,7 +32,7 @@ inline Choices<ShiftingModel> choices(ShiftingModel) {
     return {{S::automatic, "auto"}, {S::none, "none"}, {S::fickian, "fickian"}};
 }
 inline Choices<Preconditioner> choices(Preconditioner) {
-    return {{Preconditioner::none, "none"}, {Preconditioner::jacobi, "jacobi"}, {Preconditioner::multigrid, "multigrid"}};
+    return {{Preconditioner::automatic, "auto"}, {Preconditioner::none, "none"}, {Preconditioner::jacobi, "jacobi"}, {Preconditioner::multigrid, "multigrid"}};
 }
 inline Choices<ViscousPreconditioner> choices(ViscousPreconditioner) {
     using P = ViscousPreconditioner;

@@ -20,7 +20,7 @@ enum class ViscosityModel { automatic, none, xsph, explicit_laplacian, pairwise,
 enum class MicropolarModel { none, seed, bender, eringen };
 enum class BoundaryModel { automatic, none, akinci, ppe };
 enum class ShiftingModel { automatic, none, fickian };
-enum class Preconditioner { none, jacobi, multigrid };
+enum class Preconditioner { automatic, none, jacobi, multigrid };
 /// automatic: two_level where the diagonal alone would take many iterations.
 enum class ViscousPreconditioner { automatic, none, block_jacobi, two_level };
 enum class PressureForm { constraint, poisson };
@@ -69,7 +69,7 @@ struct ModelKeys {
 struct PressureKeys {
     double tolerance = 1e-3;     ///< relative density error (ppe); preconditioned residual (coupled)
     int max_iterations = 200;
-    Preconditioner preconditioner = Preconditioner::jacobi;  ///< ppe; coupled brings its own
+    Preconditioner preconditioner = Preconditioner::automatic;  ///< ppe; coupled brings its own
     PressureForm form = PressureForm::constraint;            ///< ppe
     double correction = 0.2;     ///< ppe, constraint: share of the density error that a step corrects
     bool active_set = true;      ///< ppe, constraint: false: p >= 0 by a clamp after one solve

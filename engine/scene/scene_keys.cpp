@@ -77,7 +77,7 @@ KeyTable pressure_keys() {
         .at_most(0.5)
         .only_with(model, {"ppe", "coupled"}).live();
     t.key("max_iterations", &PressureKeys::max_iterations, "", "of the linear solver, a step").at_least(1).only_with(model, {"ppe", "coupled"}).live();
-    t.key("preconditioner", &PressureKeys::preconditioner, "", "of the linear solver").only_with(model, {"ppe"});
+    t.key("preconditioner", &PressureKeys::preconditioner, "", "of the linear solver; auto: multigrid where enough particles press to pay for its set-up").only_with(model, {"ppe"});
     t.key("form", &PressureKeys::form, "", "no density above that at rest (constraint), or the pressure equation as published (poisson)")
         .only_with(model, {"ppe"});
     t.key("correction", &PressureKeys::correction, "", "constraint: share of the density error that a step corrects")

@@ -9,6 +9,7 @@
 #include "engine/models/motion/motion.h"
 #include "engine/models/pressure/constraint.h"
 #include "engine/models/pressure/damping.h"
+#include "engine/models/pressure/multigrid.h"
 #include "engine/models/pressure/ppe.h"
 #include "engine/models/pressure/wcsph.h"
 #include "engine/models/viscosity/ageing.h"
@@ -166,6 +167,12 @@ private:
             PoissonPressureOptions options;
             options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
             options.solid_factor = solid_factor;
+            switch (scene_.pressure.preconditioner) {
+                case Preconditioner::automatic: options.preconditioner = poisson_automatic; break;
+                case Preconditioner::none: options.preconditioner = poisson_unpreconditioned; break;
+                case Preconditioner::jacobi: break;
+                case Preconditioner::multigrid: options.preconditioner = poisson_multigrid(); break;
+            }
             stage("pressure equation", "pressure", PoissonPressure{options});
             booked(&EnergyWork::pressure);
         }
@@ -182,7 +189,12 @@ private:
         options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
         options.correction = scene_.pressure.correction;
         options.active_set = scene_.pressure.active_set;
-        if (scene_.pressure.preconditioner == Preconditioner::none) options.preconditioner = no_preconditioner;
+        switch (scene_.pressure.preconditioner) {
+            case Preconditioner::automatic: options.preconditioner = constraint_automatic; break;
+            case Preconditioner::none: options.preconditioner = constraint_unpreconditioned; break;
+            case Preconditioner::jacobi: break;
+            case Preconditioner::multigrid: options.preconditioner = constraint_multigrid(); break;
+        }
         if (scene_.pressure.damping > 0) {
             stage("unresolved motion", "pressure", DampUnresolved{scene_.pressure.damping});
             booked(&EnergyWork::smoothing);

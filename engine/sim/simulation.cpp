@@ -181,7 +181,13 @@ struct Simulation::State {
 
     void count_solves() {
         for (const StepReport::Solve& solve : world.report.solves) {
-            if (solve.name == "pressure" || solve.name == "coupled") totals.pressure_iterations += solve.report.iterations;
+            if (solve.name == "pressure" || solve.name == "coupled") {
+                totals.pressure_iterations += solve.report.iterations;
+                totals.pressure_levels = std::max(totals.pressure_levels, solve.report.levels);
+                totals.pressure_residual = solve.report.last_residual;
+                totals.pressure_set_up += solve.report.set_up_seconds;
+                totals.pressure_solve += solve.report.solve_seconds;
+            }
             if (solve.name == "viscosity") totals.viscosity_iterations += solve.report.iterations;
             if (!solve.report.converged) ++totals.unconverged_solves;
         }

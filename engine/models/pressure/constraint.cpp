@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/core/clock.h"
 #include "engine/core/parallel.h"
 #include "engine/math/conjugate_gradients.h"
 
@@ -11,15 +12,19 @@ namespace {
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-}  // namespace
-
-ConstraintPreconditioner diagonal_scaling(const ConstraintMatrix& matrix) {
-    return [&matrix](Span<const Real> r, Span<Real> z) {
-        parallel_for(matrix.size(), [&](Index i) { z[at(i)] = matrix.presses[at(i)] ? r[at(i)] / matrix.D.diagonal[at(i)] : 0; });
-    };
+double changed(const std::vector<char>& before, const std::vector<char>& now) {
+    return parallel_sum(static_cast<Index>(now.size()), [&](Index i) { return before[at(i)] != now[at(i)]; });
 }
 
-ConstraintPreconditioner no_preconditioner(const ConstraintMatrix&) { return NoPreconditioner{}; }
+}  // namespace
+
+PressurePreconditioner diagonal_scaling(const ConstraintMatrix& matrix) {
+    return {[&matrix](Span<const Real> r, Span<Real> z) {
+        parallel_for(matrix.size(), [&](Index i) { z[at(i)] = matrix.presses[at(i)] ? r[at(i)] / matrix.D.diagonal[at(i)] : 0; });
+    }};
+}
+
+PressurePreconditioner constraint_unpreconditioned(const ConstraintMatrix&) { return {NoPreconditioner{}}; }
 
 /// Active set: conjugate gradients over the particles that are taken to press, then those that would pull stop, those that are still compressed
 /// start, and again. What pressed in the last step presses first, with all that is about full: from below, the pressed set would grow by two
@@ -27,14 +32,17 @@ ConstraintPreconditioner no_preconditioner(const ConstraintMatrix&) { return NoP
 SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContext& step, Span<Real> q) {
     constexpr Real about_full = Real(0.02);  // relative density that is missing
     constexpr double step_share = 0.1;       // of the tolerated density error that one step may add
+    constexpr double changes_to_set_up_for = 0.02;  // part of the particles
     const Index n = D_.size();
     const double worst_rate = std::sqrt(static_cast<double>(n)) * static_cast<double>(step.rest_density / step.dt);
     // A lattice has modes (neighbours up and down in turn) that no pressure moves: asked for more than this, they would grow without bound.
     const double tolerance = step_share * options_.limits.tolerance;
-    const ConstraintPreconditioner M = options_.preconditioner(matrix);
+    PressurePreconditioner M;
+    std::vector<char> set_up_for;  // presses, when M was set up
     const auto A = [&](Span<const Real> in, Span<Real> out) { matrix.multiply(in, out); };
     Column<Real> masked(at(n));
     SolveReport report;
+    const double start = wall_seconds();
     for (int round = 0;; ++round) {
         matrix.presses.assign(at(n), 1);
         matrix.multiply(q, residual_);
@@ -49,11 +57,19 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
         report.last_residual = left / worst_rate;
         if (round == 0) report.first_residual = report.last_residual;
         report.converged = report.last_residual <= tolerance || (round > 0 && !options_.active_set);
+        report.solve_seconds = wall_seconds() - start - report.set_up_seconds;
         if (report.converged) return report;
         if (!std::isfinite(left) || report.iterations >= options_.limits.max_iterations || round > options_.limits.max_iterations) {
             report.why_not = "the density error of the step is " + std::to_string(report.last_residual) + " after " +
                              std::to_string(report.iterations) + " iterations in " + std::to_string(round) + " rounds";
             return report;
+        }
+        if (set_up_for.empty() || changed(set_up_for, matrix.presses) > changes_to_set_up_for * n) {
+            const double before = wall_seconds();
+            M = options_.preconditioner(matrix);
+            set_up_for = matrix.presses;
+            report.levels = M.levels;
+            report.set_up_seconds += wall_seconds() - before;
         }
         // Early rounds need not be exact: their set changes.
         const double aim = options_.active_set ? std::max(tolerance / 2, report.last_residual / 10) : tolerance;
@@ -80,7 +96,7 @@ void ConstraintPressure::operator()(const FluidPairs& pairs, const SolidPairs& s
         b_[at(i)] += (excess > 0 ? static_cast<Real>(options_.correction) : Real(1)) * excess / step.dt;
         p[i] = D_.diagonal[at(i)] > 0 ? p[i] / D_.virial[at(i)] * step.dt / (rho[i] * rho[i]) : 0;  // q
     });
-    ConstraintMatrix matrix{D_, {}, Column<Vec3>(at(n))};
+    ConstraintMatrix matrix{D_, {}, Column<Vec3>(at(n)), pairs.x_own, step.spacing};
     report.solves.push_back({"pressure", solve(matrix, step, p.values)});
     D_.transposed(p.values, matrix.force);
     parallel_for(n, [&](Index i) {

@@ -3,10 +3,9 @@
 ///
 /// Stages of a step, in order: Density (where the viscosity needs one), Gravity, (forces), Kick, (viscosity), DampUnresolved, ConstraintPressure,
 /// Move, KeepOutside.
-#include <functional>
-
 #include "engine/math/solve.h"
 #include "engine/models/pressure/density_rate.h"
+#include "engine/models/pressure/preconditioner.h"
 
 namespace whorl {
 
@@ -17,6 +16,8 @@ struct ConstraintMatrix {
     const DensityRate& D;
     std::vector<char> presses;    ///< 1: an unknown of the present solve
     mutable Column<Vec3> force;   ///< D^T q of the last product
+    Span<const Vec3> x;           ///< positions
+    Real spacing = 0;
     Index size() const { return D.size(); }
     void multiply(Span<const Real> q, Span<Real> Aq) const {
         D.transposed(q, force);
@@ -24,14 +25,12 @@ struct ConstraintMatrix {
     }
 };
 
-/// z is near A^-1 r, symmetric and positive definite on the particles that press; z = 0 elsewhere.
-using ConstraintPreconditioner = std::function<void(Span<const Real> r, Span<Real> z)>;
-/// Set up once a step; the returned function reads `presses` at each call, as it changes within a step.
-using ConstraintPreconditionerSetup = std::function<ConstraintPreconditioner(const ConstraintMatrix&)>;
+/// Set up for `presses` as it is, once a step and again where many particles start or stop to press; the returned function reads `presses` at each call.
+using ConstraintPreconditionerSetup = std::function<PressurePreconditioner(const ConstraintMatrix&)>;
 /// z = r/diagonal
-ConstraintPreconditioner diagonal_scaling(const ConstraintMatrix& matrix);
+PressurePreconditioner diagonal_scaling(const ConstraintMatrix& matrix);
 /// z = r
-ConstraintPreconditioner no_preconditioner(const ConstraintMatrix& matrix);
+PressurePreconditioner constraint_unpreconditioned(const ConstraintMatrix& matrix);
 
 struct ConstraintOptions {
     /// tolerance: relative density error (root mean square), of which a step may add a tenth.

@@ -130,9 +130,6 @@ TEST_CASE("impossible scenes are told with place and hint", "[plan]") {
 }
 
 TEST_CASE("models that do not go together, or that this version does not have, are told", "[plan]") {
-    CHECK(messages_with({"models.pressure=ppe", "pressure.preconditioner=multigrid"}) ==
-          "--set pressure.preconditioner=multigrid: pressure.preconditioner = \"multigrid\" is not available in this version; take \"jacobi\"; "
-          "allowed: none or jacobi");
     CHECK(messages_with({"models.pressure=coupled", "models.viscosity=full"}) ==
           "--set models.viscosity=full: models.pressure = \"coupled\" solves for the viscosity itself; leave models.viscosity = \"full\" out, or choose "
           "another pressure; allowed: auto or none");
