@@ -43,7 +43,7 @@ std::string state_of(const Simulation& simulation) {
 
 }  // namespace
 
-TEST_CASE("a settled puddle falls asleep, is not solved for, and keeps its height; what is poured onto it wakes it in time", "[sleep]") {
+TEST_CASE("a settled puddle falls asleep, is not solved for, and keeps its height, what is poured onto it wakes it in time", "[sleep]") {
     for (const std::string pressure : {"coupled", "ppe"}) {
         INFO(pressure);
         Pool awake(puddle(pressure, 0)), sleepy(puddle(pressure, 0.05));

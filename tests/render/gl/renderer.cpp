@@ -103,7 +103,7 @@ FrameSolid solid(TriangleMesh mesh) {
 
 }  // namespace
 
-TEST_CASE("a box that stands on a plate darkens the plate at its foot and throws a soft shadow towards the viewer; alone the plate is even", "[render]") {
+TEST_CASE("a box that stands on a plate darkens the plate at its foot and throws a soft shadow towards the viewer, alone the plate is even", "[render]") {
     Renderer renderer(192, 128);
     const View from_above{Vec3f(0, 0.35f, 0.5f), Vec3f(0, 0.02f, 0), Vec3f(0, 1, 0), 30};
     Frame frame = empty_frame();
