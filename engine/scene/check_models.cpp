@@ -38,15 +38,6 @@ void check_models(const Scene& scene, const Plan& plan, double viscous_number, s
     if (plan.pressure == PressureModel::coupled && plan.viscosity != ViscosityModel::none)
         report("models.viscosity", "models.pressure = \"coupled\" solves for the viscosity itself",
                std::string("leave models.viscosity = \"") + name_of(plan.viscosity) + "\" out, or choose another pressure", "auto or none");
-    if (plan.pressure == PressureModel::coupled)
-        for (std::size_t i = 0; i < scene.solids.size(); ++i)
-            if (const std::string key = "solid[" + std::to_string(i) + "].slip_length"; scene.solids[i].slip_length > 0)
-                report(key, key + " has no effect with models.pressure = \"coupled\": there the fluid sticks or slides freely",
-                       "take slip = \"free\", or models.pressure = \"ppe\"");
-    if (plan.viscosity == ViscosityModel::full_assembled || (plan.viscosity == ViscosityModel::full && !scene.viscosity.correction))
-        for (std::size_t i = 0; i < scene.solids.size(); ++i)
-            if (const std::string key = "solid[" + std::to_string(i) + "].slip_length"; scene.solids[i].slip_length > 0)
-                report(key, key + " has no effect with the viscosity as published", "take models.viscosity = \"full\" with its correction");
     if (plan.viscosity == ViscosityModel::full && !scene.viscosity.correction && scene.viscosity.preconditioner == ViscousPreconditioner::two_level)
         report("viscosity.preconditioner", "viscosity.preconditioner = \"two_level\" needs viscosity.correction: as published, a rotation is no rigid motion",
                "take \"block_jacobi\"", "auto, none or block_jacobi");

@@ -191,7 +191,6 @@ KeyTable solid_keys() {
     t.key("rotation", &SolidKeys::rotation, "rad/s", "turns it about its own axes").of("t").live();
     t.key("inside", &SolidKeys::inside, "", "the fluid is inside the shape: a container");
     t.key("slip", &SolidKeys::slip, "", "whether the fluid sticks").live();
-    t.key("slip_length", &SolidKeys::slip_length, "m", "the fluid slides as if it stuck this far behind the surface (Navier)").at_least(0).only_with("slip", {"no"});
     t.key("material", &SolidKeys::material, "", "how it looks").not_deciding().live();
     return t;
 }

@@ -207,12 +207,6 @@ private:
               });
     }
 
-    SlipLengths slip_lengths() const {
-        SlipLengths lengths;
-        for (const SolidKeys& solid : scene_.solids) lengths.push_back(static_cast<Real>(solid.slip_length));
-        return lengths;
-    }
-
     void ageing() {
         if (!scene_.viscosity_ages()) return;
         std::vector<Expression> of_source;
@@ -226,7 +220,6 @@ private:
         options.monaghan = scene_.viscosity.laplacian == LaplacianForm::monaghan;
         options.solid_factor = solid_factor;
         options.gate = gate_;
-        options.slip_lengths = slip_lengths();
         stage("explicit viscosity", "viscosity", ExplicitViscosity{options});
         limit("viscous", "0.125 R^2 / (4 nu)", [R = plan_.support, nu = plan_.largest_viscosity / scene_.fluid.density](const World&, double) {
             return nu > 0 ? viscous_step(R, nu) : std::numeric_limits<double>::infinity();
@@ -239,7 +232,6 @@ private:
             FullViscosityOptions options;
             options.limits = limits;
             options.solid_factor = solid_factor;
-            options.slip_lengths = slip_lengths();
             const ViscousPreconditioner wanted = scene_.viscosity.preconditioner;
             options.diagonal = wanted != ViscousPreconditioner::none;
             if (wanted == ViscousPreconditioner::none || wanted == ViscousPreconditioner::block_jacobi) options.aggregate = 0;
@@ -257,7 +249,6 @@ private:
             PairwiseViscosityOptions options;
             options.limits = limits;
             options.solid_factor = solid_factor;
-            options.slip_lengths = slip_lengths();
             stage("pairwise viscosity", "viscosity", PairwiseViscosity(options));
         }
     }

@@ -1,4 +1,4 @@
-/// Viscosity by emitter and by age, and slip lengths, through whole runs from the text of a scene.
+/// Viscosity by emitter and by age, through whole runs from the text of a scene.
 #include <catch2/catch.hpp>
 #include <sstream>
 
@@ -69,8 +69,8 @@ TEST_CASE("each emitter gives its own viscosity, by age where it says so, what w
         }
     }
     CHECK(below > 100);
-    CHECK(left > 50);
-    CHECK(right > 50);
+    CHECK(left > 40);  // 0.02 m of jet is 50 particles
+    CHECK(right > 40);
 }
 
 TEST_CASE("a run with ageing viscosity that is saved and loaded half-way ends with the same bits", "[sim][viscosity][resume]") {
@@ -104,14 +104,14 @@ TEST_CASE("a live change of fluid.viscosity acts on what that key gave its visco
     const std::vector<Real> before(mu().begin(), mu().end());
 
     // To an expression of the place, which is where the particles are now, and of their age, which is 0.1 s for what was there at the start.
-    const Scene after = changed("\"20 + 500*y + 1000*age\"");
+    const Scene after = changed("\"60 + 500*y + 1000*age\"");
     simulation.change(after, make_plan(after));
     const auto x = simulation.world().fluid.column<field::position>();
     int touched = 0;
     for (std::size_t i = 0; i < before.size(); ++i) {
         const bool block = x[i].y() < -0.06;
         touched += block;
-        CHECK(mu()[i] == Approx(block ? 20 + 500 * x[i].y() + 100 : before[i]).epsilon(1e-5));
+        CHECK(mu()[i] == Approx(block ? 60 + 500 * x[i].y() + 100 : before[i]).epsilon(1e-5));
     }
     CHECK(touched > 100);
 
@@ -121,7 +121,7 @@ TEST_CASE("a live change of fluid.viscosity acts on what that key gave its visco
     const auto start = simulation.world().fluid.column<field::birthplace>();
     const double last = 0.15 - simulation.totals().last_step;  // the age in the newest step
     for (std::size_t i = 0; i < source.size(); ++i) {
-        if (source[i] == 0) CHECK(mu()[i] == Approx(20 + 500 * start[i].y() + 1000 * last).epsilon(1e-4));
+        if (source[i] == 0) CHECK(mu()[i] == Approx(60 + 500 * start[i].y() + 1000 * last).epsilon(1e-4));
         if (source[i] == 1) CHECK(mu()[i] == 3);
     }
 }
@@ -146,44 +146,4 @@ TEST_CASE("a viscosity that becomes negative with age is told before anything ru
     text.replace(text.find("2 + 100*age"), 11, "2 - 100*age");
     const Scene scene = read_scene_text(text, "test.toml");
     CHECK_THROWS_WITH(make_plan(scene), Catch::Contains("emitter[1].viscosity is") && Catch::Contains("at the age of"));
-}
-
-TEST_CASE("plane Couette flow over a wall with a slip length b moves as if the wall were b lower, within 2 %", "[viscosity][boundary]") {
-    // Height 0.1 m, the upper wall moves with 1 m/s, b = 0.05 m at the lower: u = (y + b)/(H + b). nu dt/d^2 = 1 to 16, steady after 1 s.
-    for (const std::string model : {"explicit", "full", "pairwise"}) {
-        INFO(model);
-        const std::string support = model == "pairwise" ? "4" : "2", viscosity = model == "explicit" ? "20" : "100";
-        Simulation simulation = simulation_of(R"toml([time]
-end = 1
-max_step = 4e-3
-[domain]
-min = [0, -0.02, 0]
-max = [0.08, 0.12, 0.08]
-periodic = [true, false, true]
-gravity = [0, 0, 0]
-[fluid]
-spacing = 0.01
-support = )toml" + support + "\nviscosity = " + viscosity + R"toml(
-[models]
-pressure = "ppe"
-viscosity = ")toml" + model + R"toml("
-[[block]]
-shape = "box"
-min = [0, 0, 0]
-max = [0.08, 0.1, 0.08]
-[[solid]]
-shape = "plane"
-slip_length = 0.05
-[[solid]]
-shape = "plane"
-normal = [0, -1, 0]
-position = ["t", 0.1, 0]
-)toml");
-        while (simulation.time() < 1) REQUIRE_FALSE(simulation.step(1).diverged);
-        const auto x = simulation.world().fluid.column<field::position>();
-        const auto u = simulation.world().fluid.column<field::velocity>();
-        double worst = 0;
-        for (std::size_t i = 0; i < x.size(); ++i) worst = std::max<double>(worst, std::abs(u[i].x() - (x[i].y() + 0.05) / 0.15));
-        CHECK(worst < 0.02);
-    }
 }
