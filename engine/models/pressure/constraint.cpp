@@ -133,7 +133,7 @@ void ConstraintPressure::operator()(const FluidPairs& pairs, const SolidPairs& s
     const Real rho_0 = step.rest_density;
     b_.resize(at(n));
     residual_.resize(at(n));
-    const WallImage wall(step.kernel, step.support, step.spacing);
+    const WallImage wall(step.kernel, step.support, step.spacing, options_.gate);
     D_.build(wall, pairs, solid_pairs, solid, step, role, Read<field::velocity>{u.values}, rho.values, b_);
     const bool filled = fills_periodic_domain(step, n);
     const Real target = filled ? static_cast<Real>(parallel_sum(n, [&](Index i) { return static_cast<double>(rho[i]); }) / n) : rho_0;

@@ -36,6 +36,7 @@ struct ConstraintOptions {
     /// tolerance: relative density error (root mean square), of which a step may add a tenth.
     SolveLimits limits{1e-3, 200};
     double correction = 0.2;   ///< share of the density error that a step corrects; its motion stays in the velocity
+    SolidGate gate;            ///< before solids
     bool active_set = true;    ///< false: p >= 0 is clamped after one solve, as in the notes
     ConstraintPreconditionerSetup preconditioner = diagonal_scaling;
 };

@@ -14,8 +14,8 @@ struct ParticleMultigrid {
 };
 
 /// An odd number of spacings: constants over an even one look like the alternating modes that the constraint's gradient does not see.
-inline constexpr ParticleMultigrid constraint_levels{5, true, {}};
-inline constexpr ParticleMultigrid poisson_levels{2, true, {}};
+inline constexpr ParticleMultigrid constraint_levels{7, true, {}};
+inline constexpr ParticleMultigrid poisson_levels{3, true, {}};
 
 /// The sums over cells and the copies from them between particles and the first coarse level. Galerkin: A' = P^T A P, so what the particles know of
 /// solids, free surface, prescribed neighbours and alpha is in it.

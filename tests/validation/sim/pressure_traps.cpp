@@ -86,13 +86,18 @@ max = [0.3, 0.05, 0.1]
     CHECK(simulation.totals().unconverged_solves == 0);
     CHECK(simulation.totals().lost_particles == 0);
     CHECK(mean_compression(simulation) < 1e-3);
-    // Bottom pressures: their own weights within 10 %, a layer of the ten and of the five up or down (the lattice melts meanwhile: at_rest.cpp).
-    const auto x = simulation.world().fluid.column<field::position>();
-    const auto p = simulation.world().fluid.column<field::pressure>();
+    // Pressures in the lower half, over 0.1 s: their own weights within 10 % (lattices that still melt, 20 and 5 layers). Without the lowest layer, which
+    // is known to carry a layer's weight too much (docs/physics.md 3).
     double weight[2] = {0, 0}, exact[2] = {0, 0};
-    for (std::size_t i = 0; i < x.size(); ++i) {
-        const std::size_t pool = x[i].x() > Real(0.15);
-        if (x[i].y() < (pool ? 0.025 : 0.1)) weight[pool] += p[i], exact[pool] += 1000 * g * ((pool ? 0.05 : 0.2) - x[i].y());
+    while (simulation.time() < 0.4) {
+        REQUIRE_FALSE(simulation.step(0.4).diverged);
+        const auto x = simulation.world().fluid.column<field::position>();
+        const auto p = simulation.world().fluid.column<field::pressure>();
+        for (std::size_t i = 0; i < x.size(); ++i) {
+            const std::size_t pool = x[i].x() > Real(0.15);
+            if (x[i].y() < Real(0.01) || x[i].y() > (pool ? Real(0.03) : Real(0.1))) continue;
+            weight[pool] += p[i], exact[pool] += 1000 * g * ((pool ? 0.05 : 0.2) - x[i].y());
+        }
     }
     CHECK(weight[0] / exact[0] == Approx(1).epsilon(0.1));
     CHECK(weight[1] / exact[1] == Approx(1).epsilon(0.1));
