@@ -23,7 +23,7 @@ ConstraintPreconditionerSetup constraint_multigrid(const ParticleMultigrid& opti
 PressurePreconditionerSetup poisson_multigrid(const ParticleMultigrid& options = poisson_levels);
 
 /// Unknowns from which on multigrid beats the diagonal, set-up included (docs/pressure.md has the table).
-inline constexpr double constraint_multigrid_above = 50000, poisson_multigrid_above = 5000;
+inline constexpr double constraint_multigrid_above = 10000, poisson_multigrid_above = 5000;
 /// Whichever is faster for this many unknowns.
 PressurePreconditioner constraint_automatic(const ConstraintMatrix& matrix);
 PressurePreconditioner poisson_automatic(const PressureMatrix& matrix);
