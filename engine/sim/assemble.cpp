@@ -167,6 +167,7 @@ private:
             PoissonPressureOptions options;
             options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
             options.solid_factor = solid_factor;
+            options.gate = gate_;
             switch (scene_.pressure.preconditioner) {
                 case Preconditioner::automatic: options.preconditioner = poisson_automatic; break;
                 case Preconditioner::none: options.preconditioner = poisson_unpreconditioned; break;
@@ -189,6 +190,7 @@ private:
         options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
         options.correction = scene_.pressure.correction;
         options.active_set = scene_.pressure.active_set;
+        options.gate = gate_;
         switch (scene_.pressure.preconditioner) {
             case Preconditioner::automatic: options.preconditioner = constraint_automatic; break;
             case Preconditioner::none: options.preconditioner = constraint_unpreconditioned; break;

@@ -36,12 +36,13 @@ struct ConstraintOptions {
     /// tolerance: relative density error (root mean square), of which a step may add a tenth.
     SolveLimits limits{1e-3, 200};
     double correction = 0.2;   ///< share of the density error that a step corrects; its motion stays in the velocity
+    SolidGate gate;            ///< before solids
     bool active_set = true;    ///< false: p >= 0 is clamped after one solve, as in the notes
     ConstraintPreconditionerSetup preconditioner = diagonal_scaling;
 };
 
 /// Finds q = dt p/rho^2 with   q >= 0,   rho_i + dt (D (u - D^T q))_i <= rho_0,   and q_i = 0 where the density stays below, then u -= D^T q.
-/// Where rho_i exceeds rho_0 only a share of the excess has to go. The projection loses energy, never makes any; a free surface needs no search,
+/// Where rho_i exceeds rho_0 only a share of the excess has to go. A fluid that fills a periodic domain is held at one density, from both sides. The projection loses energy, never makes any; a free surface needs no search,
 /// and neither do single particles, closed boxes or slots: A q = b is solvable wherever something can give way.
 class ConstraintPressure {
 public:
@@ -53,6 +54,7 @@ public:
 
 private:
     SolveReport solve(ConstraintMatrix& A, const StepContext& step, Span<Real> q);
+    SolveReport solve_filled(ConstraintMatrix& A, const StepContext& step, double mean_rate, Real fastest, Span<Real> q);
 
     ConstraintOptions options_;
     DensityRate D_;

@@ -14,8 +14,8 @@ struct ParticleMultigrid {
 };
 
 /// An odd number of spacings: constants over an even one look like the alternating modes that the constraint's gradient does not see.
-inline constexpr ParticleMultigrid constraint_levels{5, true, {}};
-inline constexpr ParticleMultigrid poisson_levels{2, true, {}};
+inline constexpr ParticleMultigrid constraint_levels{7, true, {}};
+inline constexpr ParticleMultigrid poisson_levels{3, true, {}};
 
 /// The sums over cells and the copies from them between particles and the first coarse level. Galerkin: A' = P^T A P, so what the particles know of
 /// solids, free surface, prescribed neighbours and alpha is in it.
@@ -23,7 +23,7 @@ ConstraintPreconditionerSetup constraint_multigrid(const ParticleMultigrid& opti
 PressurePreconditionerSetup poisson_multigrid(const ParticleMultigrid& options = poisson_levels);
 
 /// Unknowns from which on multigrid beats the diagonal, set-up included (docs/pressure.md has the table).
-inline constexpr double constraint_multigrid_above = 50000, poisson_multigrid_above = 5000;
+inline constexpr double constraint_multigrid_above = 10000, poisson_multigrid_above = 5000;
 /// Whichever is faster for this many unknowns.
 PressurePreconditioner constraint_automatic(const ConstraintMatrix& matrix);
 PressurePreconditioner poisson_automatic(const PressureMatrix& matrix);

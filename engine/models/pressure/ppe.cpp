@@ -65,7 +65,7 @@ void PoissonPressure::classify(const Kernel& kernel, const FluidPairs& pairs, co
         pairs.of(i, [&](Index, const Vec3&, Real r) { divergence -= step.volume * kernel.derivative(r) * r; });
         if (solid_neighbours > 0)
             solid_pairs.of(i, [&](Index s, const Vec3&, Real r) {
-                divergence -= options_.solid_factor * solid.volume[at(s)] * kernel.derivative(r) * r;
+                divergence -= gate_[at(i)] * options_.solid_factor * solid.volume[at(s)] * kernel.derivative(r) * r;
             });
         mine = divergence < surface_divergence && rho[i] < step.rest_density ? PressureClass::surface : PressureClass::poisson;
     });
@@ -80,7 +80,7 @@ void PoissonPressure::build(const Kernel& kernel, const FluidPairs& pairs, const
     const WallShear wall{step.spacing / 2};
 
     parallel_for(n, [&](Index i) {
-        wall_[at(i)] = solid.size() > 0 ? wall_gradient(kernel, i, solid_pairs, solid, options_.solid_factor) : Vec3(Vec3::Zero());
+        wall_[at(i)] = solid.size() > 0 ? Vec3(gate_[at(i)] * wall_gradient(kernel, i, solid_pairs, solid, options_.solid_factor)) : Vec3(Vec3::Zero());
     });
 
     for (Index i = 0; i < n; ++i) {
@@ -129,7 +129,7 @@ void PoissonPressure::build(const Kernel& kernel, const FluidPairs& pairs, const
                 // The flow turns at the surface, not at the solid particle behind it: the normal part is continued like shear.
                 const Vec3 n_s = solid.normal[at(s)], u_is = u[i] - solid.velocity[at(s)];
                 const Vec3 turned = u_is + (wall.stretch(r, n_s) - 1) * u_is.dot(n_s) * n_s;
-                rate += rho_0 * options_.solid_factor * solid.volume[at(s)] * slope_at(distance) * turned.dot(r);
+                rate += gate_[at(i)] * rho_0 * options_.solid_factor * solid.volume[at(s)] * slope_at(distance) * turned.dot(r);
             });
         mirror += prescribed;
         wall_[at(i)] = rho_0 / (rho[i] * rho[i]) * prescribed;  // the other half comes from the sum over the pairs
@@ -252,7 +252,11 @@ void PoissonPressure::operator()(const FluidPairs& pairs, const SolidPairs& soli
     matrix_.spacing = step.spacing;
     b_.resize(n);
     wall_.resize(n);
+    gate_.resize(n);
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
+        parallel_for(rho.size(), [&](Index i) {
+            gate_[at(i)] = solid.size() > 0 ? options_.gate.weight(kernel, i, solid_pairs, solid.volume, options_.solid_factor) : Real(1);
+        });
         classify(kernel, pairs, solid_pairs, solid, step, role, rho);
         build(kernel, pairs, solid_pairs, solid, step, rho, u, p);
         find_closed();
@@ -267,7 +271,7 @@ void PoissonPressure::operator()(const FluidPairs& pairs, const SolidPairs& soli
             });
             u[i] -= step.dt * (step.mass * sum + p[i] * wall_[at(i)]);
             if (p[i] > 0 && solid.size() > 0)
-                u[i] -= step.dt * step.rest_density / (rho[i] * rho[i]) * wall_push(kernel, i, solid_pairs, solid, step, options_.solid_factor, p[i]);
+                u[i] -= step.dt * gate_[at(i)] * step.rest_density / (rho[i] * rho[i]) * wall_push(kernel, i, solid_pairs, solid, step, options_.solid_factor, p[i]);
         });
     });
 }

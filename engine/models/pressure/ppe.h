@@ -10,6 +10,7 @@
 #include "engine/particles/field.h"
 #include "engine/particles/pairs.h"
 #include "engine/particles/step.h"
+#include "engine/sph/gate.h"
 
 namespace whorl {
 
@@ -45,6 +46,7 @@ struct PoissonPressureOptions {
     /// throws the fluid about with e d/dt and the pressure with rho_0 e H^2/dt^2, many times its weight.
     double density_correction = 0.1;
     Real solid_factor = 1;  ///< on the solids' volumes, see models/boundary/wall.h
+    SolidGate gate;         ///< before solids
     PressurePreconditionerSetup preconditioner = jacobi;
 };
 
@@ -84,6 +86,7 @@ private:
     std::vector<PressureClass> class_;
     std::vector<char> touches_surface_;
     std::vector<Closed> closed_;
+    Column<Real> gate_;  ///< weight of the solids by particle
     Column<Real> b_;     ///< V_i (rho*_i - rho_0)/dt^2
     Column<Vec3> wall_;  ///< build(): gradient of the solids [1/m]; then: acceleration by prescribed neighbours over -p_i [m^2/kg]
 };
