@@ -182,7 +182,7 @@ private:
         for (std::size_t i = 0; i < measured_.size(); ++i)
             if (!has(front, i) && std::isfinite(measured_[i].error)) points.push_back(point(i));
         std::string keys;
-        for (const Knob& knob : study_.knobs) keys += (keys.empty() ? "" : ", ") + knob.key;
+        for (const Knob& knob : study_.knobs) keys += (keys.empty() ? "" : ", ") + knob.title();
         const Canvas canvas = draw_front(points, fmt::format("{}: {}", study_.name, keys), cost_name(),
                                          study_.accuracy.of == AccuracyKind::picture ? "difference [dE]" : "relative error");
         write_png(folder_ / "tradeoff.png", canvas.image());

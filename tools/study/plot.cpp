@@ -58,7 +58,7 @@ Canvas draw_front(const std::vector<PlotPoint>& points, const std::string& title
     std::vector<double> xs, ys;
     for (const PlotPoint& p : points) xs.insert(xs.end(), {p.x, p.x_low, p.x_high}), ys.push_back(p.y);
     const LogAxis x(xs, left, width - right), y(ys, height - low, top);
-    c.words(left, 30, title, ink, 17);
+    c.words(left, 26, title, ink, 17);
     for (const double v : x.marks()) {
         c.line(x.at(v), top, x.at(v), height - low, faint);
         c.words(x.at(v), height - low + 20, fmt::format("{:g}", v), ink, 13, 0);
