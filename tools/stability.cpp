@@ -218,13 +218,13 @@ private:
     void draw() const {
         std::vector<StabilityPanel> panels;
         for (std::size_t p = 0; p < panels_; ++p) {
-            StabilityPanel panel{panels_ > 1 ? study_.knobs[2].key + " = " + values(2)[p] : "", {}, predicted(p)};
+            StabilityPanel panel{panels_ > 1 ? study_.knobs[2].title() + " = " + values(2)[p] : "", {}, predicted(p)};
             for (std::size_t k = p * nx_ * ny_; k < (p + 1) * nx_ * ny_; ++k)
                 panel.cells.push_back(was_run_[k] ? MapCell{cells_[k].verdict.state, bisects() ? note(cells_[k]) : ""} : MapCell{"not run", ""});
             panels.push_back(std::move(panel));
         }
         const std::string title = study_.name + (bisects() ? ": largest stable " + study_.stability.bisect : "");
-        const Canvas canvas = draw_maps(panels, values(0), values(1), title, study_.knobs[0].key, study_.knobs.size() > 1 ? study_.knobs[1].key : "");
+        const Canvas canvas = draw_maps(panels, values(0), values(1), title, study_.knobs[0].title(), study_.knobs.size() > 1 ? study_.knobs[1].title() : "");
         write_png(folder_ / "stability.png", canvas.image());
         write_text(folder_ / "stability.svg", canvas.svg());
     }

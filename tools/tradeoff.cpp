@@ -165,7 +165,7 @@ private:
         csv += ",cost,cost_low,cost_high,error,wall_seconds,memory_bytes,fps,on_front,status,message\n";
         for (std::size_t i = 0; i < rows_.size(); ++i) {
             const Row& r = rows_[i];
-            csv += csv_cell(r.scene);
+            csv += csv_cell(fs::path(r.scene).stem().string());
             for (std::size_t k = 0; k < study_.knobs.size(); ++k) csv += "," + csv_cell(study_.knobs[k].values[static_cast<std::size_t>(measured_[i].at[k])]);
             csv += fmt::format(",{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.0f},{:.4g},{},{},{}\n", measured_[i].cost, r.cost_low, r.cost_high, measured_[i].error,
                                r.result.wall.empty() ? 0 : r.result.wall.front(), r.result.memory, r.result.wall.empty() ? 0 : r.result.fps(), has(front, i) ? 1 : 0, r.result.status, csv_cell(r.result.message));
@@ -182,7 +182,7 @@ private:
         for (std::size_t i = 0; i < measured_.size(); ++i)
             if (!has(front, i) && std::isfinite(measured_[i].error)) points.push_back(point(i));
         std::string keys;
-        for (const Knob& knob : study_.knobs) keys += (keys.empty() ? "" : ", ") + knob.key;
+        for (const Knob& knob : study_.knobs) keys += (keys.empty() ? "" : ", ") + knob.title();
         const Canvas canvas = draw_front(points, fmt::format("{}: {}", study_.name, keys), cost_name(),
                                          study_.accuracy.of == AccuracyKind::picture ? "difference [dE]" : "relative error");
         write_png(folder_ / "tradeoff.png", canvas.image());

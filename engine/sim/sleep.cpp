@@ -15,12 +15,13 @@ namespace {
 
 /// What a cell as wide as the reach knows of its particles.
 struct Cell {
-    bool restless = false;  ///< somebody moves
+    bool restless = false;  ///< somebody moves: nobody falls asleep
+    bool stirs = false;     ///< or somebody awake has moved a little: sleepers wake
     bool awake = false;
     Real least_quiet = std::numeric_limits<Real>::infinity();  ///< s, sleepers do not count
 
     void operator+=(const Cell& o) {
-        restless |= o.restless, awake |= o.awake;
+        restless |= o.restless, stirs |= o.stirs, awake |= o.awake;
         least_quiet = std::min(least_quiet, o.least_quiet);
     }
 };
@@ -130,13 +131,15 @@ void Sleep::look(World& world, double elapsed) {
         if (solids_move)
             if (const int s = world.solids.nearest(x[k], distance); s >= 0 && distance < reach)
                 restless |= world.solids.all[static_cast<std::size_t>(s)].pose.velocity_at(x[k]).norm() * options_.after > most;
-        cells.cells[cells.key(places[k])] += Cell{restless, quiet[k] >= 0, quiet[k] >= 0 ? quiet[k] : std::numeric_limits<Real>::infinity()};
+        // Where much counts as rest, a tenth of a spacing is yet enough to press on a sleeper.
+        const bool stirs = restless || (quiet[k] >= 0 && domain.minimum_image(x[k] - anchor[k]).norm() > Real(0.1) * d);
+        cells.cells[cells.key(places[k])] += Cell{restless, stirs, quiet[k] >= 0, quiet[k] >= 0 ? quiet[k] : std::numeric_limits<Real>::infinity()};
     }
     const auto near = cells.blurred(places);
     sleepers_ = 0;
     for (std::size_t k = 0; k < n; ++k) {
         const Cell& around = near.at(cells.key(places[k]));
-        if (quiet[k] < 0 && around.restless) {
+        if (quiet[k] < 0 && around.stirs) {
             quiet[k] = options_.after / 2;  // awake, but no reason to wake others until it moves itself
         } else if (quiet[k] >= 0 && !around.restless && around.least_quiet >= options_.after) {
             quiet[k] = -1;
@@ -166,7 +169,7 @@ void Sleep::tuck_in(World& world) {
         std::vector<std::array<std::int64_t, 3>> places(x.size());
         for (std::size_t k = 0; k < x.size(); ++k) {
             places[k] = cells.place(domain.wrapped(x[k]));
-            cells.cells[cells.key(places[k])] += Cell{false, quiet[k] >= 0, 0};
+            cells.cells[cells.key(places[k])] += Cell{false, false, quiet[k] >= 0, 0};
         }
         const auto near = cells.blurred(places);
         for (Index i = 0; i < n; ++i) {

@@ -4,7 +4,7 @@
 /// A particle is quiet while it stays within `tolerance` spacings of its anchor, the place where it last had moved by more. Once all particles within
 /// reach have been quiet for `after` seconds it falls asleep: its velocity is zero and stays so. Sleepers next to somebody awake are held in the store
 /// with a prescribed role, so that every model treats them as it treats fluid that a nozzle holds; the others are put away. Whoever moves (is not quiet for
-/// half of `after`) wakes all sleepers within reach. Reach is a kernel radius and what CFL allows between two looks.
+/// half of `after`, or is a tenth of a spacing off its anchor) wakes all sleepers within reach. Reach is a kernel radius and what CFL allows between two looks.
 ///
 /// At every landing all particles are in the store with their own roles: frames, probes and checkpoints know nothing of sleep.
 #include "engine/sim/world.h"

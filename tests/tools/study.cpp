@@ -9,6 +9,7 @@
 #include "tools/study/accuracy.h"
 #include "tools/study/recommend.h"
 #include "tools/study/sweep.h"
+#include "tools/study/study.h"
 #include "tools/study/table.h"
 
 using namespace whorl;
@@ -126,8 +127,30 @@ TEST_CASE("a stability map tells stable from unstable steps, with the limit that
     CHECK(cells[0].at("state") == "stable");
     CHECK(cells[1].at("state") == "stable");
     CHECK(cells[2].at("state") != "stable");
+    CHECK(cells[2].at("first_bad_step").get<long>() > 0);  // when it went wrong, from the run's own report
+    CHECK(cells[0].at("first_bad_step").get<long>() == 0);
     CHECK(cells[0].at("limits").at("viscous").get<double>() == Approx(3.1e-3).epsilon(0.05));
     CHECK(fs::file_size(folder / "out" / "stability.png") > 1000);
+}
+
+TEST_CASE("braces in settings hold expressions of the knobs, or a knob's word", "[study]") {
+    const std::vector<std::string> knobs{"d=1e-6", "time.fixed_step=0.5", "model=full"};
+    CHECK(with_values("time.end={40*fixed_step}", knobs) == "time.end=20");
+    CHECK(with_values("domain.min=[{-5*d}, 0, {2*sqrt(4)}]", knobs) == "domain.min=[-5e-06, 0, 4]");
+    CHECK(with_values("models.viscosity={model}", knobs) == "models.viscosity=full");
+    CHECK_THROWS_AS(with_values("{40*speed}", knobs), InputError);
+}
+
+TEST_CASE("a study whose knob turns nothing is refused, and so is a point that the plan refuses, with its reason", "[study]") {
+    const ScratchFolder folder;
+    write(folder / "falling.toml", falling);
+    const std::string head = "scenes = [\"falling.toml\"]\n[accuracy]\ncolumn = \"kinetic_energy\"\n[[knob]]\n";
+    write(folder / "idle.toml", head + "key = \"scale\"\nvalues = [1, 2]\n");
+    CHECK_THAT(test::whorl({"tradeoff", (folder / "idle.toml").string(), "--out", (folder / "a").string()}).err, Catch::Contains("turns nothing"));
+    write(folder / "wrong.toml", head + "key = \"fluid.spacing\"\nvalues = [-1, 0.05]\n");
+    const Outcome wrong = test::whorl({"tradeoff", (folder / "wrong.toml").string(), "--out", (folder / "b").string()});
+    CHECK(wrong.code == 2);
+    CHECK_THAT(wrong.err, Catch::Contains("fluid.spacing = -1"));
 }
 
 TEST_CASE("a study file's mistakes are told with their places, all in one go", "[study]") {

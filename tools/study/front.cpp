@@ -1,6 +1,5 @@
 #include "tools/study/front.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -19,6 +18,39 @@ double gain(double cost, double error, const std::vector<Measured>& measured) {
         if (counts(m)) least = std::min(least, std::max(std::log(m.cost) - cost, std::log(std::max(m.error, 1e-12)) - error));
     return least;
 }
+
+/// Least squares of two quantities over the same few unknowns, by normal equations that a ridge keeps positive definite.
+class SmallFit {
+public:
+    SmallFit(std::size_t unknowns, double ridge) : n_(unknowns), normal_(n_ * n_, 0), right_(2 * n_, 0) {
+        for (std::size_t k = 0; k < n_; ++k) normal_[k * n_ + k] = ridge;
+    }
+    void add(const std::vector<double>& row, double weight, double first, double second) {
+        for (std::size_t i = 0; i < n_; ++i) {
+            for (std::size_t j = 0; j < n_; ++j) normal_[i * n_ + j] += weight * row[i] * row[j];
+            right_[2 * i] += weight * first * row[i], right_[2 * i + 1] += weight * second * row[i];
+        }
+    }
+    /// Unknown k of the first quantity at [2 k], of the second at [2 k + 1].
+    std::vector<double> solve() {
+        for (std::size_t i = 0; i < n_; ++i)
+            for (std::size_t r = i + 1; r < n_; ++r) {
+                const double factor = normal_[r * n_ + i] / normal_[i * n_ + i];
+                for (std::size_t j = i; j < n_; ++j) normal_[r * n_ + j] -= factor * normal_[i * n_ + j];
+                for (std::size_t q = 0; q < 2; ++q) right_[2 * r + q] -= factor * right_[2 * i + q];
+            }
+        for (std::size_t i = n_; i-- > 0;)
+            for (std::size_t q = 0; q < 2; ++q) {
+                for (std::size_t j = i + 1; j < n_; ++j) right_[2 * i + q] -= normal_[i * n_ + j] * right_[2 * j + q];
+                right_[2 * i + q] /= normal_[i * n_ + i];
+            }
+        return right_;
+    }
+
+private:
+    std::size_t n_;
+    std::vector<double> normal_, right_;
+};
 
 }  // namespace
 
@@ -79,25 +111,20 @@ double FrontSearch::distance(const GridPoint& a, const GridPoint& b) const {
 
 FrontSearch::Guess FrontSearch::guess(const GridPoint& p, const std::vector<Measured>& measured) const {
     // Least squares of a + b.(index) with weights that fall off over a third of the grid; a little ridge keeps unknown slopes at zero.
-    const auto n = static_cast<Eigen::Index>(levels_.size() + 1);
-    Eigen::MatrixXd normal = 1e-3 * Eigen::MatrixXd::Identity(n, n);
-    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(n, 2);
+    SmallFit fit(levels_.size() + 1, 1e-3);
     double nearest = std::numeric_limits<double>::infinity(), slope = 0;
+    std::vector<double> row(levels_.size() + 1, 1.0);
     for (const Measured& m : measured) {
         if (!counts(m)) continue;
-        const double far = distance(p, m.at), weight = std::exp(-4.5 * far * far) + 1e-6;
+        const double far = distance(p, m.at);
         nearest = std::min(nearest, far);
-        Eigen::VectorXd row(n);
-        row[0] = 1;
-        for (std::size_t k = 0; k < levels_.size(); ++k) row[static_cast<Eigen::Index>(k + 1)] = static_cast<double>(m.at[k] - p[k]) / std::max(1, levels_[k] - 1);
-        normal += weight * row * row.transpose();
-        right.col(0) += weight * std::log(m.cost) * row;
-        right.col(1) += weight * std::log(std::max(m.error, 1e-12)) * row;
+        for (std::size_t k = 0; k < levels_.size(); ++k) row[k + 1] = static_cast<double>(m.at[k] - p[k]) / std::max(1, levels_[k] - 1);
+        fit.add(row, std::exp(-4.5 * far * far) + 1e-6, std::log(m.cost), std::log(std::max(m.error, 1e-12)));
     }
     if (!std::isfinite(nearest)) return {0, 0, std::numeric_limits<double>::infinity()};
-    const Eigen::MatrixXd fit = normal.ldlt().solve(right);
-    for (Eigen::Index k = 1; k < n; ++k) slope = std::max(slope, std::abs(fit(k, 1)));
-    return {fit(0, 0), fit(0, 1), 0.5 * nearest * std::max(slope, 0.5)};
+    const std::vector<double> found = fit.solve();
+    for (std::size_t k = 1; k <= levels_.size(); ++k) slope = std::max(slope, std::abs(found[2 * k + 1]));
+    return {found[0], found[1], 0.5 * nearest * std::max(slope, 0.5)};
 }
 
 Measured FrontSearch::expected(const GridPoint& p, const std::vector<Measured>& measured) const {

@@ -14,7 +14,7 @@ namespace {
 
 const Vec3f ink(0.13f, 0.13f, 0.16f), faint(0.86f, 0.86f, 0.88f), grey(0.60f, 0.60f, 0.64f), accent(0.78f, 0.36f, 0.05f);
 
-/// A logarithmic axis with a margin, and its marks: 1, 2 and 5 in every decade, or only 1 where there are many.
+/// A logarithmic axis with a margin, and its marks: 1 in every decade, or more of it where those are few.
 struct LogAxis {
     double low, high, from, to;  ///< values, pixels
     LogAxis(const std::vector<double>& values, double first, double last) : from(first), to(last) {
@@ -27,12 +27,15 @@ struct LogAxis {
     }
     double at(double v) const { return from + (to - from) * std::log(v / low) / std::log(high / low); }
     std::vector<double> marks() const {
-        std::vector<double> all;
-        const bool few = std::log10(high / low) < 3;
-        for (int decade = static_cast<int>(std::floor(std::log10(low))); decade <= std::ceil(std::log10(high)); ++decade)
-            for (const double step : few ? std::vector<double>{1, 2, 5} : std::vector<double>{1})
-                if (const double v = step * std::pow(10, decade); v >= low && v <= high) all.push_back(v);
-        return all;
+        static const std::vector<std::vector<double>> steps{{1}, {1, 2, 5}, {1, 1.5, 2, 3, 4, 5, 6, 7, 8, 9}};
+        for (const std::vector<double>& some : steps) {  // the first that gives marks enough to read by
+            std::vector<double> all;
+            for (int decade = static_cast<int>(std::floor(std::log10(low))); decade <= std::ceil(std::log10(high)); ++decade)
+                for (const double step : some)
+                    if (const double v = step * std::pow(10, decade); v >= low && v <= high) all.push_back(v);
+            if (all.size() >= 3) return all;
+        }
+        return {low, std::sqrt(low * high), high};
     }
 };
 
@@ -58,14 +61,14 @@ Canvas draw_front(const std::vector<PlotPoint>& points, const std::string& title
     std::vector<double> xs, ys;
     for (const PlotPoint& p : points) xs.insert(xs.end(), {p.x, p.x_low, p.x_high}), ys.push_back(p.y);
     const LogAxis x(xs, left, width - right), y(ys, height - low, top);
-    c.words(left, 30, title, ink, 17);
+    c.words(left, 26, title, ink, 17);
     for (const double v : x.marks()) {
         c.line(x.at(v), top, x.at(v), height - low, faint);
-        c.words(x.at(v), height - low + 20, fmt::format("{:g}", v), ink, 13, 0);
+        c.words(x.at(v), height - low + 20, fmt::format("{:.3g}", v), ink, 13, 0);
     }
     for (const double v : y.marks()) {
         c.line(left, y.at(v), width - right, y.at(v), faint);
-        c.words(left - 8, y.at(v) + 5, fmt::format("{:g}", v), ink, 13, 1);
+        c.words(left - 8, y.at(v) + 5, fmt::format("{:.3g}", v), ink, 13, 1);
     }
     c.line(left, height - low, width - right, height - low, ink), c.line(left, top, left, height - low, ink);
     c.words(0.5 * (left + width - right), height - 18, x_name, ink, 14, 0);

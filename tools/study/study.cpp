@@ -29,6 +29,7 @@ KeyTable knob_keys() {
     KeyTableOf<Knob> t("a setting and the values that it takes");
     t.key("key", &Knob::key, "", "a scene key, or scene, quality, threads, program, or a name of its own that settings use in braces").required();
     t.key("values", &Knob::values, "", "its values, in order from cheap to dear or the other way round").required();
+    t.key("label", &Knob::label, "", "what pictures call it; default: the key");
     return t;
 }
 
@@ -100,7 +101,11 @@ void values_to_texts(Value& root) {
         Value* values = knob.as<Value::Table>() ? knob.find("values") : nullptr;
         if (!values || !values->as<Value::List>()) continue;
         for (Value& v : *values->as<Value::List>())
-            if (!v.as<std::string>() && !v.as<Value::Table>()) v.data = v.toml();
+            if (!v.as<std::string>() && !v.as<Value::Table>()) {
+                std::string text = v.toml();
+                if (v.as<double>() && text.ends_with(".0")) text.resize(text.size() - 2);
+                v.data = std::move(text);
+            }
     }
     Value* stability = root.find("stability");
     if (!stability || !stability->as<Value::Table>()) return;

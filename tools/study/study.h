@@ -18,6 +18,8 @@ enum class CostKind { cpu, wall, memory };
 struct Knob {
     std::string key;                  ///< a scene key; or scene, quality, threads, program; or a name of its own, which settings use in braces
     std::vector<std::string> values;  ///< as --set takes them
+    std::string label;                ///< what pictures call it; "": the key
+    const std::string& title() const { return label.empty() ? key : label; }
 };
 
 struct AccuracyKeys {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdlib>
 #include <thread>
 
 namespace whorl {
@@ -34,7 +35,12 @@ std::vector<std::string> settings_at(const Study& study, const GridPoint& p) {
 
 std::string label_at(const Study& study, const GridPoint& p) {
     std::string label;
-    for (std::size_t k = 0; k < study.knobs.size(); ++k) label += (k ? ", " : "") + study.knobs[k].values[static_cast<std::size_t>(p[k])];
+    for (std::size_t k = 0; k < study.knobs.size(); ++k) {
+        const std::string& value = study.knobs[k].values[static_cast<std::size_t>(p[k])];
+        char* end = nullptr;
+        const double number = std::strtod(value.c_str(), &end);
+        label += (k ? ", " : "") + (*end == 0 && value.size() > 7 ? fmt::format("{:.3g}", number) : value);
+    }
     return label;
 }
 

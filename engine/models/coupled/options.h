@@ -22,7 +22,7 @@ struct CoupledOptions {
     double bridge = 1.7;  ///< turns of a coil must not feel each other through the air
 
     double push = 0.1;                     ///< compressed particles part at the rate push (n/n0 - 1)/dt
-    double fastest_push = 0.5;             ///< but not faster than this times (max |u| + sqrt(g d))/d: however short the step, they bring no motion of their own
+    double fastest_push = 0.2;             ///< but not faster than this times (max |u| + sqrt(g d))/d: however short the step, they bring no motion of their own
     double memory = 0.98;                  ///< of the multiplier from step to step
     double turning_limit = 0.1;            ///< times max |u|/d, bound on dt I2(grad u), the divergence that keeps a turning body's volume
 
