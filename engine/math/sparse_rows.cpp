@@ -44,7 +44,7 @@ SparseRows transposed(const SparseRows& A) {
     return T;
 }
 
-Grouping::Grouping(std::vector<Index> group_of, Index groups) : of(std::move(group_of)), first(at(groups) + 1, 0) {
+IndexGroups::IndexGroups(std::vector<Index> group_of, Index groups) : of(std::move(group_of)), first(at(groups) + 1, 0) {
     for (const Index g : of)
         if (g >= 0) ++first[at(g) + 1];
     for (std::size_t g = 0; g < at(groups); ++g) first[g + 1] += first[g];
@@ -54,7 +54,7 @@ Grouping::Grouping(std::vector<Index> group_of, Index groups) : of(std::move(gro
         if (of[i] >= 0) member[at(next[at(of[i])]++)] = static_cast<Index>(i);
 }
 
-void Grouping::sum(Span<const Real> r, Span<Real> sums) const {
+void IndexGroups::sum(Span<const Real> r, Span<Real> sums) const {
     parallel_for(groups(), [&](Index g) {
         Real sum = 0;
         for (Index k = first[at(g)]; k < first[at(g) + 1]; ++k) sum += r[at(member[at(k)])];

@@ -65,12 +65,12 @@ SparseRows product(const SparseRows& A, const SparseRows& B);
 SparseRows transposed(const SparseRows& A);
 
 /// Each unknown's group, from 0; -1: in none. Summing over groups and copying from them are one matrix and its transpose.
-struct Grouping {
+struct IndexGroups {
     std::vector<Index> of;
     std::vector<Index> first{0}, member;  ///< members by group, in order
 
-    Grouping() = default;
-    Grouping(std::vector<Index> group_of, Index groups);
+    IndexGroups() = default;
+    IndexGroups(std::vector<Index> group_of, Index groups);
     Index groups() const { return static_cast<Index>(first.size()) - 1; }
     /// sum_k = sum of r over the members of k.
     void sum(Span<const Real> r, Span<Real> sum) const;

@@ -14,7 +14,7 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 /// The particles above the first coarse level.
 struct Levels {
-    Grouping groups;
+    IndexGroups groups;
     Multigrid coarse;
     Column<Real> inverse_diagonal, sums, correction, left, product;
 
@@ -28,7 +28,7 @@ struct Levels {
         });
         for (std::size_t i = 0; i < x.size(); ++i)
             if (unknown[i]) of[i] = numbers.number(place[i]);
-        groups = Grouping(std::move(of), static_cast<Index>(numbers.cells().size()));
+        groups = IndexGroups(std::move(of), static_cast<Index>(numbers.cells().size()));
         return numbers.take();
     }
     void ready(SparseRows A, std::vector<Cell> cells, const MultigridOptions& options) {
@@ -97,7 +97,7 @@ PressurePreconditioner joined(std::shared_ptr<Levels> levels, const std::vector<
 
 /// A'_IJ = sum_i F_iI . F_iJ with F_iI = sum of row i of D^T over the members of I: what a pressure of 1 in the cell I does to particle i.
 /// Inside a cell the sum is next to nothing; particles near a face have two cells, near an edge four.
-SparseRows coarse_matrix(const ConstraintMatrix& A, const Grouping& groups) {
+SparseRows coarse_matrix(const ConstraintMatrix& A, const IndexGroups& groups) {
     constexpr Index block = 1024;
     struct Entry {
         Index row, column;
@@ -167,7 +167,7 @@ SparseRows coarse_matrix(const ConstraintMatrix& A, const Grouping& groups) {
 }
 
 /// A'_IJ = sum of the entries between members of I and of J: couplings add up, and so does what ties the members to surface and solids.
-SparseRows coarse_matrix(const PressureMatrix& A, const Grouping& groups) {
+SparseRows coarse_matrix(const PressureMatrix& A, const IndexGroups& groups) {
     return gather_rows(groups.groups(), groups.groups(), [&](Index g, const auto& add) {
         for (Index m = groups.first[at(g)]; m < groups.first[at(g) + 1]; ++m) {
             const Index i = groups.member[at(m)];
