@@ -42,8 +42,9 @@ struct ConstraintOptions {
 };
 
 /// Finds q = dt p/rho^2 with   q >= 0,   rho_i + dt (D (u - D^T q))_i <= rho_0,   and q_i = 0 where the density stays below, then u -= D^T q.
-/// Where rho_i exceeds rho_0 only a share of the excess has to go. A fluid that fills a periodic domain is held at one density, from both sides. The projection loses energy, never makes any; a free surface needs no search,
-/// and neither do single particles, closed boxes or slots: A q = b is solvable wherever something can give way.
+/// Where rho_i exceeds rho_0 only a share of the excess has to go. The projection loses energy, never makes any; a free surface needs no search,
+/// and neither do single particles, closed boxes or slots: A q = b is solvable wherever something can give way. Where nothing can, in a fluid that
+/// fills a periodic domain, densities are held equal instead.
 class ConstraintPressure {
 public:
     explicit ConstraintPressure(ConstraintOptions options) : options_(std::move(options)) {}
