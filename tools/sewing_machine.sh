@@ -6,7 +6,8 @@
 #   options: --whorl PROGRAM, --out FOLDER (default out/sewing_machine), --spacing M
 #
 # Columns: belt speed over the thread's, belt speed [m/s]; frequency across the belt [Hz], along the belt over across; amplitude across the belt and along it [mm]; how fast the
-# thread swings along the belt, at most, over the belt's speed (more than 1: it runs back, and crosses itself); the pattern.
+# thread swings along the belt, at most, over the belt's speed (more than 1: it runs back, and crosses itself); the pattern: coils where both frequencies are the same, else loops
+# where it runs back and meanders where it does not.
 set -euo pipefail
 top=$(cd "$(dirname "$0")/.." && pwd)
 whorl=$top/build/release/whorl out=out/sewing_machine spacing=2.5e-3 ratios=()
@@ -17,7 +18,7 @@ while [ $# -gt 0 ]; do
         --whorl) whorl=$2; shift 2 ;;
         --out) out=$2; shift 2 ;;
         --spacing) spacing=$2; shift 2 ;;
-        -h | --help) sed -n '2,10s/^# \{0,1\}//p' "$0"; exit 0 ;;
+        -h | --help) sed -n '2,11s/^# \{0,1\}//p' "$0"; exit 0 ;;
         *) ratios+=("$1"); shift ;;
     esac
 done
@@ -52,7 +53,7 @@ for ratio in "${ratios[@]}"; do
             sx = sqrt(sx / m); sz = sqrt(sz / m)
             fz = frequency(z, mz, sz); fx = frequency(x, mx, sx)
             pattern = "straight"
-            if (sz > 1e-3) pattern = fx < 1.4 * fz ? "translated coils" : most > 1 ? "alternating loops" : "meanders"
-            printf "%6.2f %7.4f | %7.3f %6.2f | %7.2f %7.2f | %5.2f  %s\n", ratio, V, fz, fz > 0 ? fx / fz : 0, 1414 * sz, 1414 * sx, most, pattern
+            if (sz > 1e-3) pattern = fx > 0.85 * fz && fx < 1.15 * fz ? "translated coils" : most > 1 ? "alternating loops" : "meanders"
+            printf "%6.2f %7.4f | %7.3f %6.2f | %7.2f %7.2f | %5.2f  %s\n", ratio, V, fz, (fz > 0 ? fx / fz : 0), 1414 * sz, 1414 * sx, most, pattern
         }' "$folder/probes/thread.csv"
 done
