@@ -68,10 +68,10 @@ const std::vector<Case> cases = {
     {"end = 1", "end = 1\nfps = 0",
      "bad.toml:3:7: time.fps = 0 is out of range; allowed: more than 0, at most 1000"},
     {"end = 1", "end = 1\nperiodic = true",
-     "bad.toml:3:1: unknown key \"periodic\" in [time]; [domain] has a key of this name; allowed: end, fps, slow_motion, max_step, cfl"},
+     "bad.toml:3:1: unknown key \"periodic\" in [time]; [domain] has a key of this name; allowed: end, fps, slow_motion, max_step, cfl, fixed_step, sleep"},
     {"[time]", "[tme]",
      "bad.toml: time.end is missing; when the run ends [s]; allowed: more than 0\n"
-     "bad.toml:1:2: unknown key \"tme\"; did you mean \"time\"?; allowed: name, seed, time, domain, fluid, models, pressure, viscosity, micropolar, boundary, block, emitter, solid, drain, probe, change, output, quality"},
+     "bad.toml:1:2: unknown key \"tme\"; did you mean \"time\"?; allowed: name, seed, time, domain, fluid, models, pressure, viscosity, micropolar, boundary, block, emitter, solid, drain, probe, change, output, budget, quality"},
     {"[time]", "[[time]]",
      "bad.toml:1:3: time must be one table, [time]"},
     {"[[block]]", "[block]",
@@ -139,7 +139,7 @@ const std::vector<Case> cases = {
      "bad.toml:10:8: output.size must be a list of 2 whole numbers [pixels], not the text \"big\"\n"
      "bad.toml:11:10: output.export must be a list of texts, not the text \"mesh\"; allowed: points, mesh, vdb"},
     {"", "[outptu]\nframes = true",
-     "bad.toml:9:2: unknown key \"outptu\"; did you mean \"output\"?; allowed: name, seed, time, domain, fluid, models, pressure, viscosity, micropolar, boundary, block, emitter, solid, drain, probe, change, output, quality"},
+     "bad.toml:9:2: unknown key \"outptu\"; did you mean \"output\"?; allowed: name, seed, time, domain, fluid, models, pressure, viscosity, micropolar, boundary, block, emitter, solid, drain, probe, change, output, budget, quality"},
     {"", "[quality.draft]\nfluid.spacng = 1\n[quality.coarse]\n[quality.standard]",
      "bad.toml:10:7: unknown key \"spacng\" in [fluid]; did you mean \"spacing\"?; allowed: spacing, density, viscosity, surface_tension, kernel, support\n"
      "bad.toml:11:10: unknown quality \"coarse\"; allowed: draft, fine\n"
@@ -194,7 +194,7 @@ TEST_CASE("several mistakes are told in one go, in the order of their places, th
           "--set block[7].min=[0,0,0]: there is no block[7]; block has the entries 0 to 0\n"
           "--set a b=1: \"a b\" is not a key; allowed: names with dots between them, as in emitter[0].speed\n"
           "--set output.size=[1,2: the value is not TOML: in this array: encountered end-of-file\n"
-          "--set time.edn=3: unknown key \"edn\" in [time]; did you mean \"end\"?; allowed: end, fps, slow_motion, max_step, cfl\n"
+          "--set time.edn=3: unknown key \"edn\" in [time]; did you mean \"end\"?; allowed: end, fps, slow_motion, max_step, cfl, fixed_step, sleep\n"
           "--set fluid.viscosity=-1: fluid.viscosity = -1 is out of range; allowed: at least 0");
 }
 
