@@ -5,9 +5,10 @@ target_compile_options(whorl_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wno-unknown-pragmas
   -fno-math-errno -fno-trapping-math -fno-signed-zeros -fassociative-math)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  # The warnings that are off: GCC 12's false alarms inside std::string ("text" + string&&, GCC bug 105329) and std::optional; asan looks in their place.
+  # The warnings that are off: GCC 12's false alarms inside std::string ("text" + string&&, GCC bug 105329), std::optional and its own AVX-512 header
+  # (a precompiled header makes it tell them of our files); asan looks in their place.
   target_compile_options(whorl_flags INTERFACE --param=vect-max-peeling-for-alignment=0 -Wno-maybe-uninitialized -Wno-restrict -Wno-stringop-overflow
-                         -Wno-stringop-overread -Wno-array-bounds)
+                         -Wno-stringop-overread -Wno-array-bounds -Wno-uninitialized)
 endif()
 if(WHORL_NATIVE)
   target_compile_options(whorl_flags INTERFACE -march=native)

@@ -87,6 +87,14 @@ std::string full_path(const std::string& path) {
     return out;
 }
 
+KeyChange read_change(const Change& change) {
+    std::vector<Problem> problems;
+    Value tree{Value::Table{}};
+    apply_change(tree, {"value", change.value, change.source, change.complete}, problems);
+    if (!problems.empty()) throw InputError(std::move(problems));
+    return {change.key, *tree.find("value"), {change.source, 0, 0}};
+}
+
 std::vector<UsedKey> used_keys(const SceneFile& file) {
     std::vector<UsedKey> all;
     for (const auto& [name, root] : roots(file)) collect(root, name.empty() ? root : roots(file)[0].second, name, all);

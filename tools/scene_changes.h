@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/core/keys.h"
+#include "engine/scene/document.h"
 #include "engine/scene/plan.h"
 #include "tools/options.h"
 
@@ -30,6 +31,9 @@ struct KeyChange {
     Value value;
     Place source;
 };
+
+/// What the user typed as "key=value" (Change), with its value read. @throws InputError
+KeyChange read_change(const Change& change);
 
 /// The scene with all of the changes; shares nothing with `file` (expressions are not thread-safe).
 /// @throws InputError with all that is wrong

@@ -86,18 +86,22 @@ std::vector<Change> presets_of(const std::string& quality) {
     return {};
 }
 
+/// @throws InputError where the picture asks for a field that the run will not have
+void check_look(const SceneFile& file) {
+    const bool of_spin = file.look.field == "spin" || file.look.field == "spin_difference";
+    if (shows_field(file.look) && of_spin && file.scene.models.micropolar == MicropolarModel::none)
+        throw InputError(file.scene.place("look.field"), "look.field = \"" + file.look.field + "\" needs particles that spin",
+                         "set models.micropolar, or show \"vorticity\"");
+}
+
 SceneFile read(const fs::path& path, ReadRequest request) {
     SceneFile file;
     request.sections = sections_of(file);
     file.scene = read_scene(path.string(), request);
+    check_look(file);
     if (file.scene.changes.empty()) return file;
     std::vector<KeyChange> beat;
-    for (const Change& change : request.changes) {
-        std::vector<Problem> problems;
-        Value tree{Value::Table{}};
-        apply_change(tree, {"value", change.value, change.source}, problems);
-        if (problems.empty()) beat.push_back({change.key, *tree.find("value"), {change.source, 0, 0}});
-    }
+    for (const Change& change : request.changes) beat.push_back(read_change(change));
     return with_first_changes(file, beat);
 }
 
@@ -150,6 +154,7 @@ SceneFile read_resolved(const std::string& text, const std::string& path) {
     ReadRequest request;
     request.sections = sections_of(file);
     file.scene = read_scene_text(text, path, request);
+    check_look(file);
     return file;
 }
 

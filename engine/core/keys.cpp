@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/core/variables.h"
+
 namespace whorl {
 namespace {
 
@@ -194,7 +196,7 @@ void Key::read(void* object, const Value& v, const std::string& path, std::vecto
     try {
         set(object, v);
     } catch (const KeyFault& fault) {
-        problems.push_back({fault.place, path + ": " + fault.what(), "", variables.empty() ? "" : "allowed: functions of " + fmt::format("{}", fmt::join(variables, ", "))});
+        problems.push_back({fault.place, path + ": " + fault.what(), "", variables.empty() ? "" : "allowed: functions of " + variable_names(variables)});
         return;
     }
     if (constants)
@@ -202,8 +204,8 @@ void Key::read(void* object, const Value& v, const std::string& path, std::vecto
     if (used_variables)
         for (const char c : used_variables(object))
             if (variables.find(c) == std::string::npos) {
-                problems.push_back({v.place, path + " uses " + c + ", which it cannot depend on", "",
-                                    variables.empty() ? "allowed: a constant" : "allowed: functions of " + fmt::format("{}", fmt::join(variables, ", "))});
+                problems.push_back({v.place, path + " uses " + variable_name(c) + ", which it cannot depend on", "",
+                                    variables.empty() ? "allowed: a constant" : "allowed: functions of " + variable_names(variables)});
                 good = false;
             }
 }

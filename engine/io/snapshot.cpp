@@ -1,5 +1,6 @@
 #include "engine/io/snapshot.h"
 
+#include "engine/io/derived_fields.h"
 #include "engine/io/nozzle.h"
 
 namespace whorl {
@@ -29,6 +30,7 @@ Snapshots::Snapshots(const Simulation& simulation, std::vector<std::string> fiel
 Frame Snapshots::take(const Simulation& simulation, int number) const {
     const World& world = simulation.world();
     Frame frame = particles_of(world, fields_);
+    add_derived_fields(world, fields_, frame);
     frame.number = number;
     frame.time = simulation.time();
     frame.solids = solids_;

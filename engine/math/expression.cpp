@@ -61,6 +61,7 @@ Expression::Expression(const std::string& text) : text_(text) {
         p.DefineVar("x", &compiled->x);
         p.DefineVar("y", &compiled->y);
         p.DefineVar("z", &compiled->z);
+        p.DefineVar("age", &compiled->t);  // what is of an age is asked for at it, not at a time
         p.DefineConst("pi", std::numbers::pi);
         p.SetExpr(text);
         const auto used = p.GetUsedVar();
@@ -72,8 +73,8 @@ Expression::Expression(const std::string& text) : text_(text) {
         if (used.empty()) {
             constant_ = value;
         } else {
-            for (const char* name : {"t", "x", "y", "z"})
-                if (used.count(name) > 0) compiled->uses += name;
+            for (const char* name : {"t", "x", "y", "z", "age"})
+                if (used.count(name) > 0) compiled->uses += name[0];
             compiled_ = std::move(compiled);
         }
     } catch (const mu::Parser::exception_type& e) {

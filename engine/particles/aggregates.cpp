@@ -1,12 +1,9 @@
 #include "engine/particles/aggregates.h"
 
-#include "engine/core/parallel.h"
 #include "engine/particles/sort.h"
 
 namespace whorl {
 namespace {
-
-constexpr int sweeps = 4;
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
@@ -27,38 +24,23 @@ std::vector<Vec3d> aggregate_centres(Span<const Vec3> x, Span<const std::int32_t
     return centre;
 }
 
-int form_aggregates(const Pairs& pairs, Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real cell, int size,
-                    Span<std::int32_t> group) {
+void Grouping::form_runs(Span<const std::int16_t> role, Real cell, int size) {
     std::fill(group.begin(), group.end(), 0);
     CurveSort curve;
     std::vector<Index> order;
     for (const Index i : curve.order(x, cell))
         if (role[at(i)] == 0) order.push_back(i);
-    int groups = static_cast<int>((order.size() + at(size) - 1) / at(size));
+    groups = static_cast<int>((order.size() + at(size) - 1) / at(size));
     for (std::size_t k = 0; k < order.size(); ++k) group[at(order[k])] = 1 + static_cast<std::int32_t>(k * at(groups) / order.size());
+}
 
-    std::vector<std::int32_t> next(group.begin(), group.end());
-    for (int sweep = 0; sweep < sweeps; ++sweep) {
-        const std::vector<Vec3d> middle = aggregate_centres(x, group, groups, domain);
-        std::vector<Vec3> centre(middle.size());
-        for (std::size_t g = 0; g < centre.size(); ++g) centre[g] = middle[g].cast<Real>();
-        parallel_for(pairs.size(), [&](Index i) {
-            if (group[at(i)] == 0) return;
-            const auto distance = [&](std::int32_t g) { return domain.minimum_image(x[at(i)] - centre[at(g - 1)]).squaredNorm(); };
-            std::int32_t best = group[at(i)], last = best;
-            Real nearest = distance(best);
-            for (std::size_t k = pairs.first[at(i)]; k < pairs.first[at(i) + 1]; ++k) {
-                const std::int32_t g = group[at(pairs.other[k])];
-                if (g == 0 || g == last) continue;
-                last = g;
-                if (const Real here = distance(g); here < nearest) nearest = here, best = g;
-            }
-            next[at(i)] = best;
-        });
-        std::copy(next.begin(), next.end(), group.begin());
-    }
+void Grouping::find_centres() {
+    const std::vector<Vec3d> middle = aggregate_centres(x, group, groups, domain);
+    centre.resize(middle.size());
+    for (std::size_t g = 0; g < centre.size(); ++g) centre[g] = middle[g].cast<Real>();
+}
 
-    // Groups that lost all their members go.
+int Grouping::drop_empty() {
     std::vector<std::int32_t> number(at(groups), 0);
     for (const std::int32_t g : group)
         if (g > 0) number[at(g - 1)] = 1;
@@ -68,6 +50,14 @@ int form_aggregates(const Pairs& pairs, Span<const Vec3> x, Span<const std::int1
     for (std::int32_t& g : group)
         if (g > 0) g = number[at(g - 1)];
     return groups;
+}
+
+int form_aggregates(const Pairs& pairs, Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real cell, int size,
+                    Span<std::int32_t> group) {
+    const auto neighbours = [&](Index i, const auto& visit) {
+        for (std::size_t k = pairs.first[at(i)]; k < pairs.first[at(i) + 1]; ++k) visit(pairs.other[k]);
+    };
+    return aggregate_by(neighbours, x, role, domain, cell, size, group);
 }
 
 void RigidAggregates::place(Span<const Vec3> x, Span<const std::int16_t> role, Span<const std::int32_t> group, int groups, const Domain& domain,

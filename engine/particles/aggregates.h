@@ -1,13 +1,60 @@
 #pragma once
 /// Compact groups of neighbouring particles: the coarse level of two-level preconditioners.
+#include "engine/core/parallel.h"
 #include "engine/particles/pairs.h"
 
 namespace whorl {
 
+/// What aggregate_by() does besides looking at neighbours.
+struct Grouping {
+    Span<const Vec3> x;
+    const Domain& domain;
+    Span<std::int32_t> group;
+    int groups = 0;
+    std::vector<Vec3> centre{};
+    std::vector<std::int32_t> next{};
+
+    void form_runs(Span<const std::int16_t> role, Real cell, int size);
+    void find_centres();
+    int drop_empty();  ///< the groups that are left are numbered anew @returns how many
+    Real distance2(Index i, std::int32_t g) const {
+        return domain.minimum_image(x[static_cast<std::size_t>(i)] - centre[static_cast<std::size_t>(g - 1)]).squaredNorm();
+    }
+};
+
 /// Groups of about `size` free particles: equal runs along the space-filling curve, made round by sweeps in which each particle joins the nearest
 /// centre among its neighbours' groups (Lloyd). Runs alone need more than twice the iterations.
+/// @param neighbours neighbours(i, visit) calls visit(j) for every neighbour j of i
 /// @param role field::role: only free particles are grouped @param cell [m], of the curve's cells
 /// @param group written: 1 to the number returned; 0 for particles that are not free
+template <class Neighbours>
+int aggregate_by(const Neighbours& neighbours, Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real cell, int size,
+                 Span<std::int32_t> group) {
+    constexpr int sweeps = 4;
+    Grouping g{x, domain, group};
+    g.form_runs(role, cell, size);
+    g.next.assign(group.begin(), group.end());
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
+        g.find_centres();
+        parallel_for(static_cast<Index>(x.size()), [&](Index i) {
+            const std::int32_t own = group[static_cast<std::size_t>(i)];
+            if (own == 0) return;
+            std::int32_t best = own, last = own;
+            Real nearest = g.distance2(i, own);
+            neighbours(i, [&](Index j) {
+                const std::int32_t other = group[static_cast<std::size_t>(j)];
+                if (other == 0 || other == last) return;
+                last = other;
+                if (const Real here = g.distance2(i, other); here < nearest) nearest = here, best = other;
+            });
+            g.next[static_cast<std::size_t>(i)] = best;
+        });
+        std::copy(g.next.begin(), g.next.end(), group.begin());
+    }
+    return g.drop_empty();
+}
+
+/// The same by the rows of pairs.
 int form_aggregates(const Pairs& pairs, Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real cell, int size,
                     Span<std::int32_t> group);
 

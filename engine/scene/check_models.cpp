@@ -19,11 +19,9 @@ void check_models(const Scene& scene, const Plan& plan, double viscous_number, s
     };
     const std::string not_here = " is not available in this version";
 
-    if (plan.pressure == PressureModel::ppe && scene.pressure.preconditioner == Preconditioner::multigrid)
-        report("pressure.preconditioner", "pressure.preconditioner = \"multigrid\"" + not_here, "take \"jacobi\"", "none or jacobi");
     if (scene.fluid.surface_tension > 0) report("fluid.surface_tension", "surface tension" + not_here, "set fluid.surface_tension = 0");
-    if (scene.boundary.gate > 0 && plan.boundary != BoundaryModel::akinci)
-        report("boundary.gate", std::string("boundary.gate belongs to solids of models.pressure = \"wcsph\", and this scene has models.pressure = \"") +
+    if (scene.boundary.gate > 0 && plan.boundary != BoundaryModel::akinci && plan.boundary != BoundaryModel::ppe)
+        report("boundary.gate", std::string("boundary.gate belongs to solids of models.pressure = \"wcsph\" or \"ppe\", and this scene has models.pressure = \"") +
                                     name_of(plan.pressure) + "\"" + (scene.solids.empty() ? " and no solids" : ""),
                "set boundary.gate = 0");
 
@@ -40,6 +38,9 @@ void check_models(const Scene& scene, const Plan& plan, double viscous_number, s
     if (plan.pressure == PressureModel::coupled && plan.viscosity != ViscosityModel::none)
         report("models.viscosity", "models.pressure = \"coupled\" solves for the viscosity itself",
                std::string("leave models.viscosity = \"") + name_of(plan.viscosity) + "\" out, or choose another pressure", "auto or none");
+    if (plan.viscosity == ViscosityModel::full && !scene.viscosity.correction && scene.viscosity.preconditioner == ViscousPreconditioner::two_level)
+        report("viscosity.preconditioner", "viscosity.preconditioner = \"two_level\" needs viscosity.correction: as published, a rotation is no rigid motion",
+               "take \"block_jacobi\"", "auto, none or block_jacobi");
     if (plan.pressure == PressureModel::coupled && plan.largest_viscosity == 0)
         report("models.pressure", "models.pressure = \"coupled\" needs a viscosity, and fluid.viscosity is 0", "take \"ppe\"");
     const bool right_pressure = plan.boundary == BoundaryModel::none ||

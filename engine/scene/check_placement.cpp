@@ -4,6 +4,7 @@
 #include <fstream>
 #include <limits>
 
+#include "engine/models/viscosity/ageing.h"
 #include "engine/scene/checks.h"
 #include "engine/scene/names.h"
 #include "engine/scene/tree.h"
@@ -125,9 +126,14 @@ private:
                 report(name + ".speed", fmt::format("{}.speed is {:.4g} m/s at t = {:.4g} s", name, e.speed(t), t), "", "allowed: at least 0");
                 break;
             }
-        if (!(scene_.fluid.viscosity(0, e.position) >= 0))
-            report("fluid.viscosity", fmt::format("fluid.viscosity is {:.4g} Pa s at {}", scene_.fluid.viscosity(0, e.position), name), "",
-                   "allowed: at least 0");
+        const std::string key = e.viscosity ? name + ".viscosity" : "fluid.viscosity";
+        const Expression& mu = e.viscosity ? *e.viscosity : scene_.fluid.viscosity;
+        for (const double age : sample_times(0, depends_on_age(mu) ? scene_.time.end : 0))
+            if (!(mu(age, e.position) >= 0)) {
+                const std::string when = depends_on_age(mu) ? fmt::format(" at the age of {:.4g} s", age) : "";
+                report(key, fmt::format("{} is {:.4g} Pa s at {}{}", key, mu(age, e.position), name, when), "", "allowed: at least 0");
+                break;
+            }
     }
 
     void solid(const std::string& name, std::size_t i) {

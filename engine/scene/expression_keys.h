@@ -32,6 +32,19 @@ struct KeyCodec<Expression> {
 };
 
 template <>
+struct KeyCodec<std::optional<Expression>> {
+    using One = KeyCodec<Expression>;
+    static void describe(Key& k) { One::describe(k), k.may_be_auto = true; }
+    static Value write(const std::optional<Expression>& e) { return e ? One::write(*e) : Value(std::string("auto")); }
+    static std::optional<Expression> read(const Value& v) {
+        if (v.as<std::string>() && *v.as<std::string>() == "auto") return {};
+        return One::read(v);
+    }
+    static std::vector<double> constants(const std::optional<Expression>& e) { return e ? One::constants(*e) : std::vector<double>{}; }
+    static std::string variables(const std::optional<Expression>& e) { return e ? e->variables() : ""; }
+};
+
+template <>
 struct KeyCodec<VectorExpression> {
     using One = KeyCodec<Expression>;
     static void describe(Key& k) { k.type = KeyType::expressions, k.count = 3; }

@@ -32,7 +32,11 @@ inline Choices<ShiftingModel> choices(ShiftingModel) {
     return {{S::automatic, "auto"}, {S::none, "none"}, {S::fickian, "fickian"}};
 }
 inline Choices<Preconditioner> choices(Preconditioner) {
-    return {{Preconditioner::none, "none"}, {Preconditioner::jacobi, "jacobi"}, {Preconditioner::multigrid, "multigrid"}};
+    return {{Preconditioner::automatic, "auto"}, {Preconditioner::none, "none"}, {Preconditioner::jacobi, "jacobi"}, {Preconditioner::multigrid, "multigrid"}};
+}
+inline Choices<ViscousPreconditioner> choices(ViscousPreconditioner) {
+    using P = ViscousPreconditioner;
+    return {{P::automatic, "auto"}, {P::none, "none"}, {P::block_jacobi, "block_jacobi"}, {P::two_level, "two_level"}};
 }
 inline Choices<PressureForm> choices(PressureForm) {
     return {{PressureForm::constraint, "constraint"}, {PressureForm::poisson, "poisson"}};

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "engine/models/viscosity/ageing.h"
 #include "engine/scene/tree.h"
 
 namespace whorl {
@@ -78,7 +79,12 @@ SceneNumbers scene_numbers(const Scene& scene, const SceneShapes& shapes, double
     const auto thin = [&](double length, const std::string& name) {
         if (length / d < n.across) n.across = length / d, n.thinnest = name;
     };
-    const auto viscous = [&](const Vec3d& x) { n.viscosity = std::max(n.viscosity, scene.fluid.viscosity(0, x)); };
+    const auto viscous = [&](std::size_t source, const Vec3d& x) {
+        const Expression& mu = scene.viscosity_of_source(source);
+        n.viscosity = std::max(n.viscosity, mu(0, x));
+        if (depends_on_age(mu))
+            for (const double age : sample_times(0, end)) n.viscosity = std::max(n.viscosity, mu(age, x));
+    };
 
     for (std::size_t i = 0; i < scene.blocks.size(); ++i) {
         const BlockKeys& block = scene.blocks[i];
@@ -86,7 +92,7 @@ SceneNumbers scene_numbers(const Scene& scene, const SceneShapes& shapes, double
         const Vec3d low = e.min.cwiseMax(scene.domain.min), high = e.max.cwiseMin(scene.domain.max);
         over_box(low, high, [&](const Vec3d& x) {
             n.speed = std::max(n.speed, block.velocity(0, x).norm());
-            viscous(x);
+            viscous(0, x);
         });
         n.particles += e.volume / (d * d * d);
         n.fall = std::max(n.fall, height(low, high));
@@ -100,7 +106,7 @@ SceneNumbers scene_numbers(const Scene& scene, const SceneShapes& shapes, double
         const EmitterKeys& e = scene.emitters[i];
         const double peak = e.profile == Profile::parabolic ? (e.shape == "disc" ? 2 : 2.25) : 1;
         for (const double t : sample_times(e.start, std::max(e.start, std::min(e.stop, end)))) n.speed = std::max(n.speed, peak * e.speed(t));
-        viscous(e.position);
+        viscous(i + 1, e.position);
         n.particles += emitted_volume(e, end) / (d * d * d);
         n.fall = std::max(n.fall, height(e.position, e.position));
         thin(e.shape == "disc" ? 2 * e.radius : std::min(e.width, e.thickness), entry_name("emitter", i));

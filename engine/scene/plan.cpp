@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "engine/models/pressure/multigrid.h"
 #include "engine/models/viscosity/assembled.h"
 #include "engine/models/viscosity/pairwise.h"
 #include "engine/scene/checks.h"
@@ -83,6 +84,15 @@ void choose_artificial_viscosity(Plan& plan, const Scene& scene, const SceneNumb
                             automatic ? reason : "as the scene says"});
 }
 
+/// The choice itself is made step by step, by how many particles press (models/pressure/multigrid.h).
+void choose_preconditioner(Plan& plan, const Scene& scene) {
+    const double above = scene.pressure.form == PressureForm::constraint ? constraint_multigrid_above : poisson_multigrid_above;
+    const bool many = plan.estimated_particles >= above;
+    Preconditioner chosen{};
+    choose(plan, "pressure.preconditioner", scene.pressure.preconditioner, many ? Preconditioner::multigrid : Preconditioner::jacobi,
+           fmt::format("{:.3g} particles; its set-up pays from {:.3g} that press at a time", plan.estimated_particles, above), chosen);
+}
+
 void choose_boundary(Plan& plan, const Scene& scene) {
     BoundaryModel wanted = BoundaryModel::none;
     std::string reason = "no solids";
@@ -158,6 +168,7 @@ Plan make_plan(const Scene& given) {
     plan.micropolar = scene.models.micropolar;
     if (plan.pressure == PressureModel::wcsph) choose_artificial_viscosity(plan, scene, n);
     if (plan.micropolar != MicropolarModel::none) choose_micropolar(plan, scene, given, step);
+    if (plan.pressure == PressureModel::ppe) choose_preconditioner(plan, scene);
     choose_boundary(plan, scene);
     choose(plan, "models.shifting", scene.models.shifting, coupled ? ShiftingModel::fickian : ShiftingModel::none,
            coupled ? "stretched threads lose their even spacing" : "particles of this model keep apart by themselves", plan.shifting);

@@ -1,3 +1,4 @@
+#include "engine/models/viscosity/ageing.h"
 #include "engine/scene/read.h"
 
 #include <algorithm>
@@ -167,6 +168,19 @@ Scene read_scene(const std::string& file, const ReadRequest& request) { return r
 
 Scene read_scene_text(const std::string& text, const std::string& file, const ReadRequest& request) {
     return read_root(parse_toml(text, file), file, request);
+}
+
+bool Scene::viscosity_ages() const {
+    for (std::size_t k = 0; k <= emitters.size(); ++k)
+        if (depends_on_age(viscosity_of_source(k))) return true;
+    return false;
+}
+
+bool Scene::viscosity_ages_by_place() const {
+    // Of several sources, one may age and another depend on the place: each particle then needs both.
+    for (std::size_t k = 0; k <= emitters.size(); ++k)
+        if (depends_on_place(viscosity_of_source(k))) return viscosity_ages();
+    return false;
 }
 
 Place Scene::place(const std::string& key) const {

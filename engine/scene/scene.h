@@ -20,7 +20,9 @@ enum class ViscosityModel { automatic, none, xsph, explicit_laplacian, pairwise,
 enum class MicropolarModel { none, seed, bender, eringen };
 enum class BoundaryModel { automatic, none, akinci, ppe };
 enum class ShiftingModel { automatic, none, fickian };
-enum class Preconditioner { none, jacobi, multigrid };
+enum class Preconditioner { automatic, none, jacobi, multigrid };
+/// automatic: two_level where the diagonal alone would take many iterations.
+enum class ViscousPreconditioner { automatic, none, block_jacobi, two_level };
 enum class PressureForm { constraint, poisson };
 enum class GradientForm { symmetric, difference };
 enum class LaplacianForm { brookshaw, monaghan, split };
@@ -50,7 +52,7 @@ struct DomainKeys {
 struct FluidKeys {
     double spacing = 0;          ///< m
     double density = 1000;       ///< kg/m^3
-    Expression viscosity{0.0};   ///< Pa s, of x, y, z at the start
+    Expression viscosity{0.0};   ///< Pa s, of x, y, z at the start and of age
     double surface_tension = 0;  ///< N/m
     std::optional<KernelKind> kernel;  ///< none: "auto", what the models want (Plan::kernel decides)
     std::optional<double> support;     ///< kernel radius over spacing; none: "auto" (Plan::support decides)
@@ -67,7 +69,7 @@ struct ModelKeys {
 struct PressureKeys {
     double tolerance = 1e-3;     ///< relative density error (ppe); preconditioned residual (coupled)
     int max_iterations = 200;
-    Preconditioner preconditioner = Preconditioner::jacobi;  ///< ppe; coupled brings its own
+    Preconditioner preconditioner = Preconditioner::automatic;  ///< ppe; coupled brings its own
     PressureForm form = PressureForm::constraint;            ///< ppe
     double correction = 0.2;     ///< ppe, constraint: share of the density error that a step corrects
     bool active_set = true;      ///< ppe, constraint: false: p >= 0 by a clamp after one solve
@@ -83,6 +85,7 @@ struct PressureKeys {
 struct ViscosityKeys {
     double tolerance = 1e-4;
     int max_iterations = 500;
+    ViscousPreconditioner preconditioner = ViscousPreconditioner::automatic;  ///< full
     LaplacianForm laplacian = LaplacianForm::brookshaw;  ///< explicit
     double alpha = 0.002;                                ///< xsph
     bool correction = true;                              ///< full: corrected gradients ("first_order") or as in the note ("none")
@@ -122,6 +125,7 @@ struct EmitterKeys {
     Expression speed{0.0};        ///< m/s, of t; the mean over the opening
     double start = 0, stop = 1e300;   ///< s
     Profile profile = Profile::plug;
+    std::optional<Expression> viscosity;  ///< Pa s, of x, y, z at the start and of age; none: the fluid's
 };
 
 struct SolidKeys {
@@ -129,6 +133,7 @@ struct SolidKeys {
     VectorExpression position, rotation;  ///< m; rad/s about the solid's own axes; of t
     bool inside = false;          ///< the fluid is inside the shape
     Slip slip = Slip::no;
+    double slip_length = 0;       ///< m, Navier's: the fluid seems to rest this far behind the surface
     std::string material;         ///< of the look
 };
 
@@ -166,11 +171,17 @@ struct ChangeKeys {
     Value value;
 };
 
+struct PanelKeys {
+    std::string label;             ///< written on it
+    std::vector<std::string> set;  ///< "key=value", what this panel has of its own
+};
+
 struct OutputKeys {
     bool frames = true, video = true;
     double checkpoint_every = 5;  ///< s of wall time
     std::vector<std::string> exports;  ///< points, mesh, vdb
     std::array<int, 2> size{1280, 720};  ///< pixels, width and height, even
+    std::optional<int> panel_columns;    ///< of a film of panels; none: as many as there are, in a square from four on
 };
 
 struct Scene {
@@ -189,12 +200,20 @@ struct Scene {
     std::vector<DrainKeys> drains;
     std::vector<ProbeKeys> probes;
     std::vector<ChangeKeys> changes;
+    std::vector<PanelKeys> panels;  ///< side by side in one film; none: the scene itself
     OutputKeys output;
     BudgetKeys budget;
     std::uint64_t seed = 1;
 
     std::string directory;               ///< of the scene file: mesh files are found from here
     std::map<std::string, Place> places;  ///< where each given key stands: "emitter[0].position" -> file:line:column
+    /// Viscosity of what comes from emitter k - 1, or (k = 0) is there at the start.
+    const Expression& viscosity_of_source(std::size_t k) const {
+        return k > 0 && emitters[k - 1].viscosity ? *emitters[k - 1].viscosity : fluid.viscosity;
+    }
+    /// Whether any of them changes with age; and whether any depends on the place, too.
+    bool viscosity_ages() const;
+    bool viscosity_ages_by_place() const;
     /// Where `key` stands, or the nearest enclosing table that was given.
     Place place(const std::string& key) const;
 };

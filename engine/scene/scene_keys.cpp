@@ -52,7 +52,7 @@ KeyTable fluid_keys() {
     KeyTableOf<FluidKeys> t("the fluid and its particles");
     t.key("spacing", &FluidKeys::spacing, "m", "initial distance between particles").required().above(0);
     t.key("density", &FluidKeys::density, "kg/m^3", "density at rest").above(0);
-    t.key("viscosity", &FluidKeys::viscosity, "Pa s", "dynamic viscosity, where the particle is at the start").at_least(0).of("xyz").live();
+    t.key("viscosity", &FluidKeys::viscosity, "Pa s", "dynamic viscosity, of the particle's place at the start and of its age in s").at_least(0).of("xyza").live();
     t.key("surface_tension", &FluidKeys::surface_tension, "N/m", "surface tension").at_least(0).live();
     t.key("kernel", &FluidKeys::kernel, "", "smoothing kernel; auto: wendland_c2 with pressure \"coupled\", else cubic");
     t.key("support", &FluidKeys::support, "spacings", "kernel radius; auto: 3 with pressure \"coupled\", else 2").at_least(1.2).at_most(6);
@@ -77,7 +77,7 @@ KeyTable pressure_keys() {
         .at_most(0.5)
         .only_with(model, {"ppe", "coupled"}).live();
     t.key("max_iterations", &PressureKeys::max_iterations, "", "of the linear solver, a step").at_least(1).only_with(model, {"ppe", "coupled"}).live();
-    t.key("preconditioner", &PressureKeys::preconditioner, "", "of the linear solver").only_with(model, {"ppe"});
+    t.key("preconditioner", &PressureKeys::preconditioner, "", "of the linear solver; auto: multigrid where enough particles press to pay for its set-up").only_with(model, {"ppe"});
     t.key("form", &PressureKeys::form, "", "no density above that at rest (constraint), or the pressure equation as published (poisson)")
         .only_with(model, {"ppe"});
     t.key("correction", &PressureKeys::correction, "", "constraint: share of the density error that a step corrects")
@@ -115,6 +115,9 @@ KeyTable viscosity_keys() {
     const std::vector<std::string> implicit{"pairwise", "full", "full_assembled"};
     t.key("tolerance", &ViscosityKeys::tolerance, "", "relative residual of the linear solver").above(0).at_most(0.5).only_with(model, implicit).live();
     t.key("max_iterations", &ViscosityKeys::max_iterations, "", "of the linear solver, a step").at_least(1).only_with(model, implicit).live();
+    t.key("preconditioner", &ViscosityKeys::preconditioner, "",
+          "of the linear solver: 3x3 diagonal blocks, these and rigid motions of groups of particles, or auto: the groups where nu dt/d^2 passes 4")
+        .only_with(model, {"full"});
     t.key("laplacian", &ViscosityKeys::laplacian, "", "form of the Laplacian; split, with a micropolar model: the share that its coupling needs in the first form, the rest in the "
           "second").only_with(model, {"explicit"}).live();
     t.key("alpha", &ViscosityKeys::alpha, "", "part of the neighbours' mean velocity taken over a step").above(0).at_most(1).only_with(model, {"xsph"}).live();
@@ -177,6 +180,7 @@ KeyTable emitter_keys() {
     t.key("start", &EmitterKeys::start, "s", "when it opens").at_least(0).live();
     t.key("stop", &EmitterKeys::stop, "s", "when it closes").above(0).live();
     t.key("profile", &EmitterKeys::profile, "", "speed over the opening");
+    t.key("viscosity", &EmitterKeys::viscosity, "Pa s", "of what comes from here; auto: fluid.viscosity").at_least(0).of("xyza");
     return t;
 }
 
@@ -222,11 +226,19 @@ KeyTable change_keys() {
     return t;
 }
 
+KeyTable panel_keys() {
+    KeyTableOf<PanelKeys> t("one of several runs of this scene, side by side in one film, frame by frame; each is a run of its own in panels/1, panels/2, ...");
+    t.key("label", &PanelKeys::label, "", "written on it");
+    t.key("set", &PanelKeys::set, "", "what it has of its own, as in [\"models.micropolar=none\", \"fluid.spacing=2e-3\"]");
+    return t;
+}
+
 KeyTable output_keys() {
     KeyTableOf<OutputKeys> t("what is written into the run folder");
     t.key("frames", &OutputKeys::frames, "", "pictures: frames/000001.png ...");
     t.key("video", &OutputKeys::video, "", "<name>.mp4");
     t.key("size", &OutputKeys::size, "pixels", "width and height of the pictures, even numbers").at_least(16).at_most(8192);
+    t.key("panel_columns", &OutputKeys::panel_columns, "", "panels in a row; auto: all of two or three, from four on a square").at_least(1).at_most(16);
     t.key("checkpoint_every", &OutputKeys::checkpoint_every, "s", "of wall time").above(0);
     t.key("export", &OutputKeys::exports, "", "files for other programs, a set a frame").one_of({"points", "mesh", "vdb"});
     return t;
@@ -261,6 +273,7 @@ KeyTable root_keys() {
     t.list("drain", &Scene::drains, drain_keys());
     t.list("probe", &Scene::probes, probe_keys()).not_deciding();
     t.list("change", &Scene::changes, change_keys());
+    t.list("panel", &Scene::panels, panel_keys()).not_deciding();
     t.part("output", &Scene::output, output_keys()).not_deciding();
     t.part("budget", &Scene::budget, budget_keys());
     return t;

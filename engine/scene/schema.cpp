@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "engine/core/variables.h"
 #include "engine/scene/read.h"
 
 namespace whorl {
@@ -103,7 +104,7 @@ void markdown(const KeyTable& table, const std::string& header, const std::strin
         std::string allowed = key.allowed();
         if (allowed.empty() || key.type == KeyType::expression || key.type == KeyType::expressions || key.count > 0)
             allowed = key.type_name() + (allowed.empty() ? "" : ", " + allowed);
-        if (!key.variables.empty()) allowed += fmt::format(" of {}", fmt::join(key.variables, ", "));
+        if (!key.variables.empty()) allowed += " of " + variable_names(key.variables);
         std::string meaning = key.meaning;
         if (!key.selector.empty()) meaning += fmt::format(" (only with {} = {})", key.selector, fmt::join(key.selected_by, ", "));
         const std::string standard = key.is_required ? "required" : in_code(key.standard.toml());

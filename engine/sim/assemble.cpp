@@ -9,8 +9,10 @@
 #include "engine/models/motion/motion.h"
 #include "engine/models/pressure/constraint.h"
 #include "engine/models/pressure/damping.h"
+#include "engine/models/pressure/multigrid.h"
 #include "engine/models/pressure/ppe.h"
 #include "engine/models/pressure/wcsph.h"
+#include "engine/models/viscosity/ageing.h"
 #include "engine/models/viscosity/assembled.h"
 #include "engine/models/viscosity/explicit.h"
 #include "engine/models/viscosity/full.h"
@@ -63,6 +65,7 @@ public:
     Assembly assemble() {
         limit("max_step", number(scene_.time.max_step) + " s", [most = scene_.time.max_step](const World&, double) { return most; });
         flow_limits();
+        if (plan_.viscosity != ViscosityModel::none || plan_.micropolar != MicropolarModel::none || plan_.pressure == PressureModel::coupled) ageing();
         if (plan_.pressure == PressureModel::coupled) coupled();
         else apart();
         if (scene_.time.sleep > 0) stage("hold sleepers", "sleep", HoldSleepers{});
@@ -164,6 +167,13 @@ private:
             PoissonPressureOptions options;
             options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
             options.solid_factor = solid_factor;
+            options.gate = gate_;
+            switch (scene_.pressure.preconditioner) {
+                case Preconditioner::automatic: options.preconditioner = poisson_automatic; break;
+                case Preconditioner::none: options.preconditioner = poisson_unpreconditioned; break;
+                case Preconditioner::jacobi: break;
+                case Preconditioner::multigrid: options.preconditioner = poisson_multigrid(); break;
+            }
             stage("pressure equation", "pressure", PoissonPressure{options});
             booked(&EnergyWork::pressure);
         }
@@ -180,7 +190,13 @@ private:
         options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
         options.correction = scene_.pressure.correction;
         options.active_set = scene_.pressure.active_set;
-        if (scene_.pressure.preconditioner == Preconditioner::none) options.preconditioner = no_preconditioner;
+        options.gate = gate_;
+        switch (scene_.pressure.preconditioner) {
+            case Preconditioner::automatic: options.preconditioner = constraint_automatic; break;
+            case Preconditioner::none: options.preconditioner = constraint_unpreconditioned; break;
+            case Preconditioner::jacobi: break;
+            case Preconditioner::multigrid: options.preconditioner = constraint_multigrid(); break;
+        }
         if (scene_.pressure.damping > 0) {
             stage("unresolved motion", "pressure", DampUnresolved{scene_.pressure.damping});
             booked(&EnergyWork::smoothing);
@@ -191,6 +207,14 @@ private:
               [cfl = scene_.time.cfl, d = plan_.spacing, rho_0 = scene_.fluid.density](const World& w, double) {
                   return pressure_step(cfl, d, rho_0, w.fluid.column<field::pressure>());
               });
+    }
+
+    void ageing() {
+        if (!scene_.viscosity_ages()) return;
+        std::vector<Expression> of_source;
+        for (std::size_t k = 0; k <= scene_.emitters.size(); ++k) of_source.push_back(scene_.viscosity_of_source(k));
+        if (scene_.viscosity_ages_by_place()) stage("ageing", "viscosity", AgeingViscosityByPlace{std::move(of_source)});
+        else stage("ageing", "viscosity", AgeingViscosity{std::move(of_source)});
     }
 
     void explicit_viscosity(Real solid_factor) {
@@ -210,6 +234,10 @@ private:
             FullViscosityOptions options;
             options.limits = limits;
             options.solid_factor = solid_factor;
+            const ViscousPreconditioner wanted = scene_.viscosity.preconditioner;
+            options.diagonal = wanted != ViscousPreconditioner::none;
+            if (wanted == ViscousPreconditioner::none || wanted == ViscousPreconditioner::block_jacobi) options.aggregate = 0;
+            if (wanted == ViscousPreconditioner::two_level) options.coarse_above = 0;
             if (scene_.viscosity.correction) stage("full viscosity", "viscosity", FullViscosity(options));
             else stage("uncorrected viscosity", "viscosity", UncorrectedViscosity(options));
         }

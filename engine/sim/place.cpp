@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "engine/core/random.h"
+#include "engine/models/viscosity/ageing.h"
 #include "engine/particles/sample.h"
 #include "engine/particles/solid_sampling.h"
 
@@ -37,12 +38,38 @@ void place_solids(const Scene& scene, const Plan& plan, World& world) {
     world.solid_particles = sample_solids(world.solids, world.step.spacing, world.step.domain, plan.kernel, world.step.support);
 }
 
-void set_viscosity(const Scene& scene, World& world, Index first, double time) {
-    if (!world.fluid.has<field::viscosity>()) return;
-    const auto x = world.fluid.column<field::position>();
-    const auto mu = world.fluid.column<field::viscosity>();
-    for (auto i = static_cast<std::size_t>(first); i < mu.size(); ++i)
-        mu[i] = static_cast<Real>(scene.fluid.viscosity(time, x[i].cast<double>()));
+void set_viscosity(const Scene& scene, World& world, Index first, int source) {
+    ParticleStore& fluid = world.fluid;
+    const auto x = fluid.column<field::position>();
+    const auto from = static_cast<std::size_t>(first);
+    if (fluid.has<field::viscosity>()) {
+        const Expression& expression = scene.viscosity_of_source(static_cast<std::size_t>(source));
+        const auto mu = fluid.column<field::viscosity>();
+        for (std::size_t i = from; i < mu.size(); ++i) mu[i] = static_cast<Real>(expression(0, x[i].cast<double>()));
+    }
+    if (fluid.has<field::source>())
+        for (std::int16_t& s : fluid.column<field::source>().subspan(from)) s = static_cast<std::int16_t>(source);
+    if (fluid.has<field::birthplace>()) std::copy(x.begin() + first, x.end(), fluid.column<field::birthplace>().begin() + first);
+}
+
+void change_viscosity(const Scene& scene, World& world) {
+    ParticleStore& fluid = world.fluid;
+    if (!fluid.has<field::viscosity>()) return;
+    const auto x = fluid.column<field::position>();
+    const auto mu = fluid.column<field::viscosity>();
+    const auto column = [&](auto tag) {
+        using F = decltype(tag);
+        return fluid.has<F>() ? fluid.column<F>() : Span<typename F::type>();
+    };
+    const auto source = column(field::source{});
+    const auto age = column(field::age{});
+    const auto birthplace = column(field::birthplace{});
+    for (std::size_t i = 0; i < mu.size(); ++i) {
+        const std::size_t from = source.empty() ? 0 : static_cast<std::size_t>(source[i]);
+        if (from > 0 && scene.emitters[from - 1].viscosity) continue;
+        mu[i] = static_cast<Real>(scene.fluid.viscosity(age.empty() ? 0 : static_cast<double>(age[i]), x[i].cast<double>()));
+        if (!birthplace.empty()) birthplace[i] = x[i];
+    }
 }
 
 namespace {

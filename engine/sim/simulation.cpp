@@ -6,6 +6,7 @@
 #include <ostream>
 
 #include "engine/core/parallel.h"
+#include "engine/models/viscosity/ageing.h"
 #include "engine/particles/sort.h"
 #include "engine/scene/names.h"
 #include "engine/sim/check.h"
@@ -69,6 +70,9 @@ struct Simulation::State {
         world.fluid.declare(field_info<field::velocity>(), true);
         world.fluid.declare(field_info<field::role>(), true);
         if (!scene.drains.empty()) world.fluid.declare(field_info<field::time_in_drain>(), true);
+        // Whose viscosity a live change of fluid.viscosity may touch.
+        const bool own_viscosity = std::any_of(scene.emitters.begin(), scene.emitters.end(), [](const EmitterKeys& e) { return e.viscosity.has_value(); });
+        if (own_viscosity && world.fluid.has<field::viscosity>()) world.fluid.declare(field_info<field::source>(), true);
         place_constants(scene, plan, world);
         place_solids(scene, plan, world);
         place_blocks(scene, plan, world);
@@ -124,9 +128,12 @@ struct Simulation::State {
     }
 
     void emit() {
-        const Index first = world.fluid.size();
-        for (Emitter& emitter : emitters) emitter.enter(world.fluid, time, world.step.dt);
-        set_viscosity(scene, world, first, time);
+        int source = 0;
+        for (Emitter& emitter : emitters) {
+            const Index first = world.fluid.size();
+            emitter.enter(world.fluid, time, world.step.dt);
+            set_viscosity(scene, world, first, ++source);
+        }
     }
 
     void sort() {
@@ -174,7 +181,13 @@ struct Simulation::State {
 
     void count_solves() {
         for (const StepReport::Solve& solve : world.report.solves) {
-            if (solve.name == "pressure" || solve.name == "coupled") totals.pressure_iterations += solve.report.iterations;
+            if (solve.name == "pressure" || solve.name == "coupled") {
+                totals.pressure_iterations += solve.report.iterations;
+                totals.pressure_levels = std::max(totals.pressure_levels, solve.report.levels);
+                totals.pressure_residual = solve.report.last_residual;
+                totals.pressure_set_up += solve.report.set_up_seconds;
+                totals.pressure_solve += solve.report.solve_seconds;
+            }
             if (solve.name == "viscosity") totals.viscosity_iterations += solve.report.iterations;
             if (!solve.report.converged) ++totals.unconverged_solves;
         }
@@ -238,7 +251,7 @@ const StepReport& Simulation::step(double until) { return state_->step(until); }
 void Simulation::change(const Scene& scene, const Plan& plan) {
     const bool other_viscosity = state_->scene.fluid.viscosity.text() != scene.fluid.viscosity.text();
     state_->change(scene, plan, state_->time);
-    if (other_viscosity) set_viscosity(state_->scene, state_->world, 0, state_->time);
+    if (other_viscosity) change_viscosity(state_->scene, state_->world);
 }
 void Simulation::changed_before(const Scene& scene, const Plan& plan, double time) { state_->change(scene, plan, time); }
 

@@ -34,6 +34,9 @@ struct RunTotals {
     double particle_steps = 0;
     double pressure_iterations = 0, viscosity_iterations = 0;
     long unconverged_solves = 0;
+    int pressure_levels = 0;                  ///< most levels of the pressure's preconditioner, 1: one
+    double pressure_residual = 0;             ///< of the newest solve, in its own norm
+    double pressure_set_up = 0, pressure_solve = 0;  ///< wall seconds, since the program started
     long lost_particles = 0;
     double emitted_particles = 0, drained_particles = 0;
     double last_step = 0;                     ///< s, the newest time step

@@ -12,6 +12,16 @@ namespace whorl {
 struct SolidGate {
     Real threshold = 0;  ///< 0: solids always act
 
+    /// S times its weight, and the derivative of that by S.
+    struct Passed {
+        Real sum, slope;
+    };
+    Passed pass(Real S) const {
+        if (!(threshold > 0)) return {S, 1};
+        const Real t = std::clamp(S / threshold - Real(0.5), Real(0), Real(1)), weight = t * t * (3 - 2 * t);
+        return {S * weight, weight + S * 6 * t * (1 - t) / threshold};
+    }
+
     /// @param volume V_s [m^3] @param factor on the volumes, see models/boundary/wall.h
     template <class Kernel>
     Real weight(const Kernel& W, Index i, const Pairs& solid_pairs, Span<const Real> volume, Real factor) const {

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "render/flow/flow_grid.h"
+#include "render/flow/slice.h"
+#include "render/flow/trails.h"
 #include "render/gl/context.h"
 #include "render/gl/field_texture.h"
 #include "render/gl/ground_light.h"
@@ -49,7 +52,10 @@ struct Renderer::Device {
     void draw_sample(const Shot& shot, int sample);
     void draw_solids(const Shot& shot, const Eigen::Matrix4f& matrix);
     void draw_particles(const Shot& shot, const Eigen::Matrix4f& matrix);
-    std::array<float, 2> fill_particles(const Frame& frame, const LookOptions& look);
+    void draw_slice(const Shot& shot, const Eigen::Matrix4f& matrix);
+    std::array<float, 2> fill_field(const Frame& frame, const LookOptions& look, const View& view);
+    void fill_slice(const FlowSlice& slice);
+    void shade_volume(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
     void draw_fluid(const Shot& shot, const Eigen::Matrix4f& matrix);
     void shade_fluid(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
     void draw_glass(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
@@ -66,6 +72,9 @@ struct Renderer::Device {
     gl::Program liquid{{"screen.vert"}, {"studio.glsl", "field.glsl", "liquid.frag"}};
     gl::Program opaque{{"screen.vert"}, {"studio.glsl", "field.glsl", "opaque.frag"}};
     gl::Program particles{{"particles.vert"}, {"particles.frag"}};
+    gl::Program trail{{"trail.vert"}, {"trail.frag"}};
+    gl::Program slice_colour{{"slice.vert"}, {"slice.frag"}};
+    gl::Program volume{{"screen.vert"}, {"volume.frag"}};
     gl::Program glass_walls{{"mesh.vert"}, {"studio.glsl", "glass.frag"}};
     gl::Program compose{{"screen.vert"}, {"studio.glsl", "compose.frag"}};
 
@@ -75,6 +84,9 @@ struct Renderer::Device {
     gl::Texture sum = gl::texture_2d(GL_RGBA16F, width, height, false);
     gl::Texture glass = gl::texture_2d(GL_RGBA16F, width, height, false);
     gl::Texture colours = gl::texture_2d(GL_RGBA16F, 256, 1, true);
+    gl::Texture slice, values, cover;  // of the flow
+    int slice_width = 0, slice_height = 0;
+    Bounds volume_box;
     gl::Texture picture = gl::texture_2d(GL_RGBA8, width, height, false);
     gl::Framebuffer geometry = gl::framebuffer({solid.id(), normal.id()}, depth.id());
     gl::Framebuffer accumulate = gl::framebuffer({sum.id()}, 0);
@@ -113,11 +125,11 @@ void Renderer::Device::cover_screen() const {
 Image Renderer::Device::draw(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view) {
     context.make_current();
     std::array<float, 2> range{0, 1};
-    if (look.style == "particles")
-        range = fill_particles(frame, look);
+    if (shows_field(look))
+        range = fill_field(frame, look, view);
     else
         things.fill(frame, surface.mesh);
-    field.fill(look.style == "particles" ? Volume{} : surface.distance);
+    field.fill(shows_field(look) ? Volume{} : surface.distance);
     solid_field.fill(frame.solids);
     const float aspect = static_cast<float>(width) / static_cast<float>(height);
     const Shot shot{look,          view, studio_of(look.background), fluid_material(look, (frame.domain_max - frame.domain_min).norm()),
@@ -136,7 +148,7 @@ Image Renderer::Device::draw(const Frame& frame, const Surface& surface, const L
     for (int i = 0; i < std::max(look.samples, 1); ++i) draw_sample(shot, i);
     compose_picture(shot);
     Image image = read_back();
-    if (look.legend && look.style == "particles") draw_legend(image, look, range);
+    if (look.legend && shows_field(look)) draw_legend(image, look, range);
     if (look.time_stamp) draw_time(image, look, frame.time);
     return image;
 }
@@ -152,16 +164,16 @@ void Renderer::Device::draw_sample(const Shot& shot, int sample) {
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     glEnable(GL_DEPTH_TEST);
     draw_solids(shot, matrix);
-    if (things.are_particles())
-        draw_particles(shot, matrix);
-    else
-        draw_fluid(shot, matrix);
+    if (shot.look.style == "particles") draw_particles(shot, matrix);
+    else if (shot.look.style == "slice") draw_slice(shot, matrix);
+    else if (!shows_field(shot.look)) draw_fluid(shot, matrix);
     glDisable(GL_DEPTH_TEST);
 
     glBindFramebuffer(GL_FRAMEBUFFER, accumulate.id());
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE);
-    shade_fluid(shot, matrix, 1.0f / static_cast<float>(samples));
+    if (shot.look.style == "volume") shade_volume(shot, matrix, 1.0f / static_cast<float>(samples));
+    else shade_fluid(shot, matrix, 1.0f / static_cast<float>(samples));
     if (things.any_containers()) draw_glass(shot, matrix, 1.0f / static_cast<float>(samples));
     glDisable(GL_BLEND);
     glDisable(GL_SCISSOR_TEST);
@@ -194,11 +206,23 @@ void Renderer::Device::draw_fluid(const Shot& shot, const Eigen::Matrix4f& matri
     glColorMaski(0, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
 }
 
-std::array<float, 2> Renderer::Device::fill_particles(const Frame& frame, const LookOptions& look) {
-    std::vector<float> values = field_values(frame, look);
-    const std::array<float, 2> range = field_range(values, look);
-    for (float& v : values) v = std::clamp((v - range[0]) / (range[1] - range[0]), 0.0f, 1.0f);
-    things.fill(frame, values);
+std::array<float, 2> Renderer::Device::fill_field(const Frame& frame, const LookOptions& look, const View& view) {
+    std::vector<float> place = field_values(frame, look);
+    const std::array<float, 2> range = field_range(place, look);
+    for (float& v : place) v = std::clamp((v - range[0]) / (range[1] - range[0]), 0.0f, 1.0f);
+    if (look.style == "particles") {
+        const bool trailing = look.trail > 0;
+        things.fill(frame, place, trailing ? trails(frame, place, flow_grid(frame, place), look.trail, 0.5f * frame.spacing, view.position) : Trails{});
+    } else if (look.style == "slice") {
+        const FlowSlice picture_of_it = flow_slice(flow_grid(frame, place), look, std::max(width, height));
+        fill_slice(picture_of_it);
+        things.fill(frame, picture_of_it);
+    } else {
+        const FlowGrid grid = flow_grid(frame, place);
+        things.fill(frame, grid);
+        volume_box = things.fluid_bounds();
+        if (!grid.empty()) gl::fill_3d(values, grid.n[0], grid.n[1], grid.n[2], grid.value.data()), gl::fill_3d(cover, grid.n[0], grid.n[1], grid.n[2], grid.cover.data());
+    }
     std::vector<float> texels;
     for (int i = 0; i < 256; ++i) {
         for (const float c : linear_of(map_colour(look.colour_map, static_cast<float>(i) / 255))) texels.push_back(c);
@@ -214,10 +238,51 @@ void Renderer::Device::draw_particles(const Shot& shot, const Eigen::Matrix4f& m
     particles.texture("colours", 0, GL_TEXTURE_2D, colours.id());
     particles.set("view_projection", matrix);
     particles.set("to_world", Eigen::Matrix4f(matrix.inverse()));
-    particles.set("radius", 0.5f * shot.spacing);
+    particles.set("radius", (shot.look.trail > 0 ? 0.25f : 0.5f) * shot.spacing);  // trails must show between them
     particles.set("pixels", 0.5f * static_cast<float>(height) / std::tan(shot.view.fov * std::numbers::pi_v<float> / 360));
     particles.set("picture_size", Eigen::Vector2f(static_cast<float>(width), static_cast<float>(height)));
     things.draw_fluid(particles);
+    if (shot.look.trail <= 0) return;
+    trail.use();
+    trail.texture("colours", 0, GL_TEXTURE_2D, colours.id());
+    trail.set("view_projection", matrix);
+    trail.set("eye", shot.view.position);
+    things.draw_trails();
+}
+
+void Renderer::Device::fill_slice(const FlowSlice& flow) {
+    if (flow.empty()) return;
+    if (flow.width != slice_width || flow.height != slice_height) {
+        slice = gl::texture_2d(GL_RGBA16F, flow.width, flow.height, true);
+        slice_width = flow.width, slice_height = flow.height;
+    }
+    glBindTexture(GL_TEXTURE_2D, slice.id());
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, flow.width, flow.height, GL_RGBA, GL_FLOAT, flow.rgba.data());
+}
+
+void Renderer::Device::draw_slice(const Shot& shot, const Eigen::Matrix4f& matrix) {
+    slice_colour.use();
+    slice_colour.texture("slice", 0, GL_TEXTURE_2D, slice.id());
+    slice_colour.set("view_projection", matrix);
+    slice_colour.set("eye", shot.view.position);
+    things.draw_slice();
+}
+
+void Renderer::Device::shade_volume(const Shot& shot, const Eigen::Matrix4f& matrix, float weight) {
+    volume.use();
+    volume.texture("solid_buffer", 0, GL_TEXTURE_2D, solid.id());
+    volume.texture("colours", 1, GL_TEXTURE_2D, colours.id());
+    volume.texture("values", 2, GL_TEXTURE_3D, values.id());
+    volume.texture("cover", 3, GL_TEXTURE_3D, cover.id());
+    volume.set("to_world", Eigen::Matrix4f(matrix.inverse()));
+    volume.set("eye", shot.view.position);
+    volume.set("box_low", volume_box.low);
+    volume.set("box_high", volume_box.high);
+    // So dense that a thickness of the box's least side has the wanted optical depth, four times over: the strong parts are small.
+    volume.set("thickness", 4 * shot.look.opacity / std::max((volume_box.high - volume_box.low).minCoeff(), 1e-9f));
+    volume.set("diverging", is_diverging(shot.look.colour_map) ? 1 : 0);
+    volume.set("weight", weight);
+    cover_screen();
 }
 
 void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matrix, float weight) {

@@ -50,18 +50,40 @@ const gl::Vertices& Things::model(const std::shared_ptr<const TriangleMesh>& mes
 
 void Things::fill(const Frame& frame, const TriangleMesh& fluid) {
     fill_vertices(fluid_, fluid.normal.size() == fluid.position.size() ? fluid : with_normals(fluid));
-    are_particles_ = false;
+    shape_ = Shape::surface;
     bounds_ = fluid_bounds_ = bounds_of(fluid.position);
     fill_solids(frame);
 }
 
-void Things::fill(const Frame& frame, const std::vector<float>& value) {
+void Things::fill(const Frame& frame, const std::vector<float>& value, const Trails& trails) {
     const float* first = frame.position.empty() ? nullptr : frame.position[0].data();
     particles_.fill({{first, 3 * frame.position.size()}, {value.data(), value.size()}}, nullptr, 0);
-    are_particles_ = true;
-    bounds_ = Bounds{};
+    trails_.fill({{trails.position.empty() ? nullptr : trails.position[0].data(), 3 * trails.position.size()}, {trails.value.data(), trails.value.size()}},
+                 trails.index.data(), trails.index.size());
+    shape_ = Shape::particles;
+    bounds_ = bounds_of(trails.position);
     const Vec3f radius = Vec3f::Constant(0.5f * frame.spacing);
     for (const Vec3f& x : frame.position) bounds_.add(x - radius), bounds_.add(x + radius);
+    fluid_bounds_ = bounds_;
+    fill_solids(frame);
+}
+
+void Things::fill(const Frame& frame, const FlowSlice& slice) {
+    shape_ = Shape::slice;
+    const std::vector<Vec3f> corner{slice.corner, slice.corner + slice.across, slice.corner + slice.up, slice.corner + slice.across + slice.up};
+    const float place[] = {0, 0, 1, 0, 0, 1, 1, 1};
+    const std::uint32_t index[] = {0, 1, 2, 2, 1, 3};
+    slice_.fill({{corner[0].data(), 12}, {place, 8}}, index, slice.empty() ? 0 : 6);
+    bounds_ = slice.empty() ? Bounds{} : bounds_of(corner);
+    fluid_bounds_ = bounds_;
+    fill_solids(frame);
+}
+
+void Things::fill(const Frame& frame, const FlowGrid& grid) {
+    shape_ = Shape::grid;
+    bounds_ = Bounds{};
+    // The nodes stand in the middle of a texture's texels.
+    if (!grid.empty()) bounds_.add(grid.origin - 0.5f * grid.cell), bounds_.add(grid.origin - 0.5f * grid.cell + grid.extent());
     fluid_bounds_ = bounds_;
     fill_solids(frame);
 }
@@ -81,7 +103,7 @@ void Things::fill_solids(const Frame& frame) {
 void Things::draw_fluid(gl::Program& program) const {
     program.set("rotation", Mat3f(Mat3f::Identity()));
     program.set("translation", Vec3f(Vec3f::Zero()));
-    if (are_particles_)
+    if (are_particles())
         particles_.draw(GL_POINTS);
     else
         fluid_.draw(GL_TRIANGLES);

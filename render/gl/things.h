@@ -4,6 +4,8 @@
 #include <map>
 #include <memory>
 
+#include "render/flow/slice.h"
+#include "render/flow/trails.h"
 #include "render/gl/objects.h"
 #include "render/gl/setup.h"
 
@@ -15,11 +17,17 @@ TriangleMesh with_normals(const TriangleMesh& mesh);
 class Things {
 public:
     void fill(const Frame& frame, const TriangleMesh& fluid);
-    /// The fluid as its particles, each with a value.
-    void fill(const Frame& frame, const std::vector<float>& value);
+    /// The fluid as its particles, each with a value, and their trails where there are any.
+    void fill(const Frame& frame, const std::vector<float>& value, const Trails& trails);
+    /// The fluid as a slice.
+    void fill(const Frame& frame, const FlowSlice& slice);
+    /// The fluid as what fills the grid; nothing of it is drawn as a thing.
+    void fill(const Frame& frame, const FlowGrid& grid);
     /// Draws with a program of mesh.vert, its view_projection already set; particles as points.
     void draw_fluid(gl::Program& program) const;
-    bool are_particles() const { return are_particles_; }
+    bool are_particles() const { return shape_ == Shape::particles; }
+    void draw_trails() const { trails_.draw(GL_TRIANGLES); }
+    void draw_slice() const { slice_.draw(GL_TRIANGLES); }
     /// `prepare` sets what the program wants to know of each solid.
     void draw_solids(gl::Program& program, bool containers, const std::function<void(const FrameSolid&)>& prepare) const;
     bool any_solids() const { return !solids_.empty(); }
@@ -36,8 +44,9 @@ private:
     void fill_solids(const Frame& frame);
     const gl::Vertices& model(const std::shared_ptr<const TriangleMesh>& mesh);
 
-    gl::Vertices fluid_{{3, 3}}, particles_{{3, 1}};
-    bool are_particles_ = false;
+    enum class Shape { surface, particles, slice, grid };
+    gl::Vertices fluid_{{3, 3}}, particles_{{3, 1}}, trails_{{3, 1}}, slice_{{3, 2}};
+    Shape shape_ = Shape::surface;
     std::map<const TriangleMesh*, Model> models_;
     std::vector<std::pair<FrameSolid, const gl::Vertices*>> solids_, containers_;
     Bounds fluid_bounds_, bounds_;

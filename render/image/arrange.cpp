@@ -79,4 +79,15 @@ Image contact_sheet(const std::vector<Image>& images, int columns, int cell_widt
     return sheet;
 }
 
+Image side_by_side(const std::vector<Image>& images, int columns, int gap, int width, int height) {
+    WHORL_ASSERT(!images.empty() && columns > 0);
+    const int rows = (static_cast<int>(images.size()) + columns - 1) / columns, w = images[0].width, h = images[0].height;
+    const int left = (width - columns * w - (columns - 1) * gap) / 2, top = (height - rows * h - (rows - 1) * gap) / 2;
+    WHORL_ASSERT(left >= 0 && top >= 0);
+    Image whole = filled(width, height, 24);
+    for (int i = 0; i < static_cast<int>(images.size()); ++i)
+        paste(whole, images[static_cast<std::size_t>(i)], left + (i % columns) * (w + gap), top + (i / columns) * (h + gap));
+    return whole;
+}
+
 }  // namespace whorl

@@ -1,6 +1,7 @@
 #pragma once
 /// What a picture shows and how: camera, materials, lights. Plain data; render/gl draws it.
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,7 +33,8 @@ struct View {
 View view_at(const CameraOptions& camera, double time, const Vec3f& domain_min, const Vec3f& domain_max);
 
 struct LookOptions {
-    std::string style = "liquid";     ///< liquid (refracting surface) | opaque (paint, lava) | particles (coloured by a field)
+    /// liquid (refracting surface) | opaque (paint, lava) | and coloured by a field: particles | slice (a plane through the flow) | volume (a cloud)
+    std::string style = "liquid";
     std::string material = "honey";   ///< preset that the keys below start from: honey | water | paint | chocolate | lava | clay
     Vec3f absorption = Vec3f(-1, -1, -1);  ///< 1/m, Beer-Lambert a colour channel (linear RGB); negative: the preset's
     Vec3f colour = Vec3f(-1, -1, -1);      ///< linear RGB of an opaque material; negative: the preset's
@@ -42,11 +44,19 @@ struct LookOptions {
     bool ground = true;               ///< a ground with shadow under the scene
     float exposure = 1;
     int samples = 4;                  ///< a pixel
-    std::string field = "speed";      ///< of style "particles": speed | pressure | density | spin | vorticity
+    std::string field = "speed";      ///< speed | pressure | density | spin | vorticity | spin_difference
     std::string colour_map = "viridis";
     std::array<float, 2> range{0, 0};   ///< of the colour map; equal: a film's is chosen at its start, a single picture's from its frame
+    float trail = 0;                  ///< s, of the flow's way behind each particle; 0: none
+    std::string slice_axis = "z";     ///< x | y | z, across the slice
+    std::optional<float> slice_position;  ///< m on that axis; none: the middle of the fluid
+    bool streaks = true;              ///< slice: streaked along the flow (line integral convolution)
+    float opacity = 1;                ///< volume: optical depth over the fluid's mean thickness, of the strongest field
     bool legend = false;
     bool time_stamp = false;
 };
+
+/// Whether the look colours the fluid by a field instead of drawing its surface.
+inline bool shows_field(const LookOptions& look) { return look.style == "particles" || look.style == "slice" || look.style == "volume"; }
 
 }  // namespace whorl

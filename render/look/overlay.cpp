@@ -25,16 +25,17 @@ TextStyle style_for(const Image& image, const LookOptions& look) {
 
 std::string unit_of(const std::string& field) {
     static const std::map<std::string, std::string> units{{"speed", "m/s"}, {"pressure", "Pa"},     {"density", "kg/m^3"},
-                                                          {"spin", "1/s"},  {"vorticity", "1/s"}, {"viscosity", "Pa s"}};
+                                                          {"spin", "1/s"},  {"vorticity", "1/s"}, {"spin_difference", "1/s"}};
     const auto found = units.find(field);
     return found == units.end() ? "" : found->second;
 }
 
 std::string with_unit(const LookOptions& look, int power) {
-    const bool vector = look.field == "spin" || look.field == "vorticity";
+    const bool vector = look.field == "spin" || look.field == "vorticity" || look.field == "spin_difference";
     std::string unit = unit_of(look.field);
     if (power != 0) unit = fmt::format("10^{}{}{}", power, unit.empty() ? "" : " ", unit);
-    return look.field + (vector && is_diverging(look.colour_map) ? " z" : "") + (unit.empty() ? "" : " [" + unit + "]");
+    const std::string name = look.field == "spin_difference" ? "spin - vorticity/2" : look.field;
+    return name + (vector && is_diverging(look.colour_map) ? " z" : "") + (unit.empty() ? "" : " [" + unit + "]");
 }
 
 }  // namespace
@@ -89,6 +90,12 @@ void draw_legend(Image& image, const LookOptions& look, const std::array<float, 
         draw_text(image, static_cast<float>(x + bar) + 2 * dash, y + 0.5f * style.height, ticks.label[n], style);
     }
     draw_text(image, static_cast<float>(x), static_cast<float>(top - arrow) - style.height, title, style);
+}
+
+void draw_label(Image& image, const LookOptions& look, const std::string& text) {
+    TextStyle style = style_for(image, look);
+    style.height *= 1.3f;
+    draw_text(image, 2 * style.height, 2.5f * style.height, text, style);
 }
 
 void draw_time(Image& image, const LookOptions& look, double time) {

@@ -30,7 +30,8 @@ const std::map<std::string, std::set<std::string>> allowed = {
     {"render/video", {"engine/core", "render/image"}},
     {"render/surface", {"engine/core", "engine/io/frame.h"}},
     {"render/look", {"engine/core", "engine/io/frame.h", "render/image"}},
-    {"render/gl", {"engine/core", "engine/io/frame.h", "render/image", "render/look", "render/surface"}},
+    {"render/flow", {"engine/core", "engine/io/frame.h", "render/look"}},
+    {"render/gl", {"engine/core", "engine/io/frame.h", "render/flow", "render/image", "render/look", "render/surface"}},
 };
 
 /// Libraries that only one folder may see.

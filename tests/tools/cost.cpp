@@ -52,7 +52,7 @@ TEST_CASE("the small scene that costs are measured on has the models, spacing an
     }
 }
 
-TEST_CASE("a finer spacing costs more steps and particles; a film that is poured costs less than its last frame many times over", "[cost]") {
+TEST_CASE("a finer spacing costs more steps and particles, a film that is poured costs less than its last frame many times over", "[cost]") {
     const auto of = [&](const char* spacing) {
         const SceneFile file = shipped("honey_coil", {std::string("fluid.spacing=") + spacing, "time.max_step=0.1"});
         const Plan plan = make_plan(file.scene);

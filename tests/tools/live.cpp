@@ -189,7 +189,7 @@ TEST_CASE("a change acts from the next frame on, and a film of the recording is 
           values.at(static_cast<std::size_t>(std::find(names.begin(), names.end(), "kinetic_energy") - names.begin())));
 }
 
-TEST_CASE("a saved scene file acts while the run goes on; a broken one is told with its place and changes nothing", "[tools][live]") {
+TEST_CASE("a saved scene file acts while the run goes on, a broken one is told with its place and changes nothing", "[tools][live]") {
     LiveProgram live(honey);
     const auto save = [&](const std::string& from, const std::string& to) {
         std::string text = honey;

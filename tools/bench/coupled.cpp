@@ -102,7 +102,7 @@ void coupled_refresh(benchmark::State& state) {
     set_threads(static_cast<int>(state.range(1)));
     Thread t(static_cast<Index>(state.range(0)));
     t.form();
-    for (auto _ : state) t.system->preconditioner.refresh(t.system->form, t.x, t.role, t.system->options, d, t.aggregate);
+    for (auto _ : state) t.system->preconditioner.refresh(t.system->form, t.x, t.role, t.system->options, Domain{}, d, t.aggregate);
     report(state, t);
 }
 

@@ -35,7 +35,8 @@ std::string key_of(const SceneFile& file, const Plan& plan) {
     key += fmt::format(" | viscous number 1e{:.0f}", number > 0 ? std::round(std::log10(number)) : -99);
     key += fmt::format(" | {} solids {} emitters {} blocks", s.solids.empty() ? "no" : "with", s.emitters.empty() ? "no" : "with",
                        s.blocks.empty() ? "no" : "with");
-    key += fmt::format(" | tolerance {:g} {:g}, preconditioner {}", s.pressure.tolerance, s.viscosity.tolerance, name_of(s.pressure.preconditioner));
+    key += fmt::format(" | tolerance {:g} {:g}, preconditioner {} {}", s.pressure.tolerance, s.viscosity.tolerance, name_of(s.pressure.preconditioner),
+                       name_of(s.viscosity.preconditioner));
     key += fmt::format(" | {}x{} {} {} samples, voxel {:g}", s.output.size[0], s.output.size[1], file.look.style, file.look.samples, file.surface.voxel);
     return key;
 }

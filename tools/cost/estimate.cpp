@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "engine/core/parallel.h"
+#include "engine/models/pressure/multigrid.h"
 #include "engine/scene/numbers.h"
 #include "tools/run/run.h"
 
@@ -62,8 +64,12 @@ Estimate estimate(const SceneFile& file, const Plan& plan, const Simulation& sim
     const double at_start = static_cast<double>(simulation.world().fluid.size());
     const double most = particles_at(scene, at_start, scene.time.end);
     // Without a coarse level, the iterations of the pressure equation grow with the number of particles across.
-    const bool grows = plan.pressure == PressureModel::ppe && scene.pressure.preconditioner != Preconditioner::multigrid;
-    const auto more_iterations = [&](double n) { return grows ? std::cbrt(std::max(1.0, n / c.particles)) : 1.0; };
+    const Preconditioner M = scene.pressure.preconditioner;
+    const bool grows = plan.pressure == PressureModel::ppe && M != Preconditioner::multigrid;
+    const double grows_to = M != Preconditioner::automatic                           ? std::numeric_limits<double>::infinity()
+                            : scene.pressure.form == PressureForm::constraint ? constraint_multigrid_above
+                                                                                     : poisson_multigrid_above;
+    const auto more_iterations = [&](double n) { return grows ? std::cbrt(std::max(1.0, std::min(n, grows_to) / c.particles)) : 1.0; };
     e.iterations = c.iterations * more_iterations(most);
 
     const double write = c.write * (1 + (scene.output.video ? encode_over_png : 0));

@@ -117,9 +117,9 @@ void Screen::draw(std::optional<Renderer>& renderer, std::shared_ptr<const Frame
     }
     const double began = wall_seconds();
     if (is_new || !same(how->surface, surface_of_)) {
-        surface_ = how->look.style == "particles" ? Surface{} : build_surface(*frame, how->surface);
+        surface_ = shows_field(how->look) ? Surface{} : build_surface(*frame, how->surface);
         surface_of_ = how->surface;
-    } else if (surface_.mesh.triangle.empty() && how->look.style != "particles") {
+    } else if (surface_.mesh.triangle.empty() && !shows_field(how->look)) {
         surface_ = build_surface(*frame, how->surface);
     }
     const double surfaced = wall_seconds();

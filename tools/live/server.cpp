@@ -157,23 +157,31 @@ Json LiveServer::Http::described() const {
             {"scenes", scenes}};
 }
 
-/// MJPEG: each viewer gets the newest picture when the one before has gone out; what it misses is dropped.
+/// MJPEG: each viewer gets the newest picture when the one before has gone out; what it misses is dropped. Browsers show a picture when they see the
+/// next one's head, so one that has no successor at once (a run that pauses) is sent again.
 void LiveServer::Http::stream(const Request&, Response& response) {
     const auto seat = pictures.take();
     if (!seat) return refuse(response, 503, "too many viewers");
-    auto seen = std::make_shared<std::uint64_t>(0);
+    struct Sent {
+        std::shared_ptr<const Picture> picture;
+        bool again = false;
+    };
+    auto last = std::make_shared<Sent>();
     response.set_content_provider(
         "multipart/x-mixed-replace; boundary=picture",
-        [this, seat, seen](std::size_t, httplib::DataSink& sink) {
+        [this, seat, last](std::size_t, httplib::DataSink& sink) {
+            constexpr double at_once = 0.02;  // s
             for (;;) {
                 if (ending || !sink.is_writable()) return false;
-                const auto picture = screen.after(*seen, patience);
-                if (!picture) continue;
-                *seen = picture->number;
-                const std::string& jpeg = picture->jpeg();
+                const bool wait = !last->picture || last->again;
+                auto picture = screen.after(last->picture ? last->picture->number : 0, wait ? patience : at_once);
+                last->again = picture == nullptr;
+                if (!picture && wait) continue;
+                if (picture) last->picture = std::move(picture);
+                const std::string& jpeg = last->picture->jpeg();
                 const std::string head =
                     fmt::format("--picture\r\nContent-Type: image/jpeg\r\nContent-Length: {}\r\nX-Time: {}\r\nX-Frame: {}\r\n\r\n",
-                                jpeg.size(), picture->time, picture->frame);
+                                jpeg.size(), last->picture->time, last->picture->frame);
                 return sink.write(head.data(), head.size()) && sink.write(jpeg.data(), jpeg.size()) && sink.write("\r\n", 2);
             }
         },

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/io/snapshot.h"
 #include "render/look/colour_map.h"
 #include "render/look/field_values.h"
 
@@ -73,14 +74,18 @@ std::array<float, 2> film_range(const LookOptions& look, const Simulation& simul
     double high = 1;
     if (look.field == "speed") high = speed;
     if (look.field == "pressure") high = std::max({first, rest * g * height, 0.5 * rest * speed * speed});
-    if (look.field == "spin" || look.field == "vorticity") {
-        const double turned = look.field == "spin" ? turn : 2 * turn;  // a rigid rotation's spin is its rate, its vorticity twice that
+    if (look.field == "spin" || look.field == "vorticity" || look.field == "spin_difference") {
+        const double turned = look.field == "vorticity" ? 2 * turn : turn;  // a rigid rotation's spin is its rate, its vorticity twice that
         high = std::max(first, turned);
         if (high <= 0) high = speed / (8 * scene.fluid.spacing);
     }
     if (look.field == "density") return {static_cast<float>(0.97 * rest), static_cast<float>(1.03 * rest)};
     high = high > 0 && std::isfinite(high) ? round_up(high) : 1;
     return {is_diverging(look.colour_map) ? static_cast<float>(-high) : 0.0f, static_cast<float>(high)};
+}
+
+std::array<float, 2> film_range(const LookOptions& look, const Simulation& simulation) {
+    return film_range(look, simulation, Snapshots(simulation, {look.field}).take(simulation, 1));
 }
 
 }  // namespace whorl

@@ -14,5 +14,7 @@ namespace whorl {
 /// and the solids' turning give, else the largest speed over eight spacings. Symmetric about zero on a diverging map.
 /// @param start the frame at the beginning of the run
 std::array<float, 2> film_range(const LookOptions& look, const Simulation& simulation, const Frame& start);
+/// The same for a simulation that has not begun.
+std::array<float, 2> film_range(const LookOptions& look, const Simulation& simulation);
 
 }  // namespace whorl

@@ -61,7 +61,7 @@ void Film::timed(const char* stage, const std::function<void()>& work) {
 
 void Film::make_surfaces() {
     while (auto shot = to_surface_.pop()) {
-        if (options_.images || exports("mesh"))
+        if ((options_.images && !shows_field((*shot)->how->look)) || exports("mesh"))
             timed("surface", [&] { (*shot)->surface = build_surface(*(*shot)->frame, (*shot)->how->surface); });
         if (!to_draw_.push(std::move(*shot))) return;
     }

@@ -19,9 +19,11 @@
 #include "tools/command.h"
 #include "tools/cost/estimate.h"
 #include "tools/run/colour_range.h"
+#include "tools/run/contact_sheet.h"
 #include "tools/run/film.h"
 #include "tools/run/governor.h"
 #include "tools/run/interrupt.h"
+#include "tools/run/panels.h"
 #include "tools/run/progress.h"
 #include "tools/run/report.h"
 #include "tools/run/run_folder.h"
@@ -58,6 +60,7 @@ FilmOptions film_options(const RunRequest& request, const SceneFile& file, int f
 std::vector<std::string> snapshot_fields(const SceneFile& file, const World& world) {
     const auto& exports = file.scene.output.exports;
     if (std::find(exports.begin(), exports.end(), "points") != exports.end()) return live_fields(world.fluid);
+    if (!shows_field(file.look)) return {};
     return {file.look.field};
 }
 
@@ -155,10 +158,7 @@ Run::Run(const RunRequest& request, const Plan& plan)
 /// The range of the colour map stands in scene.resolved.toml and thereby in every checkpoint: a resumed film keeps it.
 SceneFile Run::with_colour_range() const {
     SceneFile file = request_.file;
-    if (file.look.style == "particles") {
-        const Snapshots start(simulation_, snapshot_fields(file, simulation_.world()));
-        file.look.range = film_range(file.look, simulation_, start.take(simulation_, 1));
-    }
+    if (shows_field(file.look)) file.look.range = film_range(file.look, simulation_);
     return file;
 }
 
@@ -342,17 +342,6 @@ void Run::write_report(const std::string& status, const std::string& message) {
     write_text(folder_.path() / "run.json", run_json(simulation_, report).dump(2) + "\n");
 }
 
-/// Twelve frames from the first to the last, evenly.
-void write_contact_sheet(const fs::path& folder, int frames) {
-    const int pictures = std::min(12, frames);
-    std::vector<Image> images;
-    for (int k = 0; k < pictures; ++k) {
-        const int frame = pictures > 1 ? 1 + static_cast<int>(std::lround(k * (frames - 1.0) / (pictures - 1))) : 1;
-        images.push_back(read_png(folder / "frames" / fmt::format("{:06}.png", frame)));
-    }
-    if (!images.empty()) write_png(folder / "contact.png", contact_sheet(images, 4, 480));
-}
-
 /// Saves the state of the newest frame whose row and picture are on disk.
 void Run::save_newest() {
     if (const auto state = film_->newest_state()) write_checkpoint(folder_.path(), *state);
@@ -421,6 +410,7 @@ int frame_count(const Scene& scene) {
 }
 
 int run_scene(const RunRequest& request) {
+    if (!request.file.scene.panels.empty()) return run_panels(request, PanelRuns::anew);
     const Plan plan = make_plan(request.file.scene);
     return Run(request, plan).go();
 }

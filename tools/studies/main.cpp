@@ -27,13 +27,18 @@ void replace_section(std::string& text, const std::string& name, const std::stri
 int main(int count, char** arguments) try {
     wait_passively(arguments);
     if (count < 2) {
-        std::fprintf(stderr, "whorl_studies FILE [curls | refinement]\n");
+        std::fprintf(stderr, "whorl_studies FILE [SECTION]\n");
         return 2;
     }
-    const std::map<std::string, std::function<std::string()>> studies{{"curls", curl_table}, {"refinement", refinement_table}};
+    const std::map<std::string, std::function<std::string()>> studies{{"curls", curl_table},
+                                                                      {"refinement", refinement_table},
+                                                                      {"preconditioners", preconditioner_table},
+                                                                      {"preconditioners_large", preconditioner_table_large},
+                                                                      {"hierarchies", hierarchy_table},
+                                                                      {"threads", thread_table}};
     const std::string file = arguments[1];
     for (const auto& [name, table] : studies) {
-        if (count > 2 && name != arguments[2]) continue;
+        if (count > 2 ? name != arguments[2] : read_whole(file).find("<!-- begin " + name + " -->") == std::string::npos) continue;
         const std::string measured = table();  // the page may be edited while this takes its time
         std::string text = read_whole(file);
         replace_section(text, name, measured);

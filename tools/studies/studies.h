@@ -8,5 +8,12 @@ namespace whorl {
 std::string curl_table();
 /// Enstrophy and kinetic energy of a three-dimensional Taylor-Green vortex: coarse without, coarse with spin, fine without.
 std::string refinement_table();
+/// Iterations, time and memory of the pressure solves' preconditioners at 1.4e3, 1.1e4 and 1e5 particles, and at 1e6.
+std::string preconditioner_table();
+std::string preconditioner_table_large();
+/// The same at 1e5 particles for other first levels, interpolations and cycles.
+std::string hierarchy_table();
+/// Wall time with one and with two threads.
+std::string thread_table();
 
 }  // namespace whorl

@@ -97,7 +97,7 @@ struct Partial {
 
 }  // namespace
 
-Eigen::SparseMatrix<double> coarse_matrix(const StrainForm& form, Span<const std::int32_t> of, Span<const Vec3> arm, int aggregates) {
+SymmetricBlocks coarse_matrix(const StrainForm& form, const RigidAggregates& aggregates) {
     const CoupledRows& rows = form.rows();
     std::vector<Partial> partials(rows.blocks.size());
     parallel_blocks(rows.size(), CoupledRows::block_size, [&](Index begin, Index end) {
@@ -140,18 +140,18 @@ Eigen::SparseMatrix<double> coarse_matrix(const StrainForm& form, Span<const std
                 spring_sum += W;
                 const auto place = static_cast<std::size_t>(block.other[e]);
                 const auto j = static_cast<std::size_t>(block.touched[place]);
-                if (of[j] < 0) continue;
+                if (aggregates.of(static_cast<Index>(j)) < 0) continue;
                 springs[place] += W;
-                Share& share = share_of(of[j]);
+                Share& share = share_of(aggregates.of(static_cast<Index>(j)));
                 share.s += wr;
-                share.arm_s += arm[j] * wr.transpose();
+                share.arm_s += aggregates.arm(static_cast<Index>(j)) * wr.transpose();
                 share.b += b;
-                share.arm_b += (wi * arm[j].cross(r)) * q.transpose();
-                share.spring += W.lazyProduct(motion(arm[j]));
+                share.arm_b += (wi * aggregates.arm(static_cast<Index>(j)).cross(r)) * q.transpose();
+                share.spring += W.lazyProduct(motion(aggregates.arm(static_cast<Index>(j))));
             }
-            const std::int32_t own = of[static_cast<std::size_t>(i)];
+            const std::int32_t own = aggregates.of(i);
             if (own >= 0) {
-                const Vec3& a = arm[static_cast<std::size_t>(i)];
+                const Vec3& a = aggregates.arm(i);
                 springs[static_cast<std::size_t>(i - begin)] += spring_sum;
                 const Mat36 E = motion(a);
                 share_of(own);
@@ -178,35 +178,24 @@ Eigen::SparseMatrix<double> coarse_matrix(const StrainForm& form, Span<const std
         }
         for (std::size_t place = 0; place < springs.size(); ++place) {
             const auto j = static_cast<std::size_t>(block.touched[place]);
-            if (of[j] < 0) continue;
-            const Mat36 E = motion(arm[j]);
+            if (aggregates.of(static_cast<Index>(j)) < 0) continue;
+            const Mat36 E = motion(aggregates.arm(static_cast<Index>(j)));
             const bool own_row = static_cast<Index>(place) < block.size();
             const Mat3 W = springs[place] + (own_row ? Mat3(Mat3::Identity()) : Mat3(Mat3::Zero()));
-            partial.add(of[j], of[j], Mat6(E.transpose().lazyProduct(Mat36(W * E))));
+            partial.add(aggregates.of(static_cast<Index>(j)), aggregates.of(static_cast<Index>(j)), Mat6(E.transpose().lazyProduct(Mat36(W * E))));
         }
     });
 
-    std::map<std::pair<std::int32_t, std::int32_t>, Eigen::Matrix<double, 6, 6>> total;
+    SymmetricBlocks Ac(aggregates.groups());
     for (const Partial& partial : partials)
-        for (const auto& [at, m] : partial.blocks) {
-            const auto [to, fresh] = total.try_emplace(at, m);
-            if (!fresh) to->second += m;
-        }
-    std::vector<Eigen::Triplet<double>> entries;
-    entries.reserve(total.size() * 36);
-    for (auto& [at, m] : total) {
-        const auto [a, b] = at;
-        if (a == b) {
-            // An aggregate of a single particle or of a straight file has motions that move nothing: a trace of the largest entry keeps Ac definite.
-            const double largest = m.diagonal().maxCoeff();
-            m.diagonal().array() += 1e-7 * largest;
-        }
-        for (int p = 0; p < 6; ++p)
-            for (int q = 0; q < 6; ++q)
-                if (a > b || p >= q) entries.emplace_back(6 * a + p, 6 * b + q, m(p, q));
+        for (const auto& [at, m] : partial.blocks) Ac.add(at.first, at.second, m);
+    // An aggregate of a single particle or of a straight file has motions that move nothing: a trace of the largest entry keeps Ac definite.
+    for (int a = 0; a < Ac.nodes(); ++a) {
+        double largest = 0;
+        for (const SymmetricBlocks::Entry& e : Ac.row(a))
+            if (e.column == a) largest = e.value.diagonal().maxCoeff();
+        Ac.add(a, a, (largest > 0 ? 1e-7 * largest : 1) * SymmetricBlocks::Block::Identity());
     }
-    Eigen::SparseMatrix<double> Ac(6 * aggregates, 6 * aggregates);
-    Ac.setFromTriplets(entries.begin(), entries.end());
     return Ac;
 }
 

@@ -30,7 +30,7 @@ struct CoupledOptions {
 
     double stick = 0.5, closest = 0.3;  ///< distance from a solid below which a particle touches it, and which it never goes below
 
-    int aggregate = 64;      ///< particles in an aggregate of the coarse level
+    int aggregate = 48;      ///< particles in an aggregate of the coarse level
     int refresh_every = 5;   ///< steps between two set-ups of the coarse level
     int fewest_for_coarse = 150;  ///< free particles below which the diagonal alone preconditions
 };

@@ -139,11 +139,11 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
     const bool coarse = free_particles >= o.fewest_for_coarse;
     if (!coarse) s.preconditioner.clear();
     else if (step.at_landing || s.preconditioner.unknowns() == 0 || s.steps_since_refresh >= o.refresh_every) {
-        s.preconditioner.refresh(form, x.values, role.values, o, d, aggregate.values);
+        s.preconditioner.refresh(form, x.values, role.values, o, step.domain, d, aggregate.values);
         s.steps_since_refresh = 0;
     }
     ++s.steps_since_refresh;
-    s.preconditioner.set(form, x.values, role.values, slip.values, d, aggregate.values);
+    s.preconditioner.set(form, x.values, role.values, slip.values, step.domain, d, aggregate.values);
 
     // The residual is measured against the loads on the fluid, not against the large forces by which nozzle and solids hold their neighbours;
     // these count a little, for a fluid at rest that is only dragged along.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/core/clock.h"
 #include "engine/core/parallel.h"
 #include "engine/math/conjugate_gradients.h"
 
@@ -11,30 +12,82 @@ namespace {
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-}  // namespace
+constexpr double step_share = 0.1;  ///< of the tolerated density error that one step may add
 
-ConstraintPreconditioner diagonal_scaling(const ConstraintMatrix& matrix) {
-    return [&matrix](Span<const Real> r, Span<Real> z) {
-        parallel_for(matrix.size(), [&](Index i) { z[at(i)] = matrix.presses[at(i)] ? r[at(i)] / matrix.D.diagonal[at(i)] : 0; });
-    };
+double changed(const std::vector<char>& before, const std::vector<char>& now) {
+    return parallel_sum(static_cast<Index>(now.size()), [&](Index i) { return before[at(i)] != now[at(i)]; });
 }
 
-ConstraintPreconditioner no_preconditioner(const ConstraintMatrix&) { return NoPreconditioner{}; }
+}  // namespace
+
+PressurePreconditioner diagonal_scaling(const ConstraintMatrix& matrix) {
+    return {[&matrix](Span<const Real> r, Span<Real> z) {
+        parallel_for(matrix.size(), [&](Index i) { z[at(i)] = matrix.presses[at(i)] ? r[at(i)] / matrix.D.diagonal[at(i)] : 0; });
+    }};
+}
+
+PressurePreconditioner constraint_unpreconditioned(const ConstraintMatrix&) { return {NoPreconditioner{}}; }
+
+namespace {
+
+/// Nothing can give way: every axis is periodic and the particles' volumes fill the domain. No displacement then lowers all densities at once (their mean
+/// is lowest on a lattice), and asking for it would tear the fluid apart with pressures that grow without bound.
+bool fills_periodic_domain(const StepContext& step, Index n) {
+    const Vec3d size = (step.domain.max - step.domain.min).cast<double>();
+    const bool periodic = step.domain.periodic[0] && step.domain.periodic[1] && step.domain.periodic[2];
+    return periodic && n * static_cast<double>(step.volume) > 0.98 * size.prod();
+}
+
+}  // namespace
+
+/// Densities are held equal, from both sides: A q = b without its mean. What is left is a constant c with D^T c = c grad(sum rho): it moves nothing on a
+/// lattice, and else orders the particles, which lowers the mean density. c is what keeps the mean from rising, at most the pressure of
+/// the fastest particle's stop, which is what the time step is ready for; so this takes energy too, and never gives any. Pressures are of both signs.
+SolveReport ConstraintPressure::solve_filled(ConstraintMatrix& matrix, const StepContext& step, double mean_rate, Real fastest,
+                                             Span<Real> q) {
+    const Index n = D_.size();
+    const double start = wall_seconds(), worst_rate = std::sqrt(static_cast<double>(n)) * static_cast<double>(step.rest_density / step.dt);
+    const auto without_mean = [&](Span<Real> values) {
+        const double mean = parallel_sum(n, [&](Index i) { return matrix.presses[at(i)] ? static_cast<double>(values[at(i)]) : 0.0; }) / n;
+        parallel_for(n, [&](Index i) { values[at(i)] = matrix.presses[at(i)] ? static_cast<Real>(values[at(i)] - mean) : 0; });
+    };
+    matrix.presses.assign(at(n), 0);
+    parallel_for(n, [&](Index i) { matrix.presses[at(i)] = D_.diagonal[at(i)] > std::numeric_limits<Real>::min(); });
+    without_mean(b_);
+    without_mean(q);
+    const PressurePreconditioner M = options_.preconditioner(matrix);
+    const double set_up = wall_seconds() - start;
+    const auto A = [&](Span<const Real> in, Span<Real> out) { matrix.multiply(in, out); };
+    const SolveLimits limits{step_share * options_.limits.tolerance, options_.limits.max_iterations};
+    SolveReport report = conjugate_gradients<Real>(A, M, Span<const Real>(b_), q, limits, ResidualNorm::euclidean, worst_rate);
+    Column<Real> ones(at(n), 1);
+    D_.transposed(ones, matrix.force);
+    const double ordering = parallel_sum(n, [&](Index i) { return static_cast<double>(matrix.force[at(i)].squaredNorm()); }) / n;
+    const double most = static_cast<double>(step.dt / step.rest_density * fastest * fastest / 2);
+    const auto c = static_cast<Real>(ordering > 0 ? std::clamp(mean_rate / ordering, 0.0, most) : 0.0);
+    parallel_for(n, [&](Index i) { q[at(i)] += c; });
+    report.levels = M.levels;
+    report.set_up_seconds = set_up;
+    report.solve_seconds = wall_seconds() - start - set_up;
+    return report;
+}
 
 /// Active set: conjugate gradients over the particles that are taken to press, then those that would pull stop, those that are still compressed
 /// start, and again. What pressed in the last step presses first, with all that is about full: from below, the pressed set would grow by two
 /// neighbours' reach a round.
 SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContext& step, Span<Real> q) {
     constexpr Real about_full = Real(0.02);  // relative density that is missing
-    constexpr double step_share = 0.1;       // of the tolerated density error that one step may add
+    constexpr double changes_to_set_up_for = 0.02;  // part of the particles
     const Index n = D_.size();
     const double worst_rate = std::sqrt(static_cast<double>(n)) * static_cast<double>(step.rest_density / step.dt);
     // A lattice has modes (neighbours up and down in turn) that no pressure moves: asked for more than this, they would grow without bound.
     const double tolerance = step_share * options_.limits.tolerance;
-    const ConstraintPreconditioner M = options_.preconditioner(matrix);
+    PressurePreconditioner M;
+    std::vector<char> set_up_for;  // presses, when M was set up
     const auto A = [&](Span<const Real> in, Span<Real> out) { matrix.multiply(in, out); };
     Column<Real> masked(at(n));
     SolveReport report;
+    const double start = wall_seconds();
     for (int round = 0;; ++round) {
         matrix.presses.assign(at(n), 1);
         matrix.multiply(q, residual_);
@@ -49,11 +102,19 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
         report.last_residual = left / worst_rate;
         if (round == 0) report.first_residual = report.last_residual;
         report.converged = report.last_residual <= tolerance || (round > 0 && !options_.active_set);
+        report.solve_seconds = wall_seconds() - start - report.set_up_seconds;
         if (report.converged) return report;
         if (!std::isfinite(left) || report.iterations >= options_.limits.max_iterations || round > options_.limits.max_iterations) {
             report.why_not = "the density error of the step is " + std::to_string(report.last_residual) + " after " +
                              std::to_string(report.iterations) + " iterations in " + std::to_string(round) + " rounds";
             return report;
+        }
+        if (set_up_for.empty() || changed(set_up_for, matrix.presses) > changes_to_set_up_for * n) {
+            const double before = wall_seconds();
+            M = options_.preconditioner(matrix);
+            set_up_for = matrix.presses;
+            report.levels = M.levels;
+            report.set_up_seconds += wall_seconds() - before;
         }
         // Early rounds need not be exact: their set changes.
         const double aim = options_.active_set ? std::max(tolerance / 2, report.last_residual / 10) : tolerance;
@@ -72,16 +133,21 @@ void ConstraintPressure::operator()(const FluidPairs& pairs, const SolidPairs& s
     const Real rho_0 = step.rest_density;
     b_.resize(at(n));
     residual_.resize(at(n));
-    const WallImage wall(step.kernel, step.support, step.spacing);
+    const WallImage wall(step.kernel, step.support, step.spacing, options_.gate);
     D_.build(wall, pairs, solid_pairs, solid, step, role, Read<field::velocity>{u.values}, rho.values, b_);
+    const bool filled = fills_periodic_domain(step, n);
+    const Real target = filled ? static_cast<Real>(parallel_sum(n, [&](Index i) { return static_cast<double>(rho[i]); }) / n) : rho_0;
+    const double mean_rate = filled ? parallel_sum(n, [&](Index i) { return static_cast<double>(b_[at(i)]); }) / n : 0;
     parallel_for(n, [&](Index i) {
-        // What an impact has pressed together is pushed apart no faster than 5 % of its density allow, or it would jump.
-        const Real excess = std::min(rho[i] - rho_0, rho_0 / 20);
-        b_[at(i)] += (excess > 0 ? static_cast<Real>(options_.correction) : Real(1)) * excess / step.dt;
+        // What an impact has pressed together is pushed apart no faster than 5 % of its density allow, or it would jump. Without a surface it is 0.5 %:
+        // unevenness that alternates from neighbour to neighbour takes large velocities to mend.
+        const Real excess = filled ? std::clamp(rho[i] - target, -rho_0 / 200, rho_0 / 200) : std::min(rho[i] - rho_0, rho_0 / 20);
+        b_[at(i)] += (excess > 0 || filled ? static_cast<Real>(options_.correction) : Real(1)) * excess / step.dt;
         p[i] = D_.diagonal[at(i)] > 0 ? p[i] / D_.virial[at(i)] * step.dt / (rho[i] * rho[i]) : 0;  // q
     });
-    ConstraintMatrix matrix{D_, {}, Column<Vec3>(at(n))};
-    report.solves.push_back({"pressure", solve(matrix, step, p.values)});
+    ConstraintMatrix matrix{D_, {}, Column<Vec3>(at(n)), pairs.x_own, step.spacing};
+    const auto fastest = static_cast<Real>(filled ? std::sqrt(parallel_max(n, 0, [&](Index i) { return u[i].squaredNorm(); })) : 0);
+    report.solves.push_back({"pressure", filled ? solve_filled(matrix, step, mean_rate, fastest, p.values) : solve(matrix, step, p.values)});
     D_.transposed(p.values, matrix.force);
     parallel_for(n, [&](Index i) {
         u[i] -= matrix.force[at(i)];
@@ -96,7 +162,7 @@ double pressure_step(double cfl, double spacing, double rest_density, Span<const
     };
     const Sums sums = parallel_sum(static_cast<Index>(pressure.size()), Sums{}, [&](Index i) {
         const double p = pressure[at(i)];
-        return Sums{p, p * p};
+        return Sums{std::abs(p), p * p};
     });
     if (!(sums.p2 > 0)) return std::numeric_limits<double>::infinity();
     // The mean weighted with p: 2/3 of the bottom's in a column; single spikes of an impact count little.

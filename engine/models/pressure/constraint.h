@@ -3,10 +3,9 @@
 ///
 /// Stages of a step, in order: Density (where the viscosity needs one), Gravity, (forces), Kick, (viscosity), DampUnresolved, ConstraintPressure,
 /// Move, KeepOutside.
-#include <functional>
-
 #include "engine/math/solve.h"
 #include "engine/models/pressure/density_rate.h"
+#include "engine/models/pressure/preconditioner.h"
 
 namespace whorl {
 
@@ -17,6 +16,8 @@ struct ConstraintMatrix {
     const DensityRate& D;
     std::vector<char> presses;    ///< 1: an unknown of the present solve
     mutable Column<Vec3> force;   ///< D^T q of the last product
+    Span<const Vec3> x;           ///< positions
+    Real spacing = 0;
     Index size() const { return D.size(); }
     void multiply(Span<const Real> q, Span<Real> Aq) const {
         D.transposed(q, force);
@@ -24,26 +25,26 @@ struct ConstraintMatrix {
     }
 };
 
-/// z is near A^-1 r, symmetric and positive definite on the particles that press; z = 0 elsewhere.
-using ConstraintPreconditioner = std::function<void(Span<const Real> r, Span<Real> z)>;
-/// Set up once a step; the returned function reads `presses` at each call, as it changes within a step.
-using ConstraintPreconditionerSetup = std::function<ConstraintPreconditioner(const ConstraintMatrix&)>;
+/// Set up for `presses` as it is, once a step and again where many particles start or stop to press; the returned function reads `presses` at each call.
+using ConstraintPreconditionerSetup = std::function<PressurePreconditioner(const ConstraintMatrix&)>;
 /// z = r/diagonal
-ConstraintPreconditioner diagonal_scaling(const ConstraintMatrix& matrix);
+PressurePreconditioner diagonal_scaling(const ConstraintMatrix& matrix);
 /// z = r
-ConstraintPreconditioner no_preconditioner(const ConstraintMatrix& matrix);
+PressurePreconditioner constraint_unpreconditioned(const ConstraintMatrix& matrix);
 
 struct ConstraintOptions {
     /// tolerance: relative density error (root mean square), of which a step may add a tenth.
     SolveLimits limits{1e-3, 200};
     double correction = 0.2;   ///< share of the density error that a step corrects; its motion stays in the velocity
+    SolidGate gate;            ///< before solids
     bool active_set = true;    ///< false: p >= 0 is clamped after one solve, as in the notes
     ConstraintPreconditionerSetup preconditioner = diagonal_scaling;
 };
 
 /// Finds q = dt p/rho^2 with   q >= 0,   rho_i + dt (D (u - D^T q))_i <= rho_0,   and q_i = 0 where the density stays below, then u -= D^T q.
 /// Where rho_i exceeds rho_0 only a share of the excess has to go. The projection loses energy, never makes any; a free surface needs no search,
-/// and neither do single particles, closed boxes or slots: A q = b is solvable wherever something can give way.
+/// and neither do single particles, closed boxes or slots: A q = b is solvable wherever something can give way. Where nothing can, in a fluid that
+/// fills a periodic domain, densities are held equal instead.
 class ConstraintPressure {
 public:
     explicit ConstraintPressure(ConstraintOptions options) : options_(std::move(options)) {}
@@ -54,6 +55,7 @@ public:
 
 private:
     SolveReport solve(ConstraintMatrix& A, const StepContext& step, Span<Real> q);
+    SolveReport solve_filled(ConstraintMatrix& A, const StepContext& step, double mean_rate, Real fastest, Span<Real> q);
 
     ConstraintOptions options_;
     DensityRate D_;

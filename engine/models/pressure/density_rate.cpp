@@ -14,7 +14,7 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
-WallImage::WallImage(KernelKind kind, Real support, Real d) : spacing(d), nearest(d / 2) {
+WallImage::WallImage(KernelKind kind, Real support, Real d, SolidGate gate_before) : spacing(d), nearest(d / 2), gate(gate_before) {
     with_kernel(kind, support, [&](const auto& W) {
         const int reach = static_cast<int>(std::ceil(support / d));
         // Value and pull along the normal of a layer of the lattice k spacings away.
@@ -82,6 +82,9 @@ void DensityRate::build(const WallImage& wall, const FluidPairs& pairs, const So
                     walls += g;
                     wall_change += g.dot(u[i] - solid.velocity[at(s)]);
                 });
+            const SolidGate::Passed passed = wall.gate.pass(w);
+            w = passed.sum;
+            walls *= passed.slope, wall_change *= passed.slope, wall_pull *= passed.slope;
             // Where solids leave next to no room the quotient is limited, or it would blow up.
             const Real f = 1 / std::max(1 - w, Real(0.25));
             const Real density_i = f * density;

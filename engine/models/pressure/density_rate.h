@@ -7,6 +7,7 @@
 #include "engine/particles/field.h"
 #include "engine/particles/pairs.h"
 #include "engine/particles/step.h"
+#include "engine/sph/gate.h"
 
 namespace whorl {
 
@@ -20,7 +21,8 @@ struct WallImage {
     Real stretch;      ///< 1.85 for the cubic kernel with R = 2 d
     Real spacing;      ///< m
     Real nearest;      ///< m, an image comes no closer than this along the normal
-    WallImage(KernelKind kernel, Real support, Real spacing);
+    SolidGate gate;    ///< w_i counts as w_i times its weight, in the density and in its derivative
+    WallImage(KernelKind kernel, Real support, Real spacing, SolidGate gate = {});
 };
 
 /// (D u)_i = d rho_i/dt = own_i.u_i - f_i sum_j g_ij.u_j - wall_i        with g_ij = m grad W_ij, f_i = 1/(1 - w_i), wall_i: what moving solids do

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "engine/core/clock.h"
 #include "engine/core/parallel.h"
 #include "engine/math/conjugate_gradients.h"
 #include "engine/models/boundary/wall.h"
@@ -36,10 +37,12 @@ void PressureMatrix::multiply(Span<const Real> p, Span<Real> Ap) const {
 }
 
 PressurePreconditioner jacobi(const PressureMatrix& matrix) {
-    return [&matrix](Span<const Real> r, Span<Real> z) {
+    return {[&matrix](Span<const Real> r, Span<Real> z) {
         parallel_for(matrix.size(), [&](Index i) { z[at(i)] = r[at(i)] / matrix.diagonal[at(i)]; });
-    };
+    }};
 }
+
+PressurePreconditioner poisson_unpreconditioned(const PressureMatrix&) { return {NoPreconditioner{}}; }
 
 /// Free surface: the divergence of the position, 3 inside the fluid (3.06 on a lattice with R = 2 d), 2.24 in the outermost layer of a flat
 /// lattice; solids count as fluid does. A particle that is compressed is no surface, however few its neighbours: it needs a pressure.
@@ -62,7 +65,7 @@ void PoissonPressure::classify(const Kernel& kernel, const FluidPairs& pairs, co
         pairs.of(i, [&](Index, const Vec3&, Real r) { divergence -= step.volume * kernel.derivative(r) * r; });
         if (solid_neighbours > 0)
             solid_pairs.of(i, [&](Index s, const Vec3&, Real r) {
-                divergence -= options_.solid_factor * solid.volume[at(s)] * kernel.derivative(r) * r;
+                divergence -= gate_[at(i)] * options_.solid_factor * solid.volume[at(s)] * kernel.derivative(r) * r;
             });
         mine = divergence < surface_divergence && rho[i] < step.rest_density ? PressureClass::surface : PressureClass::poisson;
     });
@@ -77,7 +80,7 @@ void PoissonPressure::build(const Kernel& kernel, const FluidPairs& pairs, const
     const WallShear wall{step.spacing / 2};
 
     parallel_for(n, [&](Index i) {
-        wall_[at(i)] = solid.size() > 0 ? wall_gradient(kernel, i, solid_pairs, solid, options_.solid_factor) : Vec3(Vec3::Zero());
+        wall_[at(i)] = solid.size() > 0 ? Vec3(gate_[at(i)] * wall_gradient(kernel, i, solid_pairs, solid, options_.solid_factor)) : Vec3(Vec3::Zero());
     });
 
     for (Index i = 0; i < n; ++i) {
@@ -126,7 +129,7 @@ void PoissonPressure::build(const Kernel& kernel, const FluidPairs& pairs, const
                 // The flow turns at the surface, not at the solid particle behind it: the normal part is continued like shear.
                 const Vec3 n_s = solid.normal[at(s)], u_is = u[i] - solid.velocity[at(s)];
                 const Vec3 turned = u_is + (wall.stretch(r, n_s) - 1) * u_is.dot(n_s) * n_s;
-                rate += rho_0 * options_.solid_factor * solid.volume[at(s)] * slope_at(distance) * turned.dot(r);
+                rate += gate_[at(i)] * rho_0 * options_.solid_factor * solid.volume[at(s)] * slope_at(distance) * turned.dot(r);
             });
         mirror += prescribed;
         wall_[at(i)] = rho_0 / (rho[i] * rho[i]) * prescribed;  // the other half comes from the sum over the pairs
@@ -200,7 +203,9 @@ void PoissonPressure::solve(const StepContext& step, StepReport& report, Update<
         return static_cast<double>(unknown);
     });
     if (unknowns > 0) {
+        const double start = wall_seconds();
         const PressurePreconditioner M = options_.preconditioner(matrix_);
+        const double set_up = wall_seconds() - start;
         const auto A = [&](Span<const Real> in, Span<Real> out) { matrix_.multiply(in, out); };
         // |r| against that of a residual of rho_0/dt^2 everywhere: the tolerance is a relative density error. At small time steps that alone
         // would leave the pressure unsolved (a density error of 1e-4 in the longest wave of 40 layers is several times their weight), so it is also
@@ -208,10 +213,16 @@ void PoissonPressure::solve(const StepContext& step, StepReport& report, Update<
         const double density = std::sqrt(unknowns) * static_cast<double>(step.volume) * step.rest_density / (static_cast<double>(step.dt) * step.dt);
         const double source = 10 * std::sqrt(dot<Real>(b_, b_));
         const double reference = source > 0 ? std::min(density, source) : density;
-        report.solves.push_back({"pressure", conjugate_gradients<Real>(A, M, Span<const Real>(b_), Span<Real>(x), options_.limits,
-                                                                       ResidualNorm::euclidean, reference)});
+        SolveReport solved =
+            conjugate_gradients<Real>(A, M, Span<const Real>(b_), Span<Real>(x), options_.limits, ResidualNorm::euclidean, reference);
+        solved.levels = M.levels;
+        solved.set_up_seconds = set_up;
+        solved.solve_seconds = wall_seconds() - start - set_up;
+        report.solves.push_back({"pressure", std::move(solved)});
     } else {
-        report.solves.push_back({"pressure", SolveReport{0, 0, 0, true, ""}});
+        SolveReport nothing;
+        nothing.converged = true;
+        report.solves.push_back({"pressure", nothing});
     }
     // Without a surface the pressure has no natural zero. Its lowest value is made the weight of a layer, so that neither the clamp below nor that
     // of a ceiling (wall_push) takes anything away.
@@ -237,9 +248,15 @@ void PoissonPressure::operator()(const FluidPairs& pairs, const SolidPairs& soli
     matrix_.diagonal.resize(n);
     matrix_.pin.resize(n);
     matrix_.unknown.resize(n);
+    matrix_.x = pairs.x_own;
+    matrix_.spacing = step.spacing;
     b_.resize(n);
     wall_.resize(n);
+    gate_.resize(n);
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
+        parallel_for(rho.size(), [&](Index i) {
+            gate_[at(i)] = solid.size() > 0 ? options_.gate.weight(kernel, i, solid_pairs, solid.volume, options_.solid_factor) : Real(1);
+        });
         classify(kernel, pairs, solid_pairs, solid, step, role, rho);
         build(kernel, pairs, solid_pairs, solid, step, rho, u, p);
         find_closed();
@@ -254,7 +271,7 @@ void PoissonPressure::operator()(const FluidPairs& pairs, const SolidPairs& soli
             });
             u[i] -= step.dt * (step.mass * sum + p[i] * wall_[at(i)]);
             if (p[i] > 0 && solid.size() > 0)
-                u[i] -= step.dt * step.rest_density / (rho[i] * rho[i]) * wall_push(kernel, i, solid_pairs, solid, step, options_.solid_factor, p[i]);
+                u[i] -= step.dt * gate_[at(i)] * step.rest_density / (rho[i] * rho[i]) * wall_push(kernel, i, solid_pairs, solid, step, options_.solid_factor, p[i]);
         });
     });
 }

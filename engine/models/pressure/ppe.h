@@ -2,14 +2,15 @@
 /// Incompressible pressure: a Poisson equation for the density that the step would end with (docs/physics.md 3; Takahashi et al. 2016).
 ///
 /// Stages of a step, in order: Density (sph/density.h), Gravity, (forces), Kick, (viscosity), PoissonPressure, Move, KeepOutside.
-#include <functional>
 #include <vector>
 
 #include "engine/geometry/solids.h"
 #include "engine/math/solve.h"
+#include "engine/models/pressure/preconditioner.h"
 #include "engine/particles/field.h"
 #include "engine/particles/pairs.h"
 #include "engine/particles/step.h"
+#include "engine/sph/gate.h"
 
 namespace whorl {
 
@@ -23,17 +24,19 @@ struct PressureMatrix {
     Column<Real> diagonal;           ///< sum_j c_ij + d_i [m]
     Column<Real> pin;                ///< d_i [m]
     std::vector<char> unknown;
+    Span<const Vec3> x;              ///< positions
+    Real spacing = 0;
 
     Index size() const { return static_cast<Index>(diagonal.size()); }
     void multiply(Span<const Real> p, Span<Real> Ap) const;
 };
 
-/// z is near A^-1 r, symmetric and positive definite; entries that are not unknown stay zero.
-using PressurePreconditioner = std::function<void(Span<const Real> r, Span<Real> z)>;
 /// Set up once a step from the matrix.
 using PressurePreconditionerSetup = std::function<PressurePreconditioner(const PressureMatrix&)>;
 /// z = r/diagonal.
 PressurePreconditioner jacobi(const PressureMatrix& matrix);
+/// z = r.
+PressurePreconditioner poisson_unpreconditioned(const PressureMatrix& matrix);
 
 struct PoissonPressureOptions {
     /// tolerance: root mean square over the unknown particles of |r_i| dt^2/rho_0, the relative density error that the linear solve leaves; at
@@ -43,6 +46,7 @@ struct PoissonPressureOptions {
     /// throws the fluid about with e d/dt and the pressure with rho_0 e H^2/dt^2, many times its weight.
     double density_correction = 0.1;
     Real solid_factor = 1;  ///< on the solids' volumes, see models/boundary/wall.h
+    SolidGate gate;         ///< before solids
     PressurePreconditionerSetup preconditioner = jacobi;
 };
 
@@ -82,6 +86,7 @@ private:
     std::vector<PressureClass> class_;
     std::vector<char> touches_surface_;
     std::vector<Closed> closed_;
+    Column<Real> gate_;  ///< weight of the solids by particle
     Column<Real> b_;     ///< V_i (rho*_i - rho_0)/dt^2
     Column<Vec3> wall_;  ///< build(): gradient of the solids [1/m]; then: acceleration by prescribed neighbours over -p_i [m^2/kg]
 };

@@ -3,6 +3,7 @@
 ///
 /// Stages of a step: XsphViscosity after Kick; ExplicitViscosity between Gravity and Kick. Both need Density before them.
 #include "engine/geometry/solids.h"
+#include "engine/models/boundary/wall.h"
 #include "engine/particles/field.h"
 #include "engine/particles/pairs.h"
 #include "engine/particles/step.h"
@@ -30,6 +31,7 @@ struct ExplicitOptions {
     bool monaghan = false;   ///< the second Laplacian of the notes rather than the first
     Real solid_factor = 1;   ///< on the solids' volumes, see models/boundary/wall.h
     SolidGate gate = {};
+    SlipLengths slip_lengths{};  ///< by solid; empty: the fluid sticks
 };
 
 /// a_i += mu/rho Lap u, with mu_ij = 2 mu_i mu_j/(mu_i + mu_j), which conserves momentum and keeps the stress at a jump of mu:

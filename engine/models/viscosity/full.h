@@ -4,6 +4,7 @@
 /// Stages of a step, in order: Gravity, (forces), Kick, FullViscosity, (pressure), Move. Corrected, it needs no density.
 #include "engine/geometry/solids.h"
 #include "engine/math/block_cholesky.h"
+#include "engine/models/boundary/wall.h"
 #include "engine/models/viscosity/implicit.h"
 #include "engine/particles/aggregates.h"
 
@@ -23,6 +24,8 @@ struct FullViscosityOptions {
     /// gradient loses of short waves: a wave of 32 particles decays 2.2 % too slowly with 0.05.
     Real penalty = Real(0.3);
     Real solid_factor = 1;       ///< on the solids' volumes, see models/boundary/wall.h
+    SlipLengths slip_lengths{};  ///< by solid; empty: the fluid sticks
+    bool diagonal = true;        ///< the diagonal blocks precondition, and measure the residual; false: nothing does
     int aggregate = 48;          ///< particles in a group of the coarse level; 0: no coarse level
     int refresh_every = 5;       ///< steps between two set-ups of the coarse level
     double coarse_above = 4;     ///< largest nu dt/d^2 that the diagonal alone settles in few iterations
@@ -80,7 +83,7 @@ private:
                         Span<const Real> density);
     void set_up_wall(const FullViscosityOptions& options, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
                      const StepContext& step);
-    void set_up_blocks();
+    void set_up_blocks(const FullViscosityOptions& options);
     template <bool difference>
     void sum_row(Index i, Sixteen& sum) const;
     void spread(Span<const Vec3> u, bool free_only) const;

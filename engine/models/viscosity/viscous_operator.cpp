@@ -54,7 +54,7 @@ void ViscousOperator::set_up(const FullViscosityOptions& options, const FluidPai
     wall_.clear(), wall_moment_.clear();
     if (layer.size() > 0) set_up_wall(options, solid_pairs, solids, layer, step);
     set_up_moments(options, step, role, mu, density);
-    set_up_blocks();
+    set_up_blocks(options);
 }
 
 void ViscousOperator::set_up_moments(const FullViscosityOptions& options, const StepContext& step, Read<field::role> role, Read<field::viscosity> mu,
@@ -120,7 +120,7 @@ void ViscousOperator::set_up_wall(const FullViscosityOptions& options, const Sol
                 const Real w = -options.solid_factor * layer.volume[at(s)] * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
                 if (slip[whose] || !(w > 0)) return;
                 touches[at(i)] = 1;
-                const Real stretch = options.correction ? shear.stretch(r, layer.normal[at(s)]) : 1;
+                const Real stretch = options.correction ? shear.stretch(r, layer.normal[at(s)], slip_length_of(options.slip_lengths, whose)) : 1;
                 // stretch (u_i - u_wall(x_i)) + (u_wall(x_i) - u_wall(x_s)), with the rigid motion of the solid u_wall
                 const Vec3 here = solids.all[whose].pose.velocity_at(layer.position[at(s)] + r);
                 const Vec3 velocity = (stretch - 1) * here + layer.velocity[at(s)];
@@ -138,7 +138,7 @@ void ViscousOperator::set_up_wall(const FullViscosityOptions& options, const Sol
 /// B_i = 1 + K_i P_i (|h|^2 + h h^T) P_i + 2 c_i (sum w - g.M_i^+ g)            own energy: g = sum_j w r_ij, h = M_i^+ g
 ///         + sum_j K_j P_j (|h_j|^2 + h_j h_j^T) P_j + 2 c_j (w - w r.M_j^+ w r)   that of the neighbours: h_j = M_j^+ w r_ij
 /// Also turns the pairs' w into what the penalty couples them by.
-void ViscousOperator::set_up_blocks() {
+void ViscousOperator::set_up_blocks(const FullViscosityOptions& options) {
     const auto strain_block = [&](Index j, const Vec3& g, Mat3& B) {
         const Vec3 h = M_[at(j)] * g;
         Mat3 S = h * h.transpose();
@@ -162,6 +162,7 @@ void ViscousOperator::set_up_blocks() {
         B.diagonal().array() += std::max(Real(0), springs - seen);
         blocks[at(i)] = B;
     });
+    if (!options.diagonal) std::fill(blocks.begin(), blocks.end(), Mat3::Identity());
     diagonal_.set(std::move(blocks), free_);
 }
 

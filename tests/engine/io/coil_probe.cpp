@@ -188,7 +188,7 @@ TEST_CASE("a coil that quickens shows in the spread of its turns", "[io][probe]"
     CHECK(row[4] > 0.02 * thread.frequency);
 }
 
-TEST_CASE("a thread that folds back and forth has no frequency; once it coils, its folding is not counted in", "[io][probe]") {
+TEST_CASE("a thread that folds back and forth has no frequency, once it coils, its folding is not counted in", "[io][probe]") {
     CoilingThread thread;
     thread.frequency = thread.U / (2 * pi * thread.R);
     CoilProbe probe(upright_axis());

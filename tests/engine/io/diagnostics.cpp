@@ -46,7 +46,7 @@ void set(World& world, std::size_t i, const Vec3& x, const Vec3& u) {
 
 }  // namespace
 
-TEST_CASE("the measures of three particles are those worked out by hand; one in a nozzle does not count", "[io][diagnostics]") {
+TEST_CASE("the measures of three particles are those worked out by hand, one in a nozzle does not count", "[io][diagnostics]") {
     World world = some_fluid(4);
     set(world, 0, {1, 0, 0}, {0, 2, 0});
     set(world, 1, {0, 3, 0}, {1, 0, 0});

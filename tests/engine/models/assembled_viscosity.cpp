@@ -86,7 +86,7 @@ TEST_CASE("velocities of walls act alike in the assembled and in the matrix-free
     CHECK(std::sqrt(difference) < 1e-5 * std::sqrt(inner(Au, Au)));
 }
 
-TEST_CASE("the assembled matrix is symmetric with the own volume in each gradient; as printed it is not where densities differ", "[viscosity]") {
+TEST_CASE("the assembled matrix is symmetric with the own volume in each gradient, as printed it is not where densities differ", "[viscosity]") {
     CHECK(asymmetry(assembled(prepared(false))) < 1e-6);
     CHECK(asymmetry(assembled(prepared(true))) < 1e-6);
     CHECK(asymmetry(assembled(prepared(false, false), false)) < 1e-6);

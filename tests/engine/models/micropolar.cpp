@@ -68,7 +68,7 @@ struct Cloud : TestWorld {
 
 }  // namespace
 
-TEST_CASE("the symmetric curl and the difference with the own density are adjoint, at a free surface too; the other pairs are not", "[micropolar]") {
+TEST_CASE("the symmetric curl and the difference with the own density are adjoint, at a free surface too, the other pairs are not", "[micropolar]") {
     Cloud cloud;
     const std::size_t n = static_cast<std::size_t>(cloud.world.fluid.size());
     std::vector<Vec3> u(n), w(n);

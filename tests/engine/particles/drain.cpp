@@ -36,7 +36,7 @@ TEST_CASE("a drain takes what is inside it at once, and leaves what is outside o
     CHECK(x[2].x() == Real(0.2));
 }
 
-TEST_CASE("a drain that waits takes what has stayed inside for so long; who leaves and comes back begins anew", "[drain]") {
+TEST_CASE("a drain that waits takes what has stayed inside for so long, who leaves and comes back begins anew", "[drain]") {
     ParticleStore fluid = particles_at({{0.5, 0.5, 0.5}, {0.2, 0.5, 0.5}});
     const std::vector<Drain> drains{{unit_box(), Real(0.25)}};
     for (int step = 0; step < 2; ++step) CHECK(drain(fluid, drains, Real(0.1)) == 0);

@@ -44,15 +44,15 @@ const std::vector<Case> cases = {
     {"spacing = 0.01", "spacing = 0.01\nkernel = \"wendland\"",
      "bad.toml:5:10: fluid.kernel = \"wendland\" is not known; did you mean \"wendland_c2\"?; allowed: auto, cubic, wendland_c2 or wendland_c4"},
     {"spacing = 0.01", "spacing = 0.01\nviscosity = \"1 + * 2\"",
-     "bad.toml:5:18: fluid.viscosity: \"1 + * 2\" is not an expression: unexpected operator \"*\" (column 5 of the text); allowed: functions of x, y, z"},
+     "bad.toml:5:18: fluid.viscosity: \"1 + * 2\" is not an expression: unexpected operator \"*\" (column 5 of the text); allowed: functions of x, y, z, age"},
     {"spacing = 0.01", "spacing = 0.01\nviscosity = \"2*sinn(x)\"",
-     "bad.toml:5:16: fluid.viscosity: \"2*sinn(x)\" is not an expression: no function \"sinn\" (column 3 of the text); allowed: functions of x, y, z"},
+     "bad.toml:5:16: fluid.viscosity: \"2*sinn(x)\" is not an expression: no function \"sinn\" (column 3 of the text); allowed: functions of x, y, z, age"},
     {"spacing = 0.01", "spacing = 0.01\nviscosity = \"1 + q\"",
-     "bad.toml:5:18: fluid.viscosity: \"1 + q\" is not an expression: unexpected token \"q\" (column 5 of the text); allowed: functions of x, y, z"},
+     "bad.toml:5:18: fluid.viscosity: \"1 + q\" is not an expression: unexpected token \"q\" (column 5 of the text); allowed: functions of x, y, z, age"},
     {"spacing = 0.01", "spacing = 0.01\nviscosity = \"0,5\"",
-     "bad.toml:5:15: fluid.viscosity: \"0,5\" is not an expression: a comma outside a function (column 2 of the text); allowed: functions of x, y, z"},
+     "bad.toml:5:15: fluid.viscosity: \"0,5\" is not an expression: a comma outside a function (column 2 of the text); allowed: functions of x, y, z, age"},
     {"spacing = 0.01", "spacing = 0.01\nviscosity = \"1 + t\"",
-     "bad.toml:5:13: fluid.viscosity uses t, which it cannot depend on; allowed: functions of x, y, z"},
+     "bad.toml:5:13: fluid.viscosity uses t, which it cannot depend on; allowed: functions of x, y, z, age"},
     {"spacing = 0.01", "spacing = 0.01\nviscosity = -3",
      "bad.toml:5:13: fluid.viscosity = -3 is out of range; allowed: at least 0"},
     {"spacing = 0.01", "spacing = 0.01\nviscosity = \"2 - 3\"",
@@ -71,7 +71,7 @@ const std::vector<Case> cases = {
      "bad.toml:3:1: unknown key \"periodic\" in [time]; [domain] has a key of this name; allowed: end, fps, slow_motion, max_step, cfl, fixed_step, sleep"},
     {"[time]", "[tme]",
      "bad.toml: time.end is missing; when the run ends [s]; allowed: more than 0\n"
-     "bad.toml:1:2: unknown key \"tme\"; did you mean \"time\"?; allowed: name, seed, time, domain, fluid, models, pressure, viscosity, micropolar, boundary, block, emitter, solid, drain, probe, change, output, budget, quality"},
+     "bad.toml:1:2: unknown key \"tme\"; did you mean \"time\"?; allowed: name, seed, time, domain, fluid, models, pressure, viscosity, micropolar, boundary, block, emitter, solid, drain, probe, change, panel, output, budget, quality"},
     {"[time]", "[[time]]",
      "bad.toml:1:3: time must be one table, [time]"},
     {"[[block]]", "[block]",
@@ -139,7 +139,7 @@ const std::vector<Case> cases = {
      "bad.toml:10:8: output.size must be a list of 2 whole numbers [pixels], not the text \"big\"\n"
      "bad.toml:11:10: output.export must be a list of texts, not the text \"mesh\"; allowed: points, mesh, vdb"},
     {"", "[outptu]\nframes = true",
-     "bad.toml:9:2: unknown key \"outptu\"; did you mean \"output\"?; allowed: name, seed, time, domain, fluid, models, pressure, viscosity, micropolar, boundary, block, emitter, solid, drain, probe, change, output, budget, quality"},
+     "bad.toml:9:2: unknown key \"outptu\"; did you mean \"output\"?; allowed: name, seed, time, domain, fluid, models, pressure, viscosity, micropolar, boundary, block, emitter, solid, drain, probe, change, panel, output, budget, quality"},
     {"", "[quality.draft]\nfluid.spacng = 1\n[quality.coarse]\n[quality.standard]",
      "bad.toml:10:7: unknown key \"spacng\" in [fluid]; did you mean \"spacing\"?; allowed: spacing, density, viscosity, surface_tension, kernel, support\n"
      "bad.toml:11:10: unknown quality \"coarse\"; allowed: draft, fine\n"

@@ -20,7 +20,7 @@ std::string state_of(const Simulation& simulation) {
 
 }  // namespace
 
-TEST_CASE("a settled puddle falls asleep and is not solved for; what is poured onto it wakes it", "[sleep]") {
+TEST_CASE("a settled puddle falls asleep and is not solved for, what is poured onto it wakes it", "[sleep]") {
     Pool pool(puddle("coupled", 0.05, 0.06, 1.05));
     pool.run_until(1);
     const Index all = pool.size();

@@ -103,7 +103,7 @@ FrameSolid solid(TriangleMesh mesh) {
 
 }  // namespace
 
-TEST_CASE("a box that stands on a plate darkens the plate at its foot and throws a soft shadow towards the viewer; alone the plate is even", "[render]") {
+TEST_CASE("a box that stands on a plate darkens the plate at its foot and throws a soft shadow towards the viewer, alone the plate is even", "[render]") {
     Renderer renderer(192, 128);
     const View from_above{Vec3f(0, 0.35f, 0.5f), Vec3f(0, 0.02f, 0), Vec3f(0, 1, 0), 30};
     Frame frame = empty_frame();
@@ -145,4 +145,58 @@ TEST_CASE("with a fixed range a speed has the same colour whatever else moves", 
             other_changed = other_changed || slow.pixel(x, y)[0] != fast.pixel(x, y)[0];
         }
     CHECK(other_changed);
+}
+
+namespace {
+
+/// A ball of fluid that turns about z, fast outside.
+Frame turning_ball() {
+    Frame frame = empty_frame();
+    frame.spacing = 0.01f;
+    for (float x = -0.1f; x <= 0.1f; x += 0.01f)
+        for (float y = 0; y <= 0.2f; y += 0.01f)
+            for (float z = -0.1f; z <= 0.1f; z += 0.01f) {
+                if (Vec3f(x, y - 0.1f, z).norm() > 0.1f) continue;
+                frame.position.emplace_back(x, y, z);
+                frame.velocity.emplace_back(-(y - 0.1f), x, 0);
+            }
+    return frame;
+}
+
+}  // namespace
+
+TEST_CASE("a slice shows the field in its plane: dark in the middle of a turning ball, bright at its rim", "[render]") {
+    Renderer renderer(160, 120);
+    LookOptions look = one_sample();
+    look.style = "slice";
+    look.streaks = false;
+    const Image picture = renderer.draw(turning_ball(), Surface{}, look, from_the_front);
+    const int rim = 80 + static_cast<int>(0.085 / 0.6 * 120 / (2 * 0.26795));
+    const auto *middle = picture.pixel(80, 60), *outer = picture.pixel(rim, 60);
+    CHECK(outer[1] > middle[1] + 80);
+    CHECK(middle[2] > middle[1] + 20);
+}
+
+TEST_CASE("a volume is a cloud: what stands behind its thin parts shows through, what is strong glows", "[render]") {
+    Renderer renderer(160, 120);
+    LookOptions look = one_sample();
+    look.style = "volume";
+    look.colour_map = "inferno";
+    look.opacity = 3;
+    const Image nothing = renderer.draw(empty_frame(), Surface{}, look, from_the_front);
+    const Image cloud = renderer.draw(turning_ball(), Surface{}, look, from_the_front);
+    const int rim = 80 + static_cast<int>(0.085 / 0.6 * 120 / (2 * 0.26795));
+    // The axis is still: the studio shows through it. The rim is fast.
+    CHECK(std::abs(brightness(cloud, 80, 60) - brightness(nothing, 80, 60)) < 40);
+    CHECK(cloud.pixel(rim, 60)[0] > cloud.pixel(rim, 60)[2] + 60);
+}
+
+TEST_CASE("trails draw where a particle came from", "[render]") {
+    Renderer renderer(160, 120);
+    LookOptions look = one_sample();
+    look.style = "particles";
+    const Image without = renderer.draw(turning_ball(), Surface{}, look, from_the_front);
+    look.trail = 0.3f;
+    const Image with = renderer.draw(turning_ball(), Surface{}, look, from_the_front);
+    CHECK(difference(with, without).mean > 0.5);
 }

@@ -248,7 +248,8 @@ const std::string slot = "[[solid]]\nshape = \"plane\"\n[[solid]]\nshape = \"pla
 TEST_CASE("water comes to rest in an open box, a full closed box, between floor and ceiling and in a slot, with and without viscosity",
           "[validation][sim]") {
     // A lattice is no stable packing: it melts, and what its fall to a denser one sets free (1 % of the height) has to die out. Speeds in units of
-    // sqrt(2 g H): the root mean square below 0.7 % (0.2 to 0.4 % is reached) and below a third of what it was at 0.5 s. Single particles that
+    // sqrt(2 g H): the root mean square below 0.7 % (0.2 to 0.4 % is reached), and falling: below half of what it was at 0.5 s (0.7 to 2 %, by when the
+    // lattice melts). Single particles that
     // find a better place jump: the fastest of 1000, 1 to 3 % from run to run (float and double are two runs), below 5 %. The densest particle
     // scatters in the same way (.02 to .3 %), the mean does not.
     struct Case {
@@ -266,7 +267,7 @@ TEST_CASE("water comes to rest in an open box, a full closed box, between floor 
             CAPTURE(rest.early, rest.late, rest.fastest, rest.density, rest.densest);
             CHECK(rest.fastest < 0.05);
             CHECK(rest.late < 0.02 / 3);
-            CHECK(rest.late < rest.early / 3);
+            CHECK(rest.late < rest.early / 2);
             CHECK(rest.density < 1e-3);
             CHECK(rest.densest < 1e-2);
             CHECK(rest.lost == 0);

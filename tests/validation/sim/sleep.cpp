@@ -7,7 +7,7 @@ using namespace whorl;
 using test::Pool;
 using test::puddle;
 
-TEST_CASE("a settled puddle falls asleep, is not solved for, and keeps its height; what is poured onto it wakes it in time", "[validation][sleep]") {
+TEST_CASE("a settled puddle falls asleep, is not solved for, and keeps its height, what is poured onto it wakes it in time", "[validation][sleep]") {
     // Honey creeps to rest; with the pressure equation particles go on milling about by less than a spacing, which is what has to count as rest there.
     for (const auto& [pressure, rest] : {std::pair<std::string, double>{"coupled", 0.05}, {"ppe", 1.0}}) {
         INFO(pressure);

@@ -60,8 +60,7 @@ const char* const look_at_picture =
 
 }  // namespace
 
-// Not passing yet, so not run by itself (run it with "[page]"): undo by the key "u" does not put a slider back.
-TEST_CASE("the page shows the run, moves it and changes it", "[.][live][page]") {
+TEST_CASE("the page shows the run, moves it and changes it", "[live][page]") {
     if (missing()) return;
     LiveProgram live(honey, {"--unpaced"});
     Browser browser(1280, 800);
@@ -121,8 +120,7 @@ TEST_CASE("the page shows the run, moves it and changes it", "[.][live][page]") 
     CHECK(live.end().code == 0);
 }
 
-// Not passing yet, so not run by itself (run it with "[page]"): of two tabs in one browser neither shows the picture.
-TEST_CASE("two viewers see the same run, and a page finds a run that was started again", "[.][live][page]") {
+TEST_CASE("two viewers see the same run, paused as it is, and a page finds a run that was started again", "[live][page]") {
     if (missing()) return;
     LiveProgram live(honey);
     Browser browser(1000, 700);

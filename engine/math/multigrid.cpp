@@ -1,0 +1,164 @@
+#include "engine/math/multigrid.h"
+
+#include <cmath>
+#include <limits>
+
+#include "engine/core/parallel.h"
+#include "engine/math/conjugate_gradients.h"
+
+namespace whorl {
+namespace {
+
+constexpr Real smallest = std::numeric_limits<Real>::min();
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+Column<Real> inverse_diagonal(const SparseRows& A) {
+    Column<Real> inverse(at(A.size()), 0);
+    parallel_for(A.size(), [&](Index i) {
+        for (std::size_t k = A.first[at(i)]; k < A.first[at(i) + 1]; ++k)
+            if (A.column[k] == i && A.value[k] > smallest) inverse[at(i)] = 1 / A.value[k];
+    });
+    return inverse;
+}
+
+/// Constants over the groups, or (1 - w D^-1 A) times them.
+SparseRows interpolation(const SparseRows& A, Span<const Real> smoothing, const std::vector<Index>& group_of, Index groups, bool smoothed) {
+    SparseRows P;
+    P.columns = groups;
+    for (std::size_t i = 0; i < group_of.size(); ++i) {
+        P.first.push_back(i + 1);
+        P.column.push_back(group_of[i]);
+        P.value.push_back(1);
+    }
+    if (!smoothed) return P;
+    SparseRows S = A;
+    parallel_for(S.size(), [&](Index i) {
+        for (std::size_t k = S.first[at(i)]; k < S.first[at(i) + 1]; ++k)
+            S.value[k] = (S.column[k] == i ? Real(1) : Real(0)) - smoothing[at(i)] * S.value[k];
+    });
+    return product(S, P);
+}
+
+}  // namespace
+
+CellNumbers::CellNumbers(std::size_t expected) {
+    std::size_t size = 64;
+    while (size < 2 * expected) size *= 2;
+    table_.assign(size, 0);
+}
+
+std::size_t CellNumbers::slot(const Cell& cell) const {
+    std::uint64_t h = 0;
+    for (int a = 0; a < 3; ++a) h = (h ^ static_cast<std::uint32_t>(cell[a])) * 0x9e3779b97f4a7c15u;
+    std::size_t s = static_cast<std::size_t>(h >> 20) & (table_.size() - 1);
+    while (table_[s] != 0 && cells_[at(table_[s] - 1)] != cell) s = (s + 1) & (table_.size() - 1);
+    return s;
+}
+
+Index CellNumbers::number(const Cell& cell) {
+    const std::size_t s = slot(cell);
+    if (table_[s] != 0) return table_[s] - 1;
+    cells_.push_back(cell);
+    table_[s] = static_cast<Index>(cells_.size());
+    if (2 * cells_.size() > table_.size()) grow();
+    return static_cast<Index>(cells_.size()) - 1;
+}
+
+void CellNumbers::grow() {
+    table_.assign(2 * table_.size(), 0);
+    for (std::size_t k = 0; k < cells_.size(); ++k) table_[slot(cells_[k])] = static_cast<Index>(k) + 1;
+}
+
+Real largest_eigenvalue(const SparseRows& A, Span<const Real> inverse) {
+    const Real bound = static_cast<Real>(parallel_max(A.size(), 0, [&](Index i) {
+        Real sum = 0;
+        for (std::size_t k = A.first[at(i)]; k < A.first[at(i) + 1]; ++k) sum += std::abs(A.value[k]);
+        return sum * inverse[at(i)];
+    }));
+    // A start without symmetries.
+    Column<Real> x(at(A.size())), y(at(A.size()));
+    parallel_for(A.size(), [&](Index i) { x[at(i)] = static_cast<Real>(std::sin(12.9898 * (i + 1))); });
+    double estimate = 0;
+    for (int k = 0; k < 10; ++k) {
+        A.multiply(x, y);
+        parallel_for(A.size(), [&](Index i) { y[at(i)] *= inverse[at(i)]; });
+        const double before = std::sqrt(dot<Real>(x, x)), after = std::sqrt(dot<Real>(y, y));
+        if (!(before > 0 && after > 0)) break;
+        estimate = after / before;
+        parallel_for(A.size(), [&](Index i) { x[at(i)] = static_cast<Real>(y[at(i)] / after); });
+    }
+    return std::max(smallest, std::min(bound, static_cast<Real>(1.1 * estimate)));
+}
+
+void Multigrid::set_up(SparseRows A, std::vector<Cell> cells, const MultigridOptions& options) {
+    levels_.clear();
+    for (;;) {
+        const Index n = A.size();
+        Level& level = levels_.emplace_back();
+        for (Column<Real>* column : {&level.b, &level.x, &level.work}) column->assign(at(n), 0);
+        if (n <= options.coarsest || levels() == options.most_levels) {
+            factor(A);
+            level.A = std::move(A);
+            return;
+        }
+        level.smoothing = inverse_diagonal(A);
+        // With sweeps of 4/3 over the largest eigenvalue the smoothed interpolation is the best of its degree; sweeps are symmetric and positive
+        // definite up to 2, so the estimate may miss a third.
+        const Real w = Real(4.0 / 3) / largest_eigenvalue(A, level.smoothing);
+        for (Real& one : level.smoothing) one *= w;
+
+        CellNumbers numbers(at(n) / 4);
+        std::vector<Index> group_of(at(n));
+        for (std::size_t i = 0; i < at(n); ++i) group_of[i] = numbers.number(Cell(cells[i][0] >> 1, cells[i][1] >> 1, cells[i][2] >> 1));
+        level.P = interpolation(A, level.smoothing, group_of, static_cast<Index>(numbers.cells().size()), options.smoothed);
+        level.R = transposed(level.P);
+        level.A = std::move(A);
+        A = product(level.R, product(level.A, level.P));
+        cells = numbers.take();
+    }
+}
+
+void Multigrid::factor(const SparseRows& A) {
+    Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(A.size(), A.size());
+    for (Index i = 0; i < A.size(); ++i)
+        for (std::size_t k = A.first[at(i)]; k < A.first[at(i) + 1]; ++k) dense(i, A.column[k]) = static_cast<double>(A.value[k]);
+    dense = (dense + dense.transpose()).eval() / 2;
+    // A closed box leaves A singular: constants are worth 10^4 times what a neighbour's difference is, not infinitely much.
+    constexpr double lift = 1e-4;
+    for (Index i = 0; i < A.size(); ++i) dense(i, i) = dense(i, i) > static_cast<double>(smallest) ? dense(i, i) * (1 + lift) : 1;
+    coarsest_.compute(dense);
+}
+
+void Multigrid::operator()(Span<const Real> b, Span<Real> x) const { cycle(0, b, x); }
+
+void Multigrid::cycle(std::size_t l, Span<const Real> b, Span<Real> x) const {
+    const Level& level = levels_[l];
+    const Index n = level.A.size();
+    if (l + 1 == levels_.size()) {
+        using Vector = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
+        const Eigen::VectorXd solved = coarsest_.solve(Eigen::Map<const Vector>(b.data(), n).cast<double>());
+        Eigen::Map<Vector>(x.data(), n) = solved.cast<Real>();
+        return;
+    }
+    const Level& next = levels_[l + 1];
+    const SparseRows& A = level.A;
+    // x = S b;  r = b - A x;  x += P (next level) P^T r;  x += S (b - A x)        S = w/D
+    parallel_for(n, [&](Index i) { x[at(i)] = level.smoothing[at(i)] * b[at(i)]; });
+    A.multiply(x, level.work);
+    parallel_for(n, [&](Index i) { level.work[at(i)] = b[at(i)] - level.work[at(i)]; });
+    level.R.multiply(level.work, next.b);
+    cycle(l + 1, next.b, next.x);
+    level.P.multiply(next.x, level.work);
+    parallel_for(n, [&](Index i) { x[at(i)] += level.work[at(i)]; });
+    A.multiply(x, level.work);
+    parallel_for(n, [&](Index i) { x[at(i)] += level.smoothing[at(i)] * (b[at(i)] - level.work[at(i)]); });
+}
+
+std::size_t Multigrid::bytes() const {
+    std::size_t sum = 0;
+    const auto rows = [](const SparseRows& A) { return A.first.size() * sizeof(std::size_t) + A.value.size() * (sizeof(Real) + sizeof(Index)); };
+    for (const Level& level : levels_) sum += rows(level.A) + rows(level.P) + rows(level.R) + 4 * level.b.size() * sizeof(Real);
+    return sum + static_cast<std::size_t>(coarsest_.rows() * coarsest_.cols()) * sizeof(double);
+}
+
+}  // namespace whorl

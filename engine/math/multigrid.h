@@ -1,0 +1,63 @@
+#pragma once
+/// A V-cycle on an explicit symmetric matrix whose unknowns stand in cells of a lattice (Takahashi et al. 2016, Algorithm 3; aggregates and
+/// Galerkin operators as Vanek, Mandel and Brezina 1996).
+#include <Eigen/Cholesky>
+#include <memory>
+
+#include "engine/math/sparse_rows.h"
+
+namespace whorl {
+
+using Cell = Eigen::Vector3i;
+
+/// Numbers the cells in the order in which they are first met. of[i] = -1 where `wanted` is false.
+class CellNumbers {
+public:
+    explicit CellNumbers(std::size_t expected);
+    /// @returns the number of the cell, a new one where it is met for the first time
+    Index number(const Cell& cell);
+    const std::vector<Cell>& cells() const { return cells_; }
+    std::vector<Cell> take() { return std::move(cells_); }
+
+private:
+    void grow();
+    std::size_t slot(const Cell& cell) const;
+    std::vector<Index> table_;  ///< number + 1; 0: free. Open addressing, a power of two
+    std::vector<Cell> cells_;
+};
+
+struct MultigridOptions {
+    bool smoothed = true;  ///< interpolation is smoothed once: (1 - w D^-1 A) times constants; false: constants
+    Index coarsest = 250;  ///< unknowns that are left to a dense Cholesky factorisation
+    int most_levels = 20;
+};
+
+/// x = M^-1 b with M symmetric and positive definite for any symmetric positive semi-definite A: one damped Jacobi sweep from zero, the
+/// correction from the next level (2 x 2 x 2 cells become one; A' = P^T A P), one more sweep; Cholesky on the coarsest level.
+/// Rows whose diagonal is zero get x = 0.
+class Multigrid {
+public:
+    void set_up(SparseRows A, std::vector<Cell> cells, const MultigridOptions& options);
+    void operator()(Span<const Real> b, Span<Real> x) const;
+    int levels() const { return static_cast<int>(levels_.size()); }
+    std::size_t bytes() const;
+    Index size() const { return levels_.empty() ? 0 : levels_.front().A.size(); }
+
+private:
+    struct Level {
+        SparseRows A;
+        Column<Real> smoothing;     ///< w/D
+        SparseRows P, R;            ///< to this level from the next, and its transpose; empty on the coarsest
+        mutable Column<Real> b, x, work;
+    };
+    void cycle(std::size_t level, Span<const Real> b, Span<Real> x) const;
+    void factor(const SparseRows& A);
+
+    std::vector<Level> levels_;
+    Eigen::LLT<Eigen::MatrixXd> coarsest_;
+};
+
+/// Largest eigenvalue of D^-1 A by the power method, at most the largest row sum of |D^-1 A|.
+Real largest_eigenvalue(const SparseRows& A, Span<const Real> inverse_diagonal);
+
+}  // namespace whorl

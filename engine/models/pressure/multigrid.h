@@ -1,0 +1,31 @@
+#pragma once
+/// Multigrid preconditioners of the two pressure solves (docs/pressure.md).
+#include "engine/math/multigrid.h"
+#include "engine/models/pressure/constraint.h"
+#include "engine/models/pressure/ppe.h"
+
+namespace whorl {
+
+/// How the particles sit on the first coarse level, and how the two are joined.
+struct ParticleMultigrid {
+    Real cell;              ///< in spacings: the unknowns of a cubic cell make one coarse unknown
+    bool additive = true;   ///< z = D^-1 r + P M P^T r; false: a V-cycle from the particles on (three products an iteration rather than one)
+    MultigridOptions coarse;
+};
+
+/// An odd number of spacings: constants over an even one look like the alternating modes that the constraint's gradient does not see.
+inline constexpr ParticleMultigrid constraint_levels{7, true, {}};
+inline constexpr ParticleMultigrid poisson_levels{3, true, {}};
+
+/// The sums over cells and the copies from them between particles and the first coarse level. Galerkin: A' = P^T A P, so what the particles know of
+/// solids, free surface, prescribed neighbours and alpha is in it.
+ConstraintPreconditionerSetup constraint_multigrid(const ParticleMultigrid& options = constraint_levels);
+PressurePreconditionerSetup poisson_multigrid(const ParticleMultigrid& options = poisson_levels);
+
+/// Unknowns from which on multigrid beats the diagonal, set-up included (docs/pressure.md has the table).
+inline constexpr double constraint_multigrid_above = 10000, poisson_multigrid_above = 5000;
+/// Whichever is faster for this many unknowns.
+PressurePreconditioner constraint_automatic(const ConstraintMatrix& matrix);
+PressurePreconditioner poisson_automatic(const PressureMatrix& matrix);
+
+}  // namespace whorl

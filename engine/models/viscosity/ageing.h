@@ -1,0 +1,46 @@
+#pragma once
+/// Viscosity that depends on how long a particle has been there: honey that stiffens as it lies, lava that freezes.
+///
+/// The first stage of a step, before those that read the viscosity. Where no viscosity depends on age there is none, and no column.
+#include <vector>
+
+#include "engine/math/expression.h"
+#include "engine/particles/field.h"
+#include "engine/particles/step.h"
+
+namespace whorl {
+
+namespace field {
+struct age {
+    using type = Real;
+    static constexpr std::string_view name = "age", unit = "s", meaning = "time since the start, or since the particle left its nozzle";
+};
+/// 0: in a block at the start. k > 0: from emitter k - 1.
+struct source {
+    using type = std::int16_t;
+    static constexpr std::string_view name = "source", unit = "", meaning = "where the particle came from";
+};
+struct birthplace {
+    using type = Vec3;
+    static constexpr std::string_view name = "birthplace", unit = "m", meaning = "where the particle was at the start";
+};
+}  // namespace field
+
+inline bool depends_on_age(const Expression& e) { return e.variables().find('a') != std::string::npos; }
+inline bool depends_on_place(const Expression& e) { return e.variables().find_first_of("xyz") != std::string::npos; }
+
+/// mu_i = f(age_i), f by source; then age_i += dt, but for particles still inside a nozzle.
+struct AgeingViscosity {
+    std::vector<Expression> of_source;
+    void operator()(const StepContext& step, Read<field::role> role, Read<field::source> source, Update<field::age> age,
+                    Write<field::viscosity> mu) const;
+};
+
+/// The same with f of the place at the start, too.
+struct AgeingViscosityByPlace {
+    std::vector<Expression> of_source;
+    void operator()(const StepContext& step, Read<field::role> role, Read<field::source> source, Read<field::birthplace> start,
+                    Update<field::age> age, Write<field::viscosity> mu) const;
+};
+
+}  // namespace whorl

@@ -1,0 +1,149 @@
+/// Viscosity by emitter and by age, through whole runs from the text of a scene.
+#include <catch2/catch.hpp>
+#include <sstream>
+
+#include "engine/models/viscosity/ageing.h"
+#include "engine/scene/read.h"
+#include "engine/sim/simulation.h"
+
+using namespace whorl;
+
+namespace {
+
+Simulation simulation_of(const std::string& text) {
+    const Scene scene = read_scene_text(text, "test.toml");
+    return Simulation(scene, make_plan(scene));
+}
+
+/// Two nozzles side by side over a block, nothing touches.
+const std::string pour = R"toml([time]
+end = 0.1
+[domain]
+min = [-0.1, -0.1, -0.1]
+max = [0.1, 0.1, 0.1]
+gravity = [0, 0, 0]
+[fluid]
+spacing = 5e-3
+viscosity = "30 + 1000*x"
+[models]
+pressure = "ppe"
+viscosity = "full"
+[[block]]
+shape = "box"
+min = [-0.02, -0.09, -0.02]
+max = [0.02, -0.07, 0.02]
+[[emitter]]
+position = [-0.05, 0, 0]
+radius = 0.01
+speed = 0.2
+viscosity = 3
+[[emitter]]
+position = [0.05, 0, 0]
+radius = 0.01
+speed = 0.2
+viscosity = "2 + 100*age"
+)toml";
+
+}  // namespace
+
+TEST_CASE("each emitter gives its own viscosity, by age where it says so, what was there at the start keeps that of its place", "[sim][viscosity]") {
+    Simulation simulation = simulation_of(pour);
+    while (simulation.time() < 0.1) REQUIRE_FALSE(simulation.step(0.1).diverged);
+    const World& w = simulation.world();
+    const auto mu = w.fluid.column<field::viscosity>();
+    const auto x = w.fluid.column<field::position>();
+    const auto role = w.fluid.column<field::role>();
+    int left = 0, right = 0, below = 0;
+    for (std::size_t i = 0; i < mu.size(); ++i) {
+        if (x[i].y() < -0.06) {
+            ++below;
+            CHECK(mu[i] == Approx(30 + 1000 * x[i].x()).margin(0.1));
+        } else if (x[i].x() < 0) {
+            ++left;
+            CHECK(mu[i] == 3);
+        } else if (role[i] < 0) {
+            CHECK(mu[i] == 2);  // inside the nozzle nothing grows older
+        } else {
+            ++right;  // 0.2 m/s from the nozzle at y = 0: age = -y/0.2 to within two steps of 5 ms at most
+            CHECK(mu[i] == Approx(2 + 100 * -x[i].y() / 0.2).margin(100 * 0.01));
+        }
+    }
+    CHECK(below > 100);
+    CHECK(left > 40);  // 0.02 m of jet is 50 particles
+    CHECK(right > 40);
+}
+
+TEST_CASE("a run with ageing viscosity that is saved and loaded half-way ends with the same bits", "[sim][viscosity][resume]") {
+    const auto state = [](const Simulation& s) {
+        std::ostringstream out;
+        s.save(out);
+        return out.str();
+    };
+    const auto run = [](Simulation& s, double end) {
+        while (s.time() < end) REQUIRE_FALSE(s.step(end).diverged);
+    };
+    Simulation whole = simulation_of(pour);
+    run(whole, 0.05);
+    std::istringstream saved(state(whole));
+    run(whole, 0.1);
+    Simulation resumed = simulation_of(pour);
+    resumed.load(saved);
+    run(resumed, 0.1);
+    CHECK((state(resumed) == state(whole)));
+}
+
+TEST_CASE("a live change of fluid.viscosity acts on what that key gave its viscosity, emitters with their own keep theirs", "[sim][viscosity][change]") {
+    const auto changed = [](const std::string& viscosity) {
+        ReadRequest request;
+        request.changes.push_back({"fluid.viscosity", viscosity, "test"});
+        return read_scene_text(pour, "test.toml", request);
+    };
+    Simulation simulation = simulation_of(pour);
+    while (simulation.time() < 0.1) REQUIRE_FALSE(simulation.step(0.1).diverged);
+    const auto mu = [&] { return simulation.world().fluid.column<field::viscosity>(); };
+    const std::vector<Real> before(mu().begin(), mu().end());
+
+    // To an expression of the place, which is where the particles are now, and of their age, which is 0.1 s for what was there at the start.
+    const Scene after = changed("\"60 + 500*y + 1000*age\"");
+    simulation.change(after, make_plan(after));
+    const auto x = simulation.world().fluid.column<field::position>();
+    int touched = 0;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+        const bool block = x[i].y() < -0.06;
+        touched += block;
+        CHECK(mu()[i] == Approx(block ? 60 + 500 * x[i].y() + 100 : before[i]).epsilon(1e-5));
+    }
+    CHECK(touched > 100);
+
+    // What ages goes on ageing, by the new expression and from the place of the change.
+    while (simulation.time() < 0.15) REQUIRE_FALSE(simulation.step(0.15).diverged);
+    const auto source = simulation.world().fluid.column<field::source>();
+    const auto start = simulation.world().fluid.column<field::birthplace>();
+    const double last = 0.15 - simulation.totals().last_step;  // the age in the newest step
+    for (std::size_t i = 0; i < source.size(); ++i) {
+        if (source[i] == 0) CHECK(mu()[i] == Approx(60 + 500 * start[i].y() + 1000 * last).epsilon(1e-4));
+        if (source[i] == 1) CHECK(mu()[i] == 3);
+    }
+}
+
+TEST_CASE("a live change of fluid.viscosity leaves an emitter with its own alone where nothing ages, too", "[sim][viscosity][change]") {
+    std::string text = pour;
+    text.replace(text.find("\"2 + 100*age\""), 13, "7");
+    Simulation simulation = simulation_of(text);
+    CHECK_FALSE(simulation.world().fluid.has<field::age>());
+    while (simulation.time() < 0.05) REQUIRE_FALSE(simulation.step(0.05).diverged);
+    ReadRequest request;
+    request.changes.push_back({"fluid.viscosity", "50", "test"});
+    const Scene after = read_scene_text(text, "test.toml", request);
+    simulation.change(after, make_plan(after));
+    const auto x = simulation.world().fluid.column<field::position>();
+    const auto mu = simulation.world().fluid.column<field::viscosity>();
+    for (std::size_t i = 0; i < mu.size(); ++i) CHECK(mu[i] == (x[i].y() < -0.06 ? 50 : x[i].x() < 0 ? 3 : 7));
+}
+
+TEST_CASE("a viscosity that becomes negative with age is told before anything runs", "[plan]") {
+    std::string text = pour;
+    text.replace(text.find("2 + 100*age"), 11, "2 - 100*age");
+    const Scene scene = read_scene_text(text, "test.toml");
+    CHECK_THROWS_WITH(make_plan(scene), Catch::Contains("emitter[1].viscosity is") && Catch::Contains("at the age of"));
+}

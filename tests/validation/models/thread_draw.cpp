@@ -1,0 +1,121 @@
+/// A thread that falls freely against one-dimensional theory: it thins, and stays in one piece.
+#include <catch2/catch.hpp>
+#include <numbers>
+
+#include "engine/scene/read.h"
+#include "engine/sim/simulation.h"
+
+using namespace whorl;
+
+namespace {
+
+constexpr double U0 = 0.1, a0 = 5e-3, nu = 0.05, g = 9.81, fall = 0.25, d = 2e-3;
+
+/// Speed over height of a steady thread: u a^2 = U0 a0^2, 3 nu (a^2 u')' + g a^2 - u u' a^2 = 0, no tension at the lower end. Integrated upward, where it is stable, from
+/// the end speed that gives U0 at the nozzle.
+class SteadyThread {
+public:
+    SteadyThread() {
+        double low = U0, high = 10;
+        for (int k = 0; k < 80; ++k) {
+            const double middle = (low + high) / 2;
+            (integrate(middle) < U0 ? low : high) = middle;
+        }
+        integrate(high);
+    }
+    /// @param y m below the nozzle
+    double speed(double y) const { return u_[static_cast<std::size_t>(std::lround((fall - y) / fall * steps))]; }
+
+private:
+    static constexpr int steps = 5000;
+    double integrate(double end) {
+        u_.assign(1, end);
+        double u = end, s = 0;  // s = u'/u
+        const double h = fall / steps;
+        const auto bend = [](double v, double t) { return (v * t - g / v) / (3 * nu); };
+        for (int k = 0; k < steps; ++k) {
+            const double um = u - h / 2 * u * s, sm = s - h / 2 * bend(u, s);
+            u -= h * um * sm, s -= h * bend(um, sm);
+            if (!(u > 0)) return 0;
+            u_.push_back(u);
+        }
+        return u;
+    }
+    std::vector<double> u_;
+};
+
+/// The longest link of the shortest tree that joins all points: a gap shows as a long one.
+double longest_link(const std::vector<Vec3>& x) {
+    std::vector<Real> nearest(x.size(), std::numeric_limits<Real>::max());
+    std::vector<char> joined(x.size(), 0);
+    double longest = 0;
+    for (std::size_t step = 0, at = 0; step + 1 < x.size(); ++step) {
+        joined[at] = 1;
+        std::size_t next = 0;
+        Real least = std::numeric_limits<Real>::max();
+        for (std::size_t i = 0; i < x.size(); ++i) {
+            if (joined[i]) continue;
+            nearest[i] = std::min(nearest[i], (x[i] - x[at]).norm());
+            if (nearest[i] < least) least = nearest[i], next = i;
+        }
+        longest = std::max<double>(longest, least);
+        at = next;
+    }
+    return longest;
+}
+
+}  // namespace
+
+TEST_CASE("a falling thread of five particles across thins as one-dimensional theory says, within 5 % down to a draw of nine, and holds together down to five",
+          "[validation][coupled]") {
+    // Measured: 3 % too thick next to the nozzle, where theory has it stretch from the first section on, 1 % too thin at a draw of nine. From a draw of six on, where fewer than three
+    // particles share a spacing of length, links of two to three spacings open for moments.
+    const Scene scene = read_scene_text(R"toml([time]
+end = 1.6
+[domain]
+min = [-0.03, -0.30, -0.03]
+max = [0.03, 0.02, 0.03]
+[fluid]
+spacing = 2e-3
+viscosity = 50
+[models]
+pressure = "coupled"
+[[emitter]]
+position = [0, 0, 0]
+radius = 5e-3
+speed = 0.1
+[[drain]]
+shape = "box"
+min = [-0.03, -0.30, -0.03]
+max = [0.03, -0.25, 0.03]
+)toml", "thread.toml");
+    Simulation simulation(scene, make_plan(scene));
+    const SteadyThread theory;
+    // Slices of 2 cm, averaged over 0.6 s: particles a slice give the cross-section, their mean speed the draw.
+    constexpr int slices = 12;
+    double count[slices] = {}, speed[slices] = {}, samples = 0, link[slices] = {};
+    for (double until = 1.0; until < 1.605; until += 0.02, ++samples) {
+        while (simulation.time() < until) REQUIRE_FALSE(simulation.step(until).diverged);
+        const auto x = simulation.world().fluid.column<field::position>();
+        const auto u = simulation.world().fluid.column<field::velocity>();
+        std::vector<Vec3> above[slices];  // from the nozzle down to each slice's end
+        for (std::size_t i = 0; i < x.size(); ++i) {
+            if (x[i].y() > 0) continue;
+            const int k = static_cast<int>(-x[i].y() / 0.02);
+            for (int l = k; l < slices; ++l) above[l].push_back(x[i]);
+            if (k < slices) count[k] += 1, speed[k] -= u[i].y();
+        }
+        for (int k = 0; k < slices; ++k) link[k] = std::max(link[k], longest_link(above[k]) / d);
+    }
+    double whole = 0;  // the draw down to which no link is longer than two spacings
+    for (int k = 0; k < slices; ++k) {
+        const double y = 0.02 * (k + 0.5), draw = speed[k] / count[k] / U0, expected = theory.speed(y) / U0;
+        const double a = std::sqrt(count[k] / samples * d * d * d / (0.02 * std::numbers::pi));
+        const double radius = a / (a0 * std::sqrt(1 / expected)), of_draw = a / (a0 * std::sqrt(1 / draw));
+        if (link[k] < 2) whole = std::max(whole, draw);
+        WARN(y << " m: draw " << draw << " (theory " << expected << "), radius " << radius << " of theory, " << of_draw << " of the draw's, longest link " << link[k] << " d");
+        if (draw < 9) CHECK(radius == Approx(1).epsilon(0.05));
+    }
+    WARN("in one piece down to a draw of " << whole);
+    CHECK(whole >= 5);
+}
