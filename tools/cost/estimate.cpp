@@ -33,7 +33,7 @@ double usual_speed(const Scene& scene, const Plan& plan) {
     const double splashing = g > 0 ? std::min(1.0, 6 * std::sqrt(2 * fall / g) / scene.time.end) : 1;
     const double free = plan.expected_speed * (splashing + 0.5 * (1 - splashing));
     if (nu == 0) return std::max(given, free);
-    return std::max(given, std::min(free, given + g * fall * fall / (3 * nu)));  // a thread under its own weight: g H^2/(3 nu)
+    return std::max(given, std::min(0.5 * plan.expected_speed, given + g * fall * fall / (3 * nu)));  // a thread under its own weight: g H^2/(3 nu)
 }
 
 double usual_step(const Scene& scene, const Plan& plan, const Simulation& simulation) {
