@@ -133,7 +133,6 @@ struct SolidKeys {
     VectorExpression position, rotation;  ///< m; rad/s about the solid's own axes; of t
     bool inside = false;          ///< the fluid is inside the shape
     Slip slip = Slip::no;
-    double slip_length = 0;       ///< m, Navier's: the fluid seems to rest this far behind the surface
     std::string material;         ///< of the look
 };
 

@@ -21,20 +21,14 @@ Real lattice_second_moment(KernelKind kernel, Real support, Real spacing);
 /// solid; for u to vanish relative to the wall on the solid's surface, not there, the shear is continued behind the surface:
 ///   u_i - u_s  becomes  stretch (u_i - u_wall),   stretch = 1 + d_s/d_i,
 /// with d_s and d_i the depths of s and i behind and before the surface, measured along the normal of s, limited to 3 close to the surface.
-/// With Navier's slip length b, u vanishes at the depth b behind the surface: stretch = (d_i + d_s)/(d_i + b).
 struct WallShear {
     Real depth;  ///< m, of the solid particles below the surface: half a spacing
-    Real stretch(const Vec3& r, const Vec3& normal, Real slip_length = 0) const {
+    Real stretch(const Vec3& r, const Vec3& normal) const {
         const Real height = r.dot(normal);
-        if (height <= 0) return depth / std::max(depth, slip_length);  // beyond an edge: the face of s does not face i
-        const Real before = std::max(height - depth, depth / 2);
-        return (before + depth) / (before + slip_length);
+        if (height <= 0) return 1;  // beyond an edge: the face of s does not face i
+        return 1 + depth / std::max(height - depth, depth / 2);
     }
 };
-
-/// Navier's slip length by solid [m]; solids beyond the list's end have none.
-using SlipLengths = std::vector<Real>;
-inline Real slip_length_of(const SlipLengths& lengths, std::size_t solid) { return solid < lengths.size() ? lengths[solid] : 0; }
 
 /// Free slip by solid: 1 where the fluid does not stick.
 std::vector<char> slips(const Solids& solids);

@@ -56,7 +56,7 @@ void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions
                 const auto k = static_cast<std::size_t>(s);
                 const auto whose = static_cast<std::size_t>(layer.solid[k]);
                 if (slip[whose]) return;
-                const Real stretch = shear.stretch(r, layer.normal[k], slip_length_of(options.slip_lengths, whose));
+                const Real stretch = shear.stretch(r, layer.normal[k]);
                 // The wall's rigid motion, seen from i, plus the shear continued behind the surface.
                 const Vec3 wall = solids.all[whose].pose.velocity_at(layer.position[k] + r);
                 const Vec3 u_is = stretch * (own - wall) + (wall - layer.velocity[k]);

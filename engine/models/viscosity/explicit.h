@@ -31,7 +31,6 @@ struct ExplicitOptions {
     bool monaghan = false;   ///< the second Laplacian of the notes rather than the first
     Real solid_factor = 1;   ///< on the solids' volumes, see models/boundary/wall.h
     SolidGate gate = {};
-    SlipLengths slip_lengths{};  ///< by solid; empty: the fluid sticks
 };
 
 /// a_i += mu/rho Lap u, with mu_ij = 2 mu_i mu_j/(mu_i + mu_j), which conserves momentum and keeps the stress at a jump of mu:

@@ -24,7 +24,6 @@ struct FullViscosityOptions {
     /// gradient loses of short waves: a wave of 32 particles decays 2.2 % too slowly with 0.05.
     Real penalty = Real(0.3);
     Real solid_factor = 1;       ///< on the solids' volumes, see models/boundary/wall.h
-    SlipLengths slip_lengths{};  ///< by solid; empty: the fluid sticks
     bool diagonal = true;        ///< the diagonal blocks precondition, and measure the residual; false: nothing does
     int aggregate = 48;          ///< particles in a group of the coarse level; 0: no coarse level
     int refresh_every = 5;       ///< steps between two set-ups of the coarse level

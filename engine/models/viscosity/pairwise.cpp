@@ -54,7 +54,7 @@ void PairwiseOperator::set_up(const PairwiseViscosityOptions& options, const Flu
                     touches[at(i)] = 1;
                     const Mat3 c = scale * options.solid_factor * layer.volume[at(s)] * own_mu * pair_stiffness(kernel, step.support, distance) * r *
                                    r.transpose();
-                    const Real stretch = shear.stretch(r, layer.normal[at(s)], slip_length_of(options.slip_lengths, whose));
+                    const Real stretch = shear.stretch(r, layer.normal[at(s)]);
                     // stretch (u_i - u_wall(x_i)) + (u_wall(x_i) - u_wall(x_s)), with the rigid motion of the solid u_wall
                     const Vec3 here = solids.all[whose].pose.velocity_at(layer.position[at(s)] + r);
                     hold += stretch * c;

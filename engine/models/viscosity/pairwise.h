@@ -12,7 +12,6 @@ namespace whorl {
 struct PairwiseViscosityOptions {
     SolveLimits limits{1e-4, 500};  ///< see solve_implicit()
     Real solid_factor = 1;          ///< on the solids' volumes, see models/boundary/wall.h
-    SlipLengths slip_lengths{};  ///< by solid; empty: the fluid sticks
 };
 
 /// A u = u_i + sum_j c_ij (u_ij . r_ij) r_ij,   c_ij = dt mu_ij/rho_0 2 (d + 2) V |W'(r)|/r / (r^2 + 0.01 h^2),   mu_ij = 2 mu_i mu_j/(mu_i + mu_j),

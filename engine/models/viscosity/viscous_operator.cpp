@@ -120,7 +120,7 @@ void ViscousOperator::set_up_wall(const FullViscosityOptions& options, const Sol
                 const Real w = -options.solid_factor * layer.volume[at(s)] * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
                 if (slip[whose] || !(w > 0)) return;
                 touches[at(i)] = 1;
-                const Real stretch = options.correction ? shear.stretch(r, layer.normal[at(s)], slip_length_of(options.slip_lengths, whose)) : 1;
+                const Real stretch = options.correction ? shear.stretch(r, layer.normal[at(s)]) : 1;
                 // stretch (u_i - u_wall(x_i)) + (u_wall(x_i) - u_wall(x_s)), with the rigid motion of the solid u_wall
                 const Vec3 here = solids.all[whose].pose.velocity_at(layer.position[at(s)] + r);
                 const Vec3 velocity = (stretch - 1) * here + layer.velocity[at(s)];
