@@ -20,7 +20,9 @@ const char* __tsan_default_suppressions() {
            "called_from_lib:libEGL_mesa.so\n"
            "called_from_lib:libLLVM\n"
            "called_from_lib:libtbb.so\n"
-           "called_from_lib:libopenvdb.so\n";
+           "called_from_lib:libopenvdb.so\n"
+           "mutex:libGLdispatch.so\n"
+           "mutex:whorl::prepare_openvdb\n";  // OpenVDB's own lock, taken and given back inside it
 }
 
 #ifdef __SANITIZE_THREAD__

@@ -134,10 +134,9 @@ Opened open(const Rung& rung) {
     return opened;
 }
 
-/// Mesa's software driver takes its number of threads from the environment when its first screen is made.
-void share_threads_with_software_driver() { setenv("LP_NUM_THREADS", std::to_string(threads()).c_str(), 0); }
-
 }  // namespace
+
+void share_threads_with_software_driver() { setenv("LP_NUM_THREADS", std::to_string(threads()).c_str(), 0); }
 
 std::vector<DeviceAttempt> probe_devices() {
     share_threads_with_software_driver();
@@ -151,7 +150,6 @@ std::vector<DeviceAttempt> probe_devices() {
 }
 
 GlContext::GlContext() {
-    share_threads_with_software_driver();
     std::string tried;
     for (const Rung& rung : ladder()) {
         Opened opened = open(rung);

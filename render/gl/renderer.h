@@ -21,6 +21,10 @@ struct DeviceAttempt {
 /// Tries every rung, for `whorl doctor`.
 std::vector<DeviceAttempt> probe_devices();
 
+/// Mesa's software driver takes its number of threads from the environment when its first screen is made. Call before there are threads: nothing
+/// may change the environment while another thread starts a process.
+void share_threads_with_software_driver();
+
 /// Draws frames into images. Belongs to the thread that made it.
 class Renderer {
 public:

@@ -34,6 +34,7 @@ const std::string& Picture::png() const {
 }
 
 Screen::Screen(int width, int height) : width_(width), height_(height) {
+    share_threads_with_software_driver();
     thread_ = std::thread([this] {
         name_thread("draw");
         adopt_threads();

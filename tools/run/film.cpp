@@ -20,6 +20,7 @@ std::filesystem::path numbered(const std::filesystem::path& folder, const char* 
 }  // namespace
 
 Film::Film(FilmOptions options) : options_(std::move(options)) {
+    share_threads_with_software_driver();
     start("surface", &Film::make_surfaces);
     start("draw", &Film::draw);
     start("write", &Film::write);
