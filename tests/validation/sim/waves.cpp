@@ -68,7 +68,8 @@ normal = [1, 0, 0]
 TEST_CASE("a standing wave, 40 particles long in water of 20 layers, has its period within 8 %", "[validation][sim]") {
     // Linear theory: omega^2 = g k tanh(k h), started flat with the velocities of its passage: u = U (sin kx cosh ky, -cos kx sinh ky)/sinh kh. The wave's
     // height is k A = 0.13, where the nonlinear period differs by 0.2 %. Two and a half periods lie between the first and the sixth zero of the sum of
-    // u_y cos kx; the mean period is 3.6 to 5.1 % short (two builds: the particles are chaotic, and rounding decides which way the lattice melts). Single halves scatter by 10 %, since the lattice melts meanwhile and the wave is lower than a spacing.
+    // u_y cos kx; the mean period is 3.6 to 5.1 % short (two builds: the particles are chaotic, and rounding decides which way the lattice melts).
+    // Single halves scatter by 10 %, since the lattice melts meanwhile and the wave is lower than a spacing.
     constexpr double length = 0.4, h = 0.2, U = 0.1, d = 0.01, k = 2 * std::numbers::pi / length;
     const Scene scene = read_scene_text(fmt::format(R"toml([time]
 end = 2
