@@ -5,20 +5,20 @@ cd "$(dirname "$0")/.."
 bash tools/setup.sh
 bash tools/build.sh release whorl
 
-# picture SCENE FRAME [render option ...]: that frame of the scene, 720 pixels wide.
+# picture SCENE FRAME [render option ...]: that frame of the scene, 720 pixels wide (or $width).
 picture() {
   local scene=$1 frame=$2 folder
   shift 2
   folder=$(mktemp -d)
   build/release/whorl render "$scene" --frames "$frame" --no-video --out "$folder/$scene" "$@"
-  ffmpeg -v error -y -i "$(printf '%s/%s/frames/%06d.png' "$folder" "$scene" "$frame")" -vf scale=720:-1:flags=area "docs/pictures/$scene.png"
+  ffmpeg -v error -y -i "$(printf '%s/%s/frames/%06d.png' "$folder" "$scene" "$frame")" -vf "scale=${width:-720}:-1:flags=area" "docs/pictures/$scene.png"
   rm -r "$folder"
 }
 
 picture honey_coil 54
 picture honey_ball 62 --quality draft --set look.samples=4
 picture dam_break 16 --quality draft --set look.samples=4
-picture karman_street 28 --quality draft
+width=600 picture karman_street 28 --quality draft
 
 # The page of a live run, as Chromium shows it.
 bash tools/setup.sh chromium

@@ -1,5 +1,6 @@
 #include "tests/support/live_program.h"
 
+#include <algorithm>
 #include <httplib.h>
 #include <signal.h>
 
@@ -27,8 +28,9 @@ httplib::Headers headers_of(const std::map<std::string, std::string>& headers) {
 
 LiveProgram::LiveProgram(const std::string& scene, const std::vector<std::string>& more) {
     std::ofstream(this->scene()) << scene;
-    std::vector<std::string> arguments{"live",   this->scene().string(), "--port", "0", "--out", run().string(), "--size", "160x90",
+    std::vector<std::string> arguments{"live",   this->scene().string(), "--port", "0", "--out", run().string(),
                                        "--quiet"};
+    if (std::find(more.begin(), more.end(), "--size") == more.end()) arguments.insert(arguments.end(), {"--size", "160x90"});
     arguments.insert(arguments.end(), more.begin(), more.end());
     program_ = std::make_unique<Program>(arguments);
     std::string line;
