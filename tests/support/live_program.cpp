@@ -1,9 +1,9 @@
 #include "tests/support/live_program.h"
 
-#include <algorithm>
 #include <httplib.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <fstream>
 
 namespace whorl::test {
