@@ -5,14 +5,9 @@
 
 namespace whorl {
 
+/// Adds those of `fields` that are derived and that the run can give:
 /// vorticity:        curl u [1/s], from gradients by least squares over the neighbours: exact for linear velocities, at surfaces too
 /// spin_difference:  w - curl u/2 [1/s], what the spin has more than the flow around it; where the run has spins
-inline const std::vector<std::string>& derived_field_names() {
-    static const std::vector<std::string> names{"vorticity", "spin_difference"};
-    return names;
-}
-
-/// Adds those of `fields` that are derived and that the run can give.
 void add_derived_fields(const World& world, const std::vector<std::string>& fields, Frame& frame);
 
 /// curl u of every particle [1/s]; 0 where a particle is alone.

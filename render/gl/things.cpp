@@ -103,10 +103,8 @@ void Things::fill_solids(const Frame& frame) {
 void Things::draw_fluid(gl::Program& program) const {
     program.set("rotation", Mat3f(Mat3f::Identity()));
     program.set("translation", Vec3f(Vec3f::Zero()));
-    if (are_particles())
-        particles_.draw(GL_POINTS);
-    else
-        fluid_.draw(GL_TRIANGLES);
+    if (shape_ == Shape::particles) particles_.draw(GL_POINTS);
+    if (shape_ == Shape::surface) fluid_.draw(GL_TRIANGLES);  // slices and clouds throw no shadow
 }
 
 void Things::draw_solids(gl::Program& program, bool containers, const std::function<void(const FrameSolid&)>& prepare) const {

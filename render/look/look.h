@@ -58,5 +58,9 @@ struct LookOptions {
 
 /// Whether the look colours the fluid by a field instead of drawing its surface.
 inline bool shows_field(const LookOptions& look) { return look.style == "particles" || look.style == "slice" || look.style == "volume"; }
+/// What a frame needs besides positions and velocities for the picture.
+inline std::vector<std::string> shown_fields(const LookOptions& look) {
+    return shows_field(look) ? std::vector<std::string>{look.field} : std::vector<std::string>{};
+}
 
 }  // namespace whorl

@@ -98,7 +98,7 @@ Calibration measure(const SceneFile& file, const Plan& plan) {
     measure_steps(simulation, sample.scene.time.end, c);
     c.particles = static_cast<double>(simulation.world().fluid.size());
     c.bytes_a_particle = (bytes_in_use() - before) / c.particles;
-    const Snapshots snapshots(simulation, {sample.look.field});
+    const Snapshots snapshots(simulation, shown_fields(sample.look));
     measure_picture(sample, snapshots.take(simulation, 1), c);
     return c;
 }

@@ -59,7 +59,7 @@ void LiveLoop::begin(WantedScene& scene) {
     probes_.clear();
     probed_ = Json::object();
     for (const ProbeKeys& keys : scene.file.scene.probes) probes_.emplace_back(keys.name, make_probe(keys, simulation_->world()));
-    snapshots_.emplace(*simulation_, std::vector<std::string>{scene.file.look.field});
+    snapshots_.emplace(*simulation_, shown_fields(scene.file.look));
     times_before_ = {}, frame_times_ = {}, totals_before_ = simulation_->totals();
     frame_steps_ = 0, frame_iterations_ = frame_wall_ = simulate_wall_ = pace_ = frames_a_second_ = 0;
     {
@@ -86,7 +86,7 @@ void LiveLoop::take_up(const Orders& orders) {
     if (state_ == State::diverged) return;  // stopped between two landings: only a restart helps, and has these values
     const double time = simulation_->time();
     simulation_->change(wanted.file.scene, wanted.plan);
-    snapshots_.emplace(*simulation_, std::vector<std::string>{wanted.file.look.field});
+    snapshots_.emplace(*simulation_, shown_fields(wanted.file.look));
     {
         const std::lock_guard lock(recording_mutex_);
         journal_.add(time, orders.changes);

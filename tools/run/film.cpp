@@ -8,6 +8,7 @@
 #include "render/gl/renderer.h"
 #include "render/surface/mesh_file.h"
 #include "render/video/encoder.h"
+#include "tools/run/contact_sheet.h"
 #include "tools/run/usage.h"
 
 namespace whorl {
@@ -90,7 +91,7 @@ void Film::write() {
     std::optional<VideoEncoder> encoder;
     if (!options_.video.empty()) {
         encoder.emplace(options_.video, options_.width, options_.height, VideoOptions{options_.fps, 18});
-        for (int frame = 1; frame <= options_.frames_before; ++frame) encoder->add(read_png(numbered(options_.folder, "frames", frame, "png")));
+        for (int frame = 1; frame <= options_.frames_before; ++frame) encoder->add(read_png(picture_file(options_.folder, frame)));
     }
     while (auto shot = to_write_.pop()) {
         timed("write", [&] {
@@ -117,7 +118,7 @@ void Film::write() {
 
 void Film::write_files(const Shot& shot) {
     const Frame& frame = *shot.frame;
-    if (options_.images) write_png(numbered(options_.folder, "frames", frame.number, "png"), shot.image);
+    if (options_.images) write_png(picture_file(options_.folder, frame.number), shot.image);
     if (exports("points")) write_points(numbered(options_.folder, "points", frame.number, "ply"), frame);
     if (exports("mesh")) write_ply_mesh(numbered(options_.folder, "mesh", frame.number, "ply"), shot.surface.mesh);
     if (exports("vdb")) write_vdb(numbered(options_.folder, "vdb", frame.number, "vdb"), frame, shot.how->surface);

@@ -58,10 +58,12 @@ FilmOptions film_options(const RunRequest& request, const SceneFile& file, int f
 
 /// What a frame needs besides positions and velocities.
 std::vector<std::string> snapshot_fields(const SceneFile& file, const World& world) {
+    std::vector<std::string> fields = shown_fields(file.look);
     const auto& exports = file.scene.output.exports;
-    if (std::find(exports.begin(), exports.end(), "points") != exports.end()) return live_fields(world.fluid);
-    if (!shows_field(file.look)) return {};
-    return {file.look.field};
+    if (std::find(exports.begin(), exports.end(), "points") != exports.end())
+        for (const std::string& name : live_fields(world.fluid))
+            if (std::find(fields.begin(), fields.end(), name) == fields.end()) fields.push_back(name);
+    return fields;
 }
 
 /// What the governor of the run so far had given up, by the last row of its table.

@@ -43,7 +43,7 @@ double seconds_until_picture(LiveProgram& live, std::uint64_t number, int frame,
 
 }  // namespace
 
-TEST_CASE("sliders moved at random for minutes: memory and frame time stay as they were", "[.][soak]") {
+TEST_CASE("sliders moved at random for minutes: memory stays as it was (frame times are printed)", "[.][soak]") {
     const char* wanted = std::getenv("WHORL_SOAK_MINUTES");
     const double seconds = 60 * (wanted != nullptr ? std::atof(wanted) : 10.0);
     LiveProgram live(shipped("honey_coil.toml"), {"--unpaced", "--size", "320x180", "--set", "fluid.spacing=4e-3"});
