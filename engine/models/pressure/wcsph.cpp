@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "engine/core/parallel.h"
+#include "engine/models/bodies/reaction.h"
 #include "engine/models/boundary/wall.h"
 
 namespace whorl {
@@ -54,8 +55,8 @@ void SoundDamping::operator()(const FluidPairs& pairs, const SolidPairs& solid_p
     });
 }
 
-void ArtificialViscosity::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
-                                     const StepContext& step, Read<field::density> rho, Read<field::velocity> u,
+void ArtificialViscosity::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer,
+                                     const StepContext& step, Read<field::role> role, Read<field::density> rho, Read<field::velocity> u,
                                      Update<field::acceleration> a) const {
     const Real h = step.support / 2, strength = static_cast<Real>(options.artificial_viscosity * options.sound_speed) * h;
     const Real softening = Real(0.01) * h * h;
@@ -77,6 +78,12 @@ void ArtificialViscosity::operator()(const FluidPairs& pairs, const SolidPairs& 
                     sum += factor * layer.volume[k] * along(own - layer.velocity[k], r, distance);
                 });
             a[i] += strength * sum;
+        });
+        react(solids, solid_pairs, layer, step.mass, role, [&](Index i, Index s, const Vec3& r, Real distance) {
+            const auto k = static_cast<std::size_t>(s);
+            if (slip[static_cast<std::size_t>(layer.solid[k])]) return Vec3(Vec3::Zero());
+            const Real factor = options.solid_factor * options.gate.weight(kernel, i, solid_pairs, layer.volume, options.solid_factor);
+            return Vec3(strength * factor * layer.volume[k] * along(u[i] - layer.velocity[k], r, distance));
         });
     });
 }
@@ -105,22 +112,29 @@ void add_pressure(const Kernel& kernel, const FluidPairs& pairs, const StepConte
 
 }  // namespace
 
-void PressureAcceleration::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, const StepContext& step,
-                                      Read<field::density> rho, Read<field::pressure> p, Update<field::acceleration> a) const {
+void PressureAcceleration::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& solid,
+                                      const StepContext& step, Read<field::role> role, Read<field::density> rho, Read<field::pressure> p,
+                                      Update<field::acceleration> a) const {
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         if (options.difference_gradient) add_pressure<true>(kernel, pairs, step, rho, p, a);
         else add_pressure<false>(kernel, pairs, step, rho, p, a);
         if (solid.size() == 0) return;
+        const auto push = [&](Index i, Index s, const Vec3& r, Real distance) {
+            const Real both = std::max(Real(0), 2 * p[i] - step.rest_density * step.gravity.dot(r));
+            return Vec3(both * solid.volume[static_cast<std::size_t>(s)] * slope_over_distance(kernel, distance) * r);
+        };
+        // Both halves of the symmetric form, rho_s = rho_0 and rho_i near it.
+        const auto share = [&](Index i) {
+            return options.gate.weight(kernel, i, solid_pairs, solid.volume, options.solid_factor) * step.rest_density * options.solid_factor / (rho[i] * rho[i]);
+        };
         parallel_for(a.size(), [&](Index i) {
             if (!(p[i] > 0)) return;
-            Vec3 push = Vec3::Zero();
-            solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                const Real both = std::max(Real(0), 2 * p[i] - step.rest_density * step.gravity.dot(r));
-                push += both * solid.volume[static_cast<std::size_t>(s)] * slope_over_distance(kernel, distance) * r;
-            });
-            // Both halves of the symmetric form, rho_s = rho_0 and rho_i near it.
-            const Real gate = options.gate.weight(kernel, i, solid_pairs, solid.volume, options.solid_factor);
-            a[i] -= gate * step.rest_density * options.solid_factor / (rho[i] * rho[i]) * push;
+            Vec3 sum = Vec3::Zero();
+            solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { sum += push(i, s, r, distance); });
+            a[i] -= share(i) * sum;
+        });
+        react(solids, solid_pairs, solid, step.mass, role, [&](Index i, Index s, const Vec3& r, Real distance) {
+            return p[i] > 0 ? Vec3(-share(i) * push(i, s, r, distance)) : Vec3(Vec3::Zero());
         });
     });
 }

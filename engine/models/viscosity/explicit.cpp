@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "engine/core/parallel.h"
+#include "engine/models/bodies/reaction.h"
 #include "engine/models/boundary/wall.h"
 
 namespace whorl {
@@ -35,12 +36,26 @@ struct Monaghan {
 };
 
 template <class Kernel, class Form>
-void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions& options, const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids,
-                   const SolidParticles& layer, const StepContext& step, Read<field::density> rho, Read<field::viscosity> mu,
+void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions& options, const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids,
+                   const SolidParticles& layer, const StepContext& step, Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu,
                    Read<field::velocity> u, Update<field::acceleration> a) {
     const std::vector<char> slip = slips(solids);
     const WallShear shear{step.spacing / 2};
     const auto slope_at = [&](Real r) { return kernel.derivative(r) / std::max(r, std::numeric_limits<Real>::min()); };
+    // The solids' share in rho_i a_i, but for the weight of all of them at i.
+    const auto by_solid = [&](Index i, Index s, const Vec3& r, Real distance) {
+        const auto k = static_cast<std::size_t>(s);
+        const auto whose = static_cast<std::size_t>(layer.solid[k]);
+        if (slip[whose]) return Vec3(Vec3::Zero());
+        const Real stretch = shear.stretch(r, layer.normal[k]);
+        // The wall's rigid motion, seen from i, plus the shear continued behind the surface.
+        const Vec3 wall = solids.all[whose].pose.velocity_at(layer.position[k] + r);
+        const Vec3 u_is = stretch * (u[i] - wall) + (wall - layer.velocity[k]);
+        return Vec3(layer.volume[k] * mu[i] * form(u_is, r, distance, slope_at(distance)));
+    };
+    const auto weight = [&](Index i) {
+        return layer.size() > 0 ? options.solid_factor * options.gate.weight(kernel, i, solid_pairs, layer.volume, options.solid_factor) : Real(0);
+    };
     parallel_for(a.size(), [&](Index i) {
         Vec3 sum = Vec3::Zero();
         const Vec3 own = u[i];
@@ -50,30 +65,22 @@ void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions
             const Real mean = both > 0 ? 2 * own_mu * mu[j] / both : 0;
             sum += step.mass / rho[j] * mean * form(own - u[j], r, distance, slope_at(distance));
         });
-        const Real solid_factor = layer.size() > 0 ? options.solid_factor * options.gate.weight(kernel, i, solid_pairs, layer.volume, options.solid_factor) : 0;
-        if (solid_factor > 0)
-            solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                const auto k = static_cast<std::size_t>(s);
-                const auto whose = static_cast<std::size_t>(layer.solid[k]);
-                if (slip[whose]) return;
-                const Real stretch = shear.stretch(r, layer.normal[k]);
-                // The wall's rigid motion, seen from i, plus the shear continued behind the surface.
-                const Vec3 wall = solids.all[whose].pose.velocity_at(layer.position[k] + r);
-                const Vec3 u_is = stretch * (own - wall) + (wall - layer.velocity[k]);
-                sum += solid_factor * layer.volume[k] * own_mu * form(u_is, r, distance, slope_at(distance));
-            });
+        if (const Real solid_factor = weight(i); solid_factor > 0)
+            solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { sum += solid_factor * by_solid(i, s, r, distance); });
         a[i] += sum / rho[i];
     });
+    react(solids, solid_pairs, layer, step.mass, role,
+          [&](Index i, Index s, const Vec3& r, Real distance) { return Vec3(weight(i) / rho[i] * by_solid(i, s, r, distance)); });
 }
 
 }  // namespace
 
-void ExplicitViscosity::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
-                                   const StepContext& step, Read<field::density> rho, Read<field::viscosity> mu, Read<field::velocity> u,
+void ExplicitViscosity::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer,
+                                   const StepContext& step, Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu, Read<field::velocity> u,
                                    Update<field::acceleration> a) const {
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         const auto add = [&](const auto& form) {
-            add_viscosity(kernel, form, options, pairs, solid_pairs, solids, layer, step, rho, mu, u, a);
+            add_viscosity(kernel, form, options, pairs, solid_pairs, solids, layer, step, role, rho, mu, u, a);
         };
         if (options.monaghan) add(Monaghan{Real(0.01) * step.support * step.support / 4});
         else add(Brookshaw{Real(3) / lattice_second_moment(step.kernel, step.support, step.spacing)});
