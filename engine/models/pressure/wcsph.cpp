@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "engine/core/parallel.h"
+#include "engine/models/bodies/reaction.h"
 #include "engine/models/boundary/wall.h"
 
 namespace whorl {
@@ -43,8 +44,8 @@ void SoundDamping::operator()(const FluidPairs& pairs, const SolidPairs& solid_p
     });
 }
 
-void ArtificialViscosity::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
-                                     const StepContext& step, Read<field::density> rho, Read<field::velocity> u,
+void ArtificialViscosity::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer,
+                                     const StepContext& step, Read<field::role> role, Read<field::density> rho, Read<field::velocity> u,
                                      Update<field::acceleration> a) const {
     const Real h = step.support / 2, strength = static_cast<Real>(options.artificial_viscosity * options.sound_speed) * h;
     const Real softening = Real(0.01) * h * h;
@@ -78,6 +79,12 @@ void ArtificialViscosity::operator()(const FluidPairs& pairs, const SolidPairs& 
                 });
             a[i] += strength * sum;
         });
+        react(solids, solid_pairs, layer, step.mass, role, [&](Index i, Index s, const Vec3& r, Real distance) {
+            const auto k = static_cast<std::size_t>(s);
+            if (slip[static_cast<std::size_t>(layer.solid[k])]) return Vec3(Vec3::Zero());
+            const Real factor = options.solid_factor * options.gate.weight(kernel, i, solid_pairs, layer.volume, options.solid_factor);
+            return Vec3(strength * factor * layer.volume[k] * along(u[i] - layer.velocity[k], r, distance));
+        });
     });
 }
 
@@ -107,24 +114,31 @@ void add_pressure(const Kernel& kernel, const FluidPairs& pairs, const StepConte
 
 }  // namespace
 
-void PressureAcceleration::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, const StepContext& step,
-                                      Read<field::density> rho, Read<field::pressure> p, Update<field::acceleration> a) const {
+void PressureAcceleration::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& solid,
+                                      const StepContext& step, Read<field::role> role, Read<field::density> rho, Read<field::pressure> p,
+                                      Update<field::acceleration> a) const {
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         if (options.difference_gradient) add_pressure<true>(kernel, pairs, step, rho, p, a);
         else add_pressure<false>(kernel, pairs, step, rho, p, a);
         if (solid.size() == 0) return;
-        parallel_for(a.size(), [&](Index i) {
-            if (!(p[i] > 0)) return;
+        const auto push = [&](Index i, Index s, const Vec3& r, Real distance) {
             // p_s + p_i, or p_s - p_i, with p_s = p_i - rho_0 g.r.
             const Real even = options.difference_gradient ? 0 : 2 * p[i], least = options.difference_gradient ? -p[i] : 0;
-            Vec3 push = Vec3::Zero();
-            solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                const Real both = std::max(least, even - step.rest_density * step.gravity.dot(r));
-                push += both * solid.volume[static_cast<std::size_t>(s)] * kernel.slope(distance) * r;
-            });
-            // rho_s = rho_0, and rho_i near it; both halves of the symmetric form.
-            const Real gate = options.gate.weight(kernel, i, solid_pairs, solid.volume, options.solid_factor);
-            a[i] -= gate * step.rest_density * options.solid_factor / (rho[i] * rho[i]) * push;
+            const Real both = std::max(least, even - step.rest_density * step.gravity.dot(r));
+            return Vec3(both * solid.volume[static_cast<std::size_t>(s)] * kernel.slope(distance) * r);
+        };
+        // rho_s = rho_0, and rho_i near it; both halves of the symmetric form.
+        const auto share = [&](Index i) {
+            return options.gate.weight(kernel, i, solid_pairs, solid.volume, options.solid_factor) * step.rest_density * options.solid_factor / (rho[i] * rho[i]);
+        };
+        parallel_for(a.size(), [&](Index i) {
+            if (!(p[i] > 0)) return;
+            Vec3 sum = Vec3::Zero();
+            solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { sum += push(i, s, r, distance); });
+            a[i] -= share(i) * sum;
+        });
+        react(solids, solid_pairs, solid, step.mass, role, [&](Index i, Index s, const Vec3& r, Real distance) {
+            return p[i] > 0 ? Vec3(-share(i) * push(i, s, r, distance)) : Vec3(Vec3::Zero());
         });
     });
 }

@@ -1,6 +1,7 @@
 #include "engine/models/viscosity/explicit.h"
 
 #include "engine/core/parallel.h"
+#include "engine/models/bodies/reaction.h"
 #include "engine/models/boundary/wall.h"
 
 namespace whorl {
@@ -33,11 +34,25 @@ struct Monaghan {
 };
 
 template <class Kernel, class Form>
-void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions& options, const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids,
-                   const SolidParticles& layer, const StepContext& step, Read<field::density> rho, Read<field::viscosity> mu,
+void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions& options, const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids,
+                   const SolidParticles& layer, const StepContext& step, Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu,
                    Read<field::velocity> u, Update<field::acceleration> a) {
     const std::vector<char> slip = slips(solids);
     const WallShear shear{step.spacing / 2};
+    // The solids' share in rho_i a_i, but for the weight of all of them at i.
+    const auto by_solid = [&](Index i, Index s, const Vec3& r, Real distance) {
+        const auto k = static_cast<std::size_t>(s);
+        const auto whose = static_cast<std::size_t>(layer.solid[k]);
+        if (slip[whose]) return Vec3(Vec3::Zero());
+        const Real stretch = shear.stretch(r, layer.normal[k]);
+        // The wall's rigid motion, seen from i, plus the shear continued behind the surface.
+        const Vec3 wall = solids.all[whose].pose.velocity_at(layer.position[k] + r);
+        const Vec3 u_is = stretch * (u[i] - wall) + (wall - layer.velocity[k]);
+        return Vec3(layer.volume[k] * mu[i] * form(u_is.dot(r), distance, kernel.slope(distance)) * (Form::along_r ? r : u_is));
+    };
+    const auto weight = [&](Index i) {
+        return layer.size() > 0 ? options.solid_factor * options.gate.weight(kernel, i, solid_pairs, layer.volume, options.solid_factor) : Real(0);
+    };
     parallel_for(a.size(), [&](Index i) {
         Vec3 sum = Vec3::Zero();
         const Vec3 own = u[i];
@@ -54,30 +69,22 @@ void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions
             }
             sum += Vec3(part[0], part[1], part[2]);
         });
-        const Real solid_factor = layer.size() > 0 ? options.solid_factor * options.gate.weight(kernel, i, solid_pairs, layer.volume, options.solid_factor) : 0;
-        if (solid_factor > 0)
-            solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                const auto k = static_cast<std::size_t>(s);
-                const auto whose = static_cast<std::size_t>(layer.solid[k]);
-                if (slip[whose]) return;
-                const Real stretch = shear.stretch(r, layer.normal[k]);
-                // The wall's rigid motion, seen from i, plus the shear continued behind the surface.
-                const Vec3 wall = solids.all[whose].pose.velocity_at(layer.position[k] + r);
-                const Vec3 u_is = stretch * (own - wall) + (wall - layer.velocity[k]);
-                sum += solid_factor * layer.volume[k] * own_mu * form(u_is.dot(r), distance, kernel.slope(distance)) * (Form::along_r ? r : u_is);
-            });
+        if (const Real solid_factor = weight(i); solid_factor > 0)
+            solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { sum += solid_factor * by_solid(i, s, r, distance); });
         a[i] += sum / rho[i];
     });
+    react(solids, solid_pairs, layer, step.mass, role,
+          [&](Index i, Index s, const Vec3& r, Real distance) { return Vec3(weight(i) / rho[i] * by_solid(i, s, r, distance)); });
 }
 
 }  // namespace
 
-void ExplicitViscosity::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
-                                   const StepContext& step, Read<field::density> rho, Read<field::viscosity> mu, Read<field::velocity> u,
+void ExplicitViscosity::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer,
+                                   const StepContext& step, Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu, Read<field::velocity> u,
                                    Update<field::acceleration> a) const {
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         const auto add = [&](const auto& form) {
-            add_viscosity(kernel, form, options, pairs, solid_pairs, solids, layer, step, rho, mu, u, a);
+            add_viscosity(kernel, form, options, pairs, solid_pairs, solids, layer, step, role, rho, mu, u, a);
         };
         if (options.monaghan) add(Monaghan{Real(0.01) * step.support * step.support / 4});
         else add(Brookshaw{Real(3) / lattice_second_moment(step.kernel, step.support, step.spacing)});
