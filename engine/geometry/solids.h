@@ -1,6 +1,7 @@
 #pragma once
 /// Solids: shapes that stand, move and turn by expressions, and the particles that sample their surfaces.
 #include <Eigen/Geometry>
+#include <limits>
 #include <vector>
 
 #include "engine/geometry/shape.h"
@@ -32,7 +33,7 @@ struct Solid {
     VectorExpression position;        ///< m, of t: how far it has moved from where the shape stands
     VectorExpression spin;            ///< rad/s about the own axes through turning_point(), of t
     bool inside = false;              ///< the fluid is inside the shape
-    bool free_slip = false;
+    double slip_length = 0;           ///< m: u - u_wall = slip_length du/dn on the surface; 0: the fluid sticks, infinite: it slides freely
     std::string material;
     Vec3d shift = Vec3d::Zero();      ///< m, added to `position`; follows from earlier motions (go_on_as)
     Mat3d turn = Mat3d::Identity();   ///< before the turning by `spin` since t = 0; follows from earlier motions
@@ -42,6 +43,9 @@ struct Solid {
     /// Moves and turns as these say from time t [s] on, from where it stands then.
     void go_on_as(VectorExpression new_position, VectorExpression new_spin, double t);
     bool moves() const;
+    bool sticks() const { return slip_length == 0; }
+    /// Whether the fluid slips, but not freely.
+    bool rubs() const { return slip_length > 0 && slip_length < std::numeric_limits<double>::infinity(); }
     /// Distance from x to the solid's surface, positive on the fluid's side [m].
     Real distance(const Vec3& x) const;
     /// Unit vector from the solid into the fluid.

@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "engine/core/parallel.h"
-#include "engine/models/boundary/wall.h"
+#include "engine/models/boundary/friction.h"
 
 namespace whorl {
 
@@ -28,9 +28,10 @@ struct Brookshaw {
     Vec3 operator()(const Vec3& u_ij, const Vec3&, Real, Real slope) const { return 2 * lattice * slope * u_ij; }
 };
 struct Monaghan {
+    Real factor;     ///< along_pairs_factor()
     Real softening;  ///< 0.01 h^2
     Vec3 operator()(const Vec3& u_ij, const Vec3& r_ij, Real r, Real slope) const {
-        return 10 * u_ij.dot(r_ij) / (r * r + softening) * slope * r_ij;
+        return 10 * factor * u_ij.dot(r_ij) / (r * r + softening) * slope * r_ij;
     }
 };
 
@@ -39,6 +40,8 @@ void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions
                    const SolidParticles& layer, const StepContext& step, Read<field::density> rho, Read<field::viscosity> mu,
                    Read<field::velocity> u, Update<field::acceleration> a) {
     const std::vector<char> slip = slips(solids);
+    WallFriction friction;
+    friction.set(options.monaghan ? FrictionForm::along : FrictionForm::central, solid_pairs, solids, layer, step);
     const WallShear shear{step.spacing / 2};
     const auto slope_at = [&](Real r) { return kernel.derivative(r) / std::max(r, std::numeric_limits<Real>::min()); };
     parallel_for(a.size(), [&](Index i) {
@@ -50,7 +53,8 @@ void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions
             const Real mean = both > 0 ? 2 * own_mu * mu[j] / both : 0;
             sum += step.mass / rho[j] * mean * form(own - u[j], r, distance, slope_at(distance));
         });
-        const Real solid_factor = layer.size() > 0 ? options.solid_factor * options.gate.weight(kernel, i, solid_pairs, layer.volume, options.solid_factor) : 0;
+        const Real gate = layer.size() > 0 ? options.gate.weight(kernel, i, solid_pairs, layer.volume, options.solid_factor) : 0;
+        const Real solid_factor = gate * options.solid_factor;
         if (solid_factor > 0)
             solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
                 const auto k = static_cast<std::size_t>(s);
@@ -62,6 +66,8 @@ void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions
                 const Vec3 u_is = stretch * (own - wall) + (wall - layer.velocity[k]);
                 sum += solid_factor * layer.volume[k] * own_mu * form(u_is, r, distance, slope_at(distance));
             });
+        // The wall's area does not depend on the density that the kernel finds beside it: the acceleration is mu/rho_0 times that.
+        if (friction.acts() && solid_factor > 0) sum -= gate * rho[i] / step.rest_density * own_mu * (friction.hold(i) * own - friction.pull(i));
         a[i] += sum / rho[i];
     });
 }
@@ -75,7 +81,7 @@ void ExplicitViscosity::operator()(const FluidPairs& pairs, const SolidPairs& so
         const auto add = [&](const auto& form) {
             add_viscosity(kernel, form, options, pairs, solid_pairs, solids, layer, step, rho, mu, u, a);
         };
-        if (options.monaghan) add(Monaghan{Real(0.01) * step.support * step.support / 4});
+        if (options.monaghan) add(Monaghan{along_pairs_factor(step.kernel, step.support, step.spacing), Real(0.01) * step.support * step.support / 4});
         else add(Brookshaw{Real(3) / lattice_second_moment(step.kernel, step.support, step.spacing)});
     });
 }

@@ -15,7 +15,7 @@ PairwiseOperator make_operator(TestWorld& w, Real dt) {
     w.world.step.dt = dt;
     PairwiseOperator A;
     const World& c = w.world;
-    A.set_up({}, c.fluid_pairs, c.solid_pairs, c.solids, c.solid_particles, c.step, {c.fluid.column<field::role>()}, {c.fluid.column<field::viscosity>()});
+    A.set_up(c.fluid_pairs, c.solid_pairs, c.solids, c.solid_particles, c.step, {c.fluid.column<field::role>()}, {c.fluid.column<field::viscosity>()});
     return A;
 }
 
