@@ -46,7 +46,7 @@ const char* name(Form form) {
 }
 
 /// Kernel radius over spacing. Forces along the pairs take their isotropy from the neighbours' fourth moments: on a lattice with R = 2 d they make shear
-/// 0.71 and stretching 1.47 times as stiff as they are; they need more neighbours than the others.
+/// 0.70 and stretching 1.45 times as stiff as they are; they need more neighbours than the others.
 double support_of(Form form) { return form == Form::monaghan || form == Form::pairwise ? 4 : 2; }
 
 /// Amplitude of (sin kx cos ky, -cos kx sin ky) in the flow.
