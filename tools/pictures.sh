@@ -18,7 +18,7 @@ picture() {
 picture honey_coil 54
 picture honey_ball 62 --quality draft --set look.samples=4
 picture dam_break 16 --quality draft --set look.samples=4
-width=600 picture karman_street 28 --quality draft
+width=560 picture karman_street 60 --quality draft
 
 # The page of a live run, as Chromium shows it.
 bash tools/setup.sh chromium

@@ -1,13 +1,14 @@
 #pragma once
 /// Solids: shapes that stand, move and turn by expressions, and the particles that sample their surfaces.
 #include <Eigen/Geometry>
+#include <limits>
 #include <optional>
 #include <vector>
 
+#include "engine/core/column.h"
 #include "engine/geometry/rigid_body.h"
 #include "engine/geometry/shape.h"
 #include "engine/math/expression.h"
-#include "engine/core/column.h"
 
 namespace whorl {
 
@@ -25,7 +26,7 @@ struct Solid {
     VectorExpression position;        ///< m, of t: how far it has moved from where the shape stands
     VectorExpression spin;            ///< rad/s about the own axes through turning_point(), of t
     bool inside = false;              ///< the fluid is inside the shape
-    bool free_slip = false;
+    double slip_length = 0;           ///< m: u - u_wall = slip_length du/dn on the surface; 0: the fluid sticks, infinite: it slides freely
     std::string material;
     Contact contact;                  ///< how it touches other solids
     std::optional<RigidBody> body;    ///< free: forces move it; position and spin only say where it starts
@@ -37,6 +38,9 @@ struct Solid {
     /// Moves and turns as these say from time t [s] on, from where it stands then.
     void go_on_as(VectorExpression new_position, VectorExpression new_spin, double t);
     bool moves() const;
+    bool sticks() const { return slip_length == 0; }
+    /// Whether the fluid slips, but not freely.
+    bool rubs() const { return slip_length > 0 && slip_length < std::numeric_limits<double>::infinity(); }
     /// Distance from x to the solid's surface, positive on the fluid's side [m].
     Real distance(const Vec3& x) const;
     /// Unit vector from the solid into the fluid.

@@ -20,6 +20,8 @@ void check_bodies(const Scene& scene, const Plan& plan, std::vector<Problem>& pr
         }
         if (solid.shape.kind == "plane") report(name + ".density", name + " is a plane, which has no end: it cannot be a free body", "take a box");
         if (solid.inside) report(name + ".density", name + " is a container of the fluid (inside): it cannot be a free body", "make a hollow body from a mesh");
+        if (solid.slip == Slip::navier)
+            report(name + ".slip", "along free bodies the fluid sticks or slides freely: a slip length does not push back on them", "take \"no\" or \"free\"");
         if (solid.position.depends_on_time() || solid.rotation.depends_on_time())
             report(name + ".density", name + " has a density, so forces move it, and position or rotation, which depend on t, cannot",
                    "give where it starts, and its velocity");

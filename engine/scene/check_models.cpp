@@ -50,6 +50,16 @@ void check_models(const Scene& scene, const Plan& plan, double viscous_number, s
         report("models.boundary",
                std::string("models.boundary = \"") + name_of(plan.boundary) + "\" does not go with models.pressure = \"" + name_of(plan.pressure) + "\"",
                "take \"auto\"", "akinci with wcsph, ppe with ppe, none with any");
+    for (std::size_t k = 0; k < scene.solids.size(); ++k)
+        if (scene.solids[k].slip == Slip::navier && plan.micropolar != MicropolarModel::none)
+            report("solid[" + std::to_string(k) + "].slip", "micropolar fluids stick to a solid or slide along it freely: slip = \"navier\" is for others",
+                   "take \"no\" or \"free\", or models.micropolar = \"none\"", "no or free");
+    const bool uncorrected = plan.viscosity == ViscosityModel::full_assembled || (plan.viscosity == ViscosityModel::full && !scene.viscosity.correction);
+    for (std::size_t k = 0; k < scene.solids.size(); ++k)
+        if (scene.solids[k].slip == Slip::navier && uncorrected)
+            report("solid[" + std::to_string(k) + "].slip",
+                   "the viscosity as published, without corrected gradients, has half of the shear where neighbours are missing: it knows no slip length",
+                   "take models.viscosity = \"full\" with viscosity.correction = \"first_order\", \"pairwise\" or \"explicit\"", "no or free");
     check_micropolar(scene, plan, problems);
     check_bodies(scene, plan, problems);
     if (scene.time.sleep == 0) return;

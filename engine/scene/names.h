@@ -60,7 +60,7 @@ inline Choices<CurlForm> choices(CurlForm) {
 inline Choices<Sampling> choices(Sampling) {
     return {{Sampling::lattice, "lattice"}, {Sampling::jittered, "jittered"}, {Sampling::blue_noise, "blue_noise"}};
 }
-inline Choices<Slip> choices(Slip) { return {{Slip::no, "no"}, {Slip::free, "free"}}; }
+inline Choices<Slip> choices(Slip) { return {{Slip::no, "no"}, {Slip::free, "free"}, {Slip::navier, "navier"}}; }
 inline Choices<Profile> choices(Profile) { return {{Profile::plug, "plug"}, {Profile::parabolic, "parabolic"}}; }
 inline Choices<ProbeKind> choices(ProbeKind) {
     using P = ProbeKind;

@@ -114,6 +114,11 @@ void warn(Plan& plan, const Scene& scene, const SceneNumbers& n, const SceneShap
                         n.explicit_step, n.step));
     warn_of_lattice(plan, scene);
     if (n.across < 4) add(fmt::format("only {:.1f} particles across {}: details there are lost, take a smaller fluid.spacing", n.across, n.thinnest));
+    const bool rubs = plan.pressure == PressureModel::coupled ||
+                      (plan.boundary != BoundaryModel::none && plan.viscosity != ViscosityModel::none && plan.viscosity != ViscosityModel::xsph);
+    for (std::size_t k = 0; k < scene.solids.size(); ++k)
+        if (scene.solids[k].slip == Slip::navier && !rubs)
+            add(fmt::format("solid[{}].slip_length has no effect: no viscosity acts at solids (models.viscosity is {})", k, name_of(plan.viscosity)));
     if (plan.pressure == PressureModel::none) add("models.pressure is none: nothing keeps the particles apart");
     if (plan.pressure == PressureModel::wcsph && scene.pressure.background_pressure > 0 && n.free_surface)
         add("pressure.background_pressure pushes particles away from a free surface: 0 is right where there is one");

@@ -29,7 +29,7 @@ enum class GradientForm { symmetric, difference };
 enum class LaplacianForm { brookshaw, monaghan, split };
 enum class ExchangeScheme { automatic, explicit_steps, implicit };
 enum class WallSpin { solid, free };
-enum class Slip { no, free };
+enum class Slip { no, free, navier };
 enum class Profile { plug, parabolic };
 enum class ProbeKind { point, line, region, coil };
 
@@ -134,6 +134,7 @@ struct SolidKeys {
     VectorExpression position, rotation;  ///< m; rad/s about the solid's own axes; of t
     bool inside = false;          ///< the fluid is inside the shape
     Slip slip = Slip::no;
+    double slip_length = 0;       ///< m, navier
     std::string material;         ///< of the look
     double density = 0;           ///< kg/m^3; given: a free body
     Vec3d velocity = Vec3d::Zero();  ///< m/s, of a free body at the start

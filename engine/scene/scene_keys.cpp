@@ -190,7 +190,9 @@ KeyTable solid_keys() {
     t.key("position", &SolidKeys::position, "m", "moves the shape from where its own keys put it").of("t").live();
     t.key("rotation", &SolidKeys::rotation, "rad/s", "turns it about its own axes").of("t").live();
     t.key("inside", &SolidKeys::inside, "", "the fluid is inside the shape: a container");
-    t.key("slip", &SolidKeys::slip, "", "whether the fluid sticks").live();
+    t.key("slip", &SolidKeys::slip, "", "whether the fluid sticks (no), slides freely, or slips by slip_length (navier)").live();
+    t.key("slip_length", &SolidKeys::slip_length, "m", "how far behind the surface the fluid, continued straight, would stick: u - u_wall = slip_length du/dn")
+        .required().above(0).only_with("slip", {"navier"}).live();
     t.key("density", &SolidKeys::density, "kg/m^3", "a free body: fluid, gravity and other solids move it; position and rotation then say how it starts; 0: it moves as they say")
         .at_least(0);
     t.key("velocity", &SolidKeys::velocity, "m/s", "of a free body at the start");

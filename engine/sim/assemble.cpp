@@ -268,7 +268,6 @@ private:
         if (plan_.viscosity == ViscosityModel::pairwise) {
             PairwiseViscosityOptions options;
             options.limits = limits;
-            options.solid_factor = solid_factor;
             stage("pairwise viscosity", "viscosity", PairwiseViscosity(options));
         }
     }

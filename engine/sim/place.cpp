@@ -23,6 +23,15 @@ void place_constants(const Scene& scene, const Plan& plan, World& world) {
     step.mass = static_cast<Real>(scene.fluid.density * plan.spacing * plan.spacing * plan.spacing);
 }
 
+double slip_length_of(const SolidKeys& keys) {
+    switch (keys.slip) {
+        case Slip::no: return 0;
+        case Slip::free: return std::numeric_limits<double>::infinity();
+        case Slip::navier: return keys.slip_length;
+    }
+    return 0;
+}
+
 void place_solids(const Scene& scene, const Plan& plan, World& world) {
     for (const SolidKeys& keys : scene.solids) {
         Solid solid;
@@ -30,7 +39,7 @@ void place_solids(const Scene& scene, const Plan& plan, World& world) {
         solid.position = keys.position;
         solid.spin = keys.rotation;
         solid.inside = keys.inside;
-        solid.free_slip = keys.slip == Slip::free;
+        solid.slip_length = slip_length_of(keys);
         solid.material = keys.material;
         solid.contact = {keys.friction, keys.bounce};
         if (keys.density > 0) solid.body = body_of(keys, *solid.shape);

@@ -99,7 +99,7 @@ struct Simulation::State {
                 solid.body->centre += now.solids[k].position(0) - scene.solids[k].position(0);
             } else if (text_of(scene.solids[k].position) != text_of(now.solids[k].position) || text_of(scene.solids[k].rotation) != text_of(now.solids[k].rotation))
                 solid.go_on_as(now.solids[k].position, now.solids[k].rotation, at);
-            solid.free_slip = now.solids[k].slip == Slip::free;
+            solid.slip_length = slip_length_of(now.solids[k]);
             solid.material = now.solids[k].material;
         }
         for (std::size_t k = 0; k < now.emitters.size(); ++k) emitters[k].change(now.emitters[k].speed, now.emitters[k].start, now.emitters[k].stop);

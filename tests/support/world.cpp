@@ -47,9 +47,9 @@ void TestWorld::place(const Vec3& min, const Vec3& max, double mu, const std::fu
             }
 }
 
-void TestWorld::add_wall(int axis, int side, double at, bool free_slip) {
+void TestWorld::add_wall(int axis, int side, double at, double slip_length) {
     Solid solid;
-    solid.free_slip = free_slip;
+    solid.slip_length = slip_length;
     const auto whose = static_cast<Index>(world.solids.all.size());
     world.solids.all.push_back(solid);
 

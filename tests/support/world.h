@@ -22,7 +22,7 @@ struct TestWorld {
     void place(const Vec3& min, const Vec3& max, double mu = 0, const std::function<Vec3(const Vec3&)>& u = {});
     /// A flat wall that covers the domain: the solid lies on the side that the normal points away from; one layer half a spacing inside.
     /// axis: 0, 1, 2; side: +1 where the normal is +axis.
-    void add_wall(int axis, int side, double at, bool free_slip = false);
+    void add_wall(int axis, int side, double at, double slip_length = 0);
 
     /// Neighbours at the present positions.
     void find_pairs();

@@ -52,7 +52,7 @@ struct Thread {
     }
     Index size() const { return static_cast<Index>(x.size()); }
     void rows() { CoupledNeighbourhood{system}({x}, {role}, {rho}, step); }
-    void form() { rows(), system->form.set(system->rows, mu, dt, 1000, d, system->options); }
+    void form() { rows(), system->form.set(system->rows, mu, {}, dt, 1000, d, system->options); }
     int solve() {
         report = {};
         CoupledSolve{system}({x}, {role}, {mu}, {{u}}, {{p}}, {{change}}, {{G}}, {{aggregate}}, {{slip}}, solids, step, report);

@@ -25,6 +25,16 @@ Real continued_lattice_factor(KernelKind kind, Real support, Real spacing) {
     });
 }
 
+Real layer_factor(KernelKind kind, Real support, Real spacing) {
+    return with_kernel(kind, support, [&](const auto& kernel) {
+        const int reach = static_cast<int>(std::ceil(support / spacing));
+        double sum = 0;
+        for (int a = -reach; a <= reach; ++a)
+            for (int b = -reach; b <= reach; ++b) sum += kernel.value(spacing * std::sqrt(static_cast<Real>(a * a + b * b)));
+        return static_cast<Real>(sum * spacing * spacing * spacing);
+    });
+}
+
 Real lattice_second_moment(KernelKind kind, Real support, Real spacing) {
     return with_kernel(kind, support, [&](const auto& kernel) {
         const int reach = static_cast<int>(std::ceil(support / spacing));
@@ -39,9 +49,24 @@ Real lattice_second_moment(KernelKind kind, Real support, Real spacing) {
     });
 }
 
+Real along_pairs_factor(KernelKind kind, Real support, Real spacing) {
+    return with_kernel(kind, support, [&](const auto& kernel) {
+        const int reach = static_cast<int>(std::ceil(support / spacing));
+        const double softening = 0.01 * static_cast<double>(support) * support / 4;
+        double sum = 0;
+        for (int a = -reach; a <= reach; ++a)
+            for (int b = -reach; b <= reach; ++b)
+                for (int c = -reach; c <= reach; ++c) {
+                    const double r2 = static_cast<double>(spacing) * spacing * (a * a + b * b + c * c), r = std::sqrt(r2);
+                    sum -= static_cast<double>(kernel.derivative(static_cast<Real>(r))) * r2 * r / (r2 + softening);
+                }
+        return static_cast<Real>(3 / (sum * spacing * spacing * spacing));
+    });
+}
+
 std::vector<char> slips(const Solids& solids) {
     std::vector<char> free(solids.all.size());
-    for (std::size_t k = 0; k < free.size(); ++k) free[k] = solids.all[k].free_slip;
+    for (std::size_t k = 0; k < free.size(); ++k) free[k] = !solids.all[k].sticks();
     return free;
 }
 

@@ -14,8 +14,29 @@ namespace whorl {
 /// @param support, spacing [m]
 Real continued_lattice_factor(KernelKind kernel, Real support, Real spacing);
 
+/// What makes a solid particle of a flat layer, which has the volume 1/sum W, stand for one particle of fluid, d^3: d^3 sum W over a square lattice.
+Real layer_factor(KernelKind kernel, Real support, Real spacing);
+
 /// sum_j V |W'(r_ij)| r_ij over a cubic lattice: 3 for dense neighbours.
 Real lattice_second_moment(KernelKind kernel, Real support, Real spacing);
+
+/// 3 over the lattice sum of V |W'(r)| r^3/(r^2 + 0.01 h^2), h = R/2: what makes forces along pairs as stiff as they should be in the mean over directions.
+Real along_pairs_factor(KernelKind kernel, Real support, Real spacing);
+
+/// What fluid at r from a solid particle with that normal feels of the solid may be the column of lattice layers behind it rather than the particle alone: calls
+/// f(r_l, |r_l|, d_l) for each of them within the support, with r_l from the layer to the fluid and its depth d_l behind the surface [m].
+template <class F>
+void each_layer(const Vec3& r, const Vec3& normal, Real spacing, Real support, F&& f) {
+    const Real depth = spacing / 2;
+    const bool faces = r.dot(normal) > 0;  // else beyond an edge: the column lies on the other side
+    for (int l = 0;; ++l) {
+        const Vec3 to = r + static_cast<Real>(l) * spacing * normal;
+        const Real distance = to.norm();
+        if (!(distance < support)) return;
+        f(to, distance, depth + static_cast<Real>(l) * spacing);
+        if (!faces) return;
+    }
+}
 
 /// The velocity of a solid as a neighbour of fluid particle i at a wall that the fluid sticks to. The particles stand half a spacing inside the
 /// solid; for u to vanish relative to the wall on the solid's surface, not there, the shear is continued behind the surface:
@@ -23,14 +44,16 @@ Real lattice_second_moment(KernelKind kernel, Real support, Real spacing);
 /// with d_s and d_i the depths of s and i behind and before the surface, measured along the normal of s, limited to 3 close to the surface.
 struct WallShear {
     Real depth;  ///< m, of the solid particles below the surface: half a spacing
-    Real stretch(const Vec3& r, const Vec3& normal) const {
+    Real stretch(const Vec3& r, const Vec3& normal) const { return stretch(r, normal, depth); }
+    /// The same of a layer further behind the surface. @param r to the solid particle before it @param below that layer's depth [m]
+    Real stretch(const Vec3& r, const Vec3& normal, Real below) const {
         const Real height = r.dot(normal);
         if (height <= 0) return 1;  // beyond an edge: the face of s does not face i
-        return 1 + depth / std::max(height - depth, depth / 2);
+        return 1 + below / std::max(height - depth, depth / 2);
     }
 };
 
-/// Free slip by solid: 1 where the fluid does not stick.
+/// By solid: 1 where the fluid does not stick: the viscous terms leave such solids out, and what rubs is WallFriction (friction.h).
 std::vector<char> slips(const Solids& solids);
 
 }  // namespace whorl

@@ -181,7 +181,7 @@ SymmetricBlocks coarse_matrix(const StrainForm& form, const RigidAggregates& agg
             if (aggregates.of(static_cast<Index>(j)) < 0) continue;
             const Mat36 E = motion(aggregates.arm(static_cast<Index>(j)));
             const bool own_row = static_cast<Index>(place) < block.size();
-            const Mat3 W = springs[place] + (own_row ? Mat3(Mat3::Identity()) : Mat3(Mat3::Zero()));
+            const Mat3 W = springs[place] + (own_row ? Mat3(Mat3::Identity() + form.friction(static_cast<Index>(j))) : Mat3(Mat3::Zero()));
             partial.add(aggregates.of(static_cast<Index>(j)), aggregates.of(static_cast<Index>(j)), Mat6(E.transpose().lazyProduct(Mat36(W * E))));
         }
     });

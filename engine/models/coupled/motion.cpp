@@ -30,8 +30,9 @@ void CoupledShift::operator()(Update<field::position> x, Update<field::velocity>
     const Real strongest = Real(0.15);
     std::vector<Real> rate(static_cast<std::size_t>(x.size()));
     parallel_for(x.size(), [&](Index i) {
+        const Real falling = s.parting[static_cast<std::size_t>(i)].parts * std::sqrt(step.gravity.norm() / d);
         rate[static_cast<std::size_t>(i)] =
-            static_cast<Real>(o.shift_rate) * step.dt * Real(0.25) * (G[i] + G[i].transpose()).norm();  // half of |D|
+            static_cast<Real>(o.shift_rate) * step.dt * Real(0.5) * (Real(0.5) * (G[i] + G[i].transpose()).norm() + falling);  // half of |D| and sqrt(g/d)
     });
 
     std::vector<Vec3> shift(static_cast<std::size_t>(x.size()), Vec3::Zero());
@@ -126,7 +127,7 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
             const Vec3 there = carried(solid.pose, at, dt);
             if (distance < closest || travelled < length) x[i] = there;
             const Vec3 solid_velocity = solid.pose.velocity_at(there);
-            if (!solid.free_slip) {
+            if (solid.sticks()) {
                 role[i] = static_cast<std::int16_t>(k + 1);
                 u[i] = solid_velocity;
                 slip[i] = Vec3::Zero();

@@ -28,6 +28,13 @@ struct CoupledOptions {
 
     double shift_rate = 10, shift_range = 1.1, longest_shift = 0.1;  ///< repulsion of close particles: rate over |D|, range, bound a step
 
+    /// Whether fluid bears tension, by the Reynolds number of a particle, (|D| + sqrt(g/d)) d^2/nu: wholly up to the first, not at all from the second on.
+    double bears_tension_up_to = 0.1, parts_from = 1;
+    double stiffness = 10;      ///< of fluid that parts: it yields to pressure like a sound wave of the speed sqrt(stiffness) d/dt
+    double unresolved = 1;      ///< its damping of what no linear field explains: rate over |D| + sqrt(g/d)
+    int most_rounds = 4;        ///< solves a step until those that press have been found
+    double few_change = 0.005;  ///< part of the particles that may still change sides between two rounds
+
     double stick = 0.5, closest = 0.3;  ///< distance from a solid below which a particle touches it, and which it never goes below
 
     int aggregate = 48;      ///< particles in an aggregate of the coarse level

@@ -31,6 +31,9 @@ struct Unknowns {
     }
 };
 
+/// What a flat surface, an edge or a corner of a packed fluid lacks of its density, over |sum w r| / sum w |r|: 0.8 within 2 % on a lattice.
+constexpr Real surface_lacks = Real(0.8);
+
 struct Momentum {
     Vec3d linear = Vec3d::Zero(), angular = Vec3d::Zero();
     Momentum& operator+=(const Momentum& o) {
@@ -84,6 +87,31 @@ void CoupledNeighbourhood::operator()(Read<field::position> x, Read<field::role>
                  [&](Index i) { density[i] = step.rest_density * s.rows.neighbourhood[static_cast<std::size_t>(i)].density; });
 }
 
+namespace {
+
+/// Which particles bear no tension, and which of these press, as the last step's flow suggests. Returns whether any bears none.
+/// @param p, G of the last step
+bool set_parting(CoupledSystem& s, Span<const Real> mu, Span<const Real> p, Span<const Mat3> G, const StepContext& step) {
+    const CoupledOptions& o = s.options;
+    const double d = step.spacing, falling = std::sqrt(step.gravity.norm() / d), range = std::log(o.parts_from / o.bears_tension_up_to);
+    s.parting.resize(static_cast<std::size_t>(mu.size()));
+    parallel_for(static_cast<Index>(mu.size()), [&](Index i) {
+        const auto k = static_cast<std::size_t>(i);
+        Parting& part = s.parting[k];
+        part.counts = s.friction.acts() ? 1 - s.friction.counted[k] : 1;
+        const double rate = 0.5 * static_cast<double>((G[k] + G[k].transpose()).norm()) + falling, nu = static_cast<double>(mu[k]) / step.rest_density;
+        const double reynolds = rate * d * d / std::max(nu, 1e-12);
+        const double t = reynolds > 0 ? std::clamp(std::log(reynolds / o.bears_tension_up_to) / range, 0.0, 1.0) : 0;
+        part.parts = static_cast<Real>(t * t * (3 - 2 * t));
+        part.damping = static_cast<Real>(part.parts * o.unresolved * std::min(1.0, rate * static_cast<double>(step.dt)));
+        const Neighbourhood& hood = s.rows.neighbourhood[k];
+        part.presses = part.parts == 0 || p[k] > 0 || hood.density + surface_lacks * hood.surface >= 1;
+    });
+    return parallel_max(static_cast<Index>(mu.size()), 0, [&](Index i) { return static_cast<double>(s.parting[static_cast<std::size_t>(i)].parts); }) > 0;
+}
+
+}  // namespace
+
 void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, Read<field::viscosity> mu, Update<field::velocity> u,
                               Update<field::pressure> p, Update<field::velocity_change> change, Update<field::velocity_gradient> G,
                               Update<field::aggregate> aggregate, Update<field::contact_normal> slip, const Solids& solids,
@@ -95,7 +123,10 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
     const Real dt = step.dt, d = step.spacing;
     if (n == 0) return;
     StrainForm& form = s.form;
-    form.set(s.rows, mu.values, dt, step.rest_density, d, o);
+    s.friction.set(x.values, role.values, mu.values, solids, step);
+    const bool any_parts = set_parting(s, mu.values, p.values, G.values, step);
+    form.set(s.rows, mu.values, s.parting, dt, step.rest_density, d, o);
+    form.set_friction(s.friction.hold);
 
     Unknowns unknowns{role.values, slip.values};
     Index free_particles = 0;
@@ -103,7 +134,7 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
         free_particles += role[i] == 0;
         unknowns.any_slip |= slip[i] != Vec3::Zero();
     }
-    const bool nothing_held = free_particles == n && !unknowns.any_slip;
+    const bool nothing_held = free_particles == n && !unknowns.any_slip && !s.friction.acts();
 
     // What is known: velocities of nozzles and solids. A particle that slides knows its velocity along the normal.
     std::vector<Vec3> known(count, Vec3::Zero()), b(count), start(count);
@@ -121,20 +152,31 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
     // s_i: compressed particles part; and a body that turns needs div u = -dt I2(grad u) to keep its volume under x += dt u.
     // q_i: the multiplier, and the bulk term's part that does not depend on u.
     std::vector<Real> target(count), q(count);
+    const auto set_pressure = [&](Index i) {
+        const auto k = static_cast<std::size_t>(i);
+        q[k] = form.coefficients(i).bulk * d * target[k] + s.parting[k].share() * dt * p[i] / (step.rest_density * d);
+    };
     const double fastest = std::sqrt(parallel_max(n, 0, [&](Index i) { return static_cast<double>(u[i].squaredNorm()); }));
     const double turning_limit = o.turning_limit * fastest / d;
     const double fastest_push = o.fastest_push * (fastest / d + std::sqrt(step.gravity.norm() / d));
     parallel_for(n, [&](Index i) {
         const auto k = static_cast<std::size_t>(i);
-        const double compressed = s.rows.neighbourhood[k].density - 1;
-        double wanted = compressed > 0 ? std::min(o.push * compressed / dt, fastest_push) : 0;
+        const Neighbourhood& hood = s.rows.neighbourhood[k];
+        const double compressed = hood.density + s.parting[k].parts * surface_lacks * hood.surface - 1;
+        double wanted = compressed > 0 ? std::min(o.push * compressed / dt, fastest_push) : s.parting[k].parts * compressed / dt;
         if (role[i] == 0) wanted += std::clamp(-double(dt) * second_invariant(G[i]), -turning_limit, turning_limit);
         target[k] = static_cast<Real>(wanted);
-        q[k] = form.coefficients(i).bulk * d * target[k] + dt * p[i] / (step.rest_density * d);
+        set_pressure(i);
     });
-    parallel_for(n, [&](Index i) { b[static_cast<std::size_t>(i)] = u[i] + dt * step.gravity; });
-    const std::vector<Vec3> pushed = nothing_held ? b : std::vector<Vec3>{};
-    form.add_pressure(q, b);
+    const auto loaded = [&](Index i, const Vec3& before) -> Vec3 {
+        const Vec3 load = before + dt * step.gravity;
+        return s.friction.acts() ? Vec3(load + s.friction.pull[static_cast<std::size_t>(i)]) : load;
+    };
+    const auto set_load = [&] {
+        parallel_for(n, [&](Index i) { b[static_cast<std::size_t>(i)] = loaded(i, u[i]); });
+        form.add_pressure(q, b);
+        unknowns.restrict_to(b);
+    };
 
     const bool coarse = free_particles >= o.fewest_for_coarse;
     if (!coarse) s.preconditioner.clear();
@@ -143,51 +185,70 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
         s.steps_since_refresh = 0;
     }
     ++s.steps_since_refresh;
-    s.preconditioner.set(form, x.values, role.values, slip.values, step.domain, d, aggregate.values);
 
     // The residual is measured against the loads on the fluid, not against the large forces by which nozzle and solids hold their neighbours;
     // these count a little, for a fluid at rest that is only dragged along.
+    std::vector<Vec3> z(count);
     const auto load_norm = [&](Span<const Vec3> load) {
-        s.preconditioner(load, start);
-        return std::sqrt(std::max(0.0, dot<Vec3>(load, start)));
+        s.preconditioner(load, z);
+        return std::sqrt(std::max(0.0, dot<Vec3>(load, z)));
     };
-    unknowns.restrict_to(b);
-    double reference = load_norm(b);
-    if (!nothing_held) {
-        form.apply(known, start);
-        parallel_for(n, [&](Index i) {
-            const auto k = static_cast<std::size_t>(i);
-            b[k] -= unknowns.part(k, start[k]);
-        });
-        reference = std::max(reference, 0.03 * load_norm(b));
-    }
-
-    parallel_for(n, [&](Index i) {
-        const auto k = static_cast<std::size_t>(i);
-        start[k] = unknowns.part(k, u[i] + Real(0.9) * change[i]);
-    });
     const auto A = [&](Span<const Vec3> v, Span<Vec3> y) {
         form.apply(v, y);
         unknowns.restrict_to(y);
     };
-    SolveReport solved =
-        conjugate_gradients<Vec3>(A, s.preconditioner, b, start, o.limits, ResidualNorm::preconditioned, reference);
-    report.solves.push_back({"coupled", solved});
-    if (nothing_held) restore_momentum(x.values, pushed, !step.domain.any_periodic(), start);
-
     parallel_for(n, [&](Index i) {
         const auto k = static_cast<std::size_t>(i);
-        const Vec3 solution = known[k] + start[k];
+        start[k] = unknowns.part(k, u[i] + Real(0.9) * change[i]);
+    });
+    // p - lambda (tr D - s): what the multiplier becomes. Where it would pull and the fluid bears no tension, it does not press.
+    const auto multiplier = [&](Index i) {
+        const Real lambda = form.coefficients(i).full_bulk * step.rest_density * d * d / dt;
+        return p[i] - lambda * (form.divergence(i, G[i]) - target[static_cast<std::size_t>(i)]);
+    };
+    SolveReport all;
+    for (int round = 1;; ++round) {
+        s.preconditioner.set(form, x.values, role.values, slip.values, step.domain, d, aggregate.values);
+        set_load();
+        double reference = load_norm(b);
+        if (!nothing_held) {
+            form.apply(known, z);
+            parallel_for(n, [&](Index i) {
+                const auto k = static_cast<std::size_t>(i);
+                b[k] -= unknowns.part(k, z[k]);
+            });
+            reference = std::max(reference, 0.03 * load_norm(b));
+        }
+        const SolveReport solved = conjugate_gradients<Vec3>(A, s.preconditioner, b, start, o.limits, ResidualNorm::preconditioned, reference);
+        if (round == 1) all = solved;
+        else all.iterations += solved.iterations, all.last_residual = solved.last_residual, all.converged = solved.converged;
+        if (nothing_held) {
+            parallel_for(n, [&](Index i) { z[static_cast<std::size_t>(i)] = loaded(i, u[i]); });
+            restore_momentum(x.values, z, !step.domain.any_periodic(), start);
+        }
+        parallel_for(n, [&](Index i) { z[static_cast<std::size_t>(i)] = known[static_cast<std::size_t>(i)] + start[static_cast<std::size_t>(i)]; });
+        form.gradient(z, G.values);
+        if (!any_parts || round == o.most_rounds) break;
+        const auto turncoat = [&](Index i) { return s.parting[static_cast<std::size_t>(i)].parts > 0 && s.parting[static_cast<std::size_t>(i)].presses != (multiplier(i) > 0); };
+        if (parallel_sum(n, [&](Index i) { return turncoat(i) ? 1.0 : 0.0; }) <= o.few_change * n) break;
+        parallel_for(n, [&](Index i) {
+            if (turncoat(i)) s.parting[static_cast<std::size_t>(i)].presses = !s.parting[static_cast<std::size_t>(i)].presses;
+        });
+        form.set_pressing(s.parting);
+        parallel_for(n, set_pressure);
+    }
+    report.solves.push_back({"coupled", all});
+    parallel_for(n, [&](Index i) {
+        const Vec3& solution = z[static_cast<std::size_t>(i)];
         change[i] = solution - u[i];
         u[i] = solution;
     });
-    form.gradient(u.values, G.values);
 
-    // p <- memory (p - lambda (tr D - s)): of both signs; what holds a stretched thread together and makes it thin is p < 0.
-    const Real memory = static_cast<Real>(o.memory);
+    // Of both signs where the fluid bears tension; what holds a stretched thread together and makes it thin is p < 0.
     parallel_for(n, [&](Index i) {
-        const Real lambda = form.coefficients(i).bulk * step.rest_density * d * d / dt;
-        p[i] = memory * (p[i] - lambda * (form.divergence(i, G[i]) - target[static_cast<std::size_t>(i)]));
+        const Parting& part = s.parting[static_cast<std::size_t>(i)];
+        const Real now = static_cast<Real>(o.memory) * multiplier(i);
+        p[i] = now > 0 ? part.share() * now : (1 - part.parts) * now;
     });
 
     if (unknowns.any_slip) {
@@ -195,7 +256,7 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
         std::vector<Vec3> balance(count);
         form.apply(u.values, balance);
         std::vector<Vec3> load(count);
-        parallel_for(n, [&](Index i) { load[static_cast<std::size_t>(i)] = u[i] - change[i] + dt * step.gravity; });
+        parallel_for(n, [&](Index i) { load[static_cast<std::size_t>(i)] = loaded(i, u[i] - change[i]); });
         form.add_pressure(q, load);
         parallel_for(n, [&](Index i) {
             const auto k = static_cast<std::size_t>(i);

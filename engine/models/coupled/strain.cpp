@@ -150,8 +150,16 @@ Mat3 stress(const Mat3& G, const Neighbourhood& n, const StrainCoefficients& c) 
 
 }  // namespace
 
-void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Real dt, Real density, Real spacing, const CoupledOptions& o) {
+void StrainForm::set_pressing(Span<const Parting> parting) {
+    parallel_for(static_cast<Index>(coefficients_.size()), [&](Index i) {
+        StrainCoefficients& c = coefficients_[static_cast<std::size_t>(i)];
+        c.bulk = parting[static_cast<std::size_t>(i)].share() * c.full_bulk;
+    });
+}
+
+void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Span<const Parting> parting, Real dt, Real density, Real spacing, const CoupledOptions& o) {
     rows_ = &rows;
+    friction_ = {};
     inverse_spacing_ = 1 / spacing;
     coefficients_.resize(static_cast<std::size_t>(rows.size()));
     parallel_for(rows.size(), [&](Index i) {
@@ -159,11 +167,14 @@ void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Real d
         const Neighbourhood& n = rows.neighbourhood[k];
         const double K = double(viscosity[k]) * dt / (double(density) * spacing * spacing);
         StrainCoefficients& c = coefficients_[k];
-        c.shear = static_cast<Real>(2 * K);
-        c.bulk = static_cast<Real>(2 * K * o.bulk / (2 + n.unresolved * o.bulk));
-        const double base = n.spread > 0 ? 2 * K * 3 / n.spread : 0;
-        c.smooth = static_cast<Real>(base * (o.smoothing + o.thin_smoothing * n.thin));
-        c.pair = static_cast<Real>(base * (o.pair_smoothing + o.thin_pair_smoothing * n.thin));
+        const Parting part = parting.empty() ? Parting{} : parting[k];
+        const double sheared = part.counts * K;
+        c.shear = static_cast<Real>(2 * sheared);
+        c.full_bulk = static_cast<Real>(2 * K * o.bulk / (2 + n.unresolved * o.bulk) + part.parts * o.stiffness);
+        c.bulk = part.share() * c.full_bulk;
+        const double base = n.spread > 0 ? 2 * 3 / n.spread : 0;
+        c.smooth = static_cast<Real>(base * sheared * (o.smoothing + o.thin_smoothing * n.thin));
+        c.pair = static_cast<Real>(base * (sheared * (o.pair_smoothing + o.thin_pair_smoothing * n.thin) + part.damping));
     });
     forces_.resize(rows.entries());
 }
@@ -200,6 +211,7 @@ void StrainForm::apply(Span<const Vec3> u, Span<Vec3> y) const {
     rows.gather<Vec4>(forces_, [&](Index i, const Vec4& f) {
         const auto k = static_cast<std::size_t>(i);
         y[k] = u[k] + Vec3(f.v[0], f.v[1], f.v[2]);
+        if (!friction_.empty()) y[k] += friction_[k] * u[k];
     });
 }
 
@@ -325,6 +337,7 @@ void StrainForm::diagonal(Span<Mat3> B) const {
     rows.gather<Symmetric>(parts, [&](Index i, const Symmetric& p) {
         Mat3& b = B[static_cast<std::size_t>(i)];
         b << 1 + p.v[0], p.v[3], p.v[4], p.v[3], 1 + p.v[1], p.v[5], p.v[4], p.v[5], 1 + p.v[2];
+        b += friction(i);
     });
 }
 

@@ -18,17 +18,35 @@ namespace whorl {
 /// What the form needs of particle i besides its row.
 struct StrainCoefficients {
     Real shear = 0;   ///< 2 K
+    Real full_bulk = 0;  ///< K Lambda if the particle presses
     Real bulk = 0;    ///< K Lambda; an unresolved lateral direction is stress-free, so that a single file has Trouton's 3 mu instead of locking
     Real smooth = 0;  ///< 2 c
     Real pair = 0;    ///< 2 c'
 };
 
+/// What is particular about a particle: little viscosity, so that it bears no tension, or a wall that rubs.
+struct Parting {
+    Real counts = 1;       ///< share of its volume whose shear is not the friction's (ContactFriction::counted)
+    Real parts = 0;        ///< 0: bears tension like honey, 1: none, like water
+    Real damping = 0;      ///< of what the linear field does not explain, in place of what viscosity would do; over the step, like K
+    bool presses = true;
+    /// Of the resistance to a change of volume that is there.
+    Real share() const { return 1 - parts + (presses ? parts : 0); }
+};
+
 class StrainForm {
 public:
     /// @param viscosity mu [Pa s] of each particle @param dt [s] @param density rho [kg/m^3] @param spacing d [m]
-    void set(const CoupledRows& rows, Span<const Real> viscosity, Real dt, Real density, Real spacing, const CoupledOptions& options);
+    /// @param parting one a particle; empty: all bear tension
+    void set(const CoupledRows& rows, Span<const Real> viscosity, Span<const Parting> parting, Real dt, Real density, Real spacing, const CoupledOptions& options);
+    /// Other particles press now.
+    void set_pressing(Span<const Parting> parting);
 
-    /// y = (1 + K) u: mass and strain, over the mass [m/s].
+    /// Adds sum_i u_i.hold_i u_i/2 to E; empty: nothing. `hold` must outlive the use.
+    void set_friction(Span<const Mat3> hold) { friction_ = hold; }
+    Mat3 friction(Index i) const { return friction_.empty() ? Mat3(Mat3::Zero()) : friction_[static_cast<std::size_t>(i)]; }
+
+    /// y = (1 + K) u: mass, strain and friction, over the mass [m/s].
     void apply(Span<const Vec3> u, Span<Vec3> y) const;
     /// y_i += sum over rows of P q M+ (w r): the forces of -q tr D [m/s].
     void add_pressure(Span<const Real> q, Span<Vec3> y) const;
@@ -48,6 +66,7 @@ private:
 
     const CoupledRows* rows_ = nullptr;
     std::vector<StrainCoefficients> coefficients_;
+    Span<const Mat3> friction_;
     Real inverse_spacing_ = 1;
     mutable Column<Vec4> forces_;  ///< one a touched particle of each block
 };

@@ -13,6 +13,7 @@
 
 #include "engine/geometry/solids.h"
 #include "engine/models/coupled/fields.h"
+#include "engine/models/coupled/friction.h"
 #include "engine/models/coupled/two_level.h"
 #include "engine/particles/step.h"
 
@@ -24,6 +25,8 @@ struct CoupledSystem {
     CoupledOptions options;
     CoupledRows rows;
     StrainForm form;
+    std::vector<Parting> parting;  ///< one a particle
+    ContactFriction friction;
     TwoLevel preconditioner;
     int steps_since_refresh = 0;
     std::vector<Vec3> x_before;  ///< positions before the move [m]

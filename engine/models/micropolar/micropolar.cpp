@@ -80,7 +80,7 @@ void add_solids(Sums& all, const Kernel& W, const MicropolarOptions& options, co
     pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
         const auto k = static_cast<std::size_t>(s);
         const Solid& solid = solids.all[static_cast<std::size_t>(layer.solid[k])];
-        if (solid.free_slip) return;
+        if (!solid.sticks()) return;
         const Real stretch = shear.stretch(r, layer.normal[k]);
         const Vec3 wall = solid.pose.velocity_at(layer.position[k] + r);
         const Vec3 u_is = stretch * (own.u - wall) + (wall - layer.velocity[k]);

@@ -2,7 +2,7 @@
 
 #include "engine/core/parallel.h"
 #include "engine/models/bodies/reaction.h"
-#include "engine/models/boundary/wall.h"
+#include "engine/models/boundary/friction.h"
 
 namespace whorl {
 
@@ -29,8 +29,9 @@ struct Brookshaw {
 };
 struct Monaghan {
     static constexpr bool along_r = true;
+    Real factor;     ///< along_pairs_factor()
     Real softening;  ///< 0.01 h^2
-    Real operator()(Real approach, Real r, Real slope) const { return 10 * approach / (r * r + softening) * slope; }
+    Real operator()(Real approach, Real r, Real slope) const { return 10 * factor * approach / (r * r + softening) * slope; }
 };
 
 template <class Kernel, class Form>
@@ -38,6 +39,8 @@ void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions
                    const SolidParticles& layer, const StepContext& step, Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu,
                    Read<field::velocity> u, Update<field::acceleration> a) {
     const std::vector<char> slip = slips(solids);
+    WallFriction friction;
+    friction.set(options.monaghan ? FrictionForm::along : FrictionForm::central, solid_pairs, solids, layer, step);
     const WallShear shear{step.spacing / 2};
     // The solids' share in rho_i a_i, but for the weight of all of them at i.
     const auto by_solid = [&](Index i, Index s, const Vec3& r, Real distance) {
@@ -69,8 +72,11 @@ void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions
             }
             sum += Vec3(part[0], part[1], part[2]);
         });
-        if (const Real solid_factor = weight(i); solid_factor > 0)
+        if (const Real solid_factor = weight(i); solid_factor > 0) {
             solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { sum += solid_factor * by_solid(i, s, r, distance); });
+            // The wall's area does not depend on the density that the kernel finds beside it: the acceleration is mu/rho_0 times that.
+            if (friction.acts()) sum -= solid_factor / options.solid_factor * rho[i] / step.rest_density * own_mu * (friction.hold(i) * own - friction.pull(i));
+        }
         a[i] += sum / rho[i];
     });
     react(solids, solid_pairs, layer, step.mass, role,
@@ -86,7 +92,7 @@ void ExplicitViscosity::operator()(const FluidPairs& pairs, const SolidPairs& so
         const auto add = [&](const auto& form) {
             add_viscosity(kernel, form, options, pairs, solid_pairs, solids, layer, step, role, rho, mu, u, a);
         };
-        if (options.monaghan) add(Monaghan{Real(0.01) * step.support * step.support / 4});
+        if (options.monaghan) add(Monaghan{along_pairs_factor(step.kernel, step.support, step.spacing), Real(0.01) * step.support * step.support / 4});
         else add(Brookshaw{Real(3) / lattice_second_moment(step.kernel, step.support, step.spacing)});
     });
 }

@@ -29,14 +29,14 @@ struct XsphViscosity {
 
 struct ExplicitOptions {
     bool monaghan = false;   ///< the second Laplacian of the notes rather than the first
-    Real solid_factor = 1;   ///< on the solids' volumes, see models/boundary/wall.h
+    Real solid_factor = 1;   ///< on the solids' volumes see models/boundary/wall.h
     SolidGate gate = {};
 };
 
 /// a_i += mu/rho Lap u, with mu_ij = 2 mu_i mu_j/(mu_i + mu_j), which conserves momentum and keeps the stress at a jump of mu:
-///   brookshaw:  Lap u_i = sum_j V_j (u_j - u_i) 2 |grad W_ij|/|r_ij|
-///   monaghan:   Lap u_i = 2 (d + 2) sum_j V_j (u_ij . r_ij)/(r_ij^2 + 0.01 h^2) grad W_ij       (Lap u + 2 grad(div u); no torque)
-/// Solids that the fluid sticks to enter with their velocity, continued behind the surface (models/boundary/wall.h).
+///   brookshaw:  Lap u_i = f sum_j V_j (u_j - u_i) 2 |grad W_ij|/|r_ij|
+///   monaghan:   Lap u_i = 2 (d + 2) f sum_j V_j (u_ij . r_ij)/(r_ij^2 + 0.01 h^2) grad W_ij       (Lap u + 2 grad(div u); no torque)
+/// The factor f, near 1, makes up for the lattice's sums (models/boundary/wall.h). Solids that the fluid sticks to enter with their velocity, continued behind the surface (models/boundary/wall.h).
 struct ExplicitViscosity {
     ExplicitOptions options;
     void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer, const StepContext& step,

@@ -4,7 +4,7 @@
 /// Stages of a step, in order: Gravity, (forces), Kick, FullViscosity, (pressure), Move. Corrected, it needs no density.
 #include "engine/geometry/solids.h"
 #include "engine/math/block_cholesky.h"
-#include "engine/models/boundary/wall.h"
+#include "engine/models/boundary/friction.h"
 #include "engine/models/viscosity/implicit.h"
 #include "engine/particles/aggregates.h"
 
@@ -33,7 +33,8 @@ struct FullViscosityOptions {
 /// The operator of one step at fixed positions. With w_ij = V |W'(r)|/r (so that -w_ij r_ij = V grad W_ij), r_ij = x_i - x_j, u_ij = u_i - u_j:
 ///   G_i = sum_j w_ij u_ij r_ij^T M_i^+         velocity gradient; M_i = sum_j w_ij r_ij r_ij^T, M^+ its inverse where it has one
 ///   D_i = (P_i G_i + (P_i G_i)^T)/2            strain rate; P_i projects on the directions that the neighbours resolve
-///   E(u) = sum_i m |u_i - u*_i|^2/2 + dt V sum_i mu_i (D_i:D_i + penalty 3/(sum_j w_ij r_ij^2) sum_j w_ij |u_ij - G_i r_ij|^2)
+///   E(u) = sum_i m |u_i - u*_i|^2/2 + dt V sum_i (1 - counted_i) mu_i (D_i:D_i + penalty 3/(sum_j w_ij r_ij^2) sum_j w_ij |u_ij - G_i r_ij|^2)
+///          + dt V sum_i mu_i (u_i.hold_i u_i/2 - u_i.pull_i)        friction at walls with a slip length, counted = 0 elsewhere: models/boundary/friction.h
 /// and A u = (dE/du)/m, without the terms of u*, solids and prescribed particles, which are the right-hand side. A is symmetric and positive
 /// definite, because the force is the transpose of the gradient; a rigid motion costs no energy, so forces keep momentum and angular momentum.
 /// V is the volume at rest, for an incompressible fluid the true one, also at the surface. As in the note (correction = false): M^+ = V_i/V, P = 1, no
@@ -78,6 +79,8 @@ private:
         Mat3 gradient = Mat3::Zero();
         Vec3 pull = Vec3::Zero();
     };
+    /// dt mu/rho_0 times WallFriction's: what solids do along which the fluid slips by a length.
+    Mat3 hold(Index i) const { return rub_[static_cast<std::size_t>(i)] * friction_.hold(i); }
     void set_up_moments(const FullViscosityOptions& options, const StepContext& step, Read<field::role> role, Read<field::viscosity> mu,
                         Span<const Real> density);
     void set_up_wall(const FullViscosityOptions& options, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
@@ -92,6 +95,8 @@ private:
     const FluidPairs* pairs_ = nullptr;
     Column<Pair> pair_;
     Column<Vec3> wr_;          ///< sum of w r_ij over fluid and solids
+    WallFriction friction_;
+    Column<Real> rub_;         ///< dt mu/rho_0; K_ has not what the friction counts
     Column<Wall> wall_;        ///< empty: there are no solids
     Column<Mat3d> wall_moment_;  ///< what the solids add to M
     Column<Mat3> M_, P_;       ///< M^+ and P

@@ -11,16 +11,16 @@ namespace {
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-/// 2 (d + 2) |W'(r)|/r / (r^2 + 0.01 h^2)
+/// 2 (d + 2) f |W'(r)|/r / (r^2 + 0.01 h^2)
 template <class Kernel>
-Real pair_stiffness(const Kernel& kernel, Real support, Real distance) {
+Real pair_stiffness(const Kernel& kernel, Real factor, Real support, Real distance) {
     const Real softening = Real(0.01) * support * support / 4;
-    return -10 * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min()) / (distance * distance + softening);
+    return -10 * factor * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min()) / (distance * distance + softening);
 }
 
 }  // namespace
 
-void PairwiseOperator::set_up(const PairwiseViscosityOptions& options, const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids,
+void PairwiseOperator::set_up(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids,
                               const SolidParticles& layer, const StepContext& step, Read<field::role> role, Read<field::viscosity> mu) {
     const std::size_t n = at(mu.size());
     pairs_ = &pairs;
@@ -30,7 +30,9 @@ void PairwiseOperator::set_up(const PairwiseViscosityOptions& options, const Flu
     const bool walls = layer.size() > 0;
     if (walls) wall_.resize(n), wall_force_.resize(n);
     const std::vector<char> slip = slips(solids);
+    friction_.set(FrictionForm::along, solid_pairs, solids, layer, step);
     const WallShear shear{step.spacing / 2};
+    const Real factor = along_pairs_factor(step.kernel, step.support, step.spacing), column = layer_factor(step.kernel, step.support, step.spacing);
     Column<Mat3> blocks(n);
     std::vector<char> touches(n, 0);
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
@@ -41,25 +43,31 @@ void PairwiseOperator::set_up(const PairwiseViscosityOptions& options, const Flu
             std::size_t k = pairs.first[at(i)];
             pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
                 const Real both = own_mu + mu[j], mean = both > 0 ? 2 * own_mu * mu[j] / both : 0;
-                pair_[k] = std::sqrt(scale * step.volume * mean * pair_stiffness(kernel, step.support, distance)) * r;
+                pair_[k] = std::sqrt(scale * step.volume * mean * pair_stiffness(kernel, factor, step.support, distance)) * r;
                 B += pair_[k] * pair_[k].transpose();
                 ++k;
             });
             if (walls) {
                 Mat3 hold = Mat3::Zero();
                 Vec3 drag = Vec3::Zero();
-                solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+                solid_pairs.of(i, [&](Index s, const Vec3& r, Real) {
                     const std::size_t whose = at(layer.solid[at(s)]);
                     if (slip[whose]) return;
                     touches[at(i)] = 1;
-                    const Mat3 c = scale * options.solid_factor * layer.volume[at(s)] * own_mu * pair_stiffness(kernel, step.support, distance) * r *
-                                   r.transpose();
-                    const Real stretch = shear.stretch(r, layer.normal[at(s)]);
-                    // stretch (u_i - u_wall(x_i)) + (u_wall(x_i) - u_wall(x_s)), with the rigid motion of the solid u_wall
                     const Vec3 here = solids.all[whose].pose.velocity_at(layer.position[at(s)] + r);
-                    hold += stretch * c;
-                    drag -= c * ((stretch - 1) * here + layer.velocity[at(s)]);
+                    const Real weight = scale * column * layer.volume[at(s)] * own_mu;
+                    each_layer(r, layer.normal[at(s)], step.spacing, step.support, [&](const Vec3& to, Real distance, Real below) {
+                        // stretch (u_i - u_wall(x_i)) + (u_wall(x_i) - u_wall(x_l)), with the rigid motion of the solid u_wall: the last is across r_l
+                        const Mat3 c = weight * shear.stretch(r, layer.normal[at(s)], below) * pair_stiffness(kernel, factor, step.support, distance) * to *
+                                       to.transpose();
+                        hold += c;
+                        drag -= c * here;
+                    });
                 });
+                if (friction_.acts()) {
+                    hold += scale * own_mu * friction_.hold(i);
+                    drag -= scale * own_mu * friction_.pull(i);
+                }
                 wall_[at(i)] = hold;
                 wall_force_[at(i)] = drag;
                 B += hold;
@@ -67,7 +75,7 @@ void PairwiseOperator::set_up(const PairwiseViscosityOptions& options, const Flu
             blocks[at(i)] = B;
         });
     });
-    touches_wall_ = parallel_sum(size(), [&](Index i) { return touches[at(i)]; }) > 0;
+    touches_wall_ = friction_.acts() || parallel_sum(size(), [&](Index i) { return touches[at(i)]; }) > 0;
     diagonal_.set(std::move(blocks), free_);
 }
 
@@ -103,13 +111,14 @@ LatticeStiffness pairwise_lattice_stiffness(KernelKind kind, double support, dou
     // at constant volume, (C_xxxx - C_xxyy)/2, and shear, C_xyxy, both are mu.
     return with_kernel(kind, static_cast<Real>(support), [&](const auto& kernel) {
         const int reach = static_cast<int>(std::ceil(support / spacing));
+        const Real factor = along_pairs_factor(kind, static_cast<Real>(support), static_cast<Real>(spacing));
         double along = 0, across = 0;
         for (int x = -reach; x <= reach; ++x)
             for (int y = -reach; y <= reach; ++y)
                 for (int z = -reach; z <= reach; ++z) {
                     if (x == 0 && y == 0 && z == 0) continue;
                     const double r2 = spacing * spacing * (x * x + y * y + z * z);
-                    const double w = pair_stiffness(kernel, static_cast<Real>(support), static_cast<Real>(std::sqrt(r2))) / 2;
+                    const double w = pair_stiffness(kernel, factor, static_cast<Real>(support), static_cast<Real>(std::sqrt(r2))) / 2;
                     along += w * std::pow(spacing, 7) * x * x * x * x;
                     across += w * std::pow(spacing, 7) * x * x * y * y;
                 }
@@ -120,7 +129,7 @@ LatticeStiffness pairwise_lattice_stiffness(KernelKind kind, double support, dou
 void PairwiseViscosity::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
                                    const StepContext& step, StepReport& report, Read<field::role> role, Read<field::position> x,
                                    Read<field::viscosity> mu, Update<field::velocity> u, Update<field::viscous_acceleration> last) {
-    operator_.set_up(options_, pairs, solid_pairs, solids, layer, step, role, mu);
+    operator_.set_up(pairs, solid_pairs, solids, layer, step, role, mu);
     solve_implicit(operator_, options_.limits, {step, report, role, x, u, last});
 }
 

@@ -3,7 +3,7 @@
 ///
 /// Stages of a step, in order: Gravity, (forces), Kick, PairwiseViscosity, (pressure), Move. It needs no density.
 #include "engine/geometry/solids.h"
-#include "engine/models/boundary/wall.h"
+#include "engine/models/boundary/friction.h"
 #include "engine/models/viscosity/implicit.h"
 #include "engine/particles/pairs.h"
 
@@ -11,15 +11,14 @@ namespace whorl {
 
 struct PairwiseViscosityOptions {
     SolveLimits limits{1e-4, 500};  ///< see solve_implicit()
-    Real solid_factor = 1;          ///< on the solids' volumes, see models/boundary/wall.h
 };
 
-/// A u = u_i + sum_j c_ij (u_ij . r_ij) r_ij,   c_ij = dt mu_ij/rho_0 2 (d + 2) V |W'(r)|/r / (r^2 + 0.01 h^2),   mu_ij = 2 mu_i mu_j/(mu_i + mu_j),
-/// with d = 3, h = R/2: backward Euler for the Laplacian `monaghan` of models/viscosity/explicit.h. Each pair's force lies along the pair: momentum and
+/// A u = u_i + sum_j c_ij (u_ij . r_ij) r_ij,   c_ij = dt mu_ij/rho_0 2 (d + 2) f V |W'(r)|/r / (r^2 + 0.01 h^2),   mu_ij = 2 mu_i mu_j/(mu_i + mu_j),
+/// with d = 3, h = R/2, and f = along_pairs_factor() near 1: backward Euler for the Laplacian `monaghan` of models/viscosity/explicit.h. Each pair's force lies along the pair: momentum and
 /// angular momentum are kept. One pass a product, half of what the full form takes; a rope of few particles across is too stiff with it.
 class PairwiseOperator final : public ImplicitOperator {
 public:
-    void set_up(const PairwiseViscosityOptions& options, const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids,
+    void set_up(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids,
                 const SolidParticles& layer, const StepContext& step, Read<field::role> role, Read<field::viscosity> mu);
 
     void multiply(Span<const Vec3> u, Span<Vec3> y) const override;
@@ -33,7 +32,8 @@ public:
 private:
     const FluidPairs* pairs_ = nullptr;
     Column<Vec3> pair_;        ///< sqrt(c_ij) r_ij
-    Column<Mat3> wall_;        ///< sum over the solids of c_is stretch r_is r_is^T
+    WallFriction friction_;
+    Column<Mat3> wall_;        ///< sum over the solids of c_is stretch r_is r_is^T, and friction
     Column<Vec3> wall_force_;  ///< what the walls' velocities add
     BlockDiagonal diagonal_;
     std::vector<char> free_;
@@ -41,7 +41,7 @@ private:
 };
 
 /// How stiff this form is for stretching along the axes of a cubic lattice and for shear between them, over the exact stiffness: 1 and 1 for dense
-/// neighbours, 1.47 and 0.71 with the cubic kernel and R = 2 d. Particles without order feel the mean, which is 1 within a few per cent.
+/// neighbours, 1.45 and 0.70 with the cubic kernel and R = 2 d. Particles without order feel the mean, which is 1 within a few per cent.
 struct LatticeStiffness {
     double stretching = 1, shear = 1;
 };

@@ -147,6 +147,11 @@ SymmetricBlocks ViscousOperator::coarse_matrix(const RigidAggregates& g) const {
         // sum over the pairs of 2 w (c_i + c_j) u_ij.v_ij: the part of u_i.v_i, and of -u_i.v_j where i's group comes first (else the other row's turn)
         const Vec4 arm = lever(g.arm(i));
         const int self = local.number(own);
+        if (friction_.acts()) {
+            Eigen::Matrix<Real, 3, 6> motion;  // v + omega x arm
+            motion << Mat3::Identity(), Vec3::UnitX().cross(g.arm(i)), Vec3::UnitY().cross(g.arm(i)), Vec3::UnitZ().cross(g.arm(i));
+            local.sum(self, self).strain.topRows<6>() += motion.transpose() * hold(i) * motion;
+        }
         // The rounding of the sums must not make a rigid motion gain energy.
         local.sum(self, self).products += ((1 + 16 * std::numeric_limits<Real>::epsilon()) * springs * arm * arm.transpose()).cast<double>();
         for (const Share& b : shares) {

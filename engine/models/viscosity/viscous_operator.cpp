@@ -52,6 +52,8 @@ void ViscousOperator::set_up(const FullViscosityOptions& options, const FluidPai
     u_.resize(n), Q_.resize(n), own_.resize(n);
     touches_wall_ = false;
     wall_.clear(), wall_moment_.clear();
+    rub_.resize(n);
+    friction_.set(FrictionForm::central, solid_pairs, solids, layer, step);
     if (layer.size() > 0) set_up_wall(options, solid_pairs, solids, layer, step);
     set_up_moments(options, step, role, mu, density);
     set_up_blocks(options);
@@ -83,6 +85,7 @@ void ViscousOperator::set_up_moments(const FullViscosityOptions& options, const 
             if (!wall_.empty()) M += wall_moment_[at(i)], wr_[at(i)] += wall_[at(i)].wr;
             free_[at(i)] = role[i] == 0;
             K_[at(i)] = step.dt * mu[i] / step.rest_density;
+            if (friction_.acts()) rub_[at(i)] = K_[at(i)], K_[at(i)] *= 1 - friction_.counted(i);
             c_[at(i)] = 0;
             M_[at(i)] = P_[at(i)] = Mat3::Identity();
             whole_[at(i)] = 1;
@@ -132,7 +135,7 @@ void ViscousOperator::set_up_wall(const FullViscosityOptions& options, const Sol
             });
         });
     });
-    touches_wall_ = std::find(touches.begin(), touches.end(), 1) != touches.end();
+    touches_wall_ = friction_.acts() || std::find(touches.begin(), touches.end(), 1) != touches.end();
 }
 
 /// B_i = 1 + K_i P_i (|h|^2 + h h^T) P_i + 2 c_i (sum w - g.M_i^+ g)            own energy: g = sum_j w r_ij, h = M_i^+ g
@@ -160,6 +163,7 @@ void ViscousOperator::set_up_blocks(const FullViscosityOptions& options) {
         }
         seen += 2 * own * strain_block(i, wr_[at(i)], B);
         B.diagonal().array() += std::max(Real(0), springs - seen);
+        if (friction_.acts()) B += hold(i);
         blocks[at(i)] = B;
     });
     if (!options.diagonal) std::fill(blocks.begin(), blocks.end(), Mat3::Identity());

@@ -64,6 +64,7 @@ void ViscousOperator::stress(bool with_walls) const {
             A += u * wall.wr.transpose();
             own += wall.spring * u;
             if (with_walls) A -= wall.gradient, own -= wall.pull;
+            if (friction_.acts()) own += rub_[at(i)] * (friction_.hold(i) * u - (with_walls ? friction_.pull(i) : Vec3(Vec3::Zero())));
         }
         const Mat3& M = M_[at(i)];
         const Real K = K_[at(i)], c = 2 * c_[at(i)];

@@ -31,7 +31,7 @@ struct Form {
     std::vector<std::int16_t> role;
     Form(const std::vector<Vec3>& x, Real K) : mu(x.size(), 1000 * K * d * d), role(x.size(), 0) {
         rows.build(x, role, Domain{}, d, options);
-        form.set(rows, mu, 1, 1000, d, options);
+        form.set(rows, mu, {}, 1, 1000, d, options);
     }
 };
 
@@ -142,15 +142,15 @@ struct Floor : Shape {
     TriangleMesh mesh(Real, Real) const override { return {}; }
 };
 
-CoupledWorld falling_blob(bool free_slip) {
+CoupledWorld falling_blob(bool slides) {
     std::vector<Vec3> x;
     for (const Vec3& p : blue_noise_cylinder(3 * d, 6 * d, d)) x.push_back(p + Vec3(0, 2 * d, 0));
     CoupledWorld w(x, d, Real(0.5));
     Solid plate;
     plate.shape = std::make_shared<Floor>();
-    plate.free_slip = free_slip;
+    if (slides) plate.slip_length = std::numeric_limits<double>::infinity();
     w.world.solids.all.push_back(plate);
-    w.world.step.gravity = Vec3(Real(free_slip ? 2 : 0), Real(-9.81), 0);
+    w.world.step.gravity = Vec3(Real(slides ? 2 : 0), Real(-9.81), 0);
     for (Vec3& u : w.velocity()) u = Vec3(0, Real(-0.3), 0);
     return w;
 }

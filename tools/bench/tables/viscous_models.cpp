@@ -68,7 +68,7 @@ std::vector<ViscousModel> viscous_models() {
         all.push_back({"pairwise", true, support,
                        [](test::TestWorld& w) {
                            return acceleration_of<PairwiseOperator>(w, [&](PairwiseOperator& A, const World& c) {
-                               A.set_up({}, c.fluid_pairs, c.solid_pairs, c.solids, c.solid_particles, c.step, read<field::role>(w),
+                               A.set_up(c.fluid_pairs, c.solid_pairs, c.solids, c.solid_particles, c.step, read<field::role>(w),
                                         read<field::viscosity>(w));
                            });
                        },

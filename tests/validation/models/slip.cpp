@@ -1,0 +1,141 @@
+/// Walls along which the fluid slips by a length b, against exact solutions: u - u_wall = b du/dn on the wall (Navier's condition).
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "engine/models/boundary/wall.h"
+#include "engine/models/motion/motion.h"
+#include "engine/models/viscosity/explicit.h"
+#include "engine/models/viscosity/full.h"
+#include "engine/models/viscosity/pairwise.h"
+#include "engine/sph/density.h"
+#include "tests/support/world.h"
+
+using namespace whorl;
+using namespace whorl::test;
+
+namespace {
+
+enum class Form { brookshaw, monaghan, pairwise, full };
+constexpr Form all_forms[] = {Form::brookshaw, Form::monaghan, Form::pairwise, Form::full};
+const char* name(Form form) {
+    constexpr const char* names[] = {"brookshaw", "monaghan", "pairwise", "full"};
+    return names[static_cast<int>(form)];
+}
+bool is_explicit(Form form) { return form == Form::brookshaw || form == Form::monaghan; }
+double support_of(Form form) { return form == Form::monaghan || form == Form::pairwise ? 4 : 2; }
+
+Stage viscosity_of(Form form, Real factor) {
+    switch (form) {
+        case Form::brookshaw:
+        case Form::monaghan: return make_stage("viscosity", "viscosity", ExplicitViscosity{{form == Form::monaghan, factor}});
+        case Form::pairwise: return make_stage("viscosity", "viscosity", PairwiseViscosity(PairwiseViscosityOptions{{1e-6, 500}}));
+        case Form::full: {
+            FullViscosityOptions options;
+            options.limits.tolerance = 1e-6;
+            options.solid_factor = factor;
+            return make_stage("viscosity", "viscosity", FullViscosity(options));
+        }
+    }
+    return {};
+}
+
+/// Steady flow along x between walls at y = 0 and y = H with slip lengths and velocities of their own, driven by g. d u/dt = 0 in
+///   nu u'' = -g,   u(0) - U0 = b0 u'(0),   u(H) - U1 = -b1 u'(H).
+struct Channel {
+    double H = 1, nu = 1, g = 0, U0 = 0, U1 = 0, b0 = 0, b1 = 0;
+    double exact(double y) const {
+        // u = U0 + s (y + b0) - g y^2/(2 nu);  the other wall gives the slope s
+        const double s = (U1 - U0 + g / nu * (H * H / 2 + b1 * H)) / (H + b0 + b1);
+        return U0 + s * (y + b0) - g / (2 * nu) * y * y;
+    }
+};
+
+/// Largest error of the velocity in what the exact flow has become after 1.5 times the slowest mode's time, over the exact flow's range.
+double worst_error(Form form, const Channel& c, int across) {
+    const double d = c.H / across, support = support_of(form), width = 2 * std::ceil(support) * d;
+    const Real factor = continued_lattice_factor(KernelKind::cubic, Real(support * d), Real(d));
+    TestWorld w(d, support, Domain{Vec3::Zero(), Vec3(Real(width), Real(c.H), Real(width)), {true, false, true}});
+    std::vector<Stage> stages{make_stage("density", "density", Density{factor}), make_stage("gravity", "move", Gravity{})};
+    if (is_explicit(form)) stages.push_back(viscosity_of(form, factor));
+    stages.push_back(make_stage("kick", "move", Kick{}));
+    if (!is_explicit(form)) stages.push_back(viscosity_of(form, factor));
+    w.use(std::move(stages));
+    w.world.step.gravity = Vec3(Real(c.g), 0, 0);
+    w.add_wall(1, +1, 0, c.b0);
+    w.add_wall(1, -1, c.H, c.b1);
+    w.world.solids.all[0].pose.velocity = Vec3(Real(c.U0), 0, 0);
+    w.world.solids.all[1].pose.velocity = Vec3(Real(c.U1), 0, 0);
+    SolidParticles& layer = w.world.solid_particles;
+    for (Index s = 0; s < layer.size(); ++s) {
+        const auto k = static_cast<std::size_t>(s);
+        layer.velocity[k] = w.world.solids.all[static_cast<std::size_t>(layer.solid[k])].pose.velocity;
+    }
+    w.place(Vec3::Zero(), Vec3(Real(width), Real(c.H), Real(width)), 1000 * c.nu, [&](const Vec3& x) { return Vec3(Real(c.exact(x.y())), 0, 0); });
+    // Slowest mode: in a channel that slips far it is the mean that the walls' friction brakes, at the rate nu (1/(b0 + H/2) + 1/(b1 + H/2))/H or so.
+    const double rate = c.nu / c.H * (1 / (c.b0 + c.H / 3) + 1 / (c.b1 + c.H / 3)), end = 2 / rate;
+    const double dt = is_explicit(form) ? 0.5 * viscous_step(support * d, c.nu) : end / 40;
+    for (int s = 0; s < static_cast<int>(std::ceil(end / dt)); ++s) w.step(dt);
+    const auto x = w.column<field::position>();
+    const auto u = w.column<field::velocity>();
+    double worst = 0, low = 1e30, high = -1e30;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        const double exact = c.exact(x[i].y());
+        worst = std::max(worst, std::abs(u[i].x() - exact));
+        low = std::min(low, exact), high = std::max(high, exact);
+    }
+    return worst / std::max(high - low, std::max(std::abs(high), std::abs(low)));
+}
+
+}  // namespace
+
+TEST_CASE("between a wall at rest that slips and one that drags, the profile is straight and slips by b du/dy within 2 %, 16 particles across",
+          "[validation][viscosity][boundary][slip]") {
+    const int across = 16;
+    for (Form form : all_forms)
+        for (double b : {0.5, 2.0, 10.0}) {
+            Channel c;
+            c.U1 = 1, c.b0 = b * c.H / across;
+            const double error = worst_error(form, c, across);
+            CAPTURE(name(form), b, error);
+            CHECK(error < 0.02);  // with the cubic kernel and R = 2 d, and pairwise, it is the same sum on both sides of the wall: exact to rounding
+        }
+}
+
+TEST_CASE("plane Poiseuille flow between walls that slip by b is the parabola plus g b H/(2 nu) within 2 % (explicit monaghan 5 %), 24 particles across",
+          "[validation][viscosity][boundary][slip]") {
+    const int across = 24;
+    for (Form form : all_forms)
+        for (double b : {0.5, 2.0, 10.0}) {
+            Channel c;
+            c.g = 8, c.b0 = c.b1 = b * c.H / across;
+            const double error = worst_error(form, c, across);
+            CAPTURE(name(form), b, error);
+            // monaghan, with R = 4 d, takes the density into account that the kernel finds: beside a wall of one layer, up to 8 % too little.
+            CHECK(error < (form == Form::monaghan ? 0.05 : 0.02));
+        }
+}
+
+TEST_CASE("a slip length of 1e-6 d is a wall that sticks, one of 1e6 d a wall that slides freely", "[validation][viscosity][boundary][slip]") {
+    const int across = 16;
+    for (Form form : all_forms) {
+        CAPTURE(name(form));
+        // Sticking: Couette between the two, held to the straight profile as for walls that stick in their own way.
+        Channel c;
+        c.U1 = 1, c.b0 = 1e-6 * c.H / across, c.b1 = c.b0;
+        CHECK(worst_error(form, c, across) < 0.02);
+        // Sliding: what a wall that moves by 1 gives to fluid at rest in a step of nu dt/H^2 = 2 is 2 H/b, twice over.
+        TestWorld w(1.0 / across, support_of(form), Domain{Vec3::Zero(), Vec3(Real(0.5), 1, Real(0.5)), {true, false, true}});
+        const Real factor = continued_lattice_factor(KernelKind::cubic, w.world.step.support, w.world.step.spacing);
+        std::vector<Stage> stages{make_stage("density", "density", Density{factor}), make_stage("gravity", "move", Gravity{})};
+        if (is_explicit(form)) stages.push_back(viscosity_of(form, factor));
+        stages.push_back(make_stage("kick", "move", Kick{}));
+        if (!is_explicit(form)) stages.push_back(viscosity_of(form, factor));
+        w.use(std::move(stages));
+        w.world.step.gravity.setZero();
+        w.add_wall(1, +1, 0, 1e6 / across);
+        w.world.solids.all[0].pose.velocity = Vec3(1, 0, 0);
+        w.place(Vec3::Zero(), Vec3(Real(0.5), 1, Real(0.5)), 1000);
+        w.step(is_explicit(form) ? viscous_step(support_of(form) / across, 1) : 2);
+        CHECK(w.max_speed() < 1e-4);
+    }
+}
