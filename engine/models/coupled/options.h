@@ -31,7 +31,9 @@ struct CoupledOptions {
     /// Whether fluid bears tension, by the Reynolds number of a particle, (|D| + sqrt(g/d)) d^2/nu: wholly up to the first, not at all from the second on.
     double bears_tension_up_to = 0.1, parts_from = 1;
     double stiffness = 10;      ///< of fluid that parts: it yields to pressure like a sound wave of the speed sqrt(stiffness) d/dt
-    double unresolved = 1;      ///< its damping of what no linear field explains: rate over |D| + sqrt(g/d)
+    /// Its damping of what no linear field explains, over |D| + sqrt(g/d): with 1, layers fall into each other beside a wall where the least-squares divergence
+    /// does not see it, and a pool loses a third of its height; with 100, a splash hangs together.
+    double unresolved = 50;
     int most_rounds = 4;        ///< solves a step until those that press have been found
     double few_change = 0.005;  ///< part of the particles that may still change sides between two rounds
 

@@ -103,9 +103,10 @@ bool set_parting(CoupledSystem& s, Span<const Real> mu, Span<const Real> p, Span
         const double reynolds = rate * d * d / std::max(nu, 1e-12);
         const double t = reynolds > 0 ? std::clamp(std::log(reynolds / o.bears_tension_up_to) / range, 0.0, 1.0) : 0;
         part.parts = static_cast<Real>(t * t * (3 - 2 * t));
-        part.damping = static_cast<Real>(part.parts * o.unresolved * std::min(1.0, rate * static_cast<double>(step.dt)));
         const Neighbourhood& hood = s.rows.neighbourhood[k];
         part.presses = part.parts == 0 || p[k] > 0 || hood.density + surface_lacks * hood.surface >= 1;
+        // What flies freely is not held together by it.
+        part.damping = part.presses ? static_cast<Real>(part.parts * o.unresolved * rate * static_cast<double>(step.dt)) : 0;
     });
     return parallel_max(static_cast<Index>(mu.size()), 0, [&](Index i) { return static_cast<double>(s.parting[static_cast<std::size_t>(i)].parts); }) > 0;
 }

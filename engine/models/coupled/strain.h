@@ -28,7 +28,7 @@ struct StrainCoefficients {
 struct Parting {
     Real counts = 1;       ///< share of its volume whose shear is not the friction's (ContactFriction::counted)
     Real parts = 0;        ///< 0: bears tension like honey, 1: none, like water
-    Real damping = 0;      ///< of what the linear field does not explain, in place of what viscosity would do; over the step, like K
+    Real damping = 0;      ///< of what the linear field does not explain, where viscosity does too little; in the units of K
     bool presses = true;
     /// Of the resistance to a change of volume that is there.
     Real share() const { return 1 - parts + (presses ? parts : 0); }
