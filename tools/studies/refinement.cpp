@@ -42,7 +42,7 @@ const std::string street = R"toml([time]
 end = 2
 [domain]
 min = [-0.06, -0.045, 0.0]
-max = [ 0.22,  0.045, 0.0133333]
+max = [ 0.22,  0.045, 0.0133334]
 periodic = [true, false, true]
 gravity = [0.05, 0, 0]
 [fluid]
@@ -59,12 +59,12 @@ artificial_viscosity = 0
 [[block]]
 shape = "box"
 min = [-0.06, -0.04, 0]
-max = [ 0.22,  0.04, 0.0133333]
+max = [ 0.22,  0.04, 0.0133334]
 velocity = ["0.3", "0.03*sin(40*x)", "0"]
 [[solid]]
 shape = "cylinder"
 from = [0, 0.001, 0]
-to = [0, 0.001, 0.0133333]
+to = [0, 0.001, 0.0133334]
 radius = 0.01
 [[solid]]
 shape = "box"
@@ -142,7 +142,7 @@ std::string refinement_street_table() {
                                         "micropolar.xsph_velocity=0"};
     std::vector<double> times;
     for (int k = 1; k <= 16; ++k) times.push_back(k / 8.0);
-    const Three wake(street, spin, {"fluid.spacing=1.66666e-3", "domain.max=[0.22,0.045,0.00666666]", "block[0].max=[0.22,0.04,0.00666666]"}, times);
+    const Three wake(street, spin, {"fluid.spacing=1.66666e-3", "domain.max=[0.22,0.045,0.0066667]", "block[0].max=[0.22,0.04,0.0066667]"}, times);
     std::string table = "| t [s] | energy across [mJ/kg]: coarse | with spin | fine | enstrophy [1/s^2]: coarse | with spin | fine |\n|---|---|---|---|---|---|---|\n";
     for (std::size_t k = 3; k < times.size(); k += 4) {
         // Means of half a second, about one and a half vortices.

@@ -164,7 +164,9 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
         const auto k = static_cast<std::size_t>(i);
         const Neighbourhood& hood = s.rows.neighbourhood[k];
         const double compressed = hood.density + s.parting[k].parts * surface_lacks * hood.surface - 1;
-        double wanted = compressed > 0 ? std::min(o.push * compressed / dt, fastest_push) : s.parting[k].parts * compressed / dt;
+        // Fluid that mostly bears tension keeps the volume it has; drawing it together would be a creep that never ends.
+        const double falls_shut = std::max(0.0, 2 * static_cast<double>(s.parting[k].parts) - 1);
+        double wanted = compressed > 0 ? std::min(o.push * compressed / dt, fastest_push) : falls_shut * compressed / dt;
         if (role[i] == 0) wanted += std::clamp(-double(dt) * second_invariant(G[i]), -turning_limit, turning_limit);
         target[k] = static_cast<Real>(wanted);
         set_pressure(i);
