@@ -77,6 +77,15 @@ double last_given_up(const fs::path& table) {
     return std::strtod(last.c_str(), nullptr);
 }
 
+/// CPU seconds so far: of the program with the encoders it ran; and of its threads but those that make pictures.
+double process_cpu_seconds() { return cpu_seconds() + children_cpu_seconds(); }
+double simulation_cpu_seconds() {
+    double sum = 0;
+    for (const auto& [name, seconds] : cpu_by_thread_name())
+        if (name != "surface" && name != "draw" && name != "write") sum += seconds;
+    return sum;
+}
+
 class Run {
 public:
     Run(const RunRequest& request, const Plan& plan);
@@ -102,12 +111,13 @@ private:
     int conclude(const std::string& status, const std::string& message);
 
     double wall() const { return earlier_wall_ + wall_seconds() - began_; }
-    double cpu() const { return earlier_cpu_ + cpu_seconds() + children_cpu_seconds(); }
+    double cpu() const { return earlier_cpu_ + process_cpu_seconds() - cpu_before_; }
     StageTimes stages() const;
 
     const RunRequest& request_;
     const Scene& scene_;
     double began_ = wall_seconds(), earlier_wall_ = 0, earlier_cpu_ = 0;
+    double cpu_before_ = process_cpu_seconds(), simulation_cpu_before_ = simulation_cpu_seconds();  ///< another panel may have run before
     StageTimes earlier_stages_;
     int resumed_ = 0;
     int first_ = 1, last_ = 1;  ///< frames that this part of the run makes
@@ -217,10 +227,7 @@ void Run::open_tables() {
 }
 
 StageTimes Run::stages() const {
-    double simulation_cpu = 0;
-    for (const auto& [name, seconds] : cpu_by_thread_name())
-        if (name != "surface" && name != "draw" && name != "write") simulation_cpu += seconds;
-    StageTimes all = with_shared_cpu(simulation_.times(), simulation_cpu);
+    StageTimes all = with_shared_cpu(simulation_.times(), simulation_cpu_seconds() - simulation_cpu_before_);
     all.merge(film_->times());
     for (const auto& [name, t] : earlier_stages_) {
         StageTime& sum = all[name];
