@@ -133,6 +133,7 @@ struct SolidKeys {
     VectorExpression position, rotation;  ///< m; rad/s about the solid's own axes; of t
     bool inside = false;          ///< the fluid is inside the shape
     Slip slip = Slip::no;
+    double wetting = 0.5;         ///< the solid's pull on the fluid over the fluid's own, with surface tension
     std::string material;         ///< of the look
 };
 

@@ -132,6 +132,8 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
         target[k] = static_cast<Real>(wanted);
         q[k] = form.coefficients(i).bulk * d * target[k] + dt * p[i] / (step.rest_density * d);
     });
+    if (const std::vector<Real>& P = *s.known_pressure; P.size() == count)
+        parallel_for(n, [&](Index i) { q[static_cast<std::size_t>(i)] += dt * P[static_cast<std::size_t>(i)] / (step.rest_density * d); });
     parallel_for(n, [&](Index i) { b[static_cast<std::size_t>(i)] = u[i] + dt * step.gravity; });
     const std::vector<Vec3> pushed = nothing_held ? b : std::vector<Vec3>{};
     form.add_pressure(q, b);
