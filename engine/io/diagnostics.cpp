@@ -69,7 +69,7 @@ std::string diagnostics_header() {
     return "frame,time,steps,particles,time_step,max_speed,kinetic_energy,potential_energy,spin_energy,momentum_x,momentum_y,momentum_z,"
            "angular_momentum_x,angular_momentum_y,angular_momentum_z,density_error_mean,density_error_max,pressure_iterations,"
            "viscosity_iterations,lost_particles,wall_seconds,cpu_seconds,gravity_work,torque_work,pressure_work,boundary_work,viscous_dissipation,"
-           "exchange_dissipation,smoothing_dissipation";
+           "exchange_dissipation,smoothing_dissipation,surface_tension_work";
 }
 
 std::string diagnostics_row(int frame, double time, const Measures& m, const RunTotals& before, const RunTotals& now, double wall,
@@ -83,7 +83,7 @@ std::string diagnostics_row(int frame, double time, const Measures& m, const Run
                          (now.viscosity_iterations - before.viscosity_iterations) / steps, static_cast<double>(now.lost_particles), wall, cpu})
         row += "," + number(value);
     const EnergyWork& work = now.work;
-    for (double value : {work.gravity, work.torque, work.pressure, work.boundary, -work.viscosity, -work.exchange, -work.smoothing})
+    for (double value : {work.gravity, work.torque, work.pressure, work.boundary, -work.viscosity, -work.exchange, -work.smoothing, work.surface_tension})
         row += now.any_work ? "," + number(value) : ",";
     return row + "\n";
 }

@@ -37,13 +37,13 @@ struct Divergence {
 /// Work on the particles in a step, into their kinetic and spin energy, by its cause [J]; what is dissipated counts negative. Solids do their work
 /// through the terms by which they act.
 struct EnergyWork {
-    double gravity = 0, torque = 0, pressure = 0, viscosity = 0, exchange = 0, smoothing = 0, boundary = 0;
+    double gravity = 0, torque = 0, pressure = 0, viscosity = 0, exchange = 0, smoothing = 0, boundary = 0, surface_tension = 0;
     EnergyWork& operator+=(const EnergyWork& o) {
         gravity += o.gravity, torque += o.torque, pressure += o.pressure, viscosity += o.viscosity;
-        exchange += o.exchange, smoothing += o.smoothing, boundary += o.boundary;
+        exchange += o.exchange, smoothing += o.smoothing, boundary += o.boundary, surface_tension += o.surface_tension;
         return *this;
     }
-    double total() const { return gravity + torque + pressure + viscosity + exchange + smoothing + boundary; }
+    double total() const { return gravity + torque + pressure + viscosity + exchange + smoothing + boundary + surface_tension; }
 };
 
 struct StepReport {

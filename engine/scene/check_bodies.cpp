@@ -38,6 +38,7 @@ void check_bodies(const Scene& scene, const Plan& plan, std::vector<Problem>& pr
     if (plan.viscosity == ViscosityModel::full || plan.viscosity == ViscosityModel::full_assembled || plan.viscosity == ViscosityModel::pairwise)
         report("models.viscosity", std::string("models.viscosity = \"") + name_of(plan.viscosity) + "\" does not move free bodies yet",
                "take \"explicit\", \"xsph\" or \"none\"");
+    if (scene.fluid.surface_tension > 0) report("fluid.surface_tension", "surface tension does not pull on free bodies", "take 0");
     if (plan.micropolar != MicropolarModel::none) report("models.micropolar", "micropolar fluids do not move free bodies", "take \"none\"");
 }
 

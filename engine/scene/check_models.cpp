@@ -17,9 +17,8 @@ void check_models(const Scene& scene, const Plan& plan, double viscous_number, s
     const auto report = [&](const std::string& key, const std::string& what, const std::string& hint, const std::string& allowed = "") {
         problems.push_back({scene.place(key), what, hint, allowed.empty() ? "" : "allowed: " + allowed});
     };
-    const std::string not_here = " is not available in this version";
-
-    if (scene.fluid.surface_tension > 0) report("fluid.surface_tension", "surface tension" + not_here, "set fluid.surface_tension = 0");
+    if (scene.fluid.surface_tension > 0 && plan.pressure == PressureModel::none)
+        report("fluid.surface_tension", "surface tension pulls particles together, and models.pressure = \"none\" keeps none apart", "choose a pressure");
     if (scene.boundary.gate > 0 && plan.boundary != BoundaryModel::akinci && plan.boundary != BoundaryModel::ppe)
         report("boundary.gate", std::string("boundary.gate belongs to solids of models.pressure = \"wcsph\" or \"ppe\", and this scene has models.pressure = \"") +
                                     name_of(plan.pressure) + "\"" + (scene.solids.empty() ? " and no solids" : ""),

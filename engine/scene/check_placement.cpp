@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "engine/models/viscosity/ageing.h"
+#include "engine/models/surface_tension/surface_tension.h"
 #include "engine/scene/checks.h"
 #include "engine/scene/names.h"
 #include "engine/scene/tree.h"
@@ -67,9 +68,10 @@ private:
     void domain() {
         for (int a = 0; a < 3; ++a) {
             const double length = high_[a] - low_[a];
-            if (scene_.domain.periodic[a] && length < 2 * plan_.support)
+            const double reach = std::max(plan_.support, scene_.fluid.surface_tension > 0 ? Cohesion::range * plan_.spacing : 0.0);
+            if (scene_.domain.periodic[a] && length < 2 * reach)
                 report("domain.periodic",
-                       fmt::format("the periodic axis {} is {:.4g} m long, shorter than two support radii of {:.4g} m", "xyz"[a], length, plan_.support),
+                       fmt::format("the periodic axis {} is {:.4g} m long, shorter than two support radii of {:.4g} m", "xyz"[a], length, reach),
                        "make the domain longer or fluid.spacing smaller");
         }
         for (const double t : sample_times(0, scene_.time.end))

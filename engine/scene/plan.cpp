@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "engine/models/pressure/multigrid.h"
+#include "engine/models/surface_tension/surface_tension.h"
 #include "engine/models/viscosity/assembled.h"
 #include "engine/models/viscosity/pairwise.h"
 #include "engine/scene/checks.h"
@@ -82,6 +83,14 @@ void choose_artificial_viscosity(Plan& plan, const Scene& scene, const SceneNumb
     const bool automatic = !scene.pressure.artificial_viscosity;
     plan.choices.push_back({"pressure.artificial_viscosity", fmt::format("{:.2g}", plan.artificial_viscosity), automatic,
                             automatic ? reason : "as the scene says"});
+}
+
+void tell_surface_tension(Plan& plan, const Scene& scene) {
+    const double tension = scene.fluid.surface_tension, d = plan.spacing;
+    if (tension == 0) return;
+    plan.choices.push_back({"fluid.surface_tension", fmt::format("{:g}", tension), false,
+                            fmt::format("pulls between particles over {:g} spacings; they press the inside with {:.3g} Pa, and without viscosity the step must "
+                                        "stay below {:.3g} s", Cohesion::range, internal_pressure(tension, d), surface_tension_step(scene.fluid.density, d, tension, 0))});
 }
 
 /// The choice itself is made step by step, by how many particles press (models/pressure/multigrid.h).
@@ -165,7 +174,9 @@ Plan make_plan(const Scene& given) {
     double step = n.step;
     if (plan.pressure == PressureModel::wcsph) {
         // A fluid at rest still needs sound: as fast as the longest step could resolve.
-        const double speed = std::max(n.speed, scene.time.cfl * d / scene.time.max_step / 10);
+        double speed = std::max(n.speed, scene.time.cfl * d / scene.time.max_step / 10);
+        // As fast as what surface tension's internal pressure would push out: the density then changes by a hundredth.
+        if (scene.fluid.surface_tension > 0) speed = std::max(speed, std::sqrt(internal_pressure(scene.fluid.surface_tension, d) / scene.fluid.density));
         plan.sound_speed = scene.pressure.sound_speed > 0 ? scene.pressure.sound_speed : 10 * speed;
         step = std::min(step, scene.time.cfl * 0.5 * plan.support / (plan.sound_speed + n.speed));
         plan.choices.push_back({"pressure.sound_speed", fmt::format("{:.3g}", plan.sound_speed), scene.pressure.sound_speed == 0,
@@ -177,6 +188,7 @@ Plan make_plan(const Scene& given) {
     if (plan.micropolar != MicropolarModel::none) choose_micropolar(plan, scene, given, step);
     if (plan.pressure == PressureModel::ppe) choose_preconditioner(plan, scene);
     choose_boundary(plan, scene);
+    tell_surface_tension(plan, scene);
     const bool difference = plan.pressure == PressureModel::wcsph && scene.pressure.gradient == GradientForm::difference;
     choose(plan, "models.shifting", scene.models.shifting, coupled || difference ? ShiftingModel::fickian : ShiftingModel::none,
            coupled      ? "stretched threads lose their even spacing"

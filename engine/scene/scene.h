@@ -135,6 +135,7 @@ struct SolidKeys {
     bool inside = false;          ///< the fluid is inside the shape
     Slip slip = Slip::no;
     double slip_length = 0;       ///< m, navier
+    double wetting = 0.5;         ///< the solid's pull on the fluid over the fluid's own, with surface tension
     std::string material;         ///< of the look
     double density = 0;           ///< kg/m^3; given: a free body
     Vec3d velocity = Vec3d::Zero();  ///< m/s, of a free body at the start

@@ -53,7 +53,7 @@ KeyTable fluid_keys() {
     t.key("spacing", &FluidKeys::spacing, "m", "initial distance between particles").required().above(0);
     t.key("density", &FluidKeys::density, "kg/m^3", "density at rest").above(0);
     t.key("viscosity", &FluidKeys::viscosity, "Pa s", "dynamic viscosity, of the particle's place at the start and of its age in s").at_least(0).of("xyza").live();
-    t.key("surface_tension", &FluidKeys::surface_tension, "N/m", "surface tension").at_least(0).live();
+    t.key("surface_tension", &FluidKeys::surface_tension, "N/m", "surface tension: particles pull at each other over three spacings; 0: none, at no cost").at_least(0).live();
     t.key("kernel", &FluidKeys::kernel, "", "smoothing kernel; auto: wendland_c2 with pressure \"coupled\", else cubic");
     t.key("support", &FluidKeys::support, "spacings", "kernel radius; auto: 3 with pressure \"coupled\", else 2").at_least(1.2).at_most(6);
     return t;
@@ -199,6 +199,10 @@ KeyTable solid_keys() {
     t.key("tilt", &SolidKeys::tilt, "degrees", "how a free body is turned at the start: about this axis, by this angle");
     t.key("friction", &SolidKeys::friction, "", "where free bodies touch; of a pair: the geometric mean").at_least(0).at_most(10);
     t.key("bounce", &SolidKeys::bounce, "", "share of its speed that a free body keeps when it hits a solid; of a pair: the larger").at_least(0).at_most(1);
+    t.key("wetting", &SolidKeys::wetting, "", "with surface tension: the solid's pull over the fluid's own; contact angle of cos = 2 wetting - 1: 1 wets, 0.5 stands at 90 degrees, 0 repels")
+        .at_least(0)
+        .at_most(1)
+        .live();
     t.key("material", &SolidKeys::material, "", "how it looks").not_deciding().live();
     return t;
 }

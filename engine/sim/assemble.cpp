@@ -14,6 +14,7 @@
 #include "engine/models/pressure/ppe.h"
 #include "engine/models/pressure/wcsph.h"
 #include "engine/models/shifting/fickian.h"
+#include "engine/models/surface_tension/surface_tension.h"
 #include "engine/models/viscosity/ageing.h"
 #include "engine/models/viscosity/assembled.h"
 #include "engine/models/viscosity/explicit.h"
@@ -112,6 +113,7 @@ private:
         options.support = plan_.support / plan_.spacing;
         auto system = std::make_shared<CoupledSystem>(options);
         stage("coupled neighbourhood", "neighbours", CoupledNeighbourhood{system});
+        if (scene_.fluid.surface_tension > 0) surface_tension(system->known_pressure);
         stage("coupled solve", "pressure", CoupledSolve{system});
         stage("coupled move", "move", CoupledMove{system});
         made_.stages.push_back(move_solids());
@@ -165,6 +167,10 @@ private:
         else if (plan_.viscosity == ViscosityModel::explicit_laplacian) explicit_viscosity(solid_factor);
         stage("kick", "move", Kick{});
         if (bodies) stage("kick of bodies", "bodies", KickBodies{});
+        if (scene_.fluid.surface_tension > 0) {
+            surface_tension(nullptr);
+            booked(&EnergyWork::surface_tension);
+        }
         if (plan_.viscosity == ViscosityModel::xsph) {
             stage("XSPH", "viscosity", XsphViscosity{static_cast<Real>(scene_.viscosity.alpha)});
             booked(&EnergyWork::smoothing);
@@ -198,6 +204,26 @@ private:
         }
     }
 
+    void surface_tension(std::shared_ptr<std::vector<Real>> internal) {
+        const double tension = scene_.fluid.surface_tension;
+        SurfaceTensionOptions options{tension, {}, std::move(internal)};
+        for (const SolidKeys& solid : scene_.solids) options.wetting.push_back(static_cast<Real>(solid.wetting));
+        stage("surface tension", "surface tension", SurfaceTension(std::move(options)));
+        const ViscosityModel v = plan_.viscosity;
+        const bool implicit = plan_.pressure == PressureModel::coupled || v == ViscosityModel::full || v == ViscosityModel::full_assembled || v == ViscosityModel::pairwise;
+        limit("surface tension", implicit ? "b + sqrt(b^2 + rho d^3/(2 pi sigma)), b = mu d/(2 sigma)" : "sqrt(rho d^3 / (2 pi sigma))",
+              [=, rho = scene_.fluid.density, d = plan_.spacing](const World& w, double) {
+                  double mu = 0;
+                  if (implicit) {
+                      const auto each = w.fluid.column<field::viscosity>();
+                      mu = -parallel_max(w.fluid.size(), -std::numeric_limits<double>::infinity(),
+                                         [&](Index i) { return -static_cast<double>(each[static_cast<std::size_t>(i)]); });
+                      if (!std::isfinite(mu)) mu = 0;  // no fluid yet
+                  }
+                  return surface_tension_step(rho, d, tension, mu);
+              });
+    }
+
     void constrained_density() {
         ConstraintOptions options;
         options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
@@ -211,7 +237,7 @@ private:
             case Preconditioner::multigrid: options.preconditioner = constraint_multigrid(); break;
         }
         if (scene_.pressure.damping > 0) {
-            stage("unresolved motion", "pressure", DampUnresolved{scene_.pressure.damping});
+            stage("unresolved motion", "pressure", DampUnresolved{scene_.pressure.damping, scene_.fluid.surface_tension});
             booked(&EnergyWork::smoothing);
         }
         stage("density constraint", "pressure", ConstraintPressure{options});

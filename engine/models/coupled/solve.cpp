@@ -153,9 +153,11 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
     // s_i: compressed particles part; and a body that turns needs div u = -dt I2(grad u) to keep its volume under x += dt u.
     // q_i: the multiplier, and the bulk term's part that does not depend on u.
     std::vector<Real> target(count), q(count);
+    const std::vector<Real>& known_pressure = *s.known_pressure;
+    const bool any_known = known_pressure.size() == count;
     const auto set_pressure = [&](Index i) {
         const auto k = static_cast<std::size_t>(i);
-        q[k] = form.coefficients(i).bulk * d * target[k] + s.parting[k].share() * dt * p[i] / (step.rest_density * d);
+        q[k] = form.coefficients(i).bulk * d * target[k] + dt * (s.parting[k].share() * p[i] + (any_known ? known_pressure[k] : 0)) / (step.rest_density * d);
     };
     const double fastest = std::sqrt(parallel_max(n, 0, [&](Index i) { return static_cast<double>(u[i].squaredNorm()); }));
     const double turning_limit = o.turning_limit * fastest / d;

@@ -8,7 +8,7 @@
 namespace whorl {
 
 void DampUnresolved::operator()(const FluidPairs& pairs, const StepContext& step, Read<field::role> role, Update<field::velocity> u) {
-    const double fall = std::sqrt(static_cast<double>(step.gravity.norm() / step.spacing));
+    const double fall = std::sqrt(static_cast<double>(step.gravity.norm() / step.spacing) + tension_ / static_cast<double>(step.mass));
     const auto c = static_cast<Real>(std::min(0.3, rate_ * static_cast<double>(step.dt) * fall));
     if (!(c > 0)) return;
     const auto at = [](Index i) { return static_cast<std::size_t>(i); };

@@ -10,14 +10,16 @@ namespace whorl {
 /// u_i += 3 c sum_j V W_ij (e_ij.r_ij) r_ij/|r_ij|^2,   e_ij = u_j - u_i - (G_i + G_j)/2 (x_j - x_i),   c = rate dt, at most 0.3
 /// A packing of particles falls into denser ones; in an inviscid fluid that energy stays for ever, as a tremble from neighbour to neighbour. G is the
 /// local velocity gradient (least squares), so a linear flow feels nothing; where neighbours do not span the space it is 0. Forces are along the
-/// pairs: momentum and angular momentum are kept. The rate is in units of sqrt(g/d), that of falling by a spacing: without gravity, no damping.
+/// pairs: momentum and angular momentum are kept. The rate is in units of sqrt(g/d + sigma/(rho d^3)), that of falling or being pulled by a spacing:
+/// without gravity and surface tension, no damping.
 class DampUnresolved {
 public:
-    explicit DampUnresolved(double rate) : rate_(rate) {}
+    /// @param tension surface tension [N/m]
+    explicit DampUnresolved(double rate, double tension = 0) : rate_(rate), tension_(tension) {}
     void operator()(const FluidPairs& pairs, const StepContext& step, Read<field::role> role, Update<field::velocity> u);
 
 private:
-    double rate_;
+    double rate_, tension_;
     Column<Mat3> gradient_;
     Column<Vec3> change_;
 };

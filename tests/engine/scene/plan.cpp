@@ -135,7 +135,7 @@ TEST_CASE("models that do not go together, or that this version does not have, a
           "another pressure; allowed: auto or none");
     CHECK(messages_with({"models.boundary=akinci"}).find("does not go with models.pressure = \"coupled\"") != std::string::npos);
     CHECK(messages_with({"models.viscosity=full_assembled", "models.pressure=ppe", "fluid.spacing=5e-4"}).find("would take") != std::string::npos);
-    CHECK(messages_with({"fluid.surface_tension=0.07"}).find("surface tension is not available in this version") != std::string::npos);
+    CHECK(messages_with({"fluid.surface_tension=0.07", "models.pressure=none"}).find("keeps none apart") != std::string::npos);
     CHECK(messages_with({"boundary.gate=0.1", "models.pressure=coupled"})
               .find("boundary.gate belongs to solids of models.pressure = \"wcsph\" or \"ppe\", and this scene has models.pressure = \"coupled\"") !=
           std::string::npos);

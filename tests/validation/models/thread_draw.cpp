@@ -66,10 +66,10 @@ double longest_link(const std::vector<Vec3>& x) {
 
 }  // namespace
 
-TEST_CASE("a falling thread of five particles across thins as one-dimensional theory says, within 5 % down to a draw of nine, and holds together down to five",
+TEST_CASE("a falling thread of five particles across thins as one-dimensional theory says, within 4 %, and holds together, down to a draw of nine",
           "[validation][coupled]") {
-    // Measured: 3 % too thick next to the nozzle, where theory has it stretch from the first section on, 1 % too thin at a draw of nine. From a draw of six on, where fewer than three
-    // particles share a spacing of length, links of two to three spacings open for moments.
+    // Measured: 3.3 % too thick next to the nozzle, where theory has it stretch from the first section on, 1.4 % too thin at a draw of nine; no link longer than two spacings down to a draw
+    // of 9.9, at a radius of 0.77 spacings.
     const Scene scene = read_scene_text(R"toml([time]
 end = 1.6
 [domain]
@@ -114,8 +114,8 @@ max = [0.03, -0.25, 0.03]
         const double radius = a / (a0 * std::sqrt(1 / expected)), of_draw = a / (a0 * std::sqrt(1 / draw));
         if (link[k] < 2) whole = std::max(whole, draw);
         WARN(y << " m: draw " << draw << " (theory " << expected << "), radius " << radius << " of theory, " << of_draw << " of the draw's, longest link " << link[k] << " d");
-        if (draw < 9) CHECK(radius == Approx(1).epsilon(0.05));
+        if (draw < 9) CHECK(radius == Approx(1).epsilon(0.04));
     }
     WARN("in one piece down to a draw of " << whole);
-    CHECK(whole >= 5);
+    CHECK(whole >= 9);
 }

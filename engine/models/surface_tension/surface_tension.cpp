@@ -1,0 +1,90 @@
+#include "engine/models/surface_tension/surface_tension.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "engine/core/parallel.h"
+
+namespace whorl {
+
+constexpr double pi = std::numbers::pi;
+
+Cohesion::Cohesion(double tension, double d)
+    : length(static_cast<Real>(range * d)), strength(static_cast<Real>(1344 * tension * d / (pi * std::pow(range, 5)))),
+      density(static_cast<Real>(1 / (d * d * d))) {}
+
+// n pi int_z^L F (r^2 - z^2) dr
+Real Cohesion::half_space_pull(Real z) const {
+    const Real q = std::clamp(z / length, Real(0), Real(1)), q2 = q * q;
+    const Real h = Real(1) / 60 + q2 * (Real(-1) / 12 + q2 * (Real(0.25) + q * (Real(-4) / 15 + q / 12)));
+    return Real(pi) * density * length * length * length * strength * std::max(Real(0), h);
+}
+
+// -int_z^L of the pull
+Real Cohesion::half_space_potential(Real z) const {
+    const Real q = std::clamp(z / length, Real(0), Real(1)), q2 = q * q;
+    const Real h = Real(2) / 315 - q * (Real(1) / 60 + q2 * (Real(-1) / 36 + q2 * (Real(1) / 20 + q * (Real(-2) / 45 + q / 84))));
+    return -Real(pi) * density * length * length * length * length * strength * std::max(Real(0), h);
+}
+
+double Cohesion::bulk_energy(double d) const {
+    const int reach = static_cast<int>(std::ceil(range));
+    double sum = 0;
+    for (int a = -reach; a <= reach; ++a)
+        for (int b = -reach; b <= reach; ++b)
+            for (int c = -reach; c <= reach; ++c)
+                if (a != 0 || b != 0 || c != 0) sum += static_cast<double>(potential(static_cast<Real>(d * std::sqrt(double(a * a + b * b + c * c)))));
+    return density * sum;
+}
+
+void SurfaceTension::operator()(const Solids& solids, const StepContext& step, Read<field::position> x, Read<field::role> role,
+                                Update<field::velocity> u) {
+    const Cohesion cohesion(options_.tension, static_cast<double>(step.spacing));
+    search_.find(x.values, cohesion.length, step.domain, pairs_);
+    const Real impulse = step.dt / step.mass, slope = impulse * cohesion.strength / cohesion.length, over_length = 1 / cohesion.length;
+    parallel_for(x.size(), [&](Index i) {
+        if (role[i] != 0) return;
+        Real sum[3] = {0, 0, 0};
+        pairs_.groups_of(i, [&](const Pairs::Group& group) {
+            for (Index l = 0; l < group.count; ++l) {
+                const Real p = std::max(Real(0), 1 - group.distance[l] * over_length), pull = p * p;
+                sum[0] -= pull * group.r[0][l], sum[1] -= pull * group.r[1][l], sum[2] -= pull * group.r[2][l];
+            }
+        });
+        Vec3 du = slope * Vec3(sum[0], sum[1], sum[2]);
+        for (std::size_t k = 0; k < solids.all.size(); ++k) {
+            if (options_.wetting[k] == 0) continue;
+            const Real z = solids.all[k].distance(x[i]);
+            if (z < cohesion.length) du -= impulse * options_.wetting[k] * cohesion.half_space_pull(z) * solids.all[k].normal(x[i]);
+        }
+        u[i] += du;
+    });
+    if (!options_.internal_pressure) return;
+
+    // The pulls are the gradient of -phi: where the surface is flat a pressure n (phi(surface) - phi) balances them, and half of the bulk's phi is left there.
+    const auto half = static_cast<Real>(cohesion.bulk_energy(static_cast<double>(step.spacing)) / 2);
+    std::vector<Real>& P = *options_.internal_pressure;
+    P.resize(static_cast<std::size_t>(x.size()));
+    parallel_for(x.size(), [&](Index i) {
+        Real phi = 0;
+        pairs_.groups_of(i, [&](const Pairs::Group& group) {
+            for (Index l = 0; l < group.count; ++l) phi += cohesion.potential(group.distance[l]);
+        });
+        for (std::size_t k = 0; k < solids.all.size(); ++k) {
+            if (options_.wetting[k] == 0) continue;
+            const Real z = solids.all[k].distance(x[i]);
+            if (z < cohesion.length) phi += options_.wetting[k] * cohesion.half_space_potential(z);
+        }
+        P[static_cast<std::size_t>(i)] = half - cohesion.density * phi;
+    });
+}
+
+// (2 pi/3) n^2 A L^4/105
+double internal_pressure(double tension, double spacing) { return 2 * 1344 / (3 * 105 * Cohesion::range) * tension / spacing; }
+
+double surface_tension_step(double density, double spacing, double tension, double viscosity) {
+    const double inertial = std::sqrt(density * spacing * spacing * spacing / (2 * pi * tension)), viscous = viscosity * spacing / tension;
+    return 0.5 * (viscous + std::sqrt(viscous * viscous + 4 * inertial * inertial));
+}
+
+}  // namespace whorl

@@ -1,0 +1,123 @@
+#include <catch2/catch.hpp>
+#include <numbers>
+
+#include "engine/models/surface_tension/surface_tension.h"
+#include "engine/particles/sample.h"
+#include "tests/support/world.h"
+
+using namespace whorl;
+using test::TestWorld;
+
+namespace {
+
+constexpr double sigma = 0.07;
+
+TestWorld body_of(const ShapeKeys& keys, double d, double tension, Sampling sampling = Sampling::blue_noise) {
+    TestWorld w(d, 2, Domain{Vec3::Constant(Real(-20 * d)), Vec3::Constant(Real(20 * d)), {}});
+    w.use({make_stage("surface tension", "surface tension", SurfaceTension{{tension, {}, nullptr}})});
+    const std::vector<Vec3> x = sample_shape(*make_shape(keys), sampling, Real(d), w.world.step.domain, 1);
+    w.world.fluid.resize(static_cast<Index>(x.size()));
+    std::copy(x.begin(), x.end(), w.column<field::position>().begin());
+    w.world.step.gravity.setZero();
+    return w;
+}
+
+ShapeKeys brick(double d) {
+    ShapeKeys keys;
+    keys.min = Vec3d(-6 * d, -2 * d, -4 * d), keys.max = Vec3d(3 * d, 4 * d, 5 * d);
+    return keys;
+}
+
+}  // namespace
+
+TEST_CASE("surface tension keeps momentum and angular momentum of a body of any shape to round-off", "[surface_tension]") {
+    const double d = 0.01;
+    TestWorld w = body_of(brick(d), d, sigma);
+    w.step(1);
+    double sizes = 0;
+    for (const Vec3& u : w.column<field::velocity>()) sizes += static_cast<double>(w.world.step.mass * u.norm());
+    REQUIRE(sizes > 0);
+    const double rounding = 100 * std::numeric_limits<Real>::epsilon();  // a hundred terms a particle, of either sign
+    CHECK(w.momentum().norm() < rounding * sizes);
+    CHECK(w.angular_momentum().norm() < rounding * sizes * 8 * d);
+}
+
+TEST_CASE("a half-space's pull and potential in closed form are those of its particles, one by one", "[surface_tension]") {
+    // Against sums over a lattice fine enough (a tenth of the spacing) that it is a continuum: within 1 % of the value on the face, at any height.
+    const double d = 0.01, fine = d / 10;
+    const Cohesion cohesion(sigma, d);
+    for (const double z : {0.0, 0.5, 1.0, 2.0}) {
+        double pull = 0, potential = 0;
+        for (int a = -30; a <= 30; ++a)
+            for (int b = -30; b <= 30; ++b)
+                for (int c = 0; c <= 30; ++c) {
+                    const double depth = z * d + (c + 0.5) * fine, r = std::sqrt(depth * depth + fine * fine * (a * a + b * b));
+                    pull += 1e-3 * static_cast<double>(cohesion.pull_over_distance(Real(r))) * depth;
+                    potential += 1e-3 * static_cast<double>(cohesion.potential(Real(r)));
+                }
+        INFO("height " << z << " d");
+        CHECK(static_cast<double>(cohesion.half_space_pull(Real(z * d))) == Approx(pull).margin(0.01 * static_cast<double>(cohesion.half_space_pull(0))));
+        CHECK(static_cast<double>(cohesion.half_space_potential(Real(z * d))) ==
+              Approx(potential).margin(0.01 * std::abs(static_cast<double>(cohesion.half_space_potential(0)))));
+    }
+}
+
+TEST_CASE("parting a lattice into two takes 0.89 of the 2 sigma an area that a uniform density would", "[surface_tension]") {
+    // sigma = half of the energy between the half-spaces, over the area. Particles on lattice planes stand farther from the cut than a continuum; disorder makes up for it (the drops
+    // of tests/validation have 0.95 to 1.1 of sigma), so the calibration is that of the uniform density.
+    const double d = 0.01;
+    const Cohesion cohesion(sigma, d);
+    double energy = 0;  // of one column of the upper half with all of the lower
+    for (int own = 0; own < 3; ++own)
+        for (int a = -3; a <= 3; ++a)
+            for (int b = -3; b <= 3; ++b)
+                for (int c = 1; c <= 3; ++c)
+                    energy -= static_cast<double>(cohesion.potential(Real(d * std::sqrt(double(a * a + b * b) + double(own + c) * (own + c)))));
+    CHECK(energy / (d * d) == Approx(0.89 * 2 * sigma).epsilon(0.01));
+}
+
+TEST_CASE("surface tension has no scale of its own: the same drop from 10 micrometres to a metre a particle, from 1e-6 to 10 N/m", "[surface_tension]") {
+    // Accelerations over sigma/(rho d^2) agree to the rounding of the positions.
+    std::vector<double> first;
+    for (const double d : {1e-2, 1e-5, 1.0})
+        for (const double tension : {0.07, 1e-6, 10.0}) {
+            TestWorld w = body_of(brick(d), d, tension, Sampling::lattice);
+            const double unit = tension / (1000 * d * d);
+            w.step(d / unit * 1e-3);
+            std::vector<double> now;
+            for (const Vec3& u : w.column<field::velocity>()) now.push_back(static_cast<double>(u.norm()) / (1e-3 * d));
+            if (first.empty()) first = now;
+            REQUIRE(now.size() == first.size());
+            double worst = 0;
+            for (std::size_t i = 0; i < now.size(); ++i) worst = std::max(worst, std::abs(now[i] - first[i]));
+            INFO("spacing " << d << " m, tension " << tension << " N/m");
+            CHECK(worst < 1e-4);
+            CHECK(*std::max_element(now.begin(), now.end()) > 0.1);
+        }
+}
+
+TEST_CASE("a flat surface is pulled straight down, and a wall of the same pull as the fluid leaves fluid beside it alone", "[surface_tension]") {
+    const double d = 0.01;
+    for (const double wetting : {0.0, 1.0}) {
+        TestWorld w(d, 2, Domain{Vec3(0, Real(-d), 0), Vec3(Real(8 * d), Real(9 * d), Real(8 * d)), {true, false, true}});
+        w.use({make_stage("surface tension", "surface tension", SurfaceTension{{sigma, {static_cast<Real>(wetting)}, nullptr}})});
+        w.place(Vec3::Zero(), Vec3(Real(8 * d), Real(8 * d), Real(8 * d)));
+        ShapeKeys floor;
+        floor.kind = "plane";
+        Solid solid;
+        solid.shape = make_shape(floor);
+        w.world.solids.all.push_back(solid);
+        w.world.step.gravity.setZero();
+        w.step(1e-3);
+        const double pull = 1e-3 / static_cast<double>(w.world.step.mass) * static_cast<double>(Cohesion(sigma, d).half_space_pull(Real(d / 2)));
+        for (std::size_t i = 0; i < w.column<field::position>().size(); ++i) {
+            const Vec3 u = w.column<field::velocity>()[i];
+            const double y = static_cast<double>(w.column<field::position>()[i].y()) / d;
+            INFO("wetting " << wetting << ", layer at " << y << " d");
+            CHECK(std::hypot(u.x(), u.z()) < 1e-4 * pull);
+            // A lattice's layers are not a continuum: 10 % of a half-space's pull is left.
+            if (y > 7.4) CHECK(static_cast<double>(u.y()) == Approx(-pull).epsilon(0.15));
+            if (y < 0.6) CHECK(static_cast<double>(u.y()) == Approx(wetting == 0 ? pull : 0).margin(0.15 * pull));
+        }
+    }
+}
