@@ -127,7 +127,7 @@ const std::vector<Case> cases = {
      "bad.toml:12:6: solid[0].from and solid[0].to are the same point"},
     {"", "[[solid]]\nshape = \"plane\"\nposition = [0, \"t\", \"z\"]\nslip = true",
      "bad.toml:11:12: solid[0].position uses z, which it cannot depend on; allowed: functions of t\n"
-     "bad.toml:12:8: solid[0].slip must be a text, not true; allowed: no or free"},
+     "bad.toml:12:8: solid[0].slip must be a text, not true; allowed: no, free or navier"},
     {"", "[[probe]]\nname = \"a\"\nkind = \"point\"\nat = [0, 0, 0]\n[[probe]]\nname = \"a\"\nkind = \"line\"\nfrom = [0, 0, 0]\nto = [1, 0, 0]",
      "bad.toml:14:8: probe[1].name = \"a\" is taken by probe[0]"},
     {"", "[[probe]]\nname = \"a/b\"\nkind = \"coil\"\nheight = 0.1",
