@@ -29,7 +29,7 @@ struct CoupledOptions {
     double shift_rate = 5, shift_range = 1.1, longest_shift = 0.1;  ///< repulsion of close particles: rate over |D|, range, bound a step
 
     /// Whether fluid bears tension, by the Reynolds number of a particle, (|D| + sqrt(g/d)) d^2/nu: wholly up to the first, not at all from the second on.
-    double bears_tension_up_to = 0.1, parts_from = 1;
+    double bears_tension_up_to = 0.25, parts_from = 2.5;
     double stiffness = 10;      ///< of fluid that parts: it yields to pressure like a sound wave of the speed sqrt(stiffness) d/dt
     /// Its damping of what no linear field explains, over |D| + sqrt(g/d): with 1, layers fall into each other beside a wall where the least-squares divergence
     /// does not see it, and a pool loses a third of its height; with 100, a splash hangs together.
