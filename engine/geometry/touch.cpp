@@ -6,7 +6,7 @@
 namespace whorl {
 namespace {
 
-/// A ball of body `a` at the surface of solid `b`.
+/// A place on the surface of body `a` at the surface of solid `b`.
 struct Point {
     std::size_t a, b;
     Vec3d normal;           ///< from b to a
@@ -31,7 +31,7 @@ public:
             const auto& body = solids_.all[k].body;
             if (!body) continue;
             own[k].push_back(s);
-            reach[k] = std::max(reach[k], (layer_.own_position[static_cast<std::size_t>(s)].cast<double>() - body->own_centre).norm() + step_.spacing / 2);
+            reach[k] = std::max(reach[k], (layer_.own_position[static_cast<std::size_t>(s)].cast<double>() - body->own_centre).norm() + step_.spacing);
         }
         for (std::size_t a = 0; a < n; ++a)
             for (std::size_t b = 0; b < n; ++b) {
@@ -46,7 +46,7 @@ public:
                 } else if (static_cast<double>(solids_.all[b].distance(body.centre.cast<Real>())) > reach[a] + 2 * step_.spacing) {
                     continue;
                 }
-                for (const Index s : own[a]) at_ball(a, b, s, image);
+                for (const Index s : own[a]) at_particle(a, b, s, image);
             }
     }
 
@@ -70,16 +70,40 @@ public:
     bool empty() const { return points_.empty(); }
 
 private:
-    void at_ball(std::size_t a, std::size_t b, Index s, const Vec3d& image) {
+    /// The place on the surface of a nearest to layer particle s that is deepest in b: down along the surface from there, up to about a spacing. The particles
+    /// alone would make a polyhedron of a ball, which does not roll.
+    Vec3d deepest(const Solid& a, const Solid& b, const Vec3d& image, Index s) const {
+        const auto depth = [&](const Vec3d& x) { return static_cast<double>(b.distance(x.cast<Real>())); };
+        const auto on_surface = [&](const Vec3d& x) {
+            const Vec3 own = (x - image).cast<Real>();
+            return Vec3d(x - (a.distance(own) * a.normal(own)).cast<double>());
+        };
+        Vec3d p = on_surface(layer_.position[static_cast<std::size_t>(s)].cast<double>() + image);
+        double gap = depth(p), step = step_.spacing / 2;
+        for (int k = 0; k < 8; ++k) {
+            const Vec3d down = -b.normal(p.cast<Real>()).cast<double>(), out = a.normal((p - image).cast<Real>()).cast<double>();
+            const Vec3d along = down - down.dot(out) * out;
+            if (along.norm() < 1e-3) break;
+            const Vec3d q = on_surface(p + step * along.normalized());
+            const double lower = depth(q);
+            if (lower < gap) p = q, gap = lower;
+            else step /= 2;
+        }
+        return p;
+    }
+    void at_particle(std::size_t a, std::size_t b, Index s, const Vec3d& image) {
         const Solid& other = solids_.all[b];
-        const Vec3d ball = layer_.position[static_cast<std::size_t>(s)].cast<double>() + image;
-        const double gap = static_cast<double>(other.distance(ball.cast<Real>())) - step_.spacing / 2;
-        const Vec3d own = solids_.all[a].body->velocity_at(ball - image), its = velocity(b, ball);
-        if (gap > (own - its).norm() * step_.dt + 0.1 * step_.spacing) return;
+        const Vec3d start = layer_.position[static_cast<std::size_t>(s)].cast<double>() + image;
+        const double coming = (solids_.all[a].body->velocity_at(start - image) - velocity(b, start)).norm() * step_.dt;
+        if (static_cast<double>(other.distance(start.cast<Real>())) > coming + 1.5 * step_.spacing) return;
         Point p;
-        p.a = a, p.b = b, p.gap = gap;
-        p.normal = other.normal(ball.cast<Real>()).cast<double>();
-        p.place = ball - step_.spacing / 2 * p.normal;
+        p.place = deepest(solids_.all[a], other, image, s);
+        p.gap = static_cast<double>(other.distance(p.place.cast<Real>()));
+        if (p.gap > coming + 0.1 * step_.spacing) return;
+        for (std::size_t k = points_.size(); k > 0 && points_[k - 1].a == a && points_[k - 1].b == b; --k)
+            if ((points_[k - 1].place - p.place).norm() < 0.2 * step_.spacing) return;
+        p.a = a, p.b = b;
+        p.normal = other.normal(p.place.cast<Real>()).cast<double>();
         p.arm_a = p.place - image - solids_.all[a].body->centre;
         if (other.body) p.arm_b = p.place - other.body->centre;
         p.friction = std::sqrt(solids_.all[a].contact.friction * other.contact.friction);

@@ -84,9 +84,10 @@ TEST_CASE("fluid and bodies that collide in free space keep momentum within 1e-5
     // Viscosity along the pairs, since the other Laplacian has a torque of its own. Relative to the fluid's momentum, and to that times the size of the drop. In float a velocity is rounded to 6e-8 of itself at every change, a
     // position to 3e-8 of the domain at every step, hence the looser bound on what is made of both.
     for (const std::string models : {"[models]\npressure = \"ppe\"\n", "[models]\npressure = \"ppe\"\nviscosity = \"explicit\"\n[viscosity]\nlaplacian = \"monaghan\"\n",
-                                     "[models]\npressure = \"wcsph\"\nviscosity = \"explicit\"\n[viscosity]\nlaplacian = \"monaghan\"\n", "[models]\npressure = \"wcsph\"\n"}) {
+                                     "[models]\npressure = \"wcsph\"\nviscosity = \"explicit\"\n[viscosity]\nlaplacian = \"monaghan\"\n", "[models]\npressure = \"wcsph\"\n",
+                                     "[models]\npressure = \"ppe\"\nviscosity = \"full\"\n", "[models]\npressure = \"ppe\"\n[pressure]\ndivergence_free = true\n"}) {
         std::string text = collision(models);
-        if (models.find("explicit") != std::string::npos) text.replace(text.find("spacing"), 7, "viscosity = 0.5\nspacing");
+        if (models.find("viscosity") != std::string::npos) text.replace(text.find("spacing"), 7, "viscosity = 0.5\nspacing");
         INFO(models);
         Simulation simulation = simulation_of(text);
         const Momenta before = momenta(simulation.world());
