@@ -30,7 +30,7 @@ struct Stage {
     SolidParticles layer;
     TouchStep step;
     double gravity = 9.81;
-    explicit Stage(double spacing) { step.dt = 2e-3, step.spacing = spacing, step.domain = {Vec3::Constant(-10), Vec3::Constant(10), {}}; }
+    explicit Stage(double spacing) { step.dt = 2e-3, step.spacing = spacing, step.domain = {Vec3::Constant(Real(-0.3)), Vec3::Constant(Real(0.3)), {}}; }
     void place() {
         solids.set_time(0, step.dt);
         layer = sample_solids(solids, static_cast<Real>(step.spacing), step.domain);
