@@ -8,12 +8,13 @@ namespace whorl {
 /// What the step says about contact.
 struct TouchStep {
     double dt = 0;       ///< s
-    double spacing = 0;  ///< m; a body touches with balls of half a spacing around the particles of its layer
+    double spacing = 0;  ///< m, between the particles of the layers
     Domain domain;
 };
 
-/// Changes the velocities of the free bodies so that no ball of one gets deeper into another solid than its surface at the end of the step:
-///   v_n >= -gap/dt        for each ball near a solid, v_n the normal part of the relative velocity where they would touch,
+/// Changes the velocities of the free bodies so that no place on the surface of one gets into another solid by the end of the step:
+///   v_n >= -gap/dt        for each place looked at, v_n the normal part of the relative velocity there; from every particle of a body's layer near the solid the
+/// deepest place is looked for along the surface,
 /// by impulses at that point, equal and opposite (momentum and angular momentum stay), with Coulomb friction: sequential impulses (projected
 /// Gauss-Seidel) in a fixed order. Overlaps are pushed apart by a fifth a step; who comes faster than free fall over a spacing bounces.
 void touch(Solids& solids, const SolidParticles& layer, const TouchStep& step, double gravity);

@@ -35,9 +35,9 @@ void check_bodies(const Scene& scene, const Plan& plan, std::vector<Problem>& pr
                "take \"ppe\" with form = \"constraint\", which solves for fluid and bodies at once, or \"wcsph\"");
     else if (plan.boundary == BoundaryModel::none)
         report("models.boundary", "free bodies feel the fluid through their layer of particles, and models.boundary is none", "take \"auto\"");
-    if (plan.viscosity == ViscosityModel::full || plan.viscosity == ViscosityModel::full_assembled || plan.viscosity == ViscosityModel::pairwise)
-        report("models.viscosity", std::string("models.viscosity = \"") + name_of(plan.viscosity) + "\" does not move free bodies yet",
-               "take \"explicit\", \"xsph\" or \"none\"");
+    if (plan.viscosity == ViscosityModel::full_assembled || plan.viscosity == ViscosityModel::pairwise || (plan.viscosity == ViscosityModel::full && !scene.viscosity.correction))
+        report("models.viscosity", std::string("models.viscosity = \"") + name_of(plan.viscosity) + "\" as given here does not move free bodies",
+               "take \"full\" with viscosity.correction, \"explicit\", \"xsph\" or \"none\"");
     if (scene.fluid.surface_tension > 0) report("fluid.surface_tension", "surface tension does not pull on free bodies", "take 0");
     if (plan.micropolar != MicropolarModel::none) report("models.micropolar", "micropolar fluids do not move free bodies", "take \"none\"");
 }

@@ -26,6 +26,7 @@ void choose(Plan& plan, const char* key, E asked, E automatic, const std::string
 std::string pressure_reason(PressureModel pressure, const Scene& scene, const SceneNumbers& n) {
     if (scene.models.micropolar != MicropolarModel::none) return "the usual company of micropolar terms; \"ppe\" has them too";
     if (!n.free_surface) return "every axis is periodic: no free surface";
+    if (scene.any_free_solid()) return "it moves the free bodies in the same solve";
     const std::string number = fmt::format("viscous number nu dt/d^2 = {:.3g}", n.viscous_number);
     return pressure == PressureModel::coupled ? number + " > 1 with a free surface: viscosity and pressure act together within a step"
                                               : number + " <= 1: the flow hardly diffuses within a step";
@@ -33,7 +34,7 @@ std::string pressure_reason(PressureModel pressure, const Scene& scene, const Sc
 
 PressureModel automatic_pressure(const Scene& scene, const SceneNumbers& n) {
     if (scene.models.micropolar != MicropolarModel::none) return PressureModel::wcsph;
-    return n.free_surface && n.viscous_number > 1 ? PressureModel::coupled : PressureModel::ppe;
+    return n.free_surface && n.viscous_number > 1 && !scene.any_free_solid() ? PressureModel::coupled : PressureModel::ppe;
 }
 
 void choose_viscosity(Plan& plan, const Scene& scene, const SceneNumbers& n, double step) {

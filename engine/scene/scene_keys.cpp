@@ -84,6 +84,9 @@ KeyTable pressure_keys() {
         .above(0)
         .at_most(1)
         .only_with(model, {"ppe"});
+    t.key("divergence_free", &PressureKeys::divergence_free, "",
+          "constraint: inside the fluid the velocity is held free of divergence from both sides, and a second solve moves particles to keep the density")
+        .only_with(model, {"ppe"});
     t.key("active_set", &PressureKeys::active_set, "", "constraint: pressures are found with p >= 0; false: cut off at 0 after one solve")
         .only_with(model, {"ppe"});
     t.key("damping", &PressureKeys::damping, "", "constraint: rate at which unresolved motion between neighbours dies, times sqrt(g/d)")

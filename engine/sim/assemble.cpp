@@ -10,6 +10,7 @@
 #include "engine/models/motion/motion.h"
 #include "engine/models/pressure/constraint.h"
 #include "engine/models/pressure/damping.h"
+#include "engine/models/pressure/divergence_free.h"
 #include "engine/models/pressure/multigrid.h"
 #include "engine/models/pressure/ppe.h"
 #include "engine/models/pressure/wcsph.h"
@@ -195,7 +196,8 @@ private:
             booked(&EnergyWork::pressure);
         }
         if (plan_.shifting == ShiftingModel::fickian) stage("shift", "shifting", FickianShift{solid_factor});
-        stage("move", "move", Move{});
+        if (constraint && scene_.pressure.divergence_free) stage("move", "move", MoveAndDrift{});
+        else stage("move", "move", Move{});
         if (bodies) stage("motion of bodies", "bodies", MoveBodies{});
         if (!scene_.solids.empty()) {
             made_.stages.push_back(move_solids());
@@ -240,7 +242,8 @@ private:
             stage("unresolved motion", "pressure", DampUnresolved{scene_.pressure.damping, scene_.fluid.surface_tension});
             booked(&EnergyWork::smoothing);
         }
-        stage("density constraint", "pressure", ConstraintPressure{options});
+        if (scene_.pressure.divergence_free) stage("divergence-free", "pressure", DivergenceFree{options});
+        else stage("density constraint", "pressure", ConstraintPressure{options});
         booked(&EnergyWork::pressure);
         limit("pressure", number(scene_.time.cfl) + " d / sqrt(p / rho)",
               [cfl = scene_.time.cfl, d = plan_.spacing, rho_0 = scene_.fluid.density](const World& w, double) {

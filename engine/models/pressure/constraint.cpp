@@ -28,9 +28,7 @@ PressurePreconditioner diagonal_scaling(const ConstraintMatrix& matrix) {
 
 PressurePreconditioner constraint_unpreconditioned(const ConstraintMatrix&) { return {NoPreconditioner{}}; }
 
-namespace {
-
-/// Nothing can give way: every axis is periodic and the particles' volumes fill the domain. No displacement then lowers all densities at once (their mean
+/// No displacement lowers all densities at once (their mean
 /// is lowest on a lattice), and asking for it would tear the fluid apart with pressures that grow without bound.
 bool fills_periodic_domain(const StepContext& step, const Solids& solids, Index n) {
     const Vec3d size = (step.domain.max - step.domain.min).cast<double>();
@@ -40,8 +38,6 @@ bool fills_periodic_domain(const StepContext& step, const Solids& solids, Index 
         if (solid.body) volume += solid.body->volume;
     return periodic && volume > 0.98 * size.prod();
 }
-
-}  // namespace
 
 /// Densities are held equal, from both sides: A q = b without its mean. What is left is a constant c with D^T c = c grad(sum rho): it moves nothing on a
 /// lattice, and else orders the particles, which lowers the mean density. c is what keeps the mean from rising, at most the pressure of
@@ -78,7 +74,8 @@ SolveReport ConstraintPressure::solve_filled(ConstraintMatrix& matrix, const Ste
 /// Active set: conjugate gradients over the particles that are taken to press, then those that would pull stop, those that are still compressed
 /// start, and again. What pressed in the last step presses first, with all that is about full: from below, the pressed set would grow by two
 /// neighbours' reach a round.
-SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContext& step, Span<Real> q) {
+SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContext& step, Span<Real> q, Span<const char> both) {
+    const auto is_both = [&](Index i) { return !both.empty() && both[at(i)]; };
     constexpr Real about_full = Real(0.02);  // relative density that is missing
     constexpr double changes_to_set_up_for = 0.02;  // part of the particles
     const Index n = D_.size();
@@ -97,7 +94,7 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
         const Real enough = round == 0 ? -about_full * step.rest_density / step.dt : Real(0);
         const double left = std::sqrt(parallel_sum(n, [&](Index i) {
             const Real r = b_[at(i)] - residual_[at(i)];
-            const bool can = D_.diagonal[at(i)] > std::numeric_limits<Real>::min(), counts = can && (q[at(i)] > 0 || r > 0);
+            const bool can = D_.diagonal[at(i)] > std::numeric_limits<Real>::min(), counts = can && (q[at(i)] > 0 || r > 0 || is_both(i));
             matrix.presses[at(i)] = counts || (can && r > enough);
             masked[at(i)] = matrix.presses[at(i)] ? b_[at(i)] : 0;
             return counts ? static_cast<double>(r) * r : 0.0;
@@ -125,7 +122,9 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
                                                        SolveLimits{aim, options_.limits.max_iterations - report.iterations},
                                                        ResidualNorm::euclidean, worst_rate)
                                  .iterations;
-        parallel_for(n, [&](Index i) { q[at(i)] = std::max(Real(0), q[at(i)]); });
+        parallel_for(n, [&](Index i) {
+            if (!is_both(i)) q[at(i)] = std::max(Real(0), q[at(i)]);
+        });
     }
 }
 

@@ -55,8 +55,9 @@ public:
 
     const DensityRate& density_rate() const { return D_; }
 
-private:
-    SolveReport solve(ConstraintMatrix& A, const StepContext& step, Span<Real> q);
+protected:
+    /// A q <= b as complementarity; where `both`, A q = b with q of either sign.
+    SolveReport solve(ConstraintMatrix& A, const StepContext& step, Span<Real> q, Span<const char> both = {});
     SolveReport solve_filled(ConstraintMatrix& A, const StepContext& step, double mean_rate, Real fastest, Span<Real> q);
 
     ConstraintOptions options_;
@@ -64,6 +65,9 @@ private:
     BodyRows bodies_;
     Column<Real> b_, residual_;
 };
+
+/// Nothing can give way: every axis is periodic, and the volumes of particles and free bodies fill the domain.
+bool fills_periodic_domain(const StepContext& step, const Solids& solids, Index n);
 
 /// Limit of the time step from pressure: cfl d / sqrt(p/rho_0) [s], p the mean pressure of the pressed fluid. Displacements over a step turn the
 /// forces between neighbours; beyond twice this (at cfl 0.4) a column at rest shakes itself apart, whatever the solver's tolerance.

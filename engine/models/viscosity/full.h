@@ -45,12 +45,13 @@ public:
     /// @param density [kg/m^3], of the form as in the note; empty: at rest
     void set_up(const FullViscosityOptions& options, const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids,
                 const SolidParticles& layer, const StepContext& step, Read<field::role> role, Read<field::viscosity> mu, Span<const Real> density = {});
+    const ViscousBodies* bodies() const override { return bodies_.body.empty() ? nullptr : &bodies_; }
 
     void multiply(Span<const Vec3> u, Span<Vec3> y) const override;
     void force(Span<const Vec3> u, Span<Vec3> y) const override;
     /// z = B^-1 r, and with use_coarse() + R Ac^-1 R^T r: B the 3x3 diagonal blocks; R the rigid motions of the groups, Ac = R^T A R.
     void precondition(Span<const Vec3> r, Span<Vec3> z) const override;
-    void divide_by_diagonal(Span<const Vec3> r, Span<Vec3> z) const override { diagonal_.apply(r, z); }
+    void divide_by_diagonal(Span<const Vec3> r, Span<Vec3> z) const override;
     bool touches_wall() const override { return touches_wall_; }
     bool rotations_are_free() const override { return corrected_; }
     Index size() const { return static_cast<Index>(K_.size()); }
@@ -89,8 +90,14 @@ private:
     template <bool difference>
     void sum_row(Index i, Sixteen& sum) const;
     void spread(Span<const Vec3> u, bool free_only) const;
-    void stress(bool with_walls) const;
+    void stress(Span<const Vec3> u, bool with_walls) const;
     void divergence(Span<const Vec3> u, Span<Vec3> y, bool free_only) const;
+    void set_up_bodies(const FullViscosityOptions& options, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer, const StepContext& step);
+    void set_up_body_blocks();
+    /// What bodies take from the sums at i, and what i gives to them, once its stress is known.
+    void take_bodies(Index i, Span<const Vec3> u, Mat3& A, Vec3& own) const;
+    void give_bodies(Index i, Span<const Vec3> u, const Vec3& own_velocity, const Mat3& Q) const;
+    void sum_bodies(Span<const Vec3> u, Span<Vec3> y) const;
 
     const FluidPairs* pairs_ = nullptr;
     Column<Pair> pair_;
@@ -103,6 +110,8 @@ private:
     Column<Real> K_, c_;       ///< dt mu/rho_0 and the penalty's coefficient
     std::vector<char> free_, whole_;  ///< whole: P = 1
     BlockDiagonal diagonal_;
+    mutable ViscousBodies bodies_;
+    std::vector<Mat3d> body_blocks_;  ///< inverses of the 3x3 diagonal blocks of the bodies' entries
     bool touches_wall_ = false, corrected_ = true;
     const RigidAggregates* groups_ = nullptr;
     const BlockCholesky* factor_ = nullptr;
@@ -115,7 +124,7 @@ private:
 class FullViscosity {
 public:
     explicit FullViscosity(FullViscosityOptions options) : options_(options) {}
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer, const StepContext& step,
+    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer, const StepContext& step,
                     StepReport& report, Read<field::role> role, Read<field::position> x, Read<field::viscosity> mu, Update<field::velocity> u,
                     Update<field::viscous_acceleration> last, Update<field::viscous_aggregate> aggregate);
 
@@ -133,7 +142,7 @@ private:
 class UncorrectedViscosity {
 public:
     explicit UncorrectedViscosity(FullViscosityOptions options) : options_(options) { options_.correction = false; }
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer, const StepContext& step,
+    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer, const StepContext& step,
                     StepReport& report, Read<field::role> role, Read<field::position> x, Read<field::density> rho, Read<field::viscosity> mu,
                     Update<field::velocity> u, Update<field::viscous_acceleration> last);
 

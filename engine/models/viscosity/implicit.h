@@ -2,6 +2,7 @@
 /// What every implicit viscosity shares: the solve of one step.
 #include "engine/math/solve.h"
 #include "engine/core/column.h"
+#include "engine/models/viscosity/viscous_bodies.h"
 #include "engine/particles/field.h"
 #include "engine/particles/step.h"
 
@@ -30,6 +31,8 @@ public:
     virtual bool touches_wall() const = 0;
     /// Whether the rotation of a free body costs no energy.
     virtual bool rotations_are_free() const = 0;
+    /// Free bodies among the unknowns: two entries each behind the particles'. Null: none.
+    virtual const ViscousBodies* bodies() const { return nullptr; }
 };
 
 /// What the stage of an implicit viscosity was given.
@@ -40,6 +43,7 @@ struct ImplicitStep {
     Read<field::position> x;
     Update<field::velocity> u;
     Update<field::viscous_acceleration> last;
+    Solids* solids = nullptr;  ///< whose free bodies the operator has
 };
 
 /// u = argmin E, by conjugate gradients from u* + dt (last step's viscous acceleration). Where no solid and no prescribed particle takes part, momentum

@@ -6,15 +6,27 @@
 
 namespace whorl {
 
-RigidMotions::RigidMotions(Span<const Vec3> x, bool turning) : x_(x) {
+struct RigidMotions::Motion {
+    Vec3d momentum = Vec3d::Zero(), spin = Vec3d::Zero();
+    Motion& operator+=(const Motion& other) {
+        momentum += other.momentum, spin += other.spin;
+        return *this;
+    }
+};
+
+RigidMotions::RigidMotions(Span<const Vec3> x, bool turning, const ViscousBodies* bodies) : x_(x), bodies_(bodies) {
     const auto n = static_cast<Index>(x.size());
     if (n == 0) return;
-    centre_ = parallel_sum(n, Vec3d(Vec3d::Zero()), [&](Index i) { return Vec3d(x[static_cast<std::size_t>(i)].cast<double>()); }) / n;
+    mass_ = n;
+    centre_ = parallel_sum(n, Vec3d(Vec3d::Zero()), [&](Index i) { return Vec3d(x[static_cast<std::size_t>(i)].cast<double>()); });
+    if (bodies_)
+        for (const auto& b : bodies_->body) mass_ += b.mass, centre_ += b.mass * b.centre;
+    centre_ /= mass_;
     if (!turning) return;
-    const Mat3d inertia = parallel_sum(n, Mat3d(Mat3d::Zero()), [&](Index i) {
-        const Vec3d r = x[static_cast<std::size_t>(i)].cast<double>() - centre_;
-        return Mat3d(r.squaredNorm() * Mat3d::Identity() - r * r.transpose());
-    });
+    const auto of_point = [&](const Vec3d& r) { return Mat3d(r.squaredNorm() * Mat3d::Identity() - r * r.transpose()); };
+    Mat3d inertia = parallel_sum(n, Mat3d(Mat3d::Zero()), [&](Index i) { return of_point(x[static_cast<std::size_t>(i)].cast<double>() - centre_); });
+    if (bodies_)
+        for (const auto& b : bodies_->body) inertia += b.turning + b.mass * of_point(b.centre - centre_);
     const Eigen::SelfAdjointEigenSolver<Mat3d> axes(inertia);
     const double largest = axes.eigenvalues()[2];
     for (int a = 0; a < 3; ++a)
@@ -22,26 +34,44 @@ RigidMotions::RigidMotions(Span<const Vec3> x, bool turning) : x_(x) {
             inverse_inertia_ += axes.eigenvectors().col(a) * axes.eigenvectors().col(a).transpose() / axes.eigenvalues()[a];
 }
 
-void RigidMotions::remove(Span<Vec3> u) const {
-    const auto n = static_cast<Index>(x_.size());
-    if (n == 0) return;
-    struct Motion {
-        Vec3d momentum = Vec3d::Zero(), spin = Vec3d::Zero();
-        Motion& operator+=(const Motion& other) {
-            momentum += other.momentum, spin += other.spin;
-            return *this;
-        }
-    };
-    const Motion sum = parallel_sum(n, Motion{}, [&](Index i) {
+/// Momentum and angular momentum. @param masses the bodies' entries are velocities, which their masses weigh; else they are forces and torques
+RigidMotions::Motion RigidMotions::sum(Span<const Vec3> u, bool masses) const {
+    Motion all = parallel_sum(static_cast<Index>(x_.size()), Motion{}, [&](Index i) {
         const auto k = static_cast<std::size_t>(i);
         const Vec3d v = u[k].cast<double>();
         return Motion{v, (x_[k].cast<double>() - centre_).cross(v)};
     });
-    const Vec3d mean = sum.momentum / n, turn = inverse_inertia_ * sum.spin;
-    parallel_for(n, [&](Index i) {
+    if (bodies_)
+        for (std::size_t b = 0; b < bodies_->body.size(); ++b) {
+            const auto& body = bodies_->body[b];
+            Vec3d p = u[x_.size() + 2 * b].cast<double>(), spin = u[x_.size() + 2 * b + 1].cast<double>();
+            if (masses) p = body.mass * p, spin = body.turning * spin;
+            all += Motion{p, spin + (body.centre - centre_).cross(p)};
+        }
+    return all;
+}
+
+void RigidMotions::take_off(Span<Vec3> u, const Motion& momenta, bool masses) const {
+    const Vec3d mean = momenta.momentum / mass_, turn = inverse_inertia_ * momenta.spin;
+    parallel_for(static_cast<Index>(x_.size()), [&](Index i) {
         const auto k = static_cast<std::size_t>(i);
         u[k] -= (mean + turn.cross(x_[k].cast<double>() - centre_)).cast<Real>();
     });
+    if (bodies_)
+        for (std::size_t b = 0; b < bodies_->body.size(); ++b) {
+            const auto& body = bodies_->body[b];
+            const Vec3d v = mean + turn.cross(body.centre - centre_);
+            u[x_.size() + 2 * b] -= (masses ? v : Vec3d(body.mass * v)).cast<Real>();
+            u[x_.size() + 2 * b + 1] -= (masses ? turn : Vec3d(body.turning * turn)).cast<Real>();
+        }
+}
+
+void RigidMotions::remove(Span<Vec3> u) const {
+    if (!x_.empty()) take_off(u, sum(u, true), true);
+}
+
+void RigidMotions::remove_force(Span<Vec3> f) const {
+    if (!x_.empty()) take_off(f, sum(f, false), false);
 }
 
 }  // namespace whorl

@@ -55,8 +55,10 @@ void ViscousOperator::set_up(const FullViscosityOptions& options, const FluidPai
     rub_.resize(n);
     friction_.set(FrictionForm::central, solid_pairs, solids, layer, step);
     if (layer.size() > 0) set_up_wall(options, solid_pairs, solids, layer, step);
+    set_up_bodies(options, solid_pairs, solids, layer, step);
     set_up_moments(options, step, role, mu, density);
     set_up_blocks(options);
+    if (bodies()) set_up_body_blocks();
 }
 
 void ViscousOperator::set_up_moments(const FullViscosityOptions& options, const StepContext& step, Read<field::role> role, Read<field::viscosity> mu,
@@ -122,7 +124,8 @@ void ViscousOperator::set_up_wall(const FullViscosityOptions& options, const Sol
                 const auto whose = at(layer.solid[at(s)]);
                 const Real w = -options.solid_factor * layer.volume[at(s)] * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
                 if (slip[whose] || !(w > 0)) return;
-                touches[at(i)] = 1;
+                const bool body = solids.all[whose].body.has_value();
+                touches[at(i)] |= !body;
                 const Real stretch = options.correction ? shear.stretch(r, layer.normal[at(s)]) : 1;
                 // stretch (u_i - u_wall(x_i)) + (u_wall(x_i) - u_wall(x_s)), with the rigid motion of the solid u_wall
                 const Vec3 here = solids.all[whose].pose.velocity_at(layer.position[at(s)] + r);
@@ -130,6 +133,7 @@ void ViscousOperator::set_up_wall(const FullViscosityOptions& options, const Sol
                 wall_moment_[at(i)] += (w * r * r.transpose()).template cast<double>();
                 wall.wr += stretch * w * r;
                 wall.spring += stretch * stretch * w;
+                if (body) return;  // its velocity is unknown (viscous_bodies.h)
                 wall.gradient += velocity * (w * r).transpose();
                 wall.pull += stretch * w * velocity;
             });
@@ -175,7 +179,7 @@ double ViscousOperator::largest_spread() const {
 }
 
 void ViscousOperator::precondition(Span<const Vec3> r, Span<Vec3> z) const {
-    diagonal_.apply(r, z);
+    divide_by_diagonal(r, z);
     if (!groups_) return;
     load_.resize(at(6 * groups_->groups()));
     groups_->restrict_to_groups(r, load_);

@@ -48,7 +48,7 @@ void ViscousOperator::spread(Span<const Vec3> u, bool free_only) const {
 }
 
 /// A = sum_j w u_ij r_ij^T, G = A M^+, Q = 2 K P D M^+ - 2 c G.
-void ViscousOperator::stress(bool with_walls) const {
+void ViscousOperator::stress(Span<const Vec3> u, bool with_walls) const {
     parallel_for(size(), [&](Index i) {
         Sixteen sum;
         sum_row<true>(i, sum);
@@ -60,11 +60,12 @@ void ViscousOperator::stress(bool with_walls) const {
         }
         if (!wall_.empty()) {
             const Wall& wall = wall_[at(i)];
-            const Vec3 u(u_[at(i)].lane[0], u_[at(i)].lane[4], u_[at(i)].lane[8]);
-            A += u * wall.wr.transpose();
-            own += wall.spring * u;
+            const Vec3 ui(u_[at(i)].lane[0], u_[at(i)].lane[4], u_[at(i)].lane[8]);
+            A += ui * wall.wr.transpose();
+            own += wall.spring * ui;
             if (with_walls) A -= wall.gradient, own -= wall.pull;
-            if (friction_.acts()) own += rub_[at(i)] * (friction_.hold(i) * u - (with_walls ? friction_.pull(i) : Vec3(Vec3::Zero())));
+            if (friction_.acts()) own += rub_[at(i)] * (friction_.hold(i) * ui - (with_walls ? friction_.pull(i) : Vec3(Vec3::Zero())));
+            if (bodies()) take_bodies(i, u, A, own);
         }
         const Mat3& M = M_[at(i)];
         const Real K = K_[at(i)], c = 2 * c_[at(i)];
@@ -84,6 +85,7 @@ void ViscousOperator::stress(bool with_walls) const {
         }
         for (int b = 12; b < 16; ++b) lane[b] = 0;
         own_[at(i)] = own + Q * wr_[at(i)];
+        if (bodies()) give_bodies(i, u, Vec3(u_[at(i)].lane[0], u_[at(i)].lane[4], u_[at(i)].lane[8]), Q);
     });
 }
 
@@ -98,17 +100,18 @@ void ViscousOperator::divergence(Span<const Vec3> u, Span<Vec3> y, bool free_onl
             y[at(i)][a] = counts ? u[at(i)][a] + force : 0;
         }
     });
+    if (bodies()) sum_bodies(u, y);
 }
 
 void ViscousOperator::multiply(Span<const Vec3> u, Span<Vec3> y) const {
     spread(u, true);
-    stress(false);
+    stress(u, false);
     divergence(u, y, true);
 }
 
 void ViscousOperator::force(Span<const Vec3> u, Span<Vec3> y) const {
     spread(u, false);
-    stress(true);
+    stress(u, true);
     divergence(u, y, false);
 }
 

@@ -30,7 +30,7 @@ struct Stage {
     SolidParticles layer;
     TouchStep step;
     double gravity = 9.81;
-    explicit Stage(double spacing) { step.dt = 2e-3, step.spacing = spacing, step.domain = {Vec3::Constant(-10), Vec3::Constant(10), {}}; }
+    explicit Stage(double spacing) { step.dt = 2e-3, step.spacing = spacing, step.domain = {Vec3::Constant(Real(-0.3)), Vec3::Constant(Real(0.3)), {}}; }
     void place() {
         solids.set_time(0, step.dt);
         layer = sample_solids(solids, static_cast<Real>(step.spacing), step.domain);
@@ -96,8 +96,32 @@ TEST_CASE("a box falls on a floor, comes to rest on it and does not sink in by m
     const RigidBody& body = *stage.solids.all[1].body;
     CHECK(body.velocity.norm() < 1e-3);
     CHECK(body.angular_velocity().norm() < 1e-2);
-    // It touches with balls of half a spacing on its layer, which on a face end at the surface.
     CHECK(body.centre.y() == Approx(0.05).margin(0.05 * 0.01));
+}
+
+TEST_CASE("a ball and a cylinder that lie on a floor stay where they are, and the ball rolls when it is pushed, without slipping in the end", "[geometry][bodies]") {
+    // At rest on samples of the surface a ball would rock to the nearest facet, by a twentieth of its radius here.
+    Stage stage(0.01);
+    ShapeKeys ground, ball, roll;
+    ground.kind = "plane", ground.centre = Vec3d::Zero();
+    ball.kind = "sphere", ball.radius = 0.045, ball.centre = Vec3d(0, 0.045, 0);
+    roll.kind = "cylinder", roll.from = Vec3d(0.3, 0.05, -0.1), roll.to = Vec3d(0.3, 0.05, 0.1), roll.radius = 0.05;
+    for (const ShapeKeys& keys : {ground, ball, roll}) {
+        Solid solid;
+        solid.shape = make_shape(keys);
+        if (keys.kind != "plane") solid.body = RigidBody(solid.shape->bulk(), 500);
+        stage.solids.all.push_back(solid);
+    }
+    stage.place();
+    RigidBody &rolling = *stage.solids.all[1].body, &lying = *stage.solids.all[2].body;
+    stage.run(0.5);
+    CHECK((rolling.centre - Vec3d(0, 0.045, 0)).norm() < 0.02 * 0.01);
+    CHECK((lying.centre - Vec3d(0.3, 0.05, 0)).norm() < 0.02 * 0.01);
+    rolling.velocity = Vec3d(-0.5, 0, 0);
+    stage.run(0.5);
+    // Sliding friction turns it until it rolls: 5/7 of the speed is left.
+    CHECK(rolling.velocity.x() == Approx(-0.5 * 5 / 7).epsilon(0.05));
+    CHECK(rolling.angular_velocity().z() == Approx(-rolling.velocity.x() / 0.045).epsilon(0.05));
 }
 
 TEST_CASE("a box slides on a floor for v^2/(2 mu g), within 3 %", "[geometry][bodies]") {

@@ -118,7 +118,7 @@ TEST_CASE("a ball that is thrown into a pool at five spacings a hundredth of a s
         INFO("density " << density << " deepest " << deepest);
         CHECK(deepest < 0.01 * d);
         CHECK(simulation.totals().lost_particles == 0);
-        // It touches the floor with balls of half a spacing: it may not stand in it deeper than the slop of one contact.
+        // Nor may it stand in the floor.
         CHECK(body_of(simulation).centre.y() > 0.04 - 0.1 * d);
     }
 }

@@ -1,0 +1,50 @@
+#include "engine/models/pressure/divergence_free.h"
+
+#include <cmath>
+
+namespace whorl {
+namespace {
+
+/// Of the rest density: below it a particle is at the surface, or in spray, and nothing pulls.
+constexpr Real near_full = Real(0.97);
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+void DivergenceFree::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, Solids& solids, const StepContext& step,
+                                StepReport& report, Read<field::role> role, Write<field::density> rho, Update<field::velocity> u, Update<field::pressure> p,
+                                Update<field::packing_pressure> s, Write<field::drift> drift) {
+    const Index n = rho.size();
+    const Real rho_0 = step.rest_density;
+    b_.resize(at(n)), residual_.resize(at(n)), rate_.resize(at(n)), inside_.resize(at(n));
+    const WallImage wall(step.kernel, step.support, step.spacing, options_.gate);
+    D_.build(wall, pairs, solid_pairs, solid, step, role, Read<field::velocity>{u.values}, rho.values, rate_, &solids);
+    bodies_.build(wall, solid_pairs, solid, solids, step, rho.values, D_);
+    const bool filled = fills_periodic_domain(step, solids, n);
+    parallel_for(n, [&](Index i) {
+        inside_[at(i)] = rho[i] > near_full * rho_0;
+        b_[at(i)] = rate_[at(i)] + (inside_[at(i)] ? 0 : std::min(Real(0), rho[i] - rho_0) / step.dt);
+        p[i] = D_.diagonal[at(i)] > 0 ? p[i] / D_.virial[at(i)] * step.dt / (rho[i] * rho[i]) : 0;  // q
+    });
+    ConstraintMatrix matrix{D_, {}, Column<Vec3>(at(n)), pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};
+    report.solves.push_back({"pressure", filled ? solve_filled(matrix, step, 0, 0, p.values) : solve(matrix, step, p.values, inside_)});
+    bodies_.push(p.values, solids);
+    matrix.presses.assign(at(n), 1);
+    matrix.multiply(p.values, residual_);  // leaves D^T q in matrix.force
+    const Real mean = filled ? static_cast<Real>(parallel_sum(n, [&](Index i) { return static_cast<double>(rho[i]); }) / n) : rho_0;
+    parallel_for(n, [&](Index i) {
+        u[i] -= matrix.force[at(i)];
+        p[i] *= D_.virial[at(i)] * rho[i] * rho[i] / step.dt;
+        const Real excess = filled ? std::clamp(rho[i] - mean, -rho_0 / 200, rho_0 / 200) : std::min(rho[i] - rho_0, rho_0 / 20);
+        b_[at(i)] = rate_[at(i)] - residual_[at(i)] + (excess > 0 || filled ? static_cast<Real>(options_.correction) : Real(1)) * excess / step.dt;
+    });
+    matrix.bodies = nullptr;
+    const double mean_rate = filled ? parallel_sum(n, [&](Index i) { return static_cast<double>(b_[at(i)]); }) / n : 0;
+    const auto fastest = static_cast<Real>(filled ? std::sqrt(parallel_max(n, 0, [&](Index i) { return u[i].squaredNorm(); })) : 0);
+    report.solves.push_back({"pressure", filled ? solve_filled(matrix, step, mean_rate, fastest, s.values) : solve(matrix, step, s.values)});
+    D_.transposed(s.values, matrix.force);
+    parallel_for(n, [&](Index i) { drift[i] = -matrix.force[at(i)]; });
+}
+
+}  // namespace whorl

@@ -1,0 +1,110 @@
+// Free bodies in the viscous operator: what their unknowns do to the particles' sums, and the transpose (viscous_bodies.h).
+#include <Eigen/LU>
+
+#include "engine/models/bodies/reaction.h"
+#include "engine/models/viscosity/full.h"
+
+namespace whorl {
+namespace {
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+Mat3 crossing(const Vec3& a) {
+    Mat3 X;
+    X << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
+    return X;
+}
+
+/// sum over columns k of e_k x (M e_k), with M = Q N: the torque sum w r x Q r for N = sum w r r^T.
+Vec3 turning_part(const Mat3& M) { return {M(2, 1) - M(1, 2), M(0, 2) - M(2, 0), M(1, 0) - M(0, 1)}; }
+
+}  // namespace
+
+void ViscousOperator::set_up_bodies(const FullViscosityOptions& options, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
+                                    const StepContext& step) {
+    bodies_ = {};
+    if (layer.size() == 0 || !solids.any_free()) return;
+    const std::vector<char> slip = slips(solids);
+    const WallShear shear{step.spacing / 2};
+    with_kernel(step.kernel, step.support, [&](const auto& kernel) {
+        bodies_.set_up(solids, step.mass, size(), particles_at_bodies(solids, solid_pairs, layer), [&](Index i, std::size_t k) {
+            BodyTouch touch;
+            if (slip[k]) return touch;
+            solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+                if (at(layer.solid[at(s)]) != k) return;
+                const Real w = -options.solid_factor * layer.volume[at(s)] * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
+                const Real stretch = options.correction ? shear.stretch(r, layer.normal[at(s)]) : 1;
+                touch.arm = layer.position[at(s)] + r - solids.all[k].body->centre.cast<Real>();
+                touch.g += stretch * w * r;
+                touch.N += w * r * r.transpose();
+                touch.h += stretch * stretch * w;
+            });
+            return touch;
+        });
+    });
+}
+
+// A_i -= sum_s w V_s r^T,   own_i -= 2 c_i sum_s stretch w V_s
+void ViscousOperator::take_bodies(Index i, Span<const Vec3> u, Mat3& A, Vec3& own) const {
+    for (std::size_t e = bodies_.first[at(i)]; e < bodies_.first[at(i) + 1]; ++e) {
+        const BodyTouch& t = bodies_.touch[e];
+        const Vec3 &v = u[K_.size() + at(2 * t.body)], &w = u[K_.size() + at(2 * t.body + 1)];
+        const Vec3 U = t.at(v, w);
+        A -= U * t.g.transpose() - crossing(w) * t.N;
+        own -= 2 * c_[at(i)] * (t.h * U - w.cross(t.g));
+    }
+}
+
+// F_s = w Q r + 2 c w (stretch u_i - V_s):   force = sum stretch F_s,   torque = a x force - sum r x F_s
+void ViscousOperator::give_bodies(Index i, Span<const Vec3> u, const Vec3& own_velocity, const Mat3& Q) const {
+    for (std::size_t e = bodies_.first[at(i)]; e < bodies_.first[at(i) + 1]; ++e) {
+        BodyTouch& t = bodies_.touch[e];
+        const Vec3 &v = u[K_.size() + at(2 * t.body)], &w = u[K_.size() + at(2 * t.body + 1)];
+        const Vec3 apart = own_velocity - t.at(v, w);
+        const Real c = 2 * c_[at(i)];
+        t.force = Q * t.g + c * (t.h * apart + w.cross(t.g));
+        t.torque = t.arm.cross(t.force) - (turning_part(Q * t.N) + c * (t.g.cross(apart) + t.N.trace() * w - t.N * w));
+    }
+}
+
+void ViscousOperator::sum_bodies(Span<const Vec3> u, Span<Vec3> y) const {
+    const std::size_t n = K_.size();
+    bodies_.weigh(u.subspan(n), y.subspan(n));
+    for (std::size_t b = 0; b < bodies_.body.size(); ++b) {
+        Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();
+        for (const std::size_t e : bodies_.body[b].touches)
+            force += bodies_.touch[e].force.cast<double>(), torque += bodies_.touch[e].torque.cast<double>();
+        y[n + 2 * b] -= force.cast<Real>();
+        y[n + 2 * b + 1] -= torque.cast<Real>();
+    }
+}
+
+/// As set_up_blocks() does for particles; of the turning, what the velocities at the particles cost.
+void ViscousOperator::set_up_body_blocks() {
+    body_blocks_.assign(2 * bodies_.body.size(), Mat3d::Zero());
+    for (std::size_t b = 0; b < bodies_.body.size(); ++b) {
+        Mat3d moving = bodies_.body[b].mass * Mat3d::Identity(), turning = bodies_.body[b].turning;
+        for (const std::size_t e : bodies_.body[b].touches) {
+            const BodyTouch& t = bodies_.touch[e];
+            const auto i = at(t.particle);
+            const Vec3 h = M_[i] * t.g;
+            Mat3 S = h * h.transpose();
+            S.diagonal().array() += h.squaredNorm();
+            Mat3 B = K_[i] * P_[i] * S * P_[i];
+            B.diagonal().array() += 2 * c_[i] * std::max(Real(0), t.h - h.dot(t.g));
+            const Mat3d X = crossing(t.arm).cast<double>(), Bd = B.cast<double>();
+            moving += Bd;
+            turning += X.transpose() * Bd * X;
+        }
+        body_blocks_[2 * b] = moving.inverse();
+        body_blocks_[2 * b + 1] = turning.inverse();
+    }
+}
+
+void ViscousOperator::divide_by_diagonal(Span<const Vec3> r, Span<Vec3> z) const {
+    diagonal_.apply(r, z);
+    for (std::size_t k = 0; k < body_blocks_.size() && bodies(); ++k)
+        z[K_.size() + k] = (body_blocks_[k] * r[K_.size() + k].cast<double>()).cast<Real>();
+}
+
+}  // namespace whorl
