@@ -26,7 +26,7 @@ struct CoupledOptions {
     double memory = 0.98;                  ///< of the multiplier from step to step
     double turning_limit = 0.1;            ///< times max |u|/d, bound on dt I2(grad u), the divergence that keeps a turning body's volume
 
-    double shift_rate = 5, shift_range = 1.1, longest_shift = 0.1;  ///< repulsion of close particles: rate over |D|, range, bound a step
+    double shift_rate = 3, shift_range = 1.1, longest_shift = 0.1;  ///< repulsion of close particles: rate over |D|, range, bound a step
 
     double stick = 0.5, closest = 0.3;  ///< distance from a solid below which a particle touches it, and which it never goes below
 
