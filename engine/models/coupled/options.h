@@ -26,7 +26,7 @@ struct CoupledOptions {
     double memory = 0.98;                  ///< of the multiplier from step to step
     double turning_limit = 0.1;            ///< times max |u|/d, bound on dt I2(grad u), the divergence that keeps a turning body's volume
 
-    double shift_rate = 5, shift_range = 1.1, longest_shift = 0.1;  ///< repulsion of close particles: rate over |D|, range, bound a step
+    double shift_rate = 3, shift_range = 1.1, longest_shift = 0.1;  ///< repulsion of close particles: rate over |D|, range, bound a step
 
     /// Whether fluid bears tension, by the Reynolds number of a particle, (|D| + sqrt(g/d)) d^2/nu: wholly up to the first, not at all from the second on.
     double bears_tension_up_to = 0.25, parts_from = 2.5;
