@@ -14,6 +14,7 @@
 #include "engine/models/pressure/multigrid.h"
 #include "engine/models/pressure/ppe.h"
 #include "engine/models/pressure/wcsph.h"
+#include "engine/models/shifting/fickian.h"
 #include "engine/models/viscosity/ageing.h"
 #include "engine/models/viscosity/assembled.h"
 #include "engine/models/viscosity/explicit.h"
@@ -127,7 +128,8 @@ private:
         gate_.threshold = static_cast<Real>(scene_.boundary.gate);
         const bool constraint = plan_.pressure == PressureModel::ppe && scene_.pressure.form == PressureForm::constraint;
         // The constraint makes its own densities, in its own way at solids; viscosity and spin act before it.
-        if (!constraint || plan_.viscosity != ViscosityModel::none || plan_.micropolar != MicropolarModel::none)
+        const bool needs_density = plan_.viscosity != ViscosityModel::none || plan_.micropolar != MicropolarModel::none || plan_.shifting != ShiftingModel::none;
+        if (!constraint || needs_density)
             stage("density", "density", Density{solid_factor, gate_});
 
         WeaklyCompressible tait;
@@ -187,6 +189,7 @@ private:
             stage("pressure equation", "pressure", PoissonPressure{options});
             booked(&EnergyWork::pressure);
         }
+        if (plan_.shifting == ShiftingModel::fickian) stage("shift", "shifting", FickianShift{solid_factor});
         if (constraint && scene_.pressure.divergence_free) stage("move", "move", MoveAndDrift{});
         else stage("move", "move", Move{});
         if (bodies) stage("motion of bodies", "bodies", MoveBodies{});
