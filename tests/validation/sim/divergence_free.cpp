@@ -59,7 +59,7 @@ sampling = "blue_noise"
     }
 }
 
-TEST_CASE("water at rest on a floor comes to rest with a divergence-free velocity, too: a density error below 0.05 %, speeds below 3 % of sqrt(2 g H), and no more than 0.5 % of its height lost", "[validation][pressure]") {
+TEST_CASE("water at rest on a floor comes to rest with a divergence-free velocity, too, with a density error below 0.05 %, speeds below 3 % of sqrt(2 g H), and no more than 0.5 % of its height lost", "[validation][pressure]") {
     const std::string column = R"toml([time]
 end = 1.5
 max_step = 5e-3
