@@ -56,9 +56,11 @@ SolveReport ConstraintPressure::solve_filled(ConstraintMatrix& matrix, const Ste
     without_mean(q);
     const PressurePreconditioner M = options_.preconditioner(matrix);
     const double set_up = wall_seconds() - start;
-    const auto A = [&](Span<const Real> in, Span<Real> out) { matrix.multiply(in, out); };
+    // Among pressures without a mean: only then is it a projection, which cannot give energy.
+    const auto A = [&](Span<const Real> in, Span<Real> out) { matrix.multiply(in, out), without_mean(out); };
+    const auto precondition = [&](Span<const Real> r, Span<Real> z) { M(r, z), without_mean(z); };
     const SolveLimits limits{step_share * options_.limits.tolerance, options_.limits.max_iterations};
-    SolveReport report = conjugate_gradients<Real>(A, M, Span<const Real>(b_), q, limits, ResidualNorm::euclidean, worst_rate);
+    SolveReport report = conjugate_gradients<Real>(A, precondition, Span<const Real>(b_), q, limits, ResidualNorm::euclidean, worst_rate);
     Column<Real> ones(at(n), 1);
     D_.transposed(ones, matrix.force);
     const double ordering = parallel_sum(n, [&](Index i) { return static_cast<double>(matrix.force[at(i)].squaredNorm()); }) / n;

@@ -23,11 +23,13 @@ void DivergenceFree::operator()(const FluidPairs& pairs, const SolidPairs& solid
     bodies_.build(wall, solid_pairs, solid, solids, step, rho.values, D_);
     const bool filled = fills_periodic_domain(step, solids, n);
     parallel_for(n, [&](Index i) {
-        inside_[at(i)] = rho[i] > near_full * rho_0;
+        inside_[at(i)] = filled || rho[i] > near_full * rho_0;
         b_[at(i)] = rate_[at(i)] + (inside_[at(i)] ? 0 : std::min(Real(0), rho[i] - rho_0) / step.dt);
         p[i] = D_.diagonal[at(i)] > 0 ? p[i] / D_.virial[at(i)] * step.dt / (rho[i] * rho[i]) : 0;  // q
     });
     ConstraintMatrix matrix{D_, {}, Column<Vec3>(at(n)), pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};
+    const auto mean_of = [&](const Column<Real>& values) { return parallel_sum(n, [&](Index i) { return static_cast<double>(values[at(i)]); }) / n; };
+    const auto fastest = static_cast<Real>(filled ? std::sqrt(parallel_max(n, 0, [&](Index i) { return u[i].squaredNorm(); })) : 0);
     report.solves.push_back({"pressure", filled ? solve_filled(matrix, step, 0, 0, p.values) : solve(matrix, step, p.values, inside_)});
     bodies_.push(p.values, solids);
     matrix.presses.assign(at(n), 1);
@@ -40,9 +42,7 @@ void DivergenceFree::operator()(const FluidPairs& pairs, const SolidPairs& solid
         b_[at(i)] = rate_[at(i)] - residual_[at(i)] + (excess > 0 || filled ? static_cast<Real>(options_.correction) : Real(1)) * excess / step.dt;
     });
     matrix.bodies = nullptr;
-    const double mean_rate = filled ? parallel_sum(n, [&](Index i) { return static_cast<double>(b_[at(i)]); }) / n : 0;
-    const auto fastest = static_cast<Real>(filled ? std::sqrt(parallel_max(n, 0, [&](Index i) { return u[i].squaredNorm(); })) : 0);
-    report.solves.push_back({"pressure", filled ? solve_filled(matrix, step, mean_rate, fastest, s.values) : solve(matrix, step, s.values)});
+    report.solves.push_back({"pressure", filled ? solve_filled(matrix, step, mean_of(b_), fastest, s.values) : solve(matrix, step, s.values)});
     D_.transposed(s.values, matrix.force);
     parallel_for(n, [&](Index i) { drift[i] = -matrix.force[at(i)]; });
 }
