@@ -30,6 +30,11 @@ public:
         min = centre_ - half_;
         max = centre_ + half_;
     }
+    Bulk bulk() const override {
+        const Vec3d half = half_.cast<double>();
+        const double volume = 8 * half.prod();
+        return {volume, centre_.cast<double>(), Mat3d((volume / 3 * half.cwiseProduct(half)).asDiagonal())};
+    }
     /// Each face on its own, so that its normals are sharp at the edges.
     TriangleMesh mesh(Real, Real) const override {
         TriangleMesh m;

@@ -35,6 +35,12 @@ public:
             max[k] = middle_[k] + reach;
         }
     }
+    Bulk bulk() const override {
+        const double r = radius_, h = half_, volume = 2 * std::numbers::pi * r * r * h;
+        const Vec3d n = axis_.cast<double>();
+        const Mat3d along = n * n.transpose();
+        return {volume, middle_.cast<double>(), volume * (h * h / 3 * along + r * r / 4 * (Mat3d::Identity() - along))};
+    }
     TriangleMesh mesh(Real edge, Real) const override {
         const double wanted = edge > 0 ? 2 * std::numbers::pi * radius_ / edge : 0;
         const int around = static_cast<int>(std::clamp(wanted, 64.0, 512.0));

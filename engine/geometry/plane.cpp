@@ -21,6 +21,7 @@ public:
             if (normal_[a] == -1) min[a] = point_[a];
         }
     }
+    Bulk bulk() const override { return {}; }
     bool bounded() const override { return false; }
     TriangleMesh mesh(Real, Real extent) const override {
         Vec3d u, v;

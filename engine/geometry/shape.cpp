@@ -14,6 +14,27 @@ Vec3 Shape::normal(const Vec3& x) const {
     return length > 0 ? Vec3(gradient / length) : Vec3(Vec3::UnitY());
 }
 
+Bulk bulk_of(const TriangleMesh& mesh) {
+    Bulk bulk;
+    if (mesh.triangle.empty()) return bulk;
+    const Vec3d apex = mesh.position[0].cast<double>();
+    Vec3d first = Vec3d::Zero();
+    for (const auto& t : mesh.triangle) {
+        const Vec3d a = mesh.position[t[0]].cast<double>() - apex, b = mesh.position[t[1]].cast<double>() - apex, c = mesh.position[t[2]].cast<double>() - apex;
+        // Of a tetrahedron with a corner at 0: int x = V s/4, int x x^T = V/20 (a a^T + b b^T + c c^T + s s^T), s = a + b + c.
+        const double volume = a.dot(b.cross(c)) / 6;
+        const Vec3d s = a + b + c;
+        bulk.volume += volume;
+        first += volume / 4 * s;
+        bulk.moment += volume / 20 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + s * s.transpose());
+    }
+    if (!(bulk.volume > 0)) return {};
+    const Vec3d centre = first / bulk.volume;
+    bulk.moment -= bulk.volume * centre * centre.transpose();
+    bulk.centre = apex + centre;
+    return bulk;
+}
+
 std::shared_ptr<const Shape> make_shape(const ShapeKeys& keys) {
     if (keys.kind == "box") return make_box(keys.min, keys.max);
     if (keys.kind == "sphere") return make_sphere(keys.centre, keys.radius);

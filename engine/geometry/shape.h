@@ -38,6 +38,18 @@ struct LayerPoint {
     Vec3d position, outward;  ///< m; unit, away from the shape's inside
 };
 
+/// What a shape is full of, at a density of 1.
+struct Bulk {
+    double volume = 0;                 ///< m^3
+    Vec3d centre = Vec3d::Zero();      ///< of gravity, m
+    Mat3d moment = Mat3d::Zero();      ///< integral of r r^T about the centre, m^5
+    /// Tensor of inertia about the centre at a density of 1 [m^5].
+    Mat3d inertia() const { return moment.trace() * Mat3d::Identity() - moment; }
+};
+
+/// Of a closed mesh, by the divergence theorem: a sum over the tetrahedra between its triangles and a point.
+Bulk bulk_of(const TriangleMesh& mesh);
+
 class Shape {
 public:
     virtual ~Shape() = default;
@@ -48,6 +60,8 @@ public:
     /// Bounds [m]; infinite along a plane.
     virtual void bounds(Vec3& min, Vec3& max) const = 0;
     virtual bool bounded() const { return true; }
+    /// Volume, centre and moments of what is inside. This one sums over mesh().
+    virtual Bulk bulk() const { return bulk_of(mesh(0, 0)); }
     /// For drawing. @param edge wanted length of an edge [m] @param extent half-width of a plane's drawn patch [m]
     virtual TriangleMesh mesh(Real edge, Real extent) const = 0;
     /// Points about a spacing apart on the surface at the signed distance `offset` [m] (nearer where the shape is too thin for it).

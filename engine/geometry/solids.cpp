@@ -56,7 +56,7 @@ Vec3 Solid::normal(const Vec3& x) const {
     return inside ? Vec3(-outward) : outward;
 }
 
-bool Solid::moves() const { return position.depends_on_time() || !spin.is_zero(); }
+bool Solid::moves() const { return body || position.depends_on_time() || !spin.is_zero(); }
 
 // R(t) = turn A(t) solves dR/dt = R [w]x for any constant `turn`, A being the turning by the spin since t = 0.
 void Solid::go_on_as(VectorExpression new_position, VectorExpression new_spin, double t) {
@@ -71,6 +71,7 @@ void Solid::go_on_as(VectorExpression new_position, VectorExpression new_spin, d
 
 void Solids::set_time(double t, double dt) {
     for (Solid& solid : all) {
+        if (solid.body) continue;
         // x_world = R (x_own - c) + c + position: it turns about its own centre c.
         const Vec3d c = turning_point(*solid.shape), moved = solid.position(t) + solid.shift;
         const Mat3d R = solid.turn * rotation_at(solid.spin, t, solid.turned);
@@ -85,6 +86,12 @@ void Solids::set_time(double t, double dt) {
         solid.pose.angular_velocity = w.cast<Real>();
         solid.pose.velocity = (u - w.cross(R * c)).cast<Real>();  // of the own origin; the centre moves with u
     }
+    place_bodies();
+}
+
+void Solids::place_bodies() {
+    for (Solid& solid : all)
+        if (solid.body) solid.pose = solid.body->pose();
 }
 
 int Solids::nearest(const Vec3& x, Real& distance) const {
@@ -101,6 +108,10 @@ int Solids::nearest(const Vec3& x, Real& distance) const {
 
 bool Solids::any_moving() const {
     return std::any_of(all.begin(), all.end(), [](const Solid& solid) { return solid.moves(); });
+}
+
+bool Solids::any_free() const {
+    return std::any_of(all.begin(), all.end(), [](const Solid& solid) { return solid.body.has_value(); });
 }
 
 void SolidParticles::follow(const Solids& solids) {

@@ -1,22 +1,15 @@
 #pragma once
 /// Solids: shapes that stand, move and turn by expressions, and the particles that sample their surfaces.
 #include <Eigen/Geometry>
+#include <optional>
 #include <vector>
 
+#include "engine/geometry/rigid_body.h"
 #include "engine/geometry/shape.h"
 #include "engine/math/expression.h"
 #include "engine/core/column.h"
 
 namespace whorl {
-
-/// x_world = rotation x_own + translation.
-struct Pose {
-    Mat3 rotation = Mat3::Identity();
-    Vec3 translation = Vec3::Zero();        ///< m
-    Vec3 velocity = Vec3::Zero();           ///< m/s, of the origin
-    Vec3 angular_velocity = Vec3::Zero();   ///< rad/s, in the world's axes
-    Vec3 velocity_at(const Vec3& x) const { return velocity + angular_velocity.cross(x - translation); }
-};
 
 /// How far a solid with a spin that depends on time had turned after whole intervals of the quadrature; follows from the expression alone.
 struct Turned {
@@ -34,6 +27,8 @@ struct Solid {
     bool inside = false;              ///< the fluid is inside the shape
     bool free_slip = false;
     std::string material;
+    Contact contact;                  ///< how it touches other solids
+    std::optional<RigidBody> body;    ///< free: forces move it; position and spin only say where it starts
     Vec3d shift = Vec3d::Zero();      ///< m, added to `position`; follows from earlier motions (go_on_as)
     Mat3d turn = Mat3d::Identity();   ///< before the turning by `spin` since t = 0; follows from earlier motions
     Pose pose;
@@ -58,6 +53,9 @@ public:
     /// The solid whose surface is nearest to x, -1 where there is none; distance on the fluid's side.
     int nearest(const Vec3& x, Real& distance) const;
     bool any_moving() const;
+    bool any_free() const;
+    /// Poses and velocities of the free bodies as their states say.
+    void place_bodies();
 };
 
 /// One layer of particles on the solids' surfaces, about a spacing apart; they stand half a spacing inside the solid.

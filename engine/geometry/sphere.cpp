@@ -19,6 +19,10 @@ public:
         min = centre_ - Vec3::Constant(radius_);
         max = centre_ + Vec3::Constant(radius_);
     }
+    Bulk bulk() const override {
+        const double r = radius_, volume = 4 * std::numbers::pi / 3 * r * r * r;
+        return {volume, centre_.cast<double>(), volume * r * r / 5 * Mat3d::Identity()};
+    }
     /// Rings of latitude; at least 64 segments around.
     TriangleMesh mesh(Real edge, Real) const override {
         const double wanted = edge > 0 ? 2 * std::numbers::pi * radius_ / edge : 0;

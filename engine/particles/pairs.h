@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "engine/geometry/domain.h"
+#include "engine/particles/gather.h"
 #include "engine/particles/store.h"
 
 namespace whorl {
@@ -15,6 +16,7 @@ public:
     Column<Index> other;
     Span<const Vec3> x_own, x_other;  ///< positions as they were found; must outlive the pairs' use
     Vec3 period = Vec3::Zero();       ///< Domain::period()
+    Real support = 0;                 ///< m
 
     Index size() const { return first.empty() ? 0 : static_cast<Index>(first.size()) - 1; }
     Index count(Index i) const { return static_cast<Index>(first[static_cast<std::size_t>(i) + 1] - first[static_cast<std::size_t>(i)]); }
@@ -35,13 +37,19 @@ public:
         }
     }
 
-    /// Up to 64 neighbours at a time with their distances side by side: a loop over `count` vectorises where a call a neighbour does not.
+    /// Up to 64 neighbours at a time with their distances side by side: a loop over them vectorises where a call a neighbour does not.
     struct Group {
         static constexpr Index most = 64;
         Index count;
-        const Index* other;
-        Real r[3][most];  ///< components of x_i - x_j, m
-        Real distance[most];
+        alignas(64) Index other[most];
+        alignas(64) Real r[3][most];     ///< components of x_i - x_j, m
+        alignas(64) Real distance[most];
+        /// A multiple of `lanes`, so that a loop up to it has no remainder. Entries from `count` on stand at the end of the support, where every kernel
+        /// and its slope are 0, and name a neighbour that exists.
+        Index padded() const { return (count + lanes - 1) & -lanes; }
+        /// out[a][l] = v[other[l]][a] for l < padded().
+        void gather(const Vec3* v, Real (&out)[3][most]) const { whorl::gather(v, other, padded(), out); }
+        void gather(const Real* v, Real (&out)[most]) const { whorl::gather(v, other, padded(), out); }
     };
     /// Calls f(group) until all neighbours of i have been in one.
     template <class F>
@@ -50,16 +58,23 @@ public:
         const std::size_t end = first[static_cast<std::size_t>(i) + 1];
         Group group;
         for (std::size_t k = first[static_cast<std::size_t>(i)]; k < end; k += Group::most) {
-            group.count = static_cast<Index>(std::min<std::size_t>(Group::most, end - k));
-            group.other = other.data() + k;
-            for (Index l = 0; l < group.count; ++l) {
-                const Vec3& xj = x_other[static_cast<std::size_t>(group.other[l])];
-                for (int a = 0; a < 3; ++a) group.r[a][l] = xi[a] - xj[a];
+            const Index count = static_cast<Index>(std::min<std::size_t>(Group::most, end - k));
+            group.count = count;
+            const Index padded = group.padded();
+            const Index* const row = other.data() + k;
+            for (Index l = 0; l < padded; ++l) group.other[l] = row[l < count ? l : 0];
+            group.gather(x_other.data(), group.r);
+            for (int a = 0; a < 3; ++a) {
+                const Real x = xi[a], edge = a == 0 ? support : 0, length = period[a], inverse = length > 0 ? 1 / length : 0;
+                if (length > 0)
+                    for (Index l = 0; l < padded; ++l) {
+                        const Real r = x - group.r[a][l];
+                        group.r[a][l] = l < count ? r - length * std::nearbyint(r * inverse) : edge;
+                    }
+                else
+                    for (Index l = 0; l < padded; ++l) group.r[a][l] = l < count ? x - group.r[a][l] : edge;
             }
-            for (int a = 0; a < 3; ++a)
-                if (period[a] > 0)
-                    for (Index l = 0; l < group.count; ++l) group.r[a][l] -= period[a] * std::nearbyint(group.r[a][l] / period[a]);
-            for (Index l = 0; l < group.count; ++l)
+            for (Index l = 0; l < padded; ++l)
                 group.distance[l] = std::sqrt(group.r[0][l] * group.r[0][l] + group.r[1][l] * group.r[1][l] + group.r[2][l] * group.r[2][l]);
             f(static_cast<const Group&>(group));
         }

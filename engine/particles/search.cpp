@@ -14,8 +14,6 @@
 namespace whorl {
 namespace {
 
-/// Candidates are tested in groups; the packed columns are padded by two.
-constexpr Index lanes = 16;
 /// Edge of a cell over the support, along x (runs of cells are contiguous) and across. Measured: tools/bench/particles.cpp.
 constexpr double edge_along = 0.5, edge_across = 1;
 
@@ -83,6 +81,7 @@ Index* append_near(const Test& test, const Real* const p[3], const Index* index,
 }  // namespace
 
 int NeighbourSearch::Axis::bin(double cell) const {
+    if (cell >= 0 && cell < bins) return static_cast<int>(cell);
     if (wraps) cell -= bins * std::floor(cell / bins);
     return static_cast<int>(std::clamp(cell, 0.0, static_cast<double>(bins - 1)));
 }
@@ -280,6 +279,7 @@ void NeighbourSearch::find(Span<const Vec3> x_own, Span<const Vec3> x_other, Rea
     pairs.x_own = x_own;
     pairs.x_other = x_other;
     pairs.period = domain.period();
+    pairs.support = support;
     choose_axes(x_other, support, domain);
     fill_bins(x_other, domain);
     const bool among_themselves = x_own.data() == x_other.data() && x_own.size() == x_other.size();

@@ -50,12 +50,14 @@ void check_models(const Scene& scene, const Plan& plan, double viscous_number, s
                std::string("models.boundary = \"") + name_of(plan.boundary) + "\" does not go with models.pressure = \"" + name_of(plan.pressure) + "\"",
                "take \"auto\"", "akinci with wcsph, ppe with ppe, none with any");
     check_micropolar(scene, plan, problems);
+    check_bodies(scene, plan, problems);
     if (scene.time.sleep == 0) return;
     const auto watchful = [&](const std::string& who) {
         report("time.sleep", "time.sleep puts away fluid that " + who, "take time.sleep = 0", "0");
     };
     if (scene.domain.gravity.depends_on_time()) watchful("a changing gravity moves all of");
     if (!scene.drains.empty()) watchful("a drain has to see at every step");
+    if (scene.any_free_solid()) watchful("holds a free body up");
     for (const ProbeKeys& probe : scene.probes)
         if (probe.kind == ProbeKind::coil) watchful("a coil probe has to see at every step");
 }

@@ -9,6 +9,9 @@ namespace whorl {
 /// @param viscous_number nu dt/d^2 of the steps that the flow allows
 void check_models(const Scene& scene, const Plan& plan, double viscous_number, std::vector<Problem>& problems);
 
+/// Free bodies: what cannot be one, and models that do not move them.
+void check_bodies(const Scene& scene, const Plan& plan, std::vector<Problem>& problems);
+
 /// Fluid, solids and probes where they cannot be; more particles than memory.
 void check_placement(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, const SceneShapes& shapes, std::vector<Problem>& problems);
 

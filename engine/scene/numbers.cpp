@@ -111,7 +111,13 @@ SceneNumbers scene_numbers(const Scene& scene, const SceneShapes& shapes, double
         n.fall = std::max(n.fall, height(e.position, e.position));
         thin(e.shape == "disc" ? 2 * e.radius : std::min(e.width, e.thickness), entry_name("emitter", i));
     }
-    for (std::size_t i = 0; i < scene.solids.size(); ++i) n.speed = std::max(n.speed, solid_speed(scene.solids[i], shapes.solid_extent[i], end));
+    for (std::size_t i = 0; i < scene.solids.size(); ++i) {
+        n.speed = std::max(n.speed, solid_speed(scene.solids[i], shapes.solid_extent[i], end));
+        if (!shapes.solids.all[i].body) continue;
+        n.speed = std::max(n.speed, scene.solids[i].velocity.norm());
+        const Vec3d at = scene.solids[i].position(0);
+        n.fall = std::max(n.fall, height(shapes.solid_extent[i].min + at, shapes.solid_extent[i].max + at));
+    }
 
     n.speed = std::max(n.speed, std::sqrt(n.speed * n.speed + 2 * n.gravity * n.fall));
     n.nu = n.viscosity / scene.fluid.density;

@@ -33,6 +33,8 @@ struct SceneShapes {
     Solids solids;
     std::vector<Extent> block_extent, solid_extent, drain_extent;
 };
+/// A free solid as it is at the start; its shape is bounded.
+RigidBody body_of(const SolidKeys& keys, const Shape& shape);
 /// Appends to `problems` where a mesh cannot be used; the shapes are complete only where it added none.
 SceneShapes make_shapes(const Scene& scene, std::vector<Problem>& problems);
 

@@ -126,6 +126,8 @@ void warn(Plan& plan, const Scene& scene, const SceneNumbers& n, const SceneShap
     if (plan.pressure == PressureModel::none) add("models.pressure is none: nothing keeps the particles apart");
     if (plan.pressure == PressureModel::wcsph && scene.pressure.background_pressure > 0 && n.free_surface)
         add("pressure.background_pressure pushes particles away from a free surface: 0 is right where there is one");
+    if (plan.pressure == PressureModel::wcsph && scene.pressure.gradient == GradientForm::difference && plan.shifting == ShiftingModel::none)
+        add("pressure.gradient = \"difference\" keeps no particles apart: without models.shifting = \"fickian\" they clump and gain energy");
     if (plan.sound_speed > 0 && plan.sound_speed < 8 * n.speed)
         add(fmt::format("Mach number {:.2f} (speed {:.3g} m/s, sound {:.3g} m/s): density varies by about {:.0f} %", n.speed / plan.sound_speed,
                         n.speed, plan.sound_speed, 100 * std::pow(n.speed / plan.sound_speed, 2)));
@@ -182,8 +184,12 @@ Plan make_plan(const Scene& given) {
     if (plan.pressure == PressureModel::ppe) choose_preconditioner(plan, scene);
     choose_boundary(plan, scene);
     tell_surface_tension(plan, scene);
-    choose(plan, "models.shifting", scene.models.shifting, coupled ? ShiftingModel::fickian : ShiftingModel::none,
-           coupled ? "stretched threads lose their even spacing" : "particles of this model keep apart by themselves", plan.shifting);
+    const bool difference = plan.pressure == PressureModel::wcsph && scene.pressure.gradient == GradientForm::difference;
+    choose(plan, "models.shifting", scene.models.shifting, coupled || difference ? ShiftingModel::fickian : ShiftingModel::none,
+           coupled      ? "stretched threads lose their even spacing"
+           : difference ? "the difference gradient keeps no particles apart"
+                        : "particles of this model keep apart by themselves",
+           plan.shifting);
 
     if (scene.time.sleep > 0)
         plan.choices.push_back({"time.sleep", fmt::format("{:g}", scene.time.sleep), false, "what moves less than that many spacings in half a second is not solved for"});

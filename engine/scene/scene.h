@@ -1,5 +1,6 @@
 #pragma once
 /// A scene file as checked data: what the user asked for, every default filled in, nothing decided yet (that is plan.h's part).
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <string>
@@ -135,6 +136,10 @@ struct SolidKeys {
     Slip slip = Slip::no;
     double wetting = 0.5;         ///< the solid's pull on the fluid over the fluid's own, with surface tension
     std::string material;         ///< of the look
+    double density = 0;           ///< kg/m^3; given: a free body
+    Vec3d velocity = Vec3d::Zero();  ///< m/s, of a free body at the start
+    Vec3d tilt = Vec3d::Zero();   ///< degrees, rotation vector of a free body at the start
+    double friction = 0.3, bounce = 0;  ///< where it touches other solids
 };
 
 struct DrainKeys {
@@ -210,6 +215,10 @@ struct Scene {
     /// Viscosity of what comes from emitter k - 1, or (k = 0) is there at the start.
     const Expression& viscosity_of_source(std::size_t k) const {
         return k > 0 && emitters[k - 1].viscosity ? *emitters[k - 1].viscosity : fluid.viscosity;
+    }
+    /// Whether forces move a solid.
+    bool any_free_solid() const {
+        return std::any_of(solids.begin(), solids.end(), [](const SolidKeys& s) { return s.density > 0; });
     }
     /// Whether any of them changes with age; and whether any depends on the place, too.
     bool viscosity_ages() const;

@@ -7,13 +7,6 @@
 namespace whorl {
 namespace {
 
-double volume_of(const TriangleMesh& mesh) {
-    double sum = 0;
-    for (const auto& t : mesh.triangle)
-        sum += mesh.position[t[0]].cast<double>().dot(mesh.position[t[1]].cast<double>().cross(mesh.position[t[2]].cast<double>()));
-    return sum / 6;
-}
-
 Extent extent_of(const ShapeKeys& keys, const Shape& shape) {
     constexpr double pi = std::numbers::pi, endless = std::numeric_limits<double>::infinity();
     if (!shape.bounded()) return {Vec3d::Constant(-endless), Vec3d::Constant(endless), 0};
@@ -23,7 +16,7 @@ Extent extent_of(const ShapeKeys& keys, const Shape& shape) {
     const double r = keys.radius;
     const double volume = keys.kind == "sphere"     ? 4 * pi / 3 * r * r * r
                           : keys.kind == "cylinder" ? pi * r * r * (keys.to - keys.from).norm()
-                                                    : volume_of(shape.mesh(1, 1));
+                                                    : shape.bulk().volume;
     return {min.cast<double>(), max.cast<double>(), volume};
 }
 
@@ -39,6 +32,16 @@ std::shared_ptr<const Shape> made(const Scene& scene, const std::string& name, c
 
 }  // namespace
 
+RigidBody body_of(const SolidKeys& keys, const Shape& shape) {
+    RigidBody body(shape.bulk(), keys.density);
+    body.centre += keys.position(0);
+    const Vec3d angle = std::numbers::pi / 180 * keys.tilt;
+    if (angle.norm() > 0) body.turn = Eigen::Quaterniond(Eigen::AngleAxisd(angle.norm(), angle.normalized()));
+    body.velocity = keys.velocity;
+    body.spin_at(body.turn * keys.rotation(0));
+    return body;
+}
+
 SceneShapes make_shapes(const Scene& scene, std::vector<Problem>& problems) {
     SceneShapes shapes;
     for (std::size_t i = 0; i < scene.blocks.size(); ++i) {
@@ -53,6 +56,7 @@ SceneShapes make_shapes(const Scene& scene, std::vector<Problem>& problems) {
         solid.position = keys.position;
         solid.spin = keys.rotation;
         solid.inside = keys.inside;
+        if (keys.density > 0 && solid.shape && solid.shape->bounded()) solid.body = body_of(keys, *solid.shape);
         shapes.solid_extent.push_back(solid.shape ? extent_of(keys.shape, *solid.shape) : Extent{});
         shapes.solids.all.push_back(std::move(solid));
     }

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/models/bodies/motion.h"
 #include "engine/models/boundary/keep_outside.h"
 #include "engine/models/boundary/wall.h"
 #include "engine/models/coupled/system.h"
@@ -12,6 +13,7 @@
 #include "engine/models/pressure/multigrid.h"
 #include "engine/models/pressure/ppe.h"
 #include "engine/models/pressure/wcsph.h"
+#include "engine/models/shifting/fickian.h"
 #include "engine/models/surface_tension/surface_tension.h"
 #include "engine/models/viscosity/ageing.h"
 #include "engine/models/viscosity/assembled.h"
@@ -127,7 +129,8 @@ private:
         gate_.threshold = static_cast<Real>(scene_.boundary.gate);
         const bool constraint = plan_.pressure == PressureModel::ppe && scene_.pressure.form == PressureForm::constraint;
         // The constraint makes its own densities, in its own way at solids; viscosity and spin act before it.
-        if (!constraint || plan_.viscosity != ViscosityModel::none || plan_.micropolar != MicropolarModel::none)
+        const bool needs_density = plan_.viscosity != ViscosityModel::none || plan_.micropolar != MicropolarModel::none || plan_.shifting != ShiftingModel::none;
+        if (!constraint || needs_density)
             stage("density", "density", Density{solid_factor, gate_});
 
         WeaklyCompressible tait;
@@ -143,11 +146,18 @@ private:
         if (wcsph) stage("Tait's equation", "pressure", TaitPressure{tait});
         if (wcsph && tait.sound_damping > 0) stage("sound damping", "pressure", SoundDamping{tait});
         stage("gravity", "move", Gravity{});
+        const bool bodies = scene_.any_free_solid();
+        if (bodies) stage("weight of bodies", "bodies", Weigh{});
         if (wcsph) {
             stage("pressure acceleration", "pressure", PressureAcceleration{tait});
             if (tait.artificial_viscosity > 0) stage("artificial viscosity", "pressure", ArtificialViscosity{tait});
             limit("sound", number(scene_.time.cfl) + " R/2 / (c + max |u|)",
                   [cfl = scene_.time.cfl, R = plan_.support, c = plan_.sound_speed](const World&, double fastest) { return sound_step(cfl, R, c, fastest); });
+            if (bodies)
+                limit("light bodies", "(" + number(scene_.time.cfl) + " R/2 / (c + max |u|)) sqrt(mass / mass of the fluid around)",
+                      [cfl = scene_.time.cfl, R = plan_.support, c = plan_.sound_speed](const World& w, double fastest) {
+                          return sound_step(cfl, R, c, fastest) * std::sqrt(lightness(w.solids, w.solid_particles, w.step.mass));
+                      });
             if (tait.sound_damping > 0)
                 limit("sound damping", "0.6 R/2 / (sound_damping c)",
                       [dt = sound_damping_step(plan_.support, tait.sound_speed, tait.sound_damping)](const World&, double) { return dt; });
@@ -156,6 +166,7 @@ private:
         if (micropolar) spin(solid_factor);
         else if (plan_.viscosity == ViscosityModel::explicit_laplacian) explicit_viscosity(solid_factor);
         stage("kick", "move", Kick{});
+        if (bodies) stage("kick of bodies", "bodies", KickBodies{});
         if (scene_.fluid.surface_tension > 0) {
             surface_tension(nullptr);
             booked(&EnergyWork::surface_tension);
@@ -183,7 +194,9 @@ private:
             stage("pressure equation", "pressure", PoissonPressure{options});
             booked(&EnergyWork::pressure);
         }
+        if (plan_.shifting == ShiftingModel::fickian) stage("shift", "shifting", FickianShift{solid_factor});
         stage("move", "move", Move{});
+        if (bodies) stage("motion of bodies", "bodies", MoveBodies{});
         if (!scene_.solids.empty()) {
             made_.stages.push_back(move_solids());
             stage("keep outside", "boundary", KeepOutside{});
@@ -252,6 +265,11 @@ private:
         limit("viscous", "0.125 R^2 / (4 nu)", [R = plan_.support, nu = plan_.largest_viscosity / scene_.fluid.density](const World&, double) {
             return nu > 0 ? viscous_step(R, nu) : std::numeric_limits<double>::infinity();
         });
+        if (scene_.any_free_solid())
+            limit("light bodies in viscous fluid", "(0.125 R^2 / (4 nu)) mass / mass of the fluid around",
+                  [R = plan_.support, nu = plan_.largest_viscosity / scene_.fluid.density](const World& w, double) {
+                      return nu > 0 ? viscous_step(R, nu) * lightness(w.solids, w.solid_particles, w.step.mass) : std::numeric_limits<double>::infinity();
+                  });
     }
 
     void implicit_viscosity(Real solid_factor) {

@@ -6,6 +6,7 @@
 #include "engine/models/viscosity/ageing.h"
 #include "engine/particles/sample.h"
 #include "engine/particles/solid_sampling.h"
+#include "engine/scene/numbers.h"
 
 namespace whorl {
 
@@ -31,6 +32,8 @@ void place_solids(const Scene& scene, const Plan& plan, World& world) {
         solid.inside = keys.inside;
         solid.free_slip = keys.slip == Slip::free;
         solid.material = keys.material;
+        solid.contact = {keys.friction, keys.bounce};
+        if (keys.density > 0) solid.body = body_of(keys, *solid.shape);
         world.solids.all.push_back(std::move(solid));
     }
     world.solids.set_time(0, scene.time.max_step);

@@ -94,7 +94,10 @@ struct Simulation::State {
         WHORL_ASSERT(steps_since_landing == 0, "change() between landings");
         for (std::size_t k = 0; k < now.solids.size(); ++k) {
             Solid& solid = world.solids.all[k];
-            if (text_of(scene.solids[k].position) != text_of(now.solids[k].position) || text_of(scene.solids[k].rotation) != text_of(now.solids[k].rotation))
+            solid.contact = {now.solids[k].friction, now.solids[k].bounce};
+            if (solid.body) {  // put elsewhere by hand
+                solid.body->centre += now.solids[k].position(0) - scene.solids[k].position(0);
+            } else if (text_of(scene.solids[k].position) != text_of(now.solids[k].position) || text_of(scene.solids[k].rotation) != text_of(now.solids[k].rotation))
                 solid.go_on_as(now.solids[k].position, now.solids[k].rotation, at);
             solid.free_slip = now.solids[k].slip == Slip::free;
             solid.material = now.solids[k].material;
@@ -166,6 +169,7 @@ struct Simulation::State {
             spent.cpu += cpu_seconds() - cpu;
             ++spent.calls;
             world.report.diverged = find_divergence(stage, world);
+            if (!world.report.diverged) world.report.diverged = find_divergent_body(stage, world);
             if (world.report.diverged) return false;
         }
         return true;
@@ -198,6 +202,10 @@ struct Simulation::State {
         world.step.time = time;
         world.step.at_landing = steps_since_landing == 0;
         set_gravity();
+        if (world.step.at_landing && world.solids.any_moving()) {  // velocities over the last step: a resumed run does not know how long that was
+            world.solids.set_time(time, scene.time.max_step);
+            world.solid_particles.follow(world.solids);
+        }
         const double dt = choose_step(until);
         if (!(dt > 1e-12 * scene.time.end)) {
             world.report.diverged = Divergence{"time step", "velocity", time, Vec3d::Zero(), "the time step collapsed: something moves far too fast"};
@@ -272,6 +280,8 @@ void Simulation::save(std::ostream& out) const {
             out.write(static_cast<const char*>(std::as_const(*entry->column).data()),
                       static_cast<std::streamsize>(entry->info->bytes * static_cast<std::size_t>(s.world.fluid.size())));
     for (const Emitter& emitter : s.emitters) emitter.save(out);
+    for (const Solid& solid : s.world.solids.all)
+        if (solid.body) solid.body->save(out);
 }
 
 void Simulation::load(std::istream& in) {
@@ -292,6 +302,9 @@ void Simulation::load(std::istream& in) {
                 throw EnvironmentError("the saved state ends too early", "", "resume from an older checkpoint");
         }
     for (Emitter& emitter : s.emitters) emitter.load(in);
+    for (Solid& solid : s.world.solids.all)
+        if (solid.body) solid.body->load(in);
+    if (!in) throw EnvironmentError("the saved state ends too early", "", "resume from an older checkpoint");
     s.steps_since_landing = 0;
     s.set_gravity();
     s.world.step.time = s.time;

@@ -2,7 +2,6 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
-#include <limits>
 
 #include "engine/core/parallel.h"
 
@@ -34,11 +33,10 @@ void sum_correction(const Pairs& pairs, KernelKind kernel, Real support, Span<co
             Real xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
             pairs.groups_of(i, [&](const Pairs::Group& group) {
                 Real volume[Pairs::Group::most];
-                for (Index l = 0; l < group.count; ++l) volume[l] = V[static_cast<std::size_t>(group.other[l])];
-                for (Index l = 0; l < group.count; ++l) {
+                group.gather(V.data(), volume);
+                for (Index l = 0; l < group.padded(); ++l) {
                     const Real x = group.r[0][l], y = group.r[1][l], z = group.r[2][l], distance = group.distance[l];
-                    // Two at the same place: r = 0, and the product with any finite w is.
-                    const Real w = -volume[l] * W.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
+                    const Real w = -volume[l] * W.slope(distance);
                     xx += w * x * x;
                     xy += w * x * y;
                     xz += w * x * z;

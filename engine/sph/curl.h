@@ -33,7 +33,7 @@ Vec3 curl(CurlForm form, const Pairs& pairs, Index i, const Kernel& W, Real m, S
     Vec3 sum = Vec3::Zero();
     pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
         const auto k = static_cast<std::size_t>(j);
-        const Real b = 1 / rho[k], slope = W.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
+        const Real b = 1 / rho[k], slope = W.slope(distance);
         sum += (m * slope) * Vec3(weights.own(b) * own - weights.other(b) * u[k]).cross(r);
     });
     return sum;

@@ -10,9 +10,9 @@ template <class Kernel>
 Real sum_over_row(const Pairs& pairs, Index i, const Kernel& W) {
     Real sum = 0;
     pairs.groups_of(i, [&](const Pairs::Group& group) {
-        Real value[Pairs::Group::most];
-        for (Index l = 0; l < group.count; ++l) value[l] = W.value(group.distance[l]);
-        for (Index l = 0; l < group.count; ++l) sum += value[l];
+        Real part = 0;
+        for (Index l = 0; l < group.padded(); ++l) part += W.value(group.distance[l]);
+        sum += part;
     });
     return sum;
 }

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "engine/core/whole_file.h"
+#include "engine/io/bodies.h"
 #include "engine/io/columns.h"
 #include "engine/io/diagnostics.h"
 #include "engine/io/files.h"
@@ -123,6 +124,7 @@ private:
     RunTotals totals_at_row_;
     Troubles troubles_;
     std::optional<Governor> governor_;  ///< where the scene has a budget
+    std::unique_ptr<Table> bodies_;  ///< where there are free ones
     std::unique_ptr<Table> budget_;
     double landed_at_ = wall_seconds(), largest_residual_ = 0;  ///< of the frame on its way
     long unconverged_at_row_ = 0;
@@ -197,6 +199,7 @@ std::unique_ptr<Table> Run::open_table(const std::string& name, const std::strin
 
 void Run::open_tables() {
     diagnostics_ = open_table("diagnostics.csv", diagnostics_header());
+    if (simulation_.world().solids.any_free()) bodies_ = open_table("bodies.csv", bodies_header());
     if (governor_) {
         budget_ = open_table("budget.csv", budget_header());
         if (request_.from) governor_->set(last_given_up(folder_.path() / "budget.csv"));
@@ -234,6 +237,7 @@ std::shared_ptr<Checkpoint> Run::state_at(int frame) const {
     state->frames = last_;
     state->wall = wall(), state->cpu = cpu(), state->stages = stages(), state->resumed = resumed_;
     state->table_bytes["diagnostics.csv"] = diagnostics_->bytes();
+    if (bodies_) state->table_bytes["bodies.csv"] = bodies_->bytes();
     if (budget_) state->table_bytes["budget.csv"] = budget_->bytes();
     for (const ProbeTable& p : probes_) {
         state->table_bytes["probes/" + p.name + ".csv"] = p.table.bytes();
@@ -287,6 +291,7 @@ void Run::land(int frame) {
     const RunTotals& totals = simulation_.totals();
     const Measures measures = measure(simulation_.world(), simulation_.scene().domain.gravity(time), simulation_.plan().spin.micro_inertia);
     diagnostics_->append(diagnostics_row(frame, time, measures, totals_at_row_, totals, wall(), cpu()));
+    if (bodies_) bodies_->append(bodies_rows(frame, time, simulation_.world(), simulation_.scene().domain.gravity(time)));
     for (ProbeTable& p : probes_) p.table.append(p.probe->rows(simulation_.world(), time));
     const double steps = static_cast<double>(std::max(1L, totals.steps - totals_at_row_.steps));
     const double iterations = (totals.pressure_iterations - totals_at_row_.pressure_iterations + totals.viscosity_iterations -

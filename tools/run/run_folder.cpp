@@ -44,7 +44,7 @@ RunFolder RunFolder::fresh(const fs::path& path) {
     if (error) throw EnvironmentError("cannot make the folder " + path.string() + ": " + error.message(), "", "choose another with --out");
     RunFolder folder(path);
     if (!used) return folder;
-    for (const char* name : {"scene.resolved.toml", "run.json", "diagnostics.csv", "contact.png", "log.txt", "probes", "frames", "points", "mesh",
+    for (const char* name : {"scene.resolved.toml", "run.json", "diagnostics.csv", "bodies.csv", "contact.png", "log.txt", "probes", "frames", "points", "mesh",
                              "vdb", "checkpoints", "panels"})
         fs::remove_all(path / name);
     for (const auto& entry : fs::directory_iterator(path))

@@ -32,6 +32,7 @@ int main(int count, char** arguments) try {
     }
     const std::map<std::string, std::function<std::string()>> studies{{"curls", curl_table},
                                                                       {"refinement", refinement_table},
+                                                                      {"refinement_street", refinement_street_table},
                                                                       {"preconditioners", preconditioner_table},
                                                                       {"preconditioners_large", preconditioner_table_large},
                                                                       {"hierarchies", hierarchy_table},

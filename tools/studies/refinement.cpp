@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "engine/core/parallel.h"
@@ -9,9 +11,9 @@
 namespace whorl {
 namespace {
 
-/// The vortex of Taylor and Green (1937) in a box of length 1: cells of vortices that stretch each other.
+/// The vortex of Taylor and Green (1937) in a box of length 1: cells of vortices that stretch each other. Reynolds number 1000.
 const std::string vortex = R"toml([time]
-end = 0.8
+end = 2
 [domain]
 min = [0, 0, 0]
 max = [1, 1, 1]
@@ -26,7 +28,7 @@ viscosity = "explicit"
 [pressure]
 sound_speed = 10
 background_pressure = 1000
-sound_damping = 0
+gradient = "difference"
 artificial_viscosity = 0
 [[block]]
 shape = "box"
@@ -35,8 +37,50 @@ max = [1, 1, 1]
 velocity = ["sin(2*pi*x)*cos(2*pi*y)*cos(2*pi*z)", "-cos(2*pi*x)*sin(2*pi*y)*cos(2*pi*z)", "0"]
 )toml";
 
+/// A stream past a cylinder, Reynolds number 200, between banks without friction; a slab four of the coarse spacings thick.
+const std::string street = R"toml([time]
+end = 3
+[domain]
+min = [-0.06, -0.045, 0.0]
+max = [ 0.22,  0.045, 0.01]
+periodic = [true, false, true]
+gravity = [0.05, 0, 0]
+[fluid]
+spacing = 2.5e-3
+viscosity = 0.03
+[models]
+pressure = "wcsph"
+viscosity = "explicit"
+[pressure]
+sound_speed = 4
+background_pressure = 300
+gradient = "difference"
+artificial_viscosity = 0
+[[block]]
+shape = "box"
+min = [-0.06, -0.04, 0]
+max = [ 0.22,  0.04, 0.01]
+velocity = ["0.3", "0.03*sin(40*x)", "0"]
+[[solid]]
+shape = "cylinder"
+from = [0, 0.001, 0]
+to = [0, 0.001, 0.01]
+radius = 0.01
+[[solid]]
+shape = "box"
+min = [-0.08, -0.045, -0.02]
+max = [ 0.24, -0.04, 0.03]
+slip = "free"
+[[solid]]
+shape = "box"
+min = [-0.08, 0.04, -0.02]
+max = [ 0.24, 0.045, 0.03]
+slip = "free"
+)toml";
+
+/// Per kg: kinetic energy, that of the motion across the stream (y), and enstrophy.
 struct Measured {
-    double energy = 0, enstrophy = 0;  ///< J and J/m^2 per kg
+    double energy = 0, across = 0, enstrophy = 0;  ///< J, J, 1/s^2
 };
 
 Measured measured(const World& w) {
@@ -45,20 +89,18 @@ Measured measured(const World& w) {
     std::vector<Real> V(rho.size());
     for (std::size_t i = 0; i < V.size(); ++i) V[i] = w.step.mass / rho[i];
     const double n = w.fluid.size();
+    const auto mean = [&](const auto& f) { return parallel_sum(w.fluid.size(), [&](Index i) { return 0.5 * static_cast<double>(f(i)); }) / n; };
     return with_kernel(w.step.kernel, w.step.support, [&](const auto& W) {
-        Measured all;
-        all.energy = parallel_sum(w.fluid.size(), [&](Index i) { return 0.5 * static_cast<double>(u[static_cast<std::size_t>(i)].squaredNorm()); }) / n;
-        all.enstrophy = parallel_sum(w.fluid.size(), [&](Index i) {
-            return 0.5 * static_cast<double>(curl(w.fluid_pairs, i, W, Span<const Real>(V), u).squaredNorm());
-        }) / n;
-        return all;
+        return Measured{mean([&](Index i) { return u[static_cast<std::size_t>(i)].squaredNorm(); }),
+                        mean([&](Index i) { return u[static_cast<std::size_t>(i)].y() * u[static_cast<std::size_t>(i)].y(); }),
+                        mean([&](Index i) { return curl(w.fluid_pairs, i, W, Span<const Real>(V), u).squaredNorm(); })};
     });
 }
 
-std::vector<Measured> run(const std::vector<std::string>& changes, const std::vector<double>& times) {
+std::vector<Measured> run(const std::string& text, const std::vector<std::string>& changes, const std::vector<double>& times) {
     ReadRequest request;
     for (const std::string& change : changes) request.changes.push_back(parse_change(change));
-    const Scene scene = read_scene_text(vortex, "vortex.toml", request);
+    const Scene scene = read_scene_text(text, "vortex.toml", request);
     Simulation simulation(scene, make_plan(scene));
     std::vector<Measured> rows;
     for (const double time : times) {
@@ -69,19 +111,52 @@ std::vector<Measured> run(const std::vector<std::string>& changes, const std::ve
     return rows;
 }
 
+/// Coarse, coarse with spin, fine.
+struct Three {
+    std::vector<Measured> coarse, spin, fine;
+    Three(const std::string& text, const std::vector<std::string>& with, const std::vector<std::string>& finer, const std::vector<double>& times)
+        : coarse(run(text, {}, times)), spin(run(text, with, times)), fine(run(text, finer, times)) {}
+    std::string columns(std::size_t k, double Measured::*what, int digits) const {
+        std::string cells;
+        for (const auto* rows : {&coarse, &spin, &fine})
+            cells += k < rows->size() ? fmt::format(" {:.{}f} |", (*rows)[k].*what, digits) : std::string(" diverged |");
+        return cells;
+    }
+};
+
 }  // namespace
 
 std::string refinement_table() {
-    const std::vector<double> times{0.1, 0.2, 0.3, 0.4, 0.6, 0.8};
-    const std::vector<std::string> spin{"models.micropolar=seed", "micropolar.transfer_viscosity=0.8", "micropolar.micro_inertia=2.5e-4",
-                                        "micropolar.xsph_spin=0", "micropolar.xsph_velocity=0"};
-    const std::vector<Measured> coarse = run({}, times), with = run(spin, times), fine = run({"fluid.spacing=0.03125"}, times);
-    std::string table =
-        "| t [s] | energy: coarse | coarse with spin | fine | enstrophy: coarse | coarse with spin | fine |\n|---|---|---|---|---|---|---|\n";
-    for (std::size_t k = 0; k < times.size(); ++k) {
-        const auto at = [&](const std::vector<Measured>& rows) { return k < rows.size() ? rows[k] : Measured{}; };
-        table += fmt::format("| {:.1f} | {:.4f} | {:.4f} | {:.4f} | {:.2f} | {:.2f} | {:.2f} |\n", times[k], at(coarse).energy, at(with).energy, at(fine).energy,
-                             at(coarse).enstrophy, at(with).enstrophy, at(fine).enstrophy);
+    std::vector<std::string> spin{"models.micropolar=seed", "micropolar.transfer_viscosity=0.8", "micropolar.micro_inertia=2.5e-4", "micropolar.xsph_spin=0",
+                                  "micropolar.xsph_velocity=0"};
+    const std::vector<double> times{0.25, 0.5, 0.75, 1, 1.5, 2};
+    const Three box(vortex, spin, {"fluid.spacing=0.03125"}, times);
+    std::string table = "| t [s] | energy [J/kg]: coarse | with spin | fine | enstrophy [1/s^2]: coarse | with spin | fine |\n|---|---|---|---|---|---|---|\n";
+    for (std::size_t k = 0; k < times.size(); ++k)
+        table += fmt::format("| {:.2f} |", times[k]) + box.columns(k, &Measured::energy, 4) + box.columns(k, &Measured::enstrophy, 2) + "\n";
+    return table;
+}
+
+std::string refinement_street_table() {
+    const std::vector<std::string> spin{"models.micropolar=seed", "micropolar.transfer_viscosity=0.024", "micropolar.micro_inertia=4e-6", "micropolar.xsph_spin=0",
+                                        "micropolar.xsph_velocity=0"};
+    std::vector<double> times;
+    for (int k = 1; k <= 24; ++k) times.push_back(k / 8.0);
+    // The fine slab is four of its own spacings thick: the flow is as flat.
+    const Three wake(street, spin, {"fluid.spacing=1.25e-3", "domain.max=[0.22,0.045,0.005]", "block[0].max=[0.22,0.04,0.005]"}, times);
+    std::string table = "| t [s] | energy across [mJ/kg]: coarse | with spin | fine | enstrophy [1/s^2]: coarse | with spin | fine |\n|---|---|---|---|---|---|---|\n";
+    for (std::size_t k = 3; k < times.size(); k += 4) {
+        // Means of half a second, about one and a half vortices.
+        const auto cells = [&](double Measured::*what, double scale, int digits) {
+            std::string text;
+            for (const auto* rows : {&wake.coarse, &wake.spin, &wake.fine}) {
+                double sum = 0;
+                for (std::size_t j = k - 3; j <= k; ++j) sum += j < rows->size() ? (*rows)[j].*what : std::nan("");
+                text += fmt::format(" {:.{}f} |", scale * sum / 4, digits);
+            }
+            return text;
+        };
+        table += fmt::format("| {:.1f} to {:.1f} |", times[k] - 0.5, times[k]) + cells(&Measured::across, 1e3, 3) + cells(&Measured::enstrophy, 1, 0) + "\n";
     }
     return table;
 }

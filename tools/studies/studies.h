@@ -8,6 +8,8 @@ namespace whorl {
 std::string curl_table();
 /// Enstrophy and kinetic energy of a three-dimensional Taylor-Green vortex: coarse without, coarse with spin, fine without.
 std::string refinement_table();
+/// The same of a Karman street: enstrophy, and the energy of the motion across the stream.
+std::string refinement_street_table();
 /// Iterations, time and memory of the pressure solves' preconditioners at 1.4e3, 1.1e4 and 1e5 particles, and at 1e6.
 std::string preconditioner_table();
 std::string preconditioner_table_large();

@@ -3,12 +3,33 @@
 #include "engine/core/parallel.h"
 
 namespace whorl {
+namespace {
 
-void KeepOutside::operator()(const Solids& solids, const SolidPairs& pairs, const StepContext& step, Read<field::role> role,
+/// Free bodies take the impulses one after the other, in the particles' order: few particles are ever inside.
+void strike(Solids& solids, const std::vector<Index>& inside, const std::vector<int>& whose, Real mass, Read<field::position> x, Update<field::velocity> u) {
+    for (const Index i : inside) {
+        Solid& solid = solids.all[static_cast<std::size_t>(whose[static_cast<std::size_t>(i)])];
+        RigidBody& body = *solid.body;
+        const Vec3d n = solid.normal(x[i]).cast<double>(), arm = x[i].cast<double>() - body.centre, turning = arm.cross(n);
+        const double inward = (u[i].cast<double>() - body.velocity_at(x[i].cast<double>())).dot(n);
+        if (!(inward < 0)) continue;
+        // u_n' = v_n' after the impulse J:   J (1/m + 1/M + (a x n).I^-1 (a x n)) = -inward
+        const double impulse = -inward / (1 / static_cast<double>(mass) + 1 / body.mass + turning.dot(body.inverse_inertia() * turning));
+        u[i] += (impulse / static_cast<double>(mass) * n).cast<Real>();
+        body.push(-impulse * n, arm);
+    }
+    solids.place_bodies();
+}
+
+}  // namespace
+
+void KeepOutside::operator()(Solids& solids, const SolidPairs& pairs, SolidParticles& layer, const StepContext& step, Read<field::role> role,
                              Update<field::position> x, Update<field::velocity> u) const {
     if (solids.all.empty()) return;
     // The pairs are those before the move: a particle without solid neighbours was a support radius away.
     const Real far = step.support / 2;
+    const bool bodies = solids.any_free();
+    std::vector<int> struck(bodies ? static_cast<std::size_t>(x.size()) : 0, -1);
     parallel_for(x.size(), [&](Index i) {
         if (role[i] != 0) return;
         if (pairs.count(i) == 0 && u[i].squaredNorm() * step.dt * step.dt < far * far) return;
@@ -18,9 +39,20 @@ void KeepOutside::operator()(const Solids& solids, const SolidPairs& pairs, cons
         const Solid& solid = solids.all[static_cast<std::size_t>(k)];
         const Vec3 n = solid.normal(x[i]);
         x[i] -= distance * n;
+        if (solid.body) {
+            struck[static_cast<std::size_t>(i)] = k;
+            return;
+        }
         const Real inward = (u[i] - solid.pose.velocity_at(x[i])).dot(n);
         if (inward < 0) u[i] -= inward * n;
     });
+    if (!bodies) return;
+    std::vector<Index> inside;
+    for (Index i = 0; i < x.size(); ++i)
+        if (struck[static_cast<std::size_t>(i)] >= 0) inside.push_back(i);
+    if (inside.empty()) return;
+    strike(solids, inside, struck, step.mass, Read<field::position>{x.values}, u);
+    layer.follow(solids);
 }
 
 }  // namespace whorl

@@ -1,7 +1,6 @@
 #include "engine/models/micropolar/micropolar.h"
 
 #include <cmath>
-#include <limits>
 
 #include "engine/core/parallel.h"
 #include "engine/models/boundary/wall.h"
@@ -43,14 +42,10 @@ void add_fluid(Sums& all, const Kernel& W, const FluidPairs& pairs, Index i, con
     Sums s = all;
     pairs.groups_of(i, [&](const Pairs::Group& group) {
         Real density[Pairs::Group::most], u_j[3][Pairs::Group::most], w_j[3][Pairs::Group::most];
-        for (Index l = 0; l < group.count; ++l) {
-            const auto j = static_cast<std::size_t>(group.other[l]);
-            density[l] = rho[j];
-            for (int a = 0; a < 3; ++a) u_j[a][l] = u[j][a], w_j[a][l] = w[j][a];
-        }
-        for (Index l = 0; l < group.count; ++l) {
+        group.gather(rho, density), group.gather(u, u_j), group.gather(w, w_j);
+        for (Index l = 0; l < group.padded(); ++l) {
             const Real rx = group.r[0][l], ry = group.r[1][l], rz = group.r[2][l], r = group.distance[l];
-            const Real b = 1 / density[l], slope = W.derivative(r) / std::max(r, std::numeric_limits<Real>::min());
+            const Real b = 1 / density[l], slope = W.slope(r);
             const Real vx = u_j[0][l], vy = u_j[1][l], vz = u_j[2][l], ox = w_j[0][l], oy = w_j[1][l], oz = w_j[2][l];
             const Real dux = ux - vx, duy = uy - vy, duz = uz - vz, dwx = wx - ox, dwy = wy - oy, dwz = wz - oz;
             const Real even = slope * (b_i * b_i + b * b), near = W.value(r) * 2 * b_i * b / (b_i + b);
@@ -90,7 +85,7 @@ void add_solids(Sums& all, const Kernel& W, const MicropolarOptions& options, co
         const Vec3 wall = solid.pose.velocity_at(layer.position[k] + r);
         const Vec3 u_is = stretch * (own.u - wall) + (wall - layer.velocity[k]);
         const Vec3 w_is = options.free_spin_walls ? Vec3(Vec3::Zero()) : Vec3(stretch * (own.w - solid.pose.angular_velocity));
-        const Real slope = W.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
+        const Real slope = W.slope(distance);
         const Real b = gate * options.solid_factor * layer.volume[k] / step.mass, even = 2 * own.b * b * slope;
         add(all.viscous, even * u_is);
         add(all.diffuse, even * w_is);

@@ -32,10 +32,13 @@ namespace {
 
 /// Nothing can give way: every axis is periodic and the particles' volumes fill the domain. No displacement then lowers all densities at once (their mean
 /// is lowest on a lattice), and asking for it would tear the fluid apart with pressures that grow without bound.
-bool fills_periodic_domain(const StepContext& step, Index n) {
+bool fills_periodic_domain(const StepContext& step, const Solids& solids, Index n) {
     const Vec3d size = (step.domain.max - step.domain.min).cast<double>();
     const bool periodic = step.domain.periodic[0] && step.domain.periodic[1] && step.domain.periodic[2];
-    return periodic && n * static_cast<double>(step.volume) > 0.98 * size.prod();
+    double volume = n * static_cast<double>(step.volume);
+    for (const Solid& solid : solids.all)
+        if (solid.body) volume += solid.body->volume;
+    return periodic && volume > 0.98 * size.prod();
 }
 
 }  // namespace
@@ -126,16 +129,17 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
     }
 }
 
-void ConstraintPressure::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, const StepContext& step,
-                                    StepReport& report, Read<field::role> role, Write<field::density> rho, Update<field::velocity> u,
+void ConstraintPressure::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, Solids& solids,
+                                    const StepContext& step, StepReport& report, Read<field::role> role, Write<field::density> rho, Update<field::velocity> u,
                                     Update<field::pressure> p) {
     const Index n = rho.size();
     const Real rho_0 = step.rest_density;
     b_.resize(at(n));
     residual_.resize(at(n));
     const WallImage wall(step.kernel, step.support, step.spacing, options_.gate);
-    D_.build(wall, pairs, solid_pairs, solid, step, role, Read<field::velocity>{u.values}, rho.values, b_);
-    const bool filled = fills_periodic_domain(step, n);
+    D_.build(wall, pairs, solid_pairs, solid, step, role, Read<field::velocity>{u.values}, rho.values, b_, &solids);
+    bodies_.build(wall, solid_pairs, solid, solids, step, rho.values, D_);
+    const bool filled = fills_periodic_domain(step, solids, n);
     const Real target = filled ? static_cast<Real>(parallel_sum(n, [&](Index i) { return static_cast<double>(rho[i]); }) / n) : rho_0;
     const double mean_rate = filled ? parallel_sum(n, [&](Index i) { return static_cast<double>(b_[at(i)]); }) / n : 0;
     parallel_for(n, [&](Index i) {
@@ -145,9 +149,10 @@ void ConstraintPressure::operator()(const FluidPairs& pairs, const SolidPairs& s
         b_[at(i)] += (excess > 0 || filled ? static_cast<Real>(options_.correction) : Real(1)) * excess / step.dt;
         p[i] = D_.diagonal[at(i)] > 0 ? p[i] / D_.virial[at(i)] * step.dt / (rho[i] * rho[i]) : 0;  // q
     });
-    ConstraintMatrix matrix{D_, {}, Column<Vec3>(at(n)), pairs.x_own, step.spacing};
+    ConstraintMatrix matrix{D_, {}, Column<Vec3>(at(n)), pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};
     const auto fastest = static_cast<Real>(filled ? std::sqrt(parallel_max(n, 0, [&](Index i) { return u[i].squaredNorm(); })) : 0);
     report.solves.push_back({"pressure", filled ? solve_filled(matrix, step, mean_rate, fastest, p.values) : solve(matrix, step, p.values)});
+    bodies_.push(p.values, solids);
     D_.transposed(p.values, matrix.force);
     parallel_for(n, [&](Index i) {
         u[i] -= matrix.force[at(i)];

@@ -4,13 +4,13 @@
 /// Stages of a step, in order: Density (where the viscosity needs one), Gravity, (forces), Kick, (viscosity), DampUnresolved, ConstraintPressure,
 /// Move, KeepOutside.
 #include "engine/math/solve.h"
-#include "engine/models/pressure/density_rate.h"
+#include "engine/models/pressure/body_rows.h"
 #include "engine/models/pressure/preconditioner.h"
 
 namespace whorl {
 
 /// A = D D^T on the particles that press, the identity elsewhere kept out: symmetric, positive semi-definite.
-///   A_ik = D_i.D_k,  where D_i holds own_i at i and -f_i g_ij at the neighbours j that are free.
+///   A_ik = D_i.D_k,   M^-1 between them where free bodies have columns (body_rows.h),  where D_i holds own_i at i and -f_i g_ij at the neighbours j that are free.
 /// A row reaches the neighbours' neighbours, so it is applied as two passes over the pairs.
 struct ConstraintMatrix {
     const DensityRate& D;
@@ -18,10 +18,12 @@ struct ConstraintMatrix {
     mutable Column<Vec3> force;   ///< D^T q of the last product
     Span<const Vec3> x;           ///< positions
     Real spacing = 0;
+    const BodyRows* bodies = nullptr;  ///< columns of D that belong to free bodies
     Index size() const { return D.size(); }
     void multiply(Span<const Real> q, Span<Real> Aq) const {
         D.transposed(q, force);
         D.apply(force, presses, Aq);
+        if (bodies) bodies->add_product(q, presses, Aq);
     }
 };
 
@@ -48,8 +50,8 @@ struct ConstraintOptions {
 class ConstraintPressure {
 public:
     explicit ConstraintPressure(ConstraintOptions options) : options_(std::move(options)) {}
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, const StepContext& step, StepReport& report,
-                    Read<field::role> role, Write<field::density> rho, Update<field::velocity> u, Update<field::pressure> p);
+    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, Solids& solids, const StepContext& step,
+                    StepReport& report, Read<field::role> role, Write<field::density> rho, Update<field::velocity> u, Update<field::pressure> p);
 
     const DensityRate& density_rate() const { return D_; }
 
@@ -59,6 +61,7 @@ private:
 
     ConstraintOptions options_;
     DensityRate D_;
+    BodyRows bodies_;
     Column<Real> b_, residual_;
 };
 

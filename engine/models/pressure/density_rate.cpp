@@ -38,7 +38,7 @@ WallImage::WallImage(KernelKind kind, Real support, Real d, SolidGate gate_befor
 }
 
 void DensityRate::build(const WallImage& wall, const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid,
-                        const StepContext& step, Read<field::role> role, Read<field::velocity> u, Span<Real> rho, Span<Real> rate) {
+                        const StepContext& step, Read<field::role> role, Read<field::velocity> u, Span<Real> rho, Span<Real> rate, const Solids* solids) {
     first = pairs.first;
     other = pairs.other;
     const std::size_t n = at(pairs.size());
@@ -49,6 +49,7 @@ void DensityRate::build(const WallImage& wall, const FluidPairs& pairs, const So
     free.resize(n);
     virial.resize(n);
     const Real m = step.mass;
+    const bool bodies = solids && solids->any_free();
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(pairs.size(), [&](Index i) {
             Vec3 fluid = Vec3::Zero();
@@ -67,20 +68,13 @@ void DensityRate::build(const WallImage& wall, const FluidPairs& pairs, const So
             Real w = 0, wall_change = 0, wall_pull = 0;
             if (solid.size() > 0)
                 solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                    const Real V = wall.factor * solid.volume[at(s)];
-                    const Vec3& normal = solid.normal[at(s)];
-                    const Real height = r.dot(normal);
-                    Vec3 g = r;
-                    if (height > 0) {  // else s belongs to a face that does not face i
-                        const Real image = std::max(wall.spacing + wall.stretch * (height - wall.spacing), wall.nearest);
-                        g += (wall.stretch * image - height) * normal;
-                        distance = std::sqrt(std::max(Real(0), r.squaredNorm() - height * height) + image * image);
-                    }
-                    w += V * W.value(distance);
-                    wall_pull -= V * W.derivative(distance) * distance;
-                    g *= V * W.derivative(distance) / std::max(distance, smallest);
-                    walls += g;
-                    wall_change += g.dot(u[i] - solid.velocity[at(s)]);
+                    const WallImage::Seen seen = wall.see(W, r, distance, solid.normal[at(s)], solid.volume[at(s)]);
+                    w += seen.value;
+                    wall_pull += seen.pull;
+                    walls += seen.gradient;
+                    const Solid* body = bodies ? &solids->all[at(solid.solid[at(s)])] : nullptr;
+                    const Vec3 moves = body && body->body ? body->pose.velocity_at(solid.position[at(s)] + r) : solid.velocity[at(s)];
+                    wall_change += seen.gradient.dot(u[i] - moves);
                 });
             const SolidGate::Passed passed = wall.gate.pass(w);
             w = passed.sum;

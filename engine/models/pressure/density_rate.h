@@ -1,5 +1,8 @@
 #pragma once
 /// The rate at which the density of every particle changes, as a linear function of the velocities, and its transpose (docs/physics.md 3).
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <vector>
 
 #include "engine/geometry/solids.h"
@@ -23,6 +26,24 @@ struct WallImage {
     Real nearest;      ///< m, an image comes no closer than this along the normal
     SolidGate gate;    ///< w_i counts as w_i times its weight, in the density and in its derivative
     WallImage(KernelKind kernel, Real support, Real spacing, SolidGate gate = {});
+
+    /// What a solid particle adds to w_i, its gradient with respect to x_i, and its pull -V W' |r'|.
+    struct Seen {
+        Real value, pull;
+        Vec3 gradient;
+    };
+    template <class Kernel>
+    Seen see(const Kernel& W, const Vec3& r, Real distance, const Vec3& normal, Real volume) const {
+        const Real V = factor * volume, height = r.dot(normal);
+        Vec3 g = r;
+        if (height > 0) {  // else s belongs to a face that does not face i
+            const Real image = std::max(spacing + stretch * (height - spacing), nearest);
+            g += (stretch * image - height) * normal;
+            distance = std::sqrt(std::max(Real(0), r.squaredNorm() - height * height) + image * image);
+        }
+        g *= V * W.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
+        return {V * W.value(distance), -V * W.derivative(distance) * distance, g};
+    }
 };
 
 /// (D u)_i = d rho_i/dt = own_i.u_i - f_i sum_j g_ij.u_j - wall_i        with g_ij = m grad W_ij, f_i = 1/(1 - w_i), wall_i: what moving solids do
@@ -42,8 +63,9 @@ struct DensityRate {
     Index size() const { return static_cast<Index>(own.size()); }
 
     /// @param rho written @param rate D u with prescribed and solid velocities included
+    /// @param solids whose poses free bodies are seen to move by; without them every layer particle counts with its own velocity
     void build(const WallImage& wall, const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, const StepContext& step,
-               Read<field::role> role, Read<field::velocity> u, Span<Real> rho, Span<Real> rate);
+               Read<field::role> role, Read<field::velocity> u, Span<Real> rho, Span<Real> rate, const Solids* solids = nullptr);
     /// v = D^T q where free, 0 elsewhere.
     void transposed(Span<const Real> q, Span<Vec3> v) const;
     /// rate_i = (D v)_i without the solids, where wanted[i]; 0 elsewhere.

@@ -1,22 +1,12 @@
 #include "engine/models/pressure/wcsph.h"
 
 #include <cmath>
-#include <limits>
 
 #include "engine/core/parallel.h"
+#include "engine/models/bodies/reaction.h"
 #include "engine/models/boundary/wall.h"
 
 namespace whorl {
-namespace {
-
-/// W'(r)/r
-template <class Kernel>
-Real slope_over_distance(const Kernel& kernel, Real distance) {
-    return kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
-}
-
-}  // namespace
-
 void TaitPressure::operator()(const StepContext& step, Read<field::density> rho, Write<field::pressure> p) const {
     const double rho_0 = step.rest_density, c0 = options.sound_speed;
     const auto stiffness = static_cast<Real>(c0 * c0 * rho_0 / options.gamma);
@@ -34,19 +24,19 @@ void SoundDamping::operator()(const FluidPairs& pairs, const SolidPairs& solid_p
             const Vec3 own = u[i];
             Real rate = 0;  // D rho/D t
             pairs.groups_of(i, [&](const Pairs::Group& group) {
-                Real other[3][Pairs::Group::most];
-                for (Index l = 0; l < group.count; ++l)
-                    for (int c = 0; c < 3; ++c) other[c][l] = u[group.other[l]][c];
-                for (Index l = 0; l < group.count; ++l)
-                    rate += slope_over_distance(kernel, group.distance[l]) * ((own[0] - other[0][l]) * group.r[0][l] + (own[1] - other[1][l]) * group.r[1][l] +
+                Real other[3][Pairs::Group::most], part = 0;
+                group.gather(u.data(), other);
+                for (Index l = 0; l < group.padded(); ++l)
+                    part += kernel.slope(group.distance[l]) * ((own[0] - other[0][l]) * group.r[0][l] + (own[1] - other[1][l]) * group.r[1][l] +
                                                                               (own[2] - other[2][l]) * group.r[2][l]);
+                rate += part;
             });
             rate *= step.mass;
             if (solid.size() > 0) {
                 const Real mass = step.rest_density * options.solid_factor * options.gate.weight(kernel, i, solid_pairs, solid.volume, options.solid_factor);
                 solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
                     const auto k = static_cast<std::size_t>(s);
-                    rate += mass * solid.volume[k] * slope_over_distance(kernel, distance) * (own - solid.velocity[k]).dot(r);
+                    rate += mass * solid.volume[k] * kernel.slope(distance) * (own - solid.velocity[k]).dot(r);
                 });
             }
             p[i] = std::max(p[i] + zeta * rate, Real(0));
@@ -54,8 +44,8 @@ void SoundDamping::operator()(const FluidPairs& pairs, const SolidPairs& solid_p
     });
 }
 
-void ArtificialViscosity::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
-                                     const StepContext& step, Read<field::density> rho, Read<field::velocity> u,
+void ArtificialViscosity::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer,
+                                     const StepContext& step, Read<field::role> role, Read<field::density> rho, Read<field::velocity> u,
                                      Update<field::acceleration> a) const {
     const Real h = step.support / 2, strength = static_cast<Real>(options.artificial_viscosity * options.sound_speed) * h;
     const Real softening = Real(0.01) * h * h;
@@ -63,12 +53,23 @@ void ArtificialViscosity::operator()(const FluidPairs& pairs, const SolidPairs& 
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         // (u_ij . r_ij)/(r^2 + 0.01 h^2) grad W_ij
         const auto along = [&](const Vec3& u_ij, const Vec3& r, Real distance) {
-            return Vec3(u_ij.dot(r) / (distance * distance + softening) * slope_over_distance(kernel, distance) * r);
+            return Vec3(u_ij.dot(r) / (distance * distance + softening) * kernel.slope(distance) * r);
         };
         parallel_for(a.size(), [&](Index i) {
             const Vec3 own = u[i];
+            const Real own_rho = rho[i];
             Vec3 sum = Vec3::Zero();
-            pairs.of(i, [&](Index j, const Vec3& r, Real distance) { sum += 2 * step.mass / (rho[i] + rho[j]) * along(own - u[j], r, distance); });
+            pairs.groups_of(i, [&](const Pairs::Group& group) {
+                Real density[Pairs::Group::most], other[3][Pairs::Group::most], part[3] = {0, 0, 0};
+                group.gather(rho.data(), density), group.gather(u.data(), other);
+                for (Index l = 0; l < group.padded(); ++l) {
+                    const Real x = group.r[0][l], y = group.r[1][l], z = group.r[2][l], r = group.distance[l];
+                    const Real approach = (own[0] - other[0][l]) * x + (own[1] - other[1][l]) * y + (own[2] - other[2][l]) * z;
+                    const Real push = 2 * step.mass / (own_rho + density[l]) * approach / (r * r + softening) * kernel.slope(r);
+                    part[0] += push * x, part[1] += push * y, part[2] += push * z;
+                }
+                sum += Vec3(part[0], part[1], part[2]);
+            });
             const Real factor = layer.size() > 0 ? options.solid_factor * options.gate.weight(kernel, i, solid_pairs, layer.volume, options.solid_factor) : 0;
             if (factor > 0)
                 solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
@@ -77,6 +78,12 @@ void ArtificialViscosity::operator()(const FluidPairs& pairs, const SolidPairs& 
                     sum += factor * layer.volume[k] * along(own - layer.velocity[k], r, distance);
                 });
             a[i] += strength * sum;
+        });
+        react(solids, solid_pairs, layer, step.mass, role, [&](Index i, Index s, const Vec3& r, Real distance) {
+            const auto k = static_cast<std::size_t>(s);
+            if (slip[static_cast<std::size_t>(layer.solid[k])]) return Vec3(Vec3::Zero());
+            const Real factor = options.solid_factor * options.gate.weight(kernel, i, solid_pairs, layer.volume, options.solid_factor);
+            return Vec3(strength * factor * layer.volume[k] * along(u[i] - layer.velocity[k], r, distance));
         });
     });
 }
@@ -91,13 +98,15 @@ void add_pressure(const Kernel& kernel, const FluidPairs& pairs, const StepConte
         Real x = 0, y = 0, z = 0;
         pairs.groups_of(i, [&](const Pairs::Group& group) {
             Real density[Pairs::Group::most], pressure[Pairs::Group::most];
-            for (Index l = 0; l < group.count; ++l) density[l] = rho[group.other[l]], pressure[l] = p[group.other[l]];
-            for (Index l = 0; l < group.count; ++l) {
+            group.gather(rho.data(), density), group.gather(p.data(), pressure);
+            Real sum[3] = {0, 0, 0};
+            for (Index l = 0; l < group.padded(); ++l) {
                 const Real distance = group.distance[l], b = 1 / density[l];
-                const Real slope = slope_over_distance(kernel, distance);
+                const Real slope = kernel.slope(distance);
                 const Real push = slope * (difference ? (pressure[l] - p_i) * b_i * b : own + pressure[l] * b * b);
-                x += push * group.r[0][l], y += push * group.r[1][l], z += push * group.r[2][l];
+                for (int c = 0; c < 3; ++c) sum[c] += push * group.r[c][l];
             }
+            x += sum[0], y += sum[1], z += sum[2];
         });
         a[i] -= step.mass * Vec3(x, y, z);
     });
@@ -105,22 +114,31 @@ void add_pressure(const Kernel& kernel, const FluidPairs& pairs, const StepConte
 
 }  // namespace
 
-void PressureAcceleration::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, const StepContext& step,
-                                      Read<field::density> rho, Read<field::pressure> p, Update<field::acceleration> a) const {
+void PressureAcceleration::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& solid,
+                                      const StepContext& step, Read<field::role> role, Read<field::density> rho, Read<field::pressure> p,
+                                      Update<field::acceleration> a) const {
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         if (options.difference_gradient) add_pressure<true>(kernel, pairs, step, rho, p, a);
         else add_pressure<false>(kernel, pairs, step, rho, p, a);
         if (solid.size() == 0) return;
+        const auto push = [&](Index i, Index s, const Vec3& r, Real distance) {
+            // p_s + p_i, or p_s - p_i, with p_s = p_i - rho_0 g.r.
+            const Real even = options.difference_gradient ? 0 : 2 * p[i], least = options.difference_gradient ? -p[i] : 0;
+            const Real both = std::max(least, even - step.rest_density * step.gravity.dot(r));
+            return Vec3(both * solid.volume[static_cast<std::size_t>(s)] * kernel.slope(distance) * r);
+        };
+        // rho_s = rho_0, and rho_i near it; both halves of the symmetric form.
+        const auto share = [&](Index i) {
+            return options.gate.weight(kernel, i, solid_pairs, solid.volume, options.solid_factor) * step.rest_density * options.solid_factor / (rho[i] * rho[i]);
+        };
         parallel_for(a.size(), [&](Index i) {
             if (!(p[i] > 0)) return;
-            Vec3 push = Vec3::Zero();
-            solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                const Real both = std::max(Real(0), 2 * p[i] - step.rest_density * step.gravity.dot(r));
-                push += both * solid.volume[static_cast<std::size_t>(s)] * slope_over_distance(kernel, distance) * r;
-            });
-            // Both halves of the symmetric form, rho_s = rho_0 and rho_i near it.
-            const Real gate = options.gate.weight(kernel, i, solid_pairs, solid.volume, options.solid_factor);
-            a[i] -= gate * step.rest_density * options.solid_factor / (rho[i] * rho[i]) * push;
+            Vec3 sum = Vec3::Zero();
+            solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { sum += push(i, s, r, distance); });
+            a[i] -= share(i) * sum;
+        });
+        react(solids, solid_pairs, solid, step.mass, role, [&](Index i, Index s, const Vec3& r, Real distance) {
+            return p[i] > 0 ? Vec3(-share(i) * push(i, s, r, distance)) : Vec3(Vec3::Zero());
         });
     });
 }

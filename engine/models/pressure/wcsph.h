@@ -41,8 +41,8 @@ struct SoundDamping {
 /// A viscosity of nu = alpha c0 h/10. Conserves momentum and angular momentum. Solids that the fluid sticks to act with their volumes.
 struct ArtificialViscosity {
     WeaklyCompressible options;
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer, const StepContext& step,
-                    Read<field::density> rho, Read<field::velocity> u, Update<field::acceleration> a) const;
+    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer, const StepContext& step,
+                    Read<field::role> role, Read<field::density> rho, Read<field::velocity> u, Update<field::acceleration> a) const;
 };
 
 /// a_i -= grad p_i/rho_i, with
@@ -55,8 +55,8 @@ struct ArtificialViscosity {
 /// in the symmetric form in either case (in the difference form a wall with the pressure of i would not push).
 struct PressureAcceleration {
     WeaklyCompressible options;
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, const StepContext& step,
-                    Read<field::density> rho, Read<field::pressure> p, Update<field::acceleration> a) const;
+    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& solid, const StepContext& step,
+                    Read<field::role> role, Read<field::density> rho, Read<field::pressure> p, Update<field::acceleration> a) const;
 };
 
 /// Limit of the time step from sound and flow: cfl h/(c0 + max|u|) with h = R/2 [s]. cfl 0.4 is usual.

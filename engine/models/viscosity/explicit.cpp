@@ -1,8 +1,7 @@
 #include "engine/models/viscosity/explicit.h"
 
-#include <limits>
-
 #include "engine/core/parallel.h"
+#include "engine/models/bodies/reaction.h"
 #include "engine/models/boundary/wall.h"
 
 namespace whorl {
@@ -22,58 +21,70 @@ void XsphViscosity::operator()(const FluidPairs& pairs, const StepContext& step,
 
 namespace {
 
-/// The pair's share of mu Lap u but for V_j mu_ij: u_ij = u_i - u_j, slope = W'(r)/r <= 0.
+/// The pair's share of mu Lap u but for V_j mu_ij: u_ij = u_i - u_j, slope = W'(r)/r <= 0. Either along u_ij or along r_ij.
 struct Brookshaw {
+    static constexpr bool along_r = false;
     Real lattice;  ///< 3 over the lattice sum of V |W'| r, 3.06 with R = 2 d: without it every flow is that much too viscous
-    Vec3 operator()(const Vec3& u_ij, const Vec3&, Real, Real slope) const { return 2 * lattice * slope * u_ij; }
+    Real operator()(Real, Real, Real slope) const { return 2 * lattice * slope; }
 };
 struct Monaghan {
+    static constexpr bool along_r = true;
     Real softening;  ///< 0.01 h^2
-    Vec3 operator()(const Vec3& u_ij, const Vec3& r_ij, Real r, Real slope) const {
-        return 10 * u_ij.dot(r_ij) / (r * r + softening) * slope * r_ij;
-    }
+    Real operator()(Real approach, Real r, Real slope) const { return 10 * approach / (r * r + softening) * slope; }
 };
 
 template <class Kernel, class Form>
-void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions& options, const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids,
-                   const SolidParticles& layer, const StepContext& step, Read<field::density> rho, Read<field::viscosity> mu,
+void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions& options, const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids,
+                   const SolidParticles& layer, const StepContext& step, Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu,
                    Read<field::velocity> u, Update<field::acceleration> a) {
     const std::vector<char> slip = slips(solids);
     const WallShear shear{step.spacing / 2};
-    const auto slope_at = [&](Real r) { return kernel.derivative(r) / std::max(r, std::numeric_limits<Real>::min()); };
+    // The solids' share in rho_i a_i, but for the weight of all of them at i.
+    const auto by_solid = [&](Index i, Index s, const Vec3& r, Real distance) {
+        const auto k = static_cast<std::size_t>(s);
+        const auto whose = static_cast<std::size_t>(layer.solid[k]);
+        if (slip[whose]) return Vec3(Vec3::Zero());
+        const Real stretch = shear.stretch(r, layer.normal[k]);
+        // The wall's rigid motion, seen from i, plus the shear continued behind the surface.
+        const Vec3 wall = solids.all[whose].pose.velocity_at(layer.position[k] + r);
+        const Vec3 u_is = stretch * (u[i] - wall) + (wall - layer.velocity[k]);
+        return Vec3(layer.volume[k] * mu[i] * form(u_is.dot(r), distance, kernel.slope(distance)) * (Form::along_r ? r : u_is));
+    };
+    const auto weight = [&](Index i) {
+        return layer.size() > 0 ? options.solid_factor * options.gate.weight(kernel, i, solid_pairs, layer.volume, options.solid_factor) : Real(0);
+    };
     parallel_for(a.size(), [&](Index i) {
         Vec3 sum = Vec3::Zero();
         const Vec3 own = u[i];
         const Real own_mu = mu[i];
-        pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-            const Real both = own_mu + mu[j];
-            const Real mean = both > 0 ? 2 * own_mu * mu[j] / both : 0;
-            sum += step.mass / rho[j] * mean * form(own - u[j], r, distance, slope_at(distance));
+        pairs.groups_of(i, [&](const Pairs::Group& group) {
+            Real density[Pairs::Group::most], other_mu[Pairs::Group::most], other[3][Pairs::Group::most], part[3] = {0, 0, 0};
+            group.gather(rho.data(), density), group.gather(mu.data(), other_mu), group.gather(u.data(), other);
+            for (Index l = 0; l < group.padded(); ++l) {
+                const Real both = own_mu + other_mu[l], mean = both > 0 ? 2 * own_mu * other_mu[l] / both : 0;
+                const Real x = group.r[0][l], y = group.r[1][l], z = group.r[2][l], r = group.distance[l];
+                const Real ux = own[0] - other[0][l], uy = own[1] - other[1][l], uz = own[2] - other[2][l];
+                const Real share = step.mass / density[l] * mean * form(ux * x + uy * y + uz * z, r, kernel.slope(r));
+                part[0] += share * (Form::along_r ? x : ux), part[1] += share * (Form::along_r ? y : uy), part[2] += share * (Form::along_r ? z : uz);
+            }
+            sum += Vec3(part[0], part[1], part[2]);
         });
-        const Real solid_factor = layer.size() > 0 ? options.solid_factor * options.gate.weight(kernel, i, solid_pairs, layer.volume, options.solid_factor) : 0;
-        if (solid_factor > 0)
-            solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                const auto k = static_cast<std::size_t>(s);
-                const auto whose = static_cast<std::size_t>(layer.solid[k]);
-                if (slip[whose]) return;
-                const Real stretch = shear.stretch(r, layer.normal[k]);
-                // The wall's rigid motion, seen from i, plus the shear continued behind the surface.
-                const Vec3 wall = solids.all[whose].pose.velocity_at(layer.position[k] + r);
-                const Vec3 u_is = stretch * (own - wall) + (wall - layer.velocity[k]);
-                sum += solid_factor * layer.volume[k] * own_mu * form(u_is, r, distance, slope_at(distance));
-            });
+        if (const Real solid_factor = weight(i); solid_factor > 0)
+            solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { sum += solid_factor * by_solid(i, s, r, distance); });
         a[i] += sum / rho[i];
     });
+    react(solids, solid_pairs, layer, step.mass, role,
+          [&](Index i, Index s, const Vec3& r, Real distance) { return Vec3(weight(i) / rho[i] * by_solid(i, s, r, distance)); });
 }
 
 }  // namespace
 
-void ExplicitViscosity::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
-                                   const StepContext& step, Read<field::density> rho, Read<field::viscosity> mu, Read<field::velocity> u,
+void ExplicitViscosity::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer,
+                                   const StepContext& step, Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu, Read<field::velocity> u,
                                    Update<field::acceleration> a) const {
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         const auto add = [&](const auto& form) {
-            add_viscosity(kernel, form, options, pairs, solid_pairs, solids, layer, step, rho, mu, u, a);
+            add_viscosity(kernel, form, options, pairs, solid_pairs, solids, layer, step, role, rho, mu, u, a);
         };
         if (options.monaghan) add(Monaghan{Real(0.01) * step.support * step.support / 4});
         else add(Brookshaw{Real(3) / lattice_second_moment(step.kernel, step.support, step.spacing)});

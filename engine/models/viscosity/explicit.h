@@ -39,8 +39,9 @@ struct ExplicitOptions {
 /// Solids that the fluid sticks to enter with their velocity, continued behind the surface (models/boundary/wall.h).
 struct ExplicitViscosity {
     ExplicitOptions options;
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer, const StepContext& step,
-                    Read<field::density> rho, Read<field::viscosity> mu, Read<field::velocity> u, Update<field::acceleration> a) const;
+    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer, const StepContext& step,
+                    Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu, Read<field::velocity> u,
+                    Update<field::acceleration> a) const;
 };
 
 /// Limit of the time step of the explicit forms: 0.125 R^2/(4 nu) [s].

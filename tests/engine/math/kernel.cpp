@@ -1,6 +1,7 @@
 #include "engine/math/kernel.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <numbers>
 
 using namespace whorl;
@@ -21,8 +22,11 @@ TEST_CASE("each kernel integrates to one and its derivative is the slope of its 
                 const double r = q * R, e = 1e-2 * R;
                 const double slope = (kernel.value(Real(r + e)) - kernel.value(Real(r - e))) / (2 * e);
                 CHECK(kernel.derivative(Real(r)) == Approx(slope).epsilon(0.02).margin(2e-3 * kernel.value(0) / R));
+                CHECK(kernel.slope(Real(r)) == Approx(kernel.derivative(Real(r)) / r).epsilon(1e-5));
             }
             CHECK(kernel.value(R) == Approx(0).margin(1e-6));
             CHECK(kernel.value(Real(1.01) * R) == 0);
+            CHECK(kernel.slope(Real(1.01) * R) == 0);
+            CHECK(std::isfinite(kernel.slope(0)));
         });
 }

@@ -158,6 +158,42 @@ TEST_CASE("a few stray particles far away cost neither memory nor neighbours", "
     for (Index i = 0; i < alone.size(); ++i) REQUIRE(pairs.count(i) == alone.count(i));
 }
 
+TEST_CASE("groups of neighbours hold what a call a neighbour gets, and beyond it nothing that a kernel would see", "[particles]") {
+    // So dense that some rows need two groups; two periodic axes and a free one.
+    const auto x = cloud(3000, 1, 5);
+    const Real R = Real(0.25);
+    const Domain domain = box(1, 3);
+    Pairs pairs;
+    NeighbourSearch().find(x, R, domain, pairs);
+    Index most = 0;
+    for (Index i = 0; i < pairs.size(); ++i) {
+        std::vector<Index> other;
+        std::vector<Vec3> r;
+        std::vector<Real> distance;
+        pairs.of(i, [&](Index j, const Vec3& r_ij, Real d) { other.push_back(j), r.push_back(r_ij), distance.push_back(d); });
+        most = std::max(most, pairs.count(i));
+        std::size_t seen = 0;
+        pairs.groups_of(i, [&](const Pairs::Group& group) {
+            Real at[3][Pairs::Group::most];
+            group.gather(x.data(), at);
+            for (Index l = 0; l < group.padded(); ++l) {
+                for (int a = 0; a < 3; ++a) REQUIRE(at[a][l] == x[static_cast<std::size_t>(group.other[l])][a]);
+                if (l >= group.count) {
+                    REQUIRE(group.distance[l] == R);
+                    continue;
+                }
+                REQUIRE(group.other[l] == other[seen]);
+                // The image is found by a quotient or by a product: the difference is round-off of the box's length.
+                for (int a = 0; a < 3; ++a) REQUIRE(group.r[a][l] == Approx(r[seen][a]).margin(1e-6));
+                REQUIRE(group.distance[l] == Approx(distance[seen]).margin(1e-6));
+                ++seen;
+            }
+        });
+        REQUIRE(seen == other.size());
+    }
+    CHECK(most > Pairs::Group::most);
+}
+
 TEST_CASE("no particles, one particle, and fluid without solids are fine", "[particles]") {
     NeighbourSearch search;
     Pairs pairs;

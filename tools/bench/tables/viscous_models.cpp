@@ -30,9 +30,9 @@ std::vector<Vec3> acceleration_of(test::TestWorld& w, const SetUp& set_up) {
 
 std::vector<Vec3> explicit_acceleration(test::TestWorld& w, bool monaghan) {
     std::vector<Vec3> a(w.column<field::velocity>().size(), Vec3::Zero());
-    const World& c = w.world;
-    ExplicitViscosity{{monaghan, 1}}(c.fluid_pairs, c.solid_pairs, c.solids, c.solid_particles, c.step, read<field::density>(w), read<field::viscosity>(w),
-                                     read<field::velocity>(w), {{Span<Vec3>(a)}});
+    World& c = w.world;
+    ExplicitViscosity{{monaghan, 1}}(c.fluid_pairs, c.solid_pairs, c.solids, c.solid_particles, c.step, read<field::role>(w), read<field::density>(w),
+                                     read<field::viscosity>(w), read<field::velocity>(w), {{Span<Vec3>(a)}});
     return a;
 }
 

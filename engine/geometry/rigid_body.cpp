@@ -1,0 +1,59 @@
+#include "engine/geometry/rigid_body.h"
+
+#include <Eigen/LU>
+#include <istream>
+#include <ostream>
+
+namespace whorl {
+namespace {
+
+Eigen::Quaterniond turned_by(const Vec3d& angle) {
+    const double size = angle.norm();
+    return size > 0 ? Eigen::Quaterniond(Eigen::AngleAxisd(size, angle / size)) : Eigen::Quaterniond::Identity();
+}
+
+}  // namespace
+
+RigidBody::RigidBody(const Bulk& bulk, double density)
+    : mass(density * bulk.volume), volume(bulk.volume), own_centre(bulk.centre), own_inertia(density * bulk.inertia()), centre(bulk.centre) {}
+
+Mat3d RigidBody::inverse_inertia() const {
+    const Mat3d R = turn.toRotationMatrix();
+    return R * own_inertia.inverse() * R.transpose();
+}
+
+// dq/dt = w(q) q/2 with w = I(q)^-1 L and L constant: the midpoint rule, in which L keeps its length in the body's axes too, by fixed-point iteration.
+void RigidBody::move(double dt) {
+    centre += dt * velocity;
+    const Eigen::Quaterniond start = turn;
+    Vec3d w = angular_velocity();
+    for (int k = 0; k < 4; ++k) {
+        turn = turned_by(dt / 2 * w) * start;
+        w = angular_velocity();
+    }
+    turn = (turned_by(dt * w) * start).normalized();
+}
+
+Pose RigidBody::pose() const {
+    const Mat3d R = turn.toRotationMatrix();
+    const Vec3d origin = centre - R * own_centre;
+    Pose pose;
+    pose.rotation = R.cast<Real>();
+    pose.translation = origin.cast<Real>();
+    pose.velocity = velocity_at(origin).cast<Real>();
+    pose.angular_velocity = angular_velocity().cast<Real>();
+    return pose;
+}
+
+void RigidBody::save(std::ostream& out) const {
+    for (const double* values : {centre.data(), velocity.data(), spin_momentum.data()})
+        out.write(reinterpret_cast<const char*>(values), 3 * sizeof(double));
+    out.write(reinterpret_cast<const char*>(turn.coeffs().data()), 4 * sizeof(double));
+}
+
+void RigidBody::load(std::istream& in) {
+    for (double* values : {centre.data(), velocity.data(), spin_momentum.data()}) in.read(reinterpret_cast<char*>(values), 3 * sizeof(double));
+    in.read(reinterpret_cast<char*>(turn.coeffs().data()), 4 * sizeof(double));
+}
+
+}  // namespace whorl

@@ -1,0 +1,59 @@
+#pragma once
+/// A solid that forces move: its mass and its state (docs/physics.md 7).
+#include <iosfwd>
+
+#include "engine/geometry/shape.h"
+
+namespace whorl {
+
+/// x_world = rotation x_own + translation.
+struct Pose {
+    Mat3 rotation = Mat3::Identity();
+    Vec3 translation = Vec3::Zero();        ///< m
+    Vec3 velocity = Vec3::Zero();           ///< m/s, of the origin
+    Vec3 angular_velocity = Vec3::Zero();   ///< rad/s, in the world's axes
+    Vec3 velocity_at(const Vec3& x) const { return velocity + angular_velocity.cross(x - translation); }
+};
+
+/// Where solids touch each other.
+struct Contact {
+    double friction = 0.3;  ///< Coulomb's coefficient; of a pair: the geometric mean
+    double bounce = 0;      ///< share of the approaching speed that comes back; of a pair: the larger
+};
+
+/// Position, orientation, momentum and angular momentum, all in double: what acts between fluid and body is added to the one and taken from the other.
+struct RigidBody {
+    double mass = 0, volume = 0;           ///< kg, m^3
+    Vec3d own_centre = Vec3d::Zero();      ///< of gravity, in the solid's own axes [m]
+    Mat3d own_inertia = Mat3d::Identity(); ///< about it, in the same axes [kg m^2]
+
+    Vec3d centre = Vec3d::Zero();          ///< m, in the world
+    Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  ///< from the own axes to the world's
+    Vec3d velocity = Vec3d::Zero();        ///< m/s, of the centre
+    Vec3d spin_momentum = Vec3d::Zero();   ///< angular momentum about the centre [kg m^2/s]
+
+    Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();  ///< N and N m (about the centre), what acts explicitly in this step
+
+    /// At rest where the shape's own keys put it. @param density kg/m^3
+    RigidBody() = default;
+    RigidBody(const Bulk& bulk, double density);
+
+    /// Inverse of the tensor of inertia in the world's axes [1/(kg m^2)].
+    Mat3d inverse_inertia() const;
+    Vec3d angular_velocity() const { return inverse_inertia() * spin_momentum; }
+    void spin_at(const Vec3d& w) { spin_momentum = turn * own_inertia * turn.conjugate() * w; }
+    Vec3d velocity_at(const Vec3d& x) const { return velocity + angular_velocity().cross(x - centre); }
+    double kinetic_energy() const { return mass * velocity.squaredNorm() / 2 + spin_momentum.dot(angular_velocity()) / 2; }  ///< J
+
+    void push(const Vec3d& impulse, const Vec3d& arm) { velocity += impulse / mass, spin_momentum += arm.cross(impulse); }
+    /// The explicit forces over dt [s].
+    void kick(double dt) { velocity += dt / mass * force, spin_momentum += dt * torque; }
+    /// Moves and turns freely over dt [s]: momentum and angular momentum stay, to the bit.
+    void move(double dt);
+    Pose pose() const;
+
+    void save(std::ostream& out) const;
+    void load(std::istream& in);  ///< leaves `in` failed where the data are cut short
+};
+
+}  // namespace whorl

@@ -1,0 +1,78 @@
+#include "engine/models/pressure/body_rows.h"
+
+#include "engine/core/parallel.h"
+#include "engine/models/bodies/reaction.h"
+
+namespace whorl {
+namespace {
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+void BodyRows::build(const WallImage& wall, const SolidPairs& solid_pairs, const SolidParticles& layer, const Solids& solids, const StepContext& step,
+                     Span<const Real> rho, DensityRate& D) {
+    bodies_.clear();
+    mass_ = static_cast<double>(step.mass);
+    if (!solids.any_free()) return;
+    const std::vector<Index> near = particles_at_bodies(solids, solid_pairs, layer);
+    for (std::size_t k = 0; k < solids.all.size(); ++k) {
+        if (!solids.all[k].body) continue;
+        const RigidBody& state = *solids.all[k].body;
+        Body body{k, mass_ / state.mass, mass_ * state.inverse_inertia(), std::vector<Touch>(near.size())};
+        with_kernel(step.kernel, step.support, [&](const auto& W) {
+            parallel_for(static_cast<Index>(near.size()), [&](Index e) {
+                Touch& touch = body.touches[at(e)];
+                touch.particle = near[at(e)];
+                touch.h.setZero();
+                Real w = 0;
+                solid_pairs.of(touch.particle, [&](Index s, const Vec3& r, Real distance) {
+                    const WallImage::Seen seen = wall.see(W, r, distance, layer.normal[at(s)], layer.volume[at(s)]);
+                    w += seen.value;
+                    if (at(layer.solid[at(s)]) != k) return;
+                    touch.h += seen.gradient;
+                    touch.arm = layer.position[at(s)] + r - state.centre.cast<Real>();
+                });
+                touch.h *= wall.gate.pass(w).slope * D.fill[at(touch.particle)] * rho[at(touch.particle)];
+            });
+        });
+        std::erase_if(body.touches, [](const Touch& t) { return t.h == Vec3::Zero(); });
+        parallel_for(static_cast<Index>(body.touches.size()), [&](Index e) {
+            const Touch& t = body.touches[at(e)];
+            if (!D.free[at(t.particle)]) return;
+            const Vec3d h = t.h.cast<double>(), turning = t.arm.cast<double>().cross(h);
+            D.diagonal[at(t.particle)] += static_cast<Real>(body.mass_ratio * h.squaredNorm() + turning.dot(body.turning_ratio * turning));
+        });
+        bodies_.push_back(std::move(body));
+    }
+}
+
+BodyRows::Sum BodyRows::transposed(const Body& body, Span<const Real> q) const {
+    return parallel_sum(static_cast<Index>(body.touches.size()), Sum{}, [&](Index e) {
+        const Touch& t = body.touches[at(e)];
+        const Vec3d push = (q[at(t.particle)] * t.h).cast<double>();
+        return Sum{push, t.arm.cast<double>().cross(push)};
+    });
+}
+
+void BodyRows::add_product(Span<const Real> q, Span<const char> wanted, Span<Real> rate) const {
+    for (const Body& body : bodies_) {
+        const Sum sum = transposed(body, q);
+        const Vec3 velocity = (body.mass_ratio * sum.push).cast<Real>(), turning = (body.turning_ratio * sum.torque).cast<Real>();
+        parallel_for(static_cast<Index>(body.touches.size()), [&](Index e) {
+            const Touch& t = body.touches[at(e)];
+            if (wanted[at(t.particle)]) rate[at(t.particle)] += t.h.dot(velocity + turning.cross(t.arm));
+        });
+    }
+}
+
+void BodyRows::push(Span<const Real> q, Solids& solids) const {
+    for (const Body& body : bodies_) {
+        const Sum sum = transposed(body, q);
+        RigidBody& state = *solids.all[body.solid].body;
+        state.velocity += mass_ / state.mass * sum.push;
+        state.spin_momentum += mass_ * sum.torque;
+    }
+}
+
+}  // namespace whorl

@@ -1,0 +1,29 @@
+#include "engine/models/viscosity/viscous_bodies.h"
+
+namespace whorl {
+
+void ViscousBodies::read(const Solids& solids, Span<Vec3> entries) const {
+    for (std::size_t b = 0; b < body.size(); ++b) {
+        const RigidBody& state = *solids.all[body[b].solid].body;
+        entries[2 * b] = state.velocity.cast<Real>();
+        entries[2 * b + 1] = state.angular_velocity().cast<Real>();
+    }
+}
+
+void ViscousBodies::add_change(Span<const Vec3> change, Solids& solids) const {
+    for (std::size_t b = 0; b < body.size(); ++b) {
+        RigidBody& state = *solids.all[body[b].solid].body;
+        state.velocity += change[2 * b].cast<double>();
+        const Mat3d R = state.turn.toRotationMatrix();
+        state.spin_momentum += R * state.own_inertia * R.transpose() * change[2 * b + 1].cast<double>();
+    }
+}
+
+void ViscousBodies::weigh(Span<const Vec3> u, Span<Vec3> y) const {
+    for (std::size_t b = 0; b < body.size(); ++b) {
+        y[2 * b] = (body[b].mass * u[2 * b].cast<double>()).cast<Real>();
+        y[2 * b + 1] = (body[b].turning * u[2 * b + 1].cast<double>()).cast<Real>();
+    }
+}
+
+}  // namespace whorl

@@ -1,0 +1,71 @@
+#pragma once
+/// Free bodies in the implicit viscosity: their velocities are unknowns of the same solve (docs/physics.md 4 and 7).
+#include "engine/geometry/solids.h"
+#include "engine/particles/step.h"
+
+namespace whorl {
+
+/// A body k has two entries behind the particles': the velocity v of its centre c and its angular velocity w. To particle i its layer moves, continued behind the
+/// surface (models/boundary/wall.h), with
+///   V_s = stretch U_i - w x r,   U_i = v + w x a_i,   a_i = x_i - c,   r = x_i - x_s,
+/// so what it adds to the sums over pairs is linear in U_i and w, with these sums over its particles near i.
+struct BodyTouch {
+    Index particle = 0, body = 0;
+    Vec3 arm = Vec3::Zero();   ///< a_i [m]
+    Vec3 g = Vec3::Zero();     ///< sum stretch w r
+    Mat3 N = Mat3::Zero();     ///< sum w r r^T
+    Real h = 0;                ///< sum stretch^2 w
+    Vec3 force = Vec3::Zero(), torque = Vec3::Zero();  ///< of the last product: what the body takes from i, over m
+
+    Vec3 at(const Vec3& v, const Vec3& w) const { return v + w.cross(arm); }
+};
+
+/// Touches in the particles' order, and masses over that of a particle.
+struct ViscousBodies {
+    struct Inertia {
+        std::size_t solid = 0;
+        double mass = 0;   ///< M/m
+        Mat3d turning = Mat3d::Zero();  ///< I/m [m^2]
+        Vec3d centre = Vec3d::Zero();
+        std::vector<std::size_t> touches;
+    };
+    std::vector<Inertia> body;
+    std::vector<BodyTouch> touch;
+    std::vector<std::size_t> first;  ///< n + 1: whose touches
+
+    Index entries() const { return static_cast<Index>(2 * body.size()); }
+    /// @param near particles near a free body's layer, in order @param find (i, k) -> BodyTouch with sums; empty sums (h = 0) are left out
+    template <class Find>
+    void set_up(const Solids& solids, Real mass, Index particles, const std::vector<Index>& near, const Find& find);
+    /// Velocities of the bodies as they are, behind the particles.
+    void read(const Solids& solids, Span<Vec3> entries) const;
+    /// Adds the changes that the solve made.
+    void add_change(Span<const Vec3> change, Solids& solids) const;
+    /// y = M u for the bodies' entries.
+    void weigh(Span<const Vec3> u, Span<Vec3> y) const;
+};
+
+template <class Find>
+void ViscousBodies::set_up(const Solids& solids, Real mass, Index particles, const std::vector<Index>& near, const Find& find) {
+    body.clear(), touch.clear();
+    first.assign(static_cast<std::size_t>(particles) + 1, 0);
+    for (std::size_t k = 0; k < solids.all.size(); ++k) {
+        if (!solids.all[k].body) continue;
+        const RigidBody& b = *solids.all[k].body;
+        const Mat3d R = b.turn.toRotationMatrix();
+        body.push_back({k, b.mass / static_cast<double>(mass), R * b.own_inertia * R.transpose() / static_cast<double>(mass), b.centre, {}});
+    }
+    if (body.empty()) return;
+    for (const Index i : near)
+        for (std::size_t b = 0; b < body.size(); ++b) {
+            BodyTouch one = find(i, body[b].solid);
+            if (!(one.h > 0)) continue;
+            one.particle = i, one.body = static_cast<Index>(b);
+            body[b].touches.push_back(touch.size());
+            touch.push_back(one);
+            ++first[static_cast<std::size_t>(i) + 1];
+        }
+    for (std::size_t i = 1; i < first.size(); ++i) first[i] += first[i - 1];
+}
+
+}  // namespace whorl

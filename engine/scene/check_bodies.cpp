@@ -1,0 +1,42 @@
+#include "engine/scene/checks.h"
+#include "engine/scene/names.h"
+#include "engine/scene/tree.h"
+
+namespace whorl {
+
+void check_bodies(const Scene& scene, const Plan& plan, std::vector<Problem>& problems) {
+    const auto report = [&](const std::string& key, const std::string& what, const std::string& hint) {
+        problems.push_back({scene.place(key), what, hint, ""});
+    };
+    for (std::size_t k = 0; k < scene.solids.size(); ++k) {
+        const SolidKeys& solid = scene.solids[k];
+        const std::string name = entry_name("solid", k);
+        if (solid.density == 0) {
+            for (const auto& [key, value] : {std::pair("velocity", solid.velocity), std::pair("tilt", solid.tilt)})
+                if (value != Vec3d::Zero())
+                    report(name + "." + key, name + "." + key + " is for free bodies, and " + name + " has no density",
+                           std::string("give it a density; or let it move by position and rotation, expressions of t"));
+            continue;
+        }
+        if (solid.shape.kind == "plane") report(name + ".density", name + " is a plane, which has no end: it cannot be a free body", "take a box");
+        if (solid.inside) report(name + ".density", name + " is a container of the fluid (inside): it cannot be a free body", "make a hollow body from a mesh");
+        if (solid.position.depends_on_time() || solid.rotation.depends_on_time())
+            report(name + ".density", name + " has a density, so forces move it, and position or rotation, which depend on t, cannot",
+                   "give where it starts, and its velocity");
+    }
+    if (!scene.any_free_solid()) return;
+    const bool constraint = plan.pressure == PressureModel::ppe && scene.pressure.form == PressureForm::constraint;
+    if (!constraint && plan.pressure != PressureModel::wcsph)
+        report("models.pressure",
+               std::string("free bodies (solids with a density) do not go with models.pressure = \"") + name_of(plan.pressure) + "\"" +
+                   (plan.pressure == PressureModel::ppe ? ", pressure.form = \"poisson\"" : ""),
+               "take \"ppe\" with form = \"constraint\", which solves for fluid and bodies at once, or \"wcsph\"");
+    else if (plan.boundary == BoundaryModel::none)
+        report("models.boundary", "free bodies feel the fluid through their layer of particles, and models.boundary is none", "take \"auto\"");
+    if (plan.viscosity == ViscosityModel::full || plan.viscosity == ViscosityModel::full_assembled || plan.viscosity == ViscosityModel::pairwise)
+        report("models.viscosity", std::string("models.viscosity = \"") + name_of(plan.viscosity) + "\" does not move free bodies yet",
+               "take \"explicit\", \"xsph\" or \"none\"");
+    if (plan.micropolar != MicropolarModel::none) report("models.micropolar", "micropolar fluids do not move free bodies", "take \"none\"");
+}
+
+}  // namespace whorl
