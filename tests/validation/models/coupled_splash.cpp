@@ -66,7 +66,7 @@ struct Tank : CoupledWorld {
 
 }  // namespace
 
-TEST_CASE("coupled: a dam of water runs up the wall and throws off drops, with 1e-6 as with 1e-3 m^2/s; one of honey does not come as far", "[validation][coupled]") {
+TEST_CASE("coupled: a dam of water runs up the wall and throws off drops, with 1e-6 as with 1e-3 m^2/s, and one of honey does not come as far", "[validation][coupled]") {
     for (double nu : {1e-6, 1e-3}) {
         CAPTURE(nu);
         Tank dam(15, 20, 40, nu);
