@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -201,6 +202,22 @@ double part_inside_solids(const SceneShapes& shapes, std::size_t block, double s
                 if (shapes.solids.nearest(x, distance) >= 0 && distance < Real(0.45 * spacing)) ++inside;
             }
     return all > 0 ? static_cast<double>(inside) / all : 0;
+}
+
+double part_left_empty(const Scene& scene, const SceneShapes& shapes) {
+    constexpr int points = 23;  // an axis
+    int all = 0, empty = 0;
+    for (int i = 0; i < points; ++i)
+        for (int j = 0; j < points; ++j)
+            for (int k = 0; k < points; ++k) {
+                const Vec3d part = (Vec3d(i, j, k) + Vec3d::Constant(0.5)) / points;
+                const Vec3 x = (scene.domain.min + part.cwiseProduct(scene.domain.max - scene.domain.min)).cast<Real>();
+                Real distance = 0;
+                if (shapes.solids.nearest(x, distance) >= 0 && distance < 0) continue;
+                ++all;
+                if (std::none_of(shapes.blocks.begin(), shapes.blocks.end(), [&](const auto& block) { return block->distance(x) <= 0; })) ++empty;
+            }
+    return all > 0 ? static_cast<double>(empty) / all : 0;
 }
 
 void check_placement(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, const SceneShapes& shapes, std::vector<Problem>& problems) {

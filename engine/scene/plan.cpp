@@ -130,7 +130,7 @@ void warn(Plan& plan, const Scene& scene, const SceneNumbers& n, const SceneShap
         if (scene.solids[k].slip == Slip::navier && !rubs)
             add(fmt::format("solid[{}].slip_length has no effect: no viscosity acts at solids (models.viscosity is {})", k, name_of(plan.viscosity)));
     if (plan.pressure == PressureModel::none) add("models.pressure is none: nothing keeps the particles apart");
-    if (plan.pressure == PressureModel::wcsph && scene.pressure.background_pressure > 0 && n.free_surface)
+    if (plan.pressure == PressureModel::wcsph && scene.pressure.background_pressure > 0 && part_left_empty(scene, shapes) > 0.02)
         add("pressure.background_pressure pushes particles away from a free surface: 0 is right where there is one");
     if (plan.pressure == PressureModel::wcsph && scene.pressure.gradient == GradientForm::difference && plan.shifting == ShiftingModel::none)
         add("pressure.gradient = \"difference\" keeps no particles apart: without models.shifting = \"fickian\" they clump and gain energy");

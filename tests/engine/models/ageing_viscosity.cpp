@@ -5,15 +5,12 @@
 #include "engine/models/viscosity/ageing.h"
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
+#include "tests/support/runs.h"
 
 using namespace whorl;
+using namespace whorl::test;
 
 namespace {
-
-Simulation simulation_of(const std::string& text) {
-    const Scene scene = read_scene_text(text, "test.toml");
-    return Simulation(scene, make_plan(scene));
-}
 
 /// Two nozzles side by side over a block, nothing touches.
 const std::string pour = R"toml([time]

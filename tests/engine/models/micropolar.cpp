@@ -9,6 +9,7 @@
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
 #include "engine/sph/density.h"
+#include "tests/support/runs.h"
 #include "tests/support/world.h"
 
 using namespace whorl;
@@ -39,11 +40,6 @@ min = [0, 0, 0]
 max = [0.5, 0.5, 0.5]
 velocity = ["sin(4*pi*y)", "0", "0"]
 )toml";
-
-Simulation simulation_of(const std::string& text) {
-    const Scene scene = read_scene_text(text, "eddies.toml", {});
-    return Simulation(scene, make_plan(scene));
-}
 
 /// A cloud of uneven particles with a free surface.
 struct Cloud : TestWorld {

@@ -1,5 +1,6 @@
 #include "engine/scene/plan.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "engine/scene/read.h"
@@ -256,4 +257,19 @@ TEST_CASE("the exchange is explicit where its stable step is long enough, else i
     };
     CHECK(scheme("0.1") == "explicit");
     CHECK(scheme("1e-6") == "implicit");
+}
+
+TEST_CASE("a background pressure is warned of where blocks leave room, not in a channel that is full but for its walls", "[plan]") {
+    const auto channel = [](const std::string& top) {
+        return make_plan(scene_with({}, "[time]\nend = 1\n[domain]\nmin = [0, -0.01, 0]\nmax = [0.2, 0.11, 0.1]\nperiodic = [true, false, true]\n"
+                                        "[fluid]\nspacing = 0.01\n[models]\npressure = \"wcsph\"\n[pressure]\nbackground_pressure = 100\n"
+                                        "[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.2, " + top + ", 0.1]\n"
+                                        "[[solid]]\nshape = \"box\"\nmin = [-0.1, -0.02, -0.1]\nmax = [0.3, 0, 0.2]\n"
+                                        "[[solid]]\nshape = \"box\"\nmin = [-0.1, 0.1, -0.1]\nmax = [0.3, 0.12, 0.2]\n"));
+    };
+    const auto warned = [](const Plan& plan) {
+        return std::any_of(plan.warnings.begin(), plan.warnings.end(), [](const std::string& w) { return w.find("background_pressure") != std::string::npos; });
+    };
+    CHECK_FALSE(warned(channel("0.1")));
+    CHECK(warned(channel("0.05")));
 }

@@ -6,25 +6,12 @@
 #include "engine/io/bodies.h"
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
+#include "tests/support/runs.h"
 
 using namespace whorl;
+using namespace whorl::test;
 
 namespace {
-
-Simulation simulation_of(const std::string& text) {
-    const Scene scene = read_scene_text(text, "test.toml");
-    return Simulation(scene, make_plan(scene));
-}
-
-void run_until(Simulation& simulation, double end) {
-    while (simulation.time() < end) REQUIRE_FALSE(simulation.step(end).diverged);
-}
-
-std::string state_of(const Simulation& simulation) {
-    std::ostringstream out;
-    simulation.save(out);
-    return out.str();
-}
 
 /// A drop hits a tilted box and a ball, both turning, in weightlessness.
 std::string collision(const std::string& models) {

@@ -5,8 +5,10 @@
 
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
+#include "tests/support/runs.h"
 
 using namespace whorl;
+using namespace whorl::test;
 
 namespace {
 
@@ -39,16 +41,6 @@ Scene scene_of(const std::vector<std::pair<std::string, std::string>>& changes =
     ReadRequest request;
     for (const auto& [key, value] : changes) request.changes.push_back({key, value, "test"});
     return read_scene_text(syrup, "test.toml", request);
-}
-
-void run_until(Simulation& simulation, double end) {
-    while (simulation.time() < end) REQUIRE_FALSE(simulation.step(end).diverged);
-}
-
-std::string state_of(const Simulation& simulation) {
-    std::ostringstream out;
-    simulation.save(out);
-    return out.str();
 }
 
 }  // namespace

@@ -7,26 +7,12 @@
 
 #include "engine/core/parallel.h"
 #include "engine/scene/read.h"
+#include "tests/support/runs.h"
 
 using namespace whorl;
+using namespace whorl::test;
 
 namespace {
-
-Simulation simulation_of(const std::string& text) {
-    const Scene scene = read_scene_text(text, "test.toml");
-    return Simulation(scene, make_plan(scene));
-}
-
-void run_until(Simulation& simulation, double end) {
-    while (simulation.time() < end) REQUIRE_FALSE(simulation.step(end).diverged);
-}
-
-/// All that lives from step to step, as bytes.
-std::string state_of(const Simulation& simulation) {
-    std::ostringstream out;
-    simulation.save(out);
-    return out.str();
-}
 
 /// Syrup slumps against the walls of a box, under a ball.
 const std::string syrup = R"toml([time]

@@ -4,21 +4,13 @@
 #include <sstream>
 
 #include "engine/core/parallel.h"
+#include "tests/support/runs.h"
 #include "tests/support/puddle.h"
 
 using namespace whorl;
+using namespace whorl::test;
 using test::Pool;
 using test::puddle;
-
-namespace {
-
-std::string state_of(const Simulation& simulation) {
-    std::ostringstream out;
-    simulation.save(out);
-    return out.str();
-}
-
-}  // namespace
 
 TEST_CASE("a settled puddle falls asleep and is not solved for, what is poured onto it wakes it", "[sleep]") {
     Pool pool(puddle("coupled", 0.05, 0.06, 1.05));

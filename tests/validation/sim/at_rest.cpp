@@ -7,16 +7,14 @@
 #include "engine/models/boundary/wall.h"
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
+#include "tests/support/runs.h"
 
 using namespace whorl;
+using namespace whorl::test;
 
 namespace {
 
 constexpr double d = 0.01, g = 9.81, rho_0 = 1000;
-
-void run_until(Simulation& simulation, double end) {
-    while (simulation.time() < end) REQUIRE_FALSE(simulation.step(end).diverged);
-}
 
 double max_speed(const Simulation& simulation) {
     double most = 0;

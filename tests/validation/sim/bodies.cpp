@@ -5,16 +5,14 @@
 
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
+#include "tests/support/runs.h"
 
 using namespace whorl;
+using namespace whorl::test;
 
 namespace {
 
 constexpr double d = 0.0125;
-
-void run_until(Simulation& simulation, double end) {
-    while (simulation.time() < end) REQUIRE_FALSE(simulation.step(end).diverged);
-}
 
 const RigidBody& body_of(const Simulation& simulation) { return *simulation.world().solids.all.back().body; }
 

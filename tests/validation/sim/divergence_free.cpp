@@ -2,21 +2,15 @@
 #include <catch2/catch.hpp>
 
 #include "engine/io/diagnostics.h"
-#include "engine/scene/read.h"
-#include "engine/sim/simulation.h"
+#include "tests/support/runs.h"
 
 using namespace whorl;
+using namespace whorl::test;
 
 namespace {
 
-Simulation simulation_of(std::string text, bool divergence_free) {
-    text += divergence_free ? "[pressure]\ndivergence_free = true\n" : "[pressure]\ndivergence_free = false\n";
-    const Scene scene = read_scene_text(text, "test.toml");
-    return Simulation(scene, make_plan(scene));
-}
-
-void run_until(Simulation& simulation, double end) {
-    while (simulation.time() < end) REQUIRE_FALSE(simulation.step(end).diverged);
+Simulation simulation_of(const std::string& text, bool divergence_free) {
+    return test::simulation_of(text + "[pressure]\ndivergence_free = " + (divergence_free ? "true\n" : "false\n"));
 }
 
 double kinetic_energy(const Simulation& simulation) { return measure(simulation.world(), Vec3d::Zero(), 1).kinetic_energy; }

@@ -1,0 +1,16 @@
+#pragma once
+/// Runs of scenes that a test writes down as text.
+#include <string>
+
+#include "engine/sim/simulation.h"
+
+namespace whorl::test {
+
+/// @throws InputError where the text is no scene, or its plan refuses it
+Simulation simulation_of(const std::string& text);
+/// Steps to `end` [s]; a run that diverges fails the test.
+void run_until(Simulation& simulation, double end);
+/// All that lives from step to step, as bytes.
+std::string state_of(const Simulation& simulation);
+
+}  // namespace whorl::test
