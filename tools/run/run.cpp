@@ -77,15 +77,6 @@ double last_given_up(const fs::path& table) {
     return std::strtod(last.c_str(), nullptr);
 }
 
-/// CPU seconds so far: of the program with the encoders it ran; and of its threads but those that make pictures.
-double process_cpu_seconds() { return cpu_seconds() + children_cpu_seconds(); }
-double simulation_cpu_seconds() {
-    double sum = 0;
-    for (const auto& [name, seconds] : cpu_by_thread_name())
-        if (name != "surface" && name != "draw" && name != "write") sum += seconds;
-    return sum;
-}
-
 class Run {
 public:
     Run(const RunRequest& request, const Plan& plan);

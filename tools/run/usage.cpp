@@ -8,6 +8,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "engine/core/clock.h"
+
 namespace whorl {
 namespace {
 
@@ -46,6 +48,15 @@ double children_cpu_seconds() {
     getrusage(RUSAGE_CHILDREN, &usage);
     const auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
     return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+double process_cpu_seconds() { return cpu_seconds() + children_cpu_seconds(); }
+
+double simulation_cpu_seconds() {
+    double sum = 0;
+    for (const auto& [name, seconds] : cpu_by_thread_name())
+        if (name != "surface" && name != "draw" && name != "write") sum += seconds;
+    return sum;
 }
 
 std::uint64_t peak_memory() {

@@ -267,7 +267,7 @@ void PoissonPressure::operator()(const FluidPairs& pairs, const SolidPairs& soli
             const Real own = p[i] / (rho[i] * rho[i]);
             Vec3 sum = Vec3::Zero();
             pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-                sum += (own + p[j] / (rho[j] * rho[j])) * (kernel.derivative(distance) / std::max(distance, smallest)) * r;
+                sum += (own + p[j] / (rho[j] * rho[j])) * kernel.slope(distance) * r;
             });
             u[i] -= step.dt * (step.mass * sum + p[i] * wall_[at(i)]);
             if (p[i] > 0 && solid.size() > 0)

@@ -1,7 +1,5 @@
 #pragma once
 /// The pressure of solids on a fluid particle, shared by the pressure models.
-#include <limits>
-
 #include "engine/geometry/solids.h"
 #include "engine/particles/pairs.h"
 #include "engine/particles/step.h"
@@ -13,7 +11,7 @@ template <class Kernel>
 Vec3 wall_gradient(const Kernel& kernel, Index i, const SolidPairs& pairs, const SolidParticles& solid, Real volume_factor) {
     Vec3 gradient = Vec3::Zero();
     pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-        const Real slope = kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
+        const Real slope = kernel.slope(distance);
         gradient += volume_factor * solid.volume[static_cast<std::size_t>(s)] * slope * r;
     });
     return gradient;
@@ -30,7 +28,7 @@ Vec3 wall_push(const Kernel& kernel, Index i, const SolidPairs& pairs, const Sol
     Vec3 push = Vec3::Zero();
     pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
         const auto k = static_cast<std::size_t>(s);
-        const Real slope = kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
+        const Real slope = kernel.slope(distance);
         const Vec3& n = solid.normal[k];
         const Real both = 2 * p - step.rest_density * step.gravity.dot(n) * std::max(Real(0), r.dot(n));
         push += std::max(Real(0), both) * volume_factor * solid.volume[k] * slope * r;
