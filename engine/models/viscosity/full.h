@@ -67,18 +67,23 @@ private:
     /// Sixteen numbers side by side, one or two vector registers: lane 4 a + b belongs to component a of a velocity and b of a pair.
     struct alignas(64) Sixteen {
         Real lane[16];
+        /// The matrix in lanes 4 a + b, a column beside it in lanes 4 a + 3, zeros in the last four.
+        void set(const Mat3& matrix, const Vec3& beside = Vec3::Zero()) {
+            for (int a = 0; a < 4; ++a)
+                for (int b = 0; b < 4; ++b) lane[4 * a + b] = a == 3 ? 0 : b == 3 ? beside[a] : matrix(a, b);
+        }
+        Mat3 matrix() const { return Eigen::Map<const Eigen::Matrix<Real, 4, 4, Eigen::RowMajor>>(lane).topLeftCorner<3, 3>(); }
+        Vec3 beside() const { return {lane[3], lane[7], lane[11]}; }
     };
     /// w r_ij, and what the penalty couples the pair by: 2 w (c_i + c_j).
     struct alignas(4 * sizeof(Real)) Pair {
         Vec3 wr;
         Real spring;
     };
-    /// What the solids near a particle do, linear in its velocity: sum w stretch r and sum 2 c w stretch^2 times u; the rest from their own velocities.
+    /// What the solids near a particle do, linear in its velocity.
     struct Wall {
-        Vec3 wr = Vec3::Zero();
-        Real spring = 0;
-        Mat3 gradient = Mat3::Zero();
-        Vec3 pull = Vec3::Zero();
+        Pair near{Vec3::Zero(), 0};  ///< sum w stretch r, sum 2 c w stretch^2
+        Sixteen moving{};            ///< the gradient from the solids' own velocities, their pull beside it
     };
     /// dt mu/rho_0 times WallFriction's: what solids do along which the fluid slips by a length.
     Mat3 hold(Index i) const { return rub_[static_cast<std::size_t>(i)] * friction_.hold(i); }
@@ -87,8 +92,6 @@ private:
     void set_up_wall(const FullViscosityOptions& options, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
                      const StepContext& step);
     void set_up_blocks(const FullViscosityOptions& options);
-    template <bool difference>
-    void sum_row(Index i, Sixteen& sum) const;
     void spread(Span<const Vec3> u, bool free_only) const;
     void stress(Span<const Vec3> u, bool with_walls) const;
     void divergence(Span<const Vec3> u, Span<Vec3> y, bool free_only) const;
@@ -101,12 +104,12 @@ private:
 
     const FluidPairs* pairs_ = nullptr;
     Column<Pair> pair_;
-    Column<Vec3> wr_;          ///< sum of w r_ij over fluid and solids
+    Column<Pair> wr_;          ///< sum of w r_ij over fluid and solids
     WallFriction friction_;
     Column<Real> rub_;         ///< dt mu/rho_0; K_ has not what the friction counts
     Column<Wall> wall_;        ///< empty: there are no solids
     Column<Mat3d> wall_moment_;  ///< what the solids add to M
-    Column<Mat3> M_, P_;       ///< M^+ and P
+    Column<Sixteen> M_, P_;    ///< M^+ and P
     Column<Real> K_, c_;       ///< dt mu/rho_0 and the penalty's coefficient
     std::vector<char> free_, whole_;  ///< whole: P = 1
     BlockDiagonal diagonal_;
@@ -116,7 +119,7 @@ private:
     const RigidAggregates* groups_ = nullptr;
     const BlockCholesky* factor_ = nullptr;
     mutable Column<Sixteen> u_, Q_;
-    mutable Column<Vec3> own_;  ///< the part of y that needs no stress
+    mutable Column<Sixteen> own_;  ///< the part of y that needs no neighbour's stress, as the sums of four lanes each
     mutable std::vector<Real> load_;
 };
 

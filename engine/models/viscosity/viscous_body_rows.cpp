@@ -87,10 +87,10 @@ void ViscousOperator::set_up_body_blocks() {
         for (const std::size_t e : bodies_.body[b].touches) {
             const BodyTouch& t = bodies_.touch[e];
             const auto i = at(t.particle);
-            const Vec3 h = M_[i] * t.g;
+            const Vec3 h = M_[i].matrix() * t.g;
             Mat3 S = h * h.transpose();
             S.diagonal().array() += h.squaredNorm();
-            Mat3 B = K_[i] * P_[i] * S * P_[i];
+            Mat3 B = K_[i] * P_[i].matrix() * S * P_[i].matrix();
             B.diagonal().array() += 2 * c_[i] * std::max(Real(0), t.h - h.dot(t.g));
             const Mat3d X = crossing(t.arm).cast<double>(), Bd = B.cast<double>();
             moving += Bd;

@@ -120,8 +120,8 @@ SymmetricBlocks ViscousOperator::coarse_matrix(const RigidAggregates& g) const {
             return shares.back();
         };
         const int own = g.of(i);
-        if (own >= 0) share_of(own).S += lever(g.arm(i)) * wr_[at(i)].transpose();
-        Real springs = 1 + (wall_.empty() ? 0 : wall_[at(i)].spring);
+        if (own >= 0) share_of(own).S += lever(g.arm(i)) * wr_[at(i)].wr.transpose();
+        Real springs = 1 + (wall_.empty() ? 0 : wall_[at(i)].near.spring);
         for (std::size_t k = pairs_->first[at(i)]; k < pairs_->first[at(i) + 1]; ++k) {
             const Index j = pairs_->other[k];
             springs += pair_[k].spring;
@@ -133,8 +133,8 @@ SymmetricBlocks ViscousOperator::coarse_matrix(const RigidAggregates& g) const {
         }
         const Real c = 2 * c_[at(i)], root = std::sqrt(2 * K_[at(i)]);
         for (Share& s : shares) {
-            s.T = s.S * M_[at(i)];
-            s.F = root * (whole_[at(i)] ? strains(s.T) : strains(s.T, P_[at(i)]));
+            s.T = s.S * M_[at(i)].matrix();
+            s.F = root * (whole_[at(i)] ? strains(s.T) : strains(s.T, P_[at(i)].matrix()));
         }
         for (const Share& a : shares)
             for (const Share& b : shares) {

@@ -83,28 +83,29 @@ void ViscousOperator::set_up_moments(const FullViscosityOptions& options, const 
             });
             Mat3d M;
             M << xx, xy, xz, xy, yy, yz, xz, yz, zz;
-            wr_[at(i)] = Vec3(gx, gy, gz);
-            if (!wall_.empty()) M += wall_moment_[at(i)], wr_[at(i)] += wall_[at(i)].wr;
+            wr_[at(i)] = {Vec3(gx, gy, gz), 0};
+            if (!wall_.empty()) M += wall_moment_[at(i)], wr_[at(i)].wr += wall_[at(i)].near.wr;
             free_[at(i)] = role[i] == 0;
             K_[at(i)] = step.dt * mu[i] / step.rest_density;
             if (friction_.acts()) rub_[at(i)] = K_[at(i)], K_[at(i)] *= 1 - friction_.counted(i);
             c_[at(i)] = 0;
-            M_[at(i)] = P_[at(i)] = Mat3::Identity();
+            P_[at(i)].set(Mat3::Identity());
             whole_[at(i)] = 1;
             if (options.correction) {
                 Mat3d inverse, projection;
                 whole_[at(i)] = pseudo_inverse(M, inverse, projection);
-                M_[at(i)] = inverse.cast<Real>();
-                P_[at(i)] = projection.cast<Real>();
+                M_[at(i)].set(inverse.cast<Real>());
+                P_[at(i)].set(projection.cast<Real>());
                 if (M.trace() > 0) c_[at(i)] = options.penalty * K_[at(i)] * static_cast<Real>(3 / M.trace());
             } else {
                 const Real compression = density.empty() ? 1 : density[at(i)] / step.rest_density;
-                M_[at(i)] /= compression;  // V_i/V
+                M_[at(i)].set(Mat3::Identity() / compression);  // V_i/V
                 K_[at(i)] /= compression;  // dt mu V_i/m
             }
             if (!wall_.empty()) {
-                wall_[at(i)].spring *= 2 * c_[at(i)];
-                wall_[at(i)].pull *= 2 * c_[at(i)];
+                Wall& wall = wall_[at(i)];
+                wall.near.spring *= 2 * c_[at(i)];
+                wall.moving.set(wall.moving.matrix(), 2 * c_[at(i)] * wall.moving.beside());
             }
         });
     });
@@ -120,6 +121,8 @@ void ViscousOperator::set_up_wall(const FullViscosityOptions& options, const Sol
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         parallel_for(solid_pairs.size(), [&](Index i) {
             Wall& wall = wall_[at(i)];
+            Mat3 gradient = Mat3::Zero();
+            Vec3 pull = Vec3::Zero();
             solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
                 const auto whose = at(layer.solid[at(s)]);
                 const Real w = -options.solid_factor * layer.volume[at(s)] * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
@@ -131,12 +134,13 @@ void ViscousOperator::set_up_wall(const FullViscosityOptions& options, const Sol
                 const Vec3 here = solids.all[whose].pose.velocity_at(layer.position[at(s)] + r);
                 const Vec3 velocity = (stretch - 1) * here + layer.velocity[at(s)];
                 wall_moment_[at(i)] += (w * r * r.transpose()).template cast<double>();
-                wall.wr += stretch * w * r;
-                wall.spring += stretch * stretch * w;
+                wall.near.wr += stretch * w * r;
+                wall.near.spring += stretch * stretch * w;
                 if (body) return;  // its velocity is unknown (viscous_bodies.h)
-                wall.gradient += velocity * (w * r).transpose();
-                wall.pull += stretch * w * velocity;
+                gradient += velocity * (w * r).transpose();
+                pull += stretch * w * velocity;
             });
+            wall.moving.set(gradient, pull);
         });
     });
     touches_wall_ = friction_.acts() || std::find(touches.begin(), touches.end(), 1) != touches.end();
@@ -147,25 +151,25 @@ void ViscousOperator::set_up_wall(const FullViscosityOptions& options, const Sol
 /// Also turns the pairs' w into what the penalty couples them by.
 void ViscousOperator::set_up_blocks(const FullViscosityOptions& options) {
     const auto strain_block = [&](Index j, const Vec3& g, Mat3& B) {
-        const Vec3 h = M_[at(j)] * g;
+        const Vec3 h = M_[at(j)].matrix() * g;
         Mat3 S = h * h.transpose();
         S.diagonal().array() += h.squaredNorm();
         if (whole_[at(j)]) B += K_[at(j)] * S;
-        else B += K_[at(j)] * P_[at(j)] * S * P_[at(j)];
+        else B += K_[at(j)] * P_[at(j)].matrix() * S * P_[at(j)].matrix();
         return h.dot(g);
     };
     Column<Mat3> blocks(K_.size());
     parallel_for(size(), [&](Index i) {
         Mat3 B = Mat3::Identity();
         const Real own = c_[at(i)];
-        Real springs = wall_.empty() ? 0 : wall_[at(i)].spring, seen = 0;
+        Real springs = wall_.empty() ? 0 : wall_[at(i)].near.spring, seen = 0;
         for (std::size_t k = pairs_->first[at(i)]; k < pairs_->first[at(i) + 1]; ++k) {
             const Index j = pairs_->other[k];
             seen += 2 * c_[at(j)] * strain_block(j, pair_[k].wr, B);
             pair_[k].spring *= 2 * (own + c_[at(j)]);
             springs += pair_[k].spring;
         }
-        seen += 2 * own * strain_block(i, wr_[at(i)], B);
+        seen += 2 * own * strain_block(i, wr_[at(i)].wr, B);
         B.diagonal().array() += std::max(Real(0), springs - seen);
         if (friction_.acts()) B += hold(i);
         blocks[at(i)] = B;

@@ -1,4 +1,9 @@
-// One product with the viscous operator: two passes over the pairs, each a gather of sixteen numbers a neighbour in one vector register.
+// One product with the viscous operator: two passes over the pairs, each a gather of sixteen numbers a neighbour in one vector register, and
+// between them a particle's matrices, which stay in such registers: lane 4 a + b holds the entry (a, b).
+#if defined(__AVX512F__)
+#include <immintrin.h>
+#endif
+
 #include "engine/core/parallel.h"
 #include "engine/models/viscosity/full.h"
 
@@ -11,94 +16,115 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 using Lanes = Real __attribute__((vector_size(16 * sizeof(Real)), may_alias));
 using Four = Real __attribute__((vector_size(4 * sizeof(Real)), may_alias));
 
-// w four times over, doubled twice: in one step GCC 12 takes the way through memory.
-#define WHORL_TWICE(w) __builtin_shufflevector(w, w, 0, 1, 2, 3, 4, 5, 6, 7)
-#define WHORL_FOUR_TIMES(w) __builtin_shufflevector(WHORL_TWICE(w), WHORL_TWICE(w), 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15)
+template <class T>
+const Lanes& lanes_of(const T& sixteen) {
+    return reinterpret_cast<const Lanes&>(sixteen);
+}
+
+/// Four numbers in each of the four rows.
+Lanes in_each_row(const Real* four) {
+#if defined(__AVX512F__) && !defined(WHORL_DOUBLE)
+    return reinterpret_cast<Lanes>(_mm512_broadcast_f32x4(_mm_load_ps(four)));
+#else
+    const Four w = reinterpret_cast<const Four&>(*four);
+    const auto twice = __builtin_shufflevector(w, w, 0, 1, 2, 3, 4, 5, 6, 7);  // in one step GCC 12 takes the way through memory
+    return __builtin_shufflevector(twice, twice, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+#endif
+}
+
+#define WHORL_PICK(X, ...) __builtin_shufflevector(X, X, __VA_ARGS__)
+
+Lanes transposed(const Lanes& X) { return WHORL_PICK(X, 0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15); }
+
+/// X times a matrix given as sixteen lanes in memory; of X, the first three columns.
+Lanes times(const Lanes& X, const Real* matrix) {
+    return WHORL_PICK(X, 0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8, 12, 12, 12, 12) * in_each_row(matrix) +
+           WHORL_PICK(X, 1, 1, 1, 1, 5, 5, 5, 5, 9, 9, 9, 9, 13, 13, 13, 13) * in_each_row(matrix + 4) +
+           WHORL_PICK(X, 2, 2, 2, 2, 6, 6, 6, 6, 10, 10, 10, 10, 14, 14, 14, 14) * in_each_row(matrix + 8);
+}
+
+/// P X, column 3 of X kept out.
+Lanes project(const Lanes& P, const Lanes& X) {
+    return WHORL_PICK(P, 0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8, 12, 12, 12, 12) * WHORL_PICK(X, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3) +
+           WHORL_PICK(P, 1, 1, 1, 1, 5, 5, 5, 5, 9, 9, 9, 9, 13, 13, 13, 13) * WHORL_PICK(X, 4, 5, 6, 7, 4, 5, 6, 7, 4, 5, 6, 7, 4, 5, 6, 7) +
+           WHORL_PICK(P, 2, 2, 2, 2, 6, 6, 6, 6, 10, 10, 10, 10, 14, 14, 14, 14) * WHORL_PICK(X, 8, 9, 10, 11, 8, 9, 10, 11, 8, 9, 10, 11, 8, 9, 10, 11);
+}
+
+/// Column 3, zeros elsewhere.
+Lanes beside(const Lanes& X) { return __builtin_shufflevector(Lanes{}, X, 0, 1, 2, 19, 4, 5, 6, 23, 8, 9, 10, 27, 12, 13, 14, 31); }
+
+/// The sum of each row, in all its lanes.
+Lanes row_sums(const Lanes& X) {
+    const Lanes pairs = X + WHORL_PICK(X, 1, 0, 3, 2, 5, 4, 7, 6, 9, 8, 11, 10, 13, 12, 15, 14);
+    return pairs + WHORL_PICK(pairs, 2, 3, 0, 1, 6, 7, 4, 5, 10, 11, 8, 9, 14, 15, 12, 13);
+}
+
+/// sum_j w_ij,b f(j)_ab over the neighbours j of i.
+template <class Pair, class F>
+Lanes sum_row(const FluidPairs& pairs, const Pair* pair, Index i, const F& f) {
+    const Index* other = pairs.other.data();
+    Lanes a{}, b{};  // two, to keep the multiply-adds apart
+    std::size_t k = pairs.first[at(i)];
+    const std::size_t end = pairs.first[at(i) + 1];
+    for (; k + 1 < end; k += 2) {
+        a += in_each_row(pair[k].wr.data()) * f(at(other[k]));
+        b += in_each_row(pair[k + 1].wr.data()) * f(at(other[k + 1]));
+    }
+    if (k < end) a += in_each_row(pair[k].wr.data()) * f(at(other[k]));
+    return a + b;
+}
 
 }  // namespace
-
-/// sum_j w_ij,b (X_i - X_j)_ab with X = u (difference), or sum_j w_ij,b X_j,ab with X = Q.
-template <bool difference>
-void ViscousOperator::sum_row(Index i, Sixteen& sum) const {
-    const Column<Sixteen>& X = difference ? u_ : Q_;
-    const Lanes own = reinterpret_cast<const Lanes&>(X[at(i)]);
-    const Index* other = pairs_->other.data();
-    const Pair* pair = pair_.data();
-    Lanes a{}, b{};  // two, to keep the multiply-adds apart
-    const auto add = [&](std::size_t k, Lanes& to) __attribute__((always_inline)) {
-        const Four w = reinterpret_cast<const Four&>(pair[k]);
-        const Lanes& x = reinterpret_cast<const Lanes&>(X[at(other[k])]);
-        if constexpr (difference) to += WHORL_FOUR_TIMES(w) * (own - x);
-        else to += WHORL_FOUR_TIMES(w) * x;
-    };
-    std::size_t k = pairs_->first[at(i)];
-    const std::size_t end = pairs_->first[at(i) + 1];
-    for (; k + 1 < end; k += 2) add(k, a), add(k + 1, b);
-    if (k < end) add(k, a);
-    reinterpret_cast<Lanes&>(sum) = a + b;
-}
 
 void ViscousOperator::spread(Span<const Vec3> u, bool free_only) const {
     parallel_for(size(), [&](Index i) {
         const bool counts = !free_only || free_[at(i)];
-        for (int a = 0; a < 3; ++a)
-            for (int b = 0; b < 4; ++b) u_[at(i)].lane[4 * a + b] = counts ? u[at(i)][a] : 0;
-        for (int b = 12; b < 16; ++b) u_[at(i)].lane[b] = 0;
+        alignas(4 * sizeof(Real)) Real v[4] = {counts ? u[at(i)][0] : 0, counts ? u[at(i)][1] : 0, counts ? u[at(i)][2] : 0, 0};
+        const Lanes rows = in_each_row(v);
+        reinterpret_cast<Lanes&>(u_[at(i)]) = WHORL_PICK(rows, 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
     });
 }
 
-/// A = sum_j w u_ij r_ij^T, G = A M^+, Q = 2 K P D M^+ - 2 c G.
+/// A = sum_j w u_ij r_ij^T, G = A M^+, Q = 2 K P D M^+ - 2 c G; what the penalty's springs pull stands beside A.
 void ViscousOperator::stress(Span<const Vec3> u, bool with_walls) const {
+    const bool rubs = friction_.acts() || bodies();
     parallel_for(size(), [&](Index i) {
-        Sixteen sum;
-        sum_row<true>(i, sum);
-        Mat3 A;
-        Vec3 own;
-        for (int a = 0; a < 3; ++a) {
-            for (int b = 0; b < 3; ++b) A(a, b) = sum.lane[4 * a + b];
-            own[a] = sum.lane[4 * a + 3];
-        }
+        const Lanes own = lanes_of(u_[at(i)]);
+        Lanes A = sum_row(*pairs_, pair_.data(), i, [&](std::size_t j) { return own - lanes_of(u_[j]); });
+        const Vec3 ui(own[0], own[4], own[8]);
         if (!wall_.empty()) {
             const Wall& wall = wall_[at(i)];
-            const Vec3 ui(u_[at(i)].lane[0], u_[at(i)].lane[4], u_[at(i)].lane[8]);
-            A += ui * wall.wr.transpose();
-            own += wall.spring * ui;
-            if (with_walls) A -= wall.gradient, own -= wall.pull;
-            if (friction_.acts()) own += rub_[at(i)] * (friction_.hold(i) * ui - (with_walls ? friction_.pull(i) : Vec3(Vec3::Zero())));
-            if (bodies()) take_bodies(i, u, A, own);
+            A += in_each_row(wall.near.wr.data()) * own;
+            if (with_walls) A -= lanes_of(wall.moving);
+            if (rubs) {
+                Sixteen sum;
+                reinterpret_cast<Lanes&>(sum) = A;
+                Mat3 gradient = sum.matrix();
+                Vec3 pull = sum.beside();
+                if (friction_.acts()) pull += rub_[at(i)] * (friction_.hold(i) * ui - (with_walls ? friction_.pull(i) : Vec3(Vec3::Zero())));
+                if (bodies()) take_bodies(i, u, gradient, pull);
+                sum.set(gradient, pull);
+                A = lanes_of(sum);
+            }
         }
-        const Mat3& M = M_[at(i)];
         const Real K = K_[at(i)], c = 2 * c_[at(i)];
-        Mat3 Q;
-        if (whole_[at(i)]) {
-            const Mat3 G = A * M;
-            Q = (K * (G + G.transpose()) - c * A) * M;
-        } else {
-            const Mat3& P = P_[at(i)];
-            const Mat3 G = P * A * M;
-            Q = (K * P * (G + G.transpose()) - c * A) * M;
-        }
-        Real* lane = Q_[at(i)].lane;
-        for (int a = 0; a < 3; ++a) {
-            for (int b = 0; b < 3; ++b) lane[4 * a + b] = Q(a, b);
-            lane[4 * a + 3] = 0;
-        }
-        for (int b = 12; b < 16; ++b) lane[b] = 0;
-        own_[at(i)] = own + Q * wr_[at(i)];
-        if (bodies()) give_bodies(i, u, Vec3(u_[at(i)].lane[0], u_[at(i)].lane[4], u_[at(i)].lane[8]), Q);
+        const Real* M = M_[at(i)].lane;
+        Lanes G = times(A, M);
+        if (!whole_[at(i)]) G = project(lanes_of(P_[at(i)]), G);
+        G += transposed(G);
+        if (!whole_[at(i)]) G = project(lanes_of(P_[at(i)]), G);
+        const Lanes Q = times(K * G - c * A, M);
+        reinterpret_cast<Lanes&>(Q_[at(i)]) = Q;
+        reinterpret_cast<Lanes&>(own_[at(i)]) = Q * in_each_row(wr_[at(i)].wr.data()) + beside(A + own);
+        if (bodies()) give_bodies(i, u, ui, Q_[at(i)].matrix());
     });
 }
 
 /// y = u + sum_j w (Q_i + Q_j) r_ij + 2 w (c_i + c_j) u_ij
 void ViscousOperator::divergence(Span<const Vec3> u, Span<Vec3> y, bool free_only) const {
     parallel_for(size(), [&](Index i) {
-        Sixteen sum;
-        sum_row<false>(i, sum);
-        const bool counts = !free_only || free_[at(i)];
-        for (int a = 0; a < 3; ++a) {
-            const Real force = own_[at(i)][a] + sum.lane[4 * a] + sum.lane[4 * a + 1] + sum.lane[4 * a + 2];
-            y[at(i)][a] = counts ? u[at(i)][a] + force : 0;
-        }
+        const Lanes sums = row_sums(lanes_of(own_[at(i)]) + sum_row(*pairs_, pair_.data(), i, [&](std::size_t j) { return lanes_of(Q_[j]); }));
+        y[at(i)] = !free_only || free_[at(i)] ? Vec3(sums[0], sums[4], sums[8]) : Vec3(Vec3::Zero());
     });
     if (bodies()) sum_bodies(u, y);
 }
