@@ -7,6 +7,8 @@
 #include "engine/core/parallel.h"
 #include "engine/models/viscosity/full.h"
 
+#pragma GCC diagnostic ignored "-Wpsabi"  // the functions below that take and give vectors are this file's own
+
 namespace whorl {
 namespace {
 
