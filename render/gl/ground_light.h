@@ -8,6 +8,8 @@ namespace whorl {
 
 class GroundLight {
 public:
+    /// @param height of the pictures [pixels]: a small one shows no more than half the maps' resolution
+    explicit GroundLight(int height) : light_size(height < 480 ? 128 : 256), ground_size(light_size) {}
     /// @param to_studio studio_axes() of the view @param spacing of the particles [m] @param ground its height [m] @param has_ground else only the solids are lit
     void draw(const Things& things, const Material& material, const Mat3f& to_studio, float spacing, float ground, bool has_ground);
     /// Sets the uniforms of shadow.glsl; takes two texture units from `unit` on.
@@ -16,7 +18,7 @@ public:
     void bind_ground(gl::Program& program, int unit) const;
 
 private:
-    static constexpr int light_size = 256, ground_size = 256;
+    const int light_size, ground_size;  ///< texels along a side
     void draw_layers(const Things& things, float spacing);
     void draw_ground(const Things& things, const Vec3f& tint, float ground, float spacing);
 

@@ -68,6 +68,7 @@ struct Renderer::Device {
     int width, height;
 
     gl::Program fluid_normal{{"mesh.vert"}, {"normal.frag"}};
+    gl::Program solid_depth{{"mesh.vert"}, {"depth.frag"}};
     gl::Program solid_colour{{"mesh.vert"}, {"studio.glsl", "field.glsl", "solids.glsl", "shadow.glsl", "solid.frag"}};
     gl::Program liquid{{"screen.vert"}, {"studio.glsl", "field.glsl", "liquid.frag"}};
     gl::Program opaque{{"screen.vert"}, {"studio.glsl", "field.glsl", "opaque.frag"}};
@@ -96,7 +97,7 @@ struct Renderer::Device {
     Things things;
     FieldTexture field;
     SolidField solid_field;
-    GroundLight ground_light;
+    GroundLight ground_light{height};
     GLuint no_vertices = 0;
 };
 
@@ -181,6 +182,14 @@ void Renderer::Device::draw_sample(const Shot& shot, int sample) {
 
 void Renderer::Device::draw_solids(const Shot& shot, const Eigen::Matrix4f& matrix) {
     if (!things.any_solids()) return;
+    // Their colour is the dearest of all: depth comes first, so that only what is seen gets one.
+    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    solid_depth.use();
+    solid_depth.set("view_projection", matrix);
+    solid_depth.set("ground_height", shot.look.ground ? shot.ground : -1e6f);
+    things.draw_solids(solid_depth, false, [](const FrameSolid&) {});
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glDepthFunc(GL_LEQUAL);
     set_studio(solid_colour, shot);
     ground_light.bind_shadow(solid_colour, shadow_unit);
     field.bind(solid_colour, field_unit);
@@ -194,6 +203,7 @@ void Renderer::Device::draw_solids(const Shot& shot, const Eigen::Matrix4f& matr
         solid_colour.set("roughness", material.roughness);
         solid_colour.set("box_softness", material.roughness);
     });
+    glDepthFunc(GL_LESS);
 }
 
 void Renderer::Device::draw_fluid(const Shot& shot, const Eigen::Matrix4f& matrix) {

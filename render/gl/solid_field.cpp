@@ -12,13 +12,23 @@ namespace {
 
 constexpr int own_voxels = 64, world_voxels = 96;
 
-float trilinear(const Volume& v, const Vec3f& place) {
-    const Eigen::Vector3i n = place.array().floor().cast<int>().max(0).min(Eigen::Array3i(v.nx - 2, v.ny - 2, v.nz - 2));
-    const Vec3f s = place - n.cast<float>();
-    const float* at = &v.value[(static_cast<std::size_t>(n.z()) * v.ny + n.y()) * v.nx + n.x()];
-    const auto row = [&](const float* r) { return r[0] + s.x() * (r[1] - r[0]); };
-    const auto sheet = [&](const float* r) { return row(r) + s.y() * (row(r + v.nx) - row(r)); };
-    return sheet(at) + s.z() * (sheet(at + static_cast<std::ptrdiff_t>(v.nx) * v.ny) - sheet(at));
+/// least[n] = min(least[n], distance at place + n*step): a row of samples, place and step in voxels of v; metres. Outside the volume the distance to its edge is added.
+void lower_row(const Volume& v, const Vec3f& place, const Vec3f& step, std::vector<float>& least) {
+    const float* value = v.value.data();
+    const int along_y = v.nx, along_z = v.nx * v.ny;
+    const float last_x = static_cast<float>(v.nx - 1), last_y = static_cast<float>(v.ny - 1), last_z = static_cast<float>(v.nz - 1);
+    const auto count = static_cast<int>(least.size());
+    for (int n = 0; n < count; ++n) {
+        const float at = static_cast<float>(n), px = place.x() + at * step.x(), py = place.y() + at * step.y(), pz = place.z() + at * step.z();
+        const float x = std::min(std::max(px, 0.0f), last_x), y = std::min(std::max(py, 0.0f), last_y), z = std::min(std::max(pz, 0.0f), last_z);
+        const float ox = px - x, oy = py - y, oz = pz - z;
+        const int i = static_cast<int>(std::min(x, last_x - 1)), j = static_cast<int>(std::min(y, last_y - 1)), k = static_cast<int>(std::min(z, last_z - 1));
+        const float sx = x - static_cast<float>(i), sy = y - static_cast<float>(j), sz = z - static_cast<float>(k);
+        const int c = i + along_y * j + along_z * k;
+        const auto row = [&](int r) { return value[r] + sx * (value[r + 1] - value[r]); };
+        const float low = row(c) + sy * (row(c + along_y) - row(c)), high = row(c + along_z) + sy * (row(c + along_z + along_y) - row(c + along_z));
+        least[static_cast<std::size_t>(n)] = std::min(least[static_cast<std::size_t>(n)], low + sz * (high - low) + v.voxel * std::sqrt(ox * ox + oy * oy + oz * oz));
+    }
 }
 
 }  // namespace
@@ -31,16 +41,15 @@ Volume union_of(const std::vector<const Volume*>& own, const std::vector<Mat3f>&
     const Eigen::Vector3i count = ((high - low) / all.voxel).array().ceil().cast<int>() + 5;
     all.nx = count.x(), all.ny = count.y(), all.nz = count.z();
     all.value.resize(static_cast<std::size_t>(all.nx) * all.ny * all.nz);
-    parallel_for(static_cast<Index>(all.value.size()), [&](Index n) {
-        const Vec3f x = all.origin + all.voxel * Vec3f(static_cast<float>(n % all.nx), static_cast<float>(n / all.nx % all.ny), static_cast<float>(n / all.nx / all.ny));
-        float nearest = 1e6f;
+    parallel_for(all.ny * all.nz, [&](Index r) {
+        std::vector<float> row(static_cast<std::size_t>(all.nx), 1e6f);
+        const Vec3f first = all.origin + all.voxel * Vec3f(0, static_cast<float>(r % all.ny), static_cast<float>(r / all.ny));
         for (std::size_t k = 0; k < own.size(); ++k) {
             const Volume& v = *own[k];
-            const Vec3f place = (rotation[k].transpose() * (x - translation[k]) - v.origin) / v.voxel;
-            const Vec3f within = place.cwiseMax(0.0f).cwiseMin(Vec3f(static_cast<float>(v.nx - 1), static_cast<float>(v.ny - 1), static_cast<float>(v.nz - 1)));
-            nearest = std::min(nearest, trilinear(v, within) + v.voxel * (place - within).norm());
+            const Mat3f into = rotation[k].transpose() / v.voxel;
+            lower_row(v, into * (first - translation[k]) - v.origin / v.voxel, into.col(0) * all.voxel, row);
         }
-        all.value[static_cast<std::size_t>(n)] = nearest;
+        std::copy(row.begin(), row.end(), all.value.begin() + static_cast<std::ptrdiff_t>(r) * all.nx);
     });
     return all;
 }

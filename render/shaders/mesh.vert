@@ -8,6 +8,7 @@ uniform float point_size;   // pixels, where particles are drawn as points
 out vec3 world;
 out vec3 world_normal;
 out vec3 own;
+invariant gl_Position;  // passes compare depths
 
 void main() {
     own = position;

@@ -27,11 +27,15 @@ float solid_openness(vec3 x, vec3 n) {
 float past_solids(vec3 x, vec3 n, vec3 l) {
     float open = 1.0, t = 2.0 * solid_voxel;
     vec3 from = x + n * solid_voxel;
+    // Beyond the field's box there is nothing in the way.
+    vec3 walls = (step(0.0, l) * (solid_size - 1.0) * solid_voxel + solid_origin - from) / (l + vec3(1e-9));
+    float leaves = min(walls.x, min(walls.y, walls.z));
     for (int i = 0; i < 16; ++i) {
         float d = solid_distance(from + t * l);
         open = min(open, 0.5 + 0.5 * d / (0.16 * t + 0.5 * solid_voxel));
         t += clamp(d, 1.2 * solid_voxel, 12.0 * solid_voxel);
         if (open < 0.0) return 0.0;
+        if (t > leaves) break;
     }
     return smoothstep(0.0, 1.0, open);
 }
