@@ -12,10 +12,9 @@ void check_bodies(const Scene& scene, const Plan& plan, std::vector<Problem>& pr
         const SolidKeys& solid = scene.solids[k];
         const std::string name = entry_name("solid", k);
         if (solid.density == 0) {
-            for (const auto& [key, value] : {std::pair("velocity", solid.velocity), std::pair("tilt", solid.tilt)})
-                if (value != Vec3d::Zero())
-                    report(name + "." + key, name + "." + key + " is for free bodies, and " + name + " has no density",
-                           std::string("give it a density; or let it move by position and rotation, expressions of t"));
+            if (solid.velocity != Vec3d::Zero())
+                report(name + ".velocity", name + ".velocity is for free bodies, and " + name + " has no density",
+                       "give it a density; or let it move by position and rotation, expressions of t");
             continue;
         }
         if (solid.shape.kind == "plane") report(name + ".density", name + " is a plane, which has no end: it cannot be a free body", "take a box");

@@ -140,7 +140,7 @@ struct SolidKeys {
     std::string material;         ///< of the look
     double density = 0;           ///< kg/m^3; given: a free body
     Vec3d velocity = Vec3d::Zero();  ///< m/s, of a free body at the start
-    Vec3d tilt = Vec3d::Zero();   ///< degrees, rotation vector of a free body at the start
+    Vec3d tilt = Vec3d::Zero();   ///< degrees, rotation vector: how it stands at the start
     double friction = 0.3, bounce = 0;  ///< where it touches other solids
 };
 

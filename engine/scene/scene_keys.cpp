@@ -199,7 +199,7 @@ KeyTable solid_keys() {
     t.key("density", &SolidKeys::density, "kg/m^3", "a free body: fluid, gravity and other solids move it; position and rotation then say how it starts; 0: it moves as they say")
         .at_least(0);
     t.key("velocity", &SolidKeys::velocity, "m/s", "of a free body at the start");
-    t.key("tilt", &SolidKeys::tilt, "degrees", "how a free body is turned at the start: about this axis, by this angle");
+    t.key("tilt", &SolidKeys::tilt, "degrees", "how it is turned at the start: about this axis through its middle, by this angle");
     t.key("friction", &SolidKeys::friction, "", "where free bodies touch; of a pair: the geometric mean").at_least(0).at_most(10);
     t.key("bounce", &SolidKeys::bounce, "", "share of its speed that a free body keeps when it hits a solid; of a pair: the larger").at_least(0).at_most(1);
     t.key("wetting", &SolidKeys::wetting, "", "with surface tension: the solid's pull over the fluid's own; contact angle of cos = 2 wetting - 1: 1 wets, 0.5 stands at 90 degrees, 0 repels")

@@ -20,6 +20,14 @@ Extent extent_of(const ShapeKeys& keys, const Shape& shape) {
     return {min.cast<double>(), max.cast<double>(), volume};
 }
 
+/// The box about a turned box.
+Extent turned(const Extent& e, const Mat3d& turn) {
+    const Vec3d middle = (e.min + e.max) / 2, half = (e.max - e.min) / 2;
+    if (!half.allFinite() || turn.isIdentity()) return e;
+    const Vec3d reach = turn.cwiseAbs() * half;
+    return {middle - reach, middle + reach, e.volume};
+}
+
 /// The shape, or what is wrong with its mesh file, at the key that names it.
 std::shared_ptr<const Shape> made(const Scene& scene, const std::string& name, const ShapeKeys& keys, std::vector<Problem>& problems) {
     try {
@@ -32,11 +40,15 @@ std::shared_ptr<const Shape> made(const Scene& scene, const std::string& name, c
 
 }  // namespace
 
+Mat3d turned_by(const Vec3d& degrees) {
+    const double angle = std::numbers::pi / 180 * degrees.norm();
+    return angle > 0 ? Eigen::AngleAxisd(angle, degrees.normalized()).toRotationMatrix() : Mat3d(Mat3d::Identity());
+}
+
 RigidBody body_of(const SolidKeys& keys, const Shape& shape) {
     RigidBody body(shape.bulk(), keys.density);
     body.centre += keys.position(0);
-    const Vec3d angle = std::numbers::pi / 180 * keys.tilt;
-    if (angle.norm() > 0) body.turn = Eigen::Quaterniond(Eigen::AngleAxisd(angle.norm(), angle.normalized()));
+    body.turn = Eigen::Quaterniond(turned_by(keys.tilt));
     body.velocity = keys.velocity;
     body.spin_at(body.turn * keys.rotation(0));
     return body;
@@ -56,8 +68,9 @@ SceneShapes make_shapes(const Scene& scene, std::vector<Problem>& problems) {
         solid.position = keys.position;
         solid.spin = keys.rotation;
         solid.inside = keys.inside;
+        solid.turn = turned_by(keys.tilt);
         if (keys.density > 0 && solid.shape && solid.shape->bounded()) solid.body = body_of(keys, *solid.shape);
-        shapes.solid_extent.push_back(solid.shape ? extent_of(keys.shape, *solid.shape) : Extent{});
+        shapes.solid_extent.push_back(solid.shape ? turned(extent_of(keys.shape, *solid.shape), solid.turn) : Extent{});
         shapes.solids.all.push_back(std::move(solid));
     }
     for (std::size_t i = 0; i < scene.drains.size(); ++i) {

@@ -16,7 +16,7 @@ TriangleMesh with_normals(const TriangleMesh& mesh);
 
 class Things {
 public:
-    void fill(const Frame& frame, const TriangleMesh& fluid);
+    void fill(const Frame& frame, const TriangleMesh& fluid, const std::vector<float>& age = {});
     /// The fluid as its particles, each with a value, and their trails where there are any.
     void fill(const Frame& frame, const std::vector<float>& value, const Trails& trails);
     /// The fluid as a slice.
@@ -45,7 +45,7 @@ private:
     const gl::Vertices& model(const std::shared_ptr<const TriangleMesh>& mesh);
 
     enum class Shape { surface, particles, slice, grid };
-    gl::Vertices fluid_{{3, 3}}, particles_{{3, 1}}, trails_{{3, 1}}, slice_{{3, 2}};
+    gl::Vertices fluid_{{3, 3, 1}}, particles_{{3, 1}}, trails_{{3, 1}}, slice_{{3, 2}};
     Shape shape_ = Shape::surface;
     std::map<const TriangleMesh*, Model> models_;
     std::vector<std::pair<FrameSolid, const gl::Vertices*>> solids_, containers_;

@@ -44,6 +44,7 @@ KeyTable make_look_keys() {
     t.key("colour", &L::colour, "", "linear red, green, blue of an opaque material" + preset).at_most(1).only_with("style", {"opaque"});
     t.key("refraction", &L::refraction, "", "index of refraction" + preset).at_most(4).only_with("style", {"liquid"});
     t.key("roughness", &L::roughness, "", "0 mirror, 1 matt" + preset).at_most(1).only_with("style", surface);
+    t.key("cooling", &L::cooling, "s", "lava: time in which it loses most of its glow, where a viscosity depends on age; 0: never" + preset).only_with("style", surface);
     t.key("background", &L::background, "", "what stands behind").one_of({"studio", "dark", "white"});
     t.key("ground", &L::ground, "", "a ground with shadow under the scene");
     t.key("exposure", &L::exposure, "", "brightness of everything").above(0);

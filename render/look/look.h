@@ -40,6 +40,7 @@ struct LookOptions {
     Vec3f colour = Vec3f(-1, -1, -1);      ///< linear RGB of an opaque material; negative: the preset's
     float refraction = -1;            ///< index; negative: the preset's
     float roughness = -1;             ///< 0 mirror .. 1 matt; negative: the preset's
+    float cooling = -1;               ///< s, lava: in which it loses most of its glow, where its viscosity depends on age; 0: never; negative: the preset's
     std::string background = "studio";  ///< studio | dark | white
     bool ground = true;               ///< a ground with shadow under the scene
     float exposure = 1;
@@ -60,7 +61,8 @@ struct LookOptions {
 inline bool shows_field(const LookOptions& look) { return look.style == "particles" || look.style == "slice" || look.style == "volume"; }
 /// What a frame needs besides positions and velocities for the picture.
 inline std::vector<std::string> shown_fields(const LookOptions& look) {
-    return shows_field(look) ? std::vector<std::string>{look.field} : std::vector<std::string>{};
+    if (shows_field(look)) return {look.field};
+    return look.material == "lava" ? std::vector<std::string>{"age"} : std::vector<std::string>{};
 }
 
 }  // namespace whorl

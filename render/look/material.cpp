@@ -32,8 +32,9 @@ const std::vector<std::pair<std::string, Material>>& fluid_presets() {
         Material lava;
         lava.refracts = false;
         lava.colour = {0.04f, 0.022f, 0.016f};
-        lava.emission = {3.2f, 0.55f, 0.05f};
-        lava.roughness = 0.6f;
+        lava.emission = {3.2f, 0.70f, 0.05f};
+        lava.roughness = 1;
+        lava.cooling = 1.5f;
         Material clay;
         clay.refracts = false;
         clay.colour = {0.42f, 0.17f, 0.09f};
@@ -49,7 +50,7 @@ const std::vector<std::pair<std::string, SolidMaterial>>& solid_presets() {
     static const std::vector<std::pair<std::string, SolidMaterial>> presets{
         {"ceramic", {{0.72f, 0.70f, 0.66f}, 0.18f, 0, 0}},  {"white", {{0.82f, 0.82f, 0.82f}, 0.5f, 0, 0}},
         {"metal", {{0.78f, 0.77f, 0.75f}, 0.2f, 1, 0}},     {"wood", {{0.46f, 0.26f, 0.12f}, 0.5f, 0, 1}},
-        {"clay", {{0.42f, 0.17f, 0.09f}, 0.8f, 0, 0}},      {"dark", {{0.05f, 0.05f, 0.055f}, 0.35f, 0, 0}},
+        {"clay", {{0.42f, 0.17f, 0.09f}, 0.8f, 0, 0}},      {"dark", {{0.05f, 0.05f, 0.055f}, 0.35f, 0, 0}}, {"rock", {{0.10f, 0.09f, 0.085f}, 1.0f, 0, 0}},
         {"glass", {{0.85f, 0.9f, 0.9f}, 0.05f, 0, 0}},
     };
     return presets;
@@ -76,6 +77,7 @@ Material fluid_material(const LookOptions& look, float size) {
     if (look.colour.minCoeff() >= 0) material.colour = look.colour;
     if (look.refraction >= 1) material.refraction = look.refraction;
     if (look.roughness >= 0) material.roughness = look.roughness;
+    if (look.cooling >= 0) material.cooling = look.cooling;
     return material;
 }
 

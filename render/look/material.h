@@ -15,6 +15,7 @@ struct Material {
     float haze = 0;                           ///< 1/m, how fast a ray picks that colour up
     Vec3f colour = Vec3f::Constant(0.5f);     ///< of an opaque material, diffuse
     Vec3f emission = Vec3f::Zero();           ///< light of its own (lava), radiance
+    float cooling = 0;                        ///< s, in which fluid that knows its age loses most of that light; 0: never
     float refraction = 1.49f;                 ///< index
     float roughness = 0.05f;                  ///< 0 mirror .. 1 matt
     float softness = 0;                       ///< 0 .. 1: light creeps round the edge of shadow (chocolate, clay, paint)
@@ -34,7 +35,7 @@ struct SolidMaterial {
     float metal = 0;                       ///< 0 or 1
     float grain = 0;                       ///< strength of wood's rings
 };
-/// ceramic | white | metal | wood | clay | dark | glass; any other name: ceramic.
+/// ceramic | white | metal | wood | clay | dark | rock | glass; any other name: ceramic.
 SolidMaterial solid_material(const std::string& name);
 std::vector<std::string> solid_material_names();
 

@@ -1,6 +1,7 @@
-// First hit on the fluid: its normal; its place follows from the depth.
+// First hit on the fluid: its normal, and 1 + its age; its place follows from the depth.
 in vec3 world;
 in vec3 world_normal;
+in float fluid_age;
 uniform float ground_height;
 uniform float tolerance;  // m: a surface that lies on the ground must not be cut to rags by rounding
 layout(location = 0) out vec4 solid;
@@ -9,5 +10,5 @@ layout(location = 1) out vec4 normal;
 void main() {
     if (world.y < ground_height - tolerance) discard;
     solid = vec4(0.0);
-    normal = vec4(normalize(world_normal), 1.0);
+    normal = vec4(normalize(world_normal), 1.0 + fluid_age);
 }

@@ -9,6 +9,7 @@ uniform float weight;        // of this sample in the pixel
 uniform bool has_field;
 uniform vec3 body_colour;
 uniform vec3 emission;
+uniform float cooling;       // s in which what is hot loses most of its glow; 0: the fluid has no age
 uniform float roughness;
 uniform float softness;      // how far light creeps round into shadow
 uniform vec3 sky;
@@ -58,8 +59,10 @@ void main() {
     vec3 diffuse = body_colour * (around + 1.5 * key_colour * wrapped * lit * bled);
     float facing = clamp(-dot(n, v), 0.0, 1.0);
     float mirror = 0.04 + 0.96 * pow(1.0 - facing, 5.0) * (1.0 - 0.8 * roughness);
-    vec3 mirrored = (surroundings(x, r) + (1.0 - roughness) * strip_light(r)) * seen * (1.0 - 0.75 * roughness);
-    // Hot where it is hidden from the cold air, crusted where it is open.
+    // A rough body spreads what it mirrors over more directions, so that less comes from each.
+    vec3 mirrored = (surroundings(x, r) + (1.0 - roughness) * strip_light(r)) * seen * (1.0 - 0.75 * roughness) * (1.0 - 0.85 * smoothstep(0.75, 1.0, roughness));
+    // Hot where it is hidden from the cold air, crusted where it is open; and what has come just now is hot all over. The hotter, the yellower.
     vec3 glow = emission * pow(1.0 - 0.9 * open, 2.0);
+    if (cooling > 0.0) glow = glow * exp(-0.5 * (g.a - 1.0) / cooling) + 0.45 * emission * exp(-(g.a - 1.0) / cooling * vec3(1.0, 1.6, 2.4));
     colour = weight * vec4(diffuse + glow + mirror * mirrored, 1.0);
 }

@@ -6,6 +6,7 @@
 #include "render/surface/distance.h"
 #include "render/surface/march.h"
 #include "render/surface/smooth.h"
+#include "render/surface/vertex_values.h"
 
 namespace whorl {
 
@@ -30,6 +31,8 @@ Surface build_surface(const Frame& frame, const SurfaceOptions& options) {
             if (std::abs(cut.at(sharp[v]).inside) < 0.02f * voxel) surface.mesh.position[v] = sharp[v];
         set_normals(surface.mesh);
     }
+    if (const auto age = frame.scalar.find("age"); age != frame.scalar.end())
+        surface.age = values_at(surface.mesh.position, frame.position, age->second, static_cast<float>(options.radius * frame.spacing));
     if (options.distance) surface.distance = distance_volume(surface.mesh, voxel, 8);
     return surface;
 }

@@ -27,6 +27,7 @@ struct Volume {
 
 struct Surface {
     TriangleMesh mesh;   ///< closed, manifold, outward normals
+    std::vector<float> age;  ///< s, one a vertex: how long the fluid there has been about; empty where the frame does not say
     Volume distance;     ///< signed distance to the surface [m], negative inside, clamped to a band of some voxels
 };
 
