@@ -9,7 +9,6 @@
 namespace whorl {
 namespace {
 
-constexpr Real smallest = std::numeric_limits<Real>::min();
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
@@ -48,47 +47,30 @@ void DensityRate::build(const WallImage& wall, const FluidPairs& pairs, const So
     diagonal.resize(n);
     free.resize(n);
     virial.resize(n);
-    const Real m = step.mass;
     const bool bodies = solids && solids->any_free();
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(pairs.size(), [&](Index i) {
-            Vec3 fluid = Vec3::Zero();
-            Real density = m * W.value(0), squares = 0, change = 0, pull = 0;
+            Real change = 0, wall_change = 0;
             std::size_t k = first[at(i)];
-            pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-                const Vec3 g = m * W.derivative(distance) / std::max(distance, smallest) * r;
-                gradient[k++] = g;
-                fluid += g;
-                squares += g.squaredNorm();
-                density += m * W.value(distance);
-                pull -= m * W.derivative(distance) * distance;
-                change += g.dot(u[i] - u[j]);
-            });
-            Vec3 walls = Vec3::Zero();
-            Real w = 0, wall_change = 0, wall_pull = 0;
-            if (solid.size() > 0)
-                solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                    const WallImage::Seen seen = wall.see(W, r, distance, solid.normal[at(s)], solid.volume[at(s)]);
-                    w += seen.value;
-                    wall_pull += seen.pull;
-                    walls += seen.gradient;
+            const DensityRow row = density_row(
+                wall, W, pairs, solid_pairs, solid, step.mass, i,
+                [&](Index j, const Vec3& g) {
+                    gradient[k++] = g;
+                    change += g.dot(u[i] - u[j]);
+                },
+                [&](Index s, const Vec3& r, const WallImage::Seen& seen) {
                     const Solid* body = bodies ? &solids->all[at(solid.solid[at(s)])] : nullptr;
                     const Vec3 moves = body && body->body ? body->pose.velocity_at(solid.position[at(s)] + r) : solid.velocity[at(s)];
                     wall_change += seen.gradient.dot(u[i] - moves);
                 });
-            const SolidGate::Passed passed = wall.gate.pass(w);
-            w = passed.sum;
-            walls *= passed.slope, wall_change *= passed.slope, wall_pull *= passed.slope;
-            // Where solids leave next to no room the quotient is limited, or it would blow up.
-            const Real f = 1 / std::max(1 - w, Real(0.25));
-            const Real density_i = f * density;
+            const Real f = row.fill;
             fill[at(i)] = f;
-            own[at(i)] = f * (fluid + density_i * walls);
+            own[at(i)] = row.own;
             free[at(i)] = role[i] == 0;
-            diagonal[at(i)] = role[i] == 0 ? own[at(i)].squaredNorm() + f * f * squares : 0;
-            virial[at(i)] = std::clamp(f * (pull / density_i + wall_pull) / 3, Real(0.8), Real(1.5));  // a surface particle has no pressure to speak of
-            rho[at(i)] = density_i;
-            rate[at(i)] = f * (change + density_i * wall_change);
+            diagonal[at(i)] = role[i] == 0 ? row.own.squaredNorm() + f * f * row.squares : 0;
+            virial[at(i)] = std::clamp(f * row.pull / (3 * row.density), Real(0.8), Real(1.5));  // a surface particle has no pressure to speak of
+            rho[at(i)] = row.density;
+            rate[at(i)] = f * (change + row.density * row.wall_slope * wall_change);
         });
     });
 }

@@ -23,7 +23,7 @@ struct WallImage {
     Real factor;       ///< on the solids' volumes
     Real stretch;      ///< 1.85 for the cubic kernel with R = 2 d
     Real spacing;      ///< m
-    Real nearest;      ///< m, an image comes no closer than this along the normal
+    Real nearest;      ///< m, where an image comes closer than this along the normal, w goes on along its tangent
     SolidGate gate;    ///< w_i counts as w_i times its weight, in the density and in its derivative
     WallImage(KernelKind kernel, Real support, Real spacing, SolidGate gate = {});
 
@@ -36,15 +36,65 @@ struct WallImage {
     Seen see(const Kernel& W, const Vec3& r, Real distance, const Vec3& normal, Real volume) const {
         const Real V = factor * volume, height = r.dot(normal);
         Vec3 g = r;
+        Real beyond = 0;  // how much closer than `nearest`
         if (height > 0) {  // else s belongs to a face that does not face i
-            const Real image = std::max(spacing + stretch * (height - spacing), nearest);
+            const Real wanted = spacing + stretch * (height - spacing), image = std::max(wanted, nearest);
+            beyond = image - wanted;
             g += (stretch * image - height) * normal;
             distance = std::sqrt(std::max(Real(0), r.squaredNorm() - height * height) + image * image);
         }
-        g *= V * W.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
-        return {V * W.value(distance), -V * W.derivative(distance) * distance, g};
+        const Real slope = W.slope(distance);
+        g *= V * slope;
+        return {V * (W.value(distance) - slope * nearest * beyond), -V * slope * distance * distance, g};
+    }
+    /// Of the room around i, which solids fill to w: 1 - w, but never 0, and how much it shrinks with w.
+    struct Room {
+        Real left, slope;
+    };
+    static Room room(Real w) {
+        constexpr Real least = Real(0.25);
+        if (w <= 1 - least) return {1 - w, 1};
+        const Real left = least * std::exp((1 - least - w) / least);
+        return {left, left / least};
     }
 };
+
+/// What the density of one particle is made of.
+struct DensityRow {
+    Real density, fill;  ///< rho_i, f_i
+    Vec3 own;            ///< kg/m^4
+    Real wall_slope;     ///< rho_i's change with w_i over f_i rho_i
+    Real squares;        ///< sum_j |g_ij|^2
+    Real pull;           ///< -sum_j m W' r + rho_i times the solids' [kg/m^3]
+};
+
+/// @param fluid_neighbour called as (j, g_ij) @param solid_neighbour as (s, r, Seen)
+template <class Kernel, class Fluid, class SolidPart>
+DensityRow density_row(const WallImage& wall, const Kernel& W, const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, Real mass, Index i,
+                       Fluid&& fluid_neighbour, SolidPart&& solid_neighbour) {
+    Vec3 fluid = Vec3::Zero(), walls = Vec3::Zero();
+    Real density = mass * W.value(0), squares = 0, pull = 0, w = 0, wall_pull = 0;
+    pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
+        const Vec3 g = mass * W.slope(distance) * r;
+        fluid += g;
+        squares += g.squaredNorm();
+        density += mass * W.value(distance);
+        pull -= g.dot(r);
+        fluid_neighbour(j, g);
+    });
+    if (solid.size() > 0)
+        solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+            const WallImage::Seen seen = wall.see(W, r, distance, solid.normal[static_cast<std::size_t>(s)], solid.volume[static_cast<std::size_t>(s)]);
+            w += seen.value;
+            wall_pull += seen.pull;
+            walls += seen.gradient;
+            solid_neighbour(s, r, seen);
+        });
+    const SolidGate::Passed passed = wall.gate.pass(w);
+    const WallImage::Room room = WallImage::room(passed.sum);
+    const Real f = 1 / room.left, slope = passed.slope * room.slope, rho = f * density;
+    return {rho, f, f * (fluid + rho * slope * walls), slope, squares, pull + rho * slope * wall_pull};
+}
 
 /// (D u)_i = d rho_i/dt = own_i.u_i - f_i sum_j g_ij.u_j - wall_i        with g_ij = m grad W_ij, f_i = 1/(1 - w_i), wall_i: what moving solids do
 /// It is the exact derivative of the density above, so that what holds the densities also has an energy: the work of D^T q on the fluid.
