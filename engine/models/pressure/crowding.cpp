@@ -31,7 +31,7 @@ void RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, const Soli
                               Read<field::role> role, Span<Real> rho, Span<Vec3> x) {
     const Real rho_0 = step.rest_density, m = step.mass, crowded = rho_0 * (1 + most_ / 2), farthest = step.spacing / 5;
     const auto row = [&](Index i) {
-        return density_row(wall, W, pairs_, solid_pairs_, layer, m, i, [](Index, const Vec3&) {}, [](Index, const Vec3&, const WallImage::Seen&) {});
+        return density_row(wall, W, pairs_, solid_pairs_, layer, m, i, [](const Pairs::Group&, const Real*) {}, [](Index, const Vec3&, const WallImage::Seen&) {});
     };
     const Index n = static_cast<Index>(x.size());
     parallel_for(n, [&](Index i) { rho[at(i)] = row(i).density; });
@@ -79,8 +79,10 @@ void RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, const Soli
 void RelieveCrowding::operator()(const Solids& solids, const SolidParticles& layer, const StepContext& step, Read<field::role> role, Write<field::density> rho,
                                  Update<field::position> x) {
     const Index n = x.size();
-    // A fifth of a spacing more than the kernel's reach: who comes into it while particles move is seen.
-    const Real reach = step.support + step.spacing / 5;
+    // A fifth of a spacing more than the kernel's reach: who comes into it while particles move is seen. A periodic axis may be too short for that.
+    Real reach = step.support + step.spacing / 5;
+    for (const Real length : step.domain.period())
+        if (length > 0) reach = std::min(reach, length / 2);
     search_.find(x.values, reach, step.domain, pairs_);
     solid_search_.find(x.values, layer.position, reach, step.domain, solid_pairs_);
     seen_.resize(at(n), 0), push_.resize(at(n)), moves_.resize(at(n));

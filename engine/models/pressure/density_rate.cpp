@@ -41,7 +41,9 @@ void DensityRate::build(const WallImage& wall, const FluidPairs& pairs, const So
     first = pairs.first;
     other = pairs.other;
     const std::size_t n = at(pairs.size());
-    gradient.resize(other.size());
+    slope.resize(other.size());
+    period = pairs.period;
+    x.resize(n);
     fill.resize(n);
     own.resize(n);
     diagonal.resize(n);
@@ -51,12 +53,19 @@ void DensityRate::build(const WallImage& wall, const FluidPairs& pairs, const So
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(pairs.size(), [&](Index i) {
             Real change = 0, wall_change = 0;
-            std::size_t k = first[at(i)];
+            x[at(i)] = padded(pairs.x_own[at(i)]);
+            Index k = 0;
             const DensityRow row = density_row(
                 wall, W, pairs, solid_pairs, solid, step.mass, i,
-                [&](Index j, const Vec3& g) {
-                    gradient[k++] = g;
-                    change += g.dot(u[i] - u[j]);
+                [&](const Pairs::Group& group, const Real* c) {
+                    std::copy(c, c + group.count, slope.begin() + static_cast<std::ptrdiff_t>(first[at(i)]) + k);
+                    k += group.count;
+                    alignas(64) Real v[3][Pairs::Group::most];
+                    group.gather(u.values.data(), v);
+                    Real part = 0;
+                    for (Index l = 0; l < group.padded(); ++l)
+                        part += c[l] * (group.r[0][l] * (u[i][0] - v[0][l]) + group.r[1][l] * (u[i][1] - v[1][l]) + group.r[2][l] * (u[i][2] - v[2][l]));
+                    change += part;
                 },
                 [&](Index s, const Vec3& r, const WallImage::Seen& seen) {
                     const Solid* body = bodies ? &solids->all[at(solid.solid[at(s)])] : nullptr;
@@ -68,32 +77,64 @@ void DensityRate::build(const WallImage& wall, const FluidPairs& pairs, const So
             own[at(i)] = row.own;
             free[at(i)] = role[i] == 0;
             diagonal[at(i)] = role[i] == 0 ? row.own.squaredNorm() + f * f * row.squares : 0;
-            virial[at(i)] = std::clamp(f * row.pull / (3 * row.density), Real(0.8), Real(1.5));  // a surface particle has no pressure to speak of
+            const Real own_part = step.mass * W.value(0), neighbours = row.density / f - own_part;  // a surface particle has no pressure to speak of
+            virial[at(i)] = neighbours > 0 ? std::clamp(row.pull * (row.density - own_part) / (3 * row.density * neighbours), Real(0.8), Real(1.5)) : Real(1);
             rho[at(i)] = row.density;
             rate[at(i)] = f * (change + row.density * row.wall_slope * wall_change);
         });
     });
 }
 
-void DensityRate::transposed(Span<const Real> q, Span<Vec3> v) const {
-    parallel_for(size(), [&](Index i) {
-        Vec3 sum = q[at(i)] * own[at(i)];
-        for (std::size_t k = first[at(i)]; k < first[at(i) + 1]; ++k) {
-            const std::size_t j = at(other[k]);
-            sum += fill[j] * q[j] * gradient[k];
-        }
-        v[at(i)] = free[at(i)] ? sum : Vec3(Vec3::Zero());
-    });
+/// sum over the neighbours of i of term(k, j, r_ij), in four sums side by side: one after the other each would wait for the one before.
+template <bool periodic, class F>
+Padded DensityRate::sum_over_row(Index i, const F& term) const {
+    const Padded xi = x[at(i)];
+    Padded length = Padded::Zero(), inverse = Padded::Zero();
+    if constexpr (periodic) {
+        length = padded(period);
+        for (int a = 0; a < 3; ++a) inverse[a] = period[a] > 0 ? 1 / period[a] : 0;
+    }
+    const auto one = [&](std::size_t k) {
+        const std::size_t j = at(other[k]);
+        Padded r = xi - x[j];
+        if constexpr (periodic) r -= length.cwiseProduct(r.cwiseProduct(inverse).array().round().matrix());
+        return Padded(term(k, j, r));
+    };
+    Padded sum[4] = {Padded::Zero(), Padded::Zero(), Padded::Zero(), Padded::Zero()};
+    const std::size_t end = first[at(i) + 1];
+    std::size_t k = first[at(i)];
+    for (; k + 4 <= end; k += 4)
+        for (std::size_t a = 0; a < 4; ++a) sum[a] += one(k + a);
+    for (; k < end; ++k) sum[0] += one(k);
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
-void DensityRate::apply(Span<const Vec3> v, Span<const char> wanted, Span<Real> rate) const {
-    parallel_for(size(), [&](Index i) {
-        rate[at(i)] = 0;
-        if (!wanted[at(i)]) return;
-        Real sum = 0;
-        for (std::size_t k = first[at(i)]; k < first[at(i) + 1]; ++k) sum += gradient[k].dot(v[at(other[k])]);
-        rate[at(i)] = own[at(i)].dot(v[at(i)]) - fill[at(i)] * sum;
-    });
+void DensityRate::transposed(Span<const Real> q, Span<Padded> v) const {
+    share_.resize(at(size()));
+    parallel_for(size(), [&](Index i) { share_[at(i)] = fill[at(i)] * q[at(i)]; });
+    const auto run = [&]<bool periodic>() {
+        parallel_for(size(), [&](Index i) {
+            v[at(i)].setZero();
+            if (!free[at(i)]) return;
+            v[at(i)] = padded(q[at(i)] * own[at(i)]) +
+                       sum_over_row<periodic>(i, [&](std::size_t k, std::size_t j, const Padded& r) { return (slope[k] * share_[j]) * r; });
+        });
+    };
+    if (period != Vec3::Zero()) run.template operator()<true>();
+    else run.template operator()<false>();
+}
+
+void DensityRate::apply(Span<const Padded> v, Span<const char> wanted, Span<Real> rate) const {
+    const auto run = [&]<bool periodic>() {
+        parallel_for(size(), [&](Index i) {
+            rate[at(i)] = 0;
+            if (!wanted[at(i)]) return;
+            const Padded sum = sum_over_row<periodic>(i, [&](std::size_t k, std::size_t j, const Padded& r) { return slope[k] * r.cwiseProduct(v[j]); });
+            rate[at(i)] = own[at(i)].dot(v[at(i)].template head<3>()) - fill[at(i)] * sum.sum();
+        });
+    };
+    if (period != Vec3::Zero()) run.template operator()<true>();
+    else run.template operator()<false>();
 }
 
 }  // namespace whorl
