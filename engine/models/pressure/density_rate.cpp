@@ -25,13 +25,27 @@ WallImage::WallImage(KernelKind kind, Real support, Real d, SolidGate gate_befor
                     if (k > 0) pull -= static_cast<double>(W.derivative(r) * k * d / r);
                 }
         };
-        double own = 0, none = 0, first = 0, first_pull = 0, all = 0, all_pull = 0;
+        // Its sum_j |W'| r.
+        const auto virial_of = [&](int k) {
+            double sum = 0;
+            for (int a = -reach; a <= reach; ++a)
+                for (int b = -reach; b <= reach; ++b) {
+                    const Real r = d * std::sqrt(static_cast<Real>(a * a + b * b + k * k));
+                    sum -= static_cast<double>(W.derivative(r)) * r;
+                }
+            return sum;
+        };
+        double own = 0, none = 0, first = 0, first_pull = 0, all = 0, all_pull = 0, behind = 0;
         layer(0, own, none);
         layer(1, first, first_pull);
-        for (int k = 1; k <= reach; ++k) layer(k, all, all_pull);
+        for (int k = 1; k <= reach; ++k) layer(k, all, all_pull), behind += virial_of(k);
         const double volume = static_cast<double>(d) * d * d;
         factor = static_cast<Real>(own * volume * all / first);
         // f (fluid - stretch wall) + fluid = 0 along the normal: the row of i and the rows of its neighbours.
+        const double beside = virial_of(0), of_lattice = ((1 - volume * all) * (beside + 2 * behind) - (beside + behind)) * first / (all * virial_of(1));
+        // Water that has settled stands otherwise: with 1 the pressure of its lowest layer comes out 6 % too high at a floor, 13 % in a slot 6 d wide; with
+        // what the lattice asks for 8 % too low at both.
+        virial = static_cast<Real>(of_lattice + 0.58 * (1 - of_lattice));
         stretch = static_cast<Real>(all_pull * first / (first_pull * all) * (2 - volume * all));
     });
 }
@@ -77,8 +91,7 @@ void DensityRate::build(const WallImage& wall, const FluidPairs& pairs, const So
             own[at(i)] = row.own;
             free[at(i)] = role[i] == 0;
             diagonal[at(i)] = role[i] == 0 ? row.own.squaredNorm() + f * f * row.squares : 0;
-            const Real own_part = step.mass * W.value(0), neighbours = row.density / f - own_part;  // a surface particle has no pressure to speak of
-            virial[at(i)] = neighbours > 0 ? std::clamp(row.pull * (row.density - own_part) / (3 * row.density * neighbours), Real(0.8), Real(1.5)) : Real(1);
+            virial[at(i)] = std::clamp(f * row.pull / (3 * row.density), Real(0.8), Real(1.5));  // a surface particle has no pressure to speak of
             rho[at(i)] = row.density;
             rate[at(i)] = f * (change + row.density * row.wall_slope * wall_change);
         });

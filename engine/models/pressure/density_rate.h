@@ -22,14 +22,15 @@ namespace whorl {
 struct WallImage {
     Real factor;       ///< on the solids' volumes
     Real stretch;      ///< 1.85 for the cubic kernel with R = 2 d
+    Real virial;       ///< on what the layer adds to a particle's virial (DensityRate::virial)
     Real spacing;      ///< m
     Real nearest;      ///< m, where an image comes closer than this along the normal, w goes on along its tangent
     SolidGate gate;    ///< w_i counts as w_i times its weight, in the density and in its derivative
     WallImage(KernelKind kernel, Real support, Real spacing, SolidGate gate = {});
 
-    /// What a solid particle adds to w_i, and its gradient with respect to x_i.
+    /// What a solid particle adds to w_i, its gradient with respect to x_i, and its pull -V W' |r'|.
     struct Seen {
-        Real value;
+        Real value, pull;
         Vec3 gradient;
     };
     template <class Kernel>
@@ -45,7 +46,7 @@ struct WallImage {
         }
         const Real slope = W.slope(distance);
         g *= V * slope;
-        return {V * (W.value(distance) - slope * nearest * beyond), g};
+        return {V * (W.value(distance) - slope * nearest * beyond), -V * slope * distance * distance * virial, g};
     }
     /// Of the room around i, which solids fill to w: 1 - w, but never 0, and how much it shrinks with w.
     struct Room {
@@ -65,7 +66,7 @@ struct DensityRow {
     Vec3 own;            ///< kg/m^4
     Real wall_slope;     ///< rho_i's change with w_i over f_i rho_i
     Real squares;        ///< sum_j |g_ij|^2
-    Real pull;           ///< -sum_j m W' r [kg/m^3]
+    Real pull;           ///< -sum_j m W' r + rho_i times the solids' [kg/m^3]
 };
 
 /// @param fluid_neighbours called as (group, c) with g_ij = c r @param solid_neighbour as (s, r, Seen)
@@ -73,7 +74,7 @@ template <class Kernel, class Fluid, class SolidPart>
 DensityRow density_row(const WallImage& wall, const Kernel& W, const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, Real mass, Index i,
                        Fluid&& fluid_neighbours, SolidPart&& solid_neighbour) {
     Vec3 fluid = Vec3::Zero(), walls = Vec3::Zero();
-    Real density = mass * W.value(0), squares = 0, pull = 0, w = 0;
+    Real density = mass * W.value(0), squares = 0, pull = 0, w = 0, wall_pull = 0;
     pairs.groups_of(i, [&](const Pairs::Group& group) {
         alignas(64) Real c[Pairs::Group::most];
         Real x = 0, y = 0, z = 0, sum = 0, sum_squares = 0, sum_pull = 0;
@@ -97,13 +98,14 @@ DensityRow density_row(const WallImage& wall, const Kernel& W, const FluidPairs&
         solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
             const WallImage::Seen seen = wall.see(W, r, distance, solid.normal[static_cast<std::size_t>(s)], solid.volume[static_cast<std::size_t>(s)]);
             w += seen.value;
+            wall_pull += seen.pull;
             walls += seen.gradient;
             solid_neighbour(s, r, seen);
         });
     const SolidGate::Passed passed = wall.gate.pass(w);
     const WallImage::Room room = WallImage::room(passed.sum);
     const Real f = 1 / room.left, slope = passed.slope * room.slope, rho = f * density;
-    return {rho, f, f * (fluid + rho * slope * walls), slope, squares, pull};
+    return {rho, f, f * (fluid + rho * slope * walls), slope, squares, pull + rho * slope * wall_pull};
 }
 
 /// Three components and a zero: one vector register.
@@ -121,8 +123,8 @@ struct DensityRate {
     Column<Real> fill;              ///< f_i
     Column<Vec3> own;               ///< own_i [kg/m^4]
     Column<Real> diagonal;          ///< of D D^T [kg^2/m^8]; 0 where the density cannot change
-    /// sum_j V_j |W'_ij| r_ij/3: 1 for a perfect gradient, 1.02 on a lattice with R = 2 d, up to 1.05 once it has melted. The pressure that the pair forces of q
-    /// exert (their virial) is q times this. Behind walls the same is taken to lie as before them: the sum grows with its share of the density.
+    /// f_i sum_j V_j |W'_ij| r_ij/3, images of solids included: 1 for a perfect gradient, 1.02 on a lattice with R = 2 d, up to 1.05 once it has melted.
+    /// The pressure that the pair forces of q exert (their virial) is q times this.
     Column<Real> virial;
     std::vector<char> free;         ///< 0: the velocity is prescribed (inside a nozzle): it does not react and has no pressure of its own
 
