@@ -19,5 +19,7 @@ void check_placement(const Scene& scene, const Plan& plan, const SceneNumbers& n
 double part_inside_solids(const SceneShapes& shapes, std::size_t block, double spacing);
 /// Share of the domain outside the solids where no block puts fluid at the start.
 double part_left_empty(const Scene& scene, const SceneShapes& shapes);
+/// What pressure.form = "poisson" cannot hold: fluid that fills a periodic domain, and fluid between solids that face each other closely.
+void check_poisson(const Scene& scene, const Plan& plan, const SceneShapes& shapes, std::vector<Problem>& problems);
 
 }  // namespace whorl

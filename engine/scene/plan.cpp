@@ -201,6 +201,7 @@ Plan make_plan(const Scene& given) {
         plan.choices.push_back({"time.sleep", fmt::format("{:g}", scene.time.sleep), false, "what moves less than that many spacings in half a second is not solved for"});
     check_models(given, plan, n.viscous_number, problems);
     check_placement(scene, plan, n, shapes, problems);
+    check_poisson(scene, plan, shapes, problems);
     if (!problems.empty()) throw InputError(in_order(std::move(problems), file));
     warn(plan, scene, n, shapes);
     if (plan.micropolar != MicropolarModel::none) warn_micropolar(plan, scene);

@@ -9,6 +9,7 @@
 #include "engine/models/micropolar/micropolar.h"
 #include "engine/models/motion/motion.h"
 #include "engine/models/pressure/constraint.h"
+#include "engine/models/pressure/crowding.h"
 #include "engine/models/pressure/damping.h"
 #include "engine/models/pressure/divergence_free.h"
 #include "engine/models/pressure/multigrid.h"
@@ -28,6 +29,9 @@
 
 namespace whorl {
 namespace {
+
+/// Of the density error that is left of a single particle, over pressure.tolerance, which is that of all in the mean.
+constexpr double largest_over_mean_error = 10;
 
 /// Of the particles that move freely [J].
 double free_kinetic_energy(const World& w) {
@@ -204,6 +208,7 @@ private:
             stage("keep outside", "boundary", KeepOutside{});
             booked(&EnergyWork::boundary);
         }
+        if (constraint) stage("crowding", "pressure", RelieveCrowding(largest_over_mean_error * scene_.pressure.tolerance, gate_));
     }
 
     void surface_tension(std::shared_ptr<std::vector<Real>> internal) {

@@ -36,6 +36,7 @@ int main(int count, char** arguments) try {
                                                                       {"preconditioners", preconditioner_table},
                                                                       {"preconditioners_large", preconditioner_table_large},
                                                                       {"hierarchies", hierarchy_table},
+                                                                      {"divergence_free", divergence_free_table},
                                                                       {"threads", thread_table}};
     const std::string file = arguments[1];
     for (const auto& [name, table] : studies) {

@@ -15,6 +15,8 @@ std::string preconditioner_table();
 std::string preconditioner_table_large();
 /// The same at 1e5 particles for other first levels, interpolations and cycles.
 std::string hierarchy_table();
+/// What a divergence-free velocity keeps of energy, density and period, and what it costs.
+std::string divergence_free_table();
 /// Wall time with one and with two threads.
 std::string thread_table();
 

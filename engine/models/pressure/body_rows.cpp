@@ -33,7 +33,8 @@ void BodyRows::build(const WallImage& wall, const SolidPairs& solid_pairs, const
                     touch.h += seen.gradient;
                     touch.arm = layer.position[at(s)] + r - state.centre.cast<Real>();
                 });
-                touch.h *= wall.gate.pass(w).slope * D.fill[at(touch.particle)] * rho[at(touch.particle)];
+                const SolidGate::Passed passed = wall.gate.pass(w);
+                touch.h *= passed.slope * WallImage::room(passed.sum).slope * D.fill[at(touch.particle)] * rho[at(touch.particle)];
             });
         });
         std::erase_if(body.touches, [](const Touch& t) { return t.h == Vec3::Zero(); });

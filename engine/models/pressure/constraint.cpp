@@ -150,13 +150,13 @@ void ConstraintPressure::operator()(const FluidPairs& pairs, const SolidPairs& s
         b_[at(i)] += (excess > 0 || filled ? static_cast<Real>(options_.correction) : Real(1)) * excess / step.dt;
         p[i] = D_.diagonal[at(i)] > 0 ? p[i] / D_.virial[at(i)] * step.dt / (rho[i] * rho[i]) : 0;  // q
     });
-    ConstraintMatrix matrix{D_, {}, Column<Vec3>(at(n)), pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};
+    ConstraintMatrix matrix{D_, {}, Column<Padded>(at(n)), pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};
     const auto fastest = static_cast<Real>(filled ? std::sqrt(parallel_max(n, 0, [&](Index i) { return u[i].squaredNorm(); })) : 0);
     report.solves.push_back({"pressure", filled ? solve_filled(matrix, step, mean_rate, fastest, p.values) : solve(matrix, step, p.values)});
     bodies_.push(p.values, solids);
     D_.transposed(p.values, matrix.force);
     parallel_for(n, [&](Index i) {
-        u[i] -= matrix.force[at(i)];
+        u[i] -= matrix.force[at(i)].head<3>();
         p[i] *= D_.virial[at(i)] * rho[i] * rho[i] / step.dt;
     });
 }

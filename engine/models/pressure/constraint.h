@@ -15,7 +15,7 @@ namespace whorl {
 struct ConstraintMatrix {
     const DensityRate& D;
     std::vector<char> presses;    ///< 1: an unknown of the present solve
-    mutable Column<Vec3> force;   ///< D^T q of the last product
+    mutable Column<Padded> force; ///< D^T q of the last product
     Span<const Vec3> x;           ///< positions
     Real spacing = 0;
     const BodyRows* bodies = nullptr;  ///< columns of D that belong to free bodies

@@ -21,6 +21,7 @@ public:
 private:
     double rate_, tension_;
     Column<Mat3> gradient_;
+    Column<Vec3> stretching_[2];  ///< of the symmetric part of the gradients the diagonal, and twice what stands beside it
     Column<Vec3> change_;
 };
 

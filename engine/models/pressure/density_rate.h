@@ -22,8 +22,9 @@ namespace whorl {
 struct WallImage {
     Real factor;       ///< on the solids' volumes
     Real stretch;      ///< 1.85 for the cubic kernel with R = 2 d
+    Real virial;       ///< on what the layer adds to a particle's virial (DensityRate::virial)
     Real spacing;      ///< m
-    Real nearest;      ///< m, an image comes no closer than this along the normal
+    Real nearest;      ///< m, where an image comes closer than this along the normal, w goes on along its tangent
     SolidGate gate;    ///< w_i counts as w_i times its weight, in the density and in its derivative
     WallImage(KernelKind kernel, Real support, Real spacing, SolidGate gate = {});
 
@@ -36,22 +37,89 @@ struct WallImage {
     Seen see(const Kernel& W, const Vec3& r, Real distance, const Vec3& normal, Real volume) const {
         const Real V = factor * volume, height = r.dot(normal);
         Vec3 g = r;
+        Real beyond = 0;  // how much closer than `nearest`
         if (height > 0) {  // else s belongs to a face that does not face i
-            const Real image = std::max(spacing + stretch * (height - spacing), nearest);
+            const Real wanted = spacing + stretch * (height - spacing), image = std::max(wanted, nearest);
+            beyond = image - wanted;
             g += (stretch * image - height) * normal;
             distance = std::sqrt(std::max(Real(0), r.squaredNorm() - height * height) + image * image);
         }
-        g *= V * W.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
-        return {V * W.value(distance), -V * W.derivative(distance) * distance, g};
+        const Real slope = W.slope(distance);
+        g *= V * slope;
+        return {V * (W.value(distance) - slope * nearest * beyond), -V * slope * distance * distance * virial, g};
+    }
+    /// Of the room around i, which solids fill to w: 1 - w, but never 0, and how much it shrinks with w.
+    struct Room {
+        Real left, slope;
+    };
+    static Room room(Real w) {
+        constexpr Real least = Real(0.25);
+        if (w <= 1 - least) return {1 - w, 1};
+        const Real left = least * std::exp((1 - least - w) / least);
+        return {left, left / least};
     }
 };
 
-/// (D u)_i = d rho_i/dt = own_i.u_i - f_i sum_j g_ij.u_j - wall_i        with g_ij = m grad W_ij, f_i = 1/(1 - w_i), wall_i: what moving solids do
+/// What the density of one particle is made of.
+struct DensityRow {
+    Real density, fill;  ///< rho_i, f_i
+    Vec3 own;            ///< kg/m^4
+    Real wall_slope;     ///< rho_i's change with w_i over f_i rho_i
+    Real squares;        ///< sum_j |g_ij|^2
+    Real pull;           ///< -sum_j m W' r + rho_i times the solids' [kg/m^3]
+};
+
+/// @param fluid_neighbours called as (group, c) with g_ij = c r @param solid_neighbour as (s, r, Seen)
+template <class Kernel, class Fluid, class SolidPart>
+DensityRow density_row(const WallImage& wall, const Kernel& W, const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, Real mass, Index i,
+                       Fluid&& fluid_neighbours, SolidPart&& solid_neighbour) {
+    Vec3 fluid = Vec3::Zero(), walls = Vec3::Zero();
+    Real density = mass * W.value(0), squares = 0, pull = 0, w = 0, wall_pull = 0;
+    pairs.groups_of(i, [&](const Pairs::Group& group) {
+        alignas(64) Real c[Pairs::Group::most];
+        Real x = 0, y = 0, z = 0, sum = 0, sum_squares = 0, sum_pull = 0;
+        for (Index l = 0; l < group.padded(); ++l) {
+            const Real r = group.distance[l], slope = mass * W.slope(r), part = slope * r * r;
+            c[l] = slope;
+            x += slope * group.r[0][l];
+            y += slope * group.r[1][l];
+            z += slope * group.r[2][l];
+            sum += W.value(r);
+            sum_pull -= part;
+            sum_squares += slope * part;
+        }
+        fluid += Vec3(x, y, z);
+        density += mass * sum;
+        squares += sum_squares;
+        pull += sum_pull;
+        fluid_neighbours(group, static_cast<const Real*>(c));
+    });
+    if (solid.size() > 0)
+        solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+            const WallImage::Seen seen = wall.see(W, r, distance, solid.normal[static_cast<std::size_t>(s)], solid.volume[static_cast<std::size_t>(s)]);
+            w += seen.value;
+            wall_pull += seen.pull;
+            walls += seen.gradient;
+            solid_neighbour(s, r, seen);
+        });
+    const SolidGate::Passed passed = wall.gate.pass(w);
+    const WallImage::Room room = WallImage::room(passed.sum);
+    const Real f = 1 / room.left, slope = passed.slope * room.slope, rho = f * density;
+    return {rho, f, f * (fluid + rho * slope * walls), slope, squares, pull + rho * slope * wall_pull};
+}
+
+/// Three components and a zero: one vector register.
+using Padded = Eigen::Matrix<Real, 4, 1>;
+inline Padded padded(const Vec3& v) { return {v[0], v[1], v[2], 0}; }
+
+/// (D u)_i = d rho_i/dt = own_i.u_i - f_i sum_j g_ij.u_j - wall_i        with g_ij = m grad W_ij = c_ij r_ij, f_i = 1/(1 - w_i), wall_i: what moving solids do
 /// It is the exact derivative of the density above, so that what holds the densities also has an energy: the work of D^T q on the fluid.
 struct DensityRate {
     Span<const std::size_t> first;  ///< rows of the pairs that it was built from
     Span<const Index> other;
-    Column<Vec3> gradient;          ///< g_ij, a pair [kg/m^4]
+    Column<Real> slope;             ///< c_ij, a pair [kg/m^5]: with the positions a third of the memory of g_ij, and as little to read a product
+    Column<Padded> x;               ///< m
+    Vec3 period = Vec3::Zero();     ///< Domain::period()
     Column<Real> fill;              ///< f_i
     Column<Vec3> own;               ///< own_i [kg/m^4]
     Column<Real> diagonal;          ///< of D D^T [kg^2/m^8]; 0 where the density cannot change
@@ -66,10 +134,22 @@ struct DensityRate {
     /// @param solids whose poses free bodies are seen to move by; without them every layer particle counts with its own velocity
     void build(const WallImage& wall, const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, const StepContext& step,
                Read<field::role> role, Read<field::velocity> u, Span<Real> rho, Span<Real> rate, const Solids* solids = nullptr);
+    /// g_ij of the pair k in row i.
+    Vec3 gradient(Index i, std::size_t k) const {
+        Vec3 r = (x[static_cast<std::size_t>(i)] - x[static_cast<std::size_t>(other[k])]).template head<3>();
+        for (int a = 0; a < 3; ++a)
+            if (period[a] > 0) r[a] -= period[a] * std::nearbyint(r[a] / period[a]);
+        return slope[k] * r;
+    }
     /// v = D^T q where free, 0 elsewhere.
-    void transposed(Span<const Real> q, Span<Vec3> v) const;
+    void transposed(Span<const Real> q, Span<Padded> v) const;
     /// rate_i = (D v)_i without the solids, where wanted[i]; 0 elsewhere.
-    void apply(Span<const Vec3> v, Span<const char> wanted, Span<Real> rate) const;
+    void apply(Span<const Padded> v, Span<const char> wanted, Span<Real> rate) const;
+
+private:
+    template <bool periodic, class F>
+    Padded sum_over_row(Index i, const F& term) const;
+    mutable Column<Real> share_;  ///< f_j q_j
 };
 
 }  // namespace whorl

@@ -27,7 +27,7 @@ void DivergenceFree::operator()(const FluidPairs& pairs, const SolidPairs& solid
         b_[at(i)] = rate_[at(i)] + (inside_[at(i)] ? 0 : std::min(Real(0), rho[i] - rho_0) / step.dt);
         p[i] = D_.diagonal[at(i)] > 0 ? p[i] / D_.virial[at(i)] * step.dt / (rho[i] * rho[i]) : 0;  // q
     });
-    ConstraintMatrix matrix{D_, {}, Column<Vec3>(at(n)), pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};
+    ConstraintMatrix matrix{D_, {}, Column<Padded>(at(n)), pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};
     const auto mean_of = [&](const Column<Real>& values) { return parallel_sum(n, [&](Index i) { return static_cast<double>(values[at(i)]); }) / n; };
     const auto fastest = static_cast<Real>(filled ? std::sqrt(parallel_max(n, 0, [&](Index i) { return u[i].squaredNorm(); })) : 0);
     report.solves.push_back({"pressure", filled ? solve_filled(matrix, step, 0, 0, p.values) : solve(matrix, step, p.values, inside_)});
@@ -36,7 +36,7 @@ void DivergenceFree::operator()(const FluidPairs& pairs, const SolidPairs& solid
     matrix.multiply(p.values, residual_);  // leaves D^T q in matrix.force
     const Real mean = filled ? static_cast<Real>(parallel_sum(n, [&](Index i) { return static_cast<double>(rho[i]); }) / n) : rho_0;
     parallel_for(n, [&](Index i) {
-        u[i] -= matrix.force[at(i)];
+        u[i] -= matrix.force[at(i)].head<3>();
         p[i] *= D_.virial[at(i)] * rho[i] * rho[i] / step.dt;
         const Real excess = filled ? std::clamp(rho[i] - mean, -rho_0 / 200, rho_0 / 200) : std::min(rho[i] - rho_0, rho_0 / 20);
         b_[at(i)] = rate_[at(i)] - residual_[at(i)] + (excess > 0 || filled ? static_cast<Real>(options_.correction) : Real(1)) * excess / step.dt;
@@ -44,7 +44,7 @@ void DivergenceFree::operator()(const FluidPairs& pairs, const SolidPairs& solid
     matrix.bodies = nullptr;
     report.solves.push_back({"pressure", filled ? solve_filled(matrix, step, mean_of(b_), fastest, s.values) : solve(matrix, step, s.values)});
     D_.transposed(s.values, matrix.force);
-    parallel_for(n, [&](Index i) { drift[i] = -matrix.force[at(i)]; });
+    parallel_for(n, [&](Index i) { drift[i] = -matrix.force[at(i)].head<3>(); });
 }
 
 }  // namespace whorl

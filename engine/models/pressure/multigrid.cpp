@@ -138,7 +138,7 @@ SparseRows coarse_matrix(const ConstraintMatrix& A, const IndexGroups& groups) {
             add(groups.of[at(i)], D.own[at(i)]);
             for (std::size_t k = D.first[at(i)]; k < D.first[at(i) + 1]; ++k) {
                 const std::size_t j = at(D.other[k]);
-                add(groups.of[j], D.fill[j] * D.gradient[k]);
+                add(groups.of[j], D.fill[j] * D.gradient(i, k));
             }
             for (const Force& f : forces) {
                 auto& row = row_of(f.group);

@@ -273,3 +273,26 @@ TEST_CASE("a background pressure is warned of where blocks leave room, not in a 
     CHECK_FALSE(warned(channel("0.1")));
     CHECK(warned(channel("0.05")));
 }
+
+TEST_CASE("the published pressure rows are refused where they diverge, in narrow slots and in fluid that fills a periodic domain, and the constraint is not", "[plan][pressure]") {
+    const auto messages = [](const std::string& form, const std::string& rest) -> std::string {
+        try {
+            make_plan(scene_with({}, "[time]\nend = 1\n[fluid]\nspacing = 0.01\n[models]\npressure = \"ppe\"\n[pressure]\nform = \"" + form + "\"\n" + rest));
+        } catch (const InputError& error) {
+            return error.what();
+        }
+        return "";
+    };
+    const auto slot = [](const std::string& width) {
+        return "[domain]\nmin = [-0.05, -0.05, 0]\nmax = [0.2, 0.3, 0.1]\nperiodic = [false, false, true]\n[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [" + width +
+               ", 0.2, 0.1]\n[[solid]]\nshape = \"plane\"\n[[solid]]\nshape = \"plane\"\nnormal = [1, 0, 0]\n[[solid]]\nshape = \"plane\"\nposition = [" + width +
+               ", 0, 0]\nnormal = [-1, 0, 0]\n";
+    };
+    const std::string full = "[domain]\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]\nperiodic = [true, true, true]\n[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]\n";
+    CHECK(messages("poisson", slot("0.02")).find("these stand 2 spacings apart; take pressure.form = \"constraint\"") != std::string::npos);
+    CHECK(messages("poisson", slot("0.06")).find("these stand 6 spacings apart") != std::string::npos);
+    CHECK(messages("poisson", slot("0.1")).empty());
+    CHECK(messages("poisson", full).find("diverges in fluid that fills a periodic domain") != std::string::npos);
+    CHECK(messages("constraint", slot("0.02")).empty());
+    CHECK(messages("constraint", full).empty());
+}

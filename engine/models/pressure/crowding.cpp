@@ -1,0 +1,107 @@
+#include "engine/models/pressure/crowding.h"
+
+#include <limits>
+
+#include "engine/core/parallel.h"
+
+namespace whorl {
+namespace {
+
+constexpr int most_sweeps = 100;
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+void RelieveCrowding::with_neighbours(const std::vector<Index>& from, std::vector<Index>& all) {
+    ++lists_;
+    all.clear();
+    const auto take = [&](Index i) {
+        if (seen_[at(i)] == lists_) return;
+        seen_[at(i)] = lists_;
+        all.push_back(i);
+    };
+    for (const Index i : from) {
+        take(i);
+        for (std::size_t k = pairs_.first[at(i)]; k < pairs_.first[at(i) + 1]; ++k) take(pairs_.other[k]);
+    }
+}
+
+template <class Kernel>
+void RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, const Solids& solids, const SolidParticles& layer, const StepContext& step,
+                              Read<field::role> role, Span<Real> rho, Span<Vec3> x, Span<Vec3> u) {
+    const Real rho_0 = step.rest_density, m = step.mass, crowded = rho_0 * (1 + most_ / 2), farthest = step.spacing / 5;
+    const auto row = [&](Index i) {
+        return density_row(wall, W, pairs_, solid_pairs_, layer, m, i, [](const Pairs::Group&, const Real*) {}, [](Index, const Vec3&, const WallImage::Seen&) {});
+    };
+    const bool bodies = solids.any_free();
+    const auto beside_body = [&](Index i) {
+        for (std::size_t k = solid_pairs_.first[at(i)]; bodies && k < solid_pairs_.first[at(i) + 1]; ++k)
+            if (solids.all[at(layer.solid[at(solid_pairs_.other[k])])].body) return true;
+        return false;
+    };
+    const Index n = static_cast<Index>(x.size());
+    parallel_for(n, [&](Index i) { rho[at(i)] = row(i).density; });
+    touched_.resize(at(n));
+    for (Index i = 0; i < n; ++i) touched_[at(i)] = i;
+    for (int sweep = 0; sweep < most_sweeps; ++sweep) {
+        crowded_.clear();
+        Real densest = 0;
+        for (const Index i : touched_) {
+            if (!(rho[at(i)] > crowded) || role[i] != 0 || beside_body(i)) continue;
+            crowded_.push_back(i);
+            densest = std::max(densest, rho[at(i)]);
+        }
+        if (!(densest > rho_0 * (1 + Real(0.9) * most_))) return;
+        parallel_for(static_cast<Index>(crowded_.size()), [&](Index c) {
+            const Index i = crowded_[at(c)];
+            const DensityRow at_i = row(i);
+            const Real diagonal = at_i.own.squaredNorm() + at_i.fill * at_i.fill * at_i.squares;
+            const Real l = diagonal > std::numeric_limits<Real>::min() ? std::min(at_i.density - rho_0, rho_0 / 5) / (2 * diagonal) : 0;
+            push_[at(i)] = l * at_i.own;
+            share_[at(i)] = l * at_i.fill;
+        });
+        with_neighbours(crowded_, movers_);
+        parallel_for(static_cast<Index>(movers_.size()), [&](Index c) {
+            const Index i = movers_[at(c)];
+            Vec3 move = share_[at(i)] > 0 ? push_[at(i)] : Vec3(Vec3::Zero()), slower = Vec3::Zero();
+            pairs_.of(i, [&](Index j, const Vec3& r, Real distance) {
+                const Real both = share_[at(i)] + share_[at(j)];
+                if (!(both > 0)) return;
+                const Real slope = m * W.slope(distance);
+                move += share_[at(j)] * slope * r;
+                const Vec3 apart = u[at(i)] - u[at(j)];
+                slower += both * slope * (apart - apart.dot(r) / std::max(r.squaredNorm(), std::numeric_limits<Real>::min()) * r);
+            });
+            kicks_[at(c)] = role[i] != 0 ? Vec3(Vec3::Zero()) : slower;
+            const Real length = move.norm();
+            moves_[at(c)] = role[i] != 0 ? Vec3(Vec3::Zero()) : length > farthest ? Vec3(farthest / length * move) : move;
+        });
+        parallel_for(static_cast<Index>(movers_.size()), [&](Index c) {
+            const Index i = movers_[at(c)];
+            share_[at(i)] = 0;
+            x[at(i)] -= moves_[at(c)];
+            u[at(i)] += kicks_[at(c)];
+            Real distance = 0;
+            if (const int k = solids.nearest(x[at(i)], distance); k >= 0 && distance < 0) x[at(i)] -= distance * solids.all[at(k)].normal(x[at(i)]);
+        });
+        with_neighbours(movers_, touched_);
+        parallel_for(static_cast<Index>(touched_.size()), [&](Index c) { rho[at(touched_[at(c)])] = row(touched_[at(c)]).density; });
+    }
+}
+
+void RelieveCrowding::operator()(const Solids& solids, const SolidParticles& layer, const StepContext& step, Read<field::role> role, Write<field::density> rho,
+                                 Update<field::position> x, Update<field::velocity> u) {
+    const Index n = x.size();
+    // A fifth of a spacing more than the kernel's reach: who comes into it while particles move is seen. A periodic axis may be too short for that.
+    Real reach = step.support + step.spacing / 5;
+    for (const Real length : step.domain.period())
+        if (length > 0) reach = std::min(reach, length / 2);
+    search_.find(x.values, reach, step.domain, pairs_);
+    solid_search_.find(x.values, layer.position, reach, step.domain, solid_pairs_);
+    seen_.resize(at(n), 0), push_.resize(at(n)), moves_.resize(at(n)), kicks_.resize(at(n));
+    share_.assign(at(n), 0);
+    const WallImage wall(step.kernel, step.support, step.spacing, gate_);
+    with_kernel(step.kernel, step.support, [&](const auto& W) { relieve(wall, W, solids, layer, step, role, rho.values, x.values, u.values); });
+}
+
+}  // namespace whorl

@@ -1,0 +1,40 @@
+#pragma once
+/// What a step has pressed together beyond what its linear solve saw is moved apart (docs/physics.md 3).
+#include "engine/models/pressure/density_rate.h"
+#include "engine/particles/search.h"
+
+namespace whorl {
+
+/// The constraint holds rho_i + dt (D u)_i; where a particle hits a wall or another one within a step, the density itself has gone far beyond that line. While any
+/// density exceeds rho_0 by `most`, all that exceed it by half of that share move their surroundings and themselves,
+///   x -= D^T l,   l_i = (rho_i - rho_0)/(2 (D D^T)_ii),   at most a fifth of a spacing,
+/// with the densities and their derivative of the positions reached. Two that are moved apart turn about each other as much more slowly: a pair that moves by -a r_ij
+/// and a r_ij takes +a and -a of its relative velocity across r_ij, so that the angular momentum stays and no energy of motion is gained; the centre of mass stays where
+/// it is but for what solids push. Who is beside a free body is left to the solve: the body would have to give way, too. Writes the densities of the places where the step ends.
+class RelieveCrowding {
+public:
+    /// @param most relative density error that is left
+    RelieveCrowding(double most, SolidGate gate) : most_(static_cast<Real>(most)), gate_(gate) {}
+    void operator()(const Solids& solids, const SolidParticles& layer, const StepContext& step, Read<field::role> role, Write<field::density> rho,
+                    Update<field::position> x, Update<field::velocity> u);
+
+private:
+    template <class Kernel>
+    void relieve(const WallImage& wall, const Kernel& W, const Solids& solids, const SolidParticles& layer, const StepContext& step, Read<field::role> role,
+                 Span<Real> rho, Span<Vec3> x, Span<Vec3> u);
+    /// The particles of `from` and their neighbours.
+    void with_neighbours(const std::vector<Index>& from, std::vector<Index>& all);
+
+    Real most_;
+    SolidGate gate_;
+    NeighbourSearch search_, solid_search_;
+    FluidPairs pairs_;
+    SolidPairs solid_pairs_;
+    std::vector<Index> crowded_, movers_, touched_;
+    std::vector<int> seen_;  ///< by particle: the last list that it is in
+    int lists_ = 0;
+    Column<Vec3> push_, moves_, kicks_;  ///< l_i own_i; and what a mover does [m] and takes up [m/s]
+    Column<Real> share_;         ///< l_i f_i, 0 where not crowded
+};
+
+}  // namespace whorl
