@@ -149,7 +149,7 @@ TEST_CASE("bad input ends with 2, tells every mistake, and writes nothing", "[to
           "s.toml:4:1: unknown key \"spacng\" in [fluid]; did you mean \"spacing\"?; allowed: spacing, density, viscosity, surface_tension, kernel, "
           "support\n"
           "--set look.stile=opaque: unknown key \"stile\" in [look]; did you mean \"style\"?; allowed: style, material, absorption, colour, refraction, "
-          "roughness, background, ground, exposure, samples, field, colour_map, range, trail, slice_axis, slice_position, streaks, opacity, legend, time_stamp\n");
+          "roughness, cooling, background, ground, exposure, samples, field, colour_map, range, trail, slice_axis, slice_position, streaks, opacity, legend, time_stamp\n");
     CHECK(whorl_in(folder, "plan no_such.toml").code == 2);
     CHECK(std::distance(fs::directory_iterator(folder), fs::directory_iterator()) == 1);
     fs::remove_all(folder);
