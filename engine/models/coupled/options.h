@@ -41,6 +41,7 @@ struct CoupledOptions {
 
     int aggregate = 48;      ///< particles in an aggregate of the coarse level
     int refresh_every = 5;   ///< steps between two set-ups of the coarse level
+    bool diagonal = true;    ///< the diagonal blocks precondition; false: nothing does (to compare)
     int fewest_for_coarse = 150;  ///< free particles below which the diagonal alone preconditions
 };
 

@@ -183,7 +183,7 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
         unknowns.restrict_to(b);
     };
 
-    const bool coarse = free_particles >= o.fewest_for_coarse;
+    const bool coarse = o.diagonal && free_particles >= o.fewest_for_coarse;
     if (!coarse) s.preconditioner.clear();
     else if (step.at_landing || s.preconditioner.unknowns() == 0 || s.steps_since_refresh >= o.refresh_every) {
         s.preconditioner.refresh(form, x.values, role.values, o, step.domain, d, aggregate.values);
@@ -214,6 +214,7 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
     SolveReport all;
     for (int round = 1;; ++round) {
         s.preconditioner.set(form, x.values, role.values, slip.values, step.domain, d, aggregate.values);
+        if (!o.diagonal) s.preconditioner.let_through();
         set_load();
         double reference = load_norm(b);
         if (!nothing_held) {
