@@ -208,7 +208,7 @@ private:
             stage("keep outside", "boundary", KeepOutside{});
             booked(&EnergyWork::boundary);
         }
-        if (constraint) stage("crowding", "pressure", RelieveCrowding(largest_over_mean_error * scene_.pressure.tolerance, gate_));
+        if (constraint && !bodies) stage("crowding", "pressure", RelieveCrowding(largest_over_mean_error * scene_.pressure.tolerance, gate_));
     }
 
     void surface_tension(std::shared_ptr<std::vector<Real>> internal) {

@@ -137,7 +137,8 @@ void ConstraintPressure::operator()(const FluidPairs& pairs, const SolidPairs& s
     const Real rho_0 = step.rest_density;
     b_.resize(at(n));
     residual_.resize(at(n));
-    const WallImage wall(step.kernel, step.support, step.spacing, options_.gate);
+    WallImage wall(step.kernel, step.support, step.spacing, options_.gate);
+    wall.goes_on = !solids.any_free();
     D_.build(wall, pairs, solid_pairs, solid, step, role, Read<field::velocity>{u.values}, rho.values, b_, &solids);
     bodies_.build(wall, solid_pairs, solid, solids, step, rho.values, D_);
     const bool filled = fills_periodic_domain(step, solids, n);

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "engine/core/parallel.h"
+#include "engine/models/pressure/constraint.h"
 
 namespace whorl {
 namespace {
@@ -33,21 +34,16 @@ void RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, const Soli
     const auto row = [&](Index i) {
         return density_row(wall, W, pairs_, solid_pairs_, layer, m, i, [](const Pairs::Group&, const Real*) {}, [](Index, const Vec3&, const WallImage::Seen&) {});
     };
-    const bool bodies = solids.any_free();
-    const auto beside_body = [&](Index i) {
-        for (std::size_t k = solid_pairs_.first[at(i)]; bodies && k < solid_pairs_.first[at(i) + 1]; ++k)
-            if (solids.all[at(layer.solid[at(solid_pairs_.other[k])])].body) return true;
-        return false;
-    };
     const Index n = static_cast<Index>(x.size());
     parallel_for(n, [&](Index i) { rho[at(i)] = row(i).density; });
+    if (fills_periodic_domain(step, solids, n)) return;  // there densities are held equal, not below rho_0
     touched_.resize(at(n));
     for (Index i = 0; i < n; ++i) touched_[at(i)] = i;
     for (int sweep = 0; sweep < most_sweeps; ++sweep) {
         crowded_.clear();
         Real densest = 0;
         for (const Index i : touched_) {
-            if (!(rho[at(i)] > crowded) || role[i] != 0 || beside_body(i)) continue;
+            if (!(rho[at(i)] > crowded) || role[i] != 0) continue;
             crowded_.push_back(i);
             densest = std::max(densest, rho[at(i)]);
         }

@@ -10,7 +10,7 @@ namespace whorl {
 ///   x -= D^T l,   l_i = (rho_i - rho_0)/(2 (D D^T)_ii),   at most a fifth of a spacing,
 /// with the densities and their derivative of the positions reached. Two that are moved apart turn about each other as much more slowly: a pair that moves by -a r_ij
 /// and a r_ij takes +a and -a of its relative velocity across r_ij, so that the angular momentum stays and no energy of motion is gained; the centre of mass stays where
-/// it is but for what solids push. Who is beside a free body is left to the solve: the body would have to give way, too. Writes the densities of the places where the step ends.
+/// it is but for what solids push. Not for scenes with free bodies, which would have to give way, too. Writes the densities of the places where the step ends.
 class RelieveCrowding {
 public:
     /// @param most relative density error that is left

@@ -25,6 +25,7 @@ struct WallImage {
     Real virial;       ///< on what the layer adds to a particle's virial (DensityRate::virial)
     Real spacing;      ///< m
     Real nearest;      ///< m, where an image comes closer than this along the normal, w goes on along its tangent
+    bool goes_on = true;  ///< false: w stays as it is at `nearest`. With free bodies: a raft would float 0.05 d higher, 0.19 above Archimedes
     SolidGate gate;    ///< w_i counts as w_i times its weight, in the density and in its derivative
     WallImage(KernelKind kernel, Real support, Real spacing, SolidGate gate = {});
 
@@ -46,7 +47,7 @@ struct WallImage {
         }
         const Real slope = W.slope(distance);
         g *= V * slope;
-        return {V * (W.value(distance) - slope * nearest * beyond), -V * slope * distance * distance * virial, g};
+        return {V * (W.value(distance) - (goes_on ? slope * nearest * beyond : Real(0))), -V * slope * distance * distance * virial, g};
     }
     /// Of the room around i, which solids fill to w: 1 - w, but never 0, and how much it shrinks with w.
     struct Room {

@@ -18,7 +18,8 @@ void DivergenceFree::operator()(const FluidPairs& pairs, const SolidPairs& solid
     const Index n = rho.size();
     const Real rho_0 = step.rest_density;
     b_.resize(at(n)), residual_.resize(at(n)), rate_.resize(at(n)), inside_.resize(at(n));
-    const WallImage wall(step.kernel, step.support, step.spacing, options_.gate);
+    WallImage wall(step.kernel, step.support, step.spacing, options_.gate);
+    wall.goes_on = !solids.any_free();
     D_.build(wall, pairs, solid_pairs, solid, step, role, Read<field::velocity>{u.values}, rho.values, rate_, &solids);
     bodies_.build(wall, solid_pairs, solid, solids, step, rho.values, D_);
     const bool filled = fills_periodic_domain(step, solids, n);
