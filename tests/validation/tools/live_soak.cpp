@@ -91,7 +91,7 @@ TEST_CASE("sliders moved at random for minutes: memory stays as it was (frame ti
 }
 
 TEST_CASE("how long a change takes to show", "[.][latency]") {
-    LiveProgram live(shipped("honey_coil.toml"), {"--paused", "--unpaced", "--size", "640x360"});
+    LiveProgram live(shipped("honey_coil.toml"), {"--quality", "draft", "--paused", "--unpaced", "--size", "640x360"});
     live.wait_for([](const json& s) { return s.at("picture").is_number(); });
     std::vector<double> look, physics;
     for (int k = 0; k < 20; ++k) {
