@@ -46,7 +46,9 @@ void main() {
     }
     vec3 around = mix(backdrop_low, sky, 0.5 + 0.5 * n.y);
     vec3 diffuse = albedo * (1.0 - metal) * (around * open + key);
-    vec3 mirrored = (surroundings(world, r) * (r.y < 0.0 ? mix(1.0, flags(r), 0.6 * metal) : 1.0) + metal * (1.0 - roughness) * strip_light(r)) * mix(1.0, seen, 0.8);
+    vec3 mirrored = surroundings(world, r);
+    if (metal > 0.0) mirrored = mirrored * (r.y < 0.0 ? mix(1.0, flags(r), 0.6 * metal) : 1.0) + metal * (1.0 - roughness) * strip_light(r);
+    mirrored *= mix(1.0, seen, 0.8);
     vec3 tint = mix(vec3(1.0), albedo, metal);
     solid = vec4(diffuse + mirror * tint * mirrored, length(world - eye));
     normal = vec4(0.0);
