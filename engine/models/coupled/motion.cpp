@@ -21,45 +21,64 @@ void CoupledMove::operator()(Update<field::position> x, Read<field::velocity> u,
     });
 }
 
-// dx_i = -rate dt sum_j (|D_i| + |D_j|)/2 (range - r) r_ij/|r_ij| over neighbours within the range: repulsion only; any attraction clumps.
+namespace {
+
+/// In spacings, over the stages of CoupledShift.
+struct Shifting {
+    const CoupledSystem& system;
+    Span<const Vec3> x;
+    Span<const Real> strain;  ///< dt |D|/2 of each particle
+    const StepContext& step;
+
+    /// dx_i = -sum_j rate_ij (range - r) r_ij/r - thin_i e_i sum_j rate'_ij (range' - |s|) s/(|s| + 0.2),   s = e_i.r_ij,   rate = shift_rate dt (|D_i| + |D_j|)/2
+    ///
+    /// The first keeps particles apart; repulsion only, any attraction clumps. A stretched thread widens every gap along its axis e in proportion, and once it is thin nobody is close enough
+    /// to be pushed into it: the second fills gaps along the axis, and along the axis alone, so that a longer range does not fatten the thread.
+    Vec3 of(Index i) const {
+        const CoupledOptions& o = system.options;
+        const Real range = static_cast<Real>(o.shift_range), rate = static_cast<Real>(o.shift_rate), strongest = Real(0.15);
+        const Real evening_range = static_cast<Real>(o.evening_range), evening_rate = static_cast<Real>(o.evening_rate), strongest_evening = Real(0.05);
+        const RowBlock& block = system.rows.blocks[static_cast<std::size_t>(i / CoupledRows::block_size)];
+        const Neighbourhood& hood = system.rows.neighbourhood[static_cast<std::size_t>(i)];
+        const Real thin = hood.thin * (1 - system.parting[static_cast<std::size_t>(i)].parts);  // what parts may tear
+        Vec3 dx = Vec3::Zero();
+        Real along = 0;
+        for (std::size_t e = block.row_begin(i - block.begin); e < block.row_end(i - block.begin); ++e) {
+            const Real before2 = block.x[e] * block.x[e] + block.y[e] * block.y[e] + block.z[e] * block.z[e];
+            if (block.w[e] == 0 || (before2 > 4 && thin == 0)) continue;  // too far to come within the range in one step
+            const Index j = block.touched[static_cast<std::size_t>(block.other[e])];
+            const Vec3 r = step.domain.minimum_image(x[static_cast<std::size_t>(j)] - x[static_cast<std::size_t>(i)]) / step.spacing;
+            const Real distance = r.norm(), strained = strain[static_cast<std::size_t>(i)] + strain[static_cast<std::size_t>(j)];
+            if (distance < range && distance > Real(1e-6)) dx -= std::min(rate * strained, strongest) * (range - distance) / distance * r;
+            const Real s = hood.along.dot(r), away = std::abs(s);
+            if (thin > 0 && away < evening_range) along -= std::min(evening_rate * strained, strongest_evening) * (evening_range - away) * s / (away + Real(0.2));
+        }
+        dx += thin * along * hood.along;
+        const Real length = dx.norm(), longest = static_cast<Real>(o.longest_shift);
+        if (length > longest) dx *= longest / length;
+        // At the surface the repulsion has nothing to balance it: its outward part would fatten the thread.
+        const Real on_surface = std::clamp((hood.surface - Real(0.12)) / Real(0.18), Real(0), Real(1));
+        const Real outward = dx.dot(hood.outward);
+        return outward > 0 ? Vec3(dx - on_surface * outward * hood.outward) : dx;
+    }
+};
+
+}  // namespace
+
 void CoupledShift::operator()(Update<field::position> x, Update<field::velocity> u, Read<field::velocity_gradient> G,
                               Read<field::role> role, const StepContext& step) const {
     const CoupledSystem& s = *system;
-    const CoupledOptions& o = s.options;
-    const Real d = step.spacing, range = static_cast<Real>(o.shift_range), longest = static_cast<Real>(o.longest_shift);
-    const Real strongest = Real(0.15);
-    std::vector<Real> rate(static_cast<std::size_t>(x.size()));
+    const Real d = step.spacing;
+    std::vector<Real> strain(static_cast<std::size_t>(x.size()));
     parallel_for(x.size(), [&](Index i) {
         const Real falling = s.parting[static_cast<std::size_t>(i)].parts * std::sqrt(step.gravity.norm() / d);
-        rate[static_cast<std::size_t>(i)] =
-            static_cast<Real>(o.shift_rate) * step.dt * Real(0.5) * (Real(0.5) * (G[i] + G[i].transpose()).norm() + falling);  // half of |D| and sqrt(g/d)
+        strain[static_cast<std::size_t>(i)] = step.dt * Real(0.5) * (Real(0.5) * (G[i] + G[i].transpose()).norm() + falling);  // half of |D| and sqrt(g/d)
     });
 
+    const Shifting shifting{s, x.values, strain, step};
     std::vector<Vec3> shift(static_cast<std::size_t>(x.size()), Vec3::Zero());
-    parallel_blocks(x.size(), CoupledRows::block_size, [&](Index begin, Index end) {
-        const RowBlock& block = s.rows.blocks[static_cast<std::size_t>(begin / CoupledRows::block_size)];
-        for (Index i = begin; i < end; ++i) {
-            if (role[i] != 0) continue;
-            const auto k = static_cast<std::size_t>(i);
-            Vec3 dx = Vec3::Zero();
-            for (std::size_t e = block.row_begin(i - begin); e < block.row_end(i - begin); ++e) {
-                const Real before2 = block.x[e] * block.x[e] + block.y[e] * block.y[e] + block.z[e] * block.z[e];
-                if (before2 > 4 || block.w[e] == 0) continue;  // too far to come within the range in one step
-                const Index j = block.touched[static_cast<std::size_t>(block.other[e])];
-                const Vec3 r = step.domain.minimum_image(x[j] - x[i]) / d;
-                const Real distance = r.norm();
-                if (!(distance < range) || distance < Real(1e-6)) continue;
-                dx -= std::min(rate[k] + rate[static_cast<std::size_t>(j)], strongest) * (range - distance) / distance * r;
-            }
-            const Real length = dx.norm();
-            if (length > longest) dx *= longest / length;
-            // At the surface the repulsion has nothing to balance it: its outward part would fatten the thread.
-            const Neighbourhood& hood = s.rows.neighbourhood[k];
-            const Real on_surface = std::clamp((hood.surface - Real(0.12)) / Real(0.18), Real(0), Real(1));
-            const Real outward = dx.dot(hood.outward);
-            if (outward > 0) dx -= on_surface * outward * hood.outward;
-            shift[k] = d * dx;
-        }
+    parallel_for(x.size(), [&](Index i) {
+        if (role[i] == 0) shift[static_cast<std::size_t>(i)] = d * shifting.of(i);
     });
 
     // The velocity of the place that a particle comes to: u += G dx. The sum of these changes goes back to the neighbours, so that the linear

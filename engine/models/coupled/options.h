@@ -12,10 +12,9 @@ struct CoupledOptions {
     int enough_neighbours = 16;
 
     double bulk = 10;              ///< lambda over mu: resistance to a change of volume within one step (the multiplier does the rest)
-    double smoothing = 0.3;        ///< penalty on what the linear field does not explain, over mu
+    double smoothing = 0.15;       ///< penalty on what the linear field does not explain, over mu: removes zero-energy modes
     double pair_smoothing = 5;     ///< the same along the pair only: keeps necks from growing without stiffening bending
-    double thin_smoothing = 5, thin_pair_smoothing = 20;  ///< added in thin threads
-    double thin_below = 0.8, thin_at = 0.6;               ///< middle over largest eigenvalue of M between which a thread turns thin
+    double thin_below = 0.8, thin_at = 0.6;               ///< middle over largest eigenvalue of M between which a thread turns thin (and is evened)
     double unresolved_at = 0.01, resolved_above = 0.04;   ///< eigenvalue of M over the largest between which a direction counts as resolved
 
     double gate = 1.6;    ///< longer pairs count only with a common neighbour closer than `bridge` to both:
@@ -27,13 +26,14 @@ struct CoupledOptions {
     double turning_limit = 0.1;            ///< times max |u|/d, bound on dt I2(grad u), the divergence that keeps a turning body's volume
 
     double shift_rate = 3, shift_range = 1.1, longest_shift = 0.1;  ///< repulsion of close particles: rate over |D|, range, bound a step
+    double evening_rate = 1, evening_range = 2;  ///< the same along thin threads, where stretching widens every gap and nobody close is there to be pushed into it
 
     /// Whether fluid bears tension, by the Reynolds number of a particle, (|D| + sqrt(g/d)) d^2/nu: wholly up to the first, not at all from the second on.
     double bears_tension_up_to = 0.25, parts_from = 2.5;
     double stiffness = 10;      ///< of fluid that parts: it yields to pressure like a sound wave of the speed sqrt(stiffness) d/dt
     /// Its damping of what no linear field explains, over |D| + sqrt(g/d): with 1, layers fall into each other beside a wall where the least-squares divergence
     /// does not see it, and a pool loses a third of its height; with 100, a splash hangs together.
-    double unresolved = 50;
+    double unresolved = 50, unresolved_aside = 0.06;  ///< along the pairs, and over that in all directions
     int most_rounds = 4;        ///< solves a step until those that press have been found
     double few_change = 0.005;  ///< part of the particles that may still change sides between two rounds
 

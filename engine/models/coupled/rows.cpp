@@ -30,12 +30,13 @@ void invert_moment(const Mat3& M, const CoupledOptions& o, Neighbourhood& n) {
     Vec3d s = eigen.eigenvalues();
     if (!(s[2] > 0)) return;
     n.thin = static_cast<Real>(smooth_step((o.thin_below - s[1] / s[2]) / (o.thin_below - o.thin_at)));
-    if (s[0] >= o.resolved_above * s[2]) {
-        n.inverse_moment = wide.inverse().cast<Real>();
-        return;
-    }
+    const bool resolved = s[0] >= o.resolved_above * s[2];
+    if (resolved) n.inverse_moment = wide.inverse().cast<Real>();
+    if (resolved && n.thin == 0) return;
     eigen.computeDirect(wide);
     s = eigen.eigenvalues();
+    if (n.thin > 0) n.along = eigen.eigenvectors().col(2).cast<Real>();
+    if (resolved) return;
     const Mat3d Q = eigen.eigenvectors();
     Vec3d pi, inverse;
     double k = 0;

@@ -173,8 +173,8 @@ void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Span<c
         c.full_bulk = static_cast<Real>(2 * K * o.bulk / (2 + n.unresolved * o.bulk) + part.parts * o.stiffness);
         c.bulk = part.share() * c.full_bulk;
         const double base = n.spread > 0 ? 2 * 3 / n.spread : 0;
-        c.smooth = static_cast<Real>(base * (sheared * (o.smoothing + o.thin_smoothing * n.thin) + part.damping * o.smoothing / o.pair_smoothing));
-        c.pair = static_cast<Real>(base * (sheared * (o.pair_smoothing + o.thin_pair_smoothing * n.thin) + part.damping));
+        c.smooth = static_cast<Real>(base * (sheared * o.smoothing + part.damping * o.unresolved_aside));
+        c.pair = static_cast<Real>(base * (sheared * o.pair_smoothing + part.damping));
     });
     forces_.resize(rows.entries());
 }

@@ -23,11 +23,17 @@ public:
         }
         integrate(high);
     }
-    /// @param y m below the nozzle
-    double speed(double y) const { return u_[static_cast<std::size_t>(std::lround((fall - y) / fall * steps))]; }
+    /// Over the slice from y to y + h [m below the nozzle]: 1/u averaged along the thread gives the slice's volume, U0 a0^2 pi times it.
+    double mean_speed(double y, double h) const {
+        double sum = 0;
+        const int n = 100;
+        for (int k = 0; k < n; ++k) sum += 1 / speed(y + h * (k + 0.5) / n);
+        return n / sum;
+    }
 
 private:
     static constexpr int steps = 5000;
+    double speed(double y) const { return u_[static_cast<std::size_t>(std::lround((fall - y) / fall * steps))]; }
     double integrate(double end) {
         u_.assign(1, end);
         double u = end, s = 0;  // s = u'/u
@@ -66,12 +72,13 @@ double longest_link(const std::vector<Vec3>& x) {
 
 }  // namespace
 
-TEST_CASE("a falling thread of five particles across thins as one-dimensional theory says, within 4 % down to a draw of nine, and holds together down to eight",
-          "[validation][coupled]") {
-    // Measured: 3.3 % too thick next to the nozzle, where theory has it stretch from the first section on, 1.6 % too thin at a draw of nine; no link longer than two spacings down to a draw
-    // of 9.5, at a radius of 0.79 spacings (other seeds: 9.8, 8.7, 7.3).
-    const Scene scene = read_scene_text(R"toml([time]
-end = 1.6
+TEST_CASE("a falling thread of five particles across thins as one-dimensional theory says, within 3 %, and holds together down to a draw of nine", "[validation][coupled]") {
+    // Seed 4: of four seeds the one whose first gap opened earliest (at a draw of 7.3) before particles were shifted along thin threads. Steady after two seconds, about three times what
+    // the fluid spends in the air. Next to the nozzle theory has the fluid stretch from the first section on, which its plug flow in the nozzle does not: there the thread is thickest.
+    const Scene scene = read_scene_text(R"toml(seed = 4
+[time]
+end = 2.4
+cfl = 0.8
 [domain]
 min = [-0.03, -0.30, -0.03]
 max = [0.03, 0.02, 0.03]
@@ -91,10 +98,10 @@ max = [0.03, -0.25, 0.03]
 )toml", "thread.toml");
     Simulation simulation(scene, make_plan(scene));
     const SteadyThread theory;
-    // Slices of 2 cm, averaged over 0.6 s: particles a slice give the cross-section, their mean speed the draw.
+    // Slices of 2 cm, averaged over 0.4 s: particles a slice give the cross-section, their mean speed the draw.
     constexpr int slices = 12;
     double count[slices] = {}, speed[slices] = {}, samples = 0, link[slices] = {};
-    for (double until = 1.0; until < 1.605; until += 0.02, ++samples) {
+    for (double until = 2.0; until < 2.405; until += 0.02, ++samples) {
         while (simulation.time() < until) REQUIRE_FALSE(simulation.step(until).diverged);
         const auto x = simulation.world().fluid.column<field::position>();
         const auto u = simulation.world().fluid.column<field::velocity>();
@@ -109,13 +116,13 @@ max = [0.03, -0.25, 0.03]
     }
     double whole = 0;  // the draw down to which no link is longer than two spacings
     for (int k = 0; k < slices; ++k) {
-        const double y = 0.02 * (k + 0.5), draw = speed[k] / count[k] / U0, expected = theory.speed(y) / U0;
+        const double y = 0.02 * (k + 0.5), draw = speed[k] / count[k] / U0, expected = theory.mean_speed(0.02 * k, 0.02) / U0;
         const double a = std::sqrt(count[k] / samples * d * d * d / (0.02 * std::numbers::pi));
         const double radius = a / (a0 * std::sqrt(1 / expected)), of_draw = a / (a0 * std::sqrt(1 / draw));
         if (link[k] < 2) whole = std::max(whole, draw);
         WARN(y << " m: draw " << draw << " (theory " << expected << "), radius " << radius << " of theory, " << of_draw << " of the draw's, longest link " << link[k] << " d");
-        if (draw < 9) CHECK(radius == Approx(1).epsilon(0.04));
+        CHECK(radius == Approx(1).epsilon(0.03));
     }
     WARN("in one piece down to a draw of " << whole);
-    CHECK(whole >= 8);
+    CHECK(whole >= 9);
 }
