@@ -72,7 +72,7 @@ struct PressureKeys {
     int max_iterations = 200;
     Preconditioner preconditioner = Preconditioner::automatic;  ///< ppe; coupled brings its own
     PressureForm form = PressureForm::constraint;            ///< ppe
-    double correction = 0.2;     ///< ppe, constraint: share of the density error that a step corrects
+    double correction = 0.5;     ///< ppe, constraint: share of the density error that a step corrects
     bool divergence_free = false;  ///< ppe, constraint: one solve for the velocity, from both sides, and one for the places
     bool active_set = true;      ///< ppe, constraint: false: p >= 0 by a clamp after one solve
     double damping = 2;          ///< ppe, constraint: of motion between neighbours that is not resolved, times sqrt(g/d)

@@ -12,7 +12,11 @@ namespace {
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-constexpr double step_share = 0.1;  ///< of the tolerated density error that one step may add
+/// Of the tolerated density error that one step may add. With 0.1 a dam break takes 16.9 iterations a step, with 0.5 11, with 1 8.1, and a mean density error of
+/// 0.063, 0.06 and 0.074 % (ten layers); what is left over is corrected by half in the next step.
+constexpr double step_share = 0.5;
+/// Where few particles decide how a body moves, and where energy is all there is.
+constexpr double careful_step_share = 0.1;
 
 double changed(const std::vector<char>& before, const std::vector<char>& now) {
     return parallel_sum(static_cast<Index>(now.size()), [&](Index i) { return before[at(i)] != now[at(i)]; });
@@ -59,7 +63,7 @@ SolveReport ConstraintPressure::solve_filled(ConstraintMatrix& matrix, const Ste
     // Among pressures without a mean: only then is it a projection, which cannot give energy.
     const auto A = [&](Span<const Real> in, Span<Real> out) { matrix.multiply(in, out), without_mean(out); };
     const auto precondition = [&](Span<const Real> r, Span<Real> z) { M(r, z), without_mean(z); };
-    const SolveLimits limits{step_share * options_.limits.tolerance, options_.limits.max_iterations};
+    const SolveLimits limits{careful_step_share * options_.limits.tolerance, options_.limits.max_iterations};
     SolveReport report = conjugate_gradients<Real>(A, precondition, Span<const Real>(b_), q, limits, ResidualNorm::euclidean, worst_rate);
     Column<Real> ones(at(n), 1);
     D_.transposed(ones, matrix.force);
@@ -83,7 +87,7 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
     const Index n = D_.size();
     const double worst_rate = std::sqrt(static_cast<double>(n)) * static_cast<double>(step.rest_density / step.dt);
     // A lattice has modes (neighbours up and down in turn) that no pressure moves: asked for more than this, they would grow without bound.
-    const double tolerance = step_share * options_.limits.tolerance;
+    const double tolerance = (matrix.bodies ? careful_step_share : step_share) * options_.limits.tolerance;
     PressurePreconditioner M;
     std::vector<char> set_up_for;  // presses, when M was set up
     const auto A = [&](Span<const Real> in, Span<Real> out) { matrix.multiply(in, out); };

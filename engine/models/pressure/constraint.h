@@ -35,9 +35,9 @@ PressurePreconditioner diagonal_scaling(const ConstraintMatrix& matrix);
 PressurePreconditioner constraint_unpreconditioned(const ConstraintMatrix& matrix);
 
 struct ConstraintOptions {
-    /// tolerance: relative density error (root mean square), of which a step may add a tenth.
+    /// tolerance: relative density error (root mean square), of which a step may add half.
     SolveLimits limits{1e-3, 200};
-    double correction = 0.2;   ///< share of the density error that a step corrects; its motion stays in the velocity
+    double correction = 0.5;   ///< share of the density error that a step corrects; its motion stays in the velocity
     SolidGate gate;            ///< before solids
     bool active_set = true;    ///< false: p >= 0 is clamped after one solve, as in the notes
     ConstraintPreconditionerSetup preconditioner = diagonal_scaling;
