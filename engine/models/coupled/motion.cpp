@@ -118,14 +118,16 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
     if (solids.all.empty()) return;
     const CoupledSystem& s = *system;
     const Real d = step.spacing, dt = step.dt;
-    const Real touching = static_cast<Real>(s.options.stick) * d, closest = static_cast<Real>(s.options.closest) * d;
+    const Real touching = static_cast<Real>(s.options.stick) * d;
     parallel_for(x.size(), [&](Index i) {
         if (role[i] != 0) return;
+        const Real parts = s.parting[static_cast<std::size_t>(i)].parts;
         const Vec3 was_touching = slip[i];
         slip[i] = Vec3::Zero();
         const Vec3 from = s.x_before[static_cast<std::size_t>(i)];
         for (std::size_t k = 0; k < solids.all.size(); ++k) {
             const Solid& solid = solids.all[k];
+            const Real closest = d * static_cast<Real>(s.options.closest + s.options.sliding_closest * (solid.sticks() ? static_cast<double>(parts) : 1));
             const Vec3 to = carried(solid.pose, x[i], -dt);
             const Vec3 path = step.domain.minimum_image(to - from);
             const Real length = path.norm();

@@ -30,11 +30,13 @@ struct CoupledOptions {
 
     /// Whether fluid bears tension, by the Reynolds number of a particle, (|D| + sqrt(g/d)) d^2/nu: wholly up to the first, not at all from the second on.
     double bears_tension_up_to = 0.25, parts_from = 2.5;
-    double stiffness = 10;      ///< of fluid that parts: it yields to pressure like a sound wave of the speed sqrt(stiffness) d/dt
-    /// Its damping of what no linear field explains, over |D| + sqrt(g/d): with 1, layers fall into each other beside a wall where the least-squares divergence
-    /// does not see it, and a pool loses a third of its height; with 100, a splash hangs together.
-    double unresolved = 50, unresolved_aside = 0.06;  ///< along the pairs, and over that in all directions
-    int most_rounds = 4;        ///< solves a step until those that press have been found
+    double stiffness = 50;  ///< of fluid that parts: it yields to pressure like a sound wave of the speed sqrt(stiffness) d/dt (with 10 a pool of 20 layers keeps bouncing)
+    /// Its damping of what no linear field explains, over sqrt(p/rho)/d: what is pressed would fall into itself where the least-squares divergence does not see it
+    /// (a pool loses a sixth of its height with 50, 4 % with 100); what flies is under no pressure and falls apart as it likes.
+    double held = 400, held_aside = 0.06;  ///< along the pairs, and over that in all directions
+    double parting_push = 0.1;  ///< added to `push` and ...
+    double sliding_closest = 0.2;  ///< ... to `closest` for it, and for all that slides: half a spacing is its share of the room beside a wall
+    int most_rounds = 4;    ///< solves a step until those that press have been found
     double few_change = 0.005;  ///< part of the particles that may still change sides between two rounds
 
     double stick = 0.5, closest = 0.3;  ///< distance from a solid below which a particle touches it, and which it never goes below

@@ -31,8 +31,8 @@ struct Unknowns {
     }
 };
 
-/// What a flat surface, an edge or a corner of a packed fluid lacks of its density, over |sum w r| / sum w |r|: 0.8 within 2 % on a lattice.
-constexpr Real surface_lacks = Real(0.8);
+/// What a flat surface, an edge or a corner of a packed fluid lacks of its density n/n0, within 3 % on a lattice. Inside, the noise of |sum w r| / sum w |r| is no surface.
+Real surface_lacks(const Neighbourhood& hood) { return Real(0.84) * std::max(Real(0), hood.surface - Real(0.025)); }
 
 struct Momentum {
     Vec3d linear = Vec3d::Zero(), angular = Vec3d::Zero();
@@ -104,9 +104,10 @@ bool set_parting(CoupledSystem& s, Span<const Real> mu, Span<const Real> p, Span
         const double t = reynolds > 0 ? std::clamp(std::log(reynolds / o.bears_tension_up_to) / range, 0.0, 1.0) : 0;
         part.parts = static_cast<Real>(t * t * (3 - 2 * t));
         const Neighbourhood& hood = s.rows.neighbourhood[k];
-        part.presses = part.parts == 0 || p[k] > 0 || hood.density + surface_lacks * hood.surface >= 1;
-        // What flies freely is not held together by it.
-        part.damping = part.presses ? static_cast<Real>(part.parts * o.unresolved * rate * static_cast<double>(step.dt)) : 0;
+        part.presses = part.parts == 0 || p[k] > 0 || hood.density + surface_lacks(hood) >= 1;
+        // By pressure: what flies freely is not held together by it.
+        const double pressed = std::sqrt(std::max(0.0, static_cast<double>(p[k])) / static_cast<double>(step.rest_density)) / d;
+        part.damping = part.presses ? static_cast<Real>(part.parts * o.held * pressed * static_cast<double>(step.dt)) : 0;
     });
     return parallel_max(static_cast<Index>(mu.size()), 0, [&](Index i) { return static_cast<double>(s.parting[static_cast<std::size_t>(i)].parts); }) > 0;
 }
@@ -165,10 +166,11 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
     parallel_for(n, [&](Index i) {
         const auto k = static_cast<std::size_t>(i);
         const Neighbourhood& hood = s.rows.neighbourhood[k];
-        const double compressed = hood.density + s.parting[k].parts * surface_lacks * hood.surface - 1;
+        const double compressed = hood.density + s.parting[k].parts * surface_lacks(hood) - 1;
         // Fluid that mostly bears tension keeps the volume it has; drawing it together would be a creep that never ends.
         const double falls_shut = std::max(0.0, 2 * static_cast<double>(s.parting[k].parts) - 1);
-        double wanted = compressed > 0 ? std::min(o.push * compressed / dt, fastest_push) : falls_shut * compressed / dt;
+        const double push = o.push + o.parting_push * static_cast<double>(s.parting[k].parts);
+        double wanted = compressed > 0 ? std::min(push * compressed / dt, fastest_push) : falls_shut * compressed / dt;
         if (role[i] == 0) wanted += std::clamp(-double(dt) * second_invariant(G[i]), -turning_limit, turning_limit);
         target[k] = static_cast<Real>(wanted);
         set_pressure(i);

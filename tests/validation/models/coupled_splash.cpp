@@ -89,10 +89,18 @@ TEST_CASE("coupled: a dam of water runs up the wall and throws off drops, with 1
     CHECK(honey.pieces() == 1);
 }
 
-TEST_CASE("coupled: a pool of water comes to rest within 5 cm/s and keeps its height within 18 %, 10 particles deep", "[validation][coupled]") {
-    Tank pool(20, 10, 20, 1e-6);
-    pool.run_until(1.2);
-    CHECK(std::sqrt(pool.mean([&](std::size_t i) { return double(pool.velocity()[i].squaredNorm()); })) < 0.05);
-    // 15 to 16.5 % are lost, most of it at once: the lowest layer comes to lie 0.3 to 0.5 d above the floor, and the first steps have no pressure yet to start from.
-    CHECK(pool.mean([&](std::size_t i) { return double(pool.position()[i][1]); }) == Approx(5 * Tank::d).epsilon(0.18));
+TEST_CASE("coupled: pools of water and syrup, 5 to 20 particles deep, come to rest and keep their height within 4 %", "[validation][coupled]") {
+    // Measured over 1.2 to 2 s: 1 to 2 % are lost with little viscosity, 2 to 3.2 % with 1 m^2/s, which is held to what its particles weigh (n/n0 <= 1) but not against walls. The lattice melts, and the least-squares divergence does not
+    // see every layer that falls into another.
+    struct Case {
+        int layers;
+        double nu;
+    };
+    for (const Case& c : {Case{5, 1e-6}, Case{10, 1e-6}, Case{20, 1e-3}, Case{5, 1}}) {
+        CAPTURE(c.layers, c.nu);
+        Tank pool(12, c.layers, 12, c.nu);
+        pool.run_until(1.2);
+        CHECK(std::sqrt(pool.mean([&](std::size_t i) { return double(pool.velocity()[i].squaredNorm()); })) < 0.02);
+        CHECK(pool.mean([&](std::size_t i) { return double(pool.position()[i][1]); }) == Approx(0.5 * c.layers * Tank::d).epsilon(0.04));
+    }
 }

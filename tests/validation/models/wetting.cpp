@@ -1,0 +1,70 @@
+/// The angle at which a drop meets a plate.
+#include <catch2/catch.hpp>
+#include <numbers>
+
+#include "engine/geometry/kinds.h"
+#include "engine/models/motion/motion.h"
+#include "engine/models/pressure/constraint.h"
+#include "engine/models/pressure/damping.h"
+#include "engine/models/surface_tension/surface_tension.h"
+#include "engine/particles/sample.h"
+#include "tests/support/world.h"
+
+using namespace whorl;
+
+namespace {
+
+constexpr double sigma = 0.07, rho = 1000, d = 1e-3, pi = std::numbers::pi;
+const double unit = std::sqrt(rho * d * d * d / sigma);
+
+/// Height of the centre of mass of a spherical cap of volume 1 that meets the ground at this angle.
+double cap_centre(double angle) {
+    const double ground = std::cos(angle);  // of the unit ball about the origin what stands above; its slices add up
+    double volume = 0, moment = 0;
+    const int n = 2000;
+    for (int k = 0; k < n; ++k) {
+        const double y = ground + (1 - ground) * (k + 0.5) / n, slice = pi * (1 - y * y) * (1 - ground) / n;
+        volume += slice, moment += slice * (y - ground);
+    }
+    return moment / volume / std::cbrt(volume);
+}
+
+}  // namespace
+
+TEST_CASE("a drop on a plate that it slides along nears the angle with cos = 2 wetting - 1, within 18 degrees", "[validation][surface_tension]") {
+    // The angle is that of the spherical cap of the drop's volume whose centre of mass stands as high as the drop's. Begun as half a ball (90 degrees), 8 to 12 spacings across: half a spacing of height is 5 to
+    // 8 degrees. Measured: 104, 87 and 69 degrees where 120, 90 and 60 are asked: particles that press on each other with the internal pressure yield only so far.
+    double before = 200;
+    for (const double wetting : {0.25, 0.5, 0.75}) {
+        test::TestWorld w(d, 2, Domain{Vec3(Real(-16 * d), 0, Real(-16 * d)), Vec3(Real(16 * d), Real(24 * d), Real(16 * d)), {false, false, false}});
+        w.add_wall(1, 1, 0, std::numeric_limits<double>::infinity());
+        w.world.solids.all.back().shape = make_plane(Vec3d::Zero(), Vec3d(0, 1, 0));
+        ConstraintOptions options;
+        options.limits = {1e-3, 1000};
+        w.use({make_stage("surface tension", "", SurfaceTension{{sigma, {static_cast<Real>(wetting)}, nullptr}}), make_stage("unresolved motion", "", DampUnresolved{2, sigma}),
+               make_stage("density constraint", "", ConstraintPressure{options}), make_stage("move", "", Move{})});
+        ShapeKeys ball;
+        ball.kind = "sphere";
+        ball.radius = 6.2 * d;
+        std::vector<Vec3> x;
+        for (const Vec3& one : sample_shape(*make_shape(ball), Sampling::blue_noise, Real(d), Domain{Vec3::Constant(Real(-10 * d)), Vec3::Constant(Real(10 * d)), {}}, 1))
+            if (one.y() > 0) x.push_back(one);
+        w.world.fluid.resize(static_cast<Index>(x.size()));
+        std::copy(x.begin(), x.end(), w.column<field::position>().begin());
+        w.world.step.gravity.setZero();
+        for (int k = 0; k < 700; ++k) {
+            w.step(0.15 * unit);
+            for (Vec3& u : w.column<field::velocity>()) u *= Real(0.97);
+        }
+        double height = 0;
+        for (const Vec3& one : w.column<field::position>()) height += double(one.y()) / double(x.size());
+        height /= d * std::cbrt(double(x.size()));
+        double low = 0.01, high = pi - 0.01;
+        for (int k = 0; k < 50; ++k) (cap_centre((low + high) / 2) < height ? low : high) = (low + high) / 2;
+        const double angle = low * 180 / pi, young = std::acos(2 * wetting - 1) * 180 / pi;
+        WARN("wetting " << wetting << ": " << angle << " degrees, by Young " << young);
+        CHECK(std::abs(angle - young) < 18);
+        CHECK(angle < before);
+        before = angle;
+    }
+}
