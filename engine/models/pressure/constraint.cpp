@@ -152,7 +152,7 @@ void ConstraintPressure::operator()(const FluidPairs& pairs, const SolidPairs& s
         // What an impact has pressed together is pushed apart no faster than 5 % of its density allow, or it would jump. Without a surface it is 0.5 %:
         // unevenness that alternates from neighbour to neighbour takes large velocities to mend.
         const Real excess = filled ? std::clamp(rho[i] - target, -rho_0 / 200, rho_0 / 200) : std::min(rho[i] - rho_0, rho_0 / 20);
-        const auto share = static_cast<Real>(filled ? 0.4 * options_.correction : options_.correction);  // nor as fast
+        const auto share = static_cast<Real>(filled || !bodies_.empty() ? 0.4 * options_.correction : options_.correction);  // nor as fast
         b_[at(i)] += (excess > 0 || filled ? share : Real(1)) * excess / step.dt;
         p[i] = D_.diagonal[at(i)] > 0 ? p[i] / D_.virial[at(i)] * step.dt / (rho[i] * rho[i]) : 0;  // q
     });
