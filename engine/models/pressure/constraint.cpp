@@ -87,7 +87,7 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
     const Index n = D_.size();
     const double worst_rate = std::sqrt(static_cast<double>(n)) * static_cast<double>(step.rest_density / step.dt);
     // A lattice has modes (neighbours up and down in turn) that no pressure moves: asked for more than this, they would grow without bound.
-    const double tolerance = (matrix.bodies ? careful_step_share : step_share) * options_.limits.tolerance;
+    const double tolerance = (matrix.bodies || !both.empty() ? careful_step_share : step_share) * options_.limits.tolerance;
     PressurePreconditioner M;
     std::vector<char> set_up_for;  // presses, when M was set up
     const auto A = [&](Span<const Real> in, Span<Real> out) { matrix.multiply(in, out); };
@@ -152,7 +152,8 @@ void ConstraintPressure::operator()(const FluidPairs& pairs, const SolidPairs& s
         // What an impact has pressed together is pushed apart no faster than 5 % of its density allow, or it would jump. Without a surface it is 0.5 %:
         // unevenness that alternates from neighbour to neighbour takes large velocities to mend.
         const Real excess = filled ? std::clamp(rho[i] - target, -rho_0 / 200, rho_0 / 200) : std::min(rho[i] - rho_0, rho_0 / 20);
-        b_[at(i)] += (excess > 0 || filled ? static_cast<Real>(options_.correction) : Real(1)) * excess / step.dt;
+        const auto share = static_cast<Real>(filled || !bodies_.empty() ? 0.4 * options_.correction : options_.correction);  // nor as fast
+        b_[at(i)] += (excess > 0 || filled ? share : Real(1)) * excess / step.dt;
         p[i] = D_.diagonal[at(i)] > 0 ? p[i] / D_.virial[at(i)] * step.dt / (rho[i] * rho[i]) : 0;  // q
     });
     ConstraintMatrix matrix{D_, {}, Column<Padded>(at(n)), pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};
