@@ -20,10 +20,12 @@ struct Run {
     Simulation simulation;
     double start_cpu = cpu_seconds(), density_error = 0;
     long steps = 0;
-    static Scene scene(const std::string& text, bool divergence_free) {
-        return read_scene_text(text + "[pressure]\ndivergence_free = " + (divergence_free ? "true\n" : "false\n"), "divergence_free.toml");
+    static Simulation simulation_of(const std::string& text, bool divergence_free, const std::string& keys) {
+        const Scene scene = read_scene_text(text + "[pressure]\ndivergence_free = " + (divergence_free ? "true\n" : "false\n") + keys, "divergence_free.toml");
+        return Simulation(scene, make_plan(scene));
     }
-    Run(const std::string& text, bool divergence_free) : simulation(scene(text, divergence_free), make_plan(scene(text, divergence_free))) {}
+    /// @param keys more of the table [pressure]
+    Run(const std::string& text, bool divergence_free, const std::string& keys = "") : simulation(simulation_of(text, divergence_free, keys)) {}
     Measures now() const { return measure(simulation.world(), simulation.world().step.gravity.cast<double>(), 1); }
     void step(double end) {
         if (const auto diverged = simulation.step(end).diverged) throw EnvironmentError("a run of the study diverged: " + diverged->what, "", "");
@@ -146,9 +148,7 @@ velocity = ["{3}*sin({4}*x)*cosh({4}*y)", "-{3}*cos({4}*x)*sinh({4}*y)", "0"]
 shape = "plane"
 [models]
 pressure = "ppe"
-[pressure]
-damping = {5}
-)toml", length, d, h, U / std::sinh(k * h), k, damping), divergence_free);
+)toml", length, d, h, U / std::sinh(k * h), k), divergence_free, fmt::format("damping = {}\n", damping));
     std::vector<double> zeros;
     double before = 0, time_before = 0;
     while (zeros.size() < 6 && run.simulation.time() < 2) {
