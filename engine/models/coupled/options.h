@@ -13,6 +13,7 @@ struct CoupledOptions {
 
     double bulk = 10;              ///< lambda over mu: resistance to a change of volume within one step (the multiplier does the rest)
     double smoothing = 0.15;       ///< penalty on what the linear field does not explain, over mu: removes zero-energy modes
+    double damping_aside = 0.06;   ///< the same of fluid that parts, over its damping along the pairs
     double pair_smoothing = 5;     ///< the same along the pair only: keeps necks from growing without stiffening bending
     double thin_below = 0.8, thin_at = 0.6;               ///< middle over largest eigenvalue of M between which a thread turns thin (and is evened)
     double unresolved_at = 0.01, resolved_above = 0.04;   ///< eigenvalue of M over the largest between which a direction counts as resolved
@@ -33,7 +34,7 @@ struct CoupledOptions {
     double stiffness = 10;      ///< of fluid that parts: it yields to pressure like a sound wave of the speed sqrt(stiffness) d/dt
     /// Its damping of what no linear field explains, over |D| + sqrt(g/d): with 1, layers fall into each other beside a wall where the least-squares divergence
     /// does not see it, and a pool loses a third of its height; with 100, a splash hangs together.
-    double unresolved = 50, unresolved_aside = 0.06;  ///< along the pairs, and over that in all directions
+    double unresolved = 50;
     int most_rounds = 4;        ///< solves a step until those that press have been found
     double few_change = 0.005;  ///< part of the particles that may still change sides between two rounds
 
