@@ -13,6 +13,7 @@ struct CoupledOptions {
 
     double bulk = 10;              ///< lambda over mu: resistance to a change of volume within one step (the multiplier does the rest)
     double smoothing = 0.15;       ///< penalty on what the linear field does not explain, over mu: removes zero-energy modes
+    double damping_aside = 0.06;   ///< the same of fluid that parts, over its damping along the pairs
     double pair_smoothing = 5;     ///< the same along the pair only: keeps necks from growing without stiffening bending
     double thin_below = 0.8, thin_at = 0.6;               ///< middle over largest eigenvalue of M between which a thread turns thin (and is evened)
     double unresolved_at = 0.01, resolved_above = 0.04;   ///< eigenvalue of M over the largest between which a direction counts as resolved
@@ -33,7 +34,7 @@ struct CoupledOptions {
     double stiffness = 50;  ///< of fluid that parts: it yields to pressure like a sound wave of the speed sqrt(stiffness) d/dt (with 10 a pool of 20 layers keeps bouncing)
     /// Its damping of what no linear field explains, over sqrt(p/rho)/d: what is pressed would fall into itself where the least-squares divergence does not see it
     /// (a pool loses a sixth of its height with 50, 4 % with 100); what flies is under no pressure and falls apart as it likes.
-    double held = 400, held_aside = 0.06;  ///< along the pairs, and over that in all directions
+    double held = 400;
     double parting_push = 0.1;  ///< added to `push` and ...
     double sliding_closest = 0.2;  ///< ... to `closest` for it, and for all that slides: half a spacing is its share of the room beside a wall
     int most_rounds = 4;    ///< solves a step until those that press have been found

@@ -173,7 +173,7 @@ void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Span<c
         c.full_bulk = static_cast<Real>(2 * K * o.bulk / (2 + n.unresolved * o.bulk) + part.parts * o.stiffness);
         c.bulk = part.share() * c.full_bulk;
         const double base = n.spread > 0 ? 2 * 3 / n.spread : 0;
-        c.smooth = static_cast<Real>(base * (sheared * o.smoothing + part.damping * o.held_aside));
+        c.smooth = static_cast<Real>(base * (sheared * o.smoothing + part.damping * o.damping_aside));
         c.pair = static_cast<Real>(base * (sheared * o.pair_smoothing + part.damping));
     });
     forces_.resize(rows.entries());
