@@ -234,7 +234,8 @@ private:
     void constrained_density() {
         ConstraintOptions options;
         options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
-        options.correction = scene_.pressure.correction;
+        // A drop holds itself together: what takes a density error away faster takes some of its pressure, too (a twentieth with 0.5, in drops of 11 spacings' radius).
+        options.correction = scene_.pressure.correction * (scene_.fluid.surface_tension > 0 ? 0.4 : 1);
         options.active_set = scene_.pressure.active_set;
         options.gate = gate_;
         switch (scene_.pressure.preconditioner) {
