@@ -31,7 +31,7 @@ struct Solid {
     Contact contact;                  ///< how it touches other solids
     std::optional<RigidBody> body;    ///< free: forces move it; position and spin only say where it starts
     Vec3d shift = Vec3d::Zero();      ///< m, added to `position`; follows from earlier motions (go_on_as)
-    Mat3d turn = Mat3d::Identity();   ///< before the turning by `spin` since t = 0; follows from earlier motions
+    Mat3d turn = Mat3d::Identity();   ///< before the turning by `spin` since t = 0: the scene's tilt, and what follows from earlier motions
     Pose pose;
     Turned turned;
 

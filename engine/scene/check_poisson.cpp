@@ -10,7 +10,7 @@ namespace {
 /// Slots 2, 3, 4 and 6 d wide explode within 0.2 s, 10 d between floor and ceiling hold.
 constexpr double narrowest_slot = 8;  ///< d
 
-/// How far it is from one solid straight to the next one in front of it, where fluid starts between them [m]; infinite beyond `most`.
+/// How far it is from one solid straight to the next one that faces it, at a sample of the places where fluid starts [m]; infinite beyond `most`.
 double narrowest_gap(const SceneShapes& shapes, double spacing, double most) {
     constexpr int points = 17;  // an axis of a block
     double narrowest = std::numeric_limits<double>::infinity();
@@ -26,8 +26,10 @@ double narrowest_gap(const SceneShapes& shapes, double spacing, double most) {
             const Vec3 away = shapes.solids.all[static_cast<std::size_t>(k)].normal(x);
             for (double t = spacing / 4; static_cast<double>(height) + t < std::min(most, narrowest); t += spacing / 4) {
                 Real distance = 0;
-                shapes.solids.nearest(x + static_cast<Real>(t) * away, distance);
-                if (distance < 0) narrowest = static_cast<double>(height) + t;
+                const Vec3 there = x + static_cast<Real>(t) * away;
+                const int hit = shapes.solids.nearest(there, distance);
+                // Facing each other, not a corner of a wall and the floor.
+                if (hit >= 0 && distance < 0 && shapes.solids.all[static_cast<std::size_t>(hit)].normal(there).dot(away) < Real(-0.7)) narrowest = static_cast<double>(height) + t;
             }
         }
     }

@@ -208,7 +208,10 @@ private:
             stage("keep outside", "boundary", KeepOutside{});
             booked(&EnergyWork::boundary);
         }
-        if (constraint && !bodies) stage("crowding", "pressure", RelieveCrowding(largest_over_mean_error * scene_.pressure.tolerance, gate_));
+        if (constraint && !bodies) {
+            stage("crowding", "pressure", RelieveCrowding(largest_over_mean_error * scene_.pressure.tolerance, gate_));
+            booked(&EnergyWork::pressure);
+        }
     }
 
     void surface_tension(std::shared_ptr<std::vector<Real>> internal) {
@@ -234,8 +237,8 @@ private:
     void constrained_density() {
         ConstraintOptions options;
         options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
-        // A drop holds itself together: what takes a density error away faster takes some of its pressure, too (a twentieth with 0.5, in drops of 11 spacings' radius).
-        options.correction = scene_.pressure.correction * (scene_.fluid.surface_tension > 0 ? 0.4 : 1);
+        options.correction = scene_.pressure.correction;
+        options.careful = scene_.fluid.surface_tension > 0;
         options.active_set = scene_.pressure.active_set;
         options.gate = gate_;
         switch (scene_.pressure.preconditioner) {

@@ -60,9 +60,6 @@ struct LookOptions {
 /// Whether the look colours the fluid by a field instead of drawing its surface.
 inline bool shows_field(const LookOptions& look) { return look.style == "particles" || look.style == "slice" || look.style == "volume"; }
 /// What a frame needs besides positions and velocities for the picture.
-inline std::vector<std::string> shown_fields(const LookOptions& look) {
-    if (shows_field(look)) return {look.field};
-    return look.material == "lava" ? std::vector<std::string>{"age"} : std::vector<std::string>{};
-}
+std::vector<std::string> shown_fields(const LookOptions& look);
 
 }  // namespace whorl

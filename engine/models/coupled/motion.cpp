@@ -30,6 +30,7 @@ struct Shifting {
     Span<const Real> strain;  ///< dt |D|/2 of each particle
     const StepContext& step;
 
+    /// With r_ij = x_j - x_i here:
     /// dx_i = -sum_j rate_ij (range - r) r_ij/r - thin_i e_i sum_j rate'_ij (range' - |s|) s/(|s| + 0.2),   s = e_i.r_ij,   rate = shift_rate dt (|D_i| + |D_j|)/2
     ///
     /// The first keeps particles apart; repulsion only, any attraction clumps. A stretched thread widens every gap along its axis e in proportion, and once it is thin nobody is close enough
@@ -118,7 +119,6 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
     if (solids.all.empty()) return;
     const CoupledSystem& s = *system;
     const Real d = step.spacing, dt = step.dt;
-    const Real touching = static_cast<Real>(s.options.stick) * d;
     parallel_for(x.size(), [&](Index i) {
         if (role[i] != 0) return;
         const Real parts = s.parting[static_cast<std::size_t>(i)].parts;
@@ -128,6 +128,8 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
         for (std::size_t k = 0; k < solids.all.size(); ++k) {
             const Solid& solid = solids.all[k];
             const Real closest = d * static_cast<Real>(s.options.closest + s.options.sliding_closest * (solid.sticks() ? static_cast<double>(parts) : 1));
+            // What slides rests where it comes no closer: it must count as touching there whatever the rounding.
+            const Real stick = static_cast<Real>(s.options.stick) * d, touching = solid.sticks() ? stick : std::max(stick, closest + Real(0.05) * d);
             const Vec3 to = carried(solid.pose, x[i], -dt);
             const Vec3 path = step.domain.minimum_image(to - from);
             const Real length = path.norm();

@@ -29,16 +29,16 @@ void RelieveCrowding::with_neighbours(const std::vector<Index>& from, std::vecto
 
 template <class Kernel>
 void RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, const Solids& solids, const SolidParticles& layer, const StepContext& step,
-                              Read<field::role> role, Span<Real> rho, Span<Vec3> x, Span<Vec3> u) {
+                              Read<field::role> role, Span<Real> rho, Span<Vec3> x, Span<Vec3> u, const std::function<void()>& find) {
     const Real rho_0 = step.rest_density, m = step.mass, crowded = rho_0 * (1 + most_ / 2), farthest = step.spacing / 5;
     const auto row = [&](Index i) {
         return density_row(wall, W, pairs_, solid_pairs_, layer, m, i, [](const Pairs::Group&, const Real*) {}, [](Index, const Vec3&, const WallImage::Seen&) {});
     };
     const Index n = static_cast<Index>(x.size());
     parallel_for(n, [&](Index i) { rho[at(i)] = row(i).density; });
-    if (fills_periodic_domain(step, solids, n)) return;  // there densities are held equal, not below rho_0
     touched_.resize(at(n));
     for (Index i = 0; i < n; ++i) touched_[at(i)] = i;
+    Real moved = 0;  // at most, since the neighbours were found
     for (int sweep = 0; sweep < most_sweeps; ++sweep) {
         crowded_.clear();
         Real densest = 0;
@@ -75,29 +75,37 @@ void RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, const Soli
         parallel_for(static_cast<Index>(movers_.size()), [&](Index c) {
             const Index i = movers_[at(c)];
             share_[at(i)] = 0;
+            const Vec3 before = x[at(i)];
             x[at(i)] -= moves_[at(c)];
             u[at(i)] += kicks_[at(c)];
             Real distance = 0;
             if (const int k = solids.nearest(x[at(i)], distance); k >= 0 && distance < 0) x[at(i)] -= distance * solids.all[at(k)].normal(x[at(i)]);
+            moves_[at(c)] = x[at(i)] - before;
         });
+        moved += static_cast<Real>(std::sqrt(parallel_max(static_cast<Index>(movers_.size()), 0, [&](Index c) { return static_cast<double>(moves_[at(c)].squaredNorm()); })));
+        if (2 * moved > step.spacing / 5) find(), moved = 0;
         with_neighbours(movers_, touched_);
         parallel_for(static_cast<Index>(touched_.size()), [&](Index c) { rho[at(touched_[at(c)])] = row(touched_[at(c)]).density; });
     }
 }
 
-void RelieveCrowding::operator()(const Solids& solids, const SolidParticles& layer, const StepContext& step, Read<field::role> role, Write<field::density> rho,
+void RelieveCrowding::operator()(const Solids& solids, const SolidParticles& layer, const StepContext& step, Read<field::role> role, Update<field::density> rho,
                                  Update<field::position> x, Update<field::velocity> u) {
     const Index n = x.size();
+    if (fills_periodic_domain(step, solids, n)) return;  // there densities are held equal, not below rho_0
     // A fifth of a spacing more than the kernel's reach: who comes into it while particles move is seen. A periodic axis may be too short for that.
     Real reach = step.support + step.spacing / 5;
     for (const Real length : step.domain.period())
         if (length > 0) reach = std::min(reach, length / 2);
-    search_.find(x.values, reach, step.domain, pairs_);
-    solid_search_.find(x.values, layer.position, reach, step.domain, solid_pairs_);
+    const auto find = [&] {
+        search_.find(x.values, reach, step.domain, pairs_);
+        solid_search_.find(x.values, layer.position, reach, step.domain, solid_pairs_);
+    };
+    find();
     seen_.resize(at(n), 0), push_.resize(at(n)), moves_.resize(at(n)), kicks_.resize(at(n));
     share_.assign(at(n), 0);
     const WallImage wall(step.kernel, step.support, step.spacing, gate_);
-    with_kernel(step.kernel, step.support, [&](const auto& W) { relieve(wall, W, solids, layer, step, role, rho.values, x.values, u.values); });
+    with_kernel(step.kernel, step.support, [&](const auto& W) { relieve(wall, W, solids, layer, step, role, rho.values, x.values, u.values, find); });
 }
 
 }  // namespace whorl

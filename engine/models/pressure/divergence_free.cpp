@@ -35,12 +35,12 @@ void DivergenceFree::operator()(const FluidPairs& pairs, const SolidPairs& solid
     bodies_.push(p.values, solids);
     matrix.presses.assign(at(n), 1);
     matrix.multiply(p.values, residual_);  // leaves D^T q in matrix.force
-    const Real mean = filled ? static_cast<Real>(parallel_sum(n, [&](Index i) { return static_cast<double>(rho[i]); }) / n) : rho_0;
+    const Real mean = filled ? static_cast<Real>(parallel_sum(n, [&](Index i) { return static_cast<double>(rho[i]); }) / n) : rho_0, share = corrected(filled);
     parallel_for(n, [&](Index i) {
         u[i] -= matrix.force[at(i)].head<3>();
         p[i] *= D_.virial[at(i)] * rho[i] * rho[i] / step.dt;
         const Real excess = filled ? std::clamp(rho[i] - mean, -rho_0 / 200, rho_0 / 200) : std::min(rho[i] - rho_0, rho_0 / 20);
-        b_[at(i)] = rate_[at(i)] - residual_[at(i)] + (excess > 0 || filled ? static_cast<Real>(filled || !bodies_.empty() ? 0.4 * options_.correction : options_.correction) : Real(1)) * excess / step.dt;
+        b_[at(i)] = rate_[at(i)] - residual_[at(i)] + (excess > 0 || filled ? share : Real(1)) * excess / step.dt;
     });
     matrix.bodies = nullptr;
     report.solves.push_back({"pressure", filled ? solve_filled(matrix, step, mean_of(b_), fastest, s.values) : solve(matrix, step, s.values)});

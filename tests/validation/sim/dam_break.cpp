@@ -44,8 +44,8 @@ double level(const Simulation& simulation) {  // of water on a floor at 0
 
 }  // namespace
 
-TEST_CASE("no particle of a dam break is 1 % denser than water at any step, from the fall to the run-up and the backwash, and in the mean they are 0.15 % denser", "[validation][pressure]") {
-    // 10 layers, 2000 particles: the mean error is that of impacts at walls, half as large with half the spacing (.05 %), where asked is .1 %.
+TEST_CASE("no particle of a dam break is 1 % denser than water at any step, from the fall to the run-up and the backwash, and in the mean they are 0.1 % denser", "[validation][pressure]") {
+    // 10 layers, 2000 particles; 0.06 % in the mean measured, most of it from impacts at walls.
     Simulation simulation = simulation_of(R"toml([time]
 end = 1.6
 [domain]
@@ -76,7 +76,7 @@ inside = true
         largest = std::max(largest, now.largest);
     }
     CHECK(largest < 0.01);
-    CHECK(mean / static_cast<double>(simulation.totals().steps) < 1.5e-3);
+    CHECK(mean / static_cast<double>(simulation.totals().steps) < 1e-3);
     CHECK(simulation.totals().lost_particles == 0);
     CHECK(simulation.totals().unconverged_solves == 0);
 }
