@@ -127,7 +127,7 @@ shape = "plane"
     return fmt::format("{:.1e} J of motion, {:.2f} % of the height lost | {}", now.kinetic_energy, 100 * (1 - now.potential_energy / start.potential_energy), run.cost());
 }
 
-/// The standing wave of tests/validation/sim/waves.cpp.
+/// The standing wave of tests/validation/sim/waves.cpp, on a lattice.
 std::string wave(double damping, bool divergence_free) {
     constexpr double length = 0.4, h = 0.2, U = 0.1, d = 0.01, k = 2 * std::numbers::pi / length;
     Run run(fmt::format(R"toml([time]
