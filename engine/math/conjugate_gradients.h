@@ -31,6 +31,13 @@ double dot(Span<const T> a, Span<const T> b) {
     });
 }
 
+/// 0 of an entry.
+template <class T>
+T zero_entry() {
+    if constexpr (std::is_arithmetic_v<T>) return T(0);
+    else return T(T::Zero());
+}
+
 /// The identity: conjugate gradients without a preconditioner.
 struct NoPreconditioner {
     template <class T>
@@ -39,51 +46,22 @@ struct NoPreconditioner {
     }
 };
 
-/// Solves A x = b. A and M must be symmetric and positive definite on the entries that b and x use: entries that a mask excludes must be
-/// zero in b and x and left at zero by A and M.
-/// @param A called as A(Span<const T> x, Span<T> y): y = A x
-/// @param M called as M(Span<const T> r, Span<T> z): z is near A^-1 r
-/// @param x the first guess, then the solution; where the solver stops early, its last iterate
-/// @param reference what the residual is measured against in the chosen norm; 0: the norm of b itself
-/// @returns iterations and relative residuals; converged is false with a reason where a limit was reached or A or M are not definite
+/// Goes on from a first guess whose residual is known, which saves a product with A (see conjugate_gradients for the rest).
+/// @param r b - A x; then the last residual
+/// @param reference > 0, what the residual is measured against in the chosen norm
 template <class T, class Operator, class Preconditioner>
-SolveReport conjugate_gradients(const Operator& A, const Preconditioner& M, Span<const T> b, Span<T> x, const SolveLimits& limits,
-                                ResidualNorm norm = ResidualNorm::euclidean, double reference = 0) {
-    const std::size_t n = b.size();
+SolveReport conjugate_gradients_from(const Operator& A, const Preconditioner& M, Span<T> r, Span<T> x, const SolveLimits& limits, ResidualNorm norm, double reference) {
+    const std::size_t n = r.size();
     const auto count = static_cast<Index>(n);
-    const T zero = [] {
-        if constexpr (std::is_arithmetic_v<T>) return T(0);
-        else return T(T::Zero());
-    }();
-    std::vector<T> r(n, zero), z(n, zero), p(n, zero), q(n, zero);
+    std::vector<T> z(n, zero_entry<T>()), q(n, zero_entry<T>());
     SolveReport report;
-
-    const auto stopping_norm = [&](Span<const T> residual, double residual_z) {
-        return std::sqrt(norm == ResidualNorm::euclidean ? dot<T>(residual, residual) : residual_z);
+    const auto relative_residual = [&](double residual_z) {
+        return std::sqrt(norm == ResidualNorm::euclidean ? dot<T>(r, r) : residual_z) / reference;
     };
-    if (reference <= 0) {
-        if (norm == ResidualNorm::preconditioned) M(b, Span<T>(z));
-        reference = stopping_norm(b, norm == ResidualNorm::preconditioned ? dot<T>(b, z) : 0);
-        if (reference == 0) {
-            std::fill(x.begin(), x.end(), zero);
-            report.converged = true;
-            return report;
-        }
-    }
-    if (!std::isfinite(reference)) {
-        report.why_not = "the right-hand side is not finite";
-        return report;
-    }
-
-    A(Span<const T>(x), Span<T>(q));
-    parallel_for(count, [&](Index i) {
-        const auto k = static_cast<std::size_t>(i);
-        r[k] = b[k] - q[k];
-    });
     M(Span<const T>(r), Span<T>(z));
     double rz = dot<T>(r, z);
-    p = z;
-    report.first_residual = report.last_residual = stopping_norm(r, rz) / reference;
+    std::vector<T> p = z;
+    report.first_residual = report.last_residual = relative_residual(rz);
 
     while (!(report.last_residual <= limits.tolerance)) {
         if (!std::isfinite(report.last_residual) || !(rz > 0)) {
@@ -117,10 +95,44 @@ SolveReport conjugate_gradients(const Operator& A, const Preconditioner& M, Span
             p[k] = z[k] + beta * p[k];
         });
         ++report.iterations;
-        report.last_residual = stopping_norm(r, rz) / reference;
+        report.last_residual = relative_residual(rz);
     }
     report.converged = true;
     return report;
+}
+
+/// Solves A x = b. A and M must be symmetric and positive definite on the entries that b and x use: entries that a mask excludes must be
+/// zero in b and x and left at zero by A and M.
+/// @param A called as A(Span<const T> x, Span<T> y): y = A x
+/// @param M called as M(Span<const T> r, Span<T> z): z is near A^-1 r
+/// @param x the first guess, then the solution; where the solver stops early, its last iterate
+/// @param reference what the residual is measured against in the chosen norm; 0: the norm of b itself
+/// @returns iterations and relative residuals; converged is false with a reason where a limit was reached or A or M are not definite
+template <class T, class Operator, class Preconditioner>
+SolveReport conjugate_gradients(const Operator& A, const Preconditioner& M, Span<const T> b, Span<T> x, const SolveLimits& limits,
+                                ResidualNorm norm = ResidualNorm::euclidean, double reference = 0) {
+    const std::size_t n = b.size();
+    std::vector<T> r(n, zero_entry<T>());
+    SolveReport report;
+    if (reference <= 0) {
+        if (norm == ResidualNorm::preconditioned) M(b, Span<T>(r));
+        reference = std::sqrt(norm == ResidualNorm::euclidean ? dot<T>(b, b) : dot<T>(b, r));
+        if (reference == 0) {
+            std::fill(x.begin(), x.end(), zero_entry<T>());
+            report.converged = true;
+            return report;
+        }
+    }
+    if (!std::isfinite(reference)) {
+        report.why_not = "the right-hand side is not finite";
+        return report;
+    }
+    A(Span<const T>(x), Span<T>(r));
+    parallel_for(static_cast<Index>(n), [&](Index i) {
+        const auto k = static_cast<std::size_t>(i);
+        r[k] = b[k] - r[k];
+    });
+    return conjugate_gradients_from<T>(A, M, Span<T>(r), x, limits, norm, reference);
 }
 
 }  // namespace whorl

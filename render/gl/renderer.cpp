@@ -37,6 +37,7 @@ struct Shot {
     float ground = 0;   ///< m
     Eigen::Matrix4f camera;
     float aspect = 1;
+    bool has_age = false;  ///< of the fluid's surface
 };
 
 }  // namespace
@@ -87,7 +88,6 @@ struct Renderer::Device {
     gl::Texture colours = gl::texture_2d(GL_RGBA16F, 256, 1, true);
     gl::Texture slice, values, cover;  // of the flow
     int slice_width = 0, slice_height = 0;
-    bool has_age = false;  // of the fluid's surface
     Bounds volume_box;
     gl::Texture picture = gl::texture_2d(GL_RGBA8, width, height, false);
     gl::Framebuffer geometry = gl::framebuffer({solid.id(), normal.id()}, depth.id());
@@ -131,12 +131,11 @@ Image Renderer::Device::draw(const Frame& frame, const Surface& surface, const L
         range = fill_field(frame, look, view);
     else
         things.fill(frame, surface.mesh, surface.age);
-    has_age = !surface.age.empty();
     field.fill(shows_field(look) ? Volume{} : surface.distance);
     solid_field.fill(frame.solids);
     const float aspect = static_cast<float>(width) / static_cast<float>(height);
     const Shot shot{look,          view, studio_of(look.background), fluid_material(look, (frame.domain_max - frame.domain_min).norm()),
-                    frame.spacing, ground_height(frame), camera_matrix(view, aspect, things.bounds()), aspect};
+                    frame.spacing, ground_height(frame), camera_matrix(view, aspect, things.bounds()), aspect, !surface.age.empty()};
     glBindVertexArray(no_vertices);
     ground_light.draw(things, shot.material, studio_axes(view), frame.spacing, shot.ground, look.ground);
 
@@ -317,7 +316,7 @@ void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matr
     program.set("haze", material.haze * field.voxel());
     program.set("body_colour", material.refracts ? material.scatter.cwiseMin(1.0f).eval() : material.colour);
     program.set("emission", material.emission);
-    program.set("cooling", has_age ? material.cooling : 0.0f);
+    program.set("cooling", shot.has_age ? material.cooling : 0.0f);
     program.set("softness", material.refracts ? 0.5f : material.softness);
     cover_screen();
 }

@@ -7,13 +7,8 @@
 namespace whorl {
 namespace {
 
-void fill_vertices(gl::Vertices& vertices, const TriangleMesh& mesh) {
-    if (mesh.triangle.empty()) return vertices.fill({{nullptr, 0}, {nullptr, 0}}, nullptr, 0);
-    vertices.fill({{mesh.position[0].data(), 3 * mesh.position.size()}, {mesh.normal[0].data(), 3 * mesh.normal.size()}},
-                  mesh.triangle[0].data(), 3 * mesh.triangle.size());
-}
-
-void fill_fluid(gl::Vertices& vertices, const TriangleMesh& mesh, std::vector<float> age) {
+/// @param age of each vertex; 0 where it has none
+void fill_vertices(gl::Vertices& vertices, const TriangleMesh& mesh, std::vector<float> age = {}) {
     if (mesh.triangle.empty()) return vertices.fill({{nullptr, 0}, {nullptr, 0}, {nullptr, 0}}, nullptr, 0);
     age.resize(mesh.position.size());
     vertices.fill({{mesh.position[0].data(), 3 * mesh.position.size()}, {mesh.normal[0].data(), 3 * mesh.normal.size()}, {age.data(), age.size()}},
@@ -56,8 +51,8 @@ const gl::Vertices& Things::model(const std::shared_ptr<const TriangleMesh>& mes
 }
 
 void Things::fill(const Frame& frame, const TriangleMesh& fluid, const std::vector<float>& age) {
-    if (fluid.normal.size() == fluid.position.size()) fill_fluid(fluid_, fluid, age);
-    else fill_fluid(fluid_, with_normals(fluid), {});
+    if (fluid.normal.size() == fluid.position.size()) fill_vertices(fluid_, fluid, age);
+    else fill_vertices(fluid_, with_normals(fluid));
     shape_ = Shape::surface;
     bounds_ = fluid_bounds_ = bounds_of(fluid.position);
     fill_solids(frame);

@@ -39,7 +39,7 @@ public:
 private:
     struct Model {
         std::shared_ptr<const TriangleMesh> mesh;  ///< held so that its address stays its name
-        gl::Vertices vertices{{3, 3}};
+        gl::Vertices vertices{{3, 3, 1}};
     };
     void fill_solids(const Frame& frame);
     const gl::Vertices& model(const std::shared_ptr<const TriangleMesh>& mesh);

@@ -10,6 +10,7 @@
 #include "engine/io/diagnostics.h"
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
+#include "tests/support/zeros.h"
 #include "tools/studies/studies.h"
 
 namespace whorl {
@@ -149,20 +150,18 @@ shape = "plane"
 [models]
 pressure = "ppe"
 )toml", length, d, h, U / std::sinh(k * h), k), divergence_free, fmt::format("damping = {}\n", damping));
-    std::vector<double> zeros;
-    double before = 0, time_before = 0;
-    while (zeros.size() < 6 && run.simulation.time() < 2) {
+    const double period = 2 * std::numbers::pi / std::sqrt(9.81 * k * std::tanh(k * h));
+    test::Zeros zeros(period / 4);
+    while (zeros.at.size() < 6 && run.simulation.time() < 2) {
         run.step(2);
         const auto x = run.simulation.world().fluid.column<field::position>();
         const auto u = run.simulation.world().fluid.column<field::velocity>();
         double now = 0;
         for (std::size_t i = 0; i < x.size(); ++i) now += static_cast<double>(u[i].y()) * std::cos(k * static_cast<double>(x[i].x()));
-        if (before * now < 0) zeros.push_back(time_before + (run.simulation.time() - time_before) * before / (before - now));
-        before = now, time_before = run.simulation.time();
+        zeros.sample(run.simulation.time(), now);
     }
-    const double period = 2 * std::numbers::pi / std::sqrt(9.81 * k * std::tanh(k * h));
-    if (zeros.size() < 6) return "no five half periods | " + run.cost();
-    return fmt::format("period {:.3f} of theory's | {}", (zeros[5] - zeros[0]) / 2.5 / period, run.cost());
+    if (zeros.at.size() < 6) return "no five half periods | " + run.cost();
+    return fmt::format("period {:.3f} of theory's | {}", (zeros.at[5] - zeros.at[0]) / 2.5 / period, run.cost());
 }
 
 }  // namespace

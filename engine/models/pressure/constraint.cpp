@@ -91,7 +91,7 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
     PressurePreconditioner M;
     std::vector<char> set_up_for;  // presses, when M was set up
     const auto A = [&](Span<const Real> in, Span<Real> out) { matrix.multiply(in, out); };
-    Column<Real> masked(at(n));
+    Column<Real> rest(at(n));  // b - A q where something presses
     SolveReport report;
     const double start = wall_seconds();
     for (int round = 0;; ++round) {
@@ -102,7 +102,7 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
             const Real r = b_[at(i)] - residual_[at(i)];
             const bool can = D_.diagonal[at(i)] > std::numeric_limits<Real>::min(), counts = can && (q[at(i)] > 0 || r > 0 || is_both(i));
             matrix.presses[at(i)] = counts || (can && r > enough);
-            masked[at(i)] = matrix.presses[at(i)] ? b_[at(i)] : 0;
+            rest[at(i)] = matrix.presses[at(i)] ? r : 0;
             return counts ? static_cast<double>(r) * r : 0.0;
         }));
         report.last_residual = left / worst_rate;
@@ -124,14 +124,26 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
         }
         // Early rounds need not be exact: their set changes.
         const double aim = options_.active_set ? std::max(tolerance / 2, report.last_residual / 10) : tolerance;
-        report.iterations += conjugate_gradients<Real>(A, M, Span<const Real>(masked), q,
-                                                       SolveLimits{aim, options_.limits.max_iterations - report.iterations},
-                                                       ResidualNorm::euclidean, worst_rate)
-                                 .iterations;
+        const SolveLimits limits{aim, options_.limits.max_iterations - report.iterations};
+        report.iterations += conjugate_gradients_from<Real>(A, M, Span<Real>(rest), q, limits, ResidualNorm::euclidean, worst_rate).iterations;
         parallel_for(n, [&](Index i) {
             if (!is_both(i)) q[at(i)] = std::max(Real(0), q[at(i)]);
         });
     }
+}
+
+WallImage ConstraintPressure::wall_of(const Solids& solids, const StepContext& step) const {
+    WallImage wall(step.kernel, step.support, step.spacing, options_.gate);
+    wall.goes_on = !solids.any_free();
+    return wall;
+}
+
+Real ConstraintPressure::mending_rate(Real rho, Real target, bool filled, const StepContext& step) const {
+    // What an impact has pressed together is pushed apart no faster than 5 % of its density allow, or it would jump. Without a surface it is 0.5 %:
+    // unevenness that alternates from neighbour to neighbour takes large velocities to mend.
+    const Real rho_0 = step.rest_density;
+    const Real excess = filled ? std::clamp(rho - target, -rho_0 / 200, rho_0 / 200) : std::min(rho - target, rho_0 / 20);
+    return (excess > 0 || filled ? corrected(filled) : Real(1)) * excess / step.dt;
 }
 
 void ConstraintPressure::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, Solids& solids,
@@ -141,19 +153,14 @@ void ConstraintPressure::operator()(const FluidPairs& pairs, const SolidPairs& s
     const Real rho_0 = step.rest_density;
     b_.resize(at(n));
     residual_.resize(at(n));
-    WallImage wall(step.kernel, step.support, step.spacing, options_.gate);
-    wall.goes_on = !solids.any_free();
+    const WallImage wall = wall_of(solids, step);
     D_.build(wall, pairs, solid_pairs, solid, step, role, Read<field::velocity>{u.values}, rho.values, b_, &solids);
     bodies_.build(wall, solid_pairs, solid, solids, step, rho.values, D_);
     const bool filled = fills_periodic_domain(step, solids, n);
     const Real target = filled ? static_cast<Real>(parallel_sum(n, [&](Index i) { return static_cast<double>(rho[i]); }) / n) : rho_0;
-    const Real share = corrected(filled);
     const double mean_rate = filled ? parallel_sum(n, [&](Index i) { return static_cast<double>(b_[at(i)]); }) / n : 0;
     parallel_for(n, [&](Index i) {
-        // What an impact has pressed together is pushed apart no faster than 5 % of its density allow, or it would jump. Without a surface it is 0.5 %:
-        // unevenness that alternates from neighbour to neighbour takes large velocities to mend.
-        const Real excess = filled ? std::clamp(rho[i] - target, -rho_0 / 200, rho_0 / 200) : std::min(rho[i] - rho_0, rho_0 / 20);
-        b_[at(i)] += (excess > 0 || filled ? share : Real(1)) * excess / step.dt;
+        b_[at(i)] += mending_rate(rho[i], target, filled, step);
         p[i] = D_.diagonal[at(i)] > 0 ? p[i] / D_.virial[at(i)] * step.dt / (rho[i] * rho[i]) : 0;  // q
     });
     ConstraintMatrix matrix{D_, {}, Column<Padded>(at(n)), pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};

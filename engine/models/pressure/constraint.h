@@ -65,6 +65,9 @@ protected:
     Real corrected(bool filled) const {
         return static_cast<Real>(filled || options_.careful || !bodies_.empty() ? 0.4 * options_.correction : options_.correction);
     }
+    /// Rate at which a density of rho is to approach `target` [kg/(m^3 s)].
+    Real mending_rate(Real rho, Real target, bool filled, const StepContext& step) const;
+    WallImage wall_of(const Solids& solids, const StepContext& step) const;
     SolveReport solve_filled(ConstraintMatrix& A, const StepContext& step, double mean_rate, Real fastest, Span<Real> q);
 
     ConstraintOptions options_;

@@ -28,7 +28,7 @@ void RelieveCrowding::with_neighbours(const std::vector<Index>& from, std::vecto
 }
 
 template <class Kernel>
-void RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, const Solids& solids, const SolidParticles& layer, const StepContext& step,
+SolveReport RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, const Solids& solids, const SolidParticles& layer, const StepContext& step,
                               Read<field::role> role, Span<Real> rho, Span<Vec3> x, Span<Vec3> u, const std::function<void()>& find) {
     const Real rho_0 = step.rest_density, m = step.mass, crowded = rho_0 * (1 + most_ / 2), farthest = step.spacing / 5;
     const auto row = [&](Index i) {
@@ -39,7 +39,8 @@ void RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, const Soli
     touched_.resize(at(n));
     for (Index i = 0; i < n; ++i) touched_[at(i)] = i;
     Real moved = 0;  // at most, since the neighbours were found
-    for (int sweep = 0; sweep < most_sweeps; ++sweep) {
+    SolveReport report;
+    for (int sweep = 0;; ++sweep) {
         crowded_.clear();
         Real densest = 0;
         for (const Index i : touched_) {
@@ -47,7 +48,15 @@ void RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, const Soli
             crowded_.push_back(i);
             densest = std::max(densest, rho[at(i)]);
         }
-        if (!(densest > rho_0 * (1 + Real(0.9) * most_))) return;
+        report.iterations = sweep;
+        report.last_residual = std::max(0.0, static_cast<double>(densest / rho_0) - 1);
+        if (sweep == 0) report.first_residual = report.last_residual;
+        report.converged = !(densest > rho_0 * (1 + Real(0.9) * most_));
+        if (report.converged) return report;
+        if (sweep == most_sweeps) {
+            report.why_not = "particles are " + std::to_string(100 * report.last_residual) + " % too dense after " + std::to_string(sweep) + " sweeps";
+            return report;
+        }
         parallel_for(static_cast<Index>(crowded_.size()), [&](Index c) {
             const Index i = crowded_[at(c)];
             const DensityRow at_i = row(i);
@@ -89,8 +98,8 @@ void RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, const Soli
     }
 }
 
-void RelieveCrowding::operator()(const Solids& solids, const SolidParticles& layer, const StepContext& step, Read<field::role> role, Update<field::density> rho,
-                                 Update<field::position> x, Update<field::velocity> u) {
+void RelieveCrowding::operator()(const Solids& solids, const SolidParticles& layer, const StepContext& step, StepReport& report, Read<field::role> role,
+                                 Update<field::density> rho, Update<field::position> x, Update<field::velocity> u) {
     const Index n = x.size();
     if (fills_periodic_domain(step, solids, n)) return;  // there densities are held equal, not below rho_0
     // A fifth of a spacing more than the kernel's reach: who comes into it while particles move is seen. A periodic axis may be too short for that.
@@ -105,7 +114,10 @@ void RelieveCrowding::operator()(const Solids& solids, const SolidParticles& lay
     seen_.resize(at(n), 0), push_.resize(at(n)), moves_.resize(at(n)), kicks_.resize(at(n));
     share_.assign(at(n), 0);
     const WallImage wall(step.kernel, step.support, step.spacing, gate_);
-    with_kernel(step.kernel, step.support, [&](const auto& W) { relieve(wall, W, solids, layer, step, role, rho.values, x.values, u.values, find); });
+    with_kernel(step.kernel, step.support, [&](const auto& W) {
+        const SolveReport done = relieve(wall, W, solids, layer, step, role, rho.values, x.values, u.values, find);
+        if (!done.converged) report.solves.push_back({"crowding", done});
+    });
 }
 
 }  // namespace whorl

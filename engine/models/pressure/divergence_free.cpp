@@ -18,8 +18,7 @@ void DivergenceFree::operator()(const FluidPairs& pairs, const SolidPairs& solid
     const Index n = rho.size();
     const Real rho_0 = step.rest_density;
     b_.resize(at(n)), residual_.resize(at(n)), rate_.resize(at(n)), inside_.resize(at(n));
-    WallImage wall(step.kernel, step.support, step.spacing, options_.gate);
-    wall.goes_on = !solids.any_free();
+    const WallImage wall = wall_of(solids, step);
     D_.build(wall, pairs, solid_pairs, solid, step, role, Read<field::velocity>{u.values}, rho.values, rate_, &solids);
     bodies_.build(wall, solid_pairs, solid, solids, step, rho.values, D_);
     const bool filled = fills_periodic_domain(step, solids, n);
@@ -35,12 +34,11 @@ void DivergenceFree::operator()(const FluidPairs& pairs, const SolidPairs& solid
     bodies_.push(p.values, solids);
     matrix.presses.assign(at(n), 1);
     matrix.multiply(p.values, residual_);  // leaves D^T q in matrix.force
-    const Real mean = filled ? static_cast<Real>(parallel_sum(n, [&](Index i) { return static_cast<double>(rho[i]); }) / n) : rho_0, share = corrected(filled);
+    const Real target = filled ? static_cast<Real>(parallel_sum(n, [&](Index i) { return static_cast<double>(rho[i]); }) / n) : rho_0;
     parallel_for(n, [&](Index i) {
         u[i] -= matrix.force[at(i)].head<3>();
         p[i] *= D_.virial[at(i)] * rho[i] * rho[i] / step.dt;
-        const Real excess = filled ? std::clamp(rho[i] - mean, -rho_0 / 200, rho_0 / 200) : std::min(rho[i] - rho_0, rho_0 / 20);
-        b_[at(i)] = rate_[at(i)] - residual_[at(i)] + (excess > 0 || filled ? share : Real(1)) * excess / step.dt;
+        b_[at(i)] = rate_[at(i)] - residual_[at(i)] + mending_rate(rho[i], target, filled, step);
     });
     matrix.bodies = nullptr;
     report.solves.push_back({"pressure", filled ? solve_filled(matrix, step, mean_of(b_), fastest, s.values) : solve(matrix, step, s.values)});

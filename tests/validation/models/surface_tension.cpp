@@ -13,6 +13,7 @@
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
 #include "tests/support/world.h"
+#include "tests/support/zeros.h"
 
 using namespace whorl;
 
@@ -97,18 +98,17 @@ TEST_CASE("the pressure in a drop is 2 sigma/R, and it swings between long and f
             const Vec3 x = drop.column<field::position>()[i];
             drop.column<field::velocity>()[i] = Real(k) * Vec3(-x.x() / 2, x.y(), -x.z() / 2);
         }
-        std::vector<double> crossings;
-        double before = 1, t = 0, farthest = 0;
-        while (crossings.size() < 3 && t * omega < 20) {
+        test::Zeros crossings;
+        double t = 0, farthest = 0;
+        while (crossings.at.size() < 3 && t * omega < 20) {
             drop.run(Drop::share, 0);
             t += Drop::share * unit;
             const double now = drop.longer() - at_rest;
             farthest = std::max(farthest, now);
-            if (before * now < 0) crossings.push_back(t - Drop::share * unit * now / (now - before));
-            before = now;
+            crossings.sample(t, now);
         }
-        REQUIRE(crossings.size() == 3);
-        const double period = (crossings[2] - crossings[0]) * omega / (2 * std::numbers::pi);
+        REQUIRE(crossings.at.size() == 3);
+        const double period = (crossings.at[2] - crossings.at[0]) * omega / (2 * std::numbers::pi);
         WARN("radius " << across << " d: pressure " << excess / laplace << " of 2 sigma/R, period " << period << " of Rayleigh's, first swing to " << farthest);
         CHECK(excess == Approx(laplace).epsilon(0.15));
         CHECK(period == Approx(1).epsilon(0.12));

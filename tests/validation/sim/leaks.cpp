@@ -2,8 +2,7 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
-#include "engine/scene/read.h"
-#include "engine/sim/simulation.h"
+#include "tests/support/runs.h"
 
 using namespace whorl;
 
@@ -11,17 +10,12 @@ namespace {
 
 constexpr double d = 0.0125;
 
-Simulation simulation_of(const std::string& text) {
-    const Scene scene = read_scene_text(text, "test.toml");
-    return Simulation(scene, make_plan(scene));
-}
-
 }  // namespace
 
 TEST_CASE("a block of water dropped into a container loses no particle and none stands outside of its walls, with every pressure model that has solids", "[validation][boundary]") {
     for (const std::string models : {"pressure = \"ppe\"\n", "pressure = \"wcsph\"\n", "pressure = \"ppe\"\n[pressure]\ndivergence_free = true\n"}) {
         INFO(models);
-        Simulation simulation = simulation_of(fmt::format(R"toml([time]
+        Simulation simulation = test::simulation_of(fmt::format(R"toml([time]
 end = 0.5
 max_step = 5e-3
 [domain]
@@ -41,7 +35,7 @@ inside = true
 [models]
 {})toml", d, models));
         const Index particles = simulation.world().fluid.size();
-        while (simulation.time() < 0.5) REQUIRE_FALSE(simulation.step(0.5).diverged);
+        test::run_until(simulation, 0.5);
         CHECK(simulation.totals().lost_particles == 0);
         CHECK(simulation.world().fluid.size() == particles);
         for (const Vec3& x : simulation.world().fluid.column<field::position>())
@@ -51,7 +45,7 @@ inside = true
 
 TEST_CASE("a plate of three spacings that sweeps through water by a spacing a step leaves no particle behind", "[validation][boundary]") {
     // 6.25 m/s for 16 ms, then it stops. fixed_step: the step is not cut to the plate's speed. The water goes up at the far wall, within 1 m.
-    Simulation simulation = simulation_of(fmt::format(R"toml([time]
+    Simulation simulation = test::simulation_of(fmt::format(R"toml([time]
 end = 0.1
 fixed_step = 2e-3
 [domain]

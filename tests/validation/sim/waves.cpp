@@ -8,6 +8,7 @@
 
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
+#include "tests/support/zeros.h"
 
 using namespace whorl;
 
@@ -106,18 +107,15 @@ shape = "plane"
 )toml", length, d, h, U / std::sinh(k * h), k), "wave.toml");
     Simulation simulation(scene, make_plan(scene));
     const double period = 2 * std::numbers::pi / std::sqrt(g * k * std::tanh(k * h));
-    std::vector<double> zeros;
-    double before = 0, time_before = 0;
-    while (zeros.size() < 6 && simulation.time() < 2) {
+    test::Zeros zeros(period / 4);  // noise of a hundredth may cross to and fro within a step or two
+    while (zeros.at.size() < 6 && simulation.time() < 2) {
         REQUIRE_FALSE(simulation.step(2).diverged);
         const auto x = simulation.world().fluid.column<field::position>();
         const auto u = simulation.world().fluid.column<field::velocity>();
         double now = 0;
         for (std::size_t i = 0; i < x.size(); ++i) now += static_cast<double>(u[i].y()) * std::cos(k * static_cast<double>(x[i].x()));
-        const double zero = time_before + (simulation.time() - time_before) * before / (before - now);
-        if (before * now < 0 && (zeros.empty() || zero > zeros.back() + period / 4)) zeros.push_back(zero);  // noise of a hundredth may cross to and fro within a step or two
-        before = now, time_before = simulation.time();
+        zeros.sample(simulation.time(), now);
     }
-    REQUIRE(zeros.size() == 6);
-    CHECK((zeros[5] - zeros[0]) / 2.5 == Approx(period).epsilon(0.03));
+    REQUIRE(zeros.at.size() == 6);
+    CHECK((zeros.at[5] - zeros.at[0]) / 2.5 == Approx(period).epsilon(0.03));
 }

@@ -1,9 +1,16 @@
 #pragma once
 /// Iterations and time of the implicit solves by preconditioner, as a part of docs/viscosity.md.
 
+#include <vector>
+
 namespace whorl {
 
-/// @param large also half a million particles
-void print_preconditioners(bool large);
+struct PreconditionerRows {
+    bool small = true, large = false;     ///< four to fifty thousand particles; half a million
+    bool full = true, coupled = true;     ///< which solves
+    std::vector<double> K{1, 100, 1250, 1e4};  ///< nu dt/d^2
+};
+
+void print_preconditioners(const PreconditionerRows& rows);
 
 }  // namespace whorl

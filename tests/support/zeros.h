@@ -1,0 +1,26 @@
+#pragma once
+/// Times at which a signal that is stepped through changes its sign.
+#include <cstddef>
+#include <vector>
+
+namespace whorl::test {
+
+/// Zeros of a signal, by a straight line between the two samples around each.
+class Zeros {
+public:
+    /// @param apart s; a zero nearer to the last one is noise that crosses to and fro
+    explicit Zeros(double apart = 0) : apart_(apart) {}
+    void sample(double time, double value) {
+        if (before_ * value < 0) {
+            const double zero = time_ + (time - time_) * before_ / (before_ - value);
+            if (at.empty() || zero > at.back() + apart_) at.push_back(zero);
+        }
+        before_ = value, time_ = time;
+    }
+    std::vector<double> at;  ///< s
+
+private:
+    double apart_, before_ = 0, time_ = 0;
+};
+
+}  // namespace whorl::test
