@@ -57,7 +57,7 @@ public:
     std::optional<CoilTheory> at(const CoilParameters& parameters, const std::atomic<bool>* give_up = nullptr);
     /// Linear solves that the last answer took.
     int effort() const;
-    static constexpr int most_effort = 1000;
+    static constexpr int most_effort = 800;
 
     /// The last coil, so that another solver goes on from it with the same bits.
     void save(std::ostream& out) const;
