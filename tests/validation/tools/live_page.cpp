@@ -151,6 +151,9 @@ TEST_CASE("the page fits a phone and can be used with the keyboard alone", "[liv
     browser.open(address(live));
     REQUIRE(browser.wait_for("document.querySelector('[data-path=\"fluid.viscosity\"]')"));
     CHECK(browser.evaluate("document.documentElement.scrollWidth") == 390);
+    // The knobs are not far below the picture that they change.
+    CHECK(browser.evaluate("(() => { const top = id => document.getElementById(id).getBoundingClientRect().top; return top('frame') < top('buttons') && top('buttons') < "
+                           "top('knobs') && top('knobs') < top('facts') && top('facts') < top('plots'); })()") == true);
     // Everything that can be pressed has a name, and can be reached.
     CHECK(browser.evaluate("[...document.querySelectorAll('button, a, input, select, summary')].filter(e => e.tabIndex < 0 || "
                            "!(e.textContent.trim() || e.labels?.length || e.getAttribute('aria-label'))).length") == 0);
