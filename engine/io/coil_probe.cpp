@@ -42,7 +42,8 @@ struct CoilProbe::Step {
     CoilTurns::Sight sight;
 };
 
-CoilProbe::CoilProbe(const ProbeKeys& keys) : point_(keys.axis_point), up_(keys.axis_direction.normalized()), height_(keys.height) {
+CoilProbe::CoilProbe(const ProbeKeys& keys, Patience patience)
+    : point_(keys.axis_point), up_(keys.axis_direction.normalized()), height_(keys.height), expectation_(patience) {
     across_x_ = up_.unitOrthogonal();
     across_y_ = up_.cross(across_x_);
 }
@@ -141,21 +142,27 @@ std::string CoilProbe::rows(const World&, double time) {
     const CoilTurns::Reading r = turns_.read(time);
     const bool known = r.turns_known > 0, several = r.turns_known > 1;
     const double root = std::sqrt(std::max(1, r.turns_known));
+    const double fall = memory_.opening - r.ground;
+    const auto parameters = known && pouring_ ? steady_parameters(*pouring_, up_, time, 1 / r.frequency, fall) : std::nullopt;
+    const auto theory = parameters ? expectation_.at(*parameters) : std::nullopt;
     const auto cell = [](bool shown, double value) { return "," + (shown ? number(value) : std::string()); };
     return number(time) + cell(known, r.frequency) + cell(known, r.radius) + cell(true, r.turns) + cell(several, r.frequency_spread) +
            cell(several, r.radius_spread) + cell(true, memory_.pile_seen ? r.ground_now : 0) + cell(several, r.frequency_spread / root) +
-           cell(several, r.radius_spread / root) + cell(known, memory_.opening - r.ground) + "\n";
+           cell(several, r.radius_spread / root) + cell(known, fall) + cell(theory.has_value(), theory ? theory->frequency : 0) +
+           cell(theory.has_value(), theory ? theory->radius : 0) + "\n";
 }
 
 void CoilProbe::save(std::ostream& out) const {
     static_assert(std::is_trivially_copyable_v<Memory> && std::is_trivially_copyable_v<CoilTurns::Memory>);
     out.write(reinterpret_cast<const char*>(&memory_), sizeof memory_);
     out.write(reinterpret_cast<const char*>(&turns_.memory()), sizeof turns_.memory());
+    expectation_.save(out);
 }
 
 void CoilProbe::load(std::istream& in) {
     in.read(reinterpret_cast<char*>(&memory_), sizeof memory_);
     in.read(reinterpret_cast<char*>(&turns_.memory()), sizeof turns_.memory());
+    expectation_.load(in);
 }
 
 }  // namespace whorl

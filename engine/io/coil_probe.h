@@ -19,6 +19,9 @@
 /// again when none was completed for three periods. pile_height is the height of the ground on which the thread lands just now: its centre
 /// line comes to rest one radius above. fall is from the nozzle to that ground, mean over the same turns as the frequency: the fall height
 /// of the theory.
+/// theory_frequency and theory_radius are what theory expects for that fall and for speed, nozzle, viscosity, gravity and surface tension as they are
+/// (coil_theory.h, coil_expectation.h); empty before a fall is known, and where the theory is not of such a thread or finds no coil.
+#include "engine/io/coil_expectation.h"
 #include "engine/io/coil_turns.h"
 #include "engine/io/probes.h"
 
@@ -26,10 +29,12 @@ namespace whorl {
 
 class CoilProbe : public Probe {
 public:
-    explicit CoilProbe(const ProbeKeys& keys);
+    explicit CoilProbe(const ProbeKeys& keys, Patience patience = Patience::waits);
     std::string header() const override {
-        return "time,frequency,radius,turns,frequency_spread,radius_spread,pile_height,frequency_uncertainty,radius_uncertainty,fall";
+        return "time,frequency,radius,turns,frequency_spread,radius_spread,pile_height,frequency_uncertainty,radius_uncertainty,fall,"
+               "theory_frequency,theory_radius";
     }
+    void goes_by(const Scene& scene, const Plan& plan) override { pouring_ = pouring(scene, plan, point_, up_); }
     void after_step(const World& world, double time) override;
     std::string rows(const World& world, double time) override;
     void save(std::ostream& out) const override;
@@ -50,6 +55,8 @@ private:
     double height_;
     Memory memory_;
     CoilTurns turns_;
+    std::optional<Pouring> pouring_;  ///< what the scene pours down the axis
+    CoilExpectation expectation_;
 };
 
 }  // namespace whorl

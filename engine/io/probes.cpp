@@ -107,16 +107,21 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Probe> make_probe(const ProbeKeys& keys, const World& world) {
+std::unique_ptr<Probe> make_probe(const ProbeKeys& keys, const World& world, Patience patience) {
     switch (keys.kind) {
         case ProbeKind::region: return std::make_unique<RegionProbe>(keys);
-        case ProbeKind::coil: return std::make_unique<CoilProbe>(keys);
+        case ProbeKind::coil: return std::make_unique<CoilProbe>(keys, patience);
         case ProbeKind::point: return std::make_unique<PointsProbe>(std::vector<Vec3d>{keys.at}, false, world);
         case ProbeKind::line: break;
     }
     std::vector<Vec3d> points;
     for (int k = 0; k < keys.count; ++k) points.push_back(keys.from + (keys.to - keys.from) * (keys.count > 1 ? k / (keys.count - 1.0) : 0.0));
     return std::make_unique<PointsProbe>(std::move(points), true, world);
+}
+
+std::string rows_of(Probe& probe, const Simulation& simulation) {
+    probe.goes_by(simulation.scene(), simulation.plan());
+    return probe.rows(simulation.world(), simulation.time());
 }
 
 }  // namespace whorl

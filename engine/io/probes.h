@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
-#include "engine/scene/scene.h"
-#include "engine/sim/world.h"
+#include "engine/io/coil_expectation.h"
+#include "engine/sim/simulation.h"
 
 namespace whorl {
 
@@ -14,6 +14,8 @@ public:
     virtual ~Probe() = default;
     /// The header line, without the newline.
     virtual std::string header() const = 0;
+    /// The run goes by this scene from now on: at the start, and after changes.
+    virtual void goes_by(const Scene&, const Plan&) {}
     /// Sees every step, after it was made; `time` is the step's end [s].
     virtual void after_step(const World&, double /*time*/) {}
     /// The lines of one frame, with their newlines.
@@ -27,8 +29,13 @@ public:
 ///   region  time,particles,mass,centroid_*,velocity_*,spin_*        means over the box; empty where no particle is inside, spin 0 where none is kept
 ///   point   time,velocity_*,density,pressure,...                    those quantities that the run keeps, interpolated; empty where no fluid is near
 ///   line    time,s,x,y,z,velocity_*,...                             `count` points from `from` to `to` a frame, s [m] along the line
-///   coil    time,frequency,radius,turns,frequency_spread,radius_spread,pile_height,frequency_uncertainty,radius_uncertainty,fall   (coil_probe.h)
+///   coil    time,frequency,radius,turns,frequency_spread,radius_spread,pile_height,frequency_uncertainty,radius_uncertainty,fall,
+///           theory_frequency,theory_radius   (coil_probe.h)
 /// Point and line interpolate with the run's kernel, f(x) = sum f_j W_j / sum W_j (Shepard 1968): exact for a constant field, at a surface too.
-std::unique_ptr<Probe> make_probe(const ProbeKeys& keys, const World& world);
+/// @param patience of the coil's theory
+std::unique_ptr<Probe> make_probe(const ProbeKeys& keys, const World& world, Patience patience = Patience::waits);
+
+/// The lines of a frame that the simulation has reached.
+std::string rows_of(Probe& probe, const Simulation& simulation);
 
 }  // namespace whorl

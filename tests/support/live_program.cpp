@@ -26,6 +26,40 @@ httplib::Headers headers_of(const std::map<std::string, std::string>& headers) {
 
 }  // namespace
 
+const char* const coiling_honey = R"toml(
+name = "coiling_honey"
+[time]
+end = 60
+fps = 24
+[domain]
+min = [-0.12, -0.02, -0.12]
+max = [0.12, 0.12, 0.12]
+[fluid]
+spacing = 2.5e-3
+viscosity = 1000
+[models]
+pressure = "coupled"
+[[emitter]]
+position = [0, 0.08, 0]
+radius = 5e-3
+speed = 0.25
+[[solid]]
+shape = "cylinder"
+from = [0, -0.01, 0]
+to = [0, 0, 0]
+radius = 0.1
+position = ["0.0177*max(0, min(1, (1.02-t)*2.14))*cos(13.44*t)", "0", "0.0177*max(0, min(1, (1.02-t)*2.14))*sin(13.44*t)"]
+[[drain]]
+shape = "cylinder"
+from = [0, 0, 0]
+to = [0, 0.012, 0]
+radius = 0.12
+after = 0.28
+[[probe]]
+name = "coil"
+kind = "coil"
+)toml";
+
 LiveProgram::LiveProgram(const std::string& scene, const std::vector<std::string>& more) {
     std::ofstream(this->scene()) << scene;
     std::vector<std::string> arguments{"live",   this->scene().string(), "--port", "0", "--out", run().string(),

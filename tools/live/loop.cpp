@@ -58,7 +58,7 @@ void LiveLoop::begin(WantedScene& scene) {
     why_.clear();
     probes_.clear();
     probed_ = Json::object();
-    for (const ProbeKeys& keys : scene.file.scene.probes) probes_.emplace_back(keys.name, make_probe(keys, simulation_->world()));
+    for (const ProbeKeys& keys : scene.file.scene.probes) probes_.emplace_back(keys.name, make_probe(keys, simulation_->world(), Patience::never_waits));
     snapshots_.emplace(*simulation_, shown_fields(scene.file.look));
     times_before_ = {}, frame_times_ = {}, totals_before_ = simulation_->totals();
     frame_steps_ = 0, frame_iterations_ = frame_wall_ = simulate_wall_ = pace_ = frames_a_second_ = 0;
@@ -147,7 +147,7 @@ void LiveLoop::land() {
     for (const auto& [name, t] : simulation_->times()) frame_times_[name].wall = t.wall - times_before_[name].wall;
     times_before_ = simulation_->times();
     for (const auto& [name, probe] : probes_) {
-        const Json row = last_row(probe->header(), probe->rows(simulation_->world(), simulation_->time()));
+        const Json row = last_row(probe->header(), rows_of(*probe, *simulation_));
         probed_[name] = row;
     }
     {

@@ -10,11 +10,7 @@
 #include <sstream>
 
 #include "engine/core/whole_file.h"
-#include "engine/io/bodies.h"
 #include "engine/io/columns.h"
-#include "engine/io/diagnostics.h"
-#include "engine/io/files.h"
-#include "engine/io/probes.h"
 #include "engine/io/snapshot.h"
 #include "render/video/encoder.h"
 #include "tools/command.h"
@@ -28,6 +24,7 @@
 #include "tools/run/progress.h"
 #include "tools/run/report.h"
 #include "tools/run/run_folder.h"
+#include "tools/run/tables.h"
 #include "tools/run/usage.h"
 #include "tools/scene_changes.h"
 
@@ -35,13 +32,6 @@ namespace whorl {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A probe and the table that it fills.
-struct ProbeTable {
-    std::string name;
-    std::unique_ptr<Probe> probe;
-    Table table;
-};
 
 FilmOptions film_options(const RunRequest& request, const SceneFile& file, int frames_before) {
     const Scene& scene = file.scene;
@@ -67,16 +57,6 @@ std::vector<std::string> snapshot_fields(const SceneFile& file, const World& wor
     return fields;
 }
 
-/// What the governor of the run so far had given up, by the last row of its table.
-double last_given_up(const fs::path& table) {
-    std::ifstream in(table);
-    std::string line, last;
-    while (std::getline(in, line))
-        if (!line.empty()) last = line;
-    for (int column = 0; column < 4; ++column) last = last.substr(std::min(last.size(), last.find(',') + 1));
-    return std::strtod(last.c_str(), nullptr);
-}
-
 class Run {
 public:
     Run(const RunRequest& request, const Plan& plan);
@@ -85,9 +65,7 @@ public:
 private:
     SceneFile with_colour_range() const;
     void make_folders();
-    void open_tables();
     void resume();
-    std::unique_ptr<Table> open_table(const std::string& name, const std::string& header) const;
 
     void take_up(const SceneFile& file);
     void follow_changes();
@@ -118,15 +96,12 @@ private:
     RunFolder folder_;
     std::shared_ptr<spdlog::logger> log_;
     std::string scene_text_;
-    std::unique_ptr<Table> diagnostics_;
-    std::vector<ProbeTable> probes_;
+    std::optional<RunTables> tables_;
     std::optional<Snapshots> snapshots_;
     std::shared_ptr<const PictureOptions> how_;
     RunTotals totals_at_row_;
     Troubles troubles_;
     std::optional<Governor> governor_;  ///< where the scene has a budget
-    std::unique_ptr<Table> bodies_;  ///< where there are free ones
-    std::unique_ptr<Table> budget_;
     double landed_at_ = wall_seconds(), largest_residual_ = 0;  ///< of the frame on its way
     long unconverged_at_row_ = 0;
     double saved_at_ = wall_seconds();
@@ -142,8 +117,11 @@ Run::Run(const RunRequest& request, const Plan& plan)
     last_ = request.frames.value_or(frame_count(scene_));
     make_folders();
     if (request.from) resume();
-    if (scene_.budget.any()) governor_.emplace(replay_.now(), last_);
-    open_tables();
+    tables_.emplace(folder_.path(), simulation_, request.from ? &*request.from : nullptr);
+    if (scene_.budget.any()) {
+        governor_.emplace(replay_.now(), last_);
+        if (request.from) governor_->set(tables_->last_given_up());
+    }
     take_up(replay_.now());
     if (governor_ && governor_->now().amount > 0) go_by(governor_->governed());
     totals_at_row_ = simulation_.totals();
@@ -191,32 +169,6 @@ void Run::resume() {
     earlier_wall_ = from.wall, earlier_cpu_ = from.cpu, earlier_stages_ = from.stages, resumed_ = from.resumed + 1;
 }
 
-std::unique_ptr<Table> Run::open_table(const std::string& name, const std::string& header) const {
-    if (request_.from)
-        if (const auto found = request_.from->table_bytes.find(name); found != request_.from->table_bytes.end())
-            return std::make_unique<Table>(folder_.path() / name, found->second);
-    return std::make_unique<Table>(folder_.path() / name, std::string_view(header));
-}
-
-void Run::open_tables() {
-    diagnostics_ = open_table("diagnostics.csv", diagnostics_header());
-    if (simulation_.world().solids.any_free()) bodies_ = open_table("bodies.csv", bodies_header());
-    if (governor_) {
-        budget_ = open_table("budget.csv", budget_header());
-        if (request_.from) governor_->set(last_given_up(folder_.path() / "budget.csv"));
-    }
-    for (const ProbeKeys& keys : scene_.probes) {
-        std::unique_ptr<Probe> probe = make_probe(keys, simulation_.world());
-        if (request_.from)
-            if (const auto found = request_.from->probes.find(keys.name); found != request_.from->probes.end()) {
-                std::istringstream state(found->second);
-                probe->load(state);
-            }
-        std::unique_ptr<Table> table = open_table("probes/" + keys.name + ".csv", probe->header());
-        probes_.push_back({keys.name, std::move(probe), std::move(*table)});
-    }
-}
-
 StageTimes Run::stages() const {
     StageTimes all = with_shared_cpu(simulation_.times(), simulation_cpu_seconds() - simulation_cpu_before_);
     all.merge(film_->times());
@@ -234,15 +186,7 @@ std::shared_ptr<Checkpoint> Run::state_at(int frame) const {
     state->frame = frame;
     state->frames = last_;
     state->wall = wall(), state->cpu = cpu(), state->stages = stages(), state->resumed = resumed_;
-    state->table_bytes["diagnostics.csv"] = diagnostics_->bytes();
-    if (bodies_) state->table_bytes["bodies.csv"] = bodies_->bytes();
-    if (budget_) state->table_bytes["budget.csv"] = budget_->bytes();
-    for (const ProbeTable& p : probes_) {
-        state->table_bytes["probes/" + p.name + ".csv"] = p.table.bytes();
-        std::ostringstream memory;
-        p.probe->save(memory);
-        state->probes[p.name] = std::move(memory).str();
-    }
+    tables_->save(*state);
     std::ostringstream particles;
     simulation_.save(particles);
     state->simulation = std::move(particles).str();
@@ -277,7 +221,7 @@ std::optional<SceneFile> Run::govern(int frame, const Measures& measures) {
     if (frame == first_ && !request_.from) return std::nullopt;  // nothing was simulated for it
     const Sacrifice before = governor_->now();
     auto next = governor_->look(seconds, frame, wall());
-    budget_->append(budget_row({frame, simulation_.time(), seconds, governor_->allowed(), before, largest_residual_,
+    tables_->add_budget(budget_row({frame, simulation_.time(), seconds, governor_->allowed(), before, largest_residual_,
                                 simulation_.totals().unconverged_solves - unconverged_at_row_, measures.density_error_mean, measures.density_error_max}));
     largest_residual_ = 0, unconverged_at_row_ = simulation_.totals().unconverged_solves;
     return frame < last_ ? next : std::nullopt;
@@ -288,9 +232,7 @@ void Run::land(int frame) {
     const double time = simulation_.time();
     const RunTotals& totals = simulation_.totals();
     const Measures measures = measure(simulation_.world(), simulation_.scene().domain.gravity(time), simulation_.plan().spin.micro_inertia);
-    diagnostics_->append(diagnostics_row(frame, time, measures, totals_at_row_, totals, wall(), cpu()));
-    if (bodies_) bodies_->append(bodies_rows(frame, time, simulation_.world(), simulation_.scene().domain.gravity(time)));
-    for (ProbeTable& p : probes_) p.table.append(p.probe->rows(simulation_.world(), time));
+    tables_->land(frame, measures, totals_at_row_, wall(), cpu());
     const double steps = static_cast<double>(std::max(1L, totals.steps - totals_at_row_.steps));
     const double iterations = (totals.pressure_iterations - totals_at_row_.pressure_iterations + totals.viscosity_iterations -
                                totals_at_row_.viscosity_iterations) / steps;
@@ -317,7 +259,7 @@ bool Run::step_to(int frame) {
         for (const StepReport::Solve& solve : report.solves) largest_residual_ = std::max(largest_residual_, solve.report.last_residual);
         troubles_.look(report, time, simulation_.totals().steps + (report.diverged ? 1 : 0));
         if (report.diverged) return false;
-        for (ProbeTable& p : probes_) p.probe->after_step(simulation_.world(), simulation_.time());
+        tables_->after_step();
         progress_->step(simulation_, frame);
         follow_changes();
     }

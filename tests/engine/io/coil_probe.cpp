@@ -225,5 +225,5 @@ TEST_CASE("without a thread, or before it lands, the coil probe leaves its cells
     probe.after_step(world, 0.1);
     for (Vec3& v : world.fluid.column<field::velocity>()) v = Vec3(0, -1, 0);
     probe.after_step(world, 0.2);
-    CHECK(probe.rows(world, 0.2) == "0.2,,,0,,,0,,,\n");
+    CHECK(probe.rows(world, 0.2) == "0.2,,,0,,,0,,,,,\n");
 }

@@ -48,7 +48,7 @@ std::vector<double> measured(const CoilCase& c, double spacing, double turns) {
     }
     CHECK(simulation.totals().lost_particles == 0);
     std::vector<double> values;
-    std::istringstream row(probe->rows(simulation.world(), simulation.time()));
+    std::istringstream row(rows_of(*probe, simulation));
     for (std::string cell; std::getline(row, cell, ',');) values.push_back(cell.empty() || cell == "\n" ? NAN : std::stod(cell));
     return values;
 }

@@ -77,14 +77,13 @@ TEST_CASE("the page shows the run, moves it and changes it", "[live][page]") {
     const int paused = live.state().at("frame");
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
     CHECK(live.state().at("frame") == paused);
-    browser.click("#step");
+    browser.press(".");  // with the button that was clicked still in focus
     CHECK(browser.wait_for("state.frame == " + std::to_string(paused + 1)));
 
     // A slider changes the physics; undo puts it back.
     browser.slide("[data-path=\"fluid.viscosity\"] input[type=range]", 200);
     CHECK(live.wait_for([](const json& s) { return s.at("values").at("fluid.viscosity") < 150; }));
-    browser.evaluate("document.activeElement.blur()");
-    browser.press("u");
+    browser.press("u");  // with the slider still in hand
     CHECK(live.wait_for([](const json& s) { return s.at("values").at("fluid.viscosity") == 200; }));
     // A field that is wrong says so beside itself, and takes the value back.
     browser.evaluate(
@@ -152,6 +151,9 @@ TEST_CASE("the page fits a phone and can be used with the keyboard alone", "[liv
     browser.open(address(live));
     REQUIRE(browser.wait_for("document.querySelector('[data-path=\"fluid.viscosity\"]')"));
     CHECK(browser.evaluate("document.documentElement.scrollWidth") == 390);
+    // The knobs are not far below the picture that they change.
+    CHECK(browser.evaluate("(() => { const top = id => document.getElementById(id).getBoundingClientRect().top; return top('frame') < top('buttons') && top('buttons') < "
+                           "top('knobs') && top('knobs') < top('facts') && top('facts') < top('plots'); })()") == true);
     // Everything that can be pressed has a name, and can be reached.
     CHECK(browser.evaluate("[...document.querySelectorAll('button, a, input, select, summary')].filter(e => e.tabIndex < 0 || "
                            "!(e.textContent.trim() || e.labels?.length || e.getAttribute('aria-label'))).length") == 0);
@@ -170,6 +172,27 @@ TEST_CASE("the page fits a phone and can be used with the keyboard alone", "[liv
     CHECK(browser.evaluate(contrast).get<double>() >= 4.5);
     browser.scheme("dark");
     CHECK(browser.evaluate(contrast).get<double>() >= 4.5);
+    CHECK(live.end().code == 0);
+}
+
+TEST_CASE("the page draws the coil's frequency and radius with theory's beside them", "[live][page]") {
+    if (missing()) return;
+    LiveProgram live(test::coiling_honey, {"--unpaced"});
+    Browser browser(1280, 900);
+    browser.open(address(live));
+    // What the legend of the plot of this title says.
+    const auto legend = [](const std::string& title) {
+        return "[...document.querySelectorAll('#plots figure')].filter(f => f.querySelector('figcaption').textContent.includes('" + title +
+               "')).map(f => f.querySelector('.legend').textContent).join()";
+    };
+    CHECK(browser.wait_for(legend("turns a second") + ".match(/measured [0-9.]+theory [0-9.]+/) !== null", 120));
+    CHECK(browser.evaluate("/measured [0-9.]+theory [0-9.]+/.test(" + legend("radius of the coil") + ")") == true);
+    const double before = browser.evaluate("state.probes.coil.theory_frequency").get<double>();
+    CHECK(before == Approx(2.14).epsilon(0.05));
+    // A slider moves theory as it moves the fluid.
+    browser.slide("[data-path=\"fluid.viscosity\"] input[type=range]", 250);
+    CHECK(browser.wait_for("state.values['fluid.viscosity'] < 500 && state.probes.coil.theory_frequency && Math.abs(state.probes.coil.theory_frequency / " + std::to_string(before) + " - 1) > 0.02", 120));
+    if (const char* file = std::getenv("WHORL_PICTURE")) browser.screenshot(file, true);
     CHECK(live.end().code == 0);
 }
 

@@ -107,14 +107,18 @@ function facts(s) {
 function plot(s) {
   const where = $('plots');
   Plots.add(where, 'ms a frame, by stage', s.time, s.ms);
+  Plots.add(where, 'frames a second', s.time, {frames: s.frames_per_second || null});
   Plots.add(where, 'iterations a step', s.time, {iterations: s.iterations, steps: s.steps});
   const energy = {kinetic: s.energy.kinetic};
   if (s.energy.spin) energy.spin = s.energy.spin;
   Plots.add(where, 'energy of motion [J]', s.time, energy);
+  Plots.add(where, 'energy of height [J]', s.time, {potential: s.energy.potential});
   for (const [name, row] of Object.entries(s.probes)) {
     if ('frequency' in row) {
-      Plots.add(where, name + ': turns a second [Hz]', s.time, {frequency: row.frequency});
-      Plots.add(where, name + ': radius and height [mm]', s.time, {radius: row.radius === null ? null : 1e3 * row.radius, pile: row.pile_height === null ? null : 1e3 * row.pile_height});
+      const mm = v => v === null ? null : 1e3 * v;
+      Plots.add(where, name + ': turns a second [Hz]', s.time, {measured: row.frequency, theory: row.theory_frequency});
+      Plots.add(where, name + ': radius of the coil [mm]', s.time, {measured: mm(row.radius), theory: mm(row.theory_radius)});
+      Plots.add(where, name + ': height of the heap, and fall [mm]', s.time, {heap: mm(row.pile_height), fall: mm(row.fall)});
     }
   }
   Plots.draw();
@@ -317,7 +321,11 @@ for (const link of ['save', 'recording']) $(link).href = address($(link).getAttr
 
 document.addEventListener('keydown', event => {
   if (event.ctrlKey || event.metaKey || event.altKey) return;
-  const busy = ['INPUT', 'SELECT', 'TEXTAREA', 'BUTTON', 'A', 'SUMMARY'].includes(event.target.tagName);
+  // Letters go where text is typed; a slider has no use for them. Space belongs to what it presses.
+  const tag = event.target.tagName, kind = event.target.type;
+  const types = tag === 'TEXTAREA' || tag === 'SELECT' || tag === 'INPUT' && kind !== 'range' && kind !== 'checkbox';
+  const presses = event.key === ' ' && (['BUTTON', 'A', 'SUMMARY'].includes(tag) || kind === 'checkbox');
+  const busy = types || presses;
   const name = {' ': 'play', '.': 'step', 'r': 'restart', 'u': 'undo', 'c': 'record'}[event.key];
   if (name && !busy) { event.preventDefault(); actions[name](); }
 });

@@ -1,5 +1,5 @@
 'use strict';
-// Values over time on canvases: one plot a group, one line a name; the newest points at the right.
+// Values over time on canvases: one plot a group, one line a name; the newest points at the right. What theory says is dashed.
 const Plots = (() => {
   const kept = 600;
   const colours = ['#d9822b', '#2f8fd0', '#3fa45b', '#b565c9', '#d14c4c', '#7b8a97', '#c2a516', '#26a59a'];
@@ -32,7 +32,7 @@ const Plots = (() => {
     const plot = plots.get(title);
     plot.times.push(time);
     for (const [name, value] of Object.entries(values)) {
-      if (!plot.lines.has(name)) plot.lines.set(name, {colour: colours[plot.lines.size % colours.length], points: new Array(plot.times.length - 1).fill(null)});
+      if (!plot.lines.has(name)) plot.lines.set(name, {colour: colours[plot.lines.size % colours.length], dashed: name === 'theory', points: new Array(plot.times.length - 1).fill(null)});
       plot.lines.get(name).points.push(typeof value === 'number' && isFinite(value) ? value : null);
     }
     for (const line of plot.lines.values()) while (line.points.length < plot.times.length) line.points.push(null);
@@ -73,6 +73,7 @@ const Plots = (() => {
       g.lineWidth = 1.8;
       for (const line of lines.values()) {
         g.strokeStyle = line.colour;
+        g.setLineDash(line.dashed ? [5, 4] : []);
         g.beginPath();
         let open = false;
         line.points.forEach((p, k) => {
@@ -82,9 +83,11 @@ const Plots = (() => {
         });
         g.stroke();
       }
+      g.setLineDash([]);
       plot.legend.replaceChildren(...[...lines].map(([name, line]) => {
         const entry = document.createElement('span'), mark = document.createElement('i');
-        mark.style.background = line.colour;
+        mark.style.color = line.colour;
+        mark.className = line.dashed ? 'dashed' : '';
         entry.append(mark, name + ' ' + short(line.points[line.points.length - 1]));
         return entry;
       }));
