@@ -10,6 +10,7 @@ namespace {
 
 constexpr double steady = 0.02;    ///< relative change that still counts as none
 constexpr double same = 2e-3;      ///< parameters so near share an answer
+constexpr double same_none = 0.03; ///< where none was found, which may take a second, it is not sought again so near
 constexpr double neighbour = 0.1;  ///< so near, the old answer stands in for the one to come
 
 bool takes_viscosity(const Plan& plan) {
@@ -65,7 +66,7 @@ CoilExpectation::~CoilExpectation() { give_up_ = true; }
 
 std::optional<CoilTheory> CoilExpectation::at(const CoilParameters& parameters) {
     if (coming_.valid() && coming_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) answer_ = coming_.get();
-    if (answer_ && relative_change(answer_->of, parameters) <= same) return answer_->theory;
+    if (answer_ && relative_change(answer_->of, parameters) <= (answer_->theory ? same : same_none)) return answer_->theory;
     if (patience_ == Patience::waits) return (answer_ = find(parameters))->theory;
     if (!coming_.valid()) coming_ = std::async(std::launch::async, [this, parameters] { return find(parameters); });
     return answer_ && relative_change(answer_->of, parameters) <= neighbour ? answer_->theory : std::nullopt;

@@ -31,7 +31,7 @@ class CoilExpectation {
 public:
     explicit CoilExpectation(Patience patience) : patience_(patience) {}
     ~CoilExpectation();
-    /// The coil for these parameters, or for some within 0.2 % of them. One that never waits has it found on another thread, and until then gives that of
+    /// The coil for these parameters, or for some within 0.2 % of them (3 % where none was found). One that never waits has it found on another thread, and until then gives that of
     /// parameters within a tenth, if there is one, else nothing.
     std::optional<CoilTheory> at(const CoilParameters& parameters);
 
