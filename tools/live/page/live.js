@@ -106,13 +106,6 @@ function facts(s) {
 
 function plot(s) {
   const where = $('plots');
-  Plots.add(where, 'ms a frame, by stage', s.time, s.ms);
-  Plots.add(where, 'frames a second', s.time, {frames: s.frames_per_second || null});
-  Plots.add(where, 'iterations a step', s.time, {iterations: s.iterations, steps: s.steps});
-  const energy = {kinetic: s.energy.kinetic};
-  if (s.energy.spin) energy.spin = s.energy.spin;
-  Plots.add(where, 'energy of motion [J]', s.time, energy);
-  Plots.add(where, 'energy of height [J]', s.time, {potential: s.energy.potential});
   for (const [name, row] of Object.entries(s.probes)) {
     if ('frequency' in row) {
       const mm = v => v === null ? null : 1e3 * v;
@@ -121,6 +114,13 @@ function plot(s) {
       Plots.add(where, name + ': height of the heap, and fall [mm]', s.time, {heap: mm(row.pile_height), fall: mm(row.fall)});
     }
   }
+  Plots.add(where, 'ms a frame, by stage', s.time, s.ms);
+  Plots.add(where, 'frames a second', s.time, {frames: s.frames_per_second || null});
+  Plots.add(where, 'iterations a step', s.time, {iterations: s.iterations, steps: s.steps});
+  const energy = {kinetic: s.energy.kinetic};
+  if (s.energy.spin) energy.spin = s.energy.spin;
+  Plots.add(where, 'energy of motion [J]', s.time, energy);
+  Plots.add(where, 'energy of height [J]', s.time, {potential: s.energy.potential});
   Plots.draw();
 }
 window.addEventListener('resize', () => Plots.draw());
