@@ -11,6 +11,7 @@
 #include "tools/command.h"
 #include "tools/cost/estimate.h"
 #include "tools/options.h"
+#include "tools/run/panels.h"
 #include "tools/run/progress.h"
 
 namespace whorl {
@@ -25,6 +26,7 @@ struct Preview {
     const World& world;
     const Calibration& calibration;
     const Estimate& cost;
+    double film;  ///< s, wall: of all panels, one after the other
 };
 
 std::size_t bytes_a_particle(const World& world) {
@@ -60,7 +62,8 @@ void print_cost(const Preview& p) {
         if (seconds > 0.02 * e.simulate) parts += fmt::format("{}{} {:.0f}", parts.empty() ? "" : ", ", name, 1e3 * seconds);
     fmt::print(" ({})", parts);
     if (e.drawn) fmt::print("; CPU ms of surface {:.0f}, draw {:.0f}, write {:.0f}", 1e3 * e.surface, 1e3 * e.draw, 1e3 * e.write);
-    fmt::print("\n  the whole film         {} for {} frames{}\n", duration(e.film), e.frames, e.drawn ? "" : ", without pictures");
+    fmt::print("\n  the whole film         {} for {} frames{}{}\n", duration(p.film), e.frames, p.film > e.film ? " of every panel" : "",
+               e.drawn ? "" : ", without pictures");
     fmt::print("  memory                 {:.0f} MB, {:.0f} bytes a particle with neighbours and matrices\n", 1e-6 * e.memory, p.calibration.bytes_a_particle);
 }
 
@@ -75,7 +78,7 @@ Json cost_json(const Preview& p) {
             {"last_frame_simulate_seconds", e.simulate},
             {"last_frame_simulate_stages", e.stages},
             {"last_frame_cpu_seconds", e.drawn ? Json{{"surface", e.surface}, {"draw", e.draw}, {"write", e.write}} : Json()},
-            {"film_seconds", e.film},
+            {"film_seconds", p.film},
             {"frames", e.frames},
             {"memory_bytes", e.memory},
             {"bytes_a_particle", p.calibration.bytes_a_particle}};
@@ -151,6 +154,17 @@ void print_json(const SceneFile& file, const Preview& p) {
     fmt::print("{}\n", all.dump(2));
 }
 
+/// Wall seconds of the whole film: a scene with panels is run once for each.
+double film_seconds(const SceneFile& file, const Estimate& alone) {
+    if (file.scene.panels.empty()) return alone.film;
+    double sum = 0;
+    for (const SceneFile& panel : panel_scenes(file)) {
+        const Plan plan = make_plan(panel.scene);
+        sum += estimate(panel, plan, Simulation(panel.scene, plan), calibrate(panel, plan)).film;
+    }
+    return sum;
+}
+
 int preview(const Options& options) {
     set_threads(options.threads);
     const SceneFile file = read_scene_file(options);
@@ -158,7 +172,7 @@ int preview(const Options& options) {
     const Simulation simulation(file.scene, plan);
     const Calibration calibration = calibrate(file, plan);
     const Estimate cost = estimate(file, plan, simulation, calibration);
-    const Preview p{plan, simulation.assembly(), simulation.world(), calibration, cost};
+    const Preview p{plan, simulation.assembly(), simulation.world(), calibration, cost, film_seconds(file, cost)};
     options.json ? print_json(file, p) : print_text(file, p);
     return exit_done;
 }

@@ -10,6 +10,7 @@
 #include "render/image/image.h"
 #include "tests/support/live_program.h"
 #include "tools/live/door.h"
+#include "tools/study/table.h"
 
 using namespace whorl;
 using nlohmann::json;
@@ -364,4 +365,55 @@ TEST_CASE("what is seen can be recorded as pictures and a video", "[tools][live]
     live.step();
     CHECK(live.end().code == 0);
     CHECK(fs::exists(live.run() / "recording_2" / "recording_2.mp4"));
+}
+
+TEST_CASE("a live run keeps to the budget that it is given, tells and notes what each frame gave up, and takes it back when the budget goes", "[tools][live][governor]") {
+    LiveProgram live(honey);
+    live.step();
+    CHECK(live.state().at("given_up").at("amount") == 0);
+    CHECK(live.state().at("frame_seconds_allowed").is_null());
+    CHECK_FALSE(fs::exists(live.run() / "budget.csv"));
+
+    // No frame is as fast as that: everything is given up, in the order of the list.
+    const double cfl = live.state().at("values").at("time.cfl");
+    CHECK(live.post("/set", R"({"budget.seconds_per_frame": 1e-4})").status == 200);
+    for (int k = 0; k < 12; ++k) live.step();
+    const json tight = live.state();
+    CHECK(tight.at("frame_seconds_allowed") == Approx(1e-4));
+    CHECK(tight.at("given_up").at("amount") == 4);
+    CHECK(tight.at("given_up").at("tolerance_factor") == Approx(10));
+    CHECK(tight.at("given_up").at("cfl").get<double>() > cfl);
+    CHECK(tight.at("given_up").at("samples") == 1);
+    CHECK(tight.at("values").at("pressure.tolerance") == 2e-3);  // the user's wishes stay the user's
+    CHECK(tight.at("values").at("fluid.viscosity") == 200);
+
+    const CsvTable noted = read_csv(live.run() / "budget.csv");
+    REQUIRE(noted.rows.size() == 12);
+    const auto column = [&](const char* name, std::size_t row) { return noted.rows[row][noted.index(name)]; };
+    CHECK(column("frame", 11) == tight.at("frame").get<int>());
+    for (std::size_t k = 1; k < 12; ++k) {
+        CHECK(column("given_up", k) >= column("given_up", k - 1));
+        CHECK(column("wall_seconds", k) > 1e-4);
+        if (column("cfl", k) > cfl * 1.0001) CHECK(column("tolerance_factor", k) == Approx(10));
+        CHECK(std::isfinite(column("density_error_mean", k)));
+    }
+    CHECK(column("largest_residual", 11) > column("largest_residual", 0));  // measured, and what the tolerance is worth
+
+    CHECK(live.post("/set", R"({"budget.seconds_per_frame": 1000})").status == 200);
+    for (int k = 0; k < 12; ++k) live.step();
+    CHECK(live.state().at("given_up").at("amount") == 0);
+
+    // A budget for the film is used up by its frames.
+    CHECK(live.post("/set", R"({"budget.seconds_per_frame": 0, "budget.seconds": 1000})").status == 200);
+    const double first = live.step().at("frame_seconds_allowed");
+    CHECK(first < 1000.0 / 50);
+    CHECK(live.post("/set", R"({"budget.seconds": 1e-3})").status == 200);
+    CHECK(live.step().at("frame_seconds_allowed").get<double>() < 1e-3);
+    CHECK(live.state().at("given_up").at("amount").get<double>() > 0);
+
+    // A restart begins anew.
+    CHECK(live.post("/control", R"({"do": "restart", "set": {"budget.seconds": 0}})").status == 200);
+    CHECK(live.wait_for([](const json& s) { return s.at("frame") == 1; }));
+    CHECK(live.state().at("given_up").at("amount") == 0);
+    CHECK_FALSE(fs::exists(live.run() / "budget.csv"));
 }

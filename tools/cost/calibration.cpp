@@ -33,10 +33,15 @@ std::string key_of(const SceneFile& file, const Plan& plan) {
     // Solvers take longer the more viscous the fluid: by powers of ten of nu dt/d^2.
     const double number = plan.largest_viscosity / s.fluid.density * s.time.max_step / (plan.spacing * plan.spacing);
     key += fmt::format(" | viscous number 1e{:.0f}", number > 0 ? std::round(std::log10(number)) : -99);
+    if (!s.emitters.empty() && s.blocks.empty())
+        key += fmt::format(" | {:.1g} particles poured {:.2g} across at {:.2g} m/s, {} Pa s", poured_particles(plan), half_thickness(s.emitters.front(), plan.spacing), s.emitters.front().speed(0),
+                           s.viscosity_of_source(1).text());
     key += fmt::format(" | {} solids {} emitters {} blocks", s.solids.empty() ? "no" : "with", s.emitters.empty() ? "no" : "with",
                        s.blocks.empty() ? "no" : "with");
     key += fmt::format(" | tolerance {:g} {:g}, preconditioner {} {}", s.pressure.tolerance, s.viscosity.tolerance, name_of(s.pressure.preconditioner),
                        name_of(s.viscosity.preconditioner));
+    if (plan.pressure == PressureModel::ppe)
+        key += fmt::format(" | {}{}", name_of(s.pressure.form), s.pressure.divergence_free ? ", divergence-free" : "");
     key += fmt::format(" | {}x{} {} {} samples, voxel {:g}", s.output.size[0], s.output.size[1], file.look.style, file.look.samples, file.surface.voxel);
     return key;
 }
@@ -56,8 +61,8 @@ void measure_steps(Simulation& simulation, double until, Calibration& c) {
     for (int k = 0; k < 3; ++k) simulation.step(until);  // the first solves start from nothing
     const StageTimes before = simulation.times();
     const RunTotals totals = simulation.totals();
-    const double began = wall_seconds();
-    for (int k = 0; k < 40 && (k < 6 || wall_seconds() - began < 0.4); ++k)
+    const double began = cpu_seconds();
+    for (int k = 0; k < 120 && (k < 6 || cpu_seconds() - began < 0.8); ++k)
         if (simulation.step(until).diverged) break;
     const RunTotals& now = simulation.totals();
     const double particle_steps = std::max(1.0, now.particle_steps - totals.particle_steps);

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <regex>
 
+#include "engine/models/viscosity/ageing.h"
 #include "engine/scene/numbers.h"
 
 namespace whorl {
@@ -12,20 +14,25 @@ namespace {
 
 VectorExpression constant(const Vec3d& v) { return {{Expression(v.x()), Expression(v.y()), Expression(v.z())}}; }
 
-/// Half the thickness of what the first emitter lets out, in spacings.
-double half_thickness(const EmitterKeys& e, double d) {
-    return std::clamp((e.shape == "disc" ? e.radius : 0.5 * std::min(e.width, e.thickness)) / d, 1.5, 6.0);
+/// A viscosity that depends on age [s], as one that depends on height: what lies lowest left the nozzle a whole film ago.
+Expression viscosity_by_height(const Expression& of_age, double end, double length) {
+    return Expression(std::regex_replace(of_age.text(), std::regex("\\bage\\b"), fmt::format("({:.9g}*max(0, 1-y/{:.9g}))", end, length)));
 }
 
-void pour(Scene& scene, const EmitterKeys& emitter) {
+void pour(Scene& scene, const EmitterKeys& emitter, const Expression& viscosity, double particles) {
     const double d = scene.fluid.spacing, radius = half_thickness(emitter, d) * d;
-    const double length = std::min(3000 * d * d * d / (M_PI * radius * radius), 40 * radius);
+    const double length = std::min(particles * d * d * d / (M_PI * radius * radius), 40 * radius);
     BlockKeys rope;
     rope.shape.kind = "cylinder";
-    rope.shape.from = {0, d, 0}, rope.shape.to = {0, d + length, 0}, rope.shape.radius = radius;
+    rope.shape.from = {0, 0.5 * d, 0}, rope.shape.to = {0, 0.5 * d + length, 0}, rope.shape.radius = radius;
     rope.velocity = constant({0.1 * emitter.speed(emitter.start), -emitter.speed(emitter.start), 0});  // aslant, so that it bends
     rope.sampling = Sampling::blue_noise;
+    if (depends_on_age(viscosity)) scene.fluid.viscosity = viscosity_by_height(viscosity, scene.time.end, length);
     scene.blocks = {rope};
+    // The nozzle goes on pushing from above, so that the rope bends and every solve has something new to find.
+    EmitterKeys nozzle;
+    nozzle.position = {0, rope.shape.to.y(), 0}, nozzle.direction = {0, -1, 0}, nozzle.radius = radius, nozzle.speed = Expression(emitter.speed(emitter.start));
+    scene.emitters = {nozzle};
     scene.domain.min = {-10 * radius, -6 * d, -10 * radius}, scene.domain.max = {10 * radius, length + 10 * d, 10 * radius};
     SolidKeys floor;
     floor.shape.min = {-8 * radius, -4 * d, -8 * radius}, floor.shape.max = {8 * radius, 0, 8 * radius};
@@ -66,6 +73,12 @@ void shear(Scene& scene, double speed) {
 
 }  // namespace
 
+double poured_particles(const Plan& plan) { return std::clamp(plan.estimated_particles, 600.0, 1500.0); }
+
+double half_thickness(const EmitterKeys& e, double d) {
+    return std::clamp((e.shape == "disc" ? e.radius : 0.5 * std::min(e.width, e.thickness)) / d, 1.5, 6.0);
+}
+
 SceneFile sample_of(const SceneFile& file, const Plan& plan) {
     SceneFile sample = file;
     Scene& scene = sample.scene;
@@ -74,6 +87,7 @@ SceneFile sample_of(const SceneFile& file, const Plan& plan) {
     const bool solids = !scene.solids.empty();
     const double pull = scene.domain.gravity(0).norm();
     const std::vector<EmitterKeys> emitters = scene.emitters;
+    const Expression poured = emits_only ? scene.viscosity_of_source(1) : scene.fluid.viscosity;
 
     // The models are the plan's, not chosen again for the small scene.
     scene.models.pressure = plan.pressure;
@@ -88,7 +102,7 @@ SceneFile sample_of(const SceneFile& file, const Plan& plan) {
     sample.camera = {};
 
     scene.domain.periodic = {closed, closed, closed};
-    if (emits_only) pour(scene, emitters.front());
+    if (emits_only) pour(scene, emitters.front(), poured, poured_particles(plan));
     else if (closed) shear(scene, plan.expected_speed);
     else if (solids) half_fill_a_tank(scene);
     else turn_a_drop(scene, plan.expected_speed);

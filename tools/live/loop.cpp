@@ -7,7 +7,6 @@
 #include <sstream>
 #include <thread>
 
-#include "engine/io/diagnostics.h"
 #include "tools/run/run.h"
 
 namespace whorl {
@@ -70,6 +69,9 @@ void LiveLoop::begin(WantedScene& scene) {
     }
     screen_.look({scene.file.surface, scene.file.camera, scene.file.look});
     governor_.emplace(scene.file, frame_count(scene.file.scene));
+    budget_.reset();
+    std::filesystem::remove(journal_.folder() / "budget.csv");  // of the run before
+    spent_ = 0, unconverged_at_row_ = 0;
     landed_at_ = due_ = wall_seconds();
     land();
 }
@@ -105,11 +107,21 @@ void LiveLoop::go_by(const SceneFile& governed) {
     screen_.look({governed.surface, governed.camera, governed.look});
 }
 
-/// Keeps to the scene's budget of time from the next frame on.
-void LiveLoop::govern() {
+/// Keeps to the scene's budget of time from the next frame on, and notes what this one took, gave up and lost by it.
+void LiveLoop::govern(const Measures& measures) {
     double picture = 0;  // s, beside the simulation
     for (const auto& [name, t] : screen_.times()) picture += t.wall;
-    const auto next = governor_->look(std::max(simulate_wall_, picture), frame_, 0);
+    const double seconds = std::max(simulate_wall_, picture);
+    spent_ += seconds;
+    const Sacrifice before = governor_->now();
+    const auto next = governor_->look(seconds, frame_, spent_);
+    const long unconverged = simulation_->totals().unconverged_solves;
+    if (governor_->has_budget()) {
+        if (!budget_) budget_ = std::make_unique<Table>(journal_.folder() / "budget.csv", budget_header());
+        budget_->append(budget_row({frame_, simulation_->time(), seconds, governor_->allowed(), before, largest_residual_, unconverged - unconverged_at_row_,
+                                    measures.density_error_mean, measures.density_error_max}));
+    }
+    unconverged_at_row_ = unconverged;
     if (next && state_ == State::running) go_by(*next);
 }
 
@@ -164,15 +176,21 @@ void LiveLoop::land() {
         state_ = State::ended;
         wishes_.tell(false, fmt::format("the scene ends at {:g} s: raise time.end to go on, or restart", simulation_->scene().time.end));
     }
-    if (frame_steps_ > 0) govern();
-    tell();
+    const Measures now_measured = measures();
+    if (frame_steps_ > 0) govern(now_measured);
+    tell(now_measured);
     largest_residual_ = 0;
 }
 
-void LiveLoop::tell() {
+Measures LiveLoop::measures() const {
+    return measure(simulation_->world(), simulation_->scene().domain.gravity(simulation_->time()), simulation_->plan().spin.micro_inertia);
+}
+
+void LiveLoop::tell() { tell(measures()); }
+
+void LiveLoop::tell(const Measures& m) {
     const Scene& scene = simulation_->scene();
     const double time = simulation_->time();
-    const Measures m = measure(simulation_->world(), scene.domain.gravity(time), simulation_->plan().spin.micro_inertia);
     Json ms = Json::object();
     for (const auto& [name, t] : frame_times_) ms[name] = 1e3 * t.wall;
     const RunTotals& totals = simulation_->totals();
@@ -199,6 +217,7 @@ void LiveLoop::tell() {
          {"max_speed", finite(m.max_speed)},
          {"density_error", finite(m.density_error_max)},
          {"given_up", given_up},
+         {"frame_seconds_allowed", governor_->has_budget() ? finite(governor_->allowed()) : Json()},
          {"largest_residual", finite(largest_residual_)},
          {"lost_particles", totals.lost_particles},
          {"probes", probed_}});

@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "engine/io/diagnostics.h"
+#include "engine/io/files.h"
 #include "engine/io/probes.h"
 #include "engine/io/snapshot.h"
 #include "tools/live/journal.h"
@@ -40,9 +42,11 @@ private:
     void take_up(const Orders& orders);
     bool step_to_frame(const std::function<bool()>& stop);
     void land();
-    void govern();
+    void govern(const Measures& measures);
     void go_by(const SceneFile& governed);
     void tell();
+    void tell(const Measures& measures);
+    Measures measures() const;
     void wait_for_real_time();
 
     Wishes& wishes_;
@@ -58,8 +62,11 @@ private:
     enum class State { running, ended, diverged } state_ = State::running;
     std::string why_;  ///< it diverged
 
-    std::optional<Governor> governor_;  ///< where the scene has a budget
+    std::optional<Governor> governor_;  ///< asks nothing where the scene has no budget
+    std::unique_ptr<Table> budget_;     ///< what each frame gave up, from the first one on that had a budget
+    double spent_ = 0;                  ///< s, wall, that the frames since the start took; waiting and pauses do not count
     double largest_residual_ = 0;       ///< of the newest frame's solves
+    long unconverged_at_row_ = 0;
 
     // What the newest frame took.
     StageTimes times_before_, frame_times_;

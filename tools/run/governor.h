@@ -29,6 +29,7 @@ public:
     /// The scene with what is given up now.
     SceneFile governed() const;
 
+    bool has_budget() const { return given_.scene.budget.any(); }
     double allowed() const { return allowed_; }  ///< s, of the newest frame
     Sacrifice now() const;
     void set(double amount) { amount_ = applied_ = amount; }

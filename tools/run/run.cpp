@@ -76,6 +76,7 @@ private:
     std::shared_ptr<Checkpoint> state_at(int frame) const;
     std::optional<Divergence> loop();
     void save_newest();
+    void predict_late();
     void write_report(const std::string& status, const std::string& message);
     int conclude(const std::string& status, const std::string& message);
 
@@ -294,9 +295,24 @@ void Run::save_newest() {
     if (const auto state = film_->newest_state()) write_checkpoint(folder_.path(), *state);
 }
 
+/// What the run was expected to take, where costs had not been measured when it began: then it began at once, and a run that took long enough can spare the
+/// second that measuring takes.
+void Run::predict_late() try {
+    constexpr double spares_a_second = 30;
+    if (predicted_ > 0 || request_.from || request_.frames || wall() < spares_a_second) return;
+    const Plan& plan = simulation_.plan();
+    const double wall_before = wall_seconds(), cpu_before = process_cpu_seconds(), simulation_before = simulation_cpu_seconds();
+    predicted_ = estimate(request_.file, plan, Simulation(scene_, plan), calibrate(request_.file, plan)).film;
+    // The run did not take that.
+    began_ += wall_seconds() - wall_before, cpu_before_ += process_cpu_seconds() - cpu_before, simulation_cpu_before_ += simulation_cpu_seconds() - simulation_before;
+} catch (const std::exception& error) {  // the film is there, which is what counts
+    log_->warn("no prediction: {}", error.what());
+}
+
 int Run::conclude(const std::string& status, const std::string& message) {
     const int frames = std::max(first_ - 1, film_->frames_written());
     if (scene_.output.frames) write_contact_sheet(folder_.path(), frames);
+    if (status == "done") predict_late();
     write_report(status, message);
     log_->info("{} after {} frames, {} steps, {:.1f} s{}{}", status, frames, simulation_.totals().steps, wall(), message.empty() ? "" : ": ", message);
     const std::string folder = folder_.path().string();
