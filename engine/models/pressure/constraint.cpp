@@ -17,6 +17,10 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 constexpr double step_share = 0.5;
 /// Where few particles decide how a body moves, and where energy is all there is: free bodies, full periodic domains, divergence-free velocities.
 constexpr double careful_step_share = 0.1;
+/// And no more than this part of the right-hand side: what gravity presses together in a step is less than the share above, the more so the shorter the step, and a
+/// pressure that is right to that share alone comes in jolts (a column of 16 layers: single readings are off by 12 % in the mean at CFL 0.4 and by 22 % at 0.2; with this by 2.4 and 1.8 %).
+constexpr double largest_residual = 0.05;
+constexpr double least_step_share = 0.02;  ///< of the tolerated density error: where a step brings next to nothing
 
 double changed(const std::vector<char>& before, const std::vector<char>& now) {
     return parallel_sum(static_cast<Index>(now.size()), [&](Index i) { return before[at(i)] != now[at(i)]; });
@@ -87,7 +91,8 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
     const Index n = D_.size();
     const double worst_rate = std::sqrt(static_cast<double>(n)) * static_cast<double>(step.rest_density / step.dt);
     // A lattice has modes (neighbours up and down in turn) that no pressure moves: asked for more than this, they would grow without bound.
-    const double tolerance = (!bodies_.empty() || !both.empty() ? careful_step_share : step_share) * options_.limits.tolerance;
+    const double share = !bodies_.empty() || !both.empty() ? careful_step_share : step_share;
+    double tolerance = share * options_.limits.tolerance;
     PressurePreconditioner M;
     std::vector<char> set_up_for;  // presses, when M was set up
     const auto A = [&](Span<const Real> in, Span<Real> out) { matrix.multiply(in, out); };
@@ -106,7 +111,11 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
             return counts ? static_cast<double>(r) * r : 0.0;
         }));
         report.last_residual = left / worst_rate;
-        if (round == 0) report.first_residual = report.last_residual;
+        if (round == 0) {
+            report.first_residual = report.last_residual;
+            const double asked = std::sqrt(parallel_sum(n, [&](Index i) { return matrix.presses[at(i)] ? static_cast<double>(b_[at(i)]) * b_[at(i)] : 0.0; }));
+            tolerance = std::clamp(largest_residual * asked / worst_rate, least_step_share * options_.limits.tolerance, tolerance);
+        }
         report.converged = report.last_residual <= tolerance || (round > 0 && !options_.active_set);
         report.solve_seconds = wall_seconds() - start - report.set_up_seconds;
         if (report.converged) return report;

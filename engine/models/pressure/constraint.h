@@ -35,7 +35,7 @@ PressurePreconditioner diagonal_scaling(const ConstraintMatrix& matrix);
 PressurePreconditioner constraint_unpreconditioned(const ConstraintMatrix& matrix);
 
 struct ConstraintOptions {
-    /// tolerance: relative density error (root mean square), of which a step may add half.
+    /// tolerance: relative density error (root mean square), of which a step may add half, where that is no more than 5 % of what it was asked to mend.
     SolveLimits limits{1e-3, 200};
     double correction = 0.5;   ///< share of the density error that a step corrects; its motion stays in the velocity
     /// Corrects 0.4 of that share, as with free bodies and in full periodic domains: a drop that surface tension holds together loses some of its pressure to a

@@ -312,3 +312,46 @@ TEST_CASE("water at rest has the pressure of the depth, within 1 % in the mean o
         CHECK(pressure / exact == Approx(1).epsilon(between_walls ? 0.025 : 0.01));
     }
 }
+
+TEST_CASE("the pressure in water at rest is right at every step, within 5 % in the mean over half a second, however short the steps", "[validation][sim]") {
+    // What gravity presses together in a step is far less than the density error that a step may leave: a solve that stops there lets the column fall for some steps and catches it
+    // in one. Measured: 1.8 % and 1.9 % (12 and 22 % where the solve looked at the density error alone). Mean over the lowest four layers.
+    for (const double cfl : {0.4, 0.2}) {
+        const Scene scene = read_scene_text(fmt::format(R"toml([time]
+end = 1
+cfl = {}
+[domain]
+min = [-0.05, -0.05, -0.05]
+max = [0.15, 0.4, 0.15]
+[fluid]
+spacing = 0.0125
+[models]
+pressure = "ppe"
+[[block]]
+shape = "box"
+min = [0, 0, 0]
+max = [0.1, 0.2, 0.1]
+[[solid]]
+shape = "box"
+inside = true
+min = [0, 0, 0]
+max = [0.1, 0.4, 0.1]
+)toml", cfl), "column.toml");
+        Simulation simulation(scene, make_plan(scene));
+        run_until(simulation, 0.5);
+        double off = 0;
+        int steps = 0;
+        for (; simulation.time() < 1; ++steps) {
+            REQUIRE_FALSE(simulation.step(1).diverged);
+            const auto x = simulation.world().fluid.column<field::position>();
+            const auto p = simulation.world().fluid.column<field::pressure>();
+            double sum = 0, exact = 0;
+            for (std::size_t i = 0; i < x.size(); ++i)
+                if (x[i].y() < 0.05) sum += p[i], exact += rho_0 * g * (0.2 - x[i].y());
+            off += std::abs(sum / exact - 1);
+        }
+        INFO("cfl " << cfl << ": " << off / steps);
+        CHECK(off / steps < 0.05);
+        CHECK(simulation.totals().unconverged_solves == 0);
+    }
+}
