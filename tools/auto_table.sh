@@ -46,7 +46,7 @@ for combination in combinations:
 PY
     {
         printf 'scenes = ["scenes/%s.toml"]\nquality = "draft"\nlimit = 60\n' "auto+auto"
-        printf 'set = ["time.end=%s", "time.slow_motion=1", "time.fps=%s"]\n' "$until" "$(awk "BEGIN { printf \"%.9g\", 12 / $until }")"
+        printf 'set = ["time.end=%s", "time.slow_motion=1", "time.fps=%s"]\n' "$until" "$(awk "BEGIN { printf \"%.12g\", 12 / $until }")"
         printf '[[knob]]\nkey = "scene"\nvalues = ['
         for combination in "$@"; do printf '"%s", ' "$PWD/$folder/scenes/$combination.toml"; done
         printf ']\n[accuracy]\nof = "reference"\nreference = ["quality=standard"]\ncolumn = "kinetic_energy"\nat = "all"\n[cost]\nrepeat = 2\n'
@@ -55,7 +55,7 @@ PY
     python3 - "$scene" "$until" "$folder" <<'PY'
 import csv, glob, json, os, sys
 scene, until, folder = sys.argv[1:4]
-rows = {os.path.basename(r["scene"])[:-5] if "/" in r["scene"] else r["scene"]: r for r in []}
+rows = {}
 reader = csv.reader(open(folder + "/tradeoff.csv"))
 head = next(reader)
 at = {name: k for k, name in enumerate(head)}

@@ -26,7 +26,7 @@ cost() {
     "$whorl" plan "scenes/$scene.toml" "${options[@]}" --json > "$folder/plan.json" 2> "$folder/refused" || return 1
     "$whorl" render "scenes/$scene.toml" "${options[@]}" --quiet --out "$folder/run" > "$folder/log" 2>&1 || { cp "$folder/log" "$folder/refused"; return 1; }
     python3 -c "import json; p, r = (json.load(open('$folder/' + f)) for f in ('plan.json', 'run/run.json')); print(p['cost']['film_seconds'], r['cpu_seconds'])" \
-        > "$folder/$word"
+        > "$folder/$word" || return 1
     rm -rf "$folder/run"
 }
 # pair SCENE UNTIL WORDS OFF ON: OFF and ON are settings, separated by blanks

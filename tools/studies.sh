@@ -10,6 +10,7 @@ whorl=build/release/whorl
 [ -x "$whorl" ] || bash tools/build.sh release whorl
 mkdir -p docs/studies
 run() {  # KIND STUDY
+    [ "$2" != precision ] || bash tools/build.sh double whorl  # the other program of this map
     "$whorl" "$1" "$2" | tee "out/$2.log"
     cp "out/$2/$1.svg" "docs/studies/$2.svg"
     cp "out/$2/$1.csv" "docs/studies/$2.csv"

@@ -20,7 +20,7 @@ struct Pouring {
 /// through no model that takes it as a viscosity (none, xsph), or the fluid is micropolar. @param up unit, against the fall
 std::optional<Pouring> pouring(const Scene& scene, const Plan& plan, const Vec3d& axis_point, const Vec3d& up);
 
-/// Nothing where the thread is not poured at `time`, where speed or gravity changed by more than 2 % within the `span` before it, or gravity leans from the axis by as much.
+/// Nothing where the thread is not poured at `time`, where speed or gravity changed, by the expressions that hold now, by more than 2 % within the `span` before it, or gravity leans from the axis by as much.
 /// @param time,span s @param fall m
 std::optional<CoilParameters> steady_parameters(const Pouring& pouring, const Vec3d& up, double time, double span, double fall);
 

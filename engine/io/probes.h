@@ -14,7 +14,7 @@ public:
     virtual ~Probe() = default;
     /// The header line, without the newline.
     virtual std::string header() const = 0;
-    /// The run goes by this scene from now on: at the start, and after changes.
+    /// The scene that the run goes by now; before the rows of every frame.
     virtual void goes_by(const Scene&, const Plan&) {}
     /// Sees every step, after it was made; `time` is the step's end [s].
     virtual void after_step(const World&, double /*time*/) {}

@@ -72,7 +72,7 @@ Estimate estimate(const SceneFile& file, const Plan& plan, const Simulation& sim
         e.film += frame(particles_at(scene, plan, at_start, frame_time(scene, k)), steps).frame;
     }
     e.steps_a_frame = all_steps / std::max(1, e.frames - 1);
-    e.step = interval / std::max(e.steps_a_frame, 1e-30);
+    e.step = all_steps > 0 ? interval / e.steps_a_frame : pace.step(0);
     const Estimate last = frame(most, steps);
     e.stages = last.stages, e.simulate = last.simulate, e.surface = last.surface, e.draw = last.draw, e.write = last.write, e.frame = last.frame;
     const double pixels = static_cast<double>(scene.output.size[0]) * scene.output.size[1];

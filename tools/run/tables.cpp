@@ -9,11 +9,11 @@
 
 namespace whorl {
 
-RunTables::RunTables(std::filesystem::path folder, const Simulation& simulation, const Checkpoint* from)
+RunTables::RunTables(std::filesystem::path folder, const Simulation& simulation, bool budgeted, const Checkpoint* from)
     : folder_(std::move(folder)), simulation_(simulation) {
     open(diagnostics, diagnostics_header(), from);
     if (simulation.world().solids.any_free()) open(bodies, bodies_header(), from);
-    if (simulation.scene().budget.any()) open(budget, budget_header(), from);
+    if (budgeted) open(budget, budget_header(), from);
     for (const ProbeKeys& keys : simulation.scene().probes) {
         std::unique_ptr<Probe> probe = make_probe(keys, simulation.world());
         if (from)

@@ -12,9 +12,10 @@ namespace whorl {
 
 class RunTables {
 public:
+    /// @param budgeted there is a governor, whose table is budget.csv
     /// @param from where the run goes on from: tables are cut back to what they held then, probes remember; null for a new run
     /// @throws EnvironmentError where a table is shorter than it was, or cannot be made
-    RunTables(std::filesystem::path folder, const Simulation& simulation, const Checkpoint* from);
+    RunTables(std::filesystem::path folder, const Simulation& simulation, bool budgeted, const Checkpoint* from);
     /// What every step is seen by.
     void after_step();
     /// The rows of a frame. @param before totals at the last row @param wall,cpu s so far

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "engine/models/pressure/crowding.h"
+
 namespace whorl {
 
 void Troubles::note(Trouble trouble) {
@@ -13,7 +15,9 @@ void Troubles::note(Trouble trouble) {
 
 void Troubles::look(const StepReport& report, double time, long step) {
     for (const StepReport::Solve& solve : report.solves)
-        if (const SolveReport& r = solve.report; !r.converged)
+        if (const SolveReport& r = solve.report; solve.name == RelieveCrowding::name)
+            note({"crowded", time, step, r.why_not});
+        else if (!r.converged)
             note({"unconverged", time, step, fmt::format("{}: residual {:.2g} (from {:.2g}) after {} iterations{}", solve.name, r.last_residual, r.first_residual,
                                                          r.iterations, r.why_not.empty() ? "" : ", " + r.why_not)});
     if (report.lost_particles > 0) note({"lost", time, step, fmt::format("{} particles left the domain in one step", report.lost_particles)});

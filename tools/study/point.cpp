@@ -120,6 +120,8 @@ PointResult PointRunner::run(const std::string& scene, const std::vector<std::st
         return result;
     }
 
+    if (access(program.c_str(), X_OK) != 0)
+        throw InputError({study_.name, 0, 0}, fmt::format("the point {} cannot run: there is no program {}", words, program), "build it first: bash tools/build.sh PRESET whorl");
     std::vector<std::string> arguments{program, "render", name, "--out", result.folder.string(), "--quiet", "--threads", threads, "--quality", quality};
     arguments.emplace_back(pictures ? "--no-video" : "--no-images");
     for (const std::string& key : keys) arguments.emplace_back("--set"), arguments.push_back(key);

@@ -1,5 +1,7 @@
 #include "engine/models/pressure/crowding.h"
 
+#include <fmt/format.h>
+
 #include <limits>
 
 #include "engine/core/parallel.h"
@@ -28,7 +30,7 @@ void RelieveCrowding::with_neighbours(const std::vector<Index>& from, std::vecto
 }
 
 template <class Kernel>
-SolveReport RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, const Solids& solids, const SolidParticles& layer, const StepContext& step,
+std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, const Solids& solids, const SolidParticles& layer, const StepContext& step,
                               Read<field::role> role, Span<Real> rho, Span<Vec3> x, Span<Vec3> u, const std::function<void()>& find) {
     const Real rho_0 = step.rest_density, m = step.mass, crowded = rho_0 * (1 + most_ / 2), farthest = step.spacing / 5;
     const auto row = [&](Index i) {
@@ -39,7 +41,6 @@ SolveReport RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, con
     touched_.resize(at(n));
     for (Index i = 0; i < n; ++i) touched_[at(i)] = i;
     Real moved = 0;  // at most, since the neighbours were found
-    SolveReport report;
     for (int sweep = 0;; ++sweep) {
         crowded_.clear();
         Real densest = 0;
@@ -48,15 +49,9 @@ SolveReport RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, con
             crowded_.push_back(i);
             densest = std::max(densest, rho[at(i)]);
         }
-        report.iterations = sweep;
-        report.last_residual = std::max(0.0, static_cast<double>(densest / rho_0) - 1);
-        if (sweep == 0) report.first_residual = report.last_residual;
-        report.converged = !(densest > rho_0 * (1 + Real(0.9) * most_));
-        if (report.converged) return report;
-        if (sweep == most_sweeps) {
-            report.why_not = "particles are " + std::to_string(100 * report.last_residual) + " % too dense after " + std::to_string(sweep) + " sweeps";
-            return report;
-        }
+        if (!(densest > rho_0 * (1 + Real(0.9) * most_))) return "";
+        if (sweep == most_sweeps)
+            return fmt::format("{} particles are still crowded, one by {:.2g} %, after {} sweeps", crowded_.size(), 100 * (static_cast<double>(densest / rho_0) - 1), sweep);
         parallel_for(static_cast<Index>(crowded_.size()), [&](Index c) {
             const Index i = crowded_[at(c)];
             const DensityRow at_i = row(i);
@@ -115,8 +110,9 @@ void RelieveCrowding::operator()(const Solids& solids, const SolidParticles& lay
     share_.assign(at(n), 0);
     const WallImage wall(step.kernel, step.support, step.spacing, gate_);
     with_kernel(step.kernel, step.support, [&](const auto& W) {
-        const SolveReport done = relieve(wall, W, solids, layer, step, role, rho.values, x.values, u.values, find);
-        if (!done.converged) report.solves.push_back({"crowding", done});
+        SolveReport left;
+        left.why_not = relieve(wall, W, solids, layer, step, role, rho.values, x.values, u.values, find);
+        if (!left.why_not.empty()) report.solves.push_back({std::string(name), left});
     });
 }
 

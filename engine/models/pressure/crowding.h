@@ -13,18 +13,19 @@ namespace whorl {
 /// with the densities and their derivative of the positions reached. Two that are moved apart turn about each other as much more slowly: a pair that moves by -a r_ij
 /// and a r_ij takes +a and -a of its relative velocity across r_ij, so that the angular momentum stays and no energy of motion is gained; the centre of mass stays where
 /// it is but for what solids push and moves that are cut off. Up to a hundred sweeps; where those are not
-/// enough, the step reports an unconverged solve "crowding". Full periodic domains are left alone; not for scenes with free bodies, which would have to give way, too. Writes the densities of the places where the step ends.
+/// enough, the step reports a solve with the name `RelieveCrowding::name` that says so. Full periodic domains are left alone; not for scenes with free bodies, which would have to give way, too. Writes the densities of the places where the step ends.
 class RelieveCrowding {
 public:
+    static constexpr std::string_view name = "crowding";  ///< of the solve that is reported; not counted with the linear ones
     /// @param most relative density error that is left
     RelieveCrowding(double most, SolidGate gate) : most_(static_cast<Real>(most)), gate_(gate) {}
     void operator()(const Solids& solids, const SolidParticles& layer, const StepContext& step, StepReport& report, Read<field::role> role,
                     Update<field::density> rho, Update<field::position> x, Update<field::velocity> u);
 
 private:
-    /// @returns the sweeps, and the largest relative density error before and after
+    /// @returns what is left too dense, in words; empty: nothing
     template <class Kernel>
-    SolveReport relieve(const WallImage& wall, const Kernel& W, const Solids& solids, const SolidParticles& layer, const StepContext& step, Read<field::role> role,
+    std::string relieve(const WallImage& wall, const Kernel& W, const Solids& solids, const SolidParticles& layer, const StepContext& step, Read<field::role> role,
                  Span<Real> rho, Span<Vec3> x, Span<Vec3> u, const std::function<void()>& find);
     /// The particles of `from` and their neighbours.
     void with_neighbours(const std::vector<Index>& from, std::vector<Index>& all);
