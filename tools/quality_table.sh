@@ -90,7 +90,7 @@ measure_all() {
     measure sewing_machine 0.7 "kinetic energy, to fine" "$(against_fine diagnostics.csv kinetic_energy)"
     measure honey_thread 0.45 "potential energy, to fine" "$(against_fine diagnostics.csv potential_energy)"
     measure dam_break 0.08 "mean density error" "$density"
-    measure honey_coil 1.6 "frequency against theory" 'of = "exact"' 'table = "probes/coil.csv"' 'column = "frequency"' 'expected = "2.139"'
+    measure honey_coil 1.6 "frequency of the first turns to steady theory" 'of = "exact"' 'table = "probes/coil.csv"' 'column = "frequency"' 'expected = "2.139"'
     measure dam_break_obstacle 0.05 "mean density error" "$density"
     measure paddle 0.04 "mean density error" "$density"
     measure floating_boxes 0.03 "mean density error" "$density"
