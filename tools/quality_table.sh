@@ -10,6 +10,7 @@
 # Points are kept in out/quality/SCENE. Time: CPU seconds of the simulation over the seconds of film that were run, pictures not counted. Error: below, by
 # scene; fine is what the others are held against where nothing exact is known. dE: mean CIE76 difference of the last picture from that of fine, 480x270.
 set -euo pipefail
+self=$(realpath "$0")
 cd "$(dirname "$0")/.."
 whorl=$PWD/build/release/whorl rows_only=
 wanted=()
@@ -17,7 +18,7 @@ while [ $# -gt 0 ]; do
     case $1 in
         --whorl) whorl=$2; shift 2 ;;
         --rows) rows_only=1; shift ;;
-        -h | --help) sed -n '2,12s/^# \{0,1\}//p' "$0"; exit 0 ;;
+        -h | --help) sed -n '2,12s/^# \{0,1\}//p' "$self"; exit 0 ;;
         *) wanted+=("$1"); shift ;;
     esac
 done

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <istream>
-#include <ostream>
+
+#include "engine/core/raw.h"
 
 namespace whorl {
 namespace {
@@ -16,15 +16,6 @@ constexpr double neighbour = 0.1;  ///< so near, the old answer stands in for th
 bool takes_viscosity(const Plan& plan) {
     if (plan.micropolar != MicropolarModel::none) return false;
     return plan.pressure == PressureModel::coupled || (plan.viscosity != ViscosityModel::none && plan.viscosity != ViscosityModel::xsph);
-}
-
-template <class T>
-void put(std::ostream& out, const T& value) {
-    out.write(reinterpret_cast<const char*>(&value), sizeof value);
-}
-template <class T>
-void take(std::istream& in, T& value) {
-    in.read(reinterpret_cast<char*>(&value), sizeof value);
 }
 
 }  // namespace

@@ -3,11 +3,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <istream>
 #include <numbers>
-#include <ostream>
-#include <type_traits>
 
+#include "engine/core/raw.h"
 #include "engine/io/files.h"
 
 namespace whorl {
@@ -153,15 +151,12 @@ std::string CoilProbe::rows(const World&, double time) {
 }
 
 void CoilProbe::save(std::ostream& out) const {
-    static_assert(std::is_trivially_copyable_v<Memory> && std::is_trivially_copyable_v<CoilTurns::Memory>);
-    out.write(reinterpret_cast<const char*>(&memory_), sizeof memory_);
-    out.write(reinterpret_cast<const char*>(&turns_.memory()), sizeof turns_.memory());
+    put(out, memory_), put(out, turns_.memory());
     expectation_.save(out);
 }
 
 void CoilProbe::load(std::istream& in) {
-    in.read(reinterpret_cast<char*>(&memory_), sizeof memory_);
-    in.read(reinterpret_cast<char*>(&turns_.memory()), sizeof turns_.memory());
+    take(in, memory_), take(in, turns_.memory());
     expectation_.load(in);
 }
 

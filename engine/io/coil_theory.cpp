@@ -3,10 +3,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <istream>
 #include <numbers>
-#include <ostream>
 
+#include "engine/core/raw.h"
 #include "engine/core/types.h"
 #include "engine/math/boundary_value.h"
 
@@ -278,15 +277,6 @@ CoilTheory with_dimensions(const Thread& thread, const CoilParameters& p) {
     theory.thread_radius = p.nozzle_radius * std::exp(-foot[ThreadProblem::u_at] / 2);
     theory.length = std::exp(foot[ThreadProblem::length_at]) * p.fall;
     return theory;
-}
-
-template <class T>
-void put(std::ostream& out, const T& value) {
-    out.write(reinterpret_cast<const char*>(&value), sizeof value);
-}
-template <class T>
-void take(std::istream& in, T& value) {
-    in.read(reinterpret_cast<char*>(&value), sizeof value);
 }
 
 }  // namespace

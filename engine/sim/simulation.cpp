@@ -6,6 +6,7 @@
 #include <ostream>
 
 #include "engine/core/parallel.h"
+#include "engine/core/raw.h"
 #include "engine/models/pressure/crowding.h"
 #include "engine/models/viscosity/ageing.h"
 #include "engine/particles/sort.h"
@@ -22,13 +23,9 @@ namespace {
 constexpr long sort_every = 16;
 
 template <class T>
-void put(std::ostream& out, const T& value) {
-    out.write(reinterpret_cast<const char*>(&value), sizeof value);
-}
-template <class T>
 T take(std::istream& in) {
     T value{};
-    if (!in.read(reinterpret_cast<char*>(&value), sizeof value))
+    if (!whorl::take(in, value))
         throw EnvironmentError("the saved state ends too early", "", "resume from an older checkpoint");
     return value;
 }

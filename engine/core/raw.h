@@ -1,0 +1,22 @@
+#pragma once
+/// Plain values as bytes, as saved states hold them.
+#include <istream>
+#include <ostream>
+#include <type_traits>
+
+namespace whorl {
+
+template <class T>
+void put(std::ostream& out, const T& value) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    out.write(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+/// @return false where the state ends before
+template <class T>
+bool take(std::istream& in, T& value) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    return static_cast<bool>(in.read(reinterpret_cast<char*>(&value), sizeof value));
+}
+
+}  // namespace whorl
