@@ -149,12 +149,19 @@ WallImage ConstraintPressure::wall_of(const Solids& solids, const StepContext& s
     return wall;
 }
 
-Real ConstraintPressure::mending_rate(Real rho, Real target, bool filled, const StepContext& step) const {
+Real ConstraintPressure::mending_time(Span<const Vec3> u, const StepContext& step) const {
+    if (bodies_.empty()) return step.dt;
+    const double fastest = parallel_max(static_cast<Index>(u.size()), 0, [&](Index i) { return static_cast<double>(u[at(i)].squaredNorm()); });
+    const auto speed = static_cast<Real>(std::sqrt(fastest + static_cast<double>(step.gravity.norm() * step.spacing)));
+    return speed > 0 ? std::max(step.dt, Real(0.4) * step.spacing / speed) : step.dt;
+}
+
+Real ConstraintPressure::mending_rate(Real rho, Real target, bool filled, const StepContext& step, Real time) const {
     // What an impact has pressed together is pushed apart no faster than 5 % of its density allow, or it would jump. Without a surface it is 0.5 %:
     // unevenness that alternates from neighbour to neighbour takes large velocities to mend.
     const Real rho_0 = step.rest_density;
     const Real excess = filled ? std::clamp(rho - target, -rho_0 / 200, rho_0 / 200) : std::min(rho - target, rho_0 / 20);
-    return (excess > 0 || filled ? corrected(filled) : Real(1)) * excess / step.dt;
+    return excess > 0 || filled ? corrected(filled) * excess / time : excess / step.dt;
 }
 
 void ConstraintPressure::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, Solids& solids,
@@ -170,8 +177,9 @@ void ConstraintPressure::operator()(const FluidPairs& pairs, const SolidPairs& s
     const bool filled = fills_periodic_domain(step, solids, n);
     const Real target = filled ? static_cast<Real>(parallel_sum(n, [&](Index i) { return static_cast<double>(rho[i]); }) / n) : rho_0;
     const double mean_rate = filled ? parallel_sum(n, [&](Index i) { return static_cast<double>(b_[at(i)]); }) / n : 0;
+    const Real time = mending_time(u.values, step);
     parallel_for(n, [&](Index i) {
-        b_[at(i)] += mending_rate(rho[i], target, filled, step);
+        b_[at(i)] += mending_rate(rho[i], target, filled, step, time);
         p[i] = D_.diagonal[at(i)] > 0 ? p[i] / D_.virial[at(i)] * step.dt / (rho[i] * rho[i]) : 0;  // q
     });
     ConstraintMatrix matrix{D_, {}, Column<Padded>(at(n)), pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};

@@ -65,8 +65,12 @@ protected:
     Real corrected(bool filled) const {
         return static_cast<Real>(filled || options_.careful || !bodies_.empty() ? 0.4 * options_.correction : options_.correction);
     }
-    /// Rate at which a density of rho is to approach `target` [kg/(m^3 s)].
-    Real mending_rate(Real rho, Real target, bool filled, const StepContext& step) const;
+    /// Rate at which a density of rho is to approach `target` [kg/(m^3 s)]. @param time mending_time() [s]
+    Real mending_rate(Real rho, Real target, bool filled, const StepContext& step, Real time) const;
+    /// Over which a density error is mended [s]: the step, but beside free bodies no less than the fluid itself takes for 0.4 spacings at its speed (at least that of
+    /// a fall through one). A heavy body on a thin film of fluid is otherwise thrown up by what mends the film, the faster the shorter the step, and the pressure
+    /// that throws it shortens the next one.
+    Real mending_time(Span<const Vec3> u, const StepContext& step) const;
     WallImage wall_of(const Solids& solids, const StepContext& step) const;
     SolveReport solve_filled(ConstraintMatrix& A, const StepContext& step, double mean_rate, Real fastest, Span<Real> q);
 

@@ -35,10 +35,11 @@ void DivergenceFree::operator()(const FluidPairs& pairs, const SolidPairs& solid
     matrix.presses.assign(at(n), 1);
     matrix.multiply(p.values, residual_);  // leaves D^T q in matrix.force
     const Real target = filled ? static_cast<Real>(parallel_sum(n, [&](Index i) { return static_cast<double>(rho[i]); }) / n) : rho_0;
+    const Real time = mending_time(u.values, step);
     parallel_for(n, [&](Index i) {
         u[i] -= matrix.force[at(i)].head<3>();
         p[i] *= D_.virial[at(i)] * rho[i] * rho[i] / step.dt;
-        b_[at(i)] = rate_[at(i)] - residual_[at(i)] + mending_rate(rho[i], target, filled, step);
+        b_[at(i)] = rate_[at(i)] - residual_[at(i)] + mending_rate(rho[i], target, filled, step, time);
     });
     matrix.bodies = nullptr;
     report.solves.push_back({"pressure", filled ? solve_filled(matrix, step, mean_of(b_), fastest, s.values) : solve(matrix, step, s.values)});
