@@ -5,11 +5,21 @@
 namespace whorl {
 namespace {
 
-/// Free bodies take the impulses one after the other, in the particles' order: few particles are ever inside.
-void strike(Solids& solids, const std::vector<Index>& inside, const std::vector<int>& whose, Real mass, Read<field::position> x, Update<field::velocity> u) {
-    for (const Index i : inside) {
-        Solid& solid = solids.all[static_cast<std::size_t>(whose[static_cast<std::size_t>(i)])];
+/// A particle that was brought to the surface of a free body.
+struct Struck {
+    Index particle;
+    int solid;
+    Vec3 moved;  ///< m
+};
+
+/// Free bodies take the impulses one after the other, in the particles' order: few particles are ever inside. What moving a particle to the surface does to its
+/// angular momentum the body gets back as spin.
+void strike(Solids& solids, const std::vector<Struck>& inside, Real mass, Read<field::position> x, Update<field::velocity> u) {
+    for (const Struck& struck : inside) {
+        const Index i = struck.particle;
+        Solid& solid = solids.all[static_cast<std::size_t>(struck.solid)];
         RigidBody& body = *solid.body;
+        body.spin_momentum -= static_cast<double>(mass) * struck.moved.cast<double>().cross(u[i].cast<double>());
         const Vec3d n = solid.normal(x[i]).cast<double>(), arm = x[i].cast<double>() - body.centre, turning = arm.cross(n);
         const double inward = (u[i].cast<double>() - body.velocity_at(x[i].cast<double>())).dot(n);
         if (!(inward < 0)) continue;
@@ -29,7 +39,7 @@ void KeepOutside::operator()(Solids& solids, const SolidPairs& pairs, SolidParti
     // The pairs are those before the move: a particle without solid neighbours was a support radius away.
     const Real far = step.support / 2;
     const bool bodies = solids.any_free();
-    std::vector<int> struck(bodies ? static_cast<std::size_t>(x.size()) : 0, -1);
+    std::vector<Struck> at(bodies ? static_cast<std::size_t>(x.size()) : 0, Struck{0, -1, Vec3::Zero()});
     parallel_for(x.size(), [&](Index i) {
         if (role[i] != 0) return;
         if (pairs.count(i) == 0 && u[i].squaredNorm() * step.dt * step.dt < far * far) return;
@@ -38,20 +48,21 @@ void KeepOutside::operator()(Solids& solids, const SolidPairs& pairs, SolidParti
         if (k < 0 || !(distance < 0)) return;
         const Solid& solid = solids.all[static_cast<std::size_t>(k)];
         const Vec3 n = solid.normal(x[i]);
+        const Vec3 before = x[i];
         x[i] -= distance * n;
         if (solid.body) {
-            struck[static_cast<std::size_t>(i)] = k;
+            at[static_cast<std::size_t>(i)] = {i, k, x[i] - before};
             return;
         }
         const Real inward = (u[i] - solid.pose.velocity_at(x[i])).dot(n);
         if (inward < 0) u[i] -= inward * n;
     });
     if (!bodies) return;
-    std::vector<Index> inside;
-    for (Index i = 0; i < x.size(); ++i)
-        if (struck[static_cast<std::size_t>(i)] >= 0) inside.push_back(i);
+    std::vector<Struck> inside;
+    for (const Struck& struck : at)
+        if (struck.solid >= 0) inside.push_back(struck);
     if (inside.empty()) return;
-    strike(solids, inside, struck, step.mass, Read<field::position>{x.values}, u);
+    strike(solids, inside, step.mass, Read<field::position>{x.values}, u);
     layer.follow(solids);
 }
 

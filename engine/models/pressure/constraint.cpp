@@ -82,11 +82,29 @@ SolveReport ConstraintPressure::solve_filled(ConstraintMatrix& matrix, const Ste
     return report;
 }
 
+ConstraintPressure::ActiveSet ConstraintPressure::choose(ConstraintMatrix& matrix, Span<const Real> q, Span<const char> both, Real nearly, Span<Real> rest) const {
+    const Index n = D_.size();
+    const auto can = [&](Index i) { return D_.diagonal[at(i)] > std::numeric_limits<Real>::min(); };
+    const ActiveSet set = parallel_sum(n, ActiveSet{}, [&](Index i) {
+        const Real r = rest[at(i)] = b_[at(i)] - residual_[at(i)];
+        const bool pressed = q[at(i)] > 0 || (!both.empty() && both[at(i)]);
+        matrix.presses[at(i)] = can(i) && (pressed || r > 0);
+        return matrix.presses[at(i)] ? ActiveSet{static_cast<double>(r) * r, pressed, !pressed} : ActiveSet{};
+    });
+    const bool all = nearly > 0 && (set.joining > set.pressed || !options_.active_set);
+    parallel_for(n, [&](Index i) {
+        if (matrix.presses[at(i)]) return;
+        matrix.presses[at(i)] = all && can(i) && rest[at(i)] > -nearly;
+        if (!matrix.presses[at(i)]) rest[at(i)] = 0;
+    });
+    return set;
+}
+
 /// Active set: conjugate gradients over the particles that are taken to press, then those that would pull stop, those that are still compressed
-/// start, and again. What pressed in the last step presses first, with all that is about full: from below, the pressed set would grow by two
-/// neighbours' reach a round.
+/// start, and again. What pressed in the last step presses first, with all that is compressed now. Where that is news to most of them (the first step, an impact), so
+/// does all that is about full: from below, the pressed set would grow by two neighbours' reach a round. (Always, as before, the first round went to particles
+/// of the surface that the second let go: 17.4 iterations a step of a dam rather than 12.3.)
 SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContext& step, Span<Real> q, Span<const char> both) {
-    const auto is_both = [&](Index i) { return !both.empty() && both[at(i)]; };
     constexpr Real about_full = Real(0.02);  // relative density that is missing
     constexpr double changes_to_set_up_for = 0.02;  // part of the particles
     const Index n = D_.size();
@@ -103,14 +121,8 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
     for (int round = 0;; ++round) {
         matrix.presses.assign(at(n), 1);
         matrix.multiply(q, residual_);
-        const Real enough = round == 0 ? -about_full * step.rest_density / step.dt : Real(0);
-        const double left = std::sqrt(parallel_sum(n, [&](Index i) {
-            const Real r = b_[at(i)] - residual_[at(i)];
-            const bool can = D_.diagonal[at(i)] > std::numeric_limits<Real>::min(), counts = can && (q[at(i)] > 0 || r > 0 || is_both(i));
-            matrix.presses[at(i)] = counts || (can && r > enough);
-            rest[at(i)] = matrix.presses[at(i)] ? r : 0;
-            return counts ? static_cast<double>(r) * r : 0.0;
-        }));
+        const ActiveSet set = choose(matrix, q, both, round == 0 ? about_full * step.rest_density / step.dt : 0, rest);
+        const double left = std::sqrt(set.squares);
         report.last_residual = left / worst_rate;
         if (round == 0) {
             report.first_residual = report.last_residual;
@@ -138,7 +150,7 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
         const SolveLimits limits{aim, options_.limits.max_iterations - report.iterations};
         report.iterations += conjugate_gradients_from<Real>(A, M, Span<Real>(rest), q, limits, ResidualNorm::euclidean, worst_rate).iterations;
         parallel_for(n, [&](Index i) {
-            if (!is_both(i)) q[at(i)] = std::max(Real(0), q[at(i)]);
+            if (both.empty() || !both[at(i)]) q[at(i)] = std::max(Real(0), q[at(i)]);
         });
     }
 }

@@ -61,6 +61,15 @@ public:
 protected:
     /// A q <= b as complementarity; where `both`, A q = b with q of either sign.
     SolveReport solve(ConstraintMatrix& A, const StepContext& step, Span<Real> q, Span<const char> both = {});
+    /// Which particles press in a round.
+    struct ActiveSet {
+        double squares = 0;            ///< of the residuals of the following
+        Index pressed = 0, joining = 0;  ///< that press already; that are compressed and do not yet
+        void operator+=(const ActiveSet& o) { squares += o.squares, pressed += o.pressed, joining += o.joining; }
+    };
+    /// Sets matrix.presses and leaves in `rest` what b - A q is there. @param nearly kg/(m^3 s): by how much more a particle might be compressed and still count, in a
+    /// round that knows little (more join than press)
+    ActiveSet choose(ConstraintMatrix& matrix, Span<const Real> q, Span<const char> both, Real nearly, Span<Real> rest) const;
     /// Part of a density above rest (of any error, where the domain is `filled`) that the step corrects.
     Real corrected(bool filled) const {
         return static_cast<Real>(filled || options_.careful || !bodies_.empty() ? 0.4 * options_.correction : options_.correction);
