@@ -119,13 +119,13 @@ std::string build_id() {
 }
 
 void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& checkpoint) {
-    Packer packed;
-    each_member(packed, checkpoint);
     Packer file;
     file.bytes = magic;
-    file(static_cast<std::uint64_t>(packed.bytes.size()));
-    file(checksum(packed.bytes));
-    file.bytes += packed.bytes;
+    file(std::uint64_t{0}), file(std::uint64_t{0});  // size and checksum of what follows
+    const std::size_t head = file.bytes.size();
+    each_member(file, checkpoint);
+    const std::uint64_t known[] = {file.bytes.size() - head, checksum(std::string_view(file.bytes).substr(head))};
+    std::memcpy(file.bytes.data() + magic.size(), known, sizeof known);
     std::filesystem::create_directories(folder / "checkpoints");
     write_text(folder / "checkpoints" / fmt::format("{:06}.whorl", checkpoint.frame), file.bytes, true);
     for (const auto& entry : std::filesystem::directory_iterator(folder / "checkpoints"))

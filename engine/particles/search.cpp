@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "engine/core/parallel.h"
+#include "engine/core/resize_tightly.h"
 
 namespace whorl {
 namespace {
@@ -260,7 +261,10 @@ void NeighbourSearch::fill_rows(Span<const Vec3> own, bool among_themselves, Rea
             offset[begin / block] = total;
             total += pairs.first[static_cast<std::size_t>(from + std::min(begin + block, count))];
         }
-        if (pairs.other.size() < total) pairs.other.resize(total + total / 16);
+        if (pairs.other.size() < total) {
+            const double expected = static_cast<double>(total) / (from + count) * n;
+            resize_tightly(pairs.other, std::max(total, static_cast<std::size_t>(expected)));
+        }
         parallel_blocks(count, block, [&](Index begin, Index end) {
             const std::size_t shift = offset[begin / block];
             const std::size_t found = pairs.first[static_cast<std::size_t>(from + end)];

@@ -93,6 +93,7 @@ private:
                 report(name, fmt::format("{} is longer than the periodic axis {}: it would overlap itself", name, "xyz"[a]), "", domain_text());
                 break;
             }
+        too_far(name, e.min, e.max);
         const double thinnest = (e.max - e.min).minCoeff();
         if (thinnest < 0.999 * plan_.spacing) too_coarse(name, thinnest);
         else if (part_inside_solids(shapes_, i, plan_.spacing) == 1) report(name, name + " lies wholly inside solids", "move it or the solid");
@@ -110,6 +111,17 @@ private:
         }
     }
 
+    /// Single precision knows a place to a part of its distance from the origin; with a hundredth of a spacing weakly compressible water is noise, with a tenth any.
+    void too_far(const std::string& name, const Vec3d& min, const Vec3d& max) {
+        constexpr double enough = 0.01;
+        const double far = std::max(min.cwiseAbs().maxCoeff(), max.cwiseAbs().maxCoeff()), known = far * static_cast<double>(std::numeric_limits<Real>::epsilon());
+        if (known > enough * plan_.spacing)
+            report(name, fmt::format("{} reaches {:.2g} spacings away from the origin, where this program's numbers tell places apart by {:.2g} spacings", name, far / plan_.spacing,
+                                     known / plan_.spacing),
+                   sizeof(Real) == 4 ? "move the scene to the origin, or take the program of the preset \"double\"" : "move the scene to the origin",
+                   fmt::format("allowed: up to {:.2g} m", enough * plan_.spacing / static_cast<double>(std::numeric_limits<Real>::epsilon())));
+    }
+
     void too_coarse(const std::string& name, double thinnest) {
         report("fluid.spacing", fmt::format("fluid.spacing = {:g} m is larger than {}, which is {:.4g} m across", plan_.spacing, name, thinnest),
                fmt::format("{:.2g} m puts 5 particles across it", thinnest / 5));
@@ -118,6 +130,7 @@ private:
     void emitter(const std::string& name, const EmitterKeys& e) {
         if (outside(e.position, e.position))
             report(name + ".position", fmt::format("{} at {} lies outside of the domain", name, point(e.position)), "", domain_text());
+        too_far(name, e.position, e.position);
         Real distance = 0;
         const int k = shapes_.solids.nearest(e.position.cast<Real>(), distance);
         if (k >= 0 && distance < 0)

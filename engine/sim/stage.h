@@ -54,6 +54,8 @@ struct Argument<Update<F>> {
     };
 WHORL_SHARED_ARGUMENT(const FluidPairs&, fluid_pairs)
 WHORL_SHARED_ARGUMENT(const SolidPairs&, solid_pairs)
+WHORL_SHARED_ARGUMENT(FluidPairs&, fluid_pairs)
+WHORL_SHARED_ARGUMENT(SolidPairs&, solid_pairs)
 WHORL_SHARED_ARGUMENT(const Solids&, solids)
 WHORL_SHARED_ARGUMENT(Solids&, solids)
 WHORL_SHARED_ARGUMENT(const SolidParticles&, solid_particles)

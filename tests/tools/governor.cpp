@@ -1,3 +1,5 @@
+#include <signal.h>
+
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <sstream>
@@ -82,4 +84,32 @@ TEST_CASE("a run with too small a budget gives up what it may, says so frame by 
     CHECK(table.rows.back()[table.index("largest_residual")] > table.rows.front()[table.index("largest_residual")]);
     const CsvTable figures = read_csv(folder / "out" / "diagnostics.csv");
     CHECK(figures.rows.back()[figures.index("particles")] == figures.rows.front()[figures.index("particles")]);
+}
+
+TEST_CASE("a budget that comes while the run goes on acts from then on, also in a run that was stopped after it and resumed", "[governor][resume]") {
+    const test::ScratchFolder folder;
+    std::ofstream(folder / "blob.toml") << "name = \"blob\"\n[time]\nend = 0.4\nfps = 50\n[domain]\nmin = [-0.1, -0.02, -0.1]\nmax = [0.1, 0.2, 0.1]\n"
+                                           "[fluid]\nspacing = 4e-3\nviscosity = 50\n[models]\npressure = \"coupled\"\n[[block]]\nshape = \"box\"\n"
+                                           "min = [-0.02, 0.01, -0.02]\nmax = [0.02, 0.06, 0.02]\n[[solid]]\nshape = \"box\"\nmin = [-0.1, -0.02, -0.1]\n"
+                                           "max = [0.1, 0, 0.1]\n[budget]\nseconds_per_frame = 60\n[[change]]\ntime = 0.1\nkey = \"budget.seconds_per_frame\"\nvalue = 1e-4\n";
+    const auto out = folder / "out";
+    const auto rows = [&] { return std::filesystem::exists(out / "budget.csv") ? read_csv(out / "budget.csv").rows.size() : 0; };
+    test::Program stopped({"render", (folder / "blob.toml").string(), "--no-images", "--quiet", "--out", out.string()});
+    REQUIRE(stopped.wait_until([&] { return rows() > 8; }));
+    stopped.signal(SIGTERM);
+    CHECK(stopped.wait().code == 130);
+    const Outcome resumed = test::whorl({"resume", out.string(), "--quiet"});
+    INFO(resumed.err);
+    REQUIRE(resumed.code == 0);
+    const CsvTable table = read_csv(out / "budget.csv");
+    // One row a frame, in their order, but for the first of a run, for which nothing was simulated.
+    REQUIRE(table.rows.size() >= 19);
+    for (std::size_t k = 1; k < table.rows.size(); ++k) CHECK(table.rows[k][table.index("frame")] > table.rows[k - 1][table.index("frame")]);
+    for (const auto& row : table.rows) {
+        INFO("frame " << row[table.index("frame")]);
+        const double time = row[table.index("time")];
+        CHECK(row[table.index("allowed_seconds")] == Approx(time < 0.0999 ? 60 : 1e-4));
+        if (time < 0.0999) CHECK(row[table.index("given_up")] == 0);
+    }
+    CHECK(table.rows.back()[table.index("given_up")] == 4);
 }

@@ -206,6 +206,42 @@ TEST_CASE("a folder that is not a run's is left alone, a run's is replaced", "[t
     CHECK(test::whorl({"video", scratch.run()}).code == 2);
 }
 
+TEST_CASE("a box with more fluid than it holds is told as crowded, with how much", "[tools][render]") {
+    const Scratch scratch(R"(
+name = "stuffed"
+[time]
+end = 0.02
+fps = 100
+[domain]
+min = [-0.02, -0.02, -0.02]
+max = [0.12, 0.12, 0.12]
+[fluid]
+spacing = 0.0125
+[models]
+pressure = "ppe"
+[[block]]
+shape = "box"
+min = [0, 0, 0]
+max = [0.1, 0.1, 0.1]
+[[block]]
+shape = "box"
+min = [0.02, 0.02, 0.02]
+max = [0.08, 0.05, 0.08]
+[[solid]]
+shape = "box"
+min = [0, 0, 0]
+max = [0.1, 0.1, 0.1]
+inside = true
+)");
+    const Outcome run = test::whorl({"render", scratch.scene(), "--no-images", "--quiet", "--out", scratch.run()});
+    INFO(run.err);
+    const auto troubles = report(scratch / "run")["first_troubles"];
+    const auto crowded = std::find_if(troubles.begin(), troubles.end(), [](const auto& t) { return t["kind"] == "crowded"; });
+    REQUIRE(crowded != troubles.end());
+    CHECK((*crowded)["step"] == 1);
+    CHECK((*crowded)["what"].template get<std::string>().find("particles are still crowded, one by") != std::string::npos);
+}
+
 TEST_CASE("a run that diverges says where and when, ends with 1 and keeps what was made", "[tools][render]") {
     std::string text = honey;
     text.insert(text.find("[fluid]"), "gravity = [\"0\", \"t > 0.06 ? -1e37 : -9.81\", \"0\"]\n");

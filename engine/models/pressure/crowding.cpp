@@ -15,7 +15,7 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
-void RelieveCrowding::with_neighbours(const std::vector<Index>& from, std::vector<Index>& all) {
+void RelieveCrowding::with_neighbours(const Pairs& pairs, const std::vector<Index>& from, std::vector<Index>& all) {
     ++lists_;
     all.clear();
     const auto take = [&](Index i) {
@@ -25,16 +25,16 @@ void RelieveCrowding::with_neighbours(const std::vector<Index>& from, std::vecto
     };
     for (const Index i : from) {
         take(i);
-        for (std::size_t k = pairs_.first[at(i)]; k < pairs_.first[at(i) + 1]; ++k) take(pairs_.other[k]);
+        for (std::size_t k = pairs.first[at(i)]; k < pairs.first[at(i) + 1]; ++k) take(pairs.other[k]);
     }
 }
 
 template <class Kernel>
-std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, const Solids& solids, const SolidParticles& layer, const StepContext& step,
-                              Read<field::role> role, Span<Real> rho, Span<Vec3> x, Span<Vec3> u, const std::function<void()>& find) {
+std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids,
+                              const SolidParticles& layer, const StepContext& step, Read<field::role> role, Span<Real> rho, Span<Vec3> x, Span<Vec3> u, const std::function<void()>& find) {
     const Real rho_0 = step.rest_density, m = step.mass, crowded = rho_0 * (1 + most_ / 2), farthest = step.spacing / 5;
     const auto row = [&](Index i) {
-        return density_row(wall, W, pairs_, solid_pairs_, layer, m, i, [](const Pairs::Group&, const Real*) {}, [](Index, const Vec3&, const WallImage::Seen&) {});
+        return density_row(wall, W, pairs, solid_pairs, layer, m, i, [](const Pairs::Group&, const Real*) {}, [](Index, const Vec3&, const WallImage::Seen&) {});
     };
     const Index n = static_cast<Index>(x.size());
     parallel_for(n, [&](Index i) { rho[at(i)] = row(i).density; });
@@ -60,11 +60,11 @@ std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, con
             push_[at(i)] = l * at_i.own;
             share_[at(i)] = l * at_i.fill;
         });
-        with_neighbours(crowded_, movers_);
+        with_neighbours(pairs, crowded_, movers_);
         parallel_for(static_cast<Index>(movers_.size()), [&](Index c) {
             const Index i = movers_[at(c)];
             Vec3 move = share_[at(i)] > 0 ? push_[at(i)] : Vec3(Vec3::Zero()), slower = Vec3::Zero();
-            pairs_.of(i, [&](Index j, const Vec3& r, Real distance) {
+            pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
                 const Real both = share_[at(i)] + share_[at(j)];
                 if (!(both > 0)) return;
                 const Real slope = m * W.slope(distance);
@@ -88,12 +88,12 @@ std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, con
         });
         moved += static_cast<Real>(std::sqrt(parallel_max(static_cast<Index>(movers_.size()), 0, [&](Index c) { return static_cast<double>(moves_[at(c)].squaredNorm()); })));
         if (2 * moved > step.spacing / 5) find(), moved = 0;
-        with_neighbours(movers_, touched_);
+        with_neighbours(pairs, movers_, touched_);
         parallel_for(static_cast<Index>(touched_.size()), [&](Index c) { rho[at(touched_[at(c)])] = row(touched_[at(c)]).density; });
     }
 }
 
-void RelieveCrowding::operator()(const Solids& solids, const SolidParticles& layer, const StepContext& step, StepReport& report, Read<field::role> role,
+void RelieveCrowding::operator()(FluidPairs& pairs, SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer, const StepContext& step, StepReport& report, Read<field::role> role,
                                  Update<field::density> rho, Update<field::position> x, Update<field::velocity> u) {
     const Index n = x.size();
     if (fills_periodic_domain(step, solids, n)) return;  // there densities are held equal, not below rho_0
@@ -102,8 +102,8 @@ void RelieveCrowding::operator()(const Solids& solids, const SolidParticles& lay
     for (const Real length : step.domain.period())
         if (length > 0) reach = std::min(reach, length / 2);
     const auto find = [&] {
-        search_.find(x.values, reach, step.domain, pairs_);
-        solid_search_.find(x.values, layer.position, reach, step.domain, solid_pairs_);
+        search_.find(x.values, reach, step.domain, pairs);
+        solid_search_.find(x.values, layer.position, reach, step.domain, solid_pairs);
     };
     find();
     seen_.resize(at(n), 0), push_.resize(at(n)), moves_.resize(at(n)), kicks_.resize(at(n));
@@ -111,7 +111,7 @@ void RelieveCrowding::operator()(const Solids& solids, const SolidParticles& lay
     const WallImage wall(step.kernel, step.support, step.spacing, gate_);
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         SolveReport left;
-        left.why_not = relieve(wall, W, solids, layer, step, role, rho.values, x.values, u.values, find);
+        left.why_not = relieve(wall, W, pairs, solid_pairs, solids, layer, step, role, rho.values, x.values, u.values, find);
         if (!left.why_not.empty()) report.solves.push_back({std::string(name), left});
     });
 }

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "engine/core/parallel.h"
+#include "engine/core/resize_tightly.h"
 
 namespace whorl {
 namespace {
@@ -55,7 +56,7 @@ void DensityRate::build(const WallImage& wall, const FluidPairs& pairs, const So
     first = pairs.first;
     other = pairs.other;
     const std::size_t n = at(pairs.size());
-    slope.resize(other.size());
+    resize_tightly(slope, other.size());
     period = pairs.period;
     x.resize(n);
     fill.resize(n);
