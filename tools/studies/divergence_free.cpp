@@ -10,8 +10,8 @@
 #include "engine/io/diagnostics.h"
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
-#include "tests/support/zeros.h"
 #include "tools/studies/studies.h"
+#include "tools/studies/zeros.h"
 
 namespace whorl {
 namespace {
@@ -151,7 +151,7 @@ shape = "plane"
 pressure = "ppe"
 )toml", length, d, h, U / std::sinh(k * h), k), divergence_free, fmt::format("damping = {}\n", damping));
     const double period = 2 * std::numbers::pi / std::sqrt(9.81 * k * std::tanh(k * h));
-    test::Zeros zeros(period / 4);
+    Zeros zeros(period / 4);
     while (zeros.at.size() < 6 && run.simulation.time() < 2) {
         run.step(2);
         const auto x = run.simulation.world().fluid.column<field::position>();

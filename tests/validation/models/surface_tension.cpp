@@ -13,7 +13,7 @@
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
 #include "tests/support/world.h"
-#include "tests/support/zeros.h"
+#include "tools/studies/zeros.h"
 
 using namespace whorl;
 
@@ -98,7 +98,7 @@ TEST_CASE("the pressure in a drop is 2 sigma/R, and it swings between long and f
             const Vec3 x = drop.column<field::position>()[i];
             drop.column<field::velocity>()[i] = Real(k) * Vec3(-x.x() / 2, x.y(), -x.z() / 2);
         }
-        test::Zeros crossings;
+        Zeros crossings;
         double t = 0, farthest = 0;
         while (crossings.at.size() < 3 && t * omega < 20) {
             drop.run(Drop::share, 0);

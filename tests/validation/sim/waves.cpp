@@ -8,7 +8,7 @@
 
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
-#include "tests/support/zeros.h"
+#include "tools/studies/zeros.h"
 
 using namespace whorl;
 
@@ -107,7 +107,7 @@ shape = "plane"
 )toml", length, d, h, U / std::sinh(k * h), k), "wave.toml");
     Simulation simulation(scene, make_plan(scene));
     const double period = 2 * std::numbers::pi / std::sqrt(g * k * std::tanh(k * h));
-    test::Zeros zeros(period / 4);  // noise of a hundredth may cross to and fro within a step or two
+    Zeros zeros(period / 4);  // noise of a hundredth may cross to and fro within a step or two
     while (zeros.at.size() < 6 && simulation.time() < 2) {
         REQUIRE_FALSE(simulation.step(2).diverged);
         const auto x = simulation.world().fluid.column<field::position>();

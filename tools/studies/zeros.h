@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace whorl::test {
+namespace whorl {
 
 /// Zeros of a signal, by a straight line between the two samples around each.
 class Zeros {
@@ -23,4 +23,4 @@ private:
     double apart_, before_ = 0, time_ = 0;
 };
 
-}  // namespace whorl::test
+}  // namespace whorl
