@@ -46,7 +46,7 @@ for combination in combinations:
     if pressure == "wcsph": t = re.sub(r'^"pressure\.tolerance".*\n', "", t, flags=re.M)  # it solves nothing
     open(f"{folder}/{combination}.toml", "w").write(t)
 PY
-    local limit=600
+    local limit=120
     # study COMBINATION...
     study() {
         printf 'scenes = ["scenes/%s.toml"]\nquality = "draft"\nlimit = %s\n' "auto+auto" "$limit"
@@ -55,10 +55,11 @@ PY
         for combination in "$@"; do printf '"%s", ' "$PWD/$folder/scenes/$combination.toml"; done
         printf ']\n[accuracy]\nof = "reference"\nreference = ["quality=standard"]\ncolumn = "kinetic_energy"\nat = "all"\n[cost]\nrepeat = 2\n'
     }
-    for some in 1 $#; do  # auto alone tells how long the others may take
+    for some in 2 $#; do  # auto tells how long the others may take
         study "${@:1:$some}" > "$folder/study.toml"
         "$whorl" tradeoff "$folder/study.toml" --all --threads 1 --jobs 1 --out "$folder" > "$folder/log" 2>&1 || { echo "| $scene: $(tail -1 "$folder/log") |"; return 0; }
-        limit=$(python3 -c 'import csv, sys; print(2 + 4*float(next(csv.DictReader(open(sys.argv[1])))["wall_seconds"]))' "$folder/tradeoff.csv")
+        limit=$(python3 -c 'import csv, sys; print(2 + 4*max(float(r["wall_seconds"]) for r in csv.DictReader(open(sys.argv[1])) if "auto+auto" in r["scene"]))' \
+            "$folder/tradeoff.csv")
     done
     python3 - "$scene" "$until" "$folder" <<'PY'
 import csv, glob, json, os, sys
@@ -73,6 +74,9 @@ auto = rows.pop("auto+auto")
 cost, error = float(auto["cost_low"]), float(auto["error"])
 run = json.load(open([f for f in glob.glob(folder + "/points/*auto+auto*/run.json") if "standard" not in f][0]))
 took = "+".join(m["value"] for key in ("models.pressure", "models.viscosity") for m in run["models"] if m["key"] == key)
+if took in rows and rows[took]["error"] == auto["error"]:  # the same run: four timings of it
+    cost = min(cost, float(rows[took]["cost_low"]))
+    rows[took]["cost_low"] = str(cost)
 good = {n: r for n, r in rows.items() if r["status"] == "done" and float(r["error"]) <= 1.1 * error}
 best = min(good, key=lambda n: float(good[n]["cost_low"]), default=None)
 words = []
@@ -93,6 +97,6 @@ for case in honey_coil:0.9 honey_ball:0.7 honey_thread:0.4 sewing_machine:0.6 ca
     compare "${case%:*}" "${case#*:}" $honey
 done
 # shellcheck disable=SC2086
-for case in dam_break:0.25 dam_break_obstacle:0.2 paddle:0.3 floating_boxes:0.15; do compare "${case%:*}" "${case#*:}" $water; done
+for case in dam_break:0.25 dam_break_obstacle:0.1 paddle:0.2 floating_boxes:0.06; do compare "${case%:*}" "${case#*:}" $water; done
 # shellcheck disable=SC2086
-for case in karman_street:0.05 shear_layer:0.05 vortex_rings:0.04 taylor_green:0.05 stirred_tank:0.08; do compare "${case%:*}" "${case#*:}" $vortices; done
+for case in karman_street:0.02 shear_layer:0.02 vortex_rings:0.015 taylor_green:0.02 stirred_tank:0.03; do compare "${case%:*}" "${case#*:}" $vortices; done
