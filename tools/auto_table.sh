@@ -5,7 +5,8 @@
 #
 #   tools/auto_table.sh [--whorl PROGRAM] [SCENE ...]
 #
-# Error: of the kinetic energy over all frames against a run with models chosen by the plan and standard spacing, over its largest value.
+# Error: of the kinetic energy over all frames against a run with models chosen by the plan and standard spacing, over its largest value. A combination that takes
+# more than four times the wall time of auto is broken off: it cannot be the cheaper one.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 whorl=$PWD/build/release/whorl wanted=()
@@ -42,16 +43,24 @@ for combination in combinations:
         t.replace("[fluid]", f'[models]\npressure = "{pressure}"\nviscosity = "{viscosity}"\n\n[fluid]', 1)
     if viscosity != "xsph": t = without(t, "viscosity")
     if pressure not in ("auto", "wcsph") or "micropolar" not in text: t = without(t, "pressure")
+    if pressure == "wcsph": t = re.sub(r'^"pressure\.tolerance".*\n', "", t, flags=re.M)  # it solves nothing
     open(f"{folder}/{combination}.toml", "w").write(t)
 PY
-    {
-        printf 'scenes = ["scenes/%s.toml"]\nquality = "draft"\nlimit = 60\n' "auto+auto"
+    local limit=120
+    # study COMBINATION...
+    study() {
+        printf 'scenes = ["scenes/%s.toml"]\nquality = "draft"\nlimit = %s\n' "auto+auto" "$limit"
         printf 'set = ["time.end=%s", "time.slow_motion=1", "time.fps=%s"]\n' "$until" "$(awk "BEGIN { printf \"%.12g\", 12 / $until }")"
         printf '[[knob]]\nkey = "scene"\nvalues = ['
         for combination in "$@"; do printf '"%s", ' "$PWD/$folder/scenes/$combination.toml"; done
         printf ']\n[accuracy]\nof = "reference"\nreference = ["quality=standard"]\ncolumn = "kinetic_energy"\nat = "all"\n[cost]\nrepeat = 2\n'
-    } > "$folder/study.toml"
-    "$whorl" tradeoff "$folder/study.toml" --all --threads 1 --jobs 1 --out "$folder" > "$folder/log" || { echo "| $scene: $(tail -1 "$folder/log") |"; return 0; }
+    }
+    for some in 2 $#; do  # auto tells how long the others may take
+        study "${@:1:$some}" > "$folder/study.toml"
+        "$whorl" tradeoff "$folder/study.toml" --all --threads 1 --jobs 1 --out "$folder" > "$folder/log" 2>&1 || { echo "| $scene: $(tail -1 "$folder/log") |"; return 0; }
+        limit=$(python3 -c 'import csv, sys; print(2 + 4*max(float(r["wall_seconds"]) for r in csv.DictReader(open(sys.argv[1])) if "auto+auto" in r["scene"]))' \
+            "$folder/tradeoff.csv")
+    done
     python3 - "$scene" "$until" "$folder" <<'PY'
 import csv, glob, json, os, sys
 scene, until, folder = sys.argv[1:4]
@@ -65,6 +74,9 @@ auto = rows.pop("auto+auto")
 cost, error = float(auto["cost_low"]), float(auto["error"])
 run = json.load(open([f for f in glob.glob(folder + "/points/*auto+auto*/run.json") if "standard" not in f][0]))
 took = "+".join(m["value"] for key in ("models.pressure", "models.viscosity") for m in run["models"] if m["key"] == key)
+if took in rows and rows[took]["error"] == auto["error"]:  # the same run: four timings of it
+    cost = min(cost, float(rows[took]["cost_low"]))
+    rows[took]["cost_low"] = str(cost)
 good = {n: r for n, r in rows.items() if r["status"] == "done" and float(r["error"]) <= 1.1 * error}
 best = min(good, key=lambda n: float(good[n]["cost_low"]), default=None)
 words = []
@@ -77,7 +89,7 @@ hand = f"{best} | {float(good[best]['cost_low']):.2f} s | {100*(cost/float(good[
 print(f"| {scene} | {until} s | {took} | {cost:.2f} s | {100*error:.2g} % | {hand} | {'; '.join(words)} |".replace("\n", " "))
 PY
 }
-honey="auto+auto coupled+none ppe+full ppe+explicit ppe+pairwise wcsph+full"
+honey="auto+auto coupled+none ppe+full ppe+full_assembled ppe+explicit ppe+pairwise wcsph+full wcsph+pairwise"
 water="auto+auto ppe+none ppe+xsph wcsph+none wcsph+xsph"
 vortices="auto+auto wcsph+explicit wcsph+full wcsph+pairwise ppe+explicit ppe+full"
 # shellcheck disable=SC2086
@@ -85,6 +97,6 @@ for case in honey_coil:0.9 honey_ball:0.7 honey_thread:0.4 sewing_machine:0.6 ca
     compare "${case%:*}" "${case#*:}" $honey
 done
 # shellcheck disable=SC2086
-for case in dam_break:0.4 dam_break_obstacle:0.3 paddle:0.3 floating_boxes:0.3; do compare "${case%:*}" "${case#*:}" $water; done
+for case in dam_break:0.25 dam_break_obstacle:0.1 paddle:0.2 floating_boxes:0.06; do compare "${case%:*}" "${case#*:}" $water; done
 # shellcheck disable=SC2086
-for case in karman_street:0.1 shear_layer:0.1 vortex_rings:0.1 taylor_green:0.1 stirred_tank:0.15; do compare "${case%:*}" "${case#*:}" $vortices; done
+for case in karman_street:0.02 shear_layer:0.02 vortex_rings:0.015 taylor_green:0.02 stirred_tank:0.03; do compare "${case%:*}" "${case#*:}" $vortices; done

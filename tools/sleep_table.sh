@@ -25,7 +25,7 @@ pool() {
     } > "$folder/study.toml"
     "$whorl" tradeoff "$folder/study.toml" --all --threads 1 --jobs 1 --out "$folder" > "$folder/log"
     python3 - "$words" "$sleep" "$folder" <<'PY'
-import csv, glob, json, sys
+import csv, glob, json, re, sys
 words, sleep, folder = sys.argv[1:4]
 def run(value):
     path = glob.glob(f"{folder}/points/*time.sleep={value}-*/")[0]
@@ -38,8 +38,8 @@ def run(value):
 awake, all_awake, late_awake, path = run("0")
 asleep, all_asleep, late_asleep, _ = run(sleep)
 text = open(path + "scene.resolved.toml").read().split("[fluid]")[1]
-d = float(text.split("spacing = ")[1].split("\n")[0])
-rho = float(text.split("\ndensity = ")[1].split("\n")[0])
+def value(key): return float(re.search(rf"^{key} = ([-+.e0-9]+)", text, re.M).group(1))
+d, rho = value("spacing"), value("density")
 weight = awake[-1]["particles"] * rho * d ** 3 * 9.81
 most = max(abs(a["potential_energy"] - b["potential_energy"]) for a, b in zip(awake, asleep))
 picture = [r for r in csv.DictReader(open(folder + "/tradeoff.csv")) if float(r["time.sleep"]) > 0][0]["error"]
@@ -49,5 +49,6 @@ PY
 }
 pool "honey, coupled" scenes/studies/puddle.toml 3 0.06
 pool "honey, ppe" scenes/studies/puddle.toml 3 1 'models.pressure=ppe'
-pool "water, ppe" scenes/studies/puddle.toml 3 1 'models.pressure=ppe' 'fluid.viscosity=0' 'look.material=water'
+pool "water, ppe" scenes/studies/puddle.toml 6 1 'models.pressure=ppe' 'fluid.viscosity=0' 'look.material=water'
 pool "honey_ball, poured out after 1 s" scenes/honey_ball.toml 5 0.06 'fluid.spacing=2.5e-3' 'emitter[0].stop=1' 'look.samples=1'
+pool "toothpaste, laid in one place for 1 s" scenes/toothpaste.toml 6 0.15 'fluid.spacing=2.5e-3' 'emitter[0].stop=1' 'solid[0].position=["0", "0", "0"]' 'look.samples=1'

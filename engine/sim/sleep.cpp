@@ -115,11 +115,15 @@ void Sleep::look(World& world, double elapsed) {
     const Real d = world.step.spacing, most = options_.tolerance * d, time = static_cast<Real>(elapsed);
     const double reach = world.step.support + static_cast<double>(look_every) * options_.cfl * d;
 
+    // The anchor follows as a mean over the past does: what creeps with v is v `after` ahead of it for good, and counts as quiet or not by that.
+    const Real follows = std::min(Real(1), time / options_.after);
     parallel_for(fluid.size(), [&](Index i) {
         const auto k = static_cast<std::size_t>(i);
         if (quiet[k] < 0) return;
-        if (domain.minimum_image(x[k] - anchor[k]).norm() > most) anchor[k] = x[k], quiet[k] = 0;
-        else quiet[k] += time;
+        const Vec3 ahead = domain.minimum_image(x[k] - anchor[k]);
+        const Real way = ahead.norm();
+        quiet[k] = way > most ? 0 : quiet[k] + time;
+        anchor[k] = x[k] - (1 - follows) * (way > most ? most / way : 1) * ahead;
     });
     const bool solids_move = world.solids.any_moving();
     Cells cells(domain, reach);

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "tools/cost/pace.h"
 #include "tools/cost/sample.h"
 
 using namespace whorl;
@@ -64,4 +65,28 @@ TEST_CASE("a finer spacing costs more steps and particles, a film that is poured
     CHECK(fine.memory > coarse.memory);
     CHECK(coarse.film < coarse.frames * coarse.frame);
     CHECK(coarse.film > 0.3 * coarse.frames * coarse.frame);
+}
+
+TEST_CASE("the plan's drop hangs on until it outweighs surface tension, then draws its neck out and falls", "[cost]") {
+    const SceneFile file = shipped("dripping_syrup", {"time.end=0.8"});
+    const Plan plan = make_plan(file.scene);
+    const Simulation simulation(file.scene, plan);
+    const Pace pace(file.scene, plan, simulation);
+    // A run: 0.010 m/s at 0.4 s, 0.053 at 0.667 s, 0.27 at 0.729 s, 0.45 at 0.75 s, 0.78 at 0.792 s.
+    CHECK(pace.speed(0.4) == Approx(0.008).epsilon(0.05));
+    CHECK(pace.speed(0.667) < 0.06);
+    CHECK(pace.speed(0.75) > 0.2);
+    CHECK(pace.speed(0.75) < 0.5);
+    CHECK(pace.speed(0.792) == Approx(0.78).epsilon(0.2));
+}
+
+TEST_CASE("the plan's poured fluid without viscosity falls freely, and a viscous thread that has landed is a steady one", "[cost]") {
+    const auto speed = [](double time, std::vector<std::string> set) {
+        const SceneFile file = shipped("honey_coil", std::move(set));
+        const Plan plan = make_plan(file.scene);
+        const Simulation simulation(file.scene, plan);
+        return Pace(file.scene, plan, simulation).speed(time);
+    };
+    CHECK(speed(0.05, {"fluid.viscosity=0", "models.pressure=ppe", "time.end=0.1"}) == Approx(0.25 + 9.81 * 0.05).epsilon(0.02));
+    CHECK(speed(1, {}) == Approx(drawn_speed(0.25, 0.08, 9.81, 1.0)).epsilon(0.02));
 }

@@ -47,20 +47,79 @@ double free_way(const Scene& scene, const Solids& solids, const Vec3d& x, double
     return std::min(way, most);
 }
 
-/// Speed of the lower end of what an emitter lets out, at even times: it gets longer as fast as its end falls. A drop hangs on as long as surface tension
-/// carries its weight, up to a length 2 sigma/(rho g a).
+/// What an emitter lets out, until its lower end lands: slices, each of which carries what left before it, less what surface tension holds:
+///   da/dt = -(g/(3 nu)) (V - h sqrt a),   V: volume below over the opening's area A,   h = 2 sigma/(rho g sqrt(A/pi)),   a = area/A
+/// (Trouton 1906, of slices as Wilson 1988 has them for dripping; no inertia but that the lower end gains no more than g). Where it gets thinner than a spacing
+/// it parts: what hung there falls freely as a drop, the rest hangs on.
+class HangingThread {
+public:
+    HangingThread(const EmitterKeys& e, const Scene& scene, double nu, double g) : nu_(nu), g_(g) {
+        const double radius = std::sqrt(opening_area(e) / M_PI);
+        if (g > 0) held_ = 2 * scene.fluid.surface_tension / (scene.fluid.density * g * radius);
+        parted_ = std::min(0.9, std::pow(0.5 * scene.fluid.spacing / radius, 2));
+    }
+    double length() const { return length_; }  ///< m
+    double held() const { return held_; }      ///< m of thread as thick as the opening
+    /// Lets dt [s] pass while the fluid leaves with U [m/s]. @return m/s, of the lower end or of a drop that has not fallen as far as `fall` [m]
+    double advance(double U, double dt, double fall) {
+        stretch(U, dt);
+        slices_.push_back({U * dt});
+        part(U);
+        if (drop_fallen_ < fall) drop_speed_ += g_ * dt, drop_fallen_ += drop_speed_ * dt;
+        return drop_fallen_ < fall ? std::max(speed_, drop_speed_) : speed_;
+    }
+
+private:
+    struct Slice {
+        double volume = 0;  ///< over the opening's area [m]
+        double area = 1;    ///< over the opening's
+        double longer = 0;  ///< 1/area after its weight alone, less that before
+    };
+
+    void stretch(double U, double dt) {
+        constexpr double thinnest = 1e-6;
+        double below = 0, longer = 0;
+        for (Slice& s : slices_) {
+            const double carried = below - held_ * std::sqrt(s.area);
+            below += s.volume;
+            const double area = carried <= 0 ? s.area : nu_ > 0 ? std::max(thinnest, s.area - g_ / (3 * nu_) * carried * dt) : thinnest;
+            s.longer = std::max(0.0, 1 / area - 1 / s.area);
+            longer += s.volume * s.longer;
+        }
+        const double before = std::max(speed_, U);
+        speed_ = std::min(U + longer / dt, before + g_ * dt);
+        const double part = longer > 0 ? (speed_ - U) * dt / longer : 0;
+        for (Slice& s : slices_) s.area = 1 / (1 / s.area + part * s.longer);
+    }
+
+    void part(double U) {
+        const auto last = std::find_if(slices_.rbegin(), slices_.rend(), [&](const Slice& s) { return s.area < parted_; });
+        if (last != slices_.rend()) {
+            drop_speed_ = speed_, drop_fallen_ = length_, speed_ = U;
+            slices_.erase(slices_.begin(), last.base());
+        }
+        length_ = 0;
+        for (const Slice& s : slices_) length_ += s.volume / s.area;
+    }
+
+    double nu_, g_, held_ = 0, parted_ = 0;
+    std::vector<Slice> slices_;  ///< the first left first
+    double length_ = 0, speed_ = 0;
+    double drop_speed_ = 0, drop_fallen_ = std::numeric_limits<double>::infinity();
+};
+
+/// Speed of the fastest of what an emitter lets out, at even times: of the end that hangs and of drops, and once the end has reached down to `fall` that of a
+/// steady thread.
 void add_thread(std::vector<double>& speeds, const EmitterKeys& e, const Scene& scene, double nu, double g, double fall) {
-    const double dt = scene.time.end / (points - 1), a = std::sqrt(opening_area(e) / M_PI);
-    const double held = g > 0 ? 2 * scene.fluid.surface_tension / (scene.fluid.density * g * a) : 0;
-    double length = 0;
+    const double dt = scene.time.end / (points - 1);
+    HangingThread thread(e, scene, nu, g);
     for (int k = 0; k < points; ++k) {
         const double t = k * dt;
         if (t < e.start) continue;
         const double U = std::max(e.speed(t), 1e-9);
-        const double pull = g * std::max(0.0, 1 - held / std::max(length, 1e-30));
-        const double speed = length > 0 ? drawn_speed(U, length, pull, nu) : U;
+        const double speed = thread.length() < fall ? thread.advance(U, dt, fall)
+                                                    : drawn_speed(U, fall, g * std::max(0.0, 1 - thread.held() / std::max(fall, 1e-30)), nu);
         speeds[static_cast<std::size_t>(k)] = std::max(speeds[static_cast<std::size_t>(k)], speed);
-        length = std::min(length + speed * dt, fall);
     }
 }
 

@@ -7,7 +7,8 @@
 namespace whorl {
 
 /// The speed of the fastest fluid over the time of a film, and the time steps that it allows.
-///   Fluid that is poured falls as a thread that its own weight draws out (drawn_speed below), its lower end no further than down to the domain's floor.
+///   Fluid that is poured hangs on a thread that its weight draws out; where that parts a drop falls freely and the rest hangs on; an end that has reached the
+///   floor makes it a steady thread (drawn_speed below).
 ///   Fluid that can fall is as fast as the free fall since the start, up to one through its whole height; after six times of such a fall (a broken dam: steps
 ///   measured) half as fast. A pool that fills its container already does not fall.
 class Pace {

@@ -68,6 +68,15 @@ TEST_CASE("thick honey with a free surface is solved with its pressure, and the 
     CHECK(plan.warnings.empty());
 }
 
+TEST_CASE("a thinner fluid is solved with its pressure down to a viscous number of a quarter", "[plan]") {
+    const auto with_number = [](double number) {  // nu = number d^2/dt, dt = 0.4 d/speed
+        const double d = 2e-3, speed = std::sqrt(0.25 * 0.25 + 2 * 9.81 * 0.09);
+        return plan_with({"fluid.viscosity=" + std::to_string(1000 * number * d * speed / 0.4)}).pressure;
+    };
+    CHECK(with_number(0.3) == PressureModel::coupled);
+    CHECK(with_number(0.2) == PressureModel::ppe);
+}
+
 TEST_CASE("what the user chose stays, also the kernel and its support", "[plan]") {
     const Plan plan = plan_with({"fluid.kernel=cubic", "fluid.support=2.5"});
     CHECK(plan.kernel == KernelKind::cubic);
