@@ -27,14 +27,15 @@ Extent extent_of(const Shape& shape, const Domain& domain) {
     return e;
 }
 
-std::vector<Vec3> lattice(const Shape& shape, const Extent& e, double spacing, double jitter, std::uint64_t seed) {
+std::vector<Vec3> lattice(const Shape& shape, const Extent& e, double spacing, double jitter, std::uint64_t seed, Layers layers = Layers::nearest) {
     std::vector<Vec3> x;
     Vec3d step, first;
     long count[3];
     for (int a = 0; a < 3; ++a) {
         const double length = e.max[a] - e.min[a];
         if (!(length > 0)) return x;
-        count[a] = std::max(1L, std::lround(length / spacing));
+        const bool within = layers == Layers::within && !e.spans_period[a];
+        count[a] = std::max(1L, within ? static_cast<long>(length / spacing + 0.1) : std::lround(length / spacing));
         // A layer more than fits is no use: its centre would be outside. A periodic axis is filled without a seam.
         step[a] = e.spans_period[a] ? length / static_cast<double>(count[a]) : spacing;
         first[a] = e.min[a] + 0.5 * (length - step[a] * static_cast<double>(count[a] - 1));
@@ -128,10 +129,10 @@ void relax(std::vector<Vec3>& x, const Distance& distance, Real spacing, const D
     }
 }
 
-std::vector<Vec3> sample_shape(const Shape& shape, Sampling sampling, Real spacing, const Domain& domain, std::uint64_t seed) {
+std::vector<Vec3> sample_shape(const Shape& shape, Sampling sampling, Real spacing, const Domain& domain, std::uint64_t seed, Layers layers) {
     const Extent e = extent_of(shape, domain);
-    if (sampling == Sampling::lattice) return lattice(shape, e, spacing, 0, seed);
-    if (sampling == Sampling::jittered) return lattice(shape, e, spacing, 0.2, seed);
+    if (sampling == Sampling::lattice) return lattice(shape, e, spacing, 0, seed, layers);
+    if (sampling == Sampling::jittered) return lattice(shape, e, spacing, 0.2, seed, layers);
 
     // Blue noise starts from a strongly jittered lattice with as many points as the volume asks for.
     std::vector<Vec3> x = lattice(shape, e, spacing, 0.4, seed);

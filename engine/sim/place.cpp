@@ -95,6 +95,31 @@ void loosen(std::vector<Vec3>& points, Real spacing, std::uint64_t seed) {
         for (int a = 0; a < 3; ++a) x[a] += static_cast<Real>(0.01 * spacing * (2 * random() - 1));
 }
 
+/// Moves a lattice that leaves up to half a spacing at both its ends down to the lower one, where gravity goes along an axis: it would fall there.
+void put_down(std::vector<Vec3>& points, const Shape& shape, const Vec3d& gravity, Real spacing) {
+    Vec3 low, high;
+    shape.bounds(low, high);
+    for (int a = 0; a < 3; ++a) {
+        if (gravity[a] == 0 || std::abs(gravity[a]) < 0.99 * gravity.norm()) continue;
+        const bool down = gravity[a] < 0;
+        Real room = std::numeric_limits<Real>::max();
+        for (const Vec3& x : points) room = std::min(room, (down ? x[a] - low[a] : high[a] - x[a]) - spacing / 2);
+        if (room <= 0 || room > spacing / 2) continue;
+        for (Vec3& x : points) x[a] += down ? -room : room;
+    }
+}
+
+/// A block's particles but for those that solids leave no room. @param cut set where there were any of these
+std::vector<Vec3> outside_solids(const BlockKeys& keys, const Shape& shape, const Plan& plan, const World& world, std::uint64_t seed, Layers layers, bool& cut) {
+    std::vector<Vec3> points = sample_shape(shape, keys.sampling, world.step.spacing, world.step.domain, seed, layers);
+    if (plan.pressure == PressureModel::wcsph && keys.sampling == Sampling::lattice) loosen(points, world.step.spacing, seed);
+    cut = std::erase_if(points, [&](const Vec3& x) {
+        Real distance = std::numeric_limits<Real>::max();
+        return world.solids.nearest(x, distance) >= 0 && distance < Real(0.45) * world.step.spacing;
+    }) > 0;
+    return points;
+}
+
 }  // namespace
 
 void place_blocks(const Scene& scene, const Plan& plan, World& world) {
@@ -103,13 +128,16 @@ void place_blocks(const Scene& scene, const Plan& plan, World& world) {
     for (std::size_t b = 0; b < scene.blocks.size(); ++b) {
         const BlockKeys& keys = scene.blocks[b];
         const auto shape = make_shape(keys.shape);
-        std::vector<Vec3> points = sample_shape(*shape, keys.sampling, world.step.spacing, world.step.domain, scene.seed + 1000 * b);
-        if (plan.pressure == PressureModel::wcsph && keys.sampling == Sampling::lattice)
-            loosen(points, world.step.spacing, scene.seed + 1000 * b);
-        std::erase_if(points, [&](const Vec3& x) {
-            Real distance = std::numeric_limits<Real>::max();
-            return world.solids.nearest(x, distance) >= 0 && distance < Real(0.45) * world.step.spacing;
-        });
+        bool cut = false;
+        std::vector<Vec3> points = outside_solids(keys, *shape, plan, world, scene.seed + 1000 * b, Layers::nearest, cut);
+        if (cut && keys.sampling != Sampling::blue_noise) {
+            // Where a layer more than half fits, both at its ends would stand too near to the walls of a container and go.
+            std::vector<Vec3> within = outside_solids(keys, *shape, plan, world, scene.seed + 1000 * b, Layers::within, cut);
+            if (within.size() >= points.size()) {
+                points.swap(within);
+                put_down(points, *shape, scene.domain.gravity(0), world.step.spacing);
+            }
+        }
         if (points.empty())
             problems.push_back({scene.place("block[" + std::to_string(b) + "]"), "the block holds no particle",
                                 "make it larger than the spacing, or move it out of the solids", ""});

@@ -44,6 +44,26 @@ radius = 0.02
 
 }  // namespace
 
+TEST_CASE("fluid that fills its container stands on the floor from the start, whatever part of a spacing is left over, and lacks no layer that fits", "[sim]") {
+    for (const double layers : {8.0, 8.3, 8.55, 8.7, 8.86, 8.97})
+        for (const std::string container : {"box", "cylinder"}) {
+            CAPTURE(layers, container);
+            const double d = 0.01, size = layers * d;
+            const std::string bounds = container == "box" ? "min = [0, 0, 0]\nmax = [" + std::to_string(size) + ", " + std::to_string(size) + ", " + std::to_string(size) + "]\n"
+                                                          : "from = [0, 0, 0]\nto = [0, " + std::to_string(size) + ", 0]\nradius = 0.1\n";
+            const Simulation simulation = simulation_of("[time]\nend = 1\n[domain]\nmin = [-0.2, -0.1, -0.2]\nmax = [0.2, 0.2, 0.2]\n[fluid]\nspacing = 0.01\n[[block]]\nshape = \"" + container +
+                                                        "\"\n" + bounds + "[[solid]]\nshape = \"" + container + "\"\n" + bounds + "inside = true\n");
+            double lowest = 1, highest = 0;
+            for (const Vec3& x : simulation.world().fluid.column<field::position>())
+                lowest = std::min(lowest, static_cast<double>(x.y())), highest = std::max(highest, static_cast<double>(x.y()));
+            CHECK(lowest / d > 0.44);
+            CHECK(lowest / d < 0.66);  // 8.3: the lattice is centred
+            const int fit = static_cast<int>(layers + 0.1);
+            CHECK(std::lround((highest - lowest) / d) + 1 == fit);
+            if (container == "box") CHECK(simulation.world().fluid.size() == fit * fit * fit);
+        }
+}
+
 TEST_CASE("1, 2 and 4 threads end with the same bits: pressure equation, full viscosity, solids", "[sim][threads]") {
     const int before = threads();
     std::string first;
