@@ -1,5 +1,7 @@
 #pragma once
 /// Compact groups of neighbouring particles: the coarse level of two-level preconditioners.
+#include <numeric>
+
 #include "engine/core/parallel.h"
 #include "engine/particles/pairs.h"
 
@@ -54,7 +56,39 @@ int aggregate_by(const Neighbours& neighbours, Span<const Vec3> x, Span<const st
     return g.drop_empty();
 }
 
-/// The same by the rows of pairs.
+/// A group whose members do not hang together by their neighbours (two turns of a coil side by side, a thread beside its heap) becomes one a piece: no motion of
+/// the group as a whole moves the one against the other.
+/// @param group as aggregate_by() leaves it @returns the number of groups then
+template <class Neighbours>
+int split_unconnected(const Neighbours& neighbours, Span<std::int32_t> group) {
+    std::vector<Index> parent(group.size());  // of each particle in its piece's tree
+    std::iota(parent.begin(), parent.end(), 0);
+    const auto root = [&](Index i) {
+        while (parent[static_cast<std::size_t>(i)] != i) {
+            Index& up = parent[static_cast<std::size_t>(i)];
+            i = up = parent[static_cast<std::size_t>(up)];
+        }
+        return i;
+    };
+    for (std::size_t i = 0; i < group.size(); ++i) {
+        if (group[i] <= 0) continue;
+        neighbours(static_cast<Index>(i), [&](Index j) {
+            if (group[static_cast<std::size_t>(j)] != group[i]) return;
+            const Index a = root(static_cast<Index>(i)), b = root(j);
+            parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+        });
+    }
+    // A root comes before the others of its piece.
+    int pieces = 0;
+    for (std::size_t i = 0; i < group.size(); ++i) {
+        if (group[i] <= 0) continue;
+        const Index r = root(static_cast<Index>(i));
+        group[i] = r == static_cast<Index>(i) ? ++pieces : group[static_cast<std::size_t>(r)];
+    }
+    return pieces;
+}
+
+/// aggregate_by() by the rows of pairs.
 int form_aggregates(const Pairs& pairs, Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real cell, int size,
                     Span<std::int32_t> group);
 

@@ -1,6 +1,6 @@
 #include "engine/models/coupled/coarse_matrix.h"
 
-#include <map>
+#include <algorithm>
 
 #include "engine/core/parallel.h"
 
@@ -21,17 +21,90 @@ Mat36 motion(const Vec3& a) {
     return E;
 }
 
+/// The numbers that all sums over a row's pairs are made of. With q = (xx, yy, zz, xy, xz, yz) of r and u = v + omega x arm every sum of the form below is one of
+/// (1, arm) times one of these, so that a pair costs a few vector operations.
+struct alignas(8 * sizeof(Real)) Monomials {
+    static constexpr int count = 40, levered = 24, springs = 16;
+    Real v[count];  ///< w r; w/r^2 times the ten cubes; three spare; W (xx, yy, zz, xy, xz, yz) from `springs` on; two spare; from `levered` on w/r^2 times the fifteen fourth powers
+};
+
+/// The cube x_a q_k, and the fourth power q_k q_l, by their place among the distinct ones.
+constexpr int cube[3][6] = {{0, 3, 5, 1, 2, 4}, {1, 6, 8, 3, 4, 7}, {2, 7, 9, 4, 5, 8}};
+constexpr int fourth[6][6] = {{0, 3, 5, 1, 2, 4}, {3, 10, 12, 6, 7, 11}, {5, 12, 14, 8, 9, 13}, {1, 6, 8, 3, 4, 7}, {2, 7, 9, 4, 5, 8}, {4, 11, 13, 7, 8, 12}};
+
+void find_monomials(const RowBlock& block, std::size_t begin, std::size_t end, const StrainCoefficients& c, std::vector<Monomials>& pairs) {
+    if (pairs.size() < end - begin) pairs.resize(end - begin);
+    for (std::size_t e = begin; e < end; ++e) {
+        const Real x = block.x[e], y = block.y[e], z = block.z[e], w = block.w[e];
+        const Real xx = x * x, yy = y * y, zz = z * z, xy = x * y, xz = x * z, yz = y * z;
+        const Real wi = w / (xx + yy + zz), cw = c.smooth * w, pw = c.pair * wi;
+        const Real wxx = wi * xx, wyy = wi * yy, wzz = wi * zz, wyz = wi * yz;
+        Real* m = pairs[e - begin].v;
+        m[0] = w * x, m[1] = w * y, m[2] = w * z;
+        m[3] = wxx * x, m[4] = wxx * y, m[5] = wxx * z, m[6] = wyy * x, m[7] = wyz * x, m[8] = wzz * x;
+        m[9] = wyy * y, m[10] = wyy * z, m[11] = wzz * y, m[12] = wzz * z;
+        m[13] = m[14] = m[15] = 0;
+        m[16] = cw + pw * xx, m[17] = cw + pw * yy, m[18] = cw + pw * zz, m[19] = pw * xy, m[20] = pw * xz, m[21] = pw * yz;
+        m[22] = m[23] = 0;
+        m[24] = wxx * xx, m[25] = wxx * xy, m[26] = wxx * xz, m[27] = wxx * yy, m[28] = wxx * yz, m[29] = wxx * zz;
+        m[30] = wyy * xy, m[31] = wyy * xz, m[32] = wzz * xy, m[33] = wzz * xz;
+        m[34] = wyy * yy, m[35] = wyy * yz, m[36] = wyy * zz, m[37] = wzz * yz, m[38] = wzz * zz;
+        m[39] = 0;
+    }
+}
+
+/// sum += m for `count` numbers.
+template <int count>
+void add_to(Real* __restrict sum, const Real* __restrict m) {
+    for (int k = 0; k < count; ++k) sum[k] += m[k];
+}
+
+Mat3 springs_of(const Real* m) {
+    Mat3 W;
+    W << m[0], m[3], m[4], m[3], m[1], m[5], m[4], m[5], m[2];
+    return W;
+}
+
+/// Sums of the monomials times 1 and the three components of the arm.
+struct alignas(8 * sizeof(Real)) LeveredSums {
+    Real v[4][Monomials::levered] = {};
+    void add(const Real* __restrict m, const Vec3& arm) {
+        const Real ax = arm[0], ay = arm[1], az = arm[2];
+        for (int k = 0; k < Monomials::levered; ++k) {
+            const Real one = m[k];
+            v[0][k] += one, v[1][k] += ax * one, v[2][k] += ay * one, v[3][k] += az * one;
+        }
+    }
+    Vec3 s() const { return Vec3(v[0][0], v[0][1], v[0][2]); }
+    Mat36 b() const {
+        Mat36 b;
+        for (int a = 0; a < 3; ++a)
+            for (int k = 0; k < 6; ++k) b(a, k) = v[0][3 + cube[a][k]];
+        return b;
+    }
+    Mat3 springs() const { return springs_of(v[0] + Monomials::springs); }
+};
+
 /// What the members of one aggregate add to the sums of one row, by unit rigid motion.
 struct Share {
-    std::int32_t aggregate = -1;
+    int aggregate = -1;  ///< its number in Partial; -1: those in none
+    LeveredSums sums;
     Vec3 s;        ///< sum w r
     Mat3 arm_s;    ///< sum w arm r^T
-    Mat36 b;       ///< sum w/r^2 r q^T, q = (xx, yy, zz, xy, xz, yz) of r
+    Mat36 b;       ///< sum w/r^2 r q^T
     Mat36 arm_b;   ///< sum w/r^2 (arm x r) q^T
     Mat36 spring;  ///< sum W E, W = 2 c w + 2 c' w/r^2 r r^T
-    void clear(std::int32_t a) {
-        aggregate = a;
-        s.setZero(), arm_s.setZero(), b.setZero(), arm_b.setZero(), spring.setZero();
+    explicit Share(int a) : aggregate(a) {}
+    void unpack() {
+        s = sums.s(), b = sums.b();
+        for (int p = 0; p < 3; ++p) {
+            const int q = (p + 1) % 3, r = (p + 2) % 3;
+            for (int k = 0; k < 3; ++k) arm_s(p, k) = sums.v[1 + p][k];
+            for (int k = 0; k < 6; ++k) arm_b(p, k) = sums.v[1 + q][3 + cube[r][k]] - sums.v[1 + r][3 + cube[q][k]];
+        }
+        const Mat3 x = springs_of(sums.v[1] + Monomials::springs), y = springs_of(sums.v[2] + Monomials::springs), z = springs_of(sums.v[3] + Monomials::springs);
+        spring.leftCols<3>() = sums.springs();
+        spring.col(3) = y.col(2) - z.col(1), spring.col(4) = z.col(0) - x.col(2), spring.col(5) = x.col(1) - y.col(0);
     }
 };
 
@@ -83,15 +156,33 @@ Mat15x6 derivative(const Mat15x6& F, const Neighbourhood& n, const StrainCoeffic
     return out;
 }
 
-/// Blocks (row aggregate >= column aggregate) that one block of rows adds to Ac.
+/// What one block of rows adds to Ac.
 struct Partial {
-    std::map<std::pair<std::int32_t, std::int32_t>, Eigen::Matrix<double, 6, 6>> blocks;
-    template <class M>
-    void add(std::int32_t a, std::int32_t b, const M& m) {
-        const auto [at, fresh] = blocks.try_emplace({std::max(a, b), std::min(a, b)});
-        if (fresh) at->second.setZero();
-        if (a >= b) at->second += m.template cast<double>();
-        else at->second += m.transpose().template cast<double>();
+    std::vector<std::int32_t> aggregates;  ///< those that the rows touch, by the number that they have here
+    std::vector<int> place;                ///< in sums of (row >= column) at row (row + 1)/2 + column; -1: nothing yet
+    struct Sum {
+        int row, column;
+        SymmetricBlocks::Block value;
+    };
+    std::vector<Sum> sums;
+
+    int number(std::int32_t aggregate) {
+        for (std::size_t k = aggregates.size(); k-- > 0;)
+            if (aggregates[k] == aggregate) return static_cast<int>(k);
+        aggregates.push_back(aggregate);
+        place.resize(aggregates.size() * (aggregates.size() + 1) / 2, -1);
+        return static_cast<int>(aggregates.size()) - 1;
+    }
+    void add(int a, int b, const Mat6& m) {
+        const int row = std::max(a, b), column = std::min(a, b);
+        int& at = place[static_cast<std::size_t>(row * (row + 1) / 2 + column)];
+        if (at < 0) {
+            at = static_cast<int>(sums.size());
+            sums.push_back({row, column, SymmetricBlocks::Block::Zero()});
+        }
+        SymmetricBlocks::Block& to = sums[static_cast<std::size_t>(at)].value;
+        if (a >= b) to += m.cast<double>();
+        else to += m.transpose().cast<double>();
     }
 };
 
@@ -101,10 +192,19 @@ SymmetricBlocks coarse_matrix(const StrainForm& form, const RigidAggregates& agg
     const CoupledRows& rows = form.rows();
     std::vector<Partial> partials(rows.blocks.size());
     parallel_blocks(rows.size(), CoupledRows::block_size, [&](Index begin, Index end) {
-        const auto number = static_cast<std::size_t>(begin / CoupledRows::block_size);
-        const RowBlock& block = rows.blocks[number];
-        Partial& partial = partials[number];
-        std::vector<Mat3> springs(block.touched.size(), Mat3::Zero());  // sum of W over all pairs of a particle
+        const auto block_number = static_cast<std::size_t>(begin / CoupledRows::block_size);
+        const RowBlock& block = rows.blocks[block_number];
+        Partial& partial = partials[block_number];
+        struct alignas(8 * sizeof(Real)) Springs {
+            Real v[8] = {};
+        };
+        std::vector<Springs> springs(block.touched.size());  // sum of W over all pairs of a particle
+        std::vector<int> number(block.touched.size());       // in partial
+        for (std::size_t place = 0; place < number.size(); ++place) {
+            const std::int32_t a = aggregates.of(block.touched[place]);
+            number[place] = a < 0 ? -1 : partial.number(a);
+        }
+        std::vector<Monomials> pairs;
         std::vector<Share> shares;
         std::vector<Mat15x6> F, dF;
         for (Index i = begin; i < end; ++i) {
@@ -113,54 +213,42 @@ SymmetricBlocks coarse_matrix(const StrainForm& form, const RigidAggregates& agg
             const Neighbourhood& n = rows.neighbourhood[static_cast<std::size_t>(i)];
             const StrainCoefficients& c = form.coefficients(i);
             shares.clear();
-            const auto share_of = [&](std::int32_t a) -> Share& {
+            const auto share_of = [&](int a) -> Share& {
                 for (Share& s : shares)
                     if (s.aggregate == a) return s;
-                shares.emplace_back().clear(a);
-                return shares.back();
+                return shares.emplace_back(a);
             };
+            const int own = number[static_cast<std::size_t>(i - begin)];
+            share_of(own);
+            find_monomials(block, e0, e1, c, pairs);
+            alignas(8 * sizeof(Real)) Real quartic[Monomials::count - Monomials::levered] = {};
+            for (std::size_t e = e0; e < e1; ++e) {
+                const auto place = static_cast<std::size_t>(block.other[e]);
+                const Real* m = pairs[e - e0].v;
+                share_of(number[place]).sums.add(m, aggregates.arm(block.touched[place]));
+                add_to<8>(springs[place].v, m + Monomials::springs);
+                add_to<Monomials::count - Monomials::levered>(quartic, m + Monomials::levered);
+            }
+            Mat6 C4;
+            for (int k = 0; k < 6; ++k)
+                for (int l = 0; l < 6; ++l) C4(k, l) = quartic[fourth[k][l]];
             Vec3 s_sum = Vec3::Zero();
             Mat36 b_sum = Mat36::Zero();
-            Mat3 spring_sum = Mat3::Zero();
-            Mat6 C4 = Mat6::Zero();
-            for (std::size_t e = e0; e < e1; ++e) {
-                const Real w = block.w[e];
-                if (w == 0) continue;
-                const Vec3 r(block.x[e], block.y[e], block.z[e]);
-                const Real wi = w / r.squaredNorm();
-                Vec6 q;
-                q << r[0] * r[0], r[1] * r[1], r[2] * r[2], r[0] * r[1], r[0] * r[2], r[1] * r[2];
-                const Vec3 wr = w * r;
-                const Mat36 b = (wi * r) * q.transpose();
-                Mat3 W = (c.pair * wi * r) * r.transpose();
-                W.diagonal().array() += c.smooth * w;
-                C4 += (wi * q) * q.transpose();
-                s_sum += wr;
-                b_sum += b;
-                spring_sum += W;
-                const auto place = static_cast<std::size_t>(block.other[e]);
-                const auto j = static_cast<std::size_t>(block.touched[place]);
-                if (aggregates.of(static_cast<Index>(j)) < 0) continue;
-                springs[place] += W;
-                Share& share = share_of(aggregates.of(static_cast<Index>(j)));
-                share.s += wr;
-                share.arm_s += aggregates.arm(static_cast<Index>(j)) * wr.transpose();
-                share.b += b;
-                share.arm_b += (wi * aggregates.arm(static_cast<Index>(j)).cross(r)) * q.transpose();
-                share.spring += W.lazyProduct(motion(aggregates.arm(static_cast<Index>(j))));
+            for (Share& share : shares) {
+                share.unpack();
+                s_sum += share.s, b_sum += share.b;
+                add_to<8>(springs[static_cast<std::size_t>(i - begin)].v, share.sums.v[0] + Monomials::springs);
             }
-            const std::int32_t own = aggregates.of(i);
             if (own >= 0) {
                 const Vec3& a = aggregates.arm(i);
-                springs[static_cast<std::size_t>(i - begin)] += spring_sum;
                 const Mat36 E = motion(a);
-                share_of(own);
                 for (const Share& share : shares) {
+                    if (share.aggregate < 0) continue;
                     const Mat6 coupling = -E.transpose().lazyProduct(share.spring);
                     partial.add(own, share.aggregate, coupling);
                     if (share.aggregate == own) partial.add(own, own, Mat6(coupling.transpose()));
                 }
-                Share& share = share_of(own);
+                Share& share = shares.front();
                 share.s -= s_sum;
                 share.arm_s -= a * s_sum.transpose();
                 share.b -= b_sum;
@@ -168,27 +256,31 @@ SymmetricBlocks coarse_matrix(const StrainForm& form, const RigidAggregates& agg
             }
             F.resize(shares.size()), dF.resize(shares.size());
             for (std::size_t k = 0; k < shares.size(); ++k) {
+                if (shares[k].aggregate < 0) continue;
                 F[k] = features(shares[k]);
                 dF[k] = derivative(F[k], n, c, C4);
             }
             for (std::size_t k = 0; k < shares.size(); ++k)
                 for (std::size_t l = 0; l < shares.size(); ++l)
-                    if (shares[k].aggregate >= shares[l].aggregate)
+                    if (shares[l].aggregate >= 0 && shares[k].aggregate >= shares[l].aggregate)
                         partial.add(shares[k].aggregate, shares[l].aggregate, Mat6(F[k].transpose().lazyProduct(dF[l])));
         }
         for (std::size_t place = 0; place < springs.size(); ++place) {
-            const auto j = static_cast<std::size_t>(block.touched[place]);
-            if (aggregates.of(static_cast<Index>(j)) < 0) continue;
-            const Mat36 E = motion(aggregates.arm(static_cast<Index>(j)));
+            const Index j = block.touched[place];
+            if (number[place] < 0) continue;
+            const Mat36 E = motion(aggregates.arm(j));
             const bool own_row = static_cast<Index>(place) < block.size();
-            const Mat3 W = springs[place] + (own_row ? Mat3(Mat3::Identity() + form.friction(static_cast<Index>(j))) : Mat3(Mat3::Zero()));
-            partial.add(aggregates.of(static_cast<Index>(j)), aggregates.of(static_cast<Index>(j)), Mat6(E.transpose().lazyProduct(Mat36(W * E))));
+            const Mat3 W = springs_of(springs[place].v) + (own_row ? Mat3(Mat3::Identity() + form.friction(j)) : Mat3(Mat3::Zero()));
+            partial.add(number[place], number[place], Mat6(E.transpose().lazyProduct(Mat36(W * E))));
         }
     });
 
     SymmetricBlocks Ac(aggregates.groups());
     for (const Partial& partial : partials)
-        for (const auto& [at, m] : partial.blocks) Ac.add(at.first, at.second, m);
+        for (const Partial::Sum& sum : partial.sums) {
+            const auto aggregate = [&](int k) { return partial.aggregates[static_cast<std::size_t>(k)]; };
+            Ac.add(aggregate(sum.row), aggregate(sum.column), sum.value);
+        }
     // An aggregate of a single particle or of a straight file has motions that move nothing: a trace of the largest entry keeps Ac definite.
     for (int a = 0; a < Ac.nodes(); ++a) {
         double largest = 0;

@@ -31,6 +31,23 @@ struct Unknowns {
     }
 };
 
+/// Where the last step's change is a bad guide (a jolt, a landing): goes along it to where the energy is least.
+/// @param r the residual of u, kept up to date
+template <class Operator>
+void look_along_change(const Operator& A, const Unknowns& unknowns, Span<const Vec3> change, Span<Vec3> r, Span<Vec3> u) {
+    std::vector<Vec3> way(change.begin(), change.end()), bent(change.size());
+    unknowns.restrict_to(way);
+    A(way, bent);
+    const double stiffness = dot<Vec3>(way, bent);
+    if (!(stiffness > 0) || !std::isfinite(stiffness)) return;
+    const Real far = static_cast<Real>(dot<Vec3>(way, r) / stiffness);
+    parallel_for(static_cast<Index>(u.size()), [&](Index i) {
+        const auto k = static_cast<std::size_t>(i);
+        u[k] += far * way[k];
+        r[k] -= far * bent[k];
+    });
+}
+
 /// What a flat surface, an edge or a corner of a packed fluid lacks of its density n/n0, within 3 % on a lattice. Inside, the noise of |sum w r| / sum w |r| is no surface.
 Real surface_lacks(const Neighbourhood& hood) { return Real(0.84) * std::max(Real(0), hood.surface - Real(0.025)); }
 
@@ -213,6 +230,13 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
         const Real lambda = form.coefficients(i).full_bulk * step.rest_density * d * d / dt;
         return p[i] - lambda * (form.divergence(i, G[i]) - target[static_cast<std::size_t>(i)]);
     };
+    const auto solve_from = [&](Span<Vec3> load, Span<Vec3> guess, double reference, bool look) {
+        if (!(reference > 0)) return conjugate_gradients<Vec3>(A, s.preconditioner, load, guess, o.limits, ResidualNorm::preconditioned);
+        A(guess, z);
+        parallel_for(n, [&](Index i) { load[static_cast<std::size_t>(i)] -= z[static_cast<std::size_t>(i)]; });  // the residual
+        if (look && load_norm(load) > reference) look_along_change(A, unknowns, change.values, load, guess);
+        return conjugate_gradients_from<Vec3>(A, s.preconditioner, load, guess, o.limits, ResidualNorm::preconditioned, reference);
+    };
     SolveReport all;
     for (int round = 1;; ++round) {
         s.preconditioner.set(form, x.values, role.values, slip.values, step.domain, d, aggregate.values);
@@ -227,7 +251,7 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
             });
             reference = std::max(reference, 0.03 * load_norm(b));
         }
-        const SolveReport solved = conjugate_gradients<Vec3>(A, s.preconditioner, b, start, o.limits, ResidualNorm::preconditioned, reference);
+        const SolveReport solved = solve_from(b, start, reference, round == 1);
         if (round == 1) all = solved;
         else all.iterations += solved.iterations, all.last_residual = solved.last_residual, all.converged = solved.converged;
         if (nothing_held) {

@@ -1,5 +1,8 @@
 #include "engine/models/coupled/two_level.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "engine/core/parallel.h"
 #include "engine/models/coupled/coarse_matrix.h"
 
@@ -13,7 +16,11 @@ void TwoLevel::refresh(const StrainForm& form, Span<const Vec3> x, Span<const st
         for (std::size_t e = block.row_begin(i - block.begin); e < block.row_end(i - block.begin); ++e)
             visit(block.touched[static_cast<std::size_t>(block.other[e])]);
     };
-    groups_ = aggregate_by(neighbours, x, role, domain, spacing / 2, options.aggregate, aggregate);
+    // The factor's entries grow faster than the particles.
+    const double growth = std::cbrt(static_cast<double>(x.size()) / options.many);
+    const int size = static_cast<int>(std::clamp(options.aggregate * growth, static_cast<double>(options.aggregate), 1.5 * options.aggregate));
+    groups_ = aggregate_by(neighbours, x, role, domain, spacing / 2, size, aggregate);
+    groups_ = split_unconnected(neighbours, aggregate);
     aggregates_.place(x, role, aggregate, groups_, domain, spacing);
     if (!factor_.factor(coarse_matrix(form, aggregates_), aggregates_.centres())) groups_ = 0;
 }

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "engine/math/conjugate_gradients.h"
+#include "engine/models/coupled/coarse_matrix.h"
 
 #include "tests/support/coupled_world.h"
 
@@ -97,6 +98,59 @@ TEST_CASE("the diagonal blocks are those of the operator", "[models][coupled]") 
             // The penalties' projections are taken at their mean: 2 % of the block.
             CHECK((column[i] - B[i].col(a)).norm() < 0.05 * B[i].norm());
         }
+}
+
+TEST_CASE("the coarse matrix is R^T A R of the rigid motions of its aggregates to 1e-5, with a thin thread, held particles and friction", "[models][coupled]") {
+    std::vector<Vec3> x = blue_noise_cylinder(Real(2.5) * d, 14 * d, d);
+    for (int k = 0; k < 12; ++k) x.push_back(Vec3(0, (Real(14.5) + Real(k)) * d, 0));
+    Form f(x, 10);
+    std::vector<Mat3> hold(x.size(), Mat3::Zero());
+    for (std::size_t i = 0; i < 30; ++i) f.role[i] = -1;
+    for (std::size_t i = 30; i < 60; ++i) hold[i].diagonal() = Vec3(2, 0, 3);
+    f.form.set_friction(hold);
+    const auto neighbours = [&](Index i, const auto& visit) {
+        const RowBlock& block = f.rows.blocks[static_cast<std::size_t>(i / CoupledRows::block_size)];
+        for (std::size_t e = block.row_begin(i - block.begin); e < block.row_end(i - block.begin); ++e) visit(block.touched[static_cast<std::size_t>(block.other[e])]);
+    };
+    std::vector<std::int32_t> group(x.size());
+    aggregate_by(neighbours, x, f.role, Domain{}, d / 2, 24, group);
+    const int groups = split_unconnected(neighbours, group);
+    CHECK(groups > 6);
+    RigidAggregates R;
+    R.place(x, f.role, group, groups, Domain{}, d);
+    const SymmetricBlocks coarse = coarse_matrix(f.form, R);
+    std::vector<Real> motion(static_cast<std::size_t>(6 * groups)), column(motion.size());
+    std::vector<Vec3> u(x.size()), Au(x.size());
+    double largest = 0, difference = 0;
+    for (int k = 0; k < 6 * groups; ++k) {
+        std::fill(motion.begin(), motion.end(), Real(0));
+        motion[static_cast<std::size_t>(k)] = 1;
+        std::fill(u.begin(), u.end(), Vec3::Zero());
+        R.add_motion(motion, u);
+        f.form.apply(u, Au);
+        R.restrict_to_groups(Au, column);
+        for (int row = k / 6; row < groups; ++row) {
+            Eigen::Matrix<double, 6, 1> found = Eigen::Matrix<double, 6, 1>::Zero();
+            for (const SymmetricBlocks::Entry& e : coarse.row(row))
+                if (e.column == k / 6) found = e.value.col(k % 6);
+            for (int a = 0; a < 6; ++a) {
+                const double exact = column[static_cast<std::size_t>(6 * row + a)];
+                largest = std::max(largest, std::abs(exact));
+                difference = std::max(difference, std::abs(found[a] - exact));
+            }
+        }
+    }
+    CHECK(difference < 1e-5 * largest);
+}
+
+TEST_CASE("aggregates whose members do not hang together by their neighbours become one a piece", "[models][coupled]") {
+    const std::vector<std::vector<Index>> near{{1}, {}, {3}, {2, 4}, {}, {6}, {}};
+    std::vector<std::int32_t> group{1, 1, 1, 1, 2, 0, 0};
+    const auto neighbours = [&](Index i, const auto& visit) {
+        for (const Index j : near[static_cast<std::size_t>(i)]) visit(j);
+    };
+    CHECK(split_unconnected(neighbours, group) == 3);
+    CHECK(group == std::vector<std::int32_t>{1, 1, 2, 2, 3, 0, 0});
 }
 
 TEST_CASE("a viscous blob keeps its momentum to 1e-5 while it changes shape", "[models][coupled]") {
