@@ -43,8 +43,9 @@ d, rho = value("spacing"), value("density")
 weight = awake[-1]["particles"] * rho * d ** 3 * 9.81
 most = max(abs(a["potential_energy"] - b["potential_energy"]) for a, b in zip(awake, asleep))
 picture = [r for r in csv.DictReader(open(folder + "/tradeoff.csv")) if float(r["time.sleep"]) > 0][0]["error"]
+gain = f"{late_awake/late_asleep:.0f}" if 100 * late_asleep > late_awake else "> 100"
 print(f"| {words} | {sleep} | {all_asleep:.2f} | {all_awake:.2f} | {all_awake/all_asleep:.1f} | {max(late_asleep, 0):.3f} | {late_awake:.2f} | "
-      f"{late_awake/max(late_asleep, 1e-3):.0f} | {most/weight/d:.3f} d | {100*most/abs(awake[-1]['potential_energy']):.2f} % | {float(picture):.2g} dE |")
+      f"{gain} | {most/weight/d:.3f} d | {100*most/abs(awake[-1]['potential_energy']):.2f} % | {float(picture):.2g} dE |")
 PY
 }
 pool "honey, coupled" scenes/studies/puddle.toml 3 0.06
