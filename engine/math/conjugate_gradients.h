@@ -55,13 +55,12 @@ SolveReport conjugate_gradients_from(const Operator& A, const Preconditioner& M,
     const auto count = static_cast<Index>(n);
     std::vector<T> z(n, zero_entry<T>()), q(n, zero_entry<T>());
     SolveReport report;
-    const auto relative_residual = [&](double residual_z) {
-        return std::sqrt(norm == ResidualNorm::euclidean ? dot<T>(r, r) : residual_z) / reference;
-    };
+    const bool euclidean = norm == ResidualNorm::euclidean;
+    const auto relative_residual = [&](double rr, double residual_z) { return std::sqrt(euclidean ? rr : residual_z) / reference; };
     M(Span<const T>(r), Span<T>(z));
     double rz = dot<T>(r, z);
     std::vector<T> p = z;
-    report.first_residual = report.last_residual = relative_residual(rz);
+    report.first_residual = report.last_residual = relative_residual(euclidean ? dot<T>(r, r) : 0, rz);
 
     while (!(report.last_residual <= limits.tolerance)) {
         if (!std::isfinite(report.last_residual) || !(rz > 0)) {
@@ -81,10 +80,11 @@ SolveReport conjugate_gradients_from(const Operator& A, const Preconditioner& M,
             return report;
         }
         const Real alpha = static_cast<Real>(rz / pAp);
-        parallel_for(count, [&](Index i) {
+        const double rr = parallel_sum(count, [&](Index i) {  // in one loop: threads that wait have to be woken for each
             const auto k = static_cast<std::size_t>(i);
             x[k] += alpha * p[k];
             r[k] -= alpha * q[k];
+            return euclidean ? detail::dot_entry(r[k], r[k]) : 0.0;
         });
         M(Span<const T>(r), Span<T>(z));
         const double rz_new = dot<T>(r, z);
@@ -95,7 +95,7 @@ SolveReport conjugate_gradients_from(const Operator& A, const Preconditioner& M,
             p[k] = z[k] + beta * p[k];
         });
         ++report.iterations;
-        report.last_residual = relative_residual(rz);
+        report.last_residual = relative_residual(rr, rz);
     }
     report.converged = true;
     return report;

@@ -26,7 +26,7 @@ double free_memory() {
     return std::numeric_limits<double>::infinity();
 }
 
-/// Bytes a particle: the neighbour rows (4 bytes a neighbour, twice while they grow), and what the rest measured at 3,000 particles (columns,
+/// Bytes a particle: the neighbour rows (4 bytes a neighbour, and as much again for what goes with them), and what the rest measured at 3,000 particles (columns,
 /// matrices, solids; coupled: the rows of its operator and its coarse level). `whorl plan` measures it for the scene.
 double bytes_a_particle(const Plan& plan) {
     return (plan.pressure == PressureModel::coupled ? 2400 : 800) + 8 * 4.19 * std::pow(plan.support / plan.spacing, 3);

@@ -20,7 +20,7 @@ struct anchor {
 /// Negative: asleep.
 struct quiet_time {
     using type = Real;
-    static constexpr std::string_view name = "quiet_time", unit = "s", meaning = "since then; negative: asleep";
+    static constexpr std::string_view name = "quiet_time", unit = "s", meaning = "since it last was farther from its anchor than what counts as rest; negative: asleep";
 };
 }  // namespace field
 

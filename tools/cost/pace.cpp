@@ -117,7 +117,7 @@ void add_thread(std::vector<double>& speeds, const EmitterKeys& e, const Scene& 
         const double t = k * dt;
         if (t < e.start) continue;
         const double U = std::max(e.speed(t), 1e-9);
-        const double speed = thread.length() < fall ? thread.advance(U, dt, fall)
+        const double speed = thread.length() < fall ? std::min(thread.advance(U, dt, fall), std::sqrt(U * U + 2 * g * fall))
                                                     : drawn_speed(U, fall, g * std::max(0.0, 1 - thread.held() / std::max(fall, 1e-30)), nu);
         speeds[static_cast<std::size_t>(k)] = std::max(speeds[static_cast<std::size_t>(k)], speed);
     }

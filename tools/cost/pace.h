@@ -29,7 +29,7 @@ private:
     double pressing_ = 0;           ///< m/s, sqrt(g depth) of what lies at the start
     double tension_step_ = 0;       ///< s, what surface tension allows the scene's fluid
     bool falls_ = false;            ///< fluid of blocks
-    std::vector<double> threads_;   ///< m/s, lower end of the fastest thread at even times from 0 to the end
+    std::vector<double> threads_;   ///< m/s, fastest of what emitters let out, ends and drops at even times from 0 to the end
 };
 
 /// Speed [m/s] of the lower end of a thread that leaves its nozzle with U [m/s] and hangs, or is taken away without tension, H [m] below it: steady, viscosity

@@ -1,7 +1,7 @@
 #pragma once
 /// Preconditioner of the coupled solve:  z = B^-1 r + R Ac^-1 R^T r.
 ///
-/// B: the 3x3 diagonal blocks. R: the six rigid motions of every aggregate of 32 to 48 particles; Ac = R^T A R, factored exactly. The diagonal
+/// B: the 3x3 diagonal blocks. R: the six rigid motions of every aggregate of 32 to 48 particles (fewer where they hang together in pieces only); Ac = R^T A R, factored exactly. The diagonal
 /// settles what neighbours do to each other, the rigid motions carry a pull through a whole thread in one application.
 #include "engine/math/block_cholesky.h"
 #include "engine/models/coupled/strain.h"

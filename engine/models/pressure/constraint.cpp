@@ -82,7 +82,7 @@ SolveReport ConstraintPressure::solve_filled(ConstraintMatrix& matrix, const Ste
     return report;
 }
 
-ConstraintPressure::ActiveSet ConstraintPressure::choose(ConstraintMatrix& matrix, Span<const Real> q, Span<const char> both, Real nearly, Span<Real> rest) const {
+ConstraintPressure::ActiveSet ConstraintPressure::choose(ConstraintMatrix& matrix, Span<const Real> q, Span<const char> both, Real about_full, Span<Real> rest) const {
     const Index n = D_.size();
     const auto can = [&](Index i) { return D_.diagonal[at(i)] > std::numeric_limits<Real>::min(); };
     const ActiveSet set = parallel_sum(n, ActiveSet{}, [&](Index i) {
@@ -91,10 +91,10 @@ ConstraintPressure::ActiveSet ConstraintPressure::choose(ConstraintMatrix& matri
         matrix.presses[at(i)] = can(i) && (pressed || r > 0);
         return matrix.presses[at(i)] ? ActiveSet{static_cast<double>(r) * r, pressed, !pressed} : ActiveSet{};
     });
-    const bool all = nearly > 0 && (set.joining > set.pressed || !options_.active_set);
+    const bool all = about_full > 0 && (set.joining > set.pressed || !options_.active_set);
     parallel_for(n, [&](Index i) {
         if (matrix.presses[at(i)]) return;
-        matrix.presses[at(i)] = all && can(i) && rest[at(i)] > -nearly;
+        matrix.presses[at(i)] = all && can(i) && rest[at(i)] > -about_full;
         if (!matrix.presses[at(i)]) rest[at(i)] = 0;
     });
     return set;

@@ -67,17 +67,17 @@ protected:
         Index pressed = 0, joining = 0;  ///< that press already; that are compressed and do not yet
         void operator+=(const ActiveSet& o) { squares += o.squares, pressed += o.pressed, joining += o.joining; }
     };
-    /// Sets matrix.presses and leaves in `rest` what b - A q is there. @param nearly kg/(m^3 s): by how much more a particle might be compressed and still count, in a
-    /// round that knows little (more join than press)
-    ActiveSet choose(ConstraintMatrix& matrix, Span<const Real> q, Span<const char> both, Real nearly, Span<Real> rest) const;
+    /// Sets matrix.presses and leaves in `rest` what b - A q is there. @param about_full kg/(m^3 s): how far short of being compressed a particle may be and still join, where
+    /// more join than press; 0: none
+    ActiveSet choose(ConstraintMatrix& matrix, Span<const Real> q, Span<const char> both, Real about_full, Span<Real> rest) const;
     /// Part of a density above rest (of any error, where the domain is `filled`) that the step corrects.
     Real corrected(bool filled) const {
         return static_cast<Real>(filled || options_.careful || !bodies_.empty() ? 0.4 * options_.correction : options_.correction);
     }
     /// Rate at which a density of rho is to approach `target` [kg/(m^3 s)]. @param time mending_time() [s]
     Real mending_rate(Real rho, Real target, bool filled, const StepContext& step, Real time) const;
-    /// Over which a density error is mended [s]: the step, but beside free bodies no less than the fluid itself takes for 0.4 spacings at its speed (at least that of
-    /// a fall through one). A heavy body on a thin film of fluid is otherwise thrown up by what mends the film, the faster the shorter the step, and the pressure
+    /// Over which a density error is mended [s]: the step, but beside free bodies no less than the fluid itself takes for 0.4 spacings at its speed (at least
+    /// sqrt(g d)). A heavy body on a thin film of fluid is otherwise thrown up by what mends the film, the faster the shorter the step, and the pressure
     /// that throws it shortens the next one.
     Real mending_time(Span<const Vec3> u, const StepContext& step) const;
     WallImage wall_of(const Solids& solids, const StepContext& step) const;

@@ -69,7 +69,7 @@ Momenta momenta(const World& world) {
 
 TEST_CASE("fluid and bodies that collide in free space keep momentum within 1e-5 and angular momentum within 1e-6, with every model that moves them", "[sim][bodies]") {
     // Viscosity along the pairs, since the other Laplacian has a torque of its own. Relative to the fluid's momentum, and to that times the size of the drop. In float a velocity is rounded to 6e-8 of itself at every change, a
-    // position to 3e-8 of the domain at every step, hence the looser bound on what is made of both.
+    // position to 3e-8 of the domain at every step, the bounds are what these runs keep, with room.
     for (const std::string models : {"[models]\npressure = \"ppe\"\n", "[models]\npressure = \"ppe\"\nviscosity = \"explicit\"\n[viscosity]\nlaplacian = \"monaghan\"\n",
                                      "[models]\npressure = \"wcsph\"\nviscosity = \"explicit\"\n[viscosity]\nlaplacian = \"monaghan\"\n", "[models]\npressure = \"wcsph\"\n",
                                      "[models]\npressure = \"ppe\"\nviscosity = \"full\"\n", "[models]\npressure = \"ppe\"\n[pressure]\ndivergence_free = true\n"}) {
