@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <signal.h>
 
 #include <catch2/catch.hpp>
@@ -21,6 +22,13 @@ SceneFile with_budget(double seconds_per_frame) {
     file.surface.voxel = 0.5, file.look.samples = 8;
     file.scene.budget.seconds_per_frame = seconds_per_frame;
     return file;
+}
+
+/// A lump of honey over a plate, 50 frames a second. @param end s @param spacing m @param rest more of the scene
+std::string blob(double end, double spacing, const std::string& rest) {
+    return fmt::format("name = \"blob\"\n[time]\nend = {}\nfps = 50\n[domain]\nmin = [-0.1, -0.02, -0.1]\nmax = [0.1, 0.2, 0.1]\n[fluid]\nspacing = {}\nviscosity = 50\n"
+                       "[models]\npressure = \"coupled\"\n[[block]]\nshape = \"box\"\nmin = [-0.02, 0.01, -0.02]\nmax = [0.02, 0.06, 0.02]\n"
+                       "[[solid]]\nshape = \"box\"\nmin = [-0.1, -0.02, -0.1]\nmax = [0.1, 0, 0.1]\n", end, spacing) + rest;
 }
 
 }  // namespace
@@ -69,10 +77,7 @@ TEST_CASE("a budget for the film is shared out over the frames that are left", "
 
 TEST_CASE("a run with too small a budget gives up what it may, says so frame by frame with residuals measured, and keeps its fluid", "[governor]") {
     const test::ScratchFolder folder;
-    std::ofstream(folder / "blob.toml") << "name = \"blob\"\n[time]\nend = 0.4\nfps = 50\n[domain]\nmin = [-0.1, -0.02, -0.1]\nmax = [0.1, 0.2, 0.1]\n"
-                                           "[fluid]\nspacing = 5e-3\nviscosity = 50\n[models]\npressure = \"coupled\"\n[[block]]\nshape = \"box\"\n"
-                                           "min = [-0.02, 0.01, -0.02]\nmax = [0.02, 0.06, 0.02]\n[[solid]]\nshape = \"box\"\nmin = [-0.1, -0.02, -0.1]\n"
-                                           "max = [0.1, 0, 0.1]\n[budget]\nseconds_per_frame = 1e-4\n";
+    std::ofstream(folder / "blob.toml") << blob(0.4, 5e-3, "[budget]\nseconds_per_frame = 1e-4\n");
     const Outcome run = test::whorl({"render", (folder / "blob.toml").string(), "--no-images", "--quiet", "--out", (folder / "out").string()});
     INFO(run.err);
     REQUIRE(run.code == 0);
@@ -88,10 +93,7 @@ TEST_CASE("a run with too small a budget gives up what it may, says so frame by 
 
 TEST_CASE("a budget that comes while the run goes on acts from then on, also in a run that was stopped after it and resumed", "[governor][resume]") {
     const test::ScratchFolder folder;
-    std::ofstream(folder / "blob.toml") << "name = \"blob\"\n[time]\nend = 1\nfps = 50\n[domain]\nmin = [-0.1, -0.02, -0.1]\nmax = [0.1, 0.2, 0.1]\n"
-                                           "[fluid]\nspacing = 4e-3\nviscosity = 50\n[models]\npressure = \"coupled\"\n[[block]]\nshape = \"box\"\n"
-                                           "min = [-0.02, 0.01, -0.02]\nmax = [0.02, 0.06, 0.02]\n[[solid]]\nshape = \"box\"\nmin = [-0.1, -0.02, -0.1]\n"
-                                           "max = [0.1, 0, 0.1]\n[budget]\nseconds_per_frame = 60\n[[change]]\ntime = 0.1\nkey = \"budget.seconds_per_frame\"\nvalue = 1e-4\n";
+    std::ofstream(folder / "blob.toml") << blob(1, 4e-3, "[budget]\nseconds_per_frame = 60\n[[change]]\ntime = 0.1\nkey = \"budget.seconds_per_frame\"\nvalue = 1e-4\n");
     const auto out = folder / "out";
     const auto rows = [&] { return std::filesystem::exists(out / "budget.csv") ? read_csv(out / "budget.csv").rows.size() : 0; };
     test::Program stopped({"render", (folder / "blob.toml").string(), "--no-images", "--quiet", "--out", out.string()});
