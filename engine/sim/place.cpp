@@ -109,19 +109,12 @@ void put_down(std::vector<Vec3>& points, const Shape& shape, const Vec3d& gravit
     }
 }
 
-/// A block's particles but for those that solids leave no room. @param cut set where there were any of these
-std::vector<Vec3> outside_solids(const BlockKeys& keys, const Shape& shape, const Scene& scene, const Plan& plan, const World& world, std::uint64_t seed, Layers layers, bool& cut) {
-    std::vector<Vec3> points = sample_shape(shape, keys.sampling, world.step.spacing, world.step.domain, seed, layers);
-    if (layers == Layers::within) {
-        put_down(points, shape, scene.domain.gravity(0), world.step.spacing);
-        std::erase_if(points, [&](const Vec3& x) { return shape.distance(x) >= 0; });
-    }
-    if (plan.pressure == PressureModel::wcsph && keys.sampling == Sampling::lattice) loosen(points, world.step.spacing, seed);
-    cut = std::erase_if(points, [&](const Vec3& x) {
+/// Takes away the particles that solids leave no room. @return how many
+std::size_t leave_room(std::vector<Vec3>& points, const World& world) {
+    return std::erase_if(points, [&](const Vec3& x) {
         Real distance = std::numeric_limits<Real>::max();
         return world.solids.nearest(x, distance) >= 0 && distance < Real(0.45) * world.step.spacing;
-    }) > 0;
-    return points;
+    });
 }
 
 }  // namespace
@@ -132,11 +125,21 @@ void place_blocks(const Scene& scene, const Plan& plan, World& world) {
     for (std::size_t b = 0; b < scene.blocks.size(); ++b) {
         const BlockKeys& keys = scene.blocks[b];
         const auto shape = make_shape(keys.shape);
-        bool cut = false;
-        std::vector<Vec3> points = outside_solids(keys, *shape, scene, plan, world, scene.seed + 1000 * b, Layers::nearest, cut);
-        if (cut && keys.sampling != Sampling::blue_noise) {
+        const std::uint64_t seed = scene.seed + 1000 * b;
+        const auto sample = [&](Layers layers) {
+            std::vector<Vec3> points = sample_shape(*shape, keys.sampling, world.step.spacing, world.step.domain, seed, layers);
+            if (layers == Layers::within) {
+                put_down(points, *shape, scene.domain.gravity(0), world.step.spacing);
+                std::erase_if(points, [&](const Vec3& x) { return shape->distance(x) >= 0; });
+            }
+            if (plan.pressure == PressureModel::wcsph && keys.sampling == Sampling::lattice) loosen(points, world.step.spacing, seed);
+            return points;
+        };
+        std::vector<Vec3> points = sample(Layers::nearest);
+        if (leave_room(points, world) > 0 && keys.sampling != Sampling::blue_noise) {
             // Where a layer more than half fits, both at its ends would stand too near to the walls of a container and go.
-            std::vector<Vec3> within = outside_solids(keys, *shape, scene, plan, world, scene.seed + 1000 * b, Layers::within, cut);
+            std::vector<Vec3> within = sample(Layers::within);
+            leave_room(within, world);
             if (within.size() >= points.size()) points.swap(within);
         }
         if (points.empty())

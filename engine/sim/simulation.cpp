@@ -9,6 +9,7 @@
 #include "engine/core/raw.h"
 #include "engine/models/pressure/crowding.h"
 #include "engine/models/viscosity/ageing.h"
+#include "engine/particles/largest_speed.h"
 #include "engine/particles/sort.h"
 #include "engine/scene/names.h"
 #include "engine/sim/check.h"
@@ -43,8 +44,7 @@ std::string text_of(const VectorExpression& e) { return e.component[0].text() + 
 }  // namespace
 
 double largest_speed(const World& world) {
-    const auto u = world.fluid.column<field::velocity>();
-    return std::sqrt(parallel_max(world.fluid.size(), 0, [&](Index i) { return u[static_cast<std::size_t>(i)].squaredNorm(); }));
+    return largest_speed(world.fluid.column<field::velocity>());
 }
 
 struct Simulation::State {

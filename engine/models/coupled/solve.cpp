@@ -3,6 +3,7 @@
 #include "engine/core/parallel.h"
 #include "engine/math/conjugate_gradients.h"
 #include "engine/models/coupled/system.h"
+#include "engine/particles/largest_speed.h"
 
 namespace whorl {
 namespace {
@@ -177,7 +178,7 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
         const auto k = static_cast<std::size_t>(i);
         q[k] = form.coefficients(i).bulk * d * target[k] + dt * (s.parting[k].share() * p[i] + (any_known ? known_pressure[k] : 0)) / (step.rest_density * d);
     };
-    const double fastest = std::sqrt(parallel_max(n, 0, [&](Index i) { return static_cast<double>(u[i].squaredNorm()); }));
+    const double fastest = largest_speed(u.values);
     const double turning_limit = o.turning_limit * fastest / d;
     const double fastest_push = o.fastest_push * (fastest / d + std::sqrt(step.gravity.norm() / d));
     parallel_for(n, [&](Index i) {

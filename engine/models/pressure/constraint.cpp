@@ -6,6 +6,7 @@
 #include "engine/core/clock.h"
 #include "engine/core/parallel.h"
 #include "engine/math/conjugate_gradients.h"
+#include "engine/particles/largest_speed.h"
 
 namespace whorl {
 namespace {
@@ -163,8 +164,7 @@ WallImage ConstraintPressure::wall_of(const Solids& solids, const StepContext& s
 
 Real ConstraintPressure::mending_time(Span<const Vec3> u, const StepContext& step) const {
     if (bodies_.empty()) return step.dt;
-    const double fastest = parallel_max(static_cast<Index>(u.size()), 0, [&](Index i) { return static_cast<double>(u[at(i)].squaredNorm()); });
-    const auto speed = static_cast<Real>(std::sqrt(fastest + static_cast<double>(step.gravity.norm() * step.spacing)));
+    const auto speed = static_cast<Real>(std::hypot(largest_speed(u), std::sqrt(static_cast<double>(step.gravity.norm() * step.spacing))));
     return speed > 0 ? std::max(step.dt, Real(0.4) * step.spacing / speed) : step.dt;
 }
 
@@ -195,7 +195,7 @@ void ConstraintPressure::operator()(const FluidPairs& pairs, const SolidPairs& s
         p[i] = D_.diagonal[at(i)] > 0 ? p[i] / D_.virial[at(i)] * step.dt / (rho[i] * rho[i]) : 0;  // q
     });
     ConstraintMatrix matrix{D_, {}, Column<Padded>(at(n)), pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};
-    const auto fastest = static_cast<Real>(filled ? std::sqrt(parallel_max(n, 0, [&](Index i) { return u[i].squaredNorm(); })) : 0);
+    const auto fastest = static_cast<Real>(filled ? largest_speed(u.values) : 0);
     report.solves.push_back({"pressure", filled ? solve_filled(matrix, step, mean_rate, fastest, p.values) : solve(matrix, step, p.values)});
     bodies_.push(p.values, solids);
     D_.transposed(p.values, matrix.force);

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "engine/particles/largest_speed.h"
+
 namespace whorl {
 namespace {
 
@@ -29,7 +31,7 @@ void DivergenceFree::operator()(const FluidPairs& pairs, const SolidPairs& solid
     });
     ConstraintMatrix matrix{D_, {}, Column<Padded>(at(n)), pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};
     const auto mean_of = [&](const Column<Real>& values) { return parallel_sum(n, [&](Index i) { return static_cast<double>(values[at(i)]); }) / n; };
-    const auto fastest = static_cast<Real>(filled ? std::sqrt(parallel_max(n, 0, [&](Index i) { return u[i].squaredNorm(); })) : 0);
+    const auto fastest = static_cast<Real>(filled ? largest_speed(u.values) : 0);
     report.solves.push_back({"pressure", filled ? solve_filled(matrix, step, 0, 0, p.values) : solve(matrix, step, p.values, inside_)});
     bodies_.push(p.values, solids);
     matrix.presses.assign(at(n), 1);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <sstream>
 
+#include "engine/io/diagnostics.h"
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
 #include "tests/support/runs.h"
@@ -141,12 +142,9 @@ TEST_CASE("a cube thirty and a hundred times as dense as water that lands on the
                                      fmt::format("shape = \"box\"\nmin = [0.045, 0.12, 0.045]\nmax = [0.1175, 0.1925, 0.1175]\ndensity = {}\nvelocity = [0, {}, 0]\n",
                                                  1000 * thrown.ratio, -thrown.speed));
         const auto energy = [&] {
-            const World& world = simulation.world();
-            const double mass = static_cast<double>(world.step.mass);
-            double sum = body_of(simulation).kinetic_energy() + body_of(simulation).mass * 9.81 * body_of(simulation).centre.y();
-            const auto x = world.fluid.column<field::position>(), u = world.fluid.column<field::velocity>();
-            for (Index i = 0; i < world.fluid.size(); ++i) sum += mass * (static_cast<double>(u[i].squaredNorm()) / 2 + 9.81 * static_cast<double>(x[i].y()));
-            return sum;
+            const RigidBody& body = body_of(simulation);
+            const Measures fluid = measure(simulation.world(), Vec3d(0, -9.81, 0), 1);
+            return fluid.kinetic_energy + fluid.potential_energy + body.kinetic_energy() + body.mass * 9.81 * body.centre.y();
         };
         const double before = energy();
         const double end = 0.6 / std::max(1.0, thrown.speed);
