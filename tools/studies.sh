@@ -13,7 +13,7 @@ run() {  # KIND STUDY
     [ "$2" != precision ] || bash tools/build.sh double whorl  # the other program of this map
     "$whorl" "$1" "$2" | tee "out/$2.log"
     cp "out/$2/$1.svg" "docs/studies/$2.svg"
-    cp "out/$2/$1.csv" "docs/studies/$2.csv"
+    sed "s|$PWD/||g" "out/$2/$1.csv" > "docs/studies/$2.csv"  # messages name files
     [ "$1" != tradeoff ] || sed -n '/settings on the front/,/tradeoff.csv/p' "out/$2.log" | sed '$d' > "docs/studies/$2.txt"
 }
 mkdir -p out

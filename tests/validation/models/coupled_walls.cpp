@@ -42,7 +42,8 @@ TEST_CASE("coupled: a wall that moves drags the fluid into a straight profile th
           "[validation][coupled][boundary][slip]") {
     // Sticking fluid nearer than d/2 to a wall is held there and stands for the wall: the profile begins up to half a spacing, 4 % of the height, before it, and not evenly.
     const double d = 0.01, H = 12 * d, nu = 0.01, U = 0.05;
-    for (double b : {0.0, 0.5, 2.0, 10.0}) {
+    // Whoever wants it exact takes a slip length of next to nothing: friction over the height of the lowest particles.
+    for (double b : {0.0, 1e-6, 0.5, 2.0, 10.0}) {
         CoupledWorld w(loose_box(Vec3d::Zero(), Vec3d(8 * d, H, 8 * d), d), Real(d), Real(nu));
         w.world.step.domain = Domain{Vec3(0, Real(-H), 0), Vec3(Real(8 * d), Real(2 * H), Real(8 * d)), {true, false, true}};
         w.world.step.gravity.setZero();

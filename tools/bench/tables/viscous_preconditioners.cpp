@@ -149,6 +149,10 @@ void print_table(const PreconditionerRows& rows, const Solver& solver) {
             const std::vector<Vec3> solution = exact(c.scale, c.uneven, K, solver);
             fmt::print("| {}{} | {:g} |", solution.size(), c.note, K);
             for (const P p : all) {
+                if (!rows.only.empty() && rows.only != name_of(p)) {
+                    fmt::print(" - | - | - |");
+                    continue;
+                }
                 const Cost r = cost(c.scale, c.uneven, K, p, solver, solution);
                 fmt::print(" {:.0f} / {:.1f} | {:.0e} | {:.1f} |", r.cold, r.warm, r.error, r.milliseconds);
                 std::fflush(stdout);
