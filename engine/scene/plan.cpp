@@ -94,8 +94,9 @@ void tell_surface_tension(Plan& plan, const Scene& scene) {
     const double tension = scene.fluid.surface_tension, d = plan.spacing;
     if (tension == 0) return;
     plan.choices.push_back({"fluid.surface_tension", fmt::format("{:g}", tension), false,
-                            fmt::format("pulls between particles over {:g} spacings; they press the inside with {:.3g} Pa, and without viscosity the step must "
-                                        "stay below {:.3g} s", Cohesion::range, internal_pressure(tension, d), surface_tension_step(scene.fluid.density, d, tension, 0))});
+                            fmt::format("pulls between particles over {:g} spacings, {}; without viscosity the step must stay below {:.3g} s", Cohesion::range,
+                                        plan.pressure == PressureModel::coupled ? fmt::format("which press the inside with {:.3g} Pa", internal_pressure(tension, d)) : "of the skin alone",
+                                        surface_tension_step(scene.fluid.density, d, tension, 0))});
 }
 
 /// The choice itself is made step by step, by how many particles press (models/pressure/multigrid.h).

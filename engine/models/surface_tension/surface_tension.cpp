@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "engine/core/parallel.h"
+#include "engine/models/surface_tension/skin.h"
 
 namespace whorl {
 
@@ -37,32 +38,57 @@ double Cohesion::bulk_energy(double d) const {
     return density * sum;
 }
 
+void SurfaceTension::find_shares(const Cohesion& cohesion, double spacing) {
+    const auto over_inside = static_cast<Real>(static_cast<double>(cohesion.density) / cohesion.bulk_energy(spacing));
+    parallel_for(static_cast<Index>(share_.size()), [&](Index i) {
+        Real phi = 0;
+        pairs_.groups_of(i, [&](const Pairs::Group& group) {
+            for (Index l = 0; l < group.count; ++l) phi += cohesion.potential(group.distance[l]);
+        });
+        share_[static_cast<std::size_t>(i)] = Skin::share(phi * over_inside);
+    });
+}
+
 void SurfaceTension::operator()(const Solids& solids, const StepContext& step, Read<field::position> x, Read<field::role> role,
                                 Update<field::velocity> u) {
-    const Cohesion cohesion(options_.tension, static_cast<double>(step.spacing));
+    const double d = static_cast<double>(step.spacing);
+    const Cohesion cohesion(options_.tension, d);
     search_.find(x.values, cohesion.length, step.domain, pairs_);
-    const Real impulse = step.dt / step.mass, slope = impulse * cohesion.strength / cohesion.length, over_length = 1 / cohesion.length;
+    if (skin_pulls()) {
+        share_.resize(x.values.size());
+        find_shares(cohesion, d);
+    }
+    static const auto skin = static_cast<Real>(1 / (Skin::packed * Skin::flat_tension()));
+    const Real impulse = step.dt / step.mass * (skin_pulls() ? skin : 1), slope = impulse * cohesion.strength / cohesion.length, over_length = 1 / cohesion.length;
     parallel_for(x.size(), [&](Index i) {
         if (role[i] != 0) return;
         Real sum[3] = {0, 0, 0};
-        pairs_.groups_of(i, [&](const Pairs::Group& group) {
-            for (Index l = 0; l < group.count; ++l) {
-                const Real p = std::max(Real(0), 1 - group.distance[l] * over_length), pull = p * p;
-                sum[0] -= pull * group.r[0][l], sum[1] -= pull * group.r[1][l], sum[2] -= pull * group.r[2][l];
-            }
-        });
+        const auto add = [&](const Pairs::Group& group, Index l, Real share) {
+            const Real p = std::max(Real(0), 1 - group.distance[l] * over_length), pull = p * p * share;
+            sum[0] -= pull * group.r[0][l], sum[1] -= pull * group.r[1][l], sum[2] -= pull * group.r[2][l];
+        };
+        if (skin_pulls()) {
+            const Real own = share_[static_cast<std::size_t>(i)];
+            pairs_.groups_of(i, [&](const Pairs::Group& group) {
+                for (Index l = 0; l < group.count; ++l) add(group, l, (own + share_[static_cast<std::size_t>(group.other[l])]) / 2);
+            });
+        } else {
+            pairs_.groups_of(i, [&](const Pairs::Group& group) {
+                for (Index l = 0; l < group.count; ++l) add(group, l, 1);
+            });
+        }
         Vec3 du = slope * Vec3(sum[0], sum[1], sum[2]);
         for (std::size_t k = 0; k < solids.all.size(); ++k) {
             if (options_.wetting[k] == 0) continue;
-            const Real z = solids.all[k].distance(x[i]);
-            if (z < cohesion.length) du -= impulse * options_.wetting[k] * cohesion.half_space_pull(z) * solids.all[k].normal(x[i]);
+            const Real z = solids.all[k].distance(x[i]), share = skin_pulls() ? share_[static_cast<std::size_t>(i)] : 1;
+            if (z < cohesion.length) du -= impulse * share * options_.wetting[k] * cohesion.half_space_pull(z) * solids.all[k].normal(x[i]);
         }
         u[i] += du;
     });
-    if (!options_.internal_pressure) return;
+    if (skin_pulls()) return;
 
     // The pulls are the gradient of -phi: where the surface is flat a pressure n (phi(surface) - phi) balances them, and half of the bulk's phi is left there.
-    const auto half = static_cast<Real>(cohesion.bulk_energy(static_cast<double>(step.spacing)) / 2);
+    const auto half = static_cast<Real>(cohesion.bulk_energy(d) / 2);
     std::vector<Real>& P = *options_.internal_pressure;
     P.resize(static_cast<std::size_t>(x.size()));
     parallel_for(x.size(), [&](Index i) {

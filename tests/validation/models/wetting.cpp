@@ -33,7 +33,7 @@ double cap_centre(double angle) {
 
 TEST_CASE("a drop on a plate that it slides along nears the angle with cos = 2 wetting - 1, within 18 degrees", "[validation][surface_tension]") {
     // The angle is that of the spherical cap of the drop's volume whose centre of mass stands as high as the drop's. Begun as half a ball (90 degrees), 8 to 12 spacings across: half a spacing of height is 5 to
-    // 8 degrees. Measured: 104, 87 and 69 degrees where 120, 90 and 60 are asked: particles that press on each other with the internal pressure yield only so far.
+    // 8 degrees. Measured: 107, 87 and 70 degrees where 120, 90 and 60 are asked: particles that pull at each other yield only so far.
     double before = 200;
     for (const double wetting : {0.25, 0.5, 0.75}) {
         test::TestWorld w(d, 2, Domain{Vec3(Real(-16 * d), 0, Real(-16 * d)), Vec3(Real(16 * d), Real(24 * d), Real(16 * d)), {false, false, false}});
