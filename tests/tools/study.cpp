@@ -133,6 +133,23 @@ TEST_CASE("a stability map tells stable from unstable steps, with the limit that
     CHECK(fs::file_size(folder / "out" / "stability.png") > 1000);
 }
 
+TEST_CASE("whether a scene is refused is for the program of the point to say", "[study]") {
+    // So far from the origin that a program of single precision refuses it; this one says something of its own.
+    const ScratchFolder folder;
+    write(folder / "far.toml",
+          "name = \"far\"\n[time]\nend = 0.1\n[domain]\nmin = [99999, -1, -1]\nmax = [100001, 1, 1]\n[fluid]\nspacing = 0.05\n"
+          "[[block]]\nshape = \"sphere\"\nposition = [1e5, 0, 0]\nradius = 0.15\n");
+    write(folder / "other", "#!/bin/sh\necho no fluid today\nexit 2\n");
+    fs::permissions(folder / "other", fs::perms::owner_all);
+    write(folder / "map.toml", "scenes = [\"far.toml\"]\n[[knob]]\nkey = \"program\"\nvalues = [\"other\", \"./other\"]\n[stability]\nenergy_growth = 0.05\n");
+    const Outcome map = test::whorl({"stability", (folder / "map.toml").string(), "--out", (folder / "out").string(), "--threads", "1", "--json"});
+    INFO(map.err << map.out);
+    REQUIRE(map.code == 0);
+    const auto cell = nlohmann::json::parse(map.out).at("cells").at(0);
+    CHECK(cell.at("state") == "refused");
+    CHECK(cell.at("why").get<std::string>().find("no fluid today") != std::string::npos);
+}
+
 TEST_CASE("braces in settings hold expressions of the knobs, or a knob's word", "[study]") {
     const std::vector<std::string> knobs{"d=1e-6", "time.fixed_step=0.5", "model=full"};
     CHECK(with_values("time.end={40*fixed_step}", knobs) == "time.end=20");
