@@ -117,7 +117,7 @@ private:
             empty.limits = limits_of(all);
         } catch (const InputError& error) {
             // Another program may take what this one refuses: a double one goes farther from the origin. It is asked itself.
-            if (!has_own_program(all)) {
+            if (!has_own_program(run_settings(study_, all))) {
                 empty.verdict = refused(error);
                 jobs.start(k, [empty] { return empty; });
                 return;

@@ -181,7 +181,7 @@ Plan make_plan(const Scene& given) {
     if (plan.pressure == PressureModel::wcsph) {
         // A fluid at rest still needs sound: as fast as the longest step could resolve.
         double speed = std::max(n.speed, scene.time.cfl * d / scene.time.max_step / 10);
-        // As fast as what surface tension's internal pressure would push out: the density then changes by a hundredth.
+        // As fast as what 2.84 sigma/d, about what the layers of the skin press each other with, would push out: the density then changes by a hundredth.
         if (scene.fluid.surface_tension > 0) speed = std::max(speed, std::sqrt(internal_pressure(scene.fluid.surface_tension, d) / scene.fluid.density));
         plan.sound_speed = scene.pressure.sound_speed > 0 ? scene.pressure.sound_speed : 10 * speed;
         step = std::min(step, scene.time.cfl * 0.5 * plan.support / (plan.sound_speed + n.speed));

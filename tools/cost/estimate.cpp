@@ -45,7 +45,7 @@ Estimate estimate(const SceneFile& file, const Plan& plan, const Simulation& sim
     const double at_start = static_cast<double>(simulation.world().fluid.size());
     const double most = particles_at(scene, plan, at_start, scene.time.end);
     // Without a coarse level, the iterations of the pressure equation grow with the number of particles across; those of the constraint, which starts from the last step's pressures and from what
-    // pressed, hardly do (dam breaks of 2,000 to 49,000 particles: 8.6 to 11.2 a step).
+    // pressed, hardly do (dam breaks of 2,000 to 49,000 particles over 1 to 4 s: 8.6 to 11.2 a step; more in the first tenths of a second).
     const Preconditioner M = scene.pressure.preconditioner;
     const bool constraint = scene.pressure.form == PressureForm::constraint, grows = plan.pressure == PressureModel::ppe && M != Preconditioner::multigrid;
     const double growth = constraint ? 1.0 / 12 : 1.0 / 3;

@@ -96,15 +96,18 @@ PointResult PointRunner::run(const std::string& scene, const std::vector<std::st
     const std::vector<std::string> all = run_settings(study_, settings);
     std::string program = fs::read_symlink("/proc/self/exe").string(), name = scene, quality = study_.quality, threads = std::to_string(threads_);
     std::vector<std::string> keys;
+    bool own_program = false;
     for (const std::string& s : all) {
         const std::string value = s.substr(s.find('=') + 1);
-        if (is_option(s, "program")) program = (study_.directory / value).string();
+        if (is_option(s, "program")) program = (study_.directory / value).string(), own_program = true;
         else if (is_option(s, "scene")) name = value;
         else if (is_option(s, "quality")) quality = value;
         else if (is_option(s, "threads")) threads = value;
         else keys.push_back(s);
     }
-    const std::string identity = fmt::format("{} | {} | {} | {} threads{}", name, joined_settings(all), quality, threads, pictures ? " | pictures" : "");
+    std::string identity = fmt::format("{} | {} | {} | {} threads{}", name, joined_settings(all), quality, threads, pictures ? " | pictures" : "");
+    std::error_code none;  // a program that is not there is told below
+    if (own_program) identity += fmt::format(" | {} bytes of {}", fs::file_size(program, none), fs::last_write_time(program, none).time_since_epoch().count());
     PointResult result;
     const std::string words = joined_settings(settings);
     result.folder = folder_ / "points" / folder_name(fs::path(name).stem().string() + (words.empty() ? "" : "," + words));

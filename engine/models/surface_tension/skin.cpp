@@ -10,9 +10,15 @@ double Skin::flat_tension() {
     double sum = 0;
     for (double z = dz / 2; z < Cohesion::range; z += dz) {
         const double lacking = static_cast<double>(cohesion.half_space_potential(static_cast<Real>(z))) / inside;
-        sum += static_cast<double>(share(static_cast<Real>(1 - lacking))) * z * static_cast<double>(cohesion.half_space_pull(static_cast<Real>(z))) * dz;
+        sum += static_cast<double>(share(static_cast<Real>(1 - lacking))) * z *
+               static_cast<double>(cohesion.half_space_pull(static_cast<Real>(z))) * dz;
     }
     return sum / 2;
+}
+
+double Skin::strength() {
+    static const double strength = 1 / (packed * flat_tension());
+    return strength;
 }
 
 }  // namespace whorl

@@ -58,8 +58,8 @@ void SurfaceTension::operator()(const Solids& solids, const StepContext& step, R
         share_.resize(x.values.size());
         find_shares(cohesion, d);
     }
-    static const auto skin = static_cast<Real>(1 / (Skin::packed * Skin::flat_tension()));
-    const Real impulse = step.dt / step.mass * (skin_pulls() ? skin : 1), slope = impulse * cohesion.strength / cohesion.length, over_length = 1 / cohesion.length;
+    const Real strength = skin_pulls() ? static_cast<Real>(Skin::strength()) : 1, impulse = strength * step.dt / step.mass;
+    const Real slope = impulse * cohesion.strength / cohesion.length, over_length = 1 / cohesion.length;
     parallel_for(x.size(), [&](Index i) {
         if (role[i] != 0) return;
         Real sum[3] = {0, 0, 0};

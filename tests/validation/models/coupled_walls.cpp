@@ -38,7 +38,7 @@ std::vector<Vec3> loose_box(const Vec3d& min, const Vec3d& max, double d) {
 
 }  // namespace
 
-TEST_CASE("coupled: a wall that moves drags the fluid into a straight profile that slips at both walls by b du/dy, within 2 % of its speed, or sticks, within 6 %",
+TEST_CASE("coupled: a wall that moves drags the fluid into a straight profile that slips at both walls by b du/dy, b = 1e-6 d to 10 d, within 2 % of its speed, or sticks, within 6 %",
           "[validation][coupled][boundary][slip]") {
     // Sticking fluid nearer than d/2 to a wall is held there and stands for the wall: the profile begins up to half a spacing, 4 % of the height, before it, and not evenly.
     const double d = 0.01, H = 12 * d, nu = 0.01, U = 0.05;

@@ -185,7 +185,7 @@ int main(int count, char** arguments) {
     app.add_flag("--only-large", only_large, "half a million particles alone");
     app.add_flag("--preconditioners", only_preconditioners, "no models, preconditioners alone");
     app.add_option("--solve", solve, "preconditioners of this solve alone")->check(CLI::IsMember({"full", "coupled"}));
-    app.add_option("--preconditioner", rows.only, "columns of this one alone")->check(CLI::IsMember({"none", "block_jacobi", "two_level"}));
+    app.add_option("--preconditioner", rows.only, "fills the columns of this one alone")->check(CLI::IsMember({"none", "block_jacobi", "two_level"}));
     app.add_option("--K", rows.K, "nu dt/d^2 of the preconditioners' rows")->capture_default_str();
     CLI11_PARSE(app, count, arguments);
     rows.large = rows.large || only_large, rows.small = !only_large;
