@@ -50,6 +50,6 @@ PY
 }
 pool "honey, coupled" scenes/studies/puddle.toml 3 0.06
 pool "honey, ppe" scenes/studies/puddle.toml 3 1 'models.pressure=ppe'
-pool "water, ppe" scenes/studies/puddle.toml 6 1 'models.pressure=ppe' 'fluid.viscosity=0' 'look.material=water'
+pool "water, ppe" scenes/studies/puddle.toml 8 1 'models.pressure=ppe' 'fluid.viscosity=0' 'look.material=water'
 pool "honey_ball, poured out after 1 s" scenes/honey_ball.toml 5 0.06 'fluid.spacing=2.5e-3' 'emitter[0].stop=1' 'look.samples=1'
-pool "toothpaste, laid in one place for 1 s" scenes/toothpaste.toml 6 0.15 'fluid.spacing=2.5e-3' 'emitter[0].stop=1' 'solid[0].position=["0", "0", "0"]' 'look.samples=1'
+pool "toothpaste, laid in one place for 1 s" scenes/toothpaste.toml 8 0.15 'fluid.spacing=2.5e-3' 'emitter[0].stop=1' 'solid[0].position=["0", "0", "0"]' 'look.samples=1'
