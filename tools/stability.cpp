@@ -117,17 +117,13 @@ private:
             empty.limits = limits_of(all);
         } catch (const InputError& error) {
             // Another program may take what this one refuses: a double one goes farther from the origin. It is asked itself.
-            if (!has_own_program(run_settings(study_, all))) {
+            if (!name_a_program(run_settings(study_, all))) {
                 empty.verdict = refused(error);
                 jobs.start(k, [empty] { return empty; });
                 return;
             }
         }
         jobs.start(k, [this, k, empty] { return bisects() ? bisected(settings(k), empty) : cell(settings(k), empty); });
-    }
-
-    static bool has_own_program(const std::vector<std::string>& settings) {
-        return std::any_of(settings.begin(), settings.end(), [](const std::string& s) { return s.rfind("program=", 0) == 0; });
     }
 
     static Verdict refused(const InputError& error) { return {"refused", error.what(), 0, 0}; }

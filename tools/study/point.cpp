@@ -88,6 +88,10 @@ bool is_option(const std::string& setting, const char* name) { return setting.rf
 
 }  // namespace
 
+bool name_a_program(const std::vector<std::string>& settings) {
+    return std::any_of(settings.begin(), settings.end(), [](const std::string& s) { return is_option(s, "program"); });
+}
+
 std::string joined_settings(const std::vector<std::string>& settings) { return fmt::format("{}", fmt::join(settings, ", ")); }
 
 PointRunner::PointRunner(const Study& study, fs::path folder, int threads) : study_(study), folder_(std::move(folder)), threads_(threads) {}
@@ -96,10 +100,9 @@ PointResult PointRunner::run(const std::string& scene, const std::vector<std::st
     const std::vector<std::string> all = run_settings(study_, settings);
     std::string program = fs::read_symlink("/proc/self/exe").string(), name = scene, quality = study_.quality, threads = std::to_string(threads_);
     std::vector<std::string> keys;
-    bool own_program = false;
     for (const std::string& s : all) {
         const std::string value = s.substr(s.find('=') + 1);
-        if (is_option(s, "program")) program = (study_.directory / value).string(), own_program = true;
+        if (is_option(s, "program")) program = (study_.directory / value).string();
         else if (is_option(s, "scene")) name = value;
         else if (is_option(s, "quality")) quality = value;
         else if (is_option(s, "threads")) threads = value;
@@ -107,7 +110,7 @@ PointResult PointRunner::run(const std::string& scene, const std::vector<std::st
     }
     std::string identity = fmt::format("{} | {} | {} | {} threads{}", name, joined_settings(all), quality, threads, pictures ? " | pictures" : "");
     std::error_code none;  // a program that is not there is told below
-    if (own_program) identity += fmt::format(" | {} bytes of {}", fs::file_size(program, none), fs::last_write_time(program, none).time_since_epoch().count());
+    if (name_a_program(all)) identity += fmt::format(" | {} bytes of {}", fs::file_size(program, none), fs::last_write_time(program, none).time_since_epoch().count());
     PointResult result;
     const std::string words = joined_settings(settings);
     result.folder = folder_ / "points" / folder_name(fs::path(name).stem().string() + (words.empty() ? "" : "," + words));

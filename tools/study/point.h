@@ -41,6 +41,9 @@ private:
     InterruptGuard interrupt_;
 };
 
+/// Whether settings name a program of their own, which takes and refuses scenes as it can.
+bool name_a_program(const std::vector<std::string>& settings);
+
 /// "fluid.spacing=0.002, pressure.tolerance=0.01"
 std::string joined_settings(const std::vector<std::string>& settings);
 

@@ -38,15 +38,18 @@ double Cohesion::bulk_energy(double d) const {
     return density * sum;
 }
 
-void SurfaceTension::find_shares(const Cohesion& cohesion, double spacing) {
-    const auto over_inside = static_cast<Real>(static_cast<double>(cohesion.density) / cohesion.bulk_energy(spacing));
-    parallel_for(static_cast<Index>(share_.size()), [&](Index i) {
-        Real phi = 0;
-        pairs_.groups_of(i, [&](const Pairs::Group& group) {
-            for (Index l = 0; l < group.count; ++l) phi += cohesion.potential(group.distance[l]);
-        });
-        share_[static_cast<std::size_t>(i)] = Skin::share(phi * over_inside);
+Real SurfaceTension::potential(const Cohesion& cohesion, Index i) const {
+    Real phi = 0;
+    pairs_.groups_of(i, [&](const Pairs::Group& group) {
+        for (Index l = 0; l < group.count; ++l) phi += cohesion.potential(group.distance[l]);
     });
+    return phi;
+}
+
+void SurfaceTension::find_shares(const Cohesion& cohesion, Index count, double spacing) {
+    share_.resize(static_cast<std::size_t>(count));
+    const auto over_inside = static_cast<Real>(static_cast<double>(cohesion.density) / cohesion.bulk_energy(spacing));
+    parallel_for(count, [&](Index i) { share_[static_cast<std::size_t>(i)] = Skin::share(potential(cohesion, i) * over_inside); });
 }
 
 void SurfaceTension::operator()(const Solids& solids, const StepContext& step, Read<field::position> x, Read<field::role> role,
@@ -54,10 +57,7 @@ void SurfaceTension::operator()(const Solids& solids, const StepContext& step, R
     const double d = static_cast<double>(step.spacing);
     const Cohesion cohesion(options_.tension, d);
     search_.find(x.values, cohesion.length, step.domain, pairs_);
-    if (skin_pulls()) {
-        share_.resize(x.values.size());
-        find_shares(cohesion, d);
-    }
+    if (skin_pulls()) find_shares(cohesion, x.size(), d);
     const Real strength = skin_pulls() ? static_cast<Real>(Skin::strength()) : 1, impulse = strength * step.dt / step.mass;
     const Real slope = impulse * cohesion.strength / cohesion.length, over_length = 1 / cohesion.length;
     parallel_for(x.size(), [&](Index i) {
@@ -92,10 +92,7 @@ void SurfaceTension::operator()(const Solids& solids, const StepContext& step, R
     std::vector<Real>& P = *options_.internal_pressure;
     P.resize(static_cast<std::size_t>(x.size()));
     parallel_for(x.size(), [&](Index i) {
-        Real phi = 0;
-        pairs_.groups_of(i, [&](const Pairs::Group& group) {
-            for (Index l = 0; l < group.count; ++l) phi += cohesion.potential(group.distance[l]);
-        });
+        Real phi = potential(cohesion, i);
         for (std::size_t k = 0; k < solids.all.size(); ++k) {
             if (options_.wetting[k] == 0) continue;
             const Real z = solids.all[k].distance(x[i]);

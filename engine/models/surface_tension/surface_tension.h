@@ -57,7 +57,9 @@ public:
 
 private:
     bool skin_pulls() const { return !options_.internal_pressure; }
-    void find_shares(const Cohesion& cohesion, double spacing);
+    /// Of particle i by the pulls of its neighbours [J].
+    Real potential(const Cohesion& cohesion, Index i) const;
+    void find_shares(const Cohesion& cohesion, Index count, double spacing);
 
     SurfaceTensionOptions options_;
     NeighbourSearch search_;
