@@ -35,9 +35,9 @@ const char* __tsan_default_suppressions() {
 #include <thread>
 #include <vector>
 
-// gcc's OpenMP library is not instrumented: ThreadSanitizer sees no order between its threads and would report every loop. These are the entry
-// points that gcc calls for `omp parallel for schedule(dynamic)` (the program's own take the place of the library's), with threads that are
-// started and joined for one loop. A race inside a loop's body still shows.
+// gcc's OpenMP library is not instrumented: ThreadSanitizer sees no order between its threads and would report every loop. These are the
+// entry points that gcc calls for `omp parallel for schedule(dynamic)` (the program's own take the place of the library's), with threads
+// that are started and joined for one loop. A race inside a loop's body still shows.
 namespace {
 
 /// The threads of one parallel region and the one loop that they share.

@@ -21,8 +21,8 @@ struct Findings {
     std::string encoder;
     unsigned cores = 0;
     int threads = 0;
-    double memory = 0, free = 0;       ///< bytes
-    std::vector<std::string> packages; ///< to install
+    double memory = 0, free = 0;        ///< bytes
+    std::vector<std::string> packages;  ///< to install
     bool draws() const {
         return std::any_of(devices.begin(), devices.end(), [](const DeviceAttempt& d) { return d.works; });
     }
@@ -78,7 +78,8 @@ void print_json(const Findings& f) {
 
 void add_doctor(CLI::App& program, Job& chosen) {
     const auto json = std::make_shared<bool>(false);
-    CLI::App* app = program.add_subcommand("doctor", "what was found to draw, encode and compute with, and what to install if something is missing");
+    CLI::App* app =
+        program.add_subcommand("doctor", "what was found to draw, encode and compute with, and what to install if something is missing");
     app->add_flag("--json", *json, "machine-readable");
     app->footer("Example:\n  whorl doctor                exit code 0 where a render can be drawn and encoded, else 1");
     app->callback([json, &chosen] {

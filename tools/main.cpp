@@ -68,8 +68,6 @@ int main(int argc, char** argv) {
     whorl::add_doctor(program, chosen);
     try {
         program.parse(argc, argv);
-    } catch (const CLI::ParseError& e) {
-        return end_of_parsing(program, e, {argv + 1, argv + argc});
-    }
+    } catch (const CLI::ParseError& e) { return end_of_parsing(program, e, {argv + 1, argv + argc}); }
     return whorl::run_guarded(chosen);
 }

@@ -7,7 +7,9 @@ namespace whorl {
 void add_options(CLI::App& app, Options& o, std::initializer_list<Option> which) {
     for (const Option option : which) switch (option) {
             case Option::scene:
-                app.add_option("scene", o.scene, "scene file, or the name of a scene that ships (honey_coil)")->required()->type_name("SCENE");
+                app.add_option("scene", o.scene, "scene file, or the name of a scene that ships (honey_coil)")
+                    ->required()
+                    ->type_name("SCENE");
                 break;
             case Option::set:
                 app.add_option("--set", o.set, "change a key of the scene: fluid.viscosity=100, emitter[0].speed=0.3 (repeatable)")
@@ -15,17 +17,23 @@ void add_options(CLI::App& app, Options& o, std::initializer_list<Option> which)
                     ->allow_extra_args(false);
                 break;
             case Option::with:
-                app.add_option("--with", o.with, "lay the keys of this file over the scene's (what `whorl tradeoff --recommend` wrote, say; repeatable)")
+                app.add_option("--with", o.with,
+                               "lay the keys of this file over the scene's (what `whorl tradeoff --recommend` wrote, say; repeatable)")
                     ->type_name("FILE")
                     ->allow_extra_args(false);
                 break;
             case Option::out: app.add_option("--out", o.out, "run folder (default: out/<scene name>)")->type_name("DIR"); break;
             case Option::until: app.add_option("--until", o.until, "end of the run [s] (time.end)")->type_name("T"); break;
-            case Option::frames: app.add_option("--frames", o.frames, "stop after so many frames")->type_name("N")->check(CLI::PositiveNumber); break;
-            case Option::size: app.add_option("--size", o.size, "pixels of a picture, as in 1280x720 (output.size)")->type_name("WxH"); break;
+            case Option::frames:
+                app.add_option("--frames", o.frames, "stop after so many frames")->type_name("N")->check(CLI::PositiveNumber);
+                break;
+            case Option::size:
+                app.add_option("--size", o.size, "pixels of a picture, as in 1280x720 (output.size)")->type_name("WxH");
+                break;
             case Option::fps: app.add_option("--fps", o.fps, "frames a second of film (time.fps)")->type_name("N"); break;
             case Option::quality:
-                app.add_option("--quality", o.quality, "draft, standard or fine: what the scene's [quality] tables say, and samples a pixel")
+                app.add_option("--quality", o.quality,
+                               "draft, standard or fine: what the scene's [quality] tables say, and samples a pixel")
                     ->type_name("NAME");
                 break;
             case Option::no_video: app.add_flag("--no-video", o.no_video, "pictures only"); break;
@@ -37,7 +45,9 @@ void add_options(CLI::App& app, Options& o, std::initializer_list<Option> which)
                     ->allow_extra_args(false);
                 break;
             case Option::threads:
-                app.add_option("--threads", o.threads, "threads (default: all cores); never changes the result")->type_name("N")->check(CLI::Range(0, 1024));
+                app.add_option("--threads", o.threads, "threads (default: all cores); never changes the result")
+                    ->type_name("N")
+                    ->check(CLI::Range(0, 1024));
                 break;
             case Option::seed: app.add_option("--seed", o.seed, "seed of everything random (seed)")->type_name("N"); break;
             case Option::dry_run: app.add_flag("--dry-run", o.dry_run, "check everything, run nothing, write nothing"); break;

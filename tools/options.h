@@ -19,23 +19,41 @@ class App;
 namespace whorl {
 
 struct Options {
-    std::string scene;                          ///< a path, or the bare name of a scene that ships
-    std::vector<std::string> set;               ///< "key=value"
-    std::vector<std::string> with;              ///< files of a few keys that are laid over the scene
-    std::filesystem::path out;                  ///< empty: out/<scene name>
-    std::optional<double> until;                ///< s; time.end
-    std::optional<int> frames;                  ///< stop after so many frames (render counts them; not a key of the scene)
-    std::string size;                           ///< "1280x720"; output.size
-    std::optional<double> fps;                  ///< time.fps
-    std::string quality = "standard";           ///< draft | standard | fine: the [quality.*] table that is laid over the scene
-    bool no_video = false, no_images = false;   ///< output.video, output.frames
-    std::vector<std::string> exports;           ///< output.export
-    int threads = 0;                            ///< 0: all cores
-    std::optional<std::uint64_t> seed;          ///< seed
+    std::string scene;                         ///< a path, or the bare name of a scene that ships
+    std::vector<std::string> set;              ///< "key=value"
+    std::vector<std::string> with;             ///< files of a few keys that are laid over the scene
+    std::filesystem::path out;                 ///< empty: out/<scene name>
+    std::optional<double> until;               ///< s; time.end
+    std::optional<int> frames;                 ///< stop after so many frames (render counts them; not a key of the scene)
+    std::string size;                          ///< "1280x720"; output.size
+    std::optional<double> fps;                 ///< time.fps
+    std::string quality = "standard";          ///< draft | standard | fine: the [quality.*] table that is laid over the scene
+    bool no_video = false, no_images = false;  ///< output.video, output.frames
+    std::vector<std::string> exports;          ///< output.export
+    int threads = 0;                           ///< 0: all cores
+    std::optional<std::uint64_t> seed;         ///< seed
     bool dry_run = false, quiet = false, json = false;
 };
 
-enum class Option { scene, set, with, out, until, frames, size, fps, quality, no_video, no_images, exports, threads, seed, dry_run, quiet, json };
+enum class Option {
+    scene,
+    set,
+    with,
+    out,
+    until,
+    frames,
+    size,
+    fps,
+    quality,
+    no_video,
+    no_images,
+    exports,
+    threads,
+    seed,
+    dry_run,
+    quiet,
+    json
+};
 
 /// Adds those options to a subcommand; `options` must outlive the parsing (keep it in a shared_ptr that the callback holds).
 void add_options(CLI::App& subcommand, Options& options, std::initializer_list<Option> which);
@@ -48,7 +66,8 @@ struct SceneFile {
     LookOptions look;
 };
 
-/// Reads options.scene with the changes that --set, --quality, --until, --size, --fps, --seed, --export, --no-video and --no-images ask for.
+/// Reads options.scene with the changes that --set, --quality, --until, --size, --fps, --seed, --export, --no-video and --no-images ask
+/// for.
 /// @throws InputError with all that is wrong, places and hints
 SceneFile read_scene_file(const Options& options);
 /// Reads a resolved scene back (resume, video).
@@ -60,7 +79,8 @@ std::string resolved_toml(const SceneFile& file);
 
 /// The scenes that ship, by name.
 std::vector<std::pair<std::string, std::filesystem::path>> shipped_scenes();
-/// The file that `name` means: itself where it exists, else <name>.toml among the scenes that ship (installed share folder, or the source tree).
+/// The file that `name` means: itself where it exists, else <name>.toml among the scenes that ship (installed share folder, or the source
+/// tree).
 /// @throws InputError with the nearest name
 std::filesystem::path find_scene(const std::string& name);
 /// The same for a sweep (whorl tradeoff, whorl stability).

@@ -64,7 +64,8 @@ void print_cost(const Preview& p) {
     if (e.drawn) fmt::print("; CPU ms of surface {:.0f}, draw {:.0f}, write {:.0f}", 1e3 * e.surface, 1e3 * e.draw, 1e3 * e.write);
     fmt::print("\n  the whole film         {} for {} frames{}{}\n", duration(p.film), e.frames, p.film > e.film ? " of every panel" : "",
                e.drawn ? "" : ", without pictures");
-    fmt::print("  memory                 {:.0f} MB, {:.0f} bytes a particle with neighbours and matrices\n", 1e-6 * e.memory, p.calibration.bytes_a_particle);
+    fmt::print("  memory                 {:.0f} MB, {:.0f} bytes a particle with neighbours and matrices\n", 1e-6 * e.memory,
+               p.calibration.bytes_a_particle);
 }
 
 Json cost_json(const Preview& p) {
@@ -136,7 +137,10 @@ void print_json(const SceneFile& file, const Preview& p) {
     const StepLimit* least = binding(p);
     for (const StepLimit& limit : p.assembly.limits) {
         const double dt = at_start(limit, p.world);
-        limits.push_back({{"name", limit.name}, {"formula", limit.formula}, {"step", std::isfinite(dt) ? Json(dt) : Json()}, {"binds", &limit == least}});
+        limits.push_back({{"name", limit.name},
+                          {"formula", limit.formula},
+                          {"step", std::isfinite(dt) ? Json(dt) : Json()},
+                          {"binds", &limit == least}});
     }
     const Json all = {{"scene", file.scene.name},
                       {"end", file.scene.time.end},
@@ -183,7 +187,9 @@ void add_plan(CLI::App& program, Job& chosen) {
     const auto options = std::make_shared<Options>();
     CLI::App* app = program.add_subcommand("plan", "what would be modelled, why, and what it costs; the scene is not run");
     using O = Option;
-    add_options(*app, *options, {O::scene, O::set, O::with, O::until, O::size, O::fps, O::quality, O::no_video, O::no_images, O::threads, O::seed, O::json});
+    add_options(
+        *app, *options,
+        {O::scene, O::set, O::with, O::until, O::size, O::fps, O::quality, O::no_video, O::no_images, O::threads, O::seed, O::json});
     app->footer(
         "Examples:\n"
         "  whorl plan honey_coil\n"

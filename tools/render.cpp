@@ -18,8 +18,8 @@ int dry_run(const RunRequest& request) {
     const Plan plan = make_plan(scene);
     for (const Choice& c : plan.choices) fmt::print("{} = {}{}\n", c.key, c.value, c.reason.empty() ? "" : "  (" + c.reason + ")");
     for (const std::string& warning : plan.warnings) fmt::print("warning: {}\n", warning);
-    fmt::print("{} frames, about {:.0f} particles at the end, into {}\n", request.frames.value_or(frame_count(scene)), plan.estimated_particles,
-               request.folder.string());
+    fmt::print("{} frames, about {:.0f} particles at the end, into {}\n", request.frames.value_or(frame_count(scene)),
+               plan.estimated_particles, request.folder.string());
     return exit_done;
 }
 
@@ -41,8 +41,9 @@ void add_render(CLI::App& program, Job& chosen) {
     const auto options = std::make_shared<Options>();
     CLI::App* app = program.add_subcommand("render", "simulate a scene and film it: frames, video and diagnostics in a run folder");
     add_options(*app, *options,
-                {Option::scene, Option::set, Option::with, Option::out, Option::until, Option::frames, Option::size, Option::fps, Option::quality,
-                 Option::no_video, Option::no_images, Option::exports, Option::threads, Option::seed, Option::dry_run, Option::quiet, Option::json});
+                {Option::scene, Option::set, Option::with, Option::out, Option::until, Option::frames, Option::size, Option::fps,
+                 Option::quality, Option::no_video, Option::no_images, Option::exports, Option::threads, Option::seed, Option::dry_run,
+                 Option::quiet, Option::json});
     app->footer(
         "A run folder that stands already is replaced; a folder that is none is refused. Ctrl-C saves the state.\n"
         "Examples:\n"

@@ -135,10 +135,8 @@ std::vector<std::string> needs_restart(const SceneFile& before, const SceneFile&
     for (const UsedKey& k : used_keys(now)) {
         if (k.key->may_change || k.path.rfind("output.", 0) == 0 || k.path.rfind("probe[", 0) == 0 || k.path == "name") continue;
         const auto it = old.find(k.path);
-        if (it == old.end())
-            lines.push_back(k.path + " is new");
-        else if (it->second != fresh.at(k.path))
-            lines.push_back(k.path + " cannot change from " + it->second + " to " + fresh.at(k.path));
+        if (it == old.end()) lines.push_back(k.path + " is new");
+        else if (it->second != fresh.at(k.path)) lines.push_back(k.path + " cannot change from " + it->second + " to " + fresh.at(k.path));
     }
     for (const UsedKey& k : used_keys(before))
         if (!k.key->may_change && fresh.count(k.path) == 0 && k.path.rfind("probe[", 0) != 0) lines.push_back(k.path + " is gone");
@@ -161,10 +159,8 @@ SceneFile with_first_changes(const SceneFile& file, const std::vector<KeyChange>
     rest.scene.changes.clear();
     for (std::size_t i = 0; i < file.scene.changes.size(); ++i) {
         const ChangeKeys& c = file.scene.changes[i];
-        if (c.time <= 0)
-            first.push_back({c.key, c.value, file.scene.place("change[" + std::to_string(i) + "].value")});
-        else
-            rest.scene.changes.push_back(c);
+        if (c.time <= 0) first.push_back({c.key, c.value, file.scene.place("change[" + std::to_string(i) + "].value")});
+        else rest.scene.changes.push_back(c);
     }
     if (first.empty()) return file;
     std::vector<ChangeKeys> later = std::move(rest.scene.changes);

@@ -40,7 +40,8 @@ std::vector<std::pair<std::string, fs::path>> shipped(bool studies) {
     for (const fs::path& folder : scene_folders()) {
         std::error_code ignored;
         for (const auto& entry : fs::recursive_directory_iterator(folder, ignored))
-            if (entry.path().extension() == ".toml" && is_study(entry.path()) == studies) found.emplace_back(entry.path().stem().string(), entry.path());
+            if (entry.path().extension() == ".toml" && is_study(entry.path()) == studies)
+                found.emplace_back(entry.path().stem().string(), entry.path());
         if (!found.empty()) break;
     }
     std::sort(found.begin(), found.end());
@@ -57,17 +58,22 @@ std::string joined(const std::vector<std::string>& names) {
 std::vector<Change> changes_of(const Options& options) {
     std::vector<Change> changes;
     for (const std::string& text : options.set) changes.push_back(parse_change(text));
-    const auto add = [&](const std::string& key, const std::string& value, const std::string& option) { changes.push_back({key, value, option}); };
+    const auto add = [&](const std::string& key, const std::string& value, const std::string& option) {
+        changes.push_back({key, value, option});
+    };
     if (options.until) add("time.end", Value(*options.until).toml(), "--until " + Value(*options.until).toml());
     if (options.fps) add("time.fps", Value(*options.fps).toml(), "--fps " + Value(*options.fps).toml());
     if (options.seed) add("seed", std::to_string(*options.seed), "--seed " + std::to_string(*options.seed));
     if (!options.size.empty()) {
         const std::size_t x = options.size.find('x');
         const std::string width = options.size.substr(0, x), height = x == std::string::npos ? "" : options.size.substr(x + 1);
-        const auto whole = [](const std::string& s) { return !s.empty() && s.size() < 6 && s.find_first_not_of("0123456789") == std::string::npos; };
+        const auto whole = [](const std::string& s) {
+            return !s.empty() && s.size() < 6 && s.find_first_not_of("0123456789") == std::string::npos;
+        };
         if (!whole(width) || !whole(height))
             throw InputError({"--size " + options.size, 0, 0}, "a size is width x height in pixels", "", "allowed: as in 1280x720");
-        add("output.size", "[" + std::to_string(std::stoi(width)) + ", " + std::to_string(std::stoi(height)) + "]", "--size " + options.size);
+        add("output.size", "[" + std::to_string(std::stoi(width)) + ", " + std::to_string(std::stoi(height)) + "]",
+            "--size " + options.size);
     }
     if (options.no_images) add("output.frames", "false", "--no-images"), add("output.video", "false", "--no-images");
     if (options.no_video) add("output.video", "false", "--no-video");

@@ -1,3 +1,5 @@
+#include "tools/study/stability.h"
+
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -15,7 +17,6 @@
 #include "tools/run/progress.h"
 #include "tools/study/jobs.h"
 #include "tools/study/plot.h"
-#include "tools/study/stability.h"
 #include "tools/study/sweep.h"
 
 namespace whorl {
@@ -37,7 +38,8 @@ class StabilityMap {
 public:
     StabilityMap(const Study& study, const SweepOptions& options, std::string scene, fs::path folder)
         : study_(study), options_(options), scene_(std::move(scene)), folder_(std::move(folder)), runner_(study, folder_, options.threads),
-          nx_(values(0).size()), ny_(values(1).size()), panels_(values(2).size()), cells_(nx_ * ny_ * panels_), was_run_(cells_.size(), false) {}
+          nx_(values(0).size()), ny_(values(1).size()), panels_(values(2).size()), cells_(nx_ * ny_ * panels_),
+          was_run_(cells_.size(), false) {}
 
     void run() {
         const double began = wall_seconds(), budget = seconds_of(options_.budget);
@@ -105,7 +107,8 @@ private:
         std::map<std::string, double> limits;
         const double fastest = largest_speed(simulation.world());
         for (const StepLimit& limit : simulation.assembly().limits)
-            if (const double dt = limit.dt(simulation.world(), fastest); dt > 0 && std::isfinite(dt) && limit.name != "max_step") limits[limit.name] = dt;
+            if (const double dt = limit.dt(simulation.world(), fastest); dt > 0 && std::isfinite(dt) && limit.name != "max_step")
+                limits[limit.name] = dt;
         return limits;
     }
 
@@ -134,9 +137,7 @@ private:
             for (std::string* text : {&keys.noisy_speed, &keys.energy_scale})
                 if (!text->empty()) *text = with_values("{" + *text + "}", settings);
             cell.verdict = judge(keys, runner_.run(scene_, settings, 1, false));
-        } catch (const InputError& error) {
-            cell.verdict = refused(error);
-        }
+        } catch (const InputError& error) { cell.verdict = refused(error); }
         return cell;
     }
 
@@ -158,7 +159,9 @@ private:
             const double middle = std::sqrt(a * b);
             const Cell tried = at(middle);
             if (tried.verdict.stable()) a = middle, low.largest_stable = middle;
-            else b = middle, low.verdict.why = fmt::format("{} = {:.3g} is {}: {}", s.bisect, middle, tried.verdict.state, tried.verdict.why);
+            else
+                b = middle,
+                low.verdict.why = fmt::format("{} = {:.3g} is {}: {}", s.bisect, middle, tried.verdict.state, tried.verdict.why);
         }
         return low;
     }
@@ -211,9 +214,10 @@ private:
             std::string limits;
             for (const auto& [name, dt] : c.limits) limits += fmt::format("{}{} {:.3g}", limits.empty() ? "" : "; ", name, dt);
             const bool placed = c.verdict.step > 0;
-            csv += fmt::format("{},{},{},{},{},{}\n", c.verdict.state, std::isfinite(c.largest_stable) ? fmt::format("{:.4g}", c.largest_stable) : "",
-                               placed ? fmt::format("{:.6g}", c.verdict.time) : "", placed ? fmt::format("{}", c.verdict.step) : "", csv_cell(limits),
-                               csv_cell(c.verdict.why));
+            csv += fmt::format("{},{},{},{},{},{}\n", c.verdict.state,
+                               std::isfinite(c.largest_stable) ? fmt::format("{:.4g}", c.largest_stable) : "",
+                               placed ? fmt::format("{:.6g}", c.verdict.time) : "", placed ? fmt::format("{}", c.verdict.step) : "",
+                               csv_cell(limits), csv_cell(c.verdict.why));
         }
         write_text(folder_ / "stability.csv", csv);
     }
@@ -223,11 +227,13 @@ private:
         for (std::size_t p = 0; p < panels_; ++p) {
             StabilityPanel panel{panels_ > 1 ? study_.knobs[2].title() + " = " + values(2)[p] : "", {}, predicted(p)};
             for (std::size_t k = p * nx_ * ny_; k < (p + 1) * nx_ * ny_; ++k)
-                panel.cells.push_back(was_run_[k] ? MapCell{cells_[k].verdict.state, bisects() ? note(cells_[k]) : ""} : MapCell{"not run", ""});
+                panel.cells.push_back(was_run_[k] ? MapCell{cells_[k].verdict.state, bisects() ? note(cells_[k]) : ""}
+                                                  : MapCell{"not run", ""});
             panels.push_back(std::move(panel));
         }
         const std::string title = study_.name + (bisects() ? ": largest stable " + study_.stability.bisect : "");
-        const Canvas canvas = draw_maps(panels, values(0), values(1), title, study_.knobs[0].title(), study_.knobs.size() > 1 ? study_.knobs[1].title() : "");
+        const Canvas canvas =
+            draw_maps(panels, values(0), values(1), title, study_.knobs[0].title(), study_.knobs.size() > 1 ? study_.knobs[1].title() : "");
         write_png(folder_ / "stability.png", canvas.image());
         write_text(folder_ / "stability.svg", canvas.svg());
     }
@@ -244,8 +250,12 @@ private:
         for (std::size_t k = 0; k < cells_.size(); ++k) {
             const Cell& c = cells_[k];
             if (was_run_[k])
-                cells.push_back({{"settings", settings(k)}, {"state", c.verdict.state}, {"why", c.verdict.why}, {"first_bad_step", c.verdict.step},
-                                 {"largest_stable", std::isfinite(c.largest_stable) ? Json(c.largest_stable) : Json()}, {"limits", c.limits}});
+                cells.push_back({{"settings", settings(k)},
+                                 {"state", c.verdict.state},
+                                 {"why", c.verdict.why},
+                                 {"first_bad_step", c.verdict.step},
+                                 {"largest_stable", std::isfinite(c.largest_stable) ? Json(c.largest_stable) : Json()},
+                                 {"limits", c.limits}});
         }
         fmt::print("{}\n", Json{{"study", study_.name}, {"scene", scene_}, {"folder", folder_.string()}, {"cells", cells}}.dump(2));
     }
@@ -263,8 +273,10 @@ private:
 int stability(SweepOptions options) {
     const Study study = read_study(options.study);
     if (study.knobs.empty() || study.knobs.size() > 3)
-        throw InputError({options.study, 0, 0}, fmt::format("a map has one knob or two, and may be drawn for each value of a third; this study has {}", study.knobs.size()),
-                         "a further one can be searched for: stability.bisect");
+        throw InputError(
+            {options.study, 0, 0},
+            fmt::format("a map has one knob or two, and may be drawn for each value of a third; this study has {}", study.knobs.size()),
+            "a further one can be searched for: stability.bisect");
     seconds_of(options.budget);
     share_cores(options, false);
     const fs::path folder = folder_of(study, options);
@@ -285,7 +297,8 @@ int stability(SweepOptions options) {
 
 void add_stability(CLI::App& program, Job& chosen) {
     const auto options = std::make_shared<SweepOptions>();
-    CLI::App* app = program.add_subcommand("stability", "push settings to the extremes and draw the map of what stays stable, with the predicted limits on it");
+    CLI::App* app = program.add_subcommand(
+        "stability", "push settings to the extremes and draw the map of what stays stable, with the predicted limits on it");
     add_sweep_options(*app, *options);
     app->footer(
         "Each cell is a run of its own process and is kept: a map that was stopped goes on when it is called again.\n"

@@ -33,7 +33,8 @@ struct Row {
 class Tradeoff {
 public:
     Tradeoff(const Study& study, const SweepOptions& options, std::string scene, fs::path folder)
-        : study_(study), options_(options), scene_(std::move(scene)), folder_(std::move(folder)), runner_(study, folder_, options.threads) {}
+        : study_(study), options_(options), scene_(std::move(scene)), folder_(std::move(folder)), runner_(study, folder_, options.threads) {
+    }
 
     void run() {
         const double began = wall_seconds(), budget = seconds_of(options_.budget);
@@ -62,8 +63,11 @@ public:
                 measure(started[k], std::move(result), search);
             } else {
                 if (budget > 0 && started.size() < search.size() && !search.next(known).empty())
-                    say(fmt::format("the budget of {} is spent, or too little of it is left for what the front still needs; the same command with a larger one "
-                                    "goes on from here", options_.budget));
+                    say(
+                        fmt::format("the budget of {} is spent, or too little of it is left for what the front still needs; the same "
+                                    "command with a larger one "
+                                    "goes on from here",
+                                    options_.budget));
                 break;
             }
         }
@@ -131,8 +135,9 @@ private:
         }
         if (row.result.done()) m.error = error_of(study_.accuracy, row.result.folder, reference_);
         measured_.push_back(m), rows_.push_back(row);
-        say(fmt::format("point {} of {} {}: {}: {}, {}{} ({} {} left)", measured_.size(), options_.all ? "the" : "at most", search.size(), joined_settings(settings),
-                        cost_text(m.cost), row.result.done() ? "error " + error_text(m.error) : row.result.status + " (" + row.result.message + ")",
+        say(fmt::format("point {} of {} {}: {}: {}, {}{} ({} {} left)", measured_.size(), options_.all ? "the" : "at most", search.size(),
+                        joined_settings(settings), cost_text(m.cost),
+                        row.result.done() ? "error " + error_text(m.error) : row.result.status + " (" + row.result.message + ")",
                         row.result.kept ? ", kept from before" : "", options_.all ? "about" : "at most", duration(most_left(search))));
     }
 
@@ -157,7 +162,9 @@ private:
         if (options_.json) print_json(front);
     }
 
-    static bool has(const std::vector<std::size_t>& front, std::size_t i) { return std::find(front.begin(), front.end(), i) != front.end(); }
+    static bool has(const std::vector<std::size_t>& front, std::size_t i) {
+        return std::find(front.begin(), front.end(), i) != front.end();
+    }
 
     void write_table(const std::vector<std::size_t>& front) const {
         std::string csv = "scene";
@@ -166,9 +173,12 @@ private:
         for (std::size_t i = 0; i < rows_.size(); ++i) {
             const Row& r = rows_[i];
             csv += csv_cell(fs::path(r.scene).stem().string());
-            for (std::size_t k = 0; k < study_.knobs.size(); ++k) csv += "," + csv_cell(study_.knobs[k].values[static_cast<std::size_t>(measured_[i].at[k])]);
-            csv += fmt::format(",{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.0f},{:.4g},{},{},{}\n", measured_[i].cost, r.cost_low, r.cost_high, measured_[i].error,
-                               r.result.wall.empty() ? 0 : r.result.wall.front(), r.result.memory, r.result.wall.empty() ? 0 : r.result.fps(), has(front, i) ? 1 : 0, r.result.status, csv_cell(r.result.message));
+            for (std::size_t k = 0; k < study_.knobs.size(); ++k)
+                csv += "," + csv_cell(study_.knobs[k].values[static_cast<std::size_t>(measured_[i].at[k])]);
+            csv +=
+                fmt::format(",{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.0f},{:.4g},{},{},{}\n", measured_[i].cost, r.cost_low, r.cost_high,
+                            measured_[i].error, r.result.wall.empty() ? 0 : r.result.wall.front(), r.result.memory,
+                            r.result.wall.empty() ? 0 : r.result.fps(), has(front, i) ? 1 : 0, r.result.status, csv_cell(r.result.message));
         }
         write_text(folder_ / "tradeoff.csv", csv);
     }
@@ -176,7 +186,9 @@ private:
     void draw(const std::vector<std::size_t>& front) const {
         std::vector<PlotPoint> points;
         const auto point = [&](std::size_t i) {
-            return PlotPoint{measured_[i].cost, measured_[i].error, rows_[i].cost_low, rows_[i].cost_high, label_at(study_, measured_[i].at), has(front, i)};
+            return PlotPoint{
+                measured_[i].cost, measured_[i].error, rows_[i].cost_low, rows_[i].cost_high, label_at(study_, measured_[i].at),
+                has(front, i)};
         };
         for (const std::size_t i : front) points.push_back(point(i));
         for (std::size_t i = 0; i < measured_.size(); ++i)
@@ -193,16 +205,18 @@ private:
     void print_front(const std::vector<std::size_t>& front) const {
         say(fmt::format("\n{:>14}  {:>10}  settings on the front, from cheap to dear", cost_name(), "error"));
         for (const std::size_t i : front)
-            say(fmt::format("{:>14}  {:>10}  {}", cost_text(measured_[i].cost), error_text(measured_[i].error), joined_settings(settings_at(study_, measured_[i].at))));
+            say(fmt::format("{:>14}  {:>10}  {}", cost_text(measured_[i].cost), error_text(measured_[i].error),
+                            joined_settings(settings_at(study_, measured_[i].at))));
         for (std::size_t k = 1; k < front.size(); ++k) {
             const Measured &a = measured_[front[k - 1]], &b = measured_[front[k]];
             std::string changes;
             for (std::size_t j = 0; j < study_.knobs.size(); ++j)
                 if (a.at[j] != b.at[j])
-                    changes += fmt::format("{}{} {} -> {}", changes.empty() ? "" : ", ", study_.knobs[j].key, study_.knobs[j].values[static_cast<std::size_t>(a.at[j])],
+                    changes += fmt::format("{}{} {} -> {}", changes.empty() ? "" : ", ", study_.knobs[j].key,
+                                           study_.knobs[j].values[static_cast<std::size_t>(a.at[j])],
                                            study_.knobs[j].values[static_cast<std::size_t>(b.at[j])]);
-            say(fmt::format("  {}: {:.2g} times the {}, error {} -> {}", changes, b.cost / a.cost, study_.cost.of == CostKind::memory ? "memory" : "time",
-                            error_text(a.error), error_text(b.error)));
+            say(fmt::format("  {}: {:.2g} times the {}, error {} -> {}", changes, b.cost / a.cost,
+                            study_.cost.of == CostKind::memory ? "memory" : "time", error_text(a.error), error_text(b.error)));
         }
         const auto failed = std::count_if(rows_.begin(), rows_.end(), [](const Row& r) { return !r.result.done(); });
         if (failed > 0) say(fmt::format("{} of {} points did not end well; tradeoff.csv says how", failed, rows_.size()));
@@ -219,7 +233,8 @@ private:
             if (!best || (wish.of == Wish::Of::error ? m.cost < best->cost : m.error < best->error)) best = &m;
         }
         if (!best) throw EnvironmentError(fmt::format("no point of the study reaches {}", wish.text), "", "widen the knobs' values");
-        std::string overlay = fmt::format("# {} of the study {}: {}, error {}\n", wish.text, study_.name, cost_text(best->cost), error_text(best->error));
+        std::string overlay =
+            fmt::format("# {} of the study {}: {}, error {}\n", wish.text, study_.name, cost_text(best->cost), error_text(best->error));
         // What the study sets for all of its points is the study's, but what follows from a knob is the knob's.
         std::string options, scene = scene_;
         std::vector<std::string> chosen;
@@ -237,8 +252,9 @@ private:
         }
         const fs::path file = folder_ / "recommended.toml";
         write_text(file, overlay);
-        say(fmt::format("\nfor {}: {} ({}, error {}); {} holds them:\n  whorl render {} --with {}{}", wish.text, joined_settings(settings_at(study_, best->at)),
-                        cost_text(best->cost), error_text(best->error), file.string(), scene, file.string(), options));
+        say(fmt::format("\nfor {}: {} ({}, error {}); {} holds them:\n  whorl render {} --with {}{}", wish.text,
+                        joined_settings(settings_at(study_, best->at)), cost_text(best->cost), error_text(best->error), file.string(),
+                        scene, file.string(), options));
     }
 
     /// A key as an overlay takes it: those of list entries in quotes.
@@ -248,15 +264,20 @@ private:
     static std::string toml_value(const std::string& value) {
         char* end = nullptr;
         std::strtod(value.c_str(), &end);
-        if ((*end == 0 && !value.empty()) || value == "true" || value == "false" || value.front() == '[' || value.front() == '"') return value;
+        if ((*end == 0 && !value.empty()) || value == "true" || value == "false" || value.front() == '[' || value.front() == '"')
+            return value;
         return "\"" + value + "\"";
     }
 
     void print_json(const std::vector<std::size_t>& front) const {
         Json points = Json::array();
         for (std::size_t i = 0; i < rows_.size(); ++i)
-            points.push_back({{"settings", settings_at(study_, measured_[i].at)}, {"cost", measured_[i].cost}, {"error", measured_[i].error},
-                              {"status", rows_[i].result.status}, {"on_front", has(front, i)}, {"kept", rows_[i].result.kept}});
+            points.push_back({{"settings", settings_at(study_, measured_[i].at)},
+                              {"cost", measured_[i].cost},
+                              {"error", measured_[i].error},
+                              {"status", rows_[i].result.status},
+                              {"on_front", has(front, i)},
+                              {"kept", rows_[i].result.kept}});
         fmt::print("{}\n", Json{{"study", study_.name}, {"scene", scene_}, {"folder", folder_.string()}, {"points", points}}.dump(2));
     }
 
@@ -296,10 +317,12 @@ int tradeoff(SweepOptions options) {
 
 void add_tradeoff(CLI::App& program, Job& chosen) {
     const auto options = std::make_shared<SweepOptions>();
-    CLI::App* app = program.add_subcommand("tradeoff", "sweep settings, measure what accuracy they buy and what they cost, draw the Pareto front");
+    CLI::App* app =
+        program.add_subcommand("tradeoff", "sweep settings, measure what accuracy they buy and what they cost, draw the Pareto front");
     add_sweep_options(*app, *options);
     app->add_flag("--all", options->all, "run the whole grid, not only what the front may need");
-    app->add_option("--recommend", options->recommend, "print the cheapest settings that reach it and write them as an overlay: \"error<2%\", \"fps>24\"")
+    app->add_option("--recommend", options->recommend,
+                    "print the cheapest settings that reach it and write them as an overlay: \"error<2%\", \"fps>24\"")
         ->type_name("WISH");
     app->footer(
         "Each point is a run of its own process and is kept: a study that was stopped goes on when it is called again.\n"

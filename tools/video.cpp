@@ -26,7 +26,8 @@ int encode(const EncodeOptions& options) {
     std::error_code missing;
     for (const auto& entry : std::filesystem::directory_iterator(frames, missing))
         if (entry.path().extension() == ".png" && entry.path().stem().extension().empty()) pictures.insert(entry.path());
-    if (pictures.empty()) throw InputError({frames.string(), 0, 0}, "there are no pictures to encode", "", "the folder of a run, as in out/honey_coil");
+    if (pictures.empty())
+        throw InputError({frames.string(), 0, 0}, "there are no pictures to encode", "", "the folder of a run, as in out/honey_coil");
 
     const Scene scene = read_scene_file(scene_file).scene;
     const std::filesystem::path video = options.out.empty() ? options.folder / (scene.name + ".mp4") : options.out;
@@ -35,8 +36,8 @@ int encode(const EncodeOptions& options) {
     for (const auto& picture : pictures) {
         const Image image = read_png(picture);
         if (image.width != first.width || image.height != first.height)
-            throw InputError({picture.string(), 0, 0}, fmt::format("is {}x{}, the pictures before it {}x{}", image.width, image.height, first.width,
-                                                                   first.height));
+            throw InputError({picture.string(), 0, 0},
+                             fmt::format("is {}x{}, the pictures before it {}x{}", image.width, image.height, first.width, first.height));
         encoder.add(image);
     }
     encoder.finish();
@@ -51,7 +52,9 @@ void add_video(CLI::App& program, Job& chosen) {
     CLI::App* app = program.add_subcommand("video", "encode a run's video again from its frames");
     app->add_option("folder", options->folder, "the run folder, as in out/honey_coil")->required()->type_name("RUN_FOLDER");
     app->add_option("--fps", options->fps, "frames a second (default: the scene's)")->type_name("N")->check(CLI::PositiveNumber);
-    app->add_option("--crf", options->crf, "H.264 quality, 0 to 51, lower is better and larger")->capture_default_str()->check(CLI::Range(0, 51));
+    app->add_option("--crf", options->crf, "H.264 quality, 0 to 51, lower is better and larger")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 51));
     app->add_option("--out", options->out, "the video's name (default: <scene>.mp4 in the run folder)")->type_name("FILE");
     app->footer("Example:\n  whorl video out/honey_coil --fps 60 --crf 12");
     app->callback([options, &chosen] { chosen = [options] { return encode(*options); }; });

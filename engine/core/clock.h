@@ -7,9 +7,7 @@
 
 namespace whorl {
 
-inline double wall_seconds() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+inline double wall_seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 /// CPU seconds of the whole process, all threads.
 inline double cpu_seconds() {

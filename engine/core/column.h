@@ -11,10 +11,12 @@ struct CacheAligned {
     CacheAligned() = default;
     template <class U>
     CacheAligned(const CacheAligned<U>&) {}
-    T* allocate(std::size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), std::align_val_t{64})); }
-    void deallocate(T* p, std::size_t) { ::operator delete(p, std::align_val_t{64}); }
+    T* allocate(std::size_t n) { return static_cast<T*>(::operator new (n * sizeof(T), std::align_val_t{64})); }
+    void deallocate(T* p, std::size_t) { ::operator delete (p, std::align_val_t{64}); }
     template <class U>
-    bool operator==(const CacheAligned<U>&) const { return true; }
+    bool operator==(const CacheAligned<U>&) const {
+        return true;
+    }
 };
 template <class T>
 using Column = std::vector<T, CacheAligned<T>>;

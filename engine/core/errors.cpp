@@ -47,19 +47,18 @@ std::vector<Problem> in_order(std::vector<Problem> problems, const std::string& 
     std::stable_sort(problems.begin(), problems.end(), [&](const Problem& a, const Problem& b) { return rank(a) < rank(b); });
     std::vector<Problem> once;
     for (Problem& p : problems)
-        if (std::none_of(once.begin(), once.end(), [&](const Problem& q) { return q.message() == p.message(); })) once.push_back(std::move(p));
+        if (std::none_of(once.begin(), once.end(), [&](const Problem& q) { return q.message() == p.message(); }))
+            once.push_back(std::move(p));
     return once;
 }
 
-InputError::InputError(std::vector<Problem> problems)
-    : std::runtime_error(joined(problems)), problems_(std::move(problems)) {}
+InputError::InputError(std::vector<Problem> problems) : std::runtime_error(joined(problems)), problems_(std::move(problems)) {}
 
 InputError::InputError(Place place, std::string what, std::string hint, std::string allowed)
     : InputError(std::vector<Problem>{{std::move(place), std::move(what), std::move(hint), std::move(allowed)}}) {}
 
 EnvironmentError::EnvironmentError(std::string what, std::string tried, std::string remedy)
-    : std::runtime_error(what + (tried.empty() ? "" : "\n  tried: " + tried) +
-                         (remedy.empty() ? "" : "\n  remedy: " + remedy)) {}
+    : std::runtime_error(what + (tried.empty() ? "" : "\n  tried: " + tried) + (remedy.empty() ? "" : "\n  remedy: " + remedy)) {}
 
 std::string nearest_name(const std::string& word, const std::vector<std::string>& names) {
     std::string best;

@@ -50,8 +50,8 @@ std::string nearest_name(const std::string& word, const std::vector<std::string>
 }  // namespace whorl
 
 /// Our own failure: stops the program with the condition, the place and the numbers.
-#define WHORL_ASSERT(condition, ...)                                                       \
-    do {                                                                                   \
+#define WHORL_ASSERT(condition, ...)                                                                 \
+    do {                                                                                             \
         if (!(condition)) ::whorl::assertion_failed(#condition, __FILE__, __LINE__, "" __VA_ARGS__); \
     } while (false)
 

@@ -144,8 +144,8 @@ void Key::read(void* object, const Value& v, const std::string& path, std::vecto
     };
     const std::string of_unit = unit.empty() ? "" : " [" + unit + "]";
     const auto wrong_type = [&](const Place& place, const std::string& found) {
-        problems.push_back({place, path + " must be " + type_name() + of_unit + ", not " + found, "",
-                            choices.empty() ? "" : "allowed: " + allowed()});
+        problems.push_back(
+            {place, path + " must be " + type_name() + of_unit + ", not " + found, "", choices.empty() ? "" : "allowed: " + allowed()});
     };
     const auto in_range = [&](double x, const Place& place, const std::string& called) {
         if (std::isnan(x) || std::isinf(x)) {
@@ -196,7 +196,8 @@ void Key::read(void* object, const Value& v, const std::string& path, std::vecto
     try {
         set(object, v);
     } catch (const KeyFault& fault) {
-        problems.push_back({fault.place, path + ": " + fault.what(), "", variables.empty() ? "" : "allowed: functions of " + variable_names(variables)});
+        problems.push_back(
+            {fault.place, path + ": " + fault.what(), "", variables.empty() ? "" : "allowed: functions of " + variable_names(variables)});
         return;
     }
     if (constants)

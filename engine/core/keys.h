@@ -37,9 +37,13 @@ struct Value {
     template <class T>
     explicit Value(T v) : data(std::move(v)) {}
     template <class T>
-    const T* as() const { return std::get_if<T>(&data); }
+    const T* as() const {
+        return std::get_if<T>(&data);
+    }
     template <class T>
-    T* as() { return std::get_if<T>(&data); }
+    T* as() {
+        return std::get_if<T>(&data);
+    }
     bool is_number() const { return as<std::int64_t>() || as<double>(); }
     double number() const { return as<double>() ? *as<double>() : static_cast<double>(*as<std::int64_t>()); }
     /// The entry of a table, nullptr where there is none.
@@ -76,12 +80,12 @@ struct Key {
     bool may_change = false;  ///< while a run goes on
     std::string selector;     ///< key that says whether this one counts: "shape" beside it, "models.pressure" from the root; "": always
     std::vector<std::string> selected_by;  ///< the selector's values for which it counts
-    Value standard;           ///< the default
+    Value standard;                        ///< the default
 
     std::function<Value(const void* object)> get;
-    std::function<void(void* object, const Value&)> set;                      ///< the type was checked before; may throw KeyFault
-    std::function<std::vector<double>(const void* object)> constants;         ///< of expressions: those that are plain numbers
-    std::function<std::string(const void* object)> used_variables;            ///< of expressions
+    std::function<void(void* object, const Value&)> set;               ///< the type was checked before; may throw KeyFault
+    std::function<std::vector<double>(const void* object)> constants;  ///< of expressions: those that are plain numbers
+    std::function<std::string(const void* object)> used_variables;     ///< of expressions
 
     Key& required() { return is_required = true, *this; }
     Key& at_least(double v) { return least = v, *this; }
@@ -107,11 +111,11 @@ struct Key {
 class KeyTable {
 public:
     struct Part {
-        std::string name;                       ///< [name], or [[name]] for a list
+        std::string name;  ///< [name], or [[name]] for a list
         bool is_list = false;
-        bool decides = true;                    ///< the simulation's result depends on it
+        bool decides = true;  ///< the simulation's result depends on it
         std::shared_ptr<const KeyTable> table;
-        std::function<void*(void* object)> one;                 ///< the part, of a part that is no list
+        std::function<void*(void* object)> one;  ///< the part, of a part that is no list
         std::function<std::size_t(const void* object)> size;
         std::function<void*(void* object, std::size_t)> at;
         std::function<void(void* object, std::size_t)> resize;
@@ -150,7 +154,9 @@ public:
         k.set = [access](void* object, const Value& v) { std::invoke(access, *static_cast<S*>(object)) = Codec::read(v); };
         if constexpr (requires(const T& t) { Codec::constants(t); }) {
             k.constants = [access](const void* o) { return Codec::constants(std::invoke(access, *static_cast<S*>(const_cast<void*>(o)))); };
-            k.used_variables = [access](const void* o) { return Codec::variables(std::invoke(access, *static_cast<S*>(const_cast<void*>(o)))); };
+            k.used_variables = [access](const void* o) {
+                return Codec::variables(std::invoke(access, *static_cast<S*>(const_cast<void*>(o))));
+            };
         }
         const S fresh{};
         k.standard = k.get(&fresh);

@@ -8,10 +8,10 @@
 namespace whorl {
 
 struct TriangleMesh {
-    std::vector<Vec3f> position;                       ///< m
-    std::vector<Vec3f> normal;                         ///< one a vertex, unit length, outward; may be empty
+    std::vector<Vec3f> position;                         ///< m
+    std::vector<Vec3f> normal;                           ///< one a vertex, unit length, outward; may be empty
     std::vector<std::array<std::uint32_t, 3>> triangle;  ///< counter-clockwise seen from outside
-    std::vector<float> scalar;                         ///< a value a vertex for colour maps; may be empty
+    std::vector<float> scalar;                           ///< a value a vertex for colour maps; may be empty
 };
 
 }  // namespace whorl

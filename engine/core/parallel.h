@@ -23,9 +23,9 @@ void wait_passively(char** argv);
 /// A loop shorter than this runs on the calling thread: waking the others would cost more.
 inline constexpr Index serial_below = 512;
 
-/// Calls f(begin, end) for fixed blocks that cover [0, n). The body is compiled once and always runs over the same blocks: inlined twice, for one
-/// thread and for several, the compiler might contract or vectorise the copies differently, and their bits would differ.
-/// Each call must write only what belongs to its block.
+/// Calls f(begin, end) for fixed blocks that cover [0, n). The body is compiled once and always runs over the same blocks: inlined twice,
+/// for one thread and for several, the compiler might contract or vectorise the copies differently, and their bits would differ. Each call
+/// must write only what belongs to its block.
 template <class F>
 void parallel_blocks(Index n, Index block, F&& f) {
     const auto run = [&f](Index begin, Index end) __attribute__((noinline)) { f(begin, end); };

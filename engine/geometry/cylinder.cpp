@@ -10,7 +10,8 @@ namespace {
 class Cylinder final : public Shape {
 public:
     Cylinder(const Vec3d& from, const Vec3d& to, double radius)
-        : middle_(((from + to) / 2).cast<Real>()), axis_((to - from).normalized().cast<Real>()), half_(Real((to - from).norm() / 2)), radius_(Real(radius)) {}
+        : middle_(((from + to) / 2).cast<Real>()), axis_((to - from).normalized().cast<Real>()), half_(Real((to - from).norm() / 2)),
+          radius_(Real(radius)) {}
 
     Real distance(const Vec3& x) const override {
         Real along, out;

@@ -78,8 +78,9 @@ std::vector<LayerPoint> Shape::layer(Real offset, const LayerRegion& region) con
     parallel_for(count, [&](Index i) {
         RandomNumbers random(0xD1342543DE82EF95ull * (static_cast<std::uint64_t>(i) + 1));
         const double at = area * (i + random()) / count;
-        const std::size_t t = std::min<std::size_t>(
-            static_cast<std::size_t>(std::lower_bound(area_up_to.begin(), area_up_to.end(), at) - area_up_to.begin()), area_up_to.size() - 1);
+        const std::size_t t =
+            std::min<std::size_t>(static_cast<std::size_t>(std::lower_bound(area_up_to.begin(), area_up_to.end(), at) - area_up_to.begin()),
+                                  area_up_to.size() - 1);
         double u = random(), v = random();
         if (u + v > 1) u = 1 - u, v = 1 - v;
         const Vec3d e1 = corner(t, 1) - corner(t, 0), e2 = corner(t, 2) - corner(t, 0);
@@ -92,14 +93,18 @@ std::vector<LayerPoint> Shape::layer(Real offset, const LayerRegion& region) con
     std::vector<Index> order(darts.size());
     for (Index i = 0; i < count; ++i) order[static_cast<std::size_t>(i)] = i;
     RandomNumbers random(7);
-    for (std::size_t k = order.size(); k > 1; --k) std::swap(order[k - 1], order[static_cast<std::size_t>(random() * static_cast<double>(k))]);
-    std::stable_sort(order.begin(), order.end(), [&](Index i, Index j) { return darts[static_cast<std::size_t>(i)].rank < darts[static_cast<std::size_t>(j)].rank; });
+    for (std::size_t k = order.size(); k > 1; --k)
+        std::swap(order[k - 1], order[static_cast<std::size_t>(random() * static_cast<double>(k))]);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](Index i, Index j) { return darts[static_cast<std::size_t>(i)].rank < darts[static_cast<std::size_t>(j)].rank; });
 
     // A dart stays where none stands nearer than 0.8 d on the same side of the body.
     const double apart = 0.8 * d;
     std::unordered_map<std::uint64_t, std::vector<std::size_t>> cells;
     const auto key = [&](const Vec3d& x, int i, int j, int k) {
-        const auto along = [&](int a, int shift) { return (static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(x[a] / apart)) + shift)) & 0x1fffff; };
+        const auto along = [&](int a, int shift) {
+            return (static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(x[a] / apart)) + shift)) & 0x1fffff;
+        };
         return along(0, i) << 42 | along(1, j) << 21 | along(2, k);
     };
     std::vector<LayerPoint> points;

@@ -77,9 +77,7 @@ private:
         std::uint32_t right = 0;           ///< 0 in a leaf; the left child follows its parent
     };
 
-    Vec3d area_vector(const Triangle& t) const {
-        return (vertex_[t[1]] - vertex_[t[0]]).cross(vertex_[t[2]] - vertex_[t[0]]);
-    }
+    Vec3d area_vector(const Triangle& t) const { return (vertex_[t[1]] - vertex_[t[0]]).cross(vertex_[t[2]] - vertex_[t[0]]); }
 
     void check_closed(const std::string& name) {
         std::map<std::pair<std::uint32_t, std::uint32_t>, int> turns, uses;  // of each edge: passes one way less passes back; all passes
@@ -98,7 +96,8 @@ private:
             throw InputError({name}, fmt::format("the mesh is not closed: {} of its {} edges are open", open, uses.size()),
                              "inside and outside need a closed surface: fill the holes in a mesh editor");
         if (turned > 0)
-            throw InputError({name}, fmt::format("the faces beside {} edges are turned against each other", turned), "make all faces look outward in a mesh editor");
+            throw InputError({name}, fmt::format("the faces beside {} edges are turned against each other", turned),
+                             "make all faces look outward in a mesh editor");
         double volume = 0;
         for (const Triangle& t : mesh_.triangle) volume += (vertex_[t[0]] - vertex_[0]).dot(area_vector(t)) / 6;
         if (volume < 0)

@@ -127,7 +127,8 @@ TriangleMesh read_binary_stl(const std::string& file, std::string_view text) {
     for (std::size_t k = 0; k < count; ++k) {
         for (std::size_t corner = 0; corner < 3; ++corner) {
             Vec3f x;
-            for (std::size_t a = 0; a < 3; ++a) x[static_cast<int>(a)] = bytes_as<float>(text.data() + 84 + 50 * k + 12 + 12 * corner + 4 * a);
+            for (std::size_t a = 0; a < 3; ++a)
+                x[static_cast<int>(a)] = bytes_as<float>(text.data() + 84 + 50 * k + 12 + 12 * corner + 4 * a);
             if (!x.allFinite()) throw InputError({file}, fmt::format("a coordinate of triangle {} is not finite", k + 1));
             mesh.position.push_back(x);
         }
@@ -148,9 +149,9 @@ struct PlyElement {
 };
 
 std::size_t ply_size(const std::string& type) {
-    static const std::map<std::string, std::size_t> sizes{{"char", 1}, {"uchar", 1}, {"int8", 1}, {"uint8", 1}, {"short", 2}, {"ushort", 2},
-                                                          {"int16", 2}, {"uint16", 2}, {"int", 4}, {"uint", 4}, {"int32", 4}, {"uint32", 4},
-                                                          {"float", 4}, {"float32", 4}, {"double", 8}, {"float64", 8}};
+    static const std::map<std::string, std::size_t> sizes{
+        {"char", 1}, {"uchar", 1}, {"int8", 1},  {"uint8", 1},  {"short", 2}, {"ushort", 2},  {"int16", 2},  {"uint16", 2},
+        {"int", 4},  {"uint", 4},  {"int32", 4}, {"uint32", 4}, {"float", 4}, {"float32", 4}, {"double", 8}, {"float64", 8}};
     const auto it = sizes.find(type);
     return it == sizes.end() ? 0 : it->second;
 }
@@ -174,7 +175,8 @@ TriangleMesh read_ply(const std::string& file, std::string_view text) {
         const std::string key(words.word());
         if (key == "format") {
             const std::string format(words.word());
-            if (format != "ascii" && format != "binary_little_endian") words.fail("PLY format " + format + " is not read; allowed: ascii, binary_little_endian");
+            if (format != "ascii" && format != "binary_little_endian")
+                words.fail("PLY format " + format + " is not read; allowed: ascii, binary_little_endian");
             binary = format != "ascii";
         } else if (key == "element") {
             PlyElement element{std::string(words.word()), 0, {}};
@@ -225,7 +227,8 @@ TriangleMesh read_ply(const std::string& file, std::string_view text) {
                     else if (property.name == "y") x[1] = static_cast<float>(value);
                     else if (property.name == "z") x[2] = static_cast<float>(value);
                 }
-                if (list && element.name == "face" && (property.name == "vertex_indices" || property.name == "vertex_index")) add_polygon(mesh, corners);
+                if (list && element.name == "face" && (property.name == "vertex_indices" || property.name == "vertex_index"))
+                    add_polygon(mesh, corners);
             }
             if (element.name == "vertex") {
                 if (!x.allFinite()) words.fail(fmt::format("vertex {} is not finite", k));
@@ -235,14 +238,17 @@ TriangleMesh read_ply(const std::string& file, std::string_view text) {
     for (const auto& t : mesh.triangle)
         for (Corner c : t)
             if (c >= mesh.position.size())
-                throw InputError({file}, fmt::format("a face refers to vertex {}, the vertices are 0 to {}", static_cast<int>(c), int(mesh.position.size()) - 1));
+                throw InputError({file}, fmt::format("a face refers to vertex {}, the vertices are 0 to {}", static_cast<int>(c),
+                                                     int(mesh.position.size()) - 1));
     return mesh;
 }
 
 }  // namespace
 
 void weld(TriangleMesh& mesh) {
-    const auto less = [](const Vec3f& a, const Vec3f& b) { return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3); };
+    const auto less = [](const Vec3f& a, const Vec3f& b) {
+        return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
+    };
     std::map<Vec3f, Corner, decltype(less)> vertex(less);
     TriangleMesh welded;
     std::vector<Corner> to(mesh.position.size());

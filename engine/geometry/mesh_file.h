@@ -6,7 +6,8 @@
 
 namespace whorl {
 
-/// Positions and triangles only; polygons become fans, equal positions one vertex, triangles without an area of their own (two equal corners) go.
+/// Positions and triangles only; polygons become fans, equal positions one vertex, triangles without an area of their own (two equal
+/// corners) go.
 /// @throws InputError with file:line where the file is missing, of an unknown kind, cut short or refers to vertices that it does not have
 TriangleMesh read_mesh(const std::filesystem::path& file);
 

@@ -36,7 +36,8 @@ public:
         return m;
     }
 
-    /// A lattice along two directions in the plane: axes of the domain where the plane holds them (then without a seam where they are periodic).
+    /// A lattice along two directions in the plane: axes of the domain where the plane holds them (then without a seam where they are
+    /// periodic).
     std::vector<LayerPoint> layer(Real offset, const LayerRegion& region) const override {
         const Vec3d n = normal_.cast<double>();
         Vec3d direction[2];
@@ -73,7 +74,8 @@ public:
                 const Vec3d at = foot + x * direction[0] + y * direction[1];
                 bool wanted = region.contains(at);
                 for (int a = 0; a < 3; ++a)  // an inclined plane along a periodic axis: once
-                    if (region.domain.periodic[static_cast<std::size_t>(a)]) wanted = wanted && at[a] >= region.domain.min[a] && at[a] < region.domain.max[a];
+                    if (region.domain.periodic[static_cast<std::size_t>(a)])
+                        wanted = wanted && at[a] >= region.domain.min[a] && at[a] < region.domain.max[a];
                 if (wanted) points.push_back({at, n});
             }
         return points;

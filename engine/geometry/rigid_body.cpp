@@ -15,14 +15,16 @@ Eigen::Quaterniond turned_by(const Vec3d& angle) {
 }  // namespace
 
 RigidBody::RigidBody(const Bulk& bulk, double density)
-    : mass(density * bulk.volume), volume(bulk.volume), own_centre(bulk.centre), own_inertia(density * bulk.inertia()), centre(bulk.centre) {}
+    : mass(density * bulk.volume), volume(bulk.volume), own_centre(bulk.centre), own_inertia(density * bulk.inertia()),
+      centre(bulk.centre) {}
 
 Mat3d RigidBody::inverse_inertia() const {
     const Mat3d R = turn.toRotationMatrix();
     return R * own_inertia.inverse() * R.transpose();
 }
 
-// dq/dt = w(q) q/2 with w = I(q)^-1 L and L constant: the midpoint rule, in which L keeps its length in the body's axes too, by fixed-point iteration.
+// dq/dt = w(q) q/2 with w = I(q)^-1 L and L constant: the midpoint rule, in which L keeps its length in the body's axes too, by fixed-point
+// iteration.
 void RigidBody::move(double dt) {
     centre += dt * velocity;
     const Eigen::Quaterniond start = turn;
@@ -52,7 +54,8 @@ void RigidBody::save(std::ostream& out) const {
 }
 
 void RigidBody::load(std::istream& in) {
-    for (double* values : {centre.data(), velocity.data(), spin_momentum.data()}) in.read(reinterpret_cast<char*>(values), 3 * sizeof(double));
+    for (double* values : {centre.data(), velocity.data(), spin_momentum.data()})
+        in.read(reinterpret_cast<char*>(values), 3 * sizeof(double));
     in.read(reinterpret_cast<char*>(turn.coeffs().data()), 4 * sizeof(double));
 }
 

@@ -9,9 +9,9 @@ namespace whorl {
 /// x_world = rotation x_own + translation.
 struct Pose {
     Mat3 rotation = Mat3::Identity();
-    Vec3 translation = Vec3::Zero();        ///< m
-    Vec3 velocity = Vec3::Zero();           ///< m/s, of the origin
-    Vec3 angular_velocity = Vec3::Zero();   ///< rad/s, in the world's axes
+    Vec3 translation = Vec3::Zero();       ///< m
+    Vec3 velocity = Vec3::Zero();          ///< m/s, of the origin
+    Vec3 angular_velocity = Vec3::Zero();  ///< rad/s, in the world's axes
     Vec3 velocity_at(const Vec3& x) const { return velocity + angular_velocity.cross(x - translation); }
 };
 
@@ -21,16 +21,17 @@ struct Contact {
     double bounce = 0;      ///< share of the approaching speed that comes back; of a pair: the larger
 };
 
-/// Position, orientation, momentum and angular momentum, all in double: what acts between fluid and body is added to the one and taken from the other.
+/// Position, orientation, momentum and angular momentum, all in double: what acts between fluid and body is added to the one and taken from
+/// the other.
 struct RigidBody {
-    double mass = 0, volume = 0;           ///< kg, m^3
-    Vec3d own_centre = Vec3d::Zero();      ///< of gravity, in the solid's own axes [m]
-    Mat3d own_inertia = Mat3d::Identity(); ///< about it, in the same axes [kg m^2]
+    double mass = 0, volume = 0;            ///< kg, m^3
+    Vec3d own_centre = Vec3d::Zero();       ///< of gravity, in the solid's own axes [m]
+    Mat3d own_inertia = Mat3d::Identity();  ///< about it, in the same axes [kg m^2]
 
-    Vec3d centre = Vec3d::Zero();          ///< m, in the world
+    Vec3d centre = Vec3d::Zero();                              ///< m, in the world
     Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  ///< from the own axes to the world's
-    Vec3d velocity = Vec3d::Zero();        ///< m/s, of the centre
-    Vec3d spin_momentum = Vec3d::Zero();   ///< angular momentum about the centre [kg m^2/s]
+    Vec3d velocity = Vec3d::Zero();                            ///< m/s, of the centre
+    Vec3d spin_momentum = Vec3d::Zero();                       ///< angular momentum about the centre [kg m^2/s]
 
     Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();  ///< N and N m (about the centre), what acts explicitly in this step
 

@@ -40,9 +40,9 @@ struct LayerPoint {
 
 /// What a shape is full of, at a density of 1.
 struct Bulk {
-    double volume = 0;                 ///< m^3
-    Vec3d centre = Vec3d::Zero();      ///< of gravity, m
-    Mat3d moment = Mat3d::Zero();      ///< integral of r r^T about the centre, m^5
+    double volume = 0;             ///< m^3
+    Vec3d centre = Vec3d::Zero();  ///< of gravity, m
+    Mat3d moment = Mat3d::Zero();  ///< integral of r r^T about the centre, m^5
     /// Tensor of inertia about the centre at a density of 1 [m^5].
     Mat3d inertia() const { return moment.trace() * Mat3d::Identity() - moment; }
 };

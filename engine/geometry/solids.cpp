@@ -15,7 +15,8 @@ Mat3d turned_by(const Vec3d& angle) {
     return size > 0 ? Eigen::AngleAxisd(size, angle / size).toRotationMatrix() : Mat3d(Mat3d::Identity());
 }
 
-/// dR/dt = R [w]x from t to t + h, to fourth order (Magnus): R exp(h/2 (w1 + w2) + sqrt(3)/12 h^2 w1 x w2), w1 and w2 at the two Gauss points.
+/// dR/dt = R [w]x from t to t + h, to fourth order (Magnus): R exp(h/2 (w1 + w2) + sqrt(3)/12 h^2 w1 x w2), w1 and w2 at the two Gauss
+/// points.
 Mat3d turned_over(const Mat3d& R, const VectorExpression& spin, double t, double h) {
     const double root = std::sqrt(3.0) / 6;
     const Vec3d w1 = spin(t + (0.5 - root) * h), w2 = spin(t + (0.5 + root) * h);

@@ -18,20 +18,21 @@ struct Turned {
     Mat3d rotation = Mat3d::Identity();
 };
 
-/// The point that a solid turns about: the middle of the shape's bounds, where the shape first stands; of a plane, its point nearest to the origin.
+/// The point that a solid turns about: the middle of the shape's bounds, where the shape first stands; of a plane, its point nearest to the
+/// origin.
 Vec3d turning_point(const Shape& shape);
 
 struct Solid {
     std::shared_ptr<const Shape> shape;
-    VectorExpression position;        ///< m, of t: how far it has moved from where the shape stands
-    VectorExpression spin;            ///< rad/s about the own axes through turning_point(), of t
-    bool inside = false;              ///< the fluid is inside the shape
-    double slip_length = 0;           ///< m: u - u_wall = slip_length du/dn on the surface; 0: the fluid sticks, infinite: it slides freely
+    VectorExpression position;  ///< m, of t: how far it has moved from where the shape stands
+    VectorExpression spin;      ///< rad/s about the own axes through turning_point(), of t
+    bool inside = false;        ///< the fluid is inside the shape
+    double slip_length = 0;     ///< m: u - u_wall = slip_length du/dn on the surface; 0: the fluid sticks, infinite: it slides freely
     std::string material;
-    Contact contact;                  ///< how it touches other solids
-    std::optional<RigidBody> body;    ///< free: forces move it; position and spin only say where it starts
-    Vec3d shift = Vec3d::Zero();      ///< m, added to `position`; follows from earlier motions (go_on_as)
-    Mat3d turn = Mat3d::Identity();   ///< before the turning by `spin` since t = 0: the scene's tilt, and what follows from earlier motions
+    Contact contact;                 ///< how it touches other solids
+    std::optional<RigidBody> body;   ///< free: forces move it; position and spin only say where it starts
+    Vec3d shift = Vec3d::Zero();     ///< m, added to `position`; follows from earlier motions (go_on_as)
+    Mat3d turn = Mat3d::Identity();  ///< before the turning by `spin` since t = 0: the scene's tilt, and what follows from earlier motions
     Pose pose;
     Turned turned;
 
@@ -64,12 +65,12 @@ public:
 
 /// One layer of particles on the solids' surfaces, about a spacing apart; they stand half a spacing inside the solid.
 struct SolidParticles {
-    std::vector<Index> solid;          ///< whose
-    Column<Vec3> own_position;         ///< in the solid's axes, m
-    Column<Vec3> own_normal;           ///< in the solid's axes, into the fluid; empty: normals stay as they are
-    Column<Vec3> position, velocity;   ///< m, m/s, in the world's axes
-    Column<Vec3> normal;               ///< into the fluid
-    Column<Real> volume;               ///< 1/sum W over the solid particles near by, m^3 (Akinci et al. 2012)
+    std::vector<Index> solid;         ///< whose
+    Column<Vec3> own_position;        ///< in the solid's axes, m
+    Column<Vec3> own_normal;          ///< in the solid's axes, into the fluid; empty: normals stay as they are
+    Column<Vec3> position, velocity;  ///< m, m/s, in the world's axes
+    Column<Vec3> normal;              ///< into the fluid
+    Column<Real> volume;              ///< 1/sum W over the solid particles near by, m^3 (Akinci et al. 2012)
     Index size() const { return static_cast<Index>(solid.size()); }
     /// Moves the particles with their solids.
     void follow(const Solids& solids);

@@ -32,7 +32,8 @@ public:
             for (int l = 0; l <= around; ++l) {
                 const double polar = std::numbers::pi * k / rings, angle = 2 * std::numbers::pi * (l % around) / around;
                 const double out = k == 0 || k == rings ? 0 : std::sin(polar);  // the poles exactly, so that they are one point
-                const Vec3f n(static_cast<float>(out * std::cos(angle)), static_cast<float>(std::cos(polar)), static_cast<float>(out * std::sin(angle)));
+                const Vec3f n(static_cast<float>(out * std::cos(angle)), static_cast<float>(std::cos(polar)),
+                              static_cast<float>(out * std::sin(angle)));
                 m.normal.push_back(n);
                 m.position.push_back(centre_.cast<float>() + static_cast<float>(radius_) * n);
             }
@@ -47,7 +48,8 @@ public:
 
     /// A spiral of equal areas (Swinbank and Purser 2006).
     std::vector<LayerPoint> layer(Real offset, const LayerRegion& region) const override {
-        const double R = inset(radius_, offset), d = region.spacing, count = std::max(4.0, std::round(4 * std::numbers::pi * R * R / (d * d)));
+        const double R = inset(radius_, offset), d = region.spacing,
+                     count = std::max(4.0, std::round(4 * std::numbers::pi * R * R / (d * d)));
         check_count(count, "sphere");
         const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
         std::vector<LayerPoint> points;

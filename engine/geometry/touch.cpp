@@ -9,13 +9,13 @@ namespace {
 /// A place on the surface of body `a` at the surface of solid `b`.
 struct Point {
     std::size_t a, b;
-    Vec3d normal;           ///< from b to a
+    Vec3d normal;                        ///< from b to a
     Vec3d arm_a, arm_b = Vec3d::Zero();  ///< from the centres [m]; arm_b: where b is free
     Vec3d wall = Vec3d::Zero();          ///< m/s, of b, where it is not
     double softness = 0;                 ///< 1/kg, along the normal
-    Vec3d place;            ///< m
-    double gap = 0;         ///< m
-    double wanted = 0;      ///< m/s, the least v_n
+    Vec3d place;                         ///< m
+    double gap = 0;                      ///< m
+    double wanted = 0;                   ///< m/s, the least v_n
     double friction = 0;
     Vec3d impulse = Vec3d::Zero();  ///< on a [kg m/s]
 };
@@ -35,9 +35,11 @@ struct Moving {
 
 class Touching {
 public:
-    Touching(Solids& solids, const SolidParticles& layer, const TouchStep& step) : solids_(solids), layer_(layer), step_(step), moving_(solids.all.size()) {
+    Touching(Solids& solids, const SolidParticles& layer, const TouchStep& step)
+        : solids_(solids), layer_(layer), step_(step), moving_(solids.all.size()) {
         for (std::size_t k = 0; k < moving_.size(); ++k)
-            if (const auto& body = solids.all[k].body) moving_[k] = {body->velocity, body->angular_velocity(), 1 / body->mass, body->inverse_inertia()};
+            if (const auto& body = solids.all[k].body)
+                moving_[k] = {body->velocity, body->angular_velocity(), 1 / body->mass, body->inverse_inertia()};
     }
 
     void find() {
@@ -49,7 +51,8 @@ public:
             const auto& body = solids_.all[k].body;
             if (!body) continue;
             own[k].push_back(s);
-            reach[k] = std::max(reach[k], (layer_.own_position[static_cast<std::size_t>(s)].cast<double>() - body->own_centre).norm() + step_.spacing);
+            reach[k] = std::max(
+                reach[k], (layer_.own_position[static_cast<std::size_t>(s)].cast<double>() - body->own_centre).norm() + step_.spacing);
         }
         for (std::size_t a = 0; a < n; ++a)
             for (std::size_t b = 0; b < n; ++b) {
@@ -94,8 +97,8 @@ public:
     bool empty() const { return points_.empty(); }
 
 private:
-    /// The place on the surface of a nearest to layer particle s that is deepest in b: down along the surface from there, up to about a spacing. The particles
-    /// alone would make a polyhedron of a ball, which does not roll.
+    /// The place on the surface of a nearest to layer particle s that is deepest in b: down along the surface from there, up to about a
+    /// spacing. The particles alone would make a polyhedron of a ball, which does not roll.
     Vec3d deepest(const Solid& a, const Solid& b, const Vec3d& image, Index s) const {
         const auto depth = [&](const Vec3d& x) { return static_cast<double>(b.distance(x.cast<Real>())); };
         const auto on_surface = [&](const Vec3d& x) {

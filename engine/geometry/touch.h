@@ -13,10 +13,12 @@ struct TouchStep {
 };
 
 /// Changes the velocities of the free bodies so that no place on the surface of one gets into another solid by the end of the step:
-///   v_n >= -gap/dt        for each place looked at, v_n the normal part of the relative velocity there; from every particle of a body's layer near the solid the
+///   v_n >= -gap/dt        for each place looked at, v_n the normal part of the relative velocity there; from every particle of a body's
+///   layer near the solid the
 /// deepest place is looked for along the surface,
-/// by impulses at that point, equal and opposite (momentum and angular momentum stay), with Coulomb friction: sequential impulses (projected
-/// Gauss-Seidel) in a fixed order. Overlaps are pushed apart by a fifth a step; who comes faster than free fall over a spacing bounces.
+/// by impulses at that point, equal and opposite (momentum and angular momentum stay), with Coulomb friction: sequential impulses
+/// (projected Gauss-Seidel) in a fixed order. Overlaps are pushed apart by a fifth a step; who comes faster than free fall over a spacing
+/// bounces.
 void touch(Solids& solids, const SolidParticles& layer, const TouchStep& step, double gravity);
 
 }  // namespace whorl

@@ -35,7 +35,9 @@ std::uint64_t checksum(std::string_view bytes) {
 struct Packer {
     std::string bytes;
     template <class T>
-    void number(const T& value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); }
+    void number(const T& value) {
+        bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+    }
     void operator()(const int& value) { number(value); }
     void operator()(const long& value) { number(value); }
     void operator()(const double& value) { number(value); }
@@ -62,7 +64,9 @@ struct Unpacker {
         return part;
     }
     template <class T>
-    void number(T& value) { std::memcpy(&value, next(sizeof value).data(), sizeof value); }
+    void number(T& value) {
+        std::memcpy(&value, next(sizeof value).data(), sizeof value);
+    }
     void operator()(int& value) { number(value); }
     void operator()(long& value) { number(value); }
     void operator()(double& value) { number(value); }
@@ -153,9 +157,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& file) {
 std::optional<Checkpoint> newest_checkpoint(const std::filesystem::path& folder, std::vector<std::string>& damaged) {
     for (const auto& file : checkpoint_files(folder)) try {
             return read_checkpoint(file);
-        } catch (const EnvironmentError& error) {
-            damaged.push_back(error.what());
-        }
+        } catch (const EnvironmentError& error) { damaged.push_back(error.what()); }
     return std::nullopt;
 }
 

@@ -12,10 +12,10 @@
 namespace whorl {
 
 struct Checkpoint {
-    std::string build;     ///< build_id() of the program that wrote it
-    std::string scene;     ///< scene.resolved.toml, whose deciding settings must be the same for the run to go on
-    int frame = 0;         ///< the state stands at this frame's time; its row and its picture exist
-    int frames = 0;        ///< the frame that the run is to end with
+    std::string build;         ///< build_id() of the program that wrote it
+    std::string scene;         ///< scene.resolved.toml, whose deciding settings must be the same for the run to go on
+    int frame = 0;             ///< the state stands at this frame's time; its row and its picture exist
+    int frames = 0;            ///< the frame that the run is to end with
     double wall = 0, cpu = 0;  ///< s so far, over all parts of the run
     StageTimes stages;         ///< the same by stage
     int resumed = 0;           ///< how often

@@ -8,10 +8,10 @@
 namespace whorl {
 namespace {
 
-constexpr double steady = 0.02;    ///< relative change that still counts as none
-constexpr double same = 2e-3;      ///< parameters so near share an answer
-constexpr double same_none = 0.03; ///< where none was found, which may take a second, it is not sought again so near
-constexpr double neighbour = 0.1;  ///< so near, the old answer stands in for the one to come
+constexpr double steady = 0.02;     ///< relative change that still counts as none
+constexpr double same = 2e-3;       ///< parameters so near share an answer
+constexpr double same_none = 0.03;  ///< where none was found, which may take a second, it is not sought again so near
+constexpr double neighbour = 0.1;   ///< so near, the old answer stands in for the one to come
 
 bool takes_viscosity(const Plan& plan) {
     if (plan.micropolar != MicropolarModel::none) return false;
@@ -36,7 +36,8 @@ std::optional<Pouring> pouring(const Scene& scene, const Plan& plan, const Vec3d
     const Expression& viscosity = scene.viscosity_of_source(*chosen + 1);
     if (emitter.shape != "disc" || !viscosity.variables().empty()) return std::nullopt;
     const double density = scene.fluid.density;
-    return Pouring{emitter.radius, emitter.start, emitter.stop, viscosity(0) / density, scene.fluid.surface_tension / density, emitter.speed, scene.domain.gravity};
+    return Pouring{emitter.radius, emitter.start,       emitter.stop, viscosity(0) / density, scene.fluid.surface_tension / density,
+                   emitter.speed,  scene.domain.gravity};
 }
 
 std::optional<CoilParameters> steady_parameters(const Pouring& pouring, const Vec3d& up, double time, double span, double fall) {
@@ -48,7 +49,9 @@ std::optional<CoilParameters> steady_parameters(const Pouring& pouring, const Ve
     for (int k = 1; k <= looks; ++k) {
         const double before = time - span * k / looks;
         if (before < pouring.start) break;
-        if (std::abs(pouring.speed(before) - speed) > steady * speed || (pouring.gravity(before) - gravity).norm() > steady * gravity.norm()) return std::nullopt;
+        if (std::abs(pouring.speed(before) - speed) > steady * speed ||
+            (pouring.gravity(before) - gravity).norm() > steady * gravity.norm())
+            return std::nullopt;
     }
     return CoilParameters{pouring.nozzle_radius, speed, pouring.viscosity, gravity.norm(), fall, pouring.surface_tension};
 }

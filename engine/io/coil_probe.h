@@ -19,8 +19,9 @@
 /// again when none was completed for three periods. pile_height is the height of the ground on which the thread lands just now: its centre
 /// line comes to rest one radius above. fall is from the nozzle to that ground, mean over the same turns as the frequency: the fall height
 /// of the theory.
-/// theory_frequency and theory_radius are what theory expects for that fall and for speed, nozzle, viscosity, gravity and surface tension as they are
-/// (coil_theory.h, coil_expectation.h); empty before a fall is known, and where the theory is not of such a thread or finds no coil.
+/// theory_frequency and theory_radius are what theory expects for that fall and for speed, nozzle, viscosity, gravity and surface tension
+/// as they are (coil_theory.h, coil_expectation.h); empty before a fall is known, and where the theory is not of such a thread or finds no
+/// coil.
 #include "engine/io/coil_expectation.h"
 #include "engine/io/coil_turns.h"
 #include "engine/io/probes.h"

@@ -22,18 +22,20 @@ struct ThreadNumbers {
 
 ThreadNumbers numbers_of(const CoilParameters& p) {
     const double viscous = 3 * p.viscosity * p.speed;
-    return {p.gravity * p.fall * p.fall / viscous, p.speed * p.fall / (3 * p.viscosity), p.surface_tension * p.fall / (viscous * p.nozzle_radius), p.nozzle_radius / p.fall};
+    return {p.gravity * p.fall * p.fall / viscous, p.speed * p.fall / (3 * p.viscosity),
+            p.surface_tension * p.fall / (viscous * p.nozzle_radius), p.nozzle_radius / p.fall};
 }
 
-/// The equations of the thread. The family of problems that is followed has (exp(depth) - 1)/(exp(full_depth) - 1) times the numbers of `full`, the slenderness aside: depth 0
-/// is infinite viscosity. Beside the 16 functions ln Omega, ln L and the depth are sought, with along(ln Omega, depth) = 0 as the last condition.
+/// The equations of the thread. The family of problems that is followed has (exp(depth) - 1)/(exp(full_depth) - 1) times the numbers of
+/// `full`, the slenderness aside: depth 0 is infinite viscosity. Beside the 16 functions ln Omega, ln L and the depth are sought, with
+/// along(ln Omega, depth) = 0 as the last condition.
 struct ThreadProblem {
     static constexpr int functions = 19, start_conditions = 10;
     enum At { x_at = 0, t_at = 3, u_at = 6, w_at = 7, n_at = 10, m_at = 13, omega_at = 16, length_at = 17, depth_at = 18 };  ///< u = ln U
     template <class T>
     using Vector3 = Vector<T, 3>;
 
-    ThreadNumbers full;      ///< at the depth `full_depth`
+    ThreadNumbers full;  ///< at the depth `full_depth`
     double full_depth = 0;
     double turn_weight = 0, depth_weight = 1, distance = 0;  ///< turn_weight ln Omega + depth_weight depth = distance
 
@@ -46,8 +48,8 @@ struct ThreadProblem {
     template <class T>
     Vector<T, functions> slope(const Vector<T, functions>& y) const {
         using std::exp;
-        const Vector3<T> x = y.template segment<3>(x_at), t = y.template segment<3>(t_at), w = y.template segment<3>(w_at), N = y.template segment<3>(n_at),
-                         M = y.template segment<3>(m_at);
+        const Vector3<T> x = y.template segment<3>(x_at), t = y.template segment<3>(t_at), w = y.template segment<3>(w_at),
+                         N = y.template segment<3>(n_at), M = y.template segment<3>(m_at);
         const T U = exp(y[u_at]), slowness = exp(-y[u_at]), Omega = exp(y[omega_at]), L = exp(y[length_at]), part = share(y[depth_at]);
         const T G = part * T(full.gravity), Re = part * T(full.inertia), Ca = part * T(full.capillarity);
         const double e = full.slenderness;
@@ -78,8 +80,8 @@ struct ThreadProblem {
         using std::exp;
         const T U = exp(y[u_at]), Omega = exp(y[omega_at]), radius = T(full.slenderness) * exp(T(-0.5) * y[u_at]);
         Vector<T, functions - start_conditions> miss;
-        miss << y[x_at + 2] + T(1) - radius, U * y[t_at] - Omega * y[x_at + 1], U * y[t_at + 1] + Omega * y[x_at], y[t_at + 2], y[w_at], y[w_at + 1], y[w_at + 2],
-            y[x_at + 1], T(turn_weight) * y[omega_at] + T(depth_weight) * y[depth_at] - T(distance);
+        miss << y[x_at + 2] + T(1) - radius, U * y[t_at] - Omega * y[x_at + 1], U * y[t_at + 1] + Omega * y[x_at], y[t_at + 2], y[w_at],
+            y[w_at + 1], y[w_at + 2], y[x_at + 1], T(turn_weight) * y[omega_at] + T(depth_weight) * y[depth_at] - T(distance);
         return miss;
     }
 };
@@ -98,14 +100,16 @@ bool is_coil(const Thread& thread) {
            std::all_of(thread.y.begin(), thread.y.end(), [](const auto& y) { return y[ThreadProblem::t_at + 2] < 0.9; });
 }
 
-/// A first guess without gravity and inertia: a quintic through nozzle and foot with the right slope and curvature at both, of constant speed.
+/// A first guess without gravity and inertia: a quintic through nozzle and foot with the right slope and curvature at both, of constant
+/// speed.
 Thread first_guess(double slenderness, double omega, double radius) {
     constexpr int intervals = 80, fine = 25;  // of the mesh; points of the curve to each
     constexpr double rate = 1.15;             // |dx/dq| at the ends, about the length
     const Vec3d down(0, 0, -rate), foot(radius, 0, -1), along(0, -rate, 0), inward(-rate * rate / radius, 0, 0);
     const auto place = [&](double q) -> Vec3d {
         const double a = q * q * q, b = a * q, c = b * q;
-        return (q - 6 * a + 8 * b - 3 * c) * down + (a / 2 - b + c / 2) * inward + (-4 * a + 7 * b - 3 * c) * along + (10 * a - 15 * b + 6 * c) * foot;
+        return (q - 6 * a + 8 * b - 3 * c) * down + (a / 2 - b + c / 2) * inward + (-4 * a + 7 * b - 3 * c) * along +
+               (10 * a - 15 * b + 6 * c) * foot;
     };
     std::vector<Vec3d> points;
     std::vector<double> lengths;
@@ -173,7 +177,9 @@ private:
         effort_ += report.iterations;
         return report.converged && is_coil(thread);
     }
-    Thread on_even_mesh(const Thread& thread, int intervals) const { return Solver::on_mesh(problem_, thread, Solver::even_mesh(problem_, thread, intervals)); }
+    Thread on_even_mesh(const Thread& thread, int intervals) const {
+        return Solver::on_mesh(problem_, thread, Solver::even_mesh(problem_, thread, intervals));
+    }
     void hold_depth(double depth) { problem_.turn_weight = 0, problem_.depth_weight = 1, problem_.distance = depth; }
     std::optional<Thread> at_depth(const Thread& neighbour, double depth);
     std::optional<Thread> without_gravity();
@@ -193,7 +199,8 @@ std::optional<Thread> Follower::at_depth(const Thread& neighbour, double depth) 
     return thread;
 }
 
-/// The purely viscous coil: guessed where the thread is neither very thin nor very thick beside the fall, made as slender as is wanted from there.
+/// The purely viscous coil: guessed where the thread is neither very thin nor very thick beside the fall, made as slender as is wanted from
+/// there.
 std::optional<Thread> Follower::without_gravity() {
     hold_depth(0);
     const double wanted = problem_.full.slenderness, guessed = std::clamp(wanted, 0.02, 0.08);
@@ -213,7 +220,8 @@ std::optional<Thread> Follower::without_gravity() {
     return thread;
 }
 
-/// The next coil along the branch, `stride` away in (ln Omega, depth) (pseudo-arclength: Keller 1977), so that folds are no hindrance. The stride adapts.
+/// The next coil along the branch, `stride` away in (ln Omega, depth) (pseudo-arclength: Keller 1977), so that folds are no hindrance. The
+/// stride adapts.
 std::optional<Thread> Follower::next(const Thread& before, const Thread& now, double& stride) {
     constexpr double longest = 0.5, shortest = 2e-4;
     const double d_turning = turning(now) - turning(before), d_depth = depth(now) - depth(before), apart = std::hypot(d_turning, d_depth);
@@ -306,7 +314,8 @@ CoilSolver& CoilSolver::operator=(CoilSolver&&) noexcept = default;
 
 std::optional<CoilTheory> CoilSolver::at(const CoilParameters& p, const std::atomic<bool>* give_up) {
     state_->effort = 0;
-    if (!(p.nozzle_radius > 0 && p.speed > 0 && p.viscosity > 0 && p.gravity >= 0 && p.fall > p.nozzle_radius && p.surface_tension >= 0)) return std::nullopt;
+    if (!(p.nozzle_radius > 0 && p.speed > 0 && p.viscosity > 0 && p.gravity >= 0 && p.fall > p.nozzle_radius && p.surface_tension >= 0))
+        return std::nullopt;
     Follower follower(numbers_of(p), give_up);
     std::optional<Thread> thread;
     if (state_->last && relative_change(p, state_->parameters) <= 0.1) {

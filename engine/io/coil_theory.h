@@ -1,8 +1,9 @@
 #pragma once
 /// Steady coiling of a slender viscous thread that falls on a plate: frequency and radius from theory, without a free parameter.
 ///
-/// The theory is that of Ribe (2004), Proc. R. Soc. A 460, 3223: a thread that is stretched, bent and twisted against its viscosity by gravity, inertia and (here)
-/// surface tension, steady in axes that turn with the coil. In these axes, with the arc length s from the nozzle and ' = d/ds:
+/// The theory is that of Ribe (2004), Proc. R. Soc. A 460, 3223: a thread that is stretched, bent and twisted against its viscosity by
+/// gravity, inertia and (here) surface tension, steady in axes that turn with the coil. In these axes, with the arc length s from the
+/// nozzle and ' = d/ds:
 ///
 ///     x axis of the thread, t its tangent, U speed along it, A = Q/U its cross-section, I = A^2/(4 pi), a its radius,
 ///     w angular velocity of a cross-section, N force and M moment in it, W = Omega e_z the coil's turning
@@ -13,8 +14,8 @@
 ///     N' = rho A (g e_z + U (U t)' + 2 U W x t + W x (W x x))                 weight and inertia
 ///     M' = -t x N                                                             (rotary inertia of sections is left out)
 ///
-/// Nozzle, s = 0: x = 0, t = -e_z, U = U0, w = 0. Plate, s = L: the axis one thread's radius above it; laid thread is at rest, U t + W x x = 0 with t horizontal,
-/// and neither rolls nor turns, w = 0; y = 0 fixes the phase. These are 18 conditions for 16 functions, Omega and L.
+/// Nozzle, s = 0: x = 0, t = -e_z, U = U0, w = 0. Plate, s = L: the axis one thread's radius above it; laid thread is at rest, U t + W x x
+/// = 0 with t horizontal, and neither rolls nor turns, w = 0; y = 0 fixes the phase. These are 18 conditions for 16 functions, Omega and L.
 #include <atomic>
 #include <iosfwd>
 #include <memory>
@@ -49,11 +50,12 @@ public:
     CoilSolver(CoilSolver&&) noexcept;
     CoilSolver& operator=(CoilSolver&&) noexcept;
 
-    /// Where all parameters are within a tenth of those of the last answer, the coil that this one became. Else (or where that cannot be found) the branch of coils
-    /// is followed from infinite viscosity, where there is one coil, down to the viscosity that is asked for, through its folds: where several coils are
-    /// possible (inertio-gravitational coiling: Ribe, Huppert, Hallworth, Habibi & Bonn 2006), the first that is met there.
-    /// @return nothing where none was found within `most_effort` linear solves, where it would be no wider than its own thread (then it is none), or when
-    /// `give_up` became true
+    /// Where all parameters are within a tenth of those of the last answer, the coil that this one became. Else (or where that cannot be
+    /// found) the branch of coils is followed from infinite viscosity, where there is one coil, down to the viscosity that is asked for,
+    /// through its folds: where several coils are possible (inertio-gravitational coiling: Ribe, Huppert, Hallworth, Habibi & Bonn 2006),
+    /// the first that is met there.
+    /// @return nothing where none was found within `most_effort` linear solves, where it would be no wider than its own thread (then it is
+    /// none), or when `give_up` became true
     std::optional<CoilTheory> at(const CoilParameters& parameters, const std::atomic<bool>* give_up = nullptr);
     /// Linear solves that the last answer took.
     int effort() const;

@@ -60,15 +60,16 @@ Measures measure(const World& world, const Vec3d& gravity, double micro_inertia)
     all.momentum = m * sums.segment<3>(5).matrix();
     all.angular_momentum = m * (sums.segment<3>(8) + micro_inertia * sums.segment<3>(12)).matrix();
     all.density_error_mean = sums[0] > 0 ? sums[15] / sums[0] : 0;
-    all.density_error_max =
-        parallel_max(fluid.size(), 0, [&](Index i) { return counts(static_cast<std::size_t>(i)) ? compression(static_cast<std::size_t>(i)) : 0.0; });
+    all.density_error_max = parallel_max(
+        fluid.size(), 0, [&](Index i) { return counts(static_cast<std::size_t>(i)) ? compression(static_cast<std::size_t>(i)) : 0.0; });
     return all;
 }
 
 std::string diagnostics_header() {
     return "frame,time,steps,particles,time_step,max_speed,kinetic_energy,potential_energy,spin_energy,momentum_x,momentum_y,momentum_z,"
            "angular_momentum_x,angular_momentum_y,angular_momentum_z,density_error_mean,density_error_max,pressure_iterations,"
-           "viscosity_iterations,lost_particles,wall_seconds,cpu_seconds,gravity_work,torque_work,pressure_work,boundary_work,viscous_dissipation,"
+           "viscosity_iterations,lost_particles,wall_seconds,cpu_seconds,gravity_work,torque_work,pressure_work,boundary_work,viscous_"
+           "dissipation,"
            "exchange_dissipation,smoothing_dissipation,surface_tension_work";
 }
 
@@ -76,14 +77,31 @@ std::string diagnostics_row(int frame, double time, const Measures& m, const Run
                             double cpu) {
     const double steps = static_cast<double>(std::max(1L, now.steps - before.steps));
     std::string row = std::to_string(frame);
-    for (double value : {time, static_cast<double>(now.steps), static_cast<double>(m.particles), now.last_step, m.max_speed, m.kinetic_energy,
-                         m.potential_energy, m.spin_energy, m.momentum.x(), m.momentum.y(), m.momentum.z(), m.angular_momentum.x(),
-                         m.angular_momentum.y(), m.angular_momentum.z(), m.density_error_mean, m.density_error_max,
+    for (double value : {time,
+                         static_cast<double>(now.steps),
+                         static_cast<double>(m.particles),
+                         now.last_step,
+                         m.max_speed,
+                         m.kinetic_energy,
+                         m.potential_energy,
+                         m.spin_energy,
+                         m.momentum.x(),
+                         m.momentum.y(),
+                         m.momentum.z(),
+                         m.angular_momentum.x(),
+                         m.angular_momentum.y(),
+                         m.angular_momentum.z(),
+                         m.density_error_mean,
+                         m.density_error_max,
                          (now.pressure_iterations - before.pressure_iterations) / steps,
-                         (now.viscosity_iterations - before.viscosity_iterations) / steps, static_cast<double>(now.lost_particles), wall, cpu})
+                         (now.viscosity_iterations - before.viscosity_iterations) / steps,
+                         static_cast<double>(now.lost_particles),
+                         wall,
+                         cpu})
         row += "," + number(value);
     const EnergyWork& work = now.work;
-    for (double value : {work.gravity, work.torque, work.pressure, work.boundary, -work.viscosity, -work.exchange, -work.smoothing, work.surface_tension})
+    for (double value :
+         {work.gravity, work.torque, work.pressure, work.boundary, -work.viscosity, -work.exchange, -work.smoothing, work.surface_tension})
         row += now.any_work ? "," + number(value) : ",";
     return row + "\n";
 }

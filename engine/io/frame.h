@@ -20,9 +20,9 @@ struct FrameSolid {
 };
 
 struct Frame {
-    int number = 0;        ///< 1, 2, ... as in frames/000001.png
-    double time = 0;       ///< s, simulated
-    float spacing = 0;     ///< m
+    int number = 0;               ///< 1, 2, ... as in frames/000001.png
+    double time = 0;              ///< s, simulated
+    float spacing = 0;            ///< m
     std::vector<Vec3f> position;  ///< m
     std::vector<Vec3f> velocity;  ///< m/s
     /// Other fields that the look or the export asks for, by their names in files (DESIGN names: "density", "pressure", "viscosity", ...).

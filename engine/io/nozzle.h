@@ -5,7 +5,8 @@
 
 namespace whorl {
 
-/// A tube around an emitter's opening: the wall stands half a spacing outside the fluid, the tube reaches `length` [m] back from the opening.
+/// A tube around an emitter's opening: the wall stands half a spacing outside the fluid, the tube reaches `length` [m] back from the
+/// opening.
 TriangleMesh nozzle_mesh(const EmitterShape& opening, Real spacing, Real length);
 
 }  // namespace whorl

@@ -115,7 +115,8 @@ std::unique_ptr<Probe> make_probe(const ProbeKeys& keys, const World& world, Pat
         case ProbeKind::line: break;
     }
     std::vector<Vec3d> points;
-    for (int k = 0; k < keys.count; ++k) points.push_back(keys.from + (keys.to - keys.from) * (keys.count > 1 ? k / (keys.count - 1.0) : 0.0));
+    for (int k = 0; k < keys.count; ++k)
+        points.push_back(keys.from + (keys.to - keys.from) * (keys.count > 1 ? k / (keys.count - 1.0) : 0.0));
     return std::make_unique<PointsProbe>(std::move(points), true, world);
 }
 

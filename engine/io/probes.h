@@ -26,12 +26,14 @@ public:
 };
 
 /// A probe of the scene. Only particles that are out of their nozzles count.
-///   region  time,particles,mass,centroid_*,velocity_*,spin_*        means over the box; empty where no particle is inside, spin 0 where none is kept
-///   point   time,velocity_*,density,pressure,...                    those quantities that the run keeps, interpolated; empty where no fluid is near
-///   line    time,s,x,y,z,velocity_*,...                             `count` points from `from` to `to` a frame, s [m] along the line
-///   coil    time,frequency,radius,turns,frequency_spread,radius_spread,pile_height,frequency_uncertainty,radius_uncertainty,fall,
+///   region  time,particles,mass,centroid_*,velocity_*,spin_*        means over the box; empty where no particle is inside, spin 0 where
+///   none is kept point   time,velocity_*,density,pressure,...                    those quantities that the run keeps, interpolated; empty
+///   where no fluid is near line    time,s,x,y,z,velocity_*,...                             `count` points from `from` to `to` a frame, s
+///   [m] along the line coil
+///   time,frequency,radius,turns,frequency_spread,radius_spread,pile_height,frequency_uncertainty,radius_uncertainty,fall,
 ///           theory_frequency,theory_radius   (coil_probe.h)
-/// Point and line interpolate with the run's kernel, f(x) = sum f_j W_j / sum W_j (Shepard 1968): exact for a constant field, at a surface too.
+/// Point and line interpolate with the run's kernel, f(x) = sum f_j W_j / sum W_j (Shepard 1968): exact for a constant field, at a surface
+/// too.
 /// @param patience of the coil's theory
 std::unique_ptr<Probe> make_probe(const ProbeKeys& keys, const World& world, Patience patience = Patience::waits);
 

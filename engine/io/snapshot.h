@@ -8,8 +8,8 @@ namespace whorl {
 /// Takes frames of one run; keeps the solids' meshes, which every frame shares.
 class Snapshots {
 public:
-    /// @param fields columns besides position and velocity to copy, by their names in files, and derived ones (derived_fields.h); those that the run
-    /// does not have are left out
+    /// @param fields columns besides position and velocity to copy, by their names in files, and derived ones (derived_fields.h); those
+    /// that the run does not have are left out
     Snapshots(const Simulation& simulation, std::vector<std::string> fields);
 
     /// All particles, those inside a nozzle too, so that the surface runs up into it; solids and nozzles where they stand now.

@@ -40,17 +40,17 @@ private:
     using Matrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
     /// The nodes of a separator (or of a leaf), and those later ones that its elimination touches.
     struct Front {
-        int first = 0, last = 0;       ///< own nodes, in the order of elimination
-        std::vector<int> boundary;     ///< later nodes, ascending
+        int first = 0, last = 0;    ///< own nodes, in the order of elimination
+        std::vector<int> boundary;  ///< later nodes, ascending
         std::vector<int> children;
-        Matrix own, below;             ///< of L: triangular, and the rows of the boundary
+        Matrix own, below;  ///< of L: triangular, and the rows of the boundary
     };
     struct Dissection;
     bool eliminate(Front& front, const SymmetricBlocks& A, std::vector<Eigen::MatrixXd>& left_over, std::size_t number) const;
 
-    std::vector<Front> fronts_;  ///< children before parents
-    std::vector<int> order_;     ///< of elimination, by node
-    std::vector<int> node_;      ///< by order
+    std::vector<Front> fronts_;                            ///< children before parents
+    std::vector<int> order_;                               ///< of elimination, by node
+    std::vector<int> node_;                                ///< by order
     std::vector<std::vector<std::pair<int, int>>> below_;  ///< by node: adjacent later nodes, and their place in the row
 };
 

@@ -1,7 +1,7 @@
 #pragma once
-/// Two-point boundary value problems y' = f(y) on 0 <= s <= 1, with conditions at both ends: collocation of fourth order (the cubic through values and slopes of two
-/// nodes solves the equation in their middle, too: Lobatto IIIA, as in Kierzenka & Shampine 2001), Newton's method with exact Jacobians, and
-/// meshes that spread the error evenly. Constants that are sought are functions whose slope is zero.
+/// Two-point boundary value problems y' = f(y) on 0 <= s <= 1, with conditions at both ends: collocation of fourth order (the cubic through
+/// values and slopes of two nodes solves the equation in their middle, too: Lobatto IIIA, as in Kierzenka & Shampine 2001), Newton's method
+/// with exact Jacobians, and meshes that spread the error evenly. Constants that are sought are functions whose slope is zero.
 ///
 /// A problem has
 ///     static constexpr int functions, start_conditions;          end conditions are the rest
@@ -32,7 +32,8 @@ public:
     static constexpr int n = Problem::functions, first = Problem::start_conditions, last = n - first;
     using Values = Vector<double, n>;
 
-    /// Solves on the mesh of `curve`, which holds the first guess; a step of Newton's method is halved while it does not lessen the residual.
+    /// Solves on the mesh of `curve`, which holds the first guess; a step of Newton's method is halved while it does not lessen the
+    /// residual.
     /// @param limits tolerance: of the last step, relative to 1 + |y|
     /// @return residuals: defects over the interval's length, relative to 1 + |y'|, and those of the conditions, in the mean square
     static SolveReport solve(const Problem& problem, Curve<n>& curve, SolveLimits limits);
@@ -103,8 +104,9 @@ bool Collocation<Problem>::eliminate(Block& block, int columns) {
 
 // With the defect of an interval   D = y_1 - y_0 - h/6 (f_0 + 4 f_m + f_1),  f_m = f((y_0 + y_1)/2 + h/8 (f_0 - f_1)),
 //     dD/dy_0 = -1 - h/6 (J_0 + 2 J_m) - h^2/12 J_m J_0,   dD/dy_1 = 1 - h/6 (J_1 + 2 J_m) + h^2/12 J_m J_1.
-// From the start on, the conditions on a node and the defects of the interval after it are eliminated together: n rows give that node by the next,
-// the others are conditions on the next. Rows may change places among them, which keeps the growth of what rises and of what falls along s in bounds.
+// From the start on, the conditions on a node and the defects of the interval after it are eliminated together: n rows give that node by
+// the next, the others are conditions on the next. Rows may change places among them, which keeps the growth of what rises and of what
+// falls along s in bounds.
 template <class Problem>
 std::vector<typename Collocation<Problem>::Values> Collocation<Problem>::newton_step(const Problem& problem, const Curve<n>& curve) {
     const std::size_t intervals = curve.s.size() - 1;
@@ -136,7 +138,8 @@ std::vector<typename Collocation<Problem>::Values> Collocation<Problem>::newton_
     Eigen::Matrix<double, last, n> at_end;
     Eigen::Matrix<double, n, n + 1> end;
     end.template topRows<first>() = condition;
-    end.template bottomRightCorner<last, 1>() = -with_jacobian<last>([&](const auto& jets) { return problem.at_end(jets); }, curve.y.back(), at_end);
+    end.template bottomRightCorner<last, 1>() =
+        -with_jacobian<last>([&](const auto& jets) { return problem.at_end(jets); }, curve.y.back(), at_end);
     end.template bottomLeftCorner<last, n>() = at_end;
     if (!eliminate(end, n)) return {};
     std::vector<Values> step(intervals + 1);
@@ -158,7 +161,8 @@ SolveReport Collocation<Problem>::solve(const Problem& problem, Curve<n>& curve,
         ++report.iterations;
         const std::vector<Values> step = newton_step(problem, curve);
         double size = step.empty() ? INFINITY : 0;
-        for (std::size_t i = 0; i < step.size(); ++i) size = std::max(size, (step[i].array().abs() / (1 + curve.y[i].array().abs())).maxCoeff());
+        for (std::size_t i = 0; i < step.size(); ++i)
+            size = std::max(size, (step[i].array().abs() / (1 + curve.y[i].array().abs())).maxCoeff());
         if (!std::isfinite(size)) return report.why_not = "the linear system is singular", report;
         double part = 1, now = INFINITY;
         const auto lessens = [&] { return std::isfinite(now) && (now < (1 - 0.2 * part) * report.last_residual || now < rounding); };
@@ -168,10 +172,8 @@ SolveReport Collocation<Problem>::solve(const Problem& problem, Curve<n>& curve,
             now = residual(problem, trial);
         }
         report.converged = size * part < limits.tolerance;
-        if (lessens())
-            curve.y.swap(trial.y), report.last_residual = now;
-        else if (!report.converged)
-            return report.why_not = "no part of Newton's step lessens the residual", report;
+        if (lessens()) curve.y.swap(trial.y), report.last_residual = now;
+        else if (!report.converged) return report.why_not = "no part of Newton's step lessens the residual", report;
         if (report.converged) return report;
     }
     report.why_not = "not converged after so many steps";
@@ -200,7 +202,8 @@ private:
 };
 
 template <class Problem>
-Curve<Collocation<Problem>::n> Collocation<Problem>::on_mesh(const Problem& problem, const Curve<n>& curve, const std::vector<double>& mesh) {
+Curve<Collocation<Problem>::n> Collocation<Problem>::on_mesh(const Problem& problem, const Curve<n>& curve,
+                                                             const std::vector<double>& mesh) {
     const Cubics cubics(problem, curve);
     Curve<n> other;
     other.s = mesh;
@@ -212,8 +215,8 @@ Curve<Collocation<Problem>::n> Collocation<Problem>::on_mesh(const Problem& prob
     return other;
 }
 
-// The cubic's slope against f at the two points between where they need not agree (sqrt(3/7) of half an interval from its middle) is of fourth order:
-// an interval's length goes by that error's fourth root; none is longer than twice the mean.
+// The cubic's slope against f at the two points between where they need not agree (sqrt(3/7) of half an interval from its middle) is of
+// fourth order: an interval's length goes by that error's fourth root; none is longer than twice the mean.
 template <class Problem>
 std::vector<double> Collocation<Problem>::even_mesh(const Problem& problem, const Curve<n>& curve, int intervals) {
     const Cubics cubics(problem, curve);

@@ -50,7 +50,8 @@ struct NoPreconditioner {
 /// @param r b - A x; then the last residual
 /// @param reference > 0, what the residual is measured against in the chosen norm
 template <class T, class Operator, class Preconditioner>
-SolveReport conjugate_gradients_from(const Operator& A, const Preconditioner& M, Span<T> r, Span<T> x, const SolveLimits& limits, ResidualNorm norm, double reference) {
+SolveReport conjugate_gradients_from(const Operator& A, const Preconditioner& M, Span<T> r, Span<T> x, const SolveLimits& limits,
+                                     ResidualNorm norm, double reference) {
     const std::size_t n = r.size();
     const auto count = static_cast<Index>(n);
     std::vector<T> z(n, zero_entry<T>()), q(n, zero_entry<T>());

@@ -35,7 +35,8 @@ ExpressionError described(const std::string& text, const mu::Parser::exception_t
         if (begin < end) {
             const int column = static_cast<int>(begin) + 1;
             return {"\"" + text + "\" is not an expression: no function \"" + text.substr(begin, end - begin) + "\" (column " +
-                        std::to_string(column) + " of the text)", column};
+                        std::to_string(column) + " of the text)",
+                    column};
         }
     }
     std::string message = e.GetMsg();
@@ -46,8 +47,9 @@ ExpressionError described(const std::string& text, const mu::Parser::exception_t
     if (found != std::string::npos && found + 6 == message.size()) message.resize(found);
     if (!message.empty()) message[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(message[0])));
     const int column = e.GetPos() < 0 ? 0 : static_cast<int>(std::min(end, text.size())) + 1;
-    return {"\"" + text + "\" is not an expression: " + message +
-                (column > 0 ? " (column " + std::to_string(column) + " of the text)" : ""), column};
+    return {
+        "\"" + text + "\" is not an expression: " + message + (column > 0 ? " (column " + std::to_string(column) + " of the text)" : ""),
+        column};
 }
 }  // namespace
 
@@ -69,7 +71,8 @@ Expression::Expression(const std::string& text) : text_(text) {
         // muParser takes "0,25" for a list and returns its last entry.
         if (p.GetNumResults() > 1)
             throw ExpressionError("\"" + text + "\" is not an expression: a comma outside a function (column " +
-                                      std::to_string(text.find(',') + 1) + " of the text)", static_cast<int>(text.find(',')) + 1);
+                                      std::to_string(text.find(',') + 1) + " of the text)",
+                                  static_cast<int>(text.find(',')) + 1);
         if (used.empty()) {
             constant_ = value;
         } else {
@@ -77,9 +80,7 @@ Expression::Expression(const std::string& text) : text_(text) {
                 if (used.count(name) > 0) compiled->uses += name[0];
             compiled_ = std::move(compiled);
         }
-    } catch (const mu::Parser::exception_type& e) {
-        throw described(text, e);
-    }
+    } catch (const mu::Parser::exception_type& e) { throw described(text, e); }
 }
 
 double Expression::operator()(double t, double x, double y, double z) const {

@@ -1,5 +1,6 @@
 #pragma once
-/// Numbers that carry their derivatives by n variables (forward differentiation): a formula written for any scalar gives its Jacobian to rounding.
+/// Numbers that carry their derivatives by n variables (forward differentiation): a formula written for any scalar gives its Jacobian to
+/// rounding.
 #include <Eigen/Core>
 #include <cmath>
 

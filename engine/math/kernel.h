@@ -12,7 +12,8 @@ enum class KernelKind { cubic, wendland_c2, wendland_c4 };
 /// Cubic B-spline (Monaghan and Lattanzio 1985), written for q = r/R:  W = 8/(pi R^3) (1 - 6 q^2 + 6 q^3 | 2 (1-q)^3).
 struct CubicKernel {
     Real R, inverse, norm;
-    explicit CubicKernel(Real support) : R(support), inverse(1 / support), norm(Real(8 / std::numbers::pi) / (support * support * support)) {}
+    explicit CubicKernel(Real support)
+        : R(support), inverse(1 / support), norm(Real(8 / std::numbers::pi) / (support * support * support)) {}
     Real value(Real r) const {
         const Real q = r * inverse;
         const Real p = std::max(Real(0), 1 - q);
@@ -35,7 +36,8 @@ struct CubicKernel {
 /// Wendland C2 (Wendland 1995):  W = 21/(2 pi R^3) (1-q)^4 (1+4q).
 struct WendlandC2Kernel {
     Real R, inverse, norm;
-    explicit WendlandC2Kernel(Real support) : R(support), inverse(1 / support), norm(Real(21 / (2 * std::numbers::pi)) / (support * support * support)) {}
+    explicit WendlandC2Kernel(Real support)
+        : R(support), inverse(1 / support), norm(Real(21 / (2 * std::numbers::pi)) / (support * support * support)) {}
     Real value(Real r) const {
         const Real q = r * inverse;
         const Real p = std::max(Real(0), 1 - q), p2 = p * p;

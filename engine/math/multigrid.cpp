@@ -102,8 +102,8 @@ void Multigrid::set_up(SparseRows A, std::vector<Cell> cells, const MultigridOpt
             return;
         }
         level.smoothing = inverse_diagonal(A);
-        // With sweeps of 4/3 over the largest eigenvalue the smoothed interpolation is the best of its degree; sweeps are symmetric and positive
-        // definite up to 2, so the estimate may miss a third.
+        // With sweeps of 4/3 over the largest eigenvalue the smoothed interpolation is the best of its degree; sweeps are symmetric and
+        // positive definite up to 2, so the estimate may miss a third.
         const Real w = Real(4.0 / 3) / largest_eigenvalue(A, level.smoothing);
         for (Real& one : level.smoothing) one *= w;
 
@@ -156,7 +156,9 @@ void Multigrid::cycle(std::size_t l, Span<const Real> b, Span<Real> x) const {
 
 std::size_t Multigrid::bytes() const {
     std::size_t sum = 0;
-    const auto rows = [](const SparseRows& A) { return A.first.size() * sizeof(std::size_t) + A.value.size() * (sizeof(Real) + sizeof(Index)); };
+    const auto rows = [](const SparseRows& A) {
+        return A.first.size() * sizeof(std::size_t) + A.value.size() * (sizeof(Real) + sizeof(Index));
+    };
     for (const Level& level : levels_) sum += rows(level.A) + rows(level.P) + rows(level.R) + 4 * level.b.size() * sizeof(Real);
     return sum + static_cast<std::size_t>(coarsest_.rows() * coarsest_.cols()) * sizeof(double);
 }

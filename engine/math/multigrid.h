@@ -46,8 +46,8 @@ public:
 private:
     struct Level {
         SparseRows A;
-        Column<Real> smoothing;     ///< w/D
-        SparseRows P, R;            ///< to this level from the next, and its transpose; empty on the coarsest
+        Column<Real> smoothing;  ///< w/D
+        SparseRows P, R;         ///< to this level from the next, and its transpose; empty on the coarsest
         mutable Column<Real> b, x, work;
     };
     void cycle(std::size_t level, Span<const Real> b, Span<Real> x) const;

@@ -18,8 +18,8 @@ struct SparseRows {
     void multiply(Span<const Real> x, Span<Real> y) const;
 };
 
-/// Sums up rows: f(i, add) calls add(column, value) any number of times. Columns stand in a row in the order in which they are first met, so the
-/// bits do not depend on the number of threads.
+/// Sums up rows: f(i, add) calls add(column, value) any number of times. Columns stand in a row in the order in which they are first met,
+/// so the bits do not depend on the number of threads.
 template <class F>
 SparseRows gather_rows(Index rows, Index columns, F&& f) {
     constexpr Index block = 256;

@@ -60,8 +60,8 @@ int form_aggregates(const Pairs& pairs, Span<const Vec3> x, Span<const std::int1
     return aggregate_by(neighbours, x, role, domain, cell, size, group);
 }
 
-void RigidAggregates::place(Span<const Vec3> x, Span<const std::int16_t> role, Span<const std::int32_t> group, int groups, const Domain& domain,
-                            Real spacing) {
+void RigidAggregates::place(Span<const Vec3> x, Span<const std::int16_t> role, Span<const std::int32_t> group, int groups,
+                            const Domain& domain, Real spacing) {
     const auto n = static_cast<Index>(x.size());
     of_.resize(x.size());
     arm_.resize(x.size());
@@ -76,7 +76,8 @@ void RigidAggregates::place(Span<const Vec3> x, Span<const std::int16_t> role, S
     for (Index i = 0; i < n; ++i)
         if (of_[at(i)] >= 0) member_[at(next[at(of_[at(i)])]++)] = i;
     parallel_for(n, [&](Index i) {
-        arm_[at(i)] = of_[at(i)] < 0 ? Vec3(Vec3::Zero()) : Vec3(domain.minimum_image(x[at(i)] - centre_[at(of_[at(i)])].cast<Real>()) / spacing);
+        arm_[at(i)] =
+            of_[at(i)] < 0 ? Vec3(Vec3::Zero()) : Vec3(domain.minimum_image(x[at(i)] - centre_[at(of_[at(i)])].cast<Real>()) / spacing);
     });
 }
 

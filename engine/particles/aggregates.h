@@ -24,8 +24,8 @@ struct Grouping {
     }
 };
 
-/// Groups of about `size` free particles: equal runs along the space-filling curve, made round by sweeps in which each particle joins the nearest
-/// centre among its neighbours' groups (Lloyd). Runs alone need more than twice the iterations.
+/// Groups of about `size` free particles: equal runs along the space-filling curve, made round by sweeps in which each particle joins the
+/// nearest centre among its neighbours' groups (Lloyd). Runs alone need more than twice the iterations.
 /// @param neighbours neighbours(i, visit) calls visit(j) for every neighbour j of i
 /// @param role field::role: only free particles are grouped @param cell [m], of the curve's cells
 /// @param group written: 1 to the number returned; 0 for particles that are not free
@@ -56,8 +56,8 @@ int aggregate_by(const Neighbours& neighbours, Span<const Vec3> x, Span<const st
     return g.drop_empty();
 }
 
-/// A group whose members do not hang together by their neighbours (two turns of a coil side by side, a thread beside its heap) becomes one a piece: no motion of
-/// the group as a whole moves the one against the other.
+/// A group whose members do not hang together by their neighbours (two turns of a coil side by side, a thread beside its heap) becomes one
+/// a piece: no motion of the group as a whole moves the one against the other.
 /// @param group as aggregate_by() leaves it @returns the number of groups then
 template <class Neighbours>
 int split_unconnected(const Neighbours& neighbours, Span<std::int32_t> group) {
@@ -100,7 +100,8 @@ std::vector<Vec3d> aggregate_centres(Span<const Vec3> x, Span<const std::int32_t
 class RigidAggregates {
 public:
     /// @param group as form_aggregates() leaves it; particles that are not free any more drop out
-    void place(Span<const Vec3> x, Span<const std::int16_t> role, Span<const std::int32_t> group, int groups, const Domain& domain, Real spacing);
+    void place(Span<const Vec3> x, Span<const std::int16_t> role, Span<const std::int32_t> group, int groups, const Domain& domain,
+               Real spacing);
     int groups() const { return static_cast<int>(centre_.size()); }
     /// From 0; -1: in none.
     int of(Index i) const { return of_[static_cast<std::size_t>(i)]; }

@@ -33,10 +33,10 @@ struct Emitter::State {
     std::int16_t role;
 
     Vec3 width_axis, thickness_axis;
-    double length = 0;                ///< m, of a block of the column; its particles repeat with this period
-    std::vector<Vec3> block;          ///< in the opening's frame: across in x and y, z in [0, length) is pushed out in this order
-    std::vector<long> next_copy;      ///< of each particle of the block: how many of its copies have entered
-    double pushed = 0;                ///< m, integral of the mean speed
+    double length = 0;            ///< m, of a block of the column; its particles repeat with this period
+    std::vector<Vec3> block;      ///< in the opening's frame: across in x and y, z in [0, length) is pushed out in this order
+    std::vector<long> next_copy;  ///< of each particle of the block: how many of its copies have entered
+    double pushed = 0;            ///< m, integral of the mean speed
 
     /// Speed over mean speed at a point of the opening.
     double profile(Real across_width, Real across_thickness) const {
@@ -78,10 +78,12 @@ struct Emitter::State {
             along.max.z() = static_cast<Real>(period);
             along.periodic[2] = true;
         }
-        relax(block, [this](const Vec3& q) { return pipe_distance(shape, q); }, spacing, along, 300);
+        relax(
+            block, [this](const Vec3& q) { return pipe_distance(shape, q); }, spacing, along, 300);
     }
 
-    /// A plug moves as one: a periodic column of blue noise, as long as makes its volume a whole number of particles, so that the mass flow is exact.
+    /// A plug moves as one: a periodic column of blue noise, as long as makes its volume a whole number of particles, so that the mass flow
+    /// is exact.
     void make_column(std::uint64_t seed) {
         const double volume = std::pow(static_cast<double>(spacing), 3);
         const long count = std::max(1L, std::lround(opening_area(shape) * 24 * spacing / volume));
@@ -89,8 +91,8 @@ struct Emitter::State {
         fill_pipe(count, length, seed);
     }
 
-    /// Layers that slide past each other would push blue noise into pairs. Streamlines stay apart whatever their speeds: blue noise in the cross-section,
-    /// single files along the flow, each with a phase of its own.
+    /// Layers that slide past each other would push blue noise into pairs. Streamlines stay apart whatever their speeds: blue noise in the
+    /// cross-section, single files along the flow, each with a phase of its own.
     void make_streamlines(std::uint64_t seed) {
         const double area = static_cast<double>(spacing) * spacing;
         const long count = std::max(1L, std::lround(opening_area(shape) / area));
@@ -189,7 +191,8 @@ void Emitter::change(Expression speed, double start, double stop) {
 
 void Emitter::save(std::ostream& out) const {
     out.write(reinterpret_cast<const char*>(&state_->pushed), sizeof(double));
-    out.write(reinterpret_cast<const char*>(state_->next_copy.data()), static_cast<std::streamsize>(state_->next_copy.size() * sizeof(long)));
+    out.write(reinterpret_cast<const char*>(state_->next_copy.data()),
+              static_cast<std::streamsize>(state_->next_copy.size() * sizeof(long)));
 }
 
 void Emitter::load(std::istream& in) {

@@ -11,12 +11,12 @@
 namespace whorl {
 
 struct EmitterShape {
-    bool slot = false;               ///< a rectangle, width x thickness, rather than a disc
-    Vec3 centre = Vec3::Zero();      ///< m, of the opening
-    Vec3 direction = -Vec3::UnitY(); ///< unit, the way the fluid goes
-    Real radius = 0;                 ///< m
-    Real width = 0, thickness = 0;   ///< m
-    bool parabolic = false;          ///< else a plug
+    bool slot = false;                ///< a rectangle, width x thickness, rather than a disc
+    Vec3 centre = Vec3::Zero();       ///< m, of the opening
+    Vec3 direction = -Vec3::UnitY();  ///< unit, the way the fluid goes
+    Real radius = 0;                  ///< m
+    Real width = 0, thickness = 0;    ///< m
+    bool parabolic = false;           ///< else a plug
 };
 
 /// Unit axes of the opening's plane: a slot's width lies along `width` (horizontal; along x where the fluid goes straight up or down),
@@ -28,15 +28,15 @@ inline void opening_axes(const EmitterShape& opening, Vec3& width, Vec3& thickne
     thickness = back.cross(width);
 }
 
-/// Pushes an endless column of blue-noise fluid through an opening. A buffer of `depth` [m] above the opening holds particles that are already
-/// in the store with their velocity prescribed (role -k): neighbours find a full neighbourhood at the exit.
+/// Pushes an endless column of blue-noise fluid through an opening. A buffer of `depth` [m] above the opening holds particles that are
+/// already in the store with their velocity prescribed (role -k): neighbours find a full neighbourhood at the exit.
 class Emitter {
 public:
     /// @param number 1, 2, ...: particles in this nozzle carry the role -number
     Emitter(EmitterShape shape, Expression speed, double start, double stop, Real spacing, Real depth, int number, std::uint64_t seed);
 
-    /// Call at the start of a step: fills the buffer with particles (other lasting columns of new particles start at zero), and sets the velocity that
-    /// its particles have during [t, t + dt]. The step's own move stage then moves them like all others.
+    /// Call at the start of a step: fills the buffer with particles (other lasting columns of new particles start at zero), and sets the
+    /// velocity that its particles have during [t, t + dt]. The step's own move stage then moves them like all others.
     void enter(ParticleStore& fluid, double t, double dt);
     /// Call after the move: particles beyond the opening become free (role 0). Returns how many.
     Index release(ParticleStore& fluid, double t) const;

@@ -35,8 +35,8 @@ struct spin {
     using type = Vec3;
     static constexpr std::string_view name = "spin", unit = "1/s", meaning = "angular velocity of the micro-rotation";
 };
-/// 0: free. k > 0: stuck to solid k - 1 and moving with it. -k < 0: still inside the nozzle of emitter k - 1. The velocity of a particle that is
-/// not free is prescribed (by its solid or emitter): models read it and leave it as it is.
+/// 0: free. k > 0: stuck to solid k - 1 and moving with it. -k < 0: still inside the nozzle of emitter k - 1. The velocity of a particle
+/// that is not free is prescribed (by its solid or emitter): models read it and leave it as it is.
 struct role {
     using type = std::int16_t;
     static constexpr std::string_view name = "role", unit = "", meaning = "free, stuck to a solid, or inside a nozzle";

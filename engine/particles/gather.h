@@ -25,8 +25,11 @@ void gather(const Vec3* vectors, const Index* index, Index count, Real (&out)[3]
     for (Index l = 0; l < count; l += lanes) {
         __m512 row[4];
         for (int a = 0; a < 4; ++a) {
-            const auto at = [&](int quarter) { return _mm_maskz_loadu_ps(0b0111, v + 3 * static_cast<std::ptrdiff_t>(index[l + 4 * quarter + a])); };
-            row[a] = _mm512_insertf32x4(_mm512_insertf32x4(_mm512_insertf32x4(_mm512_castps128_ps512(at(0)), at(1), 1), at(2), 2), at(3), 3);
+            const auto at = [&](int quarter) {
+                return _mm_maskz_loadu_ps(0b0111, v + 3 * static_cast<std::ptrdiff_t>(index[l + 4 * quarter + a]));
+            };
+            row[a] =
+                _mm512_insertf32x4(_mm512_insertf32x4(_mm512_insertf32x4(_mm512_castps128_ps512(at(0)), at(1), 1), at(2), 2), at(3), 3);
         }
         const __m512 xy_0 = _mm512_unpacklo_ps(row[0], row[1]), xy_1 = _mm512_unpacklo_ps(row[2], row[3]);
         const __m512 z_0 = _mm512_unpackhi_ps(row[0], row[1]), z_1 = _mm512_unpackhi_ps(row[2], row[3]);

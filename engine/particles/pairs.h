@@ -42,10 +42,10 @@ public:
         static constexpr Index most = 64;
         Index count;
         alignas(64) Index other[most];
-        alignas(64) Real r[3][most];     ///< components of x_i - x_j, m
+        alignas(64) Real r[3][most];  ///< components of x_i - x_j, m
         alignas(64) Real distance[most];
-        /// A multiple of `lanes`, so that a loop up to it has no remainder. Entries from `count` on stand at the end of the support, where every kernel
-        /// and its slope are 0, and name a neighbour that exists.
+        /// A multiple of `lanes`, so that a loop up to it has no remainder. Entries from `count` on stand at the end of the support, where
+        /// every kernel and its slope are 0, and name a neighbour that exists.
         Index padded() const { return (count + lanes - 1) & -lanes; }
         /// out[a][l] = v[other[l]][a] for l < padded().
         void gather(const Vec3* v, Real (&out)[3][most]) const { whorl::gather(v, other, padded(), out); }
@@ -75,7 +75,8 @@ public:
                     for (Index l = 0; l < padded; ++l) group.r[a][l] = l < count ? x - group.r[a][l] : edge;
             }
             for (Index l = 0; l < padded; ++l)
-                group.distance[l] = std::sqrt(group.r[0][l] * group.r[0][l] + group.r[1][l] * group.r[1][l] + group.r[2][l] * group.r[2][l]);
+                group.distance[l] =
+                    std::sqrt(group.r[0][l] * group.r[0][l] + group.r[1][l] * group.r[1][l] + group.r[2][l] * group.r[2][l]);
             f(static_cast<const Group&>(group));
         }
     }

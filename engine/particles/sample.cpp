@@ -27,7 +27,8 @@ Extent extent_of(const Shape& shape, const Domain& domain) {
     return e;
 }
 
-std::vector<Vec3> lattice(const Shape& shape, const Extent& e, double spacing, double jitter, std::uint64_t seed, Layers layers = Layers::nearest) {
+std::vector<Vec3> lattice(const Shape& shape, const Extent& e, double spacing, double jitter, std::uint64_t seed,
+                          Layers layers = Layers::nearest) {
     std::vector<Vec3> x;
     Vec3d step, first;
     long count[3];
@@ -44,7 +45,8 @@ std::vector<Vec3> lattice(const Shape& shape, const Extent& e, double spacing, d
     for (long k = 0; k < count[2]; ++k)
         for (long j = 0; j < count[1]; ++j)
             for (long i = 0; i < count[0]; ++i) {
-                Vec3d p = first + Vec3d(static_cast<double>(i) * step[0], static_cast<double>(j) * step[1], static_cast<double>(k) * step[2]);
+                Vec3d p =
+                    first + Vec3d(static_cast<double>(i) * step[0], static_cast<double>(j) * step[1], static_cast<double>(k) * step[2]);
                 const Vec3d shift(random() - 0.5, random() - 0.5, random() - 0.5);
                 if (shape.distance(p.cast<Real>()) >= 0) continue;
                 const Vec3 moved = (p + 2 * jitter * spacing * shift).cast<Real>();
@@ -69,7 +71,8 @@ double volume_within(const Shape& shape, const Extent& e, double spacing) {
         long n = 0;
         for (long j = 0; j < count[1]; ++j)
             for (long i = 0; i < count[0]; ++i) {
-                const Vec3d p = e.min + Vec3d((static_cast<double>(i) + 0.5) * step[0], (static_cast<double>(j) + 0.5) * step[1], (k + 0.5) * step[2]);
+                const Vec3d p =
+                    e.min + Vec3d((static_cast<double>(i) + 0.5) * step[0], (static_cast<double>(j) + 0.5) * step[1], (k + 0.5) * step[2]);
                 n += shape.distance(p.cast<Real>()) < 0;
             }
         return static_cast<double>(n);
@@ -129,7 +132,8 @@ void relax(std::vector<Vec3>& x, const Distance& distance, Real spacing, const D
     }
 }
 
-std::vector<Vec3> sample_shape(const Shape& shape, Sampling sampling, Real spacing, const Domain& domain, std::uint64_t seed, Layers layers) {
+std::vector<Vec3> sample_shape(const Shape& shape, Sampling sampling, Real spacing, const Domain& domain, std::uint64_t seed,
+                               Layers layers) {
     const Extent e = extent_of(shape, domain);
     if (sampling == Sampling::lattice) return lattice(shape, e, spacing, 0, seed, layers);
     if (sampling == Sampling::jittered) return lattice(shape, e, spacing, 0.2, seed, layers);

@@ -10,20 +10,23 @@
 namespace whorl {
 
 enum class Sampling { lattice, jittered, blue_noise };
-/// How many layers a lattice has along an axis: as many as come nearest to the shape's length, or as many as stand half a spacing within it (0.45 at least).
+/// How many layers a lattice has along an axis: as many as come nearest to the shape's length, or as many as stand half a spacing within it
+/// (0.45 at least).
 enum class Layers { nearest, within };
 
 /// Signed distance [m], negative inside.
 using Distance = std::function<Real(const Vec3&)>;
 
 /// Positions that fill the shape, one a volume spacing^3; the same for the same seed.
-/// lattice: cubic, centred in the shape, fitted to periodic axes that the shape spans. jittered: the lattice, each point moved by up to a fifth of the spacing.
-/// blue_noise: irregular, no pair closer than about 0.7 spacings, the outermost particles about half a spacing inside the surface.
+/// lattice: cubic, centred in the shape, fitted to periodic axes that the shape spans. jittered: the lattice, each point moved by up to a
+/// fifth of the spacing. blue_noise: irregular, no pair closer than about 0.7 spacings, the outermost particles about half a spacing inside
+/// the surface.
 /// @return empty where the shape holds no particle
-std::vector<Vec3> sample_shape(const Shape& shape, Sampling sampling, Real spacing, const Domain& domain, std::uint64_t seed, Layers layers = Layers::nearest);
+std::vector<Vec3> sample_shape(const Shape& shape, Sampling sampling, Real spacing, const Domain& domain, std::uint64_t seed,
+                               Layers layers = Layers::nearest);
 
-/// Relaxes points towards blue noise: each is pushed away from neighbours nearer than 1.6 spacings, and from their mirror images behind the surface,
-/// so that the density stays even up to it.
+/// Relaxes points towards blue noise: each is pushed away from neighbours nearer than 1.6 spacings, and from their mirror images behind the
+/// surface, so that the density stays even up to it.
 /// @param domain only its periodic axes are used
 void relax(std::vector<Vec3>& x, const Distance& distance, Real spacing, const Domain& domain, int sweeps);
 

@@ -37,7 +37,8 @@ Index* append_near(const Test& test, const Real* const p[3], const Index* index,
         for (int a = 0; a < 3; ++a) {
             d[a] = _mm512_sub_ps(_mm512_set1_ps(test.x[a]), _mm512_loadu_ps(p[a] + k));
             if constexpr (periodic) {
-                const __m512 images = _mm512_roundscale_ps(_mm512_mul_ps(d[a], _mm512_set1_ps(test.inverse_period[a])), _MM_FROUND_TO_NEAREST_INT);
+                const __m512 images =
+                    _mm512_roundscale_ps(_mm512_mul_ps(d[a], _mm512_set1_ps(test.inverse_period[a])), _MM_FROUND_TO_NEAREST_INT);
                 d[a] = _mm512_fnmadd_ps(images, _mm512_set1_ps(test.period[a]), d[a]);
             }
         }
@@ -127,7 +128,7 @@ void NeighbourSearch::choose_axes(Span<const Vec3> x, Real support, const Domain
         if (domain.periodic[static_cast<std::size_t>(a)]) {
             const double length = double(domain.max[a]) - double(domain.min[a]);
             WHORL_ASSERT(length >= 2 * double(support) * (1 - 1e-5),
-                         + std::string("axis of ") + std::to_string(length) + " m, support " + std::to_string(support) + " m");
+                         +std::string("axis of ") + std::to_string(length) + " m, support " + std::to_string(support) + " m");
             axis.origin = domain.min[a];
             cells[a] = std::min(std::floor(length / edge), most_cells);
             axis.edge = length / cells[a];
@@ -140,7 +141,8 @@ void NeighbourSearch::choose_axes(Span<const Vec3> x, Real support, const Domain
             axis.wraps = false;
         }
     }
-    // Not many more bins than particles: the longest axes share bins. Halving keeps a periodic axis whole if its cells are a multiple of its bins.
+    // Not many more bins than particles: the longest axes share bins. Halving keeps a periodic axis whole if its cells are a multiple of
+    // its bins.
     const double most = 8.0 * static_cast<double>(x.size()) + 1024;
     double bins[3] = {cells[0], cells[1], cells[2]};
     while (bins[0] * bins[1] * bins[2] > most) {
@@ -175,7 +177,8 @@ void NeighbourSearch::fill_bins(Span<const Vec3> x, const Domain& domain) {
     });
 
     // Counting sort, stable: within a bin the order of the store.
-    const std::size_t bins = static_cast<std::size_t>(axis_[0].bins) * static_cast<std::size_t>(axis_[1].bins) * static_cast<std::size_t>(axis_[2].bins);
+    const std::size_t bins =
+        static_cast<std::size_t>(axis_[0].bins) * static_cast<std::size_t>(axis_[1].bins) * static_cast<std::size_t>(axis_[2].bins);
     start_.assign(bins + 2, 0);
     for (std::size_t k = 0; k < n; ++k)
         if (bin_of_[k] >= 0) ++start_[static_cast<std::size_t>(bin_of_[k]) + 2];
@@ -275,9 +278,7 @@ void NeighbourSearch::fill_rows(Span<const Vec3> own, bool among_themselves, Rea
     pairs.other.resize(pairs.first[own.size()]);
 }
 
-void NeighbourSearch::find(Span<const Vec3> x, Real support, const Domain& domain, Pairs& pairs) {
-    find(x, x, support, domain, pairs);
-}
+void NeighbourSearch::find(Span<const Vec3> x, Real support, const Domain& domain, Pairs& pairs) { find(x, x, support, domain, pairs); }
 
 void NeighbourSearch::find(Span<const Vec3> x_own, Span<const Vec3> x_other, Real support, const Domain& domain, Pairs& pairs) {
     pairs.x_own = x_own;

@@ -9,10 +9,10 @@ namespace whorl {
 
 /// Finds all pairs closer than the support radius. Keeps its memory from step to step: one object a use.
 ///
-/// Positions are binned in cells somewhat smaller than the support. An axis too long for one bin a cell takes the cell's coordinate modulo the
-/// number of bins, so that a stray particle kilometres away costs nothing (two far cells may share a bin: the distance test tells them apart).
-/// A particle whose position is not finite gets no neighbours. Two particles at the same place are neighbours at distance 0.
-/// The test on |x_i - x_j|^2, in Real, is formed in the same way from both sides: j stands in row i if and only if i stands in row j.
+/// Positions are binned in cells somewhat smaller than the support. An axis too long for one bin a cell takes the cell's coordinate modulo
+/// the number of bins, so that a stray particle kilometres away costs nothing (two far cells may share a bin: the distance test tells them
+/// apart). A particle whose position is not finite gets no neighbours. Two particles at the same place are neighbours at distance 0. The
+/// test on |x_i - x_j|^2, in Real, is formed in the same way from both sides: j stands in row i if and only if i stands in row j.
 class NeighbourSearch {
 public:
     /// Pairs among x, each in both rows. `pairs` refers to x afterwards.
@@ -44,10 +44,10 @@ private:
     void append_row(const Vec3& x, Index self, const Reach& reach, Rows& rows) const;
 
     Axis axis_[3];
-    Column<Index> bin_of_;        ///< of each particle, -1 where its position is not finite
-    Column<Index> start_;         ///< of each bin in the packed columns
-    Column<Real> packed_[3];      ///< positions in the order of the bins
-    Column<Index> packed_index_;  ///< their places in the store
+    Column<Index> bin_of_;             ///< of each particle, -1 where its position is not finite
+    Column<Index> start_;              ///< of each bin in the packed columns
+    Column<Real> packed_[3];           ///< positions in the order of the bins
+    Column<Index> packed_index_;       ///< their places in the store
     std::vector<Column<Index>> rows_;  ///< of each block of a batch
 };
 

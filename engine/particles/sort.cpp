@@ -50,7 +50,8 @@ Span<const Index> CurveSort::order(Span<const Vec3> x, Real cell) {
     other_order_.resize(x.size());
     const auto finite = [&](Index i) { return std::isfinite(x[at(i)][0]) && std::isfinite(x[at(i)][1]) && std::isfinite(x[at(i)][2]); };
 
-    // Cells count from the middle of the range of keys at the origin and wrap: a stray particle far away cannot coarsen the cells of the others.
+    // Cells count from the middle of the range of keys at the origin and wrap: a stray particle far away cannot coarsen the cells of the
+    // others.
     constexpr double range = double(1 << axis_bits);
     const auto coordinate = [&](Index i, int a) {
         const double c = std::floor(double(x[at(i)][a]) / double(cell)) + range / 2;
@@ -58,8 +59,8 @@ Span<const Index> CurveSort::order(Span<const Vec3> x, Real cell) {
     };
     std::array<std::uint32_t, 3> lowest{}, highest{};
     for (int a = 0; a < 3; ++a) {
-        lowest[static_cast<std::size_t>(a)] =
-            static_cast<std::uint32_t>(-parallel_max(n, 1 - range, [&](Index i) { return finite(i) ? -double(coordinate(i, a)) : 1 - range; }));
+        lowest[static_cast<std::size_t>(a)] = static_cast<std::uint32_t>(
+            -parallel_max(n, 1 - range, [&](Index i) { return finite(i) ? -double(coordinate(i, a)) : 1 - range; }));
         highest[static_cast<std::size_t>(a)] =
             static_cast<std::uint32_t>(parallel_max(n, 0, [&](Index i) { return finite(i) ? double(coordinate(i, a)) : 0; }));
     }

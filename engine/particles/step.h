@@ -29,13 +29,13 @@ struct StepContext {
 /// Where and how a run went wrong: a result, not an exception.
 struct Divergence {
     std::string stage, field;
-    double time = 0;                 ///< s
-    Vec3d place = Vec3d::Zero();     ///< m, of the first particle found
-    std::string what;                ///< "velocity is not finite", ...
+    double time = 0;              ///< s
+    Vec3d place = Vec3d::Zero();  ///< m, of the first particle found
+    std::string what;             ///< "velocity is not finite", ...
 };
 
-/// Work on the particles in a step, into their kinetic and spin energy, by its cause [J]; what is dissipated counts negative. Solids do their work
-/// through the terms by which they act.
+/// Work on the particles in a step, into their kinetic and spin energy, by its cause [J]; what is dissipated counts negative. Solids do
+/// their work through the terms by which they act.
 struct EnergyWork {
     double gravity = 0, torque = 0, pressure = 0, viscosity = 0, exchange = 0, smoothing = 0, boundary = 0, surface_tension = 0;
     EnergyWork& operator+=(const EnergyWork& o) {
@@ -53,7 +53,7 @@ struct StepReport {
     };
     std::vector<Solve> solves;
     std::optional<EnergyWork> work;  ///< where the models keep an energy budget
-    Index lost_particles = 0;  ///< left the domain in this step
+    Index lost_particles = 0;        ///< left the domain in this step
     std::optional<Divergence> diverged;
 };
 

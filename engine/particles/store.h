@@ -15,16 +15,16 @@ namespace whorl {
 /// What the program knows of a field at run time. One object a field: compare by address or by name.
 struct FieldInfo {
     std::string_view name, unit, meaning;
-    std::size_t bytes;    ///< a particle
-    int components;       ///< 1 scalar, 3 vector, 9 matrix
-    bool integer;         ///< whole numbers rather than Real
+    std::size_t bytes;  ///< a particle
+    int components;     ///< 1 scalar, 3 vector, 9 matrix
+    bool integer;       ///< whole numbers rather than Real
     std::unique_ptr<struct ColumnBase> (*make)();
 };
 
 struct ColumnBase {
     virtual ~ColumnBase() = default;
-    virtual void resize(std::size_t n) = 0;                      ///< new entries are zero
-    virtual void gather(Span<const Index> order) = 0;            ///< new[k] = old[order[k]]; also shrinks
+    virtual void resize(std::size_t n) = 0;            ///< new entries are zero
+    virtual void gather(Span<const Index> order) = 0;  ///< new[k] = old[order[k]]; also shrinks
     virtual const void* data() const = 0;
     virtual void* data() = 0;
     virtual std::size_t capacity_bytes() const = 0;
@@ -58,8 +58,9 @@ constexpr int components() {
 template <class F>
 const FieldInfo& field_info() {
     using T = typename F::type;
-    static const FieldInfo info{F::name, F::unit, F::meaning, sizeof(T), detail::components<T>(), std::is_integral_v<T>,
-                                [] { return std::unique_ptr<ColumnBase>(new detail::TypedColumn<T>); }};
+    static const FieldInfo info{F::name, F::unit, F::meaning, sizeof(T), detail::components<T>(), std::is_integral_v<T>, [] {
+                                    return std::unique_ptr<ColumnBase>(new detail::TypedColumn<T>);
+                                }};
     return info;
 }
 
@@ -72,11 +73,15 @@ public:
     void declare(const FieldInfo& info, bool lasting);
     bool has(const FieldInfo& info) const { return columns_.count(&info) > 0; }
     template <class F>
-    bool has() const { return has(field_info<F>()); }
+    bool has() const {
+        return has(field_info<F>());
+    }
 
     /// The column; it must have been declared. Valid until the next resize(), gather() or keep().
     template <class F>
-    Span<typename F::type> column() { return typed<typename F::type>(field_info<F>()); }
+    Span<typename F::type> column() {
+        return typed<typename F::type>(field_info<F>());
+    }
     template <class F>
     Span<const typename F::type> column() const {
         return const_cast<ParticleStore*>(this)->typed<typename F::type>(field_info<F>());
@@ -102,7 +107,7 @@ private:
     template <class T>
     Span<T> typed(const FieldInfo& info) {
         const auto it = columns_.find(&info);
-        WHORL_ASSERT(it != columns_.end(), + std::string(info.name) + " was never declared");
+        WHORL_ASSERT(it != columns_.end(), +std::string(info.name) + " was never declared");
         return {static_cast<T*>(it->second.column->data()), static_cast<std::size_t>(size_)};
     }
     std::map<const FieldInfo*, Entry> columns_;

@@ -17,10 +17,14 @@ void check_bodies(const Scene& scene, const Plan& plan, std::vector<Problem>& pr
                        "give it a density; or let it move by position and rotation, expressions of t");
             continue;
         }
-        if (solid.shape.kind == "plane") report(name + ".density", name + " is a plane, which has no end: it cannot be a free body", "take a box");
-        if (solid.inside) report(name + ".density", name + " is a container of the fluid (inside): it cannot be a free body", "make a hollow body from a mesh");
+        if (solid.shape.kind == "plane")
+            report(name + ".density", name + " is a plane, which has no end: it cannot be a free body", "take a box");
+        if (solid.inside)
+            report(name + ".density", name + " is a container of the fluid (inside): it cannot be a free body",
+                   "make a hollow body from a mesh");
         if (solid.slip == Slip::navier)
-            report(name + ".slip", "along free bodies the fluid sticks or slides freely: a slip length does not push back on them", "take \"no\" or \"free\"");
+            report(name + ".slip", "along free bodies the fluid sticks or slides freely: a slip length does not push back on them",
+                   "take \"no\" or \"free\"");
         if (solid.position.depends_on_time() || solid.rotation.depends_on_time())
             report(name + ".density", name + " has a density, so forces move it, and position or rotation, which depend on t, cannot",
                    "give where it starts, and its velocity");
@@ -33,9 +37,12 @@ void check_bodies(const Scene& scene, const Plan& plan, std::vector<Problem>& pr
                    (plan.pressure == PressureModel::ppe ? ", pressure.form = \"poisson\"" : ""),
                "take \"ppe\" with form = \"constraint\", which solves for fluid and bodies at once, or \"wcsph\"");
     else if (plan.boundary == BoundaryModel::none)
-        report("models.boundary", "free bodies feel the fluid through their layer of particles, and models.boundary is none", "take \"auto\"");
-    if (plan.viscosity == ViscosityModel::full_assembled || plan.viscosity == ViscosityModel::pairwise || (plan.viscosity == ViscosityModel::full && !scene.viscosity.correction))
-        report("models.viscosity", std::string("models.viscosity = \"") + name_of(plan.viscosity) + "\" as given here does not move free bodies",
+        report("models.boundary", "free bodies feel the fluid through their layer of particles, and models.boundary is none",
+               "take \"auto\"");
+    if (plan.viscosity == ViscosityModel::full_assembled || plan.viscosity == ViscosityModel::pairwise ||
+        (plan.viscosity == ViscosityModel::full && !scene.viscosity.correction))
+        report("models.viscosity",
+               std::string("models.viscosity = \"") + name_of(plan.viscosity) + "\" as given here does not move free bodies",
                "take \"full\" with viscosity.correction, \"explicit\", \"xsph\" or \"none\"");
     if (scene.fluid.surface_tension > 0) report("fluid.surface_tension", "surface tension does not pull on free bodies", "take 0");
     if (plan.micropolar != MicropolarModel::none) report("models.micropolar", "micropolar fluids do not move free bodies", "take \"none\"");

@@ -18,27 +18,37 @@ void check_models(const Scene& scene, const Plan& plan, double viscous_number, s
         problems.push_back({scene.place(key), what, hint, allowed.empty() ? "" : "allowed: " + allowed});
     };
     if (scene.fluid.surface_tension > 0 && plan.pressure == PressureModel::none)
-        report("fluid.surface_tension", "surface tension pulls particles together, and models.pressure = \"none\" keeps none apart", "choose a pressure");
+        report("fluid.surface_tension", "surface tension pulls particles together, and models.pressure = \"none\" keeps none apart",
+               "choose a pressure");
     if (scene.boundary.gate > 0 && plan.boundary != BoundaryModel::akinci && plan.boundary != BoundaryModel::ppe)
-        report("boundary.gate", std::string("boundary.gate belongs to solids of models.pressure = \"wcsph\" or \"ppe\", and this scene has models.pressure = \"") +
-                                    name_of(plan.pressure) + "\"" + (scene.solids.empty() ? " and no solids" : ""),
+        report("boundary.gate",
+               std::string(
+                   "boundary.gate belongs to solids of models.pressure = \"wcsph\" or \"ppe\", and this scene has models.pressure = \"") +
+                   name_of(plan.pressure) + "\"" + (scene.solids.empty() ? " and no solids" : ""),
                "set boundary.gate = 0");
 
     if (plan.viscosity == ViscosityModel::full_assembled)
         if (const double bytes = plan.estimated_particles * assembled_bytes(plan.support / plan.spacing); bytes > most_assembled_bytes)
-            report("models.viscosity", fmt::format("the matrix of models.viscosity = \"full_assembled\" would take {:.1f} GB ({:.0f} particles)",
-                                                   bytes / 1e9, plan.estimated_particles),
-                   "take \"full\", the same without a matrix, or a larger fluid.spacing", fmt::format("up to {:g} GB", most_assembled_bytes / 1e9));
+            report("models.viscosity",
+                   fmt::format("the matrix of models.viscosity = \"full_assembled\" would take {:.1f} GB ({:.0f} particles)", bytes / 1e9,
+                               plan.estimated_particles),
+                   "take \"full\", the same without a matrix, or a larger fluid.spacing",
+                   fmt::format("up to {:g} GB", most_assembled_bytes / 1e9));
 
     if (plan.viscosity == ViscosityModel::full_assembled && viscous_number > most_assembled_viscous_number)
-        report("models.viscosity", fmt::format("the solver of models.viscosity = \"full_assembled\" does not converge where nu dt/d^2 = {:.2g}", viscous_number),
-               "take \"full\", whose iterations do not grow with it, or smaller steps", fmt::format("up to {:g}", most_assembled_viscous_number));
+        report(
+            "models.viscosity",
+            fmt::format("the solver of models.viscosity = \"full_assembled\" does not converge where nu dt/d^2 = {:.2g}", viscous_number),
+            "take \"full\", whose iterations do not grow with it, or smaller steps",
+            fmt::format("up to {:g}", most_assembled_viscous_number));
 
     if (plan.pressure == PressureModel::coupled && plan.viscosity != ViscosityModel::none)
         report("models.viscosity", "models.pressure = \"coupled\" solves for the viscosity itself",
                std::string("leave models.viscosity = \"") + name_of(plan.viscosity) + "\" out, or choose another pressure", "auto or none");
-    if (plan.viscosity == ViscosityModel::full && !scene.viscosity.correction && scene.viscosity.preconditioner == ViscousPreconditioner::two_level)
-        report("viscosity.preconditioner", "viscosity.preconditioner = \"two_level\" needs viscosity.correction: as published, a rotation is no rigid motion",
+    if (plan.viscosity == ViscosityModel::full && !scene.viscosity.correction &&
+        scene.viscosity.preconditioner == ViscousPreconditioner::two_level)
+        report("viscosity.preconditioner",
+               "viscosity.preconditioner = \"two_level\" needs viscosity.correction: as published, a rotation is no rigid motion",
                "take \"block_jacobi\"", "auto, none or block_jacobi");
     if (plan.pressure == PressureModel::coupled && plan.largest_viscosity == 0)
         report("models.pressure", "models.pressure = \"coupled\" needs a viscosity, and fluid.viscosity is 0", "take \"ppe\"");
@@ -47,17 +57,21 @@ void check_models(const Scene& scene, const Plan& plan, double viscous_number, s
                                 (plan.boundary == BoundaryModel::ppe && plan.pressure == PressureModel::ppe);
     if (!right_pressure)
         report("models.boundary",
-               std::string("models.boundary = \"") + name_of(plan.boundary) + "\" does not go with models.pressure = \"" + name_of(plan.pressure) + "\"",
+               std::string("models.boundary = \"") + name_of(plan.boundary) + "\" does not go with models.pressure = \"" +
+                   name_of(plan.pressure) + "\"",
                "take \"auto\"", "akinci with wcsph, ppe with ppe, none with any");
     for (std::size_t k = 0; k < scene.solids.size(); ++k)
         if (scene.solids[k].slip == Slip::navier && plan.micropolar != MicropolarModel::none)
-            report("solid[" + std::to_string(k) + "].slip", "micropolar fluids stick to a solid or slide along it freely: slip = \"navier\" is for others",
+            report("solid[" + std::to_string(k) + "].slip",
+                   "micropolar fluids stick to a solid or slide along it freely: slip = \"navier\" is for others",
                    "take \"no\" or \"free\", or models.micropolar = \"none\"", "no or free");
-    const bool uncorrected = plan.viscosity == ViscosityModel::full_assembled || (plan.viscosity == ViscosityModel::full && !scene.viscosity.correction);
+    const bool uncorrected =
+        plan.viscosity == ViscosityModel::full_assembled || (plan.viscosity == ViscosityModel::full && !scene.viscosity.correction);
     for (std::size_t k = 0; k < scene.solids.size(); ++k)
         if (scene.solids[k].slip == Slip::navier && uncorrected)
             report("solid[" + std::to_string(k) + "].slip",
-                   "the viscosity as published, without corrected gradients, has half of the shear where neighbours are missing: it knows no slip length",
+                   "the viscosity as published, without corrected gradients, has half of the shear where neighbours are missing: it knows "
+                   "no slip length",
                    "take models.viscosity = \"full\" with viscosity.correction = true, \"pairwise\" or \"explicit\"", "no or free");
     check_micropolar(scene, plan, problems);
     check_bodies(scene, plan, problems);

@@ -5,8 +5,8 @@
 #include <fstream>
 #include <limits>
 
-#include "engine/models/viscosity/ageing.h"
 #include "engine/models/surface_tension/surface_tension.h"
+#include "engine/models/viscosity/ageing.h"
 #include "engine/scene/checks.h"
 #include "engine/scene/names.h"
 #include "engine/scene/tree.h"
@@ -26,8 +26,9 @@ double free_memory() {
     return std::numeric_limits<double>::infinity();
 }
 
-/// Bytes a particle: the neighbour rows (4 bytes a neighbour, and as much again for what goes with them), and what the rest measured at 3,000 particles (columns,
-/// matrices, solids; coupled: the rows of its operator and its coarse level). `whorl plan` measures it for the scene.
+/// Bytes a particle: the neighbour rows (4 bytes a neighbour, and as much again for what goes with them), and what the rest measured at
+/// 3,000 particles (columns, matrices, solids; coupled: the rows of its operator and its coarse level). `whorl plan` measures it for the
+/// scene.
 double bytes_a_particle(const Plan& plan) {
     return (plan.pressure == PressureModel::coupled ? 2400 : 800) + 8 * 4.19 * std::pow(plan.support / plan.spacing, 3);
 }
@@ -72,7 +73,8 @@ private:
             const double reach = std::max(plan_.support, scene_.fluid.surface_tension > 0 ? Cohesion::range * plan_.spacing : 0.0);
             if (scene_.domain.periodic[a] && length < 2 * reach)
                 report("domain.periodic",
-                       fmt::format("the periodic axis {} is {:.4g} m long, shorter than two support radii of {:.4g} m", "xyz"[a], length, reach),
+                       fmt::format("the periodic axis {} is {:.4g} m long, shorter than two support radii of {:.4g} m", "xyz"[a], length,
+                                   reach),
                        "make the domain longer or fluid.spacing smaller");
         }
         for (const double t : sample_times(0, scene_.time.end))
@@ -87,20 +89,24 @@ private:
         const Extent& e = shapes_.block_extent[i];
         if (outside(e.min, e.max)) return report(name, name + " lies outside of the domain", "", domain_text());
         if (reaches_out(e.min, e.max))
-            report(name, fmt::format("{} reaches out of the domain: it goes from {} to {}", name, point(e.min), point(e.max)), "", domain_text());
+            report(name, fmt::format("{} reaches out of the domain: it goes from {} to {}", name, point(e.min), point(e.max)), "",
+                   domain_text());
         for (int a = 0; a < 3; ++a)
             if (scene_.domain.periodic[a] && e.max[a] - e.min[a] > high_[a] - low_[a] + 1e-6 * plan_.spacing) {
-                report(name, fmt::format("{} is longer than the periodic axis {}: it would overlap itself", name, "xyz"[a]), "", domain_text());
+                report(name, fmt::format("{} is longer than the periodic axis {}: it would overlap itself", name, "xyz"[a]), "",
+                       domain_text());
                 break;
             }
         too_far(name, e.min, e.max);
         const double thinnest = (e.max - e.min).minCoeff();
         if (thinnest < 0.999 * plan_.spacing) too_coarse(name, thinnest);
-        else if (part_inside_solids(shapes_, i, plan_.spacing) == 1) report(name, name + " lies wholly inside solids", "move it or the solid");
+        else if (part_inside_solids(shapes_, i, plan_.spacing) == 1)
+            report(name, name + " lies wholly inside solids", "move it or the solid");
         const Vec3d middle = 0.5 * (e.min + e.max);
         for (const Vec3d& x : {middle, e.min, e.max}) {
             if (!(scene_.fluid.viscosity(0, x) >= 0)) {
-                report("fluid.viscosity", fmt::format("fluid.viscosity is {:.4g} Pa s at {} in {}", scene_.fluid.viscosity(0, x), point(x), name), "",
+                report("fluid.viscosity",
+                       fmt::format("fluid.viscosity is {:.4g} Pa s at {} in {}", scene_.fluid.viscosity(0, x), point(x), name), "",
                        "allowed: at least 0");
                 break;
             }
@@ -111,19 +117,26 @@ private:
         }
     }
 
-    /// Single precision knows a place to a part of its distance from the origin; with a hundredth of a spacing weakly compressible water is noise, with a tenth any.
+    /// Single precision knows a place to a part of its distance from the origin; with a hundredth of a spacing weakly compressible water is
+    /// noise, with a tenth any.
     void too_far(const std::string& name, const Vec3d& min, const Vec3d& max) {
         constexpr double enough = 0.01;
-        const double far = std::max(min.cwiseAbs().maxCoeff(), max.cwiseAbs().maxCoeff()), known = far * static_cast<double>(std::numeric_limits<Real>::epsilon());
+        const double far = std::max(min.cwiseAbs().maxCoeff(), max.cwiseAbs().maxCoeff()),
+                     known = far * static_cast<double>(std::numeric_limits<Real>::epsilon());
         if (known > enough * plan_.spacing)
-            report(name, fmt::format("{} reaches {:.2g} spacings away from the origin, where this program's numbers tell places apart by {:.2g} spacings", name, far / plan_.spacing,
-                                     known / plan_.spacing),
-                   sizeof(Real) == 4 ? "move the scene to the origin, or take the program of the preset \"double\"" : "move the scene to the origin",
-                   fmt::format("allowed: up to {:.2g} m", enough * plan_.spacing / static_cast<double>(std::numeric_limits<Real>::epsilon())));
+            report(
+                name,
+                fmt::format(
+                    "{} reaches {:.2g} spacings away from the origin, where this program's numbers tell places apart by {:.2g} spacings",
+                    name, far / plan_.spacing, known / plan_.spacing),
+                sizeof(Real) == 4 ? "move the scene to the origin, or take the program of the preset \"double\""
+                                  : "move the scene to the origin",
+                fmt::format("allowed: up to {:.2g} m", enough * plan_.spacing / static_cast<double>(std::numeric_limits<Real>::epsilon())));
     }
 
     void too_coarse(const std::string& name, double thinnest) {
-        report("fluid.spacing", fmt::format("fluid.spacing = {:g} m is larger than {}, which is {:.4g} m across", plan_.spacing, name, thinnest),
+        report("fluid.spacing",
+               fmt::format("fluid.spacing = {:g} m is larger than {}, which is {:.4g} m across", plan_.spacing, name, thinnest),
                fmt::format("{:.2g} m puts 5 particles across it", thinnest / 5));
     }
 
@@ -134,12 +147,14 @@ private:
         Real distance = 0;
         const int k = shapes_.solids.nearest(e.position.cast<Real>(), distance);
         if (k >= 0 && distance < 0)
-            report(name + ".position", fmt::format("{} at {} lies {:.3g} m inside solid[{}]", name, point(e.position), -distance, k), "move one of them");
+            report(name + ".position", fmt::format("{} at {} lies {:.3g} m inside solid[{}]", name, point(e.position), -distance, k),
+                   "move one of them");
         const double thinnest = e.shape == "disc" ? 2 * e.radius : std::min(e.width, e.thickness);
         if (thinnest < plan_.spacing) too_coarse(name, thinnest);
         for (const double t : sample_times(e.start, std::max(e.start, std::min(e.stop, scene_.time.end))))
             if (!(e.speed(t) >= 0)) {
-                report(name + ".speed", fmt::format("{}.speed is {:.4g} m/s at t = {:.4g} s", name, e.speed(t), t), "", "allowed: at least 0");
+                report(name + ".speed", fmt::format("{}.speed is {:.4g} m/s at t = {:.4g} s", name, e.speed(t), t), "",
+                       "allowed: at least 0");
                 break;
             }
         const std::string key = e.viscosity ? name + ".viscosity" : "fluid.viscosity";
@@ -170,7 +185,9 @@ private:
     }
 
     void probe(const std::string& name, const ProbeKeys& p) {
-        const auto far_away = [&](const char* key) { report(name + "." + key, name + " measures outside of the domain", "", domain_text()); };
+        const auto far_away = [&](const char* key) {
+            report(name + "." + key, name + " measures outside of the domain", "", domain_text());
+        };
         if (p.kind == ProbeKind::point && outside(p.at, p.at)) far_away("at");
         if (p.kind == ProbeKind::line && outside(p.from.cwiseMin(p.to), p.from.cwiseMax(p.to))) far_away("from");
         if (p.kind == ProbeKind::region && outside(p.min, p.max)) far_away("min");
@@ -228,12 +245,14 @@ double part_left_empty(const Scene& scene, const SceneShapes& shapes) {
                 Real distance = 0;
                 if (shapes.solids.nearest(x, distance) >= 0 && distance < 0) continue;
                 ++all;
-                if (std::none_of(shapes.blocks.begin(), shapes.blocks.end(), [&](const auto& block) { return block->distance(x) <= 0; })) ++empty;
+                if (std::none_of(shapes.blocks.begin(), shapes.blocks.end(), [&](const auto& block) { return block->distance(x) <= 0; }))
+                    ++empty;
             }
     return all > 0 ? static_cast<double>(empty) / all : 0;
 }
 
-void check_placement(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, const SceneShapes& shapes, std::vector<Problem>& problems) {
+void check_placement(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, const SceneShapes& shapes,
+                     std::vector<Problem>& problems) {
     Placement(scene, plan, numbers, shapes, problems).check();
 }
 

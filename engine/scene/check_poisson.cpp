@@ -10,7 +10,8 @@ namespace {
 /// Slots 2, 3, 4 and 6 d wide explode within 0.2 s, 10 d between floor and ceiling hold.
 constexpr double narrowest_slot = 8;  ///< d
 
-/// How far it is from one solid straight to the next one that faces it, at a sample of the places where fluid starts [m]; infinite beyond `most`.
+/// How far it is from one solid straight to the next one that faces it, at a sample of the places where fluid starts [m]; infinite beyond
+/// `most`.
 double narrowest_gap(const SceneShapes& shapes, double spacing, double most) {
     constexpr int points = 17;  // an axis of a block
     double narrowest = std::numeric_limits<double>::infinity();
@@ -29,7 +30,8 @@ double narrowest_gap(const SceneShapes& shapes, double spacing, double most) {
                 const Vec3 there = x + static_cast<Real>(t) * away;
                 const int hit = shapes.solids.nearest(there, distance);
                 // Facing each other, not a corner of a wall and the floor.
-                if (hit >= 0 && distance < 0 && shapes.solids.all[static_cast<std::size_t>(hit)].normal(there).dot(away) < Real(-0.7)) narrowest = static_cast<double>(height) + t;
+                if (hit >= 0 && distance < 0 && shapes.solids.all[static_cast<std::size_t>(hit)].normal(there).dot(away) < Real(-0.7))
+                    narrowest = static_cast<double>(height) + t;
             }
         }
     }
@@ -41,13 +43,18 @@ double narrowest_gap(const SceneShapes& shapes, double spacing, double most) {
 void check_poisson(const Scene& scene, const Plan& plan, const SceneShapes& shapes, std::vector<Problem>& problems) {
     if (plan.pressure != PressureModel::ppe || scene.pressure.form != PressureForm::poisson) return;
     const auto report = [&](const std::string& what) {
-        problems.push_back({scene.place("pressure.form"), what, "take pressure.form = \"constraint\", which needs no special case there", ""});
+        problems.push_back(
+            {scene.place("pressure.form"), what, "take pressure.form = \"constraint\", which needs no special case there", ""});
     };
     const auto& periodic = scene.domain.periodic;
     if (periodic[0] && periodic[1] && periodic[2] && part_left_empty(scene, shapes) < 0.02)
-        report("pressure.form = \"poisson\" diverges in fluid that fills a periodic domain: its force is not the transpose of its divergence, and nothing takes away what it adds");
+        report(
+            "pressure.form = \"poisson\" diverges in fluid that fills a periodic domain: its force is not the transpose of its divergence, "
+            "and nothing takes away what it adds");
     if (const double gap = narrowest_gap(shapes, plan.spacing, narrowest_slot * plan.spacing); gap < narrowest_slot * plan.spacing)
-        report(fmt::format("pressure.form = \"poisson\" diverges between solids that face each other closely, and these stand {:.2g} spacings apart", gap / plan.spacing));
+        report(fmt::format(
+            "pressure.form = \"poisson\" diverges between solids that face each other closely, and these stand {:.2g} spacings apart",
+            gap / plan.spacing));
 }
 
 }  // namespace whorl

@@ -13,7 +13,8 @@ void check_models(const Scene& scene, const Plan& plan, double viscous_number, s
 void check_bodies(const Scene& scene, const Plan& plan, std::vector<Problem>& problems);
 
 /// Fluid, solids and probes where they cannot be; more particles than memory.
-void check_placement(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, const SceneShapes& shapes, std::vector<Problem>& problems);
+void check_placement(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, const SceneShapes& shapes,
+                     std::vector<Problem>& problems);
 
 /// The part of a block, 0 to 1, that lies inside solids: no particle is placed there. @param spacing [m]
 double part_inside_solids(const SceneShapes& shapes, std::size_t block, double spacing);

@@ -1,12 +1,12 @@
 #include "engine/scene/document.h"
 
-#include <fstream>
-#include <sstream>
 #include <toml++/toml.h>
 
 #include <algorithm>
 #include <cctype>
 #include <cstring>
+#include <fstream>
+#include <sstream>
 
 namespace whorl {
 namespace {
@@ -150,9 +150,9 @@ Value parse_toml_file(const std::string& file) {
     std::ifstream in(file, std::ios::binary);
     std::ostringstream text;
     if (!in || std::filesystem::is_directory(file) || !(text << in.rdbuf()))
-        throw InputError({file, 0, 0}, std::filesystem::is_directory(file)   ? "is a folder, not a scene file"
-                                       : std::filesystem::exists(file) ? "cannot be read, or is empty"
-                                                                       : "no such file");
+        throw InputError({file, 0, 0}, std::filesystem::is_directory(file) ? "is a folder, not a scene file"
+                                       : std::filesystem::exists(file)     ? "cannot be read, or is empty"
+                                                                           : "no such file");
     return parse_toml(text.str(), file);
 }
 
@@ -170,7 +170,8 @@ void apply_change(Value& root, const Change& change, std::vector<Problem>& probl
     }
     const std::vector<Step> steps = parse_path(change.key);
     if (steps.empty()) {
-        problems.push_back({place, "\"" + change.key + "\" is not a key", "", "allowed: names with dots between them, as in emitter[0].speed"});
+        problems.push_back(
+            {place, "\"" + change.key + "\" is not a key", "", "allowed: names with dots between them, as in emitter[0].speed"});
         return;
     }
     Value value;

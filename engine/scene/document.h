@@ -16,7 +16,7 @@ Value parse_toml_file(const std::string& file);
 /// is a text).
 struct Change {
     std::string key, value;
-    std::string source;  ///< stands for file:line:column in messages: "--set emitter[0].speed=0.3"
+    std::string source;    ///< stands for file:line:column in messages: "--set emitter[0].speed=0.3"
     bool complete = true;  ///< false: the user gave no value
 };
 /// From "key=value". @param option "--set": what the user typed before it

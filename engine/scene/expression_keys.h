@@ -27,7 +27,9 @@ struct KeyCodec<Expression> {
             throw KeyFault(place, e.what());
         }
     }
-    static std::vector<double> constants(const Expression& e) { return e.is_constant() ? std::vector<double>{e(0)} : std::vector<double>{}; }
+    static std::vector<double> constants(const Expression& e) {
+        return e.is_constant() ? std::vector<double>{e(0)} : std::vector<double>{};
+    }
     static std::string variables(const Expression& e) { return e.variables(); }
 };
 

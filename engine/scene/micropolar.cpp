@@ -77,9 +77,11 @@ void choose_micropolar(Plan& plan, const Scene& scene, const Scene& asked, doubl
                wanted + ": half of the coupling that would feed energy in, and angular momentum is conserved");
         choose("micropolar.spin_viscosity", fmt::format("{:.3g}", n.spin_viscosity), true,
                fmt::format("calibrated for a spin length of {:.3g} m: twice the effective viscosity times its square", n.spin_length()));
-        choose("micropolar.micro_inertia", fmt::format("{:.3g}", n.micro_inertia), true, "calibrated: the spin length squared, spin and momentum diffuse alike");
+        choose("micropolar.micro_inertia", fmt::format("{:.3g}", n.micro_inertia), true,
+               "calibrated: the spin length squared, spin and momentum diffuse alike");
     } else if (!asked.micropolar.spin_viscosity) {
-        choose("micropolar.spin_viscosity", fmt::format("{:.3g}", n.spin_viscosity), true, fmt::format("viscosity l^2 with l = {:.3g} m", length_of_spin(scene)));
+        choose("micropolar.spin_viscosity", fmt::format("{:.3g}", n.spin_viscosity), true,
+               fmt::format("viscosity l^2 with l = {:.3g} m", length_of_spin(scene)));
     }
     const double stable = n.coupling > 0 ? exchange_step(n.coupling / n.density, n.micro_inertia,
                                                          largest_curl(plan.kernel, static_cast<Real>(plan.support), static_cast<Real>(d)))
@@ -88,8 +90,8 @@ void choose_micropolar(Plan& plan, const Scene& scene, const Scene& asked, doubl
     const bool automatic = scheme == ExchangeScheme::automatic;
     n.implicit_exchange = automatic ? stable < flow_step : scheme == ExchangeScheme::implicit;
     choose("micropolar.exchange", n.implicit_exchange ? "implicit" : "explicit", automatic,
-           fmt::format("the stable explicit step {:.3g} s is {} than the {:.3g} s that all else allows", stable, stable < flow_step ? "shorter" : "longer",
-                       flow_step));
+           fmt::format("the stable explicit step {:.3g} s is {} than the {:.3g} s that all else allows", stable,
+                       stable < flow_step ? "shorter" : "longer", flow_step));
 }
 
 void warn_micropolar(Plan& plan, const Scene& scene) {
@@ -97,14 +99,19 @@ void warn_micropolar(Plan& plan, const Scene& scene) {
     const auto add = [&](std::string text) { plan.warnings.push_back(std::move(text)); };
     if (n.grows()) {
         const double from = n.growing_length();
-        add(fmt::format("the micropolar system feeds energy in: its coupling {:.3g} Pa s is more than twice its viscosity {:.3g} Pa s, so that slow flows feel "
-                        "{:.3g} Pa s and {} grow. No time step and no exchange scheme bounds that; XSPH smoothing only damps short waves. models.micropolar = "
+        add(
+            fmt::format("the micropolar system feeds energy in: its coupling {:.3g} Pa s is more than twice its viscosity {:.3g} Pa s, so "
+                        "that slow flows feel "
+                        "{:.3g} Pa s and {} grow. No time step and no exchange scheme bounds that; XSPH smoothing only damps short waves. "
+                        "models.micropolar = "
                         "\"eringen\" always dissipates, and so does \"seed\" with fluid.viscosity >= micropolar.transfer_viscosity",
                         n.coupling, n.viscosity, n.effective_viscosity(),
                         from > 0 ? fmt::format("waves longer than {:.3g} m", from) : std::string("waves of every length")));
     }
     if (n.coupling > 0 && n.response_time() > scene.time.end)
-        add(fmt::format("the spin answers to the flow in {:.3g} s, longer than the run of {:g} s: it does next to nothing. A micropolar.micro_inertia of "
+        add(
+            fmt::format("the spin answers to the flow in {:.3g} s, longer than the run of {:g} s: it does next to nothing. A "
+                        "micropolar.micro_inertia of "
                         "{:.2g} m^2 would answer in a tenth of the run",
                         n.response_time(), scene.time.end, 0.2 * scene.time.end * n.coupling / n.density));
     if (n.coupling == 0) add("the micropolar coupling is 0: the spin does nothing to the flow");
@@ -116,25 +123,28 @@ void check_micropolar(const Scene& scene, const Plan& plan, std::vector<Problem>
     };
     if (plan.micropolar == MicropolarModel::none) {
         if (plan.viscosity == ViscosityModel::explicit_laplacian && scene.viscosity.laplacian == LaplacianForm::split)
-            report("viscosity.laplacian", "viscosity.laplacian = \"split\" splits by the coupling of a micropolar model, and there is none", "",
-                   "brookshaw or monaghan");
+            report("viscosity.laplacian", "viscosity.laplacian = \"split\" splits by the coupling of a micropolar model, and there is none",
+                   "", "brookshaw or monaghan");
         return;
     }
     if (plan.pressure == PressureModel::coupled)
-        report("models.pressure", "models.pressure = \"coupled\" has no micropolar terms", "take \"wcsph\" or \"ppe\"", "auto, wcsph, ppe or none");
+        report("models.pressure", "models.pressure = \"coupled\" has no micropolar terms", "take \"wcsph\" or \"ppe\"",
+               "auto, wcsph, ppe or none");
     if (!scene.fluid.viscosity.is_constant())
         report("fluid.viscosity", "fluid.viscosity varies, and a micropolar model couples flow and spin by one viscosity", "give a number");
     const bool calibrates = scene.micropolar.effective_viscosity.has_value();
     if (calibrates)
-        for (const char* key : {"fluid.viscosity", "micropolar.transfer_viscosity", "micropolar.spin_viscosity", "micropolar.micro_inertia"})
-            if (given(scene, key))
-                report(key, std::string(key) + " is chosen by micropolar.effective_viscosity", "leave one of them out");
+        for (const char* key :
+             {"fluid.viscosity", "micropolar.transfer_viscosity", "micropolar.spin_viscosity", "micropolar.micro_inertia"})
+            if (given(scene, key)) report(key, std::string(key) + " is chosen by micropolar.effective_viscosity", "leave one of them out");
     if (plan.micropolar == MicropolarModel::seed && plan.spin.grows() && !calibrates && !given(scene, "micropolar.transfer_viscosity"))
         report("models.micropolar",
-               fmt::format("models.micropolar = \"seed\" would feed energy in: its coupling, fluid.viscosity + the default micropolar.transfer_viscosity = {:g} Pa s, "
+               fmt::format("models.micropolar = \"seed\" would feed energy in: its coupling, fluid.viscosity + the default "
+                           "micropolar.transfer_viscosity = {:g} Pa s, "
                            "is more than twice the {:g} Pa s that models.viscosity = \"{}\" applies",
                            scene.micropolar.transfer_viscosity, plan.spin.viscosity, name_of(plan.viscosity)),
-               "give micropolar.transfer_viscosity (at most fluid.viscosity to dissipate; more if that is what you want), or take \"eringen\"");
+               "give micropolar.transfer_viscosity (at most fluid.viscosity to dissipate; more if that is what you want), or take "
+               "\"eringen\"");
 }
 
 }  // namespace whorl

@@ -16,8 +16,13 @@ inline Choices<PressureModel> choices(PressureModel) {
 }
 inline Choices<ViscosityModel> choices(ViscosityModel) {
     using V = ViscosityModel;
-    return {{V::automatic, "auto"},      {V::none, "none"}, {V::xsph, "xsph"}, {V::explicit_laplacian, "explicit"},
-            {V::pairwise, "pairwise"},   {V::full, "full"}, {V::full_assembled, "full_assembled"}};
+    return {{V::automatic, "auto"},
+            {V::none, "none"},
+            {V::xsph, "xsph"},
+            {V::explicit_laplacian, "explicit"},
+            {V::pairwise, "pairwise"},
+            {V::full, "full"},
+            {V::full_assembled, "full_assembled"}};
 }
 inline Choices<MicropolarModel> choices(MicropolarModel) {
     using M = MicropolarModel;
@@ -32,7 +37,10 @@ inline Choices<ShiftingModel> choices(ShiftingModel) {
     return {{S::automatic, "auto"}, {S::none, "none"}, {S::fickian, "fickian"}};
 }
 inline Choices<Preconditioner> choices(Preconditioner) {
-    return {{Preconditioner::automatic, "auto"}, {Preconditioner::none, "none"}, {Preconditioner::jacobi, "jacobi"}, {Preconditioner::multigrid, "multigrid"}};
+    return {{Preconditioner::automatic, "auto"},
+            {Preconditioner::none, "none"},
+            {Preconditioner::jacobi, "jacobi"},
+            {Preconditioner::multigrid, "multigrid"}};
 }
 inline Choices<ViscousPreconditioner> choices(ViscousPreconditioner) {
     using P = ViscousPreconditioner;

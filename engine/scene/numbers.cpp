@@ -105,7 +105,8 @@ SceneNumbers scene_numbers(const Scene& scene, const SceneShapes& shapes, double
     for (std::size_t i = 0; i < scene.emitters.size(); ++i) {
         const EmitterKeys& e = scene.emitters[i];
         const double peak = e.profile == Profile::parabolic ? (e.shape == "disc" ? 2 : 2.25) : 1;
-        for (const double t : sample_times(e.start, std::max(e.start, std::min(e.stop, end)))) n.speed = std::max(n.speed, peak * e.speed(t));
+        for (const double t : sample_times(e.start, std::max(e.start, std::min(e.stop, end))))
+            n.speed = std::max(n.speed, peak * e.speed(t));
         viscous(i + 1, e.position);
         n.particles += emitted_volume(e, end) / (d * d * d);
         n.fall = std::max(n.fall, height(e.position, e.position));

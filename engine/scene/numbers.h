@@ -6,13 +6,13 @@
 namespace whorl {
 
 struct SceneNumbers {
-    double spacing = 0;      ///< m
-    double gravity = 0;      ///< m/s^2, the largest over the run
-    double fall = 0;         ///< m, from the highest fluid down to the floor of the domain along gravity; 0 where that axis is periodic
-    double speed = 0;        ///< m/s, the largest of what emitters, blocks and solids are given and of a free fall
-    double viscosity = 0;    ///< Pa s, the largest over blocks and emitters
-    double nu = 0;           ///< m^2/s
-    double step = 0;         ///< s, the time step that flow alone allows: cfl d/speed, at most max_step
+    double spacing = 0;         ///< m
+    double gravity = 0;         ///< m/s^2, the largest over the run
+    double fall = 0;            ///< m, from the highest fluid down to the floor of the domain along gravity; 0 where that axis is periodic
+    double speed = 0;           ///< m/s, the largest of what emitters, blocks and solids are given and of a free fall
+    double viscosity = 0;       ///< Pa s, the largest over blocks and emitters
+    double nu = 0;              ///< m^2/s
+    double step = 0;            ///< s, the time step that flow alone allows: cfl d/speed, at most max_step
     double viscous_number = 0;  ///< nu step/d^2
     double explicit_step = 0;   ///< s, longest stable step of explicit viscosity, 0.125 R^2/(4 nu); infinite without viscosity
     double particles = 0;       ///< at the end of the run

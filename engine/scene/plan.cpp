@@ -23,8 +23,9 @@ void choose(Plan& plan, const char* key, E asked, E automatic, const std::string
     plan.choices.push_back({key, name_of(chosen), is_automatic, is_automatic ? reason : "as the scene says"});
 }
 
-/// Where viscosity and pressure solved together beat the pressure equation with implicit viscosity: a pour of 40, 12 and 4 times 1e-3 m^2/s (scenes/lava.toml) takes
-/// 0.71, 1.04 and 2.7 times its time at viscous numbers of 0.64, 0.19 and 0.064, finer 0.72, 0.82 and 1.4 times at 1.0, 0.3 and 0.1.
+/// Where viscosity and pressure solved together beat the pressure equation with implicit viscosity: a pour of 40, 12 and 4 times 1e-3 m^2/s
+/// (scenes/lava.toml) takes 0.71, 1.04 and 2.7 times its time at viscous numbers of 0.64, 0.19 and 0.064, finer 0.72, 0.82 and 1.4 times
+/// at 1.0, 0.3 and 0.1.
 constexpr double coupled_above = 0.25;
 
 std::string pressure_reason(PressureModel pressure, const Scene& scene, const SceneNumbers& n) {
@@ -32,8 +33,9 @@ std::string pressure_reason(PressureModel pressure, const Scene& scene, const Sc
     if (!n.free_surface) return "every axis is periodic: no free surface";
     if (scene.any_free_solid()) return "it moves the free bodies in the same solve";
     const std::string number = fmt::format("viscous number nu dt/d^2 = {:.3g}", n.viscous_number);
-    return pressure == PressureModel::coupled ? fmt::format("{} > {:g} with a free surface: viscosity and pressure act together within a step", number, coupled_above)
-                                              : fmt::format("{} <= {:g}: the flow hardly diffuses within a step", number, coupled_above);
+    return pressure == PressureModel::coupled
+               ? fmt::format("{} > {:g} with a free surface: viscosity and pressure act together within a step", number, coupled_above)
+               : fmt::format("{} <= {:g}: the flow hardly diffuses within a step", number, coupled_above);
 }
 
 PressureModel automatic_pressure(const Scene& scene, const SceneNumbers& n) {
@@ -66,14 +68,15 @@ void choose_viscosity(Plan& plan, const Scene& scene, const SceneNumbers& n, dou
 
 /// Forces along pairs take their isotropy from the neighbours' fourth moments, which few neighbours on a lattice do not have.
 void warn_of_lattice(Plan& plan, const Scene& scene) {
-    const bool along_pairs = plan.viscosity == ViscosityModel::pairwise || (plan.viscosity == ViscosityModel::explicit_laplacian &&
-                                                                           scene.viscosity.laplacian == LaplacianForm::monaghan);
+    const bool along_pairs = plan.viscosity == ViscosityModel::pairwise ||
+                             (plan.viscosity == ViscosityModel::explicit_laplacian && scene.viscosity.laplacian == LaplacianForm::monaghan);
     if (!along_pairs) return;
     const LatticeStiffness stiff = pairwise_lattice_stiffness(plan.kernel, plan.support, plan.spacing);
     if (std::max(std::abs(stiff.stretching - 1), std::abs(stiff.shear - 1)) > 0.05)
-        plan.warnings.push_back(fmt::format("on a lattice, viscosity along pairs is {:.2f} times as stiff as it should be in stretching and {:.2f} times in "
-                                            "shear with fluid.support = {:g}; take 4, or models.viscosity = \"full\"",
-                                            stiff.stretching, stiff.shear, plan.support / plan.spacing));
+        plan.warnings.push_back(
+            fmt::format("on a lattice, viscosity along pairs is {:.2f} times as stiff as it should be in stretching and {:.2f} times in "
+                        "shear with fluid.support = {:g}; take 4, or models.viscosity = \"full\"",
+                        stiff.stretching, stiff.shear, plan.support / plan.spacing));
 }
 
 /// Particles come to rest with a viscosity of alpha = 0.1: nu = alpha c R/20. The fluid's own counts.
@@ -93,10 +96,13 @@ void choose_artificial_viscosity(Plan& plan, const Scene& scene, const SceneNumb
 void tell_surface_tension(Plan& plan, const Scene& scene) {
     const double tension = scene.fluid.surface_tension, d = plan.spacing;
     if (tension == 0) return;
-    plan.choices.push_back({"fluid.surface_tension", fmt::format("{:g}", tension), false,
-                            fmt::format("pulls between particles over {:g} spacings, {}; without viscosity the step must stay below {:.3g} s", Cohesion::range,
-                                        plan.pressure == PressureModel::coupled ? fmt::format("which press the inside with {:.3g} Pa", internal_pressure(tension, d)) : "of the skin alone",
-                                        surface_tension_step(scene.fluid.density, d, tension, 0))});
+    plan.choices.push_back(
+        {"fluid.surface_tension", fmt::format("{:g}", tension), false,
+         fmt::format("pulls between particles over {:g} spacings, {}; without viscosity the step must stay below {:.3g} s", Cohesion::range,
+                     plan.pressure == PressureModel::coupled
+                         ? fmt::format("which press the inside with {:.3g} Pa", internal_pressure(tension, d))
+                         : "of the skin alone",
+                     surface_tension_step(scene.fluid.density, d, tension, 0))});
 }
 
 /// The choice itself is made step by step, by how many particles press (models/pressure/multigrid.h).
@@ -125,28 +131,35 @@ void warn(Plan& plan, const Scene& scene, const SceneNumbers& n, const SceneShap
     if (n.viscosity > 0 && plan.viscosity == ViscosityModel::none && plan.pressure != PressureModel::coupled)
         add(fmt::format("fluid.viscosity = {:.3g} Pa s has no effect: models.viscosity is none", n.viscosity));
     if (plan.viscosity == ViscosityModel::explicit_laplacian && n.explicit_step < 0.2 * n.step)
-        add(fmt::format("explicit viscosity needs steps of {:.3g} s where the flow allows {:.3g} s: models.viscosity = \"full\" may be faster",
-                        n.explicit_step, n.step));
+        add(fmt::format(
+            "explicit viscosity needs steps of {:.3g} s where the flow allows {:.3g} s: models.viscosity = \"full\" may be faster",
+            n.explicit_step, n.step));
     warn_of_lattice(plan, scene);
-    if (n.across < 4) add(fmt::format("only {:.1f} particles across {}: details there are lost, take a smaller fluid.spacing", n.across, n.thinnest));
-    const bool rubs = plan.pressure == PressureModel::coupled ||
-                      (plan.boundary != BoundaryModel::none && plan.viscosity != ViscosityModel::none && plan.viscosity != ViscosityModel::xsph);
+    if (n.across < 4)
+        add(fmt::format("only {:.1f} particles across {}: details there are lost, take a smaller fluid.spacing", n.across, n.thinnest));
+    const bool rubs =
+        plan.pressure == PressureModel::coupled ||
+        (plan.boundary != BoundaryModel::none && plan.viscosity != ViscosityModel::none && plan.viscosity != ViscosityModel::xsph);
     for (std::size_t k = 0; k < scene.solids.size(); ++k)
         if (scene.solids[k].slip == Slip::navier && !rubs)
-            add(fmt::format("solid[{}].slip_length has no effect: no viscosity acts at solids (models.viscosity is {})", k, name_of(plan.viscosity)));
+            add(fmt::format("solid[{}].slip_length has no effect: no viscosity acts at solids (models.viscosity is {})", k,
+                            name_of(plan.viscosity)));
     if (plan.pressure == PressureModel::none) add("models.pressure is none: nothing keeps the particles apart");
     if (plan.pressure == PressureModel::wcsph && scene.pressure.background_pressure > 0 && part_left_empty(scene, shapes) > 0.02)
         add("pressure.background_pressure pushes particles away from a free surface: 0 is right where there is one");
-    if (plan.pressure == PressureModel::wcsph && scene.pressure.gradient == GradientForm::difference && plan.shifting == ShiftingModel::none)
-        add("pressure.gradient = \"difference\" keeps no particles apart: without models.shifting = \"fickian\" they clump and gain energy");
+    if (plan.pressure == PressureModel::wcsph && scene.pressure.gradient == GradientForm::difference &&
+        plan.shifting == ShiftingModel::none)
+        add("pressure.gradient = \"difference\" keeps no particles apart: without models.shifting = \"fickian\" they clump and gain "
+            "energy");
     if (plan.sound_speed > 0 && plan.sound_speed < 8 * n.speed)
-        add(fmt::format("Mach number {:.2f} (speed {:.3g} m/s, sound {:.3g} m/s): density varies by about {:.0f} %", n.speed / plan.sound_speed,
-                        n.speed, plan.sound_speed, 100 * std::pow(n.speed / plan.sound_speed, 2)));
+        add(fmt::format("Mach number {:.2f} (speed {:.3g} m/s, sound {:.3g} m/s): density varies by about {:.0f} %",
+                        n.speed / plan.sound_speed, n.speed, plan.sound_speed, 100 * std::pow(n.speed / plan.sound_speed, 2)));
     for (std::size_t i = 0; i < scene.blocks.size(); ++i)
         if (const double part = part_inside_solids(shapes, i, plan.spacing); part > 0.1)
             add(fmt::format("{:.0f} % of block[{}] lies inside solids and is left out", 100 * part, i));
     for (std::size_t i = 0; i < scene.emitters.size(); ++i)
-        if (emitted_volume(scene.emitters[i], scene.time.end) == 0) add(fmt::format("emitter[{}] lets nothing through before the end of the run", i));
+        if (emitted_volume(scene.emitters[i], scene.time.end) == 0)
+            add(fmt::format("emitter[{}] lets nothing through before the end of the run", i));
 }
 
 }  // namespace
@@ -173,7 +186,8 @@ Plan make_plan(const Scene& given) {
     plan.support = scene.fluid.support.value_or(coupled ? 3 : 2) * d;
     plan.kernel = scene.fluid.kernel.value_or(coupled ? KernelKind::wendland_c2 : KernelKind::cubic);
     const std::string of_model = coupled ? "what the coupled pressure was measured with" : "usual";
-    plan.choices.push_back({"fluid.kernel", name_of(plan.kernel), !scene.fluid.kernel, scene.fluid.kernel ? "as the scene says" : of_model});
+    plan.choices.push_back(
+        {"fluid.kernel", name_of(plan.kernel), !scene.fluid.kernel, scene.fluid.kernel ? "as the scene says" : of_model});
     plan.choices.push_back({"fluid.support", fmt::format("{:g}", plan.support / d), !scene.fluid.support,
                             scene.fluid.support ? "as the scene says" : of_model});
 
@@ -181,8 +195,10 @@ Plan make_plan(const Scene& given) {
     if (plan.pressure == PressureModel::wcsph) {
         // A fluid at rest still needs sound: as fast as the longest step could resolve.
         double speed = std::max(n.speed, scene.time.cfl * d / scene.time.max_step / 10);
-        // As fast as what 2.84 sigma/d, about what the layers of the skin press each other with, would push out: the density then changes by a hundredth.
-        if (scene.fluid.surface_tension > 0) speed = std::max(speed, std::sqrt(internal_pressure(scene.fluid.surface_tension, d) / scene.fluid.density));
+        // As fast as what 2.84 sigma/d, about what the layers of the skin press each other with, would push out: the density then changes
+        // by a hundredth.
+        if (scene.fluid.surface_tension > 0)
+            speed = std::max(speed, std::sqrt(internal_pressure(scene.fluid.surface_tension, d) / scene.fluid.density));
         plan.sound_speed = scene.pressure.sound_speed > 0 ? scene.pressure.sound_speed : 10 * speed;
         step = std::min(step, scene.time.cfl * 0.5 * plan.support / (plan.sound_speed + n.speed));
         plan.choices.push_back({"pressure.sound_speed", fmt::format("{:.3g}", plan.sound_speed), scene.pressure.sound_speed == 0,
@@ -203,7 +219,8 @@ Plan make_plan(const Scene& given) {
            plan.shifting);
 
     if (scene.time.sleep > 0)
-        plan.choices.push_back({"time.sleep", fmt::format("{:g}", scene.time.sleep), false, "what moves less than that many spacings in half a second is not solved for"});
+        plan.choices.push_back({"time.sleep", fmt::format("{:g}", scene.time.sleep), false,
+                                "what moves less than that many spacings in half a second is not solved for"});
     check_models(given, plan, n.viscous_number, problems);
     check_placement(scene, plan, n, shapes, problems);
     check_poisson(scene, plan, shapes, problems);

@@ -18,14 +18,14 @@ struct Plan {
     BoundaryModel boundary = BoundaryModel::none;
     ShiftingModel shifting = ShiftingModel::none;
 
-    double spacing = 0, support = 0;    ///< m
+    double spacing = 0, support = 0;  ///< m
     KernelKind kernel = KernelKind::cubic;
-    double expected_speed = 0;          ///< m/s: largest of the given speeds and of a free fall through the domain
-    double sound_speed = 0;             ///< m/s, wcsph
-    double artificial_viscosity = 0;    ///< alpha, wcsph
-    double largest_viscosity = 0;       ///< Pa s over blocks and emitters
-    MicropolarNumbers spin;             ///< where a micropolar model is chosen
-    double estimated_particles = 0;     ///< at the end of the run
+    double expected_speed = 0;        ///< m/s: largest of the given speeds and of a free fall through the domain
+    double sound_speed = 0;           ///< m/s, wcsph
+    double artificial_viscosity = 0;  ///< alpha, wcsph
+    double largest_viscosity = 0;     ///< Pa s over blocks and emitters
+    MicropolarNumbers spin;           ///< where a micropolar model is chosen
+    double estimated_particles = 0;   ///< at the end of the run
     std::vector<Choice> choices;
     std::vector<std::string> warnings;
 };

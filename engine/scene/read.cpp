@@ -1,10 +1,10 @@
-#include "engine/models/viscosity/ageing.h"
 #include "engine/scene/read.h"
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 
+#include "engine/models/viscosity/ageing.h"
 #include "engine/scene/names.h"
 #include "engine/scene/reader.h"
 
@@ -72,7 +72,8 @@ private:
         if (s.kind != "mesh") return;
         const fs::path found = s.file.is_absolute() ? s.file : fs::absolute(fs::path(scene_.directory) / s.file);
         if (!fs::is_regular_file(found))
-            reader_.disagree({name + ".file"}, name + ".file: no file \"" + s.file.string() + "\"", "", "it is looked for from the scene file's folder");
+            reader_.disagree({name + ".file"}, name + ".file: no file \"" + s.file.string() + "\"", "",
+                             "it is looked for from the scene file's folder");
         s.file = found.lexically_normal();
     }
     void emitter(const std::string& name, EmitterKeys& e) {
@@ -84,15 +85,18 @@ private:
             ProbeKeys& p = scene_.probes[i];
             const std::string name = entry_name("probe", i);
             if (!file_name(p.name))
-                reader_.disagree({name + ".name"}, name + ".name = \"" + p.name + "\" cannot name a file", "", "allowed: letters, digits, _ - .");
+                reader_.disagree({name + ".name"}, name + ".name = \"" + p.name + "\" cannot name a file", "",
+                                 "allowed: letters, digits, _ - .");
             for (std::size_t j = 0; j < i; ++j)
                 if (scene_.probes[j].name == p.name) {
-                    reader_.disagree({name + ".name", entry_name("probe", j) + ".name"}, name + ".name = \"" + p.name + "\" is taken by " + entry_name("probe", j));
+                    reader_.disagree({name + ".name", entry_name("probe", j) + ".name"},
+                                     name + ".name = \"" + p.name + "\" is taken by " + entry_name("probe", j));
                     break;
                 }
             if (p.kind == ProbeKind::region) ordered(name + ".min", p.min, name + ".max", p.max);
             if (p.kind == ProbeKind::coil) direction(name + ".axis_direction", p.axis_direction);
-            if (p.kind == ProbeKind::line && p.from == p.to) reader_.disagree({name + ".to", name + ".from"}, name + ".from and " + name + ".to are the same point");
+            if (p.kind == ProbeKind::line && p.from == p.to)
+                reader_.disagree({name + ".to", name + ".from"}, name + ".from and " + name + ".to are the same point");
         }
     }
 
@@ -101,7 +105,8 @@ private:
 };
 
 /// Reads one tree; the scene is complete only where no problem was found.
-void read_tree(const Value& root, const std::string& file, const std::vector<Section>& sections, Scene& scene, std::vector<Problem>& problems) {
+void read_tree(const Value& root, const std::string& file, const std::vector<Section>& sections, Scene& scene,
+               std::vector<Problem>& problems) {
     scene.directory = fs::path(file).parent_path().string();
     scene.name = fs::path(file).stem().string();
     Reader reader(scene_keys(), &scene, sections);
@@ -123,7 +128,8 @@ Value take_quality(Value& root, std::vector<Problem>& problems) {
     Value::Table valid;
     for (auto& [name, table] : *quality.as<Value::Table>()) {
         if (name == "standard")
-            problems.push_back({table.key_place, "[quality.standard] cannot be set", "the file itself is the standard quality", "allowed: draft, fine"});
+            problems.push_back(
+                {table.key_place, "[quality.standard] cannot be set", "the file itself is the standard quality", "allowed: draft, fine"});
         else if (name != "draft" && name != "fine")
             problems.push_back({table.key_place, "unknown quality \"" + name + "\"", "", "allowed: draft, fine"});
         else if (!table.as<Value::Table>())
@@ -134,7 +140,8 @@ Value take_quality(Value& root, std::vector<Problem>& problems) {
 }
 
 /// A quality that was not asked for must be right as well: reports what it would add to the problems.
-void check_quality(Value root, const Value& table, const std::string& file, const std::vector<Section>& sections, std::vector<Problem>& problems) {
+void check_quality(Value root, const Value& table, const std::string& file, const std::vector<Section>& sections,
+                   std::vector<Problem>& problems) {
     std::vector<Problem> found;
     overlay(root, table, "", found);
     std::vector<Section> scratch = sections;

@@ -17,15 +17,16 @@ struct Section {
 };
 
 struct ReadRequest {
-    std::vector<Change> changes;   ///< beat the file, the later the stronger
-    std::string quality;           ///< "draft", "fine": the [quality.NAME] table of the file is laid over it, below the changes; "" or "standard": nothing
-    std::vector<Change> presets;   ///< lie between the file and its [quality] table: what that quality means in every scene
+    std::vector<Change> changes;  ///< beat the file, the later the stronger
+    std::string
+        quality;  ///< "draft", "fine": the [quality.NAME] table of the file is laid over it, below the changes; "" or "standard": nothing
+    std::vector<Change> presets;        ///< lie between the file and its [quality] table: what that quality means in every scene
     std::vector<std::string> overlays;  ///< scene files of a few keys, laid over the file and its quality, below the changes
     std::vector<Section> sections;
 };
 
-/// @throws InputError with all that is wrong in the file (syntax, unknown keys, types, ranges, missing keys, expressions, names given twice,
-/// files that are not there) in the order of their places. Tables [quality.*] that were not asked for are checked just as well.
+/// @throws InputError with all that is wrong in the file (syntax, unknown keys, types, ranges, missing keys, expressions, names given
+/// twice, files that are not there) in the order of their places. Tables [quality.*] that were not asked for are checked just as well.
 Scene read_scene(const std::string& file, const ReadRequest& request = {});
 /// The same from a text. @param file stands for it in messages; mesh files are found from its folder
 Scene read_scene_text(const std::string& text, const std::string& file, const ReadRequest& request = {});
@@ -40,7 +41,8 @@ std::string markdown_reference(const std::vector<Section>& sections = {});
 
 /// The settings that decide what a simulation does (not what is drawn, named, probed or written), one "key = value" a line.
 std::string deciding_settings(const Scene& scene);
-/// What differs between those of two scenes, one line each: "fluid.viscosity: 1000.0, now 500.0". Empty: a run of one can go on as the other.
+/// What differs between those of two scenes, one line each: "fluid.viscosity: 1000.0, now 500.0". Empty: a run of one can go on as the
+/// other.
 std::vector<std::string> differences(const Scene& before, const Scene& now);
 
 /// The engine's own sections.

@@ -105,7 +105,8 @@ void Reader::read_table(const Described& here, void* object, const Value& v, con
         } else if (const KeyTable::Part* part = here.table->find_part(name)) {
             read_part(*part, object, value, full);
         } else {
-            const auto section = std::find_if(sections_.begin(), sections_.end(), [&](const Section& s) { return path.empty() && s.name == name; });
+            const auto section =
+                std::find_if(sections_.begin(), sections_.end(), [&](const Section& s) { return path.empty() && s.name == name; });
             if (section == sections_.end()) {
                 unknown(value, name, *here.table, path);
             } else if (!value.as<Value::Table>()) {
@@ -130,14 +131,16 @@ void Reader::check_selected(const Described& here, const std::string& path) {
             std::vector<std::string> valid;
             for (const Key& k : here.table->keys)
                 if (k.selector == key.selector && counts(k, here, root_)) valid.push_back(k.name);
-            problems.push_back({place(full), full + " belongs to " + selector + " = " + in_quotes(key.selected_by) + ", not to \"" + value + "\"",
+            problems.push_back({place(full),
+                                full + " belongs to " + selector + " = " + in_quotes(key.selected_by) + ", not to \"" + value + "\"",
                                 "remove it, or change " + selector,
                                 valid.empty() ? "" : fmt::format("keys of \"{}\": {}", value, fmt::join(valid, ", "))});
             failed_.insert(full);
         }
         if (key.is_required && counted && !given) {
             const std::string unit = key.unit.empty() ? "" : " [" + key.unit + "]";
-            problems.push_back({place(path), full + " is missing", key.meaning + unit, key.allowed().empty() ? "" : "allowed: " + key.allowed()});
+            problems.push_back(
+                {place(path), full + " is missing", key.meaning + unit, key.allowed().empty() ? "" : "allowed: " + key.allowed()});
             failed_.insert(full);
         }
     }

@@ -34,13 +34,14 @@ enum class Profile { plug, parabolic };
 enum class ProbeKind { point, line, region, coil };
 
 struct TimeKeys {
-    double end = 0;            ///< s
-    double fps = 24;           ///< frames a second of film
-    double slow_motion = 1;    ///< a frame shows 1/(fps slow_motion) s of simulated time
-    double max_step = 5e-3;    ///< s
+    double end = 0;          ///< s
+    double fps = 24;         ///< frames a second of film
+    double slow_motion = 1;  ///< a frame shows 1/(fps slow_motion) s of simulated time
+    double max_step = 5e-3;  ///< s
     double cfl = 0.4;
-    double fixed_step = 0;     ///< s; every step is this long, whatever the models allow; 0: they decide
-    double sleep = 0;          ///< spacings; a particle that moves less in half a second rests, and is not solved for until something near it moves; 0: never
+    double fixed_step = 0;  ///< s; every step is this long, whatever the models allow; 0: they decide
+    double sleep =
+        0;  ///< spacings; a particle that moves less in half a second rests, and is not solved for until something near it moves; 0: never
     double frame_interval() const { return 1 / (fps * slow_motion); }
 };
 
@@ -51,10 +52,10 @@ struct DomainKeys {
 };
 
 struct FluidKeys {
-    double spacing = 0;          ///< m
-    double density = 1000;       ///< kg/m^3
-    Expression viscosity{0.0};   ///< Pa s, of x, y, z at the start and of age
-    double surface_tension = 0;  ///< N/m
+    double spacing = 0;                ///< m
+    double density = 1000;             ///< kg/m^3
+    Expression viscosity{0.0};         ///< Pa s, of x, y, z at the start and of age
+    double surface_tension = 0;        ///< N/m
     std::optional<KernelKind> kernel;  ///< none: "auto", what the models want (Plan::kernel decides)
     std::optional<double> support;     ///< kernel radius over spacing; none: "auto" (Plan::support decides)
 };
@@ -68,39 +69,40 @@ struct ModelKeys {
 };
 
 struct PressureKeys {
-    double tolerance = 1e-3;     ///< relative density error (ppe); preconditioned residual (coupled)
+    double tolerance = 1e-3;  ///< relative density error (ppe); preconditioned residual (coupled)
     int max_iterations = 200;
     Preconditioner preconditioner = Preconditioner::automatic;  ///< ppe; coupled brings its own
-    PressureForm form = PressureForm::constraint;            ///< ppe
-    double correction = 0.5;     ///< ppe, constraint: share of the density error that a step corrects
-    bool divergence_free = false;  ///< ppe, constraint: one solve for the velocity, from both sides, and one for the places
-    bool active_set = true;      ///< ppe, constraint: false: p >= 0 by a clamp after one solve
-    double damping = 2;          ///< ppe, constraint: of motion between neighbours that is not resolved, times sqrt(g/d)
-    double sound_speed = 0;      ///< m/s, wcsph; 0: ten times the speed that the plan expects
-    double gamma = 7;            ///< exponent of Tait's equation, wcsph
+    PressureForm form = PressureForm::constraint;               ///< ppe
+    double correction = 0.5;                                    ///< ppe, constraint: share of the density error that a step corrects
+    bool divergence_free = false;    ///< ppe, constraint: one solve for the velocity, from both sides, and one for the places
+    bool active_set = true;          ///< ppe, constraint: false: p >= 0 by a clamp after one solve
+    double damping = 2;              ///< ppe, constraint: of motion between neighbours that is not resolved, times sqrt(g/d)
+    double sound_speed = 0;          ///< m/s, wcsph; 0: ten times the speed that the plan expects
+    double gamma = 7;                ///< exponent of Tait's equation, wcsph
     double background_pressure = 0;  ///< Pa, wcsph
     GradientForm gradient = GradientForm::symmetric;  ///< wcsph
-    double sound_damping = 1;    ///< bulk viscosity over rho c R/2, wcsph
-    std::optional<double> artificial_viscosity;  ///< alpha, shear viscosity over rho c R/20, wcsph; none: "auto" (Plan::artificial_viscosity)
+    double sound_damping = 1;                         ///< bulk viscosity over rho c R/2, wcsph
+    std::optional<double>
+        artificial_viscosity;  ///< alpha, shear viscosity over rho c R/20, wcsph; none: "auto" (Plan::artificial_viscosity)
 };
 
 struct ViscosityKeys {
     double tolerance = 1e-4;
     int max_iterations = 500;
     ViscousPreconditioner preconditioner = ViscousPreconditioner::automatic;  ///< full
-    LaplacianForm laplacian = LaplacianForm::brookshaw;  ///< explicit
-    double alpha = 0.002;                                ///< xsph
-    bool correction = true;                              ///< full: corrected gradients ("first_order") or as in the note ("none")
+    LaplacianForm laplacian = LaplacianForm::brookshaw;                       ///< explicit
+    double alpha = 0.002;                                                     ///< xsph
+    bool correction = true;  ///< full: corrected gradients ("first_order") or as in the note ("none")
 };
 
 struct MicropolarKeys {
     double transfer_viscosity = 0.3;  ///< Pa s
     double micro_inertia = 2;         ///< m^2
     CurlForm curl_velocity = CurlForm::difference_own_density, curl_spin = CurlForm::symmetric;
-    bool co_rotating = true;          ///< curl u - 2 w as the curl seen from the turning particle
+    bool co_rotating = true;  ///< curl u - 2 w as the curl seen from the turning particle
     double xsph_velocity = 0.002, xsph_spin = 0.125;
-    double xsph_time = 0;             ///< s; 0: the parts are taken every step, whatever its length
-    double spin_length = 0;           ///< m; 0: the spacing
+    double xsph_time = 0;                  ///< s; 0: the parts are taken every step, whatever its length
+    double spin_length = 0;                ///< m; 0: the spacing
     std::optional<double> spin_viscosity;  ///< gamma [Pa s m^2]; none: viscosity spin_length^2
     VectorExpression torque;
     ExchangeScheme exchange = ExchangeScheme::automatic;
@@ -119,12 +121,12 @@ struct BlockKeys {
 };
 
 struct EmitterKeys {
-    std::string shape = "disc";   ///< disc | box (a rectangular slot)
-    Vec3d position = Vec3d::Zero();         ///< m, the middle of the opening
-    Vec3d direction{0, -1, 0};    ///< made unit length on reading
-    double radius = 0;            ///< m, disc
+    std::string shape = "disc";       ///< disc | box (a rectangular slot)
+    Vec3d position = Vec3d::Zero();   ///< m, the middle of the opening
+    Vec3d direction{0, -1, 0};        ///< made unit length on reading
+    double radius = 0;                ///< m, disc
     double width = 0, thickness = 0;  ///< m, box
-    Expression speed{0.0};        ///< m/s, of t; the mean over the opening
+    Expression speed{0.0};            ///< m/s, of t; the mean over the opening
     double start = 0, stop = 1e300;   ///< s
     Profile profile = Profile::plug;
     std::optional<Expression> viscosity;  ///< Pa s, of x, y, z at the start and of age; none: the fluid's
@@ -133,14 +135,14 @@ struct EmitterKeys {
 struct SolidKeys {
     ShapeKeys shape;
     VectorExpression position, rotation;  ///< m; rad/s about the solid's own axes; of t
-    bool inside = false;          ///< the fluid is inside the shape
+    bool inside = false;                  ///< the fluid is inside the shape
     Slip slip = Slip::no;
-    double slip_length = 0;       ///< m, navier
-    double wetting = 0.5;         ///< the solid's pull on the fluid over the fluid's own, with surface tension
-    std::string material;         ///< of the look
-    double density = 0;           ///< kg/m^3; given: a free body
-    Vec3d velocity = Vec3d::Zero();  ///< m/s, of a free body at the start
-    Vec3d tilt = Vec3d::Zero();   ///< degrees, rotation vector: how it stands at the start
+    double slip_length = 0;             ///< m, navier
+    double wetting = 0.5;               ///< the solid's pull on the fluid over the fluid's own, with surface tension
+    std::string material;               ///< of the look
+    double density = 0;                 ///< kg/m^3; given: a free body
+    Vec3d velocity = Vec3d::Zero();     ///< m/s, of a free body at the start
+    Vec3d tilt = Vec3d::Zero();         ///< degrees, rotation vector: how it stands at the start
     double friction = 0.3, bounce = 0;  ///< where it touches other solids
 };
 
@@ -152,12 +154,12 @@ struct DrainKeys {
 struct ProbeKeys {
     std::string name;
     ProbeKind kind = ProbeKind::point;
-    Vec3d min = Vec3d::Zero(), max = Vec3d::Zero();  ///< region
-    Vec3d at = Vec3d::Zero();                        ///< point
-    Vec3d from = Vec3d::Zero(), to = Vec3d::Zero();  ///< line
-    int count = 32;                                  ///< line
+    Vec3d min = Vec3d::Zero(), max = Vec3d::Zero();             ///< region
+    Vec3d at = Vec3d::Zero();                                   ///< point
+    Vec3d from = Vec3d::Zero(), to = Vec3d::Zero();             ///< line
+    int count = 32;                                             ///< line
     Vec3d axis_point = Vec3d::Zero(), axis_direction{0, 1, 0};  ///< coil; direction points up, away from the plate
-    double height = 0;                               ///< coil: m above the pile
+    double height = 0;                                          ///< coil: m above the pile
 };
 
 /// What a run may give up to keep to a budget of time: never the physics' own parameters.
@@ -185,8 +187,8 @@ struct PanelKeys {
 
 struct OutputKeys {
     bool frames = true, video = true;
-    double checkpoint_every = 5;  ///< s of wall time
-    std::vector<std::string> exports;  ///< points, mesh, vdb
+    double checkpoint_every = 5;         ///< s of wall time
+    std::vector<std::string> exports;    ///< points, mesh, vdb
     std::array<int, 2> size{1280, 720};  ///< pixels, width and height, even
     std::optional<int> panel_columns;    ///< of a film of panels; none: as many as there are, in a square from four on
 };
@@ -212,7 +214,7 @@ struct Scene {
     BudgetKeys budget;
     std::uint64_t seed = 1;
 
-    std::string directory;               ///< of the scene file: mesh files are found from here
+    std::string directory;                ///< of the scene file: mesh files are found from here
     std::map<std::string, Place> places;  ///< where each given key stands: "emitter[0].position" -> file:line:column
     /// Viscosity of what comes from emitter k - 1, or (k = 0) is there at the start.
     const Expression& viscosity_of_source(std::size_t k) const {

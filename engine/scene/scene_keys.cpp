@@ -8,21 +8,47 @@ namespace {
 /// The keys of a shape, of a struct with a member `shape`.
 template <class S>
 void add_shape_keys(KeyTableOf<S>& t, const std::vector<std::string>& kinds, bool with_position) {
-    t.key("shape", [](S& s) -> auto& { return s.shape.kind; }, "", "what it is").required().one_of(kinds);
-    t.key("min", [](S& s) -> auto& { return s.shape.min; }, "m", "lowest corner").required().only_with("shape", {"box"});
-    t.key("max", [](S& s) -> auto& { return s.shape.max; }, "m", "highest corner").required().only_with("shape", {"box"});
+    t.key(
+         "shape", [](S & s) -> auto& { return s.shape.kind; }, "", "what it is")
+        .required()
+        .one_of(kinds);
+    t.key(
+         "min", [](S & s) -> auto& { return s.shape.min; }, "m", "lowest corner")
+        .required()
+        .only_with("shape", {"box"});
+    t.key(
+         "max", [](S & s) -> auto& { return s.shape.max; }, "m", "highest corner")
+        .required()
+        .only_with("shape", {"box"});
     if (with_position)
-        t.key("position", [](S& s) -> auto& { return s.shape.centre; }, "m", "centre of a sphere; origin of a mesh")
+        t.key(
+             "position", [](S & s) -> auto& { return s.shape.centre; }, "m", "centre of a sphere; origin of a mesh")
             .only_with("shape", {"sphere", "mesh"});
-    t.key("from", [](S& s) -> auto& { return s.shape.from; }, "m", "middle of one end").required().only_with("shape", {"cylinder"});
-    t.key("to", [](S& s) -> auto& { return s.shape.to; }, "m", "middle of the other end").required().only_with("shape", {"cylinder"});
-    t.key("radius", [](S& s) -> auto& { return s.shape.radius; }, "m", "of the sphere or cylinder").required().above(0).only_with("shape", {"sphere", "cylinder"});
+    t.key(
+         "from", [](S & s) -> auto& { return s.shape.from; }, "m", "middle of one end")
+        .required()
+        .only_with("shape", {"cylinder"});
+    t.key(
+         "to", [](S & s) -> auto& { return s.shape.to; }, "m", "middle of the other end")
+        .required()
+        .only_with("shape", {"cylinder"});
+    t.key(
+         "radius", [](S & s) -> auto& { return s.shape.radius; }, "m", "of the sphere or cylinder")
+        .required()
+        .above(0)
+        .only_with("shape", {"sphere", "cylinder"});
     if (std::find(kinds.begin(), kinds.end(), "plane") != kinds.end())
-        t.key("normal", [](S& s) -> auto& { return s.shape.normal; }, "", "out of the solid, into the fluid").only_with("shape", {"plane"});
-    t.key("file", [](S& s) -> auto& { return s.shape.file; }, "", "OBJ, PLY or STL, found from the scene file's folder")
+        t.key(
+             "normal", [](S & s) -> auto& { return s.shape.normal; }, "", "out of the solid, into the fluid")
+            .only_with("shape", {"plane"});
+    t.key(
+         "file", [](S & s) -> auto& { return s.shape.file; }, "", "OBJ, PLY or STL, found from the scene file's folder")
         .required()
         .only_with("shape", {"mesh"});
-    t.key("scale", [](S& s) -> auto& { return s.shape.scale; }, "", "metres per unit of the mesh file").above(0).only_with("shape", {"mesh"});
+    t.key(
+         "scale", [](S & s) -> auto& { return s.shape.scale; }, "", "metres per unit of the mesh file")
+        .above(0)
+        .only_with("shape", {"mesh"});
 }
 
 KeyTable time_keys() {
@@ -32,8 +58,11 @@ KeyTable time_keys() {
     t.key("slow_motion", &TimeKeys::slow_motion, "", "the film plays this many times slower than life").above(0);
     t.key("max_step", &TimeKeys::max_step, "s", "longest time step").above(0).live();
     t.key("cfl", &TimeKeys::cfl, "", "a step moves no particle further than this part of a spacing").above(0).at_most(2).live();
-    t.key("fixed_step", &TimeKeys::fixed_step, "s", "every step is this long, whatever the models allow (for studies of stability); 0: they decide").at_least(0);
-    t.key("sleep", &TimeKeys::sleep, "spacings", "a particle that moves less in half a second rests, and is not solved for until something near it moves; 0: never")
+    t.key("fixed_step", &TimeKeys::fixed_step, "s",
+          "every step is this long, whatever the models allow (for studies of stability); 0: they decide")
+        .at_least(0);
+    t.key("sleep", &TimeKeys::sleep, "spacings",
+          "a particle that moves less in half a second rests, and is not solved for until something near it moves; 0: never")
         .at_least(0)
         .at_most(1);
     return t;
@@ -52,8 +81,14 @@ KeyTable fluid_keys() {
     KeyTableOf<FluidKeys> t("the fluid and its particles");
     t.key("spacing", &FluidKeys::spacing, "m", "initial distance between particles").required().above(0);
     t.key("density", &FluidKeys::density, "kg/m^3", "density at rest").above(0);
-    t.key("viscosity", &FluidKeys::viscosity, "Pa s", "dynamic viscosity, of the particle's place at the start and of its age in s").at_least(0).of("xyza").live();
-    t.key("surface_tension", &FluidKeys::surface_tension, "N/m", "surface tension: particles pull at each other over three spacings; 0: none, at no cost").at_least(0).live();
+    t.key("viscosity", &FluidKeys::viscosity, "Pa s", "dynamic viscosity, of the particle's place at the start and of its age in s")
+        .at_least(0)
+        .of("xyza")
+        .live();
+    t.key("surface_tension", &FluidKeys::surface_tension, "N/m",
+          "surface tension: particles pull at each other over three spacings; 0: none, at no cost")
+        .at_least(0)
+        .live();
     t.key("kernel", &FluidKeys::kernel, "", "smoothing kernel; auto: wendland_c2 with pressure \"coupled\", else cubic");
     t.key("support", &FluidKeys::support, "spacings", "kernel radius; auto: 3 with pressure \"coupled\", else 2").at_least(1.2).at_most(6);
     return t;
@@ -61,7 +96,8 @@ KeyTable fluid_keys() {
 
 KeyTable model_keys() {
     KeyTableOf<ModelKeys> t("what is modelled; \"auto\" takes what the scene requires (whorl plan says why)");
-    t.key("pressure", &ModelKeys::pressure, "", "what keeps the density: weakly compressible, pressure equation, or one solve with the viscosity");
+    t.key("pressure", &ModelKeys::pressure, "",
+          "what keeps the density: weakly compressible, pressure equation, or one solve with the viscosity");
     t.key("viscosity", &ModelKeys::viscosity, "", "how momentum diffuses");
     t.key("micropolar", &ModelKeys::micropolar, "", "particles with a spin of their own");
     t.key("boundary", &ModelKeys::boundary, "", "how solids act on the fluid's density and pressure");
@@ -75,9 +111,15 @@ KeyTable pressure_keys() {
     t.key("tolerance", &PressureKeys::tolerance, "", "ppe: relative density error; coupled: preconditioned residual")
         .above(0)
         .at_most(0.5)
-        .only_with(model, {"ppe", "coupled"}).live();
-    t.key("max_iterations", &PressureKeys::max_iterations, "", "of the linear solver, a step").at_least(1).only_with(model, {"ppe", "coupled"}).live();
-    t.key("preconditioner", &PressureKeys::preconditioner, "", "of the linear solver; auto: multigrid where enough particles press to pay for its set-up").only_with(model, {"ppe"});
+        .only_with(model, {"ppe", "coupled"})
+        .live();
+    t.key("max_iterations", &PressureKeys::max_iterations, "", "of the linear solver, a step")
+        .at_least(1)
+        .only_with(model, {"ppe", "coupled"})
+        .live();
+    t.key("preconditioner", &PressureKeys::preconditioner, "",
+          "of the linear solver; auto: multigrid where enough particles press to pay for its set-up")
+        .only_with(model, {"ppe"});
     t.key("form", &PressureKeys::form, "", "no density above that at rest (constraint), or the pressure equation as published (poisson)")
         .only_with(model, {"ppe"});
     t.key("correction", &PressureKeys::correction, "", "constraint: share of the density error that a step corrects")
@@ -85,7 +127,8 @@ KeyTable pressure_keys() {
         .at_most(1)
         .only_with(model, {"ppe"});
     t.key("divergence_free", &PressureKeys::divergence_free, "",
-          "constraint: inside the fluid the velocity is held free of divergence from both sides, and a second solve moves particles to keep the density")
+          "constraint: inside the fluid the velocity is held free of divergence from both sides, and a second solve moves particles to "
+          "keep the density")
         .only_with(model, {"ppe"});
     t.key("active_set", &PressureKeys::active_set, "", "constraint: pressures are found with p >= 0; false: cut off at 0 after one solve")
         .only_with(model, {"ppe"});
@@ -94,20 +137,26 @@ KeyTable pressure_keys() {
         .only_with(model, {"ppe"});
     t.key("sound_speed", &PressureKeys::sound_speed, "m/s", "0: ten times the largest speed that the plan expects")
         .at_least(0)
-        .only_with(model, {"wcsph"}).live();
+        .only_with(model, {"wcsph"})
+        .live();
     t.key("gamma", &PressureKeys::gamma, "", "exponent of Tait's equation").at_least(1).at_most(20).only_with(model, {"wcsph"}).live();
     t.key("background_pressure", &PressureKeys::background_pressure, "Pa", "0 wherever there is a free surface")
         .at_least(0)
-        .only_with(model, {"wcsph"}).live();
-    t.key("sound_damping", &PressureKeys::sound_damping, "", "bulk viscosity over density, sound speed and half the kernel radius; 0: sound rings on")
+        .only_with(model, {"wcsph"})
+        .live();
+    t.key("sound_damping", &PressureKeys::sound_damping, "",
+          "bulk viscosity over density, sound speed and half the kernel radius; 0: sound rings on")
         .at_least(0)
         .at_most(2)
-        .only_with(model, {"wcsph"}).live();
+        .only_with(model, {"wcsph"})
+        .live();
     t.key("artificial_viscosity", &PressureKeys::artificial_viscosity, "",
-          "viscosity over density, sound speed and a twentieth of the kernel radius; auto: what the fluid's own lacks to 0.1, 0 with xsph and micropolar")
+          "viscosity over density, sound speed and a twentieth of the kernel radius; auto: what the fluid's own lacks to 0.1, 0 with xsph "
+          "and micropolar")
         .at_least(0)
         .at_most(2)
-        .only_with(model, {"wcsph"}).live();
+        .only_with(model, {"wcsph"})
+        .live();
     t.key("gradient", &PressureKeys::gradient, "", "form of the pressure gradient").only_with(model, {"wcsph"}).live();
     return t;
 }
@@ -116,14 +165,29 @@ KeyTable viscosity_keys() {
     KeyTableOf<ViscosityKeys> t("of the viscosity model");
     const std::string model = "models.viscosity";
     const std::vector<std::string> implicit{"pairwise", "full", "full_assembled"};
-    t.key("tolerance", &ViscosityKeys::tolerance, "", "relative residual of the linear solver").above(0).at_most(0.5).only_with(model, implicit).live();
-    t.key("max_iterations", &ViscosityKeys::max_iterations, "", "of the linear solver, a step").at_least(1).only_with(model, implicit).live();
+    t.key("tolerance", &ViscosityKeys::tolerance, "", "relative residual of the linear solver")
+        .above(0)
+        .at_most(0.5)
+        .only_with(model, implicit)
+        .live();
+    t.key("max_iterations", &ViscosityKeys::max_iterations, "", "of the linear solver, a step")
+        .at_least(1)
+        .only_with(model, implicit)
+        .live();
     t.key("preconditioner", &ViscosityKeys::preconditioner, "",
-          "of the linear solver: 3x3 diagonal blocks, these and rigid motions of groups of particles, or auto: the groups where nu dt/d^2 passes 4")
+          "of the linear solver: 3x3 diagonal blocks, these and rigid motions of groups of particles, or auto: the groups where nu dt/d^2 "
+          "passes 4")
         .only_with(model, {"full"});
-    t.key("laplacian", &ViscosityKeys::laplacian, "", "form of the Laplacian; split, with a micropolar model: the share that its coupling needs in the first form, the rest in the "
-          "second").only_with(model, {"explicit"}).live();
-    t.key("alpha", &ViscosityKeys::alpha, "", "part of the neighbours' mean velocity taken over a step").above(0).at_most(1).only_with(model, {"xsph"}).live();
+    t.key("laplacian", &ViscosityKeys::laplacian, "",
+          "form of the Laplacian; split, with a micropolar model: the share that its coupling needs in the first form, the rest in the "
+          "second")
+        .only_with(model, {"explicit"})
+        .live();
+    t.key("alpha", &ViscosityKeys::alpha, "", "part of the neighbours' mean velocity taken over a step")
+        .above(0)
+        .at_most(1)
+        .only_with(model, {"xsph"})
+        .live();
     t.key("correction", &ViscosityKeys::correction, "", "gradients exact for linear fields: a rigid rotation feels no viscosity")
         .only_with(model, {"full"});
     return t;
@@ -134,21 +198,26 @@ KeyTable micropolar_keys() {
     using M = MicropolarKeys;
     const auto own = [](Key& k) -> Key& { return k.only_with("models.micropolar", {"seed", "bender", "eringen"}); };
     own(t.key("transfer_viscosity", &M::transfer_viscosity, "Pa s", "couples spin and flow").at_least(0)).live();
-    own(t.key("micro_inertia", &M::micro_inertia, "m^2", "theta: inertia of the spin over the mass; 2 as in the notes makes the spin inert at centimetres")
-            .above(0)).live();
+    own(t.key("micro_inertia", &M::micro_inertia, "m^2",
+              "theta: inertia of the spin over the mass; 2 as in the notes makes the spin inert at centimetres")
+            .above(0))
+        .live();
     own(t.key("curl_velocity", &M::curl_velocity, "", "form of the velocity's curl"));
     own(t.key("curl_spin", &M::curl_spin, "", "form of the spin's curl"));
-    own(t.key("co_rotating", &M::co_rotating, "", "curl u - 2 w as the curl seen from the turning particle, which conserves angular momentum; false: as written"));
+    own(t.key("co_rotating", &M::co_rotating, "",
+              "curl u - 2 w as the curl seen from the turning particle, which conserves angular momentum; false: as written"));
     own(t.key("xsph_velocity", &M::xsph_velocity, "", "smoothing of the velocity a step").at_least(0).at_most(1)).live();
     own(t.key("xsph_spin", &M::xsph_spin, "", "smoothing of the spin a step").at_least(0).at_most(1)).live();
-    own(t.key("xsph_time", &M::xsph_time, "s", "time in which the smoothings take their parts; 0: every step, as in the notes").at_least(0));
+    own(t.key("xsph_time", &M::xsph_time, "s", "time in which the smoothings take their parts; 0: every step, as in the notes")
+            .at_least(0));
     own(t.key("spin_length", &M::spin_length, "m", "l in the spin's diffusion viscosity l^2; 0: the spacing").at_least(0));
     own(t.key("spin_viscosity", &M::spin_viscosity, "Pa s m^2", "gamma, diffusion of the spin; auto: viscosity spin_length^2").at_least(0));
     own(t.key("torque", &M::torque, "m^2/s^2", "torque on every particle over its mass").of("txyz")).live();
     own(t.key("exchange", &M::exchange, "", "of spin and flow; auto: explicit where its stable step is long enough"));
     own(t.key("wall_spin", &M::wall_spin, "", "spin at walls that the fluid sticks to: the solid's rotation, or free of couple stress"));
     own(t.key("effective_viscosity", &M::effective_viscosity, "Pa s",
-              "what slow flows shall feel; given, it chooses viscosity, transfer_viscosity, spin_viscosity and micro_inertia together with spin_length")
+              "what slow flows shall feel; given, it chooses viscosity, transfer_viscosity, spin_viscosity and micro_inertia together with "
+              "spin_length")
             .above(0));
     return t;
 }
@@ -158,7 +227,8 @@ KeyTable boundary_keys() {
     t.key("gate", &BoundaryKeys::gate, "", "a solid acts only where its kernel sum at the particle passes this; 0: always")
         .at_least(0)
         .at_most(1)
-        .only_with("models.boundary", {"akinci", "ppe"}).live();
+        .only_with("models.boundary", {"akinci", "ppe"})
+        .live();
     return t;
 }
 
@@ -194,15 +264,24 @@ KeyTable solid_keys() {
     t.key("rotation", &SolidKeys::rotation, "rad/s", "turns it about its own axes").of("t").live();
     t.key("inside", &SolidKeys::inside, "", "the fluid is inside the shape: a container");
     t.key("slip", &SolidKeys::slip, "", "whether the fluid sticks (no), slides freely, or slips by slip_length (navier)").live();
-    t.key("slip_length", &SolidKeys::slip_length, "m", "how far behind the surface the fluid, continued straight, would stick: u - u_wall = slip_length du/dn")
-        .required().above(0).only_with("slip", {"navier"}).live();
-    t.key("density", &SolidKeys::density, "kg/m^3", "a free body: fluid, gravity and other solids move it; position and rotation then say how it starts; 0: it moves as they say")
+    t.key("slip_length", &SolidKeys::slip_length, "m",
+          "how far behind the surface the fluid, continued straight, would stick: u - u_wall = slip_length du/dn")
+        .required()
+        .above(0)
+        .only_with("slip", {"navier"})
+        .live();
+    t.key("density", &SolidKeys::density, "kg/m^3",
+          "a free body: fluid, gravity and other solids move it; position and rotation then say how it starts; 0: it moves as they say")
         .at_least(0);
     t.key("velocity", &SolidKeys::velocity, "m/s", "of a free body at the start");
     t.key("tilt", &SolidKeys::tilt, "degrees", "how it is turned at the start: about this axis through its middle, by this angle");
     t.key("friction", &SolidKeys::friction, "", "where free bodies touch; of a pair: the geometric mean").at_least(0).at_most(10);
-    t.key("bounce", &SolidKeys::bounce, "", "share of its speed that a free body keeps when it hits a solid; of a pair: the larger").at_least(0).at_most(1);
-    t.key("wetting", &SolidKeys::wetting, "", "with surface tension: the solid's pull over the fluid's own; contact angle of cos = 2 wetting - 1: 1 wets, 0.5 stands at 90 degrees, 0 repels")
+    t.key("bounce", &SolidKeys::bounce, "", "share of its speed that a free body keeps when it hits a solid; of a pair: the larger")
+        .at_least(0)
+        .at_most(1);
+    t.key("wetting", &SolidKeys::wetting, "",
+          "with surface tension: the solid's pull over the fluid's own; contact angle of cos = 2 wetting - 1: 1 wets, 0.5 stands at 90 "
+          "degrees, 0 repels")
         .at_least(0)
         .at_most(1)
         .live();
@@ -229,12 +308,15 @@ KeyTable probe_keys() {
     t.key("max", &ProbeKeys::max, "m", "highest corner").required().only_with("kind", {"region"});
     t.key("axis_point", &ProbeKeys::axis_point, "m", "where the axis meets the plate").only_with("kind", {"coil"});
     t.key("axis_direction", &ProbeKeys::axis_direction, "", "up, away from the plate").only_with("kind", {"coil"});
-    t.key("height", &ProbeKeys::height, "m", "of the section that is measured, above the pile; 0: where the thread comes to rest").at_least(0).only_with("kind", {"coil"});
+    t.key("height", &ProbeKeys::height, "m", "of the section that is measured, above the pile; 0: where the thread comes to rest")
+        .at_least(0)
+        .only_with("kind", {"coil"});
     return t;
 }
 
 KeyTable change_keys() {
-    KeyTableOf<ChangeKeys> t("a key that takes another value while the run goes on, as whorl live records it; at time 0 any key, then those that may change");
+    KeyTableOf<ChangeKeys> t(
+        "a key that takes another value while the run goes on, as whorl live records it; at time 0 any key, then those that may change");
     t.key("time", &ChangeKeys::time, "s", "when; a step ends exactly then").required().at_least(0);
     t.key("key", &ChangeKeys::key, "", "as in emitter[0].speed").required();
     t.key("value", &ChangeKeys::value, "", "what it is from then on").required();
@@ -242,7 +324,8 @@ KeyTable change_keys() {
 }
 
 KeyTable panel_keys() {
-    KeyTableOf<PanelKeys> t("one of several runs of this scene, side by side in one film, frame by frame; each is a run of its own in panels/1, panels/2, ...");
+    KeyTableOf<PanelKeys> t(
+        "one of several runs of this scene, side by side in one film, frame by frame; each is a run of its own in panels/1, panels/2, ...");
     t.key("label", &PanelKeys::label, "", "written on it");
     t.key("set", &PanelKeys::set, "", "what it has of its own, as in [\"models.micropolar=none\", \"fluid.spacing=2e-3\"]");
     return t;
@@ -253,7 +336,9 @@ KeyTable output_keys() {
     t.key("frames", &OutputKeys::frames, "", "pictures: frames/000001.png ...");
     t.key("video", &OutputKeys::video, "", "<name>.mp4");
     t.key("size", &OutputKeys::size, "pixels", "width and height of the pictures, even numbers").at_least(16).at_most(8192);
-    t.key("panel_columns", &OutputKeys::panel_columns, "", "panels in a row; auto: all of two or three, from four on a square").at_least(1).at_most(16);
+    t.key("panel_columns", &OutputKeys::panel_columns, "", "panels in a row; auto: all of two or three, from four on a square")
+        .at_least(1)
+        .at_most(16);
     t.key("checkpoint_every", &OutputKeys::checkpoint_every, "s", "of wall time").above(0);
     t.key("export", &OutputKeys::exports, "", "files for other programs, a set a frame").one_of({"points", "mesh", "vdb"});
     return t;
@@ -263,7 +348,10 @@ KeyTable budget_keys() {
     KeyTableOf<BudgetKeys> t("wall time that a frame may take, and what may be given up for it, in this order; budget.csv tells what was");
     t.key("seconds_per_frame", &BudgetKeys::seconds_per_frame, "s", "of wall time; 0: as long as it takes").at_least(0).live();
     t.key("seconds", &BudgetKeys::seconds, "s", "of wall time for the whole film; 0: as long as it takes").at_least(0).live();
-    t.key("tolerance", &BudgetKeys::tolerance, "", "tolerances of the solvers grow up to this times the scene's").at_least(1).at_most(1000).live();
+    t.key("tolerance", &BudgetKeys::tolerance, "", "tolerances of the solvers grow up to this times the scene's")
+        .at_least(1)
+        .at_most(1000)
+        .live();
     t.key("cfl", &BudgetKeys::cfl, "", "then steps grow up to this cfl").above(0).at_most(2).live();
     t.key("voxel", &BudgetKeys::voxel, "spacings", "then the surface gets coarser up to this").above(0).at_most(2).live();
     t.key("samples", &BudgetKeys::samples, "", "then pictures get fewer samples a pixel, down to this").at_least(1).live();

@@ -78,8 +78,11 @@ Json schema_of(const KeyTable& table, bool partial) {
         if (part.is_list) {
             // A quality may change entry 0, 1, ... of a list, as in emitter.0.speed.
             const Json entries = {{"type", "array"}, {"items", schema_of(*part.table, false)}};
-            inner = partial ? Json{{"anyOf", {entries, {{"type", "object"}, {"patternProperties", {{"^[0-9]+$", inner}}}, {"additionalProperties", false}}}}}
-                            : entries;
+            inner =
+                partial
+                    ? Json{{"anyOf",
+                            {entries, {{"type", "object"}, {"patternProperties", {{"^[0-9]+$", inner}}}, {"additionalProperties", false}}}}}
+                    : entries;
         } else if (inner.contains("required") && !partial) {
             required.push_back(part.name);
         }
@@ -133,9 +136,11 @@ std::string json_schema(const std::vector<Section>& sections) {
 
 std::string markdown_reference(const std::vector<Section>& sections) {
     std::string text =
-        "# Keys of a scene file\n\nWritten by `whorl schema --markdown`; do not edit by hand. Scene files are TOML with SI units. Unknown keys are errors.\n"
+        "# Keys of a scene file\n\nWritten by `whorl schema --markdown`; do not edit by hand. Scene files are TOML with SI units. Unknown "
+        "keys are errors.\n"
         "An expression is a text such as `\"0.25 + 0.1*sin(2*pi*t)\"`, with t [s], x, y, z [m], pi and the functions of muParser.\n"
-        "`[quality.draft]` and `[quality.fine]` may hold any of these keys (`fluid.spacing = 3e-3`, `emitter.0.speed = 0.2`): `--quality draft` lays them\n"
+        "`[quality.draft]` and `[quality.fine]` may hold any of these keys (`fluid.spacing = 3e-3`, `emitter.0.speed = 0.2`): `--quality "
+        "draft` lays them\n"
         "over the file. The file itself is the standard quality. `--set key=value` beats both.\n";
     markdown(scene_keys(), "", "", text);
     for (const Section& section : sections) markdown(*section.table, "[" + section.name + "]", section.name, text);

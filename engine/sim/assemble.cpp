@@ -38,9 +38,9 @@ double free_kinetic_energy(const World& w) {
     const auto u = w.fluid.column<field::velocity>();
     const auto role = w.fluid.column<field::role>();
     return 0.5 * static_cast<double>(w.step.mass) * parallel_sum(w.fluid.size(), [&](Index i) {
-        const auto k = static_cast<std::size_t>(i);
-        return role[k] == 0 ? u[k].cast<double>().squaredNorm() : 0.0;
-    });
+               const auto k = static_cast<std::size_t>(i);
+               return role[k] == 0 ? u[k].cast<double>().squaredNorm() : 0.0;
+           });
 }
 
 /// Fluid and solid neighbours of the models with one support radius.
@@ -73,7 +73,9 @@ public:
     Assembly assemble() {
         limit("max_step", number(scene_.time.max_step) + " s", [most = scene_.time.max_step](const World&, double) { return most; });
         flow_limits();
-        if (plan_.viscosity != ViscosityModel::none || plan_.micropolar != MicropolarModel::none || plan_.pressure == PressureModel::coupled) ageing();
+        if (plan_.viscosity != ViscosityModel::none || plan_.micropolar != MicropolarModel::none ||
+            plan_.pressure == PressureModel::coupled)
+            ageing();
         if (plan_.pressure == PressureModel::coupled) coupled();
         else apart();
         if (scene_.time.sleep > 0) stage("hold sleepers", "sleep", HoldSleepers{});
@@ -127,16 +129,17 @@ private:
     }
 
     void apart() {
-        const Real solid_factor = plan_.boundary == BoundaryModel::none
-                                      ? Real(1)
-                                      : continued_lattice_factor(plan_.kernel, static_cast<Real>(plan_.support), static_cast<Real>(plan_.spacing));
+        const Real solid_factor =
+            plan_.boundary == BoundaryModel::none
+                ? Real(1)
+                : continued_lattice_factor(plan_.kernel, static_cast<Real>(plan_.support), static_cast<Real>(plan_.spacing));
         made_.stages.push_back(neighbours());
         gate_.threshold = static_cast<Real>(scene_.boundary.gate);
         const bool constraint = plan_.pressure == PressureModel::ppe && scene_.pressure.form == PressureForm::constraint;
         // The constraint makes its own densities, in its own way at solids; viscosity and spin act before it.
-        const bool needs_density = plan_.viscosity != ViscosityModel::none || plan_.micropolar != MicropolarModel::none || plan_.shifting != ShiftingModel::none;
-        if (!constraint || needs_density)
-            stage("density", "density", Density{solid_factor, gate_});
+        const bool needs_density =
+            plan_.viscosity != ViscosityModel::none || plan_.micropolar != MicropolarModel::none || plan_.shifting != ShiftingModel::none;
+        if (!constraint || needs_density) stage("density", "density", Density{solid_factor, gate_});
 
         WeaklyCompressible tait;
         tait.sound_speed = plan_.sound_speed;
@@ -157,7 +160,9 @@ private:
             stage("pressure acceleration", "pressure", PressureAcceleration{tait});
             if (tait.artificial_viscosity > 0) stage("artificial viscosity", "pressure", ArtificialViscosity{tait});
             limit("sound", number(scene_.time.cfl) + " R/2 / (c + max |u|)",
-                  [cfl = scene_.time.cfl, R = plan_.support, c = plan_.sound_speed](const World&, double fastest) { return sound_step(cfl, R, c, fastest); });
+                  [cfl = scene_.time.cfl, R = plan_.support, c = plan_.sound_speed](const World&, double fastest) {
+                      return sound_step(cfl, R, c, fastest);
+                  });
             if (bodies)
                 limit("light bodies", "(" + number(scene_.time.cfl) + " R/2 / (c + max |u|)) sqrt(mass / mass of the fluid around)",
                       [cfl = scene_.time.cfl, R = plan_.support, c = plan_.sound_speed](const World& w, double fastest) {
@@ -180,7 +185,8 @@ private:
             stage("XSPH", "viscosity", XsphViscosity{static_cast<Real>(scene_.viscosity.alpha)});
             booked(&EnergyWork::smoothing);
         }
-        if (plan_.viscosity == ViscosityModel::full || plan_.viscosity == ViscosityModel::full_assembled || plan_.viscosity == ViscosityModel::pairwise) {
+        if (plan_.viscosity == ViscosityModel::full || plan_.viscosity == ViscosityModel::full_assembled ||
+            plan_.viscosity == ViscosityModel::pairwise) {
             implicit_viscosity(solid_factor);
             booked(&EnergyWork::viscosity);
         }
@@ -220,7 +226,8 @@ private:
         for (const SolidKeys& solid : scene_.solids) options.wetting.push_back(static_cast<Real>(solid.wetting));
         stage("surface tension", "surface tension", SurfaceTension(std::move(options)));
         const ViscosityModel v = plan_.viscosity;
-        const bool implicit = plan_.pressure == PressureModel::coupled || v == ViscosityModel::full || v == ViscosityModel::full_assembled || v == ViscosityModel::pairwise;
+        const bool implicit = plan_.pressure == PressureModel::coupled || v == ViscosityModel::full ||
+                              v == ViscosityModel::full_assembled || v == ViscosityModel::pairwise;
         limit("surface tension", implicit ? "b + sqrt(b^2 + rho d^3/(2 pi sigma)), b = mu d/(2 sigma)" : "sqrt(rho d^3 / (2 pi sigma))",
               [=, rho = scene_.fluid.density, d = plan_.spacing](const World& w, double) {
                   double mu = 0;
@@ -274,13 +281,15 @@ private:
         options.solid_factor = solid_factor;
         options.gate = gate_;
         stage("explicit viscosity", "viscosity", ExplicitViscosity{options});
-        limit("viscous", "0.125 R^2 / (4 nu)", [R = plan_.support, nu = plan_.largest_viscosity / scene_.fluid.density](const World&, double) {
-            return nu > 0 ? viscous_step(R, nu) : std::numeric_limits<double>::infinity();
-        });
+        limit("viscous", "0.125 R^2 / (4 nu)",
+              [R = plan_.support, nu = plan_.largest_viscosity / scene_.fluid.density](const World&, double) {
+                  return nu > 0 ? viscous_step(R, nu) : std::numeric_limits<double>::infinity();
+              });
         if (scene_.any_free_solid())
             limit("light bodies in viscous fluid", "(0.125 R^2 / (4 nu)) mass / mass of the fluid around",
                   [R = plan_.support, nu = plan_.largest_viscosity / scene_.fluid.density](const World& w, double) {
-                      return nu > 0 ? viscous_step(R, nu) * lightness(w.solids, w.solid_particles, w.step.mass) : std::numeric_limits<double>::infinity();
+                      return nu > 0 ? viscous_step(R, nu) * lightness(w.solids, w.solid_particles, w.step.mass)
+                                    : std::numeric_limits<double>::infinity();
                   });
     }
 
@@ -338,7 +347,8 @@ private:
         const double nu = std::max({n.pair_viscosity + std::abs(n.central_viscosity), n.coupling / 2}) / rho;
         limit("viscous", "0.125 R^2 / (4 max(nu, kappa/2))", [=](const World&, double) { return nu > 0 ? viscous_step(R, nu) : never; });
         const double diffusion = n.spin_viscosity / (rho * n.micro_inertia);
-        limit("spin diffusion", "0.125 R^2 theta / (4 gamma/rho)", [=](const World&, double) { return diffusion > 0 ? viscous_step(R, diffusion) : never; });
+        limit("spin diffusion", "0.125 R^2 theta / (4 gamma/rho)",
+              [=](const World&, double) { return diffusion > 0 ? viscous_step(R, diffusion) : never; });
         if (n.implicit_exchange || n.coupling == 0) return;
         const double k = largest_curl(plan_.kernel, static_cast<Real>(R), static_cast<Real>(plan_.spacing));
         const double exchange = exchange_step(n.coupling / rho, n.micro_inertia, k);

@@ -41,8 +41,11 @@ std::optional<Divergence> find_divergence(const Stage& stage, const World& world
 std::optional<Divergence> find_divergent_body(const Stage& stage, const World& world) {
     for (std::size_t k = 0; k < world.solids.all.size(); ++k) {
         const auto& body = world.solids.all[k].body;
-        if (!body || (body->centre.allFinite() && body->velocity.allFinite() && body->spin_momentum.allFinite() && body->turn.coeffs().allFinite())) continue;
-        return Divergence{stage.name, "velocity", world.step.time, body->centre, "the motion of solid[" + std::to_string(k) + "] is not finite"};
+        if (!body ||
+            (body->centre.allFinite() && body->velocity.allFinite() && body->spin_momentum.allFinite() && body->turn.coeffs().allFinite()))
+            continue;
+        return Divergence{stage.name, "velocity", world.step.time, body->centre,
+                          "the motion of solid[" + std::to_string(k) + "] is not finite"};
     }
     return std::nullopt;
 }

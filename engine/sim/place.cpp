@@ -86,16 +86,17 @@ void change_viscosity(const Scene& scene, World& world) {
 
 namespace {
 
-/// A lattice at rest under gravity is an equilibrium that does not last, but its symmetry holds until rounding has grown enough: with weakly
-/// compressible pressure it then melts in a jolt of 3 % of the speed of a free fall, up to a second after the start (in double later than in float).
-/// Moved by a hundredth of the spacing from the start, it settles at once and gently.
+/// A lattice at rest under gravity is an equilibrium that does not last, but its symmetry holds until rounding has grown enough: with
+/// weakly compressible pressure it then melts in a jolt of 3 % of the speed of a free fall, up to a second after the start (in double later
+/// than in float). Moved by a hundredth of the spacing from the start, it settles at once and gently.
 void loosen(std::vector<Vec3>& points, Real spacing, std::uint64_t seed) {
     RandomNumbers random(seed);
     for (Vec3& x : points)
         for (int a = 0; a < 3; ++a) x[a] += static_cast<Real>(0.01 * spacing * (2 * random() - 1));
 }
 
-/// Moves a lattice that leaves up to half a spacing at both its ends down to the lower one, where gravity goes along an axis: it would fall there.
+/// Moves a lattice that leaves up to half a spacing at both its ends down to the lower one, where gravity goes along an axis: it would fall
+/// there.
 void put_down(std::vector<Vec3>& points, const Shape& shape, const Vec3d& gravity, Real spacing) {
     Vec3 low, high;
     shape.bounds(low, high);

@@ -18,8 +18,8 @@ void place_blocks(const Scene& scene, const Plan& plan, World& world);
 /// Viscosity of the particles from `first` on, which have just come in, and where they came from; nothing where no model asks for it.
 /// @param source 0: a block; k: emitter k - 1
 void set_viscosity(const Scene& scene, World& world, Index first, int source);
-/// What a live change of fluid.viscosity does: the particles whose viscosity that key gives have the new one, of their age and of the place where they
-/// are now; those of emitters with a viscosity of their own keep it.
+/// What a live change of fluid.viscosity does: the particles whose viscosity that key gives have the new one, of their age and of the place
+/// where they are now; those of emitters with a viscosity of their own keep it.
 void change_viscosity(const Scene& scene, World& world);
 std::vector<Drain> make_drains(const Scene& scene);
 std::vector<Emitter> make_emitters(const Scene& scene, const Plan& plan);

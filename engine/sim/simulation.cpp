@@ -26,8 +26,7 @@ constexpr long sort_every = 16;
 template <class T>
 T take(std::istream& in) {
     T value{};
-    if (!whorl::take(in, value))
-        throw EnvironmentError("the saved state ends too early", "", "resume from an older checkpoint");
+    if (!whorl::take(in, value)) throw EnvironmentError("the saved state ends too early", "", "resume from an older checkpoint");
     return value;
 }
 
@@ -39,13 +38,13 @@ void each_number(Totals& t, F&& f) {
     f(t.work), f(t.any_work);
 }
 
-std::string text_of(const VectorExpression& e) { return e.component[0].text() + "; " + e.component[1].text() + "; " + e.component[2].text(); }
+std::string text_of(const VectorExpression& e) {
+    return e.component[0].text() + "; " + e.component[1].text() + "; " + e.component[2].text();
+}
 
 }  // namespace
 
-double largest_speed(const World& world) {
-    return largest_speed(world.fluid.column<field::velocity>());
-}
+double largest_speed(const World& world) { return largest_speed(world.fluid.column<field::velocity>()); }
 
 struct Simulation::State {
     Scene scene;
@@ -69,7 +68,8 @@ struct Simulation::State {
         world.fluid.declare(field_info<field::role>(), true);
         if (!scene.drains.empty()) world.fluid.declare(field_info<field::time_in_drain>(), true);
         // Whose viscosity a live change of fluid.viscosity may touch.
-        const bool own_viscosity = std::any_of(scene.emitters.begin(), scene.emitters.end(), [](const EmitterKeys& e) { return e.viscosity.has_value(); });
+        const bool own_viscosity =
+            std::any_of(scene.emitters.begin(), scene.emitters.end(), [](const EmitterKeys& e) { return e.viscosity.has_value(); });
         if (own_viscosity && world.fluid.has<field::viscosity>()) world.fluid.declare(field_info<field::source>(), true);
         place_constants(scene, plan, world);
         place_solids(scene, plan, world);
@@ -95,12 +95,14 @@ struct Simulation::State {
             solid.contact = {now.solids[k].friction, now.solids[k].bounce};
             if (solid.body) {  // put elsewhere by hand
                 solid.body->centre += now.solids[k].position(0) - scene.solids[k].position(0);
-            } else if (text_of(scene.solids[k].position) != text_of(now.solids[k].position) || text_of(scene.solids[k].rotation) != text_of(now.solids[k].rotation))
+            } else if (text_of(scene.solids[k].position) != text_of(now.solids[k].position) ||
+                       text_of(scene.solids[k].rotation) != text_of(now.solids[k].rotation))
                 solid.go_on_as(now.solids[k].position, now.solids[k].rotation, at);
             solid.slip_length = slip_length_of(now.solids[k]);
             solid.material = now.solids[k].material;
         }
-        for (std::size_t k = 0; k < now.emitters.size(); ++k) emitters[k].change(now.emitters[k].speed, now.emitters[k].start, now.emitters[k].stop);
+        for (std::size_t k = 0; k < now.emitters.size(); ++k)
+            emitters[k].change(now.emitters[k].speed, now.emitters[k].start, now.emitters[k].stop);
         scene = now, plan = new_plan;
         if (sleep) sleep->wake_all(world);
         assembly = assemble(scene, plan);
@@ -137,9 +139,7 @@ struct Simulation::State {
         }
     }
 
-    void sort() {
-        world.fluid.gather(curve.order(std::as_const(world.fluid).column<field::position>(), world.step.support));
-    }
+    void sort() { world.fluid.gather(curve.order(std::as_const(world.fluid).column<field::position>(), world.step.support)); }
 
     /// Periodic axes wrap; who left through another side is gone and counted.
     void keep_inside() {
@@ -200,13 +200,15 @@ struct Simulation::State {
         world.step.time = time;
         world.step.at_landing = steps_since_landing == 0;
         set_gravity();
-        if (world.step.at_landing && world.solids.any_moving()) {  // velocities over the last step: a resumed run does not know how long that was
+        if (world.step.at_landing &&
+            world.solids.any_moving()) {  // velocities over the last step: a resumed run does not know how long that was
             world.solids.set_time(time, scene.time.max_step);
             world.solid_particles.follow(world.solids);
         }
         const double dt = choose_step(until);
         if (!(dt > 1e-12 * scene.time.end)) {
-            world.report.diverged = Divergence{"time step", "velocity", time, Vec3d::Zero(), "the time step collapsed: something moves far too fast"};
+            world.report.diverged =
+                Divergence{"time step", "velocity", time, Vec3d::Zero(), "the time step collapsed: something moves far too fast"};
             return world.report;
         }
         world.step.dt = static_cast<Real>(dt);
@@ -316,8 +318,7 @@ std::vector<std::string> changes_of_models(const Plan& running, const Plan& want
         if (before == now) return;
         if constexpr (std::is_enum_v<std::remove_cvref_t<decltype(now)>>)
             lines.push_back(key + ": " + name_of(before) + ", now " + name_of(now));
-        else
-            lines.push_back(key + ": " + Expression(before).text() + ", now " + Expression(now).text());
+        else lines.push_back(key + ": " + Expression(before).text() + ", now " + Expression(now).text());
     };
     compare("models.pressure", running.pressure, wanted.pressure);
     compare("models.viscosity", running.viscosity, wanted.viscosity);

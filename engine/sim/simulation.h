@@ -11,8 +11,8 @@ namespace whorl {
 
 /// A bound on the time step that one of the chosen models sets.
 struct StepLimit {
-    std::string name;     ///< "cfl", "viscous", "sound", "max_step", ...
-    std::string formula;  ///< for the plan: "0.4 d / max |u|"
+    std::string name;                                        ///< "cfl", "viscous", "sound", "max_step", ...
+    std::string formula;                                     ///< for the plan: "0.4 d / max |u|"
     std::function<double(const World&, double fastest)> dt;  ///< s; fastest: largest_speed() of the fluid, found once for all limits
 };
 
@@ -34,15 +34,15 @@ struct RunTotals {
     double particle_steps = 0;
     double pressure_iterations = 0, viscosity_iterations = 0;
     long unconverged_solves = 0;
-    int pressure_levels = 0;                  ///< most levels of the pressure's preconditioner, 1: one
-    double pressure_residual = 0;             ///< of the newest solve, in its own norm
+    int pressure_levels = 0;                         ///< most levels of the pressure's preconditioner, 1: one
+    double pressure_residual = 0;                    ///< of the newest solve, in its own norm
     double pressure_set_up = 0, pressure_solve = 0;  ///< wall seconds, since the program started
     long lost_particles = 0;
     double emitted_particles = 0, drained_particles = 0;
-    double last_step = 0;                     ///< s, the newest time step
-    EnergyWork work;                          ///< J, where the models keep a budget: any_work
+    double last_step = 0;  ///< s, the newest time step
+    EnergyWork work;       ///< J, where the models keep a budget: any_work
     bool any_work = false;
-    std::map<std::string, long> binding;      ///< how often each limit chose the step
+    std::map<std::string, long> binding;  ///< how often each limit chose the step
 };
 
 class Simulation {
@@ -62,12 +62,13 @@ public:
     const std::vector<Emitter>& emitters() const;
 
     /// One step, not past `until` [s], landing on it exactly (the last two steps before it are made equal).
-    /// A step that starts at a frame time (just after a landing) refreshes every lagged set-up, so that a run resumed there is the same run.
-    /// report.diverged tells that the run cannot go on.
+    /// A step that starts at a frame time (just after a landing) refreshes every lagged set-up, so that a run resumed there is the same
+    /// run. report.diverged tells that the run cannot go on.
     const StepReport& step(double until);
 
-    /// From now on the run goes by another scene: the same fluid, solids and models with other values of the keys that may change (Key::may_change).
-    /// Only at a landing. Solids go on from where they stand; the viscosity is that of `scene` where each particle now is.
+    /// From now on the run goes by another scene: the same fluid, solids and models with other values of the keys that may change
+    /// (Key::may_change). Only at a landing. Solids go on from where they stand; the viscosity is that of `scene` where each particle now
+    /// is.
     /// @param plan of `scene`; changes_of_models(plan(), plan) must be empty
     void change(const Scene& scene, const Plan& plan);
     /// For a run that was resumed with load(): that change was made at `time` [s], before the state was saved.

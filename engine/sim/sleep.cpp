@@ -67,7 +67,8 @@ struct Sleep::Cells {
     }
     std::array<std::int64_t, 3> place(const Vec3& x) const {
         std::array<std::int64_t, 3> c{};
-        for (std::size_t a = 0; a < 3; ++a) c[a] = static_cast<std::int64_t>(std::clamp(std::floor((x[static_cast<int>(a)] - origin[a]) * inverse_edge[a]), -1e6, 1e6));
+        for (std::size_t a = 0; a < 3; ++a)
+            c[a] = static_cast<std::int64_t>(std::clamp(std::floor((x[static_cast<int>(a)] - origin[a]) * inverse_edge[a]), -1e6, 1e6));
         return c;
     }
     std::int64_t key(std::array<std::int64_t, 3> c) const {
@@ -84,7 +85,8 @@ struct Sleep::Cells {
             for (std::int64_t dx = -1; dx <= 1; ++dx)
                 for (std::int64_t dy = -1; dy <= 1; ++dy)
                     for (std::int64_t dz = -1; dz <= 1; ++dz)
-                        if (const auto near = cells.find(key({c[0] + dx, c[1] + dy, c[2] + dz})); near != cells.end()) found->second += near->second;
+                        if (const auto near = cells.find(key({c[0] + dx, c[1] + dy, c[2] + dz})); near != cells.end())
+                            found->second += near->second;
         }
         return all;
     }
@@ -115,7 +117,8 @@ void Sleep::look(World& world, double elapsed) {
     const Real d = world.step.spacing, most = options_.tolerance * d, time = static_cast<Real>(elapsed);
     const double reach = world.step.support + static_cast<double>(look_every) * options_.cfl * d;
 
-    // The anchor follows as a mean over the past does: what creeps with v is v `after` ahead of it for good, and counts as quiet or not by that.
+    // The anchor follows as a mean over the past does: what creeps with v is v `after` ahead of it for good, and counts as quiet or not by
+    // that.
     const Real follows = std::min(Real(1), time / options_.after);
     parallel_for(fluid.size(), [&](Index i) {
         const auto k = static_cast<std::size_t>(i);
@@ -137,7 +140,8 @@ void Sleep::look(World& world, double elapsed) {
                 restless |= world.solids.all[static_cast<std::size_t>(s)].pose.velocity_at(x[k]).norm() * options_.after > most;
         // Where much counts as rest, a tenth of a spacing is yet enough to press on a sleeper.
         const bool stirs = restless || (quiet[k] >= 0 && domain.minimum_image(x[k] - anchor[k]).norm() > Real(0.1) * d);
-        cells.cells[cells.key(places[k])] += Cell{restless, stirs, quiet[k] >= 0, quiet[k] >= 0 ? quiet[k] : std::numeric_limits<Real>::infinity()};
+        cells.cells[cells.key(places[k])] +=
+            Cell{restless, stirs, quiet[k] >= 0, quiet[k] >= 0 ? quiet[k] : std::numeric_limits<Real>::infinity()};
     }
     const auto near = cells.blurred(places);
     sleepers_ = 0;

@@ -1,11 +1,12 @@
 #pragma once
 /// Fluid at rest is not solved for: it sleeps, out of the stages' sight, until something moves nearby.
 ///
-/// A particle is quiet while it stays within `tolerance` spacings of its anchor, its mean place over the past (weights fade within `after` seconds): while it
-/// moves by less than that in such a time, however long it has been creeping. Once all particles within reach have been quiet for `after` seconds it falls
-/// asleep: its velocity is zero and stays so. Sleepers next to somebody awake are held in the store with a prescribed role, so that every model treats them as
-/// it treats fluid that a nozzle holds; the others are put away. Whoever moves (is not quiet for half of `after`, or is a tenth of a spacing off its anchor)
-/// wakes all sleepers within reach. Reach is a kernel radius and what CFL allows between two looks.
+/// A particle is quiet while it stays within `tolerance` spacings of its anchor, its mean place over the past (weights fade within `after`
+/// seconds): while it moves by less than that in such a time, however long it has been creeping. Once all particles within reach have been
+/// quiet for `after` seconds it falls asleep: its velocity is zero and stays so. Sleepers next to somebody awake are held in the store with
+/// a prescribed role, so that every model treats them as it treats fluid that a nozzle holds; the others are put away. Whoever moves (is
+/// not quiet for half of `after`, or is a tenth of a spacing off its anchor) wakes all sleepers within reach. Reach is a kernel radius and
+/// what CFL allows between two looks.
 ///
 /// At every landing all particles are in the store with their own roles: frames, probes and checkpoints know nothing of sleep.
 #include "engine/sim/world.h"
@@ -15,12 +16,14 @@ namespace whorl {
 namespace field {
 struct anchor {
     using type = Vec3;
-    static constexpr std::string_view name = "anchor", unit = "m", meaning = "where the particle was over the last half second, at most what counts as rest away";
+    static constexpr std::string_view name = "anchor", unit = "m",
+                                      meaning = "where the particle was over the last half second, at most what counts as rest away";
 };
 /// Negative: asleep.
 struct quiet_time {
     using type = Real;
-    static constexpr std::string_view name = "quiet_time", unit = "s", meaning = "since it last was farther from its anchor than what counts as rest; negative: asleep";
+    static constexpr std::string_view name = "quiet_time", unit = "s",
+                                      meaning = "since it last was farther from its anchor than what counts as rest; negative: asleep";
 };
 }  // namespace field
 
@@ -31,9 +34,9 @@ struct HoldSleepers {
 };
 
 struct SleepOptions {
-    Real tolerance = 0;         ///< spacings
-    Real after = Real(0.5);     ///< s
-    Real cfl = Real(0.4);       ///< spacings that a particle may move in a step
+    Real tolerance = 0;      ///< spacings
+    Real after = Real(0.5);  ///< s
+    Real cfl = Real(0.4);    ///< spacings that a particle may move in a step
 };
 
 class Sleep {

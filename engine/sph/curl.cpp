@@ -19,7 +19,9 @@ double largest_curl(KernelKind kind, Real support, Real spacing) {
                         for (int c = -reach; c <= reach; ++c) {
                             const Vec3d r = static_cast<double>(spacing) * Vec3d(a, b, c);
                             const double distance = r.norm();
-                            if (distance > 0) symbol += std::sin(k.dot(r)) * static_cast<double>(W.derivative(static_cast<Real>(distance))) / distance * r;
+                            if (distance > 0)
+                                symbol +=
+                                    std::sin(k.dot(r)) * static_cast<double>(W.derivative(static_cast<Real>(distance))) / distance * r;
                         }
                 most = std::max(most, symbol.norm());
             }

@@ -5,12 +5,13 @@
 
 namespace whorl {
 
-///   symmetric:               -rho_i sum_j m (u_i/rho_i^2 + u_j/rho_j^2) x grad W_ij    times the mass over rho_i, antisymmetric in the pair
-///   difference:              sum_j m/rho_j (u_i - u_j) x grad W_ij                     exact for constant u
-///   difference_own_density:  1/rho_i sum_j m (u_i - u_j) x grad W_ij                   the adjoint of the first: sum V v.curl u = sum V u.curl v
+///   symmetric:               -rho_i sum_j m (u_i/rho_i^2 + u_j/rho_j^2) x grad W_ij    times the mass over rho_i, antisymmetric in the
+///   pair difference:              sum_j m/rho_j (u_i - u_j) x grad W_ij                     exact for constant u difference_own_density:
+///   1/rho_i sum_j m (u_i - u_j) x grad W_ij                   the adjoint of the first: sum V v.curl u = sum V u.curl v
 enum class CurlForm { symmetric, difference, difference_own_density };
 
-/// All three are sum_j m (P u_i - Q u_j) x grad W_ij with P = p + p_b b_j and Q = q_b b_j + q_bb b_j^2 + q, b = 1/rho: one loop serves them all.
+/// All three are sum_j m (P u_i - Q u_j) x grad W_ij with P = p + p_b b_j and Q = q_b b_j + q_bb b_j^2 + q, b = 1/rho: one loop serves them
+/// all.
 struct CurlWeights {
     Real p, p_b, q, q_b, q_bb;
     Real own(Real b_j) const { return p + p_b * b_j; }
@@ -39,8 +40,8 @@ Vec3 curl(CurlForm form, const Pairs& pairs, Index i, const Kernel& W, Real m, S
     return sum;
 }
 
-/// The largest k [1/m] for which a wave of the wavenumber k, or shorter, is turned by the discrete curl on a lattice: what bounds the step of an
-/// explicit exchange. Waves along an edge and along the diagonals of the lattice are looked at.
+/// The largest k [1/m] for which a wave of the wavenumber k, or shorter, is turned by the discrete curl on a lattice: what bounds the step
+/// of an explicit exchange. Waves along an edge and along the diagonals of the lattice are looked at.
 double largest_curl(KernelKind kernel, Real support, Real spacing);
 
 }  // namespace whorl

@@ -6,9 +6,9 @@
 
 namespace whorl {
 
-/// A solid acts on fluid particle i with the weight t^2 (3 - 2 t), t = S_i/threshold - 1/2 between 0 and 1, where S_i = sum_s V_s W_is: not at all
-/// below half of the threshold, wholly from one and a half. Fluid on a lattice that touches a flat wall has S = 0.15 in its lowest layer with
-/// R = 2 d, and 0.01 half a spacing further away.
+/// A solid acts on fluid particle i with the weight t^2 (3 - 2 t), t = S_i/threshold - 1/2 between 0 and 1, where S_i = sum_s V_s W_is: not
+/// at all below half of the threshold, wholly from one and a half. Fluid on a lattice that touches a flat wall has S = 0.15 in its lowest
+/// layer with R = 2 d, and 0.01 half a spacing further away.
 struct SolidGate {
     Real threshold = 0;  ///< 0: solids always act
 

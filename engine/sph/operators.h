@@ -94,8 +94,8 @@ T laplacian(const Pairs& pairs, Index i, const Kernel& W, Span<const Real> V, Sp
     return sum;
 }
 
-/// (Lap u)_i = 2 (3 + 2) sum_j V_j (u_ij . r_ij) / (|r_ij|^2 + 0.01 h^2) grad W_ij        Monaghan (1992): along the pair, keeps angular momentum;
-/// for fields with a divergence it converges to Lap u + 2 grad div u.
+/// (Lap u)_i = 2 (3 + 2) sum_j V_j (u_ij . r_ij) / (|r_ij|^2 + 0.01 h^2) grad W_ij        Monaghan (1992): along the pair, keeps angular
+/// momentum; for fields with a divergence it converges to Lap u + 2 grad div u.
 template <class Kernel>
 Vec3 pairwise_laplacian(const Pairs& pairs, Index i, const Kernel& W, Span<const Real> V, Span<const Vec3> u) {
     Vec3 sum = Vec3::Zero();

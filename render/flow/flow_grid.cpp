@@ -9,7 +9,8 @@ namespace whorl {
 namespace {
 
 std::size_t index_of(const FlowGrid& g, int i, int j, int k) {
-    return (static_cast<std::size_t>(k) * static_cast<std::size_t>(g.n[1]) + static_cast<std::size_t>(j)) * static_cast<std::size_t>(g.n[0]) +
+    return (static_cast<std::size_t>(k) * static_cast<std::size_t>(g.n[1]) + static_cast<std::size_t>(j)) *
+               static_cast<std::size_t>(g.n[0]) +
            static_cast<std::size_t>(i);
 }
 
@@ -31,10 +32,8 @@ FlowGrid laid_out(const Frame& frame, float reach, std::size_t most_nodes) {
     if (low.x() > high.x()) return grid;
     grid.periodic = frame.periodic;
     for (int a = 0; a < 3; ++a) {
-        if (frame.periodic[static_cast<std::size_t>(a)])
-            low[a] = frame.domain_min[a], high[a] = frame.domain_max[a];
-        else
-            low[a] -= reach, high[a] += reach;
+        if (frame.periodic[static_cast<std::size_t>(a)]) low[a] = frame.domain_min[a], high[a] = frame.domain_max[a];
+        else low[a] -= reach, high[a] += reach;
     }
     float cell = frame.spacing;
     for (;; cell *= 1.25f) {
@@ -58,14 +57,16 @@ struct Bins {
     std::vector<std::uint32_t> start, particle;
 };
 Bins binned(const FlowGrid& grid, const std::vector<Vec3f>& position) {
-    const std::size_t cells = static_cast<std::size_t>(grid.n[0]) * static_cast<std::size_t>(grid.n[1]) * static_cast<std::size_t>(grid.n[2]);
+    const std::size_t cells =
+        static_cast<std::size_t>(grid.n[0]) * static_cast<std::size_t>(grid.n[1]) * static_cast<std::size_t>(grid.n[2]);
     std::vector<std::int64_t> bin(position.size(), -1);
     parallel_for(static_cast<Index>(position.size()), [&](Index p) {
         const Vec3f& x = position[static_cast<std::size_t>(p)];
         if (!finite(x)) return;
         int at[3];
         for (int a = 0; a < 3; ++a) at[a] = on_axis(grid, a, static_cast<int>(std::floor((x[a] - grid.origin[a]) / grid.cell[a])));
-        if (at[0] >= 0 && at[1] >= 0 && at[2] >= 0) bin[static_cast<std::size_t>(p)] = static_cast<std::int64_t>(index_of(grid, at[0], at[1], at[2]));
+        if (at[0] >= 0 && at[1] >= 0 && at[2] >= 0)
+            bin[static_cast<std::size_t>(p)] = static_cast<std::int64_t>(index_of(grid, at[0], at[1], at[2]));
     });
     Bins bins{std::vector<std::uint32_t>(cells + 1), {}};
     for (const std::int64_t b : bin)
@@ -116,7 +117,8 @@ FlowGrid flow_grid(const Frame& frame, const std::vector<float>& value, std::siz
                         const std::uint32_t p = bins.particle[s];
                         Vec3f r = x - frame.position[p];
                         for (int axis = 0; axis < 3; ++axis)
-                            if (grid.periodic[static_cast<std::size_t>(axis)]) r[axis] -= period[axis] * std::nearbyint(r[axis] / period[axis]);
+                            if (grid.periodic[static_cast<std::size_t>(axis)])
+                                r[axis] -= period[axis] * std::nearbyint(r[axis] / period[axis]);
                         const float q = 1 - r.squaredNorm() / (h * h);
                         if (q <= 0) continue;
                         const float w = q * q;

@@ -7,15 +7,16 @@
 
 namespace whorl {
 
-/// Node (i, j, k) stands at origin + cell (i, j, k); index = (k n[1] + j) n[0] + i. A periodic axis ends one cell before its first node comes again.
+/// Node (i, j, k) stands at origin + cell (i, j, k); index = (k n[1] + j) n[0] + i. A periodic axis ends one cell before its first node
+/// comes again.
 struct FlowGrid {
     Vec3f origin = Vec3f::Zero();  ///< m
     Vec3f cell = Vec3f::Ones();    ///< m
     std::array<int, 3> n{0, 0, 0};
     std::array<bool, 3> periodic{false, false, false};
-    std::vector<Vec3f> velocity;   ///< m/s; 0 where there is no fluid
-    std::vector<float> value;      ///< of the field that is shown
-    std::vector<float> cover;      ///< 0 no fluid near .. 1 full of it
+    std::vector<Vec3f> velocity;  ///< m/s; 0 where there is no fluid
+    std::vector<float> value;     ///< of the field that is shown
+    std::vector<float> cover;     ///< 0 no fluid near .. 1 full of it
 
     bool empty() const { return velocity.empty(); }
     Vec3f extent() const { return cell.cwiseProduct(Vec3f(static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2]))); }
@@ -28,8 +29,8 @@ struct FlowGrid {
     Sample at(const Vec3f& x) const;
 };
 
-/// Means over the particles within 1.5 spacings of each node, weighted (1 - r^2/h^2)^2. Nodes are about a spacing apart, or further where the grid
-/// would have more than `most_nodes`. The same bits for any number of threads.
+/// Means over the particles within 1.5 spacings of each node, weighted (1 - r^2/h^2)^2. Nodes are about a spacing apart, or further where
+/// the grid would have more than `most_nodes`. The same bits for any number of threads.
 /// @param value of each particle
 FlowGrid flow_grid(const Frame& frame, const std::vector<float>& value, std::size_t most_nodes = 8'000'000);
 

@@ -47,9 +47,7 @@ bool lists(const char* extensions, const std::string& name) {
     return extensions != nullptr && (" " + std::string(extensions) + " ").find(" " + name + " ") != std::string::npos;
 }
 
-EGLDisplay platform_display(EGLenum platform, void* native) {
-    return eglGetPlatformDisplayEXT(platform, native, nullptr);
-}
+EGLDisplay platform_display(EGLenum platform, void* native) { return eglGetPlatformDisplayEXT(platform, native, nullptr); }
 
 /// The rungs in order of merit: hardware devices, Mesa without a surface (its software driver where there is no GPU), software devices,
 /// and whatever EGL calls the default display.
@@ -65,7 +63,8 @@ std::vector<Rung> ladder() {
             const char* extensions = eglQueryDeviceStringEXT(device, EGL_EXTENSIONS);
             const bool is_software = lists(extensions, "EGL_MESA_device_software");
             const char* kind = is_software ? "software" : lists(extensions, "EGL_EXT_device_drm") ? "EGL_EXT_device_drm" : "hardware";
-            Rung rung{fmt::format("device {} ({})", i, kind), !is_software, [device] { return platform_display(EGL_PLATFORM_DEVICE_EXT, device); }};
+            Rung rung{fmt::format("device {} ({})", i, kind), !is_software,
+                      [device] { return platform_display(EGL_PLATFORM_DEVICE_EXT, device); }};
             (is_software ? software : hardware).push_back(std::move(rung));
         }
     }
@@ -87,9 +86,11 @@ void close(const Opened& opened) {
 
 EGLContext core_context(EGLDisplay display, EGLConfig config) {
     for (const auto& [major, minor] : {std::pair{4, 5}, {4, 3}, {4, 1}, {3, 3}}) {
-        const std::array<EGLint, 7> wanted{EGL_CONTEXT_MAJOR_VERSION, major, EGL_CONTEXT_MINOR_VERSION, minor,
-                                           EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
-        if (const EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, wanted.data()); context != EGL_NO_CONTEXT) return context;
+        const std::array<EGLint, 7> wanted{
+            EGL_CONTEXT_MAJOR_VERSION,           major,   EGL_CONTEXT_MINOR_VERSION, minor, EGL_CONTEXT_OPENGL_PROFILE_MASK,
+            EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+        if (const EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, wanted.data()); context != EGL_NO_CONTEXT)
+            return context;
     }
     return EGL_NO_CONTEXT;
 }
@@ -115,7 +116,8 @@ Opened open(const Rung& rung) {
     EGLConfig config = nullptr;
     EGLint configs = 0;
     if (!eglChooseConfig(opened.display, attributes.data(), &config, 1, &configs) || configs == 0) {
-        if (!lists(eglQueryString(opened.display, EGL_EXTENSIONS), "EGL_KHR_no_config_context")) return failed("no configuration with OpenGL");
+        if (!lists(eglQueryString(opened.display, EGL_EXTENSIONS), "EGL_KHR_no_config_context"))
+            return failed("no configuration with OpenGL");
         config = nullptr;
     }
     opened.context = core_context(opened.display, config);
@@ -162,14 +164,13 @@ GlContext::GlContext() {
         }
         tried += (tried.empty() ? "" : "; ") + rung.name + ": " + opened.outcome;
     }
-    throw EnvironmentError("no OpenGL device can draw off-screen", tried, "apt install libegl1 libgl1-mesa-dri (Mesa's software driver needs no GPU)");
+    throw EnvironmentError("no OpenGL device can draw off-screen", tried,
+                           "apt install libegl1 libgl1-mesa-dri (Mesa's software driver needs no GPU)");
 }
 
 GlContext::GlContext(GlContext&& other) noexcept
-    : display_(std::exchange(other.display_, nullptr)),
-      context_(std::exchange(other.context_, nullptr)),
-      surface_(std::exchange(other.surface_, nullptr)),
-      device_(std::move(other.device_)) {}
+    : display_(std::exchange(other.display_, nullptr)), context_(std::exchange(other.context_, nullptr)),
+      surface_(std::exchange(other.surface_, nullptr)), device_(std::move(other.device_)) {}
 
 GlContext::~GlContext() { close({display_, context_, surface_ == nullptr ? EGL_NO_SURFACE : surface_, ""}); }
 

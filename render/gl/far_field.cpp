@@ -36,9 +36,10 @@ void sweep(Volume& v) {
                         return x < 0 || y < 0 || z < 0 || x >= v.nx || y >= v.ny || z >= v.nz ? unknown : v.value[at(v, x, y, z)];
                     };
                     float& phi = v.value[at(v, i, j, k)];
-                    phi = std::min(phi, eikonal({std::min(value(i - 1, j, k), value(i + 1, j, k)), std::min(value(i, j - 1, k), value(i, j + 1, k)),
-                                                 std::min(value(i, j, k - 1), value(i, j, k + 1))},
-                                                v.voxel));
+                    phi = std::min(
+                        phi, eikonal({std::min(value(i - 1, j, k), value(i + 1, j, k)), std::min(value(i, j - 1, k), value(i, j + 1, k)),
+                                      std::min(value(i, j, k - 1), value(i, j, k + 1))},
+                                     v.voxel));
                 }
     }
 }

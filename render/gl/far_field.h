@@ -4,8 +4,8 @@
 
 namespace whorl {
 
-/// A volume with `coarseness` times larger voxels, `margin` of them wider on every side, whose values are signed distances without a band [m],
-/// good to about half a coarse voxel.
+/// A volume with `coarseness` times larger voxels, `margin` of them wider on every side, whose values are signed distances without a band
+/// [m], good to about half a coarse voxel.
 Volume far_field(const Volume& band, int coarseness, int margin);
 
 }  // namespace whorl

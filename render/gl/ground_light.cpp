@@ -35,7 +35,8 @@ Vec3f ground_area(const Bounds& bounds) {
 
 }  // namespace
 
-void GroundLight::draw(const Things& things, const Material& material, const Mat3f& to_studio, float spacing, float ground, bool has_ground) {
+void GroundLight::draw(const Things& things, const Material& material, const Mat3f& to_studio, float spacing, float ground,
+                       bool has_ground) {
     light_ = to_studio.transpose() * shadow_light();
     centre_ = things.bounds().centre();
     radius_ = std::max(1.02f * things.bounds().radius(), 1e-4f);
@@ -43,7 +44,8 @@ void GroundLight::draw(const Things& things, const Material& material, const Mat
     glDisable(GL_DEPTH_TEST);
     draw_layers(things, spacing);
 
-    const Vec3f absorption = material.refracts ? Vec3f(material.absorption + Vec3f::Constant(0.15f * material.haze)) : Vec3f::Constant(1e6f);
+    const Vec3f absorption =
+        material.refracts ? Vec3f(material.absorption + Vec3f::Constant(0.15f * material.haze)) : Vec3f::Constant(1e6f);
     glBindFramebuffer(GL_FRAMEBUFFER, transmission_target_.id());
     transmission_program_.use();
     transmission_program_.texture("fluid_layers", 0, GL_TEXTURE_2D, fluid_layers_.id());

@@ -10,7 +10,8 @@ class GroundLight {
 public:
     /// @param height of the pictures [pixels]: a small one shows no more than half the maps' resolution
     explicit GroundLight(int height) : light_size(height < 480 ? 128 : 256), ground_size(light_size) {}
-    /// @param to_studio studio_axes() of the view @param spacing of the particles [m] @param ground its height [m] @param has_ground else only the solids are lit
+    /// @param to_studio studio_axes() of the view @param spacing of the particles [m] @param ground its height [m] @param has_ground else
+    /// only the solids are lit
     void draw(const Things& things, const Material& material, const Mat3f& to_studio, float spacing, float ground, bool has_ground);
     /// Sets the uniforms of shadow.glsl; takes two texture units from `unit` on.
     void bind_shadow(gl::Program& program, int unit) const;
@@ -41,9 +42,9 @@ private:
     gl::Framebuffer map_target_ = gl::framebuffer({map_.id()}, 0);
 
     Vec3f light_ = Vec3f::UnitY(), centre_ = Vec3f::Zero();
-    float radius_ = 1;                  ///< of what the light sees [m]
+    float radius_ = 1;  ///< of what the light sees [m]
     Eigen::Matrix4f light_matrix_ = Eigen::Matrix4f::Identity();
-    Vec3f area_ = Vec3f(0, 0, 1e-9f);   ///< centre x, z, half-width [m]
+    Vec3f area_ = Vec3f(0, 0, 1e-9f);  ///< centre x, z, half-width [m]
 };
 
 }  // namespace whorl

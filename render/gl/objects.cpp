@@ -55,7 +55,8 @@ void fill_3d(Texture& texture, int nx, int ny, int nz, const float* value) {
         texture = Texture(id);
         glBindTexture(GL_TEXTURE_3D, id);
         for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) glTexParameteri(GL_TEXTURE_3D, filter, GL_LINEAR);
-        for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R}) glTexParameteri(GL_TEXTURE_3D, axis, GL_CLAMP_TO_EDGE);
+        for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
+            glTexParameteri(GL_TEXTURE_3D, axis, GL_CLAMP_TO_EDGE);
     }
     glBindTexture(GL_TEXTURE_3D, texture.id());
     glTexImage3D(GL_TEXTURE_3D, 0, GL_R32F, nx, ny, nz, 0, GL_RED, GL_FLOAT, value);
@@ -76,7 +77,8 @@ Framebuffer framebuffer(std::initializer_list<GLuint> colours, GLuint depth) {
     return target;
 }
 
-Program::Program(std::initializer_list<const char*> vertex_files, std::initializer_list<const char*> fragment_files) : name_(glCreateProgram()) {
+Program::Program(std::initializer_list<const char*> vertex_files, std::initializer_list<const char*> fragment_files)
+    : name_(glCreateProgram()) {
     for (const GLuint shader : {compiled(GL_VERTEX_SHADER, vertex_files), compiled(GL_FRAGMENT_SHADER, fragment_files)}) {
         glAttachShader(name_.id(), shader);
         glDeleteShader(shader);
@@ -108,7 +110,8 @@ void Program::texture(const char* uniform, int unit, GLenum target, GLuint id) {
     set(uniform, unit);
 }
 
-Vertices::Vertices(const std::vector<int>& components) : array_(made(glGenVertexArrays)), components_(components), indices_(made(glGenBuffers)) {
+Vertices::Vertices(const std::vector<int>& components)
+    : array_(made(glGenVertexArrays)), components_(components), indices_(made(glGenBuffers)) {
     glBindVertexArray(array_.id());
     for (std::size_t i = 0; i < components.size(); ++i) {
         attributes_.emplace_back(made(glGenBuffers));
@@ -119,7 +122,8 @@ Vertices::Vertices(const std::vector<int>& components) : array_(made(glGenVertex
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.id());
 }
 
-void Vertices::fill(std::initializer_list<std::pair<const float*, std::size_t>> attributes, const std::uint32_t* indices, std::size_t index_count) {
+void Vertices::fill(std::initializer_list<std::pair<const float*, std::size_t>> attributes, const std::uint32_t* indices,
+                    std::size_t index_count) {
     glBindVertexArray(array_.id());
     std::size_t i = 0;
     for (const auto& [data, floats] : attributes) {
@@ -136,10 +140,8 @@ void Vertices::fill(std::initializer_list<std::pair<const float*, std::size_t>> 
 void Vertices::draw(GLenum primitive) const {
     if (count_ == 0) return;
     glBindVertexArray(array_.id());
-    if (indexed_)
-        glDrawElements(primitive, static_cast<GLsizei>(count_), GL_UNSIGNED_INT, nullptr);
-    else
-        glDrawArrays(primitive, 0, static_cast<GLsizei>(count_));
+    if (indexed_) glDrawElements(primitive, static_cast<GLsizei>(count_), GL_UNSIGNED_INT, nullptr);
+    else glDrawArrays(primitive, 0, static_cast<GLsizei>(count_));
 }
 
 }  // namespace whorl::gl

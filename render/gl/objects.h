@@ -78,7 +78,8 @@ class Vertices {
 public:
     Vertices(const std::vector<int>& components);
     /// One array of floats an attribute, in order; `indices` may be empty (points).
-    void fill(std::initializer_list<std::pair<const float*, std::size_t>> attributes, const std::uint32_t* indices, std::size_t index_count);
+    void fill(std::initializer_list<std::pair<const float*, std::size_t>> attributes, const std::uint32_t* indices,
+              std::size_t index_count);
     void draw(GLenum primitive) const;
     std::size_t count() const { return count_; }
 

@@ -127,15 +127,20 @@ void Renderer::Device::cover_screen() const {
 Image Renderer::Device::draw(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view) {
     context.make_current();
     std::array<float, 2> range{0, 1};
-    if (shows_field(look))
-        range = fill_field(frame, look, view);
-    else
-        things.fill(frame, surface.mesh, surface.age);
+    if (shows_field(look)) range = fill_field(frame, look, view);
+    else things.fill(frame, surface.mesh, surface.age);
     field.fill(shows_field(look) ? Volume{} : surface.distance);
     solid_field.fill(frame.solids);
     const float aspect = static_cast<float>(width) / static_cast<float>(height);
-    const Shot shot{look,          view, studio_of(look.background), fluid_material(look, (frame.domain_max - frame.domain_min).norm()),
-                    frame.spacing, ground_height(frame), camera_matrix(view, aspect, things.bounds()), aspect, !surface.age.empty()};
+    const Shot shot{look,
+                    view,
+                    studio_of(look.background),
+                    fluid_material(look, (frame.domain_max - frame.domain_min).norm()),
+                    frame.spacing,
+                    ground_height(frame),
+                    camera_matrix(view, aspect, things.bounds()),
+                    aspect,
+                    !surface.age.empty()};
     glBindVertexArray(no_vertices);
     ground_light.draw(things, shot.material, studio_axes(view), frame.spacing, shot.ground, look.ground);
 
@@ -223,7 +228,8 @@ std::array<float, 2> Renderer::Device::fill_field(const Frame& frame, const Look
     for (float& v : place) v = std::clamp((v - range[0]) / (range[1] - range[0]), 0.0f, 1.0f);
     if (look.style == "particles") {
         const bool trailing = look.trail > 0;
-        things.fill(frame, place, trailing ? trails(frame, place, flow_grid(frame, place), look.trail, 0.5f * frame.spacing, view.position) : Trails{});
+        things.fill(frame, place,
+                    trailing ? trails(frame, place, flow_grid(frame, place), look.trail, 0.5f * frame.spacing, view.position) : Trails{});
     } else if (look.style == "slice") {
         const FlowSlice picture_of_it = flow_slice(flow_grid(frame, place), look, std::max(width, height));
         fill_slice(picture_of_it);
@@ -232,7 +238,9 @@ std::array<float, 2> Renderer::Device::fill_field(const Frame& frame, const Look
         const FlowGrid grid = flow_grid(frame, place);
         things.fill(frame, grid);
         volume_box = things.fluid_bounds();
-        if (!grid.empty()) gl::fill_3d(values, grid.n[0], grid.n[1], grid.n[2], grid.value.data()), gl::fill_3d(cover, grid.n[0], grid.n[1], grid.n[2], grid.cover.data());
+        if (!grid.empty())
+            gl::fill_3d(values, grid.n[0], grid.n[1], grid.n[2], grid.value.data()),
+                gl::fill_3d(cover, grid.n[0], grid.n[1], grid.n[2], grid.cover.data());
     }
     std::vector<float> texels;
     for (int i = 0; i < 256; ++i) {

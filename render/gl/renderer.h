@@ -13,16 +13,16 @@ namespace whorl {
 
 /// One rung of the ladder of EGL devices: what was tried and what came of it.
 struct DeviceAttempt {
-    std::string name;      ///< "device 0 (EGL_EXT_device_drm)", "surfaceless", "default display"
+    std::string name;  ///< "device 0 (EGL_EXT_device_drm)", "surfaceless", "default display"
     bool hardware = false;
     bool works = false;
-    std::string outcome;   ///< renderer and GL version, or why it failed
+    std::string outcome;  ///< renderer and GL version, or why it failed
 };
 /// Tries every rung, for `whorl doctor`.
 std::vector<DeviceAttempt> probe_devices();
 
-/// Mesa's software driver takes its number of threads from the environment when its first screen is made. Call before there are threads: nothing
-/// may change the environment while another thread starts a process.
+/// Mesa's software driver takes its number of threads from the environment when its first screen is made. Call before there are threads:
+/// nothing may change the environment while another thread starts a process.
 void share_threads_with_software_driver();
 
 /// Draws frames into images. Belongs to the thread that made it.

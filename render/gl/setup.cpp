@@ -113,7 +113,8 @@ PixelBox pixels_of(const Bounds& bounds, const Eigen::Matrix4f& matrix, int widt
         low = low.cwiseMin(place), high = high.cwiseMax(place);
     }
     const auto pixel = [](float place, int size, int margin) {
-        return std::clamp(static_cast<int>(std::floor((0.5f * std::clamp(place, -2.0f, 2.0f) + 0.5f) * static_cast<float>(size))) + margin, 0, size);
+        return std::clamp(static_cast<int>(std::floor((0.5f * std::clamp(place, -2.0f, 2.0f) + 0.5f) * static_cast<float>(size))) + margin,
+                          0, size);
     };
     PixelBox box{pixel(low.x(), width, -1), pixel(low.y(), height, -1), 0, 0};
     box.width = pixel(high.x(), width, 2) - box.x;

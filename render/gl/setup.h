@@ -21,7 +21,8 @@ Bounds bounds_of(const FrameSolid& solid);
 
 /// A solid that the ground of the look stands for: a level plane.
 bool is_level_ground(const FrameSolid& solid);
-/// Height of the ground [m]: that of the highest level plane, else of the lowest solid that stands near the domain's floor, else that floor.
+/// Height of the ground [m]: that of the highest level plane, else of the lowest solid that stands near the domain's floor, else that
+/// floor.
 float ground_height(const Frame& frame);
 
 /// World -> clip; the depth range fits the bounds tightly.
@@ -34,7 +35,9 @@ Eigen::Matrix4f jittered(const Eigen::Matrix4f& matrix, const Eigen::Vector2f& p
 Eigen::Vector2f sample_place(int sample, int samples);
 
 /// A rectangle of pixels, origin at the lower left as in GL.
-struct PixelBox { int x = 0, y = 0, width = 0, height = 0; };
+struct PixelBox {
+    int x = 0, y = 0, width = 0, height = 0;
+};
 /// Where the bounds can be seen.
 PixelBox pixels_of(const Bounds& bounds, const Eigen::Matrix4f& matrix, int width, int height);
 

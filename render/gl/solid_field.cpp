@@ -12,29 +12,35 @@ namespace {
 
 constexpr int own_voxels = 64, world_voxels = 96;
 
-/// least[n] = min(least[n], distance at place + n*step): a row of samples, place and step in voxels of v; metres. Outside the volume the distance to its edge is added.
+/// least[n] = min(least[n], distance at place + n*step): a row of samples, place and step in voxels of v; metres. Outside the volume the
+/// distance to its edge is added.
 void lower_row(const Volume& v, const Vec3f& place, const Vec3f& step, std::vector<float>& least) {
     const float* value = v.value.data();
     const int along_y = v.nx, along_z = v.nx * v.ny;
     const float last_x = static_cast<float>(v.nx - 1), last_y = static_cast<float>(v.ny - 1), last_z = static_cast<float>(v.nz - 1);
     const auto count = static_cast<int>(least.size());
     for (int n = 0; n < count; ++n) {
-        const float at = static_cast<float>(n), px = place.x() + at * step.x(), py = place.y() + at * step.y(), pz = place.z() + at * step.z();
-        const float x = std::min(std::max(px, 0.0f), last_x), y = std::min(std::max(py, 0.0f), last_y), z = std::min(std::max(pz, 0.0f), last_z);
+        const float at = static_cast<float>(n), px = place.x() + at * step.x(), py = place.y() + at * step.y(),
+                    pz = place.z() + at * step.z();
+        const float x = std::min(std::max(px, 0.0f), last_x), y = std::min(std::max(py, 0.0f), last_y),
+                    z = std::min(std::max(pz, 0.0f), last_z);
         const float ox = px - x, oy = py - y, oz = pz - z;
-        const int i = static_cast<int>(std::min(x, last_x - 1)), j = static_cast<int>(std::min(y, last_y - 1)), k = static_cast<int>(std::min(z, last_z - 1));
+        const int i = static_cast<int>(std::min(x, last_x - 1)), j = static_cast<int>(std::min(y, last_y - 1)),
+                  k = static_cast<int>(std::min(z, last_z - 1));
         const float sx = x - static_cast<float>(i), sy = y - static_cast<float>(j), sz = z - static_cast<float>(k);
         const int c = i + along_y * j + along_z * k;
         const auto row = [&](int r) { return value[r] + sx * (value[r + 1] - value[r]); };
-        const float low = row(c) + sy * (row(c + along_y) - row(c)), high = row(c + along_z) + sy * (row(c + along_z + along_y) - row(c + along_z));
-        least[static_cast<std::size_t>(n)] = std::min(least[static_cast<std::size_t>(n)], low + sz * (high - low) + v.voxel * std::sqrt(ox * ox + oy * oy + oz * oz));
+        const float low = row(c) + sy * (row(c + along_y) - row(c)),
+                    high = row(c + along_z) + sy * (row(c + along_z + along_y) - row(c + along_z));
+        least[static_cast<std::size_t>(n)] =
+            std::min(least[static_cast<std::size_t>(n)], low + sz * (high - low) + v.voxel * std::sqrt(ox * ox + oy * oy + oz * oz));
     }
 }
 
 }  // namespace
 
-Volume union_of(const std::vector<const Volume*>& own, const std::vector<Mat3f>& rotation, const std::vector<Vec3f>& translation, const Vec3f& low,
-                const Vec3f& high, int most) {
+Volume union_of(const std::vector<const Volume*>& own, const std::vector<Mat3f>& rotation, const std::vector<Vec3f>& translation,
+                const Vec3f& low, const Vec3f& high, int most) {
     Volume all;
     all.voxel = std::max((high - low).maxCoeff(), 1e-6f) / static_cast<float>(most - 5);
     all.origin = low - Vec3f::Constant(2 * all.voxel);
@@ -71,13 +77,17 @@ void SolidField::fill(const std::vector<FrameSolid>& solids) {
         now.push_back({solid.mesh, solid.rotation, solid.translation});
         bounds.add(bounds_of(solid));
     }
-    const auto same = [](const Placed& a, const Placed& b) { return a.mesh == b.mesh && a.rotation == b.rotation && a.translation == b.translation; };
+    const auto same = [](const Placed& a, const Placed& b) {
+        return a.mesh == b.mesh && a.rotation == b.rotation && a.translation == b.translation;
+    };
     if (std::equal(now.begin(), now.end(), placed_.begin(), placed_.end(), same)) return;
     placed_ = std::move(now);
     empty_ = placed_.empty();
     if (empty_) return;
 
-    std::erase_if(own_, [&](const auto& known) { return std::none_of(placed_.begin(), placed_.end(), [&](const Placed& p) { return p.mesh == known.first; }); });
+    std::erase_if(own_, [&](const auto& known) {
+        return std::none_of(placed_.begin(), placed_.end(), [&](const Placed& p) { return p.mesh == known.first; });
+    });
     for (const Placed& p : placed_) own_field(p.mesh);
     std::vector<const Volume*> own;
     std::vector<Mat3f> rotation;

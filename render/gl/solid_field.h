@@ -22,7 +22,8 @@ private:
     const Volume& own_field(const std::shared_ptr<const TriangleMesh>& mesh);
 
     std::vector<Placed> placed_;
-    std::vector<std::pair<std::shared_ptr<const TriangleMesh>, Volume>> own_;  ///< signed distance in each mesh's own coordinates, everywhere
+    std::vector<std::pair<std::shared_ptr<const TriangleMesh>, Volume>>
+        own_;  ///< signed distance in each mesh's own coordinates, everywhere
     gl::Texture texture_;
     Vec3f origin_ = Vec3f::Zero(), size_ = Vec3f::Ones();
     float voxel_ = 1;  ///< m
@@ -31,7 +32,7 @@ private:
 
 /// Signed distance to the union of placed volumes on a grid of at most `most` voxels along its longest side.
 /// Outside a volume the distance to the volume's edge is added: an upper bound of the true distance.
-Volume union_of(const std::vector<const Volume*>& own, const std::vector<Mat3f>& rotation, const std::vector<Vec3f>& translation, const Vec3f& low,
-                const Vec3f& high, int most);
+Volume union_of(const std::vector<const Volume*>& own, const std::vector<Mat3f>& rotation, const std::vector<Vec3f>& translation,
+                const Vec3f& low, const Vec3f& high, int most);
 
 }  // namespace whorl

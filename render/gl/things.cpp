@@ -11,8 +11,9 @@ namespace {
 void fill_vertices(gl::Vertices& vertices, const TriangleMesh& mesh, std::vector<float> age = {}) {
     if (mesh.triangle.empty()) return vertices.fill({{nullptr, 0}, {nullptr, 0}, {nullptr, 0}}, nullptr, 0);
     age.resize(mesh.position.size());
-    vertices.fill({{mesh.position[0].data(), 3 * mesh.position.size()}, {mesh.normal[0].data(), 3 * mesh.normal.size()}, {age.data(), age.size()}},
-                  mesh.triangle[0].data(), 3 * mesh.triangle.size());
+    vertices.fill(
+        {{mesh.position[0].data(), 3 * mesh.position.size()}, {mesh.normal[0].data(), 3 * mesh.normal.size()}, {age.data(), age.size()}},
+        mesh.triangle[0].data(), 3 * mesh.triangle.size());
 }
 
 }  // namespace
@@ -61,7 +62,8 @@ void Things::fill(const Frame& frame, const TriangleMesh& fluid, const std::vect
 void Things::fill(const Frame& frame, const std::vector<float>& value, const Trails& trails) {
     const float* first = frame.position.empty() ? nullptr : frame.position[0].data();
     particles_.fill({{first, 3 * frame.position.size()}, {value.data(), value.size()}}, nullptr, 0);
-    trails_.fill({{trails.position.empty() ? nullptr : trails.position[0].data(), 3 * trails.position.size()}, {trails.value.data(), trails.value.size()}},
+    trails_.fill({{trails.position.empty() ? nullptr : trails.position[0].data(), 3 * trails.position.size()},
+                  {trails.value.data(), trails.value.size()}},
                  trails.index.data(), trails.index.size());
     shape_ = Shape::particles;
     bounds_ = bounds_of(trails.position);
@@ -73,7 +75,8 @@ void Things::fill(const Frame& frame, const std::vector<float>& value, const Tra
 
 void Things::fill(const Frame& frame, const FlowSlice& slice) {
     shape_ = Shape::slice;
-    const std::vector<Vec3f> corner{slice.corner, slice.corner + slice.across, slice.corner + slice.up, slice.corner + slice.across + slice.up};
+    const std::vector<Vec3f> corner{slice.corner, slice.corner + slice.across, slice.corner + slice.up,
+                                    slice.corner + slice.across + slice.up};
     const float place[] = {0, 0, 1, 0, 0, 1, 1, 1};
     const std::uint32_t index[] = {0, 1, 2, 2, 1, 3};
     slice_.fill({{corner[0].data(), 12}, {place, 8}}, index, slice.empty() ? 0 : 6);

@@ -11,7 +11,8 @@
 
 namespace whorl {
 
-/// The mesh with a normal for every corner: faces that meet at less than 40 degrees share one. Meshes that have normals come back as they are.
+/// The mesh with a normal for every corner: faces that meet at less than 40 degrees share one. Meshes that have normals come back as they
+/// are.
 TriangleMesh with_normals(const TriangleMesh& mesh);
 
 class Things {

@@ -22,8 +22,8 @@ Vec3f blurred(const Image& image, int x, int y) {
 
 // CIE 1976 L*a*b* of linear sRGB under D65.
 Vec3f lab(const Vec3f& rgb) {
-    static const Mat3f to_xyz = (Mat3f() << 0.4124564f, 0.3575761f, 0.1804375f, 0.2126729f, 0.7151522f, 0.0721750f, 0.0193339f, 0.1191920f,
-                                 0.9503041f).finished();
+    static const Mat3f to_xyz =
+        (Mat3f() << 0.4124564f, 0.3575761f, 0.1804375f, 0.2126729f, 0.7151522f, 0.0721750f, 0.0193339f, 0.1191920f, 0.9503041f).finished();
     static const Vec3f white = to_xyz * Vec3f::Ones();
     const auto f = [](float t) { return t > 216.0f / 24389 ? std::cbrt(t) : (24389.0f / 27 * t + 16) / 116; };
     const Vec3f xyz = to_xyz * rgb;

@@ -55,14 +55,14 @@ const bool configured = [] {
 std::vector<std::uint8_t> encode_png(const Image& image) {
     std::vector<std::uint8_t> bytes;
     stbi_write_png_to_func(append, &bytes, image.width, image.height, 3, image.rgb.data(), 3 * image.width);
-    WHORL_ASSERT(configured && !bytes.empty(), + std::to_string(image.width) + "x" + std::to_string(image.height));
+    WHORL_ASSERT(configured && !bytes.empty(), +std::to_string(image.width) + "x" + std::to_string(image.height));
     return bytes;
 }
 
 std::vector<std::uint8_t> encode_jpeg(const Image& image, int quality) {
     std::vector<std::uint8_t> bytes;
     stbi_write_jpg_to_func(append, &bytes, image.width, image.height, 3, image.rgb.data(), quality);
-    WHORL_ASSERT(!bytes.empty(), + std::to_string(image.width) + "x" + std::to_string(image.height));
+    WHORL_ASSERT(!bytes.empty(), +std::to_string(image.width) + "x" + std::to_string(image.height));
     return bytes;
 }
 
@@ -75,7 +75,8 @@ Image read_png(const std::filesystem::path& file) {
     Image image;
     int channels = 0;
     stbi_uc* pixels = stbi_load(file.c_str(), &image.width, &image.height, &channels, 3);
-    if (pixels == nullptr) throw InputError({file.string()}, std::string("cannot read the picture: ") + stbi_failure_reason(), "", "a PNG file");
+    if (pixels == nullptr)
+        throw InputError({file.string()}, std::string("cannot read the picture: ") + stbi_failure_reason(), "", "a PNG file");
     image.rgb.assign(pixels, pixels + 3 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
     stbi_image_free(pixels);
     return image;

@@ -22,8 +22,6 @@ float linear_light(std::uint8_t srgb) {
     return table[srgb];
 }
 
-std::uint8_t srgb_byte(float light) {
-    return static_cast<std::uint8_t>(std::lround(255 * encoded(std::clamp(light, 0.0f, 1.0f))));
-}
+std::uint8_t srgb_byte(float light) { return static_cast<std::uint8_t>(std::lround(255 * encoded(std::clamp(light, 0.0f, 1.0f)))); }
 
 }  // namespace whorl

@@ -8,10 +8,10 @@
 namespace whorl {
 
 struct TextStyle {
-    float height = 14;                   ///< of a capital letter [pixels]
-    Vec3f colour = Vec3f::Zero();        ///< sRGB, 0 .. 1
-    Vec3f halo = Vec3f::Ones();          ///< round every stroke, so that it can be read on anything
-    float halo_strength = 0.6f;          ///< 0: none
+    float height = 14;             ///< of a capital letter [pixels]
+    Vec3f colour = Vec3f::Zero();  ///< sRGB, 0 .. 1
+    Vec3f halo = Vec3f::Ones();    ///< round every stroke, so that it can be read on anything
+    float halo_strength = 0.6f;    ///< 0: none
 };
 
 /// Draws printable ASCII; x, y is where the first letter's baseline begins [pixels from the upper left]. "^" lifts what follows

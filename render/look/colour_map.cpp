@@ -77,7 +77,8 @@ Vec3f linear_of(const Vec3f& colour) {
 Vec3f lab_of(const Vec3f& colour) {
     static const Mat3f to_xyz = (Mat3f() << 0.4124f, 0.3576f, 0.1805f, 0.2126f, 0.7152f, 0.0722f, 0.0193f, 0.1192f, 0.9505f).finished();
     const Vec3f xyz = to_xyz * linear_of(colour);
-    const Vec3f f = xyz.cwiseQuotient(white_point).unaryExpr([](float c) { return c > 0.008856f ? std::cbrt(c) : 7.787f * c + 16.0f / 116; });
+    const Vec3f f =
+        xyz.cwiseQuotient(white_point).unaryExpr([](float c) { return c > 0.008856f ? std::cbrt(c) : 7.787f * c + 16.0f / 116; });
     return {116 * f.y() - 16, 500 * (f.x() - f.y()), 200 * (f.y() - f.z())};
 }
 

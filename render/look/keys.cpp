@@ -37,27 +37,36 @@ KeyTable make_look_keys() {
     using L = LookOptions;
     const std::string preset = "; negative: the material's";
     const std::vector<std::string> surface{"liquid", "opaque"}, field{"particles", "slice", "volume"};
-    t.key("style", &L::style, "", "refracting surface, painted surface; or coloured by a field: particles, a slice through the flow, a transparent volume")
+    t.key("style", &L::style, "",
+          "refracting surface, painted surface; or coloured by a field: particles, a slice through the flow, a transparent volume")
         .one_of({"liquid", "opaque", "particles", "slice", "volume"});
-    t.key("material", &L::material, "", "preset that the keys below start from").one_of({"honey", "water", "paint", "chocolate", "lava", "clay"});
+    t.key("material", &L::material, "", "preset that the keys below start from")
+        .one_of({"honey", "water", "paint", "chocolate", "lava", "clay"});
     t.key("absorption", &L::absorption, "1/m", "Beer-Lambert, red, green, blue" + preset).only_with("style", {"liquid"});
     t.key("colour", &L::colour, "", "linear red, green, blue of an opaque material" + preset).at_most(1).only_with("style", {"opaque"});
     t.key("refraction", &L::refraction, "", "index of refraction" + preset).at_most(4).only_with("style", {"liquid"});
     t.key("roughness", &L::roughness, "", "0 mirror, 1 matt" + preset).at_most(1).only_with("style", surface);
-    t.key("cooling", &L::cooling, "s", "lava: time in which it loses most of its glow, where a viscosity depends on age; 0: never" + preset).only_with("style", surface);
+    t.key("cooling", &L::cooling, "s", "lava: time in which it loses most of its glow, where a viscosity depends on age; 0: never" + preset)
+        .only_with("style", surface);
     t.key("background", &L::background, "", "what stands behind").one_of({"studio", "dark", "white"});
     t.key("ground", &L::ground, "", "a ground with shadow under the scene");
     t.key("exposure", &L::exposure, "", "brightness of everything").above(0);
     t.key("samples", &L::samples, "", "a pixel").at_least(1).at_most(256);
     t.key("field", &L::field, "", "what is coloured; spin_difference: spin less half of the vorticity")
-        .one_of({"speed", "pressure", "density", "spin", "vorticity", "spin_difference"}).only_with("style", field);
+        .one_of({"speed", "pressure", "density", "spin", "vorticity", "spin_difference"})
+        .only_with("style", field);
     t.key("colour_map", &L::colour_map, "", "of the field").one_of({"viridis", "inferno", "coolwarm"}).only_with("style", field);
-    t.key("range", &L::range, "", "lowest and highest value of the colour map; equal: chosen once for the whole film, from the scene").only_with("style", field);
+    t.key("range", &L::range, "", "lowest and highest value of the colour map; equal: chosen once for the whole film, from the scene")
+        .only_with("style", field);
     t.key("trail", &L::trail, "s", "how far back each particle's way is drawn; 0: not").at_least(0).only_with("style", {"particles"});
     t.key("slice_axis", &L::slice_axis, "", "across the slice").one_of({"x", "y", "z"}).only_with("style", {"slice"});
-    t.key("slice_position", &L::slice_position, "m", "of the slice on that axis; auto: the middle of the fluid").only_with("style", {"slice"});
+    t.key("slice_position", &L::slice_position, "m", "of the slice on that axis; auto: the middle of the fluid")
+        .only_with("style", {"slice"});
     t.key("streaks", &L::streaks, "", "smear the slice along the flow (line integral convolution)").only_with("style", {"slice"});
-    t.key("opacity", &L::opacity, "", "optical depth of the volume where the field is strongest").above(0).at_most(100).only_with("style", {"volume"});
+    t.key("opacity", &L::opacity, "", "optical depth of the volume where the field is strongest")
+        .above(0)
+        .at_most(100)
+        .only_with("style", {"volume"});
     t.key("legend", &L::legend, "", "draw the colour map with its numbers and unit").only_with("style", field);
     t.key("time_stamp", &L::time_stamp, "", "write the time on every picture");
     t.all_live();

@@ -12,7 +12,7 @@ namespace whorl {
 struct CameraKey {
     double time = 0;  ///< s
     Vec3f position = Vec3f(0, 0.1f, 0.4f), target = Vec3f::Zero();
-    float fov = 30;   ///< degrees, vertical
+    float fov = 30;  ///< degrees, vertical
 };
 
 /// kind "fixed": position, target. "orbit": turns about `target` at `distance`, `height`, `degrees_per_second`, from `start_angle`.
@@ -33,26 +33,28 @@ struct View {
 View view_at(const CameraOptions& camera, double time, const Vec3f& domain_min, const Vec3f& domain_max);
 
 struct LookOptions {
-    /// liquid (refracting surface) | opaque (paint, lava) | and coloured by a field: particles | slice (a plane through the flow) | volume (a cloud)
+    /// liquid (refracting surface) | opaque (paint, lava) | and coloured by a field: particles | slice (a plane through the flow) | volume
+    /// (a cloud)
     std::string style = "liquid";
-    std::string material = "honey";   ///< preset that the keys below start from: honey | water | paint | chocolate | lava | clay
+    std::string material = "honey";        ///< preset that the keys below start from: honey | water | paint | chocolate | lava | clay
     Vec3f absorption = Vec3f(-1, -1, -1);  ///< 1/m, Beer-Lambert a colour channel (linear RGB); negative: the preset's
     Vec3f colour = Vec3f(-1, -1, -1);      ///< linear RGB of an opaque material; negative: the preset's
-    float refraction = -1;            ///< index; negative: the preset's
-    float roughness = -1;             ///< 0 mirror .. 1 matt; negative: the preset's
-    float cooling = -1;               ///< s, lava: in which it loses most of its glow, where its viscosity depends on age; 0: never; negative: the preset's
+    float refraction = -1;                 ///< index; negative: the preset's
+    float roughness = -1;                  ///< 0 mirror .. 1 matt; negative: the preset's
+    float cooling =
+        -1;  ///< s, lava: in which it loses most of its glow, where its viscosity depends on age; 0: never; negative: the preset's
     std::string background = "studio";  ///< studio | dark | white
-    bool ground = true;               ///< a ground with shadow under the scene
+    bool ground = true;                 ///< a ground with shadow under the scene
     float exposure = 1;
-    int samples = 4;                  ///< a pixel
-    std::string field = "speed";      ///< speed | pressure | density | spin | vorticity | spin_difference
+    int samples = 4;              ///< a pixel
+    std::string field = "speed";  ///< speed | pressure | density | spin | vorticity | spin_difference
     std::string colour_map = "viridis";
-    std::array<float, 2> range{0, 0};   ///< of the colour map; equal: a film's is chosen at its start, a single picture's from its frame
-    float trail = 0;                  ///< s, of the flow's way behind each particle; 0: none
-    std::string slice_axis = "z";     ///< x | y | z, across the slice
+    std::array<float, 2> range{0, 0};     ///< of the colour map; equal: a film's is chosen at its start, a single picture's from its frame
+    float trail = 0;                      ///< s, of the flow's way behind each particle; 0: none
+    std::string slice_axis = "z";         ///< x | y | z, across the slice
     std::optional<float> slice_position;  ///< m on that axis; none: the middle of the fluid
-    bool streaks = true;              ///< slice: streaked along the flow (line integral convolution)
-    float opacity = 1;                ///< volume: optical depth over the fluid's mean thickness, of the strongest field
+    bool streaks = true;                  ///< slice: streaked along the flow (line integral convolution)
+    float opacity = 1;                    ///< volume: optical depth over the fluid's mean thickness, of the strongest field
     bool legend = false;
     bool time_stamp = false;
 };

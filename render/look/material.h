@@ -9,16 +9,16 @@ namespace whorl {
 
 /// What the fluid is made of. Colours are linear RGB.
 struct Material {
-    bool refracts = true;                     ///< light passes through; else it is an opaque paint
-    Vec3f absorption = Vec3f::Zero();         ///< 1/m, Beer-Lambert
-    Vec3f scatter = Vec3f::Zero();            ///< colour of the light that the body itself gives back (the glow of honey)
-    float haze = 0;                           ///< 1/m, how fast a ray picks that colour up
-    Vec3f colour = Vec3f::Constant(0.5f);     ///< of an opaque material, diffuse
-    Vec3f emission = Vec3f::Zero();           ///< light of its own (lava), radiance
-    float cooling = 0;                        ///< s, in which fluid that knows its age loses most of that light; 0: never
-    float refraction = 1.49f;                 ///< index
-    float roughness = 0.05f;                  ///< 0 mirror .. 1 matt
-    float softness = 0;                       ///< 0 .. 1: light creeps round the edge of shadow (chocolate, clay, paint)
+    bool refracts = true;                  ///< light passes through; else it is an opaque paint
+    Vec3f absorption = Vec3f::Zero();      ///< 1/m, Beer-Lambert
+    Vec3f scatter = Vec3f::Zero();         ///< colour of the light that the body itself gives back (the glow of honey)
+    float haze = 0;                        ///< 1/m, how fast a ray picks that colour up
+    Vec3f colour = Vec3f::Constant(0.5f);  ///< of an opaque material, diffuse
+    Vec3f emission = Vec3f::Zero();        ///< light of its own (lava), radiance
+    float cooling = 0;                     ///< s, in which fluid that knows its age loses most of that light; 0: never
+    float refraction = 1.49f;              ///< index
+    float roughness = 0.05f;               ///< 0 mirror .. 1 matt
+    float softness = 0;                    ///< 0 .. 1: light creeps round the edge of shadow (chocolate, clay, paint)
 };
 
 /// The preset of the look with the keys that the user gave put over it.
@@ -32,8 +32,8 @@ std::vector<std::string> material_names();
 struct SolidMaterial {
     Vec3f colour = Vec3f::Constant(0.7f);  ///< diffuse, or the tint of the reflection of a metal
     float roughness = 0.3f;
-    float metal = 0;                       ///< 0 or 1
-    float grain = 0;                       ///< strength of wood's rings
+    float metal = 0;  ///< 0 or 1
+    float grain = 0;  ///< strength of wood's rings
 };
 /// ceramic | white | metal | wood | clay | dark | rock | glass; any other name: ceramic.
 SolidMaterial solid_material(const std::string& name);

@@ -24,7 +24,7 @@ TextStyle style_for(const Image& image, const LookOptions& look) {
 }
 
 std::string unit_of(const std::string& field) {
-    static const std::map<std::string, std::string> units{{"speed", "m/s"}, {"pressure", "Pa"},     {"density", "kg/m^3"},
+    static const std::map<std::string, std::string> units{{"speed", "m/s"}, {"pressure", "Pa"},   {"density", "kg/m^3"},
                                                           {"spin", "1/s"},  {"vorticity", "1/s"}, {"spin_difference", "1/s"}};
     const auto found = units.find(field);
     return found == units.end() ? "" : found->second;
@@ -72,7 +72,8 @@ void draw_legend(Image& image, const LookOptions& look, const std::array<float, 
 
     const float margin = 2 * style.height, dash = 0.6f * style.height;
     const int bar = static_cast<int>(std::lround(1.5f * style.height)), tall = image.height / 2, arrow = bar / 2;
-    const float right = static_cast<float>(image.width) - margin - std::max(numbers, text_width(title, style.height) - static_cast<float>(bar) - 2 * dash);
+    const float right =
+        static_cast<float>(image.width) - margin - std::max(numbers, text_width(title, style.height) - static_cast<float>(bar) - 2 * dash);
     const int x = static_cast<int>(right - 2 * dash) - bar, top = (image.height - tall) / 2;
     const auto byte = [](float c) { return static_cast<std::uint8_t>(std::lround(255 * c)); };
     for (int row = -arrow; row < tall + arrow; ++row) {
@@ -86,7 +87,8 @@ void draw_legend(Image& image, const LookOptions& look, const std::array<float, 
         const double up = (ticks.place[n] - range[0]) / (static_cast<double>(range[1]) - range[0]);
         const float y = static_cast<float>(top + tall) - static_cast<float>(up) * static_cast<float>(tall);
         const int thick = std::max(1, static_cast<int>(std::lround(style.height / 9)));
-        tint_box(image, x + bar, static_cast<int>(std::lround(y - 0.5f * static_cast<float>(thick))), static_cast<int>(dash), thick, style.colour, 1);
+        tint_box(image, x + bar, static_cast<int>(std::lround(y - 0.5f * static_cast<float>(thick))), static_cast<int>(dash), thick,
+                 style.colour, 1);
         draw_text(image, static_cast<float>(x + bar) + 2 * dash, y + 0.5f * style.height, ticks.label[n], style);
     }
     draw_text(image, static_cast<float>(x), static_cast<float>(top - arrow) - style.height, title, style);

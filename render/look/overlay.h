@@ -21,8 +21,8 @@ struct Ticks {
 /// At most `most` of them.
 Ticks ticks_of(double low, double high, int most);
 
-/// The colour map as an upright bar at the right edge, with numbers, the field's name and its unit. Values beyond the range have the colours
-/// of the ends: arrows say so.
+/// The colour map as an upright bar at the right edge, with numbers, the field's name and its unit. Values beyond the range have the
+/// colours of the ends: arrows say so.
 void draw_legend(Image& image, const LookOptions& look, const std::array<float, 2>& range);
 /// A few words at the upper left: what a panel shows.
 void draw_label(Image& image, const LookOptions& look, const std::string& text);

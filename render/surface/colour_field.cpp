@@ -18,17 +18,18 @@ float kernel_sum(const ParticleRows& p, Index begin, Index end, float x, float y
     return sum;
 }
 
-// How much wider the kernel of a lone particle is. At a lower `few` droplets of a few particles come out too thick, at a higher one threads of
-// radius 3 d that are 1 d apart merge.
+// How much wider the kernel of a lone particle is. At a lower `few` droplets of a few particles come out too thick, at a higher one threads
+// of radius 3 d that are 1 d apart merge.
 constexpr float lone_factor = 1.2f;
-// Sum of the wide kernels about a particle (8.8 inside a fluid, 5.3 at a flat surface, 2.2 in a single file) below which its own is wide, and
-// above which it is not.
+// Sum of the wide kernels about a particle (8.8 inside a fluid, 5.3 at a flat surface, 2.2 in a single file) below which its own is wide,
+// and above which it is not.
 constexpr float few = 3.0f, many = 4.7f;
 
 }  // namespace
 
 ColourField::ColourField(Span<const Vec3f> position, double spacing, double radius)
-    : reach_(static_cast<float>(lone_factor * radius * spacing)), rows_(position, reach_), height_(rows_.x.size()), radius_(rows_.x.size()) {
+    : reach_(static_cast<float>(lone_factor * radius * spacing)), rows_(position, reach_), height_(rows_.x.size()),
+      radius_(rows_.x.size()) {
     parallel_for(rows_.size(), [&](Index i) {
         const Vec3f p(rows_.x[i], rows_.y[i], rows_.z[i]);
         const auto around = [&](float R) {

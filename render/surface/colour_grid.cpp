@@ -4,16 +4,16 @@
 #include <mutex>
 #include <unordered_map>
 
-#include "render/surface/colour_grid_tree.h"
 #include "engine/core/parallel.h"
+#include "render/surface/colour_grid_tree.h"
 
 namespace whorl {
 namespace {
 
 constexpr int edge = ColourBlock::edge;
 
-// Makes the blocks of all nodes that particles reach, and one node more: so a surface never runs along a missing block. Particles come sorted
-// along rows; what a bunch of them reaches together is asked for once.
+// Makes the blocks of all nodes that particles reach, and one node more: so a surface never runs along a missing block. Particles come
+// sorted along rows; what a bunch of them reaches together is asked for once.
 void touch_blocks(const ColourField& field, float voxel, openvdb::FloatTree& tree) {
     const ParticleRows& p = field.particles();
     const float reach = field.reach() + voxel, block = voxel * edge;
@@ -28,7 +28,8 @@ void touch_blocks(const ColourField& field, float voxel, openvdb::FloatTree& tre
             low = lower;
             high = upper;
         }
-        const Eigen::Vector3i first = ((low.array() - reach) / block).floor().cast<int>(), last = ((high.array() + reach) / block).floor().cast<int>();
+        const Eigen::Vector3i first = ((low.array() - reach) / block).floor().cast<int>(),
+                              last = ((high.array() + reach) / block).floor().cast<int>();
         for (int a = first.x(); a <= last.x(); ++a)
             for (int b = first.y(); b <= last.y(); ++b)
                 for (int c = first.z(); c <= last.z(); ++c) accessor.touchLeaf({a * edge, b * edge, c * edge});
@@ -41,7 +42,8 @@ void fill(const LocalField& local, float voxel, ColourBlock& block) {
     alignas(64) float colour[edge * edge * edge] = {};
     for (std::size_t n = 0; n < local.x.size(); ++n) {
         const float inverse_R2 = voxel * voxel * local.inverse_R2[n], r = 1 / std::sqrt(inverse_R2);
-        const float px = local.x[n] / voxel - static_cast<float>(block.origin[0]), py = local.y[n] / voxel - static_cast<float>(block.origin[1]),
+        const float px = local.x[n] / voxel - static_cast<float>(block.origin[0]),
+                    py = local.y[n] / voxel - static_cast<float>(block.origin[1]),
                     pz = local.z[n] / voxel - static_cast<float>(block.origin[2]);
         const int i0 = std::max(0, static_cast<int>(std::ceil(px - r))), i1 = std::min(edge - 1, static_cast<int>(std::floor(px + r)));
         const int j0 = std::max(0, static_cast<int>(std::ceil(py - r))), j1 = std::min(edge - 1, static_cast<int>(std::floor(py + r)));
@@ -66,13 +68,14 @@ void fill(const LocalField& local, float voxel, ColourBlock& block) {
 
 constexpr float deep = 0.9f;
 
-// Whether the fluid fills the block. Seen at every other node, 64 of 512: no node is further from one of these than 0.87 d where voxels are half a
-// spacing wide, and the colour does not fall from 0.9 to 0.6 and rise again over such a way.
+// Whether the fluid fills the block. Seen at every other node, 64 of 512: no node is further from one of these than 0.87 d where voxels are
+// half a spacing wide, and the colour does not fall from 0.9 to 0.6 and rise again over such a way.
 bool is_deep(const LocalField& local, const Vec3f& low, float voxel) {
     for (int i = 0; i < edge; i += 2)
         for (int j = 0; j < edge; j += 2)
             for (int k = 0; k < edge; k += 2)
-                if (local.at(low + voxel * Vec3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k))).colour < deep) return false;
+                if (local.at(low + voxel * Vec3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k))).colour < deep)
+                    return false;
     return true;
 }
 
@@ -123,11 +126,13 @@ ColourGrid::ColourGrid(const ColourField& field, float voxel, const Cut& cut, fl
     parallel_tasks(static_cast<Index>(blocks_.size()), [&](Index b) {
         ColourBlock& block = blocks_[b];
         for (int n = 0; n < 8; ++n) {
-            const auto found = index.find(key(block.origin[0] / edge + (n >> 2), block.origin[1] / edge + (n >> 1 & 1), block.origin[2] / edge + (n & 1)));
+            const auto found =
+                index.find(key(block.origin[0] / edge + (n >> 2), block.origin[1] / edge + (n >> 1 & 1), block.origin[2] / edge + (n & 1)));
             block.ahead[n] = found == index.end() ? -1 : found->second;
         }
         thread_local LocalField local;
-        const Vec3f low = voxel * Vec3f(static_cast<float>(block.origin[0]), static_cast<float>(block.origin[1]), static_cast<float>(block.origin[2]));
+        const Vec3f low =
+            voxel * Vec3f(static_cast<float>(block.origin[0]), static_cast<float>(block.origin[1]), static_cast<float>(block.origin[2]));
         local.gather(field, low, low.array() + voxel * (edge - 1));
         if (voxel * 2 < 0.6f * local.reach && is_deep(local, low, voxel)) {
             std::fill(block.value, block.value + edge * edge * edge, 1.0f);

@@ -13,8 +13,8 @@ namespace whorl {
 /// A leaf of the tree: 8^3 nodes.
 struct ColourBlock {
     static constexpr int edge = 8;
-    std::array<int, 3> origin;   ///< its first node
-    float* value;                ///< of node (i, j, k) of the block at (8 i + j) 8 + k
+    std::array<int, 3> origin;  ///< its first node
+    float* value;               ///< of node (i, j, k) of the block at (8 i + j) 8 + k
     float least = 0, most = 0;
     std::array<Index, 8> ahead;  ///< the blocks at origin + 8 (a, b, c), at 4 a + 2 b + c (itself first); -1: no block, all zero
 };

@@ -30,9 +30,9 @@ int fan_corner(const std::vector<std::uint8_t>& edge) {
     return -1;
 }
 
-// Round each face, counter-clockwise seen from outside the cell, every run of inside corners is cut off by a segment from the edge where the
-// run is entered to the edge where it is left. So both cells of a face cut it alike (corners that are inside across a diagonal stay apart),
-// and each cut edge is entered on one of its two faces and left on the other: the segments close to loops.
+// Round each face, counter-clockwise seen from outside the cell, every run of inside corners is cut off by a segment from the edge where
+// the run is entered to the edge where it is left. So both cells of a face cut it alike (corners that are inside across a diagonal stay
+// apart), and each cut edge is entered on one of its two faces and left on the other: the segments close to loops.
 CubeCase make_case(unsigned inside) {
     std::array<int, 12> next;
     next.fill(-1);

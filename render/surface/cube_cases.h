@@ -17,8 +17,8 @@ const std::array<CubeEdge, 12>& cube_edges();
 /// A polygon through cut edges, counter-clockwise seen from outside.
 struct CubeLoop {
     std::vector<std::uint8_t> edge;
-    /// Corner of the polygon from which a fan of triangles may spread, -1: only from a vertex in the middle of the cell. A diagonal between two
-    /// edges of one face of the cell could appear in the neighbour as well, and four triangles would meet there.
+    /// Corner of the polygon from which a fan of triangles may spread, -1: only from a vertex in the middle of the cell. A diagonal between
+    /// two edges of one face of the cell could appear in the neighbour as well, and four triangles would meet there.
     int fan = -1;
 };
 

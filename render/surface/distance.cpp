@@ -43,7 +43,9 @@ struct Extent {
     std::array<int, 3> size;
     std::size_t count() const { return static_cast<std::size_t>(size[0]) * size[1] * size[2]; }
     std::size_t index(int i, int j, int k) const { return (static_cast<std::size_t>(k) * size[1] + j) * size[0] + i; }
-    Vec3f at(int i, int j, int k) const { return origin + voxel * Vec3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k)); }
+    Vec3f at(int i, int j, int k) const {
+        return origin + voxel * Vec3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k));
+    }
 };
 
 Extent extent_of(const TriangleMesh& mesh, float voxel) {
@@ -98,12 +100,14 @@ void near_surface(const TriangleMesh& mesh, const Extent& e, float margin, std::
         const int k_begin = slab * Slabs::thickness, k_end = std::min(e.size[2], k_begin + Slabs::thickness);
         std::vector<float> squareness(static_cast<std::size_t>(e.size[0]) * e.size[1] * Slabs::thickness, 0.0f);
         for (std::uint32_t t : slabs.triangles(slab)) {
-            const Vec3f &a = mesh.position[mesh.triangle[t][0]], &b = mesh.position[mesh.triangle[t][1]], &c = mesh.position[mesh.triangle[t][2]];
+            const Vec3f &a = mesh.position[mesh.triangle[t][0]], &b = mesh.position[mesh.triangle[t][1]],
+                        &c = mesh.position[mesh.triangle[t][2]];
             const Vec3f area = (b - a).cross(c - a);
             const float doubled = area.norm();
             if (doubled <= 0) continue;
             const Vec3f normal = area / doubled, middle = (a + b + c) / 3;
-            const float round = std::sqrt(std::max({(a - middle).squaredNorm(), (b - middle).squaredNorm(), (c - middle).squaredNorm()})) + margin;
+            const float round =
+                std::sqrt(std::max({(a - middle).squaredNorm(), (b - middle).squaredNorm(), (c - middle).squaredNorm()})) + margin;
             const Vec3f low = (a.cwiseMin(b).cwiseMin(c).array() - margin - e.origin.array()) / e.voxel,
                         high = (a.cwiseMax(b).cwiseMax(c).array() + margin - e.origin.array()) / e.voxel;
             const int i0 = std::max(0, static_cast<int>(std::ceil(low.x()))), i1 = std::min(e.size[0] - 1, static_cast<int>(high.x()));
@@ -172,9 +176,8 @@ Volume distance_volume(const TriangleMesh& mesh, float voxel, int band) {
     for (int axis : {0, 1, 2}) sweep(e, axis, margin, limit + 2 * e.voxel, closest, side);
 
     Volume volume{e.origin, e.voxel, e.size[0], e.size[1], e.size[2], std::vector<float>(e.count())};
-    parallel_for(static_cast<Index>(e.count()), [&](Index n) {
-        volume.value[n] = (side[n] < 0 ? -1.0f : 1.0f) * std::min(limit, std::sqrt(closest[n].distance2));
-    });
+    parallel_for(static_cast<Index>(e.count()),
+                 [&](Index n) { volume.value[n] = (side[n] < 0 ? -1.0f : 1.0f) * std::min(limit, std::sqrt(closest[n].distance2)); });
     return volume;
 }
 

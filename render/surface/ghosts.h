@@ -19,8 +19,8 @@ struct Cut {
     bool any() const { return (low.array() > -std::numeric_limits<float>::infinity()).any(); }
 
     struct Side {
-        float inside;   ///< m from the nearest side, negative beyond it
-        Vec3f inward;   ///< its normal
+        float inside;  ///< m from the nearest side, negative beyond it
+        Vec3f inward;  ///< its normal
     };
     Side at(const Vec3f& x) const {
         Side side{std::numeric_limits<float>::infinity(), Vec3f::Zero()};

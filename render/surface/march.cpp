@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "render/surface/cube_cases.h"
 #include "engine/core/parallel.h"
+#include "render/surface/cube_cases.h"
 
 namespace whorl {
 namespace {
@@ -86,7 +86,8 @@ void add_vertices(const Tile& tile, float iso, Part& part) {
     });
 }
 
-void add_triangles(const Tile& tile, float iso, const ColourBlock& block, const std::vector<Index>& part_of_block, std::vector<Part>& parts, Part& part) {
+void add_triangles(const Tile& tile, float iso, const ColourBlock& block, const std::vector<Index>& part_of_block, std::vector<Part>& parts,
+                   Part& part) {
     Index next_middle = part.first_vertex + part.first_middle;
     for_cells([&](int i, int j, int k) {
         const unsigned inside = tile.inside(i, j, k, iso);
@@ -98,12 +99,15 @@ void add_triangles(const Tile& tile, float iso, const ColourBlock& block, const 
                 const auto [from, axis] = cube_edges()[loop.edge[c]];
                 const int a = i + (from & 1), b = j + (from >> 1 & 1), e = k + (from >> 2);
                 const Part& owner = parts[part_of_block[block.ahead[(a >> 3) * 4 + (b >> 3) * 2 + (e >> 3)]]];
-                corner[c] = static_cast<std::uint32_t>(owner.first_vertex + owner.edge_vertex[3 * (((a & 7) * edge + (b & 7)) * edge + (e & 7)) + axis]);
+                corner[c] = static_cast<std::uint32_t>(owner.first_vertex +
+                                                       owner.edge_vertex[3 * (((a & 7) * edge + (b & 7)) * edge + (e & 7)) + axis]);
             }
             if (loop.fan >= 0)
-                for (int c = 1; c + 1 < n; ++c) part.triangle.push_back({corner[loop.fan], corner[(loop.fan + c) % n], corner[(loop.fan + c + 1) % n]});
+                for (int c = 1; c + 1 < n; ++c)
+                    part.triangle.push_back({corner[loop.fan], corner[(loop.fan + c) % n], corner[(loop.fan + c + 1) % n]});
             else
-                for (int c = 0; c < n; ++c) part.triangle.push_back({static_cast<std::uint32_t>(next_middle), corner[c], corner[(c + 1) % n]});
+                for (int c = 0; c < n; ++c)
+                    part.triangle.push_back({static_cast<std::uint32_t>(next_middle), corner[c], corner[(c + 1) % n]});
             if (loop.fan < 0) ++next_middle;
         }
     });
@@ -156,8 +160,10 @@ MarchedMesh march(const ColourGrid& grid, float iso) {
     parallel_tasks(count, [&](Index n) {
         const auto& o = blocks[result.block[n]].origin;
         const Vec3f origin(static_cast<float>(o[0]), static_cast<float>(o[1]), static_cast<float>(o[2]));
-        for (std::size_t v = 0; v < parts[n].vertex.size(); ++v) result.mesh.position[parts[n].first_vertex + v] = voxel * (origin + parts[n].vertex[v]);
-        std::copy(parts[n].triangle.begin(), parts[n].triangle.end(), result.mesh.triangle.begin() + static_cast<std::ptrdiff_t>(parts[n].first_triangle));
+        for (std::size_t v = 0; v < parts[n].vertex.size(); ++v)
+            result.mesh.position[parts[n].first_vertex + v] = voxel * (origin + parts[n].vertex[v]);
+        std::copy(parts[n].triangle.begin(), parts[n].triangle.end(),
+                  result.mesh.triangle.begin() + static_cast<std::ptrdiff_t>(parts[n].first_triangle));
     });
     return result;
 }

@@ -49,10 +49,8 @@ void write_obj_mesh(const std::filesystem::path& file, const TriangleMesh& mesh)
     for (const Vec3f& n : mesh.normal)
         if (normals) fmt::format_to(to, "vn {:.5f} {:.5f} {:.5f}\n", n.x(), n.y(), n.z());
     for (const auto& [a, b, c] : mesh.triangle) {
-        if (normals)
-            fmt::format_to(to, "f {0}//{0} {1}//{1} {2}//{2}\n", a + 1, b + 1, c + 1);
-        else
-            fmt::format_to(to, "f {} {} {}\n", a + 1, b + 1, c + 1);
+        if (normals) fmt::format_to(to, "f {0}//{0} {1}//{1} {2}//{2}\n", a + 1, b + 1, c + 1);
+        else fmt::format_to(to, "f {} {} {}\n", a + 1, b + 1, c + 1);
     }
     write(file, text);
 }

@@ -40,9 +40,8 @@ ParticleRows::ParticleRows(Span<const Vec3f> position, float width) : width_(wid
     std::vector<Index> next(row_begin_.begin(), row_begin_.end() - 1);
     for (std::size_t n = 0; n < finite.size(); ++n) original[next[row[n]]++] = finite[n];
     parallel_tasks(static_cast<Index>(rows), [&](Index r) {
-        std::sort(original.begin() + row_begin_[r], original.begin() + row_begin_[r + 1], [&](Index a, Index b) {
-            return position[a].x() != position[b].x() ? position[a].x() < position[b].x() : a < b;
-        });
+        std::sort(original.begin() + row_begin_[r], original.begin() + row_begin_[r + 1],
+                  [&](Index a, Index b) { return position[a].x() != position[b].x() ? position[a].x() < position[b].x() : a < b; });
     });
 
     x.resize(finite.size());

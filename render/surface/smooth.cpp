@@ -10,7 +10,8 @@ struct Ring {
     std::vector<Index> begin;
     std::vector<std::uint32_t> neighbour, triangle;
 
-    explicit Ring(const TriangleMesh& mesh) : begin(mesh.position.size() + 1, 0), neighbour(3 * mesh.triangle.size()), triangle(neighbour.size()) {
+    explicit Ring(const TriangleMesh& mesh)
+        : begin(mesh.position.size() + 1, 0), neighbour(3 * mesh.triangle.size()), triangle(neighbour.size()) {
         for (const auto& t : mesh.triangle)
             for (std::uint32_t v : t) ++begin[v + 1];
         for (std::size_t v = 0; v + 1 < begin.size(); ++v) begin[v + 1] += begin[v];

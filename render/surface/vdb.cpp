@@ -2,10 +2,10 @@
 #include <cmath>
 
 #include "engine/core/errors.h"
+#include "engine/core/parallel.h"
 #include "engine/core/whole_file.h"
 #include "render/surface/colour_grid_tree.h"
 #include "render/surface/distance.h"
-#include "engine/core/parallel.h"
 #include "render/surface/surface.h"
 
 namespace whorl {
@@ -32,10 +32,8 @@ openvdb::FloatGrid::Ptr level_set(const TriangleMesh& mesh, float voxel) {
         for (int j = 0; j < v.ny; ++j)
             for (int k = 0; k < v.nz; ++k) {
                 const float value = v.value[(static_cast<std::size_t>(k) * v.ny + j) * v.nx + i];
-                if (std::abs(value) < background)
-                    to.setValueOn({i, j, k}, value);
-                else if (value < 0)
-                    to.setValueOff({i, j, k}, -background);
+                if (std::abs(value) < background) to.setValueOn({i, j, k}, value);
+                else if (value < 0) to.setValueOff({i, j, k}, -background);
             }
     return grid;
 }
@@ -54,7 +52,8 @@ void sample(const ColourField& field, const ColourGrid& colours, const std::vect
         thread_local LocalField local;
         const ColourBlock& block = colours.blocks()[b];
         const float voxel = colours.voxel();
-        const Vec3f low = voxel * Vec3f(static_cast<float>(block.origin[0]), static_cast<float>(block.origin[1]), static_cast<float>(block.origin[2]));
+        const Vec3f low =
+            voxel * Vec3f(static_cast<float>(block.origin[0]), static_cast<float>(block.origin[1]), static_cast<float>(block.origin[2]));
         local.gather(field, low, low.array() + voxel * (edge - 1));
         for (openvdb::Index n = 0; n < edge * edge * edge; ++n) {
             if (block.value[n] < 0.05f) continue;
@@ -101,9 +100,7 @@ void write_vdb(const std::filesystem::path& file, const Frame& frame, const Surf
         openvdb::io::File out(whole.temporary().string());
         out.write(grids);
         out.close();
-    } catch (const openvdb::IoError& error) {
-        throw EnvironmentError("cannot write " + file.string() + ": " + error.what());
-    }
+    } catch (const openvdb::IoError& error) { throw EnvironmentError("cannot write " + file.string() + ": " + error.what()); }
     whole.commit();
 }
 

@@ -16,36 +16,72 @@ const char* const remedy = "apt-get install ffmpeg, or run with --no-video";
 ChildProcess start(const std::vector<std::string>& arguments) {
     try {
         return ChildProcess(arguments);
-    } catch (const std::system_error& error) {
-        throw EnvironmentError("no video: cannot start ffmpeg", error.what(), remedy);
-    }
+    } catch (const std::system_error& error) { throw EnvironmentError("no video: cannot start ffmpeg", error.what(), remedy); }
 }
 
-std::string last_lines(const std::string& text) {
-    return text.size() <= 600 ? text : "..." + text.substr(text.size() - 600);
-}
+std::string last_lines(const std::string& text) { return text.size() <= 600 ? text : "..." + text.substr(text.size() - 600); }
 
 // Every frame that was handed over should be in the file a moment later, for the case that everything is killed: few frames held back to
 // look ahead, a keyframe a second, fragments of a quarter of a second. One thread: the simulation needs the others, and "veryfast" takes
 // 10 ms for a frame of 1280x720 ("medium" 24 ms for the same size and 0.7 dB).
 std::vector<std::string> encode_arguments(const std::filesystem::path& file, int width, int height, const VideoOptions& options) {
     const std::string keyframe = std::to_string(std::max(1L, std::lround(options.fps)));
-    return {"ffmpeg", "-nostdin", "-hide_banner", "-loglevel", "error", "-y",
-            "-f", "rawvideo", "-pixel_format", "rgb24", "-video_size", std::to_string(width) + "x" + std::to_string(height),
-            "-framerate", std::to_string(options.fps), "-i", "pipe:0",
-            "-filter_threads", "1", "-vf",
+    return {"ffmpeg",
+            "-nostdin",
+            "-hide_banner",
+            "-loglevel",
+            "error",
+            "-y",
+            "-f",
+            "rawvideo",
+            "-pixel_format",
+            "rgb24",
+            "-video_size",
+            std::to_string(width) + "x" + std::to_string(height),
+            "-framerate",
+            std::to_string(options.fps),
+            "-i",
+            "pipe:0",
+            "-filter_threads",
+            "1",
+            "-vf",
             "crop=trunc(iw/2)*2:trunc(ih/2)*2:0:0,"
             "scale=in_range=pc:out_range=tv:out_color_matrix=bt709:flags=bicubic+accurate_rnd+full_chroma_int+full_chroma_inp,"
             "format=yuv420p",
-            "-c:v", "libx264", "-preset", "veryfast", "-crf", std::to_string(options.crf), "-threads", "1", "-g", keyframe,
-            "-x264-params", "rc-lookahead=8:sync-lookahead=0",
-            "-color_range", "tv", "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709",
-            "-movflags", "+empty_moov+default_base_moof", "-frag_duration", "250000", "-flush_packets", "1", "-f", "mp4", file.string()};
+            "-c:v",
+            "libx264",
+            "-preset",
+            "veryfast",
+            "-crf",
+            std::to_string(options.crf),
+            "-threads",
+            "1",
+            "-g",
+            keyframe,
+            "-x264-params",
+            "rc-lookahead=8:sync-lookahead=0",
+            "-color_range",
+            "tv",
+            "-colorspace",
+            "bt709",
+            "-color_primaries",
+            "bt709",
+            "-color_trc",
+            "bt709",
+            "-movflags",
+            "+empty_moov+default_base_moof",
+            "-frag_duration",
+            "250000",
+            "-flush_packets",
+            "1",
+            "-f",
+            "mp4",
+            file.string()};
 }
 
 std::vector<std::string> rewrite_arguments(const std::filesystem::path& from, const std::filesystem::path& to) {
-    return {"ffmpeg", "-nostdin", "-hide_banner", "-loglevel", "error", "-y", "-i", from.string(), "-c", "copy",
-            "-movflags", "+faststart", "-f", "mp4", to.string()};
+    return {"ffmpeg", "-nostdin", "-hide_banner", "-loglevel",  "error", "-y",  "-i",       from.string(),
+            "-c",     "copy",     "-movflags",    "+faststart", "-f",    "mp4", to.string()};
 }
 
 }  // namespace
@@ -57,7 +93,7 @@ struct VideoEncoder::Process {
 };
 
 VideoEncoder::VideoEncoder(std::filesystem::path file, int width, int height, VideoOptions options) {
-    WHORL_ASSERT(width >= 2 && height >= 2, + std::to_string(width) + "x" + std::to_string(height));
+    WHORL_ASSERT(width >= 2 && height >= 2, +std::to_string(width) + "x" + std::to_string(height));
     ChildProcess ffmpeg = start(encode_arguments(partial_video(file), width, height, options));
     process_ = std::make_unique<Process>(Process{std::move(file), width, height, std::move(ffmpeg)});
 }
@@ -67,7 +103,7 @@ VideoEncoder::VideoEncoder(VideoEncoder&&) noexcept = default;
 
 void VideoEncoder::add(const Image& image) {
     WHORL_ASSERT(process_ != nullptr && image.width == process_->width && image.height == process_->height,
-                 + std::to_string(image.width) + "x" + std::to_string(image.height));
+                 +std::to_string(image.width) + "x" + std::to_string(image.height));
     if (process_->ffmpeg.write(image.rgb)) return;
     process_->ffmpeg.wait();
     throw EnvironmentError("the video encoder ended early: " + last_lines(process_->ffmpeg.output()), "", remedy);
@@ -81,8 +117,8 @@ void VideoEncoder::finish() {
     WholeFile whole(process->file);
     ChildProcess rewrite = start(rewrite_arguments(partial_video(process->file), whole.temporary()));
     if (rewrite.wait() != 0)
-        throw EnvironmentError("cannot rewrite the video: " + last_lines(rewrite.output()),
-                               "", partial_video(process->file).string() + " is complete and playable");
+        throw EnvironmentError("cannot rewrite the video: " + last_lines(rewrite.output()), "",
+                               partial_video(process->file).string() + " is complete and playable");
     whole.commit();
     std::filesystem::remove(partial_video(process->file));
 }
@@ -98,9 +134,7 @@ std::string encoder_version() {
         if (ffmpeg.wait() != 0) return "";
         const std::string text = ffmpeg.output();
         return text.substr(0, text.find('\n'));
-    } catch (const std::system_error&) {
-        return "";
-    }
+    } catch (const std::system_error&) { return ""; }
 }
 
 }  // namespace whorl

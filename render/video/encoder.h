@@ -9,13 +9,13 @@
 namespace whorl {
 
 struct VideoOptions {
-    double fps = 24;   ///< frames a second of the film
-    int crf = 18;      ///< H.264 constant rate factor; lower is better and larger
+    double fps = 24;  ///< frames a second of the film
+    int crf = 18;     ///< H.264 constant rate factor; lower is better and larger
 };
 
 /// Encodes H.264, yuv420p, BT.709 tagged and converted. While the run lasts, frames go in short fragments to partial_video(file), which is
-/// playable at any moment, also after SIGKILL; finish() rewrites it with +faststart under its final name. An encoder that goes without finish()
-/// completes the partial file and leaves it. Odd sizes lose their last row or column: yuv420p has none.
+/// playable at any moment, also after SIGKILL; finish() rewrites it with +faststart under its final name. An encoder that goes without
+/// finish() completes the partial file and leaves it. Odd sizes lose their last row or column: yuv420p has none.
 class VideoEncoder {
 public:
     /// @param file the final name, ending in .mp4. @throws EnvironmentError where ffmpeg is missing

@@ -20,7 +20,8 @@ ChildProcess::ChildProcess(const std::vector<std::string>& arguments) {
     // A socket instead of a pipe: send() can say that it wants no SIGPIPE. Close-on-exec: other children must not hold our end open, or
     // the child would never read its end of input.
     int ends[2];
-    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) throw std::system_error(errno, std::generic_category(), "socketpair");
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
+        throw std::system_error(errno, std::generic_category(), "socketpair");
     output_ = memfd_create("output", MFD_CLOEXEC);
 
     posix_spawn_file_actions_t files;

@@ -43,7 +43,8 @@ void compare(const Picture& picture, const std::string& name) {
     const std::filesystem::path file = std::filesystem::path(WHORL_SOURCE_DIR) / "tests/golden/pictures" / (name + ".png");
     if (std::getenv("WHORL_UPDATE_GOLDEN") != nullptr) write_png(file, drawn);
     const PictureDifference d = difference(drawn, read_png(file));
-    INFO(name << ": mean " << d.mean << ", 99th percentile " << d.p99 << ", largest " << d.max << " (delta E); drawn on " << renderer.device());
+    INFO(name << ": mean " << d.mean << ", 99th percentile " << d.p99 << ", largest " << d.max << " (delta E); drawn on "
+              << renderer.device());
     // A delta E of 2.3 is a just noticeable difference on flat colour. The mean must be invisible; where light is refracted often (1 % of
     // the pixels) rounding may send a ray elsewhere.
     CHECK(d.mean < 0.3);

@@ -62,8 +62,7 @@ kind = "coil"
 
 LiveProgram::LiveProgram(const std::string& scene, const std::vector<std::string>& more) {
     std::ofstream(this->scene()) << scene;
-    std::vector<std::string> arguments{"live",   this->scene().string(), "--port", "0", "--out", run().string(),
-                                       "--quiet"};
+    std::vector<std::string> arguments{"live", this->scene().string(), "--port", "0", "--out", run().string(), "--quiet"};
     if (std::find(more.begin(), more.end(), "--size") == more.end()) arguments.insert(arguments.end(), {"--size", "160x90"});
     arguments.insert(arguments.end(), more.begin(), more.end());
     program_ = std::make_unique<Program>(arguments);

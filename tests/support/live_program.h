@@ -14,7 +14,8 @@ struct Reply {
     nlohmann::json json() const { return nlohmann::json::parse(body, nullptr, false); }
 };
 
-/// A thread of honey of 2.5 mm particles that coils from its first turn on, at 0.8 s: the plate circles as the coil will, and what was laid is taken away.
+/// A thread of honey of 2.5 mm particles that coils from its first turn on, at 0.8 s: the plate circles as the coil will, and what was laid
+/// is taken away.
 extern const char* const coiling_honey;
 
 class LiveProgram {

@@ -71,14 +71,16 @@ VortexError taylor_green_error(const Micropolar2& c, MicropolarOptions options, 
     const auto amplitudes = [&] {
         double uu = 0, ww = 0, u2 = 0, w2 = 0;
         for (std::size_t i = 0; i < x.size(); ++i) {
-            const double sx = std::sin(wave * x[i].x()), cx = std::cos(wave * x[i].x()), sy = std::sin(wave * x[i].y()), cy = std::cos(wave * x[i].y());
+            const double sx = std::sin(wave * x[i].x()), cx = std::cos(wave * x[i].x()), sy = std::sin(wave * x[i].y()),
+                         cy = std::cos(wave * x[i].y());
             uu += u[i].x() * sx * cy - u[i].y() * cx * sy, u2 += sx * sx * cy * cy + cx * cx * sy * sy;
             ww += spin[i].z() * sx * sy, w2 += sx * sx * sy * sy;
         }
         return std::pair{uu / u2, ww / w2};
     };
     for (std::size_t i = 0; i < x.size(); ++i)
-        u[i] = Vec3(Real(std::sin(wave * x[i].x()) * std::cos(wave * x[i].y())), Real(-std::cos(wave * x[i].x()) * std::sin(wave * x[i].y())), 0);
+        u[i] = Vec3(Real(std::sin(wave * x[i].x()) * std::cos(wave * x[i].y())),
+                    Real(-std::cos(wave * x[i].x()) * std::sin(wave * x[i].y())), 0);
 
     const double end = 1 / (2 * (c.a - c.kappa / 4) * wave * wave);
     const int steps = static_cast<int>(std::ceil(end / explicit_step(c, KernelKind::cubic, support * d, d)));
@@ -99,9 +101,10 @@ Drift blob_drift(const Micropolar2& c, MicropolarOptions options, bool central, 
     tait.sound_speed = 10 * speed;
     TestWorld w(d, 2, Domain{Vec3::Constant(-2), Vec3::Constant(2), {}});
     const MicropolarOptions all = with_coefficients(options, c, central);
-    w.use({make_stage("density", "density", Density{}), make_stage("tait", "pressure", TaitPressure{tait}), make_stage("gravity", "move", Gravity{}),
-           make_stage("pressure", "pressure", PressureAcceleration{tait}), make_stage("micropolar", "micropolar", Micropolar(all)),
-           make_stage("kick", "move", Kick{}), make_stage("move", "move", Move{})});
+    w.use({make_stage("density", "density", Density{}), make_stage("tait", "pressure", TaitPressure{tait}),
+           make_stage("gravity", "move", Gravity{}), make_stage("pressure", "pressure", PressureAcceleration{tait}),
+           make_stage("micropolar", "micropolar", Micropolar(all)), make_stage("kick", "move", Kick{}),
+           make_stage("move", "move", Move{})});
     const Real edge = static_cast<Real>(std::ceil(radius / d) * d);
     w.place(Vec3::Constant(-edge), Vec3::Constant(edge));
     std::vector<Index> inside;
@@ -131,8 +134,10 @@ Drift blob_drift(const Micropolar2& c, MicropolarOptions options, bool central, 
     with_kernel(w.world.step.kernel, w.world.step.support, [&](const auto& W) {
         for (std::size_t i = 0; i < x.size(); ++i) {
             const auto k = static_cast<Index>(i);
-            const Vec3 curl_w = curl(all.curl_spin, w.world.fluid_pairs, k, W, w.world.step.mass, density, Span<const Vec3>(spin.data(), spin.size()));
-            const Vec3 curl_u = curl(all.curl_velocity, w.world.fluid_pairs, k, W, w.world.step.mass, density, Span<const Vec3>(u.data(), u.size()));
+            const Vec3 curl_w =
+                curl(all.curl_spin, w.world.fluid_pairs, k, W, w.world.step.mass, density, Span<const Vec3>(spin.data(), spin.size()));
+            const Vec3 curl_u =
+                curl(all.curl_velocity, w.world.fluid_pairs, k, W, w.world.step.mass, density, Span<const Vec3>(u.data(), u.size()));
             flow += static_cast<double>(u[i].dot(curl_w) / rho[i]), turning += static_cast<double>(spin[i].dot(curl_u) / rho[i]);
         }
     });

@@ -5,8 +5,8 @@
 
 namespace whorl::test {
 
-/// Kinematic coefficients: U' = -2 a k^2 U + kappa k W, theta W' = -2 g k^2 W + kappa (2 k U - 2 W) for u = U (sin kx cos ky, -cos kx sin ky),
-/// w = W sin kx sin ky.
+/// Kinematic coefficients: U' = -2 a k^2 U + kappa k W, theta W' = -2 g k^2 W + kappa (2 k U - 2 W) for u = U (sin kx cos ky, -cos kx sin
+/// ky), w = W sin kx sin ky.
 struct Micropolar2 {
     double a = 1, kappa = 1, g = 0.02, theta = 0.05;
 };
@@ -17,16 +17,19 @@ std::pair<double, double> exact_vortex(const Micropolar2& c, double t);
 struct VortexError {
     double velocity = 0, spin = 0;  ///< largest difference of the amplitudes over the run, over their largest exact values
 };
-/// The flow on a lattice with N particles a wave, none of them moved: the discrete operators against the system's own solution until the velocity has
-/// fallen to about 1/e. Options: forms only; the coefficients are filled in. @param support over the spacing @param jitter of the particles, in spacings
+/// The flow on a lattice with N particles a wave, none of them moved: the discrete operators against the system's own solution until the
+/// velocity has fallen to about 1/e. Options: forms only; the coefficients are filled in. @param support over the spacing @param jitter of
+/// the particles, in spacings
 VortexError taylor_green_error(const Micropolar2& c, MicropolarOptions options, bool central, int N, double support = 2, double jitter = 0);
 
 struct Drift {
     double momentum = 0;          ///< largest change over sum m |u|
     double angular_momentum = 0;  ///< largest change of orbital and spin together, over its value at the start
-    double exchange = 0;          ///< | sum m u.(lambda curl w) - sum m w.(lambda curl u) |/rho over the larger: energy that exchange makes or loses, at the start
+    double exchange = 0;  ///< | sum m u.(lambda curl w) - sum m w.(lambda curl u) |/rho over the larger: energy that exchange makes or
+                          ///< loses, at the start
 };
-/// A round blob with uneven particles and a free surface that turns faster inside, with spin, over `steps` steps of weakly compressible flow.
+/// A round blob with uneven particles and a free surface that turns faster inside, with spin, over `steps` steps of weakly compressible
+/// flow.
 Drift blob_drift(const Micropolar2& c, MicropolarOptions options, bool central, int steps);
 
 /// @param central the second form of the Laplacian rather than the first; "split" is set by hand

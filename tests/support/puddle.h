@@ -13,10 +13,16 @@ namespace whorl::test {
 /// A puddle of syrup in its box, onto which more is poured from `start` [s] on. @param length of the box [m]: 100 particles a spacing
 inline std::string puddle(const std::string& pressure, double sleep, double length, double start) {
     const std::string x = std::to_string(length);
-    return "[time]\nend = 3\nsleep = " + std::to_string(sleep) + "\n[domain]\nmin = [-0.05, -0.05, -0.05]\nmax = [0.25, 0.3, 0.15]\n"
-           "[fluid]\nspacing = 0.01\nviscosity = 30\n[models]\npressure = \"" + pressure + "\"\n[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [" + x + ", 0.05, 0.1]\n"
-           "[[emitter]]\nposition = [0.03, 0.12, 0.05]\nradius = 0.015\nspeed = 0.3\nstart = " + std::to_string(start) + "\n"
-           "[[solid]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [" + x + ", 0.28, 0.1]\ninside = true\n";
+    return "[time]\nend = 3\nsleep = " + std::to_string(sleep) +
+           "\n[domain]\nmin = [-0.05, -0.05, -0.05]\nmax = [0.25, 0.3, 0.15]\n"
+           "[fluid]\nspacing = 0.01\nviscosity = 30\n[models]\npressure = \"" +
+           pressure + "\"\n[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [" + x +
+           ", 0.05, 0.1]\n"
+           "[[emitter]]\nposition = [0.03, 0.12, 0.05]\nradius = 0.015\nspeed = 0.3\nstart = " +
+           std::to_string(start) +
+           "\n"
+           "[[solid]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [" +
+           x + ", 0.28, 0.1]\ninside = true\n";
 }
 
 struct Pool {

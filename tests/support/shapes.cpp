@@ -44,7 +44,8 @@ public:
         for (const Vec3f& x : mesh_.position) {
             const float h = volume_.voxel;
             Vec3f gradient;
-            for (int a = 0; a < 3; ++a) gradient[a] = interpolated(volume_, x + h * Vec3f::Unit(a)) - interpolated(volume_, x - h * Vec3f::Unit(a));
+            for (int a = 0; a < 3; ++a)
+                gradient[a] = interpolated(volume_, x + h * Vec3f::Unit(a)) - interpolated(volume_, x - h * Vec3f::Unit(a));
             mesh_.normal.push_back(gradient.normalized());
         }
         return std::move(mesh_);
@@ -182,7 +183,8 @@ Surface sphere(const Vec3f& centre, float radius, float voxel) {
 Surface pool(float half_width, float depth, float voxel) {
     const auto distance = [&](const Vec3f& x) {
         const float r = std::hypot(x.x(), x.z()) / half_width;
-        const float level = depth * (1 + 0.8f * std::exp(-14 * r * r) + 0.12f * std::sin(9 * x.x() / half_width) * std::cos(7 * x.z() / half_width));
+        const float level =
+            depth * (1 + 0.8f * std::exp(-14 * r * r) + 0.12f * std::sin(9 * x.x() / half_width) * std::cos(7 * x.z() / half_width));
         const float side = std::max(std::abs(x.x()), std::abs(x.z())) - half_width;
         return std::max({0.8f * (x.y() - level), side, -0.1f * depth - x.y()});
     };

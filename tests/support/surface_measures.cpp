@@ -38,7 +38,8 @@ Frame filled(const Distance& distance, const Vec3d& low, const Vec3d& high, doub
         for (double j = low.y() + 0.5; j < high.y(); ++j)
             for (double k = low.z() + 0.5; k < high.z(); ++k) {
                 const Vec3 p = Vec3d(i, j, k).cast<Real>();
-                if (distance(p) < 0) x.push_back(p + (Vec3d(0.4 * random() - 0.2, 0.4 * random() - 0.2, 0.4 * random() - 0.2)).cast<Real>());
+                if (distance(p) < 0)
+                    x.push_back(p + (Vec3d(0.4 * random() - 0.2, 0.4 * random() - 0.2, 0.4 * random() - 0.2)).cast<Real>());
             }
     if (!blue_noise) return frame_of(x);
     const auto wanted = static_cast<std::size_t>(std::lround(volume_wanted));
@@ -98,20 +99,21 @@ Topology topology(const TriangleMesh& mesh) {
         }
     std::sort(edges.begin(), edges.end());
     Topology result;
-    result.closed = std::adjacent_find(edges.begin(), edges.end()) == edges.end() && std::all_of(edges.begin(), edges.end(), [&](const Edge& e) {
-        return e.first != e.second && std::binary_search(edges.begin(), edges.end(), Edge(e.second, e.first));
-    });
+    result.closed =
+        std::adjacent_find(edges.begin(), edges.end()) == edges.end() && std::all_of(edges.begin(), edges.end(), [&](const Edge& e) {
+            return e.first != e.second && std::binary_search(edges.begin(), edges.end(), Edge(e.second, e.first));
+        });
     result.manifold = result.closed && std::all_of(fan.begin(), fan.end(), [](const std::vector<Edge>& round) {
-        if (round.size() < 3) return false;
-        std::size_t steps = 0;
-        std::uint32_t at = round[0].first;
-        do {
-            const auto next = std::find_if(round.begin(), round.end(), [&](const Edge& e) { return e.first == at; });
-            if (next == round.end()) return false;
-            at = next->second;
-        } while (++steps < round.size() && at != round[0].first);
-        return steps == round.size() && at == round[0].first;
-    });
+                          if (round.size() < 3) return false;
+                          std::size_t steps = 0;
+                          std::uint32_t at = round[0].first;
+                          do {
+                              const auto next = std::find_if(round.begin(), round.end(), [&](const Edge& e) { return e.first == at; });
+                              if (next == round.end()) return false;
+                              at = next->second;
+                          } while (++steps < round.size() && at != round[0].first);
+                          return steps == round.size() && at == round[0].first;
+                      });
     for (std::uint32_t v = 0; v < parent.size(); ++v) result.components += root(v) == v;
     result.euler = static_cast<int>(mesh.position.size()) - static_cast<int>(edges.size() / 2) + static_cast<int>(mesh.triangle.size());
     return result;
@@ -133,7 +135,8 @@ Frame sphere_frame(double radius, std::uint64_t seed) {
 Frame cylinder_frame(double radius, double length, std::uint64_t seed) {
     const auto distance = [&](const Vec3& x) {
         const Vec3d p = x.cast<double>();
-        const double along = p.dot(cylinder_axis), ends = std::abs(along) - 0.5 * length, round = (p - along * cylinder_axis).norm() - radius;
+        const double along = p.dot(cylinder_axis), ends = std::abs(along) - 0.5 * length,
+                     round = (p - along * cylinder_axis).norm() - radius;
         return static_cast<Real>(std::max(ends, round));
     };
     const Vec3d reach = (0.5 * length * cylinder_axis).array() + radius;

@@ -8,10 +8,10 @@
 namespace whorl::test {
 
 struct Topology {
-    bool closed = false;     ///< every edge belongs to exactly two triangles, which run along it in opposite directions
-    bool manifold = false;   ///< closed, and the triangles round every vertex form one fan
+    bool closed = false;    ///< every edge belongs to exactly two triangles, which run along it in opposite directions
+    bool manifold = false;  ///< closed, and the triangles round every vertex form one fan
     int components = 0;
-    int euler = 0;           ///< vertices - edges + triangles; 2 for each sphere, 0 for each torus
+    int euler = 0;  ///< vertices - edges + triangles; 2 for each sphere, 0 for each torus
 };
 Topology topology(const TriangleMesh& mesh);
 double volume(const TriangleMesh& mesh);

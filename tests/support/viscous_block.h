@@ -8,7 +8,8 @@ namespace whorl::test {
 Vec3 noise(Index i);
 
 /// A free box of fluid with the spacing 0.1 m, its particles `unevenness` spacings off the lattice, with viscosity from 1 to 7 times mu.
-TestWorld uneven_block(double mu, Real unevenness, std::vector<Stage> stages = {}, const Vec3& half = Vec3(Real(0.4), Real(0.3), Real(0.3)));
+TestWorld uneven_block(double mu, Real unevenness, std::vector<Stage> stages = {},
+                       const Vec3& half = Vec3(Real(0.4), Real(0.3), Real(0.3)));
 
 double inner(Span<const Vec3> a, Span<const Vec3> b);
 

@@ -111,8 +111,7 @@ Vec3d TestWorld::angular_momentum() {
     const auto x = column<field::position>();
     const auto u = column<field::velocity>();
     Vec3d sum = Vec3d::Zero();
-    for (std::size_t i = 0; i < x.size(); ++i)
-        sum += static_cast<double>(world.step.mass) * x[i].cast<double>().cross(u[i].cast<double>());
+    for (std::size_t i = 0; i < x.size(); ++i) sum += static_cast<double>(world.step.mass) * x[i].cast<double>().cross(u[i].cast<double>());
     return sum;
 }
 

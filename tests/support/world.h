@@ -29,7 +29,9 @@ struct TestWorld {
     void step(double dt);
 
     template <class F>
-    Span<typename F::type> column() { return world.fluid.template column<F>(); }
+    Span<typename F::type> column() {
+        return world.fluid.template column<F>();
+    }
     Vec3d momentum();          ///< kg m/s
     Vec3d angular_momentum();  ///< kg m^2/s about the origin
     double max_speed();

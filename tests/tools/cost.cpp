@@ -1,7 +1,6 @@
-#include "tools/cost/estimate.h"
-
 #include <catch2/catch.hpp>
 
+#include "tools/cost/estimate.h"
 #include "tools/cost/pace.h"
 #include "tools/cost/sample.h"
 
@@ -34,14 +33,16 @@ Calibration costs() {
 
 }  // namespace
 
-TEST_CASE("the small scene that costs are measured on has the models, spacing and viscosity of the large one, and some thousand particles", "[cost]") {
+TEST_CASE("the small scene that costs are measured on has the models, spacing and viscosity of the large one, and some thousand particles",
+          "[cost]") {
     for (const char* scene : {"honey_coil", "honey_ball", "dam_break", "rotating_drop"}) {
         CAPTURE(scene);
         const SceneFile file = shipped(scene);
         const Plan plan = make_plan(file.scene);
         const SceneFile sample = sample_of(file, plan);
         const Plan same = make_plan(sample.scene);
-        for (const char* key : {"models.pressure", "models.viscosity", "models.boundary", "models.shifting", "fluid.kernel", "fluid.support"})
+        for (const char* key :
+             {"models.pressure", "models.viscosity", "models.boundary", "models.shifting", "fluid.kernel", "fluid.support"})
             CHECK(std::string(name_of(same, key)) == name_of(plan, key));
         CHECK(same.spacing == plan.spacing);
         CHECK(same.largest_viscosity == Approx(plan.largest_viscosity));
@@ -53,7 +54,8 @@ TEST_CASE("the small scene that costs are measured on has the models, spacing an
     }
 }
 
-TEST_CASE("a finer spacing costs more steps and particles, a film that is poured costs less than its last frame many times over", "[cost]") {
+TEST_CASE("a finer spacing costs more steps and particles, a film that is poured costs less than its last frame many times over",
+          "[cost]") {
     const auto of = [&](const char* spacing) {
         const SceneFile file = shipped("honey_coil", {std::string("fluid.spacing=") + spacing, "time.max_step=0.1"});
         const Plan plan = make_plan(file.scene);

@@ -1,3 +1,5 @@
+#include "tools/run/governor.h"
+
 #include <fmt/format.h>
 #include <signal.h>
 
@@ -7,7 +9,6 @@
 
 #include "tests/support/program.h"
 #include "tests/support/scratch.h"
-#include "tools/run/governor.h"
 #include "tools/study/table.h"
 
 using namespace whorl;
@@ -26,14 +27,19 @@ SceneFile with_budget(double seconds_per_frame) {
 
 /// A lump of honey over a plate, 50 frames a second. @param end s @param spacing m @param rest more of the scene
 std::string blob(double end, double spacing, const std::string& rest) {
-    return fmt::format("name = \"blob\"\n[time]\nend = {}\nfps = 50\n[domain]\nmin = [-0.1, -0.02, -0.1]\nmax = [0.1, 0.2, 0.1]\n[fluid]\nspacing = {}\nviscosity = 50\n"
-                       "[models]\npressure = \"coupled\"\n[[block]]\nshape = \"box\"\nmin = [-0.02, 0.01, -0.02]\nmax = [0.02, 0.06, 0.02]\n"
-                       "[[solid]]\nshape = \"box\"\nmin = [-0.1, -0.02, -0.1]\nmax = [0.1, 0, 0.1]\n", end, spacing) + rest;
+    return fmt::format(
+               "name = \"blob\"\n[time]\nend = {}\nfps = 50\n[domain]\nmin = [-0.1, -0.02, -0.1]\nmax = [0.1, 0.2, 0.1]\n[fluid]\nspacing "
+               "= {}\nviscosity = 50\n"
+               "[models]\npressure = \"coupled\"\n[[block]]\nshape = \"box\"\nmin = [-0.02, 0.01, -0.02]\nmax = [0.02, 0.06, 0.02]\n"
+               "[[solid]]\nshape = \"box\"\nmin = [-0.1, -0.02, -0.1]\nmax = [0.1, 0, 0.1]\n",
+               end, spacing) +
+           rest;
 }
 
 }  // namespace
 
-TEST_CASE("frames that take too long cost tolerance first, then step length, then the surface, then samples, each within its bound", "[governor]") {
+TEST_CASE("frames that take too long cost tolerance first, then step length, then the surface, then samples, each within its bound",
+          "[governor]") {
     Governor governor(with_budget(0.1), 100);
     CHECK(governor.now().amount == 0);
     double last = 0;
@@ -75,10 +81,12 @@ TEST_CASE("a budget for the film is shared out over the frames that are left", "
     CHECK(governor.allowed() == Approx(0.05));
 }
 
-TEST_CASE("a run with too small a budget gives up what it may, says so frame by frame with residuals measured, and keeps its fluid", "[governor]") {
+TEST_CASE("a run with too small a budget gives up what it may, says so frame by frame with residuals measured, and keeps its fluid",
+          "[governor]") {
     const test::ScratchFolder folder;
     std::ofstream(folder / "blob.toml") << blob(0.4, 5e-3, "[budget]\nseconds_per_frame = 1e-4\n");
-    const Outcome run = test::whorl({"render", (folder / "blob.toml").string(), "--no-images", "--quiet", "--out", (folder / "out").string()});
+    const Outcome run =
+        test::whorl({"render", (folder / "blob.toml").string(), "--no-images", "--quiet", "--out", (folder / "out").string()});
     INFO(run.err);
     REQUIRE(run.code == 0);
     const CsvTable table = read_csv(folder / "out" / "budget.csv");
@@ -91,9 +99,11 @@ TEST_CASE("a run with too small a budget gives up what it may, says so frame by 
     CHECK(figures.rows.back()[figures.index("particles")] == figures.rows.front()[figures.index("particles")]);
 }
 
-TEST_CASE("a budget that comes while the run goes on acts from then on, also in a run that was stopped after it and resumed", "[governor][resume]") {
+TEST_CASE("a budget that comes while the run goes on acts from then on, also in a run that was stopped after it and resumed",
+          "[governor][resume]") {
     const test::ScratchFolder folder;
-    std::ofstream(folder / "blob.toml") << blob(1, 4e-3, "[budget]\nseconds_per_frame = 60\n[[change]]\ntime = 0.1\nkey = \"budget.seconds_per_frame\"\nvalue = 1e-4\n");
+    std::ofstream(folder / "blob.toml") << blob(
+        1, 4e-3, "[budget]\nseconds_per_frame = 60\n[[change]]\ntime = 0.1\nkey = \"budget.seconds_per_frame\"\nvalue = 1e-4\n");
     const auto out = folder / "out";
     const auto rows = [&] { return std::filesystem::exists(out / "budget.csv") ? read_csv(out / "budget.csv").rows.size() : 0; };
     test::Program stopped({"render", (folder / "blob.toml").string(), "--no-images", "--quiet", "--out", out.string()});
@@ -106,7 +116,8 @@ TEST_CASE("a budget that comes while the run goes on acts from then on, also in 
     const CsvTable table = read_csv(out / "budget.csv");
     // One row a frame, in their order, but for the first of a run, for which nothing was simulated.
     REQUIRE(table.rows.size() >= 49);
-    for (std::size_t k = 1; k < table.rows.size(); ++k) CHECK(table.rows[k][table.index("frame")] > table.rows[k - 1][table.index("frame")]);
+    for (std::size_t k = 1; k < table.rows.size(); ++k)
+        CHECK(table.rows[k][table.index("frame")] > table.rows[k - 1][table.index("frame")]);
     for (const auto& row : table.rows) {
         INFO("frame " << row[table.index("frame")]);
         const double time = row[table.index("time")];

@@ -174,8 +174,8 @@ TEST_CASE("a change acts from the next frame on, and a film of the recording is 
     CHECK(column("particles") == last.at("particles"));
     CHECK(column("kinetic_energy") == Approx(last.at("energy").at("kinetic").get<double>()).epsilon(1e-8));  // the table's nine digits
     CHECK(column("potential_energy") == Approx(last.at("energy").at("potential").get<double>()).epsilon(1e-8));
-    // From the same particles, meshes and poses, a renderer that drew other pictures before gives some pixels that differ by rounding (one here; so does
-    // a film that was resumed). It is not the solids' distance field, made anew for each picture; the cause is not known.
+    // From the same particles, meshes and poses, a renderer that drew other pictures before gives some pixels that differ by rounding (one
+    // here; so does a film that was resumed). It is not the solids' distance field, made anew for each picture; the cause is not known.
     const fs::path shown = live.folder() / "seen.png";
     std::ofstream(shown, std::ios::binary) << seen;
     CHECK(difference(read_png(fs::path(film) / "frames" / "000006.png"), read_png(shown)).max < 1);
@@ -266,13 +266,11 @@ TEST_CASE("nonsense at every endpoint changes nothing and kills nothing", "[tool
     for (int k = 0; k < 120; ++k) {
         std::string body = seeds[random() % seeds.size()];
         // Cut, so that it is no JSON; or its values made into something that no key takes.
-        if (k % 3 == 0)
-            body = body.substr(0, 1 + random() % (body.size() - 1));
+        if (k % 3 == 0) body = body.substr(0, 1 + random() % (body.size() - 1));
         else if (k % 3 == 1)
             body = "{\"" + std::string(random() % 40, 'a') + "[" + std::to_string(random()) +
                    "].b\": " + std::to_string(static_cast<int>(random())) + "}";
-        else
-            body = bytes(random() % 300);
+        else body = bytes(random() % 300);
         const Reply reply = live.post(k % 2 ? "/set" : "/control", body);
         INFO(body);
         CHECK(reply.status == 400);
@@ -341,7 +339,9 @@ TEST_CASE("what is seen can be recorded as pictures and a video", "[tools][live]
     CHECK(fs::exists(live.run() / "recording_2" / "recording_2.mp4"));
 }
 
-TEST_CASE("a live run keeps to the budget that it is given, tells and notes what each frame gave up, and takes it back when the budget goes", "[tools][live][governor]") {
+TEST_CASE(
+    "a live run keeps to the budget that it is given, tells and notes what each frame gave up, and takes it back when the budget goes",
+    "[tools][live][governor]") {
     LiveProgram live(honey);
     live.step();
     CHECK(live.state().at("given_up").at("amount") == 0);

@@ -8,7 +8,8 @@ using namespace whorl;
 using nlohmann::json;
 using test::LiveProgram;
 
-TEST_CASE("the state has theory's frequency and radius beside the coil's, for the viscosity, speed and gravity of the moment", "[tools][live]") {
+TEST_CASE("the state has theory's frequency and radius beside the coil's, for the viscosity, speed and gravity of the moment",
+          "[tools][live]") {
     LiveProgram live(test::coiling_honey, {"--unpaced"});
     const auto seen = [&](double speed, double viscosity, double gravity) {
         return live.wait_for([&](const json& s) {

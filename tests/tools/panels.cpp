@@ -137,6 +137,7 @@ TEST_CASE("a panel's wrong key is told with its place, before anything is writte
     const Scratch scratch(std::string(drop) + "[[panel]]\nset = [\"fluid.viscocity=3\"]\n");
     const Outcome outcome = test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--quiet"});
     CHECK(outcome.code == 2);
-    CHECK(outcome.err.find("scene.toml:28:7: panel[2].set: unknown key \"fluid.viscocity\"; did you mean \"fluid.viscosity\"?") != std::string::npos);
+    CHECK(outcome.err.find("scene.toml:28:7: panel[2].set: unknown key \"fluid.viscocity\"; did you mean \"fluid.viscosity\"?") !=
+          std::string::npos);
     CHECK_FALSE(fs::exists(scratch.run()));
 }

@@ -1,3 +1,6 @@
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <array>
 #include <catch2/catch.hpp>
 #include <cstdio>
@@ -5,8 +8,6 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "engine/scene/read.h"
 #include "tools/options.h"
@@ -84,7 +85,8 @@ TEST_CASE("the options of the command line change the scene and show up in the r
     const fs::path folder = empty_folder("options");
     write(folder / "s.toml",
           "[time]\nend = 1\n[fluid]\nspacing = 0.01\n[[block]]\nshape = \"box\"\nmin = [0,0,0]\nmax = [0.1,0.1,0.1]\n"
-          "[look]\nbackground = \"dark\"\n[camera]\nkind = \"keys\"\n[[camera.key]]\ntime = 0\nposition = [0, 0.1, 1]\n[[camera.key]]\ntime = 1\n"
+          "[look]\nbackground = \"dark\"\n[camera]\nkind = \"keys\"\n[[camera.key]]\ntime = 0\nposition = [0, 0.1, "
+          "1]\n[[camera.key]]\ntime = 1\n"
           "position = [1, 0.1, 0]\nfov = 20\n[quality.draft]\nfluid.spacing = 0.02\nlook.exposure = 2\n");
     Options o;
     o.scene = (folder / "s.toml").string();
@@ -130,7 +132,8 @@ TEST_CASE("an option that makes no sense is told as the user typed it", "[tools]
     CHECK_THROWS_WITH(read_scene_file(o), "--quality drft: no such quality; did you mean \"draft\"?; allowed: draft, standard or fine");
     o.quality = "standard";
     o.exports = {"mehs"};
-    CHECK_THROWS_WITH(read_scene_file(o), "--export mehs: output.export[0] = \"mehs\" is not known; did you mean \"mesh\"?; allowed: points, mesh, vdb");
+    CHECK_THROWS_WITH(read_scene_file(o),
+                      "--export mehs: output.export[0] = \"mehs\" is not known; did you mean \"mesh\"?; allowed: points, mesh, vdb");
     o.exports = {};
     o.until = -1;
     CHECK_THROWS_WITH(read_scene_file(o), "--until -1.0: time.end = -1 is out of range; allowed: more than 0");
@@ -146,10 +149,13 @@ TEST_CASE("bad input ends with 2, tells every mistake, and writes nothing", "[to
           "s.toml: the scene has no fluid; add a [[block]] or an [[emitter]]\n"
           "s.toml:2:7: time.end must be a number [s], not the text \"x\"\n"
           "s.toml:3:1: fluid.spacing is missing; initial distance between particles [m]; allowed: more than 0\n"
-          "s.toml:4:1: unknown key \"spacng\" in [fluid]; did you mean \"spacing\"?; allowed: spacing, density, viscosity, surface_tension, kernel, "
+          "s.toml:4:1: unknown key \"spacng\" in [fluid]; did you mean \"spacing\"?; allowed: spacing, density, viscosity, "
+          "surface_tension, kernel, "
           "support\n"
-          "--set look.stile=opaque: unknown key \"stile\" in [look]; did you mean \"style\"?; allowed: style, material, absorption, colour, refraction, "
-          "roughness, cooling, background, ground, exposure, samples, field, colour_map, range, trail, slice_axis, slice_position, streaks, opacity, legend, time_stamp\n");
+          "--set look.stile=opaque: unknown key \"stile\" in [look]; did you mean \"style\"?; allowed: style, material, absorption, "
+          "colour, refraction, "
+          "roughness, cooling, background, ground, exposure, samples, field, colour_map, range, trail, slice_axis, slice_position, "
+          "streaks, opacity, legend, time_stamp\n");
     CHECK(whorl_in(folder, "plan no_such.toml").code == 2);
     CHECK(std::distance(fs::directory_iterator(folder), fs::directory_iterator()) == 1);
     fs::remove_all(folder);

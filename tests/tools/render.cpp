@@ -127,8 +127,8 @@ TEST_CASE("a run writes a row a frame, its probes, its settings and what it used
 TEST_CASE("the same scene gives the same particles, bit for bit, with 1, 2 and 4 threads", "[tools][render]") {
     const Scratch scratch;
     for (const std::string threads : {"1", "2", "4"}) {
-        const Outcome done = test::whorl({"render", scratch.scene(), "--no-images", "--until", "0.1", "--export", "points", "--threads", threads,
-                                          "--out", scratch.run(threads), "--quiet"});
+        const Outcome done = test::whorl({"render", scratch.scene(), "--no-images", "--until", "0.1", "--export", "points", "--threads",
+                                          threads, "--out", scratch.run(threads), "--quiet"});
         INFO(done.err);
         REQUIRE(done.code == 0);
     }
@@ -162,7 +162,8 @@ TEST_CASE("an interrupted run says how to go on, and goes on to the same bits as
     REQUIRE(resumed.code == 0);
     check_same_particles(scratch / "whole", scratch / "run");
     CHECK(reproducible(lines(scratch / "run/diagnostics.csv")) == reproducible(lines(scratch / "whole/diagnostics.csv")));
-    for (const char* probe : {"probes/pile.csv", "probes/all.csv"}) CHECK(read_whole(scratch / "run" / probe) == read_whole(scratch / "whole" / probe));
+    for (const char* probe : {"probes/pile.csv", "probes/all.csv"})
+        CHECK(read_whole(scratch / "run" / probe) == read_whole(scratch / "whole" / probe));
     const auto run = report(scratch / "run");
     CHECK(run["status"] == "done");
     CHECK(run["resumed"] == 1);
@@ -189,7 +190,8 @@ TEST_CASE("resume refuses other settings and names them, and takes settings that
 
 TEST_CASE("a folder that is not a run's is left alone, a run's is replaced", "[tools][render]") {
     const Scratch scratch;
-    const std::vector<std::string> arguments{"render", scratch.scene(), "--no-images", "--until", "0.03", "--quiet", "--out", scratch.run()};
+    const std::vector<std::string> arguments{"render", scratch.scene(), "--no-images", "--until",
+                                             "0.03",   "--quiet",       "--out",       scratch.run()};
     fs::create_directories(scratch / "run");
     std::ofstream(scratch / "run/thesis.txt") << "years of work";
     const Outcome refused = test::whorl(arguments);
@@ -257,8 +259,9 @@ TEST_CASE("a run that diverges says where and when, ends with 1 and keeps what w
 
 TEST_CASE("a killed render leaves valid pictures and a playable video, and resume completes both", "[tools][resume]") {
     const Scratch scratch;
-    const std::vector<std::string> arguments{"render", scratch.scene(), "--until", "0.25", "--size", "160x90", "--quality", "draft", "--set",
-                                             "output.checkpoint_every=0.001", "--quiet", "--out", scratch.run()};
+    const std::vector<std::string> arguments{"render",  scratch.scene(), "--until",    "0.25",  "--size",
+                                             "160x90",  "--quality",     "draft",      "--set", "output.checkpoint_every=0.001",
+                                             "--quiet", "--out",         scratch.run()};
     Program killed(arguments);
     const bool started = killed.wait_until([&] { return fs::exists(scratch / "run/frames/000004.png"); });
     killed.signal(SIGKILL);
@@ -274,9 +277,10 @@ TEST_CASE("a killed render leaves valid pictures and a playable video, and resum
         return count;
     };
     const auto playable_frames = [&](const std::string& video) {
-        const Outcome probe = Program({"-v", "error", "-count_frames", "-select_streams", "v:0", "-show_entries", "stream=nb_read_frames", "-of",
-                                       "csv=p=0", (scratch / "run" / video).string()},
-                                      "ffprobe").wait();
+        const Outcome probe = Program({"-v", "error", "-count_frames", "-select_streams", "v:0", "-show_entries", "stream=nb_read_frames",
+                                       "-of", "csv=p=0", (scratch / "run" / video).string()},
+                                      "ffprobe")
+                                  .wait();
         CHECK(probe.err.empty());
         return probe.code == 0 ? std::stoi("0" + probe.out) : -1;
     };
@@ -298,11 +302,12 @@ TEST_CASE("a killed render leaves valid pictures and a playable video, and resum
     CHECK(fs::exists(scratch / "again.mp4"));
 }
 
-TEST_CASE("a film of particles chooses its range of colours at the start, writes it down, and leaves a given one alone", "[tools][render]") {
+TEST_CASE("a film of particles chooses its range of colours at the start, writes it down, and leaves a given one alone",
+          "[tools][render]") {
     const Scratch scratch;
     const auto range_of = [&](const std::vector<std::string>& more) {
-        std::vector<std::string> arguments{"render",    scratch.scene(), "--frames", "1",      "--no-video", "--size", "64x36",
-                                           "--out", scratch.run(), "--set", "look.style=particles"};
+        std::vector<std::string> arguments{"render", scratch.scene(), "--frames",    "1",     "--no-video",          "--size",
+                                           "64x36",  "--out",         scratch.run(), "--set", "look.style=particles"};
         arguments.insert(arguments.end(), more.begin(), more.end());
         const Outcome done = test::whorl(arguments);
         INFO(done.err);

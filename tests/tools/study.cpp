@@ -1,3 +1,5 @@
+#include "tools/study/study.h"
+
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <filesystem>
@@ -9,7 +11,6 @@
 #include "tools/study/accuracy.h"
 #include "tools/study/recommend.h"
 #include "tools/study/sweep.h"
-#include "tools/study/study.h"
 #include "tools/study/table.h"
 
 using namespace whorl;
@@ -25,20 +26,22 @@ void write(const fs::path& file, const std::string& text) {
 
 /// A drop of honey that falls for a moment: cheap, and its path is known.
 const char* const falling =
-    "name = \"falling\"\n[time]\nend = 0.1\nfps = 20\n[domain]\nmin = [-1, -1, -1]\nmax = [1, 1, 1]\n[fluid]\nspacing = 0.05\nviscosity = 100\n"
+    "name = \"falling\"\n[time]\nend = 0.1\nfps = 20\n[domain]\nmin = [-1, -1, -1]\nmax = [1, 1, 1]\n[fluid]\nspacing = 0.05\nviscosity = "
+    "100\n"
     "[[block]]\nshape = \"sphere\"\nposition = [0, 0.5, 0]\nradius = 0.15\n"
     "[[probe]]\nname = \"all\"\nkind = \"region\"\nmin = [-1, -1, -1]\nmax = [1, 1, 1]\n";
 
 }  // namespace
 
-TEST_CASE("the Pareto front holds the points that no other beats in both cost and error, from cheap to dear, and no failed run", "[study]") {
+TEST_CASE("the Pareto front holds the points that no other beats in both cost and error, from cheap to dear, and no failed run",
+          "[study]") {
     const std::vector<Measured> points{{{0}, 1, 5}, {{1}, 2, 6}, {{2}, 3, 2}, {{3}, 4, 2}, {{4}, 5, 1}, {{5}, 0.1, NAN}};
     CHECK(pareto_front(points) == std::vector<std::size_t>{0, 2, 4});
 }
 
 TEST_CASE("the search finds the front of a smooth sweep and runs little that lies off it", "[study]") {
-    // A finer spacing costs 8 times and quarters the error; a tighter tolerance costs 3 times and takes off a small share of its own. Of the 30 points
-    // 14 are on the front.
+    // A finer spacing costs 8 times and quarters the error; a tighter tolerance costs 3 times and takes off a small share of its own. Of
+    // the 30 points 14 are on the front.
     const auto cost = [](const GridPoint& p) { return std::pow(8.0, p[0]) * std::pow(3.0, p[1]); };
     const auto error = [](const GridPoint& p) { return 0.1 * std::pow(0.25, p[0]) + 0.002 * std::pow(0.3, p[1]); };
     const FrontSearch search({5, 6});
@@ -88,10 +91,12 @@ TEST_CASE("a study runs its points once, writes table and pictures, recommends, 
     write(folder / "falling.toml", falling);
     // Free fall of the centroid: 0.5 - g t^2/2. A first-order integrator is wrong by g t dt/2.
     write(folder / "fall_study.toml",
-          "scenes = [\"falling.toml\"]\n[[knob]]\nkey = \"time.max_step\"\nvalues = [0.02, 0.01, 0.005]\n[accuracy]\ntable = \"probes/all.csv\"\n"
+          "scenes = [\"falling.toml\"]\n[[knob]]\nkey = \"time.max_step\"\nvalues = [0.02, 0.01, 0.005]\n[accuracy]\ntable = "
+          "\"probes/all.csv\"\n"
           "column = \"centroid_y\"\nexpected = \"0.5-9.81*t^2/2\"\n");
-    const std::vector<std::string> command{"tradeoff", (folder / "fall_study.toml").string(), "--out", (folder / "out").string(), "--threads", "1",
-                                           "--all", "--recommend", "error<50%"};
+    const std::vector<std::string> command{
+        "tradeoff", (folder / "fall_study.toml").string(), "--out", (folder / "out").string(), "--threads", "1", "--all", "--recommend",
+        "error<50%"};
     const Outcome first = test::whorl(command);
     INFO(first.err << first.out);
     REQUIRE(first.code == 0);
@@ -107,7 +112,8 @@ TEST_CASE("a study runs its points once, writes table and pictures, recommends, 
     CHECK(again.code == 0);
     CHECK(again.out.find("kept from before") != std::string::npos);
     // The overlay is one that render takes.
-    const Outcome dry = test::whorl({"render", (folder / "falling.toml").string(), "--with", (folder / "out" / "recommended.toml").string(), "--dry-run"});
+    const Outcome dry =
+        test::whorl({"render", (folder / "falling.toml").string(), "--with", (folder / "out" / "recommended.toml").string(), "--dry-run"});
     CHECK(dry.code == 0);
 }
 
@@ -116,10 +122,12 @@ TEST_CASE("a stability map tells stable from unstable steps, with the limit that
     write(folder / "falling.toml", falling);
     // Explicit viscosity is stable to 0.125 R^2/(4 nu) = 3.1e-3 s here, R = 0.1 m, nu = 0.1 m^2/s.
     write(folder / "map.toml",
-          "scenes = [\"falling.toml\"]\nset = [\"models.pressure=none\", \"models.viscosity=explicit\", \"block[0].velocity=['2*y','2*x','0']\", "
+          "scenes = [\"falling.toml\"]\nset = [\"models.pressure=none\", \"models.viscosity=explicit\", "
+          "\"block[0].velocity=['2*y','2*x','0']\", "
           "\"domain.gravity=[0,0,0]\"]\n[[knob]]\nkey = \"fluid.viscosity\"\nvalues = [100, 101]\n[[knob]]\nkey = \"time.fixed_step\"\n"
           "values = [2e-3, 5e-2]\n[stability]\nenergy_growth = 0.05\n");
-    const Outcome map = test::whorl({"stability", (folder / "map.toml").string(), "--out", (folder / "out").string(), "--threads", "1", "--json"});
+    const Outcome map =
+        test::whorl({"stability", (folder / "map.toml").string(), "--out", (folder / "out").string(), "--threads", "1", "--json"});
     INFO(map.err << map.out);
     REQUIRE(map.code == 0);
     const auto cells = nlohmann::json::parse(map.out).at("cells");
@@ -141,8 +149,10 @@ TEST_CASE("whether a scene is refused is for the program of the point to say", "
           "[[block]]\nshape = \"sphere\"\nposition = [1e5, 0, 0]\nradius = 0.15\n");
     write(folder / "other", "#!/bin/sh\necho no fluid today\nexit 2\n");
     fs::permissions(folder / "other", fs::perms::owner_all);
-    write(folder / "map.toml", "scenes = [\"far.toml\"]\n[[knob]]\nkey = \"program\"\nvalues = [\"other\", \"./other\"]\n[stability]\nenergy_growth = 0.05\n");
-    const Outcome map = test::whorl({"stability", (folder / "map.toml").string(), "--out", (folder / "out").string(), "--threads", "1", "--json"});
+    write(folder / "map.toml",
+          "scenes = [\"far.toml\"]\n[[knob]]\nkey = \"program\"\nvalues = [\"other\", \"./other\"]\n[stability]\nenergy_growth = 0.05\n");
+    const Outcome map =
+        test::whorl({"stability", (folder / "map.toml").string(), "--out", (folder / "out").string(), "--threads", "1", "--json"});
     INFO(map.err << map.out);
     REQUIRE(map.code == 0);
     const auto cell = nlohmann::json::parse(map.out).at("cells").at(0);
@@ -163,7 +173,8 @@ TEST_CASE("a study whose knob turns nothing is refused, and so is a point that t
     write(folder / "falling.toml", falling);
     const std::string head = "scenes = [\"falling.toml\"]\n[accuracy]\ncolumn = \"kinetic_energy\"\n[[knob]]\n";
     write(folder / "idle.toml", head + "key = \"scale\"\nvalues = [1, 2]\n");
-    CHECK_THAT(test::whorl({"tradeoff", (folder / "idle.toml").string(), "--out", (folder / "a").string()}).err, Catch::Contains("turns nothing"));
+    CHECK_THAT(test::whorl({"tradeoff", (folder / "idle.toml").string(), "--out", (folder / "a").string()}).err,
+               Catch::Contains("turns nothing"));
     write(folder / "wrong.toml", head + "key = \"fluid.spacing\"\nvalues = [-1, 0.05]\n");
     const Outcome wrong = test::whorl({"tradeoff", (folder / "wrong.toml").string(), "--out", (folder / "b").string()});
     CHECK(wrong.code == 2);
@@ -175,7 +186,8 @@ TEST_CASE("a study file's mistakes are told with their places, all in one go", "
     write(folder / "bad.toml", "scenes = []\nlimit = -1\n[[knob]]\nkey = \"a\"\nvalues = [1]\n[acuracy]\n");
     const Outcome bad = test::whorl({"tradeoff", (folder / "bad.toml").string(), "--out", (folder / "out").string()});
     CHECK(bad.code == 2);
-    CHECK_THAT(bad.err, Catch::Contains("bad.toml:1:") && Catch::Contains("scenes is empty") && Catch::Contains("limit = -1 is out of range") &&
-                            Catch::Contains("needs two values or more") && Catch::Contains("unknown key \"acuracy\"; did you mean \"accuracy\"?"));
+    CHECK_THAT(bad.err, Catch::Contains("bad.toml:1:") && Catch::Contains("scenes is empty") &&
+                            Catch::Contains("limit = -1 is out of range") && Catch::Contains("needs two values or more") &&
+                            Catch::Contains("unknown key \"acuracy\"; did you mean \"accuracy\"?"));
     CHECK_FALSE(fs::exists(folder / "out"));
 }

@@ -1,4 +1,5 @@
-/// ns a particle of the coupled solve's parts on a thread of 2.5 particles' radius: rows, coarse level, diagonal, one product, a whole step.
+/// ns a particle of the coupled solve's parts on a thread of 2.5 particles' radius: rows, coarse level, diagonal, one product, a whole
+/// step.
 #include <benchmark/benchmark.h>
 
 #include "engine/core/parallel.h"

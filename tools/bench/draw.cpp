@@ -18,7 +18,8 @@ Surface torus(float ring, float tube, float voxel) {
     const std::uint32_t around = count(turn * ring, 0.6f * voxel), across = count(turn * tube, 0.6f * voxel);
     for (std::uint32_t i = 0; i < around; ++i)
         for (std::uint32_t j = 0; j < across; ++j) {
-            const float u = turn * static_cast<float>(i) / static_cast<float>(around), v = turn * static_cast<float>(j) / static_cast<float>(across);
+            const float u = turn * static_cast<float>(i) / static_cast<float>(around),
+                        v = turn * static_cast<float>(j) / static_cast<float>(across);
             const Vec3f out(std::cos(u), 0, std::sin(u));
             const Vec3f normal = std::cos(v) * out + std::sin(v) * Vec3f::UnitY();
             surface.mesh.position.push_back(ring * out + tube * normal + tube * Vec3f::UnitY());
@@ -65,5 +66,12 @@ void context(benchmark::State& state) {
 
 }  // namespace
 
-BENCHMARK(picture)->ArgNames({"height", "samples"})->Args({360, 1})->Args({720, 1})->Args({720, 4})->Args({720, 16})->MeasureProcessCPUTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(picture)
+    ->ArgNames({"height", "samples"})
+    ->Args({360, 1})
+    ->Args({720, 1})
+    ->Args({720, 4})
+    ->Args({720, 16})
+    ->MeasureProcessCPUTime()
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK(context)->MeasureProcessCPUTime()->Unit(benchmark::kMillisecond);

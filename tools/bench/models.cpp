@@ -1,5 +1,5 @@
-/// ns a particle of what the implicit solves consist of: a product with the operator of the full viscosity and with the pressure matrix, and
-/// their set-up once a step. A block of fluid on a floor, in the order of the curve, as in a run.
+/// ns a particle of what the implicit solves consist of: a product with the operator of the full viscosity and with the pressure matrix,
+/// and their set-up once a step. A block of fluid on a floor, in the order of the curve, as in a run.
 #include <benchmark/benchmark.h>
 
 #include "engine/core/parallel.h"
@@ -22,11 +22,11 @@ constexpr double d = 2e-3;
 struct Block : test::TestWorld {
     Real factor = continued_lattice_factor(KernelKind::cubic, Real(2 * d), Real(d));
 
-    explicit Block(Index n)
-        : TestWorld(d, 2, Domain{Vec3::Zero(), Vec3::Constant(Real((std::lround(std::cbrt(n)) + 4) * d)), {}}) {
+    explicit Block(Index n) : TestWorld(d, 2, Domain{Vec3::Zero(), Vec3::Constant(Real((std::lround(std::cbrt(n)) + 4) * d)), {}}) {
         const auto side = static_cast<double>(std::lround(std::cbrt(n)));
-        use({make_stage("density", "density", Density{factor}), make_stage("gravity", "move", Gravity{}), make_stage("kick", "move", Kick{}),
-             make_stage("viscosity", "viscosity", FullViscosity({})), make_stage("pressure", "pressure", PoissonPressure({}))});
+        use({make_stage("density", "density", Density{factor}), make_stage("gravity", "move", Gravity{}),
+             make_stage("kick", "move", Kick{}), make_stage("viscosity", "viscosity", FullViscosity({})),
+             make_stage("pressure", "pressure", PoissonPressure({}))});
         world.step.gravity = Vec3(0, Real(-9.81), 0);
         world.step.dt = Real(1e-3);
         add_wall(1, +1, 0);
@@ -38,7 +38,9 @@ struct Block : test::TestWorld {
         find_pairs();
     }
     template <class F>
-    Read<F> read() { return {std::as_const(world.fluid).template column<F>()}; }
+    Read<F> read() {
+        return {std::as_const(world.fluid).template column<F>()};
+    }
 };
 
 void per_particle(benchmark::State& state, Block& block) {
@@ -53,7 +55,8 @@ void set_up(ViscousOperator& A, Block& block) {
     FullViscosityOptions options;
     options.solid_factor = block.factor;
     const World& w = block.world;
-    A.set_up(options, w.fluid_pairs, w.solid_pairs, w.solids, w.solid_particles, w.step, block.read<field::role>(), block.read<field::viscosity>());
+    A.set_up(options, w.fluid_pairs, w.solid_pairs, w.solids, w.solid_particles, w.step, block.read<field::role>(),
+             block.read<field::viscosity>());
 }
 
 void viscous_set_up(benchmark::State& state) {

@@ -1,4 +1,5 @@
-/// ns a particle of the loops that every model needs: neighbour search, sort, density. Items are particles; threads as --benchmark_context says.
+/// ns a particle of the loops that every model needs: neighbour search, sort, density. Items are particles; threads as --benchmark_context
+/// says.
 #include <benchmark/benchmark.h>
 
 #include "engine/core/parallel.h"
@@ -96,6 +97,9 @@ void correction(benchmark::State& state) {
 // Particles, support over spacing times ten, threads.
 BENCHMARK(search)->ArgsProduct({{3000, 30000, 300000}, {20, 30}, {1, 2}})->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(sort)->ArgsProduct({{3000, 30000, 300000}, {1, 2}})->UseRealTime()->Unit(benchmark::kMillisecond);
-BENCHMARK_TEMPLATE(density, KernelKind::cubic)->ArgsProduct({{3000, 30000, 300000}, {20, 30}, {1, 2}})->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(density, KernelKind::cubic)
+    ->ArgsProduct({{3000, 30000, 300000}, {20, 30}, {1, 2}})
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(density, KernelKind::wendland_c2)->ArgsProduct({{30000}, {30}, {1, 2}})->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(correction)->ArgsProduct({{30000}, {20, 30}, {1, 2}})->UseRealTime()->Unit(benchmark::kMillisecond);

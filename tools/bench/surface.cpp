@@ -29,8 +29,15 @@ void build(benchmark::State& state) {
     state.counters["ns_a_particle"] = benchmark::Counter(1e-9 * static_cast<double>(frame.position.size()),
                                                          benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
-BENCHMARK(build)->ArgNames({"thousands", "voxel_percent"})->Args({3, 50})->Args({30, 50})->Args({100, 50})->Args({100, 70})->Args({100, 35})
-    ->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(build)
+    ->ArgNames({"thousands", "voxel_percent"})
+    ->Args({3, 50})
+    ->Args({30, 50})
+    ->Args({100, 50})
+    ->Args({100, 70})
+    ->Args({100, 35})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 
 // The same, each part by itself [ms].
 void parts(benchmark::State& state) {
@@ -53,7 +60,8 @@ void parts(benchmark::State& state) {
         const double t5 = wall_seconds();
         benchmark::DoNotOptimize(distance_volume(marched.mesh, voxel, 8));
         const double t6 = wall_seconds();
-        field_time += t1 - t0, grid_time += t2 - t1, march_time += t3 - t2, project_time += t4 - t3, smooth_time += t5 - t4, distance_time += t6 - t5;
+        field_time += t1 - t0, grid_time += t2 - t1, march_time += t3 - t2, project_time += t4 - t3, smooth_time += t5 - t4,
+            distance_time += t6 - t5;
     }
     const auto mean = [](double seconds) { return benchmark::Counter(1e3 * seconds, benchmark::Counter::kAvgIterations); };
     state.counters["1_field"] = mean(field_time);
@@ -67,7 +75,8 @@ BENCHMARK(parts)->Arg(100)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 void report(benchmark::State& state, const std::vector<test::Deviation>& samples) {
     double mean = 0, square = 0;
-    for (const auto& s : samples) mean += s.mean / static_cast<double>(samples.size()), square += s.rms * s.rms / static_cast<double>(samples.size());
+    for (const auto& s : samples)
+        mean += s.mean / static_cast<double>(samples.size()), square += s.rms * s.rms / static_cast<double>(samples.size());
     state.counters["bias"] = mean;
     state.counters["rms"] = std::sqrt(square);
 }
@@ -88,7 +97,16 @@ void quality_sphere(benchmark::State& state) {
         }
     report(state, samples);
 }
-BENCHMARK(quality_sphere)->ArgName("half_spacings")->Arg(2)->Arg(3)->Arg(4)->Arg(6)->Arg(8)->Arg(10)->Iterations(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(quality_sphere)
+    ->ArgName("half_spacings")
+    ->Arg(2)
+    ->Arg(3)
+    ->Arg(4)
+    ->Arg(6)
+    ->Arg(8)
+    ->Arg(10)
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);
 
 void quality_cylinder(benchmark::State& state) {
     const double radius = 0.5 * static_cast<double>(state.range(0)), length = 4 * radius + 20;
@@ -100,7 +118,16 @@ void quality_cylinder(benchmark::State& state) {
         }
     report(state, samples);
 }
-BENCHMARK(quality_cylinder)->ArgName("half_spacings")->Arg(2)->Arg(3)->Arg(4)->Arg(6)->Arg(8)->Arg(10)->Iterations(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(quality_cylinder)
+    ->ArgName("half_spacings")
+    ->Arg(2)
+    ->Arg(3)
+    ->Arg(4)
+    ->Arg(6)
+    ->Arg(8)
+    ->Arg(10)
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);
 
 // Bias and bumps of a flat pool's top; flicker: how the heights change, beyond the motion itself, when all particles move by 0.05 d.
 void quality_pool(benchmark::State& state) {

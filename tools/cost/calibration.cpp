@@ -34,15 +34,16 @@ std::string key_of(const SceneFile& file, const Plan& plan) {
     const double number = plan.largest_viscosity / s.fluid.density * s.time.max_step / (plan.spacing * plan.spacing);
     key += fmt::format(" | viscous number 1e{:.0f}", number > 0 ? std::round(std::log10(number)) : -99);
     if (!s.emitters.empty() && s.blocks.empty())
-        key += fmt::format(" | {:.1g} particles poured {:.2g} across at {:.2g} m/s, {} Pa s", poured_particles(plan), half_thickness(s.emitters.front(), plan.spacing), s.emitters.front().speed(0),
-                           s.viscosity_of_source(1).text());
+        key += fmt::format(" | {:.1g} particles poured {:.2g} across at {:.2g} m/s, {} Pa s", poured_particles(plan),
+                           half_thickness(s.emitters.front(), plan.spacing), s.emitters.front().speed(0), s.viscosity_of_source(1).text());
     key += fmt::format(" | {} solids {} emitters {} blocks", s.solids.empty() ? "no" : "with", s.emitters.empty() ? "no" : "with",
                        s.blocks.empty() ? "no" : "with");
-    key += fmt::format(" | tolerance {:g} {:g}, preconditioner {} {}", s.pressure.tolerance, s.viscosity.tolerance, name_of(s.pressure.preconditioner),
-                       name_of(s.viscosity.preconditioner));
+    key += fmt::format(" | tolerance {:g} {:g}, preconditioner {} {}", s.pressure.tolerance, s.viscosity.tolerance,
+                       name_of(s.pressure.preconditioner), name_of(s.viscosity.preconditioner));
     if (plan.pressure == PressureModel::ppe)
         key += fmt::format(" | {}{}", name_of(s.pressure.form), s.pressure.divergence_free ? ", divergence-free" : "");
-    key += fmt::format(" | {}x{} {} {} samples, voxel {:g}", s.output.size[0], s.output.size[1], file.look.style, file.look.samples, file.surface.voxel);
+    key += fmt::format(" | {}x{} {} {} samples, voxel {:g}", s.output.size[0], s.output.size[1], file.look.style, file.look.samples,
+                       file.surface.voxel);
     return key;
 }
 
@@ -56,7 +57,8 @@ double bytes_in_use() {
     return static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
 }
 
-/// Steps the small scene until the sums mean something, and divides. CPU seconds: wall seconds would hold what else the machine does just now.
+/// Steps the small scene until the sums mean something, and divides. CPU seconds: wall seconds would hold what else the machine does just
+/// now.
 void measure_steps(Simulation& simulation, double until, Calibration& c) {
     for (int k = 0; k < 3; ++k) simulation.step(until);  // the first solves start from nothing
     const StageTimes before = simulation.times();
@@ -109,8 +111,9 @@ Calibration measure(const SceneFile& file, const Plan& plan) {
 }
 
 Json to_json(const Calibration& c) {
-    Json json = {{"particles", c.particles}, {"iterations", c.iterations}, {"stages", c.stages},
-                 {"bytes_a_particle", c.bytes_a_particle}, {"surface", c.surface}, {"write", c.write}};
+    Json json = {{"particles", c.particles}, {"iterations", c.iterations},
+                 {"stages", c.stages},       {"bytes_a_particle", c.bytes_a_particle},
+                 {"surface", c.surface},     {"write", c.write}};
     json["draw"] = c.draw ? Json(*c.draw) : Json();
     return json;
 }
@@ -140,9 +143,7 @@ std::optional<Calibration> find_calibration(const SceneFile& file, const Plan& p
     const auto found = all.find(key_of(file, plan));
     if (found == all.end()) return std::nullopt;
     return from_json(*found);
-} catch (const Json::exception&) {
-    return std::nullopt;
-}
+} catch (const Json::exception&) { return std::nullopt; }
 
 Calibration calibrate(const SceneFile& file, const Plan& plan) {
     if (auto known = find_calibration(file, plan)) return *known;

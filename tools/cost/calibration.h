@@ -10,14 +10,14 @@
 namespace whorl {
 
 struct Calibration {
-    double particles = 0;                       ///< of the small scene that was measured
-    double iterations = 0;                      ///< a step, there
-    std::map<std::string, double> stages;       ///< CPU seconds a particle-step by stage group (density, pressure, ...)
-    double bytes_a_particle = 0;                ///< of everything that the simulation holds
-    double surface = 0;                         ///< CPU seconds a particle
-    std::optional<double> draw;                 ///< CPU seconds a picture; nothing: no EGL device
-    double write = 0;                           ///< CPU seconds to pack a picture as PNG; nothing is written
-    bool kept = false;                          ///< read from the cache rather than measured now
+    double particles = 0;                  ///< of the small scene that was measured
+    double iterations = 0;                 ///< a step, there
+    std::map<std::string, double> stages;  ///< CPU seconds a particle-step by stage group (density, pressure, ...)
+    double bytes_a_particle = 0;           ///< of everything that the simulation holds
+    double surface = 0;                    ///< CPU seconds a particle
+    std::optional<double> draw;            ///< CPU seconds a picture; nothing: no EGL device
+    double write = 0;                      ///< CPU seconds to pack a picture as PNG; nothing is written
+    bool kept = false;                     ///< read from the cache rather than measured now
 };
 
 /// What was measured earlier for this program, machine, number of threads and set of models; nothing where that was never done.

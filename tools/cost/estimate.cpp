@@ -44,13 +44,19 @@ Estimate estimate(const SceneFile& file, const Plan& plan, const Simulation& sim
 
     const double at_start = static_cast<double>(simulation.world().fluid.size());
     const double most = particles_at(scene, plan, at_start, scene.time.end);
-    // Without a coarse level, the iterations of the pressure equation grow with the number of particles across; those of the constraint, which starts from the last step's pressures and from what
-    // pressed, hardly do (dam breaks of 2,000 to 49,000 particles over 1 to 4 s: 8.6 to 11.2 a step; more in the first tenths of a second).
+    // Without a coarse level, the iterations of the pressure equation grow with the number of particles across; those of the constraint,
+    // which starts from the last step's pressures and from what pressed, hardly do (dam breaks of 2,000 to 49,000 particles over 1 to 4
+    // s: 8.6 to 11.2 a step; more in the first tenths of a second).
     const Preconditioner M = scene.pressure.preconditioner;
-    const bool constraint = scene.pressure.form == PressureForm::constraint, grows = plan.pressure == PressureModel::ppe && M != Preconditioner::multigrid;
+    const bool constraint = scene.pressure.form == PressureForm::constraint,
+               grows = plan.pressure == PressureModel::ppe && M != Preconditioner::multigrid;
     const double growth = constraint ? 1.0 / 12 : 1.0 / 3;
-    const double grows_to = M != Preconditioner::automatic ? std::numeric_limits<double>::infinity() : constraint ? constraint_multigrid_above : poisson_multigrid_above;
-    const auto more_iterations = [&](double n) { return grows ? std::pow(std::max(1.0, std::min(n, grows_to) / c.particles), growth) : 1.0; };
+    const double grows_to = M != Preconditioner::automatic ? std::numeric_limits<double>::infinity()
+                            : constraint                   ? constraint_multigrid_above
+                                                           : poisson_multigrid_above;
+    const auto more_iterations = [&](double n) {
+        return grows ? std::pow(std::max(1.0, std::min(n, grows_to) / c.particles), growth) : 1.0;
+    };
     e.iterations = c.iterations * more_iterations(most);
 
     const double write = c.write * (1 + (scene.output.video ? encode_over_png : 0));
@@ -62,7 +68,8 @@ Estimate estimate(const SceneFile& file, const Plan& plan, const Simulation& sim
         }
         if (e.drawn) at.surface = c.surface * n, at.draw = *c.draw, at.write = write;
         // The solver and the pictures share the cores: neither can be hidden behind the other beyond what the cores hold.
-        at.frame = std::max(at.simulate, at.simulate + (at.surface + at.draw + at.write) / threads() - at.simulate * (1 - parallel_efficiency));
+        at.frame =
+            std::max(at.simulate, at.simulate + (at.surface + at.draw + at.write) / threads() - at.simulate * (1 - parallel_efficiency));
         return at;
     };
     double steps = 0, all_steps = 0;
@@ -74,7 +81,8 @@ Estimate estimate(const SceneFile& file, const Plan& plan, const Simulation& sim
     e.steps_a_frame = all_steps / std::max(1, e.frames - 1);
     e.step = all_steps > 0 ? interval / e.steps_a_frame : pace.step(0);
     const Estimate last = frame(most, steps);
-    e.stages = last.stages, e.simulate = last.simulate, e.surface = last.surface, e.draw = last.draw, e.write = last.write, e.frame = last.frame;
+    e.stages = last.stages, e.simulate = last.simulate, e.surface = last.surface, e.draw = last.draw, e.write = last.write,
+    e.frame = last.frame;
     const double pixels = static_cast<double>(scene.output.size[0]) * scene.output.size[1];
     e.memory = c.bytes_a_particle * most + (scene.output.frames ? bytes_with_pictures + bytes_a_pixel * pixels : bytes_without_pictures);
     return e;

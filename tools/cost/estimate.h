@@ -9,17 +9,17 @@
 namespace whorl {
 
 struct Estimate {
-    double step = 0;                        ///< s, the usual time step
+    double step = 0;  ///< s, the usual time step
     double steps_a_frame = 0;
-    double iterations = 0;                  ///< a step
-    std::map<std::string, double> stages;   ///< wall seconds of the last frame by stage of the simulation
-    double simulate = 0;                    ///< wall seconds of the last frame, their sum
+    double iterations = 0;                    ///< a step
+    std::map<std::string, double> stages;     ///< wall seconds of the last frame by stage of the simulation
+    double simulate = 0;                      ///< wall seconds of the last frame, their sum
     double surface = 0, draw = 0, write = 0;  ///< CPU seconds of the last frame
-    double frame = 0;                       ///< wall seconds of the last frame, everything overlapping on the cores there are
-    double film = 0;                        ///< wall seconds from the first frame to the last
-    double memory = 0;                      ///< bytes at the end
+    double frame = 0;                         ///< wall seconds of the last frame, everything overlapping on the cores there are
+    double film = 0;                          ///< wall seconds from the first frame to the last
+    double memory = 0;                        ///< bytes at the end
     int frames = 0;
-    bool drawn = true;                      ///< false: no pictures wanted, or no EGL device to measure them on
+    bool drawn = true;  ///< false: no pictures wanted, or no EGL device to measure them on
 };
 
 /// @param simulation of the scene, at its start

@@ -19,7 +19,8 @@ bool lies_as_a_pool(const Scene& scene, const SceneShapes& shapes, const Vec3d& 
     int axis = 0;
     g.cwiseAbs().maxCoeff(&axis);
     if (std::abs(g[axis]) < 0.99 * g.norm()) return false;
-    if (std::abs(mean[axis] - 0.5 * (low[axis] + high[axis])) > 0.1 * (high[axis] - low[axis]) + 0.5 * d) return false;  // not as high everywhere
+    if (std::abs(mean[axis] - 0.5 * (low[axis] + high[axis])) > 0.1 * (high[axis] - low[axis]) + 0.5 * d)
+        return false;  // not as high everywhere
     for (std::size_t k = 0; k < scene.solids.size(); ++k) {
         if (!scene.solids[k].inside) continue;
         const Extent& room = shapes.solid_extent[k];
@@ -49,8 +50,8 @@ double free_way(const Scene& scene, const Solids& solids, const Vec3d& x, double
 
 /// What an emitter lets out, until its lower end lands: slices, each of which carries what left before it, less what surface tension holds:
 ///   da/dt = -(g/(3 nu)) (V - h sqrt a),   V: volume below over the opening's area A,   h = 2 sigma/(rho g sqrt(A/pi)),   a = area/A
-/// (Trouton 1906, of slices as Wilson 1988 has them for dripping; no inertia but that the lower end gains no more than g). Where it gets thinner than a spacing
-/// it parts: what hung there falls freely as a drop, the rest hangs on.
+/// (Trouton 1906, of slices as Wilson 1988 has them for dripping; no inertia but that the lower end gains no more than g). Where it gets
+/// thinner than a spacing it parts: what hung there falls freely as a drop, the rest hangs on.
 class HangingThread {
 public:
     HangingThread(const EmitterKeys& e, const Scene& scene, double nu, double g) : nu_(nu), g_(g) {
@@ -60,7 +61,8 @@ public:
     }
     double length() const { return length_; }  ///< m
     double held() const { return held_; }      ///< m of thread as thick as the opening
-    /// Lets dt [s] pass while the fluid leaves with U [m/s]. @return m/s, of the lower end or of a drop that has not fallen as far as `fall` [m]
+    /// Lets dt [s] pass while the fluid leaves with U [m/s]. @return m/s, of the lower end or of a drop that has not fallen as far as
+    /// `fall` [m]
     double advance(double U, double dt, double fall) {
         stretch(U, dt);
         slices_.push_back({U * dt});
@@ -108,8 +110,8 @@ private:
     double drop_speed_ = 0, drop_fallen_ = std::numeric_limits<double>::infinity();
 };
 
-/// Speed of the fastest of what an emitter lets out, at even times: of the end that hangs and of drops, and once the end has reached down to `fall` that of a
-/// steady thread.
+/// Speed of the fastest of what an emitter lets out, at even times: of the end that hangs and of drops, and once the end has reached down
+/// to `fall` that of a steady thread.
 void add_thread(std::vector<double>& speeds, const EmitterKeys& e, const Scene& scene, double nu, double g, double fall) {
     const double dt = scene.time.end / (points - 1);
     HangingThread thread(e, scene, nu, g);
@@ -117,8 +119,9 @@ void add_thread(std::vector<double>& speeds, const EmitterKeys& e, const Scene& 
         const double t = k * dt;
         if (t < e.start) continue;
         const double U = std::max(e.speed(t), 1e-9);
-        const double speed = thread.length() < fall ? std::min(thread.advance(U, dt, fall), std::sqrt(U * U + 2 * g * fall))
-                                                    : drawn_speed(U, fall, g * std::max(0.0, 1 - thread.held() / std::max(fall, 1e-30)), nu);
+        const double speed = thread.length() < fall
+                                 ? std::min(thread.advance(U, dt, fall), std::sqrt(U * U + 2 * g * fall))
+                                 : drawn_speed(U, fall, g * std::max(0.0, 1 - thread.held() / std::max(fall, 1e-30)), nu);
         speeds[static_cast<std::size_t>(k)] = std::max(speeds[static_cast<std::size_t>(k)], speed);
     }
 }
@@ -145,11 +148,14 @@ Pace::Pace(const Scene& scene, const Plan& plan, const Simulation& simulation)
     const SceneNumbers n = scene_numbers(scene, shapes, plan.support);
     given_ = std::sqrt(std::max(0.0, n.speed * n.speed - 2 * n.gravity * n.fall));
     gravity_ = n.gravity, free_ = n.speed;
-    for (const EmitterKeys& e : scene.emitters) add_thread(threads_, e, scene, n.nu, n.gravity, free_way(scene, shapes.solids, e.position, n.fall));
-    const bool implicit = plan.pressure == PressureModel::coupled || (plan.viscosity != ViscosityModel::none && plan.viscosity != ViscosityModel::xsph &&
-                                                                      plan.viscosity != ViscosityModel::explicit_laplacian);
+    for (const EmitterKeys& e : scene.emitters)
+        add_thread(threads_, e, scene, n.nu, n.gravity, free_way(scene, shapes.solids, e.position, n.fall));
+    const bool implicit =
+        plan.pressure == PressureModel::coupled || (plan.viscosity != ViscosityModel::none && plan.viscosity != ViscosityModel::xsph &&
+                                                    plan.viscosity != ViscosityModel::explicit_laplacian);
     if (scene.fluid.surface_tension > 0)
-        tension_step_ = surface_tension_step(scene.fluid.density, plan.spacing, scene.fluid.surface_tension, implicit ? plan.largest_viscosity : 0);
+        tension_step_ =
+            surface_tension_step(scene.fluid.density, plan.spacing, scene.fluid.surface_tension, implicit ? plan.largest_viscosity : 0);
     const World& world = simulation.world();
     const auto x = world.fluid.column<field::position>();
     if (world.fluid.size() == 0) return;
@@ -181,7 +187,8 @@ double Pace::step(double time) const {
     double dt = scene_.time.frame_interval();
     if (scene_.time.fixed_step > 0) return std::min(dt, scene_.time.fixed_step);
     for (const StepLimit& limit : simulation_.assembly().limits) {
-        const bool unborn = limit.name == "surface tension" && simulation_.world().fluid.size() == 0;  // it asks the particles how viscous they are
+        const bool unborn =
+            limit.name == "surface tension" && simulation_.world().fluid.size() == 0;  // it asks the particles how viscous they are
         const double allowed = unborn ? tension_step_ : limit.dt(simulation_.world(), u);
         if (allowed > 0) dt = std::min(dt, allowed);
         // What will press is not known before the first solve: a column as high as the fluid is.

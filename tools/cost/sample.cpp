@@ -31,7 +31,8 @@ void pour(Scene& scene, const EmitterKeys& emitter, const Expression& viscosity,
     scene.blocks = {rope};
     // The nozzle goes on pushing from above, so that the rope bends and every solve has something new to find.
     EmitterKeys nozzle;
-    nozzle.position = {0, rope.shape.to.y(), 0}, nozzle.direction = {0, -1, 0}, nozzle.radius = radius, nozzle.speed = Expression(emitter.speed(emitter.start));
+    nozzle.position = {0, rope.shape.to.y(), 0}, nozzle.direction = {0, -1, 0}, nozzle.radius = radius,
+    nozzle.speed = Expression(emitter.speed(emitter.start));
     scene.emitters = {nozzle};
     scene.domain.min = {-10 * radius, -6 * d, -10 * radius}, scene.domain.max = {10 * radius, length + 10 * d, 10 * radius};
     SolidKeys floor;

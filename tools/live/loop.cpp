@@ -57,7 +57,8 @@ void LiveLoop::begin(WantedScene& scene) {
     why_.clear();
     probes_.clear();
     probed_ = Json::object();
-    for (const ProbeKeys& keys : scene.file.scene.probes) probes_.emplace_back(keys.name, make_probe(keys, simulation_->world(), Patience::never_waits));
+    for (const ProbeKeys& keys : scene.file.scene.probes)
+        probes_.emplace_back(keys.name, make_probe(keys, simulation_->world(), Patience::never_waits));
     snapshots_.emplace(*simulation_, shown_fields(scene.file.look));
     times_before_ = {}, frame_times_ = {}, totals_before_ = simulation_->totals();
     frame_steps_ = 0, frame_iterations_ = frame_wall_ = simulate_wall_ = pace_ = frames_a_second_ = 0;
@@ -118,8 +119,8 @@ void LiveLoop::govern(const Measures& measures) {
     const long unconverged = simulation_->totals().unconverged_solves;
     if (governor_->has_budget()) {
         if (!budget_) budget_ = std::make_unique<Table>(journal_.folder() / "budget.csv", budget_header());
-        budget_->append(budget_row({frame_, simulation_->time(), seconds, governor_->allowed(), before, largest_residual_, unconverged - unconverged_at_row_,
-                                    measures.density_error_mean, measures.density_error_max}));
+        budget_->append(budget_row({frame_, simulation_->time(), seconds, governor_->allowed(), before, largest_residual_,
+                                    unconverged - unconverged_at_row_, measures.density_error_mean, measures.density_error_max}));
     }
     unconverged_at_row_ = unconverged;
     if (next && state_ == State::running) go_by(*next);
@@ -195,7 +196,8 @@ void LiveLoop::tell(const Measures& m) {
     for (const auto& [name, t] : frame_times_) ms[name] = 1e3 * t.wall;
     const RunTotals& totals = simulation_->totals();
     const Sacrifice s = governor_->now();
-    const Json given_up = {{"amount", s.amount}, {"tolerance_factor", s.tolerance}, {"cfl", s.cfl}, {"voxel", s.voxel}, {"samples", s.samples}};
+    const Json given_up = {
+        {"amount", s.amount}, {"tolerance_factor", s.tolerance}, {"cfl", s.cfl}, {"voxel", s.voxel}, {"samples", s.samples}};
     status_.set(
         {{"scene", scene.name},
          {"time", time},

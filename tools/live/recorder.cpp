@@ -16,9 +16,7 @@ Recorder::Recorder(fs::path folder, int width, int height, double fps) {
     try {
         encoder_.emplace(folder / (folder.filename().string() + ".mp4"), width, height, VideoOptions{fps, 18});
         recorded_.video = folder / (folder.filename().string() + ".mp4");
-    } catch (const EnvironmentError& missing) {
-        recorded_.problem = missing.what();
-    }
+    } catch (const EnvironmentError& missing) { recorded_.problem = missing.what(); }
 }
 
 void Recorder::add(const Image& image) {
@@ -36,9 +34,7 @@ void Recorder::add(const Image& image) {
 Recorded Recorder::finish() {
     try {
         if (encoder_ && recorded_.pictures > 0) encoder_->finish();
-    } catch (const EnvironmentError& error) {
-        recorded_.problem = error.what();
-    }
+    } catch (const EnvironmentError& error) { recorded_.problem = error.what(); }
     encoder_.reset();
     std::error_code none;
     if (recorded_.pictures == 0 || !fs::exists(recorded_.video, none)) recorded_.video.clear();

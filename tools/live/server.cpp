@@ -157,8 +157,8 @@ Json LiveServer::Http::described() const {
             {"scenes", scenes}};
 }
 
-/// MJPEG: each viewer gets the newest picture when the one before has gone out; what it misses is dropped. Browsers show a picture when they see the
-/// next one's head, so one that has no successor at once (a run that pauses) is sent again.
+/// MJPEG: each viewer gets the newest picture when the one before has gone out; what it misses is dropped. Browsers show a picture when
+/// they see the next one's head, so one that has no successor at once (a run that pauses) is sent again.
 void LiveServer::Http::stream(const Request&, Response& response) {
     const auto seat = pictures.take();
     if (!seat) return refuse(response, 503, "too many viewers");
@@ -250,19 +250,14 @@ void LiveServer::Http::control(const nlohmann::json& order, Response& response) 
     for (const auto& [key, value] : order.items())
         if (key != "do" && !(what == "restart" && (key == "set" || key == "scene" || key == "quality" || key == "forget")))
             return refuse(response, 400, "\"" + what.substr(0, 40) + "\" takes no \"" + key.substr(0, 40) + "\"");
-    if (what == "pause")
-        wishes.pause();
-    else if (what == "play")
-        wishes.play();
-    else if (what == "step")
-        wishes.step();
+    if (what == "pause") wishes.pause();
+    else if (what == "play") wishes.play();
+    else if (what == "step") wishes.step();
     else if (what == "undo") {
         if (!wishes.undo()) return refuse(response, 400, "there is nothing to undo");
         screen.look(wishes.picture());
-    } else if (what == "record")
-        return record(response);
-    else if (what == "stop_recording")
-        return stop_recording(response);
+    } else if (what == "record") return record(response);
+    else if (what == "stop_recording") return stop_recording(response);
     else if (what == "restart") {
         Wishes::Restart how;
         if (order.contains("set")) how.set = changes_of(order["set"]);
@@ -278,8 +273,7 @@ void LiveServer::Http::control(const nlohmann::json& order, Response& response) 
             return refuse(response, 400, "no scene of that name ships");
         how.forget = order.contains("forget") && order["forget"] == true;
         wishes.restart(how);
-    } else
-        return refuse(response, 400, "cannot do \"" + what.substr(0, 40) + "\"; " + allowed);
+    } else return refuse(response, 400, "cannot do \"" + what.substr(0, 40) + "\"; " + allowed);
     done(response);
 }
 
@@ -309,9 +303,7 @@ void LiveServer::Http::routes() {
     server.set_exception_handler([](const Request&, Response& response, std::exception_ptr error) {
         try {
             std::rethrow_exception(error);
-        } catch (const std::exception& e) {
-            refuse(response, 500, e.what());
-        } catch (...) {
+        } catch (const std::exception& e) { refuse(response, 500, e.what()); } catch (...) {
             refuse(response, 500, "failed");
         }
     });
@@ -349,9 +341,7 @@ void LiveServer::Http::routes() {
             if (json.is_discarded()) return refuse(response, 400, "the body is no JSON");
             try {
                 act(json, response);
-            } catch (const InputError& error) {
-                refuse(response, 400, error.what());
-            }
+            } catch (const InputError& error) { refuse(response, 400, error.what()); }
         });
     };
     post("/set", [this](const nlohmann::json& json, Response& response) {

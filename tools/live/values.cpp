@@ -13,30 +13,18 @@ constexpr std::size_t longest_text = 1000, longest_list = 100;
 
 const char* type_of(const Key& key) {
     switch (key.type) {
-        case KeyType::flag:
-            return "flag";
-        case KeyType::integer:
-            return "integer";
-        case KeyType::number:
-            return "number";
-        case KeyType::text:
-            return "text";
-        case KeyType::choice:
-            return "choice";
-        case KeyType::expression:
-            return "expression";
-        case KeyType::flags:
-            return "flags";
-        case KeyType::integers:
-            return "integers";
-        case KeyType::numbers:
-            return "numbers";
-        case KeyType::expressions:
-            return "expressions";
-        case KeyType::texts:
-            return "texts";
-        case KeyType::any:
-            return "any";
+        case KeyType::flag: return "flag";
+        case KeyType::integer: return "integer";
+        case KeyType::number: return "number";
+        case KeyType::text: return "text";
+        case KeyType::choice: return "choice";
+        case KeyType::expression: return "expression";
+        case KeyType::flags: return "flags";
+        case KeyType::integers: return "integers";
+        case KeyType::numbers: return "numbers";
+        case KeyType::expressions: return "expressions";
+        case KeyType::texts: return "texts";
+        case KeyType::any: return "any";
     }
     return "";
 }
@@ -122,10 +110,8 @@ std::vector<KeyChange> changes_of(const nlohmann::json& json) {
     std::vector<Problem> problems;
     for (const auto& [path, entry] : json.items()) {
         auto value = value_of(entry);
-        if (value)
-            changes.push_back({full_path(path), std::move(*value), {}});
-        else
-            problems.push_back({{}, path.substr(0, 100) + " has a value that no key takes", "", form});
+        if (value) changes.push_back({full_path(path), std::move(*value), {}});
+        else problems.push_back({{}, path.substr(0, 100) + " has a value that no key takes", "", form});
     }
     if (!problems.empty()) throw InputError(std::move(problems));
     return changes;

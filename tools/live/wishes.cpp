@@ -39,8 +39,7 @@ Edit edit_between(const SceneFile& before, const SceneFile& now) {
         if (it != old.end() && it->second.toml() == k.value().toml()) continue;
         if (k.key->may_change && (it != old.end() || k.path.find('[') == std::string::npos))
             edit.live.push_back({k.path, k.value(), now.scene.place(k.path)});
-        else
-            edit.restart.push_back(k.path);
+        else edit.restart.push_back(k.path);
     }
     for (const auto& [path, value] : old)
         if (present.count(path) == 0 && path.find('[') != std::string::npos) edit.restart.push_back(path);
@@ -103,10 +102,8 @@ void Wishes::remember(const std::map<std::string, Value>& old, const std::map<st
         return std::equal(before.back.begin(), before.back.end(), undo.back.begin(), undo.back.end(),
                           [](const auto& a, const auto& b) { return a.path == b.path; });
     };
-    if (!undo_.empty() && undo.when - undo_.back().when < one_movement && same_keys(undo_.back()))
-        undo_.back().when = undo.when;
-    else
-        undo_.push_back(std::move(undo));
+    if (!undo_.empty() && undo.when - undo_.back().when < one_movement && same_keys(undo_.back())) undo_.back().when = undo.when;
+    else undo_.push_back(std::move(undo));
     if (undo_.size() > kept_undos) undo_.erase(undo_.begin());
 }
 
@@ -137,8 +134,7 @@ void Wishes::step() {
 }
 
 void Wishes::restart(const Restart& how) {
-    while (!try_restart(how)) {
-    }
+    while (!try_restart(how)) {}
 }
 
 /// Placing the particles takes its time, and is done without the lock. @return false where something was set meanwhile
@@ -202,9 +198,7 @@ void Wishes::file_edited() {
             text += (i == 0 ? ": " : ", ") + edit.live[i].path + " = " + edit.live[i].value.toml();
         for (std::size_t i = 0; i < edit.restart.size(); ++i) text += (i == 0 ? "; restart to use the new " : ", ") + edit.restart[i];
         tell_locked(false, text);
-    } catch (const InputError& error) {
-        tell_locked(true, error.what());
-    }
+    } catch (const InputError& error) { tell_locked(true, error.what()); }
 }
 
 void Wishes::tell(bool error, std::string text) {

@@ -8,10 +8,10 @@
 
 namespace whorl {
 
-/// The look's own range where it has one. Else an estimate from the scene, the same for every frame of the film and rounded to a number that
-/// is easy to read: of speed the largest that the start, the emitters, the solids or a free fall through the domain give; of pressure that of
-/// the domain's height full of fluid and of a stop from the largest speed; of density 3 % about rest; of spin and vorticity what the start
-/// and the solids' turning give, else the largest speed over eight spacings. Symmetric about zero on a diverging map.
+/// The look's own range where it has one. Else an estimate from the scene, the same for every frame of the film and rounded to a number
+/// that is easy to read: of speed the largest that the start, the emitters, the solids or a free fall through the domain give; of pressure
+/// that of the domain's height full of fluid and of a stop from the largest speed; of density 3 % about rest; of spin and vorticity what
+/// the start and the solids' turning give, else the largest speed over eight spacings. Symmetric about zero on a diverging map.
 /// @param start the frame at the beginning of the run
 std::array<float, 2> film_range(const LookOptions& look, const Simulation& simulation, const Frame& start);
 /// The same for a simulation that has not begun.

@@ -3,8 +3,8 @@
 ///
 ///   add(frame) --> [queue] --> surface --> [queue] --> draw --> [queue] --> write: PNG, video, exports, checkpoint
 ///
-/// A full queue makes the caller of add() wait; nothing is dropped. A frame's checkpoint travels with it and is written after its picture, so a
-/// checkpoint never promises pictures that do not exist. What a stage throws stops all stages and comes out of add() or finish().
+/// A full queue makes the caller of add() wait; nothing is dropped. A frame's checkpoint travels with it and is written after its picture,
+/// so a checkpoint never promises pictures that do not exist. What a stage throws stops all stages and comes out of add() or finish().
 #include <atomic>
 #include <exception>
 #include <filesystem>
@@ -59,7 +59,8 @@ public:
     int frames_written() const { return written_; }
     /// When the first picture was on disk (wall_seconds()); 0 before.
     double first_picture() const { return first_picture_; }
-    /// Wall and CPU seconds of surface, draw, write (threads that these start included) and encode (the encoder's process, once it has ended).
+    /// Wall and CPU seconds of surface, draw, write (threads that these start included) and encode (the encoder's process, once it has
+    /// ended).
     StageTimes times() const;
     /// Renderer and version of the GL in use; "" before the first picture or without pictures.
     std::string device() const;

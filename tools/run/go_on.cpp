@@ -16,7 +16,8 @@ void check_settings(const Checkpoint& checkpoint, const Scene& now, const std::f
     if (problems.empty()) return;
     problems.insert(problems.begin(), {{scene_file.string(), 0, 0},
                                        "the checkpoint is of other settings",
-                                       "put them back to go on, or render this file as a new run", ""});
+                                       "put them back to go on, or render this file as a new run",
+                                       ""});
     throw InputError(problems);
 }
 
@@ -30,10 +31,11 @@ void go_on_from_newest(RunRequest& request) {
         throw InputError({request.folder.string(), 0, 0}, "there is no sound checkpoint to go on from", "render the scene anew",
                          "checkpoints appear every output.checkpoint_every seconds and on Ctrl-C");
     if (checkpoint->build != build_id())
-        throw InputError({request.folder.string(), 0, 0},
-                         fmt::format("the checkpoint was written by another build ({}; this is {}), which would not go on with the same bits",
-                                     checkpoint->build, build_id()),
-                         "use the build that wrote it, or render the scene anew");
+        throw InputError(
+            {request.folder.string(), 0, 0},
+            fmt::format("the checkpoint was written by another build ({}; this is {}), which would not go on with the same bits",
+                        checkpoint->build, build_id()),
+            "use the build that wrote it, or render the scene anew");
 
     const std::filesystem::path scene_file = request.folder / "scene.resolved.toml";
     check_settings(*checkpoint, request.file.scene, scene_file);

@@ -1,6 +1,6 @@
 #pragma once
-/// Keeps a run to its budget of time by giving up accuracy in a set order, within bounds that the scene sets: first the solvers' tolerances, then the
-/// length of steps, then the surface's voxels, then samples a pixel. Never what the fluid is.
+/// Keeps a run to its budget of time by giving up accuracy in a set order, within bounds that the scene sets: first the solvers'
+/// tolerances, then the length of steps, then the surface's voxels, then samples a pixel. Never what the fluid is.
 #include <optional>
 #include <string>
 

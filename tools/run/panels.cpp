@@ -70,8 +70,8 @@ public:
             const int code = run(k);
             if (code == exit_interrupted) {
                 write_report("interrupted", "go on with: whorl resume " + folder_.path().string());
-                std::fprintf(stderr, "whorl: panel %zu of %zu was interrupted; go on with all of them: whorl resume %s\n", k + 1, scenes_.size(),
-                             folder_.path().c_str());
+                std::fprintf(stderr, "whorl: panel %zu of %zu was interrupted; go on with all of them: whorl resume %s\n", k + 1,
+                             scenes_.size(), folder_.path().c_str());
                 return code;
             }
             if (code != exit_done) failed_ = k;
@@ -114,8 +114,7 @@ private:
         fs::create_directories(folder_.path() / "frames");
         const int width = scene_.output.size[0], height = scene_.output.size[1];
         std::optional<VideoEncoder> encoder;
-        if (scene_.output.video)
-            encoder.emplace(folder_.path() / (scene_.name + ".mp4"), width, height, VideoOptions{scene_.time.fps, 18});
+        if (scene_.output.video) encoder.emplace(folder_.path() / (scene_.name + ".mp4"), width, height, VideoOptions{scene_.time.fps, 18});
         for (int frame = 1; frame <= frames; ++frame) {
             std::vector<Image> images;
             for (std::size_t k = 0; k < scenes_.size(); ++k) {
@@ -141,9 +140,11 @@ private:
                               {"status", run.value("status", "waiting")},
                               {"frames", run.value("frames", 0)}});
         }
-        const Json report{{"whorl", WHORL_VERSION}, {"build", build_id()},  {"scene", scene_.name},    {"status", status},
-                          {"message", message},     {"panels", panels},     {"frames", least_frames()}, {"frames_planned", request_.frames.value_or(frame_count(scene_))},
-                          {"wall_seconds", wall},   {"cpu_seconds", cpu}};
+        const Json report{{"whorl", WHORL_VERSION},   {"build", build_id()},
+                          {"scene", scene_.name},     {"status", status},
+                          {"message", message},       {"panels", panels},
+                          {"frames", least_frames()}, {"frames_planned", request_.frames.value_or(frame_count(scene_))},
+                          {"wall_seconds", wall},     {"cpu_seconds", cpu}};
         write_text(folder_.path() / "run.json", report.dump(2) + "\n");
     }
 

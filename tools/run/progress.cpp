@@ -25,8 +25,8 @@ std::string grouped(long value) {
 }
 
 Progress::Progress(int first_frame, int last_frame, bool quiet, bool json)
-    : first_(first_frame), last_(last_frame), quiet_(quiet || json), json_(json), terminal_(isatty(STDERR_FILENO) == 1), began_(wall_seconds()),
-      landed_at_(began_) {}
+    : first_(first_frame), last_(last_frame), quiet_(quiet || json), json_(json), terminal_(isatty(STDERR_FILENO) == 1),
+      began_(wall_seconds()), landed_at_(began_) {}
 
 Progress::~Progress() { clear(); }
 
@@ -67,7 +67,8 @@ void Progress::show(const Simulation& simulation, int frame, bool must) {
     const double now = wall_seconds();
     if (quiet_ || (!must && now - shown_ < (terminal_ ? 0.1 : 5))) return;
     shown_ = now;
-    std::string line = fmt::format("frame {}/{}  t {:.3g} s  {} particles", frame, last_, simulation.time(), grouped(simulation.world().fluid.size()));
+    std::string line =
+        fmt::format("frame {}/{}  t {:.3g} s  {} particles", frame, last_, simulation.time(), grouped(simulation.world().fluid.size()));
     if (iterations_ > 0) line += fmt::format("  {:.0f} it", iterations_);
     if (frame_seconds_ > 0)
         line += fmt::format("  {:.0f} ms/frame  {} left", 1000 * frame_seconds_, duration(frame_seconds_ * (last_ - frame)));

@@ -6,8 +6,8 @@
 
 namespace whorl {
 
-/// On a terminal one line that is written over, else a plain line every five seconds, both on standard error; with --json a line of JSON a frame
-/// on standard output instead.
+/// On a terminal one line that is written over, else a plain line every five seconds, both on standard error; with --json a line of JSON a
+/// frame on standard output instead.
 class Progress {
 public:
     Progress(int first_frame, int last_frame, bool quiet, bool json);

@@ -102,7 +102,7 @@ private:
     std::shared_ptr<const PictureOptions> how_;
     RunTotals totals_at_row_;
     Troubles troubles_;
-    std::optional<Governor> governor_;  ///< where the scene has a budget
+    std::optional<Governor> governor_;                          ///< where the scene has a budget
     double landed_at_ = wall_seconds(), largest_residual_ = 0;  ///< of the frame on its way
     long unconverged_at_row_ = 0;
     double saved_at_ = wall_seconds();
@@ -223,7 +223,8 @@ std::optional<SceneFile> Run::govern(int frame, const Measures& measures) {
     const Sacrifice before = governor_->now();
     auto next = governor_->look(seconds, frame, wall());
     tables_->add_budget(budget_row({frame, simulation_.time(), seconds, governor_->allowed(), before, largest_residual_,
-                                simulation_.totals().unconverged_solves - unconverged_at_row_, measures.density_error_mean, measures.density_error_max}));
+                                    simulation_.totals().unconverged_solves - unconverged_at_row_, measures.density_error_mean,
+                                    measures.density_error_max}));
     largest_residual_ = 0, unconverged_at_row_ = simulation_.totals().unconverged_solves;
     return frame < last_ ? next : std::nullopt;
 }
@@ -236,7 +237,8 @@ void Run::land(int frame) {
     tables_->land(frame, measures, totals_at_row_, wall(), cpu());
     const double steps = static_cast<double>(std::max(1L, totals.steps - totals_at_row_.steps));
     const double iterations = (totals.pressure_iterations - totals_at_row_.pressure_iterations + totals.viscosity_iterations -
-                               totals_at_row_.viscosity_iterations) / steps;
+                               totals_at_row_.viscosity_iterations) /
+                              steps;
     totals_at_row_ = totals;
     const std::optional<SceneFile> next = governor_ ? govern(frame, measures) : std::nullopt;
 
@@ -295,8 +297,8 @@ void Run::save_newest() {
     if (const auto state = film_->newest_state()) write_checkpoint(folder_.path(), *state);
 }
 
-/// What the run was expected to take, where costs had not been measured when it began: then it began at once, and a run that took long enough can spare the
-/// second that measuring takes.
+/// What the run was expected to take, where costs had not been measured when it began: then it began at once, and a run that took long
+/// enough can spare the second that measuring takes.
 void Run::predict_late() try {
     constexpr double spares_a_second = 30;
     if (predicted_ > 0 || request_.from || request_.frames || wall() < spares_a_second) return;
@@ -317,18 +319,24 @@ int Run::conclude(const std::string& status, const std::string& message) {
     write_report(status, message);
     const double took = wall();
     if (status == "done") predict_late();
-    log_->info("{} after {} frames, {} steps, {:.1f} s{}{}", status, frames, simulation_.totals().steps, took, message.empty() ? "" : ": ", message);
+    log_->info("{} after {} frames, {} steps, {:.1f} s{}{}", status, frames, simulation_.totals().steps, took, message.empty() ? "" : ": ",
+               message);
     const std::string folder = folder_.path().string();
     if (status == "done") {
         const bool video = scene_.output.frames && scene_.output.video;
         const std::string expected = predicted_ > 0 ? fmt::format(" ({} expected)", duration(predicted_)) : "";
-        progress_->say(fmt::format("{} frames, {} in {}{}: {}", frames, status, duration(took), expected, video ? folder + "/" + scene_.name + ".mp4" : folder));
+        progress_->say(fmt::format("{} frames, {} in {}{}: {}", frames, status, duration(took), expected,
+                                   video ? folder + "/" + scene_.name + ".mp4" : folder));
     }
     if (request_.json) {
-        const nlohmann::ordered_json result{{"event", "result"},  {"status", status},
-                                            {"message", message}, {"folder", folder},
-                                            {"frames", frames},   {"time", simulation_.time()},
-                                            {"particles", simulation_.world().fluid.size()}, {"wall_seconds", took}};
+        const nlohmann::ordered_json result{{"event", "result"},
+                                            {"status", status},
+                                            {"message", message},
+                                            {"folder", folder},
+                                            {"frames", frames},
+                                            {"time", simulation_.time()},
+                                            {"particles", simulation_.world().fluid.size()},
+                                            {"wall_seconds", took}};
         std::printf("%s\n", result.dump().c_str());
     }
     progress_.reset();
@@ -342,10 +350,11 @@ int Run::go() try {
     if (diverged) {
         film_->finish(true);
         const Vec3d& x = diverged->place;
-        return conclude("diverged", fmt::format("the run diverged at {:.6g} s in stage \"{}\", field \"{}\", at ({:.4g}, {:.4g}, {:.4g}) m: {}; the "
-                                                "{} frames before it are in {}",
-                                                diverged->time, diverged->stage, diverged->field, x.x(), x.y(), x.z(), diverged->what,
-                                                film_->frames_written(), folder_.path().string()));
+        return conclude("diverged",
+                        fmt::format("the run diverged at {:.6g} s in stage \"{}\", field \"{}\", at ({:.4g}, {:.4g}, {:.4g}) m: {}; the "
+                                    "{} frames before it are in {}",
+                                    diverged->time, diverged->stage, diverged->field, x.x(), x.y(), x.z(), diverged->what,
+                                    film_->frames_written(), folder_.path().string()));
     }
     if (simulation_.time() < frame_time(scene_, last_)) {
         progress_->say("interrupted: completing the frames on their way");

@@ -21,8 +21,8 @@ double frame_time(const Scene& scene, int frame);
 /// The last frame that is not past time.end.
 int frame_count(const Scene& scene);
 
-/// Simulates, measures, draws, writes. Interrupted by SIGINT or SIGTERM it completes the frames that are on their way, saves the state of the
-/// newest one and says how to go on.
+/// Simulates, measures, draws, writes. Interrupted by SIGINT or SIGTERM it completes the frames that are on their way, saves the state of
+/// the newest one and says how to go on.
 /// @return exit_done, exit_failed (diverged) or exit_interrupted
 /// @throws InputError before anything is written; EnvironmentError (no EGL device, disk full) with all that was made kept
 int run_scene(const RunRequest& request);

@@ -44,8 +44,8 @@ RunFolder RunFolder::fresh(const fs::path& path) {
     if (error) throw EnvironmentError("cannot make the folder " + path.string() + ": " + error.message(), "", "choose another with --out");
     RunFolder folder(path);
     if (!used) return folder;
-    for (const char* name : {"scene.resolved.toml", "run.json", "diagnostics.csv", "bodies.csv", "contact.png", "log.txt", "probes", "frames", "points", "mesh",
-                             "vdb", "checkpoints", "panels"})
+    for (const char* name : {"scene.resolved.toml", "run.json", "diagnostics.csv", "bodies.csv", "contact.png", "log.txt", "probes",
+                             "frames", "points", "mesh", "vdb", "checkpoints", "panels"})
         fs::remove_all(path / name);
     for (const auto& entry : fs::directory_iterator(path))
         if (entry.path().extension() == ".mp4") fs::remove(entry.path());
@@ -53,7 +53,8 @@ RunFolder RunFolder::fresh(const fs::path& path) {
 }
 
 RunFolder RunFolder::existing(const fs::path& path) {
-    if (!fs::is_directory(path)) throw InputError({path.string(), 0, 0}, "there is no such folder", "", "the folder of a run, as in out/honey_coil");
+    if (!fs::is_directory(path))
+        throw InputError({path.string(), 0, 0}, "there is no such folder", "", "the folder of a run, as in out/honey_coil");
     if (!is_run_folder(path)) throw InputError({path.string(), 0, 0}, "no run folder (it has no run.json)");
     return RunFolder(path);
 }

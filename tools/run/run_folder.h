@@ -7,8 +7,8 @@ namespace whorl {
 /// Holds the folder for one process at a time.
 class RunFolder {
 public:
-    /// A new run: makes the folder. One that stands already is taken only where it is empty or a run folder (it has a run.json of Whorl's): then the
-    /// files of the run before it go, others stay.
+    /// A new run: makes the folder. One that stands already is taken only where it is empty or a run folder (it has a run.json of Whorl's):
+    /// then the files of the run before it go, others stay.
     /// @throws InputError where it is something else, or another process is at work in it; EnvironmentError where it cannot be made
     static RunFolder fresh(const std::filesystem::path& path);
     /// A run to go on with. @throws InputError where there is none, or another process is at work in it

@@ -1,6 +1,6 @@
 #pragma once
-/// The tables of a run, some rows a frame: diagnostics.csv, bodies.csv where solids are free, budget.csv where the scene has one, probes/NAME.csv with the
-/// probes that fill them.
+/// The tables of a run, some rows a frame: diagnostics.csv, bodies.csv where solids are free, budget.csv where the scene has one,
+/// probes/NAME.csv with the probes that fill them.
 #include <map>
 
 #include "engine/io/checkpoint.h"

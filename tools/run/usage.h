@@ -6,13 +6,15 @@
 
 namespace whorl {
 
-/// Gives the calling thread a name. Threads that it starts from then on (OpenMP's, TBB's) inherit it, so that their CPU time counts with it.
+/// Gives the calling thread a name. Threads that it starts from then on (OpenMP's, TBB's) inherit it, so that their CPU time counts with
+/// it.
 void name_thread(const char* name);
 /// CPU seconds so far of the threads that live, by thread name. Mesa's own ("llvmpipe-0", ...) count as "draw".
 std::map<std::string, double> cpu_by_thread_name();
 /// CPU seconds of the child processes that have ended (the encoder).
 double children_cpu_seconds();
-/// CPU seconds so far: of the program with the encoders it ran; and of its threads but those that make pictures ("surface", "draw", "write").
+/// CPU seconds so far: of the program with the encoders it ran; and of its threads but those that make pictures ("surface", "draw",
+/// "write").
 double process_cpu_seconds();
 double simulation_cpu_seconds();
 /// The process's largest resident memory so far [bytes].

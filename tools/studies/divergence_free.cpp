@@ -22,14 +22,17 @@ struct Run {
     double start_cpu = cpu_seconds(), density_error = 0;
     long steps = 0;
     static Simulation simulation_of(const std::string& text, bool divergence_free, const std::string& keys) {
-        const Scene scene = read_scene_text(text + "[pressure]\ndivergence_free = " + (divergence_free ? "true\n" : "false\n") + keys, "divergence_free.toml");
+        const Scene scene = read_scene_text(text + "[pressure]\ndivergence_free = " + (divergence_free ? "true\n" : "false\n") + keys,
+                                            "divergence_free.toml");
         return Simulation(scene, make_plan(scene));
     }
     /// @param keys more of the table [pressure]
-    Run(const std::string& text, bool divergence_free, const std::string& keys = "") : simulation(simulation_of(text, divergence_free, keys)) {}
+    Run(const std::string& text, bool divergence_free, const std::string& keys = "")
+        : simulation(simulation_of(text, divergence_free, keys)) {}
     Measures now() const { return measure(simulation.world(), simulation.world().step.gravity.cast<double>(), 1); }
     void step(double end) {
-        if (const auto diverged = simulation.step(end).diverged) throw EnvironmentError("a run of the study diverged: " + diverged->what, "", "");
+        if (const auto diverged = simulation.step(end).diverged)
+            throw EnvironmentError("a run of the study diverged: " + diverged->what, "", "");
         density_error += now().density_error_mean;
         ++steps;
     }
@@ -60,7 +63,8 @@ shape = "box"
 min = [0, 0, 0]
 max = [1, 1, 1]
 velocity = ["sin(2*pi*x)*cos(2*pi*y)*cos(2*pi*z)", "-cos(2*pi*x)*sin(2*pi*y)*cos(2*pi*z)", "0"]
-sampling = ")toml" + sampling + "\"\n";
+sampling = ")toml" +
+           sampling + "\"\n";
 }
 
 std::string energy_left(const std::string& text, double end, bool divergence_free) {
@@ -91,7 +95,8 @@ to = [0.045, 0, 0]
 radius = 0.022
 velocity = ["-6*y", "6*x", "0"]
 sampling = "blue_noise"
-)toml", viscosity, viscosity > 0 ? "full" : "none");
+)toml",
+                       viscosity, viscosity > 0 ? "full" : "none");
 }
 
 std::string drop(double viscosity, double end, bool divergence_free) {
@@ -99,8 +104,9 @@ std::string drop(double viscosity, double end, bool divergence_free) {
     const Measures start = run.now();
     run.until(end);
     const Measures now = run.now();
-    return fmt::format("{:.1f} % of the energy, {:.2f} % of the angular momentum left | {}", 100 * now.kinetic_energy / start.kinetic_energy,
-                       100 * now.angular_momentum.z() / start.angular_momentum.z(), run.cost());
+    return fmt::format("{:.1f} % of the energy, {:.2f} % of the angular momentum left | {}",
+                       100 * now.kinetic_energy / start.kinetic_energy, 100 * now.angular_momentum.z() / start.angular_momentum.z(),
+                       run.cost());
 }
 
 std::string column(bool divergence_free) {
@@ -121,11 +127,13 @@ min = [0, 0, 0]
 max = [0.1, 0.25, 0.1]
 [[solid]]
 shape = "plane"
-)toml", divergence_free);
+)toml",
+            divergence_free);
     const Measures start = run.now();
     run.until(1.5);
     const Measures now = run.now();
-    return fmt::format("{:.1e} J of motion, {:.2f} % of the height lost | {}", now.kinetic_energy, 100 * (1 - now.potential_energy / start.potential_energy), run.cost());
+    return fmt::format("{:.1e} J of motion, {:.2f} % of the height lost | {}", now.kinetic_energy,
+                       100 * (1 - now.potential_energy / start.potential_energy), run.cost());
 }
 
 /// The standing wave of tests/validation/sim/waves.cpp, on a lattice.
@@ -149,7 +157,9 @@ velocity = ["{3}*sin({4}*x)*cosh({4}*y)", "-{3}*cos({4}*x)*sinh({4}*y)", "0"]
 shape = "plane"
 [models]
 pressure = "ppe"
-)toml", length, d, h, U / std::sinh(k * h), k), divergence_free, fmt::format("damping = {}\n", damping));
+)toml",
+                        length, d, h, U / std::sinh(k * h), k),
+            divergence_free, fmt::format("damping = {}\n", damping));
     const double period = 2 * std::numbers::pi / std::sqrt(9.81 * k * std::tanh(k * h));
     Zeros zeros(period / 4);
     while (zeros.at.size() < 6 && run.simulation.time() < 2) {
@@ -168,8 +178,12 @@ pressure = "ppe"
 
 std::string divergence_free_table() {
     set_threads(1);
-    std::string table = "| case | constraint | mean density error % | CPU us a particle-step | divergence-free | mean density error % | CPU us a particle-step |\n|---|---|---|---|---|---|---|\n";
-    const auto row = [&](const std::string& name, const auto& measured) { table += "| " + name + " | " + measured(false) + " | " + measured(true) + " |\n"; };
+    std::string table =
+        "| case | constraint | mean density error % | CPU us a particle-step | divergence-free | mean density error % | CPU us a "
+        "particle-step |\n|---|---|---|---|---|---|---|\n";
+    const auto row = [&](const std::string& name, const auto& measured) {
+        table += "| " + name + " | " + measured(false) + " | " + measured(true) + " |\n";
+    };
     row("Taylor-Green, scattered, 0.3 s", [](bool free) { return energy_left(vortex("blue_noise"), 0.3, free); });
     row("Taylor-Green, lattice, 0.3 s", [](bool free) { return energy_left(vortex("lattice"), 0.3, free); });
     row("column of 20 layers, 1.5 s", column);

@@ -66,7 +66,8 @@ struct State {
     Index size() const { return w.fluid.size(); }
 };
 
-/// What the constraint's step solves first: all that press or are about full, the source b, the residual of a density error of rho_0 a step.
+/// What the constraint's step solves first: all that press or are about full, the source b, the residual of a density error of rho_0 a
+/// step.
 struct ConstraintSystem {
     static constexpr const char* form = "constraint";
     DensityRate D;
@@ -160,8 +161,9 @@ Measured measure(const System& s, double residual, const MakePreconditioner& mak
     m.set_up = cpu_seconds() - start;
     start = cpu_seconds();
     Column<Real> x(s.b.size(), 0);
-    const SolveReport report = conjugate_gradients<Real>([&](Span<const Real> in, Span<Real> out) { s.A.multiply(in, out); }, M, Span<const Real>(s.b),
-                                                         Span<Real>(x), SolveLimits{1, 5000}, ResidualNorm::euclidean, residual);
+    const SolveReport report =
+        conjugate_gradients<Real>([&](Span<const Real> in, Span<Real> out) { s.A.multiply(in, out); }, M, Span<const Real>(s.b),
+                                  Span<Real>(x), SolveLimits{1, 5000}, ResidualNorm::euclidean, residual);
     m.solve = cpu_seconds() - start;
     m.iterations = report.iterations;
     m.converged = report.converged;
@@ -174,7 +176,9 @@ Measured measure(const System& s, double residual, const MakePreconditioner& mak
     return m;
 }
 
-std::string cell(const Measured& m) { return fmt::format("{}{} | {:.3g} | {:.2g}", m.iterations, m.converged ? "" : "+", 1e3 * m.total(), 100 * m.error); }
+std::string cell(const Measured& m) {
+    return fmt::format("{}{} | {:.3g} | {:.2g}", m.iterations, m.converged ? "" : "+", 1e3 * m.total(), 100 * m.error);
+}
 
 template <class System>
 void compare(std::string& table, State& s, double factor, Real dt) {
@@ -186,11 +190,14 @@ void compare(std::string& table, State& s, double factor, Real dt) {
                               Span<const Real>(system.b), Span<Real>(exact), SolveLimits{1, 400}, ResidualNorm::euclidean, 1e-5 * norm);
     for (const bool of_step : {true, false}) {
         const double residual = of_step ? system.step_residual : 1e-3 * norm;
-        const Measured none = measure(system, residual, [&] { return system.none(); }, exact);
-        const Measured diagonal = measure(system, residual, [&] { return system.diagonal(); }, exact);
-        const Measured levels = measure(system, residual, [&] { return system.multigrid(System::levels()); }, exact);
-        table += fmt::format("| {} | {} | {:g} | {:.1e} | {} | {} | {} | {:.3g} | {} | {:.0f} | {:.1f} |\n", System::form, s.size(), factor, residual / norm,
-                             cell(none), cell(diagonal), cell(levels), 1e3 * levels.set_up, levels.levels,
+        const Measured none = measure(
+            system, residual, [&] { return system.none(); }, exact);
+        const Measured diagonal = measure(
+            system, residual, [&] { return system.diagonal(); }, exact);
+        const Measured levels = measure(
+            system, residual, [&] { return system.multigrid(System::levels()); }, exact);
+        table += fmt::format("| {} | {} | {:g} | {:.1e} | {} | {} | {} | {:.3g} | {} | {:.0f} | {:.1f} |\n", System::form, s.size(), factor,
+                             residual / norm, cell(none), cell(diagonal), cell(levels), 1e3 * levels.set_up, levels.levels,
                              levels.bytes / static_cast<double>(s.size()), diagonal.total() / levels.total());
     }
 }
@@ -214,7 +221,8 @@ void hierarchies(std::string& table, State& s, Real dt) {
 Scene scene(int layers, const std::string& form) { return read_scene_text(half_filled_box(layers, form), "half_filled_box.toml"); }
 
 constexpr const char* header =
-    "| form | particles | step over CFL 0.4 | residual | none | ms | error % | diagonal | ms | error % | multigrid | ms | error % | of it set-up | levels | bytes a particle | times "
+    "| form | particles | step over CFL 0.4 | residual | none | ms | error % | diagonal | ms | error % | multigrid | ms | error % | of it "
+    "set-up | levels | bytes a particle | times "
     "faster |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
 
 /// @param layers across the depth: 14 make 1.1e4 particles, 29 1e5, 63 1e6
@@ -242,7 +250,8 @@ std::string preconditioner_table_large() { return preconditioners({{63, 4}}); }
 std::string hierarchy_table() {
     set_threads(1);
     std::string table =
-        "| form | cells | coarse interpolation | additive: iterations | set-up ms | ms | V-cycle: iterations | set-up ms | ms |\n|---|---|---|---|---|---|---|---|---|\n";
+        "| form | cells | coarse interpolation | additive: iterations | set-up ms | ms | V-cycle: iterations | set-up ms | ms "
+        "|\n|---|---|---|---|---|---|---|---|---|\n";
     State constraint(scene(29, "constraint"), 20);
     hierarchies<ConstraintSystem>(table, constraint, constraint.w.step.dt);
     State poisson(scene(29, "poisson"), 20);
@@ -263,8 +272,9 @@ std::string thread_table() {
                 best_set_up = std::min(best_set_up, wall_seconds() - start);
                 Column<Real> x(system.b.size(), 0);
                 start = wall_seconds();
-                conjugate_gradients<Real>([&](Span<const Real> in, Span<Real> out) { system.A.multiply(in, out); }, M, Span<const Real>(system.b),
-                                          Span<Real>(x), SolveLimits{1, 500}, ResidualNorm::euclidean, system.step_residual);
+                conjugate_gradients<Real>([&](Span<const Real> in, Span<Real> out) { system.A.multiply(in, out); }, M,
+                                          Span<const Real>(system.b), Span<Real>(x), SolveLimits{1, 500}, ResidualNorm::euclidean,
+                                          system.step_residual);
                 best_solve = std::min(best_solve, wall_seconds() - start);
             }
             if (count == 1) one = best_set_up + best_solve;

@@ -1,6 +1,6 @@
-#include <cmath>
-
 #include <fmt/format.h>
+
+#include <cmath>
 
 #include "engine/core/parallel.h"
 #include "engine/scene/read.h"
@@ -89,7 +89,9 @@ Measured measured(const World& w) {
     std::vector<Real> V(rho.size());
     for (std::size_t i = 0; i < V.size(); ++i) V[i] = w.step.mass / rho[i];
     const double n = w.fluid.size();
-    const auto mean = [&](const auto& f) { return parallel_sum(w.fluid.size(), [&](Index i) { return 0.5 * static_cast<double>(f(i)); }) / n; };
+    const auto mean = [&](const auto& f) {
+        return parallel_sum(w.fluid.size(), [&](Index i) { return 0.5 * static_cast<double>(f(i)); }) / n;
+    };
     return with_kernel(w.step.kernel, w.step.support, [&](const auto& W) {
         return Measured{mean([&](Index i) { return u[static_cast<std::size_t>(i)].squaredNorm(); }),
                         mean([&](Index i) { return u[static_cast<std::size_t>(i)].y() * u[static_cast<std::size_t>(i)].y(); }),
@@ -114,7 +116,8 @@ std::vector<Measured> run(const std::string& text, const std::vector<std::string
 /// Coarse, coarse with spin, fine.
 struct Three {
     std::vector<Measured> coarse, spin, fine;
-    Three(const std::string& text, const std::vector<std::string>& with, const std::vector<std::string>& finer, const std::vector<double>& times)
+    Three(const std::string& text, const std::vector<std::string>& with, const std::vector<std::string>& finer,
+          const std::vector<double>& times)
         : coarse(run(text, {}, times)), spin(run(text, with, times)), fine(run(text, finer, times)) {}
     std::string columns(std::size_t k, double Measured::*what, int digits) const {
         std::string cells;
@@ -127,23 +130,29 @@ struct Three {
 }  // namespace
 
 std::string refinement_table() {
-    std::vector<std::string> spin{"models.micropolar=seed", "micropolar.transfer_viscosity=0.8", "micropolar.micro_inertia=2.5e-4", "micropolar.xsph_spin=0",
-                                  "micropolar.xsph_velocity=0"};
+    std::vector<std::string> spin{"models.micropolar=seed", "micropolar.transfer_viscosity=0.8", "micropolar.micro_inertia=2.5e-4",
+                                  "micropolar.xsph_spin=0", "micropolar.xsph_velocity=0"};
     const std::vector<double> times{0.25, 0.5, 0.75, 1, 1.5, 2};
     const Three box(vortex, spin, {"fluid.spacing=0.03125"}, times);
-    std::string table = "| t [s] | energy [J/kg]: coarse | with spin | fine | enstrophy [1/s^2]: coarse | with spin | fine |\n|---|---|---|---|---|---|---|\n";
+    std::string table =
+        "| t [s] | energy [J/kg]: coarse | with spin | fine | enstrophy [1/s^2]: coarse | with spin | fine "
+        "|\n|---|---|---|---|---|---|---|\n";
     for (std::size_t k = 0; k < times.size(); ++k)
-        table += fmt::format("| {:.2f} |", times[k]) + box.columns(k, &Measured::energy, 4) + box.columns(k, &Measured::enstrophy, 2) + "\n";
+        table +=
+            fmt::format("| {:.2f} |", times[k]) + box.columns(k, &Measured::energy, 4) + box.columns(k, &Measured::enstrophy, 2) + "\n";
     return table;
 }
 
 std::string refinement_street_table() {
-    const std::vector<std::string> spin{"models.micropolar=seed", "micropolar.transfer_viscosity=0.024", "micropolar.micro_inertia=4e-6", "micropolar.xsph_spin=0",
-                                        "micropolar.xsph_velocity=0"};
+    const std::vector<std::string> spin{"models.micropolar=seed", "micropolar.transfer_viscosity=0.024", "micropolar.micro_inertia=4e-6",
+                                        "micropolar.xsph_spin=0", "micropolar.xsph_velocity=0"};
     std::vector<double> times;
     for (int k = 1; k <= 16; ++k) times.push_back(k / 8.0);
-    const Three wake(street, spin, {"fluid.spacing=1.66666e-3", "domain.max=[0.22,0.045,0.0066667]", "block[0].max=[0.22,0.04,0.0066667]"}, times);
-    std::string table = "| t [s] | energy across [mJ/kg]: coarse | with spin | fine | enstrophy [1/s^2]: coarse | with spin | fine |\n|---|---|---|---|---|---|---|\n";
+    const Three wake(street, spin, {"fluid.spacing=1.66666e-3", "domain.max=[0.22,0.045,0.0066667]", "block[0].max=[0.22,0.04,0.0066667]"},
+                     times);
+    std::string table =
+        "| t [s] | energy across [mJ/kg]: coarse | with spin | fine | enstrophy [1/s^2]: coarse | with spin | fine "
+        "|\n|---|---|---|---|---|---|---|\n";
     for (std::size_t k = 3; k < times.size(); k += 4) {
         // Means of half a second, about one and a half vortices.
         const auto cells = [&](double Measured::*what, double scale, int digits) {
@@ -155,7 +164,8 @@ std::string refinement_street_table() {
             }
             return text;
         };
-        table += fmt::format("| {:.1f} to {:.1f} |", times[k] - 0.5, times[k]) + cells(&Measured::across, 1e3, 3) + cells(&Measured::enstrophy, 1, 0) + "\n";
+        table += fmt::format("| {:.1f} to {:.1f} |", times[k] - 0.5, times[k]) + cells(&Measured::across, 1e3, 3) +
+                 cells(&Measured::enstrophy, 1, 0) + "\n";
     }
     return table;
 }

@@ -10,8 +10,8 @@ namespace {
 
 bool counts(const Measured& m) { return std::isfinite(m.cost) && std::isfinite(m.error); }
 
-/// How far (in logarithms) a point with this cost and error would push the front out: the smallest move that takes it off the dominated side;
-/// negative where the front beats it.
+/// How far (in logarithms) a point with this cost and error would push the front out: the smallest move that takes it off the dominated
+/// side; negative where the front beats it.
 double gain(double cost, double error, const std::vector<Measured>& measured) {
     double least = std::numeric_limits<double>::infinity();
     for (const Measured& m : measured)
@@ -133,8 +133,12 @@ Measured FrontSearch::expected(const GridPoint& p, const std::vector<Measured>& 
 }
 
 GridPoint FrontSearch::next(const std::vector<Measured>& measured, double most) const {
-    const auto was_run = [&](const GridPoint& p) { return std::any_of(measured.begin(), measured.end(), [&](const Measured& m) { return m.at == p; }); };
-    const auto too_dear = [&](double cost) { return measured.size() > levels_.size() && cost > std::log(most); };  // a plane through fewer says nothing
+    const auto was_run = [&](const GridPoint& p) {
+        return std::any_of(measured.begin(), measured.end(), [&](const Measured& m) { return m.at == p; });
+    };
+    const auto too_dear = [&](double cost) {
+        return measured.size() > levels_.size() && cost > std::log(most);
+    };  // a plane through fewer says nothing
     for (const GridPoint& p : first_points())
         if (!was_run(p) && !too_dear(guess(p, measured).cost)) return p;
     GridPoint best;

@@ -17,7 +17,9 @@ public:
     bool full() const { return running_.size() >= most_; }
     bool empty() const { return running_.empty(); }
 
-    void start(std::size_t name, std::function<Result()> task) { running_.emplace_back(name, std::async(std::launch::async, std::move(task))); }
+    void start(std::size_t name, std::function<Result()> task) {
+        running_.emplace_back(name, std::async(std::launch::async, std::move(task)));
+    }
 
     /// Waits for the task that ends first. @return its name and result @throws what it threw
     std::pair<std::size_t, Result> next() {

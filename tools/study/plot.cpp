@@ -41,15 +41,17 @@ struct LogAxis {
 
 Vec3f colour_of(const std::string& state) {
     static const std::map<std::string, Vec3f> colours{
-        {"stable", Vec3f(0.72f, 0.87f, 0.72f)},        {"noisy", Vec3f(0.98f, 0.90f, 0.62f)},      {"diverged", Vec3f(0.90f, 0.52f, 0.48f)},
-        {"lost particles", Vec3f(0.93f, 0.70f, 0.55f)}, {"stalled solver", Vec3f(0.76f, 0.73f, 0.90f)}, {"unphysical energy", Vec3f(0.95f, 0.76f, 0.80f)},
-        {"timeout", Vec3f(0.80f, 0.80f, 0.82f)},       {"refused", Vec3f(0.92f, 0.92f, 0.93f)}};
+        {"stable", Vec3f(0.72f, 0.87f, 0.72f)},         {"noisy", Vec3f(0.98f, 0.90f, 0.62f)},
+        {"diverged", Vec3f(0.90f, 0.52f, 0.48f)},       {"lost particles", Vec3f(0.93f, 0.70f, 0.55f)},
+        {"stalled solver", Vec3f(0.76f, 0.73f, 0.90f)}, {"unphysical energy", Vec3f(0.95f, 0.76f, 0.80f)},
+        {"timeout", Vec3f(0.80f, 0.80f, 0.82f)},        {"refused", Vec3f(0.92f, 0.92f, 0.93f)}};
     const auto found = colours.find(state);
     return found == colours.end() ? Vec3f(0.8f, 0.8f, 0.82f) : found->second;
 }
 
 Vec3f line_colour(std::size_t k) {
-    static const Vec3f lines[] = {Vec3f(0.10f, 0.25f, 0.60f), Vec3f(0.55f, 0.10f, 0.45f), Vec3f(0.05f, 0.45f, 0.40f), Vec3f(0.35f, 0.25f, 0.10f)};
+    static const Vec3f lines[] = {Vec3f(0.10f, 0.25f, 0.60f), Vec3f(0.55f, 0.10f, 0.45f), Vec3f(0.05f, 0.45f, 0.40f),
+                                  Vec3f(0.35f, 0.25f, 0.10f)};
     return lines[k % 4];
 }
 
@@ -101,7 +103,8 @@ Canvas draw_front(const std::vector<PlotPoint>& points, const std::string& title
             for (const double side : {8.0, -8 - wide}) {
                 const double x0 = std::clamp(px + side, left + 2.0, width - right - wide), y0 = py + step;
                 const Box box{x0, y0 - 11, x0 + wide, y0 + 3};
-                const bool free = box.y0 > top && box.y1 < height - low && std::none_of(taken.begin(), taken.end(), [&](const Box& t) { return box.meets(t); });
+                const bool free = box.y0 > top && box.y1 < height - low &&
+                                  std::none_of(taken.begin(), taken.end(), [&](const Box& t) { return box.meets(t); });
                 if (free && best.x1 == 0) best = box;
             }
         if (best.x1 == 0) continue;  // the table has it
@@ -131,12 +134,14 @@ void draw_panel(Canvas& c, const StabilityPanel& panel, const std::vector<std::s
             c.words(x + 0.5 * size.cell_x, y + 0.5 * size.cell_y + 4, cell.note, ink, 11, 0);
         }
     }
-    for (std::size_t i = 0; i < x_values.size(); ++i) c.words(left + size.cell_x * (static_cast<double>(i) + 0.5), low + 17, x_values[i], ink, 12, 0);
+    for (std::size_t i = 0; i < x_values.size(); ++i)
+        c.words(left + size.cell_x * (static_cast<double>(i) + 0.5), low + 17, x_values[i], ink, 12, 0);
     for (const MapLimit& limit : panel.limits) {
         const auto k = static_cast<std::size_t>(std::find(limit_names.begin(), limit_names.end(), limit.name) - limit_names.begin());
         for (std::size_t i = 0; i < limit.place.size(); ++i) {
             if (!std::isfinite(limit.place[i])) continue;
-            const double x = left + size.cell_x * static_cast<double>(i), y = std::clamp(low - size.cell_y * (limit.place[i] + 0.5), top, low);
+            const double x = left + size.cell_x * static_cast<double>(i),
+                         y = std::clamp(low - size.cell_y * (limit.place[i] + 0.5), top, low);
             c.line(x + 3, y, x + size.cell_x - 3, y, line_colour(k), 2.5);
         }
     }
@@ -144,8 +149,8 @@ void draw_panel(Canvas& c, const StabilityPanel& panel, const std::vector<std::s
 
 }  // namespace
 
-Canvas draw_maps(const std::vector<StabilityPanel>& panels, const std::vector<std::string>& x_values, const std::vector<std::string>& y_values,
-                 const std::string& title, const std::string& x_name, const std::string& y_name) {
+Canvas draw_maps(const std::vector<StabilityPanel>& panels, const std::vector<std::string>& x_values,
+                 const std::vector<std::string>& y_values, const std::string& title, const std::string& x_name, const std::string& y_name) {
     const std::size_t columns = std::min<std::size_t>(3, panels.size()), rows = (panels.size() + columns - 1) / columns;
     MapSize size{panels.size() > 1 ? 50.0 : 84.0, panels.size() > 1 ? 30.0 : 42.0};
     std::size_t longest = 0;
@@ -168,7 +173,8 @@ Canvas draw_maps(const std::vector<StabilityPanel>& panels, const std::vector<st
     c.words(20, 28, title, ink, 17);
     c.words(20, 52, x_name + " to the right, " + (y_name.empty() ? "one row" : y_name + " upwards"), ink, 13);
     for (std::size_t k = 0; k < panels.size(); ++k)
-        draw_panel(c, panels[k], x_values, y_values, limits, size, panel_x * static_cast<double>(k % columns), head + panel_y * static_cast<double>(k / columns));
+        draw_panel(c, panels[k], x_values, y_values, limits, size, panel_x * static_cast<double>(k % columns),
+                   head + panel_y * static_cast<double>(k / columns));
     double y = legend;
     for (std::size_t k = 0; k < states.size(); ++k) {
         const double x = 30 + 190 * static_cast<double>(k % 3);

@@ -21,7 +21,8 @@ struct MapCell {
     std::string state;  ///< what colours it
     std::string note;   ///< written into it
 };
-/// Where a predicted limit runs: between which values of the second knob (as a place on its axis, 0: the first value), for each of the first's.
+/// Where a predicted limit runs: between which values of the second knob (as a place on its axis, 0: the first value), for each of the
+/// first's.
 struct MapLimit {
     std::string name;
     std::vector<double> place;  ///< NaN: outside the map
@@ -33,7 +34,7 @@ struct StabilityPanel {
     std::vector<MapLimit> limits;
 };
 /// Tables of cells: the first knob's values along x, the second's upwards.
-Canvas draw_maps(const std::vector<StabilityPanel>& panels, const std::vector<std::string>& x_values, const std::vector<std::string>& y_values,
-                 const std::string& title, const std::string& x_name, const std::string& y_name);
+Canvas draw_maps(const std::vector<StabilityPanel>& panels, const std::vector<std::string>& x_values,
+                 const std::vector<std::string>& y_values, const std::string& title, const std::string& x_name, const std::string& y_name);
 
 }  // namespace whorl

@@ -63,14 +63,17 @@ ChildUse run_child(const std::vector<std::string>& arguments, const fs::path& ou
     }
     if (interrupt.interrupted()) throw StudyInterrupted();
     const auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
-    return {late ? -1 : WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), seconds(usage.ru_utime) + seconds(usage.ru_stime),
-            wall_seconds() - began, 1024.0 * static_cast<double>(usage.ru_maxrss)};
+    return {late                ? -1
+            : WIFEXITED(status) ? WEXITSTATUS(status)
+                                : 128 + WTERMSIG(status),
+            seconds(usage.ru_utime) + seconds(usage.ru_stime), wall_seconds() - began, 1024.0 * static_cast<double>(usage.ru_maxrss)};
 }
 
 /// A folder name from settings: readable, and different for different settings.
 std::string folder_name(const std::string& text) {
     std::string name;
-    for (const char c : text) name += std::isalnum(static_cast<unsigned char>(c)) || std::string("=.-+_").find(c) != std::string::npos ? c : '_';
+    for (const char c : text)
+        name += std::isalnum(static_cast<unsigned char>(c)) || std::string("=.-+_").find(c) != std::string::npos ? c : '_';
     if (name.size() > 100) name.resize(100);
     return fmt::format("{}-{:08x}", name, static_cast<unsigned>(std::hash<std::string>{}(text)));
 }
@@ -98,7 +101,8 @@ PointRunner::PointRunner(const Study& study, fs::path folder, int threads) : stu
 
 PointResult PointRunner::run(const std::string& scene, const std::vector<std::string>& settings, int repeat, bool pictures) const {
     const std::vector<std::string> all = run_settings(study_, settings);
-    std::string program = fs::read_symlink("/proc/self/exe").string(), name = scene, quality = study_.quality, threads = std::to_string(threads_);
+    std::string program = fs::read_symlink("/proc/self/exe").string(), name = scene, quality = study_.quality,
+                threads = std::to_string(threads_);
     std::vector<std::string> keys;
     for (const std::string& s : all) {
         const std::string value = s.substr(s.find('=') + 1);
@@ -108,9 +112,12 @@ PointResult PointRunner::run(const std::string& scene, const std::vector<std::st
         else if (is_option(s, "threads")) threads = value;
         else keys.push_back(s);
     }
-    std::string identity = fmt::format("{} | {} | {} | {} threads{}", name, joined_settings(all), quality, threads, pictures ? " | pictures" : "");
+    std::string identity =
+        fmt::format("{} | {} | {} | {} threads{}", name, joined_settings(all), quality, threads, pictures ? " | pictures" : "");
     std::error_code none;  // a program that is not there is told below
-    if (name_a_program(all)) identity += fmt::format(" | {} bytes of {}", fs::file_size(program, none), fs::last_write_time(program, none).time_since_epoch().count());
+    if (name_a_program(all))
+        identity +=
+            fmt::format(" | {} bytes of {}", fs::file_size(program, none), fs::last_write_time(program, none).time_since_epoch().count());
     PointResult result;
     const std::string words = joined_settings(settings);
     result.folder = folder_ / "points" / folder_name(fs::path(name).stem().string() + (words.empty() ? "" : "," + words));
@@ -127,26 +134,41 @@ PointResult PointRunner::run(const std::string& scene, const std::vector<std::st
     }
 
     if (access(program.c_str(), X_OK) != 0)
-        throw InputError({study_.name, 0, 0}, fmt::format("the point {} cannot run: there is no program {}", words, program), "build it first: bash tools/build.sh PRESET whorl");
-    std::vector<std::string> arguments{program, "render", name, "--out", result.folder.string(), "--quiet", "--threads", threads, "--quality", quality};
+        throw InputError({study_.name, 0, 0}, fmt::format("the point {} cannot run: there is no program {}", words, program),
+                         "build it first: bash tools/build.sh PRESET whorl");
+    std::vector<std::string> arguments{program,   "render",    name,    "--out",     result.folder.string(),
+                                       "--quiet", "--threads", threads, "--quality", quality};
     arguments.emplace_back(pictures ? "--no-video" : "--no-images");
     for (const std::string& key : keys) arguments.emplace_back("--set"), arguments.push_back(key);
     fs::create_directories(result.folder.parent_path());
     const fs::path output = result.folder.string() + ".txt";
     for (int k = 0; k < repeat && (k == 0 || result.done()); ++k) {
         const ChildUse use = run_child(arguments, output, study_.limit, interrupt_);
-        if (use.code == exit_bad_input) throw InputError({study_.name, 0, 0}, fmt::format("the point {} cannot run: {}", words, text_of(output)));
+        if (use.code == exit_bad_input)
+            throw InputError({study_.name, 0, 0}, fmt::format("the point {} cannot run: {}", words, text_of(output)));
         const Json run = json_of(result.folder / "run.json");
-        result.status = use.code == -1 ? "timeout" : use.code == exit_done ? "done" : run.is_object() ? run.value("status", "failed") : "failed";
+        result.status = use.code == -1          ? "timeout"
+                        : use.code == exit_done ? "done"
+                        : run.is_object()       ? run.value("status", "failed")
+                                                : "failed";
         if (use.code > exit_failed && use.code != -1) result.status = "failed";
-        result.message = use.code == -1 ? fmt::format("took longer than {:g} s", study_.limit) : run.is_object() ? run.value("message", "") : text_of(output);
+        result.message = use.code == -1    ? fmt::format("took longer than {:g} s", study_.limit)
+                         : run.is_object() ? run.value("message", "")
+                                           : text_of(output);
         result.cpu.push_back(use.cpu), result.wall.push_back(use.wall);
         result.memory = std::max(result.memory, use.memory);
         result.frames = run.is_object() ? run.value("frames_planned", 0.0) : 0.0;
     }
-    write_text(record, Json{{"identity", identity}, {"build", build_id()}, {"status", result.status}, {"message", result.message},
-                            {"cpu_seconds", result.cpu}, {"wall_seconds", result.wall}, {"memory_bytes", result.memory}, {"frames", result.frames}}
-                               .dump(1) + "\n");
+    write_text(record, Json{{"identity", identity},
+                            {"build", build_id()},
+                            {"status", result.status},
+                            {"message", result.message},
+                            {"cpu_seconds", result.cpu},
+                            {"wall_seconds", result.wall},
+                            {"memory_bytes", result.memory},
+                            {"frames", result.frames}}
+                               .dump(1) +
+                           "\n");
     return result;
 }
 

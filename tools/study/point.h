@@ -10,13 +10,13 @@
 namespace whorl {
 
 struct PointResult {
-    std::string status;              ///< of run.json: done | diverged | failed; or "timeout"
+    std::string status;  ///< of run.json: done | diverged | failed; or "timeout"
     std::string message;
-    std::vector<double> cpu, wall;   ///< s, one for each timing
-    double memory = 0;               ///< bytes, peak
+    std::vector<double> cpu, wall;  ///< s, one for each timing
+    double memory = 0;              ///< bytes, peak
     double frames = 0;
-    bool kept = false;               ///< it was there already
-    std::filesystem::path folder;    ///< of the run
+    bool kept = false;             ///< it was there already
+    std::filesystem::path folder;  ///< of the run
     bool done() const { return status == "done"; }
     double fps() const { return frames / wall.front(); }
 };

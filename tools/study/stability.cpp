@@ -13,14 +13,15 @@
 namespace whorl {
 namespace {
 
-/// The largest growth of kinetic, potential and spin energy together over what the run began with, as a part of the energy that there was to move:
-/// the largest kinetic energy or fall of potential energy on the way.
+/// The largest growth of kinetic, potential and spin energy together over what the run began with, as a part of the energy that there was
+/// to move: the largest kinetic energy or fall of potential energy on the way.
 struct Growth {
     double most = 0;
     const std::vector<double>* first = nullptr;  ///< row that is beyond the allowed part
 };
 Growth energy_growth(const CsvTable& table, double allowed, double scale) {
-    const std::size_t kinetic = table.index("kinetic_energy"), potential = table.index("potential_energy"), spin = table.index("spin_energy");
+    const std::size_t kinetic = table.index("kinetic_energy"), potential = table.index("potential_energy"),
+                      spin = table.index("spin_energy");
     const auto value = [](double v) { return std::isfinite(v) ? v : 0; };
     const auto& start = table.rows.front();
     const double e0 = value(start[kinetic]) + value(start[potential]) + value(start[spin]);
@@ -61,17 +62,20 @@ Verdict judge(const StabilityKeys& keys, const PointResult& result) {
         return Verdict{state, std::move(why), row[table.index("time")], static_cast<long>(row[table.index("steps")])};
     };
     if (const long lost = run.value("lost_particles", 0L); lost > 0)
-        return first_trouble(run, "lost", "lost particles", fmt::format("{} of {} left the domain", lost, lost + run.value("particles", 0L)));
+        return first_trouble(run, "lost", "lost particles",
+                             fmt::format("{} of {} left the domain", lost, lost + run.value("particles", 0L)));
     if (keys.energy_growth > 0)
         if (const Growth growth = energy_growth(table, keys.energy_growth, std::strtod(keys.energy_scale.c_str(), nullptr)); growth.first)
             return at_row(*growth.first, "unphysical energy", fmt::format("energy grew by {:.3g} % of what moved", 100 * growth.most));
     const double steps = std::max(1.0, run.value("steps", 1.0));
     if (const double stalled = run.value("unconverged_solves", 0.0) / steps; stalled > keys.stalled)
-        return first_trouble(run, "unconverged", "stalled solver", fmt::format("{:.0f} % of the solves ended without convergence", 100 * stalled));
+        return first_trouble(run, "unconverged", "stalled solver",
+                             fmt::format("{:.0f} % of the solves ended without convergence", 100 * stalled));
     if (keys.noisy_speed.empty()) return {"stable", "", 0, 0};
     const double allowed = std::strtod(keys.noisy_speed.c_str(), nullptr);
     if (const auto& last = table.rows.back(); last[table.index("max_speed")] > allowed)
-        return at_row(last, "noisy", fmt::format("fastest particle {:.3g} m/s at the end, {:.3g} m/s allowed", last[table.index("max_speed")], allowed));
+        return at_row(last, "noisy",
+                      fmt::format("fastest particle {:.3g} m/s at the end, {:.3g} m/s allowed", last[table.index("max_speed")], allowed));
     return {"stable", "", 0, 0};
 }
 

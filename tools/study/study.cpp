@@ -27,7 +27,8 @@ namespace {
 
 KeyTable knob_keys() {
     KeyTableOf<Knob> t("a setting and the values that it takes");
-    t.key("key", &Knob::key, "", "a scene key, or scene, quality, threads, program, or a name of its own that settings use in braces").required();
+    t.key("key", &Knob::key, "", "a scene key, or scene, quality, threads, program, or a name of its own that settings use in braces")
+        .required();
     t.key("values", &Knob::values, "", "its values, in order from cheap to dear or the other way round").required();
     t.key("label", &Knob::label, "", "what pictures call it; default: the key");
     return t;
@@ -35,7 +36,8 @@ KeyTable knob_keys() {
 
 KeyTable accuracy_keys() {
     KeyTableOf<AccuracyKeys> t("what accuracy means");
-    t.key("of", &AccuracyKeys::of, "", "against an expression, against a run that counts as true, against the first row, or between pictures");
+    t.key("of", &AccuracyKeys::of, "",
+          "against an expression, against a run that counts as true, against the first row, or between pictures");
     t.key("table", &AccuracyKeys::table, "", "in the run folder: diagnostics.csv, probes/NAME.csv");
     t.key("column", &AccuracyKeys::column, "", "of the table");
     t.key("at", &AccuracyKeys::at, "", "the newest row, the mean of the rows, or all rows");
@@ -138,7 +140,8 @@ void check(const Study& study, Reader& reader) {
         const std::string name = entry_name("knob", i);
         if (study.knobs[i].values.size() < 2) reader.disagree({name + ".values"}, name + ".values needs two values or more");
         for (std::size_t j = 0; j < i; ++j)
-            if (study.knobs[j].key == study.knobs[i].key) reader.disagree({name + ".key"}, name + ".key is swept by " + entry_name("knob", j) + " already");
+            if (study.knobs[j].key == study.knobs[i].key)
+                reader.disagree({name + ".key"}, name + ".key is swept by " + entry_name("knob", j) + " already");
     }
     for (std::size_t i = 0; i < study.knobs.size(); ++i) {
         const std::string& key = study.knobs[i].key;
@@ -155,10 +158,12 @@ void check(const Study& study, Reader& reader) {
     for (const std::vector<std::string>* settings : {&study.set, &study.accuracy.reference})
         for (const std::string& setting : *settings)
             if (setting.find('=') == std::string::npos)
-                reader.disagree({settings == &study.set ? "set" : "accuracy.reference"}, "\"" + setting + "\" is no setting", "", "allowed: \"key=value\"");
+                reader.disagree({settings == &study.set ? "set" : "accuracy.reference"}, "\"" + setting + "\" is no setting", "",
+                                "allowed: \"key=value\"");
     const StabilityKeys& s = study.stability;
     if (!s.bisect.empty() && !(0 < s.low && s.low < s.high))
-        reader.disagree({"stability.high", "stability.low", "stability.bisect"}, "stability.bisect needs 0 < stability.low < stability.high");
+        reader.disagree({"stability.high", "stability.low", "stability.bisect"},
+                        "stability.bisect needs 0 < stability.low < stability.high");
 }
 
 }  // namespace
@@ -172,7 +177,8 @@ std::string with_values(const std::string& text, const std::vector<std::string>&
     std::map<std::string, std::string> values;
     for (const std::string& setting : settings) {
         const std::size_t equals = setting.find('='), dot = setting.rfind('.', equals);
-        values[setting.substr(dot == std::string::npos ? 0 : dot + 1, equals - (dot == std::string::npos ? 0 : dot + 1))] = setting.substr(equals + 1);
+        values[setting.substr(dot == std::string::npos ? 0 : dot + 1, equals - (dot == std::string::npos ? 0 : dot + 1))] =
+            setting.substr(equals + 1);
     }
     std::string out;
     for (std::size_t i = 0; i < text.size();) {

@@ -16,7 +16,7 @@ enum class CostKind { cpu, wall, memory };
 
 /// One setting and the values that it takes.
 struct Knob {
-    std::string key;                  ///< a scene key; or scene, quality, threads, program; or a name of its own, which settings use in braces
+    std::string key;  ///< a scene key; or scene, quality, threads, program; or a name of its own, which settings use in braces
     std::vector<std::string> values;  ///< as --set takes them
     std::string label;                ///< what pictures call it; "": the key
     const std::string& title() const { return label.empty() ? key : label; }
@@ -26,10 +26,10 @@ struct AccuracyKeys {
     AccuracyKind of = AccuracyKind::exact;
     std::string table = "diagnostics.csv";  ///< in the run folder: "probes/coil.csv"
     std::string column;
-    Moment at = Moment::last;    ///< the newest row, the mean of the rows, or the root of the mean square of every row's error
-    double from = 0;             ///< s; earlier rows do not count
-    Expression expected{0.0};    ///< exact: of t, and of x, y, z where the table has such columns
-    double scale = 0;            ///< what the error is divided by; 0: the largest expected value
+    Moment at = Moment::last;            ///< the newest row, the mean of the rows, or the root of the mean square of every row's error
+    double from = 0;                     ///< s; earlier rows do not count
+    Expression expected{0.0};            ///< exact: of t, and of x, y, z where the table has such columns
+    double scale = 0;                    ///< what the error is divided by; 0: the largest expected value
     std::vector<std::string> reference;  ///< settings of the run that counts as true
 };
 
@@ -45,28 +45,29 @@ struct LimitKeys {
 };
 
 struct StabilityKeys {
-    std::string noisy_speed;     ///< m/s; a run whose fastest particle ends above it is noisy; braces allowed; "": not asked
-    double energy_growth = 0.05; ///< of the scene's own energy; more is unphysical; 0: not asked (emitters and moving solids feed energy in)
-    std::string energy_scale;    ///< J; growth is measured against what moved, but at least against this; braces allowed; "": 0
-    double stalled = 0.05;       ///< part of the solves that may end without convergence
-    std::string bisect;          ///< key whose largest stable value is searched for in each cell; "": none
-    double low = 0, high = 0;    ///< between these, halving the interval of its logarithm
+    std::string noisy_speed;  ///< m/s; a run whose fastest particle ends above it is noisy; braces allowed; "": not asked
+    double energy_growth =
+        0.05;                  ///< of the scene's own energy; more is unphysical; 0: not asked (emitters and moving solids feed energy in)
+    std::string energy_scale;  ///< J; growth is measured against what moved, but at least against this; braces allowed; "": 0
+    double stalled = 0.05;     ///< part of the solves that may end without convergence
+    std::string bisect;        ///< key whose largest stable value is searched for in each cell; "": none
+    double low = 0, high = 0;  ///< between these, halving the interval of its logarithm
     int halvings = 5;
     std::vector<LimitKeys> limits;
 };
 
 struct Study {
     std::string name;
-    std::vector<std::string> scenes;   ///< names of shipped scenes, or files found from the study's folder
+    std::vector<std::string> scenes;  ///< names of shipped scenes, or files found from the study's folder
     std::string quality = "standard";
-    std::vector<std::string> set;      ///< for every point; "{...}" stands for the value of an expression of the knobs: "time.end={40*dt}"
-    double limit = 600;                ///< s of wall time a point may take
-    bool pictures = false;             ///< draw too (an accuracy of kind picture does so anyway)
+    std::vector<std::string> set;  ///< for every point; "{...}" stands for the value of an expression of the knobs: "time.end={40*dt}"
+    double limit = 600;            ///< s of wall time a point may take
+    bool pictures = false;         ///< draw too (an accuracy of kind picture does so anyway)
     std::vector<Knob> knobs;
     AccuracyKeys accuracy;
     CostKeys cost;
     StabilityKeys stability;
-    std::filesystem::path directory;   ///< of the study file
+    std::filesystem::path directory;  ///< of the study file
 };
 
 /// The settings of a run as --set takes them: the study's own, then those of its knobs, with every "{...}" replaced by its value.

@@ -11,8 +11,12 @@ namespace whorl {
 void add_sweep_options(CLI::App& app, SweepOptions& o) {
     app.add_option("study", o.study, "study file, or the name of a study that ships")->required()->type_name("STUDY");
     app.add_option("--out", o.out, "folder of the results (default: out/<study name>)")->type_name("DIR");
-    app.add_option("--threads", o.threads, "threads of each run (default: what the runs at the same time leave each)")->type_name("N")->check(CLI::Range(0, 1024));
-    app.add_option("--jobs", o.jobs, "runs at the same time (default: as many as do not disturb what is measured)")->type_name("N")->check(CLI::Range(0, 1024));
+    app.add_option("--threads", o.threads, "threads of each run (default: what the runs at the same time leave each)")
+        ->type_name("N")
+        ->check(CLI::Range(0, 1024));
+    app.add_option("--jobs", o.jobs, "runs at the same time (default: as many as do not disturb what is measured)")
+        ->type_name("N")
+        ->check(CLI::Range(0, 1024));
     app.add_option("--budget", o.budget, "stop after that much wall time: 90s, 10min, 1h")->type_name("TIME");
     app.add_flag("--json", o.json, "the result as JSON on standard output");
 }
@@ -29,7 +33,8 @@ std::filesystem::path folder_of(const Study& study, const SweepOptions& options)
 
 std::vector<std::string> settings_at(const Study& study, const GridPoint& p) {
     std::vector<std::string> settings;
-    for (std::size_t k = 0; k < study.knobs.size(); ++k) settings.push_back(study.knobs[k].key + "=" + study.knobs[k].values[static_cast<std::size_t>(p[k])]);
+    for (std::size_t k = 0; k < study.knobs.size(); ++k)
+        settings.push_back(study.knobs[k].key + "=" + study.knobs[k].values[static_cast<std::size_t>(p[k])]);
     return settings;
 }
 

@@ -11,12 +11,12 @@ namespace whorl {
 
 struct SweepOptions {
     std::string study;
-    std::filesystem::path out;   ///< empty: out/<study name>
-    int threads = 0;             ///< of each run; 0: those that the jobs leave
-    int jobs = 0;                ///< runs at the same time; 0: as many as do not disturb what is measured
-    std::string budget;          ///< "10min": stop after that long
-    std::string recommend;       ///< tradeoff: "error<2%", "fps>24"
-    bool all = false;            ///< tradeoff: the whole grid
+    std::filesystem::path out;  ///< empty: out/<study name>
+    int threads = 0;            ///< of each run; 0: those that the jobs leave
+    int jobs = 0;               ///< runs at the same time; 0: as many as do not disturb what is measured
+    std::string budget;         ///< "10min": stop after that long
+    std::string recommend;      ///< tradeoff: "error<2%", "fps>24"
+    bool all = false;           ///< tradeoff: the whole grid
     bool json = false;
 };
 

@@ -17,12 +17,15 @@ std::size_t CsvTable::index(const std::string& column) const {
     const std::string near = nearest_name(column, columns);
     std::string all;
     for (const std::string& name : columns) all += (all.empty() ? "" : ", ") + name;
-    throw InputError({file, 0, 0}, "no column \"" + column + "\"", near.empty() ? "" : "did you mean \"" + near + "\"?", "there are: " + all);
+    throw InputError({file, 0, 0}, "no column \"" + column + "\"", near.empty() ? "" : "did you mean \"" + near + "\"?",
+                     "there are: " + all);
 }
 
 CsvTable read_csv(const std::filesystem::path& file) {
     std::ifstream in(file);
-    if (!in) throw InputError({file.string(), 0, 0}, "no such table", "accuracy.table names a file in the run folder: diagnostics.csv, probes/NAME.csv");
+    if (!in)
+        throw InputError({file.string(), 0, 0}, "no such table",
+                         "accuracy.table names a file in the run folder: diagnostics.csv, probes/NAME.csv");
     CsvTable table;
     table.file = file.string();
     const auto cells = [](const std::string& line) {

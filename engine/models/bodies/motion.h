@@ -1,5 +1,6 @@
 #pragma once
-/// The frame of a free body's step, beside that of the particles (models/motion/motion.h): Weigh with Gravity, KickBodies after Kick, MoveBodies after Move.
+/// The frame of a free body's step, beside that of the particles (models/motion/motion.h): Weigh with Gravity, KickBodies after Kick,
+/// MoveBodies after Move.
 #include "engine/geometry/solids.h"
 #include "engine/particles/pairs.h"
 #include "engine/particles/step.h"
@@ -21,8 +22,8 @@ struct MoveBodies {
     void operator()(const StepContext& step, Solids& solids, const SolidParticles& layer) const;
 };
 
-/// Least mass of a free body over that of the fluid that touches it (a particle of fluid for each of its layer's); 1 or more: 1. What acts explicitly
-/// moves fluid and body in turn, so the lighter of the two bounds the step.
+/// Least mass of a free body over that of the fluid that touches it (a particle of fluid for each of its layer's); 1 or more: 1. What acts
+/// explicitly moves fluid and body in turn, so the lighter of the two bounds the step.
 double lightness(const Solids& solids, const SolidParticles& layer, Real mass);
 
 }  // namespace whorl

@@ -16,8 +16,8 @@ struct Wrench {
 /// The particles that have a solid neighbour of a free body, in order.
 std::vector<Index> particles_at_bodies(const Solids& solids, const SolidPairs& pairs, const SolidParticles& layer);
 
-/// Adds to every free body the opposite of what its layer does to the particles. It acts where the particle is: whatever the direction of the force, momentum
-/// and angular momentum of both together stay.
+/// Adds to every free body the opposite of what its layer does to the particles. It acts where the particle is: whatever the direction of
+/// the force, momentum and angular momentum of both together stay.
 /// @param mass of a particle [kg] @param act (i, s, r, distance) -> acceleration of particle i by solid particle s [m/s^2]
 template <class Act>
 void react(Solids& solids, const SolidPairs& pairs, const SolidParticles& layer, Real mass, Read<field::role> role, const Act& act) {

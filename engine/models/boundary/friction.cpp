@@ -13,7 +13,8 @@ constexpr Real most_counted = Real(0.75);  ///< in a corner of two walls
 
 }  // namespace
 
-void WallFriction::set(FrictionForm form, const SolidPairs& pairs, const Solids& solids, const SolidParticles& layer, const StepContext& step) {
+void WallFriction::set(FrictionForm form, const SolidPairs& pairs, const Solids& solids, const SolidParticles& layer,
+                       const StepContext& step) {
     acts_ = false;
     const auto rubs = [&](Index s) { return solids.all[static_cast<std::size_t>(layer.solid[static_cast<std::size_t>(s)])].rubs(); };
     if (std::none_of(solids.all.begin(), solids.all.end(), [](const Solid& solid) { return solid.rubs(); }) || layer.size() == 0) return;
@@ -21,7 +22,8 @@ void WallFriction::set(FrictionForm form, const SolidPairs& pairs, const Solids&
     hold_.resize(static_cast<std::size_t>(n)), pull_.resize(static_cast<std::size_t>(n)), counted_.resize(static_cast<std::size_t>(n));
     std::vector<char> touched(static_cast<std::size_t>(n), 0);
     const Real d = step.spacing, depth = d / 2, softening = Real(0.01) * step.support * step.support / 4;
-    const Real factor = form == FrictionForm::central ? 3 / lattice_second_moment(step.kernel, step.support, d) : along_pairs_factor(step.kernel, step.support, d);
+    const Real factor = form == FrictionForm::central ? 3 / lattice_second_moment(step.kernel, step.support, d)
+                                                      : along_pairs_factor(step.kernel, step.support, d);
     const Real column = layer_factor(step.kernel, step.support, d);
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         parallel_for(n, [&](Index i) {

@@ -9,21 +9,24 @@
 
 namespace whorl {
 
-/// Which Laplacian the friction belongs to, see models/viscosity/explicit.h: c is what Lap u_i = sum_j V c (u_j - u_i) weights a neighbour by.
+/// Which Laplacian the friction belongs to, see models/viscosity/explicit.h: c is what Lap u_i = sum_j V c (u_j - u_i) weights a neighbour
+/// by.
 enum class FrictionForm {
     central,  ///< c = 2 3/(lattice sum) |W'|/r
     along     ///< c = 10 along_pairs_factor() |W'|/r / (r^2 + 0.01 h^2) r r^T, along the pair
 };
 
-/// Navier's condition: on the surface u_t - u_wall,t = b du_t/dn with the slip length b, and no word about the normal part, which is the pressure's.
-/// A profile straight near the wall has du_t/dn = (u_i - u_wall)_t/(h_i + b) at the height h_i; a lattice that went on behind the surface with the same slope
-/// would have u_i - u_l = (h_i + d_l) du_t/dn in its layers l at depths d_l, and would pull particle i by nu times
+/// Navier's condition: on the surface u_t - u_wall,t = b du_t/dn with the slip length b, and no word about the normal part, which is the
+/// pressure's. A profile straight near the wall has du_t/dn = (u_i - u_wall)_t/(h_i + b) at the height h_i; a lattice that went on behind
+/// the surface with the same slope would have u_i - u_l = (h_i + d_l) du_t/dn in its layers l at depths d_l, and would pull particle i by
+/// nu times
 ///
-///   -(hold_i u_i - pull_i),   hold_i = sum_s V sum_l T c(r_is + l d n_s) T (h_is + d_l)/(h_is + b),   pull_i = hold_i u_wall,   T = 1 - n_s n_s^T
+///   -(hold_i u_i - pull_i),   hold_i = sum_s V sum_l T c(r_is + l d n_s) T (h_is + d_l)/(h_is + b),   pull_i = hold_i u_wall,   T = 1 -
+///   n_s n_s^T
 ///
-/// with every particle s of the solid's one layer standing for the column of layers behind it (each_layer()). Over a wetted wall these forces add up to mu du_t/dn its area, whatever b:
-/// b -> 0 sticks, b -> infinity slides freely. As hold_i is symmetric and positive, it is the derivative of an energy, nu m u.(hold u)/2. Solids
-/// with a slip length have no other part in the viscous terms.
+/// with every particle s of the solid's one layer standing for the column of layers behind it (each_layer()). Over a wetted wall these
+/// forces add up to mu du_t/dn its area, whatever b: b -> 0 sticks, b -> infinity slides freely. As hold_i is symmetric and positive, it is
+/// the derivative of an energy, nu m u.(hold u)/2. Solids with a slip length have no other part in the viscous terms.
 class WallFriction {
 public:
     void set(FrictionForm form, const SolidPairs& pairs, const Solids& solids, const SolidParticles& layer, const StepContext& step);
@@ -31,8 +34,8 @@ public:
     bool acts() const { return acts_; }
     const Mat3& hold(Index i) const { return hold_[static_cast<std::size_t>(i)]; }  ///< 1/m^2; valid where acts()
     const Vec3& pull(Index i) const { return pull_[static_cast<std::size_t>(i)]; }  ///< 1/(m s)
-    /// Part of i's volume that lies between it and the wall, where the friction has the shear already: a half in the layer that touches it. A model
-    /// with an energy of its own for all of V counts the rest.
+    /// Part of i's volume that lies between it and the wall, where the friction has the shear already: a half in the layer that touches it.
+    /// A model with an energy of its own for all of V counts the rest.
     Real counted(Index i) const { return counted_[static_cast<std::size_t>(i)]; }
 
 private:

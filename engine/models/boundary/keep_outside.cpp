@@ -5,9 +5,10 @@
 namespace whorl {
 namespace {
 
-/// A particle inside a free body is brought to its surface and struck by it; what moving it does to its angular momentum the body gets back as spin. Bodies take the
-/// impulses one after the other, in the particles' order: few particles are ever inside.
-void strike(Solids& solids, const std::vector<Index>& inside, const std::vector<int>& whose, Real mass, Update<field::position> x, Update<field::velocity> u) {
+/// A particle inside a free body is brought to its surface and struck by it; what moving it does to its angular momentum the body gets back
+/// as spin. Bodies take the impulses one after the other, in the particles' order: few particles are ever inside.
+void strike(Solids& solids, const std::vector<Index>& inside, const std::vector<int>& whose, Real mass, Update<field::position> x,
+            Update<field::velocity> u) {
     for (const Index i : inside) {
         Solid& solid = solids.all[static_cast<std::size_t>(whose[static_cast<std::size_t>(i)])];
         RigidBody& body = *solid.body;
@@ -27,8 +28,8 @@ void strike(Solids& solids, const std::vector<Index>& inside, const std::vector<
 
 }  // namespace
 
-void KeepOutside::operator()(Solids& solids, const SolidPairs& pairs, SolidParticles& layer, const StepContext& step, Read<field::role> role,
-                             Update<field::position> x, Update<field::velocity> u) const {
+void KeepOutside::operator()(Solids& solids, const SolidPairs& pairs, SolidParticles& layer, const StepContext& step,
+                             Read<field::role> role, Update<field::position> x, Update<field::velocity> u) const {
     if (solids.all.empty()) return;
     // The pairs are those before the move: a particle without solid neighbours was a support radius away.
     const Real far = step.support / 2;

@@ -8,8 +8,9 @@
 namespace whorl {
 
 /// A free particle that stands inside a solid is put back on its surface and loses the part of its velocity (relative to the solid) that
-/// points into the solid. Sound while a particle moves less than the solid's thickness in a step, which the CFL limit of the time step ensures
-/// for solids at least a spacing thick. A free body gets the impulse that the particle loses; the two then part as they meet, with their common mass.
+/// points into the solid. Sound while a particle moves less than the solid's thickness in a step, which the CFL limit of the time step
+/// ensures for solids at least a spacing thick. A free body gets the impulse that the particle loses; the two then part as they meet, with
+/// their common mass.
 struct KeepOutside {
     void operator()(Solids& solids, const SolidPairs& pairs, SolidParticles& layer, const StepContext& step, Read<field::role> role,
                     Update<field::position> x, Update<field::velocity> u) const;

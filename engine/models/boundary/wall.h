@@ -8,23 +8,26 @@
 
 namespace whorl {
 
-/// What the notes leave out of the layer's volume. A single layer with the volumes 1/sum W weighs more than the layer of fluid that it stands for
-/// (1.43 d^3 a particle on a flat wall with R = 2 d): fluid at rest would hover. With this factor, fluid on a lattice that touches a flat
-/// wall feels the same kernel gradient as if the lattice went on behind the wall. 1: as in the notes.
+/// What the notes leave out of the layer's volume. A single layer with the volumes 1/sum W weighs more than the layer of fluid that it
+/// stands for (1.43 d^3 a particle on a flat wall with R = 2 d): fluid at rest would hover. With this factor, fluid on a lattice that
+/// touches a flat wall feels the same kernel gradient as if the lattice went on behind the wall. 1: as in the notes.
 /// @param support, spacing [m]
 Real continued_lattice_factor(KernelKind kernel, Real support, Real spacing);
 
-/// What makes a solid particle of a flat layer, which has the volume 1/sum W, stand for one particle of fluid, d^3: d^3 sum W over a square lattice.
+/// What makes a solid particle of a flat layer, which has the volume 1/sum W, stand for one particle of fluid, d^3: d^3 sum W over a square
+/// lattice.
 Real layer_factor(KernelKind kernel, Real support, Real spacing);
 
 /// sum_j V |W'(r_ij)| r_ij over a cubic lattice: 3 for dense neighbours.
 Real lattice_second_moment(KernelKind kernel, Real support, Real spacing);
 
-/// 3 over the lattice sum of V |W'(r)| r^3/(r^2 + 0.01 h^2), h = R/2: what makes forces along pairs as stiff as they should be in the mean over directions.
+/// 3 over the lattice sum of V |W'(r)| r^3/(r^2 + 0.01 h^2), h = R/2: what makes forces along pairs as stiff as they should be in the mean
+/// over directions.
 Real along_pairs_factor(KernelKind kernel, Real support, Real spacing);
 
-/// What fluid at r from a solid particle with that normal feels of the solid may be the column of lattice layers behind it rather than the particle alone: calls
-/// f(r_l, |r_l|, d_l) for each of them within the support, with r_l from the layer to the fluid and its depth d_l behind the surface [m].
+/// What fluid at r from a solid particle with that normal feels of the solid may be the column of lattice layers behind it rather than the
+/// particle alone: calls f(r_l, |r_l|, d_l) for each of them within the support, with r_l from the layer to the fluid and its depth d_l
+/// behind the surface [m].
 template <class F>
 void each_layer(const Vec3& r, const Vec3& normal, Real spacing, Real support, F&& f) {
     const Real depth = spacing / 2;
@@ -38,8 +41,8 @@ void each_layer(const Vec3& r, const Vec3& normal, Real spacing, Real support, F
     }
 }
 
-/// The velocity of a solid as a neighbour of fluid particle i at a wall that the fluid sticks to. The particles stand half a spacing inside the
-/// solid; for u to vanish relative to the wall on the solid's surface, not there, the shear is continued behind the surface:
+/// The velocity of a solid as a neighbour of fluid particle i at a wall that the fluid sticks to. The particles stand half a spacing inside
+/// the solid; for u to vanish relative to the wall on the solid's surface, not there, the shear is continued behind the surface:
 ///   u_i - u_s  becomes  stretch (u_i - u_wall),   stretch = 1 + d_s/d_i,
 /// with d_s and d_i the depths of s and i behind and before the surface, measured along the normal of s, limited to 3 close to the surface.
 struct WallShear {

@@ -21,16 +21,18 @@ Mat36 motion(const Vec3& a) {
     return E;
 }
 
-/// The numbers that all sums over a row's pairs are made of. With q = (xx, yy, zz, xy, xz, yz) of r and u = v + omega x arm every sum of the form below is one of
-/// (1, arm) times one of these, so that a pair costs a few vector operations.
+/// The numbers that all sums over a row's pairs are made of. With q = (xx, yy, zz, xy, xz, yz) of r and u = v + omega x arm every sum of
+/// the form below is one of (1, arm) times one of these, so that a pair costs a few vector operations.
 struct alignas(8 * sizeof(Real)) Monomials {
     static constexpr int count = 40, levered = 24, springs = 16;
-    Real v[count];  ///< w r; w/r^2 times the ten cubes; three spare; W (xx, yy, zz, xy, xz, yz) from `springs` on; two spare; from `levered` on w/r^2 times the fifteen fourth powers
+    Real v[count];  ///< w r; w/r^2 times the ten cubes; three spare; W (xx, yy, zz, xy, xz, yz) from `springs` on; two spare; from
+                    ///< `levered` on w/r^2 times the fifteen fourth powers
 };
 
 /// The cube x_a q_k, and the fourth power q_k q_l, by their place among the distinct ones.
 constexpr int cube[3][6] = {{0, 3, 5, 1, 2, 4}, {1, 6, 8, 3, 4, 7}, {2, 7, 9, 4, 5, 8}};
-constexpr int fourth[6][6] = {{0, 3, 5, 1, 2, 4}, {3, 10, 12, 6, 7, 11}, {5, 12, 14, 8, 9, 13}, {1, 6, 8, 3, 4, 7}, {2, 7, 9, 4, 5, 8}, {4, 11, 13, 7, 8, 12}};
+constexpr int fourth[6][6] = {{0, 3, 5, 1, 2, 4}, {3, 10, 12, 6, 7, 11}, {5, 12, 14, 8, 9, 13},
+                              {1, 6, 8, 3, 4, 7}, {2, 7, 9, 4, 5, 8},    {4, 11, 13, 7, 8, 12}};
 
 void find_monomials(const RowBlock& block, std::size_t begin, std::size_t end, const StrainCoefficients& c, std::vector<Monomials>& pairs) {
     if (pairs.size() < end - begin) pairs.resize(end - begin);
@@ -102,7 +104,8 @@ struct Share {
             for (int k = 0; k < 3; ++k) arm_s(p, k) = sums.v[1 + p][k];
             for (int k = 0; k < 6; ++k) arm_b(p, k) = sums.v[1 + q][3 + cube[r][k]] - sums.v[1 + r][3 + cube[q][k]];
         }
-        const Mat3 x = springs_of(sums.v[1] + Monomials::springs), y = springs_of(sums.v[2] + Monomials::springs), z = springs_of(sums.v[3] + Monomials::springs);
+        const Mat3 x = springs_of(sums.v[1] + Monomials::springs), y = springs_of(sums.v[2] + Monomials::springs),
+                   z = springs_of(sums.v[3] + Monomials::springs);
         spring.leftCols<3>() = sums.springs();
         spring.col(3) = y.col(2) - z.col(1), spring.col(4) = z.col(0) - x.col(2), spring.col(5) = x.col(1) - y.col(0);
     }
@@ -281,7 +284,8 @@ SymmetricBlocks coarse_matrix(const StrainForm& form, const RigidAggregates& agg
             const auto aggregate = [&](int k) { return partial.aggregates[static_cast<std::size_t>(k)]; };
             Ac.add(aggregate(sum.row), aggregate(sum.column), sum.value);
         }
-    // An aggregate of a single particle or of a straight file has motions that move nothing: a trace of the largest entry keeps Ac definite.
+    // An aggregate of a single particle or of a straight file has motions that move nothing: a trace of the largest entry keeps Ac
+    // definite.
     for (int a = 0; a < Ac.nodes(); ++a) {
         double largest = 0;
         for (const SymmetricBlocks::Entry& e : Ac.row(a))

@@ -6,16 +6,19 @@ namespace whorl::field {
 
 struct velocity_gradient {
     using type = Mat3;
-    static constexpr std::string_view name = "velocity_gradient", unit = "1/s", meaning = "first-order gradient of the velocity solved last";
+    static constexpr std::string_view name = "velocity_gradient", unit = "1/s",
+                                      meaning = "first-order gradient of the velocity solved last";
 };
 struct velocity_change {
     using type = Vec3;
-    static constexpr std::string_view name = "velocity_change", unit = "m/s", meaning = "change over the last step: where the next solve starts";
+    static constexpr std::string_view name = "velocity_change", unit = "m/s",
+                                      meaning = "change over the last step: where the next solve starts";
 };
 /// 0: none. k > 0: in aggregate k - 1 of the coarse level.
 struct aggregate {
     using type = std::int32_t;
-    static constexpr std::string_view name = "aggregate", unit = "", meaning = "rigid group that the particle belongs to in the coarse level";
+    static constexpr std::string_view name = "aggregate", unit = "",
+                                      meaning = "rigid group that the particle belongs to in the coarse level";
 };
 /// Zero where no solid that slips is touched: else the solid's unit normal; the velocity along it is the solid's.
 struct contact_normal {

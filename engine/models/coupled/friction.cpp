@@ -6,7 +6,8 @@
 
 namespace whorl {
 
-void ContactFriction::set(Span<const Vec3> x, Span<const std::int16_t> role, Span<const Real> mu, const Solids& solids, const StepContext& step) {
+void ContactFriction::set(Span<const Vec3> x, Span<const std::int16_t> role, Span<const Real> mu, const Solids& solids,
+                          const StepContext& step) {
     hold.clear(), pull.clear(), counted.clear();
     if (std::none_of(solids.all.begin(), solids.all.end(), [](const Solid& solid) { return solid.rubs(); })) return;
     hold.resize(x.size()), pull.resize(x.size()), counted.assign(x.size(), 0);
@@ -20,7 +21,8 @@ void ContactFriction::set(Span<const Vec3> x, Span<const std::int16_t> role, Spa
             const Real height = solid.distance(x[k]), share = std::clamp((Real(1.1) - height / d) / Real(0.2), Real(0), Real(1));
             if (share == 0) continue;
             const Vec3 n = solid.normal(x[k]);
-            const Real strength = step.dt * mu[k] / step.rest_density * share / d / (std::max(height, d / 4) + static_cast<Real>(solid.slip_length));
+            const Real strength =
+                step.dt * mu[k] / step.rest_density * share / d / (std::max(height, d / 4) + static_cast<Real>(solid.slip_length));
             const Mat3 held = strength * (Mat3::Identity() - n * n.transpose());
             hold[k] += held;
             counted[k] = std::min(counted[k] + share * std::clamp(height / d, Real(0), Real(1)), Real(0.75));

@@ -4,7 +4,8 @@
 namespace whorl {
 namespace {
 
-/// Where a point that moves with the solid is a time dt later (earlier for dt < 0): the midpoint rule keeps its distance on a turning solid.
+/// Where a point that moves with the solid is a time dt later (earlier for dt < 0): the midpoint rule keeps its distance on a turning
+/// solid.
 Vec3 carried(const Pose& pose, const Vec3& x, Real dt) {
     const Vec3 middle = x + (dt / 2) * pose.velocity_at(x);
     return x + dt * pose.velocity_at(middle);
@@ -31,14 +32,17 @@ struct Shifting {
     const StepContext& step;
 
     /// With r_ij = x_j - x_i here:
-    /// dx_i = -sum_j rate_ij (range - r) r_ij/r - thin_i e_i sum_j rate'_ij (range' - |s|) s/(|s| + 0.2),   s = e_i.r_ij,   rate = shift_rate dt (|D_i| + |D_j|)/2
+    /// dx_i = -sum_j rate_ij (range - r) r_ij/r - thin_i e_i sum_j rate'_ij (range' - |s|) s/(|s| + 0.2),   s = e_i.r_ij,   rate =
+    /// shift_rate dt (|D_i| + |D_j|)/2
     ///
-    /// The first keeps particles apart; repulsion only, any attraction clumps. A stretched thread widens every gap along its axis e in proportion, and once it is thin nobody is close enough
-    /// to be pushed into it: the second fills gaps along the axis, and along the axis alone, so that a longer range does not fatten the thread.
+    /// The first keeps particles apart; repulsion only, any attraction clumps. A stretched thread widens every gap along its axis e in
+    /// proportion, and once it is thin nobody is close enough to be pushed into it: the second fills gaps along the axis, and along the
+    /// axis alone, so that a longer range does not fatten the thread.
     Vec3 of(Index i) const {
         const CoupledOptions& o = system.options;
         const Real range = static_cast<Real>(o.shift_range), rate = static_cast<Real>(o.shift_rate), strongest = Real(0.15);
-        const Real evening_range = static_cast<Real>(o.evening_range), evening_rate = static_cast<Real>(o.evening_rate), strongest_evening = Real(0.05);
+        const Real evening_range = static_cast<Real>(o.evening_range), evening_rate = static_cast<Real>(o.evening_rate),
+                   strongest_evening = Real(0.05);
         const RowBlock& block = system.rows.blocks[static_cast<std::size_t>(i / CoupledRows::block_size)];
         const Neighbourhood& hood = system.rows.neighbourhood[static_cast<std::size_t>(i)];
         const Real thin = hood.thin * (1 - system.parting[static_cast<std::size_t>(i)].parts);  // what parts may tear
@@ -52,7 +56,8 @@ struct Shifting {
             const Real distance = r.norm(), strained = strain[static_cast<std::size_t>(i)] + strain[static_cast<std::size_t>(j)];
             if (distance < range && distance > Real(1e-6)) dx -= std::min(rate * strained, strongest) * (range - distance) / distance * r;
             const Real s = hood.along.dot(r), away = std::abs(s);
-            if (thin > 0 && away < evening_range) along -= std::min(evening_rate * strained, strongest_evening) * (evening_range - away) * s / (away + Real(0.2));
+            if (thin > 0 && away < evening_range)
+                along -= std::min(evening_rate * strained, strongest_evening) * (evening_range - away) * s / (away + Real(0.2));
         }
         dx += thin * along * hood.along;
         const Real length = dx.norm(), longest = static_cast<Real>(o.longest_shift);
@@ -73,7 +78,8 @@ void CoupledShift::operator()(Update<field::position> x, Update<field::velocity>
     std::vector<Real> strain(static_cast<std::size_t>(x.size()));
     parallel_for(x.size(), [&](Index i) {
         const Real falling = s.parting[static_cast<std::size_t>(i)].parts * std::sqrt(step.gravity.norm() / d);
-        strain[static_cast<std::size_t>(i)] = step.dt * Real(0.5) * (Real(0.5) * (G[i] + G[i].transpose()).norm() + falling);  // half of |D| and sqrt(g/d)
+        strain[static_cast<std::size_t>(i)] =
+            step.dt * Real(0.5) * (Real(0.5) * (G[i] + G[i].transpose()).norm() + falling);  // half of |D| and sqrt(g/d)
     });
 
     const Shifting shifting{s, x.values, strain, step};
@@ -82,8 +88,8 @@ void CoupledShift::operator()(Update<field::position> x, Update<field::velocity>
         if (role[i] == 0) shift[static_cast<std::size_t>(i)] = d * shifting.of(i);
     });
 
-    // The velocity of the place that a particle comes to: u += G dx. The sum of these changes goes back to the neighbours, so that the linear
-    // momentum stays.
+    // The velocity of the place that a particle comes to: u += G dx. The sum of these changes goes back to the neighbours, so that the
+    // linear momentum stays.
     Column<Vec4> spread(s.rows.entries());
     parallel_blocks(x.size(), CoupledRows::block_size, [&](Index begin, Index end) {
         const RowBlock& block = s.rows.blocks[static_cast<std::size_t>(begin / CoupledRows::block_size)];
@@ -127,9 +133,11 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
         const Vec3 from = s.x_before[static_cast<std::size_t>(i)];
         for (std::size_t k = 0; k < solids.all.size(); ++k) {
             const Solid& solid = solids.all[k];
-            const Real closest = d * static_cast<Real>(s.options.closest + s.options.sliding_closest * (solid.sticks() ? static_cast<double>(parts) : 1));
+            const Real closest =
+                d * static_cast<Real>(s.options.closest + s.options.sliding_closest * (solid.sticks() ? static_cast<double>(parts) : 1));
             // What slides rests where it comes no closer: it must count as touching there whatever the rounding.
-            const Real stick = static_cast<Real>(s.options.stick) * d, touching = solid.sticks() ? stick : std::max(stick, closest + Real(0.05) * d);
+            const Real stick = static_cast<Real>(s.options.stick) * d,
+                       touching = solid.sticks() ? stick : std::max(stick, closest + Real(0.05) * d);
             const Vec3 to = carried(solid.pose, x[i], -dt);
             const Vec3 path = step.domain.minimum_image(to - from);
             const Real length = path.norm();

@@ -62,11 +62,9 @@ struct CoupledRows::Scratch {
     std::vector<Index> place;    ///< of each particle in the block's touched list, -1: not in it. All -1 between two blocks
     std::vector<Index> reached;  ///< the particle whose close neighbours' close neighbours were marked last, this one among them
 
-    unsigned long build = 0;     ///< for which `reached` was cleared
+    unsigned long build = 0;  ///< for which `reached` was cleared
 
-    void clear() {
-        x.clear(), y.clear(), z.clear(), r2.clear(), index.clear();
-    }
+    void clear() { x.clear(), y.clear(), z.clear(), r2.clear(), index.clear(); }
     void add(Index j, const Vec3& r) {
         x.push_back(r[0]), y.push_back(r[1]), z.push_back(r[2]);
         r2.push_back(r.squaredNorm());
@@ -125,8 +123,8 @@ void CoupledRows::build(Span<const Vec3> x, Span<const std::int16_t> role, const
     static std::atomic<unsigned long> count{0};
     builds_ = ++count;
 
-    // h = 1.15 times the distance of the 16th neighbour, within [support, widest_support]: only particles without 16 neighbours in support / 1.15
-    // need to look further.
+    // h = 1.15 times the distance of the 16th neighbour, within [support, widest_support]: only particles without 16 neighbours in support
+    // / 1.15 need to look further.
     const Real dense_reach = support / Real(1.15);
     const Real bridge = static_cast<Real>(options.bridge) * spacing;
     sparse_place_.assign(x.size(), -1);

@@ -13,19 +13,19 @@ struct alignas(4 * sizeof(Real)) Vec4 {
 
 /// Moments of a particle's neighbourhood. Lengths in spacings, r = (x_j - x_i)/d.
 struct Neighbourhood {
-    Mat3 inverse_moment = Mat3::Zero();    ///< M+ = Q diag(pi/s) Q^T of M = sum w r r^T = Q diag(s) Q^T, pi: how far a direction is resolved
-    Mat3 resolved = Mat3::Identity();      ///< P = Q diag(pi) Q^T
-    Real unresolved = 0;                   ///< k = sum (1 - pi^2): 0 in a volume, 1 in a sheet, 2 in a single file
-    Real thin = 0;                         ///< 0 in a thick thread, 1 in a thin one
-    Vec3 along = Vec3::Zero();             ///< unit, the thread's direction; zero in a thick one
-    Real spread = 0;                       ///< sum w r^2
-    Real density = 0;                      ///< n/n0, kernel of radius `support`, all neighbours
-    Vec3 outward = Vec3::Zero();           ///< unit, away from the neighbours' centre
-    Real surface = 0;                      ///< |sum w r| / sum w |r|: 0 inside, about 0.4 on a flat surface
+    Mat3 inverse_moment = Mat3::Zero();  ///< M+ = Q diag(pi/s) Q^T of M = sum w r r^T = Q diag(s) Q^T, pi: how far a direction is resolved
+    Mat3 resolved = Mat3::Identity();    ///< P = Q diag(pi) Q^T
+    Real unresolved = 0;                 ///< k = sum (1 - pi^2): 0 in a volume, 1 in a sheet, 2 in a single file
+    Real thin = 0;                       ///< 0 in a thick thread, 1 in a thin one
+    Vec3 along = Vec3::Zero();           ///< unit, the thread's direction; zero in a thick one
+    Real spread = 0;                     ///< sum w r^2
+    Real density = 0;                    ///< n/n0, kernel of radius `support`, all neighbours
+    Vec3 outward = Vec3::Zero();         ///< unit, away from the neighbours' centre
+    Real surface = 0;                    ///< |sum w r| / sum w |r|: 0 inside, about 0.4 on a flat surface
 };
 
-/// The rows of `block_size` particles that are near each other in the store. Neighbours are named by their place in `touched`, so that a product
-/// gathers each velocity once a block and adds up forces in memory of its own: no thread waits, and the sums' order is fixed.
+/// The rows of `block_size` particles that are near each other in the store. Neighbours are named by their place in `touched`, so that a
+/// product gathers each velocity once a block and adds up forces in memory of its own: no thread waits, and the sums' order is fixed.
 struct RowBlock {
     Index begin = 0, end = 0;        ///< particles whose rows these are
     std::vector<Index> touched;      ///< the particles named; the first end - begin are the rows' own
@@ -72,11 +72,11 @@ private:
 
     NeighbourSearch near_search_, far_search_;
     Pairs near_, far_;
-    std::vector<Vec3> sparse_;         ///< positions of particles with few neighbours
+    std::vector<Vec3> sparse_;  ///< positions of particles with few neighbours
     static constexpr Index most_close = 48;
     std::vector<Index> close_, close_count_;  ///< neighbours within the bridge's reach, at most most_close each
     unsigned long builds_ = 0;                ///< number of this build among all
-    std::vector<Index> sparse_place_;  ///< of each particle in sparse_, -1: enough neighbours
+    std::vector<Index> sparse_place_;         ///< of each particle in sparse_, -1: enough neighbours
     std::vector<std::size_t> first_slot_, slot_;
     std::vector<std::size_t> row_pairs_;  ///< of each block
 };

@@ -49,7 +49,8 @@ void look_along_change(const Operator& A, const Unknowns& unknowns, Span<const V
     });
 }
 
-/// What a flat surface, an edge or a corner of a packed fluid lacks of its density n/n0, within 3 % on a lattice. Inside, the noise of |sum w r| / sum w |r| is no surface.
+/// What a flat surface, an edge or a corner of a packed fluid lacks of its density n/n0, within 3 % on a lattice. Inside, the noise of |sum
+/// w r| / sum w |r| is no surface.
 Real surface_lacks(const Neighbourhood& hood) { return Real(0.84) * std::max(Real(0), hood.surface - Real(0.025)); }
 
 struct Momentum {
@@ -101,8 +102,7 @@ void CoupledNeighbourhood::operator()(Read<field::position> x, Read<field::role>
                                       const StepContext& step) const {
     CoupledSystem& s = *system;
     s.rows.build(x.values, role.values, step.domain, step.spacing, s.options);
-    parallel_for(x.size(),
-                 [&](Index i) { density[i] = step.rest_density * s.rows.neighbourhood[static_cast<std::size_t>(i)].density; });
+    parallel_for(x.size(), [&](Index i) { density[i] = step.rest_density * s.rows.neighbourhood[static_cast<std::size_t>(i)].density; });
 }
 
 namespace {
@@ -117,7 +117,8 @@ bool set_parting(CoupledSystem& s, Span<const Real> mu, Span<const Real> p, Span
         const auto k = static_cast<std::size_t>(i);
         Parting& part = s.parting[k];
         part.counts = s.friction.acts() ? 1 - s.friction.counted[k] : 1;
-        const double rate = 0.5 * static_cast<double>((G[k] + G[k].transpose()).norm()) + falling, nu = static_cast<double>(mu[k]) / step.rest_density;
+        const double rate = 0.5 * static_cast<double>((G[k] + G[k].transpose()).norm()) + falling,
+                     nu = static_cast<double>(mu[k]) / step.rest_density;
         const double reynolds = rate * d * d / std::max(nu, 1e-12);
         const double t = reynolds > 0 ? std::clamp(std::log(reynolds / o.bears_tension_up_to) / range, 0.0, 1.0) : 0;
         part.parts = static_cast<Real>(t * t * (3 - 2 * t));
@@ -127,7 +128,8 @@ bool set_parting(CoupledSystem& s, Span<const Real> mu, Span<const Real> p, Span
         const double pressed = std::sqrt(std::max(0.0, static_cast<double>(p[k])) / static_cast<double>(step.rest_density)) / d;
         part.damping = part.presses ? static_cast<Real>(part.parts * o.held * pressed * static_cast<double>(step.dt)) : 0;
     });
-    return parallel_max(static_cast<Index>(mu.size()), 0, [&](Index i) { return static_cast<double>(s.parting[static_cast<std::size_t>(i)].parts); }) > 0;
+    return parallel_max(static_cast<Index>(mu.size()), 0,
+                        [&](Index i) { return static_cast<double>(s.parting[static_cast<std::size_t>(i)].parts); }) > 0;
 }
 
 }  // namespace
@@ -176,7 +178,8 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
     const bool any_known = known_pressure.size() == count;
     const auto set_pressure = [&](Index i) {
         const auto k = static_cast<std::size_t>(i);
-        q[k] = form.coefficients(i).bulk * d * target[k] + dt * (s.parting[k].share() * p[i] + (any_known ? known_pressure[k] : 0)) / (step.rest_density * d);
+        q[k] = form.coefficients(i).bulk * d * target[k] +
+               dt * (s.parting[k].share() * p[i] + (any_known ? known_pressure[k] : 0)) / (step.rest_density * d);
     };
     const double fastest = largest_speed(u.values);
     const double turning_limit = o.turning_limit * fastest / d;
@@ -211,8 +214,8 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
     }
     ++s.steps_since_refresh;
 
-    // The residual is measured against the loads on the fluid, not against the large forces by which nozzle and solids hold their neighbours;
-    // these count a little, for a fluid at rest that is only dragged along.
+    // The residual is measured against the loads on the fluid, not against the large forces by which nozzle and solids hold their
+    // neighbours; these count a little, for a fluid at rest that is only dragged along.
     std::vector<Vec3> z(count);
     const auto load_norm = [&](Span<const Vec3> load) {
         s.preconditioner(load, z);
@@ -259,10 +262,14 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
             parallel_for(n, [&](Index i) { z[static_cast<std::size_t>(i)] = loaded(i, u[i]); });
             restore_momentum(x.values, z, !step.domain.any_periodic(), start);
         }
-        parallel_for(n, [&](Index i) { z[static_cast<std::size_t>(i)] = known[static_cast<std::size_t>(i)] + start[static_cast<std::size_t>(i)]; });
+        parallel_for(
+            n, [&](Index i) { z[static_cast<std::size_t>(i)] = known[static_cast<std::size_t>(i)] + start[static_cast<std::size_t>(i)]; });
         form.gradient(z, G.values);
         if (!any_parts || round == o.most_rounds) break;
-        const auto turncoat = [&](Index i) { return s.parting[static_cast<std::size_t>(i)].parts > 0 && s.parting[static_cast<std::size_t>(i)].presses != (multiplier(i) > 0); };
+        const auto turncoat = [&](Index i) {
+            return s.parting[static_cast<std::size_t>(i)].parts > 0 &&
+                   s.parting[static_cast<std::size_t>(i)].presses != (multiplier(i) > 0);
+        };
         if (parallel_sum(n, [&](Index i) { return turncoat(i) ? 1.0 : 0.0; }) <= o.few_change * n) break;
         parallel_for(n, [&](Index i) {
             if (turncoat(i)) s.parting[static_cast<std::size_t>(i)].presses = !s.parting[static_cast<std::size_t>(i)].presses;

@@ -9,10 +9,10 @@ namespace {
 
 /// Memory of one block while its rows are run through.
 struct RowScratch {
-    Column<Vec4> u;                  ///< velocities of the touched particles
-    Column<Real> du, dv, dw;         ///< u_j - u_i of each pair of a row
-    Column<Real> t;                  ///< 2 c' w/r^2 (u_ij.r - r.G r)
-    Column<Real> fx, fy, fz;         ///< force on j
+    Column<Vec4> u;           ///< velocities of the touched particles
+    Column<Real> du, dv, dw;  ///< u_j - u_i of each pair of a row
+    Column<Real> t;           ///< 2 c' w/r^2 (u_ij.r - r.G r)
+    Column<Real> fx, fy, fz;  ///< force on j
     void resize(std::size_t touched, std::size_t longest_row) {
         if (u.size() < touched) u.resize(touched);
         if (du.size() < longest_row) {
@@ -29,7 +29,7 @@ RowScratch& scratch(const RowBlock& block, const CoupledRows& rows) {
 
 /// The pairs of one row, as pointers that the compiler may assume to be distinct.
 struct RowView {
-    const Real *__restrict x, *__restrict y, *__restrict z, *__restrict w;
+    const Real* __restrict x, * __restrict y, * __restrict z, * __restrict w;
     const Index* __restrict other;
     Index count;
     RowView(const RowBlock& b, Index row) {
@@ -43,7 +43,7 @@ struct RowView {
 /// u_j - u_i of each pair, and A = sum w (u_j - u_i) r^T.
 Mat3 differences(const RowView& row, const Vec4* __restrict u, Index own, RowScratch& s) {
     const Real u0 = u[own].v[0], u1 = u[own].v[1], u2 = u[own].v[2];
-    Real *__restrict du = s.du.data(), *__restrict dv = s.dv.data(), *__restrict dw = s.dw.data();
+    Real* __restrict du = s.du.data(), * __restrict dv = s.dv.data(), * __restrict dw = s.dw.data();
     for (Index e = 0; e < row.count; ++e) {
         const Real* uj = u[row.other[e]].v;
         du[e] = uj[0] - u0, dv[e] = uj[1] - u1, dw[e] = uj[2] - u2;
@@ -110,7 +110,7 @@ using Quad = Real __attribute__((vector_size(4 * sizeof(Real))));
 
 /// Adds the row's forces on its neighbours, s.f of each pair, to out, and their opposite to the row's own particle.
 void scatter(const RowView row, Index own, const RowScratch& s, Vec4* __restrict out) {
-    const Real *__restrict fx = s.fx.data(), *__restrict fy = s.fy.data(), *__restrict fz = s.fz.data();
+    const Real* __restrict fx = s.fx.data(), * __restrict fy = s.fy.data(), * __restrict fz = s.fz.data();
     const Quad none = {0, 0, 0, 0};
     Quad sum = none;
     const auto add = [&](Index j, const Quad& f) {
@@ -157,7 +157,8 @@ void StrainForm::set_pressing(Span<const Parting> parting) {
     });
 }
 
-void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Span<const Parting> parting, Real dt, Real density, Real spacing, const CoupledOptions& o) {
+void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Span<const Parting> parting, Real dt, Real density, Real spacing,
+                     const CoupledOptions& o) {
     rows_ = &rows;
     friction_ = {};
     inverse_spacing_ = 1 / spacing;
@@ -261,8 +262,8 @@ namespace {
 /// The blocks (xx, yy, zz, xy, xz, yz) that a row adds to its neighbours, and sum g.
 Vec3 neighbour_blocks(const RowView row, const Mat3& M, const StrainCoefficients& c, std::array<Column<Real>, 6>& p) {
     const Real K = c.shear / 2, outer = K + c.bulk;
-    Real *__restrict p0 = p[0].data(), *__restrict p1 = p[1].data(), *__restrict p2 = p[2].data();
-    Real *__restrict p3 = p[3].data(), *__restrict p4 = p[4].data(), *__restrict p5 = p[5].data();
+    Real* __restrict p0 = p[0].data(), * __restrict p1 = p[1].data(), * __restrict p2 = p[2].data();
+    Real* __restrict p3 = p[3].data(), * __restrict p4 = p[4].data(), * __restrict p5 = p[5].data();
     const Real m00 = M(0, 0), m11 = M(1, 1), m22 = M(2, 2), m01 = M(0, 1), m02 = M(0, 2), m12 = M(1, 2);
     const Real smooth = c.smooth, pair = c.pair;
     Real s0 = 0, s1 = 0, s2 = 0;
@@ -285,8 +286,9 @@ Vec3 neighbour_blocks(const RowView row, const Mat3& M, const StrainCoefficients
 
 }  // namespace
 
-// With g = M+ w r the block of j gets from row i  K (1 + Lambda) g g^T + K |g|^2  and the penalties' 2 w (1 - g.r)(c + c' r r^T / r^2), where the
-// last r r^T stands for a fourth moment. The block of i gets the first with -h for g, h = sum g, and 2 w ((1 - h.r) c + (1 - h.r)^2 c' r r^T / r^2).
+// With g = M+ w r the block of j gets from row i  K (1 + Lambda) g g^T + K |g|^2  and the penalties' 2 w (1 - g.r)(c + c' r r^T / r^2),
+// where the last r r^T stands for a fourth moment. The block of i gets the first with -h for g, h = sum g, and 2 w ((1 - h.r) c + (1 -
+// h.r)^2 c' r r^T / r^2).
 void StrainForm::diagonal(Span<Mat3> B) const {
     const CoupledRows& rows = *rows_;
     struct alignas(8 * sizeof(Real)) Symmetric {
@@ -297,9 +299,7 @@ void StrainForm::diagonal(Span<Mat3> B) const {
     parallel_blocks(rows.size(), CoupledRows::block_size, [&](Index begin, Index) {
         const RowBlock& block = rows.blocks[static_cast<std::size_t>(begin / CoupledRows::block_size)];
         Symmetric* out = parts.data() + block.place;
-        thread_local struct {
-            std::array<Column<Real>, 6> p;
-        } block_scratch;
+        thread_local struct { std::array<Column<Real>, 6> p; } block_scratch;
         for (Column<Real>& p : block_scratch.p) p.resize(std::max(p.size(), rows.longest_row));
         for (Index own = 0; own < block.size(); ++own) {
             const RowView row(block, own);
@@ -309,9 +309,9 @@ void StrainForm::diagonal(Span<Mat3> B) const {
             const StrainCoefficients& c = coefficients_[i];
             const Real K = c.shear / 2, outer = K + c.bulk;
             const Vec3 sum = neighbour_blocks(row, M, c, block_scratch.p);
-            const Real *__restrict p0 = block_scratch.p[0].data(), *__restrict p1 = block_scratch.p[1].data();
-            const Real *__restrict p2 = block_scratch.p[2].data(), *__restrict p3 = block_scratch.p[3].data();
-            const Real *__restrict p4 = block_scratch.p[4].data(), *__restrict p5 = block_scratch.p[5].data();
+            const Real* __restrict p0 = block_scratch.p[0].data(), * __restrict p1 = block_scratch.p[1].data();
+            const Real* __restrict p2 = block_scratch.p[2].data(), * __restrict p3 = block_scratch.p[3].data();
+            const Real* __restrict p4 = block_scratch.p[4].data(), * __restrict p5 = block_scratch.p[5].data();
             for (Index e = 0; e < row.count; ++e) {
                 Real* o = out[row.other[e]].v;
                 o[0] += p0[e], o[1] += p1[e], o[2] += p2[e], o[3] += p3[e], o[4] += p4[e], o[5] += p5[e];

@@ -8,8 +8,8 @@
 
 namespace whorl {
 
-void TwoLevel::refresh(const StrainForm& form, Span<const Vec3> x, Span<const std::int16_t> role, const CoupledOptions& options, const Domain& domain,
-                       Real spacing, Span<std::int32_t> aggregate) {
+void TwoLevel::refresh(const StrainForm& form, Span<const Vec3> x, Span<const std::int16_t> role, const CoupledOptions& options,
+                       const Domain& domain, Real spacing, Span<std::int32_t> aggregate) {
     const CoupledRows& rows = form.rows();
     const auto neighbours = [&](Index i, const auto& visit) {
         const RowBlock& block = rows.blocks[static_cast<std::size_t>(i / CoupledRows::block_size)];
@@ -18,7 +18,8 @@ void TwoLevel::refresh(const StrainForm& form, Span<const Vec3> x, Span<const st
     };
     // The factor's entries grow faster than the particles.
     const double growth = std::cbrt(static_cast<double>(x.size()) / options.many);
-    const int size = static_cast<int>(std::clamp(options.aggregate * growth, static_cast<double>(options.aggregate), 1.5 * options.aggregate));
+    const int size =
+        static_cast<int>(std::clamp(options.aggregate * growth, static_cast<double>(options.aggregate), 1.5 * options.aggregate));
     groups_ = aggregate_by(neighbours, x, role, domain, spacing / 2, size, aggregate);
     groups_ = split_unconnected(neighbours, aggregate);
     aggregates_.place(x, role, aggregate, groups_, domain, spacing);

@@ -1,8 +1,9 @@
 #pragma once
 /// Preconditioner of the coupled solve:  z = B^-1 r + R Ac^-1 R^T r.
 ///
-/// B: the 3x3 diagonal blocks. R: the six rigid motions of every aggregate of 32 to 48 particles (fewer where they hang together in pieces only); Ac = R^T A R, factored exactly. The diagonal
-/// settles what neighbours do to each other, the rigid motions carry a pull through a whole thread in one application.
+/// B: the 3x3 diagonal blocks. R: the six rigid motions of every aggregate of 32 to 48 particles (fewer where they hang together in pieces
+/// only); Ac = R^T A R, factored exactly. The diagonal settles what neighbours do to each other, the rigid motions carry a pull through a
+/// whole thread in one application.
 #include "engine/math/block_cholesky.h"
 #include "engine/models/coupled/strain.h"
 #include "engine/particles/aggregates.h"
@@ -11,17 +12,18 @@ namespace whorl {
 
 class TwoLevel {
 public:
-    /// Forms new aggregates of the free particles and factors Ac. May be called only every few steps: aggregates travel with their particles.
+    /// Forms new aggregates of the free particles and factors Ac. May be called only every few steps: aggregates travel with their
+    /// particles.
     /// @param aggregate field::aggregate, written
-    void refresh(const StrainForm& form, Span<const Vec3> x, Span<const std::int16_t> role, const CoupledOptions& options, const Domain& domain,
-                 Real spacing, Span<std::int32_t> aggregate);
+    void refresh(const StrainForm& form, Span<const Vec3> x, Span<const std::int16_t> role, const CoupledOptions& options,
+                 const Domain& domain, Real spacing, Span<std::int32_t> aggregate);
     /// Drops the coarse level.
     void clear() { groups_ = 0; }
 
     /// The diagonal blocks and the aggregates' places of this step.
     /// @param slip field::contact_normal: the velocity along it is prescribed
-    void set(const StrainForm& form, Span<const Vec3> x, Span<const std::int16_t> role, Span<const Vec3> slip, const Domain& domain, Real spacing,
-             Span<const std::int32_t> aggregate);
+    void set(const StrainForm& form, Span<const Vec3> x, Span<const std::int16_t> role, Span<const Vec3> slip, const Domain& domain,
+             Real spacing, Span<const std::int32_t> aggregate);
     /// z = r from now to the next set(), for comparison.
     void let_through() { clear(), inverse_diagonal_.assign(inverse_diagonal_.size(), Mat3::Identity()); }
     void operator()(Span<const Vec3> r, Span<Vec3> z) const;
@@ -33,7 +35,7 @@ private:
     RigidAggregates aggregates_;
     BlockCholesky factor_;
     std::vector<Mat3> inverse_diagonal_;
-    std::vector<Vec3> slip_;            ///< empty where nothing slips
+    std::vector<Vec3> slip_;  ///< empty where nothing slips
     mutable std::vector<Real> load_;
 };
 

@@ -19,10 +19,10 @@ struct Sum3 {
 
 /// Sums over the neighbours of one particle; each still lacks the mass and the lattice's factor.
 struct Sums {
-    Sum3 viscous;   ///< sum (b_i^2 + b_j^2) W'/r (u_i - u_j), half of 1/rho_i times the first Laplacian in its symmetric weights
-    Sum3 central;   ///< the same of the second Laplacian
-    Sum3 diffuse;   ///< the first Laplacian of w
-    Sum3 curl_u;    ///< of the velocity, seen from the turning particle where co_rotating
+    Sum3 viscous;  ///< sum (b_i^2 + b_j^2) W'/r (u_i - u_j), half of 1/rho_i times the first Laplacian in its symmetric weights
+    Sum3 central;  ///< the same of the second Laplacian
+    Sum3 diffuse;  ///< the first Laplacian of w
+    Sum3 curl_u;   ///< of the velocity, seen from the turning particle where co_rotating
     Sum3 curl_w;
     Sum3 smooth_u, smooth_w;  ///< sum 2/(rho_i + rho_j) (u_j - u_i) W_ij
 };
@@ -35,7 +35,8 @@ struct Own {
 };
 
 template <bool central, class Kernel>
-void add_fluid(Sums& all, const Kernel& W, const FluidPairs& pairs, Index i, const Own& own, Real softening, const Real* rho, const Vec3* u, const Vec3* w) {
+void add_fluid(Sums& all, const Kernel& W, const FluidPairs& pairs, Index i, const Own& own, Real softening, const Real* rho, const Vec3* u,
+               const Vec3* w) {
     const Real ux = own.u.x(), uy = own.u.y(), uz = own.u.z(), wx = own.w.x(), wy = own.w.y(), wz = own.w.z();
     const Real tx = own.turning.x(), ty = own.turning.y(), tz = own.turning.z(), b_i = own.b;
     const CurlWeights of_u = own.of_u, of_w = own.of_w;
@@ -59,7 +60,8 @@ void add_fluid(Sums& all, const Kernel& W, const FluidPairs& pairs, Index i, con
             }
             // (P u_i - Q (u_j + w_i x r)) x grad W
             const Real p = slope * of_u.own(b), q = slope * of_u.other(b);
-            const Real ax = p * ux - q * (vx + ty * rz - tz * ry), ay = p * uy - q * (vy + tz * rx - tx * rz), az = p * uz - q * (vz + tx * ry - ty * rx);
+            const Real ax = p * ux - q * (vx + ty * rz - tz * ry), ay = p * uy - q * (vy + tz * rx - tx * rz),
+                       az = p * uz - q * (vz + tx * ry - ty * rx);
             s.curl_u.x += ay * rz - az * ry, s.curl_u.y += az * rx - ax * rz, s.curl_u.z += ax * ry - ay * rx;
             const Real g = slope * of_w.own(b), h = slope * of_w.other(b);
             const Real cx = g * wx - h * ox, cy = g * wy - h * oy, cz = g * wz - h * oz;
@@ -69,11 +71,11 @@ void add_fluid(Sums& all, const Kernel& W, const FluidPairs& pairs, Index i, con
     all = s;
 }
 
-/// Solids that the fluid sticks to, as neighbours with the volume V_s for m/rho_j. Velocity and spin are continued behind the surface, so that on it
-/// the fluid has those of the solid.
+/// Solids that the fluid sticks to, as neighbours with the volume V_s for m/rho_j. Velocity and spin are continued behind the surface, so
+/// that on it the fluid has those of the solid.
 template <bool central, class Kernel>
-void add_solids(Sums& all, const Kernel& W, const MicropolarOptions& options, const SolidPairs& pairs, Index i, const Own& own, Real softening,
-                const Solids& solids, const SolidParticles& layer, const StepContext& step, Real gate) {
+void add_solids(Sums& all, const Kernel& W, const MicropolarOptions& options, const SolidPairs& pairs, Index i, const Own& own,
+                Real softening, const Solids& solids, const SolidParticles& layer, const StepContext& step, Real gate) {
     const WallShear shear{step.spacing / 2};
     const auto add = [](Sum3& sum, const Vec3& v) { sum.x += v.x(), sum.y += v.y(), sum.z += v.z(); };
     const bool both_u = options.curl_velocity == CurlForm::symmetric, both_w = options.curl_spin == CurlForm::symmetric;
@@ -115,16 +117,19 @@ void Micropolar::set_torque(const StepContext& step, Read<field::position> x, Wr
 template <class Kernel, bool central>
 EnergyWork Micropolar::advance(const Kernel& kernel, const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids,
                                const SolidParticles& layer, const StepContext& step, Read<field::role> role, Read<field::density> rho,
-                               Read<field::velocity> u, Update<field::acceleration> a, Write<field::spin_change> change, Read<field::spin> w) const {
+                               Read<field::velocity> u, Update<field::acceleration> a, Write<field::spin_change> change,
+                               Read<field::spin> w) const {
     const MicropolarOptions& o = options_;
-    const Real lattice = 3 / lattice_second_moment(step.kernel, step.support, step.spacing), softening = Real(0.01) * step.support * step.support / 4;
+    const Real lattice = 3 / lattice_second_moment(step.kernel, step.support, step.spacing),
+               softening = Real(0.01) * step.support * step.support / 4;
     const Real dt = step.dt, m = step.mass;
     const auto part = [&](double given) {
         return static_cast<Real>(o.smoothing_time > 0 ? std::min(0.5, given * static_cast<double>(dt) / o.smoothing_time) : given);
     };
     const Real lambda = static_cast<Real>(o.coupling), over_theta = static_cast<Real>(1 / o.micro_inertia);
     const Real alpha = part(o.smoothing_velocity) / dt, beta = part(o.smoothing_spin) / dt;
-    const Real mu = static_cast<Real>(o.pair_viscosity), mu_central = static_cast<Real>(o.central_viscosity), gamma = static_cast<Real>(o.spin_viscosity);
+    const Real mu = static_cast<Real>(o.pair_viscosity), mu_central = static_cast<Real>(o.central_viscosity),
+               gamma = static_cast<Real>(o.spin_viscosity);
     const bool any_torque = !o.torque.is_zero(), any_solids = layer.size() > 0;
 
     return parallel_sum(a.size(), EnergyWork{}, [&](Index i) -> EnergyWork {
@@ -133,7 +138,8 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const FluidPairs& pairs, co
             return {};
         }
         const Real b = 1 / rho[i];
-        const Own own{u[i], w[i], o.co_rotating ? w[i] : Vec3(Vec3::Zero()), b, curl_weights(o.curl_velocity, b), curl_weights(o.curl_spin, b)};
+        const Own own{
+            u[i], w[i], o.co_rotating ? w[i] : Vec3(Vec3::Zero()), b, curl_weights(o.curl_velocity, b), curl_weights(o.curl_spin, b)};
         Sums s;
         add_fluid<central>(s, kernel, pairs, i, own, softening, rho.data(), u.data(), w.data());
         if (any_solids && solid_pairs.count(i) > 0) {
@@ -164,14 +170,16 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const FluidPairs& pairs, co
         work.viscosity = energy * static_cast<double>(viscous.dot(u_mid)) + spin_energy * static_cast<double>(diffused.dot(w_mid));
         work.exchange = energy * static_cast<double>(spin_push.dot(u_mid)) + spin_energy * static_cast<double>(exchanged.dot(w_mid));
         work.torque = spin_energy * static_cast<double>(tau.dot(w_mid));
-        work.smoothing = energy * (static_cast<double>(smoothing.dot(u_mid)) + o.micro_inertia * static_cast<double>(spin_smoothing.dot(w_mid)));
+        work.smoothing =
+            energy * (static_cast<double>(smoothing.dot(u_mid)) + o.micro_inertia * static_cast<double>(spin_smoothing.dot(w_mid)));
         return work;
     });
 }
 
 void Micropolar::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
-                            const StepContext& step, StepReport& report, Read<field::role> role, Read<field::density> rho, Read<field::position> x,
-                            Read<field::velocity> u, Update<field::acceleration> a, Write<field::spin_change> change, Update<field::spin> w) {
+                            const StepContext& step, StepReport& report, Read<field::role> role, Read<field::density> rho,
+                            Read<field::position> x, Read<field::velocity> u, Update<field::acceleration> a,
+                            Write<field::spin_change> change, Update<field::spin> w) {
     if (!options_.torque.is_zero()) set_torque(step, x, change);
     const Read<field::spin> spin{w.values};
     report.work = with_kernel(step.kernel, step.support, [&](const auto& kernel) {

@@ -31,12 +31,12 @@ struct MicropolarOptions {
     double spin_viscosity = 0;     ///< gamma [Pa s m^2]
     double micro_inertia = 1;      ///< theta [m^2]
     CurlForm curl_velocity = CurlForm::difference_own_density, curl_spin = CurlForm::symmetric;
-    /// curl u - 2 w as the curl of the velocity seen from the turning particle, u_j - u_i - w_i x (x_j - x_i): a rigid rotation whose spin goes with
-    /// it feels no exchange, at a free surface too, and what the spin loses the orbit gains. false: curl u - 2 w as written.
+    /// curl u - 2 w as the curl of the velocity seen from the turning particle, u_j - u_i - w_i x (x_j - x_i): a rigid rotation whose spin
+    /// goes with it feels no exchange, at a free surface too, and what the spin loses the orbit gains. false: curl u - 2 w as written.
     bool co_rotating = true;
-    bool implicit_exchange = true;  ///< the spin's own decay at the end of the step: no limit of its own
+    bool implicit_exchange = true;                      ///< the spin's own decay at the end of the step: no limit of its own
     double smoothing_velocity = 0, smoothing_spin = 0;  ///< XSPH, parts taken a step ...
-    double smoothing_time = 0;     ///< ... or in this time [s]; 0: a step
+    double smoothing_time = 0;                          ///< ... or in this time [s]; 0: a step
     bool free_spin_walls = false;  ///< no couple stress at walls; false: the fluid's spin at a wall is the solid's rotation
     VectorExpression torque;       ///< tau, of t, x, y, z [m^2/s^2]
     Real solid_factor = 1;         ///< on the solids' volumes, see models/boundary/wall.h
@@ -45,21 +45,21 @@ struct MicropolarOptions {
 
 /// One pass over the pairs for everything. Lattice factors as in ExplicitViscosity: gradients of linear fields are exact on a lattice.
 ///
-/// What conserves: the pair of curls symmetric (spin) and difference_own_density (velocity) with co_rotating gives the orbit what -2 w takes from the
-/// spin; curl u is paid for by the first Laplacian's torque if pair_viscosity = coupling. Then the sum of both angular momenta is constant to
-/// round-off, whatever the shape of the surface.
+/// What conserves: the pair of curls symmetric (spin) and difference_own_density (velocity) with co_rotating gives the orbit what -2 w
+/// takes from the spin; curl u is paid for by the first Laplacian's torque if pair_viscosity = coupling. Then the sum of both angular
+/// momenta is constant to round-off, whatever the shape of the surface.
 class Micropolar {
 public:
     explicit Micropolar(MicropolarOptions options);
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer, const StepContext& step,
-                    StepReport& report, Read<field::role> role, Read<field::density> rho, Read<field::position> x, Read<field::velocity> u,
-                    Update<field::acceleration> a, Write<field::spin_change> change, Update<field::spin> w);
+    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
+                    const StepContext& step, StepReport& report, Read<field::role> role, Read<field::density> rho, Read<field::position> x,
+                    Read<field::velocity> u, Update<field::acceleration> a, Write<field::spin_change> change, Update<field::spin> w);
 
 private:
     template <class Kernel, bool central>
-    EnergyWork advance(const Kernel& kernel, const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
-                       const StepContext& step, Read<field::role> role, Read<field::density> rho, Read<field::velocity> u,
-                       Update<field::acceleration> a, Write<field::spin_change> change, Read<field::spin> w) const;
+    EnergyWork advance(const Kernel& kernel, const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids,
+                       const SolidParticles& layer, const StepContext& step, Read<field::role> role, Read<field::density> rho,
+                       Read<field::velocity> u, Update<field::acceleration> a, Write<field::spin_change> change, Read<field::spin> w) const;
     /// tau of every particle into `change`.
     void set_torque(const StepContext& step, Read<field::position> x, Write<field::spin_change> change);
 
@@ -67,8 +67,9 @@ private:
     std::vector<VectorExpression> torque_of_block_;  ///< copies with their own parsers: evaluation is not thread-safe
 };
 
-/// The longest step of the explicit exchange [s]. With kappa = lambda/rho and k the largest curl on the lattice, exchange alone has the rates
-/// kappa/theta (1 +- sqrt(1 + theta k^2)); one over the larger is stable together with the explicit Laplacians, and lets no spin overshoot.
+/// The longest step of the explicit exchange [s]. With kappa = lambda/rho and k the largest curl on the lattice, exchange alone has the
+/// rates kappa/theta (1 +- sqrt(1 + theta k^2)); one over the larger is stable together with the explicit Laplacians, and lets no spin
+/// overshoot.
 double exchange_step(double kinematic_coupling, double micro_inertia, double largest_curl);
 
 }  // namespace whorl

@@ -10,8 +10,8 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
-void BodyRows::build(const WallImage& wall, const SolidPairs& solid_pairs, const SolidParticles& layer, const Solids& solids, const StepContext& step,
-                     Span<const Real> rho, DensityRate& D) {
+void BodyRows::build(const WallImage& wall, const SolidPairs& solid_pairs, const SolidParticles& layer, const Solids& solids,
+                     const StepContext& step, Span<const Real> rho, DensityRate& D) {
     bodies_.clear();
     mass_ = static_cast<double>(step.mass);
     if (!solids.any_free()) return;

@@ -6,9 +6,10 @@ namespace whorl {
 
 /// What bodies do to the densities, and pressures to the bodies:
 ///   (D u)_i also holds  -h_ib.(v_b + w_b x a_ib),   h_ib = f_i rho_i sum_{s of b} V_s grad W(|r'_is|),   a_ib = x_i - c_b.
-/// A body that moves and turns with the fluid changes no density (w_i depends on where it stands relative to i alone), hence its velocity at x_i. The transpose
-/// pushes the body at x_i with what it pushes i: momentum and angular momentum of both stay. In A = D M^-1 D^T a body adds six directions, of the weight of
-/// a particle's mass over its own: however light it is, A stays symmetric and positive semi-definite, and the step stable.
+/// A body that moves and turns with the fluid changes no density (w_i depends on where it stands relative to i alone), hence its velocity
+/// at x_i. The transpose pushes the body at x_i with what it pushes i: momentum and angular momentum of both stay. In A = D M^-1 D^T a body
+/// adds six directions, of the weight of a particle's mass over its own: however light it is, A stays symmetric and positive semi-definite,
+/// and the step stable.
 class BodyRows {
 public:
     /// Velocity of the centre and angular velocity.
@@ -17,8 +18,8 @@ public:
     };
 
     /// @param D built; its diagonal gets the bodies' share
-    void build(const WallImage& wall, const SolidPairs& solid_pairs, const SolidParticles& layer, const Solids& solids, const StepContext& step, Span<const Real> rho,
-               DensityRate& D);
+    void build(const WallImage& wall, const SolidPairs& solid_pairs, const SolidParticles& layer, const Solids& solids,
+               const StepContext& step, Span<const Real> rho, DensityRate& D);
     bool empty() const { return bodies_.empty(); }
     /// Adds D_b M_b^-1 m D_b^T q to `rate` where wanted.
     void add_product(Span<const Real> q, Span<const char> wanted, Span<Real> rate) const;
@@ -32,8 +33,8 @@ private:
     };
     struct Body {
         std::size_t solid;
-        double mass_ratio;     ///< m over the body's
-        Mat3d turning_ratio;   ///< m times the inverse of its inertia [1/m^2]
+        double mass_ratio;    ///< m over the body's
+        Mat3d turning_ratio;  ///< m times the inverse of its inertia [1/m^2]
         std::vector<Touch> touches;
     };
     struct Sum {

@@ -13,16 +13,19 @@ namespace {
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-/// Of the tolerated density error that one step may add. With 0.1 a dam break takes 16.9 iterations a step, with 0.5 11, with 1 8.1, and a mean density error of
-/// 0.063, 0.06 and 0.074 % (ten layers, before the limit below); what is left over is corrected by half in the next step.
+/// Of the tolerated density error that one step may add. With 0.1 a dam break takes 16.9 iterations a step, with 0.5 11, with 1 8.1, and a
+/// mean density error of 0.063, 0.06 and 0.074 % (ten layers, before the limit below); what is left over is corrected by half in the next
+/// step.
 constexpr double step_share = 0.5;
-/// Where few particles decide how a body moves, and where energy is all there is: free bodies, full periodic domains, divergence-free velocities.
+/// Where few particles decide how a body moves, and where energy is all there is: free bodies, full periodic domains, divergence-free
+/// velocities.
 constexpr double careful_step_share = 0.1;
-/// And no more than this part of the right-hand side: what gravity presses together in a step is less than the share above, the more so the shorter the step, and a
-/// pressure that is right to that share alone comes in jolts (a column of 16 layers: single readings are off by 12 % in the mean at CFL 0.4 and by 22 % at 0.2; with this by 2.4 and 1.8 %).
-/// A tolerance looser than the default loosens it as much.
+/// And no more than this part of the right-hand side: what gravity presses together in a step is less than the share above, the more so the
+/// shorter the step, and a pressure that is right to that share alone comes in jolts (a column of 16 layers: single readings are off by 12
+/// % in the mean at CFL 0.4 and by 22 % at 0.2; with this by 2.4 and 1.8 %). A tolerance looser than the default loosens it as much.
 double largest_residual(double tolerance) { return 0.05 * std::max(1.0, tolerance / ConstraintOptions{}.limits.tolerance); }
-constexpr double least_step_share = 0.02, least_tolerance = 1e-6;  ///< of the tolerated density error, and beside rounding: where a step brings next to nothing
+constexpr double least_step_share = 0.02,
+                 least_tolerance = 1e-6;  ///< of the tolerated density error, and beside rounding: where a step brings next to nothing
 
 double changed(const std::vector<char>& before, const std::vector<char>& now) {
     return parallel_sum(static_cast<Index>(now.size()), [&](Index i) { return before[at(i)] != now[at(i)]; });
@@ -49,9 +52,10 @@ bool fills_periodic_domain(const StepContext& step, const Solids& solids, Index 
     return periodic && volume > 0.98 * size.prod();
 }
 
-/// Densities are held equal, from both sides: A q = b without its mean. What is left is a constant c with D^T c = c grad(sum rho): it moves nothing on a
-/// lattice, and else orders the particles, which lowers the mean density. c is what keeps the mean from rising, at most the pressure of
-/// the fastest particle's stop, which is what the time step is ready for; so this takes energy too, and never gives any. Pressures are of both signs.
+/// Densities are held equal, from both sides: A q = b without its mean. What is left is a constant c with D^T c = c grad(sum rho): it moves
+/// nothing on a lattice, and else orders the particles, which lowers the mean density. c is what keeps the mean from rising, at most the
+/// pressure of the fastest particle's stop, which is what the time step is ready for; so this takes energy too, and never gives any.
+/// Pressures are of both signs.
 SolveReport ConstraintPressure::solve_filled(ConstraintMatrix& matrix, const StepContext& step, double mean_rate, Real fastest,
                                              Span<Real> q) {
     const Index n = D_.size();
@@ -83,7 +87,8 @@ SolveReport ConstraintPressure::solve_filled(ConstraintMatrix& matrix, const Ste
     return report;
 }
 
-ConstraintPressure::ActiveSet ConstraintPressure::choose(ConstraintMatrix& matrix, Span<const Real> q, Span<const char> both, Real about_full, Span<Real> rest) const {
+ConstraintPressure::ActiveSet ConstraintPressure::choose(ConstraintMatrix& matrix, Span<const Real> q, Span<const char> both,
+                                                         Real about_full, Span<Real> rest) const {
     const Index n = D_.size();
     const auto can = [&](Index i) { return D_.diagonal[at(i)] > std::numeric_limits<Real>::min(); };
     const ActiveSet set = parallel_sum(n, ActiveSet{}, [&](Index i) {
@@ -101,12 +106,13 @@ ConstraintPressure::ActiveSet ConstraintPressure::choose(ConstraintMatrix& matri
     return set;
 }
 
-/// Active set: conjugate gradients over the particles that are taken to press, then those that would pull stop, those that are still compressed
-/// start, and again. What pressed in the last step presses first, with all that is compressed now. Where that is news to most of them (the first step, an impact), so
-/// does all that is about full: from below, the pressed set would grow by two neighbours' reach a round. (Always, as before, the first round went to particles
-/// of the surface that the second let go: 17.4 iterations a step of a dam rather than 12.3.)
+/// Active set: conjugate gradients over the particles that are taken to press, then those that would pull stop, those that are still
+/// compressed start, and again. What pressed in the last step presses first, with all that is compressed now. Where that is news to most of
+/// them (the first step, an impact), so does all that is about full: from below, the pressed set would grow by two neighbours' reach a
+/// round. (Always, as before, the first round went to particles of the surface that the second let go: 17.4 iterations a step of a dam
+/// rather than 12.3.)
 SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContext& step, Span<Real> q, Span<const char> both) {
-    constexpr Real about_full = Real(0.02);  // relative density that is missing
+    constexpr Real about_full = Real(0.02);         // relative density that is missing
     constexpr double changes_to_set_up_for = 0.02;  // part of the particles
     const Index n = D_.size();
     const double worst_rate = std::sqrt(static_cast<double>(n)) * static_cast<double>(step.rest_density / step.dt);
@@ -127,7 +133,8 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
         report.last_residual = left / worst_rate;
         if (round == 0) {
             report.first_residual = report.last_residual;
-            const double asked = std::sqrt(parallel_sum(n, [&](Index i) { return matrix.presses[at(i)] ? static_cast<double>(b_[at(i)]) * b_[at(i)] : 0.0; }));
+            const double asked = std::sqrt(
+                parallel_sum(n, [&](Index i) { return matrix.presses[at(i)] ? static_cast<double>(b_[at(i)]) * b_[at(i)] : 0.0; }));
             const double least = std::max(least_step_share * options_.limits.tolerance, least_tolerance);
             tolerance = std::min(tolerance, std::max(largest_residual(options_.limits.tolerance) * asked / worst_rate, least));
         }
@@ -149,7 +156,8 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
         // Early rounds need not be exact: their set changes.
         const double aim = options_.active_set ? std::max(tolerance / 2, report.last_residual / 10) : tolerance;
         const SolveLimits limits{aim, options_.limits.max_iterations - report.iterations};
-        report.iterations += conjugate_gradients_from<Real>(A, M, Span<Real>(rest), q, limits, ResidualNorm::euclidean, worst_rate).iterations;
+        report.iterations +=
+            conjugate_gradients_from<Real>(A, M, Span<Real>(rest), q, limits, ResidualNorm::euclidean, worst_rate).iterations;
         parallel_for(n, [&](Index i) {
             if (both.empty() || !both[at(i)]) q[at(i)] = std::max(Real(0), q[at(i)]);
         });
@@ -169,16 +177,16 @@ Real ConstraintPressure::mending_time(Span<const Vec3> u, const StepContext& ste
 }
 
 Real ConstraintPressure::mending_rate(Real rho, Real target, bool filled, const StepContext& step, Real time) const {
-    // What an impact has pressed together is pushed apart no faster than 5 % of its density allow, or it would jump. Without a surface it is 0.5 %:
-    // unevenness that alternates from neighbour to neighbour takes large velocities to mend.
+    // What an impact has pressed together is pushed apart no faster than 5 % of its density allow, or it would jump. Without a surface it
+    // is 0.5 %: unevenness that alternates from neighbour to neighbour takes large velocities to mend.
     const Real rho_0 = step.rest_density;
     const Real excess = filled ? std::clamp(rho - target, -rho_0 / 200, rho_0 / 200) : std::min(rho - target, rho_0 / 20);
     return excess > 0 || filled ? corrected(filled) * excess / time : excess / step.dt;
 }
 
 void ConstraintPressure::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, Solids& solids,
-                                    const StepContext& step, StepReport& report, Read<field::role> role, Write<field::density> rho, Update<field::velocity> u,
-                                    Update<field::pressure> p) {
+                                    const StepContext& step, StepReport& report, Read<field::role> role, Write<field::density> rho,
+                                    Update<field::velocity> u, Update<field::pressure> p) {
     const Index n = rho.size();
     const Real rho_0 = step.rest_density;
     b_.resize(at(n));
@@ -196,7 +204,8 @@ void ConstraintPressure::operator()(const FluidPairs& pairs, const SolidPairs& s
     });
     ConstraintMatrix matrix{D_, {}, Column<Padded>(at(n)), pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};
     const auto fastest = static_cast<Real>(filled ? largest_speed(u.values) : 0);
-    report.solves.push_back({"pressure", filled ? solve_filled(matrix, step, mean_rate, fastest, p.values) : solve(matrix, step, p.values)});
+    report.solves.push_back(
+        {"pressure", filled ? solve_filled(matrix, step, mean_rate, fastest, p.values) : solve(matrix, step, p.values)});
     bodies_.push(p.values, solids);
     D_.transposed(p.values, matrix.force);
     parallel_for(n, [&](Index i) {

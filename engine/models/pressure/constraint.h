@@ -1,8 +1,8 @@
 #pragma once
 /// Incompressible pressure as a constraint: no density exceeds the rest density (docs/physics.md 3).
 ///
-/// Stages of a step, in order: Density (where the viscosity needs one), Gravity, (forces), Kick, (viscosity), DampUnresolved, ConstraintPressure,
-/// Move, KeepOutside.
+/// Stages of a step, in order: Density (where the viscosity needs one), Gravity, (forces), Kick, (viscosity), DampUnresolved,
+/// ConstraintPressure, Move, KeepOutside.
 #include "engine/math/solve.h"
 #include "engine/models/pressure/body_rows.h"
 #include "engine/models/pressure/preconditioner.h"
@@ -10,13 +10,14 @@
 namespace whorl {
 
 /// A = D D^T on the particles that press, the identity elsewhere kept out: symmetric, positive semi-definite.
-///   A_ik = D_i.D_k,   M^-1 between them where free bodies have columns (body_rows.h),  where D_i holds own_i at i and -f_i g_ij at the neighbours j that are free.
+///   A_ik = D_i.D_k,   M^-1 between them where free bodies have columns (body_rows.h),  where D_i holds own_i at i and -f_i g_ij at the
+///   neighbours j that are free.
 /// A row reaches the neighbours' neighbours, so it is applied as two passes over the pairs.
 struct ConstraintMatrix {
     const DensityRate& D;
-    std::vector<char> presses;    ///< 1: an unknown of the present solve
-    mutable Column<Padded> force; ///< D^T q of the last product
-    Span<const Vec3> x;           ///< positions
+    std::vector<char> presses;     ///< 1: an unknown of the present solve
+    mutable Column<Padded> force;  ///< D^T q of the last product
+    Span<const Vec3> x;            ///< positions
     Real spacing = 0;
     const BodyRows* bodies = nullptr;  ///< columns of D that belong to free bodies
     Index size() const { return D.size(); }
@@ -27,7 +28,8 @@ struct ConstraintMatrix {
     }
 };
 
-/// Set up for `presses` as it is, once a step and again where many particles start or stop to press; the returned function reads `presses` at each call.
+/// Set up for `presses` as it is, once a step and again where many particles start or stop to press; the returned function reads `presses`
+/// at each call.
 using ConstraintPreconditionerSetup = std::function<PressurePreconditioner(const ConstraintMatrix&)>;
 /// z = r/diagonal
 PressurePreconditioner diagonal_scaling(const ConstraintMatrix& matrix);
@@ -35,26 +37,28 @@ PressurePreconditioner diagonal_scaling(const ConstraintMatrix& matrix);
 PressurePreconditioner constraint_unpreconditioned(const ConstraintMatrix& matrix);
 
 struct ConstraintOptions {
-    /// tolerance: relative density error (root mean square), of which a step may add half, where that is no more than 5 % of what it was asked to mend.
+    /// tolerance: relative density error (root mean square), of which a step may add half, where that is no more than 5 % of what it was
+    /// asked to mend.
     SolveLimits limits{1e-3, 200};
-    double correction = 0.5;   ///< share of the density error that a step corrects; its motion stays in the velocity
-    /// Corrects 0.4 of that share, as with free bodies and in full periodic domains: a drop that surface tension holds together loses some of its pressure to a
-    /// faster correction (a twentieth, with a radius of 11 spacings).
+    double correction = 0.5;  ///< share of the density error that a step corrects; its motion stays in the velocity
+    /// Corrects 0.4 of that share, as with free bodies and in full periodic domains: a drop that surface tension holds together loses some
+    /// of its pressure to a faster correction (a twentieth, with a radius of 11 spacings).
     bool careful = false;
-    SolidGate gate;            ///< before solids
-    bool active_set = true;    ///< false: p >= 0 is clamped after one solve, as in the notes
+    SolidGate gate;          ///< before solids
+    bool active_set = true;  ///< false: p >= 0 is clamped after one solve, as in the notes
     ConstraintPreconditionerSetup preconditioner = diagonal_scaling;
 };
 
-/// Finds q = dt p/rho^2 with   q >= 0,   rho_i + dt (D (u - D^T q))_i <= rho_0,   and q_i = 0 where the density stays below, then u -= D^T q.
-/// Where rho_i exceeds rho_0 only a share of the excess has to go. The projection loses energy, never makes any; a free surface needs no search,
-/// and neither do single particles, closed boxes or slots: A q = b is solvable wherever something can give way. Where nothing can, in a fluid that
-/// fills a periodic domain, densities are held equal instead.
+/// Finds q = dt p/rho^2 with   q >= 0,   rho_i + dt (D (u - D^T q))_i <= rho_0,   and q_i = 0 where the density stays below, then u -= D^T
+/// q. Where rho_i exceeds rho_0 only a share of the excess has to go. The projection loses energy, never makes any; a free surface needs no
+/// search, and neither do single particles, closed boxes or slots: A q = b is solvable wherever something can give way. Where nothing can,
+/// in a fluid that fills a periodic domain, densities are held equal instead.
 class ConstraintPressure {
 public:
     explicit ConstraintPressure(ConstraintOptions options) : options_(std::move(options)) {}
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, Solids& solids, const StepContext& step,
-                    StepReport& report, Read<field::role> role, Write<field::density> rho, Update<field::velocity> u, Update<field::pressure> p);
+    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, Solids& solids,
+                    const StepContext& step, StepReport& report, Read<field::role> role, Write<field::density> rho,
+                    Update<field::velocity> u, Update<field::pressure> p);
 
     const DensityRate& density_rate() const { return D_; }
 
@@ -63,12 +67,12 @@ protected:
     SolveReport solve(ConstraintMatrix& A, const StepContext& step, Span<Real> q, Span<const char> both = {});
     /// Which particles press in a round.
     struct ActiveSet {
-        double squares = 0;            ///< of the residuals of the following
+        double squares = 0;              ///< of the residuals of the following
         Index pressed = 0, joining = 0;  ///< that press already; that are compressed and do not yet
         void operator+=(const ActiveSet& o) { squares += o.squares, pressed += o.pressed, joining += o.joining; }
     };
-    /// Sets matrix.presses and leaves in `rest` what b - A q is there. @param about_full kg/(m^3 s): how far short of being compressed a particle may be and still join, where
-    /// more join than press; 0: none
+    /// Sets matrix.presses and leaves in `rest` what b - A q is there. @param about_full kg/(m^3 s): how far short of being compressed a
+    /// particle may be and still join, where more join than press; 0: none
     ActiveSet choose(ConstraintMatrix& matrix, Span<const Real> q, Span<const char> both, Real about_full, Span<Real> rest) const;
     /// Part of a density above rest (of any error, where the domain is `filled`) that the step corrects.
     Real corrected(bool filled) const {
@@ -76,9 +80,9 @@ protected:
     }
     /// Rate at which a density of rho is to approach `target` [kg/(m^3 s)]. @param time mending_time() [s]
     Real mending_rate(Real rho, Real target, bool filled, const StepContext& step, Real time) const;
-    /// Over which a density error is mended [s]: the step, but beside free bodies no less than the fluid itself takes for 0.4 spacings at its speed (at least
-    /// sqrt(g d)). A heavy body on a thin film of fluid is otherwise thrown up by what mends the film, the faster the shorter the step, and the pressure
-    /// that throws it shortens the next one.
+    /// Over which a density error is mended [s]: the step, but beside free bodies no less than the fluid itself takes for 0.4 spacings at
+    /// its speed (at least sqrt(g d)). A heavy body on a thin film of fluid is otherwise thrown up by what mends the film, the faster the
+    /// shorter the step, and the pressure that throws it shortens the next one.
     Real mending_time(Span<const Vec3> u, const StepContext& step) const;
     WallImage wall_of(const Solids& solids, const StepContext& step) const;
     SolveReport solve_filled(ConstraintMatrix& A, const StepContext& step, double mean_rate, Real fastest, Span<Real> q);
@@ -92,8 +96,9 @@ protected:
 /// Nothing can give way: every axis is periodic, and the volumes of particles and free bodies fill the domain.
 bool fills_periodic_domain(const StepContext& step, const Solids& solids, Index n);
 
-/// Limit of the time step from pressure: cfl d / sqrt(p/rho_0) [s], p the mean pressure of the pressed fluid. Displacements over a step turn the
-/// forces between neighbours; beyond twice this (at cfl 0.4) a column at rest shakes itself apart, whatever the solver's tolerance.
+/// Limit of the time step from pressure: cfl d / sqrt(p/rho_0) [s], p the mean pressure of the pressed fluid. Displacements over a step
+/// turn the forces between neighbours; beyond twice this (at cfl 0.4) a column at rest shakes itself apart, whatever the solver's
+/// tolerance.
 double pressure_step(double cfl, double spacing, double rest_density, Span<const Real> pressure);
 
 }  // namespace whorl

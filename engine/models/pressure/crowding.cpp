@@ -30,11 +30,14 @@ void RelieveCrowding::with_neighbours(const Pairs& pairs, const std::vector<Inde
 }
 
 template <class Kernel>
-std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids,
-                              const SolidParticles& layer, const StepContext& step, Read<field::role> role, Span<Real> rho, Span<Vec3> x, Span<Vec3> u, const std::function<void()>& find) {
+std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, const FluidPairs& pairs, const SolidPairs& solid_pairs,
+                                     const Solids& solids, const SolidParticles& layer, const StepContext& step, Read<field::role> role,
+                                     Span<Real> rho, Span<Vec3> x, Span<Vec3> u, const std::function<void()>& find) {
     const Real rho_0 = step.rest_density, m = step.mass, crowded = rho_0 * (1 + most_ / 2), farthest = step.spacing / 5;
     const auto row = [&](Index i) {
-        return density_row(wall, W, pairs, solid_pairs, layer, m, i, [](const Pairs::Group&, const Real*) {}, [](Index, const Vec3&, const WallImage::Seen&) {});
+        return density_row(
+            wall, W, pairs, solid_pairs, layer, m, i, [](const Pairs::Group&, const Real*) {},
+            [](Index, const Vec3&, const WallImage::Seen&) {});
     };
     const Index n = static_cast<Index>(x.size());
     parallel_for(n, [&](Index i) { rho[at(i)] = row(i).density; });
@@ -51,7 +54,8 @@ std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, con
         }
         if (!(densest > rho_0 * (1 + Real(0.9) * most_))) return "";
         if (sweep == most_sweeps)
-            return fmt::format("{} particles are still crowded, one by {:.2g} %, after {} sweeps", crowded_.size(), 100 * (static_cast<double>(densest / rho_0) - 1), sweep);
+            return fmt::format("{} particles are still crowded, one by {:.2g} %, after {} sweeps", crowded_.size(),
+                               100 * (static_cast<double>(densest / rho_0) - 1), sweep);
         parallel_for(static_cast<Index>(crowded_.size()), [&](Index c) {
             const Index i = crowded_[at(c)];
             const DensityRow at_i = row(i);
@@ -83,21 +87,25 @@ std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, con
             x[at(i)] -= moves_[at(c)];
             u[at(i)] += kicks_[at(c)];
             Real distance = 0;
-            if (const int k = solids.nearest(x[at(i)], distance); k >= 0 && distance < 0) x[at(i)] -= distance * solids.all[at(k)].normal(x[at(i)]);
+            if (const int k = solids.nearest(x[at(i)], distance); k >= 0 && distance < 0)
+                x[at(i)] -= distance * solids.all[at(k)].normal(x[at(i)]);
             moves_[at(c)] = x[at(i)] - before;
         });
-        moved += static_cast<Real>(std::sqrt(parallel_max(static_cast<Index>(movers_.size()), 0, [&](Index c) { return static_cast<double>(moves_[at(c)].squaredNorm()); })));
+        moved += static_cast<Real>(std::sqrt(parallel_max(static_cast<Index>(movers_.size()), 0,
+                                                          [&](Index c) { return static_cast<double>(moves_[at(c)].squaredNorm()); })));
         if (2 * moved > step.spacing / 5) find(), moved = 0;
         with_neighbours(pairs, movers_, touched_);
         parallel_for(static_cast<Index>(touched_.size()), [&](Index c) { rho[at(touched_[at(c)])] = row(touched_[at(c)]).density; });
     }
 }
 
-void RelieveCrowding::operator()(FluidPairs& pairs, SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer, const StepContext& step, StepReport& report, Read<field::role> role,
-                                 Update<field::density> rho, Update<field::position> x, Update<field::velocity> u) {
+void RelieveCrowding::operator()(FluidPairs& pairs, SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
+                                 const StepContext& step, StepReport& report, Read<field::role> role, Update<field::density> rho,
+                                 Update<field::position> x, Update<field::velocity> u) {
     const Index n = x.size();
     if (fills_periodic_domain(step, solids, n)) return;  // there densities are held equal, not below rho_0
-    // A fifth of a spacing more than the kernel's reach: who comes into it while particles move is seen. A periodic axis may be too short for that.
+    // A fifth of a spacing more than the kernel's reach: who comes into it while particles move is seen. A periodic axis may be too short
+    // for that.
     Real reach = step.support + step.spacing / 5;
     for (const Real length : step.domain.period())
         if (length > 0) reach = std::min(reach, length / 2);

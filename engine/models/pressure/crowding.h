@@ -7,27 +7,32 @@
 
 namespace whorl {
 
-/// The constraint holds rho_i + dt (D u)_i; where a particle hits a wall or another one within a step, the density itself has gone far beyond that line. While any
-/// density exceeds rho_0 by `most`, all that exceed it by half of that share move their surroundings and themselves,
+/// The constraint holds rho_i + dt (D u)_i; where a particle hits a wall or another one within a step, the density itself has gone far
+/// beyond that line. While any density exceeds rho_0 by `most`, all that exceed it by half of that share move their surroundings and
+/// themselves,
 ///   x -= D^T l,   l_i = (rho_i - rho_0)/(2 (D D^T)_ii),   at most a fifth of a spacing,
-/// with the densities and their derivative of the positions reached. Two that are moved apart turn about each other as much more slowly: a pair that moves by -a r_ij
-/// and a r_ij takes +a and -a of its relative velocity across r_ij, so that the angular momentum stays and no energy of motion is gained; the centre of mass stays where
-/// it is but for what solids push and moves that are cut off. Up to a hundred sweeps; where those are not
-/// enough, the step reports a solve with the name `RelieveCrowding::name` that says so. Full periodic domains are left alone; not for scenes with free bodies, which would have to give way, too. Writes the densities of the places where the step ends.
+/// with the densities and their derivative of the positions reached. Two that are moved apart turn about each other as much more slowly: a
+/// pair that moves by -a r_ij and a r_ij takes +a and -a of its relative velocity across r_ij, so that the angular momentum stays and no
+/// energy of motion is gained; the centre of mass stays where it is but for what solids push and moves that are cut off. Up to a hundred
+/// sweeps; where those are not enough, the step reports a solve with the name `RelieveCrowding::name` that says so. Full periodic domains
+/// are left alone; not for scenes with free bodies, which would have to give way, too. Writes the densities of the places where the step
+/// ends.
 class RelieveCrowding {
 public:
     static constexpr std::string_view name = "crowding";  ///< of the solve that is reported; not counted with the linear ones
     /// @param most relative density error that is left
     RelieveCrowding(double most, SolidGate gate) : most_(static_cast<Real>(most)), gate_(gate) {}
     /// @param pairs, solid_pairs of the step, whose last use this is: their memory holds the neighbours of the places where the step ends
-    void operator()(FluidPairs& pairs, SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer, const StepContext& step, StepReport& report, Read<field::role> role,
-                    Update<field::density> rho, Update<field::position> x, Update<field::velocity> u);
+    void operator()(FluidPairs& pairs, SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer, const StepContext& step,
+                    StepReport& report, Read<field::role> role, Update<field::density> rho, Update<field::position> x,
+                    Update<field::velocity> u);
 
 private:
     /// @returns what is left too dense, in words; empty: nothing
     template <class Kernel>
-    std::string relieve(const WallImage& wall, const Kernel& W, const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer, const StepContext& step, Read<field::role> role,
-                 Span<Real> rho, Span<Vec3> x, Span<Vec3> u, const std::function<void()>& find);
+    std::string relieve(const WallImage& wall, const Kernel& W, const FluidPairs& pairs, const SolidPairs& solid_pairs,
+                        const Solids& solids, const SolidParticles& layer, const StepContext& step, Read<field::role> role, Span<Real> rho,
+                        Span<Vec3> x, Span<Vec3> u, const std::function<void()>& find);
     /// The particles of `from` and their neighbours.
     void with_neighbours(const Pairs& pairs, const std::vector<Index>& from, std::vector<Index>& all);
 
@@ -38,7 +43,7 @@ private:
     std::vector<int> seen_;  ///< by particle: the last list that it is in
     int lists_ = 0;
     Column<Vec3> push_, moves_, kicks_;  ///< l_i own_i; and what a mover does [m] and takes up [m/s]
-    Column<Real> share_;         ///< l_i f_i, 0 where not crowded
+    Column<Real> share_;                 ///< l_i f_i, 0 where not crowded
 };
 
 }  // namespace whorl

@@ -23,7 +23,8 @@ void DampUnresolved::operator()(const FluidPairs& pairs, const StepContext& step
             pairs.groups_of(i, [&](const Pairs::Group& group) {
                 alignas(64) Real v[3][most], w[most];
                 group.gather(u.values.data(), v);
-                for (Index l = 0; l < group.padded(); ++l) w[l] = W.value(group.distance[l]) * step.volume / std::max(group.distance[l] * group.distance[l], far);
+                for (Index l = 0; l < group.padded(); ++l)
+                    w[l] = W.value(group.distance[l]) * step.volume / std::max(group.distance[l] * group.distance[l], far);
                 for (int a = 0; a < 3; ++a)
                     for (int b = 0; b < 3; ++b) {
                         Real r_r = 0, u_r = 0;
@@ -59,8 +60,8 @@ void DampUnresolved::operator()(const FluidPairs& pairs, const StepContext& step
                 const Vec3 &d = stretching_[0][at(i)], &o = stretching_[1][at(i)];
                 for (Index l = 0; l < group.padded(); ++l) {
                     const Real x = group.r[0][l], y = group.r[1][l], z = group.r[2][l], r = group.distance[l];
-                    const Real stretched = (d[0] + along[0][l]) * x * x + (d[1] + along[1][l]) * y * y + (d[2] + along[2][l]) * z * z + (o[0] + across[0][l]) * x * y +
-                                           (o[1] + across[1][l]) * y * z + (o[2] + across[2][l]) * z * x;
+                    const Real stretched = (d[0] + along[0][l]) * x * x + (d[1] + along[1][l]) * y * y + (d[2] + along[2][l]) * z * z +
+                                           (o[0] + across[0][l]) * x * y + (o[1] + across[1][l]) * y * z + (o[2] + across[2][l]) * z * x;
                     const Real e_r = (v[0][l] - u[i][0]) * x + (v[1][l] - u[i][1]) * y + (v[2][l] - u[i][2]) * z + stretched / 2;
                     pull[l] = W.value(r) * step.volume * e_r / std::max(r * r, far);
                 }

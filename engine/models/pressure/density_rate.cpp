@@ -43,16 +43,18 @@ WallImage::WallImage(KernelKind kind, Real support, Real d, SolidGate gate_befor
         const double volume = static_cast<double>(d) * d * d;
         factor = static_cast<Real>(own * volume * all / first);
         // f (fluid - stretch wall) + fluid = 0 along the normal: the row of i and the rows of its neighbours.
-        const double beside = virial_of(0), of_lattice = ((1 - volume * all) * (beside + 2 * behind) - (beside + behind)) * first / (all * virial_of(1));
-        // Water that has settled stands otherwise: with 1 the pressure beside walls comes out too high, in the lowest layer by 6 %, in the mean over a slot 6 d wide by
-        // 5 %; with what the lattice asks for 8 and 2 % too low.
+        const double beside = virial_of(0),
+                     of_lattice = ((1 - volume * all) * (beside + 2 * behind) - (beside + behind)) * first / (all * virial_of(1));
+        // Water that has settled stands otherwise: with 1 the pressure beside walls comes out too high, in the lowest layer by 6 %, in the
+        // mean over a slot 6 d wide by 5 %; with what the lattice asks for 8 and 2 % too low.
         virial = static_cast<Real>(of_lattice + 0.55 * (1 - of_lattice));
         stretch = static_cast<Real>(all_pull * first / (first_pull * all) * (2 - volume * all));
     });
 }
 
 void DensityRate::build(const WallImage& wall, const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid,
-                        const StepContext& step, Read<field::role> role, Read<field::velocity> u, Span<Real> rho, Span<Real> rate, const Solids* solids) {
+                        const StepContext& step, Read<field::role> role, Read<field::velocity> u, Span<Real> rho, Span<Real> rate,
+                        const Solids* solids) {
     first = pairs.first;
     other = pairs.other;
     const std::size_t n = at(pairs.size());
@@ -79,7 +81,8 @@ void DensityRate::build(const WallImage& wall, const FluidPairs& pairs, const So
                     group.gather(u.values.data(), v);
                     Real part = 0;
                     for (Index l = 0; l < group.padded(); ++l)
-                        part += c[l] * (group.r[0][l] * (u[i][0] - v[0][l]) + group.r[1][l] * (u[i][1] - v[1][l]) + group.r[2][l] * (u[i][2] - v[2][l]));
+                        part += c[l] * (group.r[0][l] * (u[i][0] - v[0][l]) + group.r[1][l] * (u[i][1] - v[1][l]) +
+                                        group.r[2][l] * (u[i][2] - v[2][l]));
                     change += part;
                 },
                 [&](Index s, const Vec3& r, const WallImage::Seen& seen) {
@@ -92,7 +95,8 @@ void DensityRate::build(const WallImage& wall, const FluidPairs& pairs, const So
             own[at(i)] = row.own;
             free[at(i)] = role[i] == 0;
             diagonal[at(i)] = role[i] == 0 ? row.own.squaredNorm() + f * f * row.squares : 0;
-            virial[at(i)] = std::clamp(f * row.pull / (3 * row.density), Real(0.8), Real(1.5));  // a surface particle has no pressure to speak of
+            virial[at(i)] =
+                std::clamp(f * row.pull / (3 * row.density), Real(0.8), Real(1.5));  // a surface particle has no pressure to speak of
             rho[at(i)] = row.density;
             rate[at(i)] = f * (change + row.density * row.wall_slope * wall_change);
         });
@@ -143,7 +147,8 @@ void DensityRate::apply(Span<const Padded> v, Span<const char> wanted, Span<Real
         parallel_for(size(), [&](Index i) {
             rate[at(i)] = 0;
             if (!wanted[at(i)]) return;
-            const Padded sum = sum_over_row<periodic>(i, [&](std::size_t k, std::size_t j, const Padded& r) { return slope[k] * r.cwiseProduct(v[j]); });
+            const Padded sum =
+                sum_over_row<periodic>(i, [&](std::size_t k, std::size_t j, const Padded& r) { return slope[k] * r.cwiseProduct(v[j]); });
             rate[at(i)] = own[at(i)].dot(v[at(i)].template head<3>()) - fill[at(i)] * sum.sum();
         });
     };

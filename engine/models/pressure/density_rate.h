@@ -14,19 +14,21 @@
 
 namespace whorl {
 
-/// How a fluid particle sees the one layer of a solid. What lies behind the surface is full of fluid as dense as the particle's own surroundings,
+/// How a fluid particle sees the one layer of a solid. What lies behind the surface is full of fluid as dense as the particle's own
+/// surroundings,
 ///   rho_i = (m W_ii + sum_j m W_ij)/(1 - w_i),   w_i = sum_s V_s W(|r'_is|),
-/// and comes nearer `stretch` times as fast as the layer, like an image in a mirror: r'_is = r_is, its part along the normal of s replaced by
-/// d + stretch (r_is.n_s - d). Both are such that on a lattice that touches a flat wall the density is that of the lattice without a wall, and
-/// a uniform pressure pushes nothing.
+/// and comes nearer `stretch` times as fast as the layer, like an image in a mirror: r'_is = r_is, its part along the normal of s replaced
+/// by d + stretch (r_is.n_s - d). Both are such that on a lattice that touches a flat wall the density is that of the lattice without a
+/// wall, and a uniform pressure pushes nothing.
 struct WallImage {
-    Real factor;       ///< on the solids' volumes
-    Real stretch;      ///< 1.85 for the cubic kernel with R = 2 d
-    Real virial;       ///< on what the layer adds to a particle's virial (DensityRate::virial)
-    Real spacing;      ///< m
-    Real nearest;      ///< m, where an image comes closer than this along the normal, w goes on along its tangent
-    bool goes_on = true;  ///< false: w stays as it is at `nearest`. With free bodies: a raft would float 0.05 d higher, 0.19 above Archimedes
-    SolidGate gate;    ///< w_i counts as w_i times its weight, in the density and in its derivative
+    Real factor;   ///< on the solids' volumes
+    Real stretch;  ///< 1.85 for the cubic kernel with R = 2 d
+    Real virial;   ///< on what the layer adds to a particle's virial (DensityRate::virial)
+    Real spacing;  ///< m
+    Real nearest;  ///< m, where an image comes closer than this along the normal, w goes on along its tangent
+    bool goes_on =
+        true;        ///< false: w stays as it is at `nearest`. With free bodies: a raft would float 0.05 d higher, 0.19 above Archimedes
+    SolidGate gate;  ///< w_i counts as w_i times its weight, in the density and in its derivative
     WallImage(KernelKind kernel, Real support, Real spacing, SolidGate gate = {});
 
     /// What a solid particle adds to w_i, its gradient with respect to x_i, and its pull -V W' |r'|.
@@ -38,7 +40,7 @@ struct WallImage {
     Seen see(const Kernel& W, const Vec3& r, Real distance, const Vec3& normal, Real volume) const {
         const Real V = factor * volume, height = r.dot(normal);
         Vec3 g = r;
-        Real beyond = 0;  // how much closer than `nearest`
+        Real beyond = 0;   // how much closer than `nearest`
         if (height > 0) {  // else s belongs to a face that does not face i
             const Real wanted = spacing + stretch * (height - spacing), image = std::max(wanted, nearest);
             beyond = image - wanted;
@@ -72,8 +74,8 @@ struct DensityRow {
 
 /// @param fluid_neighbours called as (group, c) with g_ij = c r @param solid_neighbour as (s, r, Seen)
 template <class Kernel, class Fluid, class SolidPart>
-DensityRow density_row(const WallImage& wall, const Kernel& W, const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, Real mass, Index i,
-                       Fluid&& fluid_neighbours, SolidPart&& solid_neighbour) {
+DensityRow density_row(const WallImage& wall, const Kernel& W, const FluidPairs& pairs, const SolidPairs& solid_pairs,
+                       const SolidParticles& solid, Real mass, Index i, Fluid&& fluid_neighbours, SolidPart&& solid_neighbour) {
     Vec3 fluid = Vec3::Zero(), walls = Vec3::Zero();
     Real density = mass * W.value(0), squares = 0, pull = 0, w = 0, wall_pull = 0;
     pairs.groups_of(i, [&](const Pairs::Group& group) {
@@ -97,7 +99,8 @@ DensityRow density_row(const WallImage& wall, const Kernel& W, const FluidPairs&
     });
     if (solid.size() > 0)
         solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-            const WallImage::Seen seen = wall.see(W, r, distance, solid.normal[static_cast<std::size_t>(s)], solid.volume[static_cast<std::size_t>(s)]);
+            const WallImage::Seen seen =
+                wall.see(W, r, distance, solid.normal[static_cast<std::size_t>(s)], solid.volume[static_cast<std::size_t>(s)]);
             w += seen.value;
             wall_pull += seen.pull;
             walls += seen.gradient;
@@ -113,28 +116,30 @@ DensityRow density_row(const WallImage& wall, const Kernel& W, const FluidPairs&
 using Padded = Eigen::Matrix<Real, 4, 1>;
 inline Padded padded(const Vec3& v) { return {v[0], v[1], v[2], 0}; }
 
-/// (D u)_i = d rho_i/dt = own_i.u_i - f_i sum_j g_ij.u_j - wall_i        with g_ij = m grad W_ij = c_ij r_ij, f_i = 1/(1 - w_i), wall_i: what moving solids do
-/// It is the exact derivative of the density above, so that what holds the densities also has an energy: the work of D^T q on the fluid.
+/// (D u)_i = d rho_i/dt = own_i.u_i - f_i sum_j g_ij.u_j - wall_i        with g_ij = m grad W_ij = c_ij r_ij, f_i = 1/(1 - w_i), wall_i:
+/// what moving solids do It is the exact derivative of the density above, so that what holds the densities also has an energy: the work of
+/// D^T q on the fluid.
 struct DensityRate {
     Span<const std::size_t> first;  ///< rows of the pairs that it was built from
     Span<const Index> other;
-    Column<Real> slope;             ///< c_ij, a pair [kg/m^5]: with the positions a third of the memory of g_ij, and as little to read a product
-    Column<Padded> x;               ///< m
-    Vec3 period = Vec3::Zero();     ///< Domain::period()
-    Column<Real> fill;              ///< f_i
-    Column<Vec3> own;               ///< own_i [kg/m^4]
-    Column<Real> diagonal;          ///< of D D^T [kg^2/m^8]; 0 where the density cannot change
-    /// f_i sum_j V_j |W'_ij| r_ij/3, images of solids included: 1 for a perfect gradient, 1.02 on a lattice with R = 2 d, up to 1.05 once it has melted.
-    /// The pressure that the pair forces of q exert (their virial) is q times this.
+    Column<Real> slope;  ///< c_ij, a pair [kg/m^5]: with the positions a third of the memory of g_ij, and as little to read a product
+    Column<Padded> x;    ///< m
+    Vec3 period = Vec3::Zero();  ///< Domain::period()
+    Column<Real> fill;           ///< f_i
+    Column<Vec3> own;            ///< own_i [kg/m^4]
+    Column<Real> diagonal;       ///< of D D^T [kg^2/m^8]; 0 where the density cannot change
+    /// f_i sum_j V_j |W'_ij| r_ij/3, images of solids included: 1 for a perfect gradient, 1.02 on a lattice with R = 2 d, up to 1.05 once
+    /// it has melted. The pressure that the pair forces of q exert (their virial) is q times this.
     Column<Real> virial;
-    std::vector<char> free;         ///< 0: the velocity is prescribed (inside a nozzle): it does not react and has no pressure of its own
+    std::vector<char> free;  ///< 0: the velocity is prescribed (inside a nozzle): it does not react and has no pressure of its own
 
     Index size() const { return static_cast<Index>(own.size()); }
 
     /// @param rho written @param rate D u with prescribed and solid velocities included
     /// @param solids whose poses free bodies are seen to move by; without them every layer particle counts with its own velocity
-    void build(const WallImage& wall, const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, const StepContext& step,
-               Read<field::role> role, Read<field::velocity> u, Span<Real> rho, Span<Real> rate, const Solids* solids = nullptr);
+    void build(const WallImage& wall, const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid,
+               const StepContext& step, Read<field::role> role, Read<field::velocity> u, Span<Real> rho, Span<Real> rate,
+               const Solids* solids = nullptr);
     /// g_ij of the pair k in row i.
     Vec3 gradient(Index i, std::size_t k) const {
         Vec3 r = (x[static_cast<std::size_t>(i)] - x[static_cast<std::size_t>(other[k])]).template head<3>();

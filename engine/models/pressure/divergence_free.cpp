@@ -14,9 +14,10 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
-void DivergenceFree::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, Solids& solids, const StepContext& step,
-                                StepReport& report, Read<field::role> role, Write<field::density> rho, Update<field::velocity> u, Update<field::pressure> p,
-                                Update<field::packing_pressure> s, Write<field::drift> drift) {
+void DivergenceFree::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, Solids& solids,
+                                const StepContext& step, StepReport& report, Read<field::role> role, Write<field::density> rho,
+                                Update<field::velocity> u, Update<field::pressure> p, Update<field::packing_pressure> s,
+                                Write<field::drift> drift) {
     const Index n = rho.size();
     const Real rho_0 = step.rest_density;
     b_.resize(at(n)), residual_.resize(at(n)), rate_.resize(at(n)), inside_.resize(at(n));
@@ -30,7 +31,9 @@ void DivergenceFree::operator()(const FluidPairs& pairs, const SolidPairs& solid
         p[i] = D_.diagonal[at(i)] > 0 ? p[i] / D_.virial[at(i)] * step.dt / (rho[i] * rho[i]) : 0;  // q
     });
     ConstraintMatrix matrix{D_, {}, Column<Padded>(at(n)), pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};
-    const auto mean_of = [&](const Column<Real>& values) { return parallel_sum(n, [&](Index i) { return static_cast<double>(values[at(i)]); }) / n; };
+    const auto mean_of = [&](const Column<Real>& values) {
+        return parallel_sum(n, [&](Index i) { return static_cast<double>(values[at(i)]); }) / n;
+    };
     const auto fastest = static_cast<Real>(filled ? largest_speed(u.values) : 0);
     report.solves.push_back({"pressure", filled ? solve_filled(matrix, step, 0, 0, p.values) : solve(matrix, step, p.values, inside_)});
     bodies_.push(p.values, solids);
@@ -44,7 +47,8 @@ void DivergenceFree::operator()(const FluidPairs& pairs, const SolidPairs& solid
         b_[at(i)] = rate_[at(i)] - residual_[at(i)] + mending_rate(rho[i], target, filled, step, time);
     });
     matrix.bodies = nullptr;
-    report.solves.push_back({"pressure", filled ? solve_filled(matrix, step, mean_of(b_), fastest, s.values) : solve(matrix, step, s.values)});
+    report.solves.push_back(
+        {"pressure", filled ? solve_filled(matrix, step, mean_of(b_), fastest, s.values) : solve(matrix, step, s.values)});
     D_.transposed(s.values, matrix.force);
     parallel_for(n, [&](Index i) { drift[i] = -matrix.force[at(i)].head<3>(); });
 }

@@ -1,5 +1,6 @@
 #pragma once
-/// The constraint in two solves: one for the velocity, from both sides inside the fluid, one for the places of the particles (docs/physics.md 3).
+/// The constraint in two solves: one for the velocity, from both sides inside the fluid, one for the places of the particles
+/// (docs/physics.md 3).
 ///
 /// Stages of a step: DivergenceFree in the place of ConstraintPressure, MoveAndDrift in that of Move.
 #include "engine/core/parallel.h"
@@ -10,24 +11,28 @@ namespace whorl {
 namespace field {
 struct packing_pressure {
     using type = Real;
-    static constexpr std::string_view name = "packing_pressure", unit = "kg/(m^3 s)", meaning = "what kept the density in the last step by moving particles";
+    static constexpr std::string_view name = "packing_pressure", unit = "kg/(m^3 s)",
+                                      meaning = "what kept the density in the last step by moving particles";
 };
 struct drift {
     using type = Vec3;
-    static constexpr std::string_view name = "drift", unit = "m/s", meaning = "by which particles move beside their velocity, to keep the density";
+    static constexpr std::string_view name = "drift", unit = "m/s",
+                                      meaning = "by which particles move beside their velocity, to keep the density";
 };
 }  // namespace field
 
-/// 1. u -= D^T q with  (D u)_i = 0 and q of either sign where rho_i is near rho_0 (inside the fluid: it may pull, too); elsewhere as ConstraintPressure has it, q >= 0 and
+/// 1. u -= D^T q with  (D u)_i = 0 and q of either sign where rho_i is near rho_0 (inside the fluid: it may pull, too); elsewhere as
+/// ConstraintPressure has it, q >= 0 and
 ///    rho_i + dt (D u)_i <= rho_0, but without a push for what is too dense already.
-/// 2. drift = -D^T s with  s >= 0,  rho_i + dt (D (u + drift))_i <= rho_0 but for the share of an excess that is left for later steps. Bodies and solids do not give way.
-/// So what keeps the density puts no motion into the fluid, and what expands inside the fluid is held, not only what is compressed.
+/// 2. drift = -D^T s with  s >= 0,  rho_i + dt (D (u + drift))_i <= rho_0 but for the share of an excess that is left for later steps.
+/// Bodies and solids do not give way. So what keeps the density puts no motion into the fluid, and what expands inside the fluid is held,
+/// not only what is compressed.
 class DivergenceFree : private ConstraintPressure {
 public:
     explicit DivergenceFree(ConstraintOptions options) : ConstraintPressure(std::move(options)) {}
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, Solids& solids, const StepContext& step,
-                    StepReport& report, Read<field::role> role, Write<field::density> rho, Update<field::velocity> u, Update<field::pressure> p,
-                    Update<field::packing_pressure> s, Write<field::drift> drift);
+    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, Solids& solids,
+                    const StepContext& step, StepReport& report, Read<field::role> role, Write<field::density> rho,
+                    Update<field::velocity> u, Update<field::pressure> p, Update<field::packing_pressure> s, Write<field::drift> drift);
 
 private:
     Column<Real> rate_;

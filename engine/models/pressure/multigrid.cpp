@@ -111,9 +111,9 @@ SparseRows coarse_matrix(const ConstraintMatrix& A, const IndexGroups& groups) {
     const Index n = A.size(), blocks = (n + block - 1) / block;
     std::vector<std::vector<Entry>> parts(at(blocks));
     parallel_tasks(blocks, [&](Index b) {
-        std::vector<Index> known;                              // groups that this block touches
+        std::vector<Index> known;                               // groups that this block touches
         std::vector<std::vector<std::pair<Index, Real>>> sums;  // their rows
-        thread_local std::vector<Index> number;                // of a group in `known`
+        thread_local std::vector<Index> number;                 // of a group in `known`
         if (number.size() < at(groups.groups())) number.resize(at(groups.groups()), 0);
         const auto row_of = [&](Index group) -> std::vector<std::pair<Index, Real>>& {
             const std::size_t k = at(number[at(group)]);

@@ -8,8 +8,8 @@ namespace whorl {
 
 /// How the particles sit on the first coarse level, and how the two are joined.
 struct ParticleMultigrid {
-    Real cell;              ///< in spacings: the unknowns of a cubic cell make one coarse unknown
-    bool additive = true;   ///< z = D^-1 r + P M P^T r; false: a V-cycle from the particles on (three products an iteration rather than one)
+    Real cell;             ///< in spacings: the unknowns of a cubic cell make one coarse unknown
+    bool additive = true;  ///< z = D^-1 r + P M P^T r; false: a V-cycle from the particles on (three products an iteration rather than one)
     MultigridOptions coarse;
 };
 
@@ -17,13 +17,13 @@ struct ParticleMultigrid {
 inline constexpr ParticleMultigrid constraint_levels{7, true, {}};
 inline constexpr ParticleMultigrid poisson_levels{3, true, {}};
 
-/// The sums over cells and the copies from them between particles and the first coarse level. Galerkin: A' = P^T A P, so what the particles know of
-/// solids, free surface, prescribed neighbours and alpha is in it.
+/// The sums over cells and the copies from them between particles and the first coarse level. Galerkin: A' = P^T A P, so what the particles
+/// know of solids, free surface, prescribed neighbours and alpha is in it.
 ConstraintPreconditionerSetup constraint_multigrid(const ParticleMultigrid& options = constraint_levels);
 PressurePreconditionerSetup poisson_multigrid(const ParticleMultigrid& options = poisson_levels);
 
-/// Unknowns from which on multigrid beats the diagonal, set-up included (docs/pressure.md has the tables). In the constraint the last step's pressures
-/// leave mostly what no coarse level sees: a dam break of 49 000 particles is 10 % slower with it.
+/// Unknowns from which on multigrid beats the diagonal, set-up included (docs/pressure.md has the tables). In the constraint the last
+/// step's pressures leave mostly what no coarse level sees: a dam break of 49 000 particles is 10 % slower with it.
 inline constexpr double constraint_multigrid_above = 500000, poisson_multigrid_above = 5000;
 /// Whichever is faster for this many unknowns.
 PressurePreconditioner constraint_automatic(const ConstraintMatrix& matrix);

@@ -15,10 +15,11 @@ constexpr Real smallest = std::numeric_limits<Real>::min();
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-/// Share of alpha that is real. alpha is what the wall's push does to the density of i by moving i; but as p_i rises, so does the push of the fluid
-/// on the other side, and next to a wall with fluid against it the two cancel: a uniform pressure moves nothing. The full alpha is right for a
-/// particle without fluid neighbours. (With alpha in full, as in the notes, the lowest layer of 40 at d = 1 cm and dt = 1 ms settles at a density
-/// 2 % too high; with this factor at the density of the others.) 0 up to an imbalance of 0.3, so that uneven neighbours do not count as a gap.
+/// Share of alpha that is real. alpha is what the wall's push does to the density of i by moving i; but as p_i rises, so does the push of
+/// the fluid on the other side, and next to a wall with fluid against it the two cancel: a uniform pressure moves nothing. The full alpha
+/// is right for a particle without fluid neighbours. (With alpha in full, as in the notes, the lowest layer of 40 at d = 1 cm and dt = 1 ms
+/// settles at a density 2 % too high; with this factor at the density of the others.) 0 up to an imbalance of 0.3, so that uneven
+/// neighbours do not count as a gap.
 Real unbalanced(const Vec3& fluid, const Vec3& solid) {
     const Real size = solid.squaredNorm();
     if (!(size > 0)) return 0;
@@ -80,7 +81,8 @@ void PoissonPressure::build(const Kernel& kernel, const FluidPairs& pairs, const
     const WallShear wall{step.spacing / 2};
 
     parallel_for(n, [&](Index i) {
-        wall_[at(i)] = solid.size() > 0 ? Vec3(gate_[at(i)] * wall_gradient(kernel, i, solid_pairs, solid, options_.solid_factor)) : Vec3(Vec3::Zero());
+        wall_[at(i)] = solid.size() > 0 ? Vec3(gate_[at(i)] * wall_gradient(kernel, i, solid_pairs, solid, options_.solid_factor))
+                                        : Vec3(Vec3::Zero());
     });
 
     for (Index i = 0; i < n; ++i) {
@@ -149,8 +151,8 @@ void PoissonPressure::build(const Kernel& kernel, const FluidPairs& pairs, const
     });
 }
 
-/// Flood fill from the unknowns next to the surface. What it does not reach is closed: a full box, a pocket. It takes one pass over the pairs, in
-/// order, so the result does not depend on threads.
+/// Flood fill from the unknowns next to the surface. What it does not reach is closed: a full box, a pocket. It takes one pass over the
+/// pairs, in order, so the result does not depend on threads.
 void PoissonPressure::find_closed() {
     const Index n = matrix_.size();
     closed_.clear();
@@ -173,7 +175,8 @@ void PoissonPressure::find_closed() {
         queue.assign(1, i);
         reached[at(i)] = 1;
         spread();
-        // What little alpha a full box has comes from uneven neighbours: it would turn the right-hand side's mean into a huge uniform pressure.
+        // What little alpha a full box has comes from uneven neighbours: it would turn the right-hand side's mean into a huge uniform
+        // pressure.
         double pins = 0, diagonals = 0;
         for (Index k : queue) pins += matrix_.pin[at(k)], diagonals += matrix_.diagonal[at(k)];
         Closed component{queue, pins < 0.01 * diagonals};
@@ -207,10 +210,11 @@ void PoissonPressure::solve(const StepContext& step, StepReport& report, Update<
         const PressurePreconditioner M = options_.preconditioner(matrix_);
         const double set_up = wall_seconds() - start;
         const auto A = [&](Span<const Real> in, Span<Real> out) { matrix_.multiply(in, out); };
-        // |r| against that of a residual of rho_0/dt^2 everywhere: the tolerance is a relative density error. At small time steps that alone
-        // would leave the pressure unsolved (a density error of 1e-4 in the longest wave of 40 layers is several times their weight), so it is also
-        // a share of the source.
-        const double density = std::sqrt(unknowns) * static_cast<double>(step.volume) * step.rest_density / (static_cast<double>(step.dt) * step.dt);
+        // |r| against that of a residual of rho_0/dt^2 everywhere: the tolerance is a relative density error. At small time steps that
+        // alone would leave the pressure unsolved (a density error of 1e-4 in the longest wave of 40 layers is several times their weight),
+        // so it is also a share of the source.
+        const double density =
+            std::sqrt(unknowns) * static_cast<double>(step.volume) * step.rest_density / (static_cast<double>(step.dt) * step.dt);
         const double source = 10 * std::sqrt(dot<Real>(b_, b_));
         const double reference = source > 0 ? std::min(density, source) : density;
         SolveReport solved =
@@ -224,8 +228,8 @@ void PoissonPressure::solve(const StepContext& step, StepReport& report, Update<
         nothing.converged = true;
         report.solves.push_back({"pressure", nothing});
     }
-    // Without a surface the pressure has no natural zero. Its lowest value is made the weight of a layer, so that neither the clamp below nor that
-    // of a ceiling (wall_push) takes anything away.
+    // Without a surface the pressure has no natural zero. Its lowest value is made the weight of a layer, so that neither the clamp below
+    // nor that of a ceiling (wall_push) takes anything away.
     const Real layer = step.rest_density * step.gravity.norm() * step.spacing;
     for (const Closed& component : closed_) {
         Real lowest = component.singular ? std::numeric_limits<Real>::max() : 0;
@@ -238,9 +242,9 @@ void PoissonPressure::solve(const StepContext& step, StepReport& report, Update<
     });
 }
 
-void PoissonPressure::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, const StepContext& step,
-                                 StepReport& report, Read<field::role> role, Read<field::density> rho, Update<field::velocity> u,
-                                 Update<field::pressure> p) {
+void PoissonPressure::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid,
+                                 const StepContext& step, StepReport& report, Read<field::role> role, Read<field::density> rho,
+                                 Update<field::velocity> u, Update<field::pressure> p) {
     const std::size_t n = at(rho.size());
     class_.resize(n);
     touches_surface_.resize(n);
@@ -266,12 +270,12 @@ void PoissonPressure::operator()(const FluidPairs& pairs, const SolidPairs& soli
             if (class_[at(i)] == PressureClass::prescribed) return;
             const Real own = p[i] / (rho[i] * rho[i]);
             Vec3 sum = Vec3::Zero();
-            pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-                sum += (own + p[j] / (rho[j] * rho[j])) * kernel.slope(distance) * r;
-            });
+            pairs.of(i,
+                     [&](Index j, const Vec3& r, Real distance) { sum += (own + p[j] / (rho[j] * rho[j])) * kernel.slope(distance) * r; });
             u[i] -= step.dt * (step.mass * sum + p[i] * wall_[at(i)]);
             if (p[i] > 0 && solid.size() > 0)
-                u[i] -= step.dt * gate_[at(i)] * step.rest_density / (rho[i] * rho[i]) * wall_push(kernel, i, solid_pairs, solid, step, options_.solid_factor, p[i]);
+                u[i] -= step.dt * gate_[at(i)] * step.rest_density / (rho[i] * rho[i]) *
+                        wall_push(kernel, i, solid_pairs, solid, step, options_.solid_factor, p[i]);
         });
     });
 }

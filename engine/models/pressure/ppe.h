@@ -24,7 +24,7 @@ struct PressureMatrix {
     Column<Real> diagonal;           ///< sum_j c_ij + d_i [m]
     Column<Real> pin;                ///< d_i [m]
     std::vector<char> unknown;
-    Span<const Vec3> x;              ///< positions
+    Span<const Vec3> x;  ///< positions
     Real spacing = 0;
 
     Index size() const { return static_cast<Index>(diagonal.size()); }
@@ -39,11 +39,11 @@ PressurePreconditioner jacobi(const PressureMatrix& matrix);
 PressurePreconditioner poisson_unpreconditioned(const PressureMatrix& matrix);
 
 struct PoissonPressureOptions {
-    /// tolerance: root mean square over the unknown particles of |r_i| dt^2/rho_0, the relative density error that the linear solve leaves; at
-    /// most ten times that share of the right-hand side.
+    /// tolerance: root mean square over the unknown particles of |r_i| dt^2/rho_0, the relative density error that the linear solve leaves;
+    /// at most ten times that share of the right-hand side.
     SolveLimits limits{1e-3, 200};
-    /// Share of the density error that one step corrects: the source is (dt drho/dt + share (rho - rho_0))/dt^2. 1: as in the notes; then an error e
-    /// throws the fluid about with e d/dt and the pressure with rho_0 e H^2/dt^2, many times its weight.
+    /// Share of the density error that one step corrects: the source is (dt drho/dt + share (rho - rho_0))/dt^2. 1: as in the notes; then
+    /// an error e throws the fluid about with e d/dt and the pressure with rho_0 e H^2/dt^2, many times its weight.
     double density_correction = 0.1;
     Real solid_factor = 1;  ///< on the solids' volumes, see models/boundary/wall.h
     SolidGate gate;         ///< before solids
@@ -59,8 +59,9 @@ enum class PressureClass : char { isolated, surface, separated, poisson, prescri
 class PoissonPressure {
 public:
     explicit PoissonPressure(PoissonPressureOptions options) : options_(std::move(options)) {}
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, const StepContext& step, StepReport& report,
-                    Read<field::role> role, Read<field::density> rho, Update<field::velocity> u, Update<field::pressure> p);
+    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, const StepContext& step,
+                    StepReport& report, Read<field::role> role, Read<field::density> rho, Update<field::velocity> u,
+                    Update<field::pressure> p);
 
     const std::vector<PressureClass>& classes() const { return class_; }
     const PressureMatrix& matrix() const { return matrix_; }
@@ -73,11 +74,11 @@ private:
     };
 
     template <class Kernel>
-    void classify(const Kernel& kernel, const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, const StepContext& step,
-                  Read<field::role> role, Read<field::density> rho);
+    void classify(const Kernel& kernel, const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid,
+                  const StepContext& step, Read<field::role> role, Read<field::density> rho);
     template <class Kernel>
-    void build(const Kernel& kernel, const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, const StepContext& step,
-               Read<field::density> rho, Update<field::velocity> u, Update<field::pressure> p);
+    void build(const Kernel& kernel, const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid,
+               const StepContext& step, Read<field::density> rho, Update<field::velocity> u, Update<field::pressure> p);
     void find_closed();
     void solve(const StepContext& step, StepReport& report, Update<field::pressure> p);
 

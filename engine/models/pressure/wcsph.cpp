@@ -11,9 +11,7 @@ void TaitPressure::operator()(const StepContext& step, Read<field::density> rho,
     const double rho_0 = step.rest_density, c0 = options.sound_speed;
     const auto stiffness = static_cast<Real>(c0 * c0 * rho_0 / options.gamma);
     const auto gamma = static_cast<Real>(options.gamma), p0 = static_cast<Real>(options.background_pressure);
-    parallel_for(p.size(), [&](Index i) {
-        p[i] = std::max(stiffness * (std::pow(rho[i] / step.rest_density, gamma) - 1) + p0, Real(0));
-    });
+    parallel_for(p.size(), [&](Index i) { p[i] = std::max(stiffness * (std::pow(rho[i] / step.rest_density, gamma) - 1) + p0, Real(0)); });
 }
 
 void SoundDamping::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, const StepContext& step,
@@ -27,13 +25,15 @@ void SoundDamping::operator()(const FluidPairs& pairs, const SolidPairs& solid_p
                 Real other[3][Pairs::Group::most], part = 0;
                 group.gather(u.data(), other);
                 for (Index l = 0; l < group.padded(); ++l)
-                    part += kernel.slope(group.distance[l]) * ((own[0] - other[0][l]) * group.r[0][l] + (own[1] - other[1][l]) * group.r[1][l] +
-                                                                              (own[2] - other[2][l]) * group.r[2][l]);
+                    part +=
+                        kernel.slope(group.distance[l]) * ((own[0] - other[0][l]) * group.r[0][l] + (own[1] - other[1][l]) * group.r[1][l] +
+                                                           (own[2] - other[2][l]) * group.r[2][l]);
                 rate += part;
             });
             rate *= step.mass;
             if (solid.size() > 0) {
-                const Real mass = step.rest_density * options.solid_factor * options.gate.weight(kernel, i, solid_pairs, solid.volume, options.solid_factor);
+                const Real mass = step.rest_density * options.solid_factor *
+                                  options.gate.weight(kernel, i, solid_pairs, solid.volume, options.solid_factor);
                 solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
                     const auto k = static_cast<std::size_t>(s);
                     rate += mass * solid.volume[k] * kernel.slope(distance) * (own - solid.velocity[k]).dot(r);
@@ -70,7 +70,9 @@ void ArtificialViscosity::operator()(const FluidPairs& pairs, const SolidPairs& 
                 }
                 sum += Vec3(part[0], part[1], part[2]);
             });
-            const Real factor = layer.size() > 0 ? options.solid_factor * options.gate.weight(kernel, i, solid_pairs, layer.volume, options.solid_factor) : 0;
+            const Real factor = layer.size() > 0
+                                    ? options.solid_factor * options.gate.weight(kernel, i, solid_pairs, layer.volume, options.solid_factor)
+                                    : 0;
             if (factor > 0)
                 solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
                     const auto k = static_cast<std::size_t>(s);
@@ -129,7 +131,8 @@ void PressureAcceleration::operator()(const FluidPairs& pairs, const SolidPairs&
         };
         // rho_s = rho_0, and rho_i near it; both halves of the symmetric form.
         const auto share = [&](Index i) {
-            return options.gate.weight(kernel, i, solid_pairs, solid.volume, options.solid_factor) * step.rest_density * options.solid_factor / (rho[i] * rho[i]);
+            return options.gate.weight(kernel, i, solid_pairs, solid.volume, options.solid_factor) * step.rest_density *
+                   options.solid_factor / (rho[i] * rho[i]);
         };
         parallel_for(a.size(), [&](Index i) {
             if (!(p[i] > 0)) return;
@@ -143,8 +146,12 @@ void PressureAcceleration::operator()(const FluidPairs& pairs, const SolidPairs&
     });
 }
 
-double sound_step(double cfl, double support, double sound_speed, double max_speed) { return cfl * (support / 2) / (sound_speed + max_speed); }
+double sound_step(double cfl, double support, double sound_speed, double max_speed) {
+    return cfl * (support / 2) / (sound_speed + max_speed);
+}
 
-double sound_damping_step(double support, double sound_speed, double sound_damping) { return 0.6 * (support / 2) / (sound_damping * sound_speed); }
+double sound_damping_step(double support, double sound_speed, double sound_damping) {
+    return 0.6 * (support / 2) / (sound_damping * sound_speed);
+}
 
 }  // namespace whorl

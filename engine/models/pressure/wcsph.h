@@ -1,8 +1,9 @@
 #pragma once
 /// Weakly compressible pressure: an equation of state, explicit in time.
 ///
-/// Stages of a step, in order: Density (sph/density.h), TaitPressure, SoundDamping, Gravity, PressureAcceleration, ArtificialViscosity, Kick, Move,
-/// KeepOutside. Without the two dampers nothing is lost but by the time step: sound goes to and fro for ever, and a lattice that melts stays warm.
+/// Stages of a step, in order: Density (sph/density.h), TaitPressure, SoundDamping, Gravity, PressureAcceleration, ArtificialViscosity,
+/// Kick, Move, KeepOutside. Without the two dampers nothing is lost but by the time step: sound goes to and fro for ever, and a lattice
+/// that melts stays warm.
 #include "engine/geometry/solids.h"
 #include "engine/particles/field.h"
 #include "engine/particles/pairs.h"
@@ -12,13 +13,13 @@
 namespace whorl {
 
 struct WeaklyCompressible {
-    double sound_speed = 0;          ///< c0 [m/s], ten times the largest speed keeps the density within 1 %
+    double sound_speed = 0;  ///< c0 [m/s], ten times the largest speed keeps the density within 1 %
     double gamma = 7;
-    double background_pressure = 0;  ///< p0 [Pa]; must be 0 where there is a free surface
+    double background_pressure = 0;    ///< p0 [Pa]; must be 0 where there is a free surface
     bool difference_gradient = false;  ///< (m_j/rho_j)(p_j - p_i) rather than rho_i m_j (p_i/rho_i^2 + p_j/rho_j^2)
     double sound_damping = 0;          ///< bulk viscosity over rho c0 R/2
     double artificial_viscosity = 0;   ///< alpha, shear viscosity over rho c0 R/20
-    Real solid_factor = 1;           ///< on the solids' volumes, see models/boundary/wall.h
+    Real solid_factor = 1;             ///< on the solids' volumes, see models/boundary/wall.h
     SolidGate gate = {};
 };
 
@@ -37,26 +38,30 @@ struct SoundDamping {
                     Read<field::velocity> u, Update<field::pressure> p) const;
 };
 
-/// a_i += alpha c0 h sum_j m/rho_ij (u_ij . r_ij)/(r_ij^2 + 0.01 h^2) grad W_ij, h = R/2, rho_ij the mean     (Monaghan 1992, for receding pairs too)
-/// A viscosity of nu = alpha c0 h/10. Conserves momentum and angular momentum. Solids that the fluid sticks to act with their volumes.
+/// a_i += alpha c0 h sum_j m/rho_ij (u_ij . r_ij)/(r_ij^2 + 0.01 h^2) grad W_ij, h = R/2, rho_ij the mean     (Monaghan 1992, for receding
+/// pairs too) A viscosity of nu = alpha c0 h/10. Conserves momentum and angular momentum. Solids that the fluid sticks to act with their
+/// volumes.
 struct ArtificialViscosity {
     WeaklyCompressible options;
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer, const StepContext& step,
-                    Read<field::role> role, Read<field::density> rho, Read<field::velocity> u, Update<field::acceleration> a) const;
+    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer,
+                    const StepContext& step, Read<field::role> role, Read<field::density> rho, Read<field::velocity> u,
+                    Update<field::acceleration> a) const;
 };
 
 /// a_i -= grad p_i/rho_i, with
-///   symmetric:   grad p_i = rho_i sum_j m (p_i/rho_i^2 + p_j/rho_j^2) grad W_ij     conserves momentum: use it where there is a free surface
-///   difference:  grad p_i = sum_j m/rho_j (p_j - p_i) grad W_ij                     exact for constant p, does not conserve momentum
-/// A solid neighbour has the pressure of i and the weight of the fluid between them (as the solids of Adami, Hu, Adams 2012, a pair at a time),
-/// and never pulls:
+///   symmetric:   grad p_i = rho_i sum_j m (p_i/rho_i^2 + p_j/rho_j^2) grad W_ij     conserves momentum: use it where there is a free
+///   surface difference:  grad p_i = sum_j m/rho_j (p_j - p_i) grad W_ij                     exact for constant p, does not conserve
+///   momentum
+/// A solid neighbour has the pressure of i and the weight of the fluid between them (as the solids of Adami, Hu, Adams 2012, a pair at a
+/// time), and never pulls:
 ///   p_i + p_s = max(0, 2 p_i + rho_0 g . (x_s - x_i)).
-/// Along the wall too: without that, fluid beside a vertical wall feels half the gradient that carries it, sinks, and stirs the whole basin. It acts
-/// in the symmetric form in either case (in the difference form a wall with the pressure of i would not push).
+/// Along the wall too: without that, fluid beside a vertical wall feels half the gradient that carries it, sinks, and stirs the whole
+/// basin. It acts in the symmetric form in either case (in the difference form a wall with the pressure of i would not push).
 struct PressureAcceleration {
     WeaklyCompressible options;
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& solid, const StepContext& step,
-                    Read<field::role> role, Read<field::density> rho, Read<field::pressure> p, Update<field::acceleration> a) const;
+    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& solid,
+                    const StepContext& step, Read<field::role> role, Read<field::density> rho, Read<field::pressure> p,
+                    Update<field::acceleration> a) const;
 };
 
 /// Limit of the time step from sound and flow: cfl h/(c0 + max|u|) with h = R/2 [s]. cfl 0.4 is usual.

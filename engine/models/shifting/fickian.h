@@ -1,11 +1,12 @@
 #pragma once
-/// Small moves against the gradient of the particles' concentration, which keep them evenly spread where a flow stretches them into lines and holes
-/// (Lind, Xu, Stansby and Rogers 2012; the pair weight after Monaghan 2000).
+/// Small moves against the gradient of the particles' concentration, which keep them evenly spread where a flow stretches them into lines
+/// and holes (Lind, Xu, Stansby and Rogers 2012; the pair weight after Monaghan 2000).
 ///
 ///   x_i -= dt s_i R (sum_j V [1 + 0.2 (W_ij/W(d))^4] grad W_ij + sum_s V_s grad W_is),    s_i = max_j |u_i - u_j|
 ///
-/// s_i is seen the same from any frame that moves along. A move is at most a twentieth of a spacing, fades out next to a free surface (where
-/// the density falls from 0.95 to 0.9 rho_0, or the sum of gradients rises from 0.8 to 1.2 over R; a flat surface has 0.85 and 1.3), and leaves the velocities alone, so momentum is kept exactly.
+/// s_i is seen the same from any frame that moves along. A move is at most a twentieth of a spacing, fades out next to a free surface
+/// (where the density falls from 0.95 to 0.9 rho_0, or the sum of gradients rises from 0.8 to 1.2 over R; a flat surface has 0.85 and 1.3),
+/// and leaves the velocities alone, so momentum is kept exactly.
 ///
 /// Stage of a step: after the forces, before Move. It needs neighbours and density.
 #include "engine/geometry/solids.h"
@@ -24,8 +25,9 @@ struct shift {
 
 struct FickianShift {
     Real solid_factor = 1;  ///< on the solids' volumes, see models/boundary/wall.h
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& layer, const StepContext& step, Read<field::role> role,
-                    Read<field::density> rho, Read<field::velocity> u, Write<field::shift> shift, Update<field::position> x) const;
+    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& layer, const StepContext& step,
+                    Read<field::role> role, Read<field::density> rho, Read<field::velocity> u, Write<field::shift> shift,
+                    Update<field::position> x) const;
 };
 
 }  // namespace whorl

@@ -34,7 +34,8 @@ double Cohesion::bulk_energy(double d) const {
     for (int a = -reach; a <= reach; ++a)
         for (int b = -reach; b <= reach; ++b)
             for (int c = -reach; c <= reach; ++c)
-                if (a != 0 || b != 0 || c != 0) sum += static_cast<double>(potential(static_cast<Real>(d * std::sqrt(double(a * a + b * b + c * c)))));
+                if (a != 0 || b != 0 || c != 0)
+                    sum += static_cast<double>(potential(static_cast<Real>(d * std::sqrt(double(a * a + b * b + c * c)))));
     return density * sum;
 }
 
@@ -87,7 +88,8 @@ void SurfaceTension::operator()(const Solids& solids, const StepContext& step, R
     });
     if (skin_pulls()) return;
 
-    // The pulls are the gradient of -phi: where the surface is flat a pressure n (phi(surface) - phi) balances them, and half of the bulk's phi is left there.
+    // The pulls are the gradient of -phi: where the surface is flat a pressure n (phi(surface) - phi) balances them, and half of the bulk's
+    // phi is left there.
     const auto half = static_cast<Real>(cohesion.bulk_energy(d) / 2);
     std::vector<Real>& P = *options_.internal_pressure;
     P.resize(static_cast<std::size_t>(x.size()));

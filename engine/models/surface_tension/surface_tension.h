@@ -3,11 +3,13 @@
 ///
 ///   force on i by j:  -F(r) r_ij/r,   F = A q (1 - q)^2,   q = r/L < 1,   L = 3 d
 ///
-/// A half-space of n = 1/d^3 particles a volume then has the tension sigma = (pi n^2/8) int r^4 F dr (Kirkwood and Buff 1949 with a uniform density), so
-/// A = 1344 sigma d^6/(pi L^5). Momentum and angular momentum are kept to round-off. Two forms (docs/physics.md, section 10):
+/// A half-space of n = 1/d^3 particles a volume then has the tension sigma = (pi n^2/8) int r^4 F dr (Kirkwood and Buff 1949 with a uniform
+/// density), so A = 1344 sigma d^6/(pi L^5). Momentum and angular momentum are kept to round-off. Two forms (docs/physics.md, section 10):
 ///
-/// - *All pairs pull.* Inside, all pulls cancel but for the pressure p_int = (2 pi/3) n^2 int r^3 F dr = 2.84 sigma/d; for a solve that takes it from here (internal_pressure).
-/// - *The skin pulls* (models/surface_tension/skin.h): each pair by the mean share of surface of its two particles. Nothing presses inside but 2 sigma/R.
+/// - *All pairs pull.* Inside, all pulls cancel but for the pressure p_int = (2 pi/3) n^2 int r^3 F dr = 2.84 sigma/d; for a solve that
+/// takes it from here (internal_pressure).
+/// - *The skin pulls* (models/surface_tension/skin.h): each pair by the mean share of surface of its two particles. Nothing presses inside
+/// but 2 sigma/R.
 #include <memory>
 #include <vector>
 
@@ -21,7 +23,8 @@ namespace whorl {
 struct SurfaceTensionOptions {
     double tension = 0;         ///< sigma [N/m]
     std::vector<Real> wetting;  ///< of each solid: its pull over the fluid's own; the contact angle has cos = 2 wetting - 1
-    /// Where to put each particle's share of the internal pressure [Pa]: what the pulls press it with where the surface is flat. nullptr: the skin alone pulls.
+    /// Where to put each particle's share of the internal pressure [Pa]: what the pulls press it with where the surface is flat. nullptr:
+    /// the skin alone pulls.
     std::shared_ptr<std::vector<Real>> internal_pressure;
 };
 
@@ -53,7 +56,8 @@ struct Cohesion {
 class SurfaceTension {
 public:
     explicit SurfaceTension(SurfaceTensionOptions options) : options_(std::move(options)) {}
-    void operator()(const Solids& solids, const StepContext& step, Read<field::position> x, Read<field::role> role, Update<field::velocity> u);
+    void operator()(const Solids& solids, const StepContext& step, Read<field::position> x, Read<field::role> role,
+                    Update<field::velocity> u);
 
 private:
     bool skin_pulls() const { return !options_.internal_pressure; }
@@ -70,8 +74,8 @@ private:
 /// p_int = 2.84 sigma/d [Pa].
 double internal_pressure(double tension, double spacing);
 
-/// Longest stable step [s]: the shortest capillary wave moves by less than a spacing (Brackbill, Kothe, Zemach 1992), or, where the viscosity is implicit, whatever
-/// longer step it allows (Galusinski, Vigneaux 2008).
+/// Longest stable step [s]: the shortest capillary wave moves by less than a spacing (Brackbill, Kothe, Zemach 1992), or, where the
+/// viscosity is implicit, whatever longer step it allows (Galusinski, Vigneaux 2008).
 /// @param viscosity mu [Pa s] that acts implicitly, else 0
 double surface_tension_step(double density, double spacing, double tension, double viscosity);
 

@@ -18,12 +18,14 @@ void grow_older(const std::vector<Expression>& of_source, Real dt, Read<field::r
 
 void AgeingViscosity::operator()(const StepContext& step, Read<field::role> role, Read<field::source> source, Update<field::age> age,
                                  Write<field::viscosity> mu) const {
-    grow_older(of_source, step.dt, role, source, [](Index) { return Vec3d(Vec3d::Zero()); }, age, mu);
+    grow_older(
+        of_source, step.dt, role, source, [](Index) { return Vec3d(Vec3d::Zero()); }, age, mu);
 }
 
-void AgeingViscosityByPlace::operator()(const StepContext& step, Read<field::role> role, Read<field::source> source, Read<field::birthplace> start,
-                                        Update<field::age> age, Write<field::viscosity> mu) const {
-    grow_older(of_source, step.dt, role, source, [&](Index i) { return Vec3d(start[i].cast<double>()); }, age, mu);
+void AgeingViscosityByPlace::operator()(const StepContext& step, Read<field::role> role, Read<field::source> source,
+                                        Read<field::birthplace> start, Update<field::age> age, Write<field::viscosity> mu) const {
+    grow_older(
+        of_source, step.dt, role, source, [&](Index i) { return Vec3d(start[i].cast<double>()); }, age, mu);
 }
 
 }  // namespace whorl

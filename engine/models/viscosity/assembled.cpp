@@ -15,11 +15,11 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 /// What the coefficients are made of.
 struct AssembledOperator::Gradients {
-    Column<Vec3> gradW;             ///< of each pair
-    Column<Vec3> solid_gradW;       ///< of each pair with a solid, times its volume over that of the fluid at rest; 0 where the fluid slips
-    Column<Vec3> omega, alpha;      ///< sum_j grad W_ij and sum_j a_ij
-    Column<Real> stress;            ///< m^ mu^_i
-    Column<Real> volume;            ///< m/rho_i
+    Column<Vec3> gradW;         ///< of each pair
+    Column<Vec3> solid_gradW;   ///< of each pair with a solid, times its volume over that of the fluid at rest; 0 where the fluid slips
+    Column<Vec3> omega, alpha;  ///< sum_j grad W_ij and sum_j a_ij
+    Column<Real> stress;        ///< m^ mu^_i
+    Column<Real> volume;        ///< m/rho_i
     Real rest_volume = 0;
     bool own_volume = true;
     /// a_ij = V_i grad W_ij, or V_j as printed.
@@ -27,9 +27,9 @@ struct AssembledOperator::Gradients {
     Vec3 solid_a(Index i, std::size_t pair) const { return (own_volume ? volume[at(i)] : rest_volume) * solid_gradW[pair]; }
 };
 
-void AssembledOperator::set_up(const AssembledViscosityOptions& options, const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids,
-                               const SolidParticles& layer, const StepContext& step, Read<field::role> role, Read<field::density> rho,
-                               Read<field::viscosity> mu) {
+void AssembledOperator::set_up(const AssembledViscosityOptions& options, const FluidPairs& pairs, const SolidPairs& solid_pairs,
+                               const Solids& solids, const SolidParticles& layer, const StepContext& step, Read<field::role> role,
+                               Read<field::density> rho, Read<field::viscosity> mu) {
     const std::size_t n = at(mu.size());
     Gradients g;
     g.rest_volume = step.volume;
@@ -67,7 +67,8 @@ void AssembledOperator::set_up(const AssembledViscosityOptions& options, const F
     });
     free_.resize(n);
     for (std::size_t i = 0; i < n; ++i) free_[i] = role.values[i] == 0;
-    touches_wall_ = parallel_sum(static_cast<Index>(g.solid_gradW.size()), [&](Index k) { return g.solid_gradW[at(k)] != Vec3::Zero(); }) > 0;
+    touches_wall_ =
+        parallel_sum(static_cast<Index>(g.solid_gradW.size()), [&](Index k) { return g.solid_gradW[at(k)] != Vec3::Zero(); }) > 0;
     assemble(g, pairs);
     wall_force_.clear();
     if (touches_wall_) set_wall_force(g, pairs, solid_pairs, layer);
@@ -99,7 +100,8 @@ void AssembledOperator::assemble(const Gradients& g, const FluidPairs& pairs) {
             for (std::size_t e = pairs.first[at(i)]; e < pairs.first[at(i) + 1]; ++e) {
                 const Index j = pairs.other[e];
                 const Vec3& gradW = g.gradW[e];
-                add(j, g.stress[at(j)] * nine_coefficients(gradW, g.alpha[at(j)]) - g.stress[at(i)] * nine_coefficients(g.omega[at(i)], g.a(i, j, e)));
+                add(j, g.stress[at(j)] * nine_coefficients(gradW, g.alpha[at(j)]) -
+                           g.stress[at(i)] * nine_coefficients(g.omega[at(i)], g.a(i, j, e)));
                 for (std::size_t f = pairs.first[at(j)]; f < pairs.first[at(j) + 1]; ++f) {
                     const Index k = pairs.other[f];
                     add(k, -g.stress[at(j)] * nine_coefficients(gradW, g.a(j, k, f)));
@@ -112,7 +114,8 @@ void AssembledOperator::assemble(const Gradients& g, const FluidPairs& pairs) {
 }
 
 /// m^ sum_j (mu^_i Q_i + mu^_j Q_j) grad W_ij of the velocities of the solids alone.
-void AssembledOperator::set_wall_force(const Gradients& g, const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& layer) {
+void AssembledOperator::set_wall_force(const Gradients& g, const FluidPairs& pairs, const SolidPairs& solid_pairs,
+                                       const SolidParticles& layer) {
     const Index n = size();
     Column<Mat3> Q(at(n));
     parallel_for(n, [&](Index i) {
@@ -173,9 +176,9 @@ double assembled_bytes(double reach) {
     return entries * (sizeof(Mat3) + sizeof(Index));
 }
 
-void AssembledViscosity::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
-                                    const StepContext& step, StepReport& report, Read<field::role> role, Read<field::position> x,
-                                    Read<field::density> rho, Read<field::viscosity> mu, Update<field::velocity> u,
+void AssembledViscosity::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids,
+                                    const SolidParticles& layer, const StepContext& step, StepReport& report, Read<field::role> role,
+                                    Read<field::position> x, Read<field::density> rho, Read<field::viscosity> mu, Update<field::velocity> u,
                                     Update<field::viscous_acceleration> last) {
     operator_.set_up(options_, pairs, solid_pairs, solids, layer, step, role, rho, mu);
     solve_implicit(operator_, options_.limits, {step, report, role, x, u, last});

@@ -1,6 +1,7 @@
 #pragma once
-/// Implicit viscosity in its full form, assembled: the 27 coefficients of the note (Takahashi et al. 2015, supplement; mended as docs/physics.md 4
-/// tells) in one sparse matrix. Tens of times the memory of the same operator without a matrix: for small scenes, and as what the other is held to.
+/// Implicit viscosity in its full form, assembled: the 27 coefficients of the note (Takahashi et al. 2015, supplement; mended as
+/// docs/physics.md 4 tells) in one sparse matrix. Tens of times the memory of the same operator without a matrix: for small scenes, and as
+/// what the other is held to.
 ///
 /// Stages of a step, in order: Density, Gravity, (forces), Kick, AssembledViscosity, (pressure), Move.
 #include "engine/geometry/solids.h"
@@ -12,15 +13,15 @@ namespace whorl {
 struct AssembledViscosityOptions {
     SolveLimits limits{1e-4, 500};  ///< see solve_implicit()
     Real solid_factor = 1;          ///< on the solids' volumes, see models/boundary/wall.h
-    /// The gradient of particle i weights all its neighbours with V_i: symmetric. false: with V_j, as the note prints it; then the matrix is not
-    /// symmetric where densities differ.
+    /// The gradient of particle i weights all its neighbours with V_i: symmetric. false: with V_j, as the note prints it; then the matrix
+    /// is not symmetric where densities differ.
     bool own_volume = true;
 };
 
 /// The nine coefficients that a product of grad W and a gives: row a: equation of u, v, w; column b: coefficient of u, v, w.
 ///   coefficient_ab = (grad W . a) delta_ab + grad W_b a_a
-/// With (omega_i, alpha_i) times m^ mu^_i they are c_{u_i u_i}, c_{v_i u_i} ... c_{w_i w_i} (but for the 1 of the mass); with -(omega_i, a_ij) mu^_i +
-/// (grad W_ij, alpha_j) mu^_j those of j, c_{u_j u_i} ...; with -sum_j (grad W_ij, a_jk) mu^_j those of k, c_{u_k u_i} ...
+/// With (omega_i, alpha_i) times m^ mu^_i they are c_{u_i u_i}, c_{v_i u_i} ... c_{w_i w_i} (but for the 1 of the mass); with -(omega_i,
+/// a_ij) mu^_i + (grad W_ij, alpha_j) mu^_j those of j, c_{u_j u_i} ...; with -sum_j (grad W_ij, a_jk) mu^_j those of k, c_{u_k u_i} ...
 inline Mat3 nine_coefficients(const Vec3& gradW, const Vec3& a) {
     Mat3 c = a * gradW.transpose();
     c.diagonal().array() += gradW.dot(a);
@@ -28,12 +29,13 @@ inline Mat3 nine_coefficients(const Vec3& gradW, const Vec3& a) {
 }
 
 /// u_i + m^ sum_j (mu^_i Q_i + mu^_j Q_j) grad W_ij = u*_i,   Q_i = -grad u_i - (grad u_i)^T,  m^ = m dt,  mu^ = mu/rho^2.
-/// The second ring k holds i itself and i's neighbours: their coefficients add up in one entry. Solids are neighbours with a velocity that is known
-/// and no stress of their own.
+/// The second ring k holds i itself and i's neighbours: their coefficients add up in one entry. Solids are neighbours with a velocity that
+/// is known and no stress of their own.
 class AssembledOperator final : public ImplicitOperator {
 public:
     void set_up(const AssembledViscosityOptions& options, const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids,
-                const SolidParticles& layer, const StepContext& step, Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu);
+                const SolidParticles& layer, const StepContext& step, Read<field::role> role, Read<field::density> rho,
+                Read<field::viscosity> mu);
 
     void multiply(Span<const Vec3> u, Span<Vec3> y) const override;
     void force(Span<const Vec3> u, Span<Vec3> y) const override;
@@ -70,7 +72,8 @@ private:
     bool touches_wall_ = false;
 };
 
-/// Bytes of the matrix a particle, from the neighbours that a lattice has within twice the kernel radius. @param reach kernel radius over spacing
+/// Bytes of the matrix a particle, from the neighbours that a lattice has within twice the kernel radius. @param reach kernel radius over
+/// spacing
 double assembled_bytes(double reach);
 /// More than this is refused: the same operator without a matrix needs a hundredth.
 inline constexpr double most_assembled_bytes = 4e9;
@@ -79,9 +82,9 @@ inline constexpr double most_assembled_bytes = 4e9;
 class AssembledViscosity {
 public:
     explicit AssembledViscosity(AssembledViscosityOptions options) : options_(options) {}
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer, const StepContext& step,
-                    StepReport& report, Read<field::role> role, Read<field::position> x, Read<field::density> rho, Read<field::viscosity> mu,
-                    Update<field::velocity> u, Update<field::viscous_acceleration> last);
+    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
+                    const StepContext& step, StepReport& report, Read<field::role> role, Read<field::position> x, Read<field::density> rho,
+                    Read<field::viscosity> mu, Update<field::velocity> u, Update<field::viscous_acceleration> last);
 
 private:
     AssembledViscosityOptions options_;

@@ -35,9 +35,10 @@ struct Monaghan {
 };
 
 template <class Kernel, class Form>
-void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions& options, const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids,
-                   const SolidParticles& layer, const StepContext& step, Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu,
-                   Read<field::velocity> u, Update<field::acceleration> a) {
+void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions& options, const FluidPairs& pairs,
+                   const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer, const StepContext& step,
+                   Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu, Read<field::velocity> u,
+                   Update<field::acceleration> a) {
     const std::vector<char> slip = slips(solids);
     WallFriction friction;
     friction.set(options.monaghan ? FrictionForm::along : FrictionForm::central, solid_pairs, solids, layer, step);
@@ -54,7 +55,8 @@ void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions
         return Vec3(layer.volume[k] * mu[i] * form(u_is.dot(r), distance, kernel.slope(distance)) * (Form::along_r ? r : u_is));
     };
     const auto weight = [&](Index i) {
-        return layer.size() > 0 ? options.solid_factor * options.gate.weight(kernel, i, solid_pairs, layer.volume, options.solid_factor) : Real(0);
+        return layer.size() > 0 ? options.solid_factor * options.gate.weight(kernel, i, solid_pairs, layer.volume, options.solid_factor)
+                                : Real(0);
     };
     parallel_for(a.size(), [&](Index i) {
         Vec3 sum = Vec3::Zero();
@@ -68,14 +70,17 @@ void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions
                 const Real x = group.r[0][l], y = group.r[1][l], z = group.r[2][l], r = group.distance[l];
                 const Real ux = own[0] - other[0][l], uy = own[1] - other[1][l], uz = own[2] - other[2][l];
                 const Real share = step.mass / density[l] * mean * form(ux * x + uy * y + uz * z, r, kernel.slope(r));
-                part[0] += share * (Form::along_r ? x : ux), part[1] += share * (Form::along_r ? y : uy), part[2] += share * (Form::along_r ? z : uz);
+                part[0] += share * (Form::along_r ? x : ux), part[1] += share * (Form::along_r ? y : uy),
+                    part[2] += share * (Form::along_r ? z : uz);
             }
             sum += Vec3(part[0], part[1], part[2]);
         });
         if (const Real solid_factor = weight(i); solid_factor > 0) {
             solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { sum += solid_factor * by_solid(i, s, r, distance); });
             // The wall's area does not depend on the density that the kernel finds beside it: the acceleration is mu/rho_0 times that.
-            if (friction.acts()) sum -= solid_factor / options.solid_factor * rho[i] / step.rest_density * own_mu * (friction.hold(i) * own - friction.pull(i));
+            if (friction.acts())
+                sum -=
+                    solid_factor / options.solid_factor * rho[i] / step.rest_density * own_mu * (friction.hold(i) * own - friction.pull(i));
         }
         a[i] += sum / rho[i];
     });
@@ -86,13 +91,14 @@ void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions
 }  // namespace
 
 void ExplicitViscosity::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer,
-                                   const StepContext& step, Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu, Read<field::velocity> u,
-                                   Update<field::acceleration> a) const {
+                                   const StepContext& step, Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu,
+                                   Read<field::velocity> u, Update<field::acceleration> a) const {
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         const auto add = [&](const auto& form) {
             add_viscosity(kernel, form, options, pairs, solid_pairs, solids, layer, step, role, rho, mu, u, a);
         };
-        if (options.monaghan) add(Monaghan{along_pairs_factor(step.kernel, step.support, step.spacing), Real(0.01) * step.support * step.support / 4});
+        if (options.monaghan)
+            add(Monaghan{along_pairs_factor(step.kernel, step.support, step.spacing), Real(0.01) * step.support * step.support / 4});
         else add(Brookshaw{Real(3) / lattice_second_moment(step.kernel, step.support, step.spacing)});
     });
 }

@@ -18,9 +18,9 @@ struct smoothing {
 };
 }  // namespace field
 
-/// XSPH: u_i += alpha sum_j V_ij (u_j - u_i) W_ij over the fluid; with V_ij = 2 m/(rho_i + rho_j) rather than m/rho_j of the notes, so that momentum
-/// is conserved (the same where the density is). Solids do not act. It is a viscosity of about alpha 0.075 R^2/(2 dt): it depends on
-/// the time step.
+/// XSPH: u_i += alpha sum_j V_ij (u_j - u_i) W_ij over the fluid; with V_ij = 2 m/(rho_i + rho_j) rather than m/rho_j of the notes, so that
+/// momentum is conserved (the same where the density is). Solids do not act. It is a viscosity of about alpha 0.075 R^2/(2 dt): it depends
+/// on the time step.
 struct XsphViscosity {
     Real alpha = Real(0.002);
     void operator()(const FluidPairs& pairs, const StepContext& step, Read<field::role> role, Read<field::density> rho,
@@ -28,20 +28,21 @@ struct XsphViscosity {
 };
 
 struct ExplicitOptions {
-    bool monaghan = false;   ///< the second Laplacian of the notes rather than the first
-    Real solid_factor = 1;   ///< on the solids' volumes see models/boundary/wall.h
+    bool monaghan = false;  ///< the second Laplacian of the notes rather than the first
+    Real solid_factor = 1;  ///< on the solids' volumes see models/boundary/wall.h
     SolidGate gate = {};
 };
 
 /// a_i += mu/rho Lap u, with mu_ij = 2 mu_i mu_j/(mu_i + mu_j), which conserves momentum and keeps the stress at a jump of mu:
 ///   brookshaw:  Lap u_i = f sum_j V_j (u_j - u_i) 2 |grad W_ij|/|r_ij|
 ///   monaghan:   Lap u_i = 2 (d + 2) f sum_j V_j (u_ij . r_ij)/(r_ij^2 + 0.01 h^2) grad W_ij       (Lap u + 2 grad(div u); no torque)
-/// The factor f, near 1, makes up for the lattice's sums (models/boundary/wall.h). Solids that the fluid sticks to enter with their velocity, continued behind the surface (models/boundary/wall.h).
+/// The factor f, near 1, makes up for the lattice's sums (models/boundary/wall.h). Solids that the fluid sticks to enter with their
+/// velocity, continued behind the surface (models/boundary/wall.h).
 struct ExplicitViscosity {
     ExplicitOptions options;
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer, const StepContext& step,
-                    Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu, Read<field::velocity> u,
-                    Update<field::acceleration> a) const;
+    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer,
+                    const StepContext& step, Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu,
+                    Read<field::velocity> u, Update<field::acceleration> a) const;
 };
 
 /// Limit of the time step of the explicit forms: 0.125 R^2/(4 nu) [s].

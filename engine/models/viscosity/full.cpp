@@ -3,8 +3,9 @@
 namespace whorl {
 
 void FullViscosity::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer,
-                               const StepContext& step, StepReport& report, Read<field::role> role, Read<field::position> x, Read<field::viscosity> mu,
-                               Update<field::velocity> u, Update<field::viscous_acceleration> last, Update<field::viscous_aggregate> aggregate) {
+                               const StepContext& step, StepReport& report, Read<field::role> role, Read<field::position> x,
+                               Read<field::viscosity> mu, Update<field::velocity> u, Update<field::viscous_acceleration> last,
+                               Update<field::viscous_aggregate> aggregate) {
     operator_.set_up(options_, pairs, solid_pairs, solids, layer, step, role, mu);
     set_up_coarse(pairs, step, role, x, aggregate.values);
     solve_implicit(operator_, options_.limits, {step, report, role, x, u, last, &solids});

@@ -13,38 +13,43 @@ namespace whorl {
 namespace field {
 struct viscous_aggregate {
     using type = std::int32_t;
-    static constexpr std::string_view name = "viscous_aggregate", unit = "", meaning = "rigid group in the coarse level of the viscosity, 0: none";
+    static constexpr std::string_view name = "viscous_aggregate", unit = "",
+                                      meaning = "rigid group in the coarse level of the viscosity, 0: none";
 };
 }  // namespace field
 
 struct FullViscosityOptions {
     SolveLimits limits{1e-4, 500};  ///< see solve_implicit()
-    bool correction = true;      ///< gradients exact for linear fields; false: as in the note, which slows free rotation down
-    /// Of mu, against zig-zag modes that the central gradient does not see; vanishes for affine fields. It also makes up for part of what the central
-    /// gradient loses of short waves: a wave of 32 particles decays 2.2 % too slowly with 0.05.
+    bool correction = true;         ///< gradients exact for linear fields; false: as in the note, which slows free rotation down
+    /// Of mu, against zig-zag modes that the central gradient does not see; vanishes for affine fields. It also makes up for part of what
+    /// the central gradient loses of short waves: a wave of 32 particles decays 2.2 % too slowly with 0.05.
     Real penalty = Real(0.3);
-    Real solid_factor = 1;       ///< on the solids' volumes, see models/boundary/wall.h
-    bool diagonal = true;        ///< the diagonal blocks precondition, and measure the residual; false: nothing does
-    int aggregate = 48;          ///< particles in a group of the coarse level; 0: no coarse level
-    int refresh_every = 5;       ///< steps between two set-ups of the coarse level
-    double coarse_above = 4;     ///< largest nu dt/d^2 that the diagonal alone settles in few iterations
+    Real solid_factor = 1;    ///< on the solids' volumes, see models/boundary/wall.h
+    bool diagonal = true;     ///< the diagonal blocks precondition, and measure the residual; false: nothing does
+    int aggregate = 48;       ///< particles in a group of the coarse level; 0: no coarse level
+    int refresh_every = 5;    ///< steps between two set-ups of the coarse level
+    double coarse_above = 4;  ///< largest nu dt/d^2 that the diagonal alone settles in few iterations
 };
 
-/// The operator of one step at fixed positions. With w_ij = V |W'(r)|/r (so that -w_ij r_ij = V grad W_ij), r_ij = x_i - x_j, u_ij = u_i - u_j:
+/// The operator of one step at fixed positions. With w_ij = V |W'(r)|/r (so that -w_ij r_ij = V grad W_ij), r_ij = x_i - x_j, u_ij = u_i -
+/// u_j:
 ///   G_i = sum_j w_ij u_ij r_ij^T M_i^+         velocity gradient; M_i = sum_j w_ij r_ij r_ij^T, M^+ its inverse where it has one
 ///   D_i = (P_i G_i + (P_i G_i)^T)/2            strain rate; P_i projects on the directions that the neighbours resolve
-///   E(u) = sum_i m |u_i - u*_i|^2/2 + dt V sum_i (1 - counted_i) mu_i (D_i:D_i + penalty 3/(sum_j w_ij r_ij^2) sum_j w_ij |u_ij - G_i r_ij|^2)
-///          + dt V sum_i mu_i (u_i.hold_i u_i/2 - u_i.pull_i)        friction at walls with a slip length, counted = 0 elsewhere: models/boundary/friction.h
-/// and A u = (dE/du)/m, without the terms of u*, solids and prescribed particles, which are the right-hand side. A is symmetric and positive
-/// definite, because the force is the transpose of the gradient; a rigid motion costs no energy, so forces keep momentum and angular momentum.
-/// V is the volume at rest, for an incompressible fluid the true one, also at the surface. As in the note (correction = false): M^+ = V_i/V, P = 1, no
-/// penalty, V_i = m/rho_i in the gradient and in the energy; a rotation then costs energy at a free surface.
+///   E(u) = sum_i m |u_i - u*_i|^2/2 + dt V sum_i (1 - counted_i) mu_i (D_i:D_i + penalty 3/(sum_j w_ij r_ij^2) sum_j w_ij |u_ij - G_i
+///   r_ij|^2)
+///          + dt V sum_i mu_i (u_i.hold_i u_i/2 - u_i.pull_i)        friction at walls with a slip length, counted = 0 elsewhere:
+///          models/boundary/friction.h
+/// and A u = (dE/du)/m, without the terms of u*, solids and prescribed particles, which are the right-hand side. A is symmetric and
+/// positive definite, because the force is the transpose of the gradient; a rigid motion costs no energy, so forces keep momentum and
+/// angular momentum. V is the volume at rest, for an incompressible fluid the true one, also at the surface. As in the note (correction =
+/// false): M^+ = V_i/V, P = 1, no penalty, V_i = m/rho_i in the gradient and in the energy; a rotation then costs energy at a free surface.
 class ViscousOperator final : public ImplicitOperator {
 public:
     /// Coefficients for these positions.
     /// @param density [kg/m^3], of the form as in the note; empty: at rest
     void set_up(const FullViscosityOptions& options, const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids,
-                const SolidParticles& layer, const StepContext& step, Read<field::role> role, Read<field::viscosity> mu, Span<const Real> density = {});
+                const SolidParticles& layer, const StepContext& step, Read<field::role> role, Read<field::viscosity> mu,
+                Span<const Real> density = {});
     const ViscousBodies* bodies() const override { return bodies_.body.empty() ? nullptr : &bodies_; }
 
     void multiply(Span<const Vec3> u, Span<Vec3> y) const override;
@@ -95,7 +100,8 @@ private:
     void spread(Span<const Vec3> u, bool free_only) const;
     void stress(Span<const Vec3> u, bool with_walls) const;
     void divergence(Span<const Vec3> u, Span<Vec3> y, bool free_only) const;
-    void set_up_bodies(const FullViscosityOptions& options, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer, const StepContext& step);
+    void set_up_bodies(const FullViscosityOptions& options, const SolidPairs& solid_pairs, const Solids& solids,
+                       const SolidParticles& layer, const StepContext& step);
     void set_up_body_blocks();
     /// What bodies take from the sums at i, and what i gives to them, once its stress is known.
     void take_bodies(Index i, Span<const Vec3> u, Mat3& A, Vec3& own) const;
@@ -104,13 +110,13 @@ private:
 
     const FluidPairs* pairs_ = nullptr;
     Column<Pair> pair_;
-    Column<Pair> wr_;          ///< sum of w r_ij over fluid and solids
+    Column<Pair> wr_;  ///< sum of w r_ij over fluid and solids
     WallFriction friction_;
-    Column<Real> rub_;         ///< dt mu/rho_0; K_ has not what the friction counts
-    Column<Wall> wall_;        ///< empty: there are no solids
-    Column<Mat3d> wall_moment_;  ///< what the solids add to M
-    Column<Sixteen> M_, P_;    ///< M^+ and P
-    Column<Real> K_, c_;       ///< dt mu/rho_0 and the penalty's coefficient
+    Column<Real> rub_;                ///< dt mu/rho_0; K_ has not what the friction counts
+    Column<Wall> wall_;               ///< empty: there are no solids
+    Column<Mat3d> wall_moment_;       ///< what the solids add to M
+    Column<Sixteen> M_, P_;           ///< M^+ and P
+    Column<Real> K_, c_;              ///< dt mu/rho_0 and the penalty's coefficient
     std::vector<char> free_, whole_;  ///< whole: P = 1
     BlockDiagonal diagonal_;
     mutable ViscousBodies bodies_;
@@ -127,9 +133,9 @@ private:
 class FullViscosity {
 public:
     explicit FullViscosity(FullViscosityOptions options) : options_(options) {}
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer, const StepContext& step,
-                    StepReport& report, Read<field::role> role, Read<field::position> x, Read<field::viscosity> mu, Update<field::velocity> u,
-                    Update<field::viscous_acceleration> last, Update<field::viscous_aggregate> aggregate);
+    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer,
+                    const StepContext& step, StepReport& report, Read<field::role> role, Read<field::position> x, Read<field::viscosity> mu,
+                    Update<field::velocity> u, Update<field::viscous_acceleration> last, Update<field::viscous_aggregate> aggregate);
 
 private:
     void set_up_coarse(const FluidPairs& pairs, const StepContext& step, Read<field::role> role, Read<field::position> x,
@@ -145,9 +151,9 @@ private:
 class UncorrectedViscosity {
 public:
     explicit UncorrectedViscosity(FullViscosityOptions options) : options_(options) { options_.correction = false; }
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer, const StepContext& step,
-                    StepReport& report, Read<field::role> role, Read<field::position> x, Read<field::density> rho, Read<field::viscosity> mu,
-                    Update<field::velocity> u, Update<field::viscous_acceleration> last);
+    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer,
+                    const StepContext& step, StepReport& report, Read<field::role> role, Read<field::position> x, Read<field::density> rho,
+                    Read<field::viscosity> mu, Update<field::velocity> u, Update<field::viscous_acceleration> last);
 
 private:
     FullViscosityOptions options_;

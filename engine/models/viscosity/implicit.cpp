@@ -15,7 +15,8 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 double reference_size(const ImplicitOperator& A, const ImplicitStep& s, Span<const Vec3> u, bool alone, double prescribed) {
     const Index n = s.u.size();
     const std::size_t all = u.size();
-    const Vec3d sum = parallel_sum(n, Vec3d(Vec3d::Zero()), [&](Index i) { return s.role[i] == 0 ? Vec3d(s.u[i].cast<double>()) : Vec3d::Zero(); });
+    const Vec3d sum =
+        parallel_sum(n, Vec3d(Vec3d::Zero()), [&](Index i) { return s.role[i] == 0 ? Vec3d(s.u[i].cast<double>()) : Vec3d::Zero(); });
     const Vec3 mean = (sum / std::max(1.0, n - prescribed)).cast<Real>();
     Column<Vec3> reference(all, Vec3::Zero()), z(all), still(all, Vec3::Zero());
     for (std::size_t k = at(n); k < all; k += 2) still[k] = mean;
@@ -78,7 +79,8 @@ void solve_implicit(const ImplicitOperator& A, const SolveLimits& limits, const 
             A.precondition(projected, out);
             rigid.remove(out);
         };
-        solved = conjugate_gradients<Vec3>(product, precondition, Span<const Vec3>(b), Span<Vec3>(z), limits, ResidualNorm::preconditioned, size);
+        solved = conjugate_gradients<Vec3>(product, precondition, Span<const Vec3>(b), Span<Vec3>(z), limits, ResidualNorm::preconditioned,
+                                           size);
         parallel_for(static_cast<Index>(all), [&](Index i) { change[at(i)] += z[at(i)]; });
     }
     s.report.solves.push_back({"viscosity", solved});

@@ -1,7 +1,7 @@
 #pragma once
 /// What every implicit viscosity shares: the solve of one step.
-#include "engine/math/solve.h"
 #include "engine/core/column.h"
+#include "engine/math/solve.h"
 #include "engine/models/viscosity/viscous_bodies.h"
 #include "engine/particles/field.h"
 #include "engine/particles/step.h"
@@ -11,12 +11,13 @@ namespace whorl {
 namespace field {
 struct viscous_acceleration {
     using type = Vec3;
-    static constexpr std::string_view name = "viscous_acceleration", unit = "m/s^2", meaning = "viscous force of the last step over the mass";
+    static constexpr std::string_view name = "viscous_acceleration", unit = "m/s^2",
+                                      meaning = "viscous force of the last step over the mass";
 };
 }  // namespace field
 
-/// The derivative of E(u) = sum_i m |u_i - u*_i|^2/2 + (viscous energy) at fixed positions, over m: symmetric and positive definite. Particles that are
-/// not free keep their velocity.
+/// The derivative of E(u) = sum_i m |u_i - u*_i|^2/2 + (viscous energy) at fixed positions, over m: symmetric and positive definite.
+/// Particles that are not free keep their velocity.
 class ImplicitOperator {
 public:
     virtual ~ImplicitOperator() = default;
@@ -46,9 +47,11 @@ struct ImplicitStep {
     Solids* solids = nullptr;  ///< whose free bodies the operator has
 };
 
-/// u = argmin E, by conjugate gradients from u* + dt (last step's viscous acceleration). Where no solid and no prescribed particle takes part, momentum
-/// (and angular momentum, if rotations are free) is kept to round-off whatever the tolerance: the preconditioner works in the space without them.
-/// @param limits tolerance: sqrt(r.z), z = precondition(r), against sqrt(b.B^-1 b), b the velocities before the solve relative to their mean
+/// u = argmin E, by conjugate gradients from u* + dt (last step's viscous acceleration). Where no solid and no prescribed particle takes
+/// part, momentum (and angular momentum, if rotations are free) is kept to round-off whatever the tolerance: the preconditioner works in
+/// the space without them.
+/// @param limits tolerance: sqrt(r.z), z = precondition(r), against sqrt(b.B^-1 b), b the velocities before the solve relative to their
+/// mean
 void solve_implicit(const ImplicitOperator& A, const SolveLimits& limits, const ImplicitStep& s);
 
 /// The inverse of the 3x3 diagonal blocks; z = B^-1 r for the free particles, 0 for the others.

@@ -15,13 +15,14 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 template <class Kernel>
 Real pair_stiffness(const Kernel& kernel, Real factor, Real support, Real distance) {
     const Real softening = Real(0.01) * support * support / 4;
-    return -10 * factor * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min()) / (distance * distance + softening);
+    return -10 * factor * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min()) /
+           (distance * distance + softening);
 }
 
 }  // namespace
 
-void PairwiseOperator::set_up(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids,
-                              const SolidParticles& layer, const StepContext& step, Read<field::role> role, Read<field::viscosity> mu) {
+void PairwiseOperator::set_up(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
+                              const StepContext& step, Read<field::role> role, Read<field::viscosity> mu) {
     const std::size_t n = at(mu.size());
     pairs_ = &pairs;
     pair_.resize(pairs.other.size());
@@ -32,7 +33,8 @@ void PairwiseOperator::set_up(const FluidPairs& pairs, const SolidPairs& solid_p
     const std::vector<char> slip = slips(solids);
     friction_.set(FrictionForm::along, solid_pairs, solids, layer, step);
     const WallShear shear{step.spacing / 2};
-    const Real factor = along_pairs_factor(step.kernel, step.support, step.spacing), column = layer_factor(step.kernel, step.support, step.spacing);
+    const Real factor = along_pairs_factor(step.kernel, step.support, step.spacing),
+               column = layer_factor(step.kernel, step.support, step.spacing);
     Column<Mat3> blocks(n);
     std::vector<char> touches(n, 0);
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
@@ -57,9 +59,10 @@ void PairwiseOperator::set_up(const FluidPairs& pairs, const SolidPairs& solid_p
                     const Vec3 here = solids.all[whose].pose.velocity_at(layer.position[at(s)] + r);
                     const Real weight = scale * column * layer.volume[at(s)] * own_mu;
                     each_layer(r, layer.normal[at(s)], step.spacing, step.support, [&](const Vec3& to, Real distance, Real below) {
-                        // stretch (u_i - u_wall(x_i)) + (u_wall(x_i) - u_wall(x_l)), with the rigid motion of the solid u_wall: the last is across r_l
-                        const Mat3 c = weight * shear.stretch(r, layer.normal[at(s)], below) * pair_stiffness(kernel, factor, step.support, distance) * to *
-                                       to.transpose();
+                        // stretch (u_i - u_wall(x_i)) + (u_wall(x_i) - u_wall(x_l)), with the rigid motion of the solid u_wall: the last is
+                        // across r_l
+                        const Mat3 c = weight * shear.stretch(r, layer.normal[at(s)], below) *
+                                       pair_stiffness(kernel, factor, step.support, distance) * to * to.transpose();
                         hold += c;
                         drag -= c * here;
                     });
@@ -100,15 +103,16 @@ void PairwiseOperator::force(Span<const Vec3> u, Span<Vec3> y) const {
     parallel_for(size(), [&](Index i) {
         const Vec3 own = u[at(i)];
         Vec3 sum = own;
-        for (std::size_t k = pairs_->first[at(i)]; k < pairs_->first[at(i) + 1]; ++k) sum += (own - u[at(pairs_->other[k])]).dot(pair_[k]) * pair_[k];
+        for (std::size_t k = pairs_->first[at(i)]; k < pairs_->first[at(i) + 1]; ++k)
+            sum += (own - u[at(pairs_->other[k])]).dot(pair_[k]) * pair_[k];
         if (!wall_.empty()) sum += wall_[at(i)] * own + wall_force_[at(i)];
         y[at(i)] = sum;
     });
 }
 
 LatticeStiffness pairwise_lattice_stiffness(KernelKind kind, double support, double spacing) {
-    // Stiffness of a lattice with central forces, C_abcd = sum V w r_a r_b r_c r_d/2: C_xxxx and C_xxyy = C_xyxy. Exact: 3 mu and mu, so that stretching
-    // at constant volume, (C_xxxx - C_xxyy)/2, and shear, C_xyxy, both are mu.
+    // Stiffness of a lattice with central forces, C_abcd = sum V w r_a r_b r_c r_d/2: C_xxxx and C_xxyy = C_xyxy. Exact: 3 mu and mu, so
+    // that stretching at constant volume, (C_xxxx - C_xxyy)/2, and shear, C_xyxy, both are mu.
     return with_kernel(kind, static_cast<Real>(support), [&](const auto& kernel) {
         const int reach = static_cast<int>(std::ceil(support / spacing));
         const Real factor = along_pairs_factor(kind, static_cast<Real>(support), static_cast<Real>(spacing));
@@ -126,9 +130,10 @@ LatticeStiffness pairwise_lattice_stiffness(KernelKind kind, double support, dou
     });
 }
 
-void PairwiseViscosity::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
-                                   const StepContext& step, StepReport& report, Read<field::role> role, Read<field::position> x,
-                                   Read<field::viscosity> mu, Update<field::velocity> u, Update<field::viscous_acceleration> last) {
+void PairwiseViscosity::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids,
+                                   const SolidParticles& layer, const StepContext& step, StepReport& report, Read<field::role> role,
+                                   Read<field::position> x, Read<field::viscosity> mu, Update<field::velocity> u,
+                                   Update<field::viscous_acceleration> last) {
     operator_.set_up(pairs, solid_pairs, solids, layer, step, role, mu);
     solve_implicit(operator_, options_.limits, {step, report, role, x, u, last});
 }

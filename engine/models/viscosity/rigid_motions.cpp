@@ -24,7 +24,8 @@ RigidMotions::RigidMotions(Span<const Vec3> x, bool turning, const ViscousBodies
     centre_ /= mass_;
     if (!turning) return;
     const auto of_point = [&](const Vec3d& r) { return Mat3d(r.squaredNorm() * Mat3d::Identity() - r * r.transpose()); };
-    Mat3d inertia = parallel_sum(n, Mat3d(Mat3d::Zero()), [&](Index i) { return of_point(x[static_cast<std::size_t>(i)].cast<double>() - centre_); });
+    Mat3d inertia =
+        parallel_sum(n, Mat3d(Mat3d::Zero()), [&](Index i) { return of_point(x[static_cast<std::size_t>(i)].cast<double>() - centre_); });
     if (bodies_)
         for (const auto& b : bodies_->body) inertia += b.turning + b.mass * of_point(b.centre - centre_);
     const Eigen::SelfAdjointEigenSolver<Mat3d> axes(inertia);
@@ -34,7 +35,8 @@ RigidMotions::RigidMotions(Span<const Vec3> x, bool turning, const ViscousBodies
             inverse_inertia_ += axes.eigenvectors().col(a) * axes.eigenvectors().col(a).transpose() / axes.eigenvalues()[a];
 }
 
-/// Momentum and angular momentum. @param masses the bodies' entries are velocities, which their masses weigh; else they are forces and torques
+/// Momentum and angular momentum. @param masses the bodies' entries are velocities, which their masses weigh; else they are forces and
+/// torques
 RigidMotions::Motion RigidMotions::sum(Span<const Vec3> u, bool masses) const {
     Motion all = parallel_sum(static_cast<Index>(x_.size()), Motion{}, [&](Index i) {
         const auto k = static_cast<std::size_t>(i);

@@ -5,16 +5,16 @@
 
 namespace whorl {
 
-/// A body k has two entries behind the particles': the velocity v of its centre c and its angular velocity w. To particle i its layer moves, continued behind the
-/// surface (models/boundary/wall.h), with
+/// A body k has two entries behind the particles': the velocity v of its centre c and its angular velocity w. To particle i its layer
+/// moves, continued behind the surface (models/boundary/wall.h), with
 ///   V_s = stretch U_i - w x r,   U_i = v + w x a_i,   a_i = x_i - c,   r = x_i - x_s,
 /// so what it adds to the sums over pairs is linear in U_i and w, with these sums over its particles near i.
 struct BodyTouch {
     Index particle = 0, body = 0;
-    Vec3 arm = Vec3::Zero();   ///< a_i [m]
-    Vec3 g = Vec3::Zero();     ///< sum stretch w r
-    Mat3 N = Mat3::Zero();     ///< sum w r r^T
-    Real h = 0;                ///< sum stretch^2 w
+    Vec3 arm = Vec3::Zero();                           ///< a_i [m]
+    Vec3 g = Vec3::Zero();                             ///< sum stretch w r
+    Mat3 N = Mat3::Zero();                             ///< sum w r r^T
+    Real h = 0;                                        ///< sum stretch^2 w
     Vec3 force = Vec3::Zero(), torque = Vec3::Zero();  ///< of the last product: what the body takes from i, over m
 
     Vec3 at(const Vec3& v, const Vec3& w) const { return v + w.cross(arm); }
@@ -24,7 +24,7 @@ struct BodyTouch {
 struct ViscousBodies {
     struct Inertia {
         std::size_t solid = 0;
-        double mass = 0;   ///< M/m
+        double mass = 0;                ///< M/m
         Mat3d turning = Mat3d::Zero();  ///< I/m [m^2]
         Vec3d centre = Vec3d::Zero();
         std::vector<std::size_t> touches;
@@ -53,7 +53,8 @@ void ViscousBodies::set_up(const Solids& solids, Real mass, Index particles, con
         if (!solids.all[k].body) continue;
         const RigidBody& b = *solids.all[k].body;
         const Mat3d R = b.turn.toRotationMatrix();
-        body.push_back({k, b.mass / static_cast<double>(mass), R * b.own_inertia * R.transpose() / static_cast<double>(mass), b.centre, {}});
+        body.push_back(
+            {k, b.mass / static_cast<double>(mass), R * b.own_inertia * R.transpose() / static_cast<double>(mass), b.centre, {}});
     }
     if (body.empty()) return;
     for (const Index i : near)

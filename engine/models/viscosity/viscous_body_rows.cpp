@@ -20,8 +20,8 @@ Vec3 turning_part(const Mat3& M) { return {M(2, 1) - M(1, 2), M(0, 2) - M(2, 0),
 
 }  // namespace
 
-void ViscousOperator::set_up_bodies(const FullViscosityOptions& options, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
-                                    const StepContext& step) {
+void ViscousOperator::set_up_bodies(const FullViscosityOptions& options, const SolidPairs& solid_pairs, const Solids& solids,
+                                    const SolidParticles& layer, const StepContext& step) {
     bodies_ = {};
     if (layer.size() == 0 || !solids.any_free()) return;
     const std::vector<char> slip = slips(solids);
@@ -32,7 +32,8 @@ void ViscousOperator::set_up_bodies(const FullViscosityOptions& options, const S
             if (slip[k]) return touch;
             solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
                 if (at(layer.solid[at(s)]) != k) return;
-                const Real w = -options.solid_factor * layer.volume[at(s)] * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
+                const Real w = -options.solid_factor * layer.volume[at(s)] * kernel.derivative(distance) /
+                               std::max(distance, std::numeric_limits<Real>::min());
                 const Real stretch = options.correction ? shear.stretch(r, layer.normal[at(s)]) : 1;
                 touch.arm = layer.position[at(s)] + r - solids.all[k].body->centre.cast<Real>();
                 touch.g += stretch * w * r;

@@ -98,10 +98,10 @@ struct Local {
 
 /// One group's share of what a particle sees.
 struct Share {
-    int number;  ///< in Local
-    Moments S;   ///< sum w (1, arm) r^T, with the sign of u_i - u_j
-    Vec4 spring; ///< sum 2 w (c_i + c_j) (1, arm)
-    Moments T;   ///< S M^+
+    int number;   ///< in Local
+    Moments S;    ///< sum w (1, arm) r^T, with the sign of u_i - u_j
+    Vec4 spring;  ///< sum 2 w (c_i + c_j) (1, arm)
+    Moments T;    ///< S M^+
     Strains F;
 };
 
@@ -144,7 +144,8 @@ SymmetricBlocks ViscousOperator::coarse_matrix(const RigidAggregates& g) const {
                 sum.products -= (c * (a.T * b.S.transpose())).cast<double>();
             }
         if (own < 0) return;
-        // sum over the pairs of 2 w (c_i + c_j) u_ij.v_ij: the part of u_i.v_i, and of -u_i.v_j where i's group comes first (else the other row's turn)
+        // sum over the pairs of 2 w (c_i + c_j) u_ij.v_ij: the part of u_i.v_i, and of -u_i.v_j where i's group comes first (else the other
+        // row's turn)
         const Vec4 arm = lever(g.arm(i));
         const int self = local.number(own);
         if (friction_.acts()) {
@@ -153,7 +154,8 @@ SymmetricBlocks ViscousOperator::coarse_matrix(const RigidAggregates& g) const {
             local.sum(self, self).strain.topRows<6>() += motion.transpose() * hold(i) * motion;
         }
         // The rounding of the sums must not make a rigid motion gain energy.
-        local.sum(self, self).products += ((1 + 16 * std::numeric_limits<Real>::epsilon()) * springs * arm * arm.transpose()).cast<double>();
+        local.sum(self, self).products +=
+            ((1 + 16 * std::numeric_limits<Real>::epsilon()) * springs * arm * arm.transpose()).cast<double>();
         for (const Share& b : shares) {
             const int group = local.touched[at(b.number)];
             if (group > own) continue;

@@ -11,8 +11,9 @@ namespace {
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-/// M^+ and P of the matrix M of a neighbourhood. A direction counts as resolved by a smooth step of its eigenvalue over the largest, from 0.01 to
-/// 0.04: neighbours on a line or in a plane, or a single one, tell nothing about the directions across. Returns whether all three are resolved.
+/// M^+ and P of the matrix M of a neighbourhood. A direction counts as resolved by a smooth step of its eigenvalue over the largest, from
+/// 0.01 to 0.04: neighbours on a line or in a plane, or a single one, tell nothing about the directions across. Returns whether all three
+/// are resolved.
 bool pseudo_inverse(const Mat3d& M, Mat3d& inverse, Mat3d& projection) {
     const double size = M.trace();
     inverse = projection = Mat3d::Zero();
@@ -40,9 +41,9 @@ bool pseudo_inverse(const Mat3d& M, Mat3d& inverse, Mat3d& projection) {
 
 }  // namespace
 
-void ViscousOperator::set_up(const FullViscosityOptions& options, const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids,
-                             const SolidParticles& layer, const StepContext& step, Read<field::role> role, Read<field::viscosity> mu,
-                             Span<const Real> density) {
+void ViscousOperator::set_up(const FullViscosityOptions& options, const FluidPairs& pairs, const SolidPairs& solid_pairs,
+                             const Solids& solids, const SolidParticles& layer, const StepContext& step, Read<field::role> role,
+                             Read<field::viscosity> mu, Span<const Real> density) {
     const std::size_t n = at(mu.size());
     pairs_ = &pairs;
     corrected_ = options.correction;
@@ -61,8 +62,8 @@ void ViscousOperator::set_up(const FullViscosityOptions& options, const FluidPai
     if (bodies()) set_up_body_blocks();
 }
 
-void ViscousOperator::set_up_moments(const FullViscosityOptions& options, const StepContext& step, Read<field::role> role, Read<field::viscosity> mu,
-                                     Span<const Real> density) {
+void ViscousOperator::set_up_moments(const FullViscosityOptions& options, const StepContext& step, Read<field::role> role,
+                                     Read<field::viscosity> mu, Span<const Real> density) {
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         parallel_for(mu.size(), [&](Index i) {
             Real xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0, gx = 0, gy = 0, gz = 0;
@@ -100,7 +101,7 @@ void ViscousOperator::set_up_moments(const FullViscosityOptions& options, const 
             } else {
                 const Real compression = density.empty() ? 1 : density[at(i)] / step.rest_density;
                 M_[at(i)].set(Mat3::Identity() / compression);  // V_i/V
-                K_[at(i)] /= compression;  // dt mu V_i/m
+                K_[at(i)] /= compression;                       // dt mu V_i/m
             }
             if (!wall_.empty()) {
                 Wall& wall = wall_[at(i)];
@@ -111,8 +112,8 @@ void ViscousOperator::set_up_moments(const FullViscosityOptions& options, const 
     });
 }
 
-void ViscousOperator::set_up_wall(const FullViscosityOptions& options, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
-                                  const StepContext& step) {
+void ViscousOperator::set_up_wall(const FullViscosityOptions& options, const SolidPairs& solid_pairs, const Solids& solids,
+                                  const SolidParticles& layer, const StepContext& step) {
     const std::vector<char> slip = slips(solids);
     const WallShear shear{step.spacing / 2};
     wall_.assign(K_.size(), {});
@@ -125,7 +126,8 @@ void ViscousOperator::set_up_wall(const FullViscosityOptions& options, const Sol
             Vec3 pull = Vec3::Zero();
             solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
                 const auto whose = at(layer.solid[at(s)]);
-                const Real w = -options.solid_factor * layer.volume[at(s)] * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
+                const Real w = -options.solid_factor * layer.volume[at(s)] * kernel.derivative(distance) /
+                               std::max(distance, std::numeric_limits<Real>::min());
                 if (slip[whose] || !(w > 0)) return;
                 const bool body = solids.all[whose].body.has_value();
                 touches[at(i)] |= !body;

@@ -1,5 +1,5 @@
-// One product with the viscous operator: two passes over the pairs, each a gather of sixteen numbers a neighbour in one vector register, and
-// between them a particle's matrices, which stay in such registers: lane 4 a + b holds the entry (a, b).
+// One product with the viscous operator: two passes over the pairs, each a gather of sixteen numbers a neighbour in one vector register,
+// and between them a particle's matrices, which stay in such registers: lane 4 a + b holds the entry (a, b).
 #if defined(__AVX512F__)
 #include <immintrin.h>
 #endif
@@ -47,9 +47,12 @@ Lanes times(const Lanes& X, const Real* matrix) {
 
 /// P X, column 3 of X kept out.
 Lanes project(const Lanes& P, const Lanes& X) {
-    return WHORL_PICK(P, 0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8, 12, 12, 12, 12) * WHORL_PICK(X, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3) +
-           WHORL_PICK(P, 1, 1, 1, 1, 5, 5, 5, 5, 9, 9, 9, 9, 13, 13, 13, 13) * WHORL_PICK(X, 4, 5, 6, 7, 4, 5, 6, 7, 4, 5, 6, 7, 4, 5, 6, 7) +
-           WHORL_PICK(P, 2, 2, 2, 2, 6, 6, 6, 6, 10, 10, 10, 10, 14, 14, 14, 14) * WHORL_PICK(X, 8, 9, 10, 11, 8, 9, 10, 11, 8, 9, 10, 11, 8, 9, 10, 11);
+    return WHORL_PICK(P, 0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8, 12, 12, 12, 12) *
+               WHORL_PICK(X, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3) +
+           WHORL_PICK(P, 1, 1, 1, 1, 5, 5, 5, 5, 9, 9, 9, 9, 13, 13, 13, 13) *
+               WHORL_PICK(X, 4, 5, 6, 7, 4, 5, 6, 7, 4, 5, 6, 7, 4, 5, 6, 7) +
+           WHORL_PICK(P, 2, 2, 2, 2, 6, 6, 6, 6, 10, 10, 10, 10, 14, 14, 14, 14) *
+               WHORL_PICK(X, 8, 9, 10, 11, 8, 9, 10, 11, 8, 9, 10, 11, 8, 9, 10, 11);
 }
 
 /// Column 3, zeros elsewhere.
@@ -103,7 +106,8 @@ void ViscousOperator::stress(Span<const Vec3> u, bool with_walls) const {
                 reinterpret_cast<Lanes&>(sum) = A;
                 Mat3 gradient = sum.matrix();
                 Vec3 pull = sum.beside();
-                if (friction_.acts()) pull += rub_[at(i)] * (friction_.hold(i) * ui - (with_walls ? friction_.pull(i) : Vec3(Vec3::Zero())));
+                if (friction_.acts())
+                    pull += rub_[at(i)] * (friction_.hold(i) * ui - (with_walls ? friction_.pull(i) : Vec3(Vec3::Zero())));
                 if (bodies()) take_bodies(i, u, gradient, pull);
                 sum.set(gradient, pull);
                 A = lanes_of(sum);
@@ -125,7 +129,8 @@ void ViscousOperator::stress(Span<const Vec3> u, bool with_walls) const {
 /// y = u + sum_j w (Q_i + Q_j) r_ij + 2 w (c_i + c_j) u_ij
 void ViscousOperator::divergence(Span<const Vec3> u, Span<Vec3> y, bool free_only) const {
     parallel_for(size(), [&](Index i) {
-        const Lanes sums = row_sums(lanes_of(own_[at(i)]) + sum_row(*pairs_, pair_.data(), i, [&](std::size_t j) { return lanes_of(Q_[j]); }));
+        const Lanes sums =
+            row_sums(lanes_of(own_[at(i)]) + sum_row(*pairs_, pair_.data(), i, [&](std::size_t j) { return lanes_of(Q_[j]); }));
         y[at(i)] = !free_only || free_[at(i)] ? Vec3(sums[0], sums[4], sums[8]) : Vec3(Vec3::Zero());
     });
     if (bodies()) sum_bodies(u, y);

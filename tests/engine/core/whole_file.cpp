@@ -35,4 +35,3 @@ TEST_CASE("writing into a folder that is not there says so", "[core]") {
     test::ScratchFolder folder;
     REQUIRE_THROWS_AS(write_whole(folder / "missing" / "a.txt", {}), EnvironmentError);
 }
-

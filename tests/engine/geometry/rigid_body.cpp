@@ -30,7 +30,9 @@ struct Stage {
     SolidParticles layer;
     TouchStep step;
     double gravity = 9.81;
-    explicit Stage(double spacing) { step.dt = 2e-3, step.spacing = spacing, step.domain = {Vec3::Constant(Real(-0.3)), Vec3::Constant(Real(0.3)), {}}; }
+    explicit Stage(double spacing) {
+        step.dt = 2e-3, step.spacing = spacing, step.domain = {Vec3::Constant(Real(-0.3)), Vec3::Constant(Real(0.3)), {}};
+    }
     void place() {
         solids.set_time(0, step.dt);
         layer = sample_solids(solids, static_cast<Real>(step.spacing), step.domain);
@@ -52,12 +54,15 @@ struct Stage {
 
 }  // namespace
 
-TEST_CASE("volume, centre and inertia of box, sphere and cylinder are those of their meshes, within what a mesh lacks of a round body", "[geometry][bodies]") {
+TEST_CASE("volume, centre and inertia of box, sphere and cylinder are those of their meshes, within what a mesh lacks of a round body",
+          "[geometry][bodies]") {
     ShapeKeys ball, can;
     ball.kind = "sphere", ball.centre = Vec3d(0.1, 0.2, -0.3), ball.radius = 0.2;
     can.kind = "cylinder", can.from = Vec3d(0, 0, 0), can.to = Vec3d(0.2, 0.3, 0.1), can.radius = 0.15;
-    // A circle of 64 segments has 0.16 % less area and 0.32 % less second moment than the round one; the sphere lacks that in both its directions.
-    for (const auto& [keys, tolerance] : {std::pair(box({0.1, 0, 0}, {0.4, 0.2, 0.5}), 1e-5), std::pair(ball, 8e-3), std::pair(can, 5e-3)}) {
+    // A circle of 64 segments has 0.16 % less area and 0.32 % less second moment than the round one; the sphere lacks that in both its
+    // directions.
+    for (const auto& [keys, tolerance] :
+         {std::pair(box({0.1, 0, 0}, {0.4, 0.2, 0.5}), 1e-5), std::pair(ball, 8e-3), std::pair(can, 5e-3)}) {
         const auto shape = make_shape(keys);
         INFO(keys.kind);
         const Bulk exact = shape->bulk(), summed = bulk_of(shape->mesh(0, 0));
@@ -68,7 +73,8 @@ TEST_CASE("volume, centre and inertia of box, sphere and cylinder are those of t
 }
 
 TEST_CASE("a tumbling box keeps its angular momentum to the bit and its energy within 1e-4 over 20 turns", "[geometry][bodies]") {
-    // About the middle axis, where rotation is unstable and the box turns over and over. The midpoint rule is of second order: 0.02 turns a step.
+    // About the middle axis, where rotation is unstable and the box turns over and over. The midpoint rule is of second order: 0.02 turns a
+    // step.
     RigidBody body(make_shape(box({0, 0, 0}, {0.1, 0.2, 0.3}))->bulk(), 700);
     body.spin_at(Vec3d(0.05, 12.6, 0.05));
     const Vec3d momentum = body.spin_momentum;
@@ -99,7 +105,9 @@ TEST_CASE("a box falls on a floor, comes to rest on it and does not sink in by m
     CHECK(body.centre.y() == Approx(0.05).margin(0.05 * 0.01));
 }
 
-TEST_CASE("a ball and a cylinder that lie on a floor stay where they are, and the ball rolls when it is pushed, without slipping in the end", "[geometry][bodies]") {
+TEST_CASE(
+    "a ball and a cylinder that lie on a floor stay where they are, and the ball rolls when it is pushed, without slipping in the end",
+    "[geometry][bodies]") {
     // At rest on samples of the surface a ball would rock to the nearest facet, by a twentieth of its radius here.
     Stage stage(0.01);
     ShapeKeys ground, ball, roll;

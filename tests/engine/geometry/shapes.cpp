@@ -1,3 +1,4 @@
+#include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 #include <cstring>
 #include <filesystem>
@@ -5,8 +6,6 @@
 #include <map>
 #include <numbers>
 #include <random>
-
-#include <Eigen/Geometry>
 
 #include "engine/core/errors.h"
 #include "engine/geometry/kinds.h"
@@ -30,9 +29,7 @@ std::filesystem::path temporary(const std::string& name, const std::string& text
 std::string message_of(const std::filesystem::path& file) {
     try {
         make_mesh(file, 1, Vec3d::Zero());
-    } catch (const InputError& error) {
-        return error.what();
-    }
+    } catch (const InputError& error) { return error.what(); }
     return "no error";
 }
 
@@ -57,7 +54,9 @@ double volume_of(const TriangleMesh& mesh, bool& closed) {
         volume += double(a.dot(b.cross(c))) / 6;
         for (std::size_t k = 0; k < 3; ++k) {
             const Vec3f p = mesh.position[t[k]], q = mesh.position[t[(k + 1) % 3]];
-            const auto key = [](const Vec3f& u, const Vec3f& v) { return std::array<float, 6>{u[0] + 0.f, u[1] + 0.f, u[2] + 0.f, v[0] + 0.f, v[1] + 0.f, v[2] + 0.f}; };
+            const auto key = [](const Vec3f& u, const Vec3f& v) {
+                return std::array<float, 6>{u[0] + 0.f, u[1] + 0.f, u[2] + 0.f, v[0] + 0.f, v[1] + 0.f, v[2] + 0.f};
+            };
             ++edges[key(p, q)];
             --edges[key(q, p)];
         }
@@ -104,7 +103,8 @@ TEST_CASE("drawn meshes of bodies are closed, look outward and hold the body's v
     // 64 segments miss 0.4 per cent of the volume.
     CHECK(volume_of(make_sphere({1, 2, 3}, 0.5)->mesh(0, 1), closed) == Approx(4 * std::numbers::pi / 3 * 0.125).epsilon(0.005));
     CHECK(closed);
-    CHECK(volume_of(make_cylinder({0, 0, 0}, {1, 1, 0}, 0.5)->mesh(0, 1), closed) == Approx(std::numbers::pi * 0.25 * std::sqrt(2)).epsilon(0.005));
+    CHECK(volume_of(make_cylinder({0, 0, 0}, {1, 1, 0}, 0.5)->mesh(0, 1), closed) ==
+          Approx(std::numbers::pi * 0.25 * std::sqrt(2)).epsilon(0.005));
     CHECK(closed);
     for (const auto& shape : {make_box({0, 0, 0}, {1, 2, 3}), make_sphere({1, 2, 3}, 0.5), make_cylinder({0, 0, 0}, {1, 1, 0}, 0.5)}) {
         const TriangleMesh mesh = shape->mesh(Real(0.02), 1);
@@ -125,8 +125,9 @@ TEST_CASE("OBJ, PLY and STL, ascii and binary, give the same cube", "[geometry]"
         to.append(bytes, sizeof(value));
     };
     append(binary_stl, std::uint32_t(corners.size() / 3));
-    const std::string header = "element vertex 36\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\n"
-                               "element face 12\nproperty list uchar int vertex_indices\nend_header\n";
+    const std::string header =
+        "element vertex 36\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\n"
+        "element face 12\nproperty list uchar int vertex_indices\nend_header\n";
     ply = "ply\nformat ascii 1.0\ncomment made by hand\n" + header;
     binary_ply = "ply\nformat binary_little_endian 1.0\n" + header;
     for (std::size_t k = 0; k < corners.size(); ++k) {
@@ -150,7 +151,11 @@ TEST_CASE("OBJ, PLY and STL, ascii and binary, give the same cube", "[geometry]"
     stl += "endsolid cube\n";
     const auto cube = make_box(Vec3d::Zero(), Vec3d::Ones());
     std::mt19937 random(3);
-    for (const auto& [name, text] : {std::pair{"cube.obj", std::string(cube_obj)}, {"ascii.stl", stl}, {"binary.stl", binary_stl}, {"ascii.ply", ply}, {"binary.ply", binary_ply}}) {
+    for (const auto& [name, text] : {std::pair{"cube.obj", std::string(cube_obj)},
+                                     {"ascii.stl", stl},
+                                     {"binary.stl", binary_stl},
+                                     {"ascii.ply", ply},
+                                     {"binary.ply", binary_ply}}) {
         INFO(name);
         const auto shape = make_mesh(temporary(name, text), 2, {1, 0, 0});
         for (int k = 0; k < 50; ++k) {
@@ -169,8 +174,10 @@ TEST_CASE("a broken mesh file is named with its line and what is wrong", "[geome
     CHECK_THAT(message_of(temporary("d.obj", "# nothing\n")), Contains("no triangles"));
     CHECK_THAT(message_of(temporary("e.fbx", "")), Contains(".obj, .ply, .stl"));
     CHECK_THAT(message_of(temporary("f.stl", "solid\nfacet\nvertex 0 0\n")), Contains("f.stl:3"));
-    CHECK_THAT(message_of(temporary("g.ply", "ply\nformat binary_big_endian 1.0\nend_header\n")), Contains("g.ply:2") && Contains("binary_little_endian"));
-    CHECK_THAT(message_of(temporary("h.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nend_header\n1\n2\n")), Contains("ends at vertex 3 of 3"));
+    CHECK_THAT(message_of(temporary("g.ply", "ply\nformat binary_big_endian 1.0\nend_header\n")),
+               Contains("g.ply:2") && Contains("binary_little_endian"));
+    CHECK_THAT(message_of(temporary("h.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nend_header\n1\n2\n")),
+               Contains("ends at vertex 3 of 3"));
     std::string cut(80, 'x');
     cut += std::string("\x08\0\0\0", 4) + std::string(70, '\0');
     CHECK_THAT(message_of(temporary("i.stl", cut)), Contains("8 triangles announced, 1 there"));

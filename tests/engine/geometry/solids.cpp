@@ -3,8 +3,8 @@
 
 #include "engine/core/errors.h"
 #include "engine/geometry/kinds.h"
-#include "engine/particles/solid_sampling.h"
 #include "engine/particles/search.h"
+#include "engine/particles/solid_sampling.h"
 
 using namespace whorl;
 
@@ -123,7 +123,8 @@ TEST_CASE("every solid gets one layer half a spacing deep, neither crowded nor w
         double least;
     };
     const double pi = std::numbers::pi;
-    for (const Case& one : {Case{"box", make_box({-0.5, -0.4, -0.3}, {0.5, 0.4, 0.3}), 3.76, 0.95}, Case{"sphere", make_sphere({0, 0, 0}, 0.6), 4 * pi * 0.36, 0.7},
+    for (const Case& one : {Case{"box", make_box({-0.5, -0.4, -0.3}, {0.5, 0.4, 0.3}), 3.76, 0.95},
+                            Case{"sphere", make_sphere({0, 0, 0}, 0.6), 4 * pi * 0.36, 0.7},
                             Case{"cylinder", make_cylinder({0, -0.5, 0}, {0.3, 0.4, 0}, 0.4), 2 * pi * 0.4 * (0.4 + std::sqrt(0.9)), 0.5},
                             Case{"mesh of a sphere", sphere_mesh, 4 * pi * 0.36, 0.79}, Case{"mesh of a box", box_mesh, 3.76, 0.79}})
         for (const bool inside : {false, true}) {

@@ -1,7 +1,7 @@
 #include "engine/io/checkpoint.h"
 
-#include <catch2/catch.hpp>
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <fstream>
 
 #include "engine/core/errors.h"

@@ -74,10 +74,11 @@ TEST_CASE("steady coils of every regime have the published table's frequency and
 
 // Speed, fall, viscosity, frequency, radius: from another implementation (scipy's solve_bvp), settings that no other test has.
 TEST_CASE("steady coils between and beyond the table's rows are those of an independent solution, within 0.01 %", "[io][coil_theory]") {
-    const double rows[][5] = {{0.05, 0.15, 0.02, 20.52, 0.0044528},  {0.1, 0.3, 0.02, 55.728, 0.0033855},  {0.5, 0.08, 0.02, 8.8174, 0.0090089},
-                              {0.05, 0.22, 0.05, 15.875, 0.0060263}, {0.25, 0.04, 0.05, 3.8853, 0.0077085}, {0.05, 0.3, 0.2, 5.4341, 0.011321},
-                              {0.5, 0.22, 0.2, 5.6058, 0.018332},    {0.1, 0.04, 1, 1.4406, 0.0076179},     {0.25, 0.15, 1, 1.4296, 0.029178},
-                              {0.5, 0.3, 1, 2.8037, 0.032057},       {0.1, 0.08, 5, 0.8552, 0.017604},      {0.25, 0.22, 5, 1.0085, 0.04036}};
+    const double rows[][5] = {
+        {0.05, 0.15, 0.02, 20.52, 0.0044528},  {0.1, 0.3, 0.02, 55.728, 0.0033855},   {0.5, 0.08, 0.02, 8.8174, 0.0090089},
+        {0.05, 0.22, 0.05, 15.875, 0.0060263}, {0.25, 0.04, 0.05, 3.8853, 0.0077085}, {0.05, 0.3, 0.2, 5.4341, 0.011321},
+        {0.5, 0.22, 0.2, 5.6058, 0.018332},    {0.1, 0.04, 1, 1.4406, 0.0076179},     {0.25, 0.15, 1, 1.4296, 0.029178},
+        {0.5, 0.3, 1, 2.8037, 0.032057},       {0.1, 0.08, 5, 0.8552, 0.017604},      {0.25, 0.22, 5, 1.0085, 0.04036}};
     for (const auto& [speed, fall, viscosity, frequency, radius] : rows) {
         INFO(speed << " m/s from " << fall << " m, " << viscosity << " m^2/s");
         const CoilTheory theory = found(nozzle_of_5_mm(speed, fall, viscosity));
@@ -86,7 +87,8 @@ TEST_CASE("steady coils between and beyond the table's rows are those of an inde
     }
 }
 
-// Without gravity and inertia a slender thread's coil is a figure of its own: Omega H/U = 4, R = H/4; the thread's thickness counts by its share in the fall.
+// Without gravity and inertia a slender thread's coil is a figure of its own: Omega H/U = 4, R = H/4; the thread's thickness counts by its
+// share in the fall.
 TEST_CASE("without gravity and inertia a thin thread coils on a quarter of its fall, the more so the thinner it is", "[io][coil_theory]") {
     double before = 0.15;
     for (const double slenderness : {0.04, 0.02, 0.01, 0.005}) {
@@ -94,14 +96,17 @@ TEST_CASE("without gravity and inertia a thin thread coils on a quarter of its f
         const double off = std::abs(2 * std::numbers::pi * theory.frequency - 4);
         CHECK(off < 0.7 * before);
         CHECK(theory.radius / 0.1 == Approx(0.25).margin(0.3 * slenderness));
-        CHECK(2 * std::numbers::pi * theory.frequency * theory.radius == Approx(0.1 * std::pow(slenderness * 0.1 / theory.thread_radius, 2)).epsilon(1e-5));  // laid at rest
+        CHECK(2 * std::numbers::pi * theory.frequency * theory.radius ==
+              Approx(0.1 * std::pow(slenderness * 0.1 / theory.thread_radius, 2)).epsilon(1e-5));  // laid at rest
         before = off;
     }
     CHECK(before < 0.02);
 }
 
-// Omega_G = (g Q^3/(nu a^8))^(1/4) and Omega_I = (Q^4/(nu a^10))^(1/3) with the radius a at the coil (Ribe 2004), times numbers that hardly vary.
-TEST_CASE("coils that gravity bends and coils that inertia bends follow their own scaling laws, while the frequency triples", "[io][coil_theory]") {
+// Omega_G = (g Q^3/(nu a^8))^(1/4) and Omega_I = (Q^4/(nu a^10))^(1/3) with the radius a at the coil (Ribe 2004), times numbers that hardly
+// vary.
+TEST_CASE("coils that gravity bends and coils that inertia bends follow their own scaling laws, while the frequency triples",
+          "[io][coil_theory]") {
     const double pi = std::numbers::pi;
     for (const double fall : {0.1, 0.14, 0.2, 0.28}) {
         const CoilTheory g = found({2.5e-3, 0.002, 5, 9.81, fall, 0});
@@ -158,14 +163,18 @@ TEST_CASE("a coil goes on from its saved state with the same bits", "[io][coil_t
     CHECK(cut.at(p)->frequency == Approx(first.at(p)->frequency).epsilon(1e-6));
 }
 
-TEST_CASE("nonsense and extremes have no coil or a finite one, within the bounded effort, and who gives up is answered at once", "[io][coil_theory]") {
+TEST_CASE("nonsense and extremes have no coil or a finite one, within the bounded effort, and who gives up is answered at once",
+          "[io][coil_theory]") {
     CoilSolver solver;
     CHECK_FALSE(solver.at({}));
     CHECK_FALSE(solver.at({5e-3, -1, 1, 9.81, 0.1, 0}));
     CHECK_FALSE(solver.at({5e-3, NAN, 1, 9.81, 0.1, 0}));
     CHECK_FALSE(solver.at({5e-3, 0.1, 1, 9.81, 4e-3, 0}));
     CHECK_FALSE(solver.at({5e-3, 1, 1e-6, 9.81, 0.5, 0}));  // water from half a metre
-    for (const CoilParameters& p : {CoilParameters{5e-3, 0.1, 1e9, 9.81, 0.1, 0}, {1e-6, 0.1, 1, 9.81, 10, 0}, {0.09, 0.1, 1, 9.81, 0.1, 0}, {5e-3, 0.1, 1, 9.81, 0.1, 1e3}}) {
+    for (const CoilParameters& p : {CoilParameters{5e-3, 0.1, 1e9, 9.81, 0.1, 0},
+                                    {1e-6, 0.1, 1, 9.81, 10, 0},
+                                    {0.09, 0.1, 1, 9.81, 0.1, 0},
+                                    {5e-3, 0.1, 1, 9.81, 0.1, 1e3}}) {
         const auto theory = solver.at(p);
         CHECK(solver.effort() <= CoilSolver::most_effort + 40);
         if (theory) CHECK((std::isfinite(theory->frequency) && theory->frequency > 0 && theory->radius > 0));
@@ -186,7 +195,8 @@ TEST_CASE("what theory is asked follows the scene, and nothing is asked where it
     CHECK(parameters_of("speed = 0.25", "speed = 0.25\nviscosity = 300")->viscosity == Approx(0.3));
     CHECK(parameters_of("speed = 0.25", "speed = \"0.1 + 0.1*min(1, 4*t)\"")->speed == Approx(0.2));  // steady for the newest turn
     CHECK(parameters_of("viscosity = 1000", "viscosity = 1000\nsurface_tension = 0.05")->surface_tension == Approx(5e-5));
-    CHECK(parameters_of("", "", "[[emitter]]\nposition = [0.05, 0.15, 0]\nradius = 0.004\nspeed = 0.1\n")->nozzle_radius == 5e-3);  // the one on the axis
+    CHECK(parameters_of("", "", "[[emitter]]\nposition = [0.05, 0.15, 0]\nradius = 0.004\nspeed = 0.1\n")->nozzle_radius ==
+          5e-3);  // the one on the axis
 
     CHECK_FALSE(parameters_of("speed = 0.25", "speed = \"0.25*(1+0.8*sin(12*t))\""));
     CHECK_FALSE(parameters_of("speed = 0.25", "speed = 0"));
@@ -197,7 +207,8 @@ TEST_CASE("what theory is asked follows the scene, and nothing is asked where it
     CHECK_FALSE(parameters_of("radius = 5e-3", "shape = \"box\"\nwidth = 0.01\nthickness = 0.01"));
     CHECK_FALSE(parameters_of("max = [0.1, 0.2, 0.1]", "max = [0.1, 0.2, 0.1]\ngravity = [3, -9, 0]"));
     CHECK_FALSE(parameters_of("pressure = \"coupled\"", "pressure = \"wcsph\"\nviscosity = \"xsph\""));
-    CHECK_FALSE(parameters_of("[[emitter]]\nposition = [0, 0.08, 0]\nradius = 5e-3\nspeed = 0.25\n", "[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.02, 0.02, 0.02]\n"));
+    CHECK_FALSE(parameters_of("[[emitter]]\nposition = [0, 0.08, 0]\nradius = 5e-3\nspeed = 0.25\n",
+                              "[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.02, 0.02, 0.02]\n"));
 }
 
 TEST_CASE("who does not wait for the theory has its answer soon, the same as who waits", "[io][coil_theory]") {

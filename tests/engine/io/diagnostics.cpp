@@ -84,7 +84,8 @@ TEST_CASE("diagnostics.csv has the documented columns, and a cell for each in ev
           "frame,time,steps,particles,time_step,max_speed,kinetic_energy,potential_energy,spin_energy,momentum_x,momentum_y,momentum_z,"
           "angular_momentum_x,angular_momentum_y,angular_momentum_z,density_error_mean,density_error_max,pressure_iterations,"
           "viscosity_iterations,lost_particles,wall_seconds,cpu_seconds,"
-          "gravity_work,torque_work,pressure_work,boundary_work,viscous_dissipation,exchange_dissipation,smoothing_dissipation,surface_tension_work");
+          "gravity_work,torque_work,pressure_work,boundary_work,viscous_dissipation,exchange_dissipation,smoothing_dissipation,surface_"
+          "tension_work");
     RunTotals before, now;
     before.steps = 10, now.steps = 14;
     before.pressure_iterations = 100, now.pressure_iterations = 150;
@@ -145,8 +146,9 @@ TEST_CASE("exported points hold every field of the frame, byte for byte", "[io][
     const std::string file = read_whole(folder / "000001.ply");
     const std::string end = "end_header\n";
     const std::size_t data = file.find(end) + end.size();
-    CHECK(file.substr(0, data).find("element vertex 1000\nproperty float x\nproperty float y\nproperty float z\nproperty float velocity_x\nproperty float "
-                                    "velocity_y\nproperty float velocity_z\nproperty float density\nproperty float role\nproperty float spin_x\n") !=
+    CHECK(file.substr(0, data).find(
+              "element vertex 1000\nproperty float x\nproperty float y\nproperty float z\nproperty float velocity_x\nproperty float "
+              "velocity_y\nproperty float velocity_z\nproperty float density\nproperty float role\nproperty float spin_x\n") !=
           std::string::npos);
     REQUIRE(file.size() == data + 1000 * 11 * sizeof(float));
     float row[11];
@@ -167,7 +169,8 @@ TEST_CASE("a nozzle is a closed tube whose wall encloses a volume, for a round o
             double volume = 0;  // by the divergence theorem: positive where the triangles face outward
             Vec3d area = Vec3d::Zero();
             for (const auto& t : tube.triangle) {
-                const Vec3d a = tube.position[t[0]].cast<double>(), b = tube.position[t[1]].cast<double>(), c = tube.position[t[2]].cast<double>();
+                const Vec3d a = tube.position[t[0]].cast<double>(), b = tube.position[t[1]].cast<double>(),
+                            c = tube.position[t[2]].cast<double>();
                 volume += a.dot(b.cross(c)) / 6;
                 area += (b - a).cross(c - a) / 2;
             }

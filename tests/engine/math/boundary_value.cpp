@@ -107,7 +107,10 @@ TEST_CASE("half the intervals' length is a sixteenth of the error of a boundary 
     }
 }
 
-TEST_CASE("a layer of a hundredth of the interval is solved to 1e-4 by 60 intervals on a mesh that follows the error, which as many even ones are far from", "[math]") {
+TEST_CASE(
+    "a layer of a hundredth of the interval is solved to 1e-4 by 60 intervals on a mesh that follows the error, which as many even ones "
+    "are far from",
+    "[math]") {
     const Layer layer{300};
     Curve<2> curve = even_guess<2>(60, {0, 0});
     REQUIRE(Collocation<Layer>::solve(layer, curve, limits).converged);

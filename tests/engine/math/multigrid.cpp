@@ -1,10 +1,11 @@
 /// The V-cycle on explicit matrices, and the sparse products that it is made of.
+#include "engine/math/multigrid.h"
+
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "engine/core/random.h"
 #include "engine/math/conjugate_gradients.h"
-#include "engine/math/multigrid.h"
 
 using namespace whorl;
 
@@ -59,8 +60,8 @@ int iterations(const Cube& cube, const MultigridOptions& options) {
     M.set_up(cube.A, cube.cells, options);
     const Column<Real> b = noise(cube.A.size(), 3);
     Column<Real> x(b.size(), 0);
-    const SolveReport report = conjugate_gradients<Real>([&](Span<const Real> in, Span<Real> out) { cube.A.multiply(in, out); }, M, Span<const Real>(b),
-                                                         Span<Real>(x), {1e-4, 200});
+    const SolveReport report = conjugate_gradients<Real>([&](Span<const Real> in, Span<Real> out) { cube.A.multiply(in, out); }, M,
+                                                         Span<const Real>(b), Span<Real>(x), {1e-4, 200});
     CHECK(report.converged);
     return report.iterations;
 }
@@ -92,7 +93,8 @@ TEST_CASE("a V-cycle is symmetric and positive definite, also where the matrix i
                 M(s, Ms);
                 const double rMr = dot<Real>(r, Mr), sMs = dot<Real>(s, Ms);
                 CHECK(rMr > 0);
-                // Round-off: coarse matrices in float are symmetric to some 1e-7 of their diagonal, and a singular one weighs constants 10^4 times.
+                // Round-off: coarse matrices in float are symmetric to some 1e-7 of their diagonal, and a singular one weighs constants
+                // 10^4 times.
                 CHECK(std::abs(dot<Real>(r, Ms) - dot<Real>(s, Mr)) < (tied ? 1e-5 : 1e-2) * std::sqrt(rMr * sMs));
             }
         }

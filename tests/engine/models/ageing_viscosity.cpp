@@ -43,7 +43,8 @@ viscosity = "2 + 100*age"
 
 }  // namespace
 
-TEST_CASE("each emitter gives its own viscosity, by age where it says so, what was there at the start keeps that of its place", "[sim][viscosity]") {
+TEST_CASE("each emitter gives its own viscosity, by age where it says so, what was there at the start keeps that of its place",
+          "[sim][viscosity]") {
     Simulation simulation = simulation_of(pour);
     while (simulation.time() < 0.1) REQUIRE_FALSE(simulation.step(0.1).diverged);
     const World& w = simulation.world();
@@ -89,7 +90,8 @@ TEST_CASE("a run with ageing viscosity that is saved and loaded half-way ends wi
     CHECK((state(resumed) == state(whole)));
 }
 
-TEST_CASE("a live change of fluid.viscosity acts on what that key gave its viscosity, emitters with their own keep theirs", "[sim][viscosity][change]") {
+TEST_CASE("a live change of fluid.viscosity acts on what that key gave its viscosity, emitters with their own keep theirs",
+          "[sim][viscosity][change]") {
     const auto changed = [](const std::string& viscosity) {
         ReadRequest request;
         request.changes.push_back({"fluid.viscosity", viscosity, "test"});
@@ -100,7 +102,8 @@ TEST_CASE("a live change of fluid.viscosity acts on what that key gave its visco
     const auto mu = [&] { return simulation.world().fluid.column<field::viscosity>(); };
     const std::vector<Real> before(mu().begin(), mu().end());
 
-    // To an expression of the place, which is where the particles are now, and of their age, which is 0.1 s for what was there at the start.
+    // To an expression of the place, which is where the particles are now, and of their age, which is 0.1 s for what was there at the
+    // start.
     const Scene after = changed("\"60 + 500*y + 1000*age\"");
     simulation.change(after, make_plan(after));
     const auto x = simulation.world().fluid.column<field::position>();

@@ -1,7 +1,6 @@
-#include "engine/models/viscosity/assembled.h"
-
 #include <catch2/catch.hpp>
 
+#include "engine/models/viscosity/assembled.h"
 #include "engine/models/viscosity/full.h"
 #include "engine/sph/density.h"
 #include "tests/support/viscous_block.h"
@@ -23,7 +22,9 @@ TestWorld prepared(bool uneven_density, bool wall = true, Real unevenness = Real
 }
 
 template <class F>
-Read<F> read(const TestWorld& w) { return {w.world.fluid.column<F>()}; }
+Read<F> read(const TestWorld& w) {
+    return {w.world.fluid.column<F>()};
+}
 
 AssembledOperator assembled(const TestWorld& w, bool own_volume = true) {
     AssembledViscosityOptions options;
@@ -47,7 +48,8 @@ ViscousOperator matrix_free(const TestWorld& w) {
 
 }  // namespace
 
-TEST_CASE("every assembled coefficient is the derivative of the matrix-free operator, with walls and uneven density and viscosity, to 1e-5", "[viscosity]") {
+TEST_CASE("every assembled coefficient is the derivative of the matrix-free operator, with walls and uneven density and viscosity, to 1e-5",
+          "[viscosity]") {
     for (bool uneven : {false, true}) {
         const TestWorld w = prepared(uneven);
         const AssembledOperator A = assembled(w);
@@ -86,14 +88,16 @@ TEST_CASE("velocities of walls act alike in the assembled and in the matrix-free
     CHECK(std::sqrt(difference) < 1e-5 * std::sqrt(inner(Au, Au)));
 }
 
-TEST_CASE("the assembled matrix is symmetric with the own volume in each gradient, as printed it is not where densities differ", "[viscosity]") {
+TEST_CASE("the assembled matrix is symmetric with the own volume in each gradient, as printed it is not where densities differ",
+          "[viscosity]") {
     CHECK(asymmetry(assembled(prepared(false))) < 1e-6);
     CHECK(asymmetry(assembled(prepared(true))) < 1e-6);
     CHECK(asymmetry(assembled(prepared(false, false), false)) < 1e-6);
     CHECK(asymmetry(assembled(prepared(true, false), false)) > 1e-3);
 }
 
-TEST_CASE("the printed own coefficient on a lattice is the mass alone: nearly all of the true diagonal comes with the second ring", "[viscosity]") {
+TEST_CASE("the printed own coefficient on a lattice is the mass alone: nearly all of the true diagonal comes with the second ring",
+          "[viscosity]") {
     TestWorld w = prepared(false, false, 0);
     const AssembledOperator A = assembled(w);
     const ViscousOperator B = matrix_free(w);
@@ -105,19 +109,22 @@ TEST_CASE("the printed own coefficient on a lattice is the mass alone: nearly al
     unit[static_cast<std::size_t>(middle)] = Vec3::UnitX();
     B.multiply(unit, column);
     const double true_diagonal = column[static_cast<std::size_t>(middle)].x();
-    // Inside a lattice sum grad W = 0: nothing is left of omega and alpha but round-off. A row of neighbours to each side is missing here, R = 2 d.
+    // Inside a lattice sum grad W = 0: nothing is left of omega and alpha but round-off. A row of neighbours to each side is missing here,
+    // R = 2 d.
     CHECK(A.printed_own(middle)(0, 0) == Approx(1).margin(1e-3 * true_diagonal));
     CHECK(true_diagonal > 3);
     CHECK(A.block(middle, middle)(0, 0) == Approx(true_diagonal).epsilon(1e-5));
 }
 
-TEST_CASE("a step of the assembled viscosity ends where the matrix-free one does, and keeps the momentum but not the spin of a free body", "[viscosity]") {
+TEST_CASE("a step of the assembled viscosity ends where the matrix-free one does, and keeps the momentum but not the spin of a free body",
+          "[viscosity]") {
     FullViscosityOptions apart;
     apart.limits.tolerance = 1e-6;
     AssembledViscosityOptions together;
     together.limits.tolerance = 1e-6;
     const auto run = [](Stage viscosity) {
-        TestWorld w = uneven_block(1000, Real(0.1), {make_stage("density", "density", Density{}), std::move(viscosity)}, Vec3(Real(0.3), Real(0.2), Real(0.2)));
+        TestWorld w = uneven_block(1000, Real(0.1), {make_stage("density", "density", Density{}), std::move(viscosity)},
+                                   Vec3(Real(0.3), Real(0.2), Real(0.2)));
         auto u = w.column<field::velocity>();
         auto x = w.column<field::position>();
         for (std::size_t i = 0; i < u.size(); ++i) u[i] = Vec3(1, -x[i].z(), x[i].y());

@@ -1,10 +1,8 @@
-#include "engine/models/coupled/system.h"
-
 #include <catch2/catch.hpp>
 
 #include "engine/math/conjugate_gradients.h"
 #include "engine/models/coupled/coarse_matrix.h"
-
+#include "engine/models/coupled/system.h"
 #include "tests/support/coarse_matrix.h"
 #include "tests/support/coupled_world.h"
 
@@ -101,7 +99,8 @@ TEST_CASE("the diagonal blocks are those of the operator", "[models][coupled]") 
         }
 }
 
-TEST_CASE("the coarse matrix is R^T A R of the rigid motions of its aggregates to 1e-5, with a thin thread, held particles and friction", "[models][coupled]") {
+TEST_CASE("the coarse matrix is R^T A R of the rigid motions of its aggregates to 1e-5, with a thin thread, held particles and friction",
+          "[models][coupled]") {
     std::vector<Vec3> x = blue_noise_cylinder(Real(2.5) * d, 14 * d, d);
     for (int k = 0; k < 12; ++k) x.push_back(Vec3(0, (Real(14.5) + Real(k)) * d, 0));
     Form f(x, 10);
@@ -111,7 +110,8 @@ TEST_CASE("the coarse matrix is R^T A R of the rigid motions of its aggregates t
     f.form.set_friction(hold);
     const auto neighbours = [&](Index i, const auto& visit) {
         const RowBlock& block = f.rows.blocks[static_cast<std::size_t>(i / CoupledRows::block_size)];
-        for (std::size_t e = block.row_begin(i - block.begin); e < block.row_end(i - block.begin); ++e) visit(block.touched[static_cast<std::size_t>(block.other[e])]);
+        for (std::size_t e = block.row_begin(i - block.begin); e < block.row_end(i - block.begin); ++e)
+            visit(block.touched[static_cast<std::size_t>(block.other[e])]);
     };
     std::vector<std::int32_t> group(x.size());
     aggregate_by(neighbours, x, f.role, Domain{}, d / 2, 24, group);
@@ -145,9 +145,7 @@ TEST_CASE("a viscous blob keeps its momentum to 1e-5 while it changes shape", "[
         return p;
     };
     const Vec3d before = momentum();
-    for (int k = 0; k < 60; ++k) {
-        CHECK(w.step(Real(1e-3)));
-    }
+    for (int k = 0; k < 60; ++k) { CHECK(w.step(Real(1e-3))); }
     CHECK((momentum() - before).norm() < 1e-5 * before.norm());
 }
 

@@ -1,9 +1,10 @@
 /// The density of the constraint, its derivative, and the gate before solids.
+#include "engine/models/pressure/density_rate.h"
+
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "engine/core/random.h"
-#include "engine/models/pressure/density_rate.h"
 #include "tests/support/world.h"
 
 using namespace whorl;
@@ -30,8 +31,8 @@ struct Floor : TestWorld {
         rho.resize(static_cast<std::size_t>(world.fluid.size()));
         rate.resize(rho.size());
         DensityRate D;
-        D.build(WallImage(world.step.kernel, world.step.support, world.step.spacing, SolidGate{threshold}), world.fluid_pairs, world.solid_pairs,
-                world.solid_particles, world.step, Read<field::role>{std::as_const(world.fluid).column<field::role>()},
+        D.build(WallImage(world.step.kernel, world.step.support, world.step.spacing, SolidGate{threshold}), world.fluid_pairs,
+                world.solid_pairs, world.solid_particles, world.step, Read<field::role>{std::as_const(world.fluid).column<field::role>()},
                 Read<field::velocity>{std::as_const(world.fluid).column<field::velocity>()}, rho, rate);
     }
     void move(double dt) {
@@ -43,8 +44,10 @@ struct Floor : TestWorld {
 
 }  // namespace
 
-TEST_CASE("the rate of density is the derivative of the density beside a wall, with and without a gate, within 1 %", "[pressure][boundary]") {
-    // Central difference over +-0.005 d. What is left is the difference's own error (third derivatives of the kernel jump at R/2) and round-off in float.
+TEST_CASE("the rate of density is the derivative of the density beside a wall, with and without a gate, within 1 %",
+          "[pressure][boundary]") {
+    // Central difference over +-0.005 d. What is left is the difference's own error (third derivatives of the kernel jump at R/2) and
+    // round-off in float.
     for (const double threshold : {0.0, 0.1}) {
         INFO("gate " << threshold);
         Floor fluid(0);
@@ -64,8 +67,8 @@ TEST_CASE("the rate of density is the derivative of the density beside a wall, w
 }
 
 TEST_CASE("a gate keeps a wall out of the density until the fluid is near, and lets all of it in at contact", "[pressure][boundary]") {
-    // Without a gate the wall is felt from half a spacing above contact on (its image stands nearly twice as far); with 0.1 a layer that stands 0.35 d
-    // higher than in contact feels nothing at all.
+    // Without a gate the wall is felt from half a spacing above contact on (its image stands nearly twice as far); with 0.1 a layer that
+    // stands 0.35 d higher than in contact feels nothing at all.
     Floor high(0.35), touching(0);
     high.measure(0);
     const std::vector<Real> felt = high.rho;

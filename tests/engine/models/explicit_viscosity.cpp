@@ -1,10 +1,9 @@
-#include "engine/models/viscosity/explicit.h"
-
 #include <catch2/catch.hpp>
 #include <numbers>
 
 #include "engine/models/boundary/wall.h"
 #include "engine/models/motion/motion.h"
+#include "engine/models/viscosity/explicit.h"
 #include "engine/sph/density.h"
 #include "tests/support/world.h"
 
@@ -17,7 +16,8 @@ namespace {
 TestWorld uneven_blob(std::vector<Stage> stages) {
     TestWorld w(0.1, 2, Domain{Vec3(-2, -2, -2), Vec3(2, 2, 2), {}});
     w.use(std::move(stages));
-    w.place(Vec3(-0.4, -0.3, -0.3), Vec3(0.4, 0.3, 0.3), 1, [](const Vec3& x) { return Vec3(std::sin(9 * x.y()), 1 + x.x() * x.z(), std::cos(7 * x.x())); });
+    w.place(Vec3(-0.4, -0.3, -0.3), Vec3(0.4, 0.3, 0.3), 1,
+            [](const Vec3& x) { return Vec3(std::sin(9 * x.y()), 1 + x.x() * x.z(), std::cos(7 * x.x())); });
     auto x = w.column<field::position>();
     auto mu = w.column<field::viscosity>();
     for (std::size_t i = 0; i < x.size(); ++i) {
@@ -42,8 +42,9 @@ TEST_CASE("XSPH smooths and keeps the momentum to 1e-6 of the sum of |m u|", "[v
 
 TEST_CASE("explicit viscosity is a force between pairs: momentum is kept to 1e-6, whatever density and viscosity do", "[viscosity]") {
     for (bool monaghan : {false, true}) {
-        TestWorld w = uneven_blob({make_stage("density", "density", Density{}), make_stage("gravity", "move", Gravity{}),
-                                   make_stage("viscosity", "viscosity", ExplicitViscosity{{monaghan, 1}}), make_stage("kick", "move", Kick{})});
+        TestWorld w =
+            uneven_blob({make_stage("density", "density", Density{}), make_stage("gravity", "move", Gravity{}),
+                         make_stage("viscosity", "viscosity", ExplicitViscosity{{monaghan, 1}}), make_stage("kick", "move", Kick{})});
         const Vec3d before = w.momentum();
         double scale = 0;
         for (const Vec3& u : w.column<field::velocity>()) scale += w.world.step.mass * u.norm();

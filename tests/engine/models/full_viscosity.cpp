@@ -1,11 +1,10 @@
-#include "engine/models/viscosity/full.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
 
 #include "engine/models/boundary/wall.h"
 #include "engine/models/motion/motion.h"
+#include "engine/models/viscosity/full.h"
 #include "tests/support/coarse_matrix.h"
 #include "tests/support/viscous_block.h"
 
@@ -21,7 +20,8 @@ ViscousOperator make_operator(TestWorld& w, Real dt, const FullViscosityOptions&
     w.world.step.dt = dt;
     ViscousOperator A;
     const World& c = w.world;
-    A.set_up(options, c.fluid_pairs, c.solid_pairs, c.solids, c.solid_particles, c.step, {c.fluid.column<field::role>()}, {c.fluid.column<field::viscosity>()});
+    A.set_up(options, c.fluid_pairs, c.solid_pairs, c.solids, c.solid_particles, c.step, {c.fluid.column<field::role>()},
+             {c.fluid.column<field::viscosity>()});
     return A;
 }
 
@@ -46,7 +46,8 @@ TEST_CASE("the viscous operator is symmetric and positive, with walls, uneven pa
 }
 
 TEST_CASE("a rigid motion feels no viscosity, even at a free surface, on a line, in a plane and for a pair", "[viscosity]") {
-    for (const Vec3& half : {Vec3(0.4, 0.3, 0.3), Vec3(0.4, 0.05, 0.05), Vec3(0.3, 0.3, 0.05), Vec3(0.1, 0.05, 0.05), Vec3(0.05, 0.05, 0.05)}) {
+    for (const Vec3& half :
+         {Vec3(0.4, 0.3, 0.3), Vec3(0.4, 0.05, 0.05), Vec3(0.3, 0.3, 0.05), Vec3(0.1, 0.05, 0.05), Vec3(0.05, 0.05, 0.05)}) {
         TestWorld w = uneven_block(1000, half.minCoeff() > 0.1 ? Real(0.2) : Real(0), {}, half);
         const ViscousOperator A = make_operator(w, Real(0.01));
         const auto x = w.column<field::position>();
@@ -116,7 +117,9 @@ TEST_CASE("one implicit step multiplies a shear wave by 1/(1 + nu k^2 dt) within
     }
 }
 
-TEST_CASE("the coarse matrix of the viscosity is R^T A R of the rigid motions of its groups to 1e-5, with walls, thin parts and fixed particles", "[viscosity]") {
+TEST_CASE(
+    "the coarse matrix of the viscosity is R^T A R of the rigid motions of its groups to 1e-5, with walls, thin parts and fixed particles",
+    "[viscosity]") {
     for (const Vec3& half : {Vec3(0.4, 0.3, 0.3), Vec3(0.6, 0.1, 0.05)}) {
         TestWorld w = uneven_block(1000, half.z() > 0.1 ? Real(0.2) : Real(0), {}, half);
         w.add_wall(1, +1, -half.y() - 0.02);
@@ -130,12 +133,14 @@ TEST_CASE("the coarse matrix of the viscosity is R^T A R of the rigid motions of
         RigidAggregates R;
         R.place(x, w.column<field::role>(), group, groups, w.world.step.domain, Real(0.1));
         const SymmetricBlocks coarse = A.coarse_matrix(R);
-        const CoarseDifference found = coarse_difference([&](Span<const Vec3> u, Span<Vec3> Au) { A.multiply(u, Au); }, R, coarse, x.size());
+        const CoarseDifference found =
+            coarse_difference([&](Span<const Vec3> u, Span<Vec3> Au) { A.multiply(u, Au); }, R, coarse, x.size());
         CHECK(found.difference < 1e-5 * found.largest + 1.1e-3);  // a rotation that moves nothing is given 1e-3
     }
 }
 
-TEST_CASE("with the coarse level a stiff free body needs less than half of the iterations, and keeps momentum and angular momentum to 1e-5", "[viscosity]") {
+TEST_CASE("with the coarse level a stiff free body needs less than half of the iterations, and keeps momentum and angular momentum to 1e-5",
+          "[viscosity]") {
     // A bar of 40 x 6 x 6 with nu dt/d^2 = 1000, bent by its initial velocity.
     std::array<int, 2> iterations{};
     for (int coarse : {0, 1}) {

@@ -56,7 +56,8 @@ struct Cloud : TestWorld {
         std::vector<Vec3> all(u.size());
         with_kernel(world.step.kernel, world.step.support, [&](const auto& W) {
             for (std::size_t i = 0; i < u.size(); ++i)
-                all[i] = curl(form, world.fluid_pairs, static_cast<Index>(i), W, world.step.mass, std::as_const(world.fluid).column<field::density>(), Span<const Vec3>(u));
+                all[i] = curl(form, world.fluid_pairs, static_cast<Index>(i), W, world.step.mass,
+                              std::as_const(world.fluid).column<field::density>(), Span<const Vec3>(u));
         });
         return all;
     }
@@ -64,7 +65,8 @@ struct Cloud : TestWorld {
 
 }  // namespace
 
-TEST_CASE("the symmetric curl and the difference with the own density are adjoint, at a free surface too, the other pairs are not", "[micropolar]") {
+TEST_CASE("the symmetric curl and the difference with the own density are adjoint, at a free surface too, the other pairs are not",
+          "[micropolar]") {
     Cloud cloud;
     const std::size_t n = static_cast<std::size_t>(cloud.world.fluid.size());
     std::vector<Vec3> u(n), w(n);
@@ -85,7 +87,8 @@ TEST_CASE("the symmetric curl and the difference with the own density are adjoin
     CHECK(defect(CurlForm::symmetric, CurlForm::symmetric) > 1e-2);
 }
 
-TEST_CASE("the difference curls of a rigid rotation are twice its rate within the lattice's factor, and of a constant zero", "[micropolar]") {
+TEST_CASE("the difference curls of a rigid rotation are twice its rate within the lattice's factor, and of a constant zero",
+          "[micropolar]") {
     TestWorld w(0.1, 2, Domain{Vec3::Zero(), Vec3::Ones(), {true, true, true}});
     w.use({make_stage("density", "density", Density{})});
     w.place(Vec3::Zero(), Vec3::Ones());
@@ -103,7 +106,8 @@ TEST_CASE("the difference curls of a rigid rotation are twice its rate within th
     with_kernel(w.world.step.kernel, w.world.step.support, [&](const auto& W) {
         for (const CurlForm form : {CurlForm::difference, CurlForm::difference_own_density}) {
             const auto at_middle = [&](const std::vector<Vec3>& u) {
-                return curl(form, w.world.fluid_pairs, middle, W, w.world.step.mass, std::as_const(w.world.fluid).column<field::density>(), Span<const Vec3>(u));
+                return curl(form, w.world.fluid_pairs, middle, W, w.world.step.mass, std::as_const(w.world.fluid).column<field::density>(),
+                            Span<const Vec3>(u));
             };
             // The density on this lattice is 1.0004 times that at rest.
             CHECK((at_middle(turning) - 2 * Real(factor) * rate).norm() < 2e-3);

@@ -1,8 +1,7 @@
-#include "engine/models/viscosity/pairwise.h"
-
 #include <catch2/catch.hpp>
 #include <numbers>
 
+#include "engine/models/viscosity/pairwise.h"
 #include "tests/support/viscous_block.h"
 
 using namespace whorl;
@@ -15,7 +14,8 @@ PairwiseOperator make_operator(TestWorld& w, Real dt) {
     w.world.step.dt = dt;
     PairwiseOperator A;
     const World& c = w.world;
-    A.set_up(c.fluid_pairs, c.solid_pairs, c.solids, c.solid_particles, c.step, {c.fluid.column<field::role>()}, {c.fluid.column<field::viscosity>()});
+    A.set_up(c.fluid_pairs, c.solid_pairs, c.solids, c.solid_particles, c.step, {c.fluid.column<field::role>()},
+             {c.fluid.column<field::viscosity>()});
     return A;
 }
 
@@ -55,14 +55,16 @@ TEST_CASE("pairwise viscosity keeps momentum and angular momentum of a free body
     }
 }
 
-TEST_CASE("one pairwise step multiplies a shear wave by 1/(1 + nu k^2 dt), with nu as stiff as the lattice makes it, within 2 %", "[viscosity]") {
+TEST_CASE("one pairwise step multiplies a shear wave by 1/(1 + nu k^2 dt), with nu as stiff as the lattice makes it, within 2 %",
+          "[viscosity]") {
     for (double support : {2.0, 4.0}) {
         const double d = 0.1, L = 32 * d, k = 2 * std::numbers::pi / L, width = 2 * support * d, dt = 0.01;
         const double shear = pairwise_lattice_stiffness(KernelKind::cubic, support * d, d).shear;
         CHECK(shear == Approx(support < 3 ? 0.70 : 0.99).margin(0.01));
         TestWorld w(d, support, Domain{Vec3::Zero(), Vec3(Real(width), Real(L), Real(width)), {true, true, true}});
         w.use({pairwise(1e-5)});
-        w.place(Vec3::Zero(), Vec3(Real(width), Real(L), Real(width)), 1000 / (k * k * dt), [&](const Vec3& x) { return Vec3(Real(std::sin(k * x.y())), 0, 0); });
+        w.place(Vec3::Zero(), Vec3(Real(width), Real(L), Real(width)), 1000 / (k * k * dt),
+                [&](const Vec3& x) { return Vec3(Real(std::sin(k * x.y())), 0, 0); });
         w.step(dt);
         const auto x = w.column<field::position>();
         const auto u = w.column<field::velocity>();

@@ -35,18 +35,20 @@ const std::vector<Filling> shapes{
     {"half-filled box", [](TestWorld& w) { add_box_walls(w, 14, 0, 14), w.place(at_cells(0, 0, 0), at_cells(14, 10, 14)); }},
     {"full closed box", [](TestWorld& w) { add_box_walls(w, 13, 13, 13), w.place(at_cells(0, 0, 0), at_cells(13, 13, 13)); }},
     {"sheet of one layer", [](TestWorld& w) { w.place(at_cells(0, 0, 0), at_cells(24, 1, 24)); }},
-    {"single particles", [](TestWorld& w) {
+    {"single particles",
+     [](TestWorld& w) {
          for (int k = 0; k < 12; ++k) w.place(at_cells(5.0 * k, 0, 0), at_cells(5.0 * k + 1, 1, 1));
      }},
-    {"two pools and a drop", [](TestWorld& w) {
+    {"two pools and a drop",
+     [](TestWorld& w) {
          w.add_wall(1, +1, 0);
-         w.place(at_cells(0, 0, 0), at_cells(12, 6, 12)), w.place(at_cells(20, 0, 0), at_cells(30, 4, 12)), w.place(at_cells(14, 9, 4), at_cells(18, 13, 8));
+         w.place(at_cells(0, 0, 0), at_cells(12, 6, 12)), w.place(at_cells(20, 0, 0), at_cells(30, 4, 12)),
+             w.place(at_cells(14, 9, 4), at_cells(18, 13, 8));
      }},
 };
 
 struct Fluid : TestWorld {
-    explicit Fluid(const Filling& shape, double wobble = 0.1)
-        : TestWorld(d, 2, Domain{at_cells(-10, -10, -10), at_cells(70, 70, 70), {}}) {
+    explicit Fluid(const Filling& shape, double wobble = 0.1) : TestWorld(d, 2, Domain{at_cells(-10, -10, -10), at_cells(70, 70, 70), {}}) {
         use({make_stage("density", "density", Density{1}), make_stage("gravity", "move", Gravity{}), make_stage("kick", "move", Kick{}),
              make_stage("pressure", "pressure", ConstraintPressure(ConstraintOptions{}))});
         world.step.gravity = Vec3(0, Real(-9.81), 0);
@@ -59,7 +61,9 @@ struct Fluid : TestWorld {
     }
     Index size() { return world.fluid.size(); }
     template <class F>
-    Read<F> read() { return {std::as_const(world.fluid).template column<F>()}; }
+    Read<F> read() {
+        return {std::as_const(world.fluid).template column<F>()};
+    }
 };
 
 /// The constraint's matrix with about all particles pressing.
@@ -72,8 +76,8 @@ struct Constraint {
         falling.resize(rho.size());
         const World& w = f.world;
         for (Vec3& u : f.column<field::velocity>()) u = Vec3(0, -1, 0);
-        D.build(WallImage(w.step.kernel, w.step.support, w.step.spacing), w.fluid_pairs, w.solid_pairs, w.solid_particles, w.step, f.read<field::role>(),
-                f.read<field::velocity>(), rho, falling);
+        D.build(WallImage(w.step.kernel, w.step.support, w.step.spacing), w.fluid_pairs, w.solid_pairs, w.solid_particles, w.step,
+                f.read<field::role>(), f.read<field::velocity>(), rho, falling);
         A.force.resize(rho.size());
         A.x = w.fluid_pairs.x_own;
         for (std::size_t i = 0; i < rho.size(); ++i) A.presses.push_back(D.diagonal[i] > 0 && rho[i] > 300);
@@ -143,8 +147,8 @@ void check_symmetric_and_positive(System& system, double tolerance) {
 template <class System>
 int iterations(System& system, const PressurePreconditioner& M, const Column<Real>& b, double tolerance) {
     Column<Real> x(b.size(), 0);
-    const SolveReport report = conjugate_gradients<Real>([&](Span<const Real> in, Span<Real> out) { system.A.multiply(in, out); }, M, Span<const Real>(b),
-                                                         Span<Real>(x), {tolerance, 500});
+    const SolveReport report = conjugate_gradients<Real>([&](Span<const Real> in, Span<Real> out) { system.A.multiply(in, out); }, M,
+                                                         Span<const Real>(b), Span<Real>(x), {tolerance, 500});
     CHECK(report.converged);
     return report.iterations;
 }
@@ -152,8 +156,8 @@ int iterations(System& system, const PressurePreconditioner& M, const Column<Rea
 }  // namespace
 
 TEST_CASE("the pressure's multigrid is symmetric and positive definite on every shape of fluid", "[pressure][multigrid]") {
-    // Symmetric within round-off: coarse matrices in float are symmetric to 1e-7 of their diagonal; where there is no surface, constants weigh 10^4
-    // times as much as in a neighbour's difference.
+    // Symmetric within round-off: coarse matrices in float are symmetric to 1e-7 of their diagonal; where there is no surface, constants
+    // weigh 10^4 times as much as in a neighbour's difference.
     for (const Filling& shape : shapes) {
         Fluid fluid(shape);
         const double tolerance = shape.name == "full closed box" ? 1e-2 : 1e-4;
@@ -168,7 +172,8 @@ TEST_CASE("the pressure's multigrid is symmetric and positive definite on every 
     }
 }
 
-TEST_CASE("the pressure's multigrid stays symmetric and positive where particles stop and start to press after its set-up", "[pressure][multigrid]") {
+TEST_CASE("the pressure's multigrid stays symmetric and positive where particles stop and start to press after its set-up",
+          "[pressure][multigrid]") {
     Fluid fluid(shapes[1]);
     Constraint system(fluid);
     for (std::size_t i = 0; i < system.unknown().size(); i += 5) system.unknown()[i] = 0;
@@ -201,14 +206,19 @@ TEST_CASE("the pressure's multigrid gives the same bits for any number of thread
     set_threads(0);
 }
 
-TEST_CASE("in a column of 40 layers multigrid needs at most a third of the diagonal's iterations for the published rows, and fewer for the constraint", "[pressure][multigrid]") {
-    // 1e-3 of any source in the published rows: 10 of 62 (float). In the constraint 0.02 of what falling does to the densities: 14 of 17. Its gradient does
-    // not see what alternates from neighbour to neighbour, and nor does a coarse level: the gain comes with depth (docs/pressure.md).
+TEST_CASE(
+    "in a column of 40 layers multigrid needs at most a third of the diagonal's iterations for the published rows, and fewer for the "
+    "constraint",
+    "[pressure][multigrid]") {
+    // 1e-3 of any source in the published rows: 10 of 62 (float). In the constraint 0.02 of what falling does to the densities: 14 of 17.
+    // Its gradient does not see what alternates from neighbour to neighbour, and nor does a coarse level: the gain comes with depth
+    // (docs/pressure.md).
     const Filling column{"column", [](TestWorld& w) { add_box_walls(w, 9, 0, 9), w.place(at_cells(0, 0, 0), at_cells(9, 40, 9)); }};
     Fluid fluid(column);
     Poisson poisson(fluid);
     const Column<Real> any = noise(poisson.unknown(), 7);
-    const int few = iterations(poisson, poisson.multigrid(true, 2, {}), any, 1e-3), many = iterations(poisson, poisson.diagonal(), any, 1e-3);
+    const int few = iterations(poisson, poisson.multigrid(true, 2, {}), any, 1e-3),
+              many = iterations(poisson, poisson.diagonal(), any, 1e-3);
     INFO("poisson: " << few << " and " << many);
     CHECK(3 * few <= many);
     Constraint constraint(fluid);

@@ -1,10 +1,9 @@
 /// Moves that even out the particles.
-#include "engine/models/shifting/fickian.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "engine/core/random.h"
+#include "engine/models/shifting/fickian.h"
 #include "engine/sph/density.h"
 #include "tests/support/world.h"
 

@@ -1,8 +1,9 @@
+#include "engine/models/surface_tension/surface_tension.h"
+
 #include <catch2/catch.hpp>
 #include <numbers>
 
 #include "engine/models/surface_tension/skin.h"
-#include "engine/models/surface_tension/surface_tension.h"
 #include "engine/particles/sample.h"
 #include "tests/support/world.h"
 
@@ -44,7 +45,8 @@ TEST_CASE("surface tension keeps momentum and angular momentum of a body of any 
 }
 
 TEST_CASE("a half-space's pull and potential in closed form are those of its particles, one by one", "[surface_tension]") {
-    // Against sums over a lattice fine enough (a tenth of the spacing) that it is a continuum: within 1 % of the value on the face, at any height.
+    // Against sums over a lattice fine enough (a tenth of the spacing) that it is a continuum: within 1 % of the value on the face, at any
+    // height.
     const double d = 0.01, fine = d / 10;
     const Cohesion cohesion(sigma, d);
     for (const double z : {0.0, 0.5, 1.0, 2.0}) {
@@ -57,15 +59,17 @@ TEST_CASE("a half-space's pull and potential in closed form are those of its par
                     potential += 1e-3 * static_cast<double>(cohesion.potential(Real(r)));
                 }
         INFO("height " << z << " d");
-        CHECK(static_cast<double>(cohesion.half_space_pull(Real(z * d))) == Approx(pull).margin(0.01 * static_cast<double>(cohesion.half_space_pull(0))));
+        CHECK(static_cast<double>(cohesion.half_space_pull(Real(z * d))) ==
+              Approx(pull).margin(0.01 * static_cast<double>(cohesion.half_space_pull(0))));
         CHECK(static_cast<double>(cohesion.half_space_potential(Real(z * d))) ==
               Approx(potential).margin(0.01 * std::abs(static_cast<double>(cohesion.half_space_potential(0)))));
     }
 }
 
 TEST_CASE("parting a lattice into two takes 0.89 of the 2 sigma an area that a uniform density would", "[surface_tension]") {
-    // sigma = half of the energy between the half-spaces, over the area. Particles on lattice planes stand farther from the cut than a continuum; where all pairs pull
-    // disorder makes up for it (drops of `coupled` have 1.09 to 1.2 of 2 sigma/R), so the calibration is that of the uniform density.
+    // sigma = half of the energy between the half-spaces, over the area. Particles on lattice planes stand farther from the cut than a
+    // continuum; where all pairs pull disorder makes up for it (drops of `coupled` have 1.09 to 1.2 of 2 sigma/R), so the calibration is
+    // that of the uniform density.
     const double d = 0.01;
     const Cohesion cohesion(sigma, d);
     double energy = 0;  // of one column of the upper half with all of the lower
@@ -73,11 +77,13 @@ TEST_CASE("parting a lattice into two takes 0.89 of the 2 sigma an area that a u
         for (int a = -3; a <= 3; ++a)
             for (int b = -3; b <= 3; ++b)
                 for (int c = 1; c <= 3; ++c)
-                    energy -= static_cast<double>(cohesion.potential(Real(d * std::sqrt(double(a * a + b * b) + double(own + c) * (own + c)))));
+                    energy -=
+                        static_cast<double>(cohesion.potential(Real(d * std::sqrt(double(a * a + b * b) + double(own + c) * (own + c)))));
     CHECK(energy / (d * d) == Approx(0.89 * 2 * sigma).epsilon(0.01));
 }
 
-TEST_CASE("surface tension has no scale of its own: the same drop from 10 micrometres to a metre a particle, from 1e-6 to 10 N/m", "[surface_tension]") {
+TEST_CASE("surface tension has no scale of its own: the same drop from 10 micrometres to a metre a particle, from 1e-6 to 10 N/m",
+          "[surface_tension]") {
     // Accelerations over sigma/(rho d^2) agree to the rounding of the positions.
     std::vector<double> first;
     for (const double d : {1e-2, 1e-5, 1.0})
@@ -97,14 +103,16 @@ TEST_CASE("surface tension has no scale of its own: the same drop from 10 microm
         }
 }
 
-TEST_CASE("the skin alone pulls: a flat surface is pulled straight down, the layers under it up as much in all, and deeper nothing is", "[surface_tension]") {
+TEST_CASE("the skin alone pulls: a flat surface is pulled straight down, the layers under it up as much in all, and deeper nothing is",
+          "[surface_tension]") {
     const double d = 0.01;
     TestWorld w(d, 2, Domain{Vec3(0, Real(-9 * d), 0), Vec3(Real(8 * d), Real(9 * d), Real(8 * d)), {true, false, true}});
     w.use({make_stage("surface tension", "surface tension", SurfaceTension{{sigma, {}, nullptr}})});
     w.place(Vec3(0, Real(-8 * d), 0), Vec3(Real(8 * d), Real(8 * d), Real(8 * d)));
     w.world.step.gravity.setZero();
     w.step(1e-3);
-    const double pull = 1e-3 / static_cast<double>(w.world.step.mass) * static_cast<double>(Cohesion(sigma, d).half_space_pull(Real(d / 2)));
+    const double pull =
+        1e-3 / static_cast<double>(w.world.step.mass) * static_cast<double>(Cohesion(sigma, d).half_space_pull(Real(d / 2)));
     double press = 0;  // of all layers of the upper half
     for (std::size_t i = 0; i < w.column<field::position>().size(); ++i) {
         const Vec3 u = w.column<field::velocity>()[i];
@@ -115,12 +123,17 @@ TEST_CASE("the skin alone pulls: a flat surface is pulled straight down, the lay
         if (y > 7.4) CHECK(static_cast<double>(u.y()) < 0);
         if (y > 0) press += static_cast<double>(u.y()) / pull;
     }
-    CHECK(std::abs(press) < 1e-4 * 64);  // 64 columns: what the outer layer is pulled down by, the next ones are pulled up by: nothing of it presses the inside
+    CHECK(std::abs(press) <
+          1e-4 *
+              64);  // 64 columns: what the outer layer is pulled down by, the next ones are pulled up by: nothing of it presses the inside
 }
 
-TEST_CASE("the tension of a flat face of skin, by the stress of its pairs, is that of a uniform density within 15 %, and a wall's pull takes off twice as much within 20 %", "[surface_tension]") {
-    // sigma = sum of F (x^2 - y^2)/r over pairs and area, y down into the fluid; a wall that pulls particle i by f takes off the sum of f y. A lattice is no continuum: parted without shares it has
-    // 0.89 (above), and two layers that are skin stand for an integral.
+TEST_CASE(
+    "the tension of a flat face of skin, by the stress of its pairs, is that of a uniform density within 15 %, and a wall's pull takes off "
+    "twice as much within 20 %",
+    "[surface_tension]") {
+    // sigma = sum of F (x^2 - y^2)/r over pairs and area, y down into the fluid; a wall that pulls particle i by f takes off the sum of f
+    // y. A lattice is no continuum: parted without shares it has 0.89 (above), and two layers that are skin stand for an integral.
     const double d = 1;
     const Cohesion cohesion(sigma, d);
     const int deep = 8;
@@ -130,7 +143,8 @@ TEST_CASE("the tension of a flat face of skin, by the stress of its pairs, is th
         for (int a = -3; a <= 3; ++a)
             for (int b = -3; b <= 3; ++b)
                 for (int l = 0; l < k + 4; ++l)
-                    if (a != 0 || b != 0 || l != k) phi += static_cast<double>(cohesion.potential(Real(std::sqrt(double(a * a + b * b + (l - k) * (l - k))))));
+                    if (a != 0 || b != 0 || l != k)
+                        phi += static_cast<double>(cohesion.potential(Real(std::sqrt(double(a * a + b * b + (l - k) * (l - k))))));
         share[static_cast<std::size_t>(k)] = static_cast<double>(Skin::share(Real(phi / cohesion.bulk_energy(d))));
     }
     CHECK(share[0] == 1);
@@ -143,7 +157,8 @@ TEST_CASE("the tension of a flat face of skin, by the stress of its pairs, is th
                     const int y = l - k;
                     if (a == 0 && b == 0 && y == 0) continue;
                     const double r = std::sqrt(double(a * a + b * b + y * y));
-                    tension += 0.5 * (share[static_cast<std::size_t>(k)] + share[static_cast<std::size_t>(l)]) / 2 * static_cast<double>(cohesion.pull_over_distance(Real(r))) * (a * a - y * y);
+                    tension += 0.5 * (share[static_cast<std::size_t>(k)] + share[static_cast<std::size_t>(l)]) / 2 *
+                               static_cast<double>(cohesion.pull_over_distance(Real(r))) * (a * a - y * y);
                 }
         wall += share[static_cast<std::size_t>(k)] * static_cast<double>(cohesion.half_space_pull(Real(k + 0.5))) * (k + 0.5);
     }
@@ -152,11 +167,14 @@ TEST_CASE("the tension of a flat face of skin, by the stress of its pairs, is th
     CHECK(Skin::strength() * Skin::flat_tension() * Skin::packed == Approx(1));
 }
 
-TEST_CASE("where all pairs pull, a flat surface is pulled straight down, and a wall of the same pull as the fluid leaves fluid beside it alone", "[surface_tension]") {
+TEST_CASE(
+    "where all pairs pull, a flat surface is pulled straight down, and a wall of the same pull as the fluid leaves fluid beside it alone",
+    "[surface_tension]") {
     const double d = 0.01;
     for (const double wetting : {0.0, 1.0}) {
         TestWorld w(d, 2, Domain{Vec3(0, Real(-d), 0), Vec3(Real(8 * d), Real(9 * d), Real(8 * d)), {true, false, true}});
-        w.use({make_stage("surface tension", "surface tension", SurfaceTension{{sigma, {static_cast<Real>(wetting)}, std::make_shared<std::vector<Real>>()}})});
+        w.use({make_stage("surface tension", "surface tension",
+                          SurfaceTension{{sigma, {static_cast<Real>(wetting)}, std::make_shared<std::vector<Real>>()}})});
         w.place(Vec3::Zero(), Vec3(Real(8 * d), Real(8 * d), Real(8 * d)));
         ShapeKeys floor;
         floor.kind = "plane";
@@ -165,7 +183,8 @@ TEST_CASE("where all pairs pull, a flat surface is pulled straight down, and a w
         w.world.solids.all.push_back(solid);
         w.world.step.gravity.setZero();
         w.step(1e-3);
-        const double pull = 1e-3 / static_cast<double>(w.world.step.mass) * static_cast<double>(Cohesion(sigma, d).half_space_pull(Real(d / 2)));
+        const double pull =
+            1e-3 / static_cast<double>(w.world.step.mass) * static_cast<double>(Cohesion(sigma, d).half_space_pull(Real(d / 2)));
         for (std::size_t i = 0; i < w.column<field::position>().size(); ++i) {
             const Vec3 u = w.column<field::velocity>()[i];
             const double y = static_cast<double>(w.column<field::position>()[i].y()) / d;

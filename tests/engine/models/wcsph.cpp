@@ -28,7 +28,8 @@ struct GivenPressure {
 /// A free ball of jittered particles with the velocities u(x) [m/s]; a step of dt = 0 leaves the accelerations of the stages.
 TestWorld ball(const WeaklyCompressible& options, const std::function<Vec3(const Vec3&)>& u) {
     TestWorld w(d, 2, Domain{Vec3(-1, -1, -1), Vec3(1, 1, 1), {}});
-    std::vector<Stage> stages{make_stage("density", "density", Density{}), make_stage("given", "pressure", GivenPressure{[](const Vec3&) { return 1e5; }}),
+    std::vector<Stage> stages{make_stage("density", "density", Density{}),
+                              make_stage("given", "pressure", GivenPressure{[](const Vec3&) { return 1e5; }}),
                               make_stage("gravity", "move", Gravity{})};
     if (options.sound_damping > 0) stages.insert(stages.begin() + 2, make_stage("sound damping", "pressure", SoundDamping{options}));
     stages.push_back(make_stage("pressure", "pressure", PressureAcceleration{options}));
@@ -106,8 +107,8 @@ TEST_CASE("water beside a vertical wall is carried by the whole pressure gradien
     options.solid_factor = continued_lattice_factor(KernelKind::cubic, Real(2 * d), Real(d));
     TestWorld w(d, 2, Domain{Vec3::Zero(), Vec3(Real(12 * d), Real(H), Real(6 * d)), {false, false, true}});
     w.use({make_stage("density", "density", Density{options.solid_factor}),
-           make_stage("given", "pressure", GivenPressure{[&](const Vec3& x) { return rho_0 * g * (H - x.y()); }}), make_stage("gravity", "move", Gravity{}),
-           make_stage("pressure", "pressure", PressureAcceleration{options})});
+           make_stage("given", "pressure", GivenPressure{[&](const Vec3& x) { return rho_0 * g * (H - x.y()); }}),
+           make_stage("gravity", "move", Gravity{}), make_stage("pressure", "pressure", PressureAcceleration{options})});
     w.world.step.gravity = Vec3(0, Real(-g), 0);
     w.add_wall(0, +1, 0);
     w.place(Vec3::Zero(), Vec3(Real(12 * d), Real(H), Real(6 * d)));
@@ -120,7 +121,8 @@ TEST_CASE("water beside a vertical wall is carried by the whole pressure gradien
         if (x[i].x() < d) beside += a[i].y() + g, sideways += a[i].x(), ++count_beside;
         if (std::abs(x[i].x() - 6 * d) < d) far += a[i].y() + g, ++count_far;
     }
-    // A lattice feels a linear pressure 1.02 times; the layer of the wall stands for two of the lattice, but for what the second would add along it.
+    // A lattice feels a linear pressure 1.02 times; the layer of the wall stands for two of the lattice, but for what the second would add
+    // along it.
     CHECK(far / count_far == Approx(g * lattice_second_moment(KernelKind::cubic, Real(2 * d), Real(d)) / 3).epsilon(2e-3));
     CHECK(beside / count_beside == Approx(far / count_far).epsilon(0.05));
     CHECK(std::abs(sideways / count_beside) < 0.05 * g);

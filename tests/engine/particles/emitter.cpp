@@ -52,7 +52,8 @@ double nearest_pair(ParticleStore& store) {
     NeighbourSearch search;
     search.find(std::as_const(store).column<field::position>(), 2 * d, open, pairs);
     double least = 1e9;
-    for (Index i = 0; i < pairs.size(); ++i) pairs.of(i, [&](Index, const Vec3&, Real r) { least = std::min(least, static_cast<double>(r)); });
+    for (Index i = 0; i < pairs.size(); ++i)
+        pairs.of(i, [&](Index, const Vec3&, Real r) { least = std::min(least, static_cast<double>(r)); });
     return least;
 }
 
@@ -134,7 +135,8 @@ TEST_CASE("an emitter that starts and stops lets out what its speed says, and it
     run(emitter, store, 0.7, 3e-3, t);
     run(copy, other, 0.7, 3e-3, t2);
     REQUIRE(store.size() == other.size());
-    for (std::size_t i = 0; i < static_cast<std::size_t>(store.size()); ++i) REQUIRE(store.column<field::position>()[i] == other.column<field::position>()[i]);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(store.size()); ++i)
+        REQUIRE(store.column<field::position>()[i] == other.column<field::position>()[i]);
     const double volume = 0.25 * (0.25 - 0.01) * std::numbers::pi * 25e-6;  // integral of 0.5 t from 0.1 to 0.5
     CHECK(emitter.expected_particles() == Approx(volume / (d * d * d)).epsilon(1e-6));
 }

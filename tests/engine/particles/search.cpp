@@ -1,7 +1,7 @@
 #include "engine/particles/search.h"
 
-#include <catch2/catch.hpp>
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <limits>
 #include <random>
 #include <set>
@@ -38,8 +38,8 @@ std::vector<std::set<Index>> rows_of(const Pairs& pairs) {
 }
 
 /// Pairs within 1e-5 of the support may fall on either side: they are not compared.
-void require_as_brute_force(const Pairs& pairs, const std::vector<Vec3>& own, const std::vector<Vec3>& other, Real support, const Domain& domain,
-                            bool among_themselves) {
+void require_as_brute_force(const Pairs& pairs, const std::vector<Vec3>& own, const std::vector<Vec3>& other, Real support,
+                            const Domain& domain, bool among_themselves) {
     const auto rows = rows_of(pairs);
     for (std::size_t i = 0; i < own.size(); ++i)
         for (std::size_t j = 0; j < other.size(); ++j) {

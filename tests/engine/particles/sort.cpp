@@ -1,7 +1,7 @@
 #include "engine/particles/sort.h"
 
-#include <catch2/catch.hpp>
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <limits>
 
 #include "engine/core/parallel.h"
@@ -21,7 +21,8 @@ TEST_CASE("along the curve each step goes to an adjacent cell", "[particles]") {
 
 TEST_CASE("particles of one cell keep their order, those that are not finite come last", "[particles]") {
     const Real nan = std::numeric_limits<Real>::quiet_NaN(), far = std::numeric_limits<Real>::max() / 8;
-    std::vector<Vec3> x{{nan, 0, 0}, {Real(0.5), 0, 0}, {Real(0.1), 0, 0}, {Real(0.2), 0, 0}, {0, far, 0}, {Real(0.51), 0, 0}, {0, 0, -1 / Real(0)}};
+    std::vector<Vec3> x{{nan, 0, 0}, {Real(0.5), 0, 0},  {Real(0.1), 0, 0},   {Real(0.2), 0, 0},
+                        {0, far, 0}, {Real(0.51), 0, 0}, {0, 0, -1 / Real(0)}};
     CurveSort sort;
     const auto order = sort.order(x, Real(0.4));
     const auto place = [&](Index i) { return std::find(order.begin(), order.end(), i) - order.begin(); };

@@ -26,66 +26,63 @@ struct Case {
 const std::vector<Case> cases = {
     {"spacing = 0.01", "spacng = 0.01",
      "bad.toml:3:1: fluid.spacing is missing; initial distance between particles [m]; allowed: more than 0\n"
-     "bad.toml:4:1: unknown key \"spacng\" in [fluid]; did you mean \"spacing\"?; allowed: spacing, density, viscosity, surface_tension, kernel, support"},
-    {"spacing = 0.01", "spacing = \"fine\"",
-     "bad.toml:4:11: fluid.spacing must be a number [m], not the text \"fine\""},
-    {"spacing = 0.01", "spacing = -0.01",
-     "bad.toml:4:11: fluid.spacing = -0.01 is out of range; allowed: more than 0"},
-    {"spacing = 0.01", "spacing = 0",
-     "bad.toml:4:11: fluid.spacing = 0 is out of range; allowed: more than 0"},
-    {"spacing = 0.01", "spacing = nan",
-     "bad.toml:4:11: fluid.spacing = nan is not a finite number"},
-    {"spacing = 0.01", "spacing = [0.01]",
-     "bad.toml:4:11: fluid.spacing must be a number [m], not a list of 1"},
-    {"spacing = 0.01", "spacing = 0.01\nsupport = 9",
-     "bad.toml:5:11: fluid.support = 9 is out of range; allowed: at least 1.2, at most 6"},
+     "bad.toml:4:1: unknown key \"spacng\" in [fluid]; did you mean \"spacing\"?; allowed: spacing, density, viscosity, surface_tension, "
+     "kernel, support"},
+    {"spacing = 0.01", "spacing = \"fine\"", "bad.toml:4:11: fluid.spacing must be a number [m], not the text \"fine\""},
+    {"spacing = 0.01", "spacing = -0.01", "bad.toml:4:11: fluid.spacing = -0.01 is out of range; allowed: more than 0"},
+    {"spacing = 0.01", "spacing = 0", "bad.toml:4:11: fluid.spacing = 0 is out of range; allowed: more than 0"},
+    {"spacing = 0.01", "spacing = nan", "bad.toml:4:11: fluid.spacing = nan is not a finite number"},
+    {"spacing = 0.01", "spacing = [0.01]", "bad.toml:4:11: fluid.spacing must be a number [m], not a list of 1"},
+    {"spacing = 0.01", "spacing = 0.01\nsupport = 9", "bad.toml:5:11: fluid.support = 9 is out of range; allowed: at least 1.2, at most 6"},
     {"spacing = 0.01", "spacing = 0.01\nsupport = \"wide\"",
      "bad.toml:5:11: fluid.support must be a number or \"auto\" [spacings], not the text \"wide\""},
     {"spacing = 0.01", "spacing = 0.01\nkernel = \"wendland\"",
-     "bad.toml:5:10: fluid.kernel = \"wendland\" is not known; did you mean \"wendland_c2\"?; allowed: auto, cubic, wendland_c2 or wendland_c4"},
+     "bad.toml:5:10: fluid.kernel = \"wendland\" is not known; did you mean \"wendland_c2\"?; allowed: auto, cubic, wendland_c2 or "
+     "wendland_c4"},
     {"spacing = 0.01", "spacing = 0.01\nviscosity = \"1 + * 2\"",
-     "bad.toml:5:18: fluid.viscosity: \"1 + * 2\" is not an expression: unexpected operator \"*\" (column 5 of the text); allowed: functions of x, y, z, age"},
+     "bad.toml:5:18: fluid.viscosity: \"1 + * 2\" is not an expression: unexpected operator \"*\" (column 5 of the text); allowed: "
+     "functions of x, y, z, age"},
     {"spacing = 0.01", "spacing = 0.01\nviscosity = \"2*sinn(x)\"",
-     "bad.toml:5:16: fluid.viscosity: \"2*sinn(x)\" is not an expression: no function \"sinn\" (column 3 of the text); allowed: functions of x, y, z, age"},
+     "bad.toml:5:16: fluid.viscosity: \"2*sinn(x)\" is not an expression: no function \"sinn\" (column 3 of the text); allowed: functions "
+     "of x, y, z, age"},
     {"spacing = 0.01", "spacing = 0.01\nviscosity = \"1 + q\"",
-     "bad.toml:5:18: fluid.viscosity: \"1 + q\" is not an expression: unexpected token \"q\" (column 5 of the text); allowed: functions of x, y, z, age"},
+     "bad.toml:5:18: fluid.viscosity: \"1 + q\" is not an expression: unexpected token \"q\" (column 5 of the text); allowed: functions of "
+     "x, y, z, age"},
     {"spacing = 0.01", "spacing = 0.01\nviscosity = \"0,5\"",
-     "bad.toml:5:15: fluid.viscosity: \"0,5\" is not an expression: a comma outside a function (column 2 of the text); allowed: functions of x, y, z, age"},
+     "bad.toml:5:15: fluid.viscosity: \"0,5\" is not an expression: a comma outside a function (column 2 of the text); allowed: functions "
+     "of x, y, z, age"},
     {"spacing = 0.01", "spacing = 0.01\nviscosity = \"1 + t\"",
      "bad.toml:5:13: fluid.viscosity uses t, which it cannot depend on; allowed: functions of x, y, z, age"},
-    {"spacing = 0.01", "spacing = 0.01\nviscosity = -3",
-     "bad.toml:5:13: fluid.viscosity = -3 is out of range; allowed: at least 0"},
-    {"spacing = 0.01", "spacing = 0.01\nviscosity = \"2 - 3\"",
-     "bad.toml:5:13: fluid.viscosity = -1 is out of range; allowed: at least 0"},
+    {"spacing = 0.01", "spacing = 0.01\nviscosity = -3", "bad.toml:5:13: fluid.viscosity = -3 is out of range; allowed: at least 0"},
+    {"spacing = 0.01", "spacing = 0.01\nviscosity = \"2 - 3\"", "bad.toml:5:13: fluid.viscosity = -1 is out of range; allowed: at least 0"},
     {"spacing = 0.01", "spacing = 0.01\nviscosity = true",
      "bad.toml:5:13: fluid.viscosity must be a number or an expression in quotes [Pa s], not true"},
     {"spacing = 0.01", "spacing = 0.01\ndensity = 2020-01-01",
      "bad.toml:5:11: fluid.density must be a number [kg/m^3], not a date or time"},
     {"spacing = 0.01", "density = 900",
      "bad.toml:3:1: fluid.spacing is missing; initial distance between particles [m]; allowed: more than 0"},
-    {"[fluid]\nspacing = 0.01", "",
-     "bad.toml: fluid.spacing is missing; initial distance between particles [m]; allowed: more than 0"},
-    {"end = 1", "end = 1\nfps = 0",
-     "bad.toml:3:7: time.fps = 0 is out of range; allowed: more than 0, at most 1000"},
+    {"[fluid]\nspacing = 0.01", "", "bad.toml: fluid.spacing is missing; initial distance between particles [m]; allowed: more than 0"},
+    {"end = 1", "end = 1\nfps = 0", "bad.toml:3:7: time.fps = 0 is out of range; allowed: more than 0, at most 1000"},
     {"end = 1", "end = 1\nperiodic = true",
-     "bad.toml:3:1: unknown key \"periodic\" in [time]; [domain] has a key of this name; allowed: end, fps, slow_motion, max_step, cfl, fixed_step, sleep"},
+     "bad.toml:3:1: unknown key \"periodic\" in [time]; [domain] has a key of this name; allowed: end, fps, slow_motion, max_step, cfl, "
+     "fixed_step, sleep"},
     {"[time]", "[tme]",
      "bad.toml: time.end is missing; when the run ends [s]; allowed: more than 0\n"
-     "bad.toml:1:2: unknown key \"tme\"; did you mean \"time\"?; allowed: name, seed, time, domain, fluid, models, pressure, viscosity, micropolar, boundary, block, emitter, solid, drain, probe, change, panel, output, budget, quality"},
-    {"[time]", "[[time]]",
-     "bad.toml:1:3: time must be one table, [time]"},
-    {"[[block]]", "[block]",
-     "bad.toml:5:2: block must be a list of tables, [[block]]"},
+     "bad.toml:1:2: unknown key \"tme\"; did you mean \"time\"?; allowed: name, seed, time, domain, fluid, models, pressure, viscosity, "
+     "micropolar, boundary, block, emitter, solid, drain, probe, change, panel, output, budget, quality"},
+    {"[time]", "[[time]]", "bad.toml:1:3: time must be one table, [time]"},
+    {"[[block]]", "[block]", "bad.toml:5:2: block must be a list of tables, [[block]]"},
     {"[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]", "",
      "bad.toml: the scene has no fluid; add a [[block]] or an [[emitter]]"},
     {"shape = \"box\"", "shape = \"bx\"",
      "bad.toml:6:9: block[0].shape = \"bx\" is not known; did you mean \"box\"?; allowed: box, sphere, cylinder or mesh"},
     {"shape = \"box\"", "shape = \"sphere\"",
      "bad.toml:5:1: block[0].radius is missing; of the sphere or cylinder [m]; allowed: more than 0\n"
-     "bad.toml:7:7: block[0].min belongs to block[0].shape = \"box\", not to \"sphere\"; remove it, or change block[0].shape; keys of \"sphere\": position, radius\n"
-     "bad.toml:8:7: block[0].max belongs to block[0].shape = \"box\", not to \"sphere\"; remove it, or change block[0].shape; keys of \"sphere\": position, radius"},
-    {"min = [0, 0, 0]", "min = [0, 0]",
-     "bad.toml:7:7: block[0].min must be a list of 3 numbers [m], not a list of 2"},
+     "bad.toml:7:7: block[0].min belongs to block[0].shape = \"box\", not to \"sphere\"; remove it, or change block[0].shape; keys of "
+     "\"sphere\": position, radius\n"
+     "bad.toml:8:7: block[0].max belongs to block[0].shape = \"box\", not to \"sphere\"; remove it, or change block[0].shape; keys of "
+     "\"sphere\": position, radius"},
+    {"min = [0, 0, 0]", "min = [0, 0]", "bad.toml:7:7: block[0].min must be a list of 3 numbers [m], not a list of 2"},
     {"min = [0, 0, 0]", "min = [0, 0, \"a\"]",
      "bad.toml:7:14: block[0].min must be a list of 3 numbers [m], not the text \"a\" in place 3"},
     {"min = [0, 0, 0]", "min = [0, 0.2, 0]",
@@ -93,31 +90,32 @@ const std::vector<Case> cases = {
     {"min = [0, 0, 0]", "min = [0, 0, 0]\nsampling = \"random\"",
      "bad.toml:8:12: block[0].sampling = \"random\" is not known; allowed: lattice, jittered or blue_noise"},
     {"min = [0, 0, 0]", "min = [0, 0, 0]\nvelocity = [\"0\", \"sin(\", \"0\"]",
-     "bad.toml:8:23: block[0].velocity: \"sin(\" is not an expression: unexpected end of expression (column 5 of the text); allowed: functions of x, y, z"},
-    {"min = [0, 0, 0]", "min = [0, 0, 0]\nspin = [1, 0, 0]",
-     "bad.toml:8:8: block[0].spin needs a micropolar model; set models.micropolar"},
-    {"", "[domain]\nmin = [1, 0, 0]",
-     "bad.toml:10:7: domain.max must lie above domain.min on every axis; on x they are 1.0 and 1.0"},
+     "bad.toml:8:23: block[0].velocity: \"sin(\" is not an expression: unexpected end of expression (column 5 of the text); allowed: "
+     "functions of x, y, z"},
+    {"min = [0, 0, 0]", "min = [0, 0, 0]\nspin = [1, 0, 0]", "bad.toml:8:8: block[0].spin needs a micropolar model; set models.micropolar"},
+    {"", "[domain]\nmin = [1, 0, 0]", "bad.toml:10:7: domain.max must lie above domain.min on every axis; on x they are 1.0 and 1.0"},
     {"", "[domain]\nperiodic = [true, false, 0]",
      "bad.toml:10:26: domain.periodic must be a list of 3 times true or false, not the number 0 in place 3"},
-    {"", "[domain]\ngravity = [0, \"-x\", 0]",
-     "bad.toml:10:11: domain.gravity uses x, which it cannot depend on; allowed: functions of t"},
+    {"", "[domain]\ngravity = [0, \"-x\", 0]", "bad.toml:10:11: domain.gravity uses x, which it cannot depend on; allowed: functions of t"},
     {"", "[models]\npressure = \"ppe\"\n[pressure]\nsound_speed = 10",
-     "bad.toml:12:15: pressure.sound_speed belongs to models.pressure = \"wcsph\", not to \"ppe\"; remove it, or change models.pressure; keys of \"ppe\": tolerance, max_iterations, preconditioner, form, correction, divergence_free, active_set, damping"},
+     "bad.toml:12:15: pressure.sound_speed belongs to models.pressure = \"wcsph\", not to \"ppe\"; remove it, or change models.pressure; "
+     "keys of \"ppe\": tolerance, max_iterations, preconditioner, form, correction, divergence_free, active_set, damping"},
     {"", "[models]\nviscosity = \"xsph\"\n[viscosity]\ntolerance = 1e-3",
-     "bad.toml:12:13: viscosity.tolerance belongs to models.viscosity = \"pairwise\", \"full\" or \"full_assembled\", not to \"xsph\"; remove it, or change models.viscosity; keys of \"xsph\": alpha"},
+     "bad.toml:12:13: viscosity.tolerance belongs to models.viscosity = \"pairwise\", \"full\" or \"full_assembled\", not to \"xsph\"; "
+     "remove it, or change models.viscosity; keys of \"xsph\": alpha"},
     {"", "[models]\nboundry = \"none\"",
-     "bad.toml:10:1: unknown key \"boundry\" in [models]; did you mean \"boundary\"?; allowed: pressure, viscosity, micropolar, boundary, shifting"},
-    {"", "[pressure]\nmax_iterations = 2.5",
-     "bad.toml:10:18: pressure.max_iterations must be a whole number, not the number 2.5"},
-    {"", "[pressure]\nmax_iterations = 0",
-     "bad.toml:10:18: pressure.max_iterations = 0 is out of range; allowed: at least 1"},
+     "bad.toml:10:1: unknown key \"boundry\" in [models]; did you mean \"boundary\"?; allowed: pressure, viscosity, micropolar, boundary, "
+     "shifting"},
+    {"", "[pressure]\nmax_iterations = 2.5", "bad.toml:10:18: pressure.max_iterations must be a whole number, not the number 2.5"},
+    {"", "[pressure]\nmax_iterations = 0", "bad.toml:10:18: pressure.max_iterations = 0 is out of range; allowed: at least 1"},
     {"", "[micropolar]\nmicro_inertia = 1",
-     "bad.toml:10:17: micropolar.micro_inertia belongs to models.micropolar = \"seed\", \"bender\" or \"eringen\", not to \"none\"; remove it, or change models.micropolar"},
+     "bad.toml:10:17: micropolar.micro_inertia belongs to models.micropolar = \"seed\", \"bender\" or \"eringen\", not to \"none\"; remove "
+     "it, or change models.micropolar"},
     {"", "[[emitter]]\nposition = [0, 0, 0]\nspeed = 1",
      "bad.toml:9:1: emitter[0].radius is missing; of the round opening [m]; allowed: more than 0"},
     {"", "[[emitter]]\nposition = [0, 0, 0]\nradius = 0.1\nwidth = 0.2\nspeed = 1",
-     "bad.toml:12:9: emitter[0].width belongs to emitter[0].shape = \"box\", not to \"disc\"; remove it, or change emitter[0].shape; keys of \"disc\": radius"},
+     "bad.toml:12:9: emitter[0].width belongs to emitter[0].shape = \"box\", not to \"disc\"; remove it, or change emitter[0].shape; keys "
+     "of \"disc\": radius"},
     {"", "[[emitter]]\nposition = [0, 0, 0]\nradius = 0.1\nspeed = 1\ndirection = [0, 0, 0]\nstart = 2\nstop = 1",
      "bad.toml:13:13: emitter[0].direction has no length\n"
      "bad.toml:15:8: emitter[0] stops before it starts"},
@@ -128,7 +126,9 @@ const std::vector<Case> cases = {
     {"", "[[solid]]\nshape = \"plane\"\nposition = [0, \"t\", \"z\"]\nslip = true",
      "bad.toml:11:12: solid[0].position uses z, which it cannot depend on; allowed: functions of t\n"
      "bad.toml:12:8: solid[0].slip must be a text, not true; allowed: no, free or navier"},
-    {"", "[[probe]]\nname = \"a\"\nkind = \"point\"\nat = [0, 0, 0]\n[[probe]]\nname = \"a\"\nkind = \"line\"\nfrom = [0, 0, 0]\nto = [1, 0, 0]",
+    {"",
+     "[[probe]]\nname = \"a\"\nkind = \"point\"\nat = [0, 0, 0]\n[[probe]]\nname = \"a\"\nkind = \"line\"\nfrom = [0, 0, 0]\nto = [1, 0, "
+     "0]",
      "bad.toml:14:8: probe[1].name = \"a\" is taken by probe[0]"},
     {"", "[[probe]]\nname = \"a/b\"\nkind = \"coil\"\nheight = 0.1",
      "bad.toml:10:8: probe[0].name = \"a/b\" cannot name a file; allowed: letters, digits, _ - ."},
@@ -139,20 +139,19 @@ const std::vector<Case> cases = {
      "bad.toml:10:8: output.size must be a list of 2 whole numbers [pixels], not the text \"big\"\n"
      "bad.toml:11:10: output.export must be a list of texts, not the text \"mesh\"; allowed: points, mesh, vdb"},
     {"", "[outptu]\nframes = true",
-     "bad.toml:9:2: unknown key \"outptu\"; did you mean \"output\"?; allowed: name, seed, time, domain, fluid, models, pressure, viscosity, micropolar, boundary, block, emitter, solid, drain, probe, change, panel, output, budget, quality"},
+     "bad.toml:9:2: unknown key \"outptu\"; did you mean \"output\"?; allowed: name, seed, time, domain, fluid, models, pressure, "
+     "viscosity, micropolar, boundary, block, emitter, solid, drain, probe, change, panel, output, budget, quality"},
     {"", "[quality.draft]\nfluid.spacng = 1\n[quality.coarse]\n[quality.standard]",
-     "bad.toml:10:7: unknown key \"spacng\" in [fluid]; did you mean \"spacing\"?; allowed: spacing, density, viscosity, surface_tension, kernel, support\n"
+     "bad.toml:10:7: unknown key \"spacng\" in [fluid]; did you mean \"spacing\"?; allowed: spacing, density, viscosity, surface_tension, "
+     "kernel, support\n"
      "bad.toml:11:10: unknown quality \"coarse\"; allowed: draft, fine\n"
      "bad.toml:12:10: [quality.standard] cannot be set; the file itself is the standard quality; allowed: draft, fine"},
     {"", "[quality.fine]\nfluid.spacing = \"x\"\nblock.4.shape = \"box\"",
      "bad.toml:10:17: fluid.spacing must be a number [m], not the text \"x\"\n"
      "bad.toml:11:17: there is no block[4]; block has the entries 0 to 0"},
-    {"", "[fluid]\ndensity = 1",
-     "bad.toml:9:1: not TOML: in this table header: cannot redefine existing table 'fluid'"},
-    {"", "[models]\npressure = ppe",
-     "bad.toml:10:12: not TOML: in this value: could not determine value type; texts stand in quotes"},
-    {"", "[models\npressure = \"ppe\"",
-     "bad.toml:9:8: not TOML: in this table header: expected ']', saw '\\n'"},
+    {"", "[fluid]\ndensity = 1", "bad.toml:9:1: not TOML: in this table header: cannot redefine existing table 'fluid'"},
+    {"", "[models]\npressure = ppe", "bad.toml:10:12: not TOML: in this value: could not determine value type; texts stand in quotes"},
+    {"", "[models\npressure = \"ppe\"", "bad.toml:9:8: not TOML: in this table header: expected ']', saw '\\n'"},
     {"", "name = \"a",
      "bad.toml:9:10: not TOML: in this string: unescaped control characters other than TAB (U+0009) are explicitly prohibited"},
 };
@@ -160,9 +159,7 @@ const std::vector<Case> cases = {
 std::string messages_of(const std::string& text, const ReadRequest& request = {}) {
     try {
         read_scene_text(text, "bad.toml", request);
-    } catch (const InputError& e) {
-        return e.what();
-    }
+    } catch (const InputError& e) { return e.what(); }
     return "no error";
 }
 
@@ -183,8 +180,8 @@ TEST_CASE("every mistake in a scene file gets its place, what is wrong, a hint a
 
 TEST_CASE("several mistakes are told in one go, in the order of their places, those of the command line last", "[scene]") {
     ReadRequest request;
-    request.changes = {parse_change("fluid.viscosity=-1"), parse_change("time.edn=3"), parse_change("seed"), parse_change("block[7].min=[0,0,0]"),
-                       parse_change("a b=1"), parse_change("output.size=[1,2")};
+    request.changes = {parse_change("fluid.viscosity=-1"),   parse_change("time.edn=3"), parse_change("seed"),
+                       parse_change("block[7].min=[0,0,0]"), parse_change("a b=1"),      parse_change("output.size=[1,2")};
     const std::string text = "[time]\nend = \"x\"\n[fluid]\nspacing = 0\n[[block]]\nshape = 3\n";
     CHECK(messages_of(text, request) ==
           "bad.toml:2:7: time.end must be a number [s], not the text \"x\"\n"
@@ -194,7 +191,8 @@ TEST_CASE("several mistakes are told in one go, in the order of their places, th
           "--set block[7].min=[0,0,0]: there is no block[7]; block has the entries 0 to 0\n"
           "--set a b=1: \"a b\" is not a key; allowed: names with dots between them, as in emitter[0].speed\n"
           "--set output.size=[1,2: the value is not TOML: in this array: encountered end-of-file\n"
-          "--set time.edn=3: unknown key \"edn\" in [time]; did you mean \"end\"?; allowed: end, fps, slow_motion, max_step, cfl, fixed_step, sleep\n"
+          "--set time.edn=3: unknown key \"edn\" in [time]; did you mean \"end\"?; allowed: end, fps, slow_motion, max_step, cfl, "
+          "fixed_step, sleep\n"
           "--set fluid.viscosity=-1: fluid.viscosity = -1 is out of range; allowed: at least 0");
 }
 

@@ -36,9 +36,7 @@ Plan plan_with(const std::vector<std::string>& changes) { return make_plan(scene
 std::string messages_with(const std::vector<std::string>& changes) {
     try {
         plan_with(changes);
-    } catch (const InputError& e) {
-        return e.what();
-    }
+    } catch (const InputError& e) { return e.what(); }
     return "no error";
 }
 
@@ -125,46 +123,55 @@ TEST_CASE("impossible scenes are told with place and hint", "[plan]") {
     CHECK(messages_with({"emitter[0].position=[0,-0.005,0]"}) ==
           "--set emitter[0].position=[0,-0.005,0]: emitter[0] at (0, -0.005, 0) lies 0.005 m inside solid[0]; move one of them");
     CHECK(messages_with({"fluid.spacing=0.02"}) ==
-          "--set fluid.spacing=0.02: fluid.spacing = 0.02 m is larger than emitter[0], which is 0.01 m across; 0.002 m puts 5 particles across it");
+          "--set fluid.spacing=0.02: fluid.spacing = 0.02 m is larger than emitter[0], which is 0.01 m across; 0.002 m puts 5 particles "
+          "across it");
     CHECK(messages_with({"emitter[0].speed=0.1-t"}).find("emitter[0].speed is -0.0") != std::string::npos);
-    CHECK(messages_with({"block[0]={shape=\"box\", min=[0.2,0,0], max=[0.3,0.1,0.1]}"}).find("block[0] lies outside of the domain") != std::string::npos);
-    CHECK(messages_with({"block[0]={shape=\"box\", min=[0.05,0,0], max=[0.15,0.1,0.1]}"}).find("block[0] reaches out of the domain") != std::string::npos);
-    CHECK(messages_with({"block[0]={shape=\"box\", min=[0,-0.01,0], max=[0.1,-0.001,0.1]}"}).find("block[0] lies wholly inside solids; move it or the solid") !=
+    CHECK(messages_with({"block[0]={shape=\"box\", min=[0.2,0,0], max=[0.3,0.1,0.1]}"}).find("block[0] lies outside of the domain") !=
           std::string::npos);
-    CHECK(messages_with({"solid[1]={shape=\"sphere\", radius=0.01, position=[1,0,0]}"}).find("solid[1] lies outside of the domain and never enters it") !=
+    CHECK(messages_with({"block[0]={shape=\"box\", min=[0.05,0,0], max=[0.15,0.1,0.1]}"}).find("block[0] reaches out of the domain") !=
           std::string::npos);
-    CHECK(messages_with({"probe[0]={name=\"a\", kind=\"point\", at=[0,9,0]}"}).find("probe[0] measures outside of the domain") != std::string::npos);
+    CHECK(messages_with({"block[0]={shape=\"box\", min=[0,-0.01,0], max=[0.1,-0.001,0.1]}"})
+              .find("block[0] lies wholly inside solids; move it or the solid") != std::string::npos);
+    CHECK(messages_with({"solid[1]={shape=\"sphere\", radius=0.01, position=[1,0,0]}"})
+              .find("solid[1] lies outside of the domain and never enters it") != std::string::npos);
+    CHECK(messages_with({"probe[0]={name=\"a\", kind=\"point\", at=[0,9,0]}"}).find("probe[0] measures outside of the domain") !=
+          std::string::npos);
     CHECK(messages_with({"domain.periodic=[true,false,false]", "domain.min=[-0.004,-0.01,-0.1]", "domain.max=[0.004,0.1,0.1]"})
               .find("the periodic axis x is 0.008 m long, shorter than two support radii of 0.006 m") != std::string::npos);
     CHECK(messages_with({"fluid.spacing=1e-8"}).find("particles need") != std::string::npos);
     if (sizeof(Real) == 4)
         CHECK(messages_with({"domain.max=[300,0.1,0.1]", "emitter[0].position=[200,0.05,0]"})
-                  .find("emitter[0] reaches 1e+05 spacings away from the origin, where this program's numbers tell places apart by 0.012 spacings; move the scene to the origin, "
+                  .find("emitter[0] reaches 1e+05 spacings away from the origin, where this program's numbers tell places apart by 0.012 "
+                        "spacings; move the scene to the origin, "
                         "or take the program of the preset \"double\"; allowed: up to 1.7e+02 m") != std::string::npos);
 }
 
 TEST_CASE("models that do not go together, or that this version does not have, are told", "[plan]") {
     CHECK(messages_with({"models.pressure=coupled", "models.viscosity=full"}) ==
-          "--set models.viscosity=full: models.pressure = \"coupled\" solves for the viscosity itself; leave models.viscosity = \"full\" out, or choose "
+          "--set models.viscosity=full: models.pressure = \"coupled\" solves for the viscosity itself; leave models.viscosity = \"full\" "
+          "out, or choose "
           "another pressure; allowed: auto or none");
     CHECK(messages_with({"models.boundary=akinci"}).find("does not go with models.pressure = \"coupled\"") != std::string::npos);
-    CHECK(messages_with({"models.viscosity=full_assembled", "models.pressure=ppe", "fluid.spacing=5e-4"}).find("would take") != std::string::npos);
+    CHECK(messages_with({"models.viscosity=full_assembled", "models.pressure=ppe", "fluid.spacing=5e-4"}).find("would take") !=
+          std::string::npos);
     CHECK(messages_with({"fluid.surface_tension=0.07", "models.pressure=none"}).find("keeps none apart") != std::string::npos);
     CHECK(messages_with({"boundary.gate=0.1", "models.pressure=coupled"})
-              .find("boundary.gate belongs to solids of models.pressure = \"wcsph\" or \"ppe\", and this scene has models.pressure = \"coupled\"") !=
-          std::string::npos);
+              .find("boundary.gate belongs to solids of models.pressure = \"wcsph\" or \"ppe\", and this scene has models.pressure = "
+                    "\"coupled\"") != std::string::npos);
 }
 
 TEST_CASE("the plan of the assembled viscosity tells what its matrix takes", "[plan]") {
     const Plan plan = plan_with({"models.viscosity=full_assembled", "models.pressure=ppe"});
     // 251 lattice points nearer than four spacings, each nine numbers and an index.
-    CHECK(choice(plan, "viscosity matrix").reason.find(sizeof(Real) == 4 ? "10.0 kB a particle" : "19.1 kB a particle") != std::string::npos);
+    CHECK(choice(plan, "viscosity matrix").reason.find(sizeof(Real) == 4 ? "10.0 kB a particle" : "19.1 kB a particle") !=
+          std::string::npos);
 }
 
 TEST_CASE("viscosity along pairs with few neighbours is warned of with its stiffness on a lattice", "[plan]") {
     const auto warning = [](const std::string& support) {
         std::string all;
-        for (const std::string& w : plan_with({"models.viscosity=pairwise", "models.pressure=ppe", "fluid.support=" + support}).warnings) all += w;
+        for (const std::string& w : plan_with({"models.viscosity=pairwise", "models.pressure=ppe", "fluid.support=" + support}).warnings)
+            all += w;
         return all;
     };
     CHECK(warning("2").find("times as stiff") != std::string::npos);
@@ -201,17 +208,18 @@ velocity = ["sin(2*pi*x)", "0", "0"]
 std::string eddy_messages(const std::vector<std::string>& changes) {
     try {
         make_plan(scene_with(changes, eddies));
-    } catch (const InputError& e) {
-        return e.what();
-    }
+    } catch (const InputError& e) { return e.what(); }
     return "no error";
 }
 
 }  // namespace
 
-TEST_CASE("the three micropolar systems differ in their viscosity and coupling, and long waves feel the one less half of the other", "[plan][micropolar]") {
+TEST_CASE("the three micropolar systems differ in their viscosity and coupling, and long waves feel the one less half of the other",
+          "[plan][micropolar]") {
     const auto numbers = [](const std::string& model) {
-        return make_plan(scene_with({"models.micropolar=" + model, "micropolar.transfer_viscosity=2", "micropolar.micro_inertia=0.01"}, eddies)).spin;
+        return make_plan(
+                   scene_with({"models.micropolar=" + model, "micropolar.transfer_viscosity=2", "micropolar.micro_inertia=0.01"}, eddies))
+            .spin;
     };
     CHECK(numbers("seed").viscosity == Approx(4));
     CHECK(numbers("seed").coupling == Approx(6));
@@ -225,12 +233,14 @@ TEST_CASE("the three micropolar systems differ in their viscosity and coupling, 
     CHECK(numbers("seed").spin_length() == Approx(std::sqrt(4 * 0.01 / (6 * 2))));
 }
 
-TEST_CASE("a calibrated micropolar fluid has the effective viscosity and the spin length that were asked for, in every system", "[plan][micropolar]") {
+TEST_CASE("a calibrated micropolar fluid has the effective viscosity and the spin length that were asked for, in every system",
+          "[plan][micropolar]") {
     std::string text = eddies;
     text.replace(text.find("viscosity = 4\n"), 14, "");
     for (const std::string model : {"seed", "bender", "eringen"}) {
         INFO(model);
-        const Plan plan = make_plan(scene_with({"models.micropolar=" + model, "micropolar.effective_viscosity=3", "micropolar.spin_length=0.1"}, text));
+        const Plan plan =
+            make_plan(scene_with({"models.micropolar=" + model, "micropolar.effective_viscosity=3", "micropolar.spin_length=0.1"}, text));
         CHECK(plan.spin.effective_viscosity() == Approx(3));
         CHECK(plan.spin.spin_length() == Approx(0.1));
         CHECK(plan.spin.coupling == Approx(plan.spin.viscosity));
@@ -239,34 +249,41 @@ TEST_CASE("a calibrated micropolar fluid has the effective viscosity and the spi
     }
 }
 
-TEST_CASE("a micropolar system that feeds energy in is an error by default and a warning with its numbers where it was asked for", "[plan][micropolar]") {
+TEST_CASE("a micropolar system that feeds energy in is an error by default and a warning with its numbers where it was asked for",
+          "[plan][micropolar]") {
     const std::string by_default = eddy_messages({"fluid.viscosity=0.001"});
-    CHECK(by_default.find("models.micropolar = \"seed\" would feed energy in: its coupling, fluid.viscosity + the default micropolar.transfer_viscosity = 0.3 Pa s, "
+    CHECK(by_default.find("models.micropolar = \"seed\" would feed energy in: its coupling, fluid.viscosity + the default "
+                          "micropolar.transfer_viscosity = 0.3 Pa s, "
                           "is more than twice the 0.001 Pa s that models.viscosity = \"explicit\" applies") != std::string::npos);
     const Plan asked = make_plan(scene_with({"micropolar.transfer_viscosity=5", "micropolar.micro_inertia=0.01"}, eddies));
     REQUIRE(asked.warnings.size() == 1);
-    CHECK(asked.warnings[0].find("coupling 9 Pa s is more than twice its viscosity 4 Pa s, so that slow flows feel -0.5 Pa s and waves longer than 0.419 m grow") !=
+    CHECK(asked.warnings[0].find("coupling 9 Pa s is more than twice its viscosity 4 Pa s, so that slow flows feel -0.5 Pa s and waves "
+                                 "longer than 0.419 m grow") != std::string::npos);
+    CHECK(make_plan(scene_with({"models.micropolar=eringen", "micropolar.transfer_viscosity=500", "micropolar.micro_inertia=0.01"}, eddies))
+              .warnings.empty());
+    CHECK(make_plan(scene_with({}, eddies)).warnings[0].find("the spin answers to the flow in 233 s, longer than the run of 1 s") !=
           std::string::npos);
-    CHECK(make_plan(scene_with({"models.micropolar=eringen", "micropolar.transfer_viscosity=500", "micropolar.micro_inertia=0.01"}, eddies)).warnings.empty());
-    CHECK(make_plan(scene_with({}, eddies)).warnings[0].find("the spin answers to the flow in 233 s, longer than the run of 1 s") != std::string::npos);
 }
 
 TEST_CASE("micropolar keys that cannot be are told", "[plan][micropolar]") {
     CHECK(eddy_messages({"micropolar.micro_inertia=0"}).find("micropolar.micro_inertia") != std::string::npos);
     CHECK(eddy_messages({"micropolar.transfer_viscosity=-1"}).find("micropolar.transfer_viscosity") != std::string::npos);
-    CHECK(eddy_messages({"fluid.viscosity=1+x"}).find("fluid.viscosity varies, and a micropolar model couples flow and spin by one viscosity") !=
-          std::string::npos);
-    CHECK(eddy_messages({"micropolar.effective_viscosity=1"}).find("fluid.viscosity is chosen by micropolar.effective_viscosity; leave one of them out") !=
-          std::string::npos);
+    CHECK(eddy_messages({"fluid.viscosity=1+x"})
+              .find("fluid.viscosity varies, and a micropolar model couples flow and spin by one viscosity") != std::string::npos);
+    CHECK(eddy_messages({"micropolar.effective_viscosity=1"})
+              .find("fluid.viscosity is chosen by micropolar.effective_viscosity; leave one of them out") != std::string::npos);
     CHECK(eddy_messages({"models.pressure=coupled"}).find("models.pressure = \"coupled\" has no micropolar terms") != std::string::npos);
-    CHECK(eddy_messages({"models.micropolar=none", "viscosity.laplacian=split", "models.viscosity=explicit"}).find("splits by the coupling of a micropolar model") !=
+    CHECK(eddy_messages({"models.micropolar=none", "viscosity.laplacian=split", "models.viscosity=explicit"})
+              .find("splits by the coupling of a micropolar model") != std::string::npos);
+    CHECK(eddy_messages({"models.micropolar=none", "block[0].spin=[0,0,1]"}).find("block[0].spin needs a micropolar model") !=
           std::string::npos);
-    CHECK(eddy_messages({"models.micropolar=none", "block[0].spin=[0,0,1]"}).find("block[0].spin needs a micropolar model") != std::string::npos);
 }
 
 TEST_CASE("the exchange is explicit where its stable step is long enough, else implicit", "[plan][micropolar]") {
     const auto scheme = [](const std::string& theta) {
-        return choice(make_plan(scene_with({"micropolar.transfer_viscosity=2", "micropolar.micro_inertia=" + theta}, eddies)), "micropolar.exchange").value;
+        return choice(make_plan(scene_with({"micropolar.transfer_viscosity=2", "micropolar.micro_inertia=" + theta}, eddies)),
+                      "micropolar.exchange")
+            .value;
     };
     CHECK(scheme("0.1") == "explicit");
     CHECK(scheme("1e-6") == "implicit");
@@ -274,34 +291,46 @@ TEST_CASE("the exchange is explicit where its stable step is long enough, else i
 
 TEST_CASE("a background pressure is warned of where blocks leave room, not in a channel that is full but for its walls", "[plan]") {
     const auto channel = [](const std::string& top) {
-        return make_plan(scene_with({}, "[time]\nend = 1\n[domain]\nmin = [0, -0.01, 0]\nmax = [0.2, 0.11, 0.1]\nperiodic = [true, false, true]\n"
-                                        "[fluid]\nspacing = 0.01\n[models]\npressure = \"wcsph\"\n[pressure]\nbackground_pressure = 100\n"
-                                        "[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.2, " + top + ", 0.1]\n"
-                                        "[[solid]]\nshape = \"box\"\nmin = [-0.1, -0.02, -0.1]\nmax = [0.3, 0, 0.2]\n"
-                                        "[[solid]]\nshape = \"box\"\nmin = [-0.1, 0.1, -0.1]\nmax = [0.3, 0.12, 0.2]\n"));
+        return make_plan(
+            scene_with({},
+                       "[time]\nend = 1\n[domain]\nmin = [0, -0.01, 0]\nmax = [0.2, 0.11, 0.1]\nperiodic = [true, false, true]\n"
+                       "[fluid]\nspacing = 0.01\n[models]\npressure = \"wcsph\"\n[pressure]\nbackground_pressure = 100\n"
+                       "[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.2, " +
+                           top +
+                           ", 0.1]\n"
+                           "[[solid]]\nshape = \"box\"\nmin = [-0.1, -0.02, -0.1]\nmax = [0.3, 0, 0.2]\n"
+                           "[[solid]]\nshape = \"box\"\nmin = [-0.1, 0.1, -0.1]\nmax = [0.3, 0.12, 0.2]\n"));
     };
     const auto warned = [](const Plan& plan) {
-        return std::any_of(plan.warnings.begin(), plan.warnings.end(), [](const std::string& w) { return w.find("background_pressure") != std::string::npos; });
+        return std::any_of(plan.warnings.begin(), plan.warnings.end(),
+                           [](const std::string& w) { return w.find("background_pressure") != std::string::npos; });
     };
     CHECK_FALSE(warned(channel("0.1")));
     CHECK(warned(channel("0.05")));
 }
 
-TEST_CASE("the published pressure rows are refused where they diverge, in narrow slots and in fluid that fills a periodic domain, and the constraint is not", "[plan][pressure]") {
+TEST_CASE(
+    "the published pressure rows are refused where they diverge, in narrow slots and in fluid that fills a periodic domain, and the "
+    "constraint is not",
+    "[plan][pressure]") {
     const auto messages = [](const std::string& form, const std::string& rest) -> std::string {
         try {
-            make_plan(scene_with({}, "[time]\nend = 1\n[fluid]\nspacing = 0.01\n[models]\npressure = \"ppe\"\n[pressure]\nform = \"" + form + "\"\n" + rest));
-        } catch (const InputError& error) {
-            return error.what();
-        }
+            make_plan(scene_with({}, "[time]\nend = 1\n[fluid]\nspacing = 0.01\n[models]\npressure = \"ppe\"\n[pressure]\nform = \"" +
+                                         form + "\"\n" + rest));
+        } catch (const InputError& error) { return error.what(); }
         return "";
     };
     const auto slot = [](const std::string& width) {
-        return "[domain]\nmin = [-0.05, -0.05, 0]\nmax = [0.2, 0.3, 0.1]\nperiodic = [false, false, true]\n[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [" + width +
-               ", 0.2, 0.1]\n[[solid]]\nshape = \"plane\"\n[[solid]]\nshape = \"plane\"\nnormal = [1, 0, 0]\n[[solid]]\nshape = \"plane\"\nposition = [" + width +
-               ", 0, 0]\nnormal = [-1, 0, 0]\n";
+        return "[domain]\nmin = [-0.05, -0.05, 0]\nmax = [0.2, 0.3, 0.1]\nperiodic = [false, false, true]\n[[block]]\nshape = \"box\"\nmin "
+               "= [0, 0, 0]\nmax = [" +
+               width +
+               ", 0.2, 0.1]\n[[solid]]\nshape = \"plane\"\n[[solid]]\nshape = \"plane\"\nnormal = [1, 0, 0]\n[[solid]]\nshape = "
+               "\"plane\"\nposition = [" +
+               width + ", 0, 0]\nnormal = [-1, 0, 0]\n";
     };
-    const std::string full = "[domain]\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]\nperiodic = [true, true, true]\n[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]\n";
+    const std::string full =
+        "[domain]\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]\nperiodic = [true, true, true]\n[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax "
+        "= [0.1, 0.1, 0.1]\n";
     CHECK(messages("poisson", slot("0.02")).find("these stand 2 spacings apart; take pressure.form = \"constraint\"") != std::string::npos);
     CHECK(messages("poisson", slot("0.06")).find("these stand 6 spacings apart") != std::string::npos);
     CHECK(messages("poisson", slot("0.1")).empty());

@@ -83,7 +83,9 @@ TEST_CASE("what a scene leaves out takes the defaults of the structs", "[scene]"
     CHECK_FALSE(scene.fluid.kernel.has_value());
     CHECK(scene.output.size == std::array<int, 2>{1280, 720});
     CHECK(scene.pressure.gamma == 7);
-    CHECK(read_scene_text("[time]\nend = 1\n[fluid]\nspacing = 1\n[[block]]\nshape = \"box\"\nmin = [0,0,0]\nmax = [1,1,1]\n", "dir/name.toml").name == "name");
+    CHECK(read_scene_text("[time]\nend = 1\n[fluid]\nspacing = 1\n[[block]]\nshape = \"box\"\nmin = [0,0,0]\nmax = [1,1,1]\n",
+                          "dir/name.toml")
+              .name == "name");
 }
 
 TEST_CASE("texts keep their quotes and odd characters through a resolved scene", "[scene]") {
@@ -93,7 +95,8 @@ TEST_CASE("texts keep their quotes and odd characters through a resolved scene",
 }
 
 TEST_CASE("a scene remembers where each key stands, and the nearest table of one that was not given", "[scene]") {
-    const Scene scene = read_scene_text("[time]\nend = 1\n[fluid]\nspacing = 0.1\n[[block]]\nshape = \"box\"\nmin = [0,0,0]\nmax = [1,1,1]\n", "s.toml");
+    const Scene scene =
+        read_scene_text("[time]\nend = 1\n[fluid]\nspacing = 0.1\n[[block]]\nshape = \"box\"\nmin = [0,0,0]\nmax = [1,1,1]\n", "s.toml");
     CHECK(scene.place("fluid.spacing").line == 4);
     CHECK(scene.place("fluid.spacing").column == 11);
     CHECK(scene.place("fluid.viscosity").line == 3);
@@ -115,8 +118,9 @@ TEST_CASE("changes of the command line beat the quality, and the quality beats t
     CHECK(draft.emitters[1].speed(0) == 7);
     CHECK(draft.emitters[0].speed(0) == 0.25);
     request.presets = {{"fluid.spacing", "8e-3", "--quality draft"}, {"time.cfl", "0.2", "--quality draft"}};
-    request.changes = {parse_change("emitter[1].speed=3*t"), parse_change("models.pressure=ppe"), parse_change("pressure={tolerance=0.01}"),
-                       parse_change("domain.gravity=[0,\"-t\",0]"), parse_change("solid.0.slip=no"), parse_change("seed=9")};
+    request.changes = {parse_change("emitter[1].speed=3*t"),      parse_change("models.pressure=ppe"),
+                       parse_change("pressure={tolerance=0.01}"), parse_change("domain.gravity=[0,\"-t\",0]"),
+                       parse_change("solid.0.slip=no"),           parse_change("seed=9")};
     const Scene changed = read_scene_text(text, "s.toml", request);
     CHECK(changed.fluid.spacing == 4e-3);
     CHECK(changed.time.cfl == 0.2);

@@ -1,9 +1,10 @@
 /// Free bodies in whole runs: what is conserved, what is saved, what is refused.
+#include "engine/io/bodies.h"
+
 #include <catch2/catch.hpp>
 #include <sstream>
 
 #include "engine/core/parallel.h"
-#include "engine/io/bodies.h"
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
 #include "tests/support/runs.h"
@@ -67,12 +68,18 @@ Momenta momenta(const World& world) {
 
 }  // namespace
 
-TEST_CASE("fluid and bodies that collide in free space keep momentum within 1e-5 and angular momentum within 1e-6, with every model that moves them", "[sim][bodies]") {
-    // Viscosity along the pairs, since the other Laplacian has a torque of its own. Relative to the fluid's momentum, and to that times the size of the drop. In float a velocity is rounded to 6e-8 of itself at every change, a
-    // position to 3e-8 of the domain at every step, the bounds are what these runs keep, with room.
-    for (const std::string models : {"[models]\npressure = \"ppe\"\n", "[models]\npressure = \"ppe\"\nviscosity = \"explicit\"\n[viscosity]\nlaplacian = \"monaghan\"\n",
-                                     "[models]\npressure = \"wcsph\"\nviscosity = \"explicit\"\n[viscosity]\nlaplacian = \"monaghan\"\n", "[models]\npressure = \"wcsph\"\n",
-                                     "[models]\npressure = \"ppe\"\nviscosity = \"full\"\n", "[models]\npressure = \"ppe\"\n[pressure]\ndivergence_free = true\n"}) {
+TEST_CASE(
+    "fluid and bodies that collide in free space keep momentum within 1e-5 and angular momentum within 1e-6, with every model that moves "
+    "them",
+    "[sim][bodies]") {
+    // Viscosity along the pairs, since the other Laplacian has a torque of its own. Relative to the fluid's momentum, and to that times the
+    // size of the drop. In float a velocity is rounded to 6e-8 of itself at every change, a position to 3e-8 of the domain at every step,
+    // the bounds are what these runs keep, with room.
+    for (const std::string models : {"[models]\npressure = \"ppe\"\n",
+                                     "[models]\npressure = \"ppe\"\nviscosity = \"explicit\"\n[viscosity]\nlaplacian = \"monaghan\"\n",
+                                     "[models]\npressure = \"wcsph\"\nviscosity = \"explicit\"\n[viscosity]\nlaplacian = \"monaghan\"\n",
+                                     "[models]\npressure = \"wcsph\"\n", "[models]\npressure = \"ppe\"\nviscosity = \"full\"\n",
+                                     "[models]\npressure = \"ppe\"\n[pressure]\ndivergence_free = true\n"}) {
         std::string text = collision(models);
         if (models.find("viscosity") != std::string::npos) text.replace(text.find("spacing"), 7, "viscosity = 0.5\nspacing");
         INFO(models);
@@ -113,9 +120,7 @@ TEST_CASE("what cannot be a free body, and models that do not move one, are told
         try {
             make_plan(read_scene_text(text, "test.toml"));
             return "";
-        } catch (const InputError& e) {
-            return e.what();
-        }
+        } catch (const InputError& e) { return e.what(); }
     };
     const auto with = [](const std::string& solid, const std::string& models = "") {
         return "[time]\nend = 1\n[domain]\nmin = [-1, -1, -1]\n[fluid]\nspacing = 0.01\n" + models +
@@ -126,7 +131,9 @@ TEST_CASE("what cannot be a free body, and models that do not move one, are told
     CHECK_THAT(complaint(with("shape = \"plane\"\ndensity = 500\n")), Catch::Contains("plane"));
     CHECK_THAT(complaint(with(ball + "density = 500\ninside = true\n")), Catch::Contains("container"));
     CHECK_THAT(complaint(with(ball + "velocity = [1, 0, 0]\n")), Catch::Contains("has no density"));
-    CHECK_THAT(complaint(with("shape = \"sphere\"\nradius = 0.1\nposition = [\"t\", 0.5, 0.5]\ndensity = 500\n")), Catch::Contains("depend on t"));
-    CHECK_THAT(complaint(with(ball + "density = 500\n", "[models]\npressure = \"ppe\"\n[pressure]\nform = \"poisson\"\n")), Catch::Contains("poisson"));
+    CHECK_THAT(complaint(with("shape = \"sphere\"\nradius = 0.1\nposition = [\"t\", 0.5, 0.5]\ndensity = 500\n")),
+               Catch::Contains("depend on t"));
+    CHECK_THAT(complaint(with(ball + "density = 500\n", "[models]\npressure = \"ppe\"\n[pressure]\nform = \"poisson\"\n")),
+               Catch::Contains("poisson"));
     CHECK_THAT(complaint(with(ball + "density = 500\n", "[models]\nmicropolar = \"eringen\"\n")), Catch::Contains("micropolar"));
 }

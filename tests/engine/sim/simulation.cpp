@@ -49,10 +49,13 @@ TEST_CASE("fluid that fills its container lacks no layer that fits, and stands o
         for (const std::string container : {"box", "cylinder"}) {
             CAPTURE(layers, container);
             const double d = 0.01, size = layers * d;
-            const std::string bounds = container == "box" ? "min = [0, 0, 0]\nmax = [" + std::to_string(size) + ", " + std::to_string(size) + ", " + std::to_string(size) + "]\n"
+            const std::string bounds = container == "box" ? "min = [0, 0, 0]\nmax = [" + std::to_string(size) + ", " +
+                                                                std::to_string(size) + ", " + std::to_string(size) + "]\n"
                                                           : "from = [0, 0, 0]\nto = [0, " + std::to_string(size) + ", 0]\nradius = 0.1\n";
-            const Simulation simulation = simulation_of("[time]\nend = 1\n[domain]\nmin = [-0.2, -0.1, -0.2]\nmax = [0.2, 0.2, 0.2]\n[fluid]\nspacing = 0.01\n[[block]]\nshape = \"" + container +
-                                                        "\"\n" + bounds + "[[solid]]\nshape = \"" + container + "\"\n" + bounds + "inside = true\n");
+            const Simulation simulation = simulation_of(
+                "[time]\nend = 1\n[domain]\nmin = [-0.2, -0.1, -0.2]\nmax = [0.2, 0.2, 0.2]\n[fluid]\nspacing = 0.01\n[[block]]\nshape = "
+                "\"" +
+                container + "\"\n" + bounds + "[[solid]]\nshape = \"" + container + "\"\n" + bounds + "inside = true\n");
             double lowest = 1, highest = 0;
             for (const Vec3& x : simulation.world().fluid.column<field::position>())
                 lowest = std::min(lowest, static_cast<double>(x.y())), highest = std::max(highest, static_cast<double>(x.y()));
@@ -65,11 +68,16 @@ TEST_CASE("fluid that fills its container lacks no layer that fits, and stands o
 }
 
 TEST_CASE("no particle of a block begins nearer than 0.45 spacings to a solid, on round and on sunken floors", "[sim]") {
-    const std::string ball = "shape = \"sphere\"\nposition = [0, 0, 0]\nradius = 0.084\n", pool = "shape = \"box\"\nmin = [0, 0, 0]\nmax = [0.1, 0.088, 0.1]\n";
+    const std::string ball = "shape = \"sphere\"\nposition = [0, 0, 0]\nradius = 0.084\n",
+                      pool = "shape = \"box\"\nmin = [0, 0, 0]\nmax = [0.1, 0.088, 0.1]\n";
     for (const std::string& rest : {"[[block]]\n" + ball + "[[solid]]\n" + ball + "inside = true\n",
-                                    "[[block]]\n" + pool + "[[solid]]\n" + pool + "inside = true\n[[solid]]\nshape = \"box\"\nmin = [0.02, 0, 0.02]\nmax = [0.08, 0.0445, 0.08]\n"}) {
+                                    "[[block]]\n" + pool + "[[solid]]\n" + pool +
+                                        "inside = true\n[[solid]]\nshape = \"box\"\nmin = [0.02, 0, 0.02]\nmax = [0.08, 0.0445, 0.08]\n"}) {
         INFO(rest);
-        const Simulation simulation = simulation_of("[time]\nend = 1\n[domain]\nmin = [-0.2, -0.2, -0.2]\nmax = [0.2, 0.2, 0.2]\n[fluid]\nspacing = 0.01\n[models]\npressure = \"ppe\"\n" + rest);
+        const Simulation simulation = simulation_of(
+            "[time]\nend = 1\n[domain]\nmin = [-0.2, -0.2, -0.2]\nmax = [0.2, 0.2, 0.2]\n[fluid]\nspacing = 0.01\n[models]\npressure = "
+            "\"ppe\"\n" +
+            rest);
         Real nearest = 1;
         for (const Vec3& x : simulation.world().fluid.column<field::position>()) {
             Real distance = 1;

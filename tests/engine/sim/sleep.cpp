@@ -4,8 +4,8 @@
 #include <sstream>
 
 #include "engine/core/parallel.h"
-#include "tests/support/runs.h"
 #include "tests/support/puddle.h"
+#include "tests/support/runs.h"
 
 using namespace whorl;
 using namespace whorl::test;
@@ -46,8 +46,11 @@ TEST_CASE("what sleep cannot go with is refused", "[sleep]") {
     CHECK_THROWS_WITH(make_plan(scene), Catch::Contains("time.sleep puts away fluid that a drain has to see at every step"));
 }
 
-TEST_CASE("what creeps by less than counts as rest in half a second falls asleep, however far it has crept and whenever its neighbours stopped", "[sleep]") {
-    // A row of particles a spacing apart. Each slides fast until a time of its own, then all creep on: by a half of what counts as rest in half a second, or by twice as much.
+TEST_CASE(
+    "what creeps by less than counts as rest in half a second falls asleep, however far it has crept and whenever its neighbours stopped",
+    "[sleep]") {
+    // A row of particles a spacing apart. Each slides fast until a time of its own, then all creep on: by a half of what counts as rest in
+    // half a second, or by twice as much.
     for (const double part : {0.5, 2.0}) {
         CAPTURE(part);
         constexpr Index n = 40;

@@ -23,7 +23,8 @@ struct Lattice {
         std::mt19937 random(4);
         const auto noise = [&] { return jitter * d * (Real(random()) / Real(4294967296.0) - Real(0.5)); };
         for (int k = 0; k < n * n * n; ++k)
-            x.push_back(d * Vec3(Real(k % n) + Real(0.5), Real(k / n % n) + Real(0.5), Real(k / n / n) + Real(0.5)) + Vec3(noise(), noise(), noise()));
+            x.push_back(d * Vec3(Real(k % n) + Real(0.5), Real(k / n % n) + Real(0.5), Real(k / n / n) + Real(0.5)) +
+                        Vec3(noise(), noise(), noise()));
         domain.max = Vec3::Constant(n * d);
         domain.periodic = {periodic, periodic, periodic};
         V.assign(x.size(), d * d * d);
@@ -37,7 +38,8 @@ constexpr double tight = sizeof(Real) == 8 ? 1e-10 : 1e-5;
 
 TEST_CASE("on a lattice every kernel sums to one within one per cent, and the density is the rest density", "[sph]") {
     for (KernelKind kind : {KernelKind::cubic, KernelKind::wendland_c2, KernelKind::wendland_c4}) {
-        // What a kernel's sum misses is its own property: it shrinks with support/spacing. W C4 needs 3 spacings for what the cubic does with 2.
+        // What a kernel's sum misses is its own property: it shrinks with support/spacing. W C4 needs 3 spacings for what the cubic does
+        // with 2.
         const Real support = kind == KernelKind::cubic ? Real(2) : Real(3);
         const Lattice lattice(8, Real(1e-3), 0, true, support * Real(1e-3));
         StepContext step;
@@ -116,8 +118,8 @@ TEST_CASE("the correction of a plane, a line and a pair of particles stays finit
 }
 
 TEST_CASE("divergence, curl and Laplacians of smooth fields come out inside a periodic box", "[sph]") {
-    // u = (sin z, sin x, sin y) on [0, 2 pi]^3: divergence 0, curl (cos y, cos z, cos x), Laplacian -u. The kernel's own smoothing and the lattice's
-    // fourth moments, which are not those of a sphere, take some per cent.
+    // u = (sin z, sin x, sin y) on [0, 2 pi]^3: divergence 0, curl (cos y, cos z, cos x), Laplacian -u. The kernel's own smoothing and the
+    // lattice's fourth moments, which are not those of a sphere, take some per cent.
     const int n = 32;
     const Real d = Real(2 * std::numbers::pi / n), support = Real(4.5) * d;
     const Lattice lattice(n, d, 0, true, support);

@@ -21,7 +21,8 @@ Frame cube(F&& velocity) {
     for (int k = 0; k < 20; ++k)
         for (int j = 0; j < 20; ++j)
             for (int i = 0; i < 20; ++i) {
-                frame.position.push_back(0.05f * Vec3f(static_cast<float>(i) + 0.5f, static_cast<float>(j) + 0.5f, static_cast<float>(k) + 0.5f));
+                frame.position.push_back(0.05f *
+                                         Vec3f(static_cast<float>(i) + 0.5f, static_cast<float>(j) + 0.5f, static_cast<float>(k) + 0.5f));
                 frame.velocity.push_back(velocity(frame.position.back()));
             }
     return frame;

@@ -103,7 +103,8 @@ FrameSolid solid(TriangleMesh mesh) {
 
 }  // namespace
 
-TEST_CASE("a box that stands on a plate darkens the plate at its foot and throws a soft shadow towards the viewer, alone the plate is even", "[render]") {
+TEST_CASE("a box that stands on a plate darkens the plate at its foot and throws a soft shadow towards the viewer, alone the plate is even",
+          "[render]") {
     Renderer renderer(192, 128);
     const View from_above{Vec3f(0, 0.35f, 0.5f), Vec3f(0, 0.02f, 0), Vec3f(0, 1, 0), 30};
     Frame frame = empty_frame();
@@ -117,7 +118,8 @@ TEST_CASE("a box that stands on a plate darkens the plate at its foot and throws
     float most = 0;
     for (int y = 0; y < alone.height; ++y)
         for (int x = 0; x < alone.width; ++x)
-            if (brightness(alone, x, y) - brightness(both, x, y) > most) most = brightness(alone, x, y) - brightness(both, x, y), darkest_x = x, darkest_y = y;
+            if (brightness(alone, x, y) - brightness(both, x, y) > most)
+                most = brightness(alone, x, y) - brightness(both, x, y), darkest_x = x, darkest_y = y;
     CHECK(most > 40);
     CHECK(darkest_x > 80);
     CHECK(darkest_y > 50);

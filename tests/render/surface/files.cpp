@@ -94,7 +94,9 @@ TEST_CASE("a VDB file opens with a level set, a fog and a velocity", "[surface]"
     REQUIRE(density->getGridClass() == openvdb::GRID_FOG_VOLUME);
 
     const openvdb::Vec3d centre(0.3, 0.1, 0.4), outside(6.3, 0.1, 0.4), edge(4.3, 0.1, 0.4);
-    const auto at = [](const auto& grid, const openvdb::Vec3d& x) { return grid->tree().getValue(openvdb::Coord::round(grid->worldToIndex(x))); };
+    const auto at = [](const auto& grid, const openvdb::Vec3d& x) {
+        return grid->tree().getValue(openvdb::Coord::round(grid->worldToIndex(x)));
+    };
     REQUIRE(at(surface, centre) == Approx(-1.5));  // the band: three voxels of half a spacing
     REQUIRE(at(surface, outside) == Approx(1.5));
     REQUIRE(std::abs(at(surface, edge)) < 0.45);  // the nearest node is up to half a voxel's diagonal away

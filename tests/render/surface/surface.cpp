@@ -152,7 +152,9 @@ TEST_CASE("the surface has the same bits with 1, 2 and 4 threads", "[surface]") 
         made.push_back(surface_of(frame));
     }
     set_threads(0);
-    const auto same = [](const auto& a, const auto& b) { return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]) == 0; };
+    const auto same = [](const auto& a, const auto& b) {
+        return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]) == 0;
+    };
     for (const Surface& other : {made[1], made[2]}) {
         REQUIRE(same(other.mesh.triangle, made[0].mesh.triangle));
         REQUIRE(same(other.mesh.position, made[0].mesh.position));

@@ -42,8 +42,8 @@ std::vector<Image> decoded(const std::filesystem::path& video, const test::Scrat
 
 std::string tags(const std::filesystem::path& video) {
     return output_of({"ffprobe", "-v", "error", "-select_streams", "v", "-show_entries",
-                      "stream=codec_name,pix_fmt,color_range,color_space,color_transfer,color_primaries,avg_frame_rate", "-of", "default=nk=0:nw=1",
-                      video.string()});
+                      "stream=codec_name,pix_fmt,color_range,color_space,color_transfer,color_primaries,avg_frame_rate", "-of",
+                      "default=nk=0:nw=1", video.string()});
 }
 
 // The order of a file's top-level boxes, by their four-letter names.
@@ -64,8 +64,9 @@ std::vector<std::string> boxes(const std::filesystem::path& video) {
 TEST_CASE("flat colours survive the video within 2/255", "[video]") {
     test::ScratchFolder folder;
     // Honey, shadow, glass, white, black, and the corners of the cube.
-    const std::vector<std::array<std::uint8_t, 3>> colours = {{214, 137, 16}, {90, 45, 5}, {128, 160, 170}, {255, 255, 255}, {0, 0, 0},
-                                                              {255, 0, 0},    {0, 255, 0}, {0, 0, 255},     {128, 128, 128}, {250, 240, 200}};
+    const std::vector<std::array<std::uint8_t, 3>> colours = {{214, 137, 16},  {90, 45, 5},    {128, 160, 170}, {255, 255, 255},
+                                                              {0, 0, 0},       {255, 0, 0},    {0, 255, 0},     {0, 0, 255},
+                                                              {128, 128, 128}, {250, 240, 200}};
     VideoEncoder encoder(folder / "flat.mp4", 64, 48, {});
     for (const auto& c : colours) encoder.add(flat_picture(64, 48, c[0], c[1], c[2]));
     encoder.finish();
@@ -127,8 +128,8 @@ TEST_CASE("a video whose maker and encoder are killed plays nearly to the end", 
     REQUIRE(seized <= frames);
     // Where only the run was killed, ffmpeg reads the end of its input and completes the file.
     const auto packets = [&] {
-        ChildProcess count({"ffprobe", "-v", "quiet", "-count_packets", "-select_streams", "v", "-show_entries", "stream=nb_read_packets", "-of",
-                            "csv=p=0", partial_video(folder / "film.mp4").string()});
+        ChildProcess count({"ffprobe", "-v", "quiet", "-count_packets", "-select_streams", "v", "-show_entries", "stream=nb_read_packets",
+                            "-of", "csv=p=0", partial_video(folder / "film.mp4").string()});
         return count.wait() == 0 ? std::atoi(count.output().c_str()) : 0;
     };
     for (int wait = 0; wait < 50 && packets() < frames; ++wait) usleep(100000);
@@ -152,9 +153,7 @@ TEST_CASE("without ffmpeg the error names the package", "[video]") {
     std::string message;
     try {
         VideoEncoder encoder(folder / "film.mp4", 64, 48, {});
-    } catch (const EnvironmentError& error) {
-        message = error.what();
-    }
+    } catch (const EnvironmentError& error) { message = error.what(); }
     const std::string version = encoder_version();
     setenv("PATH", path.c_str(), 1);
     REQUIRE(message.find("apt-get install ffmpeg") != std::string::npos);
@@ -170,8 +169,6 @@ TEST_CASE("an encoder that gives up says why and raises no signal", "[video]") {
     try {
         for (int i = 0; i < 100; ++i) encoder.add(image);
         encoder.finish();
-    } catch (const EnvironmentError& error) {
-        message = error.what();
-    }
+    } catch (const EnvironmentError& error) { message = error.what(); }
     REQUIRE(message.find("No such file") != std::string::npos);
 }

@@ -16,10 +16,13 @@ constexpr double sigma = 0.07, rho = 1000, d = 1e-3, pi = std::numbers::pi;
 struct Thread : CoupledWorld {
     double length, radius = 3 * d, time_step;
     Thread(double wave, double ohnesorge)
-        : CoupledWorld(blue_noise_cylinder(Real(3 * d), Real(wave * d), Real(d)), Real(d), Real(ohnesorge * std::sqrt(sigma * 3 * d / rho))), length(wave * d) {
+        : CoupledWorld(blue_noise_cylinder(Real(3 * d), Real(wave * d), Real(d)), Real(d),
+                       Real(ohnesorge * std::sqrt(sigma * 3 * d / rho))),
+          length(wave * d) {
         SurfaceTensionOptions options{sigma, {}, system->known_pressure};
         stages.insert(stages.begin() + 1, make_stage("surface tension", "", SurfaceTension(options)));
-        world.step.domain = Domain{Vec3(Real(-20 * d), 0, Real(-20 * d)), Vec3(Real(20 * d), Real(length), Real(20 * d)), {false, true, false}};
+        world.step.domain =
+            Domain{Vec3(Real(-20 * d), 0, Real(-20 * d)), Vec3(Real(20 * d), Real(length), Real(20 * d)), {false, true, false}};
         world.step.gravity.setZero();
         time_step = surface_tension_step(rho, d, sigma, ohnesorge * std::sqrt(rho * sigma * radius));
     }
@@ -37,7 +40,8 @@ struct Thread : CoupledWorld {
         for (std::size_t i = 0; i < x.size(); ++i) {
             // Towards y = 0 along the thread, outwards there: div = 0.
             const double y = x[i].y();
-            const Vec3 shift(Real(a / 2 * std::cos(k * y)) * x[i].x(), Real(-a / k * std::sin(k * y)), Real(a / 2 * std::cos(k * y)) * x[i].z());
+            const Vec3 shift(Real(a / 2 * std::cos(k * y)) * x[i].x(), Real(-a / k * std::sin(k * y)),
+                             Real(a / 2 * std::cos(k * y)) * x[i].z());
             x[i] += shift;
             u[i] += Real(omega) * shift;
         }
@@ -47,9 +51,11 @@ struct Thread : CoupledWorld {
 
 }  // namespace
 
-TEST_CASE("coupled: a thread of syrup beads in waves longer than its circumference and smooths shorter ones", "[validation][coupled][surface_tension]") {
-    // Radius 3 d, Ohnesorge number 0.5. The rate by which a swing of the area grows from 0.2 to 0.6 against the slender thread's (Eggers and Dupont 1994; Weber 1931 with the full curvature):
-    // omega/omega0 = sqrt(x^2 (1 - x^2)/2 + 9/4 Oh^2 x^4) - 3/2 Oh x^2, x = k R, omega0^2 = sigma/(rho R^3).
+TEST_CASE("coupled: a thread of syrup beads in waves longer than its circumference and smooths shorter ones",
+          "[validation][coupled][surface_tension]") {
+    // Radius 3 d, Ohnesorge number 0.5. The rate by which a swing of the area grows from 0.2 to 0.6 against the slender thread's (Eggers
+    // and Dupont 1994; Weber 1931 with the full curvature): omega/omega0 = sqrt(x^2 (1 - x^2)/2 + 9/4 Oh^2 x^4) - 3/2 Oh x^2, x = k R,
+    // omega0^2 = sigma/(rho R^3).
     const double Oh = 0.5, omega0 = std::sqrt(sigma / (rho * std::pow(3 * d, 3)));
     {
         Thread thread(38, Oh);
@@ -64,7 +70,8 @@ TEST_CASE("coupled: a thread of syrup beads in waves longer than its circumferen
             if (now < 0.6) last = now, end = thread.time;
         }
         const double rate = std::log(last / first) / (end - begin);
-        WARN("growth " << rate / omega << " of the slender thread's, a swing of " << thread.swing() << " after " << thread.time * omega << " of its times, steps of " << thread.time_step);
+        WARN("growth " << rate / omega << " of the slender thread's, a swing of " << thread.swing() << " after " << thread.time * omega
+                       << " of its times, steps of " << thread.time_step);
         CHECK(thread.swing() > 1);
         CHECK(rate == Approx(omega).epsilon(0.25));
     }

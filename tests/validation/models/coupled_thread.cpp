@@ -19,7 +19,8 @@ struct HeldThread : CoupledWorld {
     /// @param spacings length over d @param radius over d
     explicit HeldThread(Real spacings, Real radius = Real(2.5), unsigned seed = 1)
         : CoupledWorld(blue_noise_cylinder(radius * d, spacings * d, d, seed), d, 1), length(spacings * d) {
-        for (std::size_t i = 0; i < position().size(); ++i) role()[i] = position()[i][1] < clamp ? -1 : position()[i][1] > length - clamp ? -2 : 0;
+        for (std::size_t i = 0; i < position().size(); ++i)
+            role()[i] = position()[i][1] < clamp ? -1 : position()[i][1] > length - clamp ? -2 : 0;
     }
 
     /// One step in which the upper end moves so that the thread's length grows by `rate` [1/s].
@@ -30,7 +31,8 @@ struct HeldThread : CoupledWorld {
         return step(Real(dt));
     }
 
-    /// Solves once more where the particles are, and hands `visit` each particle's force by its neighbours [N]: what the discrete form itself says.
+    /// Solves once more where the particles are, and hands `visit` each particle's force by its neighbours [N]: what the discrete form
+    /// itself says.
     template <class F>
     void internal_forces(const F& visit) {
         solve_only(Real(dt));
@@ -51,7 +53,8 @@ struct HeldThread : CoupledWorld {
         form.apply(u, rate);
         form.add_pressure(q, force);
         for (std::size_t i = 0; i < n; ++i)
-            visit(x[i].cast<double>(), u[i].cast<double>(), Vec3d(double(world.step.mass) / dt * (force[i] + u[i] - rate[i]).cast<double>()));
+            visit(x[i].cast<double>(), u[i].cast<double>(),
+                  Vec3d(double(world.step.mass) / dt * (force[i] + u[i] - rate[i]).cast<double>()));
     }
 };
 
@@ -77,7 +80,8 @@ double longest_link(const std::vector<Vec3d>& x) {
 
 }  // namespace
 
-TEST_CASE("a thread pulled at a constant rate carries Trouton's 3 mu A rate, thins as its length says, and does not tear", "[validation][coupled]") {
+TEST_CASE("a thread pulled at a constant rate carries Trouton's 3 mu A rate, thins as its length says, and does not tear",
+          "[validation][coupled]") {
     HeldThread w(24);
     const double rate = 5;
     std::vector<std::size_t> middle;  // the same particles throughout
@@ -90,7 +94,8 @@ TEST_CASE("a thread pulled at a constant rate carries Trouton's 3 mu A rate, thi
     const auto fit = [&] {
         Fit f;
         double v = 0, vy = 0;
-        for (std::size_t i : middle) f.centre += w.position()[i][1] / double(middle.size()), v += w.velocity()[i][1] / double(middle.size());
+        for (std::size_t i : middle)
+            f.centre += w.position()[i][1] / double(middle.size()), v += w.velocity()[i][1] / double(middle.size());
         for (std::size_t i : middle) {
             const double y = w.position()[i][1] - f.centre;
             f.spread += y * y, vy += y * (w.velocity()[i][1] - v);
@@ -134,7 +139,8 @@ TEST_CASE("a thread pulled at a constant rate carries Trouton's 3 mu A rate, thi
             if (x[1] > now.centre) tension -= force[1];
         });
         const double trouton = tension / (mu * std::numbers::pi * expected * expected * now.rate), link = longest_link(points) / d;
-        WARN("draw " << drawn << ": Trouton ratio " << trouton / 3 << " of 3, radius " << radius / expected << " of theory, longest link " << link << " d");
+        WARN("draw " << drawn << ": Trouton ratio " << trouton / 3 << " of 3, radius " << radius / expected << " of theory, longest link "
+                     << link << " d");
         if (drawn < 3) {
             CHECK(trouton == Approx(3).epsilon(0.05));
             CHECK(radius == Approx(expected).epsilon(0.03));
@@ -146,9 +152,10 @@ TEST_CASE("a thread pulled at a constant rate carries Trouton's 3 mu A rate, thi
 }
 
 TEST_CASE("a thread pulled until it is a single file of particles hangs together and carries 3 mu A rate", "[validation][coupled]") {
-    // 20 particles a spacing of length at the start, one at a draw of 20: then a spacing apart along the axis. Stretching widens every gap in proportion; without shifting along the axis the first
-    // gap of two spacings opens between draws of 9 and 12 and the thread tears at 13 to 16. Measured: tension 0.99 to 1.04 of 3 mu A rate down to 1.2 particles a spacing, 0.91 to 1.10 at one,
-    // where particles stand to the left and right of the axis by turns.
+    // 20 particles a spacing of length at the start, one at a draw of 20: then a spacing apart along the axis. Stretching widens every gap
+    // in proportion; without shifting along the axis the first gap of two spacings opens between draws of 9 and 12 and the thread tears at
+    // 13 to 16. Measured: tension 0.99 to 1.04 of 3 mu A rate down to 1.2 particles a spacing, 0.91 to 1.10 at one, where particles stand
+    // to the left and right of the axis by turns.
     for (const unsigned seed : {1u, 2u, 3u}) {
         HeldThread w(24, Real(2.5), seed);
         const double rate = 5;
@@ -169,7 +176,8 @@ TEST_CASE("a thread pulled until it is a single file of particles hangs together
                 const double v = double(w.velocity()[i][1]), s = x[1] - centre;
                 middle.push_back(x), y += s, u += v, yy += s * s, uy += s * v;
             }
-            const double n = static_cast<double>(middle.size()), local_rate = (uy - y * u / n) / (yy - y * y / n), area = n * volume / (2 * half);
+            const double n = static_cast<double>(middle.size()), local_rate = (uy - y * u / n) / (yy - y * y / n),
+                         area = n * volume / (2 * half);
             drawn = std::numbers::pi * a0 * a0 / area;
             if (drawn < next_check) continue;
             next_check = next_check < 16 ? 2 * next_check : 20;
@@ -185,18 +193,22 @@ TEST_CASE("a thread pulled until it is a single file of particles hangs together
                 for (std::size_t j = 0; j < i; ++j) shortest = std::min(shortest, (middle[i] - middle[j]).norm());
             }
             const double share = tension / (3 * mu * area * local_rate), link = longest_link(middle) / d;
-            WARN("seed " << seed << ", draw " << drawn << ": " << n * d / (2 * half) << " particles a spacing, " << share << " of 3 mu A rate, longest link " << link << " d, shortest distance "
-                         << shortest / d << " d, " << std::sqrt(from_axis) / d << " d from the axis");
+            WARN("seed " << seed << ", draw " << drawn << ": " << n * d / (2 * half) << " particles a spacing, " << share
+                         << " of 3 mu A rate, longest link " << link << " d, shortest distance " << shortest / d << " d, "
+                         << std::sqrt(from_axis) / d << " d from the axis");
             CHECK(share == Approx(1).epsilon(drawn < 18 ? 0.05 : 0.15));
             CHECK(link < 2);
-            CHECK(shortest > 0.6 * d);                                            // no clumps
-            CHECK(std::sqrt(from_axis) < std::max(0.6 * d, 1.1 * std::sqrt(area / (2 * std::numbers::pi))));  // an even rod has 1 of the latter: it does not buckle
+            CHECK(shortest > 0.6 * d);  // no clumps
+            CHECK(
+                std::sqrt(from_axis) <
+                std::max(0.6 * d, 1.1 * std::sqrt(area / (2 * std::numbers::pi))));  // an even rod has 1 of the latter: it does not buckle
         }
     }
 }
 
 TEST_CASE("a thread bends with 3 mu I within 15 % down to a radius of 1.5 particles", "[validation][coupled]") {
-    // Both ends turn like the cross-sections of a thread whose curvature grows evenly: u = (k y^2/2, -k x y). A moment, no shear, no tension.
+    // Both ends turn like the cross-sections of a thread whose curvature grows evenly: u = (k y^2/2, -k x y). A moment, no shear, no
+    // tension.
     for (const double radius : {2.5, 2.0, 1.5}) {
         HeldThread w(20, Real(radius));
         const double k = 1, middle = w.length / 2, a = radius * d;
@@ -216,7 +228,8 @@ TEST_CASE("a thread bends with 3 mu I within 15 % down to a radius of 1.5 partic
         });
         const double curvature_rate = 2 * (n * b2 - s2 * b) / (n * s4 - s2 * s2);
         const double stiffness = std::abs(moment) / (3 * mu * std::numbers::pi / 4 * std::pow(a, 4) * curvature_rate);
-        WARN("radius " << radius << " d: bending stiffness " << stiffness << " of theory, curvature rate " << curvature_rate / k << " of the ends'");
+        WARN("radius " << radius << " d: bending stiffness " << stiffness << " of theory, curvature rate " << curvature_rate / k
+                       << " of the ends'");
         CHECK(stiffness == Approx(1).epsilon(0.15));
     }
 }

@@ -38,9 +38,12 @@ std::vector<Vec3> loose_box(const Vec3d& min, const Vec3d& max, double d) {
 
 }  // namespace
 
-TEST_CASE("coupled: a wall that moves drags the fluid into a straight profile that slips at both walls by b du/dy, b = 1e-6 d to 10 d, within 2 % of its speed, or sticks, within 6 %",
-          "[validation][coupled][boundary][slip]") {
-    // Sticking fluid nearer than d/2 to a wall is held there and stands for the wall: the profile begins up to half a spacing, 4 % of the height, before it, and not evenly.
+TEST_CASE(
+    "coupled: a wall that moves drags the fluid into a straight profile that slips at both walls by b du/dy, b = 1e-6 d to 10 d, within 2 "
+    "% of its speed, or sticks, within 6 %",
+    "[validation][coupled][boundary][slip]") {
+    // Sticking fluid nearer than d/2 to a wall is held there and stands for the wall: the profile begins up to half a spacing, 4 % of the
+    // height, before it, and not evenly.
     const double d = 0.01, H = 12 * d, nu = 0.01, U = 0.05;
     // Whoever wants it exact takes a slip length of next to nothing: friction over the height of the lowest particles.
     for (double b : {0.0, 1e-6, 0.5, 2.0, 10.0}) {
@@ -64,7 +67,8 @@ TEST_CASE("coupled: a wall that moves drags the fluid into a straight profile th
     }
 }
 
-TEST_CASE("coupled: a block of syrup on a free-slip incline of 30 degrees speeds up with g sin 30 and stays on it", "[validation][coupled][boundary][slip]") {
+TEST_CASE("coupled: a block of syrup on a free-slip incline of 30 degrees speeds up with g sin 30 and stays on it",
+          "[validation][coupled][boundary][slip]") {
     const double d = 0.01, slope = std::numbers::pi / 6, g = 9.81;
     // The plane is y = 0, gravity is turned.
     CoupledWorld w(loose_box(Vec3d(0, 0.0, 0), Vec3d(6 * d, 4 * d, 6 * d), d), Real(d), Real(0.5));
@@ -106,7 +110,8 @@ TEST_CASE("coupled: a slab of syrup on an incline with slip length b creeps down
     }
 }
 
-TEST_CASE("coupled: a paddle that turns in a tank of syrup takes it along, and none leaks into the paddle or out of the tank", "[validation][coupled][boundary]") {
+TEST_CASE("coupled: a paddle that turns in a tank of syrup takes it along, and none leaks into the paddle or out of the tank",
+          "[validation][coupled][boundary]") {
     const double d = 0.01;
     for (double slip : {0.0, freely}) {
         CAPTURE(slip);

@@ -14,7 +14,8 @@
 using namespace whorl;
 using namespace whorl::test;
 
-TEST_CASE("a micropolar Taylor-Green vortex follows its two equations within 2 % at 32 particles a wave, at second order", "[validation][micropolar]") {
+TEST_CASE("a micropolar Taylor-Green vortex follows its two equations within 2 % at 32 particles a wave, at second order",
+          "[validation][micropolar]") {
     const Micropolar2 coefficients{1, 1.5, 0.02, 0.05};
     for (const bool implicit : {false, true}) {
         INFO((implicit ? "implicit" : "explicit"));
@@ -32,8 +33,9 @@ TEST_CASE("a micropolar Taylor-Green vortex follows its two equations within 2 %
     }
 }
 
-TEST_CASE("a uniform spin in fluid at rest decays as exp(-2 kappa t/theta) within 0.5 %, and never overshoots however long the implicit step",
-          "[validation][micropolar]") {
+TEST_CASE(
+    "a uniform spin in fluid at rest decays as exp(-2 kappa t/theta) within 0.5 %, and never overshoots however long the implicit step",
+    "[validation][micropolar]") {
     const double d = 0.1, kappa = 1;
     for (const bool implicit : {false, true}) {
         INFO((implicit ? "implicit" : "explicit"));
@@ -59,11 +61,13 @@ TEST_CASE("a uniform spin in fluid at rest decays as exp(-2 kappa t/theta) withi
     }
 }
 
-TEST_CASE("micropolar Poiseuille flow reaches its closed form within 3 %, 24 particles across, with the solid's spin and with free spin at the walls",
-          "[validation][micropolar]") {
+TEST_CASE(
+    "micropolar Poiseuille flow reaches its closed form within 3 %, 24 particles across, with the solid's spin and with free spin at the "
+    "walls",
+    "[validation][micropolar]") {
     // a u'' + kappa w' + f = 0, g w'' - kappa (u' + 2 w) = 0 between y = -h and h with u = 0 there (Eringen 1966; Lukaszewicz 1999):
-    //   w = f y/(2a - kappa) - B sinh(m y),   u = f (h^2 - y^2)/(2a - kappa) - kappa B/(a m) (cosh mh - cosh my),   m^2 = kappa (2a - kappa)/(a g),
-    //   B = f h/((2a - kappa) sinh mh) where w = 0 at the walls, B = f/((2a - kappa) m cosh mh) where w' = 0.
+    //   w = f y/(2a - kappa) - B sinh(m y),   u = f (h^2 - y^2)/(2a - kappa) - kappa B/(a m) (cosh mh - cosh my),   m^2 = kappa (2a -
+    //   kappa)/(a g), B = f h/((2a - kappa) sinh mh) where w = 0 at the walls, B = f/((2a - kappa) m cosh mh) where w' = 0.
     const double H = 1, h = H / 2, d = H / 24, f = 10;
     const Micropolar2 c{1.2, 1, 0.0324, 0.03};
     const double twice = 2 * c.a - c.kappa, m = std::sqrt(c.kappa * twice / (c.a * c.g));
@@ -75,7 +79,8 @@ TEST_CASE("micropolar Poiseuille flow reaches its closed form within 3 %, 24 par
         options.solid_factor = factor;
         TestWorld w(d, 2, Domain{Vec3::Zero(), Vec3(Real(4 * d), Real(H), Real(4 * d)), {true, false, true}});
         w.use({make_stage("density", "density", Density{factor}), make_stage("gravity", "move", Gravity{}),
-               make_stage("micropolar", "micropolar", Micropolar(with_coefficients(options, c, false))), make_stage("kick", "move", Kick{})});
+               make_stage("micropolar", "micropolar", Micropolar(with_coefficients(options, c, false))),
+               make_stage("kick", "move", Kick{})});
         w.world.step.gravity = Vec3(Real(f), 0, 0);
         w.add_wall(1, +1, 0);
         w.add_wall(1, -1, H);
@@ -83,7 +88,9 @@ TEST_CASE("micropolar Poiseuille flow reaches its closed form within 3 %, 24 par
         const double dt = 0.9 * viscous_step(2 * d, c.a);
         for (int s = 0; s < static_cast<int>(0.8 / dt); ++s) w.step(dt);  // the slowest mode has decayed by exp(-0.7 pi^2 0.8) = 0.4 %
         const double B = free_spin ? f / (twice * m * std::cosh(m * h)) : f * h / (twice * std::sinh(m * h));
-        const auto exact_u = [&](double y) { return f * (h * h - y * y) / twice - c.kappa * B / (c.a * m) * (std::cosh(m * h) - std::cosh(m * y)); };
+        const auto exact_u = [&](double y) {
+            return f * (h * h - y * y) / twice - c.kappa * B / (c.a * m) * (std::cosh(m * h) - std::cosh(m * y));
+        };
         const auto exact_w = [&](double y) { return f * y / twice - B * std::sinh(m * y); };
         const auto x = w.column<field::position>();
         const auto u = w.column<field::velocity>();
@@ -100,8 +107,10 @@ TEST_CASE("micropolar Poiseuille flow reaches its closed form within 3 %, 24 par
     }
 }
 
-TEST_CASE("a free blob keeps orbital and spin angular momentum together to 1e-4 with the adjoint pair of curls, and its momentum", "[validation][micropolar]") {
-    // viscosity = coupling (seed with mu_t = 0, eringen with mu = 0, whatever effective_viscosity calibrates): the Laplacian's torque pays for curl u.
+TEST_CASE("a free blob keeps orbital and spin angular momentum together to 1e-4 with the adjoint pair of curls, and its momentum",
+          "[validation][micropolar]") {
+    // viscosity = coupling (seed with mu_t = 0, eringen with mu = 0, whatever effective_viscosity calibrates): the Laplacian's torque pays
+    // for curl u.
     MicropolarOptions options;
     options.implicit_exchange = false;
     options.smoothing_spin = 0.125;
@@ -115,11 +124,12 @@ TEST_CASE("a free blob keeps orbital and spin angular momentum together to 1e-4 
     CHECK(blob_drift(equal, options, false, 300).angular_momentum < 1e-4);
     options.central_viscosity = 0;
 
-    // The implicit exchange takes from the spin what the orbit gets a step later: off by sum m 2 kappa dt (w - w at the start), here at most 0.6 % of the
-    // whole, however long the run.
+    // The implicit exchange takes from the spin what the orbit gets a step later: off by sum m 2 kappa dt (w - w at the start), here at
+    // most 0.6 % of the whole, however long the run.
     options.implicit_exchange = true;
     for (const int steps : {300, 900}) CHECK(blob_drift(equal, options, false, steps).angular_momentum < 0.007);
-    // What costs some: XSPH of the velocity, a force between particles that is not along their distance; curl u - 2 w as written, next to a free surface.
+    // What costs some: XSPH of the velocity, a force between particles that is not along their distance; curl u - 2 w as written, next to a
+    // free surface.
     options.implicit_exchange = false;
     options.smoothing_velocity = 0.002;
     CHECK(blob_drift(equal, options, false, 300).angular_momentum > 1e-4);
@@ -163,11 +173,14 @@ spin = ["0", "0", "3*sin(2*pi*x)"]
 
 }  // namespace
 
-TEST_CASE("the energy budget closes to 1 % with both pressure models, explicit and implicit viscosity, and a stirring solid", "[validation][micropolar]") {
+TEST_CASE("the energy budget closes to 1 % with both pressure models, explicit and implicit viscosity, and a stirring solid",
+          "[validation][micropolar]") {
     const std::string solid = "solid[0]={shape=\"sphere\", position=[0.5,0.5,0.125], radius=0.12, rotation=[0,0,3]}";
-    for (const std::vector<std::string>& changes :
-         {std::vector<std::string>{"pressure.background_pressure=2000"}, {"models.pressure=ppe"}, {"models.viscosity=full"}, {"models.viscosity=xsph"},
-          {"pressure.background_pressure=2000", solid}}) {
+    for (const std::vector<std::string>& changes : {std::vector<std::string>{"pressure.background_pressure=2000"},
+                                                    {"models.pressure=ppe"},
+                                                    {"models.viscosity=full"},
+                                                    {"models.viscosity=xsph"},
+                                                    {"pressure.background_pressure=2000", solid}}) {
         INFO(changes.front());
         const Scene scene = scene_of(vortices, changes);
         const Plan plan = make_plan(scene);

@@ -73,12 +73,15 @@ double bottom_pressure(TestWorld& w, int layers) {
 
 }  // namespace
 
-TEST_CASE("the pressure at the bottom of a column of 30 layers is its weight within 2 %, with all pressure models", "[validation][pressure]") {
+TEST_CASE("the pressure at the bottom of a column of 30 layers is its weight within 2 %, with all pressure models",
+          "[validation][pressure]") {
     const int layers = 30;
     const double H = layers * d;
-    // The lattice is no stable packing: left perfect it melts when round-off has grown enough, with wcsph 0.7 s after the start in float and later in
-    // double, in a jolt. Scenes start their lattices moved by up to 0.01 d for that reason (engine/sim/place.cpp), and so does this column.
-    for (const auto& [model, jitter] : {std::pair{Model::poisson, 0.0}, {Model::constraint, 0.0}, {Model::wcsph, 0.01}, {Model::wcsph, 0.05}}) {
+    // The lattice is no stable packing: left perfect it melts when round-off has grown enough, with wcsph 0.7 s after the start in float
+    // and later in double, in a jolt. Scenes start their lattices moved by up to 0.01 d for that reason (engine/sim/place.cpp), and so does
+    // this column.
+    for (const auto& [model, jitter] :
+         {std::pair{Model::poisson, 0.0}, {Model::constraint, 0.0}, {Model::wcsph, 0.01}, {Model::wcsph, 0.05}}) {
         INFO(name_of(model) << ", jitter " << jitter << " d");
         const bool wcsph = model == Model::wcsph;
         Setting s;
@@ -131,14 +134,15 @@ TEST_CASE("a drop falls as one: velocity g t within 1e-5 and its shape kept, wit
         const auto x = w.column<field::position>();
         for (const Vec3& one : x) centre += one.cast<double>() / static_cast<double>(x.size());
         double moved = 0;
-        for (std::size_t i = 0; i < x.size(); ++i) moved = std::max(moved, (x[i].cast<double>() - centre - before[i].cast<double>()).norm());
+        for (std::size_t i = 0; i < x.size(); ++i)
+            moved = std::max(moved, (x[i].cast<double>() - centre - before[i].cast<double>()).norm());
         CHECK(moved < 0.01 * 10 * d);
     }
 }
 
 TEST_CASE("two blocks that collide in free space keep momentum within 1e-5 and angular momentum within 1e-4", "[validation][pressure]") {
-    // Forces along pairs, and each the opposite of the other: what is left is round-off and how far the solver got, which both cancel in the sums.
-    // In units of one block's momentum and of that times the distance between their paths.
+    // Forces along pairs, and each the opposite of the other: what is left is round-off and how far the solver got, which both cancel in
+    // the sums. In units of one block's momentum and of that times the distance between their paths.
     Setting s;
     s.model = Model::constraint;
     TestWorld w(d, 2, Domain{Vec3(-1, -1, -1), Vec3(1, 1, 1), {}});

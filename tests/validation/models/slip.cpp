@@ -70,8 +70,10 @@ double worst_error(Form form, const Channel& c, int across) {
         const auto k = static_cast<std::size_t>(s);
         layer.velocity[k] = w.world.solids.all[static_cast<std::size_t>(layer.solid[k])].pose.velocity;
     }
-    w.place(Vec3::Zero(), Vec3(Real(width), Real(c.H), Real(width)), 1000 * c.nu, [&](const Vec3& x) { return Vec3(Real(c.exact(x.y())), 0, 0); });
-    // Slowest mode: in a channel that slips far it is the mean that the walls' friction brakes, at the rate nu (1/(b0 + H/2) + 1/(b1 + H/2))/H or so.
+    w.place(Vec3::Zero(), Vec3(Real(width), Real(c.H), Real(width)), 1000 * c.nu,
+            [&](const Vec3& x) { return Vec3(Real(c.exact(x.y())), 0, 0); });
+    // Slowest mode: in a channel that slips far it is the mean that the walls' friction brakes, at the rate nu (1/(b0 + H/2) + 1/(b1 +
+    // H/2))/H or so.
     const double rate = c.nu / c.H * (1 / (c.b0 + c.H / 3) + 1 / (c.b1 + c.H / 3)), end = 2 / rate;
     const double dt = is_explicit(form) ? 0.5 * viscous_step(support * d, c.nu) : end / 40;
     for (int s = 0; s < static_cast<int>(std::ceil(end / dt)); ++s) w.step(dt);
@@ -88,8 +90,9 @@ double worst_error(Form form, const Channel& c, int across) {
 
 }  // namespace
 
-TEST_CASE("between a wall at rest that slips and one that drags, the profile is straight and slips by b du/dy within 2 %, 16 particles across",
-          "[validation][viscosity][boundary][slip]") {
+TEST_CASE(
+    "between a wall at rest that slips and one that drags, the profile is straight and slips by b du/dy within 2 %, 16 particles across",
+    "[validation][viscosity][boundary][slip]") {
     const int across = 16;
     for (Form form : all_forms)
         for (double b : {0.5, 2.0, 10.0}) {
@@ -97,12 +100,16 @@ TEST_CASE("between a wall at rest that slips and one that drags, the profile is 
             c.U1 = 1, c.b0 = b * c.H / across;
             const double error = worst_error(form, c, across);
             CAPTURE(name(form), b, error);
-            CHECK(error < 0.02);  // with the cubic kernel and R = 2 d, and pairwise, it is the same sum on both sides of the wall: exact to rounding
+            CHECK(
+                error <
+                0.02);  // with the cubic kernel and R = 2 d, and pairwise, it is the same sum on both sides of the wall: exact to rounding
         }
 }
 
-TEST_CASE("plane Poiseuille flow between walls that slip by b is the parabola plus g b H/(2 nu) within 2 % (explicit monaghan 5 %), 24 particles across",
-          "[validation][viscosity][boundary][slip]") {
+TEST_CASE(
+    "plane Poiseuille flow between walls that slip by b is the parabola plus g b H/(2 nu) within 2 % (explicit monaghan 5 %), 24 particles "
+    "across",
+    "[validation][viscosity][boundary][slip]") {
     const int across = 24;
     for (Form form : all_forms)
         for (double b : {0.5, 2.0, 10.0}) {
@@ -110,12 +117,14 @@ TEST_CASE("plane Poiseuille flow between walls that slip by b is the parabola pl
             c.g = 8, c.b0 = c.b1 = b * c.H / across;
             const double error = worst_error(form, c, across);
             CAPTURE(name(form), b, error);
-            // monaghan, with R = 4 d, takes the density into account that the kernel finds: beside a wall of one layer, up to 8 % too little.
+            // monaghan, with R = 4 d, takes the density into account that the kernel finds: beside a wall of one layer, up to 8 % too
+            // little.
             CHECK(error < (form == Form::monaghan ? 0.05 : 0.02));
         }
 }
 
-TEST_CASE("a slip length of 1e-6 d is a wall that sticks, one of 1e6 d a wall that slides freely", "[validation][viscosity][boundary][slip]") {
+TEST_CASE("a slip length of 1e-6 d is a wall that sticks, one of 1e6 d a wall that slides freely",
+          "[validation][viscosity][boundary][slip]") {
     const int across = 16;
     for (Form form : all_forms) {
         CAPTURE(name(form));

@@ -7,8 +7,9 @@
 using namespace whorl;
 
 TEST_CASE("the full viscosity is stable for nu from 1e-6 to 1e4 m^2/s at steps that only the flow limits", "[validation][viscosity]") {
-    // A block of fluid slumps in a box. It may not gain energy (2 %: particles that solids push out are lifted); with some viscosity no particle is faster than a free
-    // fall through its height, sqrt(2 g 0.1 m) = 1.4 m/s (of water, drops that are squeezed out of corners are).
+    // A block of fluid slumps in a box. It may not gain energy (2 %: particles that solids push out are lifted); with some viscosity no
+    // particle is faster than a free fall through its height, sqrt(2 g 0.1 m) = 1.4 m/s (of water, drops that are squeezed out of corners
+    // are).
     for (const double nu : {1e-6, 1e-4, 1e-2, 1.0, 1e2, 1e4}) {
         INFO("nu = " << nu);
         const Scene scene = read_scene_text(R"toml([time]
@@ -32,7 +33,8 @@ shape = "box"
 min = [0, 0, 0]
 max = [0.1, 0.14, 0.1]
 inside = true
-)toml", "slump.toml");
+)toml",
+                                            "slump.toml");
         Simulation simulation(scene, make_plan(scene));
         const auto energy = [&] {  // mean over the particles of u^2/2 + g y, J/kg
             const auto u = simulation.world().fluid.column<field::velocity>();

@@ -1,4 +1,6 @@
 /// Surface tension against its exact solutions: the pressure in a drop, its swing, and the shape that it takes.
+#include "engine/models/surface_tension/surface_tension.h"
+
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
@@ -8,7 +10,6 @@
 #include "engine/models/motion/motion.h"
 #include "engine/models/pressure/constraint.h"
 #include "engine/models/pressure/damping.h"
-#include "engine/models/surface_tension/surface_tension.h"
 #include "engine/particles/sample.h"
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
@@ -25,11 +26,13 @@ const double unit = std::sqrt(rho * d * d * d / sigma);  // s, in which surface 
 /// A weightless drop of water-like fluid with the stages that models.pressure = "ppe" has.
 struct Drop : test::TestWorld {
     double radius;  ///< of a ball of the same volume [m]
-    explicit Drop(double across) : TestWorld(d, 2, Domain{Vec3::Constant(Real(-2 * across * d)), Vec3::Constant(Real(2 * across * d)), {}}) {
+    explicit Drop(double across)
+        : TestWorld(d, 2, Domain{Vec3::Constant(Real(-2 * across * d)), Vec3::Constant(Real(2 * across * d)), {}}) {
         ConstraintOptions options;
         options.careful = true;         // as scenes with surface tension have it
         options.limits = {1e-5, 1000};  // the pressure itself is asked for, not only the densities
-        use({make_stage("surface tension", "", SurfaceTension{{sigma, {}, nullptr}}), make_stage("unresolved motion", "", DampUnresolved{2, sigma}),
+        use({make_stage("surface tension", "", SurfaceTension{{sigma, {}, nullptr}}),
+             make_stage("unresolved motion", "", DampUnresolved{2, sigma}),
              make_stage("density constraint", "", ConstraintPressure{options}), make_stage("move", "", Move{})});
         ShapeKeys ball;
         ball.kind = "sphere";
@@ -72,16 +75,21 @@ Vec3d axes(Span<const Vec3> x) {
     Vec3d centre = Vec3d::Zero();
     for (const Vec3& one : x) centre += one.cast<double>() / static_cast<double>(x.size());
     Mat3d moments = Mat3d::Zero();
-    for (const Vec3& one : x) moments += (one.cast<double>() - centre) * (one.cast<double>() - centre).transpose() / static_cast<double>(x.size());
+    for (const Vec3& one : x)
+        moments += (one.cast<double>() - centre) * (one.cast<double>() - centre).transpose() / static_cast<double>(x.size());
     return Eigen::SelfAdjointEigenSolver<Mat3d>(moments).eigenvalues().cwiseSqrt();
 }
 
 }  // namespace
 
-TEST_CASE("the pressure in a drop is 2 sigma/R, and it swings between long and flat with Rayleigh's period, within 12 % and 5 %, the pressure nearer the finer it is", "[validation][surface_tension]") {
-    // Radii of 6, 8 and 11 spacings. u = k (-x/2, y, -z/2) sets the settled drop off, by a tenth of its radius: omega^2 = 8 sigma/(rho R^3). Measured: 0.90, 0.94, 0.96 of the pressure and 1.03, 0.99,
-    // 0.98 of the period. Where all pairs pulled, the inside was pressed with nine to sixteen times 2 sigma/R, and it was 1.02, 0.94, 0.88 and 1.00, 0.93, 0.88: worse with every refinement.
-    // Skin::packed was chosen by these drops: it moves all three pressures and periods together, not how they go with R/d.
+TEST_CASE(
+    "the pressure in a drop is 2 sigma/R, and it swings between long and flat with Rayleigh's period, within 12 % and 5 %, the pressure "
+    "nearer the finer it is",
+    "[validation][surface_tension]") {
+    // Radii of 6, 8 and 11 spacings. u = k (-x/2, y, -z/2) sets the settled drop off, by a tenth of its radius: omega^2 = 8 sigma/(rho
+    // R^3). Measured: 0.90, 0.94, 0.96 of the pressure and 1.03, 0.99, 0.98 of the period. Where all pairs pulled, the inside was pressed
+    // with nine to sixteen times 2 sigma/R, and it was 1.02, 0.94, 0.88 and 1.00, 0.93, 0.88: worse with every refinement. Skin::packed was
+    // chosen by these drops: it moves all three pressures and periods together, not how they go with R/d.
     double last_error = 1;
     for (const double across : {6.0, 8.0, 11.0}) {
         Drop drop(across);
@@ -105,7 +113,8 @@ TEST_CASE("the pressure in a drop is 2 sigma/R, and it swings between long and f
         }
         REQUIRE(crossings.at.size() == 3);
         const double period = (crossings.at[2] - crossings.at[0]) * omega / (2 * std::numbers::pi);
-        WARN("radius " << across << " d: pressure " << excess / laplace << " of 2 sigma/R, period " << period << " of Rayleigh's, first swing to " << farthest);
+        WARN("radius " << across << " d: pressure " << excess / laplace << " of 2 sigma/R, period " << period
+                       << " of Rayleigh's, first swing to " << farthest);
         CHECK(excess == Approx(laplace).epsilon(0.12));
         CHECK(period == Approx(1).epsilon(0.05));
         CHECK(std::abs(excess / laplace - 1) < last_error);
@@ -133,7 +142,9 @@ pressure = "{}"
 shape = "box"
 min = [{}, {}, {}]
 max = [{}, {}, {}]
-)toml", 60 * unit, d, sigma, pressure, -half, -half, -half, half, half, half), "cube.toml");
+)toml",
+                                                        60 * unit, d, sigma, pressure, -half, -half, -half, half, half, half),
+                                            "cube.toml");
         Simulation s(scene, make_plan(scene));
         while (s.time() < scene.time.end) REQUIRE_FALSE(s.step(scene.time.end).diverged);
         const auto x = s.world().fluid.column<field::position>();
@@ -141,7 +152,8 @@ max = [{}, {}, {}]
         const double radius = d * std::cbrt(3 * static_cast<double>(x.size()) / (4 * std::numbers::pi));
         double farthest = 0;
         for (const Vec3& one : x) farthest = std::max(farthest, static_cast<double>(one.norm()));
-        WARN(pressure << ": axes " << axis[0] / axis[2] << " and " << axis[1] / axis[2] << " of the longest, farthest particle at " << farthest / radius << " of the radius");
+        WARN(pressure << ": axes " << axis[0] / axis[2] << " and " << axis[1] / axis[2] << " of the longest, farthest particle at "
+                      << farthest / radius << " of the radius");
         CHECK(axis[0] > 0.97 * axis[2]);
         CHECK(farthest < radius);
     }

@@ -11,8 +11,8 @@ namespace {
 
 constexpr double U0 = 0.1, a0 = 5e-3, nu = 0.05, g = 9.81, fall = 0.25, d = 2e-3;
 
-/// Speed over height of a steady thread: u a^2 = U0 a0^2, 3 nu (a^2 u')' + g a^2 - u u' a^2 = 0, no tension at the lower end. Integrated upward, where it is stable, from
-/// the end speed that gives U0 at the nozzle.
+/// Speed over height of a steady thread: u a^2 = U0 a0^2, 3 nu (a^2 u')' + g a^2 - u u' a^2 = 0, no tension at the lower end. Integrated
+/// upward, where it is stable, from the end speed that gives U0 at the nozzle.
 class SteadyThread {
 public:
     SteadyThread() {
@@ -72,9 +72,12 @@ double longest_link(const std::vector<Vec3>& x) {
 
 }  // namespace
 
-TEST_CASE("a falling thread of five particles across thins as one-dimensional theory says, within 3 %, and holds together down to a draw of nine", "[validation][coupled]") {
-    // Seed 4: of four seeds the one whose first gap opened earliest (at a draw of 7.3) before particles were shifted along thin threads. Steady after two seconds, about three times what
-    // the fluid spends in the air. Next to the nozzle theory has the fluid stretch from the first section on, which its plug flow in the nozzle does not: there the thread is thickest.
+TEST_CASE(
+    "a falling thread of five particles across thins as one-dimensional theory says, within 3 %, and holds together down to a draw of nine",
+    "[validation][coupled]") {
+    // Seed 4: of four seeds the one whose first gap opened earliest (at a draw of 7.3) before particles were shifted along thin threads.
+    // Steady after two seconds, about three times what the fluid spends in the air. Next to the nozzle theory has the fluid stretch from
+    // the first section on, which its plug flow in the nozzle does not: there the thread is thickest.
     const Scene scene = read_scene_text(R"toml(seed = 4
 [time]
 end = 2.4
@@ -95,7 +98,8 @@ speed = 0.1
 shape = "box"
 min = [-0.03, -0.30, -0.03]
 max = [0.03, -0.25, 0.03]
-)toml", "thread.toml");
+)toml",
+                                        "thread.toml");
     Simulation simulation(scene, make_plan(scene));
     const SteadyThread theory;
     // Slices of 2 cm, averaged over 0.4 s: particles a slice give the cross-section, their mean speed the draw.
@@ -120,7 +124,8 @@ max = [0.03, -0.25, 0.03]
         const double a = std::sqrt(count[k] / samples * d * d * d / (0.02 * std::numbers::pi));
         const double radius = a / (a0 * std::sqrt(1 / expected)), of_draw = a / (a0 * std::sqrt(1 / draw));
         if (link[k] < 2) whole = std::max(whole, draw);
-        WARN(y << " m: draw " << draw << " (theory " << expected << "), radius " << radius << " of theory, " << of_draw << " of the draw's, longest link " << link[k] << " d");
+        WARN(y << " m: draw " << draw << " (theory " << expected << "), radius " << radius << " of theory, " << of_draw
+               << " of the draw's, longest link " << link[k] << " d");
         CHECK(radius == Approx(1).epsilon(0.03));
     }
     WARN("in one piece down to a draw of " << whole);

@@ -25,7 +25,8 @@ bool is_implicit(Form form) { return form == Form::pairwise || form == Form::ful
 /// Gravity, kick and the viscosity of that form, without motion and without pressure: the exact flow has none to speak of.
 std::vector<Stage> viscous_step_of(Form form, Real solid_factor, double tolerance = 1e-5) {
     std::vector<Stage> stages{make_stage("density", "density", Density{solid_factor}), make_stage("gravity", "move", Gravity{})};
-    if (!is_implicit(form)) stages.push_back(make_stage("viscosity", "viscosity", ExplicitViscosity{{form == Form::monaghan, solid_factor}}));
+    if (!is_implicit(form))
+        stages.push_back(make_stage("viscosity", "viscosity", ExplicitViscosity{{form == Form::monaghan, solid_factor}}));
     stages.push_back(make_stage("kick", "move", Kick{}));
     if (form == Form::full) {
         FullViscosityOptions options;
@@ -45,8 +46,8 @@ const char* name(Form form) {
     return form == Form::brookshaw ? "brookshaw" : form == Form::monaghan ? "monaghan" : form == Form::pairwise ? "pairwise" : "full";
 }
 
-/// Kernel radius over spacing. Forces along the pairs take their isotropy from the neighbours' fourth moments: on a lattice with R = 2 d they make shear
-/// 0.70 and stretching 1.45 times as stiff as they are; they need more neighbours than the others.
+/// Kernel radius over spacing. Forces along the pairs take their isotropy from the neighbours' fourth moments: on a lattice with R = 2 d
+/// they make shear 0.70 and stretching 1.45 times as stiff as they are; they need more neighbours than the others.
 double support_of(Form form) { return form == Form::monaghan || form == Form::pairwise ? 4 : 2; }
 
 /// Amplitude of (sin kx cos ky, -cos kx sin ky) in the flow.
@@ -55,13 +56,15 @@ double vortex_amplitude(TestWorld& w, double k) {
     const auto u = w.column<field::velocity>();
     double sum = 0;
     for (std::size_t i = 0; i < x.size(); ++i)
-        sum += 2 * (u[i].x() * std::sin(k * x[i].x()) * std::cos(k * x[i].y()) - u[i].y() * std::cos(k * x[i].x()) * std::sin(k * x[i].y()));
+        sum +=
+            2 * (u[i].x() * std::sin(k * x[i].x()) * std::cos(k * x[i].y()) - u[i].y() * std::cos(k * x[i].x()) * std::sin(k * x[i].y()));
     return sum / static_cast<double>(x.size());
 }
 
 }  // namespace
 
-TEST_CASE("a Taylor-Green vortex decays as exp(-2 nu k^2 t) within 2 % of its rate, 32 particles a wave, explicit, pairwise and full", "[validation][viscosity]") {
+TEST_CASE("a Taylor-Green vortex decays as exp(-2 nu k^2 t) within 2 % of its rate, 32 particles a wave, explicit, pairwise and full",
+          "[validation][viscosity]") {
     const double L = 1, d = L / 32, k = 2 * std::numbers::pi / L, nu = 1, depth = 8 * d;
     for (Form form : all_forms) {
         INFO(name(form));
@@ -84,7 +87,8 @@ TEST_CASE("a Taylor-Green vortex decays as exp(-2 nu k^2 t) within 2 % of its ra
     }
 }
 
-TEST_CASE("plane Poiseuille flow between walls at rest reaches its parabola within 2 %, 24 particles across", "[validation][viscosity][boundary]") {
+TEST_CASE("plane Poiseuille flow between walls at rest reaches its parabola within 2 %, 24 particles across",
+          "[validation][viscosity][boundary]") {
     const double H = 1, d = H / 24, nu = 1, g = 8;  // largest speed g H^2/(8 nu) = 1
     for (Form form : all_forms) {
         INFO(name(form));
@@ -106,7 +110,8 @@ TEST_CASE("plane Poiseuille flow between walls at rest reaches its parabola with
     }
 }
 
-TEST_CASE("plane Couette flow between a wall at rest and one that moves stays straight within 2 %, 16 particles across", "[validation][viscosity][boundary]") {
+TEST_CASE("plane Couette flow between a wall at rest and one that moves stays straight within 2 %, 16 particles across",
+          "[validation][viscosity][boundary]") {
     // From the exact flow, for nu t/H^2 = 0.5: what a discrete steady state differs by has come up to 1 - exp(-pi^2/2) = 99 %.
     const double H = 1, d = H / 16, nu = 1;
     for (Form form : all_forms) {
@@ -135,7 +140,8 @@ TEST_CASE("plane Couette flow between a wall at rest and one that moves stays st
 
 TEST_CASE("a film on an incline keeps its half parabola within 2 %, 16 particles deep, with the forms whose free surface bears no shear",
           "[validation][viscosity][boundary]") {
-    // u = g (2 H y - y^2)/(2 nu), from the exact flow, for nu t/H^2 = 1: what the steady state differs by has come up to 1 - exp(-pi^2/4) = 92 %.
+    // u = g (2 H y - y^2)/(2 nu), from the exact flow, for nu t/H^2 = 1: what the steady state differs by has come up to 1 - exp(-pi^2/4) =
+    // 92 %.
     const double H = 1, d = H / 16, nu = 1, g = 2;  // largest speed g H^2/(2 nu) = 1
     for (Form form : all_forms) {
         INFO(name(form));
@@ -152,7 +158,8 @@ TEST_CASE("a film on an incline keeps its half parabola within 2 %, 16 particles
         const auto x = w.column<field::position>();
         const auto u = w.column<field::velocity>();
         double worst = 0;
-        for (std::size_t i = 0; i < x.size(); ++i) worst = std::max<double>(worst, std::abs(u[i].x() - g / (2 * nu) * x[i].y() * (2 * H - x[i].y())));
+        for (std::size_t i = 0; i < x.size(); ++i)
+            worst = std::max<double>(worst, std::abs(u[i].x() - g / (2 * nu) * x[i].y() * (2 * H - x[i].y())));
         CHECK(worst < 0.02);
     }
 }
@@ -165,7 +172,8 @@ TEST_CASE("a free body that turns keeps its angular momentum within 0.1 % and it
         INFO(name(form));
         TestWorld w(d, 2, Domain{Vec3(-4, -4, -4), Vec3(4, 4, 4), {}});
         w.use({viscous_step_of(form, 1, 1e-4).back()});
-        w.place(Vec3(-0.4, -0.4, -0.4), Vec3(0.4, 0.4, 0.4), 1e4, [](const Vec3& x) { return Vec3(Vec3(-x.y(), x.x(), 0) * Real(4 * std::numbers::pi)); });
+        w.place(Vec3(-0.4, -0.4, -0.4), Vec3(0.4, 0.4, 0.4), 1e4,
+                [](const Vec3& x) { return Vec3(Vec3(-x.y(), x.x(), 0) * Real(4 * std::numbers::pi)); });
         const auto energy = [&] {
             double sum = 0;
             for (const Vec3& u : w.column<field::velocity>()) sum += u.cast<double>().squaredNorm();

@@ -1,7 +1,7 @@
 /// Fluid at rest between the solids of a scene: read, plan, simulate.
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
 
+#include <catch2/catch.hpp>
 #include <cmath>
 
 #include "engine/models/boundary/wall.h"
@@ -36,15 +36,18 @@ shape = "box"
 min = [0, 0, 0]
 max = [0.06, 0.15, 0.06]
 sampling = "{}"
-{})toml", spacing, sampling, rest), "water.toml");
+{})toml",
+                                       spacing, sampling, rest),
+                           "water.toml");
 }
 
 }  // namespace
 
-TEST_CASE("weakly compressible water comes to rest in an open box and in a full slot, with the pressure of its weight within 2 %", "[validation][sim]") {
-    // At two spacings, from a lattice (which melts within a second) and from an irregular start. It is the difference of pressure between the
-    // lowest and the middle third that is held against the weight between them: the slot has no surface that could set the pressure to zero, and
-    // at the surface of the box the topmost layer, whose kernel sums fall short, carries none.
+TEST_CASE("weakly compressible water comes to rest in an open box and in a full slot, with the pressure of its weight within 2 %",
+          "[validation][sim]") {
+    // At two spacings, from a lattice (which melts within a second) and from an irregular start. It is the difference of pressure between
+    // the lowest and the middle third that is held against the weight between them: the slot has no surface that could set the pressure to
+    // zero, and at the surface of the box the topmost layer, whose kernel sums fall short, carries none.
     const std::string box = R"toml([domain]
 min = [-0.05, -0.05, -0.05]
 max = [0.11, 0.2, 0.11]
@@ -53,7 +56,8 @@ shape = "box"
 inside = true
 min = [0, 0, 0]
 max = [0.06, 0.2, 0.06]
-)toml", slot = R"toml([domain]
+)toml",
+                      slot = R"toml([domain]
 min = [0, -0.05, 0]
 max = [0.06, 0.2, 0.06]
 periodic = [true, false, true]
@@ -93,7 +97,8 @@ normal = [0, -1, 0]
             }
 }
 
-TEST_CASE("a scene's column of 30 layers on a plane presses on it with its weight within 2 %, with both pressure models", "[validation][sim]") {
+TEST_CASE("a scene's column of 30 layers on a plane presses on it with its weight within 2 %, with both pressure models",
+          "[validation][sim]") {
     // Periodic sideways; the particles of the plane are what sample_solids makes of it. Mean over 0.2 s after 1.0 s of settling.
     const std::string smoothed = "viscosity = \"xsph\"\n[viscosity]\nalpha = 0.05\n";  // wcsph has dampers of its own
     for (const std::string pressure : {"ppe", "wcsph"}) {
@@ -114,7 +119,8 @@ max = [0.06, 0.3, 0.06]
 [[solid]]
 shape = "plane"
 [models]
-pressure = ")toml" + pressure + "\"\n" + (pressure == "ppe" ? smoothed : ""), "column.toml");
+pressure = ")toml" + pressure + "\"\n" + (pressure == "ppe" ? smoothed : ""),
+                                            "column.toml");
         Simulation simulation(scene, make_plan(scene));
         run_until(simulation, 1.0);
         double sum = 0, exact = 0;
@@ -131,10 +137,11 @@ pressure = ")toml" + pressure + "\"\n" + (pressure == "ppe" ? smoothed : ""), "c
     }
 }
 
-TEST_CASE("form poisson: water that fills the slot between a floor and a ceiling stays at rest, with a pressure 2 % too flat", "[validation][sim]") {
-    // Too flat by what the kernel makes of a linear pressure on a lattice with R = 2 d: its gradient is 1.02 times too steep. Within 1 % of that.
-    // No free surface: the pressure has no natural zero. The ceiling must mirror the pressure less the weight up to it, or the topmost layer falls
-    // (the run diverged within 0.2 s). Held until the lattice, which is no stable packing, starts to melt (0.3 s).
+TEST_CASE("form poisson: water that fills the slot between a floor and a ceiling stays at rest, with a pressure 2 % too flat",
+          "[validation][sim]") {
+    // Too flat by what the kernel makes of a linear pressure on a lattice with R = 2 d: its gradient is 1.02 times too steep. Within 1 % of
+    // that. No free surface: the pressure has no natural zero. The ceiling must mirror the pressure less the weight up to it, or the
+    // topmost layer falls (the run diverged within 0.2 s). Held until the lattice, which is no stable packing, starts to melt (0.3 s).
     const Scene scene = read_scene_text(R"toml([time]
 end = 0.2
 max_step = 2e-3
@@ -158,7 +165,8 @@ shape = "plane"
 shape = "plane"
 position = [0, 0.1, 0]
 normal = [0, -1, 0]
-)toml", "slot.toml");
+)toml",
+                                        "slot.toml");
     Simulation simulation(scene, make_plan(scene));
     run_until(simulation, 0.1);
     // Means over 0.1 s, as for the columns, of the lowest and the topmost of the ten layers.
@@ -188,16 +196,18 @@ struct Rest {
 };
 
 /// Water to a height H between solids, from a lattice, for `end` seconds.
-Rest settle(const std::string& solids, const std::string& periodic, const Vec3d& fill, const std::string& more, double spacing, double end, double max_step = 5e-3) {
+Rest settle(const std::string& solids, const std::string& periodic, const Vec3d& fill, const std::string& more, double spacing, double end,
+            double max_step = 5e-3) {
     const std::string low_x = periodic[1] == 't' ? "0" : "-0.05", low_z = periodic.find("true]") != std::string::npos ? "0" : "-0.05";
     const auto text = [](double value) { return std::to_string(value); };
     const auto side = [&](double size, const std::string& low) { return low == "0" ? text(size) : text(size + 0.05); };
-    const Scene scene = read_scene_text("[time]\nend = " + text(end) + "\nmax_step = " + text(max_step) + "\n[domain]\nmin = [" + low_x + ", -0.05, " + low_z + "]\nmax = [" +
-                                            side(fill.x(), low_x) + ", 0.4, " + side(fill.z(), low_z) + "]\nperiodic = " + periodic +
-                                            "\n[fluid]\nspacing = " + text(spacing) + "\n[models]\npressure = \"ppe\"\n" + more +
-                                            "[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [" + text(fill.x()) + ", " + text(fill.y()) + ", " +
-                                            text(fill.z()) + "]\n" + solids,
-                                        "rest.toml");
+    const Scene scene =
+        read_scene_text("[time]\nend = " + text(end) + "\nmax_step = " + text(max_step) + "\n[domain]\nmin = [" + low_x + ", -0.05, " +
+                            low_z + "]\nmax = [" + side(fill.x(), low_x) + ", 0.4, " + side(fill.z(), low_z) + "]\nperiodic = " + periodic +
+                            "\n[fluid]\nspacing = " + text(spacing) + "\n[models]\npressure = \"ppe\"\n" + more +
+                            "[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [" + text(fill.x()) + ", " + text(fill.y()) + ", " +
+                            text(fill.z()) + "]\n" + solids,
+                        "rest.toml");
     Simulation simulation(scene, make_plan(scene));
     const double scale = std::sqrt(2 * g * fill.y());
     int steps = 0;
@@ -238,18 +248,18 @@ const std::string open_box = "[[solid]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax =
 const std::string full_box = "[[solid]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]\ninside = true\n";
 const std::string floor_and_ceiling =
     "[[solid]]\nshape = \"plane\"\n[[solid]]\nshape = \"plane\"\nposition = [0, 0.1, 0]\nnormal = [0, -1, 0]\n";
-const std::string slot = "[[solid]]\nshape = \"plane\"\n[[solid]]\nshape = \"plane\"\nnormal = [1, 0, 0]\n"
-                         "[[solid]]\nshape = \"plane\"\nposition = [0.06, 0, 0]\nnormal = [-1, 0, 0]\n";
+const std::string slot =
+    "[[solid]]\nshape = \"plane\"\n[[solid]]\nshape = \"plane\"\nnormal = [1, 0, 0]\n"
+    "[[solid]]\nshape = \"plane\"\nposition = [0.06, 0, 0]\nnormal = [-1, 0, 0]\n";
 
 }  // namespace
 
 TEST_CASE("water comes to rest in an open box, a full closed box, between floor and ceiling and in a slot, with and without viscosity",
           "[validation][sim]") {
-    // A lattice is no stable packing: it melts, and what its fall to a denser one sets free (1 % of the height) has to die out. Speeds in units of
-    // sqrt(2 g H): the root mean square below 0.7 % (0.2 to 0.4 % is reached), and falling: below half of what it was at 0.5 s (0.7 to 2 %, by when the
-    // lattice melts). Single particles that
-    // find a better place jump: the fastest of 1000, 1 to 3 % from run to run (float and double are two runs), below 5 %. The densest particle
-    // scatters in the same way (.02 to .3 %), the mean does not.
+    // A lattice is no stable packing: it melts, and what its fall to a denser one sets free (1 % of the height) has to die out. Speeds in
+    // units of sqrt(2 g H): the root mean square below 0.7 % (0.2 to 0.4 % is reached), and falling: below half of what it was at 0.5 s
+    // (0.7 to 2 %, by when the lattice melts). Single particles that find a better place jump: the fastest of 1000, 1 to 3 % from run to
+    // run (float and double are two runs), below 5 %. The densest particle scatters in the same way (.02 to .3 %), the mean does not.
     struct Case {
         std::string name, solids, periodic;
         Vec3d fill;
@@ -273,10 +283,12 @@ TEST_CASE("water comes to rest in an open box, a full closed box, between floor 
 }
 
 TEST_CASE("water in an open box comes to rest with half the spacing, and with steps of 1 ms", "[validation][sim]") {
-    // As above; half the spacing settles faster, its lattice falls by half as much. Of 8000 particles the fastest reaches 4 %, the densest 3 % for a moment.
+    // As above; half the spacing settles faster, its lattice falls by half as much. Of 8000 particles the fastest reaches 4 %, the densest
+    // 3 % for a moment.
     for (const double spacing : {d / 2, d}) {
         INFO("spacing " << spacing);
-        const Rest rest = settle(open_box, "[false, false, false]", {0.1, 0.1, 0.1}, "", spacing, spacing < d ? 1.2 : 2.0, spacing < d ? 5e-3 : 1e-3);
+        const Rest rest =
+            settle(open_box, "[false, false, false]", {0.1, 0.1, 0.1}, "", spacing, spacing < d ? 1.2 : 2.0, spacing < d ? 5e-3 : 1e-3);
         CAPTURE(rest.early, rest.late, rest.fastest, rest.density, rest.densest);
         CHECK(rest.fastest < 0.05);
         CHECK(rest.late < 0.02 / 3);
@@ -286,17 +298,25 @@ TEST_CASE("water in an open box comes to rest with half the spacing, and with st
     }
 }
 
-TEST_CASE("water at rest has the pressure of the depth, within 1 % in the mean over the lower half of a column, within 2.5 % in a slot 6 spacings wide", "[validation][sim]") {
-    // The depth below the level that the settled water has (0.5 % lower than the lattice), over 0.6 s. Single layers scatter by 2 %: what the particles of a settled packing
-    // press with is not the same in all directions, and the pressure is the mean over them. In the slot two of three particles stand beside a wall: 2.0 to 2.2 % (1 % was aimed at).
+TEST_CASE(
+    "water at rest has the pressure of the depth, within 1 % in the mean over the lower half of a column, within 2.5 % in a slot 6 "
+    "spacings wide",
+    "[validation][sim]") {
+    // The depth below the level that the settled water has (0.5 % lower than the lattice), over 0.6 s. Single layers scatter by 2 %: what
+    // the particles of a settled packing press with is not the same in all directions, and the pressure is the mean over them. In the slot
+    // two of three particles stand beside a wall: 2.0 to 2.2 % (1 % was aimed at).
     for (const bool between_walls : {false, true}) {
         constexpr double layers = 20, H = 0.2, spacing = H / layers, width = 6 * spacing;
         const double reach = between_walls ? 0.05 : 0;
-        const std::string walls = fmt::format("[[solid]]\nshape = \"plane\"\nnormal = [1, 0, 0]\n[[solid]]\nshape = \"plane\"\nposition = [{}, 0, 0]\nnormal = [-1, 0, 0]\n", width);
-        Simulation simulation = simulation_of(fmt::format(
-            "[time]\nend = 2\nmax_step = 5e-3\n[domain]\nmin = [{0}, -0.05, 0]\nmax = [{1}, 0.3, {2}]\nperiodic = [{3}, false, true]\n[fluid]\nspacing = {4}\n"
-            "[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [{2}, 0.2, {2}]\n[[solid]]\nshape = \"plane\"\n{5}[models]\npressure = \"ppe\"\n",
-            -reach, width + reach, width, between_walls ? "false" : "true", spacing, between_walls ? walls : ""));
+        const std::string walls = fmt::format(
+            "[[solid]]\nshape = \"plane\"\nnormal = [1, 0, 0]\n[[solid]]\nshape = \"plane\"\nposition = [{}, 0, 0]\nnormal = [-1, 0, 0]\n",
+            width);
+        Simulation simulation =
+            simulation_of(fmt::format("[time]\nend = 2\nmax_step = 5e-3\n[domain]\nmin = [{0}, -0.05, 0]\nmax = [{1}, 0.3, {2}]\nperiodic "
+                                      "= [{3}, false, true]\n[fluid]\nspacing = {4}\n"
+                                      "[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [{2}, 0.2, {2}]\n[[solid]]\nshape = "
+                                      "\"plane\"\n{5}[models]\npressure = \"ppe\"\n",
+                                      -reach, width + reach, width, between_walls ? "false" : "true", spacing, between_walls ? walls : ""));
         run_until(simulation, 1.2);
         double pressure = 0, exact = 0;
         while (simulation.time() < 1.8) {
@@ -313,9 +333,13 @@ TEST_CASE("water at rest has the pressure of the depth, within 1 % in the mean o
     }
 }
 
-TEST_CASE("the pressure in water at rest is right at every step, within 5 % in the mean over half a second, at the default step and at half of it", "[validation][sim]") {
-    // What gravity presses together in a step is far less than the density error that a step may leave: a solve that stops there lets the column fall for some steps and catches it
-    // in one. Measured: 1.8 % and 1.9 % (12 and 22 % where the solve looked at the density error alone). Mean over the lowest four layers.
+TEST_CASE(
+    "the pressure in water at rest is right at every step, within 5 % in the mean over half a second, at the default step and at half of "
+    "it",
+    "[validation][sim]") {
+    // What gravity presses together in a step is far less than the density error that a step may leave: a solve that stops there lets the
+    // column fall for some steps and catches it in one. Measured: 1.8 % and 1.9 % (12 and 22 % where the solve looked at the density error
+    // alone). Mean over the lowest four layers.
     for (const double cfl : {0.4, 0.2}) {
         const Scene scene = read_scene_text(fmt::format(R"toml([time]
 end = 1
@@ -336,7 +360,9 @@ shape = "box"
 inside = true
 min = [0, 0, 0]
 max = [0.1, 0.4, 0.1]
-)toml", cfl), "column.toml");
+)toml",
+                                                        cfl),
+                                            "column.toml");
         Simulation simulation(scene, make_plan(scene));
         run_until(simulation, 0.5);
         double off = 0;

@@ -1,6 +1,7 @@
 /// Free bodies in water, held against Archimedes and against the added mass of a sphere.
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+
+#include <catch2/catch.hpp>
 #include <sstream>
 
 #include "engine/io/diagnostics.h"
@@ -37,7 +38,10 @@ min = [0, 0, 0]
 max = [{4}, {7}, {6}]
 inside = true
 {8}[[solid]]
-{9})toml", water.x() + 0.05, water.y() + 0.3, water.z() + 0.05, d, water.x(), water.y(), water.z(), water.y() + 0.25, models, solid), "pool.toml");
+{9})toml",
+                                                    water.x() + 0.05, water.y() + 0.3, water.z() + 0.05, d, water.x(), water.y(), water.z(),
+                                                    water.y() + 0.25, models, solid),
+                                        "pool.toml");
     return Simulation(scene, make_plan(scene));
 }
 
@@ -52,12 +56,18 @@ double deepest_inside(const Simulation& simulation) {
 
 }  // namespace
 
-TEST_CASE("a raft floats with the share of its height under water that its density is of the fluid's, within 0.15 spacings, from a tenth to four fifths", "[validation][bodies]") {
-    // It is dropped with a tilt of 8 degrees, and still bobs a little at the end: by 0.002 m/s. Its own layer of water, four particles high, settles by 1 %
-    // of the pool's depth as the lattice melts; that is counted in what is allowed. No particle may be in it, or lost.
+TEST_CASE(
+    "a raft floats with the share of its height under water that its density is of the fluid's, within 0.15 spacings, from a tenth to four "
+    "fifths",
+    "[validation][bodies]") {
+    // It is dropped with a tilt of 8 degrees, and still bobs a little at the end: by 0.002 m/s. Its own layer of water, four particles
+    // high, settles by 1 % of the pool's depth as the lattice melts; that is counted in what is allowed. No particle may be in it, or lost.
     for (const double ratio : {0.1, 0.5, 0.8}) {
         INFO("density ratio " << ratio);
-        Simulation simulation = pool({0.2, 0.1, 0.2}, ppe, fmt::format("shape = \"box\"\nmin = [0.05, 0.11, 0.05]\nmax = [0.15, 0.16, 0.15]\ntilt = [0, 0, 8]\ndensity = {}\n", 1000 * ratio));
+        Simulation simulation =
+            pool({0.2, 0.1, 0.2}, ppe,
+                 fmt::format("shape = \"box\"\nmin = [0.05, 0.11, 0.05]\nmax = [0.15, 0.16, 0.15]\ntilt = [0, 0, 8]\ndensity = {}\n",
+                             1000 * ratio));
         run_until(simulation, 2);
         double mean = 0;
         int rows = 0;
@@ -71,19 +81,25 @@ TEST_CASE("a raft floats with the share of its height under water that its densi
 }
 
 TEST_CASE("a raft floats as deep in weakly compressible water, within 0.2 spacings", "[validation][bodies]") {
-    Simulation simulation = pool({0.2, 0.1, 0.2}, "[models]\npressure = \"wcsph\"\n", "shape = \"box\"\nmin = [0.05, 0.11, 0.05]\nmax = [0.15, 0.16, 0.15]\ndensity = 300\n");
+    Simulation simulation = pool({0.2, 0.1, 0.2}, "[models]\npressure = \"wcsph\"\n",
+                                 "shape = \"box\"\nmin = [0.05, 0.11, 0.05]\nmax = [0.15, 0.16, 0.15]\ndensity = 300\n");
     run_until(simulation, 1.5);
     const double level = 0.1 + 0.3 * 0.1 * 0.05 * 0.1 / (0.2 * 0.2), exact = level + 0.025 - 0.05 * 0.3;
     CHECK(body_of(simulation).centre.y() == Approx(exact).margin(0.2 * d));
     CHECK(simulation.totals().lost_particles == 0);
 }
 
-TEST_CASE("a sphere in still water starts with (m_f - m) g/(m + C m_f), within 9 % in the mean of three starts, from a tenth of the fluid's density to eight times it", "[validation][bodies]") {
-    // C = 1/2 in an endless fluid. In a concentric shell of radius b it is (b^3 + 2 a^3)/(b^3 - a^3)/2, 0.53 for a pool of this volume. A body of radius 4 d; the water first settles around one
-    // of its own density, then the body's density changes. What the settled water still does to a body of its density is taken off. A single start says little: light spheres
-    // set off by 1 to 10 % too slowly (6.5 % in the mean of five), depending on how the particles around them happen to stand.
+TEST_CASE(
+    "a sphere in still water starts with (m_f - m) g/(m + C m_f), within 9 % in the mean of three starts, from a tenth of the fluid's "
+    "density to eight times it",
+    "[validation][bodies]") {
+    // C = 1/2 in an endless fluid. In a concentric shell of radius b it is (b^3 + 2 a^3)/(b^3 - a^3)/2, 0.53 for a pool of this volume. A
+    // body of radius 4 d; the water first settles around one of its own density, then the body's density changes. What the settled water
+    // still does to a body of its density is taken off. A single start says little: light spheres set off by 1 to 10 % too slowly (6.5 % in
+    // the mean of five), depending on how the particles around them happen to stand.
     const auto ball = [](double density) {
-        return pool({0.3, 0.3, 0.3}, "[models]\npressure = \"ppe\"\n", fmt::format("shape = \"sphere\"\nposition = [0.15, 0.15, 0.15]\nradius = 0.05\ndensity = {}\n", density));
+        return pool({0.3, 0.3, 0.3}, "[models]\npressure = \"ppe\"\n",
+                    fmt::format("shape = \"sphere\"\nposition = [0.15, 0.15, 0.15]\nradius = 0.05\ndensity = {}\n", density));
     };
     const std::vector<double> densities{100, 500, 2000, 8000};
     std::vector<double> part(densities.size(), 0);  // of the exact acceleration
@@ -113,10 +129,13 @@ TEST_CASE("a sphere in still water starts with (m_f - m) g/(m + C m_f), within 9
     }
 }
 
-TEST_CASE("a ball that is thrown into a pool at five spacings a hundredth of a second lets no water through and loses none", "[validation][bodies]") {
+TEST_CASE("a ball that is thrown into a pool at five spacings a hundredth of a second lets no water through and loses none",
+          "[validation][bodies]") {
     for (const double density : {200.0, 3000.0}) {
-        Simulation simulation =
-            pool({0.25, 0.1, 0.25}, ppe, fmt::format("shape = \"sphere\"\nposition = [0.1, 0.2, 0.12]\nradius = 0.04\nvelocity = [1, -6, 0.5]\nrotation = [0, 0, 30]\ndensity = {}\n", density));
+        Simulation simulation = pool({0.25, 0.1, 0.25}, ppe,
+                                     fmt::format("shape = \"sphere\"\nposition = [0.1, 0.2, 0.12]\nradius = 0.04\nvelocity = [1, -6, "
+                                                 "0.5]\nrotation = [0, 0, 30]\ndensity = {}\n",
+                                                 density));
         double deepest = 0;
         while (simulation.time() < 0.6) {
             run_until(simulation, simulation.time() + 0.02);
@@ -130,17 +149,22 @@ TEST_CASE("a ball that is thrown into a pool at five spacings a hundredth of a s
     }
 }
 
-TEST_CASE("a cube thirty and a hundred times as dense as water that lands on the floor of a pool gains no energy, and its steps do not collapse", "[validation][bodies]") {
-    // The film of water under it mends its density under a body that weighs as much as 180 and 600 layers. When that went by the step's length, cubes were thrown up faster
-    // and faster. All energy that there is: the cube's own and its fall from the pool's surface to the floor, and the water's.
+TEST_CASE(
+    "a cube thirty and a hundred times as dense as water that lands on the floor of a pool gains no energy, and its steps do not collapse",
+    "[validation][bodies]") {
+    // The film of water under it mends its density under a body that weighs as much as 180 and 600 layers. When that went by the step's
+    // length, cubes were thrown up faster and faster. All energy that there is: the cube's own and its fall from the pool's surface to the
+    // floor, and the water's.
     struct Throw {
         double ratio, speed;
     };
     for (const Throw& thrown : {Throw{30, 0.1}, Throw{100, 0.1}, Throw{30, 10}}) {
         INFO("density ratio " << thrown.ratio << " at " << thrown.speed << " m/s");
-        Simulation simulation = pool({0.1625, 0.1, 0.1625}, ppe,
-                                     fmt::format("shape = \"box\"\nmin = [0.045, 0.12, 0.045]\nmax = [0.1175, 0.1925, 0.1175]\ndensity = {}\nvelocity = [0, {}, 0]\n",
-                                                 1000 * thrown.ratio, -thrown.speed));
+        Simulation simulation =
+            pool({0.1625, 0.1, 0.1625}, ppe,
+                 fmt::format(
+                     "shape = \"box\"\nmin = [0.045, 0.12, 0.045]\nmax = [0.1175, 0.1925, 0.1175]\ndensity = {}\nvelocity = [0, {}, 0]\n",
+                     1000 * thrown.ratio, -thrown.speed));
         const auto energy = [&] {
             const RigidBody& body = body_of(simulation);
             const Measures fluid = measure(simulation.world(), Vec3d(0, -9.81, 0), 1);

@@ -56,13 +56,16 @@ std::vector<double> measured(const CoilCase& c, double spacing, double turns) {
 }  // namespace
 
 // The aims of the comparison themselves, at 2.5 particles across the nozzle's radius: 10 % of the frequency, 15 % of the radius. Measured
-// there and at finer spacings: docs/coils.md. The third is thin where it coils, which only a thread that bends as it should gets right; from 80 mm (the fourth) the same
-// fluid coils 10 to 12 % too fast at all spacings (the contact: a thread a quarter as thick as the coil is wide is not slender there) and is held to that. The probe's own uncertainty after seven turns is 1 to 2 %.
+// there and at finer spacings: docs/coils.md. The third is thin where it coils, which only a thread that bends as it should gets right;
+// from 80 mm (the fourth) the same fluid coils 10 to 12 % too fast at all spacings (the contact: a thread a quarter as thick as the coil is
+// wide is not slender there) and is held to that. The probe's own uncertainty after seven turns is 1 to 2 %.
 TEST_CASE(
     "coils in the viscous and in the inertio-gravitational regime turn as slender-thread theory says, within 10 %, on its radius within 15 "
     "%",
     "[validation][coil]") {
-    const CoilCase cases[] = {{0.25, 0.08, 1.0, 2.139, 0.017737}, {0.1, 0.12, 0.2, 1.5221, 0.016686}, {0.25, 0.12, 0.05, 5.48, 0.011502},
+    const CoilCase cases[] = {{0.25, 0.08, 1.0, 2.139, 0.017737},
+                              {0.1, 0.12, 0.2, 1.5221, 0.016686},
+                              {0.25, 0.12, 0.05, 5.48, 0.011502},
                               {0.25, 0.08, 0.05, 3.371, 0.013175, 0.14}};
     for (const CoilCase& c : cases) {
         INFO(c.speed << " m/s from " << c.fall << " m, " << c.nu << " m^2/s");

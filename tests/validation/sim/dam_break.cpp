@@ -1,7 +1,7 @@
 /// Densities through a whole dam break, and what fluid in a tank keeps.
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
 
+#include <catch2/catch.hpp>
 #include <cmath>
 
 #include "engine/models/pressure/density_rate.h"
@@ -25,8 +25,8 @@ struct Compression {
         solid_search.find(x, w.solid_particles.position, w.step.support, w.step.domain, solid_pairs);
         Column<Real> rho(x.size()), rate(x.size());
         DensityRate D;
-        D.build(WallImage(w.step.kernel, w.step.support, w.step.spacing), pairs, solid_pairs, w.solid_particles, w.step, Read<field::role>{w.fluid.column<field::role>()},
-                Read<field::velocity>{w.fluid.column<field::velocity>()}, rho, rate);
+        D.build(WallImage(w.step.kernel, w.step.support, w.step.spacing), pairs, solid_pairs, w.solid_particles, w.step,
+                Read<field::role>{w.fluid.column<field::role>()}, Read<field::velocity>{w.fluid.column<field::velocity>()}, rho, rate);
         for (const Real one : rho) {
             const double error = std::max(0.0, static_cast<double>(one / w.step.rest_density) - 1);
             mean += error / static_cast<double>(rho.size());
@@ -44,7 +44,10 @@ double level(const Simulation& simulation) {  // of water on a floor at 0
 
 }  // namespace
 
-TEST_CASE("no particle of a dam break is 1 % denser than water at any step, from the fall to the run-up and the backwash, and in the mean they are 0.1 % denser", "[validation][pressure]") {
+TEST_CASE(
+    "no particle of a dam break is 1 % denser than water at any step, from the fall to the run-up and the backwash, and in the mean they "
+    "are 0.1 % denser",
+    "[validation][pressure]") {
     // 10 layers, 2000 particles; 0.06 % in the mean measured, most of it from impacts at walls.
     Simulation simulation = simulation_of(R"toml([time]
 end = 1.6
@@ -82,8 +85,9 @@ inside = true
 }
 
 TEST_CASE("water that sloshes for 5 s keeps its volume within 0.5 %", "[validation][pressure]") {
-    // Resonant: the tank, 0.4 m long with water 0.15 m deep, is tilted to and fro with its first period. It stands still for a second before, in which the lattice melts,
-    // and for two and a half after, when the level is measured again (-0.15 %). Crests reach 4 cm, the lid is far.
+    // Resonant: the tank, 0.4 m long with water 0.15 m deep, is tilted to and fro with its first period. It stands still for a second
+    // before, in which the lattice melts, and for two and a half after, when the level is measured again (-0.15 %). Crests reach 4 cm, the
+    // lid is far.
     Simulation simulation = simulation_of(R"toml([time]
 end = 9
 max_step = 5e-3
@@ -120,9 +124,12 @@ inside = true
     CHECK(simulation.totals().lost_particles == 0);
 }
 
-TEST_CASE("a rotating square patch of water keeps its fourfold symmetry, its angular momentum and its energy, with both velocities that the constraint can leave it", "[validation][pressure]") {
-    // One radian. Every particle, turned by a right angle about the axis, falls on another one within a hundredth of a spacing; without viscosity and gravity nothing takes
-    // energy but what the pressure brakes (0.1 %).
+TEST_CASE(
+    "a rotating square patch of water keeps its fourfold symmetry, its angular momentum and its energy, with both velocities that the "
+    "constraint can leave it",
+    "[validation][pressure]") {
+    // One radian. Every particle, turned by a right angle about the axis, falls on another one within a hundredth of a spacing; without
+    // viscosity and gravity nothing takes energy but what the pressure brakes (0.1 %).
     for (const bool divergence_free : {false, true}) {
         INFO("divergence-free " << divergence_free);
         constexpr double d = 0.05;
@@ -144,7 +151,8 @@ velocity = ["-y", "x", "0"]
 pressure = "ppe"
 [pressure]
 divergence_free = {2}
-)toml", d, 5 * d, divergence_free));
+)toml",
+                                                          d, 5 * d, divergence_free));
         const auto measure = [&](double& turning, double& energy) {
             turning = energy = 0;
             const auto x = simulation.world().fluid.column<field::position>();

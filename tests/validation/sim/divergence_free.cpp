@@ -17,8 +17,12 @@ double kinetic_energy(const Simulation& simulation) { return measure(simulation.
 
 }  // namespace
 
-TEST_CASE("a Taylor-Green vortex of 16^3 scattered particles keeps 94 % of its energy for 0.3 s, where the constraint keeps less than 92 %, and never gains any", "[validation][pressure]") {
-    // 95.9 and 89.1 % were measured. A quarter of a turn at the fastest particle. Without viscosity the exact flow keeps its energy; the projection may only lose some.
+TEST_CASE(
+    "a Taylor-Green vortex of 16^3 scattered particles keeps 94 % of its energy for 0.3 s, where the constraint keeps less than 92 %, and "
+    "never gains any",
+    "[validation][pressure]") {
+    // 95.9 and 89.1 % were measured. A quarter of a turn at the fastest particle. Without viscosity the exact flow keeps its energy; the
+    // projection may only lose some.
     const std::string vortex = R"toml([time]
 end = 0.3
 [domain]
@@ -53,7 +57,10 @@ sampling = "blue_noise"
     }
 }
 
-TEST_CASE("water at rest on a floor comes to rest with a divergence-free velocity, too, with a density error below 0.05 %, speeds below 3 % of sqrt(2 g H), and no more than 0.5 % of its height lost", "[validation][pressure]") {
+TEST_CASE(
+    "water at rest on a floor comes to rest with a divergence-free velocity, too, with a density error below 0.05 %, speeds below 3 % of "
+    "sqrt(2 g H), and no more than 0.5 % of its height lost",
+    "[validation][pressure]") {
     const std::string column = R"toml([time]
 end = 1.5
 max_step = 5e-3

@@ -1,6 +1,7 @@
 /// Nothing gets through solids: not by falling on them, not where they sweep through the fluid as fast as they may.
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+
+#include <catch2/catch.hpp>
 
 #include "tests/support/runs.h"
 
@@ -12,8 +13,12 @@ constexpr double d = 0.0125;
 
 }  // namespace
 
-TEST_CASE("a block of water dropped into a container loses no particle and none stands outside of its walls, with every pressure model that has solids", "[validation][boundary]") {
-    for (const std::string models : {"pressure = \"ppe\"\n", "pressure = \"wcsph\"\n", "pressure = \"ppe\"\n[pressure]\ndivergence_free = true\n"}) {
+TEST_CASE(
+    "a block of water dropped into a container loses no particle and none stands outside of its walls, with every pressure model that has "
+    "solids",
+    "[validation][boundary]") {
+    for (const std::string models :
+         {"pressure = \"ppe\"\n", "pressure = \"wcsph\"\n", "pressure = \"ppe\"\n[pressure]\ndivergence_free = true\n"}) {
         INFO(models);
         Simulation simulation = test::simulation_of(fmt::format(R"toml([time]
 end = 0.5
@@ -33,7 +38,8 @@ min = [0, 0, 0]
 max = [0.2, 0.75, 0.15]
 inside = true
 [models]
-{})toml", d, models));
+{})toml",
+                                                                d, models));
         const Index particles = simulation.world().fluid.size();
         test::run_until(simulation, 0.5);
         CHECK(simulation.totals().lost_particles == 0);
@@ -44,7 +50,8 @@ inside = true
 }
 
 TEST_CASE("a plate of three spacings that sweeps through water by a spacing a step leaves no particle behind", "[validation][boundary]") {
-    // 6.25 m/s for 16 ms, then it stops. fixed_step: the step is not cut to the plate's speed. The water goes up at the far wall, within 1 m.
+    // 6.25 m/s for 16 ms, then it stops. fixed_step: the step is not cut to the plate's speed. The water goes up at the far wall, within 1
+    // m.
     Simulation simulation = test::simulation_of(fmt::format(R"toml([time]
 end = 0.1
 fixed_step = 2e-3
@@ -69,7 +76,8 @@ shape = "box"
 min = [0, -0.05, -0.05]
 max = [0.0375, 1.95, 0.15]
 position = ["t < 0.016 ? 6.25*t : 0.1", 0, 0]
-)toml", d));
+)toml",
+                                                            d));
     const Index particles = simulation.world().fluid.size();
     while (simulation.time() < 0.1) {
         REQUIRE_FALSE(simulation.step(0.1).diverged);

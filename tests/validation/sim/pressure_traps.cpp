@@ -1,7 +1,7 @@
 /// Where a pressure solve can hang, divide by nothing or tear the fluid apart. (A full closed box and a slot: at_rest.cpp.)
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
 
+#include <catch2/catch.hpp>
 #include <cmath>
 
 #include "engine/scene/read.h"
@@ -14,8 +14,9 @@ namespace {
 constexpr double g = 9.81;
 
 Scene scene(const std::string& text, const std::string& preconditioner) {
-    return read_scene_text("[time]\nend = 1\nmax_step = 5e-3\n[models]\npressure = \"ppe\"\n[pressure]\npreconditioner = \"" + preconditioner + "\"\n" + text,
-                           "trap.toml");
+    return read_scene_text(
+        "[time]\nend = 1\nmax_step = 5e-3\n[models]\npressure = \"ppe\"\n[pressure]\npreconditioner = \"" + preconditioner + "\"\n" + text,
+        "trap.toml");
 }
 
 double kinetic_energy(const Simulation& simulation) {
@@ -31,14 +32,16 @@ double mean_compression(const Simulation& simulation) {
     return sum;
 }
 
-const std::string tank = "[domain]\nmin = [-0.05, -0.05, -0.05]\nmax = [0.35, 0.5, 0.15]\n[fluid]\nspacing = 0.01\n"
-                         "[[solid]]\nshape = \"box\"\ninside = true\nmin = [0, 0, 0]\nmax = [0.3, 0.45, 0.1]\n";
+const std::string tank =
+    "[domain]\nmin = [-0.05, -0.05, -0.05]\nmax = [0.35, 0.5, 0.15]\n[fluid]\nspacing = 0.01\n"
+    "[[solid]]\nshape = \"box\"\ninside = true\nmin = [0, 0, 0]\nmax = [0.3, 0.45, 0.1]\n";
 
 }  // namespace
 
-TEST_CASE("a Taylor-Green vortex of 16^3 particles on a lattice that fills a periodic box never gains energy, and every solve converges", "[validation][sim]") {
-    // Nothing can give way there: asked for densities below that at rest, the pressures would grow without bound (the time step collapsed at 0.05 s). The
-    // energy may rise by what a step's correction of uneven densities adds, 1 % of the start.
+TEST_CASE("a Taylor-Green vortex of 16^3 particles on a lattice that fills a periodic box never gains energy, and every solve converges",
+          "[validation][sim]") {
+    // Nothing can give way there: asked for densities below that at rest, the pressures would grow without bound (the time step collapsed
+    // at 0.05 s). The energy may rise by what a step's correction of uneven densities adds, 1 % of the start.
     for (const std::string preconditioner : {"jacobi", "multigrid"}) {
         INFO(preconditioner);
         const Scene vortex = scene(R"toml([domain]
@@ -53,7 +56,8 @@ shape = "box"
 min = [0, 0, 0]
 max = [1, 1, 1]
 velocity = ["sin(2*pi*x)*cos(2*pi*y)", "-cos(2*pi*x)*sin(2*pi*y)", "0"]
-)toml", preconditioner);
+)toml",
+                                   preconditioner);
         Simulation simulation(vortex, make_plan(vortex));
         const double start = kinetic_energy(simulation);
         double most = 0;
@@ -80,14 +84,15 @@ max = [0.1, 0.2, 0.1]
 shape = "box"
 min = [0.2, 0, 0]
 max = [0.3, 0.05, 0.1]
-)toml", "multigrid");
+)toml",
+                              "multigrid");
     Simulation simulation(pools, make_plan(pools));
     while (simulation.time() < 0.3) REQUIRE_FALSE(simulation.step(0.3).diverged);
     CHECK(simulation.totals().unconverged_solves == 0);
     CHECK(simulation.totals().lost_particles == 0);
     CHECK(mean_compression(simulation) < 1e-3);
-    // Pressures in the lower half, over 0.1 s: their own weights within 10 % (lattices that still melt, 20 and 5 layers). Without the lowest layer, which
-    // is known to carry a layer's weight too much (docs/physics.md 3).
+    // Pressures in the lower half, over 0.1 s: their own weights within 10 % (lattices that still melt, 20 and 5 layers). Without the
+    // lowest layer, which is known to carry a layer's weight too much (docs/physics.md 3).
     double weight[2] = {0, 0}, exact[2] = {0, 0};
     while (simulation.time() < 0.4) {
         REQUIRE_FALSE(simulation.step(0.4).diverged);
@@ -114,7 +119,8 @@ max = [0.3, 0.05, 0.1]
 shape = "sphere"
 position = [0.2, 0.38, 0.05]
 radius = 0.03
-)toml", preconditioner);
+)toml",
+                                 preconditioner);
         Simulation simulation(drop, make_plan(drop));
         const double end = 0.2;
         while (simulation.time() < end) REQUIRE_FALSE(simulation.step(end).diverged);
@@ -134,8 +140,9 @@ radius = 0.03
 }
 
 TEST_CASE("two blocks that overlap at the start are pushed apart without a burst, and no particle is lost", "[validation][sim]") {
-    // Half of each block lies in the other: twice the density, and single pairs nearly on top of each other. What is pressed together leaves at most by
-    // 5 % of its density times the share of a step; the fastest stays below the speed of a fall through the tank. Steps that do not converge say so.
+    // Half of each block lies in the other: twice the density, and single pairs nearly on top of each other. What is pressed together
+    // leaves at most by 5 % of its density times the share of a step; the fastest stays below the speed of a fall through the tank. Steps
+    // that do not converge say so.
     const Scene blocks = scene(tank + R"toml([[block]]
 shape = "box"
 min = [0, 0, 0]
@@ -144,7 +151,8 @@ max = [0.1, 0.1, 0.1]
 shape = "box"
 min = [0.055, 0.004, 0]
 max = [0.165, 0.104, 0.1]
-)toml", "multigrid");
+)toml",
+                               "multigrid");
     Simulation simulation(blocks, make_plan(blocks));
     double fastest = 0;
     while (simulation.time() < 0.4) {

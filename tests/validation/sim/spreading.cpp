@@ -1,7 +1,7 @@
 /// A puddle of syrup on a plate against the similarity solution of the viscous gravity current (Huppert 1982).
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
 
+#include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
 
@@ -33,26 +33,30 @@ max = [0.1, 0.05, 0.1]
 spacing = {}
 viscosity = {}
 {}
-)toml", d, 1000 * nu, rest);
+)toml",
+                                   d, 1000 * nu, rest);
     for (int layer = 0; layer * d < height - d / 2; ++layer)
-        text += fmt::format("[[block]]\nshape = \"cylinder\"\nfrom = [0, {}, 0]\nto = [0, {}, 0]\nradius = {}\nsampling = \"blue_noise\"\n", layer * d, (layer + 1) * d,
-                            radius * std::sqrt(1 - std::pow((layer + 0.5) * d / height, 3)));
+        text += fmt::format("[[block]]\nshape = \"cylinder\"\nfrom = [0, {}, 0]\nto = [0, {}, 0]\nradius = {}\nsampling = \"blue_noise\"\n",
+                            layer * d, (layer + 1) * d, radius * std::sqrt(1 - std::pow((layer + 0.5) * d / height, 3)));
     return text;
 }
 
 }  // namespace
 
-TEST_CASE("a puddle on a plate spreads as t^(1/8) within 2 %, with the coupled solve within 5 %, from six layers of particles to four", "[validation][sim][spreading]") {
-    // It starts with the profile of the similarity solution and takes three times the time that a point source would have taken so far. The radius is that of a
-    // similarity profile with the same mean square distance from the axis: where the front is, half a spacing of doubt is 2 %. The coupled solve makes particles
-    // stick whose centre comes within half a spacing of the plate, so that its plate lies that much higher (6 % of the radius here); with a slip
-    // length of next to nothing it is where it should be, but the pool loses some of its volume: 2.4 % measured.
+TEST_CASE("a puddle on a plate spreads as t^(1/8) within 2 %, with the coupled solve within 5 %, from six layers of particles to four",
+          "[validation][sim][spreading]") {
+    // It starts with the profile of the similarity solution and takes three times the time that a point source would have taken so far. The
+    // radius is that of a similarity profile with the same mean square distance from the axis: where the front is, half a spacing of doubt
+    // is 2 %. The coupled solve makes particles stick whose centre comes within half a spacing of the plate, so that its plate lies that
+    // much higher (6 % of the radius here); with a slip length of next to nothing it is where it should be, but the pool loses some of its
+    // volume: 2.4 % measured.
     struct Case {
         std::string models;
         double tolerance;
     };
     const std::string sticking = "[[solid]]\nshape = \"plane\"\n", rubbing = sticking + "slip = \"navier\"\nslip_length = 1e-9\n";
-    for (const Case& c : {Case{"[models]\npressure = \"ppe\"\nviscosity = \"full\"\n" + sticking, 0.02}, Case{"[models]\npressure = \"ppe\"\nviscosity = \"pairwise\"\n" + sticking, 0.02},
+    for (const Case& c : {Case{"[models]\npressure = \"ppe\"\nviscosity = \"full\"\n" + sticking, 0.02},
+                          Case{"[models]\npressure = \"ppe\"\nviscosity = \"pairwise\"\n" + sticking, 0.02},
                           Case{"[models]\npressure = \"coupled\"\n" + rubbing, 0.05}}) {
         INFO(c.models);
         Simulation simulation = simulation_of(puddle(24 * d, 6 * d, c.models));

@@ -152,7 +152,8 @@ TEST_CASE("the page fits a phone and can be used with the keyboard alone", "[liv
     REQUIRE(browser.wait_for("document.querySelector('[data-path=\"fluid.viscosity\"]')"));
     CHECK(browser.evaluate("document.documentElement.scrollWidth") == 390);
     // The knobs are not far below the picture that they change.
-    CHECK(browser.evaluate("(() => { const top = id => document.getElementById(id).getBoundingClientRect().top; return top('frame') < top('buttons') && top('buttons') < "
+    CHECK(browser.evaluate("(() => { const top = id => document.getElementById(id).getBoundingClientRect().top; return top('frame') < "
+                           "top('buttons') && top('buttons') < "
                            "top('knobs') && top('knobs') < top('facts') && top('facts') < top('plots'); })()") == true);
     // Everything that can be pressed has a name, and can be reached.
     CHECK(browser.evaluate("[...document.querySelectorAll('button, a, input, select, summary')].filter(e => e.tabIndex < 0 || "
@@ -191,7 +192,10 @@ TEST_CASE("the page draws the coil's frequency and radius with theory's beside t
     CHECK(before == Approx(2.14).epsilon(0.05));
     // A slider moves theory as it moves the fluid.
     browser.slide("[data-path=\"fluid.viscosity\"] input[type=range]", 250);
-    CHECK(browser.wait_for("state.values['fluid.viscosity'] < 500 && state.probes.coil.theory_frequency && Math.abs(state.probes.coil.theory_frequency / " + std::to_string(before) + " - 1) > 0.02", 120));
+    CHECK(browser.wait_for(
+        "state.values['fluid.viscosity'] < 500 && state.probes.coil.theory_frequency && Math.abs(state.probes.coil.theory_frequency / " +
+            std::to_string(before) + " - 1) > 0.02",
+        120));
     if (const char* file = std::getenv("WHORL_PICTURE")) browser.screenshot(file, true);
     CHECK(live.end().code == 0);
 }

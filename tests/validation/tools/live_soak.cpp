@@ -1,6 +1,7 @@
-// Long measurements of a live run; not tests that run by themselves: whorl_validation "[soak]" (minutes from WHORL_SOAK_MINUTES), "[latency]".
-#include <catch2/catch.hpp>
+// Long measurements of a live run; not tests that run by themselves: whorl_validation "[soak]" (minutes from WHORL_SOAK_MINUTES),
+// "[latency]".
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -49,7 +50,10 @@ TEST_CASE("sliders moved at random for minutes: memory stays as it was (frame ti
     LiveProgram live(shipped("honey_coil.toml"), {"--unpaced", "--size", "320x180", "--set", "fluid.spacing=4e-3"});
     std::mt19937 random(1);
     std::uniform_real_distribution<double> share(0, 1);
-    struct Row { double time, memory, frame_ms; int particles; };
+    struct Row {
+        double time, memory, frame_ms;
+        int particles;
+    };
     std::vector<Row> rows;
     const double began = now();
     double shown = began;
@@ -71,8 +75,8 @@ TEST_CASE("sliders moved at random for minutes: memory stays as it was (frame ti
         rows.push_back({now() - began, s.at("memory_bytes").get<double>(), s.at("frame_ms").get<double>(), s.at("particles").get<int>()});
         if (now() - shown > 30) {
             shown = now();
-            std::printf("%5.0f s: %4.0f MB, frame %6.1f ms, %d particles, %d changes\n", rows.back().time, rows.back().memory / 1e6, rows.back().frame_ms,
-                        rows.back().particles, changes);
+            std::printf("%5.0f s: %4.0f MB, frame %6.1f ms, %d particles, %d changes\n", rows.back().time, rows.back().memory / 1e6,
+                        rows.back().frame_ms, rows.back().particles, changes);
             std::fflush(stdout);
         }
         std::this_thread::sleep_for(std::chrono::milliseconds(100));
@@ -84,7 +88,8 @@ TEST_CASE("sliders moved at random for minutes: memory stays as it was (frame ti
         if (r.time < seconds / 3) first = std::max(first, r.memory), early.push_back(r.frame_ms);
         if (r.time > 2 * seconds / 3) last = std::max(last, r.memory), late.push_back(r.frame_ms);
     }
-    std::printf("memory %.0f -> %.0f MB, frame %.1f -> %.1f ms (medians), %d changes\n", first / 1e6, last / 1e6, median(early), median(late), changes);
+    std::printf("memory %.0f -> %.0f MB, frame %.1f -> %.1f ms (medians), %d changes\n", first / 1e6, last / 1e6, median(early),
+                median(late), changes);
     CHECK(refused == 0);
     CHECK(last < 1.1 * first);
     CHECK(live.end().code == 0);
@@ -108,7 +113,7 @@ TEST_CASE("how long a change takes to show", "[.][latency]") {
         live.post("/set", json{{"fluid.viscosity", k % 2 == 0 ? 900 : 1100}}.dump());
         physics.push_back(seconds_until_picture(live, s.at("picture"), s.at("frame").get<int>() + 1, from));
     }
-    std::printf("median: look %.0f ms (paused), viscosity %.0f ms (while it pours, %d particles)\n", 1e3 * median(look), 1e3 * median(physics),
-                live.state().at("particles").get<int>());
+    std::printf("median: look %.0f ms (paused), viscosity %.0f ms (while it pours, %d particles)\n", 1e3 * median(look),
+                1e3 * median(physics), live.state().at("particles").get<int>());
     CHECK(live.end().code == 0);
 }

@@ -1,5 +1,6 @@
-/// Prints docs/viscosity.md: what each viscous model keeps, how stiff a rope of few particles is with it, how fast waves decay, what a step costs, and
-/// the iterations of the preconditioners. whorl_viscosity_table > docs/viscosity.md; with --large also half a million particles (an hour, 4 GB).
+/// Prints docs/viscosity.md: what each viscous model keeps, how stiff a rope of few particles is with it, how fast waves decay, what a step
+/// costs, and the iterations of the preconditioners. whorl_viscosity_table > docs/viscosity.md; with --large also half a million particles
+/// (an hour, 4 GB).
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -26,7 +27,8 @@ double dissipation(TestWorld& w, const std::vector<Vec3>& acceleration) {
     return sum;
 }
 
-/// Momentum and angular momentum that one evaluation makes from nothing, over the sum of |m a| (and the body's half length), for a noisy velocity.
+/// Momentum and angular momentum that one evaluation makes from nothing, over the sum of |m a| (and the body's half length), for a noisy
+/// velocity.
 void kept(const ViscousModel& model, double& momentum, double& angular) {
     std::vector<Vec3> x = rope(3.5 * d, 20 * d, d);
     TestWorld w = body(x, d, model.support, density);
@@ -44,7 +46,8 @@ void kept(const ViscousModel& model, double& momentum, double& angular) {
     angular = L.norm() / (scale * 10 * d);
 }
 
-/// The part of a rigid rotation about a rope's axis that one second's worth of a step at nu dt/d^2 = 10 destroys, were it to go on as it begins.
+/// The part of a rigid rotation about a rope's axis that one second's worth of a step at nu dt/d^2 = 10 destroys, were it to go on as it
+/// begins.
 double braking(const ViscousModel& model) {
     std::vector<Vec3> x = rope(2.5 * d, 20 * d, d);
     const double nu = 1, dt = 10 * d * d / nu;
@@ -58,8 +61,8 @@ double braking(const ViscousModel& model) {
 
 enum class Strain { stretching, bending, torsion };
 
-/// Dissipation of a rope `across` particles thick in a field of pure stretching, bending or torsion, over that of the continuum: 3 mu A, 3 mu I, 2 mu I
-/// times the rate squared and the length.
+/// Dissipation of a rope `across` particles thick in a field of pure stretching, bending or torsion, over that of the continuum: 3 mu A, 3
+/// mu I, 2 mu I times the rate squared and the length.
 double stiffness(const ViscousModel& model, Strain strain, int across) {
     const double a = 0.5 * across * d, L = 40 * d, mu = density;
     std::vector<Vec3> x = rope(a, L, d);
@@ -81,7 +84,8 @@ TestWorld wave(const ViscousModel& model, int side, double nu) {
     const double L = side * d, width = 2 * model.support * d, k = 2 * std::numbers::pi / L;
     TestWorld w(d, model.support, Domain{Vec3::Zero(), Vec3(Real(width), Real(L), Real(width)), {true, true, true}});
     w.world.fluid.declare(field_info<field::density>(), true);
-    w.place(Vec3::Zero(), Vec3(Real(width), Real(L), Real(width)), density * nu, [&](const Vec3& x) { return Vec3(Real(std::sin(k * x.y())), 0, 0); });
+    w.place(Vec3::Zero(), Vec3(Real(width), Real(L), Real(width)), density * nu,
+            [&](const Vec3& x) { return Vec3(Real(std::sin(k * x.y())), 0, 0); });
     w.find_pairs();
     for (Real& rho : w.column<field::density>()) rho = Real(density);
     return w;
@@ -114,18 +118,24 @@ double largest_step(const ViscousModel& model) {
 }
 
 void print_models() {
-    fmt::print("## What each model keeps, and how stiff it is\n\n"
-               "Free bodies of blue noise. Momentum and angular momentum: what one evaluation makes from nothing, over the sum of the forces' sizes (times the body's "
-               "half length). Braking: the part of a rigid rotation about a rope's axis, 5 particles across, that a step with nu dt/d^2 = 10 takes away.\n\n"
-               "| model | R/d | momentum | angular momentum | braking |\n|---|---|---|---|---|\n");
+    fmt::print(
+        "## What each model keeps, and how stiff it is\n\n"
+        "Free bodies of blue noise. Momentum and angular momentum: what one evaluation makes from nothing, over the sum of the forces' "
+        "sizes (times the body's "
+        "half length). Braking: the part of a rigid rotation about a rope's axis, 5 particles across, that a step with nu dt/d^2 = 10 "
+        "takes away.\n\n"
+        "| model | R/d | momentum | angular momentum | braking |\n|---|---|---|---|---|\n");
     for (const ViscousModel& m : viscous_models()) {
         double p = 0, L = 0;
         kept(m, p, L);
         fmt::print("| {} | {:g} | {:.1e} | {:.1e} | {:.1f} % |\n", m.name, m.support, p, L, 100 * braking(m));
     }
-    fmt::print("\nDissipation of a rope, 3 to 8 particles across and 40 long, in pure stretching, bending and torsion, over the exact 3 mu A, 3 mu I and 2 mu I; 1 is right. "
-               "One application, no time stepping.\n\n| model | R/d |");
-    const std::vector<std::pair<Strain, const char*>> strains{{Strain::stretching, "stretching"}, {Strain::bending, "bending"}, {Strain::torsion, "torsion"}};
+    fmt::print(
+        "\nDissipation of a rope, 3 to 8 particles across and 40 long, in pure stretching, bending and torsion, over the exact 3 mu A, 3 "
+        "mu I and 2 mu I; 1 is right. "
+        "One application, no time stepping.\n\n| model | R/d |");
+    const std::vector<std::pair<Strain, const char*>> strains{
+        {Strain::stretching, "stretching"}, {Strain::bending, "bending"}, {Strain::torsion, "torsion"}};
     for (const auto& [strain, name] : strains) fmt::print(" {} 3 | 4 | 5 | 6 | 8 |", name);
     fmt::print("\n|---|---|");
     for (int k = 0; k < 15; ++k) fmt::print("---|");
@@ -134,12 +144,16 @@ void print_models() {
         for (const auto& [strain, name] : strains)
             for (const int across : {3, 4, 5, 6, 8}) fmt::print(" {:.2f} |", stiffness(m, strain, across));
     }
-    fmt::print("\n\n## Waves and steps\n\n"
-               "Decay of a shear wave along the axis of a lattice, 8 to 64 particles long, over nu k^2; the order in the spacing of what changes from 16 to 64 particles "
-               "(pairwise forms converge to their lattice's stiffness, not to 1). Largest stable explicit step nu dt/d^2 on a lattice (none for implicit models). "
-               "CPU of a step of 4,000 particles on one thread at nu dt/d^2 = 0.1 (explicit) and 100 (implicit, from rest, tolerance 1e-3), without the neighbour search.\n\n"
-               "| model | R/d | 8 | 16 | 32 | 64 | order | largest nu dt/d^2 | iterations at 1 | at 100 | at 10^4 | ns a particle |\n"
-               "|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+    fmt::print(
+        "\n\n## Waves and steps\n\n"
+        "Decay of a shear wave along the axis of a lattice, 8 to 64 particles long, over nu k^2; the order in the spacing of what changes "
+        "from 16 to 64 particles "
+        "(pairwise forms converge to their lattice's stiffness, not to 1). Largest stable explicit step nu dt/d^2 on a lattice (none for "
+        "implicit models). "
+        "CPU of a step of 4,000 particles on one thread at nu dt/d^2 = 0.1 (explicit) and 100 (implicit, from rest, tolerance 1e-3), "
+        "without the neighbour search.\n\n"
+        "| model | R/d | 8 | 16 | 32 | 64 | order | largest nu dt/d^2 | iterations at 1 | at 100 | at 10^4 | ns a particle |\n"
+        "|---|---|---|---|---|---|---|---|---|---|---|---|\n");
     for (const ViscousModel& m : viscous_models()) {
         fmt::print("| {} | {:g} |", m.name, m.support);
         double rate[4];
@@ -185,15 +199,18 @@ int main(int count, char** arguments) {
     app.add_flag("--only-large", only_large, "half a million particles alone");
     app.add_flag("--preconditioners", only_preconditioners, "no models, preconditioners alone");
     app.add_option("--solve", solve, "preconditioners of this solve alone")->check(CLI::IsMember({"full", "coupled"}));
-    app.add_option("--preconditioner", rows.only, "fills the columns of this one alone")->check(CLI::IsMember({"none", "block_jacobi", "two_level"}));
+    app.add_option("--preconditioner", rows.only, "fills the columns of this one alone")
+        ->check(CLI::IsMember({"none", "block_jacobi", "two_level"}));
     app.add_option("--K", rows.K, "nu dt/d^2 of the preconditioners' rows")->capture_default_str();
     CLI11_PARSE(app, count, arguments);
     rows.large = rows.large || only_large, rows.small = !only_large;
     rows.full = solve != "coupled", rows.coupled = solve != "full";
     set_threads(1);
     if (!only_preconditioners) {
-        fmt::print("# Viscous models beside each other\n\nGenerated by `build/release/tools/bench/whorl_viscosity_table{}`; the equations are in physics.md, section 4.\n\n",
-                   rows.large ? " --large" : "");
+        fmt::print(
+            "# Viscous models beside each other\n\nGenerated by `build/release/tools/bench/whorl_viscosity_table{}`; the equations are in "
+            "physics.md, section 4.\n\n",
+            rows.large ? " --large" : "");
         print_models();
     }
     print_preconditioners(rows);

@@ -13,7 +13,9 @@ namespace whorl {
 namespace {
 
 template <class F>
-Read<F> read(test::TestWorld& w) { return {std::as_const(w.world.fluid).template column<F>()}; }
+Read<F> read(test::TestWorld& w) {
+    return {std::as_const(w.world.fluid).template column<F>()};
+}
 
 /// -(A u - u)/dt of an implicit operator that is set up with a short step.
 template <class Operator, class SetUp>
@@ -31,8 +33,8 @@ std::vector<Vec3> acceleration_of(test::TestWorld& w, const SetUp& set_up) {
 std::vector<Vec3> explicit_acceleration(test::TestWorld& w, bool monaghan) {
     std::vector<Vec3> a(w.column<field::velocity>().size(), Vec3::Zero());
     World& c = w.world;
-    ExplicitViscosity{{monaghan, 1}}(c.fluid_pairs, c.solid_pairs, c.solids, c.solid_particles, c.step, read<field::role>(w), read<field::density>(w),
-                                     read<field::viscosity>(w), read<field::velocity>(w), {{Span<Vec3>(a)}});
+    ExplicitViscosity{{monaghan, 1}}(c.fluid_pairs, c.solid_pairs, c.solids, c.solid_particles, c.step, read<field::role>(w),
+                                     read<field::density>(w), read<field::viscosity>(w), read<field::velocity>(w), {{Span<Vec3>(a)}});
     return a;
 }
 
@@ -63,7 +65,9 @@ std::vector<ViscousModel> viscous_models() {
     for (const bool monaghan : {false, true})
         all.push_back({monaghan ? "explicit, monaghan" : "explicit, brookshaw", false, monaghan ? 4.0 : 2.0,
                        [monaghan](test::TestWorld& w) { return explicit_acceleration(w, monaghan); },
-                       [=](double) { return around(stage(ExplicitViscosity{{monaghan, 1}}), true); }});
+                       [=](double) {
+                           return around(stage(ExplicitViscosity{{monaghan, 1}}), true);
+                       }});
     for (const double support : {2.0, 4.0})
         all.push_back({"pairwise", true, support,
                        [](test::TestWorld& w) {

@@ -21,11 +21,13 @@ using test::TestWorld;
 
 constexpr double d = 0.01, density = 1000;
 
-/// A thread that coils: a pile on a plate, a thread above it that hangs from a nozzle. @param scale 1: four thousand particles @param uneven d, off the lattice
+/// A thread that coils: a pile on a plate, a thread above it that hangs from a nozzle. @param scale 1: four thousand particles @param
+/// uneven d, off the lattice
 /// @param stuck the fluid next to the plate is held by its role, for a solve that knows no layer of solid particles
 TestWorld coil(double scale, double uneven, double nu, const std::vector<Stage>& stages, bool stuck) {
     const double pile = 11 * scale * d, height = 5.5 * scale * d, thread = 4 * scale * d, top = 34 * scale * d;
-    TestWorld w(d, 2, Domain{Vec3(Real(-2 * pile), Real(-8 * d), Real(-2 * pile)), Vec3(Real(2 * pile), Real(2 * top), Real(2 * pile)), {}});
+    TestWorld w(d, 2,
+                Domain{Vec3(Real(-2 * pile), Real(-8 * d), Real(-2 * pile)), Vec3(Real(2 * pile), Real(2 * top), Real(2 * pile)), {}});
     w.use(stages);
     w.add_wall(1, +1, 0);
     w.place(Vec3(Real(-pile), 0, Real(-pile)), Vec3(Real(pile), Real(top), Real(pile)), density * nu,
@@ -39,7 +41,8 @@ TestWorld coil(double scale, double uneven, double nu, const std::vector<Stage>&
         const double r = std::hypot(one.x(), one.z());
         if (r < (one.y() < height ? pile : thread)) kept.push_back(i);
         role[static_cast<std::size_t>(i)] = one.y() > top - 3 * d ? -1 : 0;
-        if (stuck && one.y() < d) role[static_cast<std::size_t>(i)] = -1, w.column<field::velocity>()[static_cast<std::size_t>(i)].setZero();
+        if (stuck && one.y() < d)
+            role[static_cast<std::size_t>(i)] = -1, w.column<field::velocity>()[static_cast<std::size_t>(i)].setZero();
         one += Real(2 * uneven * d) * (Vec3(Real(random()), Real(random()), Real(random())) - Vec3::Constant(Real(0.5)));
     }
     w.world.fluid.gather(kept);
@@ -72,8 +75,10 @@ std::vector<Vec3> exact(double scale, double uneven, double K, const Solver& sol
     return velocities(w);
 }
 
-/// The first step, and the mean of four that follow: each moves the particles by 0.01 d, adds 5 % of a fall and 1 % of noise to the velocity.
-Cost cost(double scale, double uneven, double K, ViscousPreconditioner preconditioner, const Solver& solver, const std::vector<Vec3>& exact_velocity) {
+/// The first step, and the mean of four that follow: each moves the particles by 0.01 d, adds 5 % of a fall and 1 % of noise to the
+/// velocity.
+Cost cost(double scale, double uneven, double K, ViscousPreconditioner preconditioner, const Solver& solver,
+          const std::vector<Vec3>& exact_velocity) {
     TestWorld w = coil(scale, uneven, 1, solver.stages(preconditioner, {3e-3, 5000}), solver.holds_by_role);
     RandomNumbers random(2);
     const auto noise = [&] { return Vec3(Vec3(Real(random()), Real(random()), Real(random())) - Vec3::Constant(Real(0.5))); };
@@ -105,7 +110,8 @@ Cost cost(double scale, double uneven, double K, ViscousPreconditioner precondit
         c.cold = solve.iterations;
         double wrong = 0, all = 0;
         const std::vector<Vec3> now = velocities(w);
-        for (std::size_t i = 0; i < now.size(); ++i) wrong += (now[i] - exact_velocity[i]).squaredNorm(), all += exact_velocity[i].squaredNorm();
+        for (std::size_t i = 0; i < now.size(); ++i)
+            wrong += (now[i] - exact_velocity[i]).squaredNorm(), all += exact_velocity[i].squaredNorm();
         c.error = std::sqrt(wrong / all);
     }
     return c;
@@ -165,16 +171,21 @@ void print_table(const PreconditionerRows& rows, const Solver& solver) {
 
 void print_preconditioners(const PreconditionerRows& rows) {
     if (rows.full) {
-        fmt::print("\n## Preconditioners of `full`\n\n"
-                   "A thread on its pile on a plate, hanging from a nozzle, K = nu dt/d^2. Iterations from rest / in the steps that follow (particles moved by 0.01 d, velocity changed by "
-                   "5 %), until sqrt(r.z) is 3e-3 of sqrt(b.B^-1 b); the velocity's error after the first of these solves; CPU ms of a following step with search and set-up, one thread. "
-                   "Uneven: up to 0.3 d off the lattice. Each is judged by the norm of its own preconditioner: the same number means different errors. `auto` takes block_jacobi up "
-                   "to K = 4, two_level above.\n\n");
+        fmt::print(
+            "\n## Preconditioners of `full`\n\n"
+            "A thread on its pile on a plate, hanging from a nozzle, K = nu dt/d^2. Iterations from rest / in the steps that follow "
+            "(particles moved by 0.01 d, velocity changed by "
+            "5 %), until sqrt(r.z) is 3e-3 of sqrt(b.B^-1 b); the velocity's error after the first of these solves; CPU ms of a following "
+            "step with search and set-up, one thread. "
+            "Uneven: up to 0.3 d off the lattice. Each is judged by the norm of its own preconditioner: the same number means different "
+            "errors. `auto` takes block_jacobi up "
+            "to K = 4, two_level above.\n\n");
         print_table(rows, {full, false});
     }
     if (rows.coupled) {
-        fmt::print("\n## Preconditioners of `coupled`\n\n"
-                   "The same thread and the same test, kernel radius 3 d; what is nearer to the plate than a spacing sticks to it.\n\n");
+        fmt::print(
+            "\n## Preconditioners of `coupled`\n\n"
+            "The same thread and the same test, kernel radius 3 d; what is nearer to the plate than a spacing sticks to it.\n\n");
         print_table(rows, {coupled, true});
     }
 }
