@@ -24,19 +24,29 @@ if(WHORL_SANITIZE)
   target_link_options(whorl_flags INTERFACE -fsanitize=${WHORL_SANITIZE})
 endif()
 # What computes nothing to speak of (reading scenes, the command line, tests) is optimised little: that halves its compile time. A target says so
-# by the property WHORL_COLD, sources of a hot target by cold_sources().
+# by the property WHORL_COLD.
 if(NOT CMAKE_BUILD_TYPE STREQUAL "Debug" AND NOT WHORL_SANITIZE)
   target_compile_options(whorl_flags INTERFACE $<IF:$<BOOL:$<TARGET_PROPERTY:WHORL_COLD>>,-O1,-O3>)
 endif()
-function(cold_sources)
-  if(NOT CMAKE_BUILD_TYPE STREQUAL "Debug")
-    set_property(SOURCE ${ARGN} APPEND PROPERTY COMPILE_OPTIONS -O1)
-  endif()
-endfunction()
 
 # What nearly every source includes, compiled once for a target (two fifths of its compile time), with what else most of the target's sources include.
 function(precompile_headers target)
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
   target_precompile_headers(${target} PRIVATE <Eigen/Core> <Eigen/Geometry> <algorithm> <cmath> <filesystem> <functional> <map> <memory> <optional>
                             <string> <variant> <vector> <fmt/format.h> ${ARGN})
+endfunction()
+
+# Where CMAKE_UNITY_BUILD is on (the presets), the sources of a folder are compiled as one: their headers are read once. So names in unnamed
+# namespaces are unique within a folder.
+function(unity_by_folder target)
+  get_target_property(sources ${target} SOURCES)
+  foreach(source IN LISTS sources)
+    if(source MATCHES "\\.cpp$")
+      file(RELATIVE_PATH path ${PROJECT_SOURCE_DIR} ${source})
+      get_filename_component(folder ${path} DIRECTORY)
+      string(REPLACE "/" "_" group ${folder})
+      set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${group})
+    endif()
+  endforeach()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
 endfunction()

@@ -276,7 +276,7 @@ struct ListCodec {
     }
     static L read(const Value& v) {
         L list;
-        for (int a = 0; a < Count; ++a) list[a] = KeyCodec<T>::read((*v.as<Value::List>())[static_cast<std::size_t>(a)]);
+        for (int a = 0; a < Count; ++a) list[a] = KeyCodec<T>::read((*v.as<Value::List>())[a]);
         return list;
     }
 };

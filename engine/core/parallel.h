@@ -60,11 +60,11 @@ template <class T, class F>
 T parallel_sum(Index n, T zero, F&& f) {
     constexpr Index block = 1024;
     const Index blocks = (n + block - 1) / block;
-    std::vector<T> partial(static_cast<std::size_t>(blocks), zero);
+    std::vector<T> partial(blocks, zero);
     parallel_blocks(n, block, [&](Index begin, Index end) {
         T sum = zero;
         for (Index i = begin; i < end; ++i) sum += f(i);
-        partial[static_cast<std::size_t>(begin / block)] = sum;
+        partial[begin / block] = sum;
     });
     T total = zero;
     for (const T& p : partial) total += p;
@@ -81,11 +81,11 @@ template <class F>
 double parallel_max(Index n, double lowest, F&& f) {
     constexpr Index block = 1024;
     const Index blocks = (n + block - 1) / block;
-    std::vector<double> partial(static_cast<std::size_t>(blocks), lowest);
+    std::vector<double> partial(blocks, lowest);
     parallel_blocks(n, block, [&](Index begin, Index end) {
         double most = lowest;
         for (Index i = begin; i < end; ++i) most = std::max(most, static_cast<double>(f(i)));
-        partial[static_cast<std::size_t>(begin / block)] = most;
+        partial[begin / block] = most;
     });
     double most = lowest;
     for (double p : partial) most = std::max(most, p);

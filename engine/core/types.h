@@ -2,6 +2,7 @@
 /// The scalar, vector and index types that every layer shares.
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 namespace whorl {
@@ -12,6 +13,7 @@ using Real = double;
 using Real = float;
 #endif
 
+/// Of a particle, and of whatever else is counted: what arrays are indexed by.
 using Index = std::int32_t;
 using Vec3 = Eigen::Matrix<Real, 3, 1>;
 using Mat3 = Eigen::Matrix<Real, 3, 3>;
@@ -19,6 +21,9 @@ using Vec3f = Eigen::Vector3f;
 using Vec3d = Eigen::Vector3d;
 using Mat3f = Eigen::Matrix3f;
 using Mat3d = Eigen::Matrix3d;
+
+/// The least that a divisor is taken as.
+inline constexpr Real smallest = std::numeric_limits<Real>::min();
 
 template <class T>
 using Span = std::span<T>;

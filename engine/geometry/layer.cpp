@@ -13,7 +13,7 @@ namespace whorl {
 
 bool LayerRegion::contains(const Vec3d& x) const {
     for (int a = 0; a < 3; ++a) {
-        if (domain.periodic[static_cast<std::size_t>(a)]) continue;
+        if (domain.periodic[a]) continue;
         if (!(x[a] >= domain.min[a] - margin && x[a] <= domain.max[a] + margin)) return false;
     }
     return true;
@@ -21,7 +21,7 @@ bool LayerRegion::contains(const Vec3d& x) const {
 
 bool LayerRegion::spans_period(int axis, double low, double high) const {
     const double tolerance = 1e-3 * spacing;
-    return domain.periodic[static_cast<std::size_t>(axis)] && low <= domain.min[axis] + tolerance && high >= domain.max[axis] - tolerance;
+    return domain.periodic[axis] && low <= domain.min[axis] + tolerance && high >= domain.max[axis] - tolerance;
 }
 
 std::vector<double> period_points(const LayerRegion& region, int axis) {
@@ -74,29 +74,26 @@ std::vector<LayerPoint> Shape::layer(Real offset, const LayerRegion& region) con
 
     // Sixteen darts for each place: what is left between them is hardly wide enough for one more.
     const Index count = static_cast<Index>(std::ceil(16 * area / (d * d))) + 64;
-    std::vector<Dart> darts(static_cast<std::size_t>(count));
+    std::vector<Dart> darts(count);
     parallel_for(count, [&](Index i) {
         RandomNumbers random(0xD1342543DE82EF95ull * (static_cast<std::uint64_t>(i) + 1));
         const double at = area * (i + random()) / count;
         const std::size_t t =
-            std::min<std::size_t>(static_cast<std::size_t>(std::lower_bound(area_up_to.begin(), area_up_to.end(), at) - area_up_to.begin()),
-                                  area_up_to.size() - 1);
+            std::min<std::size_t>(std::lower_bound(area_up_to.begin(), area_up_to.end(), at) - area_up_to.begin(), area_up_to.size() - 1);
         double u = random(), v = random();
         if (u + v > 1) u = 1 - u, v = 1 - v;
         const Vec3d e1 = corner(t, 1) - corner(t, 0), e2 = corner(t, 2) - corner(t, 0);
         // The direction strays from the face's normal, so that the rounded surface beyond an edge is hit too.
         const Vec3d stray(random() - 0.5, random() - 0.5, random() - 0.5);
         const Vec3d direction = (e1.cross(e2).stableNormalized() + stray).normalized();
-        darts[static_cast<std::size_t>(i)] = aimed(*this, corner(t, 0) + u * e1 + v * e2, direction, offset);
+        darts[i] = aimed(*this, corner(t, 0) + u * e1 + v * e2, direction, offset);
     });
 
     std::vector<Index> order(darts.size());
-    for (Index i = 0; i < count; ++i) order[static_cast<std::size_t>(i)] = i;
+    for (Index i = 0; i < count; ++i) order[i] = i;
     RandomNumbers random(7);
-    for (std::size_t k = order.size(); k > 1; --k)
-        std::swap(order[k - 1], order[static_cast<std::size_t>(random() * static_cast<double>(k))]);
-    std::stable_sort(order.begin(), order.end(),
-                     [&](Index i, Index j) { return darts[static_cast<std::size_t>(i)].rank < darts[static_cast<std::size_t>(j)].rank; });
+    for (std::size_t k = order.size(); k > 1; --k) std::swap(order[k - 1], order[random() * static_cast<double>(k)]);
+    std::stable_sort(order.begin(), order.end(), [&](Index i, Index j) { return darts[i].rank < darts[j].rank; });
 
     // A dart stays where none stands nearer than 0.8 d on the same side of the body.
     const double apart = 0.8 * d;
@@ -109,7 +106,7 @@ std::vector<LayerPoint> Shape::layer(Real offset, const LayerRegion& region) con
     };
     std::vector<LayerPoint> points;
     for (Index i : order) {
-        const Dart& dart = darts[static_cast<std::size_t>(i)];
+        const Dart& dart = darts[i];
         if (dart.rank < 0 || (region.clipped && !region.contains(dart.position))) continue;
         bool free = true;
         for (int a = -1; a <= 1 && free; ++a)

@@ -52,7 +52,7 @@ public:
         std::vector<double> line[2];
         for (std::size_t k = 0; k < 2; ++k) {
             const int a = axes[k];
-            if (a >= 0 && region.domain.periodic[static_cast<std::size_t>(a)]) {
+            if (a >= 0 && region.domain.periodic[a]) {
                 line[k] = period_points(region, a);
                 continue;
             }
@@ -74,8 +74,7 @@ public:
                 const Vec3d at = foot + x * direction[0] + y * direction[1];
                 bool wanted = region.contains(at);
                 for (int a = 0; a < 3; ++a)  // an inclined plane along a periodic axis: once
-                    if (region.domain.periodic[static_cast<std::size_t>(a)])
-                        wanted = wanted && at[a] >= region.domain.min[a] && at[a] < region.domain.max[a];
+                    if (region.domain.periodic[a]) wanted = wanted && at[a] >= region.domain.min[a] && at[a] < region.domain.max[a];
                 if (wanted) points.push_back({at, n});
             }
         return points;

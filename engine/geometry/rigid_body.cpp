@@ -5,14 +5,11 @@
 #include <ostream>
 
 namespace whorl {
-namespace {
 
-Eigen::Quaterniond turned_by(const Vec3d& angle) {
+Eigen::AngleAxisd turn_by(const Vec3d& angle) {
     const double size = angle.norm();
-    return size > 0 ? Eigen::Quaterniond(Eigen::AngleAxisd(size, angle / size)) : Eigen::Quaterniond::Identity();
+    return size > 0 ? Eigen::AngleAxisd(size, angle / size) : Eigen::AngleAxisd::Identity();
 }
-
-}  // namespace
 
 RigidBody::RigidBody(const Bulk& bulk, double density)
     : mass(density * bulk.volume), volume(bulk.volume), own_centre(bulk.centre), own_inertia(density * bulk.inertia()),
@@ -30,10 +27,10 @@ void RigidBody::move(double dt) {
     const Eigen::Quaterniond start = turn;
     Vec3d w = angular_velocity();
     for (int k = 0; k < 4; ++k) {
-        turn = turned_by(dt / 2 * w) * start;
+        turn = Eigen::Quaterniond(turn_by(dt / 2 * w)) * start;
         w = angular_velocity();
     }
-    turn = (turned_by(dt * w) * start).normalized();
+    turn = (Eigen::Quaterniond(turn_by(dt * w)) * start).normalized();
 }
 
 Pose RigidBody::pose() const {

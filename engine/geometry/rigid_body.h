@@ -6,6 +6,9 @@
 
 namespace whorl {
 
+/// The rotation about `angle` by its length in radians.
+Eigen::AngleAxisd turn_by(const Vec3d& angle);
+
 /// x_world = rotation x_own + translation.
 struct Pose {
     Mat3 rotation = Mat3::Identity();

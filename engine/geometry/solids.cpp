@@ -10,23 +10,18 @@ namespace {
 /// Turns add up over fixed intervals of this many seconds from t = 0: the pose at a time does not depend on the steps that led there.
 constexpr double interval = 1.0 / 256;
 
-Mat3d turned_by(const Vec3d& angle) {
-    const double size = angle.norm();
-    return size > 0 ? Eigen::AngleAxisd(size, angle / size).toRotationMatrix() : Mat3d(Mat3d::Identity());
-}
-
 /// dR/dt = R [w]x from t to t + h, to fourth order (Magnus): R exp(h/2 (w1 + w2) + sqrt(3)/12 h^2 w1 x w2), w1 and w2 at the two Gauss
 /// points.
 Mat3d turned_over(const Mat3d& R, const VectorExpression& spin, double t, double h) {
     const double root = std::sqrt(3.0) / 6;
     const Vec3d w1 = spin(t + (0.5 - root) * h), w2 = spin(t + (0.5 + root) * h);
-    return R * turned_by(h / 2 * (w1 + w2) + std::sqrt(3.0) / 12 * h * h * w1.cross(w2));
+    return R * turn_by(h / 2 * (w1 + w2) + std::sqrt(3.0) / 12 * h * h * w1.cross(w2)).toRotationMatrix();
 }
 
 /// The rotation at time t; `turned` keeps the last whole interval.
 Mat3d rotation_at(const VectorExpression& spin, double t, Turned& turned) {
     if (spin.is_zero()) return Mat3d::Identity();
-    if (!spin.depends_on_time()) return turned_by(t * spin(0));
+    if (!spin.depends_on_time()) return turn_by(t * spin(0)).toRotationMatrix();
     const long whole = static_cast<long>(std::floor(std::max(t, 0.0) / interval));
     if (whole < turned.intervals) turned = {};
     for (; turned.intervals < whole; ++turned.intervals)
@@ -117,11 +112,10 @@ bool Solids::any_free() const {
 
 void SolidParticles::follow(const Solids& solids) {
     parallel_for(size(), [&](Index s) {
-        const std::size_t k = static_cast<std::size_t>(s);
-        const Solid& whose = solids.all[static_cast<std::size_t>(solid[k])];
-        position[k] = whose.pose.rotation * own_position[k] + whose.pose.translation;
-        velocity[k] = whose.pose.velocity_at(position[k]);
-        if (!own_normal.empty()) normal[k] = whose.pose.rotation * own_normal[k];
+        const Solid& whose = solids.all[solid[s]];
+        position[s] = whose.pose.rotation * own_position[s] + whose.pose.translation;
+        velocity[s] = whose.pose.velocity_at(position[s]);
+        if (!own_normal.empty()) normal[s] = whose.pose.rotation * own_normal[s];
     });
 }
 

@@ -9,8 +9,6 @@
 namespace whorl {
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 bool contains(const std::vector<std::string>& names, const char* name) {
     return std::find(names.begin(), names.end(), name) != names.end();
 }
@@ -27,14 +25,14 @@ Column<Vec3> vorticity(Span<const Vec3> x, Span<const Vec3> u, Real support, con
         pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
             const Real near = 1 - distance / support, w = near * near;
             moments += w * r * r.transpose();
-            change += w * (u[at(i)] - u[at(j)]) * r.transpose();
+            change += w * (u[i] - u[j]) * r.transpose();
         });
         const Real size = moments.trace();
-        curl[at(i)] = Vec3::Zero();
+        curl[i] = Vec3::Zero();
         if (!(size > 0)) return;
         moments.diagonal().array() += Real(1e-4) * size;  // neighbours in a line or a sheet say nothing about the other directions
         const Mat3 G = change * moments.inverse();
-        curl[at(i)] = Vec3(G(2, 1) - G(1, 2), G(0, 2) - G(2, 0), G(1, 0) - G(0, 1));
+        curl[i] = Vec3(G(2, 1) - G(1, 2), G(0, 2) - G(2, 0), G(1, 0) - G(0, 1));
     });
     return curl;
 }
@@ -47,12 +45,12 @@ void add_derived_fields(const World& world, const std::vector<std::string>& fiel
     const auto put = [&](const char* name, auto&& value) {
         std::vector<Vec3f>& values = frame.vector[name];
         values.resize(x.size());
-        parallel_for(world.fluid.size(), [&](Index i) { values[at(i)] = value(i).template cast<float>(); });
+        parallel_for(world.fluid.size(), [&](Index i) { values[i] = value(i).template cast<float>(); });
     };
-    if (contains(fields, "vorticity")) put("vorticity", [&](Index i) -> const Vec3& { return curl[at(i)]; });
+    if (contains(fields, "vorticity")) put("vorticity", [&](Index i) -> const Vec3& { return curl[i]; });
     if (!difference) return;
     const auto spin = world.fluid.column<field::spin>();
-    put("spin_difference", [&](Index i) -> Vec3 { return spin[at(i)] - curl[at(i)] / 2; });
+    put("spin_difference", [&](Index i) -> Vec3 { return spin[i] - curl[i] / 2; });
 }
 
 }  // namespace whorl

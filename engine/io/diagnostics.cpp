@@ -60,8 +60,7 @@ Measures measure(const World& world, const Vec3d& gravity, double micro_inertia)
     all.momentum = m * sums.segment<3>(5).matrix();
     all.angular_momentum = m * (sums.segment<3>(8) + micro_inertia * sums.segment<3>(12)).matrix();
     all.density_error_mean = sums[0] > 0 ? sums[15] / sums[0] : 0;
-    all.density_error_max = parallel_max(
-        fluid.size(), 0, [&](Index i) { return counts(static_cast<std::size_t>(i)) ? compression(static_cast<std::size_t>(i)) : 0.0; });
+    all.density_error_max = parallel_max(fluid.size(), 0, [&](Index i) { return counts(i) ? compression(i) : 0.0; });
     return all;
 }
 

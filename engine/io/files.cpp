@@ -24,7 +24,7 @@ void write_all(int descriptor, std::string_view content, const std::filesystem::
         const ssize_t n = ::write(descriptor, content.data(), content.size());
         if (n < 0 && errno == EINTR) continue;
         if (n < 0) fail("cannot write", file, errno);
-        content.remove_prefix(static_cast<std::size_t>(n));
+        content.remove_prefix(n);
     }
 }
 

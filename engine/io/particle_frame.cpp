@@ -16,9 +16,8 @@ Frame particles_of(const World& world, const std::vector<std::string>& fields) {
     frame.position.resize(n);
     frame.velocity.resize(n);
     parallel_for(world.fluid.size(), [&](Index i) {
-        const auto k = static_cast<std::size_t>(i);
-        frame.position[k] = x[k].cast<float>();
-        frame.velocity[k] = u[k].cast<float>();
+        frame.position[i] = x[i].cast<float>();
+        frame.velocity[i] = u[i].cast<float>();
     });
     for (const NumberColumn& column : columns_named(world.fluid, fields)) {
         if (column.name == "position" || column.name == "velocity") continue;
@@ -26,12 +25,12 @@ Frame particles_of(const World& world, const std::vector<std::string>& fields) {
             std::vector<Vec3f>& values = frame.vector[column.name];
             values.resize(n);
             parallel_for(world.fluid.size(), [&](Index i) {
-                for (int c = 0; c < 3; ++c) values[static_cast<std::size_t>(i)][c] = static_cast<float>(column.value(i, c));
+                for (int c = 0; c < 3; ++c) values[i][c] = static_cast<float>(column.value(i, c));
             });
         } else if (column.components == 1) {
             std::vector<float>& values = frame.scalar[column.name];
             values.resize(n);
-            parallel_for(world.fluid.size(), [&](Index i) { values[static_cast<std::size_t>(i)] = static_cast<float>(column.value(i)); });
+            parallel_for(world.fluid.size(), [&](Index i) { values[i] = static_cast<float>(column.value(i)); });
         }
     }
     return frame;

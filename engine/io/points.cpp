@@ -27,7 +27,7 @@ void write_points(const std::filesystem::path& file, const Frame& frame) {
         properties.push_back({values, stride});
     };
     const auto add_vector = [&](const std::vector<Vec3f>& values, const std::array<std::string, 3>& names) {
-        for (int c = 0; c < 3; ++c) add(names[static_cast<std::size_t>(c)], values.empty() ? nullptr : values.front().data() + c, 3);
+        for (int c = 0; c < 3; ++c) add(names[c], values.empty() ? nullptr : values.front().data() + c, 3);
     };
     add_vector(frame.position, {"x", "y", "z"});
     add_vector(frame.velocity, {"velocity_x", "velocity_y", "velocity_z"});

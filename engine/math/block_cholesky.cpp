@@ -9,19 +9,17 @@ namespace {
 
 constexpr std::size_t leaf_nodes = 12;  // smaller pieces are not dissected: their fronts would cost more in book-keeping than in arithmetic
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 }  // namespace
 
 void SymmetricBlocks::add(int row, int column, const Block& m) {
     const int low = std::max(row, column), high = std::min(row, column);
-    for (Entry& e : rows_[at(low)])
+    for (Entry& e : rows_[low])
         if (e.column == high) {
             if (row >= column) e.value += m;
             else e.value += m.transpose();
             return;
         }
-    rows_[at(low)].push_back({high, row >= column ? m : Block(m.transpose())});
+    rows_[low].push_back({high, row >= column ? m : Block(m.transpose())});
 }
 
 /// Splits sets of nodes in two halves that do not touch and a separator, until the pieces are small.
@@ -36,23 +34,23 @@ struct BlockCholesky::Dissection {
     int split(std::vector<int> set) {
         std::vector<int> children;
         if (set.size() > leaf_nodes) {
-            Vec3d low = place[at(set[0])], high = low;
-            for (const int v : set) low = low.cwiseMin(place[at(v)]), high = high.cwiseMax(place[at(v)]);
+            Vec3d low = place[set[0]], high = low;
+            for (const int v : set) low = low.cwiseMin(place[v]), high = high.cwiseMax(place[v]);
             int axis = 0;
             (high - low).maxCoeff(&axis);
             const auto middle = set.begin() + static_cast<std::ptrdiff_t>(set.size() / 2);
             std::nth_element(set.begin(), middle, set.end(), [&](int a, int b) {
-                const double xa = place[at(a)][axis], xb = place[at(b)][axis];
+                const double xa = place[a][axis], xb = place[b][axis];
                 return xa != xb ? xa < xb : a < b;
             });
             std::vector<int> left(set.begin(), middle), right, separator;
-            for (const int v : left) mark[at(v)] = 1;
+            for (const int v : left) mark[v] = 1;
             for (auto v = middle; v != set.end(); ++v) {
-                const auto& near = neighbours[at(*v)];
-                const bool touches = std::any_of(near.begin(), near.end(), [&](int w) { return mark[at(w)] != 0; });
+                const auto& near = neighbours[*v];
+                const bool touches = std::any_of(near.begin(), near.end(), [&](int w) { return mark[w] != 0; });
                 (touches ? separator : right).push_back(*v);
             }
-            for (const int v : left) mark[at(v)] = 0;
+            for (const int v : left) mark[v] = 0;
             children.push_back(split(std::move(left)));
             if (!right.empty()) children.push_back(split(std::move(right)));
             set = std::move(separator);
@@ -69,34 +67,34 @@ struct BlockCholesky::Dissection {
 
 bool BlockCholesky::factor(const SymmetricBlocks& A, Span<const Vec3d> place) {
     const int n = A.nodes();
-    std::vector<std::vector<int>> neighbours(at(n));
+    std::vector<std::vector<int>> neighbours(n);
     for (int r = 0; r < n; ++r)
         for (const SymmetricBlocks::Entry& e : A.row(r))
-            if (e.column != r) neighbours[at(r)].push_back(e.column), neighbours[at(e.column)].push_back(r);
+            if (e.column != r) neighbours[r].push_back(e.column), neighbours[e.column].push_back(r);
     fronts_.clear();
     node_.clear();
     if (n == 0) return true;
-    std::vector<int> all(at(n));
+    std::vector<int> all(n);
     std::iota(all.begin(), all.end(), 0);
-    Dissection{neighbours, place, fronts_, node_, std::vector<char>(at(n), 0)}.split(std::move(all));
-    order_.resize(at(n));
-    for (int k = 0; k < n; ++k) order_[at(node_[at(k)])] = k;
+    Dissection{neighbours, place, fronts_, node_, std::vector<char>(n, 0)}.split(std::move(all));
+    order_.resize(n);
+    for (int k = 0; k < n; ++k) order_[node_[k]] = k;
 
-    below_.assign(at(n), {});
+    below_.assign(n, {});
     for (int r = 0; r < n; ++r)
         for (std::size_t e = 0; e < A.row(r).size(); ++e) {
             const int c = A.row(r)[e].column;
             // (row, place) of the block that couples the earlier node of the two with the later one
-            below_[at(order_[at(r)] < order_[at(c)] ? r : c)].emplace_back(r, static_cast<int>(e));
+            below_[order_[r] < order_[c] ? r : c].emplace_back(r, static_cast<int>(e));
         }
     std::vector<Eigen::MatrixXd> left_over(fronts_.size());
     for (std::size_t f = 0; f < fronts_.size(); ++f) {
         Front& front = fronts_[f];
         for (int k = front.first; k < front.last; ++k)
-            for (const int w : neighbours[at(node_[at(k)])])
-                if (order_[at(w)] >= front.last) front.boundary.push_back(order_[at(w)]);
+            for (const int w : neighbours[node_[k]])
+                if (order_[w] >= front.last) front.boundary.push_back(order_[w]);
         for (const int child : front.children)
-            for (const int k : fronts_[at(child)].boundary)
+            for (const int k : fronts_[child].boundary)
                 if (k >= front.last) front.boundary.push_back(k);
         std::sort(front.boundary.begin(), front.boundary.end());
         front.boundary.erase(std::unique(front.boundary.begin(), front.boundary.end()), front.boundary.end());
@@ -113,19 +111,19 @@ bool BlockCholesky::eliminate(Front& front, const SymmetricBlocks& A, std::vecto
     };
     Eigen::MatrixXd F = Eigen::MatrixXd::Zero(6 * all, 6 * all);
     for (int k = front.first; k < front.last; ++k) {
-        const int v = node_[at(k)];
-        for (const auto& [r, e] : below_[at(v)]) {
-            const SymmetricBlocks::Entry& entry = A.row(r)[at(e)];
+        const int v = node_[k];
+        for (const auto& [r, e] : below_[v]) {
+            const SymmetricBlocks::Entry& entry = A.row(r)[e];
             const int other = r == v ? entry.column : r;
             // Below the diagonal of F stands the later node's row. The stored block has the row r.
-            auto to = F.block<6, 6>(6 * local(order_[at(other)]), 6 * local(k));
+            auto to = F.block<6, 6>(6 * local(order_[other]), 6 * local(k));
             if (other == r) to += entry.value;
             else to += entry.value.transpose();
         }
     }
     for (const int child : front.children) {
-        const std::vector<int>& boundary = fronts_[at(child)].boundary;
-        Eigen::MatrixXd& S = left_over[at(child)];
+        const std::vector<int>& boundary = fronts_[child].boundary;
+        Eigen::MatrixXd& S = left_over[child];
         std::vector<int> to(boundary.size());
         for (std::size_t k = 0; k < boundary.size(); ++k) to[k] = local(boundary[k]);
         for (std::size_t c = 0; c < boundary.size(); ++c)
@@ -153,7 +151,7 @@ void BlockCholesky::solve(Span<Real> b) const {
     using Vector = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
     Vector x(static_cast<Eigen::Index>(b.size())), part;
     for (std::size_t k = 0; k < node_.size(); ++k)
-        for (std::size_t a = 0; a < 6; ++a) x[static_cast<Eigen::Index>(6 * k + a)] = b[6 * at(node_[k]) + a];
+        for (std::size_t a = 0; a < 6; ++a) x[static_cast<Eigen::Index>(6 * k + a)] = b[6 * static_cast<std::size_t>(node_[k]) + a];
     for (const Front& front : fronts_) {
         if (front.first == front.last) continue;
         auto own = x.segment(6 * front.first, 6 * (front.last - front.first));
@@ -172,7 +170,7 @@ void BlockCholesky::solve(Span<Real> b) const {
         front->own.triangularView<Eigen::Lower>().transpose().solveInPlace(own);
     }
     for (std::size_t k = 0; k < node_.size(); ++k)
-        for (std::size_t a = 0; a < 6; ++a) b[6 * at(node_[k]) + a] = x[static_cast<Eigen::Index>(6 * k + a)];
+        for (std::size_t a = 0; a < 6; ++a) b[6 * static_cast<std::size_t>(node_[k]) + a] = x[static_cast<Eigen::Index>(6 * k + a)];
 }
 
 std::size_t BlockCholesky::entries() const {

@@ -15,13 +15,13 @@ public:
         int column;
         Block value;
     };
-    explicit SymmetricBlocks(int nodes = 0) : rows_(static_cast<std::size_t>(nodes)) {}
+    explicit SymmetricBlocks(int nodes = 0) : rows_(nodes) {}
     int nodes() const { return static_cast<int>(rows_.size()); }
     /// Adds m to block (row, column), or its transpose to (column, row) where that one lies below the diagonal.
     void add(int row, int column, const Block& m);
     /// Of one row, columns up to the row's own, in no order.
-    const std::vector<Entry>& row(int r) const { return rows_[static_cast<std::size_t>(r)]; }
-    std::vector<Entry>& row(int r) { return rows_[static_cast<std::size_t>(r)]; }
+    const std::vector<Entry>& row(int r) const { return rows_[r]; }
+    std::vector<Entry>& row(int r) { return rows_[r]; }
 
 private:
     std::vector<std::vector<Entry>> rows_;

@@ -25,10 +25,7 @@ double dot_entry(const Eigen::Matrix<T, 3, 1>& a, const Eigen::Matrix<T, 3, 1>& 
 /// a.b in double, the same bits for any number of threads.
 template <class T>
 double dot(Span<const T> a, Span<const T> b) {
-    return parallel_sum(static_cast<Index>(a.size()), [&](Index i) {
-        const auto k = static_cast<std::size_t>(i);
-        return detail::dot_entry(a[k], b[k]);
-    });
+    return parallel_sum(static_cast<Index>(a.size()), [&](Index i) { return detail::dot_entry(a[i], b[i]); });
 }
 
 /// 0 of an entry.
@@ -82,19 +79,15 @@ SolveReport conjugate_gradients_from(const Operator& A, const Preconditioner& M,
         }
         const Real alpha = static_cast<Real>(rz / pAp);
         const double rr = parallel_sum(count, [&](Index i) {  // in one loop: threads that wait have to be woken for each
-            const auto k = static_cast<std::size_t>(i);
-            x[k] += alpha * p[k];
-            r[k] -= alpha * q[k];
-            return euclidean ? detail::dot_entry(r[k], r[k]) : 0.0;
+            x[i] += alpha * p[i];
+            r[i] -= alpha * q[i];
+            return euclidean ? detail::dot_entry(r[i], r[i]) : 0.0;
         });
         M(Span<const T>(r), Span<T>(z));
         const double rz_new = dot<T>(r, z);
         const Real beta = static_cast<Real>(rz_new / rz);
         rz = rz_new;
-        parallel_for(count, [&](Index i) {
-            const auto k = static_cast<std::size_t>(i);
-            p[k] = z[k] + beta * p[k];
-        });
+        parallel_for(count, [&](Index i) { p[i] = z[i] + beta * p[i]; });
         ++report.iterations;
         report.last_residual = relative_residual(rr, rz);
     }
@@ -129,10 +122,7 @@ SolveReport conjugate_gradients(const Operator& A, const Preconditioner& M, Span
         return report;
     }
     A(Span<const T>(x), Span<T>(r));
-    parallel_for(static_cast<Index>(n), [&](Index i) {
-        const auto k = static_cast<std::size_t>(i);
-        r[k] = b[k] - r[k];
-    });
+    parallel_for(static_cast<Index>(n), [&](Index i) { r[i] = b[i] - r[i]; });
     return conjugate_gradients_from<T>(A, M, Span<T>(r), x, limits, norm, reference);
 }
 

@@ -9,14 +9,11 @@
 namespace whorl {
 namespace {
 
-constexpr Real smallest = std::numeric_limits<Real>::min();
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 Column<Real> inverse_diagonal(const SparseRows& A) {
-    Column<Real> inverse(at(A.size()), 0);
+    Column<Real> inverse(A.size(), 0);
     parallel_for(A.size(), [&](Index i) {
-        for (std::size_t k = A.first[at(i)]; k < A.first[at(i) + 1]; ++k)
-            if (A.column[k] == i && A.value[k] > smallest) inverse[at(i)] = 1 / A.value[k];
+        for (std::size_t k = A.first[i]; k < A.first[i + 1]; ++k)
+            if (A.column[k] == i && A.value[k] > smallest) inverse[i] = 1 / A.value[k];
     });
     return inverse;
 }
@@ -33,8 +30,8 @@ SparseRows interpolation(const SparseRows& A, Span<const Real> smoothing, const 
     if (!smoothed) return P;
     SparseRows S = A;
     parallel_for(S.size(), [&](Index i) {
-        for (std::size_t k = S.first[at(i)]; k < S.first[at(i) + 1]; ++k)
-            S.value[k] = (S.column[k] == i ? Real(1) : Real(0)) - smoothing[at(i)] * S.value[k];
+        for (std::size_t k = S.first[i]; k < S.first[i + 1]; ++k)
+            S.value[k] = (S.column[k] == i ? Real(1) : Real(0)) - smoothing[i] * S.value[k];
     });
     return product(S, P);
 }
@@ -47,15 +44,15 @@ CellNumbers::CellNumbers(std::size_t expected) {
     table_.assign(size, 0);
 }
 
-std::size_t CellNumbers::slot(const Cell& cell) const {
+std::size_t CellNumbers::slot(const GridCell& cell) const {
     std::uint64_t h = 0;
     for (int a = 0; a < 3; ++a) h = (h ^ static_cast<std::uint32_t>(cell[a])) * 0x9e3779b97f4a7c15u;
     std::size_t s = static_cast<std::size_t>(h >> 20) & (table_.size() - 1);
-    while (table_[s] != 0 && cells_[at(table_[s] - 1)] != cell) s = (s + 1) & (table_.size() - 1);
+    while (table_[s] != 0 && cells_[table_[s] - 1] != cell) s = (s + 1) & (table_.size() - 1);
     return s;
 }
 
-Index CellNumbers::number(const Cell& cell) {
+Index CellNumbers::number(const GridCell& cell) {
     const std::size_t s = slot(cell);
     if (table_[s] != 0) return table_[s] - 1;
     cells_.push_back(cell);
@@ -72,30 +69,30 @@ void CellNumbers::grow() {
 Real largest_eigenvalue(const SparseRows& A, Span<const Real> inverse) {
     const Real bound = static_cast<Real>(parallel_max(A.size(), 0, [&](Index i) {
         Real sum = 0;
-        for (std::size_t k = A.first[at(i)]; k < A.first[at(i) + 1]; ++k) sum += std::abs(A.value[k]);
-        return sum * inverse[at(i)];
+        for (std::size_t k = A.first[i]; k < A.first[i + 1]; ++k) sum += std::abs(A.value[k]);
+        return sum * inverse[i];
     }));
     // A start without symmetries.
-    Column<Real> x(at(A.size())), y(at(A.size()));
-    parallel_for(A.size(), [&](Index i) { x[at(i)] = static_cast<Real>(std::sin(12.9898 * (i + 1))); });
+    Column<Real> x(A.size()), y(A.size());
+    parallel_for(A.size(), [&](Index i) { x[i] = static_cast<Real>(std::sin(12.9898 * (i + 1))); });
     double estimate = 0;
     for (int k = 0; k < 10; ++k) {
         A.multiply(x, y);
-        parallel_for(A.size(), [&](Index i) { y[at(i)] *= inverse[at(i)]; });
+        parallel_for(A.size(), [&](Index i) { y[i] *= inverse[i]; });
         const double before = std::sqrt(dot<Real>(x, x)), after = std::sqrt(dot<Real>(y, y));
         if (!(before > 0 && after > 0)) break;
         estimate = after / before;
-        parallel_for(A.size(), [&](Index i) { x[at(i)] = static_cast<Real>(y[at(i)] / after); });
+        parallel_for(A.size(), [&](Index i) { x[i] = static_cast<Real>(y[i] / after); });
     }
     return std::max(smallest, std::min(bound, static_cast<Real>(1.1 * estimate)));
 }
 
-void Multigrid::set_up(SparseRows A, std::vector<Cell> cells, const MultigridOptions& options) {
+void Multigrid::set_up(SparseRows A, std::vector<GridCell> cells, const MultigridOptions& options) {
     levels_.clear();
     for (;;) {
         const Index n = A.size();
         Level& level = levels_.emplace_back();
-        for (Column<Real>* column : {&level.b, &level.x, &level.work}) column->assign(at(n), 0);
+        for (Column<Real>* column : {&level.b, &level.x, &level.work}) column->assign(n, 0);
         if (n <= options.coarsest || levels() == options.most_levels) {
             factor(A);
             level.A = std::move(A);
@@ -107,9 +104,10 @@ void Multigrid::set_up(SparseRows A, std::vector<Cell> cells, const MultigridOpt
         const Real w = Real(4.0 / 3) / largest_eigenvalue(A, level.smoothing);
         for (Real& one : level.smoothing) one *= w;
 
-        CellNumbers numbers(at(n) / 4);
-        std::vector<Index> group_of(at(n));
-        for (std::size_t i = 0; i < at(n); ++i) group_of[i] = numbers.number(Cell(cells[i][0] >> 1, cells[i][1] >> 1, cells[i][2] >> 1));
+        CellNumbers numbers(static_cast<std::size_t>(n) / 4);
+        std::vector<Index> group_of(n);
+        for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i)
+            group_of[i] = numbers.number(GridCell(cells[i][0] >> 1, cells[i][1] >> 1, cells[i][2] >> 1));
         level.P = interpolation(A, level.smoothing, group_of, static_cast<Index>(numbers.cells().size()), options.smoothed);
         level.R = transposed(level.P);
         level.A = std::move(A);
@@ -121,7 +119,7 @@ void Multigrid::set_up(SparseRows A, std::vector<Cell> cells, const MultigridOpt
 void Multigrid::factor(const SparseRows& A) {
     Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(A.size(), A.size());
     for (Index i = 0; i < A.size(); ++i)
-        for (std::size_t k = A.first[at(i)]; k < A.first[at(i) + 1]; ++k) dense(i, A.column[k]) = static_cast<double>(A.value[k]);
+        for (std::size_t k = A.first[i]; k < A.first[i + 1]; ++k) dense(i, A.column[k]) = static_cast<double>(A.value[k]);
     dense = (dense + dense.transpose()).eval() / 2;
     // A closed box leaves A singular: constants are worth 10^4 times what a neighbour's difference is, not infinitely much.
     constexpr double lift = 1e-4;
@@ -143,15 +141,15 @@ void Multigrid::cycle(std::size_t l, Span<const Real> b, Span<Real> x) const {
     const Level& next = levels_[l + 1];
     const SparseRows& A = level.A;
     // x = S b;  r = b - A x;  x += P (next level) P^T r;  x += S (b - A x)        S = w/D
-    parallel_for(n, [&](Index i) { x[at(i)] = level.smoothing[at(i)] * b[at(i)]; });
+    parallel_for(n, [&](Index i) { x[i] = level.smoothing[i] * b[i]; });
     A.multiply(x, level.work);
-    parallel_for(n, [&](Index i) { level.work[at(i)] = b[at(i)] - level.work[at(i)]; });
+    parallel_for(n, [&](Index i) { level.work[i] = b[i] - level.work[i]; });
     level.R.multiply(level.work, next.b);
     cycle(l + 1, next.b, next.x);
     level.P.multiply(next.x, level.work);
-    parallel_for(n, [&](Index i) { x[at(i)] += level.work[at(i)]; });
+    parallel_for(n, [&](Index i) { x[i] += level.work[i]; });
     A.multiply(x, level.work);
-    parallel_for(n, [&](Index i) { x[at(i)] += level.smoothing[at(i)] * (b[at(i)] - level.work[at(i)]); });
+    parallel_for(n, [&](Index i) { x[i] += level.smoothing[i] * (b[i] - level.work[i]); });
 }
 
 std::size_t Multigrid::bytes() const {

@@ -8,22 +8,22 @@
 
 namespace whorl {
 
-using Cell = Eigen::Vector3i;
+using GridCell = Eigen::Vector3i;
 
 /// Numbers the cells in the order in which they are first met. of[i] = -1 where `wanted` is false.
 class CellNumbers {
 public:
     explicit CellNumbers(std::size_t expected);
     /// @returns the number of the cell, a new one where it is met for the first time
-    Index number(const Cell& cell);
-    const std::vector<Cell>& cells() const { return cells_; }
-    std::vector<Cell> take() { return std::move(cells_); }
+    Index number(const GridCell& cell);
+    const std::vector<GridCell>& cells() const { return cells_; }
+    std::vector<GridCell> take() { return std::move(cells_); }
 
 private:
     void grow();
-    std::size_t slot(const Cell& cell) const;
+    std::size_t slot(const GridCell& cell) const;
     std::vector<Index> table_;  ///< number + 1; 0: free. Open addressing, a power of two
-    std::vector<Cell> cells_;
+    std::vector<GridCell> cells_;
 };
 
 struct MultigridOptions {
@@ -37,7 +37,7 @@ struct MultigridOptions {
 /// Rows whose diagonal is zero get x = 0.
 class Multigrid {
 public:
-    void set_up(SparseRows A, std::vector<Cell> cells, const MultigridOptions& options);
+    void set_up(SparseRows A, std::vector<GridCell> cells, const MultigridOptions& options);
     void operator()(Span<const Real> b, Span<Real> x) const;
     int levels() const { return static_cast<int>(levels_.size()); }
     std::size_t bytes() const;

@@ -29,16 +29,16 @@ SparseRows gather_rows(Index rows, Index columns, F&& f) {
         std::vector<Real> value;
     };
     const Index blocks = (rows + block - 1) / block;
-    std::vector<Part> parts(static_cast<std::size_t>(blocks));
+    std::vector<Part> parts(blocks);
     parallel_tasks(blocks, [&](Index b) {
         // Where a column stands in the present row; what is left of earlier rows is seen by what it points to.
         thread_local std::vector<std::size_t> place;
-        if (place.size() < static_cast<std::size_t>(columns)) place.resize(static_cast<std::size_t>(columns), 0);
-        Part& part = parts[static_cast<std::size_t>(b)];
+        if (place.size() < static_cast<std::size_t>(columns)) place.resize(columns, 0);
+        Part& part = parts[b];
         for (Index i = b * block; i < std::min(rows, (b + 1) * block); ++i) {
             const std::size_t start = part.column.size();
             f(i, [&](Index c, Real v) {
-                std::size_t& p = place[static_cast<std::size_t>(c)];
+                std::size_t& p = place[c];
                 if (p < start || p >= part.column.size() || part.column[p] != c) {
                     p = part.column.size();
                     part.column.push_back(c);

@@ -3,19 +3,15 @@
 #include "engine/particles/sort.h"
 
 namespace whorl {
-namespace {
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
+namespace {}  // namespace
 
 std::vector<Vec3d> aggregate_centres(Span<const Vec3> x, Span<const std::int32_t> group, int groups, const Domain& domain) {
-    std::vector<Vec3d> centre(at(groups), Vec3d::Zero());
-    std::vector<Vec3> first(at(groups), Vec3::Zero());
-    std::vector<Index> members(at(groups), 0);
+    std::vector<Vec3d> centre(groups, Vec3d::Zero());
+    std::vector<Vec3> first(groups, Vec3::Zero());
+    std::vector<Index> members(groups, 0);
     for (std::size_t i = 0; i < x.size(); ++i) {
         if (group[i] <= 0) continue;
-        const std::size_t g = at(group[i] - 1);
+        const std::size_t g = static_cast<std::size_t>(group[i] - 1);
         if (members[g]++ == 0) first[g] = x[i];
         centre[g] += domain.minimum_image(x[i] - first[g]).cast<double>();
     }
@@ -29,9 +25,10 @@ void Grouping::form_runs(Span<const std::int16_t> role, Real cell, int size) {
     CurveSort curve;
     std::vector<Index> order;
     for (const Index i : curve.order(x, cell))
-        if (role[at(i)] == 0) order.push_back(i);
-    groups = static_cast<int>((order.size() + at(size) - 1) / at(size));
-    for (std::size_t k = 0; k < order.size(); ++k) group[at(order[k])] = 1 + static_cast<std::int32_t>(k * at(groups) / order.size());
+        if (role[i] == 0) order.push_back(i);
+    groups = static_cast<int>((order.size() + static_cast<std::size_t>(size) - 1) / static_cast<std::size_t>(size));
+    for (std::size_t k = 0; k < order.size(); ++k)
+        group[order[k]] = 1 + static_cast<std::int32_t>(k * static_cast<std::size_t>(groups) / order.size());
 }
 
 void Grouping::find_centres() {
@@ -41,21 +38,21 @@ void Grouping::find_centres() {
 }
 
 int Grouping::drop_empty() {
-    std::vector<std::int32_t> number(at(groups), 0);
+    std::vector<std::int32_t> number(groups, 0);
     for (const std::int32_t g : group)
-        if (g > 0) number[at(g - 1)] = 1;
+        if (g > 0) number[g - 1] = 1;
     groups = 0;
     for (std::int32_t& n : number)
         if (n > 0) n = ++groups;
     for (std::int32_t& g : group)
-        if (g > 0) g = number[at(g - 1)];
+        if (g > 0) g = number[g - 1];
     return groups;
 }
 
 int form_aggregates(const Pairs& pairs, Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real cell, int size,
                     Span<std::int32_t> group) {
     const auto neighbours = [&](Index i, const auto& visit) {
-        for (std::size_t k = pairs.first[at(i)]; k < pairs.first[at(i) + 1]; ++k) visit(pairs.other[k]);
+        for (std::size_t k = pairs.first[i]; k < pairs.first[i + 1]; ++k) visit(pairs.other[k]);
     };
     return aggregate_by(neighbours, x, role, domain, cell, size, group);
 }
@@ -65,19 +62,18 @@ void RigidAggregates::place(Span<const Vec3> x, Span<const std::int16_t> role, S
     const auto n = static_cast<Index>(x.size());
     of_.resize(x.size());
     arm_.resize(x.size());
-    parallel_for(n, [&](Index i) { of_[at(i)] = role[at(i)] == 0 ? group[at(i)] - 1 : -1; });
+    parallel_for(n, [&](Index i) { of_[i] = role[i] == 0 ? group[i] - 1 : -1; });
     centre_ = aggregate_centres(x, group, groups, domain);
-    first_.assign(at(groups) + 1, 0);
+    first_.assign(static_cast<std::size_t>(groups) + 1, 0);
     for (const std::int32_t g : of_)
-        if (g >= 0) ++first_[at(g) + 1];
-    for (std::size_t g = 0; g < at(groups); ++g) first_[g + 1] += first_[g];
-    member_.resize(at(first_.back()));
+        if (g >= 0) ++first_[g + 1];
+    for (std::size_t g = 0; g < static_cast<std::size_t>(groups); ++g) first_[g + 1] += first_[g];
+    member_.resize(first_.back());
     std::vector<Index> next(first_.begin(), first_.end());
     for (Index i = 0; i < n; ++i)
-        if (of_[at(i)] >= 0) member_[at(next[at(of_[at(i)])]++)] = i;
+        if (of_[i] >= 0) member_[next[of_[i]]++] = i;
     parallel_for(n, [&](Index i) {
-        arm_[at(i)] =
-            of_[at(i)] < 0 ? Vec3(Vec3::Zero()) : Vec3(domain.minimum_image(x[at(i)] - centre_[at(of_[at(i)])].cast<Real>()) / spacing);
+        arm_[i] = of_[i] < 0 ? Vec3(Vec3::Zero()) : Vec3(domain.minimum_image(x[i] - centre_[of_[i]].cast<Real>()) / spacing);
     });
 }
 
@@ -85,21 +81,21 @@ void RigidAggregates::restrict_to_groups(Span<const Vec3> r, Span<Real> load) co
     parallel_for(groups(), [&](Index g) {
         Vec3 push = Vec3::Zero(), turn = Vec3::Zero();
         for (const Index i : members(g)) {
-            push += r[at(i)];
-            turn += arm_[at(i)].cross(r[at(i)]);
+            push += r[i];
+            turn += arm_[i].cross(r[i]);
         }
         for (std::size_t a = 0; a < 3; ++a) {
-            load[6 * at(g) + a] = push[static_cast<int>(a)];
-            load[6 * at(g) + 3 + a] = turn[static_cast<int>(a)];
+            load[6 * static_cast<std::size_t>(g) + a] = push[static_cast<int>(a)];
+            load[6 * static_cast<std::size_t>(g) + 3 + a] = turn[static_cast<int>(a)];
         }
     });
 }
 
 void RigidAggregates::add_motion(Span<const Real> motion, Span<Vec3> z) const {
     parallel_for(static_cast<Index>(of_.size()), [&](Index i) {
-        if (of_[at(i)] < 0) return;
-        const Real* m = motion.data() + 6 * at(of_[at(i)]);
-        z[at(i)] += Vec3(m[0], m[1], m[2]) + Vec3(m[3], m[4], m[5]).cross(arm_[at(i)]);
+        if (of_[i] < 0) return;
+        const Real* m = motion.data() + 6 * static_cast<std::size_t>(of_[i]);
+        z[i] += Vec3(m[0], m[1], m[2]) + Vec3(m[3], m[4], m[5]).cross(arm_[i]);
     });
 }
 

@@ -19,9 +19,7 @@ struct Grouping {
     void form_runs(Span<const std::int16_t> role, Real cell, int size);
     void find_centres();
     int drop_empty();  ///< the groups that are left are numbered anew @returns how many
-    Real distance2(Index i, std::int32_t g) const {
-        return domain.minimum_image(x[static_cast<std::size_t>(i)] - centre[static_cast<std::size_t>(g - 1)]).squaredNorm();
-    }
+    Real distance2(Index i, std::int32_t g) const { return domain.minimum_image(x[i] - centre[g - 1]).squaredNorm(); }
 };
 
 /// Groups of about `size` free particles: equal runs along the space-filling curve, made round by sweeps in which each particle joins the
@@ -39,17 +37,17 @@ int aggregate_by(const Neighbours& neighbours, Span<const Vec3> x, Span<const st
     for (int sweep = 0; sweep < sweeps; ++sweep) {
         g.find_centres();
         parallel_for(static_cast<Index>(x.size()), [&](Index i) {
-            const std::int32_t own = group[static_cast<std::size_t>(i)];
+            const std::int32_t own = group[i];
             if (own == 0) return;
             std::int32_t best = own, last = own;
             Real nearest = g.distance2(i, own);
             neighbours(i, [&](Index j) {
-                const std::int32_t other = group[static_cast<std::size_t>(j)];
+                const std::int32_t other = group[j];
                 if (other == 0 || other == last) return;
                 last = other;
                 if (const Real here = g.distance2(i, other); here < nearest) nearest = here, best = other;
             });
-            g.next[static_cast<std::size_t>(i)] = best;
+            g.next[i] = best;
         });
         std::copy(g.next.begin(), g.next.end(), group.begin());
     }
@@ -64,18 +62,18 @@ int split_unconnected(const Neighbours& neighbours, Span<std::int32_t> group) {
     std::vector<Index> parent(group.size());  // of each particle in its piece's tree
     std::iota(parent.begin(), parent.end(), 0);
     const auto root = [&](Index i) {
-        while (parent[static_cast<std::size_t>(i)] != i) {
-            Index& up = parent[static_cast<std::size_t>(i)];
-            i = up = parent[static_cast<std::size_t>(up)];
+        while (parent[i] != i) {
+            Index& up = parent[i];
+            i = up = parent[up];
         }
         return i;
     };
     for (std::size_t i = 0; i < group.size(); ++i) {
         if (group[i] <= 0) continue;
         neighbours(static_cast<Index>(i), [&](Index j) {
-            if (group[static_cast<std::size_t>(j)] != group[i]) return;
+            if (group[j] != group[i]) return;
             const Index a = root(static_cast<Index>(i)), b = root(j);
-            parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+            parent[std::max(a, b)] = std::min(a, b);
         });
     }
     // A root comes before the others of its piece.
@@ -83,7 +81,7 @@ int split_unconnected(const Neighbours& neighbours, Span<std::int32_t> group) {
     for (std::size_t i = 0; i < group.size(); ++i) {
         if (group[i] <= 0) continue;
         const Index r = root(static_cast<Index>(i));
-        group[i] = r == static_cast<Index>(i) ? ++pieces : group[static_cast<std::size_t>(r)];
+        group[i] = r == static_cast<Index>(i) ? ++pieces : group[r];
     }
     return pieces;
 }
@@ -104,12 +102,9 @@ public:
                Real spacing);
     int groups() const { return static_cast<int>(centre_.size()); }
     /// From 0; -1: in none.
-    int of(Index i) const { return of_[static_cast<std::size_t>(i)]; }
-    const Vec3& arm(Index i) const { return arm_[static_cast<std::size_t>(i)]; }
-    Span<const Index> members(int g) const {
-        const auto k = static_cast<std::size_t>(g);
-        return {member_.data() + first_[k], static_cast<std::size_t>(first_[k + 1] - first_[k])};
-    }
+    int of(Index i) const { return of_[i]; }
+    const Vec3& arm(Index i) const { return arm_[i]; }
+    Span<const Index> members(int g) const { return {member_.data() + first_[g], static_cast<std::size_t>(first_[g + 1] - first_[g])}; }
     Span<const Vec3d> centres() const { return centre_; }
 
     /// load = R^T r: six sums a group.

@@ -153,8 +153,8 @@ void Emitter::enter(ParticleStore& fluid, double t, double dt) {
     const auto u = fluid.column<field::velocity>();
     const auto role = fluid.column<field::role>();
     for (std::size_t k = 0; k < entering.size(); ++k) {
-        x[static_cast<std::size_t>(before) + k] = entering[k];
-        role[static_cast<std::size_t>(before) + k] = s.role;
+        x[before + k] = entering[k];
+        role[before + k] = s.role;
     }
 
     const double speed = dt > 0 ? push / dt : 0;

@@ -51,7 +51,7 @@ template <class F>
 struct Read {
     using field = F;
     Span<const typename F::type> values;
-    const typename F::type& operator[](Index i) const { return values[static_cast<std::size_t>(i)]; }
+    const typename F::type& operator[](Index i) const { return values[i]; }
     Index size() const { return static_cast<Index>(values.size()); }
     const typename F::type* data() const { return values.data(); }
 };
@@ -60,7 +60,7 @@ template <class F>
 struct Write {
     using field = F;
     Span<typename F::type> values;
-    typename F::type& operator[](Index i) const { return values[static_cast<std::size_t>(i)]; }
+    typename F::type& operator[](Index i) const { return values[i]; }
     Index size() const { return static_cast<Index>(values.size()); }
     typename F::type* data() const { return values.data(); }
 };

@@ -8,8 +8,7 @@ namespace whorl {
 
 /// m/s, the largest of all particles; 0 where there are none.
 inline double largest_speed(Span<const Vec3> u) {
-    return std::sqrt(parallel_max(static_cast<Index>(u.size()), 0,
-                                  [&](Index i) { return static_cast<double>(u[static_cast<std::size_t>(i)].squaredNorm()); }));
+    return std::sqrt(parallel_max(static_cast<Index>(u.size()), 0, [&](Index i) { return static_cast<double>(u[i].squaredNorm()); }));
 }
 
 }  // namespace whorl

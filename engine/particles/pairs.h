@@ -19,17 +19,17 @@ public:
     Real support = 0;                 ///< m
 
     Index size() const { return first.empty() ? 0 : static_cast<Index>(first.size()) - 1; }
-    Index count(Index i) const { return static_cast<Index>(first[static_cast<std::size_t>(i) + 1] - first[static_cast<std::size_t>(i)]); }
+    Index count(Index i) const { return static_cast<Index>(first[i + 1] - first[i]); }
 
     /// Calls f(j, r, distance) for each neighbour j of i, with r = x_i - x_j [m] (nearest periodic image) and distance = |r|.
     template <class F>
     void of(Index i, F&& f) const {
-        const Vec3 xi = x_own[static_cast<std::size_t>(i)];
-        const std::size_t end = first[static_cast<std::size_t>(i) + 1];
+        const Vec3 xi = x_own[i];
+        const std::size_t end = first[i + 1];
         const bool periodic = period != Vec3::Zero();
-        for (std::size_t k = first[static_cast<std::size_t>(i)]; k < end; ++k) {
+        for (std::size_t k = first[i]; k < end; ++k) {
             const Index j = other[k];
-            Vec3 r = xi - x_other[static_cast<std::size_t>(j)];
+            Vec3 r = xi - x_other[j];
             if (periodic)
                 for (int a = 0; a < 3; ++a)
                     if (period[a] > 0) r[a] -= period[a] * std::nearbyint(r[a] / period[a]);
@@ -54,10 +54,10 @@ public:
     /// Calls f(group) until all neighbours of i have been in one.
     template <class F>
     void groups_of(Index i, F&& f) const {
-        const Vec3 xi = x_own[static_cast<std::size_t>(i)];
-        const std::size_t end = first[static_cast<std::size_t>(i) + 1];
+        const Vec3 xi = x_own[i];
+        const std::size_t end = first[i + 1];
         Group group;
-        for (std::size_t k = first[static_cast<std::size_t>(i)]; k < end; k += Group::most) {
+        for (std::size_t k = first[i]; k < end; k += Group::most) {
             const Index count = static_cast<Index>(std::min<std::size_t>(Group::most, end - k));
             group.count = count;
             const Index padded = group.padded();

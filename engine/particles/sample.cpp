@@ -21,7 +21,7 @@ Extent extent_of(const Shape& shape, const Domain& domain) {
     Extent e{low.cast<double>().cwiseMax(domain.min.cast<double>()), high.cast<double>().cwiseMin(domain.max.cast<double>()), {}};
     for (int a = 0; a < 3; ++a) {
         const double tolerance = 1e-5 * static_cast<double>(domain.max[a] - domain.min[a]);
-        e.spans_period[a] = domain.periodic[static_cast<std::size_t>(a)] && e.min[a] <= static_cast<double>(domain.min[a]) + tolerance &&
+        e.spans_period[a] = domain.periodic[a] && e.min[a] <= static_cast<double>(domain.min[a]) + tolerance &&
                             e.max[a] >= static_cast<double>(domain.max[a]) - tolerance;
     }
     return e;
@@ -105,16 +105,14 @@ void relax(std::vector<Vec3>& x, const Distance& distance, Real spacing, const D
     for (int sweep = 0; sweep < sweeps; ++sweep) {
         const Real rate = Real(0.5) * (1 - Real(0.7) * static_cast<Real>(sweep) / static_cast<Real>(sweeps));
         parallel_for(n, [&](Index i) {
-            const auto k = static_cast<std::size_t>(i);
-            depth[k] = -distance(x[k]);
-            outward[k] = depth[k] < range ? slope(distance, x[k], Real(0.05) * spacing) : Vec3(Vec3::Zero());
+            depth[i] = -distance(x[i]);
+            outward[i] = depth[i] < range ? slope(distance, x[i], Real(0.05) * spacing) : Vec3(Vec3::Zero());
         });
         all = x;
         for (std::size_t k = 0; k < x.size(); ++k)
             if (depth[k] < range) all.push_back(domain.wrapped(x[k] + 2 * depth[k] * outward[k]));
         search.find(x, all, range, images, pairs);
         parallel_for(n, [&](Index i) {
-            const auto k = static_cast<std::size_t>(i);
             Vec3 push = Vec3::Zero();
             pairs.of(i, [&](Index j, const Vec3& r, Real distance_ij) {
                 if (j == i || distance_ij < Real(1e-6) * spacing) return;
@@ -123,10 +121,10 @@ void relax(std::vector<Vec3>& x, const Distance& distance, Real spacing, const D
             });
             const Real length = push.norm();
             if (length > Real(0.2) * spacing) push *= Real(0.2) * spacing / length;
-            Vec3 p = domain.wrapped(x[k] + push);
+            Vec3 p = domain.wrapped(x[i] + push);
             const Real d = distance(p);
             if (d > -shell) p -= (d + shell) * slope(distance, p, Real(0.05) * spacing);
-            moved[k] = domain.wrapped(p);
+            moved[i] = domain.wrapped(p);
         });
         x.swap(moved);
     }
@@ -143,7 +141,7 @@ std::vector<Vec3> sample_shape(const Shape& shape, Sampling sampling, Real spaci
     const auto wanted = static_cast<std::size_t>(std::lround(volume_within(shape, e, spacing) / std::pow(static_cast<double>(spacing), 3)));
     RandomNumbers random(seed + 1);
     while (x.size() > wanted) {
-        std::swap(x[static_cast<std::size_t>(random() * static_cast<double>(x.size()))], x.back());
+        std::swap(x[random() * static_cast<double>(x.size())], x.back());
         x.pop_back();
     }
     while (x.size() < wanted && wanted > 0) {

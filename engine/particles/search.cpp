@@ -15,7 +15,7 @@
 namespace whorl {
 namespace {
 
-/// Edge of a cell over the support, along x (runs of cells are contiguous) and across. Measured: tools/bench/particles.cpp.
+/// Edge of a cell over the support, along x (runs of cells are contiguous) and across. Measured: tools/bench/bench_particles.cpp.
 constexpr double edge_along = 0.5, edge_across = 1;
 
 bool is_finite(const Vec3& x) { return std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2]); }
@@ -116,7 +116,7 @@ void NeighbourSearch::choose_axes(Span<const Vec3> x, Real support, const Domain
     };
     const Box empty{Eigen::Array3d::Constant(inf), Eigen::Array3d::Constant(-inf)};
     const Box box = parallel_sum(static_cast<Index>(x.size()), empty, [&](Index i) {
-        const Vec3& xi = x[static_cast<std::size_t>(i)];
+        const Vec3& xi = x[i];
         if (!is_finite(xi)) return empty;
         return Box{xi.cast<double>().array(), xi.cast<double>().array()};
     });
@@ -125,7 +125,7 @@ void NeighbourSearch::choose_axes(Span<const Vec3> x, Real support, const Domain
     for (int a = 0; a < 3; ++a) {
         const double edge = support * (a == 0 ? edge_along : edge_across);
         Axis& axis = axis_[a];
-        if (domain.periodic[static_cast<std::size_t>(a)]) {
+        if (domain.periodic[a]) {
             const double length = double(domain.max[a]) - double(domain.min[a]);
             WHORL_ASSERT(length >= 2 * double(support) * (1 - 1e-5),
                          +std::string("axis of ") + std::to_string(length) + " m, support " + std::to_string(support) + " m");
@@ -153,7 +153,7 @@ void NeighbourSearch::choose_axes(Span<const Vec3> x, Real support, const Domain
     for (int a = 0; a < 3; ++a) {
         Axis& axis = axis_[a];
         axis.bins = static_cast<int>(bins[a]);
-        if (domain.periodic[static_cast<std::size_t>(a)]) {
+        if (domain.periodic[a]) {
             const double length = axis.edge * cells[a];
             axis.edge = length / (bins[a] * std::floor(cells[a] / bins[a]));
         }
@@ -165,15 +165,14 @@ void NeighbourSearch::fill_bins(Span<const Vec3> x, const Domain& domain) {
     const std::size_t n = x.size();
     bin_of_.resize(n);
     parallel_for(static_cast<Index>(n), [&](Index i) {
-        const std::size_t k = static_cast<std::size_t>(i);
-        if (!is_finite(x[k])) {
-            bin_of_[k] = -1;
+        if (!is_finite(x[i])) {
+            bin_of_[i] = -1;
             return;
         }
-        const Vec3 xi = domain.wrapped(x[k]);
+        const Vec3 xi = domain.wrapped(x[i]);
         int bin[3];
         for (int a = 0; a < 3; ++a) bin[a] = axis_[a].bin(axis_[a].cell(xi[a]));
-        bin_of_[k] = (bin[2] * axis_[1].bins + bin[1]) * axis_[0].bins + bin[0];
+        bin_of_[i] = (bin[2] * axis_[1].bins + bin[1]) * axis_[0].bins + bin[0];
     });
 
     // Counting sort, stable: within a bin the order of the store.
@@ -181,13 +180,13 @@ void NeighbourSearch::fill_bins(Span<const Vec3> x, const Domain& domain) {
         static_cast<std::size_t>(axis_[0].bins) * static_cast<std::size_t>(axis_[1].bins) * static_cast<std::size_t>(axis_[2].bins);
     start_.assign(bins + 2, 0);
     for (std::size_t k = 0; k < n; ++k)
-        if (bin_of_[k] >= 0) ++start_[static_cast<std::size_t>(bin_of_[k]) + 2];
+        if (bin_of_[k] >= 0) ++start_[bin_of_[k] + 2];
     for (std::size_t b = 2; b < bins + 2; ++b) start_[b] += start_[b - 1];
     for (auto& column : packed_) column.resize(n + 2 * lanes, 0);
     packed_index_.resize(n + 2 * lanes, 0);
     for (std::size_t k = 0; k < n; ++k) {
         if (bin_of_[k] < 0) continue;
-        const std::size_t place = static_cast<std::size_t>(start_[static_cast<std::size_t>(bin_of_[k]) + 1]++);
+        const std::size_t place = static_cast<std::size_t>(start_[bin_of_[k] + 1]++);
         const Vec3 xi = domain.wrapped(x[k]);
         for (int a = 0; a < 3; ++a) packed_[a][place] = xi[a];
         packed_index_[place] = static_cast<Index>(k);
@@ -218,7 +217,7 @@ void NeighbourSearch::append_row(const Vec3& x, Index self, const Reach& reach, 
     const Real* const p[3] = {packed_[0].data(), packed_[1].data(), packed_[2].data()};
 
     const auto visit = [&](std::size_t row, int from, int to) {
-        const Index begin = start_[row + static_cast<std::size_t>(from)], end = start_[row + static_cast<std::size_t>(to)];
+        const Index begin = start_[row + from], end = start_[row + to];
         if (begin == end) return;
         Index* const out = rows.room_for(end - begin);
         rows.used += static_cast<std::size_t>(append_near<periodic>(test, p, packed_index_.data(), begin, end, out) - out);
@@ -247,22 +246,22 @@ void NeighbourSearch::fill_rows(Span<const Vec3> own, bool among_themselves, Rea
     const Index n = static_cast<Index>(own.size());
     pairs.first.resize(own.size() + 1);
     pairs.first[0] = 0;
-    rows_.resize(static_cast<std::size_t>(batch / block));
+    rows_.resize(batch / block);
     for (Index from = 0; from < n; from += batch) {
         const Index count = std::min(batch, n - from);
         parallel_blocks(count, block, [&](Index begin, Index end) {
-            Rows rows{rows_[static_cast<std::size_t>(begin / block)]};
+            Rows rows{rows_[begin / block]};
             for (Index k = begin; k < end; ++k) {
                 const std::size_t i = static_cast<std::size_t>(from + k);
                 if (is_finite(own[i])) append_row<periodic>(domain.wrapped(own[i]), among_themselves ? from + k : -1, reach, rows);
                 pairs.first[i + 1] = rows.used;  // within the block; shifted below
             }
         });
-        std::size_t total = pairs.first[static_cast<std::size_t>(from)];
+        std::size_t total = pairs.first[from];
         std::size_t offset[batch / block];
         for (Index begin = 0; begin < count; begin += block) {
             offset[begin / block] = total;
-            total += pairs.first[static_cast<std::size_t>(from + std::min(begin + block, count))];
+            total += pairs.first[from + std::min(begin + block, count)];
         }
         if (pairs.other.size() < total) {
             const double expected = static_cast<double>(total) / (from + count) * n;
@@ -270,9 +269,9 @@ void NeighbourSearch::fill_rows(Span<const Vec3> own, bool among_themselves, Rea
         }
         parallel_blocks(count, block, [&](Index begin, Index end) {
             const std::size_t shift = offset[begin / block];
-            const std::size_t found = pairs.first[static_cast<std::size_t>(from + end)];
-            std::copy_n(rows_[static_cast<std::size_t>(begin / block)].data(), found, pairs.other.data() + shift);
-            for (Index k = begin; k < end; ++k) pairs.first[static_cast<std::size_t>(from + k) + 1] += shift;
+            const std::size_t found = pairs.first[from + end];
+            std::copy_n(rows_[begin / block].data(), found, pairs.other.data() + shift);
+            for (Index k = begin; k < end; ++k) pairs.first[(from + k) + 1] += shift;
         });
     }
     pairs.other.resize(pairs.first[own.size()]);

@@ -59,10 +59,9 @@ Span<const Index> CurveSort::order(Span<const Vec3> x, Real cell) {
     };
     std::array<std::uint32_t, 3> lowest{}, highest{};
     for (int a = 0; a < 3; ++a) {
-        lowest[static_cast<std::size_t>(a)] = static_cast<std::uint32_t>(
+        lowest[a] = static_cast<std::uint32_t>(
             -parallel_max(n, 1 - range, [&](Index i) { return finite(i) ? -double(coordinate(i, a)) : 1 - range; }));
-        highest[static_cast<std::size_t>(a)] =
-            static_cast<std::uint32_t>(parallel_max(n, 0, [&](Index i) { return finite(i) ? double(coordinate(i, a)) : 0; }));
+        highest[a] = static_cast<std::uint32_t>(parallel_max(n, 0, [&](Index i) { return finite(i) ? double(coordinate(i, a)) : 0; }));
     }
     std::uint32_t extent = 0;
     for (std::size_t a = 0; a < 3; ++a) extent = std::max(extent, highest[a] >= lowest[a] ? highest[a] - lowest[a] : 0);
@@ -70,7 +69,7 @@ Span<const Index> CurveSort::order(Span<const Vec3> x, Real cell) {
 
     parallel_for(n, [&](Index i) {
         std::array<std::uint32_t, 3> c;
-        for (int a = 0; a < 3; ++a) c[static_cast<std::size_t>(a)] = finite(i) ? coordinate(i, a) - lowest[static_cast<std::size_t>(a)] : 0;
+        for (int a = 0; a < 3; ++a) c[a] = finite(i) ? coordinate(i, a) - lowest[a] : 0;
         key_[at(i)] = finite(i) ? hilbert_key(c, bits) : not_finite;
         order_[at(i)] = i;
     });

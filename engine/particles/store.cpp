@@ -10,13 +10,13 @@ void ParticleStore::declare(const FieldInfo& info, bool lasting) {
         entry.info = &info;
         entry.lasting = lasting;
         entry.column = info.make();
-        entry.column->resize(static_cast<std::size_t>(size_));
+        entry.column->resize(size_);
     }
     entry.lasting = entry.lasting || lasting;
 }
 
 void ParticleStore::resize(Index n) {
-    for (auto& [info, entry] : columns_) entry.column->resize(static_cast<std::size_t>(n));
+    for (auto& [info, entry] : columns_) entry.column->resize(n);
     size_ = n;
 }
 

@@ -42,7 +42,7 @@ struct TypedColumn : ColumnBase {
     void gather(Span<const Index> order) override {
         old.swap(values);
         values.resize(order.size(), zero());
-        for (std::size_t k = 0; k < order.size(); ++k) values[k] = old[static_cast<std::size_t>(order[k])];
+        for (std::size_t k = 0; k < order.size(); ++k) values[k] = old[order[k]];
     }
     const void* data() const override { return values.data(); }
     void* data() override { return values.data(); }

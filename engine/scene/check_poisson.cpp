@@ -24,13 +24,13 @@ double narrowest_gap(const SceneShapes& shapes, double spacing, double most) {
             Real height = 0;
             const int k = shapes.solids.nearest(x, height);
             if (k < 0 || height < 0 || static_cast<double>(height) > most / 2) continue;
-            const Vec3 away = shapes.solids.all[static_cast<std::size_t>(k)].normal(x);
+            const Vec3 away = shapes.solids.all[k].normal(x);
             for (double t = spacing / 4; static_cast<double>(height) + t < std::min(most, narrowest); t += spacing / 4) {
                 Real distance = 0;
                 const Vec3 there = x + static_cast<Real>(t) * away;
                 const int hit = shapes.solids.nearest(there, distance);
                 // Facing each other, not a corner of a wall and the floor.
-                if (hit >= 0 && distance < 0 && shapes.solids.all[static_cast<std::size_t>(hit)].normal(there).dot(away) < Real(-0.7))
+                if (hit >= 0 && distance < 0 && shapes.solids.all[hit].normal(there).dot(away) < Real(-0.7))
                     narrowest = static_cast<double>(height) + t;
             }
         }

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "engine/models/pressure/multigrid.h"
+#include "engine/models/pressure/pressure_multigrid.h"
 #include "engine/models/surface_tension/surface_tension.h"
 #include "engine/models/viscosity/assembled.h"
 #include "engine/models/viscosity/pairwise.h"

@@ -1,6 +1,6 @@
 #pragma once
 /// What a scene requires: models chosen (every "auto" resolved, with the reason), constants derived. Nothing is allocated yet.
-#include "engine/scene/micropolar.h"
+#include "engine/scene/micropolar_coefficients.h"
 
 namespace whorl {
 

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/models/bodies/motion.h"
+#include "engine/models/bodies/body_motion.h"
 #include "engine/models/boundary/keep_outside.h"
 #include "engine/models/boundary/wall.h"
 #include "engine/models/coupled/system.h"
@@ -12,8 +12,8 @@
 #include "engine/models/pressure/crowding.h"
 #include "engine/models/pressure/damping.h"
 #include "engine/models/pressure/divergence_free.h"
-#include "engine/models/pressure/multigrid.h"
 #include "engine/models/pressure/ppe.h"
+#include "engine/models/pressure/pressure_multigrid.h"
 #include "engine/models/pressure/wcsph.h"
 #include "engine/models/shifting/fickian.h"
 #include "engine/models/surface_tension/surface_tension.h"
@@ -37,10 +37,8 @@ constexpr double largest_over_mean_error = 10;
 double free_kinetic_energy(const World& w) {
     const auto u = w.fluid.column<field::velocity>();
     const auto role = w.fluid.column<field::role>();
-    return 0.5 * static_cast<double>(w.step.mass) * parallel_sum(w.fluid.size(), [&](Index i) {
-               const auto k = static_cast<std::size_t>(i);
-               return role[k] == 0 ? u[k].cast<double>().squaredNorm() : 0.0;
-           });
+    return 0.5 * static_cast<double>(w.step.mass) *
+           parallel_sum(w.fluid.size(), [&](Index i) { return role[i] == 0 ? u[i].cast<double>().squaredNorm() : 0.0; });
 }
 
 /// Fluid and solid neighbours of the models with one support radius.
@@ -234,7 +232,7 @@ private:
                   if (implicit) {
                       const auto each = w.fluid.column<field::viscosity>();
                       mu = -parallel_max(w.fluid.size(), -std::numeric_limits<double>::infinity(),
-                                         [&](Index i) { return -static_cast<double>(each[static_cast<std::size_t>(i)]); });
+                                         [&](Index i) { return -static_cast<double>(each[i]); });
                       if (!std::isfinite(mu)) mu = 0;  // no fluid yet
                   }
                   return surface_tension_step(rho, d, tension, mu);

@@ -31,7 +31,7 @@ std::optional<Divergence> find_divergence(const Stage& stage, const World& world
         const Real* values = static_cast<const Real*>(std::as_const(*entry->column).data());
         const Index i = first_not_finite(values, a.field->components, world.fluid.size());
         if (i < 0) continue;
-        const Vec3 x = world.fluid.column<field::position>()[static_cast<std::size_t>(i)];
+        const Vec3 x = world.fluid.column<field::position>()[i];
         return Divergence{stage.name, std::string(a.field->name), world.step.time, x.cast<double>(),
                           std::string(a.field->name) + " is not finite"};
     }

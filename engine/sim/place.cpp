@@ -55,7 +55,7 @@ void set_viscosity(const Scene& scene, World& world, Index first, int source) {
     const auto x = fluid.column<field::position>();
     const auto from = static_cast<std::size_t>(first);
     if (fluid.has<field::viscosity>()) {
-        const Expression& expression = scene.viscosity_of_source(static_cast<std::size_t>(source));
+        const Expression& expression = scene.viscosity_of_source(source);
         const auto mu = fluid.column<field::viscosity>();
         for (std::size_t i = from; i < mu.size(); ++i) mu[i] = static_cast<Real>(expression(0, x[i].cast<double>()));
     }

@@ -5,8 +5,8 @@
 #include <istream>
 #include <ostream>
 
+#include "engine/core/binary_io.h"
 #include "engine/core/parallel.h"
-#include "engine/core/raw.h"
 #include "engine/models/pressure/crowding.h"
 #include "engine/models/viscosity/ageing.h"
 #include "engine/particles/largest_speed.h"

@@ -56,13 +56,12 @@ struct Sleep::Cells {
 
     Cells(const Domain& domain, double reach) {
         for (int a = 0; a < 3; ++a) {
-            const auto k = static_cast<std::size_t>(a);
-            origin[k] = domain.min[a];
-            inverse_edge[k] = 1 / reach;
-            if (!domain.periodic[k]) continue;
+            origin[a] = domain.min[a];
+            inverse_edge[a] = 1 / reach;
+            if (!domain.periodic[a]) continue;
             const double length = double(domain.max[a]) - double(domain.min[a]);
-            period[k] = std::max<std::int64_t>(1, static_cast<std::int64_t>(length / reach));
-            inverse_edge[k] = static_cast<double>(period[k]) / length;
+            period[a] = std::max<std::int64_t>(1, static_cast<std::int64_t>(length / reach));
+            inverse_edge[a] = static_cast<double>(period[a]) / length;
         }
     }
     std::array<std::int64_t, 3> place(const Vec3& x) const {
@@ -121,12 +120,11 @@ void Sleep::look(World& world, double elapsed) {
     // that.
     const Real follows = std::min(Real(1), time / options_.after);
     parallel_for(fluid.size(), [&](Index i) {
-        const auto k = static_cast<std::size_t>(i);
-        if (quiet[k] < 0) return;
-        const Vec3 ahead = domain.minimum_image(x[k] - anchor[k]);
+        if (quiet[i] < 0) return;
+        const Vec3 ahead = domain.minimum_image(x[i] - anchor[i]);
         const Real way = ahead.norm();
-        quiet[k] = way > most ? 0 : quiet[k] + time;
-        anchor[k] = x[k] - (1 - follows) * (way > most ? most / way : 1) * ahead;
+        quiet[i] = way > most ? 0 : quiet[i] + time;
+        anchor[i] = x[i] - (1 - follows) * (way > most ? most / way : 1) * ahead;
     });
     const bool solids_move = world.solids.any_moving();
     Cells cells(domain, reach);
@@ -137,7 +135,7 @@ void Sleep::look(World& world, double elapsed) {
         Real distance = 0;
         if (solids_move)
             if (const int s = world.solids.nearest(x[k], distance); s >= 0 && distance < reach)
-                restless |= world.solids.all[static_cast<std::size_t>(s)].pose.velocity_at(x[k]).norm() * options_.after > most;
+                restless |= world.solids.all[s].pose.velocity_at(x[k]).norm() * options_.after > most;
         // Where much counts as rest, a tenth of a spacing is yet enough to press on a sleeper.
         const bool stirs = restless || (quiet[k] >= 0 && domain.minimum_image(x[k] - anchor[k]).norm() > Real(0.1) * d);
         cells.cells[cells.key(places[k])] +=
@@ -181,10 +179,9 @@ void Sleep::tuck_in(World& world) {
         }
         const auto near = cells.blurred(places);
         for (Index i = 0; i < n; ++i) {
-            const auto k = static_cast<std::size_t>(i);
-            const bool deep = quiet[k] < 0 && !near.at(cells.key(places[k])).awake;
+            const bool deep = quiet[i] < 0 && !near.at(cells.key(places[i])).awake;
             (deep ? away : here).push_back(i);
-            if (!deep && quiet[k] < 0 && role[k] == 0) role[k] = asleep_role;
+            if (!deep && quiet[i] < 0 && role[i] == 0) role[i] = asleep_role;
         }
     }
     if (away.empty()) return;

@@ -2,7 +2,7 @@
 /// Everything that the stages of a run share. A stage gets from here what its operator() names, nothing else.
 #include "engine/geometry/solids.h"
 #include "engine/particles/pairs.h"
-#include "engine/particles/step.h"
+#include "engine/particles/step_context.h"
 
 namespace whorl {
 

@@ -47,7 +47,7 @@ void sum_correction(const Pairs& pairs, KernelKind kernel, Real support, Span<co
             });
             Mat3d M;
             M << xx, xy, xz, xy, yy, yz, xz, yz, zz;
-            L[static_cast<std::size_t>(i)] = pseudo_inverse(M).cast<Real>();
+            L[i] = pseudo_inverse(M).cast<Real>();
         });
     });
 }

@@ -1,7 +1,7 @@
 #pragma once
 /// First-order correction of kernel gradients (Randles and Libersky 1996).
 #include "engine/particles/pairs.h"
-#include "engine/particles/step.h"
+#include "engine/particles/step_context.h"
 
 namespace whorl {
 

@@ -29,13 +29,12 @@ inline CurlWeights curl_weights(CurlForm form, Real b_i) {
 /// The curl of u at particle i in that form, without the lattice's factor.
 template <class Kernel>
 Vec3 curl(CurlForm form, const Pairs& pairs, Index i, const Kernel& W, Real m, Span<const Real> rho, Span<const Vec3> u) {
-    const Vec3 own = u[static_cast<std::size_t>(i)];
-    const CurlWeights weights = curl_weights(form, 1 / rho[static_cast<std::size_t>(i)]);
+    const Vec3 own = u[i];
+    const CurlWeights weights = curl_weights(form, 1 / rho[i]);
     Vec3 sum = Vec3::Zero();
     pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-        const auto k = static_cast<std::size_t>(j);
-        const Real b = 1 / rho[k], slope = W.slope(distance);
-        sum += (m * slope) * Vec3(weights.own(b) * own - weights.other(b) * u[k]).cross(r);
+        const Real b = 1 / rho[j], slope = W.slope(distance);
+        sum += (m * slope) * Vec3(weights.own(b) * own - weights.other(b) * u[j]).cross(r);
     });
     return sum;
 }

@@ -27,18 +27,16 @@ void sum_density(const FluidPairs& fluid, const SolidPairs& solids, Span<const R
         parallel_for(fluid.size(), [&](Index i) {
             const Real sum = sum_over_row(fluid, i, W);
             Real wall = 0;
-            if (any_solids)
-                solids.of(
-                    i, [&](Index s, const Vec3&, Real distance) { wall += solid_volume[static_cast<std::size_t>(s)] * W.value(distance); });
+            if (any_solids) solids.of(i, [&](Index s, const Vec3&, Real distance) { wall += solid_volume[s] * W.value(distance); });
             if (wall > 0) wall *= gate.weight(W, i, solids, solid_volume, solid_factor);
-            density[static_cast<std::size_t>(i)] = own + m * sum + step.rest_density * solid_factor * wall;
+            density[i] = own + m * sum + step.rest_density * solid_factor * wall;
         });
     });
 }
 
 void sum_number_density(const Pairs& pairs, const StepContext& step, Span<Real> number_density) {
     with_kernel(step.kernel, step.support, [&](const auto& W) {
-        parallel_for(pairs.size(), [&](Index i) { number_density[static_cast<std::size_t>(i)] = W.value(0) + sum_over_row(pairs, i, W); });
+        parallel_for(pairs.size(), [&](Index i) { number_density[i] = W.value(0) + sum_over_row(pairs, i, W); });
     });
 }
 

@@ -2,7 +2,7 @@
 /// Density and number density by kernel sums.
 #include "engine/geometry/solids.h"
 #include "engine/particles/pairs.h"
-#include "engine/particles/step.h"
+#include "engine/particles/step_context.h"
 #include "engine/sph/gate.h"
 
 namespace whorl {

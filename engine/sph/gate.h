@@ -27,7 +27,7 @@ struct SolidGate {
     Real weight(const Kernel& W, Index i, const Pairs& solid_pairs, Span<const Real> volume, Real factor) const {
         if (!(threshold > 0)) return 1;
         Real sum = 0;
-        solid_pairs.of(i, [&](Index s, const Vec3&, Real distance) { sum += volume[static_cast<std::size_t>(s)] * W.value(distance); });
+        solid_pairs.of(i, [&](Index s, const Vec3&, Real distance) { sum += volume[s] * W.value(distance); });
         const Real t = std::clamp(factor * sum / threshold - Real(0.5), Real(0), Real(1));
         return t * t * (3 - 2 * t);
     }

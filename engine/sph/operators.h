@@ -25,11 +25,8 @@ Real kernel_sum(const Pairs& pairs, Index i, const Kernel& W) {
 template <class Kernel>
 Vec3 gradient(const Pairs& pairs, Index i, const Kernel& W, Span<const Real> V, Span<const Real> a) {
     Vec3 sum = Vec3::Zero();
-    const Real ai = a[static_cast<std::size_t>(i)];
-    pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-        const std::size_t k = static_cast<std::size_t>(j);
-        sum += (V[k] * (a[k] - ai)) * kernel_gradient(W, r, distance);
-    });
+    const Real ai = a[i];
+    pairs.of(i, [&](Index j, const Vec3& r, Real distance) { sum += (V[j] * (a[j] - ai)) * kernel_gradient(W, r, distance); });
     return sum;
 }
 
@@ -37,11 +34,8 @@ Vec3 gradient(const Pairs& pairs, Index i, const Kernel& W, Span<const Real> V, 
 template <class Kernel>
 Vec3 symmetric_gradient(const Pairs& pairs, Index i, const Kernel& W, Real m, Span<const Real> rho, Span<const Real> a) {
     Vec3 sum = Vec3::Zero();
-    const Real rho_i = rho[static_cast<std::size_t>(i)], own = a[static_cast<std::size_t>(i)] / (rho_i * rho_i);
-    pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-        const std::size_t k = static_cast<std::size_t>(j);
-        sum += (own + a[k] / (rho[k] * rho[k])) * kernel_gradient(W, r, distance);
-    });
+    const Real rho_i = rho[i], own = a[i] / (rho_i * rho_i);
+    pairs.of(i, [&](Index j, const Vec3& r, Real distance) { sum += (own + a[j] / (rho[j] * rho[j])) * kernel_gradient(W, r, distance); });
     return rho_i * m * sum;
 }
 
@@ -49,11 +43,8 @@ Vec3 symmetric_gradient(const Pairs& pairs, Index i, const Kernel& W, Real m, Sp
 template <class Kernel>
 Mat3 gradient(const Pairs& pairs, Index i, const Kernel& W, Span<const Real> V, Span<const Vec3> u) {
     Mat3 sum = Mat3::Zero();
-    const Vec3 ui = u[static_cast<std::size_t>(i)];
-    pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-        const std::size_t k = static_cast<std::size_t>(j);
-        sum += V[k] * (u[k] - ui) * kernel_gradient(W, r, distance).transpose();
-    });
+    const Vec3 ui = u[i];
+    pairs.of(i, [&](Index j, const Vec3& r, Real distance) { sum += V[j] * (u[j] - ui) * kernel_gradient(W, r, distance).transpose(); });
     return sum;
 }
 
@@ -61,11 +52,8 @@ Mat3 gradient(const Pairs& pairs, Index i, const Kernel& W, Span<const Real> V, 
 template <class Kernel>
 Real divergence(const Pairs& pairs, Index i, const Kernel& W, Span<const Real> V, Span<const Vec3> u) {
     Real sum = 0;
-    const Vec3 ui = u[static_cast<std::size_t>(i)];
-    pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-        const std::size_t k = static_cast<std::size_t>(j);
-        sum += V[k] * (u[k] - ui).dot(kernel_gradient(W, r, distance));
-    });
+    const Vec3 ui = u[i];
+    pairs.of(i, [&](Index j, const Vec3& r, Real distance) { sum += V[j] * (u[j] - ui).dot(kernel_gradient(W, r, distance)); });
     return sum;
 }
 
@@ -73,23 +61,19 @@ Real divergence(const Pairs& pairs, Index i, const Kernel& W, Span<const Real> V
 template <class Kernel>
 Vec3 curl(const Pairs& pairs, Index i, const Kernel& W, Span<const Real> V, Span<const Vec3> u) {
     Vec3 sum = Vec3::Zero();
-    const Vec3 ui = u[static_cast<std::size_t>(i)];
-    pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-        const std::size_t k = static_cast<std::size_t>(j);
-        sum -= V[k] * (u[k] - ui).cross(kernel_gradient(W, r, distance));
-    });
+    const Vec3 ui = u[i];
+    pairs.of(i, [&](Index j, const Vec3& r, Real distance) { sum -= V[j] * (u[j] - ui).cross(kernel_gradient(W, r, distance)); });
     return sum;
 }
 
 /// (Lap u)_i = 2 sum_j V_j (u_i - u_j) (r_ij . grad W_ij) / (|r_ij|^2 + 0.01 h^2), h = R/2        Brookshaw (1985), Morris et al. (1997).
 template <class Kernel, class T>
 T laplacian(const Pairs& pairs, Index i, const Kernel& W, Span<const Real> V, Span<const T> u) {
-    T sum = T(u[static_cast<std::size_t>(i)] - u[static_cast<std::size_t>(i)]);
-    const T ui = u[static_cast<std::size_t>(i)];
+    T sum = T(u[i] - u[i]);
+    const T ui = u[i];
     const Real softening = Real(0.01 * 0.25) * W.R * W.R;
     pairs.of(i, [&](Index j, const Vec3&, Real distance) {
-        const std::size_t k = static_cast<std::size_t>(j);
-        sum += (2 * V[k] * distance * W.derivative(distance) / (distance * distance + softening)) * (ui - u[k]);
+        sum += (2 * V[j] * distance * W.derivative(distance) / (distance * distance + softening)) * (ui - u[j]);
     });
     return sum;
 }
@@ -99,11 +83,10 @@ T laplacian(const Pairs& pairs, Index i, const Kernel& W, Span<const Real> V, Sp
 template <class Kernel>
 Vec3 pairwise_laplacian(const Pairs& pairs, Index i, const Kernel& W, Span<const Real> V, Span<const Vec3> u) {
     Vec3 sum = Vec3::Zero();
-    const Vec3 ui = u[static_cast<std::size_t>(i)];
+    const Vec3 ui = u[i];
     const Real softening = Real(0.01 * 0.25) * W.R * W.R;
     pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-        const std::size_t k = static_cast<std::size_t>(j);
-        sum += (10 * V[k] * (ui - u[k]).dot(r) / (distance * distance + softening)) * kernel_gradient(W, r, distance);
+        sum += (10 * V[j] * (ui - u[j]).dot(r) / (distance * distance + softening)) * kernel_gradient(W, r, distance);
     });
     return sum;
 }

@@ -16,9 +16,8 @@ std::size_t index_of(const FlowGrid& g, int i, int j, int k) {
 
 /// An index on an axis; -1 outside.
 int on_axis(const FlowGrid& g, int axis, int i) {
-    const auto a = static_cast<std::size_t>(axis);
-    if (g.periodic[a]) return ((i % g.n[a]) + g.n[a]) % g.n[a];
-    return i >= 0 && i < g.n[a] ? i : -1;
+    if (g.periodic[axis]) return ((i % g.n[axis]) + g.n[axis]) % g.n[axis];
+    return i >= 0 && i < g.n[axis] ? i : -1;
 }
 
 bool finite(const Vec3f& x) { return std::isfinite(x.x()) && std::isfinite(x.y()) && std::isfinite(x.z()); }
@@ -32,19 +31,18 @@ FlowGrid laid_out(const Frame& frame, float reach, std::size_t most_nodes) {
     if (low.x() > high.x()) return grid;
     grid.periodic = frame.periodic;
     for (int a = 0; a < 3; ++a) {
-        if (frame.periodic[static_cast<std::size_t>(a)]) low[a] = frame.domain_min[a], high[a] = frame.domain_max[a];
+        if (frame.periodic[a]) low[a] = frame.domain_min[a], high[a] = frame.domain_max[a];
         else low[a] -= reach, high[a] += reach;
     }
     float cell = frame.spacing;
     for (;; cell *= 1.25f) {
         double nodes = 1;
         for (int a = 0; a < 3; ++a) {
-            const auto k = static_cast<std::size_t>(a);
             // A periodic axis has whole cells; another one more node than cells.
             const float cells = std::max(1.0f, std::round((high[a] - low[a]) / cell));
-            grid.n[k] = static_cast<int>(cells) + (frame.periodic[k] ? 0 : 1);
+            grid.n[a] = static_cast<int>(cells) + (frame.periodic[a] ? 0 : 1);
             grid.cell[a] = (high[a] - low[a]) / cells;
-            nodes *= grid.n[k];
+            nodes *= grid.n[a];
         }
         if (nodes <= static_cast<double>(most_nodes)) break;
     }
@@ -61,21 +59,20 @@ Bins binned(const FlowGrid& grid, const std::vector<Vec3f>& position) {
         static_cast<std::size_t>(grid.n[0]) * static_cast<std::size_t>(grid.n[1]) * static_cast<std::size_t>(grid.n[2]);
     std::vector<std::int64_t> bin(position.size(), -1);
     parallel_for(static_cast<Index>(position.size()), [&](Index p) {
-        const Vec3f& x = position[static_cast<std::size_t>(p)];
+        const Vec3f& x = position[p];
         if (!finite(x)) return;
         int at[3];
         for (int a = 0; a < 3; ++a) at[a] = on_axis(grid, a, static_cast<int>(std::floor((x[a] - grid.origin[a]) / grid.cell[a])));
-        if (at[0] >= 0 && at[1] >= 0 && at[2] >= 0)
-            bin[static_cast<std::size_t>(p)] = static_cast<std::int64_t>(index_of(grid, at[0], at[1], at[2]));
+        if (at[0] >= 0 && at[1] >= 0 && at[2] >= 0) bin[p] = static_cast<std::int64_t>(index_of(grid, at[0], at[1], at[2]));
     });
     Bins bins{std::vector<std::uint32_t>(cells + 1), {}};
     for (const std::int64_t b : bin)
-        if (b >= 0) ++bins.start[static_cast<std::size_t>(b) + 1];
+        if (b >= 0) ++bins.start[b + 1];
     for (std::size_t c = 0; c < cells; ++c) bins.start[c + 1] += bins.start[c];
     bins.particle.resize(bins.start[cells]);
     std::vector<std::uint32_t> next(bins.start.begin(), bins.start.end() - 1);
     for (std::size_t p = 0; p < bin.size(); ++p)
-        if (bin[p] >= 0) bins.particle[next[static_cast<std::size_t>(bin[p])]++] = static_cast<std::uint32_t>(p);
+        if (bin[p] >= 0) bins.particle[next[bin[p]]++] = static_cast<std::uint32_t>(p);
     return bins;
 }
 
@@ -96,7 +93,7 @@ FlowGrid flow_grid(const Frame& frame, const std::vector<float>& value, std::siz
     // A periodic axis shorter than the reach would meet the same cell twice.
     for (int a = 0; a < 3; ++a) {
         reach[a] = static_cast<int>(std::ceil(h / grid.cell[a]));
-        if (grid.periodic[static_cast<std::size_t>(a)]) reach[a] = std::min(reach[a], (grid.n[static_cast<std::size_t>(a)] - 1) / 2);
+        if (grid.periodic[a]) reach[a] = std::min(reach[a], (grid.n[a] - 1) / 2);
     }
     parallel_for(static_cast<Index>(nodes), [&](Index node) {
         const auto m = static_cast<std::size_t>(node);
@@ -117,8 +114,7 @@ FlowGrid flow_grid(const Frame& frame, const std::vector<float>& value, std::siz
                         const std::uint32_t p = bins.particle[s];
                         Vec3f r = x - frame.position[p];
                         for (int axis = 0; axis < 3; ++axis)
-                            if (grid.periodic[static_cast<std::size_t>(axis)])
-                                r[axis] -= period[axis] * std::nearbyint(r[axis] / period[axis]);
+                            if (grid.periodic[axis]) r[axis] -= period[axis] * std::nearbyint(r[axis] / period[axis]);
                         const float q = 1 - r.squaredNorm() / (h * h);
                         if (q <= 0) continue;
                         const float w = q * q;

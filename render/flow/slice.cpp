@@ -58,7 +58,7 @@ FlowSlice flow_slice(const FlowGrid& grid, const LookOptions& look, int longest)
         Vec3f colour = linear_of(map_colour(look.colour_map, value[k]));
         // Still water is calm: no noise where nothing moves.
         if (fast > 0) colour *= 1 + 1.1f * std::min(1.0f, 8 * velocity[k].norm() / fast) * (bright[k] - 0.5f);
-        for (int c = 0; c < 3; ++c) slice.rgba[4 * k + static_cast<std::size_t>(c)] = colour[c];
+        for (int c = 0; c < 3; ++c) slice.rgba[4 * k + c] = colour[c];
     });
     return slice;
 }

@@ -59,7 +59,7 @@ std::vector<Rung> ladder() {
         EGLint count = 0;
         if (!eglQueryDevicesEXT(static_cast<EGLint>(devices.size()), devices.data(), &count)) count = 0;
         for (EGLint i = 0; i < count; ++i) {
-            const EGLDeviceEXT device = devices[static_cast<std::size_t>(i)];
+            const EGLDeviceEXT device = devices[i];
             const char* extensions = eglQueryDeviceStringEXT(device, EGL_EXTENSIONS);
             const bool is_software = lists(extensions, "EGL_MESA_device_software");
             const char* kind = is_software ? "software" : lists(extensions, "EGL_EXT_device_drm") ? "EGL_EXT_device_drm" : "hardware";

@@ -53,7 +53,7 @@ Volume far_field(const Volume& band, int coarseness, int margin) {
     const auto count = [&](int n) { return (n + coarseness - 1) / coarseness + 2 * margin; };
     wide.nx = count(band.nx), wide.ny = count(band.ny), wide.nz = count(band.nz);
     const Index cells = static_cast<Index>(wide.nx) * wide.ny * wide.nz;
-    wide.value.assign(static_cast<std::size_t>(cells), unknown);
+    wide.value.assign(cells, unknown);
     std::vector<float> sign(wide.value.size(), 1.0f);
 
     // A cell that the surface passes near takes the nearest of its fine voxels' distances, by way of that voxel.
@@ -62,7 +62,7 @@ Volume far_field(const Volume& band, int coarseness, int margin) {
         const int i = (n % wide.nx - margin) * coarseness, j = (n / wide.nx % wide.ny - margin) * coarseness,
                   k = (n / wide.nx / wide.ny - margin) * coarseness;
         if (i >= 0 && j >= 0 && k >= 0 && i < band.nx && j < band.ny && k < band.nz)
-            sign[static_cast<std::size_t>(n)] = band.value[at(band, i, j, k)] < 0 ? -1.0f : 1.0f;
+            sign[n] = band.value[at(band, i, j, k)] < 0 ? -1.0f : 1.0f;
         float nearest = unknown;
         for (int z = std::max(k - reach, 0); z <= std::min(k + reach, band.nz - 1); ++z)
             for (int y = std::max(j - reach, 0); y <= std::min(j + reach, band.ny - 1); ++y)
@@ -72,7 +72,7 @@ Volume far_field(const Volume& band, int coarseness, int margin) {
                     const float away = std::sqrt(static_cast<float>((x - i) * (x - i) + (y - j) * (y - j) + (z - k) * (z - k)));
                     nearest = std::min(nearest, d + band.voxel * away);
                 }
-        wide.value[static_cast<std::size_t>(n)] = nearest;
+        wide.value[n] = nearest;
     });
     sweep(wide);
     for (std::size_t n = 0; n < wide.value.size(); ++n) wide.value[n] *= sign[n];

@@ -10,8 +10,7 @@ constexpr int coarseness = 4, margin = 4;
 
 void upload(gl::Texture& texture, const Volume& volume, float unit) {
     std::vector<float> value(volume.value.size());
-    parallel_for(static_cast<Index>(value.size()),
-                 [&](Index i) { value[static_cast<std::size_t>(i)] = volume.value[static_cast<std::size_t>(i)] / unit; });
+    parallel_for(static_cast<Index>(value.size()), [&](Index i) { value[i] = volume.value[i] / unit; });
     gl::fill_3d(texture, volume.nx, volume.ny, volume.nz, value.data());
 }
 

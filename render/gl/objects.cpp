@@ -31,7 +31,7 @@ GLuint compiled(GLenum stage, std::initializer_list<const char*> files) {
     GLsizei length = 0;
     glGetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), &length, log.data());
     glDeleteShader(shader);
-    throw std::logic_error("shader" + names + " does not compile:\n" + log.substr(0, static_cast<std::size_t>(length)));
+    throw std::logic_error("shader" + names + " does not compile:\n" + log.substr(0, length));
 }
 
 }  // namespace

@@ -94,7 +94,7 @@ Eigen::Vector2f sample_place(int sample, int samples) {
     if (samples == 4) {  // the rotated grid: no two samples share a row or a column
         static const std::array<Eigen::Vector2f, 4> grid{Eigen::Vector2f(-0.125f, -0.375f), Eigen::Vector2f(0.375f, -0.125f),
                                                          Eigen::Vector2f(-0.375f, 0.125f), Eigen::Vector2f(0.125f, 0.375f)};
-        return grid[static_cast<std::size_t>(sample)];
+        return grid[sample];
     }
     const double g = 1.32471795724474602596;  // plastic number
     const double x = 0.5 + sample / g, y = 0.5 + sample / (g * g);

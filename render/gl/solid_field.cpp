@@ -32,8 +32,7 @@ void lower_row(const Volume& v, const Vec3f& place, const Vec3f& step, std::vect
         const auto row = [&](int r) { return value[r] + sx * (value[r + 1] - value[r]); };
         const float low = row(c) + sy * (row(c + along_y) - row(c)),
                     high = row(c + along_z) + sy * (row(c + along_z + along_y) - row(c + along_z));
-        least[static_cast<std::size_t>(n)] =
-            std::min(least[static_cast<std::size_t>(n)], low + sz * (high - low) + v.voxel * std::sqrt(ox * ox + oy * oy + oz * oz));
+        least[n] = std::min(least[n], low + sz * (high - low) + v.voxel * std::sqrt(ox * ox + oy * oy + oz * oz));
     }
 }
 
@@ -48,7 +47,7 @@ Volume union_of(const std::vector<const Volume*>& own, const std::vector<Mat3f>&
     all.nx = count.x(), all.ny = count.y(), all.nz = count.z();
     all.value.resize(static_cast<std::size_t>(all.nx) * all.ny * all.nz);
     parallel_for(all.ny * all.nz, [&](Index r) {
-        std::vector<float> row(static_cast<std::size_t>(all.nx), 1e6f);
+        std::vector<float> row(all.nx, 1e6f);
         const Vec3f first = all.origin + all.voxel * Vec3f(0, static_cast<float>(r % all.ny), static_cast<float>(r / all.ny));
         for (std::size_t k = 0; k < own.size(); ++k) {
             const Volume& v = *own[k];

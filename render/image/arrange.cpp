@@ -21,11 +21,11 @@ struct Cover {
 };
 
 std::vector<Cover> covers(int from, int to) {
-    std::vector<Cover> result(static_cast<std::size_t>(to));
+    std::vector<Cover> result(to);
     const double step = static_cast<double>(from) / to;
     for (int i = 0; i < to; ++i) {
         const double begin = i * step, end = std::min<double>(from, (i + 1) * step);
-        Cover& cover = result[static_cast<std::size_t>(i)];
+        Cover& cover = result[i];
         cover.first = std::min(from - 1, static_cast<int>(begin));
         for (int k = cover.first; k < std::max<double>(end, cover.first + 1); ++k)
             cover.share.push_back(static_cast<float>((std::min<double>(end, k + 1) - std::max<double>(begin, k)) / (end - begin)));
@@ -44,9 +44,9 @@ Image downscaled(const Image& image, int width, int height) {
     const std::vector<Cover> columns = covers(image.width, width), rows = covers(image.height, height);
     Image result = filled(width, height, 0);
     parallel_blocks(height, 1, [&](Index y, Index) {
-        const Cover& row = rows[static_cast<std::size_t>(y)];
+        const Cover& row = rows[y];
         for (int x = 0; x < width; ++x) {
-            const Cover& column = columns[static_cast<std::size_t>(x)];
+            const Cover& column = columns[x];
             Vec3f light = Vec3f::Zero();
             for (std::size_t j = 0; j < row.share.size(); ++j)
                 for (std::size_t i = 0; i < column.share.size(); ++i) {
@@ -75,7 +75,7 @@ Image contact_sheet(const std::vector<Image>& images, int columns, int cell_widt
     const int rows = (static_cast<int>(cells.size()) + columns - 1) / columns;
     Image sheet = filled(columns * (widest + gap) + gap, rows * (cell_height + gap) + gap, 24);
     for (int i = 0; i < static_cast<int>(cells.size()); ++i)
-        paste(sheet, cells[static_cast<std::size_t>(i)], gap + (i % columns) * (widest + gap), gap + (i / columns) * (cell_height + gap));
+        paste(sheet, cells[i], gap + (i % columns) * (widest + gap), gap + (i / columns) * (cell_height + gap));
     return sheet;
 }
 
@@ -86,7 +86,7 @@ Image side_by_side(const std::vector<Image>& images, int columns, int gap, int w
     WHORL_ASSERT(left >= 0 && top >= 0);
     Image whole = filled(width, height, 24);
     for (int i = 0; i < static_cast<int>(images.size()); ++i)
-        paste(whole, images[static_cast<std::size_t>(i)], left + (i % columns) * (w + gap), top + (i / columns) * (h + gap));
+        paste(whole, images[i], left + (i % columns) * (w + gap), top + (i / columns) * (h + gap));
     return whole;
 }
 

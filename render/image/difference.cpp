@@ -40,15 +40,15 @@ PictureDifference difference(const Image& a, const Image& b) {
     }
     const Index pixels = a.width * a.height;
     if (pixels == 0) return {};
-    std::vector<float> delta(static_cast<std::size_t>(pixels));
+    std::vector<float> delta(pixels);
     parallel_for(pixels, [&](Index i) {
         const int x = i % a.width, y = i / a.width;
-        delta[static_cast<std::size_t>(i)] = (lab(blurred(a, x, y)) - lab(blurred(b, x, y))).norm();
+        delta[i] = (lab(blurred(a, x, y)) - lab(blurred(b, x, y))).norm();
     });
     PictureDifference result;
-    result.mean = parallel_sum(pixels, [&](Index i) { return delta[static_cast<std::size_t>(i)]; }) / pixels;
+    result.mean = parallel_sum(pixels, [&](Index i) { return delta[i]; }) / pixels;
     std::sort(delta.begin(), delta.end());
-    result.p99 = delta[static_cast<std::size_t>(0.99 * (pixels - 1))];
+    result.p99 = delta[0.99 * (pixels - 1)];
     result.max = delta.back();
     return result;
 }

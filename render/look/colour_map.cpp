@@ -25,7 +25,7 @@ Vec3f srgb(const Vec3f& lab) {
 }
 
 Vec3f entry(const Table& table, int n) {
-    const int colour = table[static_cast<std::size_t>(n)];
+    const int colour = table[n];
     return lab_of(Vec3f(static_cast<float>(colour >> 16), static_cast<float>(colour >> 8 & 255), static_cast<float>(colour & 255)) / 255);
 }
 

@@ -105,7 +105,7 @@ void prepare_openvdb() {
     const std::lock_guard lock(mutex);
     if (count != threads()) {
         control.reset();
-        control = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads()));
+        control = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, threads());
         count = threads();
     }
 }

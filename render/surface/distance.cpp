@@ -141,7 +141,7 @@ void near_surface(const TriangleMesh& mesh, const Extent& e, float margin, std::
 // nine voxels next to it in the plane before. Six such sweeps reach every voxel along a path that hardly leaves the straight one.
 void sweep(const Extent& e, int axis, float margin, float limit, std::vector<Closest>& closest, std::vector<std::int8_t>& side) {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3, n = e.size[axis];
-    const std::array<std::size_t, 3> stride{1, static_cast<std::size_t>(e.size[0]), static_cast<std::size_t>(e.size[0]) * e.size[1]};
+    const std::array<std::size_t, 3> stride{1, e.size[0], static_cast<std::size_t>(e.size[0]) * e.size[1]};
     for (int direction : {1, -1})
         for (int s = 1; s < n; ++s)
             parallel_for(static_cast<Index>(e.size[u]) * e.size[v], [&](Index m) {

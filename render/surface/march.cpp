@@ -8,11 +8,11 @@
 namespace whorl {
 namespace {
 
-constexpr int edge = ColourBlock::edge, nodes = edge * edge * edge;
+constexpr int block_edge = ColourBlock::edge, nodes = block_edge * block_edge * block_edge;
 
 // The values of a block and of the first nodes of the blocks ahead: all corners of the block's cells.
 struct Tile {
-    static constexpr int side = edge + 1;
+    static constexpr int side = block_edge + 1;
     float value[side * side * side];
 
     Tile(const std::vector<ColourBlock>& blocks, const ColourBlock& block) {
@@ -20,7 +20,7 @@ struct Tile {
             for (int j = 0; j < side; ++j)
                 for (int k = 0; k < side; ++k) {
                     const Index b = block.ahead[(i >> 3) * 4 + (j >> 3) * 2 + (k >> 3)];
-                    at(i, j, k) = b < 0 ? 0 : blocks[b].value[((i & 7) * edge + (j & 7)) * edge + (k & 7)];
+                    at(i, j, k) = b < 0 ? 0 : blocks[b].value[((i & 7) * block_edge + (j & 7)) * block_edge + (k & 7)];
                 }
     }
     float& at(int i, int j, int k) { return value[(i * side + j) * side + k]; }
@@ -54,9 +54,9 @@ struct Part {
 
 template <class F>
 void for_cells(F&& f) {
-    for (int i = 0; i < edge; ++i)
-        for (int j = 0; j < edge; ++j)
-            for (int k = 0; k < edge; ++k) f(i, j, k);
+    for (int i = 0; i < block_edge; ++i)
+        for (int j = 0; j < block_edge; ++j)
+            for (int k = 0; k < block_edge; ++k) f(i, j, k);
 }
 
 Vec3f middle(const Tile& tile, const CubeLoop& loop, int i, int j, int k, float iso) {
@@ -73,7 +73,7 @@ void add_vertices(const Tile& tile, float iso, Part& part) {
         const bool in = tile.at(i, j, k) >= iso;
         for (int axis = 0; axis < 3; ++axis) {
             if (in == (tile.ahead(i, j, k, axis) >= iso)) continue;
-            part.edge_vertex[3 * ((i * edge + j) * edge + k) + axis] = static_cast<Index>(part.vertex.size());
+            part.edge_vertex[3 * ((i * block_edge + j) * block_edge + k) + axis] = static_cast<Index>(part.vertex.size());
             part.vertex.push_back(tile.cut(i, j, k, axis, iso));
         }
     });
@@ -99,8 +99,8 @@ void add_triangles(const Tile& tile, float iso, const ColourBlock& block, const 
                 const auto [from, axis] = cube_edges()[loop.edge[c]];
                 const int a = i + (from & 1), b = j + (from >> 1 & 1), e = k + (from >> 2);
                 const Part& owner = parts[part_of_block[block.ahead[(a >> 3) * 4 + (b >> 3) * 2 + (e >> 3)]]];
-                corner[c] = static_cast<std::uint32_t>(owner.first_vertex +
-                                                       owner.edge_vertex[3 * (((a & 7) * edge + (b & 7)) * edge + (e & 7)) + axis]);
+                corner[c] = static_cast<std::uint32_t>(
+                    owner.first_vertex + owner.edge_vertex[3 * (((a & 7) * block_edge + (b & 7)) * block_edge + (e & 7)) + axis]);
             }
             if (loop.fan >= 0)
                 for (int c = 1; c + 1 < n; ++c)

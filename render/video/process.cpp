@@ -70,7 +70,7 @@ bool ChildProcess::write(std::span<const std::uint8_t> bytes) {
         const ssize_t sent = send(input_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
         if (sent < 0 && errno == EINTR) continue;
         if (sent <= 0) return false;
-        bytes = bytes.subspan(static_cast<std::size_t>(sent));
+        bytes = bytes.subspan(sent);
     }
     return true;
 }
@@ -91,7 +91,7 @@ std::string ChildProcess::output() const {
     for (off_t at = 0; output_ >= 0;) {
         const ssize_t got = pread(output_, buffer, sizeof buffer, at);
         if (got <= 0) break;
-        text.append(buffer, static_cast<std::size_t>(got));
+        text.append(buffer, got);
         at += got;
     }
     return text;

@@ -115,7 +115,7 @@ std::string Browser::receive(double seconds) {
         char bytes[65536];
         const ssize_t n = read(from_, bytes, sizeof bytes);
         if (n <= 0) throw std::runtime_error("the browser has gone");
-        buffer_.append(bytes, static_cast<std::size_t>(n));
+        buffer_.append(bytes, n);
     }
 }
 
@@ -149,7 +149,7 @@ void Browser::size(int width, int height) {
     call("Emulation.setDeviceMetricsOverride", {{"width", width}, {"height", height}, {"deviceScaleFactor", 1}, {"mobile", width < 600}});
 }
 
-void Browser::close(int page) { call("Target.closeTarget", {{"targetId", pages_.at(static_cast<std::size_t>(page)).target}}, false); }
+void Browser::close(int page) { call("Target.closeTarget", {{"targetId", pages_.at(page).target}}, false); }
 
 void Browser::scheme(const std::string& name) {
     call("Emulation.setEmulatedMedia", {{"features", json::array({json{{"name", "prefers-color-scheme"}, {"value", name}}})}});

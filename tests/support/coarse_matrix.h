@@ -16,11 +16,11 @@ struct CoarseDifference {
 template <class Operator>
 CoarseDifference coarse_difference(const Operator& A, const RigidAggregates& R, const SymmetricBlocks& coarse, std::size_t particles) {
     CoarseDifference found;
-    std::vector<Real> motion(static_cast<std::size_t>(6 * coarse.nodes())), column(motion.size());
+    std::vector<Real> motion(6 * coarse.nodes()), column(motion.size());
     std::vector<Vec3> u(particles), Au(particles);
     for (int k = 0; k < 6 * coarse.nodes(); ++k) {
         std::fill(motion.begin(), motion.end(), Real(0));
-        motion[static_cast<std::size_t>(k)] = 1;
+        motion[k] = 1;
         std::fill(u.begin(), u.end(), Vec3::Zero());
         R.add_motion(motion, u);
         A(u, Au);
@@ -30,7 +30,7 @@ CoarseDifference coarse_difference(const Operator& A, const RigidAggregates& R, 
             for (const SymmetricBlocks::Entry& e : coarse.row(row))
                 if (e.column == k / 6) stored = e.value.col(k % 6);
             for (int a = 0; a < 6; ++a) {
-                const double exact = column[static_cast<std::size_t>(6 * row + a)];
+                const double exact = column[6 * row + a];
                 found.largest = std::max(found.largest, std::abs(exact));
                 found.difference = std::max(found.difference, std::abs(stored[a] - exact));
             }

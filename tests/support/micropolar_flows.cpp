@@ -109,7 +109,7 @@ Drift blob_drift(const Micropolar2& c, MicropolarOptions options, bool central, 
     w.place(Vec3::Constant(-edge), Vec3::Constant(edge));
     std::vector<Index> inside;
     for (Index i = 0; i < w.world.fluid.size(); ++i)
-        if (static_cast<double>(w.column<field::position>()[static_cast<std::size_t>(i)].norm()) < radius) inside.push_back(i);
+        if (static_cast<double>(w.column<field::position>()[i].norm()) < radius) inside.push_back(i);
     w.world.fluid.gather(inside);
     const auto x = w.column<field::position>();
     const auto u = w.column<field::velocity>();

@@ -17,7 +17,7 @@ std::string content(int descriptor) {
     for (off_t at = 0;;) {
         const ssize_t got = pread(descriptor, buffer, sizeof buffer, at);
         if (got <= 0) return text;
-        text.append(buffer, static_cast<std::size_t>(got));
+        text.append(buffer, got);
         at += got;
     }
 }

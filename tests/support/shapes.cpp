@@ -37,8 +37,7 @@ public:
                 for (int i = 0; i + 1 < volume_.nx; ++i)
                     for (const auto& path : paths) {
                         std::array<std::uint64_t, 4> corner{};
-                        for (int c = 0; c < 4; ++c)
-                            corner[static_cast<std::size_t>(c)] = index(i + (path[c] & 1), j + ((path[c] >> 1) & 1), k + (path[c] >> 2));
+                        for (int c = 0; c < 4; ++c) corner[c] = index(i + (path[c] & 1), j + ((path[c] >> 1) & 1), k + (path[c] >> 2));
                         tetrahedron(corner);
                     }
         for (const Vec3f& x : mesh_.position) {

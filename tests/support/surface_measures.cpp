@@ -43,7 +43,7 @@ Frame filled(const Distance& distance, const Vec3d& low, const Vec3d& high, doub
             }
     if (!blue_noise) return frame_of(x);
     const auto wanted = static_cast<std::size_t>(std::lround(volume_wanted));
-    for (; x.size() > wanted; x.pop_back()) std::swap(x[static_cast<std::size_t>(random() * static_cast<double>(x.size()))], x.back());
+    for (; x.size() > wanted; x.pop_back()) std::swap(x[random() * static_cast<double>(x.size())], x.back());
     while (x.size() < wanted) {
         const Vec3d p = low + Vec3d(random(), random(), random()).cwiseProduct(high - low);
         if (distance(p.cast<Real>()) < 0) x.push_back(p.cast<Real>());

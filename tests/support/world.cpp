@@ -57,7 +57,7 @@ void TestWorld::add_wall(int axis, int side, double at, double slip_length) {
     const Real d = step.spacing;
     Vec3 low = step.domain.min, high = step.domain.max;
     for (int a = 0; a < 3; ++a)
-        if (!step.domain.periodic[static_cast<std::size_t>(a)]) low[a] -= 3 * d, high[a] += 3 * d;
+        if (!step.domain.periodic[a]) low[a] -= 3 * d, high[a] += 3 * d;
     const int b = (axis + 1) % 3, c = (axis + 2) % 3;
     const auto nb = static_cast<int>(std::lround((high[b] - low[b]) / d)), nc = static_cast<int>(std::lround((high[c] - low[c]) / d));
     SolidParticles& all = world.solid_particles;
@@ -80,7 +80,7 @@ void TestWorld::add_wall(int axis, int side, double at, double slip_length) {
         for (Index s = 0; s < all.size(); ++s) {
             Real sum = kernel.value(0);
             pairs.of(s, [&](Index, const Vec3&, Real r) { sum += kernel.value(r); });
-            all.volume[static_cast<std::size_t>(s)] = 1 / sum;
+            all.volume[s] = 1 / sum;
         }
     });
 }

@@ -1,4 +1,4 @@
-#include "tools/run/bounded_queue.h"
+#include "tools/film/bounded_queue.h"
 
 #include <atomic>
 #include <catch2/catch.hpp>

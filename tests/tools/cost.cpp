@@ -2,7 +2,7 @@
 
 #include "tools/cost/estimate.h"
 #include "tools/cost/pace.h"
-#include "tools/cost/sample.h"
+#include "tools/cost/sample_run.h"
 
 using namespace whorl;
 

@@ -1,4 +1,4 @@
-#include "tools/run/governor.h"
+#include "tools/film/governor.h"
 
 #include <fmt/format.h>
 #include <signal.h>

@@ -8,7 +8,7 @@
 #include "engine/io/files.h"
 #include "render/image/image.h"
 #include "tests/support/live_program.h"
-#include "tools/live/door.h"
+#include "tools/live/access.h"
 #include "tools/study/table.h"
 
 using namespace whorl;
@@ -168,7 +168,7 @@ TEST_CASE("a change acts from the next frame on, and a film of the recording is 
     for (std::string next; std::getline(rows, next);) row = next;
     const auto names = cells(header), values = cells(row);
     const auto column = [&](const std::string& name) {
-        return std::stod(values.at(static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin())));
+        return std::stod(values.at(std::find(names.begin(), names.end(), name) - names.begin()));
     };
     CHECK(column("frame") == last.at("frame"));
     CHECK(column("particles") == last.at("particles"));
@@ -186,8 +186,8 @@ TEST_CASE("a change acts from the next frame on, and a film of the recording is 
     CHECK(test::whorl({"resume", part, "--frames", "6", "--quiet"}).code == 0);
     std::string resumed = read_whole(fs::path(part) / "diagnostics.csv");
     resumed = resumed.substr(resumed.rfind('\n', resumed.size() - 2) + 1);
-    CHECK(cells(resumed).at(static_cast<std::size_t>(std::find(names.begin(), names.end(), "kinetic_energy") - names.begin())) ==
-          values.at(static_cast<std::size_t>(std::find(names.begin(), names.end(), "kinetic_energy") - names.begin())));
+    CHECK(cells(resumed).at(std::find(names.begin(), names.end(), "kinetic_energy") - names.begin()) ==
+          values.at(std::find(names.begin(), names.end(), "kinetic_energy") - names.begin()));
 }
 
 TEST_CASE("a saved scene file acts while the run goes on, a broken one is told with its place and changes nothing", "[tools][live]") {

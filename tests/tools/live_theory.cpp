@@ -1,7 +1,7 @@
 /// What theory says beside what a live run measures.
 #include <catch2/catch.hpp>
 
-#include "engine/io/coil_theory.h"
+#include "engine/theory/coil_theory.h"
 #include "tests/support/live_program.h"
 
 using namespace whorl;

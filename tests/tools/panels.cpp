@@ -1,5 +1,5 @@
 // Several runs of one scene side by side in one film.
-#include "tools/run/panels.h"
+#include "tools/film/panels.h"
 
 #include <signal.h>
 

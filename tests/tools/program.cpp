@@ -10,8 +10,8 @@
 #include <sstream>
 
 #include "engine/scene/read.h"
-#include "tools/options.h"
-#include "tools/sections.h"
+#include "tools/program/known_sections.h"
+#include "tools/program/run_options.h"
 
 using namespace whorl;
 namespace fs = std::filesystem;

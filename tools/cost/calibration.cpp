@@ -15,8 +15,8 @@
 #include "engine/scene/names.h"
 #include "render/gl/renderer.h"
 #include "render/image/image.h"
-#include "tools/cost/sample.h"
-#include "tools/run/usage.h"
+#include "tools/cost/sample_run.h"
+#include "tools/film/usage.h"
 
 namespace whorl {
 namespace {

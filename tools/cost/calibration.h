@@ -5,7 +5,7 @@
 #include <string>
 
 #include "engine/scene/plan.h"
-#include "tools/options.h"
+#include "tools/program/run_options.h"
 
 namespace whorl {
 

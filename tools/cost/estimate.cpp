@@ -5,10 +5,10 @@
 #include <limits>
 
 #include "engine/core/parallel.h"
-#include "engine/models/pressure/multigrid.h"
+#include "engine/models/pressure/pressure_multigrid.h"
 #include "engine/scene/numbers.h"
 #include "tools/cost/pace.h"
-#include "tools/run/run.h"
+#include "tools/film/run.h"
 
 namespace whorl {
 namespace {

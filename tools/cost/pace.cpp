@@ -122,7 +122,7 @@ void add_thread(std::vector<double>& speeds, const EmitterKeys& e, const Scene& 
         const double speed = thread.length() < fall
                                  ? std::min(thread.advance(U, dt, fall), std::sqrt(U * U + 2 * g * fall))
                                  : drawn_speed(U, fall, g * std::max(0.0, 1 - thread.held() / std::max(fall, 1e-30)), nu);
-        speeds[static_cast<std::size_t>(k)] = std::max(speeds[static_cast<std::size_t>(k)], speed);
+        speeds[k] = std::max(speeds[k], speed);
     }
 }
 
@@ -142,7 +142,7 @@ double drawn_speed(double U, double H, double g, double nu) {
 }
 
 Pace::Pace(const Scene& scene, const Plan& plan, const Simulation& simulation)
-    : scene_(scene), simulation_(simulation), threads_(static_cast<std::size_t>(points), 0.0) {
+    : scene_(scene), simulation_(simulation), threads_(points, 0.0) {
     std::vector<Problem> none;
     const SceneShapes shapes = make_shapes(scene, none);
     const SceneNumbers n = scene_numbers(scene, shapes, plan.support);
@@ -173,7 +173,7 @@ Pace::Pace(const Scene& scene, const Plan& plan, const Simulation& simulation)
 
 double Pace::speed(double time) const {
     const double at = std::clamp(time / scene_.time.end, 0.0, 1.0) * (points - 1);
-    double speed = std::max(given_, threads_[static_cast<std::size_t>(at)]);
+    double speed = std::max(given_, threads_[at]);
     if (!falls_) return speed;
     const double fall = (free_ * free_ - given_ * given_) / (2 * gravity_), splashing = 6 * std::sqrt(2 * fall / gravity_);
     double block = std::min(free_, given_ + gravity_ * time);

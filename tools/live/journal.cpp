@@ -11,7 +11,7 @@
 namespace whorl {
 namespace {
 
-std::map<std::string, std::string> values(const SceneFile& file) {
+std::map<std::string, std::string> texts_by_key(const SceneFile& file) {
     std::map<std::string, std::string> all;
     for (const UsedKey& k : used_keys(file)) all[k.path] = k.value().toml();
     return all;
@@ -28,10 +28,10 @@ void Journal::begin(const SceneFile& scene, const std::filesystem::path& path, c
     Options options;
     options.scene = path.string();
     options.quality = quality;
-    const auto wanted = values(scene);
+    const auto wanted = texts_by_key(scene);
     try {
         const SceneFile plain = read_scene_file(options);
-        const auto given = values(plain);
+        const auto given = texts_by_key(plain);
         base_ = read_whole(path);
         bool same_keys = plain.scene.changes.empty() && plain.scene.blocks.size() == scene.scene.blocks.size() &&
                          plain.scene.emitters.size() == scene.scene.emitters.size() &&

@@ -7,7 +7,7 @@
 #include <sstream>
 #include <thread>
 
-#include "tools/run/run.h"
+#include "tools/film/run.h"
 
 namespace whorl {
 namespace {

@@ -7,12 +7,12 @@
 
 #include "engine/io/diagnostics.h"
 #include "engine/io/files.h"
-#include "engine/io/probes.h"
 #include "engine/io/snapshot.h"
+#include "engine/probes/probes.h"
+#include "tools/film/governor.h"
 #include "tools/live/journal.h"
 #include "tools/live/screen.h"
 #include "tools/live/wishes.h"
-#include "tools/run/governor.h"
 
 namespace whorl {
 

@@ -4,7 +4,7 @@
 
 #include "engine/core/parallel.h"
 #include "render/gl/renderer.h"
-#include "tools/run/usage.h"
+#include "tools/film/usage.h"
 
 namespace whorl {
 namespace {

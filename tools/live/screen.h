@@ -6,9 +6,9 @@
 #include <optional>
 #include <thread>
 
+#include "tools/film/film.h"
 #include "tools/live/picture.h"
 #include "tools/live/recorder.h"
-#include "tools/run/film.h"
 
 namespace whorl {
 

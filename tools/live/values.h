@@ -3,7 +3,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 
-#include "tools/scene_changes.h"
+#include "tools/program/scene_changes.h"
 
 namespace whorl {
 

@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "tools/run/usage.h"
+#include "tools/film/usage.h"
 
 namespace whorl {
 namespace {

@@ -18,7 +18,7 @@ SceneFile without_later_changes(SceneFile file) {
     return file;
 }
 
-std::map<std::string, Value> values(const SceneFile& file) {
+std::map<std::string, Value> values_by_key(const SceneFile& file) {
     std::map<std::string, Value> all;
     for (const UsedKey& k : used_keys(file)) all.emplace(k.path, k.value());
     return all;
@@ -31,7 +31,7 @@ struct Edit {
 };
 Edit edit_between(const SceneFile& before, const SceneFile& now) {
     Edit edit;
-    const auto old = values(before);
+    const auto old = values_by_key(before);
     std::set<std::string> present;
     for (const UsedKey& k : used_keys(now)) {
         present.insert(k.path);
@@ -80,7 +80,7 @@ void Wishes::set_locked(const std::vector<KeyChange>& changes, bool may_undo) {
     } else {
         orders_.changes.insert(orders_.changes.end(), changes.begin(), changes.end());
     }
-    const auto old = values(wanted_), fresh = values(next->file);
+    const auto old = values_by_key(wanted_), fresh = values_by_key(next->file);
     wanted_ = next->file;
     plan_ = next->plan;
     orders_.scene = std::move(next);

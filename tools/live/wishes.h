@@ -10,8 +10,8 @@
 #include <string>
 
 #include "engine/sim/simulation.h"
-#include "tools/run/film.h"
-#include "tools/scene_changes.h"
+#include "tools/film/film.h"
+#include "tools/program/scene_changes.h"
 
 namespace whorl {
 

@@ -7,7 +7,7 @@
 #include "engine/core/parallel.h"
 #include "engine/math/conjugate_gradients.h"
 #include "engine/models/boundary/wall.h"
-#include "engine/models/pressure/multigrid.h"
+#include "engine/models/pressure/pressure_multigrid.h"
 #include "engine/particles/search.h"
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
@@ -15,8 +15,6 @@
 
 namespace whorl {
 namespace {
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 /// A cube of 1 m, half full, gravity 20 degrees off its axis: two layers of water to the metre and a spacing of 1/(2 layers).
 std::string half_filled_box(int layers, const std::string& form) {
@@ -76,7 +74,7 @@ struct ConstraintSystem {
     double step_residual = 0;
     explicit ConstraintSystem(State& s) {
         World& w = s.w;
-        Column<Real> rho(at(s.size()));
+        Column<Real> rho(s.size());
         b.resize(rho.size());
         const auto role = std::as_const(w.fluid).column<field::role>();
         D.build(WallImage(w.step.kernel, w.step.support, w.step.spacing), w.fluid_pairs, w.solid_pairs, w.solid_particles, w.step,
@@ -119,7 +117,7 @@ struct PoissonSystem {
         };
         PoissonPressure pressure(options);
         Column<Vec3> u = s.u;
-        Column<Real> p(at(s.size()), 0);
+        Column<Real> p(s.size(), 0);
         StepReport report;
         const auto fluid = [&]<class F>(F) { return Read<F>{std::as_const(w.fluid).template column<F>()}; };
         pressure(w.fluid_pairs, w.solid_pairs, w.solid_particles, w.step, report, fluid(field::role{}), fluid(field::density{}),

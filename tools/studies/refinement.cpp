@@ -93,8 +93,7 @@ Measured measured(const World& w) {
         return parallel_sum(w.fluid.size(), [&](Index i) { return 0.5 * static_cast<double>(f(i)); }) / n;
     };
     return with_kernel(w.step.kernel, w.step.support, [&](const auto& W) {
-        return Measured{mean([&](Index i) { return u[static_cast<std::size_t>(i)].squaredNorm(); }),
-                        mean([&](Index i) { return u[static_cast<std::size_t>(i)].y() * u[static_cast<std::size_t>(i)].y(); }),
+        return Measured{mean([&](Index i) { return u[i].squaredNorm(); }), mean([&](Index i) { return u[i].y() * u[i].y(); }),
                         mean([&](Index i) { return curl(w.fluid_pairs, i, W, Span<const Real>(V), u).squaredNorm(); })};
     });
 }

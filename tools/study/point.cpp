@@ -18,7 +18,7 @@
 #include "engine/core/clock.h"
 #include "engine/core/whole_file.h"
 #include "engine/io/checkpoint.h"
-#include "tools/command.h"
+#include "tools/program/command.h"
 
 namespace whorl {
 namespace {

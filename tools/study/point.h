@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/run/interrupt.h"
+#include "tools/film/interrupt.h"
 #include "tools/study/study.h"
 
 namespace whorl {

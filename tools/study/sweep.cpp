@@ -33,15 +33,14 @@ std::filesystem::path folder_of(const Study& study, const SweepOptions& options)
 
 std::vector<std::string> settings_at(const Study& study, const GridPoint& p) {
     std::vector<std::string> settings;
-    for (std::size_t k = 0; k < study.knobs.size(); ++k)
-        settings.push_back(study.knobs[k].key + "=" + study.knobs[k].values[static_cast<std::size_t>(p[k])]);
+    for (std::size_t k = 0; k < study.knobs.size(); ++k) settings.push_back(study.knobs[k].key + "=" + study.knobs[k].values[p[k]]);
     return settings;
 }
 
 std::string label_at(const Study& study, const GridPoint& p) {
     std::string label;
     for (std::size_t k = 0; k < study.knobs.size(); ++k) {
-        const std::string& value = study.knobs[k].values[static_cast<std::size_t>(p[k])];
+        const std::string& value = study.knobs[k].values[p[k]];
         char* end = nullptr;
         const double number = std::strtod(value.c_str(), &end);
         label += (k ? ", " : "") + (*end == 0 && value.size() > 7 ? fmt::format("{:.3g}", number) : value);

@@ -28,12 +28,12 @@ void react(Solids& solids, const SolidPairs& pairs, const SolidParticles& layer,
         RigidBody& body = *solids.all[k].body;
         const Wrench sum = parallel_sum(static_cast<Index>(near.size()), Wrench{}, [&](Index e) {
             Wrench one;
-            const Index i = near[static_cast<std::size_t>(e)];
+            const Index i = near[e];
             if (role[i] != 0) return one;
             pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                if (static_cast<std::size_t>(layer.solid[static_cast<std::size_t>(s)]) != k) return;
+                if (static_cast<std::size_t>(layer.solid[s]) != k) return;
                 const Vec3d force = -act(i, s, r, distance).template cast<double>();
-                const Vec3d arm = (layer.position[static_cast<std::size_t>(s)] + r).template cast<double>() - body.centre;
+                const Vec3d arm = (layer.position[s] + r).template cast<double>() - body.centre;
                 one += Wrench{force, arm.cross(force)};
             });
             return one;

@@ -16,11 +16,11 @@ constexpr Real most_counted = Real(0.75);  ///< in a corner of two walls
 void WallFriction::set(FrictionForm form, const SolidPairs& pairs, const Solids& solids, const SolidParticles& layer,
                        const StepContext& step) {
     acts_ = false;
-    const auto rubs = [&](Index s) { return solids.all[static_cast<std::size_t>(layer.solid[static_cast<std::size_t>(s)])].rubs(); };
+    const auto rubs = [&](Index s) { return solids.all[layer.solid[s]].rubs(); };
     if (std::none_of(solids.all.begin(), solids.all.end(), [](const Solid& solid) { return solid.rubs(); }) || layer.size() == 0) return;
     const Index n = pairs.size();
-    hold_.resize(static_cast<std::size_t>(n)), pull_.resize(static_cast<std::size_t>(n)), counted_.resize(static_cast<std::size_t>(n));
-    std::vector<char> touched(static_cast<std::size_t>(n), 0);
+    hold_.resize(n), pull_.resize(n), counted_.resize(n);
+    std::vector<char> touched(n, 0);
     const Real d = step.spacing, depth = d / 2, softening = Real(0.01) * step.support * step.support / 4;
     const Real factor = form == FrictionForm::central ? 3 / lattice_second_moment(step.kernel, step.support, d)
                                                       : along_pairs_factor(step.kernel, step.support, d);
@@ -32,9 +32,8 @@ void WallFriction::set(FrictionForm form, const SolidPairs& pairs, const Solids&
             Real counted = 0;
             pairs.of(i, [&](Index s, const Vec3& r, Real) {
                 if (!rubs(s)) return;
-                const auto k = static_cast<std::size_t>(s);
-                const Solid& solid = solids.all[static_cast<std::size_t>(layer.solid[k])];
-                const Vec3& normal = layer.normal[k];
+                const Solid& solid = solids.all[layer.solid[s]];
+                const Vec3& normal = layer.normal[s];
                 const Real above = r.dot(normal);
                 if (above <= 0) return;  // beyond an edge: the face of s does not face i
                 const Real height = std::max(above - depth, depth / 2);
@@ -43,21 +42,21 @@ void WallFriction::set(FrictionForm form, const SolidPairs& pairs, const Solids&
                     const Real slope = -2 * factor * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
                     along += (form == FrictionForm::central ? slope : 5 * slope / (distance * distance + softening)) * (height + below);
                 });
-                along *= column * layer.volume[k] / (height + static_cast<Real>(solid.slip_length));
+                along *= column * layer.volume[s] / (height + static_cast<Real>(solid.slip_length));
                 const Vec3 tangential = r - above * normal;
                 const Mat3 T = Mat3::Identity() - normal * normal.transpose();
                 const Mat3 share = along * (form == FrictionForm::central ? T : Mat3(tangential * tangential.transpose()));
                 hold += share;
                 counted += share.trace() / 2 * (height + static_cast<Real>(solid.slip_length)) * height;
-                pull += share * solid.pose.velocity_at(layer.position[k] + r);
-                touched[static_cast<std::size_t>(i)] = 1;
+                pull += share * solid.pose.velocity_at(layer.position[s] + r);
+                touched[i] = 1;
             });
-            hold_[static_cast<std::size_t>(i)] = hold;
-            pull_[static_cast<std::size_t>(i)] = pull;
-            counted_[static_cast<std::size_t>(i)] = std::min(counted, most_counted);
+            hold_[i] = hold;
+            pull_[i] = pull;
+            counted_[i] = std::min(counted, most_counted);
         });
     });
-    acts_ = parallel_sum(n, [&](Index i) { return touched[static_cast<std::size_t>(i)]; }) > 0;
+    acts_ = parallel_sum(n, [&](Index i) { return touched[i]; }) > 0;
 }
 
 }  // namespace whorl

@@ -5,7 +5,7 @@
 #include "engine/geometry/solids.h"
 #include "engine/models/boundary/wall.h"
 #include "engine/particles/pairs.h"
-#include "engine/particles/step.h"
+#include "engine/particles/step_context.h"
 
 namespace whorl {
 
@@ -32,11 +32,11 @@ public:
     void set(FrictionForm form, const SolidPairs& pairs, const Solids& solids, const SolidParticles& layer, const StepContext& step);
     /// Whether any particle feels it.
     bool acts() const { return acts_; }
-    const Mat3& hold(Index i) const { return hold_[static_cast<std::size_t>(i)]; }  ///< 1/m^2; valid where acts()
-    const Vec3& pull(Index i) const { return pull_[static_cast<std::size_t>(i)]; }  ///< 1/(m s)
+    const Mat3& hold(Index i) const { return hold_[i]; }  ///< 1/m^2; valid where acts()
+    const Vec3& pull(Index i) const { return pull_[i]; }  ///< 1/(m s)
     /// Part of i's volume that lies between it and the wall, where the friction has the shear already: a half in the layer that touches it.
     /// A model with an energy of its own for all of V counts the rest.
-    Real counted(Index i) const { return counted_[static_cast<std::size_t>(i)]; }
+    Real counted(Index i) const { return counted_[i]; }
 
 private:
     Column<Mat3> hold_;

@@ -10,7 +10,7 @@ namespace {
 void strike(Solids& solids, const std::vector<Index>& inside, const std::vector<int>& whose, Real mass, Update<field::position> x,
             Update<field::velocity> u) {
     for (const Index i : inside) {
-        Solid& solid = solids.all[static_cast<std::size_t>(whose[static_cast<std::size_t>(i)])];
+        Solid& solid = solids.all[whose[i]];
         RigidBody& body = *solid.body;
         const Vec3 before = x[i];
         x[i] -= solid.distance(before) * solid.normal(before);
@@ -41,9 +41,9 @@ void KeepOutside::operator()(Solids& solids, const SolidPairs& pairs, SolidParti
         Real distance = 0;
         const int k = solids.nearest(x[i], distance);
         if (k < 0 || !(distance < 0)) return;
-        const Solid& solid = solids.all[static_cast<std::size_t>(k)];
+        const Solid& solid = solids.all[k];
         if (solid.body) {
-            struck[static_cast<std::size_t>(i)] = k;
+            struck[i] = k;
             return;
         }
         const Vec3 n = solid.normal(x[i]);
@@ -54,7 +54,7 @@ void KeepOutside::operator()(Solids& solids, const SolidPairs& pairs, SolidParti
     if (!bodies) return;
     std::vector<Index> inside;
     for (Index i = 0; i < x.size(); ++i)
-        if (struck[static_cast<std::size_t>(i)] >= 0) inside.push_back(i);
+        if (struck[i] >= 0) inside.push_back(i);
     if (inside.empty()) return;
     strike(solids, inside, struck, step.mass, x, u);
     layer.follow(solids);

@@ -4,7 +4,7 @@
 
 #include "engine/geometry/solids.h"
 #include "engine/math/kernel.h"
-#include "engine/particles/step.h"
+#include "engine/particles/step_context.h"
 
 namespace whorl {
 

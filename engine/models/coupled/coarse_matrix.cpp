@@ -178,12 +178,12 @@ struct Partial {
     }
     void add(int a, int b, const Mat6& m) {
         const int row = std::max(a, b), column = std::min(a, b);
-        int& at = place[static_cast<std::size_t>(row * (row + 1) / 2 + column)];
+        int& at = place[row * (row + 1) / 2 + column];
         if (at < 0) {
             at = static_cast<int>(sums.size());
             sums.push_back({row, column, SymmetricBlocks::Block::Zero()});
         }
-        SymmetricBlocks::Block& to = sums[static_cast<std::size_t>(at)].value;
+        SymmetricBlocks::Block& to = sums[at].value;
         if (a >= b) to += m.cast<double>();
         else to += m.transpose().cast<double>();
     }
@@ -213,7 +213,7 @@ SymmetricBlocks coarse_matrix(const StrainForm& form, const RigidAggregates& agg
         for (Index i = begin; i < end; ++i) {
             const std::size_t e0 = block.row_begin(i - begin), e1 = block.row_end(i - begin);
             if (e0 == e1) continue;
-            const Neighbourhood& n = rows.neighbourhood[static_cast<std::size_t>(i)];
+            const Neighbourhood& n = rows.neighbourhood[i];
             const StrainCoefficients& c = form.coefficients(i);
             shares.clear();
             const auto share_of = [&](int a) -> Share& {
@@ -221,7 +221,7 @@ SymmetricBlocks coarse_matrix(const StrainForm& form, const RigidAggregates& agg
                     if (s.aggregate == a) return s;
                 return shares.emplace_back(a);
             };
-            const int own = number[static_cast<std::size_t>(i - begin)];
+            const int own = number[i - begin];
             share_of(own);
             find_monomials(block, e0, e1, c, pairs);
             alignas(8 * sizeof(Real)) Real quartic[Monomials::count - Monomials::levered] = {};
@@ -240,7 +240,7 @@ SymmetricBlocks coarse_matrix(const StrainForm& form, const RigidAggregates& agg
             for (Share& share : shares) {
                 share.unpack();
                 s_sum += share.s, b_sum += share.b;
-                add_to<8>(springs[static_cast<std::size_t>(i - begin)].v, share.sums.v[0] + Monomials::springs);
+                add_to<8>(springs[i - begin].v, share.sums.v[0] + Monomials::springs);
             }
             if (own >= 0) {
                 const Vec3& a = aggregates.arm(i);
@@ -281,7 +281,7 @@ SymmetricBlocks coarse_matrix(const StrainForm& form, const RigidAggregates& agg
     SymmetricBlocks Ac(aggregates.groups());
     for (const Partial& partial : partials)
         for (const Partial::Sum& sum : partial.sums) {
-            const auto aggregate = [&](int k) { return partial.aggregates[static_cast<std::size_t>(k)]; };
+            const auto aggregate = [&](int k) { return partial.aggregates[k]; };
             Ac.add(aggregate(sum.row), aggregate(sum.column), sum.value);
         }
     // An aggregate of a single particle or of a straight file has motions that move nothing: a trace of the largest entry keeps Ac

@@ -17,7 +17,7 @@ void CoupledMove::operator()(Update<field::position> x, Read<field::velocity> u,
                              const StepContext& step) const {
     system->x_before.assign(x.values.begin(), x.values.end());
     parallel_for(x.size(), [&](Index i) {
-        if (role[i] > 0) x[i] = carried(solids.all[static_cast<std::size_t>(role[i] - 1)].pose, x[i], step.dt);
+        if (role[i] > 0) x[i] = carried(solids.all[role[i] - 1].pose, x[i], step.dt);
         else x[i] += step.dt * u[i];
     });
 }
@@ -43,17 +43,17 @@ struct Shifting {
         const Real range = static_cast<Real>(o.shift_range), rate = static_cast<Real>(o.shift_rate), strongest = Real(0.15);
         const Real evening_range = static_cast<Real>(o.evening_range), evening_rate = static_cast<Real>(o.evening_rate),
                    strongest_evening = Real(0.05);
-        const RowBlock& block = system.rows.blocks[static_cast<std::size_t>(i / CoupledRows::block_size)];
-        const Neighbourhood& hood = system.rows.neighbourhood[static_cast<std::size_t>(i)];
-        const Real thin = hood.thin * (1 - system.parting[static_cast<std::size_t>(i)].parts);  // what parts may tear
+        const RowBlock& block = system.rows.blocks[i / CoupledRows::block_size];
+        const Neighbourhood& hood = system.rows.neighbourhood[i];
+        const Real thin = hood.thin * (1 - system.parting[i].parts);  // what parts may tear
         Vec3 dx = Vec3::Zero();
         Real along = 0;
         for (std::size_t e = block.row_begin(i - block.begin); e < block.row_end(i - block.begin); ++e) {
             const Real before2 = block.x[e] * block.x[e] + block.y[e] * block.y[e] + block.z[e] * block.z[e];
             if (block.w[e] == 0 || (before2 > 4 && thin == 0)) continue;  // too far to come within the range in one step
-            const Index j = block.touched[static_cast<std::size_t>(block.other[e])];
-            const Vec3 r = step.domain.minimum_image(x[static_cast<std::size_t>(j)] - x[static_cast<std::size_t>(i)]) / step.spacing;
-            const Real distance = r.norm(), strained = strain[static_cast<std::size_t>(i)] + strain[static_cast<std::size_t>(j)];
+            const Index j = block.touched[block.other[e]];
+            const Vec3 r = step.domain.minimum_image(x[j] - x[i]) / step.spacing;
+            const Real distance = r.norm(), strained = strain[i] + strain[j];
             if (distance < range && distance > Real(1e-6)) dx -= std::min(rate * strained, strongest) * (range - distance) / distance * r;
             const Real s = hood.along.dot(r), away = std::abs(s);
             if (thin > 0 && away < evening_range)
@@ -75,30 +75,28 @@ void CoupledShift::operator()(Update<field::position> x, Update<field::velocity>
                               Read<field::role> role, const StepContext& step) const {
     const CoupledSystem& s = *system;
     const Real d = step.spacing;
-    std::vector<Real> strain(static_cast<std::size_t>(x.size()));
+    std::vector<Real> strain(x.size());
     parallel_for(x.size(), [&](Index i) {
-        const Real falling = s.parting[static_cast<std::size_t>(i)].parts * std::sqrt(step.gravity.norm() / d);
-        strain[static_cast<std::size_t>(i)] =
-            step.dt * Real(0.5) * (Real(0.5) * (G[i] + G[i].transpose()).norm() + falling);  // half of |D| and sqrt(g/d)
+        const Real falling = s.parting[i].parts * std::sqrt(step.gravity.norm() / d);
+        strain[i] = step.dt * Real(0.5) * (Real(0.5) * (G[i] + G[i].transpose()).norm() + falling);  // half of |D| and sqrt(g/d)
     });
 
     const Shifting shifting{s, x.values, strain, step};
-    std::vector<Vec3> shift(static_cast<std::size_t>(x.size()), Vec3::Zero());
+    std::vector<Vec3> shift(x.size(), Vec3::Zero());
     parallel_for(x.size(), [&](Index i) {
-        if (role[i] == 0) shift[static_cast<std::size_t>(i)] = d * shifting.of(i);
+        if (role[i] == 0) shift[i] = d * shifting.of(i);
     });
 
     // The velocity of the place that a particle comes to: u += G dx. The sum of these changes goes back to the neighbours, so that the
     // linear momentum stays.
     Column<Vec4> spread(s.rows.entries());
     parallel_blocks(x.size(), CoupledRows::block_size, [&](Index begin, Index end) {
-        const RowBlock& block = s.rows.blocks[static_cast<std::size_t>(begin / CoupledRows::block_size)];
+        const RowBlock& block = s.rows.blocks[begin / CoupledRows::block_size];
         Vec4* out = spread.data() + block.place;
         std::fill(out, out + block.touched.size(), Vec4{{0, 0, 0, 0}});
         for (Index i = begin; i < end; ++i) {
-            const auto k = static_cast<std::size_t>(i);
-            if (shift[k] == Vec3::Zero()) continue;
-            const Vec3 du = G[i] * shift[k];
+            if (shift[i] == Vec3::Zero()) continue;
+            const Vec3 du = G[i] * shift[i];
             const std::size_t e0 = block.row_begin(i - begin), e1 = block.row_end(i - begin);
             Real weights = 1;
             for (std::size_t e = e0; e < e1; ++e) weights += block.w[e];
@@ -106,14 +104,14 @@ void CoupledShift::operator()(Update<field::position> x, Update<field::velocity>
             const auto give = [&](std::size_t place, const Vec3& v) {
                 for (int a = 0; a < 3; ++a) out[place].v[a] += v[a];
             };
-            give(static_cast<std::size_t>(i - begin), du - share);
-            for (std::size_t e = e0; e < e1; ++e) give(static_cast<std::size_t>(block.other[e]), -block.w[e] * share);
+            give(i - begin, du - share);
+            for (std::size_t e = e0; e < e1; ++e) give(block.other[e], -block.w[e] * share);
         }
     });
     s.rows.gather<Vec4>(spread, [&](Index i, const Vec4& v) {
         if (role[i] != 0) return;
         u[i] += Vec3(v.v[0], v.v[1], v.v[2]);
-        x[i] += shift[static_cast<std::size_t>(i)];
+        x[i] += shift[i];
     });
     parallel_for(x.size(), [&](Index i) { x[i] = step.domain.wrapped(x[i]); });
 }
@@ -127,10 +125,10 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
     const Real d = step.spacing, dt = step.dt;
     parallel_for(x.size(), [&](Index i) {
         if (role[i] != 0) return;
-        const Real parts = s.parting[static_cast<std::size_t>(i)].parts;
+        const Real parts = s.parting[i].parts;
         const Vec3 was_touching = slip[i];
         slip[i] = Vec3::Zero();
-        const Vec3 from = s.x_before[static_cast<std::size_t>(i)];
+        const Vec3 from = s.x_before[i];
         for (std::size_t k = 0; k < solids.all.size(); ++k) {
             const Solid& solid = solids.all[k];
             const Real closest =

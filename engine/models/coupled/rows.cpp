@@ -151,10 +151,10 @@ void CoupledRows::build(Span<const Vec3> x, Span<const std::int16_t> role, const
     if (!sparse_.empty()) far_search_.find(sparse_, x, static_cast<Real>(options.widest_support) * spacing, domain, far_);
 
     neighbourhood.assign(x.size(), {});
-    blocks.resize(static_cast<std::size_t>((n + block_size - 1) / block_size));
+    blocks.resize((n + block_size - 1) / block_size);
     row_pairs_.assign(blocks.size(), 0);
     parallel_blocks(n, block_size, [&](Index begin, Index end) {
-        RowBlock& block = blocks[static_cast<std::size_t>(begin / block_size)];
+        RowBlock& block = blocks[begin / block_size];
         block.begin = begin;
         block.end = end;
         build_block(block, x, role, spacing, options);
@@ -176,7 +176,7 @@ void CoupledRows::build_block(RowBlock& block, Span<const Vec3> x, Span<const st
     block.touched.clear();
     block.first.assign(1, 0);
     const auto place_of = [&](Index j) {
-        Index& place = s.place[static_cast<std::size_t>(j)];
+        Index& place = s.place[j];
         if (place < 0) {
             place = static_cast<Index>(block.touched.size());
             block.touched.push_back(j);
@@ -218,9 +218,8 @@ void CoupledRows::build_block(RowBlock& block, Span<const Vec3> x, Span<const st
         const Real scale = h / h0, gate = static_cast<Real>(o.gate) * scale, reach = static_cast<Real>(o.bridge) * scale;
         if (h == h0) {
             for (Index k = 0; k < close_count_[at]; ++k) {
-                const auto bridge = static_cast<std::size_t>(close_[at * most_close + static_cast<std::size_t>(k)]);
-                for (Index l = 0; l < close_count_[bridge]; ++l)
-                    s.reached[static_cast<std::size_t>(close_[bridge * most_close + static_cast<std::size_t>(l)])] = i;
+                const auto bridge = static_cast<std::size_t>(close_[at * most_close + k]);
+                for (Index l = 0; l < close_count_[bridge]; ++l) s.reached[close_[bridge * most_close + l]] = i;
             }
         } else {
             s.bridges.clear();
@@ -235,8 +234,8 @@ void CoupledRows::build_block(RowBlock& block, Span<const Vec3> x, Span<const st
         for (std::size_t k = 0; k < candidates; ++k) {
             if (s.w[k] == 0) continue;
             const Index j = s.index[k];
-            if (s.r2[k] > gate * gate && !(role[at] != 0 && role[static_cast<std::size_t>(j)] != 0)) {
-                const bool counts = h == h0 ? s.reached[static_cast<std::size_t>(j)] == i : s.bridged(k, reach * reach);
+            if (s.r2[k] > gate * gate && !(role[at] != 0 && role[j] != 0)) {
+                const bool counts = h == h0 ? s.reached[j] == i : s.bridged(k, reach * reach);
                 if (!counts) continue;
             }
             block.x[end] = s.x[k], block.y[end] = s.y[k], block.z[end] = s.z[k], block.w[end] = s.w[k];
@@ -253,8 +252,8 @@ void CoupledRows::build_block(RowBlock& block, Span<const Vec3> x, Span<const st
                                block.w.data() + begin, hood);
         if (hood.spread > 0) invert_moment(M, o, hood);
     }
-    row_pairs_[static_cast<std::size_t>(block.begin / block_size)] = counted;
-    for (Index j : block.touched) s.place[static_cast<std::size_t>(j)] = -1;
+    row_pairs_[block.begin / block_size] = counted;
+    for (Index j : block.touched) s.place[j] = -1;
 }
 
 /// Lists for every particle the places, in the blocks' order, at which blocks hold something for it.
@@ -264,13 +263,13 @@ void CoupledRows::number_slots() {
     for (RowBlock& block : blocks) {
         block.place = place;
         place += block.touched.size();
-        for (Index j : block.touched) ++first_slot_[static_cast<std::size_t>(j) + 1];
+        for (Index j : block.touched) ++first_slot_[j + 1];
     }
     for (std::size_t i = 1; i < first_slot_.size(); ++i) first_slot_[i] += first_slot_[i - 1];
     slot_.resize(place);
     std::vector<std::size_t> next(first_slot_.begin(), first_slot_.end() - 1);
     for (const RowBlock& block : blocks)
-        for (std::size_t l = 0; l < block.touched.size(); ++l) slot_[next[static_cast<std::size_t>(block.touched[l])]++] = block.place + l;
+        for (std::size_t l = 0; l < block.touched.size(); ++l) slot_[next[block.touched[l]]++] = block.place + l;
 }
 
 }  // namespace whorl

@@ -1,7 +1,7 @@
 #pragma once
 /// Rows of neighbours as the coupled solve wants them: support that grows in thin places, no pairs through the air between two turns of a
 /// coil, and a layout that the products run through at the speed of memory.
-#include "engine/models/coupled/options.h"
+#include "engine/models/coupled/coupled_options.h"
 #include "engine/particles/search.h"
 
 namespace whorl {
@@ -35,8 +35,8 @@ struct RowBlock {
     Column<Index> other;             ///< place of j in touched
 
     Index size() const { return end - begin; }
-    std::size_t row_begin(Index row) const { return first[static_cast<std::size_t>(row)]; }
-    std::size_t row_end(Index row) const { return first[static_cast<std::size_t>(row) + 1]; }
+    std::size_t row_begin(Index row) const { return first[row]; }
+    std::size_t row_end(Index row) const { return first[row + 1]; }
 };
 
 class CoupledRows {
@@ -57,8 +57,8 @@ public:
     template <class T, class F>
     void gather(Span<const T> entries, const F& f) const {
         parallel_for(size(), [&](Index i) {
-            T sum = entries[slot_[first_slot_[static_cast<std::size_t>(i)]]];
-            for (std::size_t k = first_slot_[static_cast<std::size_t>(i)] + 1; k < first_slot_[static_cast<std::size_t>(i) + 1]; ++k)
+            T sum = entries[slot_[first_slot_[i]]];
+            for (std::size_t k = first_slot_[i] + 1; k < first_slot_[i + 1]; ++k)
                 for (std::size_t a = 0; a < sizeof(T) / sizeof(Real); ++a) sum.v[a] += entries[slot_[k]].v[a];
             f(i, sum);
         });

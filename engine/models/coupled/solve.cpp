@@ -43,9 +43,8 @@ void look_along_change(const Operator& A, const Unknowns& unknowns, Span<const V
     if (!(stiffness > 0) || !std::isfinite(stiffness)) return;
     const Real far = static_cast<Real>(dot<Vec3>(way, r) / stiffness);
     parallel_for(static_cast<Index>(u.size()), [&](Index i) {
-        const auto k = static_cast<std::size_t>(i);
-        u[k] += far * way[k];
-        r[k] -= far * bent[k];
+        u[i] += far * way[i];
+        r[i] -= far * bent[i];
     });
 }
 
@@ -74,26 +73,22 @@ struct Inertia {
 void restore_momentum(Span<const Vec3> x, Span<const Vec3> wanted, bool turning, Span<Vec3> u) {
     const auto n = static_cast<Index>(x.size());
     const auto inertia = parallel_sum(n, Inertia{}, [&](Index i) {
-        const Vec3d a = x[static_cast<std::size_t>(i)].cast<double>();
+        const Vec3d a = x[i].cast<double>();
         return Inertia{a, a * a.transpose()};
     });
     const Vec3d centre = inertia.first / n;
     const Mat3d second = inertia.second - n * centre * centre.transpose();
     const Mat3d theta = second.trace() * Mat3d::Identity() - second;
     const auto missing = parallel_sum(n, Momentum{}, [&](Index i) {
-        const auto k = static_cast<std::size_t>(i);
-        const Vec3d du = wanted[k].cast<double>() - u[k].cast<double>();
-        return Momentum{du, (x[k].cast<double>() - centre).cross(du)};
+        const Vec3d du = wanted[i].cast<double>() - u[i].cast<double>();
+        return Momentum{du, (x[i].cast<double>() - centre).cross(du)};
     });
     const Vec3d shift = missing.linear / n;
     // A single file of particles has no inertia about its own line.
     Vec3d turn = (theta + 1e-9 * theta.trace() * Mat3d::Identity()).ldlt().solve(missing.angular);
     if (!turning) turn.setZero();
     if (!shift.allFinite() || !turn.allFinite()) return;
-    parallel_for(n, [&](Index i) {
-        const auto k = static_cast<std::size_t>(i);
-        u[k] += (shift + turn.cross(x[k].cast<double>() - centre)).cast<Real>();
-    });
+    parallel_for(n, [&](Index i) { u[i] += (shift + turn.cross(x[i].cast<double>() - centre)).cast<Real>(); });
 }
 
 }  // namespace
@@ -102,7 +97,7 @@ void CoupledNeighbourhood::operator()(Read<field::position> x, Read<field::role>
                                       const StepContext& step) const {
     CoupledSystem& s = *system;
     s.rows.build(x.values, role.values, step.domain, step.spacing, s.options);
-    parallel_for(x.size(), [&](Index i) { density[i] = step.rest_density * s.rows.neighbourhood[static_cast<std::size_t>(i)].density; });
+    parallel_for(x.size(), [&](Index i) { density[i] = step.rest_density * s.rows.neighbourhood[i].density; });
 }
 
 namespace {
@@ -112,24 +107,22 @@ namespace {
 bool set_parting(CoupledSystem& s, Span<const Real> mu, Span<const Real> p, Span<const Mat3> G, const StepContext& step) {
     const CoupledOptions& o = s.options;
     const double d = step.spacing, falling = std::sqrt(step.gravity.norm() / d), range = std::log(o.parts_from / o.bears_tension_up_to);
-    s.parting.resize(static_cast<std::size_t>(mu.size()));
+    s.parting.resize(mu.size());
     parallel_for(static_cast<Index>(mu.size()), [&](Index i) {
-        const auto k = static_cast<std::size_t>(i);
-        Parting& part = s.parting[k];
-        part.counts = s.friction.acts() ? 1 - s.friction.counted[k] : 1;
-        const double rate = 0.5 * static_cast<double>((G[k] + G[k].transpose()).norm()) + falling,
-                     nu = static_cast<double>(mu[k]) / step.rest_density;
+        Parting& part = s.parting[i];
+        part.counts = s.friction.acts() ? 1 - s.friction.counted[i] : 1;
+        const double rate = 0.5 * static_cast<double>((G[i] + G[i].transpose()).norm()) + falling,
+                     nu = static_cast<double>(mu[i]) / step.rest_density;
         const double reynolds = rate * d * d / std::max(nu, 1e-12);
         const double t = reynolds > 0 ? std::clamp(std::log(reynolds / o.bears_tension_up_to) / range, 0.0, 1.0) : 0;
         part.parts = static_cast<Real>(t * t * (3 - 2 * t));
-        const Neighbourhood& hood = s.rows.neighbourhood[k];
-        part.presses = part.parts == 0 || p[k] > 0 || hood.density + surface_lacks(hood) >= 1;
+        const Neighbourhood& hood = s.rows.neighbourhood[i];
+        part.presses = part.parts == 0 || p[i] > 0 || hood.density + surface_lacks(hood) >= 1;
         // By pressure: what flies freely is not held together by it.
-        const double pressed = std::sqrt(std::max(0.0, static_cast<double>(p[k])) / static_cast<double>(step.rest_density)) / d;
+        const double pressed = std::sqrt(std::max(0.0, static_cast<double>(p[i])) / static_cast<double>(step.rest_density)) / d;
         part.damping = part.presses ? static_cast<Real>(part.parts * o.held * pressed * static_cast<double>(step.dt)) : 0;
     });
-    return parallel_max(static_cast<Index>(mu.size()), 0,
-                        [&](Index i) { return static_cast<double>(s.parting[static_cast<std::size_t>(i)].parts); }) > 0;
+    return parallel_max(static_cast<Index>(mu.size()), 0, [&](Index i) { return static_cast<double>(s.parting[i].parts); }) > 0;
 }
 
 }  // namespace
@@ -161,13 +154,12 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
     // What is known: velocities of nozzles and solids. A particle that slides knows its velocity along the normal.
     std::vector<Vec3> known(count, Vec3::Zero()), b(count), start(count);
     parallel_for(n, [&](Index i) {
-        const auto k = static_cast<std::size_t>(i);
-        if (role[i] > 0) u[i] = solids.all[static_cast<std::size_t>(role[i] - 1)].pose.velocity_at(x[i]);
-        if (role[i] != 0) known[k] = u[i];
+        if (role[i] > 0) u[i] = solids.all[role[i] - 1].pose.velocity_at(x[i]);
+        if (role[i] != 0) known[i] = u[i];
         else if (unknowns.any_slip && slip[i] != Vec3::Zero()) {
             Real distance = 0;
             const int solid = solids.nearest(x[i], distance);
-            if (solid >= 0) known[k] = slip[i] * slip[i].dot(solids.all[static_cast<std::size_t>(solid)].pose.velocity_at(x[i]));
+            if (solid >= 0) known[i] = slip[i] * slip[i].dot(solids.all[solid].pose.velocity_at(x[i]));
         }
     });
 
@@ -177,31 +169,29 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
     const std::vector<Real>& known_pressure = *s.known_pressure;
     const bool any_known = known_pressure.size() == count;
     const auto set_pressure = [&](Index i) {
-        const auto k = static_cast<std::size_t>(i);
-        q[k] = form.coefficients(i).bulk * d * target[k] +
-               dt * (s.parting[k].share() * p[i] + (any_known ? known_pressure[k] : 0)) / (step.rest_density * d);
+        q[i] = form.coefficients(i).bulk * d * target[i] +
+               dt * (s.parting[i].share() * p[i] + (any_known ? known_pressure[i] : 0)) / (step.rest_density * d);
     };
     const double fastest = largest_speed(u.values);
     const double turning_limit = o.turning_limit * fastest / d;
     const double fastest_push = o.fastest_push * (fastest / d + std::sqrt(step.gravity.norm() / d));
     parallel_for(n, [&](Index i) {
-        const auto k = static_cast<std::size_t>(i);
-        const Neighbourhood& hood = s.rows.neighbourhood[k];
-        const double compressed = hood.density + s.parting[k].parts * surface_lacks(hood) - 1;
+        const Neighbourhood& hood = s.rows.neighbourhood[i];
+        const double compressed = hood.density + s.parting[i].parts * surface_lacks(hood) - 1;
         // Fluid that mostly bears tension keeps the volume it has; drawing it together would be a creep that never ends.
-        const double falls_shut = std::max(0.0, 2 * static_cast<double>(s.parting[k].parts) - 1);
-        const double push = o.push + o.parting_push * static_cast<double>(s.parting[k].parts);
+        const double falls_shut = std::max(0.0, 2 * static_cast<double>(s.parting[i].parts) - 1);
+        const double push = o.push + o.parting_push * static_cast<double>(s.parting[i].parts);
         double wanted = compressed > 0 ? std::min(push * compressed / dt, fastest_push) : falls_shut * compressed / dt;
         if (role[i] == 0) wanted += std::clamp(-double(dt) * second_invariant(G[i]), -turning_limit, turning_limit);
-        target[k] = static_cast<Real>(wanted);
+        target[i] = static_cast<Real>(wanted);
         set_pressure(i);
     });
     const auto loaded = [&](Index i, const Vec3& before) -> Vec3 {
         const Vec3 load = before + dt * step.gravity;
-        return s.friction.acts() ? Vec3(load + s.friction.pull[static_cast<std::size_t>(i)]) : load;
+        return s.friction.acts() ? Vec3(load + s.friction.pull[i]) : load;
     };
     const auto set_load = [&] {
-        parallel_for(n, [&](Index i) { b[static_cast<std::size_t>(i)] = loaded(i, u[i]); });
+        parallel_for(n, [&](Index i) { b[i] = loaded(i, u[i]); });
         form.add_pressure(q, b);
         unknowns.restrict_to(b);
     };
@@ -232,12 +222,12 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
     // p - lambda (tr D - s): what the multiplier becomes. Where it would pull and the fluid bears no tension, it does not press.
     const auto multiplier = [&](Index i) {
         const Real lambda = form.coefficients(i).full_bulk * step.rest_density * d * d / dt;
-        return p[i] - lambda * (form.divergence(i, G[i]) - target[static_cast<std::size_t>(i)]);
+        return p[i] - lambda * (form.divergence(i, G[i]) - target[i]);
     };
     const auto solve_from = [&](Span<Vec3> load, Span<Vec3> guess, double reference, bool look) {
         if (!(reference > 0)) return conjugate_gradients<Vec3>(A, s.preconditioner, load, guess, o.limits, ResidualNorm::preconditioned);
         A(guess, z);
-        parallel_for(n, [&](Index i) { load[static_cast<std::size_t>(i)] -= z[static_cast<std::size_t>(i)]; });  // the residual
+        parallel_for(n, [&](Index i) { load[i] -= z[i]; });  // the residual
         if (look && load_norm(load) > reference) look_along_change(A, unknowns, change.values, load, guess);
         return conjugate_gradients_from<Vec3>(A, s.preconditioner, load, guess, o.limits, ResidualNorm::preconditioned, reference);
     };
@@ -259,34 +249,30 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
         if (round == 1) all = solved;
         else all.iterations += solved.iterations, all.last_residual = solved.last_residual, all.converged = solved.converged;
         if (nothing_held) {
-            parallel_for(n, [&](Index i) { z[static_cast<std::size_t>(i)] = loaded(i, u[i]); });
+            parallel_for(n, [&](Index i) { z[i] = loaded(i, u[i]); });
             restore_momentum(x.values, z, !step.domain.any_periodic(), start);
         }
-        parallel_for(
-            n, [&](Index i) { z[static_cast<std::size_t>(i)] = known[static_cast<std::size_t>(i)] + start[static_cast<std::size_t>(i)]; });
+        parallel_for(n, [&](Index i) { z[i] = known[i] + start[i]; });
         form.gradient(z, G.values);
         if (!any_parts || round == o.most_rounds) break;
-        const auto turncoat = [&](Index i) {
-            return s.parting[static_cast<std::size_t>(i)].parts > 0 &&
-                   s.parting[static_cast<std::size_t>(i)].presses != (multiplier(i) > 0);
-        };
+        const auto turncoat = [&](Index i) { return s.parting[i].parts > 0 && s.parting[i].presses != (multiplier(i) > 0); };
         if (parallel_sum(n, [&](Index i) { return turncoat(i) ? 1.0 : 0.0; }) <= o.few_change * n) break;
         parallel_for(n, [&](Index i) {
-            if (turncoat(i)) s.parting[static_cast<std::size_t>(i)].presses = !s.parting[static_cast<std::size_t>(i)].presses;
+            if (turncoat(i)) s.parting[i].presses = !s.parting[i].presses;
         });
         form.set_pressing(s.parting);
         parallel_for(n, set_pressure);
     }
     report.solves.push_back({"coupled", all});
     parallel_for(n, [&](Index i) {
-        const Vec3& solution = z[static_cast<std::size_t>(i)];
+        const Vec3& solution = z[i];
         change[i] = solution - u[i];
         u[i] = solution;
     });
 
     // Of both signs where the fluid bears tension; what holds a stretched thread together and makes it thin is p < 0.
     parallel_for(n, [&](Index i) {
-        const Parting& part = s.parting[static_cast<std::size_t>(i)];
+        const Parting& part = s.parting[i];
         const Real now = static_cast<Real>(o.memory) * multiplier(i);
         p[i] = now > 0 ? part.share() * now : (1 - part.parts) * now;
     });
@@ -296,11 +282,10 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
         std::vector<Vec3> balance(count);
         form.apply(u.values, balance);
         std::vector<Vec3> load(count);
-        parallel_for(n, [&](Index i) { load[static_cast<std::size_t>(i)] = loaded(i, u[i] - change[i]); });
+        parallel_for(n, [&](Index i) { load[i] = loaded(i, u[i] - change[i]); });
         form.add_pressure(q, load);
         parallel_for(n, [&](Index i) {
-            const auto k = static_cast<std::size_t>(i);
-            if (slip[i].dot(balance[k] - load[k]) < 0) slip[i] = Vec3::Zero();
+            if (slip[i].dot(balance[i] - load[i]) < 0) slip[i] = Vec3::Zero();
         });
     }
 }

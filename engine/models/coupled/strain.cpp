@@ -152,8 +152,8 @@ Mat3 stress(const Mat3& G, const Neighbourhood& n, const StrainCoefficients& c) 
 
 void StrainForm::set_pressing(Span<const Parting> parting) {
     parallel_for(static_cast<Index>(coefficients_.size()), [&](Index i) {
-        StrainCoefficients& c = coefficients_[static_cast<std::size_t>(i)];
-        c.bulk = parting[static_cast<std::size_t>(i)].share() * c.full_bulk;
+        StrainCoefficients& c = coefficients_[i];
+        c.bulk = parting[i].share() * c.full_bulk;
     });
 }
 
@@ -162,13 +162,12 @@ void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Span<c
     rows_ = &rows;
     friction_ = {};
     inverse_spacing_ = 1 / spacing;
-    coefficients_.resize(static_cast<std::size_t>(rows.size()));
+    coefficients_.resize(rows.size());
     parallel_for(rows.size(), [&](Index i) {
-        const auto k = static_cast<std::size_t>(i);
-        const Neighbourhood& n = rows.neighbourhood[k];
-        const double K = double(viscosity[k]) * dt / (double(density) * spacing * spacing);
-        StrainCoefficients& c = coefficients_[k];
-        const Parting part = parting.empty() ? Parting{} : parting[k];
+        const Neighbourhood& n = rows.neighbourhood[i];
+        const double K = double(viscosity[i]) * dt / (double(density) * spacing * spacing);
+        StrainCoefficients& c = coefficients_[i];
+        const Parting part = parting.empty() ? Parting{} : parting[i];
         const double sheared = part.counts * K;
         c.shear = static_cast<Real>(2 * sheared);
         c.full_bulk = static_cast<Real>(2 * K * o.bulk / (2 + n.unresolved * o.bulk) + part.parts * o.stiffness);
@@ -183,11 +182,11 @@ void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Span<c
 void StrainForm::apply(Span<const Vec3> u, Span<Vec3> y) const {
     const CoupledRows& rows = *rows_;
     parallel_blocks(rows.size(), CoupledRows::block_size, [&](Index begin, Index) {
-        const RowBlock& block = rows.blocks[static_cast<std::size_t>(begin / CoupledRows::block_size)];
+        const RowBlock& block = rows.blocks[begin / CoupledRows::block_size];
         RowScratch& s = scratch(block, rows);
         Vec4* out = forces_.data() + block.place;
         for (std::size_t l = 0; l < block.touched.size(); ++l) {
-            const Vec3& v = u[static_cast<std::size_t>(block.touched[l])];
+            const Vec3& v = u[block.touched[l]];
             s.u[l] = {{v[0], v[1], v[2], 0}};
             out[l] = {{0, 0, 0, 0}};
         }
@@ -210,16 +209,15 @@ void StrainForm::apply(Span<const Vec3> u, Span<Vec3> y) const {
         }
     });
     rows.gather<Vec4>(forces_, [&](Index i, const Vec4& f) {
-        const auto k = static_cast<std::size_t>(i);
-        y[k] = u[k] + Vec3(f.v[0], f.v[1], f.v[2]);
-        if (!friction_.empty()) y[k] += friction_[k] * u[k];
+        y[i] = u[i] + Vec3(f.v[0], f.v[1], f.v[2]);
+        if (!friction_.empty()) y[i] += friction_[i] * u[i];
     });
 }
 
 void StrainForm::add_pressure(Span<const Real> q, Span<Vec3> y) const {
     const CoupledRows& rows = *rows_;
     parallel_blocks(rows.size(), CoupledRows::block_size, [&](Index begin, Index) {
-        const RowBlock& block = rows.blocks[static_cast<std::size_t>(begin / CoupledRows::block_size)];
+        const RowBlock& block = rows.blocks[begin / CoupledRows::block_size];
         RowScratch& s = scratch(block, rows);
         Vec4* out = forces_.data() + block.place;
         std::fill(out, out + block.touched.size(), Vec4{{0, 0, 0, 0}});
@@ -233,16 +231,16 @@ void StrainForm::add_pressure(Span<const Real> q, Span<Vec3> y) const {
             scatter(row, own, s, out);
         }
     });
-    rows.gather<Vec4>(forces_, [&](Index i, const Vec4& f) { y[static_cast<std::size_t>(i)] += Vec3(f.v[0], f.v[1], f.v[2]); });
+    rows.gather<Vec4>(forces_, [&](Index i, const Vec4& f) { y[i] += Vec3(f.v[0], f.v[1], f.v[2]); });
 }
 
 void StrainForm::gradient(Span<const Vec3> u, Span<Mat3> G) const {
     const CoupledRows& rows = *rows_;
     parallel_blocks(rows.size(), CoupledRows::block_size, [&](Index begin, Index) {
-        const RowBlock& block = rows.blocks[static_cast<std::size_t>(begin / CoupledRows::block_size)];
+        const RowBlock& block = rows.blocks[begin / CoupledRows::block_size];
         RowScratch& s = scratch(block, rows);
         for (std::size_t l = 0; l < block.touched.size(); ++l) {
-            const Vec3& v = u[static_cast<std::size_t>(block.touched[l])];
+            const Vec3& v = u[block.touched[l]];
             s.u[l] = {{v[0], v[1], v[2], 0}};
         }
         for (Index own = 0; own < block.size(); ++own) {
@@ -253,7 +251,7 @@ void StrainForm::gradient(Span<const Vec3> u, Span<Mat3> G) const {
 }
 
 Real StrainForm::divergence(Index i, const Mat3& G) const {
-    const Neighbourhood& n = rows_->neighbourhood[static_cast<std::size_t>(i)];
+    const Neighbourhood& n = rows_->neighbourhood[i];
     return n.unresolved == 0 ? G.trace() : (n.resolved * G).trace();
 }
 
@@ -297,7 +295,7 @@ void StrainForm::diagonal(Span<Mat3> B) const {
     static_assert(sizeof(Symmetric) == 8 * sizeof(Real));
     Column<Symmetric> parts(rows.entries());
     parallel_blocks(rows.size(), CoupledRows::block_size, [&](Index begin, Index) {
-        const RowBlock& block = rows.blocks[static_cast<std::size_t>(begin / CoupledRows::block_size)];
+        const RowBlock& block = rows.blocks[begin / CoupledRows::block_size];
         Symmetric* out = parts.data() + block.place;
         thread_local struct { std::array<Column<Real>, 6> p; } block_scratch;
         for (Column<Real>& p : block_scratch.p) p.resize(std::max(p.size(), rows.longest_row));
@@ -335,7 +333,7 @@ void StrainForm::diagonal(Span<Mat3> B) const {
         }
     });
     rows.gather<Symmetric>(parts, [&](Index i, const Symmetric& p) {
-        Mat3& b = B[static_cast<std::size_t>(i)];
+        Mat3& b = B[i];
         b << 1 + p.v[0], p.v[3], p.v[4], p.v[3], 1 + p.v[1], p.v[5], p.v[4], p.v[5], 1 + p.v[2];
         b += friction(i);
     });

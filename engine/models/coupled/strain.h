@@ -46,7 +46,7 @@ public:
 
     /// Adds sum_i u_i.hold_i u_i/2 to E; empty: nothing. `hold` must outlive the use.
     void set_friction(Span<const Mat3> hold) { friction_ = hold; }
-    Mat3 friction(Index i) const { return friction_.empty() ? Mat3(Mat3::Zero()) : friction_[static_cast<std::size_t>(i)]; }
+    Mat3 friction(Index i) const { return friction_.empty() ? Mat3(Mat3::Zero()) : friction_[i]; }
 
     /// y = (1 + K) u: mass, strain and friction, over the mass [m/s].
     void apply(Span<const Vec3> u, Span<Vec3> y) const;
@@ -59,7 +59,7 @@ public:
 
     /// tr D of the particle, given its gradient [1/s].
     Real divergence(Index i, const Mat3& G) const;
-    const StrainCoefficients& coefficients(Index i) const { return coefficients_[static_cast<std::size_t>(i)]; }
+    const StrainCoefficients& coefficients(Index i) const { return coefficients_[i]; }
     const CoupledRows& rows() const { return *rows_; }
 
 private:

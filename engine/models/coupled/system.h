@@ -13,9 +13,9 @@
 
 #include "engine/geometry/solids.h"
 #include "engine/models/coupled/fields.h"
-#include "engine/models/coupled/friction.h"
+#include "engine/models/coupled/slip_friction.h"
 #include "engine/models/coupled/two_level.h"
-#include "engine/particles/step.h"
+#include "engine/particles/step_context.h"
 
 namespace whorl {
 

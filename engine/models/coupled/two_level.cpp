@@ -12,9 +12,9 @@ void TwoLevel::refresh(const StrainForm& form, Span<const Vec3> x, Span<const st
                        const Domain& domain, Real spacing, Span<std::int32_t> aggregate) {
     const CoupledRows& rows = form.rows();
     const auto neighbours = [&](Index i, const auto& visit) {
-        const RowBlock& block = rows.blocks[static_cast<std::size_t>(i / CoupledRows::block_size)];
+        const RowBlock& block = rows.blocks[i / CoupledRows::block_size];
         for (std::size_t e = block.row_begin(i - block.begin); e < block.row_end(i - block.begin); ++e)
-            visit(block.touched[static_cast<std::size_t>(block.other[e])]);
+            visit(block.touched[block.other[e]]);
     };
     // The factor's entries grow faster than the particles.
     const double growth = std::cbrt(static_cast<double>(x.size()) / options.many);
@@ -36,15 +36,14 @@ void TwoLevel::set(const StrainForm& form, Span<const Vec3> x, Span<const std::i
     slip_.clear();
     if (any_slip) slip_.assign(slip.begin(), slip.end());
     parallel_for(static_cast<Index>(x.size()), [&](Index i) {
-        const auto k = static_cast<std::size_t>(i);
-        Mat3& B = inverse_diagonal_[k];
-        if (role[k] != 0) {
+        Mat3& B = inverse_diagonal_[i];
+        if (role[i] != 0) {
             B.setZero();
             return;
         }
-        if (any_slip && slip[k] != Vec3::Zero()) {
+        if (any_slip && slip[i] != Vec3::Zero()) {
             // (I - n n^T) B (I - n n^T) + n n^T, and the inverse without its n n^T
-            const Mat3 normal = slip[k] * slip[k].transpose(), tangent = Mat3::Identity() - normal;
+            const Mat3 normal = slip[i] * slip[i].transpose(), tangent = Mat3::Identity() - normal;
             const Mat3 held = tangent * B * tangent + normal;
             B = tangent * held.inverse() * tangent;
             return;
@@ -54,19 +53,15 @@ void TwoLevel::set(const StrainForm& form, Span<const Vec3> x, Span<const std::i
 }
 
 void TwoLevel::operator()(Span<const Vec3> r, Span<Vec3> z) const {
-    parallel_for(static_cast<Index>(r.size()), [&](Index i) {
-        const auto k = static_cast<std::size_t>(i);
-        z[k] = inverse_diagonal_[k] * r[k];
-    });
+    parallel_for(static_cast<Index>(r.size()), [&](Index i) { z[i] = inverse_diagonal_[i] * r[i]; });
     if (groups_ == 0) return;
-    load_.resize(static_cast<std::size_t>(6 * groups_));
+    load_.resize(6 * groups_);
     aggregates_.restrict_to_groups(r, load_);
     factor_.solve(load_);
     aggregates_.add_motion(load_, z);
     if (slip_.empty()) return;
     parallel_for(static_cast<Index>(z.size()), [&](Index i) {
-        const auto k = static_cast<std::size_t>(i);
-        z[k] -= slip_[k] * slip_[k].dot(z[k]);  // the diagonal's part has none along it
+        z[i] -= slip_[i] * slip_[i].dot(z[i]);  // the diagonal's part has none along it
     });
 }
 

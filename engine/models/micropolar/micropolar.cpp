@@ -80,15 +80,14 @@ void add_solids(Sums& all, const Kernel& W, const MicropolarOptions& options, co
     const auto add = [](Sum3& sum, const Vec3& v) { sum.x += v.x(), sum.y += v.y(), sum.z += v.z(); };
     const bool both_u = options.curl_velocity == CurlForm::symmetric, both_w = options.curl_spin == CurlForm::symmetric;
     pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-        const auto k = static_cast<std::size_t>(s);
-        const Solid& solid = solids.all[static_cast<std::size_t>(layer.solid[k])];
+        const Solid& solid = solids.all[layer.solid[s]];
         if (!solid.sticks()) return;
-        const Real stretch = shear.stretch(r, layer.normal[k]);
-        const Vec3 wall = solid.pose.velocity_at(layer.position[k] + r);
-        const Vec3 u_is = stretch * (own.u - wall) + (wall - layer.velocity[k]);
+        const Real stretch = shear.stretch(r, layer.normal[s]);
+        const Vec3 wall = solid.pose.velocity_at(layer.position[s] + r);
+        const Vec3 u_is = stretch * (own.u - wall) + (wall - layer.velocity[s]);
         const Vec3 w_is = options.free_spin_walls ? Vec3(Vec3::Zero()) : Vec3(stretch * (own.w - solid.pose.angular_velocity));
         const Real slope = W.slope(distance);
-        const Real b = gate * options.solid_factor * layer.volume[k] / step.mass, even = 2 * own.b * b * slope;
+        const Real b = gate * options.solid_factor * layer.volume[s] / step.mass, even = 2 * own.b * b * slope;
         add(all.viscous, even * u_is);
         add(all.diffuse, even * w_is);
         if constexpr (central) add(all.central, 5 * even * u_is.dot(r) / (distance * distance + softening) * r);
@@ -108,7 +107,7 @@ void Micropolar::set_torque(const StepContext& step, Read<field::position> x, Wr
     while (torque_of_block_.size() < static_cast<std::size_t>(blocks))
         torque_of_block_.push_back({{Expression(component[0].text()), Expression(component[1].text()), Expression(component[2].text())}});
     parallel_tasks(blocks, [&](Index b) {
-        const VectorExpression& torque = torque_of_block_[static_cast<std::size_t>(b)];
+        const VectorExpression& torque = torque_of_block_[b];
         for (Index i = b * torque_block; i < std::min(n, (b + 1) * torque_block); ++i)
             change[i] = torque(step.time, x[i].template cast<double>()).template cast<Real>();
     });

@@ -9,7 +9,7 @@
 #include "engine/math/expression.h"
 #include "engine/particles/field.h"
 #include "engine/particles/pairs.h"
-#include "engine/particles/step.h"
+#include "engine/particles/step_context.h"
 #include "engine/sph/curl.h"
 #include "engine/sph/gate.h"
 
@@ -23,7 +23,7 @@ struct spin_change {
 }  // namespace field
 
 /// rho Du/Dt = ... + mu Lap u + lambda curl w;   theta rho Dw/Dt = gamma Lap w + lambda (curl u - 2 w) + rho tau
-/// with lambda the coupling. Which of the published systems this is, is a matter of mu and lambda (engine/scene/micropolar.h).
+/// with lambda the coupling. Which of the published systems this is, is a matter of mu and lambda (engine/scene/micropolar_coefficients.h).
 struct MicropolarOptions {
     double coupling = 0;           ///< lambda [Pa s]
     double pair_viscosity = 0;     ///< mu of the first Laplacian, along the difference of velocities [Pa s]

@@ -3,7 +3,7 @@
 /// (models that change the velocity: viscosity, pressure), Move, KeepOutside. Kick before Move makes it symplectic Euler.
 #include "engine/core/parallel.h"
 #include "engine/particles/field.h"
-#include "engine/particles/step.h"
+#include "engine/particles/step_context.h"
 
 namespace whorl {
 

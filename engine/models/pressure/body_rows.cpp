@@ -4,11 +4,7 @@
 #include "engine/models/bodies/reaction.h"
 
 namespace whorl {
-namespace {
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
+namespace {}  // namespace
 
 void BodyRows::build(const WallImage& wall, const SolidPairs& solid_pairs, const SolidParticles& layer, const Solids& solids,
                      const StepContext& step, Span<const Real> rho, DensityRate& D) {
@@ -22,27 +18,27 @@ void BodyRows::build(const WallImage& wall, const SolidPairs& solid_pairs, const
         Body body{k, mass_ / state.mass, mass_ * state.inverse_inertia(), std::vector<Touch>(near.size())};
         with_kernel(step.kernel, step.support, [&](const auto& W) {
             parallel_for(static_cast<Index>(near.size()), [&](Index e) {
-                Touch& touch = body.touches[at(e)];
-                touch.particle = near[at(e)];
+                Touch& touch = body.touches[e];
+                touch.particle = near[e];
                 touch.h.setZero();
                 Real w = 0;
                 solid_pairs.of(touch.particle, [&](Index s, const Vec3& r, Real distance) {
-                    const WallImage::Seen seen = wall.see(W, r, distance, layer.normal[at(s)], layer.volume[at(s)]);
+                    const WallImage::Seen seen = wall.see(W, r, distance, layer.normal[s], layer.volume[s]);
                     w += seen.value;
-                    if (at(layer.solid[at(s)]) != k) return;
+                    if (static_cast<std::size_t>(layer.solid[s]) != k) return;
                     touch.h += seen.gradient;
-                    touch.arm = layer.position[at(s)] + r - state.centre.cast<Real>();
+                    touch.arm = layer.position[s] + r - state.centre.cast<Real>();
                 });
                 const SolidGate::Passed passed = wall.gate.pass(w);
-                touch.h *= passed.slope * WallImage::room(passed.sum).slope * D.fill[at(touch.particle)] * rho[at(touch.particle)];
+                touch.h *= passed.slope * WallImage::room(passed.sum).slope * D.fill[touch.particle] * rho[touch.particle];
             });
         });
         std::erase_if(body.touches, [](const Touch& t) { return t.h == Vec3::Zero(); });
         parallel_for(static_cast<Index>(body.touches.size()), [&](Index e) {
-            const Touch& t = body.touches[at(e)];
-            if (!D.free[at(t.particle)]) return;
+            const Touch& t = body.touches[e];
+            if (!D.free[t.particle]) return;
             const Vec3d h = t.h.cast<double>(), turning = t.arm.cast<double>().cross(h);
-            D.diagonal[at(t.particle)] += static_cast<Real>(body.mass_ratio * h.squaredNorm() + turning.dot(body.turning_ratio * turning));
+            D.diagonal[t.particle] += static_cast<Real>(body.mass_ratio * h.squaredNorm() + turning.dot(body.turning_ratio * turning));
         });
         bodies_.push_back(std::move(body));
     }
@@ -50,8 +46,8 @@ void BodyRows::build(const WallImage& wall, const SolidPairs& solid_pairs, const
 
 BodyRows::Sum BodyRows::transposed(const Body& body, Span<const Real> q) const {
     return parallel_sum(static_cast<Index>(body.touches.size()), Sum{}, [&](Index e) {
-        const Touch& t = body.touches[at(e)];
-        const Vec3d push = (q[at(t.particle)] * t.h).cast<double>();
+        const Touch& t = body.touches[e];
+        const Vec3d push = (q[t.particle] * t.h).cast<double>();
         return Sum{push, t.arm.cast<double>().cross(push)};
     });
 }
@@ -61,8 +57,8 @@ void BodyRows::add_product(Span<const Real> q, Span<const char> wanted, Span<Rea
         const Sum sum = transposed(body, q);
         const Vec3 velocity = (body.mass_ratio * sum.push).cast<Real>(), turning = (body.turning_ratio * sum.torque).cast<Real>();
         parallel_for(static_cast<Index>(body.touches.size()), [&](Index e) {
-            const Touch& t = body.touches[at(e)];
-            if (wanted[at(t.particle)]) rate[at(t.particle)] += t.h.dot(velocity + turning.cross(t.arm));
+            const Touch& t = body.touches[e];
+            if (wanted[t.particle]) rate[t.particle] += t.h.dot(velocity + turning.cross(t.arm));
         });
     }
 }

@@ -11,8 +11,6 @@
 namespace whorl {
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 /// Of the tolerated density error that one step may add. With 0.1 a dam break takes 16.9 iterations a step, with 0.5 11, with 1 8.1, and a
 /// mean density error of 0.063, 0.06 and 0.074 % (ten layers, before the limit below); what is left over is corrected by half in the next
 /// step.
@@ -28,14 +26,14 @@ constexpr double least_step_share = 0.02,
                  least_tolerance = 1e-6;  ///< of the tolerated density error, and beside rounding: where a step brings next to nothing
 
 double changed(const std::vector<char>& before, const std::vector<char>& now) {
-    return parallel_sum(static_cast<Index>(now.size()), [&](Index i) { return before[at(i)] != now[at(i)]; });
+    return parallel_sum(static_cast<Index>(now.size()), [&](Index i) { return before[i] != now[i]; });
 }
 
 }  // namespace
 
 PressurePreconditioner diagonal_scaling(const ConstraintMatrix& matrix) {
     return {[&matrix](Span<const Real> r, Span<Real> z) {
-        parallel_for(matrix.size(), [&](Index i) { z[at(i)] = matrix.presses[at(i)] ? r[at(i)] / matrix.D.diagonal[at(i)] : 0; });
+        parallel_for(matrix.size(), [&](Index i) { z[i] = matrix.presses[i] ? r[i] / matrix.D.diagonal[i] : 0; });
     }};
 }
 
@@ -61,11 +59,11 @@ SolveReport ConstraintPressure::solve_filled(ConstraintMatrix& matrix, const Ste
     const Index n = D_.size();
     const double start = wall_seconds(), worst_rate = std::sqrt(static_cast<double>(n)) * static_cast<double>(step.rest_density / step.dt);
     const auto without_mean = [&](Span<Real> values) {
-        const double mean = parallel_sum(n, [&](Index i) { return matrix.presses[at(i)] ? static_cast<double>(values[at(i)]) : 0.0; }) / n;
-        parallel_for(n, [&](Index i) { values[at(i)] = matrix.presses[at(i)] ? static_cast<Real>(values[at(i)] - mean) : 0; });
+        const double mean = parallel_sum(n, [&](Index i) { return matrix.presses[i] ? static_cast<double>(values[i]) : 0.0; }) / n;
+        parallel_for(n, [&](Index i) { values[i] = matrix.presses[i] ? static_cast<Real>(values[i] - mean) : 0; });
     };
-    matrix.presses.assign(at(n), 0);
-    parallel_for(n, [&](Index i) { matrix.presses[at(i)] = D_.diagonal[at(i)] > std::numeric_limits<Real>::min(); });
+    matrix.presses.assign(n, 0);
+    parallel_for(n, [&](Index i) { matrix.presses[i] = D_.diagonal[i] > std::numeric_limits<Real>::min(); });
     without_mean(b_);
     without_mean(q);
     const PressurePreconditioner M = options_.preconditioner(matrix);
@@ -75,12 +73,12 @@ SolveReport ConstraintPressure::solve_filled(ConstraintMatrix& matrix, const Ste
     const auto precondition = [&](Span<const Real> r, Span<Real> z) { M(r, z), without_mean(z); };
     const SolveLimits limits{careful_step_share * options_.limits.tolerance, options_.limits.max_iterations};
     SolveReport report = conjugate_gradients<Real>(A, precondition, Span<const Real>(b_), q, limits, ResidualNorm::euclidean, worst_rate);
-    Column<Real> ones(at(n), 1);
+    Column<Real> ones(n, 1);
     D_.transposed(ones, matrix.force);
-    const double ordering = parallel_sum(n, [&](Index i) { return static_cast<double>(matrix.force[at(i)].squaredNorm()); }) / n;
+    const double ordering = parallel_sum(n, [&](Index i) { return static_cast<double>(matrix.force[i].squaredNorm()); }) / n;
     const double most = static_cast<double>(step.dt / step.rest_density * fastest * fastest / 2);
     const auto c = static_cast<Real>(ordering > 0 ? std::clamp(mean_rate / ordering, 0.0, most) : 0.0);
-    parallel_for(n, [&](Index i) { q[at(i)] += c; });
+    parallel_for(n, [&](Index i) { q[i] += c; });
     report.levels = M.levels;
     report.set_up_seconds = set_up;
     report.solve_seconds = wall_seconds() - start - set_up;
@@ -90,18 +88,18 @@ SolveReport ConstraintPressure::solve_filled(ConstraintMatrix& matrix, const Ste
 ConstraintPressure::ActiveSet ConstraintPressure::choose(ConstraintMatrix& matrix, Span<const Real> q, Span<const char> both,
                                                          Real about_full, Span<Real> rest) const {
     const Index n = D_.size();
-    const auto can = [&](Index i) { return D_.diagonal[at(i)] > std::numeric_limits<Real>::min(); };
+    const auto can = [&](Index i) { return D_.diagonal[i] > std::numeric_limits<Real>::min(); };
     const ActiveSet set = parallel_sum(n, ActiveSet{}, [&](Index i) {
-        const Real r = rest[at(i)] = b_[at(i)] - residual_[at(i)];
-        const bool pressed = q[at(i)] > 0 || (!both.empty() && both[at(i)]);
-        matrix.presses[at(i)] = can(i) && (pressed || r > 0);
-        return matrix.presses[at(i)] ? ActiveSet{static_cast<double>(r) * r, pressed, !pressed} : ActiveSet{};
+        const Real r = rest[i] = b_[i] - residual_[i];
+        const bool pressed = q[i] > 0 || (!both.empty() && both[i]);
+        matrix.presses[i] = can(i) && (pressed || r > 0);
+        return matrix.presses[i] ? ActiveSet{static_cast<double>(r) * r, pressed, !pressed} : ActiveSet{};
     });
     const bool all = about_full > 0 && (set.joining > set.pressed || !options_.active_set);
     parallel_for(n, [&](Index i) {
-        if (matrix.presses[at(i)]) return;
-        matrix.presses[at(i)] = all && can(i) && rest[at(i)] > -about_full;
-        if (!matrix.presses[at(i)]) rest[at(i)] = 0;
+        if (matrix.presses[i]) return;
+        matrix.presses[i] = all && can(i) && rest[i] > -about_full;
+        if (!matrix.presses[i]) rest[i] = 0;
     });
     return set;
 }
@@ -122,19 +120,19 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
     PressurePreconditioner M;
     std::vector<char> set_up_for;  // presses, when M was set up
     const auto A = [&](Span<const Real> in, Span<Real> out) { matrix.multiply(in, out); };
-    Column<Real> rest(at(n));  // b - A q where something presses
+    Column<Real> rest(n);  // b - A q where something presses
     SolveReport report;
     const double start = wall_seconds();
     for (int round = 0;; ++round) {
-        matrix.presses.assign(at(n), 1);
+        matrix.presses.assign(n, 1);
         matrix.multiply(q, residual_);
         const ActiveSet set = choose(matrix, q, both, round == 0 ? about_full * step.rest_density / step.dt : 0, rest);
         const double left = std::sqrt(set.squares);
         report.last_residual = left / worst_rate;
         if (round == 0) {
             report.first_residual = report.last_residual;
-            const double asked = std::sqrt(
-                parallel_sum(n, [&](Index i) { return matrix.presses[at(i)] ? static_cast<double>(b_[at(i)]) * b_[at(i)] : 0.0; }));
+            const double asked =
+                std::sqrt(parallel_sum(n, [&](Index i) { return matrix.presses[i] ? static_cast<double>(b_[i]) * b_[i] : 0.0; }));
             const double least = std::max(least_step_share * options_.limits.tolerance, least_tolerance);
             tolerance = std::min(tolerance, std::max(largest_residual(options_.limits.tolerance) * asked / worst_rate, least));
         }
@@ -159,7 +157,7 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
         report.iterations +=
             conjugate_gradients_from<Real>(A, M, Span<Real>(rest), q, limits, ResidualNorm::euclidean, worst_rate).iterations;
         parallel_for(n, [&](Index i) {
-            if (both.empty() || !both[at(i)]) q[at(i)] = std::max(Real(0), q[at(i)]);
+            if (both.empty() || !both[i]) q[i] = std::max(Real(0), q[i]);
         });
     }
 }
@@ -189,28 +187,28 @@ void ConstraintPressure::operator()(const FluidPairs& pairs, const SolidPairs& s
                                     Update<field::velocity> u, Update<field::pressure> p) {
     const Index n = rho.size();
     const Real rho_0 = step.rest_density;
-    b_.resize(at(n));
-    residual_.resize(at(n));
+    b_.resize(n);
+    residual_.resize(n);
     const WallImage wall = wall_of(solids, step);
     D_.build(wall, pairs, solid_pairs, solid, step, role, Read<field::velocity>{u.values}, rho.values, b_, &solids);
     bodies_.build(wall, solid_pairs, solid, solids, step, rho.values, D_);
     const bool filled = fills_periodic_domain(step, solids, n);
     const Real target = filled ? static_cast<Real>(parallel_sum(n, [&](Index i) { return static_cast<double>(rho[i]); }) / n) : rho_0;
-    const double mean_rate = filled ? parallel_sum(n, [&](Index i) { return static_cast<double>(b_[at(i)]); }) / n : 0;
+    const double mean_rate = filled ? parallel_sum(n, [&](Index i) { return static_cast<double>(b_[i]); }) / n : 0;
     const Real time = mending_time(u.values, step);
     parallel_for(n, [&](Index i) {
-        b_[at(i)] += mending_rate(rho[i], target, filled, step, time);
-        p[i] = D_.diagonal[at(i)] > 0 ? p[i] / D_.virial[at(i)] * step.dt / (rho[i] * rho[i]) : 0;  // q
+        b_[i] += mending_rate(rho[i], target, filled, step, time);
+        p[i] = D_.diagonal[i] > 0 ? p[i] / D_.virial[i] * step.dt / (rho[i] * rho[i]) : 0;  // q
     });
-    ConstraintMatrix matrix{D_, {}, Column<Padded>(at(n)), pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};
+    ConstraintMatrix matrix{D_, {}, Column<Padded>(n), pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};
     const auto fastest = static_cast<Real>(filled ? largest_speed(u.values) : 0);
     report.solves.push_back(
         {"pressure", filled ? solve_filled(matrix, step, mean_rate, fastest, p.values) : solve(matrix, step, p.values)});
     bodies_.push(p.values, solids);
     D_.transposed(p.values, matrix.force);
     parallel_for(n, [&](Index i) {
-        u[i] -= matrix.force[at(i)].head<3>();
-        p[i] *= D_.virial[at(i)] * rho[i] * rho[i] / step.dt;
+        u[i] -= matrix.force[i].head<3>();
+        p[i] *= D_.virial[i] * rho[i] * rho[i] / step.dt;
     });
 }
 
@@ -220,7 +218,7 @@ double pressure_step(double cfl, double spacing, double rest_density, Span<const
         void operator+=(const Sums& o) { p += o.p, p2 += o.p2; }
     };
     const Sums sums = parallel_sum(static_cast<Index>(pressure.size()), Sums{}, [&](Index i) {
-        const double p = pressure[at(i)];
+        const double p = pressure[i];
         return Sums{std::abs(p), p * p};
     });
     if (!(sums.p2 > 0)) return std::numeric_limits<double>::infinity();

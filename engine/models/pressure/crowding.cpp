@@ -11,7 +11,6 @@ namespace whorl {
 namespace {
 
 constexpr int most_sweeps = 100;
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
@@ -19,13 +18,13 @@ void RelieveCrowding::with_neighbours(const Pairs& pairs, const std::vector<Inde
     ++lists_;
     all.clear();
     const auto take = [&](Index i) {
-        if (seen_[at(i)] == lists_) return;
-        seen_[at(i)] = lists_;
+        if (seen_[i] == lists_) return;
+        seen_[i] = lists_;
         all.push_back(i);
     };
     for (const Index i : from) {
         take(i);
-        for (std::size_t k = pairs.first[at(i)]; k < pairs.first[at(i) + 1]; ++k) take(pairs.other[k]);
+        for (std::size_t k = pairs.first[i]; k < pairs.first[i + 1]; ++k) take(pairs.other[k]);
     }
 }
 
@@ -40,62 +39,61 @@ std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, con
             [](Index, const Vec3&, const WallImage::Seen&) {});
     };
     const Index n = static_cast<Index>(x.size());
-    parallel_for(n, [&](Index i) { rho[at(i)] = row(i).density; });
-    touched_.resize(at(n));
-    for (Index i = 0; i < n; ++i) touched_[at(i)] = i;
+    parallel_for(n, [&](Index i) { rho[i] = row(i).density; });
+    touched_.resize(n);
+    for (Index i = 0; i < n; ++i) touched_[i] = i;
     Real moved = 0;  // at most, since the neighbours were found
     for (int sweep = 0;; ++sweep) {
         crowded_.clear();
         Real densest = 0;
         for (const Index i : touched_) {
-            if (!(rho[at(i)] > crowded) || role[i] != 0) continue;
+            if (!(rho[i] > crowded) || role[i] != 0) continue;
             crowded_.push_back(i);
-            densest = std::max(densest, rho[at(i)]);
+            densest = std::max(densest, rho[i]);
         }
         if (!(densest > rho_0 * (1 + Real(0.9) * most_))) return "";
         if (sweep == most_sweeps)
             return fmt::format("{} particles are still crowded, one by {:.2g} %, after {} sweeps", crowded_.size(),
                                100 * (static_cast<double>(densest / rho_0) - 1), sweep);
         parallel_for(static_cast<Index>(crowded_.size()), [&](Index c) {
-            const Index i = crowded_[at(c)];
+            const Index i = crowded_[c];
             const DensityRow at_i = row(i);
             const Real diagonal = at_i.own.squaredNorm() + at_i.fill * at_i.fill * at_i.squares;
             const Real l = diagonal > std::numeric_limits<Real>::min() ? std::min(at_i.density - rho_0, rho_0 / 5) / (2 * diagonal) : 0;
-            push_[at(i)] = l * at_i.own;
-            share_[at(i)] = l * at_i.fill;
+            push_[i] = l * at_i.own;
+            share_[i] = l * at_i.fill;
         });
         with_neighbours(pairs, crowded_, movers_);
         parallel_for(static_cast<Index>(movers_.size()), [&](Index c) {
-            const Index i = movers_[at(c)];
-            Vec3 move = share_[at(i)] > 0 ? push_[at(i)] : Vec3(Vec3::Zero()), slower = Vec3::Zero();
+            const Index i = movers_[c];
+            Vec3 move = share_[i] > 0 ? push_[i] : Vec3(Vec3::Zero()), slower = Vec3::Zero();
             pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-                const Real both = share_[at(i)] + share_[at(j)];
+                const Real both = share_[i] + share_[j];
                 if (!(both > 0)) return;
                 const Real slope = m * W.slope(distance);
-                move += share_[at(j)] * slope * r;
-                const Vec3 apart = u[at(i)] - u[at(j)];
+                move += share_[j] * slope * r;
+                const Vec3 apart = u[i] - u[j];
                 slower += both * slope * (apart - apart.dot(r) / std::max(r.squaredNorm(), std::numeric_limits<Real>::min()) * r);
             });
-            kicks_[at(c)] = role[i] != 0 ? Vec3(Vec3::Zero()) : slower;
+            kicks_[c] = role[i] != 0 ? Vec3(Vec3::Zero()) : slower;
             const Real length = move.norm();
-            moves_[at(c)] = role[i] != 0 ? Vec3(Vec3::Zero()) : length > farthest ? Vec3(farthest / length * move) : move;
+            moves_[c] = role[i] != 0 ? Vec3(Vec3::Zero()) : length > farthest ? Vec3(farthest / length * move) : move;
         });
         parallel_for(static_cast<Index>(movers_.size()), [&](Index c) {
-            const Index i = movers_[at(c)];
-            share_[at(i)] = 0;
-            const Vec3 before = x[at(i)];
-            x[at(i)] -= moves_[at(c)];
-            u[at(i)] += kicks_[at(c)];
+            const Index i = movers_[c];
+            share_[i] = 0;
+            const Vec3 before = x[i];
+            x[i] -= moves_[c];
+            u[i] += kicks_[c];
             Real distance = 0;
-            if (const int k = solids.nearest(x[at(i)], distance); k >= 0 && distance < 0)
-                x[at(i)] -= distance * solids.all[at(k)].normal(x[at(i)]);
-            moves_[at(c)] = x[at(i)] - before;
+            if (const int k = solids.nearest(x[i], distance); k >= 0 && distance < 0) x[i] -= distance * solids.all[k].normal(x[i]);
+            moves_[c] = x[i] - before;
         });
-        moved += static_cast<Real>(std::sqrt(parallel_max(static_cast<Index>(movers_.size()), 0,
-                                                          [&](Index c) { return static_cast<double>(moves_[at(c)].squaredNorm()); })));
+        moved += static_cast<Real>(std::sqrt(
+            parallel_max(static_cast<Index>(movers_.size()), 0, [&](Index c) { return static_cast<double>(moves_[c].squaredNorm()); })));
         if (2 * moved > step.spacing / 5) find(), moved = 0;
         with_neighbours(pairs, movers_, touched_);
-        parallel_for(static_cast<Index>(touched_.size()), [&](Index c) { rho[at(touched_[at(c)])] = row(touched_[at(c)]).density; });
+        parallel_for(static_cast<Index>(touched_.size()), [&](Index c) { rho[touched_[c]] = row(touched_[c]).density; });
     }
 }
 
@@ -114,8 +112,8 @@ void RelieveCrowding::operator()(FluidPairs& pairs, SolidPairs& solid_pairs, con
         solid_search_.find(x.values, layer.position, reach, step.domain, solid_pairs);
     };
     find();
-    seen_.resize(at(n), 0), push_.resize(at(n)), moves_.resize(at(n)), kicks_.resize(at(n));
-    share_.assign(at(n), 0);
+    seen_.resize(n, 0), push_.resize(n), moves_.resize(n), kicks_.resize(n);
+    share_.assign(n, 0);
     const WallImage wall(step.kernel, step.support, step.spacing, gate_);
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         SolveReport left;

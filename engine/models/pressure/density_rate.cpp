@@ -8,11 +8,7 @@
 #include "engine/core/resize_tightly.h"
 
 namespace whorl {
-namespace {
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
+namespace {}  // namespace
 
 WallImage::WallImage(KernelKind kind, Real support, Real d, SolidGate gate_before) : spacing(d), nearest(d / 2), gate(gate_before) {
     with_kernel(kind, support, [&](const auto& W) {
@@ -57,7 +53,7 @@ void DensityRate::build(const WallImage& wall, const FluidPairs& pairs, const So
                         const Solids* solids) {
     first = pairs.first;
     other = pairs.other;
-    const std::size_t n = at(pairs.size());
+    const std::size_t n = static_cast<std::size_t>(pairs.size());
     resize_tightly(slope, other.size());
     period = pairs.period;
     x.resize(n);
@@ -70,12 +66,12 @@ void DensityRate::build(const WallImage& wall, const FluidPairs& pairs, const So
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(pairs.size(), [&](Index i) {
             Real change = 0, wall_change = 0;
-            x[at(i)] = padded(pairs.x_own[at(i)]);
+            x[i] = padded(pairs.x_own[i]);
             Index k = 0;
             const DensityRow row = density_row(
                 wall, W, pairs, solid_pairs, solid, step.mass, i,
                 [&](const Pairs::Group& group, const Real* c) {
-                    std::copy(c, c + group.count, slope.begin() + static_cast<std::ptrdiff_t>(first[at(i)]) + k);
+                    std::copy(c, c + group.count, slope.begin() + static_cast<std::ptrdiff_t>(first[i]) + k);
                     k += group.count;
                     alignas(64) Real v[3][Pairs::Group::most];
                     group.gather(u.values.data(), v);
@@ -86,19 +82,19 @@ void DensityRate::build(const WallImage& wall, const FluidPairs& pairs, const So
                     change += part;
                 },
                 [&](Index s, const Vec3& r, const WallImage::Seen& seen) {
-                    const Solid* body = bodies ? &solids->all[at(solid.solid[at(s)])] : nullptr;
-                    const Vec3 moves = body && body->body ? body->pose.velocity_at(solid.position[at(s)] + r) : solid.velocity[at(s)];
+                    const Solid* body = bodies ? &solids->all[solid.solid[s]] : nullptr;
+                    const Vec3 moves = body && body->body ? body->pose.velocity_at(solid.position[s] + r) : solid.velocity[s];
                     wall_change += seen.gradient.dot(u[i] - moves);
                 });
             const Real f = row.fill;
-            fill[at(i)] = f;
-            own[at(i)] = row.own;
-            free[at(i)] = role[i] == 0;
-            diagonal[at(i)] = role[i] == 0 ? row.own.squaredNorm() + f * f * row.squares : 0;
-            virial[at(i)] =
+            fill[i] = f;
+            own[i] = row.own;
+            free[i] = role[i] == 0;
+            diagonal[i] = role[i] == 0 ? row.own.squaredNorm() + f * f * row.squares : 0;
+            virial[i] =
                 std::clamp(f * row.pull / (3 * row.density), Real(0.8), Real(1.5));  // a surface particle has no pressure to speak of
-            rho[at(i)] = row.density;
-            rate[at(i)] = f * (change + row.density * row.wall_slope * wall_change);
+            rho[i] = row.density;
+            rate[i] = f * (change + row.density * row.wall_slope * wall_change);
         });
     });
 }
@@ -106,21 +102,21 @@ void DensityRate::build(const WallImage& wall, const FluidPairs& pairs, const So
 /// sum over the neighbours of i of term(k, j, r_ij), in four sums side by side: one after the other each would wait for the one before.
 template <bool periodic, class F>
 Padded DensityRate::sum_over_row(Index i, const F& term) const {
-    const Padded xi = x[at(i)];
+    const Padded xi = x[i];
     Padded length = Padded::Zero(), inverse = Padded::Zero();
     if constexpr (periodic) {
         length = padded(period);
         for (int a = 0; a < 3; ++a) inverse[a] = period[a] > 0 ? 1 / period[a] : 0;
     }
     const auto one = [&](std::size_t k) {
-        const std::size_t j = at(other[k]);
+        const std::size_t j = static_cast<std::size_t>(other[k]);
         Padded r = xi - x[j];
         if constexpr (periodic) r -= length.cwiseProduct(r.cwiseProduct(inverse).array().round().matrix());
         return Padded(term(k, j, r));
     };
     Padded sum[4] = {Padded::Zero(), Padded::Zero(), Padded::Zero(), Padded::Zero()};
-    const std::size_t end = first[at(i) + 1];
-    std::size_t k = first[at(i)];
+    const std::size_t end = first[i + 1];
+    std::size_t k = first[i];
     for (; k + 4 <= end; k += 4)
         for (std::size_t a = 0; a < 4; ++a) sum[a] += one(k + a);
     for (; k < end; ++k) sum[0] += one(k);
@@ -128,14 +124,14 @@ Padded DensityRate::sum_over_row(Index i, const F& term) const {
 }
 
 void DensityRate::transposed(Span<const Real> q, Span<Padded> v) const {
-    share_.resize(at(size()));
-    parallel_for(size(), [&](Index i) { share_[at(i)] = fill[at(i)] * q[at(i)]; });
+    share_.resize(size());
+    parallel_for(size(), [&](Index i) { share_[i] = fill[i] * q[i]; });
     const auto run = [&]<bool periodic>() {
         parallel_for(size(), [&](Index i) {
-            v[at(i)].setZero();
-            if (!free[at(i)]) return;
-            v[at(i)] = padded(q[at(i)] * own[at(i)]) +
-                       sum_over_row<periodic>(i, [&](std::size_t k, std::size_t j, const Padded& r) { return (slope[k] * share_[j]) * r; });
+            v[i].setZero();
+            if (!free[i]) return;
+            v[i] = padded(q[i] * own[i]) +
+                   sum_over_row<periodic>(i, [&](std::size_t k, std::size_t j, const Padded& r) { return (slope[k] * share_[j]) * r; });
         });
     };
     if (period != Vec3::Zero()) run.template operator()<true>();
@@ -145,11 +141,11 @@ void DensityRate::transposed(Span<const Real> q, Span<Padded> v) const {
 void DensityRate::apply(Span<const Padded> v, Span<const char> wanted, Span<Real> rate) const {
     const auto run = [&]<bool periodic>() {
         parallel_for(size(), [&](Index i) {
-            rate[at(i)] = 0;
-            if (!wanted[at(i)]) return;
+            rate[i] = 0;
+            if (!wanted[i]) return;
             const Padded sum =
                 sum_over_row<periodic>(i, [&](std::size_t k, std::size_t j, const Padded& r) { return slope[k] * r.cwiseProduct(v[j]); });
-            rate[at(i)] = own[at(i)].dot(v[at(i)].template head<3>()) - fill[at(i)] * sum.sum();
+            rate[i] = own[i].dot(v[i].template head<3>()) - fill[i] * sum.sum();
         });
     };
     if (period != Vec3::Zero()) run.template operator()<true>();

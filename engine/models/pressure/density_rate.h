@@ -9,7 +9,7 @@
 #include "engine/math/kernel.h"
 #include "engine/particles/field.h"
 #include "engine/particles/pairs.h"
-#include "engine/particles/step.h"
+#include "engine/particles/step_context.h"
 #include "engine/sph/gate.h"
 
 namespace whorl {
@@ -99,8 +99,7 @@ DensityRow density_row(const WallImage& wall, const Kernel& W, const FluidPairs&
     });
     if (solid.size() > 0)
         solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-            const WallImage::Seen seen =
-                wall.see(W, r, distance, solid.normal[static_cast<std::size_t>(s)], solid.volume[static_cast<std::size_t>(s)]);
+            const WallImage::Seen seen = wall.see(W, r, distance, solid.normal[s], solid.volume[s]);
             w += seen.value;
             wall_pull += seen.pull;
             walls += seen.gradient;
@@ -142,7 +141,7 @@ struct DensityRate {
                const Solids* solids = nullptr);
     /// g_ij of the pair k in row i.
     Vec3 gradient(Index i, std::size_t k) const {
-        Vec3 r = (x[static_cast<std::size_t>(i)] - x[static_cast<std::size_t>(other[k])]).template head<3>();
+        Vec3 r = (x[i] - x[other[k]]).template head<3>();
         for (int a = 0; a < 3; ++a)
             if (period[a] > 0) r[a] -= period[a] * std::nearbyint(r[a] / period[a]);
         return slope[k] * r;

@@ -10,8 +10,6 @@ namespace {
 /// Of the rest density: below it a particle is at the surface, or in spray, and nothing pulls.
 constexpr Real near_full = Real(0.97);
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 }  // namespace
 
 void DivergenceFree::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, Solids& solids,
@@ -20,37 +18,37 @@ void DivergenceFree::operator()(const FluidPairs& pairs, const SolidPairs& solid
                                 Write<field::drift> drift) {
     const Index n = rho.size();
     const Real rho_0 = step.rest_density;
-    b_.resize(at(n)), residual_.resize(at(n)), rate_.resize(at(n)), inside_.resize(at(n));
+    b_.resize(n), residual_.resize(n), rate_.resize(n), inside_.resize(n);
     const WallImage wall = wall_of(solids, step);
     D_.build(wall, pairs, solid_pairs, solid, step, role, Read<field::velocity>{u.values}, rho.values, rate_, &solids);
     bodies_.build(wall, solid_pairs, solid, solids, step, rho.values, D_);
     const bool filled = fills_periodic_domain(step, solids, n);
     parallel_for(n, [&](Index i) {
-        inside_[at(i)] = filled || rho[i] > near_full * rho_0;
-        b_[at(i)] = rate_[at(i)] + (inside_[at(i)] ? 0 : std::min(Real(0), rho[i] - rho_0) / step.dt);
-        p[i] = D_.diagonal[at(i)] > 0 ? p[i] / D_.virial[at(i)] * step.dt / (rho[i] * rho[i]) : 0;  // q
+        inside_[i] = filled || rho[i] > near_full * rho_0;
+        b_[i] = rate_[i] + (inside_[i] ? 0 : std::min(Real(0), rho[i] - rho_0) / step.dt);
+        p[i] = D_.diagonal[i] > 0 ? p[i] / D_.virial[i] * step.dt / (rho[i] * rho[i]) : 0;  // q
     });
-    ConstraintMatrix matrix{D_, {}, Column<Padded>(at(n)), pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};
+    ConstraintMatrix matrix{D_, {}, Column<Padded>(n), pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};
     const auto mean_of = [&](const Column<Real>& values) {
-        return parallel_sum(n, [&](Index i) { return static_cast<double>(values[at(i)]); }) / n;
+        return parallel_sum(n, [&](Index i) { return static_cast<double>(values[i]); }) / n;
     };
     const auto fastest = static_cast<Real>(filled ? largest_speed(u.values) : 0);
     report.solves.push_back({"pressure", filled ? solve_filled(matrix, step, 0, 0, p.values) : solve(matrix, step, p.values, inside_)});
     bodies_.push(p.values, solids);
-    matrix.presses.assign(at(n), 1);
+    matrix.presses.assign(n, 1);
     matrix.multiply(p.values, residual_);  // leaves D^T q in matrix.force
     const Real target = filled ? static_cast<Real>(parallel_sum(n, [&](Index i) { return static_cast<double>(rho[i]); }) / n) : rho_0;
     const Real time = mending_time(u.values, step);
     parallel_for(n, [&](Index i) {
-        u[i] -= matrix.force[at(i)].head<3>();
-        p[i] *= D_.virial[at(i)] * rho[i] * rho[i] / step.dt;
-        b_[at(i)] = rate_[at(i)] - residual_[at(i)] + mending_rate(rho[i], target, filled, step, time);
+        u[i] -= matrix.force[i].head<3>();
+        p[i] *= D_.virial[i] * rho[i] * rho[i] / step.dt;
+        b_[i] = rate_[i] - residual_[i] + mending_rate(rho[i], target, filled, step, time);
     });
     matrix.bodies = nullptr;
     report.solves.push_back(
         {"pressure", filled ? solve_filled(matrix, step, mean_of(b_), fastest, s.values) : solve(matrix, step, s.values)});
     D_.transposed(s.values, matrix.force);
-    parallel_for(n, [&](Index i) { drift[i] = -matrix.force[at(i)].head<3>(); });
+    parallel_for(n, [&](Index i) { drift[i] = -matrix.force[i].head<3>(); });
 }
 
 }  // namespace whorl

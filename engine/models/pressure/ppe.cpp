@@ -11,10 +11,6 @@
 namespace whorl {
 namespace {
 
-constexpr Real smallest = std::numeric_limits<Real>::min();
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 /// Share of alpha that is real. alpha is what the wall's push does to the density of i by moving i; but as p_i rises, so does the push of
 /// the fluid on the other side, and next to a wall with fluid against it the two cancel: a uniform pressure moves nothing. The full alpha
 /// is right for a particle without fluid neighbours. (With alpha in full, as in the notes, the lowest layer of 40 at d = 1 cm and dt = 1 ms
@@ -31,16 +27,15 @@ Real unbalanced(const Vec3& fluid, const Vec3& solid) {
 
 void PressureMatrix::multiply(Span<const Real> p, Span<Real> Ap) const {
     parallel_for(size(), [&](Index i) {
-        Real sum = diagonal[at(i)] * p[at(i)];
-        for (std::size_t k = first[at(i)]; k < first[at(i) + 1]; ++k) sum -= c[k] * p[at(other[k])];
-        Ap[at(i)] = sum;
+        Real sum = diagonal[i] * p[i];
+        for (std::size_t k = first[i]; k < first[i + 1]; ++k) sum -= c[k] * p[other[k]];
+        Ap[i] = sum;
     });
 }
 
 PressurePreconditioner jacobi(const PressureMatrix& matrix) {
-    return {[&matrix](Span<const Real> r, Span<Real> z) {
-        parallel_for(matrix.size(), [&](Index i) { z[at(i)] = r[at(i)] / matrix.diagonal[at(i)]; });
-    }};
+    return {
+        [&matrix](Span<const Real> r, Span<Real> z) { parallel_for(matrix.size(), [&](Index i) { z[i] = r[i] / matrix.diagonal[i]; }); }};
 }
 
 PressurePreconditioner poisson_unpreconditioned(const PressureMatrix&) { return {NoPreconditioner{}}; }
@@ -52,7 +47,7 @@ void PoissonPressure::classify(const Kernel& kernel, const FluidPairs& pairs, co
                                const StepContext& step, Read<field::role> role, Read<field::density> rho) {
     constexpr Real surface_divergence = Real(2.55);
     parallel_for(rho.size(), [&](Index i) {
-        PressureClass& mine = class_[at(i)];
+        PressureClass& mine = class_[i];
         if (role[i] != 0) {
             mine = PressureClass::prescribed;
             return;
@@ -66,7 +61,7 @@ void PoissonPressure::classify(const Kernel& kernel, const FluidPairs& pairs, co
         pairs.of(i, [&](Index, const Vec3&, Real r) { divergence -= step.volume * kernel.derivative(r) * r; });
         if (solid_neighbours > 0)
             solid_pairs.of(i, [&](Index s, const Vec3&, Real r) {
-                divergence -= gate_[at(i)] * options_.solid_factor * solid.volume[at(s)] * kernel.derivative(r) * r;
+                divergence -= gate_[i] * options_.solid_factor * solid.volume[s] * kernel.derivative(r) * r;
             });
         mine = divergence < surface_divergence && rho[i] < step.rest_density ? PressureClass::surface : PressureClass::poisson;
     });
@@ -81,33 +76,32 @@ void PoissonPressure::build(const Kernel& kernel, const FluidPairs& pairs, const
     const WallShear wall{step.spacing / 2};
 
     parallel_for(n, [&](Index i) {
-        wall_[at(i)] = solid.size() > 0 ? Vec3(gate_[at(i)] * wall_gradient(kernel, i, solid_pairs, solid, options_.solid_factor))
-                                        : Vec3(Vec3::Zero());
+        wall_[i] =
+            solid.size() > 0 ? Vec3(gate_[i] * wall_gradient(kernel, i, solid_pairs, solid, options_.solid_factor)) : Vec3(Vec3::Zero());
     });
 
     for (Index i = 0; i < n; ++i) {
         Index unknowns = 0;
-        if (class_[at(i)] == PressureClass::poisson)
-            for (std::size_t k = pairs.first[at(i)]; k < pairs.first[at(i) + 1]; ++k)
-                unknowns += class_[at(pairs.other[k])] == PressureClass::poisson;
-        matrix_.first[at(i) + 1] = matrix_.first[at(i)] + at(unknowns);
+        if (class_[i] == PressureClass::poisson)
+            for (std::size_t k = pairs.first[i]; k < pairs.first[i + 1]; ++k) unknowns += class_[pairs.other[k]] == PressureClass::poisson;
+        matrix_.first[i + 1] = matrix_.first[i] + static_cast<std::size_t>(unknowns);
     }
-    matrix_.other.resize(matrix_.first[at(n)]);
-    matrix_.c.resize(matrix_.first[at(n)]);
+    matrix_.other.resize(matrix_.first[n]);
+    matrix_.c.resize(matrix_.first[n]);
 
     parallel_for(n, [&](Index i) {
-        const PressureClass mine = class_[at(i)];
+        const PressureClass mine = class_[i];
         const bool unknown = mine == PressureClass::poisson;
-        matrix_.unknown[at(i)] = unknown;
-        matrix_.diagonal[at(i)] = 1;
-        matrix_.pin[at(i)] = b_[at(i)] = 0;
-        touches_surface_[at(i)] = 0;
-        Vec3 mirror = wall_[at(i)], prescribed = Vec3::Zero(), fluid = Vec3::Zero();
-        wall_[at(i)].setZero();
+        matrix_.unknown[i] = unknown;
+        matrix_.diagonal[i] = 1;
+        matrix_.pin[i] = b_[i] = 0;
+        touches_surface_[i] = 0;
+        Vec3 mirror = wall_[i], prescribed = Vec3::Zero(), fluid = Vec3::Zero();
+        wall_[i].setZero();
         if (!unknown && mine != PressureClass::separated) return;
 
         const Real V = step.mass / rho[i];
-        std::size_t k = matrix_.first[at(i)];
+        std::size_t k = matrix_.first[i];
         Real row = 0, pin = 0, rate = 0;
         bool surface = false;
         pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
@@ -116,7 +110,7 @@ void PoissonPressure::build(const Kernel& kernel, const FluidPairs& pairs, const
             const Real Vj = step.mass / rho[j];
             const Real c = V * Vj * -2 * slope_at(distance);
             fluid += Vj * gradW;
-            switch (class_[at(j)]) {
+            switch (class_[j]) {
                 case PressureClass::poisson:
                     matrix_.other[k] = j;
                     matrix_.c[k++] = c;
@@ -129,24 +123,24 @@ void PoissonPressure::build(const Kernel& kernel, const FluidPairs& pairs, const
         if (solid.size() > 0)
             solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
                 // The flow turns at the surface, not at the solid particle behind it: the normal part is continued like shear.
-                const Vec3 n_s = solid.normal[at(s)], u_is = u[i] - solid.velocity[at(s)];
+                const Vec3 n_s = solid.normal[s], u_is = u[i] - solid.velocity[s];
                 const Vec3 turned = u_is + (wall.stretch(r, n_s) - 1) * u_is.dot(n_s) * n_s;
-                rate += gate_[at(i)] * rho_0 * options_.solid_factor * solid.volume[at(s)] * slope_at(distance) * turned.dot(r);
+                rate += gate_[i] * rho_0 * options_.solid_factor * solid.volume[s] * slope_at(distance) * turned.dot(r);
             });
         mirror += prescribed;
-        wall_[at(i)] = rho_0 / (rho[i] * rho[i]) * prescribed;  // the other half comes from the sum over the pairs
+        wall_[i] = rho_0 / (rho[i] * rho[i]) * prescribed;  // the other half comes from the sum over the pairs
         const Real alpha = 2 * (rho_0 / rho[i]) * (rho_0 / rho[i]) * mirror.squaredNorm() * unbalanced(fluid, mirror);
         pin += V * alpha;
-        b_[at(i)] = V * (static_cast<Real>(options_.density_correction) * (rho[i] - rho_0) + step.dt * rate) * over_dt2;
+        b_[i] = V * (static_cast<Real>(options_.density_correction) * (rho[i] - rho_0) + step.dt * rate) * over_dt2;
         if (unknown) {
-            matrix_.pin[at(i)] = pin;
-            matrix_.diagonal[at(i)] = std::max(row + pin, smallest);
-            touches_surface_[at(i)] = surface;
+            matrix_.pin[i] = pin;
+            matrix_.diagonal[i] = std::max(row + pin, smallest);
+            touches_surface_[i] = surface;
         } else {
             // Between two facing walls the gradients cancel: no pressure pushes anywhere.
             const Real enough = Real(1e-6) / (step.spacing * step.spacing);
-            p[i] = alpha > enough ? std::max(Real(0), b_[at(i)] / (V * alpha)) : 0;
-            b_[at(i)] = 0;
+            p[i] = alpha > enough ? std::max(Real(0), b_[i] / (V * alpha)) : 0;
+            b_[i] = 0;
         }
     });
 }
@@ -156,34 +150,34 @@ void PoissonPressure::build(const Kernel& kernel, const FluidPairs& pairs, const
 void PoissonPressure::find_closed() {
     const Index n = matrix_.size();
     closed_.clear();
-    std::vector<char> reached(at(n), 0);
+    std::vector<char> reached(n, 0);
     std::vector<Index> queue;
     const auto spread = [&] {
         for (std::size_t head = 0; head < queue.size(); ++head) {
             const Index i = queue[head];
-            for (std::size_t k = matrix_.first[at(i)]; k < matrix_.first[at(i) + 1]; ++k) {
+            for (std::size_t k = matrix_.first[i]; k < matrix_.first[i + 1]; ++k) {
                 const Index j = matrix_.other[k];
-                if (!reached[at(j)] && matrix_.c[k] > 0) reached[at(j)] = 1, queue.push_back(j);
+                if (!reached[j] && matrix_.c[k] > 0) reached[j] = 1, queue.push_back(j);
             }
         }
     };
     for (Index i = 0; i < n; ++i)
-        if (matrix_.unknown[at(i)] && touches_surface_[at(i)]) reached[at(i)] = 1, queue.push_back(i);
+        if (matrix_.unknown[i] && touches_surface_[i]) reached[i] = 1, queue.push_back(i);
     spread();
     for (Index i = 0; i < n; ++i) {
-        if (!matrix_.unknown[at(i)] || reached[at(i)]) continue;
+        if (!matrix_.unknown[i] || reached[i]) continue;
         queue.assign(1, i);
-        reached[at(i)] = 1;
+        reached[i] = 1;
         spread();
         // What little alpha a full box has comes from uneven neighbours: it would turn the right-hand side's mean into a huge uniform
         // pressure.
         double pins = 0, diagonals = 0;
-        for (Index k : queue) pins += matrix_.pin[at(k)], diagonals += matrix_.diagonal[at(k)];
+        for (Index k : queue) pins += matrix_.pin[k], diagonals += matrix_.diagonal[k];
         Closed component{queue, pins < 0.01 * diagonals};
         if (component.singular)
             for (Index k : queue) {
-                matrix_.diagonal[at(k)] = std::max(matrix_.diagonal[at(k)] - matrix_.pin[at(k)], smallest);
-                matrix_.pin[at(k)] = 0;
+                matrix_.diagonal[k] = std::max(matrix_.diagonal[k] - matrix_.pin[k], smallest);
+                matrix_.pin[k] = 0;
             }
         closed_.push_back(std::move(component));
     }
@@ -195,14 +189,14 @@ void PoissonPressure::solve(const StepContext& step, StepReport& report, Update<
         if (!component.singular) continue;
         // Solvable where the right-hand side has no mean: the walls take what is left.
         double mean = 0;
-        for (Index i : component.members) mean += b_[at(i)];
+        for (Index i : component.members) mean += b_[i];
         mean /= static_cast<double>(component.members.size());
-        for (Index i : component.members) b_[at(i)] -= static_cast<Real>(mean);
+        for (Index i : component.members) b_[i] -= static_cast<Real>(mean);
     }
-    Column<Real> x(at(n));
+    Column<Real> x(n);
     const double unknowns = parallel_sum(n, [&](Index i) {
-        const bool unknown = matrix_.unknown[at(i)];
-        x[at(i)] = unknown ? p[i] : 0;
+        const bool unknown = matrix_.unknown[i];
+        x[i] = unknown ? p[i] : 0;
         return static_cast<double>(unknown);
     });
     if (unknowns > 0) {
@@ -233,19 +227,19 @@ void PoissonPressure::solve(const StepContext& step, StepReport& report, Update<
     const Real layer = step.rest_density * step.gravity.norm() * step.spacing;
     for (const Closed& component : closed_) {
         Real lowest = component.singular ? std::numeric_limits<Real>::max() : 0;
-        for (Index i : component.members) lowest = std::min(lowest, x[at(i)]);
+        for (Index i : component.members) lowest = std::min(lowest, x[i]);
         const Real shift = component.singular ? layer - lowest : -lowest;
-        for (Index i : component.members) x[at(i)] += shift;
+        for (Index i : component.members) x[i] += shift;
     }
     parallel_for(n, [&](Index i) {
-        if (class_[at(i)] != PressureClass::separated) p[i] = std::max(Real(0), x[at(i)]);
+        if (class_[i] != PressureClass::separated) p[i] = std::max(Real(0), x[i]);
     });
 }
 
 void PoissonPressure::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid,
                                  const StepContext& step, StepReport& report, Read<field::role> role, Read<field::density> rho,
                                  Update<field::velocity> u, Update<field::pressure> p) {
-    const std::size_t n = at(rho.size());
+    const std::size_t n = static_cast<std::size_t>(rho.size());
     class_.resize(n);
     touches_surface_.resize(n);
     matrix_.first.assign(n + 1, 0);
@@ -259,7 +253,7 @@ void PoissonPressure::operator()(const FluidPairs& pairs, const SolidPairs& soli
     gate_.resize(n);
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         parallel_for(rho.size(), [&](Index i) {
-            gate_[at(i)] = solid.size() > 0 ? options_.gate.weight(kernel, i, solid_pairs, solid.volume, options_.solid_factor) : Real(1);
+            gate_[i] = solid.size() > 0 ? options_.gate.weight(kernel, i, solid_pairs, solid.volume, options_.solid_factor) : Real(1);
         });
         classify(kernel, pairs, solid_pairs, solid, step, role, rho);
         build(kernel, pairs, solid_pairs, solid, step, rho, u, p);
@@ -267,14 +261,14 @@ void PoissonPressure::operator()(const FluidPairs& pairs, const SolidPairs& soli
         solve(step, report, p);
         // u_i -= dt sum_j m (p_i/rho_i^2 + p_j/rho_j^2) grad W_ij + dt (push of prescribed neighbours and solids)
         parallel_for(rho.size(), [&](Index i) {
-            if (class_[at(i)] == PressureClass::prescribed) return;
+            if (class_[i] == PressureClass::prescribed) return;
             const Real own = p[i] / (rho[i] * rho[i]);
             Vec3 sum = Vec3::Zero();
             pairs.of(i,
                      [&](Index j, const Vec3& r, Real distance) { sum += (own + p[j] / (rho[j] * rho[j])) * kernel.slope(distance) * r; });
-            u[i] -= step.dt * (step.mass * sum + p[i] * wall_[at(i)]);
+            u[i] -= step.dt * (step.mass * sum + p[i] * wall_[i]);
             if (p[i] > 0 && solid.size() > 0)
-                u[i] -= step.dt * gate_[at(i)] * step.rest_density / (rho[i] * rho[i]) *
+                u[i] -= step.dt * gate_[i] * step.rest_density / (rho[i] * rho[i]) *
                         wall_push(kernel, i, solid_pairs, solid, step, options_.solid_factor, p[i]);
         });
     });

@@ -2,7 +2,7 @@
 /// The pressure of solids on a fluid particle, shared by the pressure models.
 #include "engine/geometry/solids.h"
 #include "engine/particles/pairs.h"
-#include "engine/particles/step.h"
+#include "engine/particles/step_context.h"
 
 namespace whorl {
 
@@ -12,7 +12,7 @@ Vec3 wall_gradient(const Kernel& kernel, Index i, const SolidPairs& pairs, const
     Vec3 gradient = Vec3::Zero();
     pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
         const Real slope = kernel.slope(distance);
-        gradient += volume_factor * solid.volume[static_cast<std::size_t>(s)] * slope * r;
+        gradient += volume_factor * solid.volume[s] * slope * r;
     });
     return gradient;
 }
@@ -28,11 +28,10 @@ Vec3 wall_push(const Kernel& kernel, Index i, const SolidPairs& pairs, const Sol
                Real volume_factor, Real p) {
     Vec3 push = Vec3::Zero();
     pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-        const auto k = static_cast<std::size_t>(s);
         const Real slope = kernel.slope(distance);
-        const Vec3& n = solid.normal[k];
+        const Vec3& n = solid.normal[s];
         const Real both = 2 * p - step.rest_density * step.gravity.dot(n) * std::max(Real(0), r.dot(n));
-        push += std::max(Real(0), both) * volume_factor * solid.volume[k] * slope * r;
+        push += std::max(Real(0), both) * volume_factor * solid.volume[s] * slope * r;
     });
     return push;
 }

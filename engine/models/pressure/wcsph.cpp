@@ -35,8 +35,7 @@ void SoundDamping::operator()(const FluidPairs& pairs, const SolidPairs& solid_p
                 const Real mass = step.rest_density * options.solid_factor *
                                   options.gate.weight(kernel, i, solid_pairs, solid.volume, options.solid_factor);
                 solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                    const auto k = static_cast<std::size_t>(s);
-                    rate += mass * solid.volume[k] * kernel.slope(distance) * (own - solid.velocity[k]).dot(r);
+                    rate += mass * solid.volume[s] * kernel.slope(distance) * (own - solid.velocity[s]).dot(r);
                 });
             }
             p[i] = std::max(p[i] + zeta * rate, Real(0));
@@ -75,17 +74,15 @@ void ArtificialViscosity::operator()(const FluidPairs& pairs, const SolidPairs& 
                                     : 0;
             if (factor > 0)
                 solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                    const auto k = static_cast<std::size_t>(s);
-                    if (slip[static_cast<std::size_t>(layer.solid[k])]) return;
-                    sum += factor * layer.volume[k] * along(own - layer.velocity[k], r, distance);
+                    if (slip[layer.solid[s]]) return;
+                    sum += factor * layer.volume[s] * along(own - layer.velocity[s], r, distance);
                 });
             a[i] += strength * sum;
         });
         react(solids, solid_pairs, layer, step.mass, role, [&](Index i, Index s, const Vec3& r, Real distance) {
-            const auto k = static_cast<std::size_t>(s);
-            if (slip[static_cast<std::size_t>(layer.solid[k])]) return Vec3(Vec3::Zero());
+            if (slip[layer.solid[s]]) return Vec3(Vec3::Zero());
             const Real factor = options.solid_factor * options.gate.weight(kernel, i, solid_pairs, layer.volume, options.solid_factor);
-            return Vec3(strength * factor * layer.volume[k] * along(u[i] - layer.velocity[k], r, distance));
+            return Vec3(strength * factor * layer.volume[s] * along(u[i] - layer.velocity[s], r, distance));
         });
     });
 }
@@ -127,7 +124,7 @@ void PressureAcceleration::operator()(const FluidPairs& pairs, const SolidPairs&
             // p_s + p_i, or p_s - p_i, with p_s = p_i - rho_0 g.r.
             const Real even = options.difference_gradient ? 0 : 2 * p[i], least = options.difference_gradient ? -p[i] : 0;
             const Real both = std::max(least, even - step.rest_density * step.gravity.dot(r));
-            return Vec3(both * solid.volume[static_cast<std::size_t>(s)] * kernel.slope(distance) * r);
+            return Vec3(both * solid.volume[s] * kernel.slope(distance) * r);
         };
         // rho_s = rho_0, and rho_i near it; both halves of the symmetric form.
         const auto share = [&](Index i) {

@@ -30,9 +30,8 @@ void FickianShift::operator()(const FluidPairs& pairs, const SolidPairs& solid_p
                 gradient += step.volume * Vec3(part[0], part[1], part[2]);
                 fastest = std::max(fastest, most);
             });
-            solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                gradient += solid_factor * layer.volume[static_cast<std::size_t>(s)] * W.slope(distance) * r;
-            });
+            solid_pairs.of(
+                i, [&](Index s, const Vec3& r, Real distance) { gradient += solid_factor * layer.volume[s] * W.slope(distance) * r; });
             const Real surrounded = std::clamp(3 - Real(2.5) * step.support * gradient.norm(), Real(0), Real(1));
             Vec3 move = -step.dt * std::sqrt(fastest) * step.support * dense * surrounded * gradient;
             const Real length = move.norm();

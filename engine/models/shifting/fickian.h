@@ -12,7 +12,7 @@
 #include "engine/geometry/solids.h"
 #include "engine/particles/field.h"
 #include "engine/particles/pairs.h"
-#include "engine/particles/step.h"
+#include "engine/particles/step_context.h"
 
 namespace whorl {
 

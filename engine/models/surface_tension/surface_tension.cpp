@@ -48,9 +48,9 @@ Real SurfaceTension::potential(const Cohesion& cohesion, Index i) const {
 }
 
 void SurfaceTension::find_shares(const Cohesion& cohesion, Index count, double spacing) {
-    share_.resize(static_cast<std::size_t>(count));
+    share_.resize(count);
     const auto over_inside = static_cast<Real>(static_cast<double>(cohesion.density) / cohesion.bulk_energy(spacing));
-    parallel_for(count, [&](Index i) { share_[static_cast<std::size_t>(i)] = Skin::share(potential(cohesion, i) * over_inside); });
+    parallel_for(count, [&](Index i) { share_[i] = Skin::share(potential(cohesion, i) * over_inside); });
 }
 
 void SurfaceTension::operator()(const Solids& solids, const StepContext& step, Read<field::position> x, Read<field::role> role,
@@ -69,9 +69,9 @@ void SurfaceTension::operator()(const Solids& solids, const StepContext& step, R
             sum[0] -= pull * group.r[0][l], sum[1] -= pull * group.r[1][l], sum[2] -= pull * group.r[2][l];
         };
         if (skin_pulls()) {
-            const Real own = share_[static_cast<std::size_t>(i)];
+            const Real own = share_[i];
             pairs_.groups_of(i, [&](const Pairs::Group& group) {
-                for (Index l = 0; l < group.count; ++l) add(group, l, (own + share_[static_cast<std::size_t>(group.other[l])]) / 2);
+                for (Index l = 0; l < group.count; ++l) add(group, l, (own + share_[group.other[l]]) / 2);
             });
         } else {
             pairs_.groups_of(i, [&](const Pairs::Group& group) {
@@ -81,7 +81,7 @@ void SurfaceTension::operator()(const Solids& solids, const StepContext& step, R
         Vec3 du = slope * Vec3(sum[0], sum[1], sum[2]);
         for (std::size_t k = 0; k < solids.all.size(); ++k) {
             if (options_.wetting[k] == 0) continue;
-            const Real z = solids.all[k].distance(x[i]), share = skin_pulls() ? share_[static_cast<std::size_t>(i)] : 1;
+            const Real z = solids.all[k].distance(x[i]), share = skin_pulls() ? share_[i] : 1;
             if (z < cohesion.length) du -= impulse * share * options_.wetting[k] * cohesion.half_space_pull(z) * solids.all[k].normal(x[i]);
         }
         u[i] += du;
@@ -92,7 +92,7 @@ void SurfaceTension::operator()(const Solids& solids, const StepContext& step, R
     // phi is left there.
     const auto half = static_cast<Real>(cohesion.bulk_energy(d) / 2);
     std::vector<Real>& P = *options_.internal_pressure;
-    P.resize(static_cast<std::size_t>(x.size()));
+    P.resize(x.size());
     parallel_for(x.size(), [&](Index i) {
         Real phi = potential(cohesion, i);
         for (std::size_t k = 0; k < solids.all.size(); ++k) {
@@ -100,7 +100,7 @@ void SurfaceTension::operator()(const Solids& solids, const StepContext& step, R
             const Real z = solids.all[k].distance(x[i]);
             if (z < cohesion.length) phi += options_.wetting[k] * cohesion.half_space_potential(z);
         }
-        P[static_cast<std::size_t>(i)] = half - cohesion.density * phi;
+        P[i] = half - cohesion.density * phi;
     });
 }
 

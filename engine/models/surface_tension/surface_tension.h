@@ -16,7 +16,7 @@
 #include "engine/geometry/solids.h"
 #include "engine/particles/field.h"
 #include "engine/particles/search.h"
-#include "engine/particles/step.h"
+#include "engine/particles/step_context.h"
 
 namespace whorl {
 

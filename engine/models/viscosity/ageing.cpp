@@ -8,7 +8,7 @@ template <class Place>
 void grow_older(const std::vector<Expression>& of_source, Real dt, Read<field::role> role, Read<field::source> source, const Place& place,
                 Update<field::age> age, Write<field::viscosity> mu) {
     for (Index i = 0; i < mu.size(); ++i) {
-        const Expression& f = of_source[static_cast<std::size_t>(source[i])];
+        const Expression& f = of_source[source[i]];
         mu[i] = static_cast<Real>(std::max(0.0, f(static_cast<double>(age[i]), place(i))));
         if (role[i] >= 0) age[i] += dt;
     }

@@ -6,7 +6,7 @@
 
 #include "engine/math/expression.h"
 #include "engine/particles/field.h"
-#include "engine/particles/step.h"
+#include "engine/particles/step_context.h"
 
 namespace whorl {
 

@@ -48,7 +48,7 @@ public:
     /// The block of row i and column j; zero where there is none.
     Mat3 block(Index i, Index j) const;
     /// The note's c_{u_i u_i} ... c_{w_i w_i} alone, with the 1 of the mass and without what the second ring adds to the entry.
-    const Mat3& printed_own(Index i) const { return own_[static_cast<std::size_t>(i)]; }
+    const Mat3& printed_own(Index i) const { return own_[i]; }
     std::size_t bytes() const;
 
 private:

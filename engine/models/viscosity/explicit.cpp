@@ -45,14 +45,13 @@ void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions
     const WallShear shear{step.spacing / 2};
     // The solids' share in rho_i a_i, but for the weight of all of them at i.
     const auto by_solid = [&](Index i, Index s, const Vec3& r, Real distance) {
-        const auto k = static_cast<std::size_t>(s);
-        const auto whose = static_cast<std::size_t>(layer.solid[k]);
+        const auto whose = static_cast<std::size_t>(layer.solid[s]);
         if (slip[whose]) return Vec3(Vec3::Zero());
-        const Real stretch = shear.stretch(r, layer.normal[k]);
+        const Real stretch = shear.stretch(r, layer.normal[s]);
         // The wall's rigid motion, seen from i, plus the shear continued behind the surface.
-        const Vec3 wall = solids.all[whose].pose.velocity_at(layer.position[k] + r);
-        const Vec3 u_is = stretch * (u[i] - wall) + (wall - layer.velocity[k]);
-        return Vec3(layer.volume[k] * mu[i] * form(u_is.dot(r), distance, kernel.slope(distance)) * (Form::along_r ? r : u_is));
+        const Vec3 wall = solids.all[whose].pose.velocity_at(layer.position[s] + r);
+        const Vec3 u_is = stretch * (u[i] - wall) + (wall - layer.velocity[s]);
+        return Vec3(layer.volume[s] * mu[i] * form(u_is.dot(r), distance, kernel.slope(distance)) * (Form::along_r ? r : u_is));
     };
     const auto weight = [&](Index i) {
         return layer.size() > 0 ? options.solid_factor * options.gate.weight(kernel, i, solid_pairs, layer.volume, options.solid_factor)

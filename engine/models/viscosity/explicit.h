@@ -6,7 +6,7 @@
 #include "engine/models/boundary/wall.h"
 #include "engine/particles/field.h"
 #include "engine/particles/pairs.h"
-#include "engine/particles/step.h"
+#include "engine/particles/step_context.h"
 #include "engine/sph/gate.h"
 
 namespace whorl {

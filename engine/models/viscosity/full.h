@@ -91,7 +91,7 @@ private:
         Sixteen moving{};            ///< the gradient from the solids' own velocities, their pull beside it
     };
     /// dt mu/rho_0 times WallFriction's: what solids do along which the fluid slips by a length.
-    Mat3 hold(Index i) const { return rub_[static_cast<std::size_t>(i)] * friction_.hold(i); }
+    Mat3 hold(Index i) const { return rub_[i] * friction_.hold(i); }
     void set_up_moments(const FullViscosityOptions& options, const StepContext& step, Read<field::role> role, Read<field::viscosity> mu,
                         Span<const Real> density);
     void set_up_wall(const FullViscosityOptions& options, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,

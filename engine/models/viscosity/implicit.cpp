@@ -9,8 +9,6 @@
 namespace whorl {
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 /// sqrt(b.B^-1 b) of the right-hand side b: u* relative to its mean, and what walls and nozzles bring in.
 double reference_size(const ImplicitOperator& A, const ImplicitStep& s, Span<const Vec3> u, bool alone, double prescribed) {
     const Index n = s.u.size();
@@ -19,22 +17,23 @@ double reference_size(const ImplicitOperator& A, const ImplicitStep& s, Span<con
         parallel_sum(n, Vec3d(Vec3d::Zero()), [&](Index i) { return s.role[i] == 0 ? Vec3d(s.u[i].cast<double>()) : Vec3d::Zero(); });
     const Vec3 mean = (sum / std::max(1.0, n - prescribed)).cast<Real>();
     Column<Vec3> reference(all, Vec3::Zero()), z(all), still(all, Vec3::Zero());
-    for (std::size_t k = at(n); k < all; k += 2) still[k] = mean;
+    for (std::size_t k = static_cast<std::size_t>(n); k < all; k += 2) still[k] = mean;
     if (!alone) {
-        parallel_for(n, [&](Index i) { still[at(i)] = s.role[i] == 0 ? mean : s.u[i]; });
+        parallel_for(n, [&](Index i) { still[i] = s.role[i] == 0 ? mean : s.u[i]; });
         A.force(still, reference);
     }
     parallel_for(n, [&](Index i) {
-        const Vec3 walls = alone ? Vec3(Vec3::Zero()) : Vec3(mean - reference[at(i)]);
-        reference[at(i)] = s.role[i] == 0 ? Vec3(s.u[i] - mean + walls) : Vec3(Vec3::Zero());
+        const Vec3 walls = alone ? Vec3(Vec3::Zero()) : Vec3(mean - reference[i]);
+        reference[i] = s.role[i] == 0 ? Vec3(s.u[i] - mean + walls) : Vec3(Vec3::Zero());
     });
-    if (all > at(n)) {  // the bodies: M (u - mean), and what the walls do
-        Column<Vec3> apart(all - at(n)), still_weighed(all - at(n)), weighed(all - at(n));
-        for (std::size_t k = 0; k < apart.size(); ++k) apart[k] = u[at(n) + k] - still[at(n) + k];
+    if (all > static_cast<std::size_t>(n)) {  // the bodies: M (u - mean), and what the walls do
+        Column<Vec3> apart(all - static_cast<std::size_t>(n)), still_weighed(all - static_cast<std::size_t>(n)),
+            weighed(all - static_cast<std::size_t>(n));
+        for (std::size_t k = 0; k < apart.size(); ++k) apart[k] = u[n + k] - still[n + k];
         A.bodies()->weigh(apart, weighed);
-        A.bodies()->weigh(Span<const Vec3>(still).subspan(at(n)), still_weighed);
+        A.bodies()->weigh(Span<const Vec3>(still).subspan(n), still_weighed);
         for (std::size_t k = 0; k < apart.size(); ++k)
-            reference[at(n) + k] = weighed[k] + (alone ? Vec3(Vec3::Zero()) : Vec3(still_weighed[k] - reference[at(n) + k]));
+            reference[n + k] = weighed[k] + (alone ? Vec3(Vec3::Zero()) : Vec3(still_weighed[k] - reference[n + k]));
     }
     A.divide_by_diagonal(reference, z);
     return std::sqrt(dot<Vec3>(Span<const Vec3>(reference), Span<const Vec3>(z)));
@@ -48,23 +47,23 @@ void solve_implicit(const ImplicitOperator& A, const SolveLimits& limits, const 
     const bool alone = !A.touches_wall() && prescribed == 0;
     const bool turning = A.rotations_are_free() && !s.step.domain.any_periodic();
     const ViscousBodies* bodies = A.bodies();
-    const std::size_t all = at(n) + (bodies ? at(bodies->entries()) : 0);
+    const std::size_t all = static_cast<std::size_t>(n) + (bodies ? static_cast<std::size_t>(bodies->entries()) : 0);
     const RigidMotions rigid = alone ? RigidMotions(s.x.values, turning, bodies) : RigidMotions();
     Column<Vec3> u(all);
     std::copy(s.u.values.begin(), s.u.values.end(), u.begin());
-    if (bodies) bodies->read(*s.solids, Span<Vec3>(u).subspan(at(n)));
+    if (bodies) bodies->read(*s.solids, Span<Vec3>(u).subspan(n));
 
     // The first guess may not bring momentum from outside: a force of the last step by a wall that is not in touch any more.
     Column<Vec3> change(all, Vec3::Zero()), guess(all), b(all), z(all, Vec3::Zero());
-    parallel_for(n, [&](Index i) { change[at(i)] = s.role[i] == 0 ? Vec3(s.step.dt * s.last[i]) : Vec3(Vec3::Zero()); });
+    parallel_for(n, [&](Index i) { change[i] = s.role[i] == 0 ? Vec3(s.step.dt * s.last[i]) : Vec3(Vec3::Zero()); });
     rigid.remove(change);
-    parallel_for(static_cast<Index>(all), [&](Index i) { guess[at(i)] = u[at(i)] + change[at(i)]; });
+    parallel_for(static_cast<Index>(all), [&](Index i) { guess[i] = u[i] + change[i]; });
     A.force(guess, b);
-    parallel_for(n, [&](Index i) { b[at(i)] = s.role[i] == 0 ? Vec3(s.u[i] - b[at(i)]) : Vec3(Vec3::Zero()); });
+    parallel_for(n, [&](Index i) { b[i] = s.role[i] == 0 ? Vec3(s.u[i] - b[i]) : Vec3(Vec3::Zero()); });
     if (bodies) {
-        Column<Vec3> momentum(all - at(n));
-        bodies->weigh(Span<const Vec3>(u).subspan(at(n)), momentum);
-        for (std::size_t k = 0; k < momentum.size(); ++k) b[at(n) + k] = momentum[k] - b[at(n) + k];
+        Column<Vec3> momentum(all - static_cast<std::size_t>(n));
+        bodies->weigh(Span<const Vec3>(u).subspan(n), momentum);
+        for (std::size_t k = 0; k < momentum.size(); ++k) b[n + k] = momentum[k] - b[n + k];
     }
 
     SolveReport solved;
@@ -81,25 +80,24 @@ void solve_implicit(const ImplicitOperator& A, const SolveLimits& limits, const 
         };
         solved = conjugate_gradients<Vec3>(product, precondition, Span<const Vec3>(b), Span<Vec3>(z), limits, ResidualNorm::preconditioned,
                                            size);
-        parallel_for(static_cast<Index>(all), [&](Index i) { change[at(i)] += z[at(i)]; });
+        parallel_for(static_cast<Index>(all), [&](Index i) { change[i] += z[i]; });
     }
     s.report.solves.push_back({"viscosity", solved});
     parallel_for(n, [&](Index i) {
-        s.last[i] = s.step.dt > 0 ? Vec3(change[at(i)] / s.step.dt) : Vec3(Vec3::Zero());
-        s.u[i] += change[at(i)];
+        s.last[i] = s.step.dt > 0 ? Vec3(change[i] / s.step.dt) : Vec3(Vec3::Zero());
+        s.u[i] += change[i];
     });
-    if (bodies) bodies->add_change(Span<const Vec3>(change).subspan(at(n)), *s.solids);
+    if (bodies) bodies->add_change(Span<const Vec3>(change).subspan(n), *s.solids);
 }
 
 void BlockDiagonal::set(Column<Mat3> B, std::vector<char> free) {
     inverse_ = std::move(B);
     free_ = std::move(free);
-    parallel_for(static_cast<Index>(inverse_.size()), [&](Index i) { inverse_[at(i)] = inverse_[at(i)].inverse().eval(); });
+    parallel_for(static_cast<Index>(inverse_.size()), [&](Index i) { inverse_[i] = inverse_[i].inverse().eval(); });
 }
 
 void BlockDiagonal::apply(Span<const Vec3> r, Span<Vec3> z) const {
-    parallel_for(static_cast<Index>(inverse_.size()),
-                 [&](Index i) { z[at(i)] = free_[at(i)] ? Vec3(inverse_[at(i)] * r[at(i)]) : Vec3(Vec3::Zero()); });
+    parallel_for(static_cast<Index>(inverse_.size()), [&](Index i) { z[i] = free_[i] ? Vec3(inverse_[i] * r[i]) : Vec3(Vec3::Zero()); });
 }
 
 }  // namespace whorl

@@ -4,7 +4,7 @@
 #include "engine/math/solve.h"
 #include "engine/models/viscosity/viscous_bodies.h"
 #include "engine/particles/field.h"
-#include "engine/particles/step.h"
+#include "engine/particles/step_context.h"
 
 namespace whorl {
 

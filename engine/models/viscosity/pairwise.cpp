@@ -9,8 +9,6 @@
 namespace whorl {
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 /// 2 (d + 2) f |W'(r)|/r / (r^2 + 0.01 h^2)
 template <class Kernel>
 Real pair_stiffness(const Kernel& kernel, Real factor, Real support, Real distance) {
@@ -23,7 +21,7 @@ Real pair_stiffness(const Kernel& kernel, Real factor, Real support, Real distan
 
 void PairwiseOperator::set_up(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
                               const StepContext& step, Read<field::role> role, Read<field::viscosity> mu) {
-    const std::size_t n = at(mu.size());
+    const std::size_t n = static_cast<std::size_t>(mu.size());
     pairs_ = &pairs;
     pair_.resize(pairs.other.size());
     free_.resize(n);
@@ -39,10 +37,10 @@ void PairwiseOperator::set_up(const FluidPairs& pairs, const SolidPairs& solid_p
     std::vector<char> touches(n, 0);
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         parallel_for(mu.size(), [&](Index i) {
-            free_[at(i)] = role[i] == 0;
+            free_[i] = role[i] == 0;
             const Real own_mu = mu[i], scale = step.dt / step.rest_density;
             Mat3 B = Mat3::Identity();
-            std::size_t k = pairs.first[at(i)];
+            std::size_t k = pairs.first[i];
             pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
                 const Real both = own_mu + mu[j], mean = both > 0 ? 2 * own_mu * mu[j] / both : 0;
                 pair_[k] = std::sqrt(scale * step.volume * mean * pair_stiffness(kernel, factor, step.support, distance)) * r;
@@ -53,15 +51,15 @@ void PairwiseOperator::set_up(const FluidPairs& pairs, const SolidPairs& solid_p
                 Mat3 hold = Mat3::Zero();
                 Vec3 drag = Vec3::Zero();
                 solid_pairs.of(i, [&](Index s, const Vec3& r, Real) {
-                    const std::size_t whose = at(layer.solid[at(s)]);
+                    const std::size_t whose = static_cast<std::size_t>(layer.solid[s]);
                     if (slip[whose]) return;
-                    touches[at(i)] = 1;
-                    const Vec3 here = solids.all[whose].pose.velocity_at(layer.position[at(s)] + r);
-                    const Real weight = scale * column * layer.volume[at(s)] * own_mu;
-                    each_layer(r, layer.normal[at(s)], step.spacing, step.support, [&](const Vec3& to, Real distance, Real below) {
+                    touches[i] = 1;
+                    const Vec3 here = solids.all[whose].pose.velocity_at(layer.position[s] + r);
+                    const Real weight = scale * column * layer.volume[s] * own_mu;
+                    each_layer(r, layer.normal[s], step.spacing, step.support, [&](const Vec3& to, Real distance, Real below) {
                         // stretch (u_i - u_wall(x_i)) + (u_wall(x_i) - u_wall(x_l)), with the rigid motion of the solid u_wall: the last is
                         // across r_l
-                        const Mat3 c = weight * shear.stretch(r, layer.normal[at(s)], below) *
+                        const Mat3 c = weight * shear.stretch(r, layer.normal[s], below) *
                                        pair_stiffness(kernel, factor, step.support, distance) * to * to.transpose();
                         hold += c;
                         drag -= c * here;
@@ -71,42 +69,41 @@ void PairwiseOperator::set_up(const FluidPairs& pairs, const SolidPairs& solid_p
                     hold += scale * own_mu * friction_.hold(i);
                     drag -= scale * own_mu * friction_.pull(i);
                 }
-                wall_[at(i)] = hold;
-                wall_force_[at(i)] = drag;
+                wall_[i] = hold;
+                wall_force_[i] = drag;
                 B += hold;
             }
-            blocks[at(i)] = B;
+            blocks[i] = B;
         });
     });
-    touches_wall_ = friction_.acts() || parallel_sum(size(), [&](Index i) { return touches[at(i)]; }) > 0;
+    touches_wall_ = friction_.acts() || parallel_sum(size(), [&](Index i) { return touches[i]; }) > 0;
     diagonal_.set(std::move(blocks), free_);
 }
 
 void PairwiseOperator::multiply(Span<const Vec3> u, Span<Vec3> y) const {
     parallel_for(size(), [&](Index i) {
-        if (!free_[at(i)]) {
-            y[at(i)].setZero();
+        if (!free_[i]) {
+            y[i].setZero();
             return;
         }
-        const Vec3 own = u[at(i)];
+        const Vec3 own = u[i];
         Vec3 sum = own;
-        for (std::size_t k = pairs_->first[at(i)]; k < pairs_->first[at(i) + 1]; ++k) {
-            const std::size_t j = at(pairs_->other[k]);
+        for (std::size_t k = pairs_->first[i]; k < pairs_->first[i + 1]; ++k) {
+            const std::size_t j = static_cast<std::size_t>(pairs_->other[k]);
             sum += (free_[j] ? Vec3(own - u[j]) : own).dot(pair_[k]) * pair_[k];
         }
-        if (!wall_.empty()) sum += wall_[at(i)] * own;
-        y[at(i)] = sum;
+        if (!wall_.empty()) sum += wall_[i] * own;
+        y[i] = sum;
     });
 }
 
 void PairwiseOperator::force(Span<const Vec3> u, Span<Vec3> y) const {
     parallel_for(size(), [&](Index i) {
-        const Vec3 own = u[at(i)];
+        const Vec3 own = u[i];
         Vec3 sum = own;
-        for (std::size_t k = pairs_->first[at(i)]; k < pairs_->first[at(i) + 1]; ++k)
-            sum += (own - u[at(pairs_->other[k])]).dot(pair_[k]) * pair_[k];
-        if (!wall_.empty()) sum += wall_[at(i)] * own + wall_force_[at(i)];
-        y[at(i)] = sum;
+        for (std::size_t k = pairs_->first[i]; k < pairs_->first[i + 1]; ++k) sum += (own - u[pairs_->other[k]]).dot(pair_[k]) * pair_[k];
+        if (!wall_.empty()) sum += wall_[i] * own + wall_force_[i];
+        y[i] = sum;
     });
 }
 

@@ -18,14 +18,13 @@ RigidMotions::RigidMotions(Span<const Vec3> x, bool turning, const ViscousBodies
     const auto n = static_cast<Index>(x.size());
     if (n == 0) return;
     mass_ = n;
-    centre_ = parallel_sum(n, Vec3d(Vec3d::Zero()), [&](Index i) { return Vec3d(x[static_cast<std::size_t>(i)].cast<double>()); });
+    centre_ = parallel_sum(n, Vec3d(Vec3d::Zero()), [&](Index i) { return Vec3d(x[i].cast<double>()); });
     if (bodies_)
         for (const auto& b : bodies_->body) mass_ += b.mass, centre_ += b.mass * b.centre;
     centre_ /= mass_;
     if (!turning) return;
     const auto of_point = [&](const Vec3d& r) { return Mat3d(r.squaredNorm() * Mat3d::Identity() - r * r.transpose()); };
-    Mat3d inertia =
-        parallel_sum(n, Mat3d(Mat3d::Zero()), [&](Index i) { return of_point(x[static_cast<std::size_t>(i)].cast<double>() - centre_); });
+    Mat3d inertia = parallel_sum(n, Mat3d(Mat3d::Zero()), [&](Index i) { return of_point(x[i].cast<double>() - centre_); });
     if (bodies_)
         for (const auto& b : bodies_->body) inertia += b.turning + b.mass * of_point(b.centre - centre_);
     const Eigen::SelfAdjointEigenSolver<Mat3d> axes(inertia);
@@ -39,9 +38,8 @@ RigidMotions::RigidMotions(Span<const Vec3> x, bool turning, const ViscousBodies
 /// torques
 RigidMotions::Motion RigidMotions::sum(Span<const Vec3> u, bool masses) const {
     Motion all = parallel_sum(static_cast<Index>(x_.size()), Motion{}, [&](Index i) {
-        const auto k = static_cast<std::size_t>(i);
-        const Vec3d v = u[k].cast<double>();
-        return Motion{v, (x_[k].cast<double>() - centre_).cross(v)};
+        const Vec3d v = u[i].cast<double>();
+        return Motion{v, (x_[i].cast<double>() - centre_).cross(v)};
     });
     if (bodies_)
         for (std::size_t b = 0; b < bodies_->body.size(); ++b) {
@@ -55,10 +53,7 @@ RigidMotions::Motion RigidMotions::sum(Span<const Vec3> u, bool masses) const {
 
 void RigidMotions::take_off(Span<Vec3> u, const Motion& momenta, bool masses) const {
     const Vec3d mean = momenta.momentum / mass_, turn = inverse_inertia_ * momenta.spin;
-    parallel_for(static_cast<Index>(x_.size()), [&](Index i) {
-        const auto k = static_cast<std::size_t>(i);
-        u[k] -= (mean + turn.cross(x_[k].cast<double>() - centre_)).cast<Real>();
-    });
+    parallel_for(static_cast<Index>(x_.size()), [&](Index i) { u[i] -= (mean + turn.cross(x_[i].cast<double>() - centre_)).cast<Real>(); });
     if (bodies_)
         for (std::size_t b = 0; b < bodies_->body.size(); ++b) {
             const auto& body = bodies_->body[b];

@@ -1,7 +1,7 @@
 #pragma once
 /// Free bodies in the implicit viscosity: their velocities are unknowns of the same solve (docs/physics.md 4 and 7).
 #include "engine/geometry/solids.h"
-#include "engine/particles/step.h"
+#include "engine/particles/step_context.h"
 
 namespace whorl {
 
@@ -64,7 +64,7 @@ void ViscousBodies::set_up(const Solids& solids, Real mass, Index particles, con
             one.particle = i, one.body = static_cast<Index>(b);
             body[b].touches.push_back(touch.size());
             touch.push_back(one);
-            ++first[static_cast<std::size_t>(i) + 1];
+            ++first[i + 1];
         }
     for (std::size_t i = 1; i < first.size(); ++i) first[i] += first[i - 1];
 }

@@ -7,8 +7,6 @@
 namespace whorl {
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 Mat3 crossing(const Vec3& a) {
     Mat3 X;
     X << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
@@ -31,11 +29,11 @@ void ViscousOperator::set_up_bodies(const FullViscosityOptions& options, const S
             BodyTouch touch;
             if (slip[k]) return touch;
             solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                if (at(layer.solid[at(s)]) != k) return;
-                const Real w = -options.solid_factor * layer.volume[at(s)] * kernel.derivative(distance) /
+                if (static_cast<std::size_t>(layer.solid[s]) != k) return;
+                const Real w = -options.solid_factor * layer.volume[s] * kernel.derivative(distance) /
                                std::max(distance, std::numeric_limits<Real>::min());
-                const Real stretch = options.correction ? shear.stretch(r, layer.normal[at(s)]) : 1;
-                touch.arm = layer.position[at(s)] + r - solids.all[k].body->centre.cast<Real>();
+                const Real stretch = options.correction ? shear.stretch(r, layer.normal[s]) : 1;
+                touch.arm = layer.position[s] + r - solids.all[k].body->centre.cast<Real>();
                 touch.g += stretch * w * r;
                 touch.N += w * r * r.transpose();
                 touch.h += stretch * stretch * w;
@@ -47,22 +45,22 @@ void ViscousOperator::set_up_bodies(const FullViscosityOptions& options, const S
 
 // A_i -= sum_s w V_s r^T,   own_i -= 2 c_i sum_s stretch w V_s
 void ViscousOperator::take_bodies(Index i, Span<const Vec3> u, Mat3& A, Vec3& own) const {
-    for (std::size_t e = bodies_.first[at(i)]; e < bodies_.first[at(i) + 1]; ++e) {
+    for (std::size_t e = bodies_.first[i]; e < bodies_.first[i + 1]; ++e) {
         const BodyTouch& t = bodies_.touch[e];
-        const Vec3 &v = u[K_.size() + at(2 * t.body)], &w = u[K_.size() + at(2 * t.body + 1)];
+        const Vec3 &v = u[K_.size() + (2 * t.body)], &w = u[K_.size() + (2 * t.body + 1)];
         const Vec3 U = t.at(v, w);
         A -= U * t.g.transpose() - crossing(w) * t.N;
-        own -= 2 * c_[at(i)] * (t.h * U - w.cross(t.g));
+        own -= 2 * c_[i] * (t.h * U - w.cross(t.g));
     }
 }
 
 // F_s = w Q r + 2 c w (stretch u_i - V_s):   force = sum stretch F_s,   torque = a x force - sum r x F_s
 void ViscousOperator::give_bodies(Index i, Span<const Vec3> u, const Vec3& own_velocity, const Mat3& Q) const {
-    for (std::size_t e = bodies_.first[at(i)]; e < bodies_.first[at(i) + 1]; ++e) {
+    for (std::size_t e = bodies_.first[i]; e < bodies_.first[i + 1]; ++e) {
         BodyTouch& t = bodies_.touch[e];
-        const Vec3 &v = u[K_.size() + at(2 * t.body)], &w = u[K_.size() + at(2 * t.body + 1)];
+        const Vec3 &v = u[K_.size() + (2 * t.body)], &w = u[K_.size() + (2 * t.body + 1)];
         const Vec3 apart = own_velocity - t.at(v, w);
-        const Real c = 2 * c_[at(i)];
+        const Real c = 2 * c_[i];
         t.force = Q * t.g + c * (t.h * apart + w.cross(t.g));
         t.torque = t.arm.cross(t.force) - (turning_part(Q * t.N) + c * (t.g.cross(apart) + t.N.trace() * w - t.N * w));
     }
@@ -87,7 +85,7 @@ void ViscousOperator::set_up_body_blocks() {
         Mat3d moving = bodies_.body[b].mass * Mat3d::Identity(), turning = bodies_.body[b].turning;
         for (const std::size_t e : bodies_.body[b].touches) {
             const BodyTouch& t = bodies_.touch[e];
-            const auto i = at(t.particle);
+            const auto i = static_cast<std::size_t>(t.particle);
             const Vec3 h = M_[i].matrix() * t.g;
             Mat3 S = h * h.transpose();
             S.diagonal().array() += h.squaredNorm();

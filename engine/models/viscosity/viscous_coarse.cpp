@@ -7,8 +7,6 @@
 namespace whorl {
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 using Block = SymmetricBlocks::Block;
 using Mat4 = Eigen::Matrix<double, 4, 4>;
 /// Rows: 1 and the three components of the arm; columns: components of w r.
@@ -87,12 +85,12 @@ struct Local {
         return static_cast<int>(touched.size()) - 1;
     }
     Sum& sum(int row, int column) {
-        int& p = place[at(row)][at(column)];
+        int& p = place[row][column];
         if (p < 0) {
             p = static_cast<int>(sums.size());
-            sums.push_back({touched[at(row)], touched[at(column)], Eigen::Matrix<Real, 8, 6>::Zero(), Mat4::Zero()});
+            sums.push_back({touched[row], touched[column], Eigen::Matrix<Real, 8, 6>::Zero(), Mat4::Zero()});
         }
-        return sums[at(p)];
+        return sums[p];
     }
 };
 
@@ -120,9 +118,9 @@ SymmetricBlocks ViscousOperator::coarse_matrix(const RigidAggregates& g) const {
             return shares.back();
         };
         const int own = g.of(i);
-        if (own >= 0) share_of(own).S += lever(g.arm(i)) * wr_[at(i)].wr.transpose();
-        Real springs = 1 + (wall_.empty() ? 0 : wall_[at(i)].near.spring);
-        for (std::size_t k = pairs_->first[at(i)]; k < pairs_->first[at(i) + 1]; ++k) {
+        if (own >= 0) share_of(own).S += lever(g.arm(i)) * wr_[i].wr.transpose();
+        Real springs = 1 + (wall_.empty() ? 0 : wall_[i].near.spring);
+        for (std::size_t k = pairs_->first[i]; k < pairs_->first[i + 1]; ++k) {
             const Index j = pairs_->other[k];
             springs += pair_[k].spring;
             if (g.of(j) < 0) continue;
@@ -131,10 +129,10 @@ SymmetricBlocks ViscousOperator::coarse_matrix(const RigidAggregates& g) const {
             s.S -= arm * pair_[k].wr.transpose();
             s.spring += pair_[k].spring * arm;
         }
-        const Real c = 2 * c_[at(i)], root = std::sqrt(2 * K_[at(i)]);
+        const Real c = 2 * c_[i], root = std::sqrt(2 * K_[i]);
         for (Share& s : shares) {
-            s.T = s.S * M_[at(i)].matrix();
-            s.F = root * (whole_[at(i)] ? strains(s.T) : strains(s.T, P_[at(i)].matrix()));
+            s.T = s.S * M_[i].matrix();
+            s.F = root * (whole_[i] ? strains(s.T) : strains(s.T, P_[i].matrix()));
         }
         for (const Share& a : shares)
             for (const Share& b : shares) {
@@ -157,7 +155,7 @@ SymmetricBlocks ViscousOperator::coarse_matrix(const RigidAggregates& g) const {
         local.sum(self, self).products +=
             ((1 + 16 * std::numeric_limits<Real>::epsilon()) * springs * arm * arm.transpose()).cast<double>();
         for (const Share& b : shares) {
-            const int group = local.touched[at(b.number)];
+            const int group = local.touched[b.number];
             if (group > own) continue;
             if (b.number <= self) local.sum(self, b.number).products -= (arm * b.spring.transpose()).cast<double>();
             else local.sum(b.number, self).products -= (b.spring * arm.transpose()).cast<double>();
@@ -167,10 +165,10 @@ SymmetricBlocks ViscousOperator::coarse_matrix(const RigidAggregates& g) const {
     // A task is a group's members; what is in none, by blocks of the store.
     constexpr Index outside = 1024;
     const Index n = size(), tasks = g.groups() + (n + outside - 1) / outside;
-    std::vector<Local> locals(at(tasks));
+    std::vector<Local> locals(tasks);
     parallel_tasks(tasks, [&](Index task) {
         std::vector<Share> shares;
-        Local& local = locals[at(task)];
+        Local& local = locals[task];
         if (task < g.groups()) {
             for (const Index i : g.members(task)) add_row(i, local, shares);
         } else {

@@ -9,8 +9,6 @@
 namespace whorl {
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 /// M^+ and P of the matrix M of a neighbourhood. A direction counts as resolved by a smooth step of its eigenvalue over the largest, from
 /// 0.01 to 0.04: neighbours on a line or in a plane, or a single one, tell nothing about the directions across. Returns whether all three
 /// are resolved.
@@ -44,7 +42,7 @@ bool pseudo_inverse(const Mat3d& M, Mat3d& inverse, Mat3d& projection) {
 void ViscousOperator::set_up(const FullViscosityOptions& options, const FluidPairs& pairs, const SolidPairs& solid_pairs,
                              const Solids& solids, const SolidParticles& layer, const StepContext& step, Read<field::role> role,
                              Read<field::viscosity> mu, Span<const Real> density) {
-    const std::size_t n = at(mu.size());
+    const std::size_t n = static_cast<std::size_t>(mu.size());
     pairs_ = &pairs;
     corrected_ = options.correction;
     use_coarse(nullptr, nullptr);
@@ -67,7 +65,7 @@ void ViscousOperator::set_up_moments(const FullViscosityOptions& options, const 
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         parallel_for(mu.size(), [&](Index i) {
             Real xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0, gx = 0, gy = 0, gz = 0;
-            std::size_t k = pairs_->first[at(i)];
+            std::size_t k = pairs_->first[i];
             pairs_->groups_of(i, [&](const Pairs::Group& group) {
                 Real weight[Pairs::Group::most];
                 for (Index l = 0; l < group.count; ++l) {
@@ -84,29 +82,29 @@ void ViscousOperator::set_up_moments(const FullViscosityOptions& options, const 
             });
             Mat3d M;
             M << xx, xy, xz, xy, yy, yz, xz, yz, zz;
-            wr_[at(i)] = {Vec3(gx, gy, gz), 0};
-            if (!wall_.empty()) M += wall_moment_[at(i)], wr_[at(i)].wr += wall_[at(i)].near.wr;
-            free_[at(i)] = role[i] == 0;
-            K_[at(i)] = step.dt * mu[i] / step.rest_density;
-            if (friction_.acts()) rub_[at(i)] = K_[at(i)], K_[at(i)] *= 1 - friction_.counted(i);
-            c_[at(i)] = 0;
-            P_[at(i)].set(Mat3::Identity());
-            whole_[at(i)] = 1;
+            wr_[i] = {Vec3(gx, gy, gz), 0};
+            if (!wall_.empty()) M += wall_moment_[i], wr_[i].wr += wall_[i].near.wr;
+            free_[i] = role[i] == 0;
+            K_[i] = step.dt * mu[i] / step.rest_density;
+            if (friction_.acts()) rub_[i] = K_[i], K_[i] *= 1 - friction_.counted(i);
+            c_[i] = 0;
+            P_[i].set(Mat3::Identity());
+            whole_[i] = 1;
             if (options.correction) {
                 Mat3d inverse, projection;
-                whole_[at(i)] = pseudo_inverse(M, inverse, projection);
-                M_[at(i)].set(inverse.cast<Real>());
-                P_[at(i)].set(projection.cast<Real>());
-                if (M.trace() > 0) c_[at(i)] = options.penalty * K_[at(i)] * static_cast<Real>(3 / M.trace());
+                whole_[i] = pseudo_inverse(M, inverse, projection);
+                M_[i].set(inverse.cast<Real>());
+                P_[i].set(projection.cast<Real>());
+                if (M.trace() > 0) c_[i] = options.penalty * K_[i] * static_cast<Real>(3 / M.trace());
             } else {
-                const Real compression = density.empty() ? 1 : density[at(i)] / step.rest_density;
-                M_[at(i)].set(Mat3::Identity() / compression);  // V_i/V
-                K_[at(i)] /= compression;                       // dt mu V_i/m
+                const Real compression = density.empty() ? 1 : density[i] / step.rest_density;
+                M_[i].set(Mat3::Identity() / compression);  // V_i/V
+                K_[i] /= compression;                       // dt mu V_i/m
             }
             if (!wall_.empty()) {
-                Wall& wall = wall_[at(i)];
-                wall.near.spring *= 2 * c_[at(i)];
-                wall.moving.set(wall.moving.matrix(), 2 * c_[at(i)] * wall.moving.beside());
+                Wall& wall = wall_[i];
+                wall.near.spring *= 2 * c_[i];
+                wall.moving.set(wall.moving.matrix(), 2 * c_[i] * wall.moving.beside());
             }
         });
     });
@@ -121,21 +119,21 @@ void ViscousOperator::set_up_wall(const FullViscosityOptions& options, const Sol
     std::vector<char> touches(K_.size(), 0);
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         parallel_for(solid_pairs.size(), [&](Index i) {
-            Wall& wall = wall_[at(i)];
+            Wall& wall = wall_[i];
             Mat3 gradient = Mat3::Zero();
             Vec3 pull = Vec3::Zero();
             solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                const auto whose = at(layer.solid[at(s)]);
-                const Real w = -options.solid_factor * layer.volume[at(s)] * kernel.derivative(distance) /
+                const auto whose = static_cast<std::size_t>(layer.solid[s]);
+                const Real w = -options.solid_factor * layer.volume[s] * kernel.derivative(distance) /
                                std::max(distance, std::numeric_limits<Real>::min());
                 if (slip[whose] || !(w > 0)) return;
                 const bool body = solids.all[whose].body.has_value();
-                touches[at(i)] |= !body;
-                const Real stretch = options.correction ? shear.stretch(r, layer.normal[at(s)]) : 1;
+                touches[i] |= !body;
+                const Real stretch = options.correction ? shear.stretch(r, layer.normal[s]) : 1;
                 // stretch (u_i - u_wall(x_i)) + (u_wall(x_i) - u_wall(x_s)), with the rigid motion of the solid u_wall
-                const Vec3 here = solids.all[whose].pose.velocity_at(layer.position[at(s)] + r);
-                const Vec3 velocity = (stretch - 1) * here + layer.velocity[at(s)];
-                wall_moment_[at(i)] += (w * r * r.transpose()).template cast<double>();
+                const Vec3 here = solids.all[whose].pose.velocity_at(layer.position[s] + r);
+                const Vec3 velocity = (stretch - 1) * here + layer.velocity[s];
+                wall_moment_[i] += (w * r * r.transpose()).template cast<double>();
                 wall.near.wr += stretch * w * r;
                 wall.near.spring += stretch * stretch * w;
                 if (body) return;  // its velocity is unknown (viscous_bodies.h)
@@ -153,41 +151,41 @@ void ViscousOperator::set_up_wall(const FullViscosityOptions& options, const Sol
 /// Also turns the pairs' w into what the penalty couples them by.
 void ViscousOperator::set_up_blocks(const FullViscosityOptions& options) {
     const auto strain_block = [&](Index j, const Vec3& g, Mat3& B) {
-        const Vec3 h = M_[at(j)].matrix() * g;
+        const Vec3 h = M_[j].matrix() * g;
         Mat3 S = h * h.transpose();
         S.diagonal().array() += h.squaredNorm();
-        if (whole_[at(j)]) B += K_[at(j)] * S;
-        else B += K_[at(j)] * P_[at(j)].matrix() * S * P_[at(j)].matrix();
+        if (whole_[j]) B += K_[j] * S;
+        else B += K_[j] * P_[j].matrix() * S * P_[j].matrix();
         return h.dot(g);
     };
     Column<Mat3> blocks(K_.size());
     parallel_for(size(), [&](Index i) {
         Mat3 B = Mat3::Identity();
-        const Real own = c_[at(i)];
-        Real springs = wall_.empty() ? 0 : wall_[at(i)].near.spring, seen = 0;
-        for (std::size_t k = pairs_->first[at(i)]; k < pairs_->first[at(i) + 1]; ++k) {
+        const Real own = c_[i];
+        Real springs = wall_.empty() ? 0 : wall_[i].near.spring, seen = 0;
+        for (std::size_t k = pairs_->first[i]; k < pairs_->first[i + 1]; ++k) {
             const Index j = pairs_->other[k];
-            seen += 2 * c_[at(j)] * strain_block(j, pair_[k].wr, B);
-            pair_[k].spring *= 2 * (own + c_[at(j)]);
+            seen += 2 * c_[j] * strain_block(j, pair_[k].wr, B);
+            pair_[k].spring *= 2 * (own + c_[j]);
             springs += pair_[k].spring;
         }
-        seen += 2 * own * strain_block(i, wr_[at(i)].wr, B);
+        seen += 2 * own * strain_block(i, wr_[i].wr, B);
         B.diagonal().array() += std::max(Real(0), springs - seen);
         if (friction_.acts()) B += hold(i);
-        blocks[at(i)] = B;
+        blocks[i] = B;
     });
     if (!options.diagonal) std::fill(blocks.begin(), blocks.end(), Mat3::Identity());
     diagonal_.set(std::move(blocks), free_);
 }
 
 double ViscousOperator::largest_spread() const {
-    return parallel_max(size(), 0, [&](Index i) { return K_[at(i)]; });
+    return parallel_max(size(), 0, [&](Index i) { return K_[i]; });
 }
 
 void ViscousOperator::precondition(Span<const Vec3> r, Span<Vec3> z) const {
     divide_by_diagonal(r, z);
     if (!groups_) return;
-    load_.resize(at(6 * groups_->groups()));
+    load_.resize(6 * groups_->groups());
     groups_->restrict_to_groups(r, load_);
     factor_->solve(load_);
     groups_->add_motion(load_, z);

@@ -12,8 +12,6 @@
 namespace whorl {
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 // The compiler's own vectors: Eigen has no arithmetic between a register of sixteen and a broadcast of four.
 using Lanes = Real __attribute__((vector_size(16 * sizeof(Real)), may_alias));
 using Four = Real __attribute__((vector_size(4 * sizeof(Real)), may_alias));
@@ -69,13 +67,13 @@ template <class Pair, class F>
 Lanes sum_row(const FluidPairs& pairs, const Pair* pair, Index i, const F& f) {
     const Index* other = pairs.other.data();
     Lanes a{}, b{};  // two, to keep the multiply-adds apart
-    std::size_t k = pairs.first[at(i)];
-    const std::size_t end = pairs.first[at(i) + 1];
+    std::size_t k = pairs.first[i];
+    const std::size_t end = pairs.first[i + 1];
     for (; k + 1 < end; k += 2) {
-        a += in_each_row(pair[k].wr.data()) * f(at(other[k]));
-        b += in_each_row(pair[k + 1].wr.data()) * f(at(other[k + 1]));
+        a += in_each_row(pair[k].wr.data()) * f(other[k]);
+        b += in_each_row(pair[k + 1].wr.data()) * f(other[k + 1]);
     }
-    if (k < end) a += in_each_row(pair[k].wr.data()) * f(at(other[k]));
+    if (k < end) a += in_each_row(pair[k].wr.data()) * f(other[k]);
     return a + b;
 }
 
@@ -83,10 +81,10 @@ Lanes sum_row(const FluidPairs& pairs, const Pair* pair, Index i, const F& f) {
 
 void ViscousOperator::spread(Span<const Vec3> u, bool free_only) const {
     parallel_for(size(), [&](Index i) {
-        const bool counts = !free_only || free_[at(i)];
-        alignas(4 * sizeof(Real)) Real v[4] = {counts ? u[at(i)][0] : 0, counts ? u[at(i)][1] : 0, counts ? u[at(i)][2] : 0, 0};
+        const bool counts = !free_only || free_[i];
+        alignas(4 * sizeof(Real)) Real v[4] = {counts ? u[i][0] : 0, counts ? u[i][1] : 0, counts ? u[i][2] : 0, 0};
         const Lanes rows = in_each_row(v);
-        reinterpret_cast<Lanes&>(u_[at(i)]) = WHORL_PICK(rows, 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
+        reinterpret_cast<Lanes&>(u_[i]) = WHORL_PICK(rows, 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
     });
 }
 
@@ -94,11 +92,11 @@ void ViscousOperator::spread(Span<const Vec3> u, bool free_only) const {
 void ViscousOperator::stress(Span<const Vec3> u, bool with_walls) const {
     const bool rubs = friction_.acts() || bodies();
     parallel_for(size(), [&](Index i) {
-        const Lanes own = lanes_of(u_[at(i)]);
+        const Lanes own = lanes_of(u_[i]);
         Lanes A = sum_row(*pairs_, pair_.data(), i, [&](std::size_t j) { return own - lanes_of(u_[j]); });
         const Vec3 ui(own[0], own[4], own[8]);
         if (!wall_.empty()) {
-            const Wall& wall = wall_[at(i)];
+            const Wall& wall = wall_[i];
             A += in_each_row(wall.near.wr.data()) * own;
             if (with_walls) A -= lanes_of(wall.moving);
             if (rubs) {
@@ -106,32 +104,30 @@ void ViscousOperator::stress(Span<const Vec3> u, bool with_walls) const {
                 reinterpret_cast<Lanes&>(sum) = A;
                 Mat3 gradient = sum.matrix();
                 Vec3 pull = sum.beside();
-                if (friction_.acts())
-                    pull += rub_[at(i)] * (friction_.hold(i) * ui - (with_walls ? friction_.pull(i) : Vec3(Vec3::Zero())));
+                if (friction_.acts()) pull += rub_[i] * (friction_.hold(i) * ui - (with_walls ? friction_.pull(i) : Vec3(Vec3::Zero())));
                 if (bodies()) take_bodies(i, u, gradient, pull);
                 sum.set(gradient, pull);
                 A = lanes_of(sum);
             }
         }
-        const Real K = K_[at(i)], c = 2 * c_[at(i)];
-        const Real* M = M_[at(i)].lane;
+        const Real K = K_[i], c = 2 * c_[i];
+        const Real* M = M_[i].lane;
         Lanes G = times(A, M);
-        if (!whole_[at(i)]) G = project(lanes_of(P_[at(i)]), G);
+        if (!whole_[i]) G = project(lanes_of(P_[i]), G);
         G += transposed(G);
-        if (!whole_[at(i)]) G = project(lanes_of(P_[at(i)]), G);
+        if (!whole_[i]) G = project(lanes_of(P_[i]), G);
         const Lanes Q = times(K * G - c * A, M);
-        reinterpret_cast<Lanes&>(Q_[at(i)]) = Q;
-        reinterpret_cast<Lanes&>(own_[at(i)]) = Q * in_each_row(wr_[at(i)].wr.data()) + beside(A + own);
-        if (bodies()) give_bodies(i, u, ui, Q_[at(i)].matrix());
+        reinterpret_cast<Lanes&>(Q_[i]) = Q;
+        reinterpret_cast<Lanes&>(own_[i]) = Q * in_each_row(wr_[i].wr.data()) + beside(A + own);
+        if (bodies()) give_bodies(i, u, ui, Q_[i].matrix());
     });
 }
 
 /// y = u + sum_j w (Q_i + Q_j) r_ij + 2 w (c_i + c_j) u_ij
 void ViscousOperator::divergence(Span<const Vec3> u, Span<Vec3> y, bool free_only) const {
     parallel_for(size(), [&](Index i) {
-        const Lanes sums =
-            row_sums(lanes_of(own_[at(i)]) + sum_row(*pairs_, pair_.data(), i, [&](std::size_t j) { return lanes_of(Q_[j]); }));
-        y[at(i)] = !free_only || free_[at(i)] ? Vec3(sums[0], sums[4], sums[8]) : Vec3(Vec3::Zero());
+        const Lanes sums = row_sums(lanes_of(own_[i]) + sum_row(*pairs_, pair_.data(), i, [&](std::size_t j) { return lanes_of(Q_[j]); }));
+        y[i] = !free_only || free_[i] ? Vec3(sums[0], sums[4], sums[8]) : Vec3(Vec3::Zero());
     });
     if (bodies()) sum_bodies(u, y);
 }

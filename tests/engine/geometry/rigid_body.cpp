@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "engine/geometry/touch.h"
+#include "engine/geometry/body_contact.h"
 #include "engine/particles/solid_sampling.h"
 
 using namespace whorl;

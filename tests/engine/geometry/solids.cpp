@@ -135,13 +135,13 @@ TEST_CASE("every solid gets one layer half a spacing deep, neither crowded nor w
             solids.set_time(0, 1e-3);
             const SolidParticles particles = sample_solids(solids, d, cube(2));
             for (Index s = 0; s < particles.size(); ++s) {
-                const Vec3& x = particles.position[static_cast<std::size_t>(s)];
+                const Vec3& x = particles.position[s];
                 // Beyond the edges of a container the corners of the layer are further from the shape: sqrt(3)/2 spacings at most.
                 REQUIRE(solids.all[0].distance(x) < -0.44 * d);
                 REQUIRE(solids.all[0].distance(x) > -0.88 * d);
-                REQUIRE(particles.normal[static_cast<std::size_t>(s)].norm() == Approx(1).epsilon(1e-4));
+                REQUIRE(particles.normal[s].norm() == Approx(1).epsilon(1e-4));
                 // Half a spacing along the normal is the surface.
-                const Vec3 above = x + Real(0.9) * d * particles.normal[static_cast<std::size_t>(s)];
+                const Vec3 above = x + Real(0.9) * d * particles.normal[s];
                 REQUIRE(solids.all[0].distance(above) > 0);
             }
             const auto [least, most] = gaps(particles, d, cube(2));
@@ -220,10 +220,9 @@ TEST_CASE("particles follow their solid and carry its velocity", "[geometry]") {
     solids.set_time(0.4, 1e-4);
     particles.follow(solids);
     for (Index s = 0; s < particles.size(); ++s) {
-        const std::size_t k = static_cast<std::size_t>(s);
-        const Vec3 arm = particles.position[k] - Vec3(1, 0, 0);
+        const Vec3 arm = particles.position[s] - Vec3(1, 0, 0);
         REQUIRE(arm.norm() == Approx(0.45).epsilon(1e-4));
-        REQUIRE((particles.velocity[k] - Vec3(0, 0, 2).cross(arm)).norm() < 2e-3);
-        REQUIRE(particles.normal[k].dot(arm) == Approx(0.45).epsilon(1e-3));
+        REQUIRE((particles.velocity[s] - Vec3(0, 0, 2).cross(arm)).norm() < 2e-3);
+        REQUIRE(particles.normal[s].dot(arm) == Approx(0.45).epsilon(1e-3));
     }
 }

@@ -9,8 +9,8 @@
 #include "engine/io/files.h"
 #include "engine/io/nozzle.h"
 #include "engine/io/points.h"
-#include "engine/io/probes.h"
 #include "engine/io/snapshot.h"
+#include "engine/probes/probes.h"
 #include "tests/support/scratch.h"
 
 using namespace whorl;
@@ -29,12 +29,11 @@ World some_fluid(Index n) {
     world.step.spacing = Real(0.1);
     world.step.support = Real(0.3);
     for (Index i = 0; i < n; ++i) {
-        const auto k = static_cast<std::size_t>(i);
         const auto a = static_cast<Real>(i);
-        world.fluid.column<field::position>()[k] = Vec3(std::sin(a), std::cos(3 * a), a / static_cast<Real>(n));
-        world.fluid.column<field::velocity>()[k] = Vec3(std::cos(a), 1, std::sin(2 * a));
-        world.fluid.column<field::spin>()[k] = Vec3(0, 0, 3);
-        world.fluid.column<field::density>()[k] = i % 2 == 0 ? 1010 : 900;
+        world.fluid.column<field::position>()[i] = Vec3(std::sin(a), std::cos(3 * a), a / static_cast<Real>(n));
+        world.fluid.column<field::velocity>()[i] = Vec3(std::cos(a), 1, std::sin(2 * a));
+        world.fluid.column<field::spin>()[i] = Vec3(0, 0, 3);
+        world.fluid.column<field::density>()[i] = i % 2 == 0 ? 1010 : 900;
     }
     return world;
 }

@@ -49,8 +49,8 @@ TEST_CASE("block Cholesky solves a grid of 6x6 blocks in space to round-off, and
         for (const SymmetricBlocks::Entry& e : A.row(r)) {
             Eigen::Matrix<double, 6, 1> xr, xc;
             for (int a = 0; a < 6; ++a) {
-                xr[a] = x[static_cast<std::size_t>(6 * r + a)];
-                xc[a] = x[static_cast<std::size_t>(6 * e.column + a)];
+                xr[a] = x[6 * r + a];
+                xc[a] = x[6 * e.column + a];
             }
             Ax.segment<6>(6 * r) += e.value * xc;
             if (e.column != r) Ax.segment<6>(6 * e.column) += e.value.transpose() * xr;

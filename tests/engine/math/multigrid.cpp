@@ -14,19 +14,19 @@ namespace {
 /// The seven-point Laplacian on a cube of side^3 cells, tied to zero at the bottom, or nowhere.
 struct Cube {
     SparseRows A;
-    std::vector<Cell> cells;
+    std::vector<GridCell> cells;
     Cube(int side, bool tied) {
         A.columns = side * side * side;
-        const auto number = [&](const Cell& c) { return c[0] + side * (c[1] + side * c[2]); };
+        const auto number = [&](const GridCell& c) { return c[0] + side * (c[1] + side * c[2]); };
         for (int z = 0; z < side; ++z)
             for (int y = 0; y < side; ++y)
                 for (int x = 0; x < side; ++x) {
-                    const Cell here(x, y, z);
+                    const GridCell here(x, y, z);
                     cells.push_back(here);
                     Real diagonal = tied && z == 0 ? Real(1) : Real(0);
                     for (int a = 0; a < 3; ++a)
                         for (int step : {-1, 1}) {
-                            Cell there = here;
+                            GridCell there = here;
                             there[a] += step;
                             if (there[a] < 0 || there[a] >= side) continue;
                             A.column.push_back(number(there));
@@ -43,14 +43,13 @@ struct Cube {
 Eigen::MatrixXd dense(const SparseRows& A) {
     Eigen::MatrixXd all = Eigen::MatrixXd::Zero(A.size(), A.columns);
     for (Index i = 0; i < A.size(); ++i)
-        for (std::size_t k = A.first[static_cast<std::size_t>(i)]; k < A.first[static_cast<std::size_t>(i) + 1]; ++k)
-            all(i, A.column[k]) += static_cast<double>(A.value[k]);
+        for (std::size_t k = A.first[i]; k < A.first[i + 1]; ++k) all(i, A.column[k]) += static_cast<double>(A.value[k]);
     return all;
 }
 
 Column<Real> noise(Index n, std::uint64_t seed) {
     RandomNumbers random(seed);
-    Column<Real> r(static_cast<std::size_t>(n));
+    Column<Real> r(n);
     for (Real& one : r) one = static_cast<Real>(2 * random() - 1);
     return r;
 }

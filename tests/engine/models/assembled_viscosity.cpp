@@ -60,12 +60,12 @@ TEST_CASE("every assembled coefficient is the derivative of the matrix-free oper
         for (Index j = 0; j < n; ++j)
             for (int b = 0; b < 3; ++b) {
                 std::vector<Vec3> unit(count, Vec3::Zero()), column(count);
-                unit[static_cast<std::size_t>(j)] = Vec3::Unit(b);
+                unit[j] = Vec3::Unit(b);
                 B.multiply(unit, column);
                 for (Index i = 0; i < n; ++i) {
                     const Vec3 c = A.block(i, j).col(b);
                     largest = std::max<double>(largest, c.cwiseAbs().maxCoeff());
-                    difference = std::max<double>(difference, (c - column[static_cast<std::size_t>(i)]).cwiseAbs().maxCoeff());
+                    difference = std::max<double>(difference, (c - column[i]).cwiseAbs().maxCoeff());
                 }
             }
         CHECK(difference < 1e-5 * largest);
@@ -104,11 +104,11 @@ TEST_CASE("the printed own coefficient on a lattice is the mass alone: nearly al
     const auto x = w.column<field::position>();
     Index middle = 0;
     for (Index i = 0; i < A.size(); ++i)
-        if (x[static_cast<std::size_t>(i)].norm() < x[static_cast<std::size_t>(middle)].norm()) middle = i;
+        if (x[i].norm() < x[middle].norm()) middle = i;
     std::vector<Vec3> unit(x.size(), Vec3::Zero()), column(x.size());
-    unit[static_cast<std::size_t>(middle)] = Vec3::UnitX();
+    unit[middle] = Vec3::UnitX();
     B.multiply(unit, column);
-    const double true_diagonal = column[static_cast<std::size_t>(middle)].x();
+    const double true_diagonal = column[middle].x();
     // Inside a lattice sum grad W = 0: nothing is left of omega and alpha but round-off. A row of neighbours to each side is missing here,
     // R = 2 d.
     CHECK(A.printed_own(middle)(0, 0) == Approx(1).margin(1e-3 * true_diagonal));
@@ -136,9 +136,8 @@ TEST_CASE("a step of the assembled viscosity ends where the matrix-free one does
     TestWorld b = run(make_stage("viscosity", "viscosity", AssembledViscosity(together)));
     double difference = 0, spin_before = 0;
     for (Index i = 0; i < a.world.fluid.size(); ++i) {
-        const auto k = static_cast<std::size_t>(i);
-        difference = std::max<double>(difference, (a.column<field::velocity>()[k] - b.column<field::velocity>()[k]).norm());
-        const Vec3 x = a.column<field::position>()[k];
+        difference = std::max<double>(difference, (a.column<field::velocity>()[i] - b.column<field::velocity>()[i]).norm());
+        const Vec3 x = a.column<field::position>()[i];
         spin_before += a.world.step.mass * (x.y() * x.y() + x.z() * x.z());
     }
     CHECK(difference < 1e-4);  // of 1 m/s: two solves to 1e-6 in the energy norm, at nu dt/d^2 = 1 to 7

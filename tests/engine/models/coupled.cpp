@@ -109,9 +109,9 @@ TEST_CASE("the coarse matrix is R^T A R of the rigid motions of its aggregates t
     for (std::size_t i = 30; i < 60; ++i) hold[i].diagonal() = Vec3(2, 0, 3);
     f.form.set_friction(hold);
     const auto neighbours = [&](Index i, const auto& visit) {
-        const RowBlock& block = f.rows.blocks[static_cast<std::size_t>(i / CoupledRows::block_size)];
+        const RowBlock& block = f.rows.blocks[i / CoupledRows::block_size];
         for (std::size_t e = block.row_begin(i - block.begin); e < block.row_end(i - block.begin); ++e)
-            visit(block.touched[static_cast<std::size_t>(block.other[e])]);
+            visit(block.touched[block.other[e]]);
     };
     std::vector<std::int32_t> group(x.size());
     aggregate_by(neighbours, x, f.role, Domain{}, d / 2, 24, group);
@@ -128,7 +128,7 @@ TEST_CASE("aggregates whose members do not hang together by their neighbours bec
     const std::vector<std::vector<Index>> near{{1}, {}, {3}, {2, 4}, {}, {6}, {}};
     std::vector<std::int32_t> group{1, 1, 1, 1, 2, 0, 0};
     const auto neighbours = [&](Index i, const auto& visit) {
-        for (const Index j : near[static_cast<std::size_t>(i)]) visit(j);
+        for (const Index j : near[i]) visit(j);
     };
     CHECK(split_unconnected(neighbours, group) == 3);
     CHECK(group == std::vector<std::int32_t>{1, 1, 2, 2, 3, 0, 0});

@@ -28,7 +28,7 @@ struct Floor : TestWorld {
     }
     void measure(Real threshold) {
         find_pairs();
-        rho.resize(static_cast<std::size_t>(world.fluid.size()));
+        rho.resize(world.fluid.size());
         rate.resize(rho.size());
         DensityRate D;
         D.build(WallImage(world.step.kernel, world.step.support, world.step.spacing, SolidGate{threshold}), world.fluid_pairs,

@@ -157,7 +157,7 @@ TEST_CASE("with the coarse level a stiff free body needs less than half of the i
         CHECK(w.world.report.solves.at(0).report.converged);
         CHECK((w.momentum() - p).norm() < 1e-5 * scale);
         CHECK((w.angular_momentum() - L).norm() < 1e-5 * scale * 2);  // 2 m: the body's half length
-        iterations[static_cast<std::size_t>(coarse)] = w.world.report.solves.at(0).report.iterations;
+        iterations[coarse] = w.world.report.solves.at(0).report.iterations;
     }
     CHECK(2 * iterations[1] < iterations[0]);  // each judged by its own norm: at the same number the diagonal leaves the larger error
 }

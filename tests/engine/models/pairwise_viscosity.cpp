@@ -32,7 +32,7 @@ TEST_CASE("the pairwise operator is symmetric and positive, with walls, uneven p
     w.add_wall(1, +1, -0.32);
     const PairwiseOperator A = make_operator(w, Real(0.01));
     CHECK(asymmetry(A) < 1e-6);
-    std::vector<Vec3> u(static_cast<std::size_t>(A.size())), Au(u.size());
+    std::vector<Vec3> u(A.size()), Au(u.size());
     for (std::size_t i = 0; i < u.size(); ++i) u[i] = noise(static_cast<Index>(2 * i + 1));
     A.multiply(u, Au);
     CHECK(inner(Au, u) > inner(u, u));

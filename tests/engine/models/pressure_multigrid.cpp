@@ -1,4 +1,6 @@
 /// Multigrid as the preconditioner of both pressure solves.
+#include "engine/models/pressure/pressure_multigrid.h"
+
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -6,7 +8,6 @@
 #include "engine/core/random.h"
 #include "engine/math/conjugate_gradients.h"
 #include "engine/models/motion/motion.h"
-#include "engine/models/pressure/multigrid.h"
 #include "engine/sph/density.h"
 #include "tests/support/world.h"
 
@@ -72,7 +73,7 @@ struct Constraint {
     ConstraintMatrix A{D, {}, {}, {}, Real(d)};
     Column<Real> falling;  ///< what the densities do where all fall alike
     explicit Constraint(Fluid& f) {
-        Column<Real> rho(static_cast<std::size_t>(f.size()));
+        Column<Real> rho(f.size());
         falling.resize(rho.size());
         const World& w = f.world;
         for (Vec3& u : f.column<field::velocity>()) u = Vec3(0, -1, 0);
@@ -103,7 +104,7 @@ struct Poisson {
         PoissonPressure pressure(options);
         const World& w = f.world;
         StepReport report;
-        std::vector<Vec3> u(static_cast<std::size_t>(f.size()), Vec3(0, Real(-0.01), 0));
+        std::vector<Vec3> u(f.size(), Vec3(0, Real(-0.01), 0));
         std::vector<Real> p(u.size(), 0);
         pressure(w.fluid_pairs, w.solid_pairs, w.solid_particles, w.step, report, f.read<field::role>(), f.read<field::density>(),
                  Update<field::velocity>{{u}}, Update<field::pressure>{{p}});

@@ -145,7 +145,7 @@ TEST_CASE(
                 for (int l = 0; l < k + 4; ++l)
                     if (a != 0 || b != 0 || l != k)
                         phi += static_cast<double>(cohesion.potential(Real(std::sqrt(double(a * a + b * b + (l - k) * (l - k))))));
-        share[static_cast<std::size_t>(k)] = static_cast<double>(Skin::share(Real(phi / cohesion.bulk_energy(d))));
+        share[k] = static_cast<double>(Skin::share(Real(phi / cohesion.bulk_energy(d))));
     }
     CHECK(share[0] == 1);
     CHECK(share[3] == 0);
@@ -157,10 +157,10 @@ TEST_CASE(
                     const int y = l - k;
                     if (a == 0 && b == 0 && y == 0) continue;
                     const double r = std::sqrt(double(a * a + b * b + y * y));
-                    tension += 0.5 * (share[static_cast<std::size_t>(k)] + share[static_cast<std::size_t>(l)]) / 2 *
-                               static_cast<double>(cohesion.pull_over_distance(Real(r))) * (a * a - y * y);
+                    tension +=
+                        0.5 * (share[k] + share[l]) / 2 * static_cast<double>(cohesion.pull_over_distance(Real(r))) * (a * a - y * y);
                 }
-        wall += share[static_cast<std::size_t>(k)] * static_cast<double>(cohesion.half_space_pull(Real(k + 0.5))) * (k + 0.5);
+        wall += share[k] * static_cast<double>(cohesion.half_space_pull(Real(k + 0.5))) * (k + 0.5);
     }
     CHECK(tension == Approx(sigma * Skin::flat_tension()).epsilon(0.15));
     CHECK(wall == Approx(2 * sigma * Skin::flat_tension()).epsilon(0.2));

@@ -14,7 +14,7 @@ namespace {
 
 std::vector<Vec3> cloud(int n, Real size, std::uint32_t seed) {
     std::mt19937 random(seed);
-    std::vector<Vec3> x(static_cast<std::size_t>(n));
+    std::vector<Vec3> x(n);
     for (Vec3& p : x)
         for (int a = 0; a < 3; ++a) p[a] = size * Real(random()) / Real(4294967296.0);
     return x;
@@ -24,15 +24,15 @@ Domain box(Real size, int periodic_axes) {
     Domain domain;
     domain.min = Vec3::Zero();
     domain.max = Vec3::Constant(size);
-    for (int a = 0; a < 3; ++a) domain.periodic[static_cast<std::size_t>(a)] = (periodic_axes >> a) & 1;
+    for (int a = 0; a < 3; ++a) domain.periodic[a] = (periodic_axes >> a) & 1;
     return domain;
 }
 
 std::vector<std::set<Index>> rows_of(const Pairs& pairs) {
-    std::vector<std::set<Index>> rows(static_cast<std::size_t>(pairs.size()));
+    std::vector<std::set<Index>> rows(pairs.size());
     for (Index i = 0; i < pairs.size(); ++i) {
-        pairs.of(i, [&](Index j, const Vec3&, Real) { rows[static_cast<std::size_t>(i)].insert(j); });
-        REQUIRE(static_cast<Index>(rows[static_cast<std::size_t>(i)].size()) == pairs.count(i));  // nobody twice
+        pairs.of(i, [&](Index j, const Vec3&, Real) { rows[i].insert(j); });
+        REQUIRE(static_cast<Index>(rows[i].size()) == pairs.count(i));  // nobody twice
     }
     return rows;
 }
@@ -51,7 +51,7 @@ void require_as_brute_force(const Pairs& pairs, const std::vector<Vec3>& own, co
             for (int a = 0; a < 3; ++a) {
                 double d = double(own[i][a]) - double(other[j][a]);
                 const double L = double(domain.max[a]) - double(domain.min[a]);
-                if (domain.periodic[static_cast<std::size_t>(a)]) d -= L * std::nearbyint(d / L);
+                if (domain.periodic[a]) d -= L * std::nearbyint(d / L);
                 r2 += d * d;
             }
             const double q = std::sqrt(r2) / support;
@@ -64,7 +64,7 @@ void require_as_brute_force(const Pairs& pairs, const std::vector<Vec3>& own, co
 void require_symmetric(const Pairs& pairs) {
     const auto rows = rows_of(pairs);
     for (Index i = 0; i < pairs.size(); ++i)
-        for (Index j : rows[static_cast<std::size_t>(i)]) REQUIRE(rows[static_cast<std::size_t>(j)].count(i) == 1);
+        for (Index j : rows[i]) REQUIRE(rows[j].count(i) == 1);
 }
 
 }  // namespace
@@ -129,10 +129,10 @@ TEST_CASE("positions that are not finite get no neighbours and disturb nobody", 
         search.find(x, Real(0.15), box(1, axes), pairs);
         const auto rows = rows_of(pairs), old = rows_of(before);
         for (Index i = 0; i < pairs.size(); ++i) {
-            auto expected = old[static_cast<std::size_t>(i)];
+            auto expected = old[i];
             for (Index gone : {10, 20, 30}) expected.erase(gone);
             if (i == 10 || i == 20 || i == 30) expected.clear();
-            REQUIRE(rows[static_cast<std::size_t>(i)] == expected);
+            REQUIRE(rows[i] == expected);
         }
     }
 }
@@ -177,7 +177,7 @@ TEST_CASE("groups of neighbours hold what a call a neighbour gets, and beyond it
             Real at[3][Pairs::Group::most];
             group.gather(x.data(), at);
             for (Index l = 0; l < group.padded(); ++l) {
-                for (int a = 0; a < 3; ++a) REQUIRE(at[a][l] == x[static_cast<std::size_t>(group.other[l])][a]);
+                for (int a = 0; a < 3; ++a) REQUIRE(at[a][l] == x[group.other[l]][a]);
                 if (l >= group.count) {
                     REQUIRE(group.distance[l] == R);
                     continue;

@@ -15,8 +15,7 @@ TEST_CASE("along the curve each step goes to an adjacent cell", "[particles]") {
     CurveSort sort;
     const auto order = sort.order(x, Real(0.2));
     REQUIRE(order.size() == x.size());
-    for (std::size_t k = 1; k < order.size(); ++k)
-        REQUIRE((x[static_cast<std::size_t>(order[k])] - x[static_cast<std::size_t>(order[k - 1])]).norm() == Approx(0.2).epsilon(1e-4));
+    for (std::size_t k = 1; k < order.size(); ++k) REQUIRE((x[order[k]] - x[order[k - 1]]).norm() == Approx(0.2).epsilon(1e-4));
 }
 
 TEST_CASE("particles of one cell keep their order, those that are not finite come last", "[particles]") {
@@ -48,7 +47,7 @@ TEST_CASE("the order is the same for 1, 2 and 4 threads and a sorted store stays
     }
     set_threads(0);
     std::vector<Vec3> sorted;
-    for (Index i : before) sorted.push_back(x[static_cast<std::size_t>(i)]);
+    for (Index i : before) sorted.push_back(x[i]);
     const auto again = sort.order(sorted, Real(0.07));
     for (std::size_t k = 0; k < again.size(); ++k) REQUIRE(again[k] == static_cast<Index>(k));
 }

@@ -87,7 +87,7 @@ TEST_CASE("the corrected gradient of a linear field is exact, also at free surfa
         sum_correction(lattice.pairs, KernelKind::cubic, Real(2.2) * d, lattice.V, L);
         const CubicKernel W(Real(2.2) * d);
         for (Index i = 0; i < lattice.pairs.size(); ++i) {
-            const Mat3& Li = L[static_cast<std::size_t>(i)];
+            const Mat3& Li = L[i];
             const Vec3 g = Li * gradient(lattice.pairs, i, W, lattice.V, Span<const Real>(a)) * d;
             REQUIRE((g - slope).norm() < tight * slope.norm());
             const Mat3 G = gradient(lattice.pairs, i, W, lattice.V, Span<const Vec3>(u)) * Li.transpose() * d;
@@ -110,7 +110,7 @@ TEST_CASE("the correction of a plane, a line and a pair of particles stays finit
         std::vector<Mat3> L(points->size());
         sum_correction(pairs, KernelKind::wendland_c2, Real(2.5), V, L);
         for (Index i = 0; i < pairs.size(); ++i) {
-            const Vec3 g = L[static_cast<std::size_t>(i)] * gradient(pairs, i, WendlandC2Kernel(Real(2.5)), V, Span<const Real>(a));
+            const Vec3 g = L[i] * gradient(pairs, i, WendlandC2Kernel(Real(2.5)), V, Span<const Real>(a));
             pairs.of(i, [&](Index, const Vec3& r, Real) { REQUIRE(g.dot(r) == Approx(slope.dot(r)).margin(10 * tight)); });
             REQUIRE(g.norm() <= slope.norm() * Real(1.001));
         }
@@ -129,8 +129,8 @@ TEST_CASE("divergence, curl and Laplacians of smooth fields come out inside a pe
     const Span<const Vec3> field(u);
     double worst_curl = 0, worst_divergence = 0, worst_laplacian = 0, worst_pairwise = 0;
     for (Index i = 0; i < lattice.pairs.size(); i += 37) {
-        const Vec3& x = lattice.x[static_cast<std::size_t>(i)];
-        const Vec3 rotation(std::cos(x[1]), std::cos(x[2]), std::cos(x[0])), ui = u[static_cast<std::size_t>(i)];
+        const Vec3& x = lattice.x[i];
+        const Vec3 rotation(std::cos(x[1]), std::cos(x[2]), std::cos(x[0])), ui = u[i];
         const auto keep_worst = [](double& worst, double error) { worst = std::max(worst, error / std::sqrt(3.0)); };
         keep_worst(worst_divergence, std::abs(divergence(lattice.pairs, i, W, lattice.V, field)));
         keep_worst(worst_curl, (curl(lattice.pairs, i, W, lattice.V, field) - rotation).norm());

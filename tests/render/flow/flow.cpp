@@ -81,7 +81,7 @@ TEST_CASE("streaks run along the flow: brightness varies slowly that way and fas
     double along = 0, across = 0;
     for (int y = 20; y < 70; ++y)
         for (int x = 20; x < 70; ++x) {
-            const auto at = [&](int i, int j) { return b[static_cast<std::size_t>(j * n + i)]; };
+            const auto at = [&](int i, int j) { return b[j * n + i]; };
             along += std::pow(at(x + 1, y) - at(x, y), 2.0), across += std::pow(at(x, y + 1) - at(x, y), 2.0);
         }
     // Two means of 25 pixels that share 24 differ by 2/25 of the variance of those that share none... in squares.

@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "engine/core/errors.h"
-#include "render/surface/mesh_file.h"
+#include "render/surface/mesh_export.h"
 #include "render/surface/surface.h"
 #include "tests/support/scratch.h"
 #include "tests/support/surface_measures.h"

@@ -33,7 +33,7 @@ public:
 
 private:
     static constexpr int steps = 5000;
-    double speed(double y) const { return u_[static_cast<std::size_t>(std::lround((fall - y) / fall * steps))]; }
+    double speed(double y) const { return u_[std::lround((fall - y) / fall * steps)]; }
     double integrate(double end) {
         u_.assign(1, end);
         double u = end, s = 0;  // s = u'/u

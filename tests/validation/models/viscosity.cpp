@@ -126,7 +126,7 @@ TEST_CASE("plane Couette flow between a wall at rest and one that moves stays st
         w.world.solids.all[1].pose.velocity = Vec3(1, 0, 0);
         SolidParticles& layer = w.world.solid_particles;
         for (Index s = 0; s < layer.size(); ++s)
-            if (layer.solid[static_cast<std::size_t>(s)] == 1) layer.velocity[static_cast<std::size_t>(s)] = Vec3(1, 0, 0);
+            if (layer.solid[s] == 1) layer.velocity[s] = Vec3(1, 0, 0);
         w.place(Vec3::Zero(), Vec3(Real(width), Real(H), Real(width)), 1000 * nu, [](const Vec3& x) { return Vec3(x.y(), 0, 0); });
         const double dt = is_implicit(form) ? 0.02 : 0.9 * viscous_step(support * d, nu);
         for (int s = 0; s < static_cast<int>(0.5 / dt); ++s) w.step(dt);

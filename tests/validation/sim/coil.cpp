@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/io/probes.h"
+#include "engine/probes/probes.h"
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
 

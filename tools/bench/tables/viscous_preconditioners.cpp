@@ -37,12 +37,11 @@ TestWorld coil(double scale, double uneven, double nu, const std::vector<Stage>&
     const auto x = w.column<field::position>();
     const auto role = w.column<field::role>();
     for (Index i = 0; i < w.world.fluid.size(); ++i) {
-        Vec3& one = x[static_cast<std::size_t>(i)];
+        Vec3& one = x[i];
         const double r = std::hypot(one.x(), one.z());
         if (r < (one.y() < height ? pile : thread)) kept.push_back(i);
-        role[static_cast<std::size_t>(i)] = one.y() > top - 3 * d ? -1 : 0;
-        if (stuck && one.y() < d)
-            role[static_cast<std::size_t>(i)] = -1, w.column<field::velocity>()[static_cast<std::size_t>(i)].setZero();
+        role[i] = one.y() > top - 3 * d ? -1 : 0;
+        if (stuck && one.y() < d) role[i] = -1, w.column<field::velocity>()[i].setZero();
         one += Real(2 * uneven * d) * (Vec3(Real(random()), Real(random()), Real(random())) - Vec3::Constant(Real(0.5)));
     }
     w.world.fluid.gather(kept);

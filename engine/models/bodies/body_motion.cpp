@@ -1,0 +1,50 @@
+#include "engine/models/bodies/body_motion.h"
+
+#include "engine/geometry/body_contact.h"
+#include "engine/models/bodies/reaction.h"
+
+namespace whorl {
+
+std::vector<Index> particles_at_bodies(const Solids& solids, const SolidPairs& pairs, const SolidParticles& layer) {
+    std::vector<Index> near;
+    for (Index i = 0; i < pairs.size(); ++i) {
+        bool touches = false;
+        for (std::size_t k = pairs.first[i]; k < pairs.first[i + 1] && !touches; ++k)
+            touches = solids.all[layer.solid[pairs.other[k]]].body.has_value();
+        if (touches) near.push_back(i);
+    }
+    return near;
+}
+
+void Weigh::operator()(const StepContext& step, Solids& solids) const {
+    for (Solid& solid : solids.all)
+        if (solid.body) solid.body->force = solid.body->mass * step.gravity.cast<double>(), solid.body->torque.setZero();
+}
+
+void KickBodies::operator()(const StepContext& step, Solids& solids, SolidParticles& layer) const {
+    for (Solid& solid : solids.all)
+        if (solid.body) solid.body->kick(static_cast<double>(step.dt));
+    solids.place_bodies();
+    layer.follow(solids);
+}
+
+void MoveBodies::operator()(const StepContext& step, Solids& solids, const SolidParticles& layer) const {
+    TouchStep how;
+    how.dt = static_cast<double>(step.dt);
+    how.spacing = static_cast<double>(step.spacing);
+    how.domain = step.domain;
+    touch(solids, layer, how, static_cast<double>(step.gravity.norm()));
+    for (Solid& solid : solids.all)
+        if (solid.body) solid.body->move(static_cast<double>(step.dt));
+}
+
+double lightness(const Solids& solids, const SolidParticles& layer, Real mass) {
+    std::vector<double> touching(solids.all.size(), 0);
+    for (const Index k : layer.solid) touching[k] += static_cast<double>(mass);
+    double least = 1;
+    for (std::size_t k = 0; k < solids.all.size(); ++k)
+        if (solids.all[k].body && touching[k] > 0) least = std::min(least, solids.all[k].body->mass / touching[k]);
+    return least;
+}
+
+}  // namespace whorl

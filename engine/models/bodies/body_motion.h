@@ -1,0 +1,29 @@
+#pragma once
+/// The frame of a free body's step, beside that of the particles (models/motion/motion.h): Weigh with Gravity, KickBodies after Kick,
+/// MoveBodies after Move.
+#include "engine/geometry/solids.h"
+#include "engine/particles/pairs.h"
+#include "engine/particles/step_context.h"
+
+namespace whorl {
+
+/// force = mass g, torque = 0. The first of a step: later stages add to them what acts explicitly.
+struct Weigh {
+    void operator()(const StepContext& step, Solids& solids) const;
+};
+
+/// u += dt force/mass, and so for the turning; the layer has the new velocities.
+struct KickBodies {
+    void operator()(const StepContext& step, Solids& solids, SolidParticles& layer) const;
+};
+
+/// Contacts (geometry/touch.h), then x += dt u, and the turning by the angular momentum. Poses follow with the next Solids::set_time().
+struct MoveBodies {
+    void operator()(const StepContext& step, Solids& solids, const SolidParticles& layer) const;
+};
+
+/// Least mass of a free body over that of the fluid that touches it (a particle of fluid for each of its layer's); 1 or more: 1. What acts
+/// explicitly moves fluid and body in turn, so the lighter of the two bounds the step.
+double lightness(const Solids& solids, const SolidParticles& layer, Real mass);
+
+}  // namespace whorl

@@ -1,0 +1,33 @@
+#include "engine/models/coupled/slip_friction.h"
+
+#include <algorithm>
+
+#include "engine/core/parallel.h"
+
+namespace whorl {
+
+void ContactFriction::set(Span<const Vec3> x, Span<const std::int16_t> role, Span<const Real> mu, const Solids& solids,
+                          const StepContext& step) {
+    hold.clear(), pull.clear(), counted.clear();
+    if (std::none_of(solids.all.begin(), solids.all.end(), [](const Solid& solid) { return solid.rubs(); })) return;
+    hold.resize(x.size()), pull.resize(x.size()), counted.assign(x.size(), 0);
+    const Real d = step.spacing;
+    parallel_for(static_cast<Index>(x.size()), [&](Index i) {
+        hold[i].setZero(), pull[i].setZero();
+        if (role[i] != 0) return;
+        for (const Solid& solid : solids.all) {
+            if (!solid.rubs()) continue;
+            const Real height = solid.distance(x[i]), share = std::clamp((Real(1.1) - height / d) / Real(0.2), Real(0), Real(1));
+            if (share == 0) continue;
+            const Vec3 n = solid.normal(x[i]);
+            const Real strength =
+                step.dt * mu[i] / step.rest_density * share / d / (std::max(height, d / 4) + static_cast<Real>(solid.slip_length));
+            const Mat3 held = strength * (Mat3::Identity() - n * n.transpose());
+            hold[i] += held;
+            counted[i] = std::min(counted[i] + share * std::clamp(height / d, Real(0), Real(1)), Real(0.75));
+            pull[i] += held * solid.pose.velocity_at(x[i]);
+        }
+    });
+}
+
+}  // namespace whorl

@@ -1,0 +1,163 @@
+#include "engine/probes/coil_probe.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "engine/core/binary_io.h"
+#include "engine/io/files.h"
+
+namespace whorl {
+namespace {
+
+constexpr double resting = 0.1, falling = 0.4;  ///< of the thread's speed: slower is pile, faster is thread
+constexpr double below = 2.5, above = 10;       ///< radii of thread about the pile's top between which it is looked at
+
+/// Mean velocity of what sticks to a solid: a pile on a plate that moves rests on the plate.
+Vec3d pile_velocity(Span<const Vec3> u, Span<const std::int16_t> role) {
+    Vec3d sum = Vec3d::Zero();
+    double count = 0;
+    for (std::size_t k = 0; k < role.size(); ++k)
+        if (role[k] > 0) sum += u[k].cast<double>(), count += 1;
+    return count > 0 ? Vec3d(sum / count) : sum;
+}
+
+}  // namespace
+
+/// What one step shows.
+struct CoilProbe::Step {
+    struct Place {
+        double x = 0, y = 0, z = 0, speed = 0, down = 0;  ///< m across and along the axis; m/s, seen from the pile
+    };
+    std::vector<Place> fluid;
+    double spacing = 0;
+    double opening = 0;    ///< m, height of the nozzle; where there is none, of the highest fluid
+    double fastest_z = 0;  ///< m, upper side of the fastest layer
+    double slice = 0;      ///< particles in a layer of thread
+    bool pile = false;
+    double pile_top = 0;  ///< m
+    CoilTurns::Sight sight;
+};
+
+CoilProbe::CoilProbe(const ProbeKeys& keys, Patience patience)
+    : point_(keys.axis_point), up_(keys.axis_direction.normalized()), height_(keys.height), expectation_(patience) {
+    across_x_ = up_.unitOrthogonal();
+    across_y_ = up_.cross(across_x_);
+}
+
+CoilProbe::Step CoilProbe::look(const World& world) const {
+    const auto x = world.fluid.column<field::position>();
+    const auto u = world.fluid.column<field::velocity>();
+    const Span<const std::int16_t> role = world.fluid.has<field::role>() ? world.fluid.column<field::role>() : Span<const std::int16_t>();
+    const Vec3d carried = pile_velocity(u, role);
+    Step step;
+    step.spacing = static_cast<double>(world.step.spacing);
+    step.fluid.reserve(x.size());
+    double top = 0, nozzle = INFINITY;
+    for (std::size_t k = 0; k < x.size(); ++k) {
+        const Vec3d r = x[k].cast<double>() - point_, v = u[k].cast<double>() - carried;
+        const double z = r.dot(up_);
+        if (!role.empty() && role[k] < 0) {
+            nozzle = std::min(nozzle, z);
+            continue;
+        }
+        top = std::max(top, z);
+        step.fluid.push_back({r.dot(across_x_), r.dot(across_y_), z, v.norm(), -v.dot(up_)});
+    }
+    step.opening = std::isfinite(nozzle) ? nozzle : top;
+    if (!(top < 1e5 * step.spacing)) return step;
+
+    struct Layer {
+        double count = 0, down = 0;
+    };
+    std::vector<Layer> layers(static_cast<std::size_t>(top / step.spacing) + 1);
+    for (const Step::Place& p : step.fluid) {
+        if (p.z < 0) continue;
+        Layer& l = layers[p.z / step.spacing];
+        l.count += 1, l.down += p.down;
+    }
+    for (std::size_t l = 0; l < layers.size(); ++l) {
+        const double speed = layers[l].count >= 3 ? layers[l].down / layers[l].count : 0;
+        if (!(speed > step.sight.speed)) continue;
+        step.sight.speed = speed;
+        step.slice = layers[l].count;
+        step.fastest_z = (static_cast<double>(l) + 1) * step.spacing;
+    }
+    step.sight.radius = std::sqrt(step.slice / std::numbers::pi) * step.spacing;
+    if (step.sight.speed > 0) find_pile(step);
+    return step;
+}
+
+void CoilProbe::find_pile(Step& step) const {
+    constexpr double fine = 4;  // layers a spacing
+    const double thickness = step.spacing / fine;
+    std::vector<double> slow(static_cast<std::size_t>(step.fastest_z / thickness) + 1, 0.0);
+    for (const Step::Place& p : step.fluid)
+        if (p.z >= 0 && p.z < step.fastest_z && p.speed < resting * step.sight.speed) slow[p.z / thickness] += 1;
+    double met = 0;
+    for (std::size_t l = slow.size(); l-- > 0 && !step.pile;) {
+        met += slow[l];
+        if (met < step.slice / 2) continue;
+        step.pile = true;
+        step.pile_top =
+            (static_cast<double>(l) + 0.5) * thickness + step.spacing / 2;  // half a spacing from the last centre to the surface
+    }
+}
+
+void CoilProbe::find_thread(Step& step) const {
+    const double a = step.sight.radius, U = step.sight.speed;
+    if (height_ > 0) step.sight.section.emplace();
+    const auto add = [](CoilTurns::Spot& spot, const Step::Place& p) { spot.x += p.x, spot.y += p.y, spot.height += p.z, spot.count += 1; };
+    for (const Step::Place& p : step.fluid) {
+        const double speed = p.speed / U;
+        if (height_ > 0 && speed > resting && std::abs(p.z - memory_.pile_top - height_) < 1.5 * step.spacing) add(*step.sight.section, p);
+        if (p.z < memory_.pile_top - below * a || p.z > memory_.pile_top + above * a) continue;
+        if (speed > falling) add(step.sight.thread, p);
+        const double range = std::floor((speed - CoilTurns::slowest) / CoilTurns::range_width);
+        if (range >= 0 && range < CoilTurns::ranges && p.z < step.fastest_z) add(step.sight.contact[range], p);
+    }
+    if (height_ > 0) step.sight.thread = *step.sight.section;
+}
+
+void CoilProbe::after_step(const World& world, double time) {
+    Step step = look(world);
+    const CoilTurns::Sight& sight = step.sight;
+    const double elapsed = time - memory_.last_time;
+    memory_.last_time = time;
+    memory_.opening = step.opening;
+    memory_.fastest = std::max(memory_.fastest, sight.speed);
+    if (!step.pile || sight.speed < 0.2 * memory_.fastest) return turns_.lose();  // no thread, or no more than the pile's own creeping
+    const double blend = memory_.pile_seen ? 1 - std::exp(-elapsed * sight.speed / (4 * sight.radius)) : 1;
+    memory_.pile_top += blend * (step.pile_top - memory_.pile_top);
+    memory_.pile_seen = true;
+    find_thread(step);
+    step.sight.time = time;
+    turns_.see(step.sight);
+}
+
+std::string CoilProbe::rows(const World&, double time) {
+    const CoilTurns::Reading r = turns_.read(time);
+    const bool known = r.turns_known > 0, several = r.turns_known > 1;
+    const double root = std::sqrt(std::max(1, r.turns_known));
+    const double fall = memory_.opening - r.ground;
+    const auto parameters = known && pouring_ ? steady_parameters(*pouring_, up_, time, 1 / r.frequency, fall) : std::nullopt;
+    const auto theory = parameters ? expectation_.at(*parameters) : std::nullopt;
+    const auto cell = [](bool shown, double value) { return "," + (shown ? number(value) : std::string()); };
+    return number(time) + cell(known, r.frequency) + cell(known, r.radius) + cell(true, r.turns) + cell(several, r.frequency_spread) +
+           cell(several, r.radius_spread) + cell(true, memory_.pile_seen ? r.ground_now : 0) + cell(several, r.frequency_spread / root) +
+           cell(several, r.radius_spread / root) + cell(known, fall) + cell(theory.has_value(), theory ? theory->frequency : 0) +
+           cell(theory.has_value(), theory ? theory->radius : 0) + "\n";
+}
+
+void CoilProbe::save(std::ostream& out) const {
+    put(out, memory_), put(out, turns_.memory());
+    expectation_.save(out);
+}
+
+void CoilProbe::load(std::istream& in) {
+    take(in, memory_), take(in, turns_.memory());
+    expectation_.load(in);
+}
+
+}  // namespace whorl

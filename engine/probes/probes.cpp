@@ -1,0 +1,128 @@
+#include "engine/probes/probes.h"
+
+#include "engine/core/parallel.h"
+#include "engine/io/columns.h"
+#include "engine/io/files.h"
+#include "engine/probes/coil_probe.h"
+
+namespace whorl {
+namespace {
+
+bool in_nozzle(Span<const std::int16_t> role, std::size_t k) { return !role.empty() && role[k] < 0; }
+
+Span<const std::int16_t> roles(const World& world) {
+    return world.fluid.has<field::role>() ? world.fluid.column<field::role>() : Span<const std::int16_t>();
+}
+
+class RegionProbe : public Probe {
+public:
+    explicit RegionProbe(const ProbeKeys& keys) : min_(keys.min), max_(keys.max) {}
+
+    std::string header() const override {
+        return "time,particles,mass,centroid_x,centroid_y,centroid_z,velocity_x,velocity_y,velocity_z,spin_x,spin_y,spin_z";
+    }
+
+    std::string rows(const World& world, double time) override {
+        const auto x = world.fluid.column<field::position>();
+        const auto u = world.fluid.column<field::velocity>();
+        const Span<const Vec3> spin = world.fluid.has<field::spin>() ? world.fluid.column<field::spin>() : Span<const Vec3>();
+        const auto role = roles(world);
+        using Sums = Eigen::Array<double, 10, 1>;  // count, x, u, spin
+        const Sums sums = parallel_sum(world.fluid.size(), Sums(Sums::Zero()), [&](Index i) {
+            const auto k = static_cast<std::size_t>(i);
+            const Vec3d xi = x[k].cast<double>();
+            Sums s = Sums::Zero();
+            if (in_nozzle(role, k) || (xi.array() < min_.array()).any() || (xi.array() > max_.array()).any()) return s;
+            s[0] = 1;
+            s.segment<3>(1) = xi.array();
+            s.segment<3>(4) = u[k].cast<double>().array();
+            if (!spin.empty()) s.segment<3>(7) = spin[k].cast<double>().array();
+            return s;
+        });
+        std::string row = number(time) + "," + number(sums[0]) + "," + number(sums[0] * static_cast<double>(world.step.mass));
+        for (int k = 1; k < 10; ++k) row += "," + (sums[0] > 0 ? number(sums[k] / sums[0]) : std::string());
+        return row + "\n";
+    }
+
+private:
+    Vec3d min_, max_;
+};
+
+/// Fields interpolated at points: a line's, or a single one.
+class PointsProbe : public Probe {
+public:
+    PointsProbe(std::vector<Vec3d> points, bool line, const World& world) : points_(std::move(points)), line_(line) {
+        for (const std::string& name : quantity_names())
+            if (name != "position" && world.fluid.find(name) != nullptr) names_.push_back(name);
+        header_ = line ? "time,s,x,y,z" : "time";
+        for (const NumberColumn& column : columns_named(world.fluid, names_))
+            for (const std::string& name : component_names(column)) header_ += "," + name;
+    }
+
+    std::string header() const override { return header_; }
+
+    std::string rows(const World& world, double time) override {
+        const std::vector<NumberColumn> columns = columns_named(world.fluid, names_);
+        std::string text;
+        for (const Vec3d& point : points_) {
+            text += number(time);
+            if (line_)
+                for (double value : {(point - points_.front()).norm(), point.x(), point.y(), point.z()}) text += "," + number(value);
+            text += interpolated(world, columns, point) + "\n";
+        }
+        return text;
+    }
+
+private:
+    // f(x) = sum_j f_j W(x - x_j) / sum_j W(x - x_j)
+    static std::string interpolated(const World& world, const std::vector<NumberColumn>& columns, const Vec3d& at) {
+        const auto x = world.fluid.column<field::position>();
+        const auto role = roles(world);
+        const Vec3 here = at.cast<Real>();
+        const Real support = world.step.support;
+        double weights = 0;
+        std::vector<double> sums;
+        for (const NumberColumn& column : columns) sums.resize(sums.size() + static_cast<std::size_t>(column.components), 0);
+        with_kernel(world.step.kernel, support, [&](const auto& kernel) {
+            for (std::size_t k = 0; k < x.size(); ++k) {
+                const Real distance = world.step.domain.minimum_image(x[k] - here).norm();
+                if (distance >= support || in_nozzle(role, k)) continue;
+                const double weight = static_cast<double>(kernel.value(distance));
+                weights += weight;
+                std::size_t s = 0;
+                for (const NumberColumn& column : columns)
+                    for (int c = 0; c < column.components; ++c) sums[s++] += weight * column.value(static_cast<Index>(k), c);
+            }
+        });
+        std::string cells;
+        for (double sum : sums) cells += "," + (weights > 0 ? number(sum / weights) : std::string());
+        return cells;
+    }
+
+    std::vector<Vec3d> points_;
+    bool line_;
+    std::vector<std::string> names_;
+    std::string header_;
+};
+
+}  // namespace
+
+std::unique_ptr<Probe> make_probe(const ProbeKeys& keys, const World& world, Patience patience) {
+    switch (keys.kind) {
+        case ProbeKind::region: return std::make_unique<RegionProbe>(keys);
+        case ProbeKind::coil: return std::make_unique<CoilProbe>(keys, patience);
+        case ProbeKind::point: return std::make_unique<PointsProbe>(std::vector<Vec3d>{keys.at}, false, world);
+        case ProbeKind::line: break;
+    }
+    std::vector<Vec3d> points;
+    for (int k = 0; k < keys.count; ++k)
+        points.push_back(keys.from + (keys.to - keys.from) * (keys.count > 1 ? k / (keys.count - 1.0) : 0.0));
+    return std::make_unique<PointsProbe>(std::move(points), true, world);
+}
+
+std::string rows_of(Probe& probe, const Simulation& simulation) {
+    probe.goes_by(simulation.scene(), simulation.plan());
+    return probe.rows(simulation.world(), simulation.time());
+}
+
+}  // namespace whorl

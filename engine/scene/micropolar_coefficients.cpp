@@ -1,0 +1,150 @@
+#include "engine/scene/micropolar_coefficients.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "engine/models/micropolar/micropolar.h"
+#include "engine/scene/names.h"
+#include "engine/scene/plan.h"
+
+namespace whorl {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+double length_of_spin(const Scene& scene) { return scene.micropolar.spin_length > 0 ? scene.micropolar.spin_length : scene.fluid.spacing; }
+
+bool given(const Scene& scene, const std::string& key) { return scene.places.count(key) > 0; }
+
+}  // namespace
+
+double MicropolarNumbers::growing_length() const {
+    if (!grows()) return infinity;
+    const double k2 = coupling * (coupling - 2 * viscosity) / (viscosity * spin_viscosity);
+    return 2 * std::numbers::pi / std::sqrt(k2);
+}
+
+double MicropolarNumbers::spin_length() const {
+    return grows() || coupling == 0 ? infinity : std::sqrt(viscosity * spin_viscosity / (coupling * (2 * viscosity - coupling)));
+}
+
+Scene calibrated(const Scene& scene) {
+    if (scene.models.micropolar == MicropolarModel::none || !scene.micropolar.effective_viscosity) return scene;
+    Scene chosen = scene;
+    const double twice = 2 * *scene.micropolar.effective_viscosity, l = length_of_spin(scene);
+    chosen.fluid.viscosity = Expression(scene.models.micropolar == MicropolarModel::eringen ? 0.0 : twice);
+    chosen.micropolar.transfer_viscosity = scene.models.micropolar == MicropolarModel::seed ? 0 : twice;
+    chosen.micropolar.spin_viscosity = twice * l * l;
+    chosen.micropolar.micro_inertia = l * l;
+    return chosen;
+}
+
+MicropolarNumbers micropolar_numbers(const Scene& scene, ViscosityModel model) {
+    const MicropolarKeys& keys = scene.micropolar;
+    const double mu = scene.fluid.viscosity(0), transfer = keys.transfer_viscosity, l = length_of_spin(scene);
+    const bool eringen = scene.models.micropolar == MicropolarModel::eringen, explicit_mu = model == ViscosityModel::explicit_laplacian;
+    MicropolarNumbers n;
+    n.density = scene.fluid.density;
+    n.coupling = scene.models.micropolar == MicropolarModel::seed ? mu + transfer : transfer;
+    const double own = (explicit_mu ? mu : 0) + (eringen ? transfer : 0);
+    const bool implicit_mu = model == ViscosityModel::full || model == ViscosityModel::full_assembled || model == ViscosityModel::pairwise;
+    n.viscosity = own + (implicit_mu ? mu : 0);
+    const LaplacianForm form = explicit_mu ? scene.viscosity.laplacian : LaplacianForm::brookshaw;
+    n.pair_viscosity = form == LaplacianForm::brookshaw ? own : form == LaplacianForm::split ? n.coupling : 0;
+    n.central_viscosity = own - n.pair_viscosity;
+    n.spin_viscosity = keys.spin_viscosity.value_or((mu + (eringen ? transfer : 0)) * l * l);
+    n.micro_inertia = keys.micro_inertia;
+    return n;
+}
+
+void choose_micropolar(Plan& plan, const Scene& scene, const Scene& asked, double flow_step) {
+    const auto choose = [&](const char* key, std::string value, bool automatic, std::string reason) {
+        plan.choices.push_back({key, std::move(value), automatic, std::move(reason)});
+    };
+    MicropolarNumbers& n = plan.spin = micropolar_numbers(scene, plan.viscosity);
+    const double d = plan.spacing;
+    const auto length = [&](double l) { return std::isfinite(l) ? fmt::format("{:.3g} m ({:.2g} d)", l, l / d) : std::string("infinite"); };
+    choose("models.micropolar", name_of(plan.micropolar), false,
+           fmt::format("slow flows feel {:.3g} Pa s (viscosity {:.3g} - coupling {:.3g}/2); the spin answers in {:.3g} s, over {}",
+                       n.effective_viscosity(), n.viscosity, n.coupling, n.response_time(), length(n.spin_length())));
+    if (asked.micropolar.effective_viscosity) {
+        const std::string wanted = fmt::format("calibrated for {:g} Pa s", *asked.micropolar.effective_viscosity);
+        choose("fluid.viscosity", scene.fluid.viscosity.text(), true, wanted + ": viscosity = coupling = twice that");
+        choose("micropolar.transfer_viscosity", fmt::format("{:g}", scene.micropolar.transfer_viscosity), true,
+               wanted + ": half of the coupling that would feed energy in, and angular momentum is conserved");
+        choose("micropolar.spin_viscosity", fmt::format("{:.3g}", n.spin_viscosity), true,
+               fmt::format("calibrated for a spin length of {:.3g} m: twice the effective viscosity times its square", n.spin_length()));
+        choose("micropolar.micro_inertia", fmt::format("{:.3g}", n.micro_inertia), true,
+               "calibrated: the spin length squared, spin and momentum diffuse alike");
+    } else if (!asked.micropolar.spin_viscosity) {
+        choose("micropolar.spin_viscosity", fmt::format("{:.3g}", n.spin_viscosity), true,
+               fmt::format("viscosity l^2 with l = {:.3g} m", length_of_spin(scene)));
+    }
+    const double stable = n.coupling > 0 ? exchange_step(n.coupling / n.density, n.micro_inertia,
+                                                         largest_curl(plan.kernel, static_cast<Real>(plan.support), static_cast<Real>(d)))
+                                         : infinity;
+    const ExchangeScheme scheme = scene.micropolar.exchange;
+    const bool automatic = scheme == ExchangeScheme::automatic;
+    n.implicit_exchange = automatic ? stable < flow_step : scheme == ExchangeScheme::implicit;
+    choose("micropolar.exchange", n.implicit_exchange ? "implicit" : "explicit", automatic,
+           fmt::format("the stable explicit step {:.3g} s is {} than the {:.3g} s that all else allows", stable,
+                       stable < flow_step ? "shorter" : "longer", flow_step));
+}
+
+void warn_micropolar(Plan& plan, const Scene& scene) {
+    const MicropolarNumbers& n = plan.spin;
+    const auto add = [&](std::string text) { plan.warnings.push_back(std::move(text)); };
+    if (n.grows()) {
+        const double from = n.growing_length();
+        add(
+            fmt::format("the micropolar system feeds energy in: its coupling {:.3g} Pa s is more than twice its viscosity {:.3g} Pa s, so "
+                        "that slow flows feel "
+                        "{:.3g} Pa s and {} grow. No time step and no exchange scheme bounds that; XSPH smoothing only damps short waves. "
+                        "models.micropolar = "
+                        "\"eringen\" always dissipates, and so does \"seed\" with fluid.viscosity >= micropolar.transfer_viscosity",
+                        n.coupling, n.viscosity, n.effective_viscosity(),
+                        from > 0 ? fmt::format("waves longer than {:.3g} m", from) : std::string("waves of every length")));
+    }
+    if (n.coupling > 0 && n.response_time() > scene.time.end)
+        add(
+            fmt::format("the spin answers to the flow in {:.3g} s, longer than the run of {:g} s: it does next to nothing. A "
+                        "micropolar.micro_inertia of "
+                        "{:.2g} m^2 would answer in a tenth of the run",
+                        n.response_time(), scene.time.end, 0.2 * scene.time.end * n.coupling / n.density));
+    if (n.coupling == 0) add("the micropolar coupling is 0: the spin does nothing to the flow");
+}
+
+void check_micropolar(const Scene& scene, const Plan& plan, std::vector<Problem>& problems) {
+    const auto report = [&](const std::string& key, const std::string& what, const std::string& hint, const std::string& allowed = "") {
+        problems.push_back({scene.place(key), what, hint, allowed.empty() ? "" : "allowed: " + allowed});
+    };
+    if (plan.micropolar == MicropolarModel::none) {
+        if (plan.viscosity == ViscosityModel::explicit_laplacian && scene.viscosity.laplacian == LaplacianForm::split)
+            report("viscosity.laplacian", "viscosity.laplacian = \"split\" splits by the coupling of a micropolar model, and there is none",
+                   "", "brookshaw or monaghan");
+        return;
+    }
+    if (plan.pressure == PressureModel::coupled)
+        report("models.pressure", "models.pressure = \"coupled\" has no micropolar terms", "take \"wcsph\" or \"ppe\"",
+               "auto, wcsph, ppe or none");
+    if (!scene.fluid.viscosity.is_constant())
+        report("fluid.viscosity", "fluid.viscosity varies, and a micropolar model couples flow and spin by one viscosity", "give a number");
+    const bool calibrates = scene.micropolar.effective_viscosity.has_value();
+    if (calibrates)
+        for (const char* key :
+             {"fluid.viscosity", "micropolar.transfer_viscosity", "micropolar.spin_viscosity", "micropolar.micro_inertia"})
+            if (given(scene, key)) report(key, std::string(key) + " is chosen by micropolar.effective_viscosity", "leave one of them out");
+    if (plan.micropolar == MicropolarModel::seed && plan.spin.grows() && !calibrates && !given(scene, "micropolar.transfer_viscosity"))
+        report("models.micropolar",
+               fmt::format("models.micropolar = \"seed\" would feed energy in: its coupling, fluid.viscosity + the default "
+                           "micropolar.transfer_viscosity = {:g} Pa s, "
+                           "is more than twice the {:g} Pa s that models.viscosity = \"{}\" applies",
+                           scene.micropolar.transfer_viscosity, plan.spin.viscosity, name_of(plan.viscosity)),
+               "give micropolar.transfer_viscosity (at most fluid.viscosity to dissipate; more if that is what you want), or take "
+               "\"eringen\"");
+}
+
+}  // namespace whorl

@@ -1,0 +1,88 @@
+#include "render/look/look_keys.h"
+
+#include "render/look/look.h"
+
+namespace whorl {
+namespace {
+
+KeyTable make_camera_key_keys() {
+    KeyTableOf<CameraKey> t("where the camera is at one moment; it moves smoothly from one to the next");
+    t.key("time", &CameraKey::time, "s", "simulated time").required().at_least(0);
+    t.key("position", &CameraKey::position, "m", "where it stands").required();
+    t.key("target", &CameraKey::target, "m", "where it looks");
+    t.key("fov", &CameraKey::fov, "degrees", "vertical angle of view").above(0).at_most(150);
+    t.all_live();
+    return t;
+}
+
+KeyTable make_camera_keys() {
+    KeyTableOf<CameraOptions> t("from where the pictures are taken");
+    const std::vector<std::string> orbit{"orbit"};
+    t.key("kind", &CameraOptions::kind, "", "auto: frames the domain").one_of({"auto", "fixed", "orbit", "keys"});
+    t.key("position", &CameraOptions::position, "m", "where it stands").required().only_with("kind", {"fixed"});
+    t.key("target", &CameraOptions::target, "m", "where it looks").only_with("kind", {"fixed", "orbit"});
+    t.key("up", &CameraOptions::up, "", "what is up in the picture").only_with("kind", {"fixed", "orbit", "keys"});
+    t.key("fov", &CameraOptions::fov, "degrees", "vertical angle of view").above(0).at_most(150).only_with("kind", {"fixed", "orbit"});
+    t.key("distance", &CameraOptions::distance, "m", "from the target, along the ground").above(0).only_with("kind", orbit);
+    t.key("height", &CameraOptions::height, "m", "above the target").only_with("kind", orbit);
+    t.key("start_angle", &CameraOptions::start_angle, "degrees", "where the turn begins; 0: along +z").only_with("kind", orbit);
+    t.key("degrees_per_second", &CameraOptions::degrees_per_second, "degrees/s", "of simulated time").only_with("kind", orbit);
+    t.all_live();
+    t.list("key", &CameraOptions::keys, make_camera_key_keys());
+    return t;
+}
+
+KeyTable make_look_keys() {
+    KeyTableOf<LookOptions> t("what the pictures show and how");
+    using L = LookOptions;
+    const std::string preset = "; negative: the material's";
+    const std::vector<std::string> surface{"liquid", "opaque"}, field{"particles", "slice", "volume"};
+    t.key("style", &L::style, "",
+          "refracting surface, painted surface; or coloured by a field: particles, a slice through the flow, a transparent volume")
+        .one_of({"liquid", "opaque", "particles", "slice", "volume"});
+    t.key("material", &L::material, "", "preset that the keys below start from")
+        .one_of({"honey", "water", "paint", "chocolate", "lava", "clay"});
+    t.key("absorption", &L::absorption, "1/m", "Beer-Lambert, red, green, blue" + preset).only_with("style", {"liquid"});
+    t.key("colour", &L::colour, "", "linear red, green, blue of an opaque material" + preset).at_most(1).only_with("style", {"opaque"});
+    t.key("refraction", &L::refraction, "", "index of refraction" + preset).at_most(4).only_with("style", {"liquid"});
+    t.key("roughness", &L::roughness, "", "0 mirror, 1 matt" + preset).at_most(1).only_with("style", surface);
+    t.key("cooling", &L::cooling, "s", "lava: time in which it loses most of its glow, where a viscosity depends on age; 0: never" + preset)
+        .only_with("style", surface);
+    t.key("background", &L::background, "", "what stands behind").one_of({"studio", "dark", "white"});
+    t.key("ground", &L::ground, "", "a ground with shadow under the scene");
+    t.key("exposure", &L::exposure, "", "brightness of everything").above(0);
+    t.key("samples", &L::samples, "", "a pixel").at_least(1).at_most(256);
+    t.key("field", &L::field, "", "what is coloured; spin_difference: spin less half of the vorticity")
+        .one_of({"speed", "pressure", "density", "spin", "vorticity", "spin_difference"})
+        .only_with("style", field);
+    t.key("colour_map", &L::colour_map, "", "of the field").one_of({"viridis", "inferno", "coolwarm"}).only_with("style", field);
+    t.key("range", &L::range, "", "lowest and highest value of the colour map; equal: chosen once for the whole film, from the scene")
+        .only_with("style", field);
+    t.key("trail", &L::trail, "s", "how far back each particle's way is drawn; 0: not").at_least(0).only_with("style", {"particles"});
+    t.key("slice_axis", &L::slice_axis, "", "across the slice").one_of({"x", "y", "z"}).only_with("style", {"slice"});
+    t.key("slice_position", &L::slice_position, "m", "of the slice on that axis; auto: the middle of the fluid")
+        .only_with("style", {"slice"});
+    t.key("streaks", &L::streaks, "", "smear the slice along the flow (line integral convolution)").only_with("style", {"slice"});
+    t.key("opacity", &L::opacity, "", "optical depth of the volume where the field is strongest")
+        .above(0)
+        .at_most(100)
+        .only_with("style", {"volume"});
+    t.key("legend", &L::legend, "", "draw the colour map with its numbers and unit").only_with("style", field);
+    t.key("time_stamp", &L::time_stamp, "", "write the time on every picture");
+    t.all_live();
+    return t;
+}
+
+}  // namespace
+
+const KeyTable& camera_keys() {
+    static const KeyTable table = make_camera_keys();
+    return table;
+}
+
+const KeyTable& look_keys() {
+    static const KeyTable table = make_look_keys();
+    return table;
+}
+
+}  // namespace whorl

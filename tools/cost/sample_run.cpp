@@ -1,0 +1,115 @@
+#include "tools/cost/sample_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <regex>
+
+#include "engine/models/viscosity/ageing.h"
+#include "engine/scene/numbers.h"
+
+namespace whorl {
+namespace {
+
+VectorExpression constant(const Vec3d& v) { return {{Expression(v.x()), Expression(v.y()), Expression(v.z())}}; }
+
+/// A viscosity that depends on age [s], as one that depends on height: what lies lowest left the nozzle a whole film ago.
+Expression viscosity_by_height(const Expression& of_age, double end, double length) {
+    return Expression(std::regex_replace(of_age.text(), std::regex("\\bage\\b"), fmt::format("({:.9g}*max(0, 1-y/{:.9g}))", end, length)));
+}
+
+void pour(Scene& scene, const EmitterKeys& emitter, const Expression& viscosity, double particles) {
+    const double d = scene.fluid.spacing, radius = half_thickness(emitter, d) * d;
+    const double length = std::min(particles * d * d * d / (M_PI * radius * radius), 40 * radius);
+    BlockKeys rope;
+    rope.shape.kind = "cylinder";
+    rope.shape.from = {0, 0.5 * d, 0}, rope.shape.to = {0, 0.5 * d + length, 0}, rope.shape.radius = radius;
+    rope.velocity = constant({0.1 * emitter.speed(emitter.start), -emitter.speed(emitter.start), 0});  // aslant, so that it bends
+    rope.sampling = Sampling::blue_noise;
+    if (depends_on_age(viscosity)) scene.fluid.viscosity = viscosity_by_height(viscosity, scene.time.end, length);
+    scene.blocks = {rope};
+    // The nozzle goes on pushing from above, so that the rope bends and every solve has something new to find.
+    EmitterKeys nozzle;
+    nozzle.position = {0, rope.shape.to.y(), 0}, nozzle.direction = {0, -1, 0}, nozzle.radius = radius,
+    nozzle.speed = Expression(emitter.speed(emitter.start));
+    scene.emitters = {nozzle};
+    scene.domain.min = {-10 * radius, -6 * d, -10 * radius}, scene.domain.max = {10 * radius, length + 10 * d, 10 * radius};
+    SolidKeys floor;
+    floor.shape.min = {-8 * radius, -4 * d, -8 * radius}, floor.shape.max = {8 * radius, 0, 8 * radius};
+    scene.solids = {floor};
+}
+
+void half_fill_a_tank(Scene& scene) {
+    const double d = scene.fluid.spacing;
+    BlockKeys water;
+    water.shape.min = {0, 0, 0}, water.shape.max = {14 * d, 16 * d, 14 * d};
+    water.velocity = constant(Vec3d::Zero());
+    scene.blocks = {water};
+    SolidKeys tank;
+    tank.shape.min = {0, 0, 0}, tank.shape.max = {20 * d, 30 * d, 14 * d};
+    tank.inside = true;
+    scene.solids = {tank};
+    scene.domain.min = Vec3d::Constant(-6 * d), scene.domain.max = Vec3d(26, 36, 20) * d;
+}
+
+void turn_a_drop(Scene& scene, double speed) {
+    const double d = scene.fluid.spacing, radius = 9 * d, rate = 0.5 * speed / radius;
+    BlockKeys drop;
+    drop.shape.kind = "sphere";
+    drop.shape.centre = Vec3d::Zero(), drop.shape.radius = radius;
+    drop.velocity = {{Expression(fmt::format("{:.9g}*z", rate)), Expression(0.0), Expression(fmt::format("{:.9g}*x", -rate))}};
+    scene.blocks = {drop};
+    scene.domain.min = Vec3d::Constant(-3 * radius), scene.domain.max = Vec3d::Constant(3 * radius);
+}
+
+void shear(Scene& scene, double speed) {
+    const double d = scene.fluid.spacing, edge = 14 * d;
+    BlockKeys box;
+    box.shape.min = Vec3d::Zero(), box.shape.max = Vec3d::Constant(edge);
+    box.velocity = {{Expression(fmt::format("{:.9g}*sin({:.9g}*y)", speed, 2 * M_PI / edge)), Expression(0.0), Expression(0.0)}};
+    scene.blocks = {box};
+    scene.domain.min = Vec3d::Zero(), scene.domain.max = Vec3d::Constant(edge);
+}
+
+}  // namespace
+
+double poured_particles(const Plan& plan) { return std::clamp(plan.estimated_particles, 600.0, 1500.0); }
+
+double half_thickness(const EmitterKeys& e, double d) {
+    return std::clamp((e.shape == "disc" ? e.radius : 0.5 * std::min(e.width, e.thickness)) / d, 1.5, 6.0);
+}
+
+SceneFile sample_of(const SceneFile& file, const Plan& plan) {
+    SceneFile sample = file;
+    Scene& scene = sample.scene;
+    const bool emits_only = !scene.emitters.empty() && scene.blocks.empty();
+    const bool closed = scene.domain.periodic[0] && scene.domain.periodic[1] && scene.domain.periodic[2];
+    const bool solids = !scene.solids.empty();
+    const double pull = scene.domain.gravity(0).norm();
+    const std::vector<EmitterKeys> emitters = scene.emitters;
+    const Expression poured = emits_only ? scene.viscosity_of_source(1) : scene.fluid.viscosity;
+
+    // The models are the plan's, not chosen again for the small scene.
+    scene.models.pressure = plan.pressure;
+    scene.models.viscosity = plan.viscosity;
+    scene.models.shifting = plan.shifting;
+    if (plan.sound_speed > 0) scene.pressure.sound_speed = plan.sound_speed;
+    scene.fluid.kernel = plan.kernel;
+    scene.fluid.support = plan.support / scene.fluid.spacing;
+    scene.fluid.viscosity = Expression(plan.largest_viscosity);
+    scene.emitters.clear(), scene.probes.clear(), scene.solids.clear(), scene.drains.clear(), scene.places.clear();
+    scene.domain.gravity = constant({0, -pull, 0});
+    sample.camera = {};
+
+    scene.domain.periodic = {closed, closed, closed};
+    if (emits_only) pour(scene, emitters.front(), poured, poured_particles(plan));
+    else if (closed) shear(scene, plan.expected_speed);
+    else if (solids) half_fill_a_tank(scene);
+    else turn_a_drop(scene, plan.expected_speed);
+    if (!solids && !closed) scene.solids.clear(), scene.domain.gravity = constant(Vec3d::Zero());
+    scene.time.end = 1e3 * scene.time.max_step;
+    return sample;
+}
+
+}  // namespace whorl

@@ -1,0 +1,26 @@
+#include "tools/film/contact_sheet.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/image/image.h"
+
+namespace whorl {
+
+std::filesystem::path picture_file(const std::filesystem::path& run_folder, int frame) {
+    return run_folder / "frames" / fmt::format("{:06}.png", frame);
+}
+
+void write_contact_sheet(const std::filesystem::path& run_folder, int frames) {
+    const int pictures = std::min(12, frames);
+    std::vector<Image> images;
+    for (int k = 0; k < pictures; ++k) {
+        const int frame = pictures > 1 ? 1 + static_cast<int>(std::lround(k * (frames - 1.0) / (pictures - 1))) : 1;
+        images.push_back(read_png(picture_file(run_folder, frame)));
+    }
+    if (!images.empty()) write_png(run_folder / "contact.png", contact_sheet(images, 4, 480));
+}
+
+}  // namespace whorl

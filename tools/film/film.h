@@ -1,0 +1,102 @@
+#pragma once
+/// From frames to pictures and files: surface -> draw -> write, each on its own thread, with a bounded queue before each.
+///
+///   add(frame) --> [queue] --> surface --> [queue] --> draw --> [queue] --> write: PNG, video, exports, checkpoint
+///
+/// A full queue makes the caller of add() wait; nothing is dropped. A frame's checkpoint travels with it and is written after its picture,
+/// so a checkpoint never promises pictures that do not exist. What a stage throws stops all stages and comes out of add() or finish().
+#include <atomic>
+#include <exception>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "engine/core/clock.h"
+#include "engine/io/checkpoint.h"
+#include "engine/io/frame.h"
+#include "render/image/image.h"
+#include "render/look/look.h"
+#include "render/surface/surface.h"
+#include "tools/film/bounded_queue.h"
+
+namespace whorl {
+
+/// How a picture is made; a scene may change it from frame to frame.
+struct PictureOptions {
+    SurfaceOptions surface;
+    CameraOptions camera;
+    LookOptions look;
+};
+
+struct FilmOptions {
+    std::filesystem::path folder;      ///< the run folder
+    std::filesystem::path video;       ///< empty: none
+    bool images = true;                ///< false: no surface is drawn, EGL is not touched
+    std::vector<std::string> exports;  ///< points, mesh, vdb
+    int width = 1280, height = 720;
+    double fps = 24;
+    int frames_before = 0;  ///< pictures that stand in the folder already (a resumed run): they begin the video
+};
+
+class Film {
+public:
+    explicit Film(FilmOptions options);
+    /// Stops without finishing; the video so far stays under its partial name.
+    ~Film();
+    Film(const Film&) = delete;
+    Film& operator=(const Film&) = delete;
+
+    /// @param how to make its picture @param state of the run at the frame's time @param write_state also write it to disk
+    /// @throws whatever a stage threw
+    void add(Frame frame, std::shared_ptr<const PictureOptions> how, std::shared_ptr<const Checkpoint> state, bool write_state);
+    /// Waits until all frames are written. @param complete false: the run goes on later, the video keeps its partial name
+    void finish(bool complete);
+
+    /// The state of the newest frame that is wholly written; null before the first.
+    std::shared_ptr<const Checkpoint> newest_state() const;
+    int frames_written() const { return written_; }
+    /// When the first picture was on disk (wall_seconds()); 0 before.
+    double first_picture() const { return first_picture_; }
+    /// Wall and CPU seconds of surface, draw, write (threads that these start included) and encode (the encoder's process, once it has
+    /// ended).
+    StageTimes times() const;
+    /// Renderer and version of the GL in use; "" before the first picture or without pictures.
+    std::string device() const;
+
+private:
+    struct Shot {
+        std::shared_ptr<const Frame> frame;
+        std::shared_ptr<const PictureOptions> how;
+        std::shared_ptr<const Checkpoint> state;
+        bool write_state = false;
+        Surface surface;
+        Image image;
+    };
+    using Queue = BoundedQueue<std::unique_ptr<Shot>>;
+
+    bool exports(const char* what) const;
+    void start(const char* name, void (Film::*work)());
+    void make_surfaces();
+    void draw();
+    void write();
+    void write_files(const Shot& shot);
+    void timed(const char* stage, const std::function<void()>& work);
+    void join();
+    void rethrow() const;
+
+    FilmOptions options_;
+    Queue to_surface_{1}, to_draw_{1}, to_write_{1};
+    std::vector<std::thread> threads_;
+    mutable std::mutex mutex_;  ///< of what follows
+    std::exception_ptr error_;
+    std::shared_ptr<const Checkpoint> newest_state_;
+    StageTimes times_;
+    std::string device_;
+    bool complete_ = false;
+    std::atomic<int> written_{0};
+    std::atomic<double> first_picture_{0};
+};
+
+}  // namespace whorl

@@ -1,0 +1,84 @@
+#include "tools/film/progress.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "engine/core/clock.h"
+
+namespace whorl {
+
+std::string duration(double seconds) {
+    const long s = std::lround(seconds);
+    if (s < 60) return fmt::format("{} s", s);
+    if (s < 3600) return fmt::format("{} min {} s", s / 60, s % 60);
+    return fmt::format("{} h {} min", s / 3600, s / 60 % 60);
+}
+
+std::string grouped(long value) {
+    std::string digits = std::to_string(value);
+    for (auto at = static_cast<long>(digits.size()) - 3; at > 0; at -= 3) digits.insert(at, ",");
+    return digits;
+}
+
+Progress::Progress(int first_frame, int last_frame, bool quiet, bool json)
+    : first_(first_frame), last_(last_frame), quiet_(quiet || json), json_(json), terminal_(isatty(STDERR_FILENO) == 1),
+      began_(wall_seconds()), landed_at_(began_) {}
+
+Progress::~Progress() { clear(); }
+
+void Progress::clear() {
+    if (line_open_) std::fputs("\r\033[K", stderr);
+    line_open_ = false;
+}
+
+void Progress::say(const std::string& text) {
+    clear();
+    if (!quiet_) std::fprintf(stderr, "%s\n", text.c_str());
+}
+
+void Progress::step(const Simulation& simulation, int frame) { show(simulation, frame, false); }
+
+void Progress::landed(const Simulation& simulation, int frame, double iterations) {
+    const double now = wall_seconds(), spent = now - landed_at_;
+    landed_at_ = now;
+    iterations_ = iterations;
+    if (frame > first_) frame_seconds_ = frame_seconds_ > 0 ? 0.8 * frame_seconds_ + 0.2 * spent : spent;
+    if (json_) {
+        const nlohmann::ordered_json line{{"event", "frame"},
+                                          {"frame", frame},
+                                          {"frames", last_},
+                                          {"time", simulation.time()},
+                                          {"particles", simulation.world().fluid.size()},
+                                          {"steps", simulation.totals().steps},
+                                          {"iterations", iterations},
+                                          {"wall_seconds", now - began_},
+                                          {"seconds_left", frame_seconds_ * (last_ - frame)}};
+        std::printf("%s\n", line.dump().c_str());
+        std::fflush(stdout);
+    }
+    show(simulation, frame, frame == last_);
+}
+
+void Progress::show(const Simulation& simulation, int frame, bool must) {
+    const double now = wall_seconds();
+    if (quiet_ || (!must && now - shown_ < (terminal_ ? 0.1 : 5))) return;
+    shown_ = now;
+    std::string line =
+        fmt::format("frame {}/{}  t {:.3g} s  {} particles", frame, last_, simulation.time(), grouped(simulation.world().fluid.size()));
+    if (iterations_ > 0) line += fmt::format("  {:.0f} it", iterations_);
+    if (frame_seconds_ > 0)
+        line += fmt::format("  {:.0f} ms/frame  {} left", 1000 * frame_seconds_, duration(frame_seconds_ * (last_ - frame)));
+    if (terminal_) {
+        std::fprintf(stderr, "\r\033[K%s", line.c_str());
+        std::fflush(stderr);
+        line_open_ = true;
+    } else {
+        std::fprintf(stderr, "%s\n", line.c_str());
+    }
+}
+
+}  // namespace whorl

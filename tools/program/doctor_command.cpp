@@ -1,0 +1,94 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "engine/core/parallel.h"
+#include "engine/core/version.h"
+#include "render/gl/renderer.h"
+#include "render/video/encoder.h"
+#include "tools/program/command.h"
+
+namespace whorl {
+namespace {
+
+struct Findings {
+    std::vector<DeviceAttempt> devices;
+    std::string encoder;
+    unsigned cores = 0;
+    int threads = 0;
+    double memory = 0, free = 0;        ///< bytes
+    std::vector<std::string> packages;  ///< to install
+    bool draws() const {
+        return std::any_of(devices.begin(), devices.end(), [](const DeviceAttempt& d) { return d.works; });
+    }
+};
+
+Findings look_around() {
+    Findings f;
+    f.devices = probe_devices();
+    f.encoder = encoder_version();
+    f.cores = std::thread::hardware_concurrency();
+    f.threads = threads();
+    std::ifstream in("/proc/meminfo");
+    for (std::string name, rest; in >> name && std::getline(in, rest);) {
+        if (name == "MemTotal:") f.memory = 1024 * std::stod(rest);
+        if (name == "MemAvailable:") f.free = 1024 * std::stod(rest);
+    }
+    if (!f.draws()) f.packages.insert(f.packages.end(), {"libegl1", "libegl-mesa0", "libgl1-mesa-dri"});
+    if (f.encoder.empty()) f.packages.emplace_back("ffmpeg");
+    return f;
+}
+
+std::string remedy(const Findings& f) { return fmt::format("apt-get install {}", fmt::join(f.packages, " ")); }
+
+void print_text(const Findings& f) {
+    fmt::print("whorl {}, {} precision\n\n", WHORL_VERSION, sizeof(Real) == 4 ? "float" : "double");
+    fmt::print("drawing   {}\n", f.draws() ? "works, with the first that does of:" : "does not work; tried:");
+    for (const DeviceAttempt& d : f.devices)
+        fmt::print("          {:<6} {}{}: {}\n", d.works ? "works" : "fails", d.name, d.hardware ? " (hardware)" : "", d.outcome);
+    fmt::print("video     {}\n", f.encoder.empty() ? "does not work: no ffmpeg program found" : f.encoder);
+    fmt::print("threads   {} of {} cores\n", f.threads, f.cores);
+    fmt::print("memory    {:.1f} of {:.1f} GB free\n", f.free / 1e9, f.memory / 1e9);
+    if (f.packages.empty()) fmt::print("\nEverything that a render needs is there.\n");
+    else fmt::print("\nTo install what is missing (as root):\n  {}\n", remedy(f));
+}
+
+void print_json(const Findings& f) {
+    nlohmann::ordered_json devices = nlohmann::ordered_json::array();
+    for (const DeviceAttempt& d : f.devices)
+        devices.push_back({{"name", d.name}, {"hardware", d.hardware}, {"works", d.works}, {"outcome", d.outcome}});
+    const nlohmann::ordered_json all = {{"version", WHORL_VERSION},
+                                        {"precision", sizeof(Real) == 4 ? "float" : "double"},
+                                        {"drawing", {{"works", f.draws()}, {"devices", devices}}},
+                                        {"video", {{"works", !f.encoder.empty()}, {"encoder", f.encoder}}},
+                                        {"threads", f.threads},
+                                        {"cores", f.cores},
+                                        {"memory_bytes", f.memory},
+                                        {"free_memory_bytes", f.free},
+                                        {"install", f.packages.empty() ? "" : remedy(f)}};
+    fmt::print("{}\n", all.dump(2));
+}
+
+}  // namespace
+
+void add_doctor(CLI::App& program, Job& chosen) {
+    const auto json = std::make_shared<bool>(false);
+    CLI::App* app =
+        program.add_subcommand("doctor", "what was found to draw, encode and compute with, and what to install if something is missing");
+    app->add_flag("--json", *json, "machine-readable");
+    app->footer("Example:\n  whorl doctor                exit code 0 where a render can be drawn and encoded, else 1");
+    app->callback([json, &chosen] {
+        chosen = [json] {
+            const Findings f = look_around();
+            *json ? print_json(f) : print_text(f);
+            return f.packages.empty() ? exit_done : exit_failed;
+        };
+    });
+}
+
+}  // namespace whorl

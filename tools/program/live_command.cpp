@@ -1,0 +1,147 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "engine/core/parallel.h"
+#include "engine/core/whole_file.h"
+#include "tools/film/interrupt.h"
+#include "tools/film/report.h"
+#include "tools/film/run_folder.h"
+#include "tools/live/access.h"
+#include "tools/live/server.h"
+#include "tools/live/watch.h"
+#include "tools/program/command.h"
+#include "tools/program/run_options.h"
+
+namespace whorl {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct LiveOptions {
+    Options shared;
+    ServerOptions server;
+    bool paused = false, unpaced = false;
+};
+
+struct Size {
+    int width = 0, height = 0;
+};
+Size size_of(const std::string& text) {
+    Size size;
+    char end = 0;
+    if (std::sscanf(text.c_str(), "%5dx%5d%c", &size.width, &size.height, &end) != 2 || size.width < 16 || size.height < 16 ||
+        size.width > 4096 || size.height > 4096 || size.width % 2 != 0 || size.height % 2 != 0)
+        throw InputError({"--size " + text, 0, 0}, "a size is width x height in pixels", "",
+                         "allowed: even numbers from 16 to 4096, as in 640x360");
+    return size;
+}
+
+/// out/honey_coil_live, or with a number behind it: recordings of earlier runs stay.
+fs::path free_folder(const std::string& scene) {
+    for (int k = 1;; ++k) {
+        const fs::path folder = fs::path("out") / (scene + "_live" + (k > 1 ? "_" + std::to_string(k) : ""));
+        if (!fs::exists(folder)) return folder;
+    }
+}
+
+void check_server(ServerOptions& server) {
+    if (server.port < 0 || server.port > 65535)
+        throw InputError({"--port", 0, 0}, "no such port", "", "allowed: 0 (any free one) to 65535");
+    if (!is_loopback(server.host) && server.token.empty()) server.token = random_token();
+}
+
+void write_report(const fs::path& folder, const Simulation& simulation, const std::string& status) {
+    RunReport report;
+    report.status = status;
+    write_text(folder / "run.json", run_json(simulation, report).dump(2) + "\n");
+}
+
+int live(LiveOptions options) {
+    set_threads(options.shared.threads);
+    check_server(options.server);
+    const Size size = size_of(options.shared.size);
+    options.shared.size.clear();  // of the page's pictures, not of a film of the recording
+    Wishes wishes(options.shared);
+    if (options.paused) wishes.pause();
+    const std::size_t recorded = read_scene_file(options.shared).scene.changes.size();
+    if (recorded > 0) wishes.tell(false, fmt::format("{} recorded changes are left out: whorl render repeats them", recorded));
+
+    InterruptGuard interrupt;
+    Screen screen(size.width, size.height);
+    Status status;
+    LiveServer server(options.server, wishes, screen, status);  // a port that is taken is told before anything is written
+    const RunFolder folder = RunFolder::fresh(options.shared.out.empty() ? free_folder(wishes.file().scene.name) : options.shared.out);
+    Journal journal(folder.path());
+    LiveLoop loop(wishes, screen, journal, status, !options.unpaced);
+    write_report(folder.path(), loop.simulation(), "running");
+    struct Serving {  // ends before what it answers from does
+        LiveServer& server;
+        ~Serving() { server.stop(); }
+    };
+    server.start([&] { return loop.save_recording(); }, folder.path());
+    const Serving serving{server};
+    const FileWatch watch([&] { return wishes.scene_path(); }, [&] { wishes.file_edited(); });
+
+    std::printf("%s\n", server.url().c_str());
+    std::fflush(stdout);
+    if (!options.shared.quiet) fmt::print(stderr, "whorl: live in a browser at the address above; Ctrl-C ends it\n");
+    loop.run([&] { return interrupt.interrupted(); });
+
+    server.stop();
+    screen.stop_recording();
+    screen.close();
+    write_report(folder.path(), loop.simulation(), "done");
+    if (!options.shared.quiet)
+        fmt::print(stderr, "whorl: recorded; to repeat it as a film: whorl render {} --quality {}\n", journal.file().string(),
+                   wishes.options().quality);
+    return exit_done;
+}
+
+const char* const endpoints =
+    "The first line on standard output is the page's address. The scene file is watched: what is saved acts at once, where it can.\n"
+    "Every change is recorded with its time: whorl render RUN_FOLDER/recording.toml repeats the run, frame for frame, at any quality.\n"
+    "With another --host than 127.0.0.1, every request needs the token that the address shows (?token=..., or Authorization: Bearer ...).\n"
+    "\n"
+    "For programs (JSON):\n"
+    "  GET  /state           time, frame, particles, every live key's value, ms by stage, energies, iterations, probes\n"
+    "  GET  /keys            every key with unit, range and meaning; whether it may change while the run goes on; the models and why\n"
+    "  POST /set             {\"fluid.viscosity\": 500, \"emitter[0].speed\": \"0.2+0.1*sin(6*t)\"}: all or nothing; 400 with the reason\n"
+    "  POST /control         {\"do\": \"pause\"}, play, step, undo, record, stop_recording, restart\n"
+    "                        {\"do\": \"restart\", \"scene\": \"dam_break\", \"quality\": \"draft\", \"set\": {...}, \"forget\": true}: "
+    "all but \"do\" optional\n"
+    "  GET  /frame.png       the newest picture (X-Time, X-Frame)\n"
+    "  GET  /stream          MJPEG; a slow viewer misses pictures, nobody waits for it\n"
+    "  GET  /events          server-sent events: the state whenever it changes\n"
+    "  GET  /scene.toml      the scene with the present values\n"
+    "  GET  /recording.toml  the scene and every change so far\n"
+    "\n"
+    "Examples:\n"
+    "  whorl live honey_coil\n"
+    "  whorl live my_scene.toml --port 0 --quality standard --size 1280x720\n"
+    "  curl -s localhost:8080/state\n"
+    "  curl -s localhost:8080/set -d '{\"fluid.viscosity\": 200, \"look.material\": \"chocolate\"}'\n"
+    "  curl -s localhost:8080/control -d '{\"do\": \"pause\"}'; curl -s localhost:8080/frame.png > now.png";
+
+}  // namespace
+
+void add_live(CLI::App& program, Job& chosen) {
+    const auto options = std::make_shared<LiveOptions>();
+    options->shared.quality = "draft";
+    options->shared.size = "640x360";
+    CLI::App* app = program.add_subcommand("live", "the same loop in a browser: watch it pour, turn the knobs, keep what you like");
+    add_options(*app, options->shared,
+                {Option::scene, Option::set, Option::out, Option::size, Option::quality, Option::threads, Option::seed, Option::quiet});
+    app->add_option("--host", options->server.host, "address to listen on (default: 127.0.0.1, this machine only)")->type_name("ADDRESS");
+    app->add_option("--port", options->server.port, "port (default: 8080; 0: any that is free)")->type_name("N");
+    app->add_option("--token", options->server.token,
+                    "what every request must bring (default: a random one where --host is not this machine)")
+        ->type_name("TEXT");
+    app->add_flag("--paused", options->paused, "do not play at once");
+    app->add_flag("--unpaced", options->unpaced, "as fast as it goes, not in real time");
+    app->footer(endpoints);
+    app->callback([options, &chosen] { chosen = [options] { return live(*options); }; });
+}
+
+}  // namespace whorl

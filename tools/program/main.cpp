@@ -1,0 +1,73 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+
+#include "engine/core/errors.h"
+#include "engine/core/parallel.h"
+#include "engine/core/version.h"
+#include "tools/program/command.h"
+
+namespace {
+
+const char* const examples =
+    "Examples:\n"
+    "  whorl render honey_coil                       frames, video and diagnostics in out/honey_coil\n"
+    "  whorl render honey_coil --quality draft --until 1 --set fluid.viscosity=300\n"
+    "  whorl render my_scene.toml --out runs/a --size 1920x1080 --export mesh\n"
+    "  whorl live honey_coil                         the same in a browser, while it pours\n"
+    "  whorl plan my_scene.toml                      what would be modelled, why, and what it costs\n"
+    "  whorl resume runs/a                           go on after an interruption\n"
+    "  whorl tradeoff coil_frequency --budget 10min  what accuracy costs: sweep, Pareto front\n";
+
+/// The nearest subcommand or option to a word that was not expected.
+std::string meant(const CLI::App& at, const std::string& word) {
+    std::vector<std::string> names;
+    for (const CLI::App* sub : at.get_subcommands([](const CLI::App*) { return true; })) names.push_back(sub->get_name());
+    for (const CLI::Option* option : at.get_options())
+        for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    const std::string near = whorl::nearest_name(word.substr(0, word.find('=')), names);
+    return near.empty() ? "" : "; did you mean \"" + near + "\"?";
+}
+
+/// Bad input of any kind ends with 2.
+int end_of_parsing(CLI::App& program, const CLI::ParseError& e, const std::vector<std::string>& words) {
+    if (e.get_exit_code() == 0) return program.exit(e);  // --help, --version
+    const CLI::App* at = &program;
+    while (!at->get_subcommands().empty()) at = at->get_subcommands().front();
+    const std::string name = at == &program ? "whorl" : "whorl " + at->get_name();
+    std::string what = e.what(), hint;
+    if (at == &program && !words.empty()) {
+        what = (words[0][0] == '-' ? "unknown option \"" : "unknown subcommand \"") + words[0] + "\"";
+        hint = meant(program, words[0]);
+    } else if (const std::vector<std::string> left = at->remaining(); !left.empty()) {
+        what = "unexpected argument \"" + left[0] + "\"";
+        hint = meant(*at, left[0]);
+    }
+    fmt::print(stderr, "{}: {}{}; see {} --help\n", name, what, hint, name);
+    return whorl::exit_bad_input;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    whorl::wait_passively(argv);
+    CLI::App program("Whorl: viscous coils and micropolar vortices, from a scene file to a video", "whorl");
+    program.set_version_flag("--version", std::string("whorl ") + WHORL_VERSION, "print the version");
+    program.footer(examples);
+    program.require_subcommand(1);
+
+    whorl::Job chosen;
+    whorl::add_render(program, chosen);
+    whorl::add_live(program, chosen);
+    whorl::add_plan(program, chosen);
+    whorl::add_resume(program, chosen);
+    whorl::add_video(program, chosen);
+    whorl::add_tradeoff(program, chosen);
+    whorl::add_stability(program, chosen);
+    whorl::add_schema(program, chosen);
+    whorl::add_doctor(program, chosen);
+    try {
+        program.parse(argc, argv);
+    } catch (const CLI::ParseError& e) { return end_of_parsing(program, e, {argv + 1, argv + argc}); }
+    return whorl::run_guarded(chosen);
+}

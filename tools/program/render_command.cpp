@@ -1,0 +1,56 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "engine/core/parallel.h"
+#include "engine/scene/plan.h"
+#include "tools/film/run.h"
+#include "tools/program/command.h"
+#include "tools/program/run_options.h"
+
+namespace whorl {
+namespace {
+
+/// What would be run, without running it.
+int dry_run(const RunRequest& request) {
+    const Scene& scene = request.file.scene;
+    const Plan plan = make_plan(scene);
+    for (const Choice& c : plan.choices) fmt::print("{} = {}{}\n", c.key, c.value, c.reason.empty() ? "" : "  (" + c.reason + ")");
+    for (const std::string& warning : plan.warnings) fmt::print("warning: {}\n", warning);
+    fmt::print("{} frames, about {:.0f} particles at the end, into {}\n", request.frames.value_or(frame_count(scene)),
+               plan.estimated_particles, request.folder.string());
+    return exit_done;
+}
+
+int render(const Options& options) {
+    set_threads(options.threads);
+    RunRequest request;
+    request.file = read_scene_file(options);
+    request.folder = options.out.empty() ? std::filesystem::path("out") / request.file.scene.name : options.out;
+    request.frames = options.frames;
+    if (request.frames) request.frames = std::min(*request.frames, frame_count(request.file.scene));
+    request.quiet = options.quiet;
+    request.json = options.json;
+    return options.dry_run ? dry_run(request) : run_scene(request);
+}
+
+}  // namespace
+
+void add_render(CLI::App& program, Job& chosen) {
+    const auto options = std::make_shared<Options>();
+    CLI::App* app = program.add_subcommand("render", "simulate a scene and film it: frames, video and diagnostics in a run folder");
+    add_options(*app, *options,
+                {Option::scene, Option::set, Option::with, Option::out, Option::until, Option::frames, Option::size, Option::fps,
+                 Option::quality, Option::no_video, Option::no_images, Option::exports, Option::threads, Option::seed, Option::dry_run,
+                 Option::quiet, Option::json});
+    app->footer(
+        "A run folder that stands already is replaced; a folder that is none is refused. Ctrl-C saves the state.\n"
+        "Examples:\n"
+        "  whorl render honey_coil\n"
+        "  whorl render honey_coil --quality draft --until 1 --size 640x360 --out runs/try\n"
+        "  whorl render dam_break --no-images --set fluid.spacing=0.01");
+    app->callback([options, &chosen] { chosen = [options] { return render(*options); }; });
+}
+
+}  // namespace whorl

@@ -1,0 +1,59 @@
+#include "tools/program/run_options.h"
+
+#include <CLI/CLI.hpp>
+
+namespace whorl {
+
+void add_options(CLI::App& app, Options& o, std::initializer_list<Option> which) {
+    for (const Option option : which) switch (option) {
+            case Option::scene:
+                app.add_option("scene", o.scene, "scene file, or the name of a scene that ships (honey_coil)")
+                    ->required()
+                    ->type_name("SCENE");
+                break;
+            case Option::set:
+                app.add_option("--set", o.set, "change a key of the scene: fluid.viscosity=100, emitter[0].speed=0.3 (repeatable)")
+                    ->type_name("KEY=VALUE")
+                    ->allow_extra_args(false);
+                break;
+            case Option::with:
+                app.add_option("--with", o.with,
+                               "lay the keys of this file over the scene's (what `whorl tradeoff --recommend` wrote, say; repeatable)")
+                    ->type_name("FILE")
+                    ->allow_extra_args(false);
+                break;
+            case Option::out: app.add_option("--out", o.out, "run folder (default: out/<scene name>)")->type_name("DIR"); break;
+            case Option::until: app.add_option("--until", o.until, "end of the run [s] (time.end)")->type_name("T"); break;
+            case Option::frames:
+                app.add_option("--frames", o.frames, "stop after so many frames")->type_name("N")->check(CLI::PositiveNumber);
+                break;
+            case Option::size:
+                app.add_option("--size", o.size, "pixels of a picture, as in 1280x720 (output.size)")->type_name("WxH");
+                break;
+            case Option::fps: app.add_option("--fps", o.fps, "frames a second of film (time.fps)")->type_name("N"); break;
+            case Option::quality:
+                app.add_option("--quality", o.quality,
+                               "draft, standard or fine: what the scene's [quality] tables say, and samples a pixel")
+                    ->type_name("NAME");
+                break;
+            case Option::no_video: app.add_flag("--no-video", o.no_video, "pictures only"); break;
+            case Option::no_images: app.add_flag("--no-images", o.no_images, "simulate and diagnose only"); break;
+            case Option::exports:
+                app.add_option("--export", o.exports, "write points, mesh, vdb for other programs (a list with commas)")
+                    ->type_name("KINDS")
+                    ->delimiter(',')
+                    ->allow_extra_args(false);
+                break;
+            case Option::threads:
+                app.add_option("--threads", o.threads, "threads (default: all cores); never changes the result")
+                    ->type_name("N")
+                    ->check(CLI::Range(0, 1024));
+                break;
+            case Option::seed: app.add_option("--seed", o.seed, "seed of everything random (seed)")->type_name("N"); break;
+            case Option::dry_run: app.add_flag("--dry-run", o.dry_run, "check everything, run nothing, write nothing"); break;
+            case Option::quiet: app.add_flag("--quiet", o.quiet, "no progress"); break;
+            case Option::json: app.add_flag("--json", o.json, "machine-readable progress and result on standard output"); break;
+        }
+}
+
+}  // namespace whorl

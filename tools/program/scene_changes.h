@@ -1,0 +1,74 @@
+#pragma once
+/// Single keys of a scene that was read: listing them, changing them, and what changes while the scene runs.
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "engine/core/keys.h"
+#include "engine/scene/document.h"
+#include "engine/scene/plan.h"
+#include "tools/program/run_options.h"
+
+namespace whorl {
+
+/// A key that a scene uses, by its full name: "emitter[0].speed".
+struct UsedKey {
+    std::string path;
+    const Key* key;
+    const void* object;
+    Value value() const { return key->get(object); }
+};
+/// Every key that counts in this scene, in the order of the resolved file. Valid while `file` lives; its changes are not among them.
+std::vector<UsedKey> used_keys(const SceneFile& file);
+
+/// A key's full name: emitter.0.speed is emitter[0].speed.
+std::string full_path(const std::string& path);
+
+/// A new value for a key. `source` stands for file, line and column in messages.
+struct KeyChange {
+    std::string path;
+    Value value;
+    Place source;
+};
+
+/// What the user typed as "key=value" (Change), with its value read. @throws InputError
+KeyChange read_change(const Change& change);
+
+/// The scene with all of the changes; shares nothing with `file` (expressions are not thread-safe).
+/// @throws InputError with all that is wrong
+SceneFile changed(const SceneFile& file, const std::vector<KeyChange>& changes);
+
+/// Those paths whose keys may not change while a run goes on, and why, one line each; nothing where all may.
+std::vector<std::string> needs_restart(const SceneFile& before, const SceneFile& now);
+/// Whether the simulation (not only the picture) goes by something else.
+bool decides(const SceneFile& before, const SceneFile& now);
+
+/// A scene with the [[change]] entries of time 0 made and taken out; the later ones stay. @param beat changes that beat those (--set)
+/// @throws InputError where any entry cannot be made, with its place
+SceneFile with_first_changes(const SceneFile& file, const std::vector<KeyChange>& beat = {});
+
+/// A scene that changes while it runs: its [[change]] entries in the order of their times.
+class Replay {
+public:
+    /// Tries every change. @throws InputError where one is wrong, or cannot be made while the run goes on
+    explicit Replay(const SceneFile& file);
+
+    const SceneFile& now() const { return now_; }
+    /// s, of the next change that was not made; infinite where there is none
+    double next() const;
+    /// What to call for each moment: simulation(scene, plan, time) where the simulation goes by something else from then on.
+    using Follow = std::function<void(const Scene&, const Plan&, double)>;
+    /// Makes all changes up to `time` [s], a moment after the other. @return whether there was any
+    bool make_until(double time, const Follow& simulation);
+
+private:
+    SceneFile moment(std::size_t& change) const;
+
+    SceneFile now_;
+    std::vector<ChangeKeys> changes_;
+    std::vector<Place> places_;
+    std::size_t made_ = 0;
+};
+
+}  // namespace whorl

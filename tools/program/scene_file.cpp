@@ -1,0 +1,177 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "engine/scene/read.h"
+#include "render/look/look_keys.h"
+#include "render/surface/surface_keys.h"
+#include "tools/program/known_sections.h"
+#include "tools/program/run_options.h"
+#include "tools/program/scene_changes.h"
+
+namespace whorl {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<Section> sections_of(SceneFile& file) {
+    return {{"surface", &surface_keys(), &file.surface}, {"camera", &camera_keys(), &file.camera}, {"look", &look_keys(), &file.look}};
+}
+
+/// Folders of scenes that ship: beside an installed program, or the source tree of a build.
+std::vector<fs::path> scene_folders() {
+    std::vector<fs::path> folders;
+    std::error_code ignored;
+    const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
+    if (!program.empty()) folders.push_back(program.parent_path().parent_path() / "share" / "whorl" / "scenes");
+    folders.emplace_back(WHORL_BUILD_SCENES);
+    return folders;
+}
+
+/// Sweeps over scenes lie in folders of their own: they are no scenes.
+bool is_study(const fs::path& file) {
+    const std::string folder = file.parent_path().filename().string();
+    return folder == "tradeoff" || folder == "stability";
+}
+
+/// Scenes that ship, or with `studies` the sweeps that ship.
+std::vector<std::pair<std::string, fs::path>> shipped(bool studies) {
+    std::vector<std::pair<std::string, fs::path>> found;
+    for (const fs::path& folder : scene_folders()) {
+        std::error_code ignored;
+        for (const auto& entry : fs::recursive_directory_iterator(folder, ignored))
+            if (entry.path().extension() == ".toml" && is_study(entry.path()) == studies)
+                found.emplace_back(entry.path().stem().string(), entry.path());
+        if (!found.empty()) break;
+    }
+    std::sort(found.begin(), found.end());
+    return found;
+}
+
+std::string joined(const std::vector<std::string>& names) {
+    std::string text;
+    for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+    return text;
+}
+
+/// The options that are keys of the scene, as changes to it.
+std::vector<Change> changes_of(const Options& options) {
+    std::vector<Change> changes;
+    for (const std::string& text : options.set) changes.push_back(parse_change(text));
+    const auto add = [&](const std::string& key, const std::string& value, const std::string& option) {
+        changes.push_back({key, value, option});
+    };
+    if (options.until) add("time.end", Value(*options.until).toml(), "--until " + Value(*options.until).toml());
+    if (options.fps) add("time.fps", Value(*options.fps).toml(), "--fps " + Value(*options.fps).toml());
+    if (options.seed) add("seed", std::to_string(*options.seed), "--seed " + std::to_string(*options.seed));
+    if (!options.size.empty()) {
+        const std::size_t x = options.size.find('x');
+        const std::string width = options.size.substr(0, x), height = x == std::string::npos ? "" : options.size.substr(x + 1);
+        const auto whole = [](const std::string& s) {
+            return !s.empty() && s.size() < 6 && s.find_first_not_of("0123456789") == std::string::npos;
+        };
+        if (!whole(width) || !whole(height))
+            throw InputError({"--size " + options.size, 0, 0}, "a size is width x height in pixels", "", "allowed: as in 1280x720");
+        add("output.size", "[" + std::to_string(std::stoi(width)) + ", " + std::to_string(std::stoi(height)) + "]",
+            "--size " + options.size);
+    }
+    if (options.no_images) add("output.frames", "false", "--no-images"), add("output.video", "false", "--no-images");
+    if (options.no_video) add("output.video", "false", "--no-video");
+    if (!options.exports.empty()) {
+        Value::List list;
+        for (const std::string& name : options.exports) list.emplace_back(name);
+        add("output.export", Value(list).toml(), "--export " + joined(options.exports));
+    }
+    return changes;
+}
+
+/// What a quality means in every scene; the scene's own [quality] table goes further.
+std::vector<Change> presets_of(const std::string& quality) {
+    if (quality == "draft") return {{"look.samples", "1", "--quality draft"}};
+    if (quality == "fine") return {{"look.samples", "16", "--quality fine"}};
+    return {};
+}
+
+/// @throws InputError where the picture asks for a field that the run will not have
+void check_look(const SceneFile& file) {
+    const bool of_spin = file.look.field == "spin" || file.look.field == "spin_difference";
+    if (shows_field(file.look) && of_spin && file.scene.models.micropolar == MicropolarModel::none)
+        throw InputError(file.scene.place("look.field"), "look.field = \"" + file.look.field + "\" needs particles that spin",
+                         "set models.micropolar, or show \"vorticity\"");
+}
+
+SceneFile read(const fs::path& path, ReadRequest request) {
+    SceneFile file;
+    request.sections = sections_of(file);
+    file.scene = read_scene(path.string(), request);
+    check_look(file);
+    if (file.scene.changes.empty()) return file;
+    std::vector<KeyChange> beat;
+    for (const Change& change : request.changes) beat.push_back(read_change(change));
+    return with_first_changes(file, beat);
+}
+
+fs::path find_file(const std::string& name, bool study) {
+    std::error_code ignored;
+    if (fs::is_regular_file(name, ignored)) return name;
+    const auto known = shipped(study);
+    const char* kind = study ? "study" : "scene";
+    const bool bare = name.find('/') == std::string::npos;
+    const std::string stem = fs::path(name).extension() == ".toml" ? fs::path(name).stem().string() : name;
+    std::vector<std::string> names;
+    for (const auto& [scene, path] : known) {
+        if (bare && scene == stem) return path;
+        names.push_back(scene);
+    }
+    if (fs::is_directory(name, ignored)) throw InputError({name, 0, 0}, fmt::format("is a folder, not a {} file", kind));
+    const std::string near = nearest_name(bare ? stem : "", names);
+    throw InputError({name, 0, 0}, fmt::format("no such {} file", kind), near.empty() ? "" : "did you mean \"" + near + "\"?",
+                     names.empty() ? "" : "allowed: a path, or one of " + joined(names));
+}
+
+}  // namespace
+
+std::vector<Section> known_sections() {
+    return {{"surface", &surface_keys(), nullptr}, {"camera", &camera_keys(), nullptr}, {"look", &look_keys(), nullptr}};
+}
+
+SceneFile read_scene_file(const Options& options) {
+    if (options.quality != "draft" && options.quality != "standard" && options.quality != "fine") {
+        const std::string near = nearest_name(options.quality, {"draft", "standard", "fine"});
+        throw InputError({"--quality " + options.quality, 0, 0}, "no such quality", near.empty() ? "" : "did you mean \"" + near + "\"?",
+                         "allowed: draft, standard or fine");
+    }
+    ReadRequest request;
+    request.quality = options.quality;
+    request.presets = presets_of(options.quality);
+    request.overlays = options.with;
+    request.changes = changes_of(options);
+    return read(find_scene(options.scene), std::move(request));
+}
+
+SceneFile read_scene_file(const fs::path& path, const std::vector<std::string>& set) {
+    ReadRequest request;
+    for (const std::string& text : set) request.changes.push_back(parse_change(text));
+    return read(path, std::move(request));
+}
+
+SceneFile read_resolved(const std::string& text, const std::string& path) {
+    SceneFile file;
+    ReadRequest request;
+    request.sections = sections_of(file);
+    file.scene = read_scene_text(text, path, request);
+    check_look(file);
+    return file;
+}
+
+std::string resolved_toml(const SceneFile& file) {
+    SceneFile copy = file;
+    return resolved_toml(copy.scene, sections_of(copy));
+}
+
+std::vector<std::pair<std::string, fs::path>> shipped_scenes() { return shipped(false); }
+
+fs::path find_scene(const std::string& name) { return find_file(name, false); }
+fs::path find_study(const std::string& name) { return find_file(name, true); }
+
+}  // namespace whorl

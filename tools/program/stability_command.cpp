@@ -1,0 +1,311 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "engine/core/clock.h"
+#include "engine/core/whole_file.h"
+#include "engine/sim/simulation.h"
+#include "tools/film/progress.h"
+#include "tools/program/command.h"
+#include "tools/program/run_options.h"
+#include "tools/study/jobs.h"
+#include "tools/study/plot.h"
+#include "tools/study/stability.h"
+#include "tools/study/sweep.h"
+
+namespace whorl {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr double not_measured = std::numeric_limits<double>::quiet_NaN();
+
+struct Cell {
+    Verdict verdict;
+    double largest_stable = not_measured;  ///< of the bisected key; NaN: none was, or nothing is stable
+    std::map<std::string, double> limits;  ///< s, the time steps that the models allow at the start, from the plan
+};
+
+/// One scene of a study, swept over two knobs (one: a map of one row), a map for each value of a third.
+class StabilityMap {
+public:
+    StabilityMap(const Study& study, const SweepOptions& options, std::string scene, fs::path folder)
+        : study_(study), options_(options), scene_(std::move(scene)), folder_(std::move(folder)), runner_(study, folder_, options.threads),
+          nx_(values(0).size()), ny_(values(1).size()), panels_(values(2).size()), cells_(nx_ * ny_ * panels_),
+          was_run_(cells_.size(), false) {}
+
+    void run() {
+        const double began = wall_seconds(), budget = seconds_of(options_.budget);
+        Jobs<Cell> jobs(options_.jobs);
+        std::size_t started = 0, done = 0;
+        while (started < cells_.size() || !jobs.empty()) {
+            const bool spent = budget > 0 && wall_seconds() - began > budget;
+            if (started < cells_.size() && !jobs.full() && !spent) {
+                start(jobs, started++);
+            } else if (!jobs.empty()) {
+                auto [k, cell] = jobs.next();
+                cells_[k] = std::move(cell), was_run_[k] = true;
+                ++done;
+                tell(k, done, (wall_seconds() - began) / static_cast<double>(done) * static_cast<double>(cells_.size() - done));
+            } else {
+                say(fmt::format("the budget of {} is spent; the same command goes on from here", options_.budget));
+                break;
+            }
+        }
+        write_table();
+        draw();
+        conclude();
+    }
+
+private:
+    const std::vector<std::string>& values(std::size_t knob) const {
+        static const std::vector<std::string> one{""};
+        return knob < study_.knobs.size() ? study_.knobs[knob].values : one;
+    }
+    void say(const std::string& text) const {
+        if (!options_.json) fmt::print("{}\n", text), std::fflush(stdout);
+    }
+    bool bisects() const { return !study_.stability.bisect.empty(); }
+
+    /// Cells lie along the first knob, then the second, then the third.
+    std::vector<std::string> settings(std::size_t k) const {
+        GridPoint p{static_cast<int>(k % nx_)};
+        if (study_.knobs.size() > 1) p.push_back(static_cast<int>(k / nx_ % ny_));
+        if (study_.knobs.size() > 2) p.push_back(static_cast<int>(k / nx_ / ny_));
+        return settings_at(study_, p);
+    }
+
+    std::string note(const Cell& cell) const {
+        if (!bisects() || cell.verdict.state == "refused") return cell.verdict.state;
+        return std::isfinite(cell.largest_stable) ? fmt::format("to {:.3g}", cell.largest_stable) : "nowhere stable";
+    }
+
+    void tell(std::size_t k, std::size_t done, double left) const {
+        const Verdict& v = cells_[k].verdict;
+        say(fmt::format("cell {} of {}: {}: {}{} (about {} left)", done, cells_.size(), joined_settings(settings(k)), note(cells_[k]),
+                        v.why.empty() ? "" : ": " + v.why, duration(left)));
+    }
+
+    /// What the models allow at the start. @throws InputError where the plan refuses the scene
+    std::map<std::string, double> limits_of(const std::vector<std::string>& settings) const {
+        Options options;
+        options.scene = scene_, options.quality = study_.quality;
+        for (const std::string& setting : run_settings(study_, settings)) {
+            const std::string key = setting.substr(0, setting.find('='));
+            if (key.find('.') != std::string::npos) options.set.push_back(setting);
+        }
+        const SceneFile file = read_scene_file(options);
+        const Plan plan = make_plan(file.scene);
+        const Simulation simulation(file.scene, plan);
+        std::map<std::string, double> limits;
+        const double fastest = largest_speed(simulation.world());
+        for (const StepLimit& limit : simulation.assembly().limits)
+            if (const double dt = limit.dt(simulation.world(), fastest); dt > 0 && std::isfinite(dt) && limit.name != "max_step")
+                limits[limit.name] = dt;
+        return limits;
+    }
+
+    void start(Jobs<Cell>& jobs, std::size_t k) {
+        Cell empty;
+        std::vector<std::string> all = settings(k);
+        if (bisects()) all.push_back(fmt::format("{}={:.6g}", study_.stability.bisect, study_.stability.low));
+        try {
+            empty.limits = limits_of(all);
+        } catch (const InputError& error) {
+            // Another program may take what this one refuses: a double one goes farther from the origin. It is asked itself.
+            if (!name_a_program(run_settings(study_, all))) {
+                empty.verdict = refused(error);
+                jobs.start(k, [empty] { return empty; });
+                return;
+            }
+        }
+        jobs.start(k, [this, k, empty] { return bisects() ? bisected(settings(k), empty) : cell(settings(k), empty); });
+    }
+
+    static Verdict refused(const InputError& error) { return {"refused", error.what(), 0, 0}; }
+
+    Cell cell(const std::vector<std::string>& settings, Cell cell) const {
+        try {
+            StabilityKeys keys = study_.stability;
+            for (std::string* text : {&keys.noisy_speed, &keys.energy_scale})
+                if (!text->empty()) *text = with_values("{" + *text + "}", settings);
+            cell.verdict = judge(keys, runner_.run(scene_, settings, 1, false));
+        } catch (const InputError& error) { cell.verdict = refused(error); }
+        return cell;
+    }
+
+    /// The largest value of the bisected key that is stable, on a logarithmic scale.
+    Cell bisected(const std::vector<std::string>& settings, const Cell& empty) const {
+        const StabilityKeys& s = study_.stability;
+        const auto at = [&](double value) {
+            std::vector<std::string> all = settings;
+            all.push_back(fmt::format("{}={:.6g}", s.bisect, value));
+            return cell(all, empty);
+        };
+        Cell low = at(s.low);
+        if (!low.verdict.stable()) return low;
+        low.largest_stable = s.low;
+        Cell high = at(s.high);
+        if (high.verdict.stable()) return high.largest_stable = s.high, high;
+        double a = s.low, b = s.high;
+        for (int k = 0; k < s.halvings; ++k) {
+            const double middle = std::sqrt(a * b);
+            const Cell tried = at(middle);
+            if (tried.verdict.stable()) a = middle, low.largest_stable = middle;
+            else
+                b = middle,
+                low.verdict.why = fmt::format("{} = {:.3g} is {}: {}", s.bisect, middle, tried.verdict.state, tried.verdict.why);
+        }
+        return low;
+    }
+
+    /// Where a value lies on the second knob's axis: 0 at its first value, half a cell more at both ends; NaN outside.
+    double place_of(double value) const {
+        std::vector<double> at;
+        for (const std::string& v : values(1)) at.push_back(std::log(std::max(1e-300, std::strtod(v.c_str(), nullptr))));
+        const double wanted = std::log(value);
+        for (std::size_t j = 0; j + 1 < at.size(); ++j) {
+            const double place = static_cast<double>(j) + (wanted - at[j]) / (at[j + 1] - at[j]);
+            const double from = j == 0 ? -0.5 : static_cast<double>(j), to = static_cast<double>(j) + (j + 2 == at.size() ? 1.5 : 1.0);
+            if (place >= from && place <= to) return place;
+        }
+        return not_measured;
+    }
+
+    /// Lines of the plan's limits, where the second knob is the time step itself, and of those that the study predicts.
+    std::vector<MapLimit> predicted(std::size_t panel) const {
+        std::map<std::string, MapLimit> found;
+        const auto add = [&](const std::string& name, std::size_t i, double value) {
+            found.try_emplace(name, MapLimit{name, std::vector<double>(nx_, not_measured)}).first->second.place[i] = place_of(value);
+        };
+        if (ny_ < 2) return {};
+        const std::string& y = study_.knobs[1].key;
+        for (std::size_t i = 0; i < nx_; ++i) {
+            const std::size_t first = i + panel * nx_ * ny_;
+            if (y == "time.fixed_step" || y == "dt")
+                for (const auto& [name, dt] : cells_[first].limits) add(name, i, dt);
+            for (const LimitKeys& limit : study_.stability.limits) {
+                std::vector<std::string> known = settings(first);
+                known.push_back("x=" + values(0)[i]);
+                add(limit.name, i, std::strtod(with_values("{" + limit.value + "}", known).c_str(), nullptr));
+            }
+        }
+        std::vector<MapLimit> all;
+        for (auto& [name, limit] : found)
+            if (std::any_of(limit.place.begin(), limit.place.end(), [](double p) { return std::isfinite(p); })) all.push_back(limit);
+        return all;
+    }
+
+    void write_table() const {
+        std::string csv;
+        for (const Knob& knob : study_.knobs) csv += csv_cell(knob.key) + ",";
+        csv += "state,largest_stable,first_bad_time,first_bad_step,limits,why\n";
+        for (std::size_t k = 0; k < cells_.size(); ++k) {
+            if (!was_run_[k]) continue;
+            const Cell& c = cells_[k];
+            for (const std::string& setting : settings(k)) csv += csv_cell(setting.substr(setting.find('=') + 1)) + ",";
+            std::string limits;
+            for (const auto& [name, dt] : c.limits) limits += fmt::format("{}{} {:.3g}", limits.empty() ? "" : "; ", name, dt);
+            const bool placed = c.verdict.step > 0;
+            csv += fmt::format("{},{},{},{},{},{}\n", c.verdict.state,
+                               std::isfinite(c.largest_stable) ? fmt::format("{:.4g}", c.largest_stable) : "",
+                               placed ? fmt::format("{:.6g}", c.verdict.time) : "", placed ? fmt::format("{}", c.verdict.step) : "",
+                               csv_cell(limits), csv_cell(c.verdict.why));
+        }
+        write_text(folder_ / "stability.csv", csv);
+    }
+
+    void draw() const {
+        std::vector<StabilityPanel> panels;
+        for (std::size_t p = 0; p < panels_; ++p) {
+            StabilityPanel panel{panels_ > 1 ? study_.knobs[2].title() + " = " + values(2)[p] : "", {}, predicted(p)};
+            for (std::size_t k = p * nx_ * ny_; k < (p + 1) * nx_ * ny_; ++k)
+                panel.cells.push_back(was_run_[k] ? MapCell{cells_[k].verdict.state, bisects() ? note(cells_[k]) : ""}
+                                                  : MapCell{"not run", ""});
+            panels.push_back(std::move(panel));
+        }
+        const std::string title = study_.name + (bisects() ? ": largest stable " + study_.stability.bisect : "");
+        const Canvas canvas =
+            draw_maps(panels, values(0), values(1), title, study_.knobs[0].title(), study_.knobs.size() > 1 ? study_.knobs[1].title() : "");
+        write_png(folder_ / "stability.png", canvas.image());
+        write_text(folder_ / "stability.svg", canvas.svg());
+    }
+
+    void conclude() const {
+        std::map<std::string, int> count;
+        for (std::size_t k = 0; k < cells_.size(); ++k)
+            if (was_run_[k]) ++count[cells_[k].verdict.state];
+        std::string sums;
+        for (const auto& [state, n] : count) sums += fmt::format("{}{} {}", sums.empty() ? "" : ", ", n, state);
+        say(fmt::format("{}; {}/stability.csv, stability.png, stability.svg", sums, folder_.string()));
+        if (!options_.json) return;
+        Json cells = Json::array();
+        for (std::size_t k = 0; k < cells_.size(); ++k) {
+            const Cell& c = cells_[k];
+            if (was_run_[k])
+                cells.push_back({{"settings", settings(k)},
+                                 {"state", c.verdict.state},
+                                 {"why", c.verdict.why},
+                                 {"first_bad_step", c.verdict.step},
+                                 {"largest_stable", std::isfinite(c.largest_stable) ? Json(c.largest_stable) : Json()},
+                                 {"limits", c.limits}});
+        }
+        fmt::print("{}\n", Json{{"study", study_.name}, {"scene", scene_}, {"folder", folder_.string()}, {"cells", cells}}.dump(2));
+    }
+
+    const Study& study_;
+    const SweepOptions& options_;
+    std::string scene_;
+    fs::path folder_;
+    PointRunner runner_;
+    std::size_t nx_, ny_, panels_;
+    std::vector<Cell> cells_;
+    std::vector<bool> was_run_;
+};
+
+int stability(SweepOptions options) {
+    const Study study = read_study(options.study);
+    if (study.knobs.empty() || study.knobs.size() > 3)
+        throw InputError(
+            {options.study, 0, 0},
+            fmt::format("a map has one knob or two, and may be drawn for each value of a third; this study has {}", study.knobs.size()),
+            "a further one can be searched for: stability.bisect");
+    seconds_of(options.budget);
+    share_cores(options, false);
+    const fs::path folder = folder_of(study, options);
+    try {
+        for (const std::string& scene : study.scenes) {
+            const fs::path own = study.scenes.size() == 1 ? folder : folder / fs::path(scene).stem();
+            fs::create_directories(own);
+            StabilityMap(study, options, scene, own).run();
+        }
+    } catch (const StudyInterrupted&) {
+        fmt::print(stderr, "whorl: interrupted; cells that are done are kept, the same command goes on\n");
+        return exit_interrupted;
+    }
+    return exit_done;
+}
+
+}  // namespace
+
+void add_stability(CLI::App& program, Job& chosen) {
+    const auto options = std::make_shared<SweepOptions>();
+    CLI::App* app = program.add_subcommand(
+        "stability", "push settings to the extremes and draw the map of what stays stable, with the predicted limits on it");
+    add_sweep_options(*app, *options);
+    app->footer(
+        "Each cell is a run of its own process and is kept: a map that was stopped goes on when it is called again.\n"
+        "time.fixed_step sets the time step and ignores what the models allow: the map shows whether they are right.\n"
+        "Examples:\n"
+        "  whorl stability viscous_steps\n"
+        "  whorl stability my_map.toml --budget 20min --out maps/mine");
+    app->callback([options, &chosen] { chosen = [options] { return stability(*options); }; });
+}
+
+}  // namespace whorl

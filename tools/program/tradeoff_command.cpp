@@ -1,0 +1,334 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "engine/core/clock.h"
+#include "engine/core/whole_file.h"
+#include "tools/film/progress.h"
+#include "tools/program/command.h"
+#include "tools/study/accuracy.h"
+#include "tools/study/jobs.h"
+#include "tools/study/plot.h"
+#include "tools/study/recommend.h"
+#include "tools/study/sweep.h"
+
+namespace whorl {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+struct Row {
+    std::string scene;
+    PointResult result;
+    double cost_low = 0, cost_high = 0;
+};
+
+/// One scene of a study, swept.
+class Tradeoff {
+public:
+    Tradeoff(const Study& study, const SweepOptions& options, std::string scene, fs::path folder)
+        : study_(study), options_(options), scene_(std::move(scene)), folder_(std::move(folder)), runner_(study, folder_, options.threads) {
+    }
+
+    void run() {
+        const double began = wall_seconds(), budget = seconds_of(options_.budget);
+        find_reference();
+        std::vector<int> levels;
+        for (const Knob& knob : study_.knobs) levels.push_back(static_cast<int>(knob.values.size()));
+        const FrontSearch search(levels);
+        Jobs<PointResult> jobs(options_.jobs);
+        std::vector<GridPoint> started;
+        while (true) {
+            const double left = budget > 0 ? budget - (wall_seconds() - began) : std::numeric_limits<double>::infinity();
+            // What is running counts as what it is guessed to be, so that no two ask the same question.
+            std::vector<Measured> known = measured_;
+            for (const GridPoint& p : started)
+                if (!was_measured(p)) known.push_back(search.expected(p, measured_));
+            GridPoint next;
+            if (!jobs.full() && left > 0) {
+                if (!options_.all) next = search.next(known, left / wall_over_cost());
+                else if (started.size() < search.size()) next = search.point(started.size());
+            }
+            if (!next.empty()) {
+                started.push_back(next);
+                jobs.start(started.size() - 1, [this, settings = settings_at(study_, next)] { return run_point(settings); });
+            } else if (!jobs.empty()) {
+                auto [k, result] = jobs.next();
+                measure(started[k], std::move(result), search);
+            } else {
+                if (budget > 0 && started.size() < search.size() && !search.next(known).empty())
+                    say(
+                        fmt::format("the budget of {} is spent, or too little of it is left for what the front still needs; the same "
+                                    "command with a larger one "
+                                    "goes on from here",
+                                    options_.budget));
+                break;
+            }
+        }
+        write();
+    }
+
+private:
+    bool was_measured(const GridPoint& p) const {
+        return std::any_of(measured_.begin(), measured_.end(), [&](const Measured& m) { return m.at == p; });
+    }
+
+    /// A point that the plan refuses is a result too.
+    PointResult run_point(const std::vector<std::string>& settings) const try {
+        return runner_.run(scene_, settings, study_.cost.repeat, draws());
+    } catch (const InputError& error) {
+        PointResult refused;
+        refused.status = "refused", refused.message = error.what();
+        return refused;
+    }
+
+    /// Wall seconds of a point (all its timings) over its cost, from those that were run; before the first, unknown: 0.
+    double wall_over_cost() const {
+        double wall = 0, cost = 0;
+        for (std::size_t i = 0; i < rows_.size(); ++i) {
+            for (const double w : rows_[i].result.wall) wall += w;
+            if (std::isfinite(measured_[i].cost)) cost += measured_[i].cost;
+        }
+        return cost > 0 ? wall / cost : 0;
+    }
+
+    /// Wall seconds that all points not yet run would take: the search stops earlier.
+    double most_left(const FrontSearch& search) const {
+        double cost = 0;
+        for (std::size_t k = 0; k < search.size(); ++k)
+            if (const GridPoint p = search.point(k); !was_measured(p)) cost += search.expected(p, measured_).cost;
+        return cost * wall_over_cost() / options_.jobs;
+    }
+
+    void say(const std::string& text) const {
+        if (!options_.json) fmt::print("{}\n", text), std::fflush(stdout);
+    }
+
+    void find_reference() {
+        const AccuracyKind of = study_.accuracy.of;
+        if (of != AccuracyKind::reference && of != AccuracyKind::picture) return;
+        say(fmt::format("the run that counts as true: {}", joined_settings(study_.accuracy.reference)));
+        const PointResult truth = runner_.run(scene_, study_.accuracy.reference, 1, draws());
+        if (!truth.done()) throw EnvironmentError(fmt::format("the run that counts as true ended as {}: {}", truth.status, truth.message));
+        reference_ = truth.folder;
+    }
+
+    bool draws() const { return study_.pictures || study_.accuracy.of == AccuracyKind::picture; }
+
+    void measure(const GridPoint& p, PointResult result, const FrontSearch& search) {
+        const std::vector<std::string> settings = settings_at(study_, p);
+        Row row{scene_, std::move(result), 0, 0};
+        if (measured_.empty() && row.result.status == "refused") throw InputError({study_.name, 0, 0}, row.result.message);
+        Measured m{p, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
+        std::vector<double> costs = study_.cost.of == CostKind::cpu ? row.result.cpu : row.result.wall;
+        if (study_.cost.of == CostKind::memory) costs = {row.result.memory};
+        std::sort(costs.begin(), costs.end());
+        if (!costs.empty() && row.result.status != "refused") {
+            row.cost_low = costs.front(), row.cost_high = costs.back();
+            m.cost = costs[costs.size() / 2];
+        }
+        if (row.result.done()) m.error = error_of(study_.accuracy, row.result.folder, reference_);
+        measured_.push_back(m), rows_.push_back(row);
+        say(fmt::format("point {} of {} {}: {}: {}, {}{} ({} {} left)", measured_.size(), options_.all ? "the" : "at most", search.size(),
+                        joined_settings(settings), cost_text(m.cost),
+                        row.result.done() ? "error " + error_text(m.error) : row.result.status + " (" + row.result.message + ")",
+                        row.result.kept ? ", kept from before" : "", options_.all ? "about" : "at most", duration(most_left(search))));
+    }
+
+    std::string cost_text(double cost) const {
+        if (!std::isfinite(cost)) return "no cost";
+        if (study_.cost.of == CostKind::memory) return fmt::format("{:.0f} MB", 1e-6 * cost);
+        return fmt::format("{:.3g} s{}", cost, study_.cost.of == CostKind::cpu ? " CPU" : "");
+    }
+    const char* cost_name() const {
+        return study_.cost.of == CostKind::cpu ? "CPU seconds" : study_.cost.of == CostKind::wall ? "wall seconds" : "peak memory [bytes]";
+    }
+    std::string error_text(double error) const {
+        return study_.accuracy.of == AccuracyKind::picture ? fmt::format("{:.3g} dE", error) : fmt::format("{:.3g} %", 100 * error);
+    }
+
+    void write() {
+        const std::vector<std::size_t> front = pareto_front(measured_);
+        write_table(front);
+        draw(front);
+        print_front(front);
+        if (!options_.recommend.empty()) recommend();
+        if (options_.json) print_json(front);
+    }
+
+    static bool has(const std::vector<std::size_t>& front, std::size_t i) {
+        return std::find(front.begin(), front.end(), i) != front.end();
+    }
+
+    void write_table(const std::vector<std::size_t>& front) const {
+        std::string csv = "scene";
+        for (const Knob& knob : study_.knobs) csv += "," + csv_cell(knob.key);
+        csv += ",cost,cost_low,cost_high,error,wall_seconds,memory_bytes,fps,on_front,status,message\n";
+        for (std::size_t i = 0; i < rows_.size(); ++i) {
+            const Row& r = rows_[i];
+            csv += csv_cell(fs::path(r.scene).stem().string());
+            for (std::size_t k = 0; k < study_.knobs.size(); ++k) csv += "," + csv_cell(study_.knobs[k].values[measured_[i].at[k]]);
+            csv +=
+                fmt::format(",{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.0f},{:.4g},{},{},{}\n", measured_[i].cost, r.cost_low, r.cost_high,
+                            measured_[i].error, r.result.wall.empty() ? 0 : r.result.wall.front(), r.result.memory,
+                            r.result.wall.empty() ? 0 : r.result.fps(), has(front, i) ? 1 : 0, r.result.status, csv_cell(r.result.message));
+        }
+        write_text(folder_ / "tradeoff.csv", csv);
+    }
+
+    void draw(const std::vector<std::size_t>& front) const {
+        std::vector<PlotPoint> points;
+        const auto point = [&](std::size_t i) {
+            return PlotPoint{
+                measured_[i].cost, measured_[i].error, rows_[i].cost_low, rows_[i].cost_high, label_at(study_, measured_[i].at),
+                has(front, i)};
+        };
+        for (const std::size_t i : front) points.push_back(point(i));
+        for (std::size_t i = 0; i < measured_.size(); ++i)
+            if (!has(front, i) && std::isfinite(measured_[i].error)) points.push_back(point(i));
+        std::string keys;
+        for (const Knob& knob : study_.knobs) keys += (keys.empty() ? "" : ", ") + knob.title();
+        const Canvas canvas = draw_front(points, fmt::format("{}: {}", study_.name, keys), cost_name(),
+                                         study_.accuracy.of == AccuracyKind::picture ? "difference [dE]" : "relative error");
+        write_png(folder_ / "tradeoff.png", canvas.image());
+        write_text(folder_ / "tradeoff.svg", canvas.svg());
+    }
+
+    /// What each step along the front changes, costs and buys.
+    void print_front(const std::vector<std::size_t>& front) const {
+        say(fmt::format("\n{:>14}  {:>10}  settings on the front, from cheap to dear", cost_name(), "error"));
+        for (const std::size_t i : front)
+            say(fmt::format("{:>14}  {:>10}  {}", cost_text(measured_[i].cost), error_text(measured_[i].error),
+                            joined_settings(settings_at(study_, measured_[i].at))));
+        for (std::size_t k = 1; k < front.size(); ++k) {
+            const Measured &a = measured_[front[k - 1]], &b = measured_[front[k]];
+            std::string changes;
+            for (std::size_t j = 0; j < study_.knobs.size(); ++j)
+                if (a.at[j] != b.at[j])
+                    changes += fmt::format("{}{} {} -> {}", changes.empty() ? "" : ", ", study_.knobs[j].key,
+                                           study_.knobs[j].values[a.at[j]], study_.knobs[j].values[b.at[j]]);
+            say(fmt::format("  {}: {:.2g} times the {}, error {} -> {}", changes, b.cost / a.cost,
+                            study_.cost.of == CostKind::memory ? "memory" : "time", error_text(a.error), error_text(b.error)));
+        }
+        const auto failed = std::count_if(rows_.begin(), rows_.end(), [](const Row& r) { return !r.result.done(); });
+        if (failed > 0) say(fmt::format("{} of {} points did not end well; tradeoff.csv says how", failed, rows_.size()));
+        say(fmt::format("{0}/tradeoff.csv, {0}/tradeoff.png, {0}/tradeoff.svg", folder_.string()));
+    }
+
+    void recommend() const {
+        const Wish wish = parse_wish(options_.recommend);
+        const Measured* best = nullptr;
+        for (std::size_t i = 0; i < rows_.size(); ++i) {
+            const Measured& m = measured_[i];
+            if (!std::isfinite(m.error) || !wish.holds(m.cost, m.error, rows_[i].result.fps())) continue;
+            // The cheapest that is accurate enough, or the most accurate that is cheap enough.
+            if (!best || (wish.of == Wish::Of::error ? m.cost < best->cost : m.error < best->error)) best = &m;
+        }
+        if (!best) throw EnvironmentError(fmt::format("no point of the study reaches {}", wish.text), "", "widen the knobs' values");
+        std::string overlay =
+            fmt::format("# {} of the study {}: {}, error {}\n", wish.text, study_.name, cost_text(best->cost), error_text(best->error));
+        // What the study sets for all of its points is the study's, but what follows from a knob is the knob's.
+        std::string options, scene = scene_;
+        std::vector<std::string> chosen;
+        for (const std::string& setting : study_.set)
+            if (setting.find('{') != std::string::npos) chosen.push_back(with_values(setting, settings_at(study_, best->at)));
+        for (const std::string& setting : settings_at(study_, best->at))
+            if (!is_name(setting.substr(0, setting.find('=')))) chosen.push_back(setting);
+        for (const std::string& setting : chosen) {
+            const std::size_t equals = setting.find('=');
+            const std::string key = setting.substr(0, equals), value = setting.substr(equals + 1);
+            if (key == "scene") scene = value;
+            else if (key == "program") overlay += "# with the program " + value + "\n";
+            else if (key == "quality" || key == "threads") options += " --" + key + " " + value;
+            else overlay += fmt::format("{} = {}\n", quoted(key), toml_value(value));
+        }
+        const fs::path file = folder_ / "recommended.toml";
+        write_text(file, overlay);
+        say(fmt::format("\nfor {}: {} ({}, error {}); {} holds them:\n  whorl render {} --with {}{}", wish.text,
+                        joined_settings(settings_at(study_, best->at)), cost_text(best->cost), error_text(best->error), file.string(),
+                        scene, file.string(), options));
+    }
+
+    /// A key as an overlay takes it: those of list entries in quotes.
+    static std::string quoted(const std::string& key) { return key.find('[') == std::string::npos ? key : "\"" + key + "\""; }
+
+    /// A value as TOML writes it: bare words are texts.
+    static std::string toml_value(const std::string& value) {
+        char* end = nullptr;
+        std::strtod(value.c_str(), &end);
+        if ((*end == 0 && !value.empty()) || value == "true" || value == "false" || value.front() == '[' || value.front() == '"')
+            return value;
+        return "\"" + value + "\"";
+    }
+
+    void print_json(const std::vector<std::size_t>& front) const {
+        Json points = Json::array();
+        for (std::size_t i = 0; i < rows_.size(); ++i)
+            points.push_back({{"settings", settings_at(study_, measured_[i].at)},
+                              {"cost", measured_[i].cost},
+                              {"error", measured_[i].error},
+                              {"status", rows_[i].result.status},
+                              {"on_front", has(front, i)},
+                              {"kept", rows_[i].result.kept}});
+        fmt::print("{}\n", Json{{"study", study_.name}, {"scene", scene_}, {"folder", folder_.string()}, {"points", points}}.dump(2));
+    }
+
+    const Study& study_;
+    SweepOptions options_;
+    std::string scene_;
+    fs::path folder_;
+    PointRunner runner_;
+    fs::path reference_;
+    std::vector<Measured> measured_;
+    std::vector<Row> rows_;
+};
+
+int tradeoff(SweepOptions options) {
+    const Study study = read_study(options.study);
+    share_cores(options, study.cost.of != CostKind::memory);
+    if (study.knobs.empty()) throw InputError({options.study, 0, 0}, "the study turns no knob", "add a [[knob]] with key and values");
+    if (study.accuracy.column.empty() && study.accuracy.of != AccuracyKind::picture)
+        throw InputError({options.study, 0, 0}, "accuracy.column is missing", "it names a column of accuracy.table");
+    if (!options.recommend.empty()) parse_wish(options.recommend);
+    seconds_of(options.budget);
+    const fs::path folder = folder_of(study, options);
+    try {
+        for (const std::string& scene : study.scenes) {
+            const fs::path own = study.scenes.size() == 1 ? folder : folder / fs::path(scene).stem();
+            fs::create_directories(own);
+            Tradeoff(study, options, scene, own).run();
+        }
+    } catch (const StudyInterrupted&) {
+        fmt::print(stderr, "whorl: interrupted; points that are done are kept, the same command goes on\n");
+        return exit_interrupted;
+    }
+    return exit_done;
+}
+
+}  // namespace
+
+void add_tradeoff(CLI::App& program, Job& chosen) {
+    const auto options = std::make_shared<SweepOptions>();
+    CLI::App* app =
+        program.add_subcommand("tradeoff", "sweep settings, measure what accuracy they buy and what they cost, draw the Pareto front");
+    add_sweep_options(*app, *options);
+    app->add_flag("--all", options->all, "run the whole grid, not only what the front may need");
+    app->add_option("--recommend", options->recommend,
+                    "print the cheapest settings that reach it and write them as an overlay: \"error<2%\", \"fps>24\"")
+        ->type_name("WISH");
+    app->footer(
+        "Each point is a run of its own process and is kept: a study that was stopped goes on when it is called again.\n"
+        "Examples:\n"
+        "  whorl tradeoff coil_frequency --budget 10min\n"
+        "  whorl tradeoff coil_frequency --recommend \"error<5%\"\n"
+        "  whorl render honey_coil --with out/coil_frequency/recommended.toml");
+    app->callback([options, &chosen] { chosen = [options] { return tradeoff(*options); }; });
+}
+
+}  // namespace whorl

@@ -1,0 +1,63 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <set>
+
+#include "engine/core/errors.h"
+#include "render/image/image.h"
+#include "render/video/encoder.h"
+#include "tools/program/command.h"
+#include "tools/program/run_options.h"
+
+namespace whorl {
+namespace {
+
+struct EncodeOptions {
+    std::filesystem::path folder, out;
+    std::optional<double> fps;
+    int crf = 18;
+};
+
+/// Encodes every picture of frames/, in the order of their names.
+int encode(const EncodeOptions& options) {
+    const std::filesystem::path frames = options.folder / "frames", scene_file = options.folder / "scene.resolved.toml";
+    std::set<std::filesystem::path> pictures;
+    std::error_code missing;
+    for (const auto& entry : std::filesystem::directory_iterator(frames, missing))
+        if (entry.path().extension() == ".png" && entry.path().stem().extension().empty()) pictures.insert(entry.path());
+    if (pictures.empty())
+        throw InputError({frames.string(), 0, 0}, "there are no pictures to encode", "", "the folder of a run, as in out/honey_coil");
+
+    const Scene scene = read_scene_file(scene_file).scene;
+    const std::filesystem::path video = options.out.empty() ? options.folder / (scene.name + ".mp4") : options.out;
+    const Image first = read_png(*pictures.begin());
+    VideoEncoder encoder(video, first.width, first.height, {options.fps.value_or(scene.time.fps), options.crf});
+    for (const auto& picture : pictures) {
+        const Image image = read_png(picture);
+        if (image.width != first.width || image.height != first.height)
+            throw InputError({picture.string(), 0, 0},
+                             fmt::format("is {}x{}, the pictures before it {}x{}", image.width, image.height, first.width, first.height));
+        encoder.add(image);
+    }
+    encoder.finish();
+    fmt::print("{}\n", video.string());
+    return exit_done;
+}
+
+}  // namespace
+
+void add_video(CLI::App& program, Job& chosen) {
+    const auto options = std::make_shared<EncodeOptions>();
+    CLI::App* app = program.add_subcommand("video", "encode a run's video again from its frames");
+    app->add_option("folder", options->folder, "the run folder, as in out/honey_coil")->required()->type_name("RUN_FOLDER");
+    app->add_option("--fps", options->fps, "frames a second (default: the scene's)")->type_name("N")->check(CLI::PositiveNumber);
+    app->add_option("--crf", options->crf, "H.264 quality, 0 to 51, lower is better and larger")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 51));
+    app->add_option("--out", options->out, "the video's name (default: <scene>.mp4 in the run folder)")->type_name("FILE");
+    app->footer("Example:\n  whorl video out/honey_coil --fps 60 --crf 12");
+    app->callback([options, &chosen] { chosen = [options] { return encode(*options); }; });
+}
+
+}  // namespace whorl
