@@ -1,5 +1,5 @@
 #pragma once
-/// Micropolar flows with known answers, for the tests and for the tables of docs/micropolar.md.
+/// Micropolar flows with known answers, for the tests and for the tables of docs/reports/micropolar.md.
 #include "engine/models/micropolar/micropolar.h"
 #include "tests/support/world.h"
 

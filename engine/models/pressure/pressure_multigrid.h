@@ -1,5 +1,5 @@
 #pragma once
-/// Multigrid preconditioners of the two pressure solves (docs/pressure.md).
+/// Multigrid preconditioners of the two pressure solves (docs/reports/pressure.md).
 #include "engine/math/multigrid.h"
 #include "engine/models/pressure/constraint.h"
 #include "engine/models/pressure/ppe.h"
@@ -22,8 +22,8 @@ inline constexpr ParticleMultigrid poisson_levels{3, true, {}};
 ConstraintPreconditionerSetup constraint_multigrid(const ParticleMultigrid& options = constraint_levels);
 PressurePreconditionerSetup poisson_multigrid(const ParticleMultigrid& options = poisson_levels);
 
-/// Unknowns from which on multigrid beats the diagonal, set-up included (docs/pressure.md has the tables). In the constraint the last
-/// step's pressures leave mostly what no coarse level sees: a dam break of 49 000 particles is 10 % slower with it.
+/// Unknowns from which on multigrid beats the diagonal, set-up included (docs/reports/pressure.md has the tables). In the constraint the
+/// last step's pressures leave mostly what no coarse level sees: a dam break of 49 000 particles is 10 % slower with it.
 inline constexpr double constraint_multigrid_above = 500000, poisson_multigrid_above = 5000;
 /// Whichever is faster for this many unknowns.
 PressurePreconditioner constraint_automatic(const ConstraintMatrix& matrix);

@@ -213,7 +213,7 @@ TEST_CASE(
     "[pressure][multigrid]") {
     // 1e-3 of any source in the published rows: 10 of 62 (float). In the constraint 0.02 of what falling does to the densities: 14 of 17.
     // Its gradient does not see what alternates from neighbour to neighbour, and nor does a coarse level: the gain comes with depth
-    // (docs/pressure.md).
+    // (docs/reports/pressure.md).
     const Filling column{"column", [](TestWorld& w) { add_box_walls(w, 9, 0, 9), w.place(at_cells(0, 0, 0), at_cells(9, 40, 9)); }};
     Fluid fluid(column);
     Poisson poisson(fluid);

@@ -56,9 +56,9 @@ std::vector<double> measured(const CoilCase& c, double spacing, double turns) {
 }  // namespace
 
 // The aims of the comparison themselves, at 2.5 particles across the nozzle's radius: 10 % of the frequency, 15 % of the radius. Measured
-// there and at finer spacings: docs/coils.md. The third is thin where it coils, which only a thread that bends as it should gets right;
-// from 80 mm (the fourth) the same fluid coils 10 to 12 % too fast at all spacings (the contact: a thread a quarter as thick as the coil is
-// wide is not slender there) and is held to that. The probe's own uncertainty after seven turns is 1 to 2 %.
+// there and at finer spacings: docs/reports/coils.md. The third is thin where it coils, which only a thread that bends as it should gets
+// right; from 80 mm (the fourth) the same fluid coils 10 to 12 % too fast at all spacings (the contact: a thread a quarter as thick as the
+// coil is wide is not slender there) and is held to that. The probe's own uncertainty after seven turns is 1 to 2 %.
 TEST_CASE(
     "coils in the viscous and in the inertio-gravitational regime turn as slender-thread theory says, within 10 %, on its radius within 15 "
     "%",
