@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# pressure = "coupled" beside pressure = "ppe" with viscosity = "full", on the same scenes with one thread: prints a table for docs/reports/viscosity.md.
+# pressure = "coupled" beside pressure = "ppe" with viscosity = "full", on the same scenes with one thread: prints a table for docs/viscosity.md.
 #
 #   tools/coupled_table.sh [--whorl PROGRAM] [--out FOLDER] [--spacing M]         (M: of the coil and the thread; default 2.5e-3)
 set -euo pipefail

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# A whole dam break (scenes/dam_break.toml, 4 s) without pictures: prints lines for docs/reports/pressure.md, one a number of threads. Minutes to hours: an idle machine.
+# A whole dam break (scenes/dam_break.toml, 4 s) without pictures: prints lines for docs/pressure.md, one a number of threads. Minutes to hours: an idle machine.
 #
 #   tools/dam_break.sh [--whorl PROGRAM] [--out FOLDER] [--spacing M] [--until S] [--threads "1 2"]       (5.47e-3: 49,000 particles, 3.43e-3: 200,000)
 set -euo pipefail

@@ -1,4 +1,4 @@
-/// What a velocity that is free of divergence keeps, beside the constraint alone (docs/reports/pressure.md).
+/// What a velocity that is free of divergence keeps, beside the constraint alone (docs/pressure.md).
 #include <fmt/format.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-/// The preconditioners of the pressure solves on the systems of a half-filled box under tilted gravity (docs/reports/pressure.md).
+/// The preconditioners of the pressure solves on the systems of a half-filled box under tilted gravity (docs/pressure.md).
 #include <fmt/format.h>
 
 #include <cmath>

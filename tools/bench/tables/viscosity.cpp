@@ -1,6 +1,6 @@
-/// Prints docs/reports/viscosity.md: what each viscous model keeps, how stiff a rope of few particles is with it, how fast waves decay,
-/// what a step costs, and the iterations of the preconditioners. whorl_viscosity_table > docs/reports/viscosity.md; with --large also half
-/// a million particles (an hour, 4 GB).
+/// Prints docs/viscosity.md: what each viscous model keeps, how stiff a rope of few particles is with it, how fast waves decay, what a step
+/// costs, and the iterations of the preconditioners. whorl_viscosity_table > docs/viscosity.md; with --large also half a million particles
+/// (an hour, 4 GB).
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>

@@ -1,5 +1,5 @@
 #pragma once
-/// Iterations and time of the implicit solves by preconditioner, as a part of docs/reports/viscosity.md.
+/// Iterations and time of the implicit solves by preconditioner, as a part of docs/viscosity.md.
 
 #include <string>
 #include <vector>
