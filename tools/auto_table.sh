@@ -89,9 +89,9 @@ hand = f"{best} | {float(good[best]['cost_low']):.2f} s | {100*(cost/float(good[
 print(f"| {scene} | {until} s | {took} | {cost:.2f} s | {100*error:.2g} % | {hand} | {'; '.join(words)} |".replace("\n", " "))
 PY
 }
-honey="auto+auto coupled+none ppe+full ppe+full_assembled ppe+explicit ppe+pairwise wcsph+full wcsph+pairwise"
+honey="auto+auto coupled+none ppe+full ppe+full_assembled ppe+explicit wcsph+full"
 water="auto+auto ppe+none ppe+xsph wcsph+none wcsph+xsph"
-vortices="auto+auto wcsph+explicit wcsph+full wcsph+pairwise ppe+explicit ppe+full"
+vortices="auto+auto wcsph+explicit wcsph+full ppe+explicit ppe+full"
 # shellcheck disable=SC2086
 for case in honey_coil:0.9 honey_ball:0.7 honey_thread:0.4 sewing_machine:0.6 cake_batter:0.6 toothpaste:0.7 lava:0.8 rotating_drop:0.2 dripping_syrup:0.15; do
     compare "${case%:*}" "${case#*:}" $honey

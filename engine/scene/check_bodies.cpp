@@ -39,8 +39,7 @@ void check_bodies(const Scene& scene, const Plan& plan, std::vector<Problem>& pr
     else if (plan.boundary == BoundaryModel::none)
         report("models.boundary", "free bodies feel the fluid through their layer of particles, and models.boundary is none",
                "take \"auto\"");
-    if (plan.viscosity == ViscosityModel::full_assembled || plan.viscosity == ViscosityModel::pairwise ||
-        (plan.viscosity == ViscosityModel::full && !scene.viscosity.correction))
+    if (plan.viscosity == ViscosityModel::full_assembled || (plan.viscosity == ViscosityModel::full && !scene.viscosity.correction))
         report("models.viscosity",
                std::string("models.viscosity = \"") + name_of(plan.viscosity) + "\" as given here does not move free bodies",
                "take \"full\" with viscosity.correction, \"explicit\", \"xsph\" or \"none\"");

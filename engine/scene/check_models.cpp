@@ -72,7 +72,7 @@ void check_models(const Scene& scene, const Plan& plan, double viscous_number, s
             report("solid[" + std::to_string(k) + "].slip",
                    "the viscosity as published, without corrected gradients, has half of the shear where neighbours are missing: it knows "
                    "no slip length",
-                   "take models.viscosity = \"full\" with viscosity.correction = true, \"pairwise\" or \"explicit\"", "no or free");
+                   "take models.viscosity = \"full\" with viscosity.correction = true, or \"explicit\"", "no or free");
     check_micropolar(scene, plan, problems);
     check_bodies(scene, plan, problems);
     if (scene.time.sleep == 0) return;

@@ -50,7 +50,7 @@ MicropolarNumbers micropolar_numbers(const Scene& scene, ViscosityModel model) {
     n.density = scene.fluid.density;
     n.coupling = scene.models.micropolar == MicropolarModel::seed ? mu + transfer : transfer;
     const double own = (explicit_mu ? mu : 0) + (eringen ? transfer : 0);
-    const bool implicit_mu = model == ViscosityModel::full || model == ViscosityModel::full_assembled || model == ViscosityModel::pairwise;
+    const bool implicit_mu = model == ViscosityModel::full || model == ViscosityModel::full_assembled;
     n.viscosity = own + (implicit_mu ? mu : 0);
     const LaplacianForm form = explicit_mu ? scene.viscosity.laplacian : LaplacianForm::brookshaw;
     n.pair_viscosity = form == LaplacianForm::brookshaw ? own : form == LaplacianForm::split ? n.coupling : 0;

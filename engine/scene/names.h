@@ -16,13 +16,9 @@ inline Choices<PressureModel> choices(PressureModel) {
 }
 inline Choices<ViscosityModel> choices(ViscosityModel) {
     using V = ViscosityModel;
-    return {{V::automatic, "auto"},
-            {V::none, "none"},
-            {V::xsph, "xsph"},
-            {V::explicit_laplacian, "explicit"},
-            {V::pairwise, "pairwise"},
-            {V::full, "full"},
-            {V::full_assembled, "full_assembled"}};
+    return {{V::automatic, "auto"}, {V::none, "none"},
+            {V::xsph, "xsph"},      {V::explicit_laplacian, "explicit"},
+            {V::full, "full"},      {V::full_assembled, "full_assembled"}};
 }
 inline Choices<MicropolarModel> choices(MicropolarModel) {
     using M = MicropolarModel;

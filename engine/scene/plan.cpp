@@ -7,7 +7,7 @@
 #include "engine/models/pressure/pressure_multigrid.h"
 #include "engine/models/surface_tension/surface_tension.h"
 #include "engine/models/viscosity/assembled.h"
-#include "engine/models/viscosity/pairwise.h"
+#include "engine/models/viscosity/explicit.h"
 #include "engine/scene/checks.h"
 #include "engine/scene/names.h"
 #include "engine/scene/numbers.h"
@@ -68,15 +68,13 @@ void choose_viscosity(Plan& plan, const Scene& scene, const SceneNumbers& n, dou
 
 /// Forces along pairs take their isotropy from the neighbours' fourth moments, which few neighbours on a lattice do not have.
 void warn_of_lattice(Plan& plan, const Scene& scene) {
-    const bool along_pairs = plan.viscosity == ViscosityModel::pairwise ||
-                             (plan.viscosity == ViscosityModel::explicit_laplacian && scene.viscosity.laplacian == LaplacianForm::monaghan);
-    if (!along_pairs) return;
-    const LatticeStiffness stiff = pairwise_lattice_stiffness(plan.kernel, plan.support, plan.spacing);
+    if (plan.viscosity != ViscosityModel::explicit_laplacian || scene.viscosity.laplacian != LaplacianForm::monaghan) return;
+    const LatticeStiffness stiff = monaghan_lattice_stiffness(plan.kernel, plan.support, plan.spacing);
     if (std::max(std::abs(stiff.stretching - 1), std::abs(stiff.shear - 1)) > 0.05)
-        plan.warnings.push_back(
-            fmt::format("on a lattice, viscosity along pairs is {:.2f} times as stiff as it should be in stretching and {:.2f} times in "
-                        "shear with fluid.support = {:g}; take 4, or models.viscosity = \"full\"",
-                        stiff.stretching, stiff.shear, plan.support / plan.spacing));
+        plan.warnings.push_back(fmt::format(
+            "on a lattice, viscosity.laplacian = \"monaghan\" is {:.2f} times as stiff as it should be in stretching and {:.2f} times in "
+            "shear with fluid.support = {:g}; take 4, or \"brookshaw\"",
+            stiff.stretching, stiff.shear, plan.support / plan.spacing));
 }
 
 /// Particles come to rest with a viscosity of alpha = 0.1: nu = alpha c R/20. The fluid's own counts.

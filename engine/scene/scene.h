@@ -17,7 +17,7 @@
 namespace whorl {
 
 enum class PressureModel { automatic, none, wcsph, ppe, coupled };
-enum class ViscosityModel { automatic, none, xsph, explicit_laplacian, pairwise, full, full_assembled };
+enum class ViscosityModel { automatic, none, xsph, explicit_laplacian, full, full_assembled };
 enum class MicropolarModel { none, seed, bender, eringen };
 enum class BoundaryModel { automatic, none, akinci, ppe };
 enum class ShiftingModel { automatic, none, fickian };

@@ -164,7 +164,7 @@ KeyTable pressure_keys() {
 KeyTable viscosity_keys() {
     KeyTableOf<ViscosityKeys> t("of the viscosity model");
     const std::string model = "models.viscosity";
-    const std::vector<std::string> implicit{"pairwise", "full", "full_assembled"};
+    const std::vector<std::string> implicit{"full", "full_assembled"};
     t.key("tolerance", &ViscosityKeys::tolerance, "", "relative residual of the linear solver")
         .above(0)
         .at_most(0.5)

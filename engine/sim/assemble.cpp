@@ -21,7 +21,6 @@
 #include "engine/models/viscosity/assembled.h"
 #include "engine/models/viscosity/explicit.h"
 #include "engine/models/viscosity/full.h"
-#include "engine/models/viscosity/pairwise.h"
 #include "engine/particles/search.h"
 #include "engine/sim/simulation.h"
 #include "engine/sim/sleep.h"
@@ -183,8 +182,7 @@ private:
             stage("XSPH", "viscosity", XsphViscosity{static_cast<Real>(scene_.viscosity.alpha)});
             booked(&EnergyWork::smoothing);
         }
-        if (plan_.viscosity == ViscosityModel::full || plan_.viscosity == ViscosityModel::full_assembled ||
-            plan_.viscosity == ViscosityModel::pairwise) {
+        if (plan_.viscosity == ViscosityModel::full || plan_.viscosity == ViscosityModel::full_assembled) {
             implicit_viscosity(solid_factor);
             booked(&EnergyWork::viscosity);
         }
@@ -224,8 +222,7 @@ private:
         for (const SolidKeys& solid : scene_.solids) options.wetting.push_back(static_cast<Real>(solid.wetting));
         stage("surface tension", "surface tension", SurfaceTension(std::move(options)));
         const ViscosityModel v = plan_.viscosity;
-        const bool implicit = plan_.pressure == PressureModel::coupled || v == ViscosityModel::full ||
-                              v == ViscosityModel::full_assembled || v == ViscosityModel::pairwise;
+        const bool implicit = plan_.pressure == PressureModel::coupled || v == ViscosityModel::full || v == ViscosityModel::full_assembled;
         limit("surface tension", implicit ? "b + sqrt(b^2 + rho d^3/(2 pi sigma)), b = mu d/(2 sigma)" : "sqrt(rho d^3 / (2 pi sigma))",
               [=, rho = scene_.fluid.density, d = plan_.spacing](const World& w, double) {
                   double mu = 0;
@@ -309,11 +306,6 @@ private:
             options.limits = limits;
             options.solid_factor = solid_factor;
             stage("assembled viscosity", "viscosity", AssembledViscosity(options));
-        }
-        if (plan_.viscosity == ViscosityModel::pairwise) {
-            PairwiseViscosityOptions options;
-            options.limits = limits;
-            stage("pairwise viscosity", "viscosity", PairwiseViscosity(options));
         }
     }
 

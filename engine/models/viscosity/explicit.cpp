@@ -1,5 +1,7 @@
 #include "engine/models/viscosity/explicit.h"
 
+#include <cmath>
+
 #include "engine/core/parallel.h"
 #include "engine/models/bodies/reaction.h"
 #include "engine/models/boundary/friction.h"
@@ -31,6 +33,8 @@ struct Monaghan {
     static constexpr bool along_r = true;
     Real factor;     ///< along_pairs_factor()
     Real softening;  ///< 0.01 h^2
+    Monaghan(KernelKind kernel, Real support, Real spacing)
+        : factor(along_pairs_factor(kernel, support, spacing)), softening(Real(0.01) * support * support / 4) {}
     Real operator()(Real approach, Real r, Real slope) const { return 10 * factor * approach / (r * r + softening) * slope; }
 };
 
@@ -96,9 +100,28 @@ void ExplicitViscosity::operator()(const FluidPairs& pairs, const SolidPairs& so
         const auto add = [&](const auto& form) {
             add_viscosity(kernel, form, options, pairs, solid_pairs, solids, layer, step, role, rho, mu, u, a);
         };
-        if (options.monaghan)
-            add(Monaghan{along_pairs_factor(step.kernel, step.support, step.spacing), Real(0.01) * step.support * step.support / 4});
+        if (options.monaghan) add(Monaghan(step.kernel, step.support, step.spacing));
         else add(Brookshaw{Real(3) / lattice_second_moment(step.kernel, step.support, step.spacing)});
+    });
+}
+
+// Stiffness of a lattice with central forces, C_abcd = sum V w r_a r_b r_c r_d/2: C_xxxx and C_xxyy = C_xyxy. Exact: 3 mu and mu, so that
+// stretching at constant volume, (C_xxxx - C_xxyy)/2, and shear, C_xyxy, both are mu.
+LatticeStiffness monaghan_lattice_stiffness(KernelKind kind, double support, double spacing) {
+    return with_kernel(kind, static_cast<Real>(support), [&](const auto& kernel) {
+        const Monaghan form(kind, static_cast<Real>(support), static_cast<Real>(spacing));
+        const int reach = static_cast<int>(std::ceil(support / spacing));
+        double along = 0, across = 0;
+        for (int x = -reach; x <= reach; ++x)
+            for (int y = -reach; y <= reach; ++y)
+                for (int z = -reach; z <= reach; ++z) {
+                    if (x == 0 && y == 0 && z == 0) continue;
+                    const auto r = static_cast<Real>(spacing * std::sqrt(x * x + y * y + z * z));
+                    const double w = -form(1, r, kernel.slope(r)) / 2;
+                    along += w * std::pow(spacing, 7) * x * x * x * x;
+                    across += w * std::pow(spacing, 7) * x * x * y * y;
+                }
+        return LatticeStiffness{(along - across) / 2, across};
     });
 }
 

@@ -101,8 +101,10 @@ const std::vector<Case> cases = {
      "bad.toml:12:15: pressure.sound_speed belongs to models.pressure = \"wcsph\", not to \"ppe\"; remove it, or change models.pressure; "
      "keys of \"ppe\": tolerance, max_iterations, preconditioner, form, correction, divergence_free, active_set, damping"},
     {"", "[models]\nviscosity = \"xsph\"\n[viscosity]\ntolerance = 1e-3",
-     "bad.toml:12:13: viscosity.tolerance belongs to models.viscosity = \"pairwise\", \"full\" or \"full_assembled\", not to \"xsph\"; "
+     "bad.toml:12:13: viscosity.tolerance belongs to models.viscosity = \"full\" or \"full_assembled\", not to \"xsph\"; "
      "remove it, or change models.viscosity; keys of \"xsph\": alpha"},
+    {"", "[models]\nviscosity = \"pairwise\"",
+     "bad.toml:10:13: models.viscosity = \"pairwise\" is not known; allowed: auto, none, xsph, explicit, full or full_assembled"},
     {"", "[models]\nboundry = \"none\"",
      "bad.toml:10:1: unknown key \"boundry\" in [models]; did you mean \"boundary\"?; allowed: pressure, viscosity, micropolar, boundary, "
      "shifting"},

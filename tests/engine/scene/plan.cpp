@@ -167,10 +167,12 @@ TEST_CASE("the plan of the assembled viscosity tells what its matrix takes", "[p
           std::string::npos);
 }
 
-TEST_CASE("viscosity along pairs with few neighbours is warned of with its stiffness on a lattice", "[plan]") {
+TEST_CASE("the monaghan Laplacian with few neighbours is warned of with its stiffness on a lattice", "[plan]") {
     const auto warning = [](const std::string& support) {
         std::string all;
-        for (const std::string& w : plan_with({"models.viscosity=pairwise", "models.pressure=ppe", "fluid.support=" + support}).warnings)
+        for (const std::string& w :
+             plan_with({"models.viscosity=explicit", "viscosity.laplacian=monaghan", "models.pressure=ppe", "fluid.support=" + support})
+                 .warnings)
             all += w;
         return all;
     };

@@ -6,7 +6,6 @@
 #include "engine/models/motion/motion.h"
 #include "engine/models/viscosity/explicit.h"
 #include "engine/models/viscosity/full.h"
-#include "engine/models/viscosity/pairwise.h"
 #include "engine/sph/density.h"
 #include "tests/support/world.h"
 
@@ -15,20 +14,19 @@ using namespace whorl::test;
 
 namespace {
 
-enum class Form { brookshaw, monaghan, pairwise, full };
-constexpr Form all_forms[] = {Form::brookshaw, Form::monaghan, Form::pairwise, Form::full};
+enum class Form { brookshaw, monaghan, full };
+constexpr Form all_forms[] = {Form::brookshaw, Form::monaghan, Form::full};
 const char* name(Form form) {
-    constexpr const char* names[] = {"brookshaw", "monaghan", "pairwise", "full"};
+    constexpr const char* names[] = {"brookshaw", "monaghan", "full"};
     return names[static_cast<int>(form)];
 }
 bool is_explicit(Form form) { return form == Form::brookshaw || form == Form::monaghan; }
-double support_of(Form form) { return form == Form::monaghan || form == Form::pairwise ? 4 : 2; }
+double support_of(Form form) { return form == Form::monaghan ? 4 : 2; }
 
 Stage viscosity_of(Form form, Real factor) {
     switch (form) {
         case Form::brookshaw:
         case Form::monaghan: return make_stage("viscosity", "viscosity", ExplicitViscosity{{form == Form::monaghan, factor}});
-        case Form::pairwise: return make_stage("viscosity", "viscosity", PairwiseViscosity(PairwiseViscosityOptions{{1e-6, 500}}));
         case Form::full: {
             FullViscosityOptions options;
             options.limits.tolerance = 1e-6;
@@ -97,9 +95,7 @@ TEST_CASE(
             c.U1 = 1, c.b0 = b * c.H / across;
             const double error = worst_error(form, c, across);
             CAPTURE(name(form), b, error);
-            CHECK(
-                error <
-                0.02);  // with the cubic kernel and R = 2 d, and pairwise, it is the same sum on both sides of the wall: exact to rounding
+            CHECK(error < 0.02);  // with the cubic kernel and R = 2 d it is the same sum on both sides of the wall: exact to rounding
         }
 }
 

@@ -8,7 +8,6 @@
 #include "engine/models/pressure/ppe.h"
 #include "engine/models/viscosity/explicit.h"
 #include "engine/models/viscosity/full.h"
-#include "engine/models/viscosity/pairwise.h"
 #include "engine/sph/density.h"
 #include "tests/support/world.h"
 
@@ -17,10 +16,10 @@ using namespace whorl::test;
 
 namespace {
 
-enum class Form { brookshaw, monaghan, pairwise, full };
-constexpr Form all_forms[] = {Form::brookshaw, Form::monaghan, Form::pairwise, Form::full};
+enum class Form { brookshaw, monaghan, full };
+constexpr Form all_forms[] = {Form::brookshaw, Form::monaghan, Form::full};
 
-bool is_implicit(Form form) { return form == Form::pairwise || form == Form::full; }
+bool is_implicit(Form form) { return form == Form::full; }
 
 /// Gravity, kick and the viscosity of that form, without motion and without pressure: the exact flow has none to speak of.
 std::vector<Stage> viscous_step_of(Form form, Real solid_factor, double tolerance = 1e-5) {
@@ -34,21 +33,14 @@ std::vector<Stage> viscous_step_of(Form form, Real solid_factor, double toleranc
         options.limits.tolerance = tolerance;
         stages.push_back(make_stage("viscosity", "viscosity", FullViscosity(options)));
     }
-    if (form == Form::pairwise) {
-        PairwiseViscosityOptions options;
-        options.limits.tolerance = tolerance;
-        stages.push_back(make_stage("viscosity", "viscosity", PairwiseViscosity(options)));
-    }
     return stages;
 }
 
-const char* name(Form form) {
-    return form == Form::brookshaw ? "brookshaw" : form == Form::monaghan ? "monaghan" : form == Form::pairwise ? "pairwise" : "full";
-}
+const char* name(Form form) { return form == Form::brookshaw ? "brookshaw" : form == Form::monaghan ? "monaghan" : "full"; }
 
 /// Kernel radius over spacing. Forces along the pairs take their isotropy from the neighbours' fourth moments: on a lattice with R = 2 d
 /// they make shear 0.70 and stretching 1.45 times as stiff as they are; they need more neighbours than the others.
-double support_of(Form form) { return form == Form::monaghan || form == Form::pairwise ? 4 : 2; }
+double support_of(Form form) { return form == Form::monaghan ? 4 : 2; }
 
 /// Amplitude of (sin kx cos ky, -cos kx sin ky) in the flow.
 double vortex_amplitude(TestWorld& w, double k) {
@@ -63,7 +55,7 @@ double vortex_amplitude(TestWorld& w, double k) {
 
 }  // namespace
 
-TEST_CASE("a Taylor-Green vortex decays as exp(-2 nu k^2 t) within 2 % of its rate, 32 particles a wave, explicit, pairwise and full",
+TEST_CASE("a Taylor-Green vortex decays as exp(-2 nu k^2 t) within 2 % of its rate, 32 particles a wave, explicit and full",
           "[validation][viscosity]") {
     const double L = 1, d = L / 32, k = 2 * std::numbers::pi / L, nu = 1, depth = 8 * d;
     for (Form form : all_forms) {
@@ -168,25 +160,22 @@ TEST_CASE("a free body that turns keeps its angular momentum within 0.1 % and it
           "[validation][viscosity]") {
     // A cube of 8^3; no pressure: a rigid rotation needs a centripetal force, so the body is turned, not moved.
     const double d = 0.1;
-    for (Form form : {Form::pairwise, Form::full}) {
-        INFO(name(form));
-        TestWorld w(d, 2, Domain{Vec3(-4, -4, -4), Vec3(4, 4, 4), {}});
-        w.use({viscous_step_of(form, 1, 1e-4).back()});
-        w.place(Vec3(-0.4, -0.4, -0.4), Vec3(0.4, 0.4, 0.4), 1e4,
-                [](const Vec3& x) { return Vec3(Vec3(-x.y(), x.x(), 0) * Real(4 * std::numbers::pi)); });
-        const auto energy = [&] {
-            double sum = 0;
-            for (const Vec3& u : w.column<field::velocity>()) sum += u.cast<double>().squaredNorm();
-            return sum;
-        };
-        const double L = w.angular_momentum().z(), E = energy();
-        const Mat3 turn = Eigen::AngleAxis<Real>(Real(4 * std::numbers::pi / 100), Vec3::UnitZ()).toRotationMatrix();
-        for (int s = 0; s < 100; ++s) {
-            w.step(0.01);
-            for (Vec3& x : w.column<field::position>()) x = turn * x;
-            for (Vec3& u : w.column<field::velocity>()) u = turn * u;
-        }
-        CHECK(w.angular_momentum().z() == Approx(L).epsilon(0.001));
-        CHECK(energy() == Approx(E).epsilon(0.01));
+    TestWorld w(d, 2, Domain{Vec3(-4, -4, -4), Vec3(4, 4, 4), {}});
+    w.use({viscous_step_of(Form::full, 1, 1e-4).back()});
+    w.place(Vec3(-0.4, -0.4, -0.4), Vec3(0.4, 0.4, 0.4), 1e4,
+            [](const Vec3& x) { return Vec3(Vec3(-x.y(), x.x(), 0) * Real(4 * std::numbers::pi)); });
+    const auto energy = [&] {
+        double sum = 0;
+        for (const Vec3& u : w.column<field::velocity>()) sum += u.cast<double>().squaredNorm();
+        return sum;
+    };
+    const double L = w.angular_momentum().z(), E = energy();
+    const Mat3 turn = Eigen::AngleAxis<Real>(Real(4 * std::numbers::pi / 100), Vec3::UnitZ()).toRotationMatrix();
+    for (int s = 0; s < 100; ++s) {
+        w.step(0.01);
+        for (Vec3& x : w.column<field::position>()) x = turn * x;
+        for (Vec3& u : w.column<field::velocity>()) u = turn * u;
     }
+    CHECK(w.angular_momentum().z() == Approx(L).epsilon(0.001));
+    CHECK(energy() == Approx(E).epsilon(0.01));
 }

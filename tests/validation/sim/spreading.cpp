@@ -56,7 +56,6 @@ TEST_CASE("a puddle on a plate spreads as t^(1/8) within 2 %, with the coupled s
     };
     const std::string sticking = "[[solid]]\nshape = \"plane\"\n", rubbing = sticking + "slip = \"navier\"\nslip_length = 1e-9\n";
     for (const Case& c : {Case{"[models]\npressure = \"ppe\"\nviscosity = \"full\"\n" + sticking, 0.02},
-                          Case{"[models]\npressure = \"ppe\"\nviscosity = \"pairwise\"\n" + sticking, 0.02},
                           Case{"[models]\npressure = \"coupled\"\n" + rubbing, 0.05}}) {
         INFO(c.models);
         Simulation simulation = simulation_of(puddle(24 * d, 6 * d, c.models));

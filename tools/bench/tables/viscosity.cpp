@@ -148,7 +148,7 @@ void print_models() {
         "\n\n## Waves and steps\n\n"
         "Decay of a shear wave along the axis of a lattice, 8 to 64 particles long, over nu k^2; the order in the spacing of what changes "
         "from 16 to 64 particles "
-        "(pairwise forms converge to their lattice's stiffness, not to 1). Largest stable explicit step nu dt/d^2 on a lattice (none for "
+        "(the monaghan form converges to its lattice's stiffness, not to 1). Largest stable explicit step nu dt/d^2 on a lattice (none for "
         "implicit models). "
         "CPU of a step of 4,000 particles on one thread at nu dt/d^2 = 0.1 (explicit) and 100 (implicit, from rest, tolerance 1e-3), "
         "without the neighbour search.\n\n"

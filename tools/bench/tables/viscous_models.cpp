@@ -5,7 +5,6 @@
 #include "engine/models/viscosity/assembled.h"
 #include "engine/models/viscosity/explicit.h"
 #include "engine/models/viscosity/full.h"
-#include "engine/models/viscosity/pairwise.h"
 #include "engine/particles/sample.h"
 #include "engine/sph/density.h"
 
@@ -67,19 +66,6 @@ std::vector<ViscousModel> viscous_models() {
                        [monaghan](test::TestWorld& w) { return explicit_acceleration(w, monaghan); },
                        [=](double) {
                            return around(stage(ExplicitViscosity{{monaghan, 1}}), true);
-                       }});
-    for (const double support : {2.0, 4.0})
-        all.push_back({"pairwise", true, support,
-                       [](test::TestWorld& w) {
-                           return acceleration_of<PairwiseOperator>(w, [&](PairwiseOperator& A, const World& c) {
-                               A.set_up(c.fluid_pairs, c.solid_pairs, c.solids, c.solid_particles, c.step, read<field::role>(w),
-                                        read<field::viscosity>(w));
-                           });
-                       },
-                       [=](double tolerance) {
-                           PairwiseViscosityOptions o;
-                           o.limits = {tolerance, 5000};
-                           return around(stage(PairwiseViscosity(o)), false);
                        }});
     all.push_back({"full_assembled", true, 2,
                    [](test::TestWorld& w) {
