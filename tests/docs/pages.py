@@ -66,6 +66,8 @@ class Checker:
                 self.command(page, line, folder)
         self.links(page, text)
         self.keys(page, text)
+        for path in re.findall(r"`?((?:tools|scenes)/[\w/]+\.\w+)", text):
+            self.expect(page, path, (ROOT / path).exists(), "no such file")
 
     @staticmethod
     def files(page, text, folder):
