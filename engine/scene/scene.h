@@ -139,7 +139,7 @@ struct SolidKeys {
     Slip slip = Slip::no;
     double slip_length = 0;             ///< m, navier
     double wetting = 0.5;               ///< the solid's pull on the fluid over the fluid's own, with surface tension
-    std::string material;               ///< of the look
+    std::string material = "ceramic";   ///< of the look
     double density = 0;                 ///< kg/m^3; given: a free body
     Vec3d velocity = Vec3d::Zero();     ///< m/s, of a free body at the start
     Vec3d tilt = Vec3d::Zero();         ///< degrees, rotation vector: how it stands at the start

@@ -1,6 +1,9 @@
 #include "render/look/look_keys.h"
 
+#include "render/look/colour_map.h"
 #include "render/look/look.h"
+#include "render/look/material.h"
+#include "render/look/studio.h"
 
 namespace whorl {
 namespace {
@@ -40,22 +43,21 @@ KeyTable make_look_keys() {
     t.key("style", &L::style, "",
           "refracting surface, painted surface; or coloured by a field: particles, a slice through the flow, a transparent volume")
         .one_of({"liquid", "opaque", "particles", "slice", "volume"});
-    t.key("material", &L::material, "", "preset that the keys below start from")
-        .one_of({"honey", "water", "paint", "chocolate", "lava", "clay"});
+    t.key("material", &L::material, "", "preset that the keys below start from").one_of(material_names());
     t.key("absorption", &L::absorption, "1/m", "Beer-Lambert, red, green, blue" + preset).only_with("style", {"liquid"});
     t.key("colour", &L::colour, "", "linear red, green, blue of an opaque material" + preset).at_most(1).only_with("style", {"opaque"});
     t.key("refraction", &L::refraction, "", "index of refraction" + preset).at_most(4).only_with("style", {"liquid"});
     t.key("roughness", &L::roughness, "", "0 mirror, 1 matt" + preset).at_most(1).only_with("style", surface);
     t.key("cooling", &L::cooling, "s", "lava: time in which it loses most of its glow, where a viscosity depends on age; 0: never" + preset)
         .only_with("style", surface);
-    t.key("background", &L::background, "", "what stands behind").one_of({"studio", "dark", "white"});
+    t.key("background", &L::background, "", "what stands behind").one_of(background_names());
     t.key("ground", &L::ground, "", "a ground with shadow under the scene");
     t.key("exposure", &L::exposure, "", "brightness of everything").above(0);
     t.key("samples", &L::samples, "", "a pixel").at_least(1).at_most(256);
     t.key("field", &L::field, "", "what is coloured; spin_difference: spin less half of the vorticity")
         .one_of({"speed", "pressure", "density", "spin", "vorticity", "spin_difference"})
         .only_with("style", field);
-    t.key("colour_map", &L::colour_map, "", "of the field").one_of({"viridis", "inferno", "coolwarm"}).only_with("style", field);
+    t.key("colour_map", &L::colour_map, "", "of the field").one_of(colour_map_names()).only_with("style", field);
     t.key("range", &L::range, "", "lowest and highest value of the colour map; equal: chosen once for the whole film, from the scene")
         .only_with("style", field);
     t.key("trail", &L::trail, "s", "how far back each particle's way is drawn; 0: not").at_least(0).only_with("style", {"particles"});

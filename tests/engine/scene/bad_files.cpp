@@ -93,6 +93,9 @@ const std::vector<Case> cases = {
      "bad.toml:8:23: block[0].velocity: \"sin(\" is not an expression: unexpected end of expression (column 5 of the text); allowed: "
      "functions of x, y, z"},
     {"min = [0, 0, 0]", "min = [0, 0, 0]\nspin = [1, 0, 0]", "bad.toml:8:8: block[0].spin needs a micropolar model; set models.micropolar"},
+    {"", "[[solid]]\nshape = \"sphere\"\nradius = 0.01\nmaterial = \"wod\"",
+     "bad.toml:12:12: solid[0].material = \"wod\" is not known; did you mean \"wood\"?; allowed: ceramic, white, metal, wood, clay, "
+     "dark, rock or glass"},
     {"", "[domain]\nmin = [1, 0, 0]", "bad.toml:10:7: domain.max must lie above domain.min on every axis; on x they are 1.0 and 1.0"},
     {"", "[domain]\nperiodic = [true, false, 0]",
      "bad.toml:10:26: domain.periodic must be a list of 3 times true or false, not the number 0 in place 3"},
