@@ -3,6 +3,9 @@
 import sys
 
 sys.dont_write_bytecode = True
-from measure.command import main
+try:
+    from measure.command import main
+except ModuleNotFoundError as missing:
+    sys.exit(f"measure.py: {missing}; bash tools/setup.sh installs it for Debian's own Python")
 
 sys.exit(main(sys.argv[1:]))

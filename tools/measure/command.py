@@ -74,4 +74,7 @@ def main(arguments):
         except registry.MeasureError as error:
             print(f"measure.py: {table.name}: {error}", file=sys.stderr)
             failed = 1
+        except KeyboardInterrupt:
+            print(f"measure.py: {table.name}: interrupted; what is done is kept", file=sys.stderr)
+            return 130
     return failed

@@ -151,7 +151,7 @@ class Measurement:
         done = subprocess.run(command, cwd=root, env={**os.environ, **(environment or {})}, text=True,
                               stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         if log:
-            write_file(log, f"{line}\n{done.stdout}{done.stderr}".encode())
+            write_file(log, f"{'failed: ' * (done.returncode != 0)}{line}\n{done.stdout}{done.stderr}".encode())
         if done.returncode != 0:
             last = (done.stderr or done.stdout).strip().splitlines()[-1:] or ["no message"]
             raise RunFailed(f"failed ({done.returncode}): {last[0].removeprefix('whorl: ')}")

@@ -89,8 +89,8 @@ def measure_quality(m, scene):
        "docs/studies/quality.csv and docs/pictures/quality", keeps_rows=True)
 def quality(m):
     file, order = "docs/studies/quality.csv", list(qualities)
-    rows = read_rows(m.into / file)
-    columns = list(rows[0])
+    columns = ["scene", "until", "quality", "spacing", "particles", "cpu_seconds_a_second", "error", "error_of", "picture_difference"]
+    rows = read_rows(m.into / file) if (m.into / file).exists() else []
     for scene in filter(m.wanted, qualities):
         rows = [r for r in rows if r["scene"] != scene] + measure_quality(m, scene)
         rows.sort(key=lambda r: order.index(r["scene"]))
