@@ -6,8 +6,8 @@ from . import registry, runs
 from . import coils, micropolar, pictures, pressure, tradeoff, viscosity  # noqa: F401  (each registers its tables)
 
 examples = """examples:
-  tools/measure.py --list                           every name, what it is, where it goes, how long it takes
-  tools/measure.py sewing_machine                   measures it and writes its section of docs/reports/coils.md
+  tools/measure.py --list                           every name, what it is and how long it takes
+  tools/measure.py sewing_machine                   measures it and writes it into its page
   tools/measure.py coils --only 2 --only 7          two of its rows, printed; results stay in out/measure
   tools/measure.py coils --only 2 --set fluid.spacing=2.5e-3
   tools/measure.py 'map_*' --dry-run                what would be run
@@ -16,8 +16,8 @@ examples = """examples:
 
 def parser():
     p = argparse.ArgumentParser(prog="tools/measure.py", epilog=examples, formatter_class=argparse.RawDescriptionHelpFormatter,
-                                description="Measures the tables and pictures of README.md and docs again, by name. A table goes between the lines "
-                                "<!-- begin NAME --> and <!-- end NAME --> of its page; nothing else of a page changes.")
+                                description="Measures the tables and pictures of README.md and docs again, by name. A table goes between the "
+                                "lines <!-- begin NAME --> and <!-- end NAME --> of the page that has them; nothing else of a page changes.")
     p.add_argument("names", nargs="*", metavar="NAME", help="a table or picture, or a pattern of names")
     p.add_argument("--list", action="store_true", help="show all names")
     p.add_argument("--print", action="store_true", help="print the section, write no page")
@@ -33,21 +33,22 @@ def parser():
 def show_list():
     width = max(len(name) for name in registry.tables)
     for t in registry.tables.values():
-        print(f"{t.name:{width}}  {t.about} [{' and '.join(place for place in (t.page, t.files) if place)}; {t.takes}]")
+        print(f"{t.name:{width}}  {t.about} [{t.takes}]" + f" -> {t.files}" * bool(t.files))
 
 
 def measure(table, m, print_only):
-    to_page = table.page and not print_only and not m.dry and (table.keeps_rows or not m.partial)
-    if to_page:
-        registry.page_with(m.into / table.page, table.name, "")  # tells what is wrong before hours are spent
+    to_page = table.section and not print_only and not m.dry and (table.keeps_rows or not m.partial)
+    if to_page:  # what is wrong with the page is told before hours are spent
+        page = registry.page_with(m.into, table.name)
+        registry.replace_section(registry.read_page(page), table.name, "")
     m.say(f"{table.name} ({table.takes})")
     section = table.make(m)
     if m.dry or section is None:
         return
     if to_page:
-        page = m.into / table.page  # it may have changed meanwhile
-        registry.write_file(page, registry.page_with(page, table.name, section).encode())
-        m.say(f"{table.name}: written to {table.page}")
+        text = registry.read_page(page)  # it may have changed meanwhile
+        registry.write_file(page, registry.replace_section(text, table.name, section).encode())
+        m.say(f"{table.name}: written to {page.relative_to(m.into)}")
     else:
         print(section)
 

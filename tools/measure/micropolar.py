@@ -1,23 +1,18 @@
-"""docs/reports/micropolar.md: curls, vorticity refinement, the price of spin."""
+"""Micropolar fluids: curls, vorticity refinement, the price of spin."""
 import math
 
 from .registry import markdown, table
 from .runs import number
 
-page = "docs/reports/micropolar.md"
 
-
-@table("curls", "error, order and conservation of every pair of curls with both Laplacians", "2 minutes", page)
+@table("curls", "error, order and conservation of every pair of curls with both Laplacians", "2 minutes")
 def curls(m):
-    rows = []
-    for r in m.solver("curls", "curls"):
-        n = {name: number(cell) for name, cell in r.items() if name not in ("curl_velocity", "curl_spin", "laplacian")}
-        rows.append([r["curl_velocity"], r["curl_spin"], r["laplacian"], f"{100 * n['velocity_error']:.2f}", f"{n['velocity_order']:.1f}",
-                     f"{100 * n['spin_error']:.2f}", f"{n['spin_order']:.1f}",
-                     f"{100 * n['uneven_velocity_error']:.1f} / {100 * n['uneven_spin_error']:.1f}",
-                     *(f"{n[name]:.0e}" for name in ("momentum", "angular_momentum", "energy"))])
-    return markdown(["curl u", "curl w", "Laplacian", "error of u [%]", "order", "error of w [%]", "order", "uneven: u / w [%]", "momentum",
-                     "angular momentum", "energy"], rows)
+    percent = {"velocity_error": ".2f", "spin_error": ".2f", "uneven_velocity_error": ".1f", "uneven_spin_error": ".1f"}
+    plain = {"velocity_order": ".1f", "spin_order": ".1f", "momentum": ".0e", "angular_momentum": ".0e", "energy": ".0e"}
+    rows = [[f"{100 * number(cell):{percent[name]}}" if name in percent else f"{number(cell):{plain[name]}}" if name in plain else cell
+             for name, cell in r.items()] for r in m.solver("curls", "curls")]
+    return markdown("curl u | curl w | Laplacian | error of u [%] | order | error of w [%] | order | uneven: error of u [%] | "
+                    "uneven: error of w [%] | momentum | angular momentum | energy", rows)
 
 
 def three_runs(m, scene, times, spin, finer):
@@ -32,15 +27,17 @@ def three_runs(m, scene, times, spin, finer):
     return found
 
 
-@table("refinement", "a Taylor-Green vortex in three dimensions: coarse, with spin, fine", "3 minutes", page)
+@table("refinement", "a Taylor-Green vortex in three dimensions: coarse, with spin, fine", "3 minutes")
 def refinement(m):
     times = [0.25, 0.5, 0.75, 1, 1.5, 2]
-    three = three_runs(m, "vortex_box", times, ["micropolar.transfer_viscosity=0.8", "micropolar.micro_inertia=2.5e-4"], ["fluid.spacing=0.03125"])
-    rows = [[f"{t:.2f}", *(f"{run[k]['energy']:.4f}" for run in three), *(f"{run[k]['enstrophy']:.2f}" for run in three)] for k, t in enumerate(times)]
-    return markdown(["t [s]", "energy [J/kg]: coarse", "with spin", "fine", "enstrophy [1/s^2]: coarse", "with spin", "fine"], rows)
+    three = three_runs(m, "vortex_box", times, ["micropolar.transfer_viscosity=0.8", "micropolar.micro_inertia=2.5e-4"],
+                       ["fluid.spacing=0.03125"])
+    rows = [[f"{t:.2f}", *(f"{run[k]['energy']:.4f}" for run in three), *(f"{run[k]['enstrophy']:.2f}" for run in three)]
+            for k, t in enumerate(times)]
+    return markdown("t [s] | energy [J/kg]: coarse | with spin | fine | enstrophy [1/s^2]: coarse | with spin | fine", rows)
 
 
-@table("refinement_street", "a Karman street: coarse, with spin, fine", "15 minutes", page)
+@table("refinement_street", "a Karman street: coarse, with spin, fine", "15 minutes")
 def refinement_street(m):
     times = [k / 8 for k in range(1, 17)]
     three = three_runs(m, "cylinder_street", times, ["micropolar.transfer_viscosity=0.024", "micropolar.micro_inertia=4e-6"],
@@ -50,18 +47,16 @@ def refinement_street(m):
         mean = [{name: sum(row[name] for row in run[k:k + 4]) / 4 for name in run[k]} for run in three]
         rows.append([f"{times[k] - 0.125:.1f} to {times[k + 3]:.1f}", *(f"{1e3 * run['energy_across']:.3f}" for run in mean),
                      *(f"{run['enstrophy']:.0f}" for run in mean)])
-    return markdown(["t [s]", "energy across [mJ/kg]: coarse", "with spin", "fine", "enstrophy [1/s^2]: coarse", "with spin", "fine"], rows)
+    return markdown("t [s] | energy across [mJ/kg]: coarse | with spin | fine | enstrophy [1/s^2]: coarse | with spin | fine", rows)
 
 
-@table("spin_cost", "CPU time with spin, without, and without viscosity, a hundred thousand particles", "1 minute", page)
+@table("spin_cost", "CPU ns a particle-step with spin, without, and without viscosity, a hundred thousand particles", "1 minute")
 def spin_cost(m):
-    run = m.render("scenes/studies/spin_cost.toml", "spin_cost", threads=2)
     rows = []
-    for words, panel in zip(("`seed`", "the same without spin", "without viscosity, too"), run.panels):
-        share = 1e9 / panel["particle_steps"]
-        stages = [panel["stages"][name]["cpu_seconds"] * share if name in panel["stages"] else math.nan
-                  for name in ("neighbours", "density", "pressure", "viscosity")]
-        simulation = sum(stage["cpu_seconds"] for name, stage in panel["stages"].items() if name != "write") * share
-        rows.append([words, *("-" if math.isnan(s) else f"{s:.0f}" for s in stages), f"{simulation:.0f}",
+    for words, panel in zip(("with spin (`seed`)", "without spin", "without viscosity, too"),
+                            m.render("scenes/studies/spin_cost.toml", "spin_cost", threads=2).panels):
+        ns = {name: 1e9 * stage["cpu_seconds"] / panel["particle_steps"] for name, stage in panel["stages"].items() if name != "write"}
+        parts = [ns.get("neighbours", 0), ns.get("density", 0), ns.get("pressure", 0), ns.get("viscosity", 0) + ns.get("micropolar", 0)]
+        rows.append([words, *(f"{part:.0f}" if part else "" for part in parts), f"{sum(ns.values()):.0f}",
                      f"{panel['particle_steps'] / panel['wall_seconds'] / 1e6:.2f}"])
-    return markdown(["CPU ns a particle-step", "neighbours", "density", "pressure", "viscosity, spin", "all", "million particle-steps a second"], rows)
+    return markdown("of a two-threaded run | neighbours | density | pressure | viscosity and spin | all | million particle-steps a second", rows)

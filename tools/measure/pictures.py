@@ -1,78 +1,94 @@
-"""Pictures of README.md and docs/guide, and the README's gallery."""
+"""Pictures of README.md and docs/guide, and how long whole films take."""
+import math
+import re
+
 from . import drawing
-from .registry import table
+from .registry import markdown, table, write_file
 from .runs import number, read_rows
 
-# Name of the file in docs/pictures: scene (or scene file), frame, width, options of whorl render.
-pictures = {
-    "honey_coil": ("honey_coil", 54, 720, []),
-    "honey_ball": ("honey_ball", 62, 720, ["--quality", "draft", "--set", "look.samples=4"]),
-    "dam_break": ("dam_break", 16, 720, ["--quality", "draft", "--set", "look.samples=4"]),
-    "karman_street": ("karman_street", 60, 560, ["--quality", "draft"]),
-}
+
+@table("picture_honey_coil", "the README's first picture: frame 54 of honey_coil", "1 minute", files="docs/pictures/honey_coil.png", section=False)
+def picture_honey_coil(m):
+    run = m.render("honey_coil", "pictures/honey_coil", threads=2, images=True, options=["--frames", 54, "--no-video"])
+    drawing.picture(m, "docs/pictures/honey_coil.png", [run.folder / "frames/000054.png"], 720)
 
 
-def picture_of(name, scene, frame, width, options):
-    def make(m):
-        run = m.render(scene, f"pictures/{name}", threads=2, images=True, options=["--frames", frame, "--no-video", *options])
-        drawing.picture(m, f"docs/pictures/{name}.png", [run.folder / f"frames/{frame:06d}.png"], width)
-
-    return make
-
-
-for name, what in pictures.items():
-    table(f"picture_{name}", f"frame {what[1]} of {what[0]}", "some minutes", files=f"docs/pictures/{name}.png")(picture_of(name, *what))
-
-
-@table("picture_live", "the page of a live run, as Chromium shows it", "1 minute", files="docs/pictures/live.png")
+@table("picture_live", "the page of a live run, as Chromium shows it", "1 minute", files="docs/pictures/live.png", section=False)
 def picture_live(m):
     m.call(["bash", "tools/setup.sh", "chromium"])
     folder = m.build("whorl_validation")
     m.call([folder / "tests/whorl_validation", "[page_picture]"], environment={"WHORL_PICTURE": str(m.into / "docs/pictures/live.png")})
 
 
-# The scenes of the gallery: what to see, the frame that is shown, quality of the whole film.
+# What to see, the time of the picture [s], quality of the picture and of the whole film
 gallery_scenes = {
-    "honey_coil": ("A thread of honey coils on a plate", 54, "standard"),
-    "honey_ball": ("Honey over a wooden ball: folds heap on top and creep down the sides", 62, "standard"),
-    "honey_thread": ("A long fall: the thread thins to half its radius and coils four times a second", 60, "standard"),
-    "sewing_machine": ("Honey on a belt that slows down: a line, meanders, loops, coils", 120, "standard"),
-    "cake_batter": ("A ribbon from a slot folds to and fro", 48, "standard"),
-    "toothpaste": ("Paste on a roll, which stiffens as it lies", 72, "standard"),
-    "lava": ("Lava pours on a slope and freezes as it ages", 96, "standard"),
-    "dripping_syrup": ("Drops grow under a spout and fall on a thread that parts", 72, "standard"),
-    "rotating_drop": ("A bar of syrup turns in weightlessness and slowly lengthens", 24, "draft"),
-    "dam_break": ("Water collapses, hits the wall and sloshes back", 16, "draft"),
-    "dam_break_obstacle": ("The same water runs into a post and splits", 16, "draft"),
-    "paddle": ("Two crossed blades turn in a box of water", 48, "draft"),
-    "floating_boxes": ("A dam breaks into a stack of crates and carries off what floats", 24, "draft"),
-    "karman_street": ("A cylinder in a stream sheds vortices to both sides in turn", 60, "draft"),
-    "shear_layer": ("Two streams slide past each other and roll up", 48, "draft"),
-    "vortex_rings": ("The rear one of two rings passes through the front one", 36, "draft"),
-    "taylor_green": ("An array of vortices decays, loses its symmetry, and merges", 48, "draft"),
-    "stirred_tank": ("A paddle stirs a tank with a free surface", 48, "draft"),
+    "honey_coil": ("A thread of honey coils on a plate.", 3.3, "standard"),
+    "honey_ball": ("Honey over a wooden ball.", 2.6, "standard"),
+    "honey_thread": ("A long fall: the thread thins and coils fast. At half speed.", 2.2, "standard"),
+    "sewing_machine": ("Honey on a belt that slows down: a line, meanders, loops, coils.", 5.9, "standard"),
+    "cake_batter": ("A ribbon from a slot folds to and fro.", 2.6, "standard"),
+    "toothpaste": ("Paste on a moving roll. It stiffens as it lies.", 3.9, "standard"),
+    "lava": ("Lava pours on a slope, cools and stiffens.", 3.0, "standard"),
+    "dripping_syrup": ("Drops grow, fall on a thread, and part. At half speed.", 1.7, "standard"),
+    "rotating_drop": ("A bar of syrup turns in weightlessness.", 1.95, "standard"),
+    "dam_break": ("A block of water collapses and hits the wall.", 0.68, "standard"),
+    "dam_break_obstacle": ("The same water runs into a post.", 0.42, "standard"),
+    "paddle": ("Two crossed blades turn in a box of water.", 2.9, "standard"),
+    "floating_boxes": ("A wave carries off crates, a cask and a ball.", 1.05, "standard"),
+    "karman_street": ("A cylinder in a stream sheds vortices in turn.", 2.5, "draft"),
+    "shear_layer": ("Two streams roll up into billows.", 1.5, "draft"),
+    "taylor_green": ("An array of vortices decays and merges.", 1.0, "draft"),
+    "vortex_rings": ("One ring slips through the other.", 0.8, "draft"),
+    "stirred_tank": ("A paddle stirs a tank, seen as particles.", 1.5, "draft"),
 }
 
 
-@table("gallery", "every scene's best frame, its command, and how long its whole film takes on two cores", "hours: --only SCENE", "README.md",
-       "docs/studies/gallery.csv and docs/pictures/gallery", keeps_rows=True)
+@table("gallery", "a finished moment of every scene", "1 to 4 minutes a scene", files="docs/pictures/gallery", section=False)
 def gallery(m):
-    file = "docs/studies/gallery.csv"
+    for scene, (_, time, quality) in gallery_scenes.items():
+        if m.wanted(scene):  # two pictures: the start, and the moment
+            run = m.render(scene, f"gallery/{scene}", f"time.fps={1 / time:.9g}", "time.slow_motion=1", "look.samples=4", threads=2, images=True,
+                           options=["--until", f"{1.0001 * time:g}", "--quality", quality, "--size", "1920x1080", "--no-video"])
+            drawing.picture(m, f"docs/pictures/gallery/{scene}.jpg", [run.folder / "frames/000002.png"], 960, ["-q:v", "3"])
+
+
+@table("films", "how long each scene's whole film takes on two cores, drawing included; the README's gallery says so", "hours: --only SCENE",
+       files="docs/studies/films.csv", keeps_rows=True)
+def films(m):
+    file, columns = "docs/studies/films.csv", ["scene", "quality", "minutes"]
     rows = {r["scene"]: r for r in read_rows(m.into / file)} if (m.into / file).exists() else {}
-    for scene, (_, frame, quality) in gallery_scenes.items():
-        if not m.wanted(scene):
-            continue
-        run = m.render(scene, f"gallery/{scene}", threads=2, images=True, options=["--quality", quality])
-        drawing.picture(m, f"docs/pictures/gallery/{scene}.jpg", [run.folder / f"frames/{frame:06d}.png"], 960, ["-q:v", "3"])
-        rows[scene] = {"scene": scene, "quality": quality, "frame": frame, "minutes": f"{max(panel['wall_seconds'] for panel in run.panels) / 60:.2f}"}
-        lines = ["scene,quality,frame,minutes", *(",".join(str(cell) for cell in rows[s].values()) for s in gallery_scenes if s in rows)]
-        m.write(file, ("\n".join(lines) + "\n").encode())
-    return "\n\n".join(entry(rows[scene]) for scene in gallery_scenes if scene in rows)
+    for scene, (_, _, quality) in gallery_scenes.items():
+        if m.wanted(scene):
+            run = m.render(scene, f"films/{scene}", threads=2, images=True, options=["--quality", quality])
+            minutes = max(panel["wall_seconds"] for panel in run.panels) / 60
+            rows[scene] = {"scene": scene, "quality": quality, "minutes": f"{minutes:.2f}"}
+            m.write_csv(file, columns, [rows[name] for name in gallery_scenes if name in rows])
+    cells = [film(scene, rows.get(scene)) for scene in gallery_scenes]
+    return markdown(" | ", zip(cells[::2], cells[1::2]))
 
 
-def entry(row):
-    scene, quality = row["scene"], row["quality"]
-    words, minutes = gallery_scenes[scene][0], number(row["minutes"])
-    takes = f"{60 * minutes:.0f} seconds" if minutes < 1 else f"{minutes:.0f} minutes"
-    command = f"build/release/whorl render {scene}" + (f" --quality {quality}" if quality != "standard" else "")
-    return f"![{words}](docs/pictures/gallery/{scene}.jpg)\n\n{words}: `{command}` ({takes})."
+def film(scene, row):
+    """A cell of the README's gallery."""
+    words, _, quality = gallery_scenes[scene]
+    minutes = number(row["minutes"]) if row else math.nan
+    takes = "" if not row else f" {minutes:.0f} min." if minutes > 0.75 else f" {max(6 * minutes, 1):.0f}0 s."
+    command = f"build/release/whorl render {scene}" + f" --quality {quality}" * (quality != "standard")
+    return f"![{scene}](docs/pictures/gallery/{scene}.jpg)<br>{words}{takes}<br>`{command}`"
+
+
+@table("guide_pictures", "the last moment of every scene that a page of docs/guide prints whole and shows", "1 minute a scene",
+       files="docs/pictures/guide", section=False)
+def guide_pictures(m):
+    for page in sorted((m.into / "docs/guide").glob("*.md")):
+        text = page.read_text(encoding="utf-8")
+        files = dict(re.findall(r"^```\w+\n(?=# ([\w.]+\.\w+)\n)(.*?)^```$", text, re.M | re.S))
+        folder = m.out / "guide" / page.stem
+        for name, body in files.items():
+            if not m.dry:
+                write_file(folder / name, body.encode())
+        for name in (file[:-5] for file in files if file.endswith(".toml")):
+            if f"pictures/guide/{name}.jpg" in text and m.wanted(name):
+                run = m.render(folder / f"{name}.toml", f"guide/{page.stem}/{name}", threads=2, images=True,
+                               options=["--fps", 8, "--size", "960x540", "--no-video"])
+                last = max(run.folder.glob("frames/*.png"), default=run.folder)
+                drawing.picture(m, f"docs/pictures/guide/{name}.jpg", [last], 960, ["-q:v", "4"])

@@ -16,20 +16,20 @@ class Table:
     name: str
     about: str
     takes: str  # how long, in words
-    page: str  # "" where it only writes files
-    files: str  # what else it writes, in words
-    keeps_rows: bool  # rows that are not measured this time stay: part of it may be measured
-    make: Callable  # of a Measurement: the section's text
+    make: Callable  # of a Measurement: the section's text, or None
+    files: str = ""  # what else it writes, in words
+    section: bool = True
+    keeps_rows: bool = False  # rows that are not measured this time stay: a part of it may be measured
 
 
 tables: dict[str, Table] = {}
 
 
-def table(name, about, takes, page="", files="", keeps_rows=False):
-    """Decorator of a function that measures `name` and returns the section of `page` (None: it has only written `files`)."""
+def table(name, about, takes, **keys):
+    """Decorator of a function that measures `name` and returns its section."""
 
     def register(make):
-        tables[name] = Table(name, about, takes, page, files, keeps_rows, make)
+        tables[name] = Table(name, about, takes, make, **keys)
         return make
 
     return register
@@ -45,17 +45,33 @@ def find(pattern):
 
 
 def markdown(columns, rows):
-    """A table; cells are texts."""
-    lines = ["| " + " | ".join(columns) + " |", "|" + "---|" * len(columns)]
-    lines += ["| " + " | ".join(str(cell).replace("|", "/").replace("\n", " ") for cell in row) + " |" for row in rows]
-    return "\n".join(lines)
+    """A table. @param columns "a | b | c" @param rows of cells; a short row is filled up, a cell's line breaks and bars become blanks"""
+    names = columns.split(" | ")
+    lines = [names, ["---"] * len(names)]
+    lines += [[str(cell).replace("|", "/").replace("\n", " ") for cell in row] + [""] * (len(names) - len(row)) for row in rows]
+    return "\n".join("|" + "".join(f" {cell} |" if cell else " |" for cell in line) for line in lines).replace(" --- ", "---")
+
+
+# Sections of pages
+
+def markers(name):
+    return f"<!-- begin {name} -->", f"<!-- end {name} -->"
+
+
+def page_with(top: Path, name):
+    """The page that holds the section: README.md or one in docs."""
+    pages = [page for page in (top / "README.md", *sorted(top.glob("docs/**/*.md"))) if page.is_file()]
+    found = [page for page in pages if any(line.strip() == markers(name)[0] for line in page.read_text(encoding="utf-8").splitlines())]
+    if len(found) != 1:
+        raise MeasureError(f"{len(found) or 'no'} pages hold a line {markers(name)[0]}; one should")
+    return found[0]
 
 
 def replace_section(page, name, section):
-    """The text of the page with `section` between its markers <!-- begin NAME --> and <!-- end NAME -->, indented as the first one is."""
+    """The text of the page with `section` between its markers, indented as the first one is."""
     lines = page.splitlines(keepends=True)
     places = []
-    for marker in (f"<!-- begin {name} -->", f"<!-- end {name} -->"):
+    for marker in markers(name):
         found = [k for k, line in enumerate(lines) if line.strip() == marker]
         if len(found) != 1:
             raise MeasureError(f"the page has {len(found)} lines {marker}; it needs one")
@@ -68,19 +84,13 @@ def replace_section(page, name, section):
     return "".join(lines[: begin + 1]) + new + "".join(lines[end:])
 
 
-def page_with(path: Path, name, section):
-    """The page as it is now, with that section. @throws MeasureError where it cannot take it"""
-    if not path.is_file():
-        raise MeasureError(f"there is no page {path}")
+def read_page(path: Path):
     with open(path, newline="", encoding="utf-8") as page:
-        text = page.read()
-    try:
-        return replace_section(text, name, section)
-    except MeasureError as error:
-        raise MeasureError(f"{path}: {error}") from None
+        return page.read()
 
 
 def write_file(path: Path, content: bytes):
+    """Whole or not at all."""
     path.parent.mkdir(parents=True, exist_ok=True)
     beside = path.with_name(path.name + ".new")
     beside.write_bytes(content)

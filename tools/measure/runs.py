@@ -1,5 +1,6 @@
 """Runs of whorl and of whorl_solver_tables, kept in out/measure, and what they wrote."""
 import csv
+import io
 import json
 import os
 import shlex
@@ -193,7 +194,7 @@ class Measurement:
         text = self.whorl(*command)
         return Unknown() if self.dry else json.loads(text)
 
-    def overlay(self, name, keys):
+    def toml_file(self, name, keys):
         """Writes some keys of a scene, a scene or a study as a file."""
         file = self.out / f"{name}.toml"
         if not self.dry:
@@ -205,7 +206,7 @@ class Measurement:
         keys = read_scene(scene)
         for one in tables:
             keys.pop(one, None)
-        return self.overlay(name, keys)
+        return self.toml_file(name, keys)
 
     def study(self, name, keys, kind="tradeoff"):
         """The rows of whorl tradeoff (or stability) for the study with these keys, in out/measure/NAME."""
@@ -214,7 +215,7 @@ class Measurement:
             shutil.rmtree(folder / "points", ignore_errors=True)
         keys = {"set": [], **keys}
         keys["set"] = [*keys["set"], *self.settings]
-        file = self.overlay(f"{name}/study", keys)
+        file = self.toml_file(f"{name}/study", keys)
         self.whorl(kind, file, "--all", "--threads", 1, "--jobs", 1, "--out", folder, log=folder / "log")
         return [] if self.dry else read_rows(folder / f"{kind}.csv")
 
@@ -239,14 +240,19 @@ class Measurement:
         if not self.dry:
             write_file(self.into / path, content)
 
+    def write_csv(self, path, columns, rows):
+        text = io.StringIO()
+        csv.writer(text, lineterminator="\n").writerows([columns, *([row[name] for name in columns] for row in rows)])
+        self.write(path, text.getvalue().encode())
+
 
 def read_scene(scene):
     return tomllib.loads((root / scene).read_text())
 
 
-def attempt(cells, measure, width):
-    """A row: these cells and what is measured, or why it could not be."""
+def attempt(measure):
+    """The cells that measure() returns, or why it could not."""
     try:
-        return [*cells, *measure()]
+        return measure()
     except RunFailed as error:
-        return [*cells, str(error), *[""] * (width - len(cells) - 1)]
+        return [str(error)]
