@@ -57,7 +57,8 @@ class Sections(unittest.TestCase):
             self.assertNotIn(b"part", file.read_bytes())
 
     def test_cells_cannot_break_a_table(self):
-        self.assertEqual(registry.markdown("a | b | c", [[1, "x|y\nz"], ["", "2"]]), "| a | b | c |\n|---|---|---|\n| 1 | x/y z | |\n| | 2 | |")
+        self.assertEqual(registry.markdown("a | b | c", [[1, "x|y\nz"], ["", "2"]]),
+                         "| a | b | c |\n|---|---|---|\n| 1 | x/y z | |\n| | 2 | |")
 
 
 class Results(unittest.TestCase):
@@ -98,7 +99,8 @@ class Results(unittest.TestCase):
         return m
 
     def test_a_result_is_used_again_for_the_same_command_alone(self):
-        m = self.program(f'echo run >> {self.folder}/count\nfor k; do [ "$last" = --out ] && mkdir -p "$k" && echo "{{}}" > "$k/run.json"; last=$k; done\ntrue\n')
+        m = self.program(f'echo run >> {self.folder}/count\nfor k; do [ "$last" = --out ] && folder=$k; last=$k; done\n'
+                         'mkdir -p "$folder" && echo {} > "$folder/run.json"\n')
         for settings in (["a=1"], ["a=1"], ["a=2"]):
             m.render("scene", "run", *settings)
         self.assertEqual((self.folder / "count").read_text(), "run\n" * 2)

@@ -4,7 +4,7 @@ import math
 import numpy as np
 
 from . import drawing, theory
-from .registry import markdown, table
+from .registry import markdown, off, percent, table
 from .runs import attempt, number, read_rows, root
 
 
@@ -32,7 +32,7 @@ def against(p, expected, digits=(3, 2)):
     cells = []
     for name, unit, n in (("frequency", 1, digits[0]), ("radius", 1e3, digits[1])):
         value, spread, exact = (unit * x for x in (p[name], p[f"{name}_uncertainty"], expected[name]))
-        cells += [f"{value:.{n}f}", f"{spread:.{n}f}", f"{exact:.{n}f}", f"{100 * (value / exact - 1):+.1f} %"]
+        cells += [f"{value:.{n}f}", f"{spread:.{n}f}", f"{exact:.{n}f}", off(value, exact, 1)]
     return cells
 
 
@@ -79,8 +79,8 @@ def coils_laid_speed(m):
 
         if m.wanted(row):
             coarse = excess(2e-3, 7)
-            fine = f"{100 * excess(1.25e-3, fine_turns[row]):.1f} %" if row in fine_turns else ""
-            rows.append([row, f"{slenderness:.2f}", f"{100 * coarse:.1f} %", fine, f"{coarse / slenderness**2:.1f}"])
+            fine = percent(excess(1.25e-3, fine_turns[row]), 1) if row in fine_turns else ""
+            rows.append([row, f"{slenderness:.2f}", percent(coarse, 1), fine, f"{coarse / slenderness**2:.1f}"])
     return markdown("row | a/R | 2 pi R f over U1, less 1, at 2 mm | at 1.25 mm | over (a/R)^2, at 2 mm", rows)
 
 
@@ -100,7 +100,8 @@ def coil_convergence(m):
     points, c = [], theory_rows()[2]
     for spacing in (2.5e-3, 2e-3, 1.5e-3, 1.25e-3):
         p, _ = coil(m, 2, spacing)
-        points.append([1e3 * spacing, *(100 * p[name + part] / c[name] for name in ("frequency", "radius") for part in ("", "_uncertainty"))])
+        points.append([1e3 * spacing, *(100 * p[name + part] / c[name]
+                                        for name in ("frequency", "radius") for part in ("", "_uncertainty"))])
     mm, f, df, R, dR = np.array(points).T
 
     def draw(axes):
@@ -108,7 +109,8 @@ def coil_convergence(m):
         axes.axhline(100, color="#555", lw=1)
         axes.errorbar(mm - 0.015, f, df, fmt="o", color="#1f5fa8", label="frequency")
         axes.errorbar(mm + 0.015, R, dR, fmt="o", color="#b8432f", label="radius")
-        axes.set(xlim=(0, 3), ylim=(80, 120), xlabel="particle spacing [mm]; nozzle radius 5 mm", ylabel="coil over slender-thread theory [%]")
+        axes.set(xlim=(0, 3), ylim=(80, 120), xlabel="particle spacing [mm]; nozzle radius 5 mm",
+                 ylabel="coil over slender-thread theory [%]")
         axes.legend(frameon=False, ncols=2)
 
     m.write("docs/pictures/coil_convergence.svg", drawing.figure(5.8, 3.9, draw))
@@ -136,8 +138,8 @@ def falling_thread(m):
 
 
 def sewing_patterns(m, ratios, spacing):
-    """The pattern is read from how the thread swings above the belt in the newest 2 s: coils where it does so along the belt (x) as often as
-    across it (z), else loops where it runs back relative to the belt, and meanders where it does not."""
+    """The pattern is read from how the thread swings above the belt in the newest 2 s: coils where it does so along the belt (x) as
+    often as across it (z), else loops where it runs back relative to the belt, and meanders where it does not."""
     landing, rows = 0.240, []  # m/s, in theory: the thread lands 1.02 times as thick as it leaves the nozzle
     for ratio in filter(m.wanted, ratios):
         V = ratio * landing
@@ -156,7 +158,8 @@ def sewing_patterns(m, ratios, spacing):
 
         expected = "coils" if ratio < 0.29 else "loops" if ratio < 0.54 else "meanders" if ratio < 1 else "straight"
         rows.append([f"{ratio:g}", expected, *attempt(measure)])
-    return markdown("V/Uc | expected | across [Hz] | along over across | swing across [mm] | swing along [mm] | runs back at [V] | pattern", rows)
+    return markdown("V/Uc | expected | across [Hz] | along over across | swing across [mm] | swing along [mm] | runs back at [V] | "
+                    "pattern", rows)
 
 
 @table("sewing_machine", "the pattern of a thread on a belt, nine speeds", "20 minutes")

@@ -16,8 +16,9 @@ examples = """examples:
 
 def parser():
     p = argparse.ArgumentParser(prog="tools/measure.py", epilog=examples, formatter_class=argparse.RawDescriptionHelpFormatter,
-                                description="Measures the tables and pictures of README.md and docs again, by name. A table goes between the "
-                                "lines <!-- begin NAME --> and <!-- end NAME --> of the page that has them; nothing else of a page changes.")
+                                description="Measures the tables and pictures of README.md and docs again, by name. A table goes "
+                                "between the lines <!-- begin NAME --> and <!-- end NAME --> of the page that has them; nothing else of a "
+                                "page changes.")
     p.add_argument("names", nargs="*", metavar="NAME", help="a table or picture, or a pattern of names")
     p.add_argument("--list", action="store_true", help="show all names")
     p.add_argument("--print", action="store_true", help="print the section, write no page")

@@ -10,7 +10,7 @@ def curls(m):
     percent = {"velocity_error": ".2f", "spin_error": ".2f", "uneven_velocity_error": ".1f", "uneven_spin_error": ".1f"}
     plain = {"velocity_order": ".1f", "spin_order": ".1f", "momentum": ".0e", "angular_momentum": ".0e", "energy": ".0e"}
     rows = [[f"{100 * number(cell):{percent[name]}}" if name in percent else f"{number(cell):{plain[name]}}" if name in plain else cell
-             for name, cell in r.items()] for r in m.solver("curls", "curls")]
+             for name, cell in r.items()] for r in m.solver("curls")]
     return markdown("curl u | curl w | Laplacian | error of u [%] | order | error of w [%] | order | uneven: error of u [%] | "
                     "uneven: error of w [%] | momentum | angular momentum | energy", rows)
 
@@ -20,10 +20,11 @@ def three_runs(m, scene, times, spin, finer):
     seed = ["models.micropolar=seed", "micropolar.xsph_spin=0", "micropolar.xsph_velocity=0", *spin]
     found = []
     for words, settings in (("coarse", []), ("spin", seed), ("fine", finer)):
-        rows = m.solver(f"vorticity/{scene}-{words}", "vorticity", f"scenes/studies/{scene}.toml", *(a for s in settings for a in ("--set", s)),
-                        "--times", *times)
+        rows = m.solver("vorticity", f"scenes/studies/{scene}.toml", *(a for s in settings for a in ("--set", s)), "--times", *times,
+                        name=f"vorticity-{scene}-{words}")
         at = {number(r["time"]): r for r in rows}
-        found.append([{name: number(at[t][name]) if t in at else math.nan for name in ("energy", "energy_across", "enstrophy")} for t in times])
+        found.append([{name: number(at[t][name]) if t in at else math.nan for name in ("energy", "energy_across", "enstrophy")}
+                      for t in times])
     return found
 
 
@@ -59,4 +60,4 @@ def spin_cost(m):
         parts = [ns.get("neighbours", 0), ns.get("density", 0), ns.get("pressure", 0), ns.get("viscosity", 0) + ns.get("micropolar", 0)]
         rows.append([words, *(f"{part:.0f}" if part else "" for part in parts), f"{sum(ns.values()):.0f}",
                      f"{panel['particle_steps'] / panel['wall_seconds'] / 1e6:.2f}"])
-    return markdown("of a two-threaded run | neighbours | density | pressure | viscosity and spin | all | million particle-steps a second", rows)
+    return markdown("two threads | neighbours | density | pressure | viscosity and spin | all | million particle-steps a second", rows)

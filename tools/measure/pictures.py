@@ -7,7 +7,8 @@ from .registry import markdown, table, write_file
 from .runs import number, read_rows
 
 
-@table("picture_honey_coil", "the README's first picture: frame 54 of honey_coil", "1 minute", files="docs/pictures/honey_coil.png", section=False)
+@table("picture_honey_coil", "the README's first picture: frame 54 of honey_coil", "1 minute", files="docs/pictures/honey_coil.png",
+       section=False)
 def picture_honey_coil(m):
     run = m.render("honey_coil", "pictures/honey_coil", threads=2, images=True, options=["--frames", 54, "--no-video"])
     drawing.picture(m, "docs/pictures/honey_coil.png", [run.folder / "frames/000054.png"], 720)
@@ -47,12 +48,13 @@ gallery_scenes = {
 def gallery(m):
     for scene, (_, time, quality) in gallery_scenes.items():
         if m.wanted(scene):  # two pictures: the start, and the moment
-            run = m.render(scene, f"gallery/{scene}", f"time.fps={1 / time:.9g}", "time.slow_motion=1", "look.samples=4", threads=2, images=True,
-                           options=["--until", f"{1.0001 * time:g}", "--quality", quality, "--size", "1920x1080", "--no-video"])
+            run = m.render(scene, f"gallery/{scene}", f"time.fps={1 / time:.9g}", "time.slow_motion=1", "look.samples=4", threads=2,
+                           images=True, options=["--until", f"{1.0001 * time:g}", "--quality", quality, "--size", "1920x1080",
+                                                 "--no-video"])
             drawing.picture(m, f"docs/pictures/gallery/{scene}.jpg", [run.folder / "frames/000002.png"], 960, ["-q:v", "3"])
 
 
-@table("films", "how long each scene's whole film takes on two cores, drawing included; the README's gallery says so", "hours: --only SCENE",
+@table("films", "how long each scene's whole film takes on two cores, drawing included: the README's gallery", "hours: --only SCENE",
        files="docs/studies/films.csv", keeps_rows=True)
 def films(m):
     file, columns = "docs/studies/films.csv", ["scene", "quality", "minutes"]

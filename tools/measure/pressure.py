@@ -1,13 +1,15 @@
 """The pressure solves, their preconditioners, dam breaks and pools."""
 import math
 
-import numpy as np
-
 from . import theory
-from .registry import markdown, table
+from .registry import markdown, percent, table
 from .runs import attempt, number
 
 forms = ("constraint", "poisson")
+
+
+def milliseconds(seconds):
+    return f"{1e3 * number(seconds):.3g}"
 
 
 def preconditioners(m, cases):
@@ -15,14 +17,13 @@ def preconditioners(m, cases):
     names, rows = ("none", "diagonal", "multigrid"), []
     for form, (layers, steps) in ((form, case) for form in forms for case in cases):
         systems = {}
-        for r in m.solver(f"pressure_preconditioners/{form}-{layers}-{steps}", "pressure_preconditioners", "--form", form, "--layers", layers,
-                          "--steps", steps):
+        for r in m.solver("pressure_preconditioners", "--form", form, "--layers", layers, "--steps", steps):
             systems.setdefault((r["particles"], r["factor"], r["residual"]), {})[r["preconditioner"]] = r
         for (particles, factor, residual), found in systems.items():
             cells, last = [], found["multigrid"]
             for r in (found[name] for name in names):
-                cells += [r["iterations"] + "+" * (r["converged"] != "1"), f"{1e3 * number(r['seconds']):.3g}", f"{100 * number(r['error']):.2g}"]
-            rows.append([form, particles, factor, f"{number(residual):.1e}", *cells, f"{1e3 * number(last['set_up_seconds']):.3g}", last["levels"],
+                cells += [r["iterations"] + "+" * (r["converged"] != "1"), milliseconds(r["seconds"]), f"{100 * number(r['error']):.2g}"]
+            rows.append([form, particles, factor, f"{number(residual):.1e}", *cells, milliseconds(last["set_up_seconds"]), last["levels"],
                          f"{number(last['bytes']):.0f}", f"{number(found['diagonal']['seconds']) / number(last['seconds']):.1f}"])
     return markdown("form | particles | step over CFL 0.4 | residual | " + " | ".join(f"{name} | ms | error %" for name in names) +
                     " | of it set-up | levels | bytes a particle | times faster", rows)
@@ -42,9 +43,9 @@ def pressure_preconditioners_large(m):
 def pressure_hierarchies(m):
     rows = {}
     for form in forms:
-        for r in m.solver(f"pressure_hierarchies/{form}", "pressure_hierarchies", "--form", form):  # additive, then V-cycle
+        for r in m.solver("pressure_hierarchies", "--form", form):  # additive, then V-cycle
             row = rows.setdefault((form, r["cell"] + " d", r["interpolation"]), [])
-            row += [r["iterations"], f"{1e3 * number(r['set_up_seconds']):.3g}", f"{1e3 * number(r['seconds']):.3g}"]
+            row += [r["iterations"], milliseconds(r["set_up_seconds"]), milliseconds(r["seconds"])]
     return markdown("form | cells | coarse interpolation | additive: iterations | set-up ms | ms | V-cycle: iterations | set-up ms | ms",
                     [[*case, *row] for case, row in rows.items()])
 
@@ -53,10 +54,10 @@ def pressure_hierarchies(m):
 def pressure_threads(m):
     rows = []
     for form in forms:
-        found = m.solver(f"pressure_threads/{form}", "pressure_threads", "--form", form)
+        found = m.solver("pressure_threads", "--form", form)
         seconds = [number(r["set_up_seconds"]) + number(r["solve_seconds"]) for r in found]
-        rows += [[form, r["threads"], f"{1e3 * number(r['set_up_seconds']):.3g}", f"{1e3 * number(r['solve_seconds']):.3g}",
-                  f"{seconds[0] / total:.2f}"] for r, total in zip(found, seconds)]
+        rows += [[form, r["threads"], milliseconds(r["set_up_seconds"]), milliseconds(r["solve_seconds"]), f"{seconds[0] / total:.2f}"]
+                 for r, total in zip(found, seconds)]
     return markdown("form | threads | set-up ms | solve ms | faster", rows)
 
 
@@ -75,7 +76,7 @@ def dam_break_whole(m):
             d, r = run.table(), run.report
             mean, largest = d["density_error_mean"], d["density_error_max"]
             return [f"{r['particles']:.0f}", f"{r['steps']:.0f}", f"{run.iterations_per_step:.1f}", f"{run.microseconds:.1f}",
-                    f"{r['cpu_seconds'] / r['time']:.0f}", f"{100 * mean.mean():.3f} %", f"{100 * mean.max():.2f} %", f"{100 * largest.max():.2f} %",
+                    f"{r['cpu_seconds'] / r['time']:.0f}", percent(mean.mean(), 3), percent(mean.max(), 2), percent(largest.max(), 2),
                     f"{r['lost_particles']:.0f}"]
 
         if m.wanted(f"{spacing:g}"):
@@ -100,8 +101,8 @@ def dam_break_density(m):
     for spacing, until in ((1.6e-2, 2.5), (1e-2, 2)):
         run = dam_break(m, spacing, until, 1)
         d = run.table()
-        rows.append([f"{1e3 * spacing:g} mm", f"{run.report['particles']:.0f}", f"{100 * d['density_error_mean'].mean():.3f} %",
-                     f"{100 * d['density_error_max'].max():.2f} %", f"{run.iterations_per_step:.1f}", f"{run.microseconds:.1f}"])
+        rows.append([f"{1e3 * spacing:g} mm", f"{run.report['particles']:.0f}", percent(d["density_error_mean"].mean(), 3),
+                     percent(d["density_error_max"].max(), 2), f"{run.iterations_per_step:.1f}", f"{run.microseconds:.1f}"])
     return markdown("spacing | particles | mean | largest | iterations a step | CPU us a particle-step", rows)
 
 
@@ -109,7 +110,7 @@ def dam_break_density(m):
 def dam_break_stages(m):
     run = dam_break(m, 8e-3, 0.15, 1)
     stages = {name: stage["cpu_seconds"] for name, stage in run.report["stages"].items() if name != "write"}
-    rows = [[name, f"{100 * seconds / sum(stages.values()):.0f} %", f"{1e6 * seconds / run.report['particle_steps']:.2f}"]
+    rows = [[name, percent(seconds / sum(stages.values())), f"{1e6 * seconds / run.report['particle_steps']:.2f}"]
             for name, seconds in sorted(stages.items(), key=lambda stage: -stage[1])]
     return markdown("stage | share of the time | CPU us a particle-step", rows)
 
@@ -120,9 +121,10 @@ def active_set(m):
     for value in ("true", "false"):
         run = dam_break(m, 1.6e-2, 2.5, 1, "pressure.correction=0.2", f"pressure.active_set={value}")
         d = run.table()
-        errors = [100 * d["density_error_mean"][~((d["time"] < a) | (d["time"] > b))].mean() for a, b in ((0, 0.4), (0.8, 1.0), (2.3, 2.5))]
+        errors = [d["density_error_mean"][~((d["time"] < a) | (d["time"] > b))].mean() for a, b in ((0, 0.4), (0.8, 1.0), (2.3, 2.5))]
         height = d["potential_energy"][-1] / (run.report["particles"] * 1000 * 1.6e-2**3 * theory.gravity)
-        columns.append([*(f"{e:.2f} %" for e in errors), f"{1e3 * height:.1f} mm", f"{run.iterations_per_step:.1f}", f"{run.microseconds:.1f}"])
+        columns.append([*(percent(error, 2) for error in errors), f"{1e3 * height:.1f} mm", f"{run.iterations_per_step:.1f}",
+                        f"{run.microseconds:.1f}"])
     names = ["mean density error to 0.4 s", "mean density error, 0.8 to 1.0 s (impact)", "mean density error, 2.3 to 2.5 s",
              "height of the mass at 2.5 s", "iterations a step", "CPU us a particle-step"]
     return markdown("what | active set | cut off", zip(names, *columns))
@@ -136,7 +138,7 @@ def standing_water(m):
         low = run.table("probes/low.csv")
         expected = 1000 * theory.gravity * 0.16  # a fifth above the floor of 0.2 m of water
         deviation = abs(low["pressure"][~(low["time"] < 0.5)] / expected - 1).mean()
-        rows.append([f"{cfl}", f"{100 * deviation:.1f} %", f"{run.iterations_per_step:.1f}", f"{run.report['cpu_seconds']:.2f}"])
+        rows.append([f"{cfl}", percent(deviation, 1), f"{run.iterations_per_step:.1f}", f"{run.report['cpu_seconds']:.2f}"])
     return markdown("CFL | mean deviation | iterations a step | CPU s", rows)
 
 
@@ -170,20 +172,21 @@ def wave(damping):
     k = 2 * math.pi / 0.4
     U = 0.1 / math.sinh(k * 0.2)
     velocity = [f"{U}*sin({k}*x)*cosh({k}*y)", f"-{U}*cos({k}*x)*sinh({k}*y)", "0"]
-    return scene(2, 200, [0, -0.05, 0], [0.4, 0.4, 0.06], 0.01, box([0, 0, 0], [0.4, 0.2, 0.06], velocity=velocity), pressure={"damping": damping},
-                 probe=[{"name": "crest", "kind": "region", "min": [0, -0.05, 0], "max": [0.1, 0.4, 0.06]}], **floor)
+    return scene(2, 200, [0, -0.05, 0], [0.4, 0.4, 0.06], 0.01, box([0, 0, 0], [0.4, 0.2, 0.06], velocity=velocity),
+                 pressure={"damping": damping}, probe=[{"name": "crest", "kind": "region", "min": [0, -0.05, 0], "max": [0.1, 0.4, 0.06]}],
+                 **floor)
 
 
 def rod(end, **more):
-    velocity = ["-6*y", "6*x", "0"]
-    rod = {"shape": "cylinder", "from": [-0.045, 0, 0], "to": [0.045, 0, 0], "radius": 0.022, "velocity": velocity, "sampling": "blue_noise"}
+    rod = {"shape": "cylinder", "from": [-0.045, 0, 0], "to": [0.045, 0, 0], "radius": 0.022, "velocity": ["-6*y", "6*x", "0"],
+           "sampling": "blue_noise"}
     return scene(end, 50, [-0.4] * 3, [0.4] * 3, 4e-3, rod, domain=weightless, **more)
 
 
 def left(words, column, digits):
     def found(run):
         values = run.table()[column]
-        return [[words, f"{100 * values[-1] / values[0]:.{digits}f} %"]]
+        return [[words, percent(values[-1] / values[0], digits)]]
 
     return found
 
@@ -191,7 +194,7 @@ def left(words, column, digits):
 def rest(run):
     d = run.table()
     lost = 1 - d["potential_energy"][-1] / d["potential_energy"][0]
-    return [["energy of motion", f"{d['kinetic_energy'][-1]:.1e} J"], ["height lost", f"{100 * lost:.2f} %"]]
+    return [["energy of motion", f"{d['kinetic_energy'][-1]:.1e} J"], ["height lost", percent(lost, 2)]]
 
 
 def period(run):
@@ -210,15 +213,18 @@ def divergence_free(m):
     column = scene(1.5, 50, [0, -0.05, 0], [0.1, 0.4, 0.1], 0.0125, box([0, 0, 0], [0.1, 0.25, 0.1]), **floor)
     rows = []
     for k, (words, keys, *found) in enumerate((
-            ("Taylor-Green, scattered, 0.3 s", vortex("blue_noise"), energy_left), ("Taylor-Green, lattice, 0.3 s", vortex("lattice"), energy_left),
-            ("column of 20 layers, 1.5 s", column, rest), ("standing wave", wave(2), period), ("standing wave, damping = 0", wave(0), period),
+            ("Taylor-Green, scattered, 0.3 s", vortex("blue_noise"), energy_left),
+            ("Taylor-Green, lattice, 0.3 s", vortex("lattice"), energy_left),
+            ("column of 20 layers, 1.5 s", column, rest),
+            ("standing wave", wave(2), period), ("standing wave, damping = 0", wave(0), period),
             ("rotating_drop without viscosity, a radian", rod(1 / 6), energy_left, momentum_left),
-            ("rotating_drop, 60 Pa s, two turns", rod(2.1, fluid={"viscosity": 60}, models={"viscosity": "full"}), energy_left, momentum_left))):
+            ("rotating_drop, 60 Pa s, two turns", rod(2.1, fluid={"viscosity": 60}, models={"viscosity": "full"}), energy_left,
+             momentum_left))):
         file, cells = m.toml_file(f"divergence_free/scene{k}", keys), []
         for value in ("false", "true"):
             run = m.render(file, f"divergence_free/run{k}-{value}", f"pressure.divergence_free={value}")
             lines = [line for find in found for line in find(run)]
-            cells.append([*lines[0], f"{100 * np.mean(run.table()['density_error_mean']):.2g}", f"{run.microseconds:.1f}", lines[1:]])
+            cells.append([*lines[0], f"{100 * run.table()['density_error_mean'].mean():.2g}", f"{run.microseconds:.1f}", lines[1:]])
         (what, value, error, us, more), (_, free_value, free_error, free_us, free_more) = cells
         rows.append([words, what, value, error, us, free_value, free_error, free_us])
         rows += [["", also, a, "", "", b] for (also, a), (_, b) in zip(more, free_more)]

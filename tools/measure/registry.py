@@ -52,6 +52,15 @@ def markdown(columns, rows):
     return "\n".join("|" + "".join(f" {cell} |" if cell else " |" for cell in line) for line in lines).replace(" --- ", "---")
 
 
+def percent(part, digits=0):
+    return f"{100 * part:.{digits}f} %"
+
+
+def off(value, expected, digits=0):
+    """By how much a value is off what was expected."""
+    return f"{100 * (value / expected - 1):+.{digits}f} %"
+
+
 # Sections of pages
 
 def markers(name):

@@ -224,8 +224,9 @@ class Measurement:
         found = [f for f in sorted((self.out / name / "points").glob("*/")) if all(word in f.name for word in words)]
         return Run(found[0] if found else "", self.dry)
 
-    def solver(self, name, *arguments):
-        """The rows that whorl_solver_tables prints, kept in out/measure/NAME.csv."""
+    def solver(self, *arguments, name=None):
+        """The rows that whorl_solver_tables prints, kept in out/measure/solver."""
+        name = "solver/" + (name or "-".join(str(argument).lstrip("-") for argument in arguments))
         file, log = self.out / f"{name}.csv", self.out / f"{name}.log"
         command = [root / "build/release/tools/measure/solver/whorl_solver_tables", *arguments]
         if not self.kept(file, log, command):

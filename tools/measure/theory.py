@@ -31,7 +31,8 @@ def falling_thread_speed(nu, speed, fall):
 
 
 def frequency(time, signal):
-    """Of a signal that swings about its mean: times at which it comes up through it, 0.2 standard deviations being noise. 0: no full swing."""
+    """Of a signal that swings about its mean, from the times at which it comes up through it; 0.2 standard deviations are noise.
+    0: it makes no full swing."""
     mean, noise = signal.mean(), 0.2 * signal.std()
     ups, below = [], False
     for t, s in zip(time, signal - mean):

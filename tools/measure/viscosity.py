@@ -2,14 +2,14 @@
 import math
 
 from . import theory
-from .registry import markdown, table
+from .registry import markdown, off, percent, table
 from .runs import number
 
 
 def properties(m):
     """What each model measured, by (model, support): texts by quantity, "" where it has none."""
     models = {}
-    for r in m.solver("viscous_models", "viscous_models"):
+    for r in m.solver("viscous_models"):
         models.setdefault((r["model"], f"{number(r['support']):g}"), {})[r["quantity"]] = number(r["value"])
     return models
 
@@ -20,7 +20,7 @@ def cells(quantities, form, names):
 
 @table("viscous_conservation", "what each viscous model keeps of momentum, angular momentum and a rotation", "1 minute")
 def viscous_conservation(m):
-    rows = [[*model, *cells(q, ".1e", ("momentum", "angular_momentum")), f"{100 * q['braking']:.1f} %"] for model, q in properties(m).items()]
+    rows = [[*model, *cells(q, ".1e", ("momentum", "angular_momentum")), percent(q["braking"], 1)] for model, q in properties(m).items()]
     return markdown("model | R/d | momentum | angular momentum | braking", rows)
 
 
@@ -40,16 +40,15 @@ def viscous_waves(m):
         iterations, nanoseconds = cells(q, ".0f", ("iterations_1", "iterations_100", "iterations_10000")), cells(q, ".0f", (
             "nanoseconds_100" if "nanoseconds_100" in q else "nanoseconds_0.1",))
         rows.append([*model, *cells(q, ".3f", lengths), f"{order:.1f}", step, *iterations, *nanoseconds])
-    return markdown("model | R/d | 8 | 16 | 32 | 64 | order | largest nu dt/d^2 | iterations at K = 1 | at K = 100 | at K = 10^4 | ns a particle",
-                    rows)
+    return markdown("model | R/d | 8 | 16 | 32 | 64 | order | largest nu dt/d^2 | iterations at K = 1 | at K = 100 | at K = 10^4 | "
+                    "ns a particle", rows)
 
 
 def preconditioners(m, solve, cases):
     """@param cases scale and unevenness of a thread on its pile"""
     names, rows = ("none", "block_jacobi", "two_level"), {}
     for scale, uneven in cases:
-        for r in m.solver(f"viscous_preconditioners/{solve}-{scale}-{uneven}", "viscous_preconditioners", "--solve", solve, "--scale", scale,
-                          "--uneven", uneven):
+        for r in m.solver("viscous_preconditioners", "--solve", solve, "--scale", scale, "--uneven", uneven):
             row = rows.setdefault((r["particles"] + ", uneven" * (uneven > 0.1), r["K"]), [])  # in the order of names
             row += [f"{number(r['cold']):.0f}", f"{number(r['warm']):.1f}", f"{number(r['error']):.0e}", f"{number(r['milliseconds']):.1f}"]
     return markdown("particles | K | " + " | ".join(f"{name} {what}" for name in names for what in ("first", "later", "error", "CPU ms")),
@@ -63,13 +62,10 @@ for solve, minutes, hours in (("full", "5 minutes", "half an hour, 4 GB"), ("cou
         lambda m, solve=solve: preconditioners(m, solve, [(5.05, 0.05)]))
 
 
-def off(value, expected, digits=0):
-    return f"{100 * (value / expected - 1):+.{digits}f} %"
-
-
 def coil_found(run):
     p = run.last("probes/coil.csv")
-    return [["frequency", f"{p['frequency']:.2f} Hz", off(p["frequency"], 2.14)], ["radius", f"{1e3 * p['radius']:.1f} mm", off(p["radius"], 0.0177)]]
+    return [["frequency", f"{p['frequency']:.2f} Hz", off(p["frequency"], 2.14)],
+            ["radius", f"{1e3 * p['radius']:.1f} mm", off(p["radius"], 0.0177)]]
 
 
 def thread_found(run):
@@ -78,13 +74,13 @@ def thread_found(run):
     mass = probe["mass"][~(probe["time"] <= 0.8)]
     z, u = theory.falling_thread_speed(0.05, 0.1, 0.25)
     radius, expected = math.sqrt(mass.mean() / (1000 * math.pi * 0.02)), 5e-3 * math.sqrt(0.1 / u[abs(z - 0.14).argmin()])
-    return [["radius", f"{1e3 * radius:.2f} mm", off(radius, expected, 1)], ["least mass", f"{100 * mass.min() / mass.mean():.0f} %"]]
+    return [["radius", f"{1e3 * radius:.2f} mm", off(radius, expected, 1)], ["least mass", percent(mass.min() / mass.mean())]]
 
 
 def dam_found(run):
     d = run.table()
     energy = d["kinetic_energy"] + d["potential_energy"]
-    return [["energy left", f"{100 * energy[-1] / energy[0]:.0f} %"]]
+    return [["energy left", percent(energy[-1] / energy[0])]]
 
 
 @table("coupled_or_ppe", "coupled beside ppe + full: a coil, a falling thread, a dam break", "5 minutes")
@@ -97,9 +93,10 @@ def coupled_or_ppe(m):
             ("dam_slab", dam_slab, dam_found, ["fluid.viscosity=1e-3", "solid[0].slip=free", "time.end=0.7"])):
         for pressure, viscosity in (("coupled", "auto"), ("ppe", "full")):
             if m.wanted(name):
-                run = m.render(scene, f"coupled_or_ppe/{name}-{pressure}", f"models.pressure={pressure}", f"models.viscosity={viscosity}", *settings)
+                run = m.render(scene, f"coupled_or_ppe/{name}-{pressure}", f"models.pressure={pressure}", f"models.viscosity={viscosity}",
+                               *settings)
                 first, *more = found(run)
-                rows.append([name, "ppe + full" if pressure == "ppe" else pressure, f"{run.report['steps']:.0f}", f"{run.iterations_per_step:.1f}",
-                             f"{run.microseconds:.1f}", *first])
+                rows.append([name, "ppe + full" if pressure == "ppe" else pressure, f"{run.report['steps']:.0f}",
+                             f"{run.iterations_per_step:.1f}", f"{run.microseconds:.1f}", *first])
                 rows += [[""] * 5 + line for line in more]
     return markdown("scene | models | steps | iterations a step | CPU us a particle-step | what | found | off theory by", rows)
