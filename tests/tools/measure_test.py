@@ -39,7 +39,7 @@ class Sections(unittest.TestCase):
             for text in ("no markers\n", "<!-- begin a -->\n"):
                 file.write_text(text)
                 with self.assertRaises(registry.MeasureError):
-                    command.measure(registry.Table("a", "", "", self.fail), runs.Measurement(into=folder), False)
+                    command.measure(registry.Table("a", "", "", self.fail), runs.Measurement(into=folder))
                 self.assertEqual([f.name for f in Path(folder).iterdir()], ["README.md"])
                 self.assertEqual(file.read_text(), text)
 
@@ -48,13 +48,18 @@ class Sections(unittest.TestCase):
             file = Path(folder) / "docs/reports/page.md"
             registry.write_file(file, page.encode())
             m = runs.Measurement(into=folder, say=lambda text: None)
-            command.measure(registry.Table("a", "", "", lambda m: "new"), m, False)
+            command.measure(registry.Table("a", "", "", lambda m: "new"), m)
             self.assertEqual(file.read_bytes(), page.replace("old\n\nolder\n", "new\n").encode())
-            m.only = ["row"]  # part of a table is shown, not written
-            with contextlib.redirect_stdout(io.StringIO()) as shown:
-                command.measure(registry.Table("a", "", "", lambda m: "part"), m, False)
-            self.assertEqual(shown.getvalue(), "part\n")
-            self.assertNotIn(b"part", file.read_bytes())
+
+    def test_a_part_of_a_table_and_a_try_are_shown_and_not_written(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "README.md"
+            for keys in ({"only": ["row"]}, {"settings": ["a=1"]}, {"writes": False}):
+                registry.write_file(file, page.encode())
+                m = runs.Measurement(into=folder, say=lambda text: None, **keys)
+                with contextlib.redirect_stdout(io.StringIO()) as shown:
+                    command.measure(registry.Table("a", "", "", lambda m: "part"), m)
+                self.assertEqual((shown.getvalue(), file.read_bytes()), ("part\n", page.encode()))
 
     def test_cells_cannot_break_a_table(self):
         self.assertEqual(registry.markdown("a | b | c", [[1, "x|y\nz"], ["", "2"]]),

@@ -1,6 +1,7 @@
 """The command line of tools/measure.py."""
 import argparse
 import sys
+import traceback
 
 from . import registry, runs
 from . import coils, micropolar, pictures, pressure, tradeoff, viscosity  # noqa: F401  (each registers its tables)
@@ -21,11 +22,11 @@ def parser():
                                 "page changes.")
     p.add_argument("names", nargs="*", metavar="NAME", help="a table or picture, or a pattern of names")
     p.add_argument("--list", action="store_true", help="show all names")
-    p.add_argument("--print", action="store_true", help="print the section, write no page")
+    p.add_argument("--print", action="store_true", help="print the section, write nothing into the pages")
     p.add_argument("--dry-run", action="store_true", help="print the commands, run nothing")
     p.add_argument("--again", action="store_true", help="measure anew what out/measure holds already")
     p.add_argument("--only", action="append", default=[], metavar="ROW", help="these scenes or rows alone (repeatable)")
-    p.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="of every run, for a try (repeatable)")
+    p.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="of every run, for a try that is printed and not written (repeatable)")
     p.add_argument("--program", help="the whorl to measure (default: $WHORL, or build/release/whorl, built when it is missing)")
     p.add_argument("--into", default=runs.root, metavar="FOLDER", help="another copy of README.md and docs to write into")
     return p
@@ -37,8 +38,8 @@ def show_list():
         print(f"{t.name:{width}}  {t.about} [{t.takes}]" + f" -> {t.files}" * bool(t.files))
 
 
-def measure(table, m, print_only):
-    to_page = table.section and not print_only and not m.dry and (table.keeps_rows or not m.partial)
+def measure(table, m):
+    to_page = table.section and m.writes and (table.keeps_rows or not m.only)
     if to_page:  # what is wrong with the page is told before hours are spent
         page = registry.page_with(m.into, table.name)
         registry.replace_section(registry.read_page(page), table.name, "")
@@ -68,13 +69,16 @@ def main(arguments):
     except registry.MeasureError as error:
         print(f"measure.py: {error}", file=sys.stderr)
         return 2
-    m = runs.Measurement(options.program, options.again, options.dry_run, options.only, options.set, options.into)
+    m = runs.Measurement(options.program, options.again, options.dry_run, options.only, options.set, options.into, not options.print)
     failed = 0
     for table in chosen:
         try:
-            measure(table, m, options.print)
+            measure(table, m)
         except registry.MeasureError as error:
             print(f"measure.py: {table.name}: {error}", file=sys.stderr)
+            failed = 1
+        except Exception:  # the others may still be measured
+            print(f"measure.py: {table.name}: {traceback.format_exc()}", file=sys.stderr)
             failed = 1
         except KeyboardInterrupt:
             print(f"measure.py: {table.name}: interrupted; what is done is kept", file=sys.stderr)

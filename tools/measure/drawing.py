@@ -21,8 +21,10 @@ def figure(width, height, draw):
 
 def picture(m, path, images, width, quality=()):
     """Scales images to that width and puts them side by side into a file of the documentation."""
-    if not m.dry:
+    if m.writes:
         (m.into / path).parent.mkdir(parents=True, exist_ok=True)
+    elif not m.dry:
+        return
     inputs = [part for image in images for part in ("-i", image)]
     scaled = "".join(f"[{k}]scale={width}:-1:flags=area[s{k}];" for k in range(len(images)))
     beside = "".join(f"[s{k}]" for k in range(len(images))) + (f"hstack={len(images)}" if len(images) > 1 else "null")

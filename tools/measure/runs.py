@@ -118,16 +118,13 @@ class Run:
 class Measurement:
     """What a table's function measures with. Results stay in out/measure and are used again, unless `again`."""
 
-    def __init__(self, program=None, again=False, dry=False, only=(), settings=(), into=root, say=None):
+    def __init__(self, program=None, again=False, dry=False, only=(), settings=(), into=root, writes=True, say=None):
         self.program = Path(program or os.environ.get("WHORL") or root / "build/release/whorl").absolute()
         self.again, self.dry, self.only, self.settings, self.into = again, dry, only, list(settings), Path(into)
-        self.out = root / "out/measure"
+        self.writes = writes and not dry and not settings  # to pages, their pictures and their tables of figures
+        self.out = root / ("out/measure/try" if settings else "out/measure")
         self.say = say or (lambda text: print(text, file=sys.stderr, flush=True))
         self.ready = set()
-
-    @property
-    def partial(self):
-        return bool(self.only or self.settings)
 
     def wanted(self, name):
         return not self.only or any(fnmatchcase(str(name), pattern) for pattern in self.only)
@@ -238,7 +235,7 @@ class Measurement:
 
     def write(self, path, content):
         """A file of the documentation. @param path from the top of the repository"""
-        if not self.dry:
+        if self.writes:
             write_file(self.into / path, content)
 
     def write_csv(self, path, columns, rows):
