@@ -3,6 +3,7 @@ import contextlib
 import io
 import json
 import math
+import re
 import sys
 import tempfile
 import unittest
@@ -164,6 +165,15 @@ class Names(unittest.TestCase):
     def test_the_list_has_every_name(self):
         code, told = self.told("--list")
         self.assertEqual((code, len(told.splitlines())), (0, len(registry.tables)))
+
+    def test_the_pages_name_tables_that_there_are(self):
+        for file in (runs.root / "README.md", *runs.root.glob("docs/**/*.md")):
+            text = file.read_text(encoding="utf-8")
+            for name in re.findall(r"<!-- begin (\w+) -->", text):
+                self.assertTrue(registry.tables[name].section, name)
+                registry.replace_section(text, name, "")
+            for pattern in re.findall(r"tools/measure\.py '?(\w[\w*]*)", text):
+                self.assertTrue(registry.find(pattern))
 
     def test_every_name_can_be_made_as_far_as_its_commands_go(self):
         with tempfile.TemporaryDirectory() as folder:
