@@ -14,7 +14,7 @@
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
 #include "tests/support/world.h"
-#include "tools/studies/zeros.h"
+#include "tests/support/zeros.h"
 
 using namespace whorl;
 

@@ -8,7 +8,7 @@
 
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
-#include "tools/studies/zeros.h"
+#include "tests/support/zeros.h"
 
 using namespace whorl;
 

@@ -200,7 +200,7 @@ TEST_CASE("the page draws the coil's frequency and radius with theory's beside t
     CHECK(live.end().code == 0);
 }
 
-// Not a test: the picture of the README (tools/pictures.sh).
+// Not a test: the picture of the README (tools/measure.py picture_live).
 TEST_CASE("the page's picture", "[.][page_picture]") {
     const char* file = std::getenv("WHORL_PICTURE");
     if (file == nullptr || missing()) return;

@@ -1,6 +1,5 @@
-/// The preconditioners of the pressure solves on the systems of a half-filled box under tilted gravity (docs/pressure.md).
-#include <fmt/format.h>
-
+/// The preconditioners of the pressure solves on the systems of a half-filled box under tilted gravity.
+#include <CLI/CLI.hpp>
 #include <cmath>
 
 #include "engine/core/clock.h"
@@ -11,7 +10,7 @@
 #include "engine/particles/search.h"
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
-#include "tools/studies/studies.h"
+#include "tools/measure/solver/subcommands.h"
 
 namespace whorl {
 namespace {
@@ -174,124 +173,110 @@ Measured measure(const System& s, double residual, const MakePreconditioner& mak
     return m;
 }
 
-std::string cell(const Measured& m) {
-    return fmt::format("{}{} | {:.3g} | {:.2g}", m.iterations, m.converged ? "" : "+", 1e3 * m.total(), 100 * m.error);
+void print_measured(const auto& system, double factor, Index particles, double residual, const char* preconditioner, const Measured& m) {
+    print_csv(system.form, particles, factor, residual, preconditioner, m.iterations, m.converged ? 1 : 0, m.total(), m.error, m.set_up,
+              m.levels, m.bytes / static_cast<double>(particles));
 }
 
+/// @param factor of the time step of CFL 0.4
 template <class System>
-void compare(std::string& table, State& s, double factor, Real dt) {
+void print_preconditioners(State& s, double factor, Real dt) {
     s.predict(factor, dt);
     const System system(s);
     const double norm = std::sqrt(dot<Real>(system.b, system.b));
     Column<Real> exact(system.b.size(), 0);
     conjugate_gradients<Real>([&](Span<const Real> in, Span<Real> out) { system.A.multiply(in, out); }, system.multigrid(System::levels()),
                               Span<const Real>(system.b), Span<Real>(exact), SolveLimits{1, 400}, ResidualNorm::euclidean, 1e-5 * norm);
-    for (const bool of_step : {true, false}) {
-        const double residual = of_step ? system.step_residual : 1e-3 * norm;
-        const Measured none = measure(
-            system, residual, [&] { return system.none(); }, exact);
-        const Measured diagonal = measure(
-            system, residual, [&] { return system.diagonal(); }, exact);
-        const Measured levels = measure(
-            system, residual, [&] { return system.multigrid(System::levels()); }, exact);
-        table += fmt::format("| {} | {} | {:g} | {:.1e} | {} | {} | {} | {:.3g} | {} | {:.0f} | {:.1f} |\n", System::form, s.size(), factor,
-                             residual / norm, cell(none), cell(diagonal), cell(levels), 1e3 * levels.set_up, levels.levels,
-                             levels.bytes / static_cast<double>(s.size()), diagonal.total() / levels.total());
+    for (const double residual : {system.step_residual, 1e-3 * norm}) {
+        const auto print = [&](const char* name, const auto& make) {
+            print_measured(system, factor, s.size(), residual / norm, name, measure(system, residual, make, exact));
+        };
+        print("none", [&] { return system.none(); });
+        print("diagonal", [&] { return system.diagonal(); });
+        print("multigrid", [&] { return system.multigrid(System::levels()); });
     }
 }
 
 template <class System>
-void hierarchies(std::string& table, State& s, Real dt) {
+void print_hierarchies(State& s, Real dt) {
     s.predict(1, dt);
     const System system(s);
     const double norm = std::sqrt(dot<Real>(system.b, system.b)), residual = std::min(system.step_residual, 0.05 * norm);
-    for (const Real cell_size : {Real(2), Real(3), Real(4), Real(5), Real(7)})
-        for (const bool smoothed : {false, true}) {
-            table += fmt::format("| {} | {} d | {} |", System::form, cell_size, smoothed ? "smoothed" : "constants");
+    for (const Real cell : {Real(2), Real(3), Real(4), Real(5), Real(7)})
+        for (const bool smoothed : {false, true})
             for (const bool additive : {true, false}) {
-                const Measured m = measure(system, residual, [&] { return system.multigrid({cell_size, additive, {smoothed, 250, 20}}); });
-                table += fmt::format(" {} | {:.3g} | {:.3g} |", m.iterations, 1e3 * m.set_up, 1e3 * m.total());
+                const Measured m = measure(system, residual, [&] { return system.multigrid({cell, additive, {smoothed, 250, 20}}); });
+                print_csv(System::form, cell, smoothed ? "smoothed" : "constants", additive ? "additive" : "V-cycle", m.iterations,
+                          m.set_up, m.total());
             }
-            table += "\n";
-        }
 }
 
-Scene scene(int layers, const std::string& form) { return read_scene_text(half_filled_box(layers, form), "half_filled_box.toml"); }
-
-constexpr const char* header =
-    "| form | particles | step over CFL 0.4 | residual | none | ms | error % | diagonal | ms | error % | multigrid | ms | error % | of it "
-    "set-up | levels | bytes a particle | times "
-    "faster |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
-
-/// @param layers across the depth: 14 make 1.1e4 particles, 29 1e5, 63 1e6
-std::string preconditioners(std::initializer_list<std::pair<int, int>> layers_and_steps) {
-    set_threads(1);
-    std::string table = header;
-    for (const auto& [layers, steps] : layers_and_steps) {
-        State s(scene(layers, "constraint"), steps);
-        const Real dt = s.w.step.dt;
-        for (const double factor : {1.0, 4.0}) compare<ConstraintSystem>(table, s, factor, dt);
+/// Wall time, the best of five: other programs may run.
+template <class System>
+void print_threads(State& s, Real dt) {
+    s.predict(1, dt);
+    const System system(s);
+    for (const int count : {1, 2}) {
+        set_threads(count);
+        double best_set_up = 1e30, best_solve = 1e30;
+        for (int k = 0; k < 5; ++k) {
+            double start = wall_seconds();
+            const PressurePreconditioner M = system.multigrid(system.levels());
+            best_set_up = std::min(best_set_up, wall_seconds() - start);
+            Column<Real> x(system.b.size(), 0);
+            start = wall_seconds();
+            conjugate_gradients<Real>([&](Span<const Real> in, Span<Real> out) { system.A.multiply(in, out); }, M,
+                                      Span<const Real>(system.b), Span<Real>(x), SolveLimits{1, 500}, ResidualNorm::euclidean,
+                                      system.step_residual);
+            best_solve = std::min(best_solve, wall_seconds() - start);
+        }
+        print_csv(System::form, count, best_set_up, best_solve);
     }
-    for (const auto& [layers, steps] : layers_and_steps) {
-        State s(scene(layers, "poisson"), steps);
-        const Real dt = s.w.step.dt;
-        for (const double factor : {1.0, 4.0}) compare<PoissonSystem>(table, s, factor, dt);
-    }
-    return table;
+}
+
+struct Keys {
+    std::string form = "constraint";
+    int layers = 29, steps = 20;
+};
+
+/// A subcommand that measures `of_constraint` or `of_poisson` on the box after some steps.
+void add(CLI::App& program, const char* name, const char* what, const auto& print_header, void (*of_constraint)(State&, Real),
+         void (*of_poisson)(State&, Real)) {
+    const auto keys = std::make_shared<Keys>();
+    CLI::App* app = program.add_subcommand(name, what);
+    app->add_option("--form", keys->form)->check(CLI::IsMember({"constraint", "poisson"}))->capture_default_str();
+    app->add_option("--layers", keys->layers, "across the depth: 14 make 1.1e4 particles, 29 1e5, 63 1e6")->capture_default_str();
+    app->add_option("--steps", keys->steps, "before the one that is measured")->capture_default_str();
+    app->callback([=] {
+        State state(read_scene_text(half_filled_box(keys->layers, keys->form), "half_filled_box.toml"), keys->steps);
+        print_header();
+        (keys->form == "constraint" ? of_constraint : of_poisson)(state, state.w.step.dt);
+    });
+}
+
+template <class System>
+void print_two_steps(State& s, Real dt) {
+    for (const double factor : {1.0, 4.0}) print_preconditioners<System>(s, factor, dt);
 }
 
 }  // namespace
 
-std::string preconditioner_table() { return preconditioners({{7, 10}, {14, 16}, {29, 20}}); }
-std::string preconditioner_table_large() { return preconditioners({{63, 4}}); }
-
-std::string hierarchy_table() {
-    set_threads(1);
-    std::string table =
-        "| form | cells | coarse interpolation | additive: iterations | set-up ms | ms | V-cycle: iterations | set-up ms | ms "
-        "|\n|---|---|---|---|---|---|---|---|---|\n";
-    State constraint(scene(29, "constraint"), 20);
-    hierarchies<ConstraintSystem>(table, constraint, constraint.w.step.dt);
-    State poisson(scene(29, "poisson"), 20);
-    hierarchies<PoissonSystem>(table, poisson, poisson.w.step.dt);
-    return table;
-}
-
-std::string thread_table() {
-    std::string table = "| form | threads | set-up ms | solve ms | faster |\n|---|---|---|---|---|\n";
-    const auto rows = [&](auto& system, const char* form) {
-        double one = 0;
-        for (const int count : {1, 2}) {
-            set_threads(count);
-            double best_set_up = 1e30, best_solve = 1e30;
-            for (int k = 0; k < 5; ++k) {  // wall time, the best of five: other programs may run
-                double start = wall_seconds();
-                const PressurePreconditioner M = system.multigrid(system.levels());
-                best_set_up = std::min(best_set_up, wall_seconds() - start);
-                Column<Real> x(system.b.size(), 0);
-                start = wall_seconds();
-                conjugate_gradients<Real>([&](Span<const Real> in, Span<Real> out) { system.A.multiply(in, out); }, M,
-                                          Span<const Real>(system.b), Span<Real>(x), SolveLimits{1, 500}, ResidualNorm::euclidean,
-                                          system.step_residual);
-                best_solve = std::min(best_solve, wall_seconds() - start);
-            }
-            if (count == 1) one = best_set_up + best_solve;
-            table += fmt::format("| {} | {} | {:.3g} | {:.3g} | {:.2f} |\n", form, count, 1e3 * best_set_up, 1e3 * best_solve,
-                                 one / (best_set_up + best_solve));
-        }
-    };
-    set_threads(1);
-    State s(scene(29, "constraint"), 20);
-    s.predict(1, s.w.step.dt);
-    ConstraintSystem constraint(s);
-    rows(constraint, "constraint");
-    set_threads(1);
-    State t(scene(29, "poisson"), 20);
-    t.predict(1, t.w.step.dt);
-    PoissonSystem poisson(t);
-    rows(poisson, "poisson");
-    set_threads(0);
-    return table;
+void add_pressure_solves(CLI::App& program) {
+    add(
+        program, "pressure_preconditioners", "none, the diagonal and multigrid: iterations, CPU seconds, error",
+        [] {
+            print_csv("form", "particles", "factor", "residual", "preconditioner", "iterations", "converged", "seconds", "error",
+                      "set_up_seconds", "levels", "bytes");
+        },
+        print_two_steps<ConstraintSystem>, print_two_steps<PoissonSystem>);
+    add(
+        program, "pressure_hierarchies", "multigrid with other first levels, interpolations and cycles",
+        [] { print_csv("form", "cell", "interpolation", "cycle", "iterations", "set_up_seconds", "seconds"); },
+        print_hierarchies<ConstraintSystem>, print_hierarchies<PoissonSystem>);
+    add(
+        program, "pressure_threads", "wall seconds of a solve with one and with two threads",
+        [] { print_csv("form", "threads", "set_up_seconds", "solve_seconds"); }, print_threads<ConstraintSystem>,
+        print_threads<PoissonSystem>);
 }
 
 }  // namespace whorl

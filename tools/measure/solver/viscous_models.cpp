@@ -1,4 +1,4 @@
-#include "tools/bench/tables/viscous_models.h"
+#include "tools/measure/solver/viscous_models.h"
 
 #include "engine/geometry/shape.h"
 #include "engine/models/motion/motion.h"
@@ -62,7 +62,7 @@ std::vector<ViscousModel> viscous_models() {
     std::vector<ViscousModel> all;
     all.push_back({"xsph", false, 2, xsph_acceleration, {}});
     for (const bool monaghan : {false, true})
-        all.push_back({monaghan ? "explicit, monaghan" : "explicit, brookshaw", false, monaghan ? 4.0 : 2.0,
+        all.push_back({monaghan ? "explicit monaghan" : "explicit brookshaw", false, monaghan ? 4.0 : 2.0,
                        [monaghan](test::TestWorld& w) { return explicit_acceleration(w, monaghan); },
                        [=](double) {
                            return around(stage(ExplicitViscosity{{monaghan, 1}}), true);

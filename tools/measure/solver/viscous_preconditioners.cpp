@@ -1,8 +1,5 @@
 /// A viscous thread on its pile, solved with each preconditioner.
-#include "tools/bench/tables/viscous_preconditioners.h"
-
-#include <fmt/format.h>
-
+#include <CLI/CLI.hpp>
 #include <cmath>
 #include <limits>
 
@@ -13,6 +10,7 @@
 #include "engine/particles/sort.h"
 #include "engine/scene/names.h"
 #include "tests/support/world.h"
+#include "tools/measure/solver/subcommands.h"
 
 namespace whorl {
 namespace {
@@ -134,59 +132,35 @@ std::vector<Stage> coupled(ViscousPreconditioner p, SolveLimits limits) {
     return {make_stage("rows", "neighbours", CoupledNeighbourhood{system}), make_stage("solve", "pressure", CoupledSolve{system})};
 }
 
-void print_table(const PreconditionerRows& rows, const Solver& solver) {
-    using P = ViscousPreconditioner;
-    const std::vector<P> all{P::none, P::block_jacobi, P::two_level};
-    fmt::print("| particles | K |");
-    for (const P p : all) fmt::print(" {} | error | CPU ms |", name_of(p));
-    fmt::print("\n|---|---|");
-    for (std::size_t k = 0; k < all.size(); ++k) fmt::print("---|---|---|");
-    fmt::print("\n");
-    struct Case {
-        double scale, uneven;
-        const char* note;
-    };
-    std::vector<Case> cases;
-    if (rows.small) cases = {{1, 0.05, ""}, {1, 0.3, ", uneven"}, {2.35, 0.05, ""}};
-    if (rows.large) cases.push_back({5.05, 0.05, ""});
-    for (const Case& c : cases)
-        for (const double K : rows.K) {
-            const std::vector<Vec3> solution = exact(c.scale, c.uneven, K, solver);
-            fmt::print("| {}{} | {:g} |", solution.size(), c.note, K);
-            for (const P p : all) {
-                if (!rows.only.empty() && rows.only != name_of(p)) {
-                    fmt::print(" - | - | - |");
-                    continue;
-                }
-                const Cost r = cost(c.scale, c.uneven, K, p, solver, solution);
-                fmt::print(" {:.0f} / {:.1f} | {:.0e} | {:.1f} |", r.cold, r.warm, r.error, r.milliseconds);
-                std::fflush(stdout);
-            }
-            fmt::print("\n");
-        }
-}
-
 }  // namespace
 
-void print_preconditioners(const PreconditionerRows& rows) {
-    if (rows.full) {
-        fmt::print(
-            "\n## Preconditioners of `full`\n\n"
-            "A thread on its pile on a plate, hanging from a nozzle, K = nu dt/d^2. Iterations from rest / in the steps that follow "
-            "(particles moved by 0.01 d, velocity changed by "
-            "5 %), until sqrt(r.z) is 3e-3 of sqrt(b.B^-1 b); the velocity's error after the first of these solves; CPU ms of a following "
-            "step with search and set-up, one thread. "
-            "Uneven: up to 0.3 d off the lattice. Each is judged by the norm of its own preconditioner: the same number means different "
-            "errors. `auto` takes block_jacobi up "
-            "to K = 4, two_level above.\n\n");
-        print_table(rows, {full, false});
-    }
-    if (rows.coupled) {
-        fmt::print(
-            "\n## Preconditioners of `coupled`\n\n"
-            "The same thread and the same test, kernel radius 3 d; what is nearer to the plate than a spacing sticks to it.\n\n");
-        print_table(rows, {coupled, true});
-    }
+void add_viscous_preconditioners(CLI::App& program) {
+    struct Keys {
+        std::string solve = "full";
+        double scale = 1, uneven = 0.05;
+        std::vector<double> K{1, 100, 1250, 1e4};
+        std::vector<std::string> preconditioners{"none", "block_jacobi", "two_level"};
+    };
+    const auto keys = std::make_shared<Keys>();
+    CLI::App* app = program.add_subcommand("viscous_preconditioners", "a viscous thread on its pile, solved with each preconditioner");
+    app->add_option("--solve", keys->solve)->check(CLI::IsMember({"full", "coupled"}))->capture_default_str();
+    app->add_option("--scale", keys->scale, "1: four thousand particles, 2.35: fifty thousand, 5.05: half a million")
+        ->capture_default_str();
+    app->add_option("--uneven", keys->uneven, "d, how far particles lie off the lattice")->capture_default_str();
+    app->add_option("--K", keys->K, "nu dt/d^2")->capture_default_str();
+    app->add_option("--preconditioner", keys->preconditioners)->check(CLI::IsMember(keys->preconditioners))->capture_default_str();
+    app->callback([keys] {
+        const Solver solver = keys->solve == "full" ? Solver{full, false} : Solver{coupled, true};
+        print_csv("particles", "K", "preconditioner", "cold", "warm", "error", "milliseconds");
+        for (const double K : keys->K) {
+            const std::vector<Vec3> solution = exact(keys->scale, keys->uneven, K, solver);
+            for (const auto& [preconditioner, name] : choices(ViscousPreconditioner{})) {
+                if (std::find(keys->preconditioners.begin(), keys->preconditioners.end(), name) == keys->preconditioners.end()) continue;
+                const Cost c = cost(keys->scale, keys->uneven, K, preconditioner, solver, solution);
+                print_csv(c.particles, K, name, c.cold, c.warm, c.error, c.milliseconds);
+            }
+        }
+    });
 }
 
 }  // namespace whorl

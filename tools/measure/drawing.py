@@ -1,0 +1,31 @@
+"""Pictures: matplotlib for plots (the same bytes for the same numbers), ffmpeg for what films showed."""
+import io
+
+
+def figure(width, height, draw):
+    """An SVG of that many inches; draw(axes) draws it."""
+    import matplotlib
+
+    matplotlib.use("svg")
+    from matplotlib import pyplot
+
+    with matplotlib.rc_context({"svg.hashsalt": "whorl", "svg.fonttype": "none", "font.family": "sans-serif", "font.size": 10,
+                                "axes.spines.top": False, "axes.spines.right": False}):
+        canvas, axes = pyplot.subplots(figsize=(width, height), layout="constrained")
+        draw(axes)
+        content = io.BytesIO()
+        canvas.savefig(content, format="svg", metadata={"Date": None, "Creator": None})
+        pyplot.close(canvas)
+    return content.getvalue()
+
+
+def picture(m, path, images, width, quality=()):
+    """Scales images to that width and puts them side by side into a file of the documentation."""
+    if m.writes:
+        (m.into / path).parent.mkdir(parents=True, exist_ok=True)
+    elif not m.dry:
+        return
+    inputs = [part for image in images for part in ("-i", image)]
+    scaled = "".join(f"[{k}]scale={width}:-1:flags=area[s{k}];" for k in range(len(images)))
+    beside = "".join(f"[s{k}]" for k in range(len(images))) + (f"hstack={len(images)}" if len(images) > 1 else "null")
+    m.call(["ffmpeg", "-v", "error", "-y", *inputs, "-filter_complex", scaled + beside, *quality, m.into / path])

@@ -1,0 +1,63 @@
+"""Micropolar fluids: curls, vorticity refinement, the price of spin."""
+import math
+
+from .registry import markdown, table
+from .runs import number
+
+
+@table("curls", "error, order and conservation of every pair of curls with both Laplacians", "2 minutes")
+def curls(m):
+    percent = {"velocity_error": ".2f", "spin_error": ".2f", "uneven_velocity_error": ".1f", "uneven_spin_error": ".1f"}
+    plain = {"velocity_order": ".1f", "spin_order": ".1f", "momentum": ".0e", "angular_momentum": ".0e", "energy": ".0e"}
+    rows = [[f"{100 * number(cell):{percent[name]}}" if name in percent else f"{number(cell):{plain[name]}}" if name in plain else cell
+             for name, cell in r.items()] for r in m.solver("curls")]
+    return markdown("curl u | curl w | Laplacian | error of u [%] | order | error of w [%] | order | uneven: error of u [%] | "
+                    "uneven: error of w [%] | momentum | angular momentum | energy", rows)
+
+
+def three_runs(m, scene, times, spin, finer):
+    """Energy, energy across and enstrophy at these times: coarse, coarse with spin, fine. nan where a run has diverged."""
+    seed = ["models.micropolar=seed", "micropolar.xsph_spin=0", "micropolar.xsph_velocity=0", *spin]
+    found = []
+    for words, settings in (("coarse", []), ("spin", seed), ("fine", finer)):
+        rows = m.solver("vorticity", f"scenes/studies/{scene}.toml", *(a for s in settings for a in ("--set", s)), "--times", *times,
+                        name=f"vorticity-{scene}-{words}")
+        at = {number(r["time"]): r for r in rows}
+        found.append([{name: number(at[t][name]) if t in at else math.nan for name in ("energy", "energy_across", "enstrophy")}
+                      for t in times])
+    return found
+
+
+@table("refinement", "a Taylor-Green vortex in three dimensions: coarse, with spin, fine", "3 minutes")
+def refinement(m):
+    times = [0.25, 0.5, 0.75, 1, 1.5, 2]
+    three = three_runs(m, "vortex_box", times, ["micropolar.transfer_viscosity=0.8", "micropolar.micro_inertia=2.5e-4"],
+                       ["fluid.spacing=0.03125"])
+    rows = [[f"{t:.2f}", *(f"{run[k]['energy']:.4f}" for run in three), *(f"{run[k]['enstrophy']:.2f}" for run in three)]
+            for k, t in enumerate(times)]
+    return markdown("t [s] | energy [J/kg]: coarse | with spin | fine | enstrophy [1/s^2]: coarse | with spin | fine", rows)
+
+
+@table("refinement_street", "a Karman street: coarse, with spin, fine", "15 minutes")
+def refinement_street(m):
+    times = [k / 8 for k in range(1, 17)]
+    three = three_runs(m, "cylinder_street", times, ["micropolar.transfer_viscosity=0.024", "micropolar.micro_inertia=4e-6"],
+                       ["fluid.spacing=1.66666e-3", "domain.max=[0.22,0.045,0.0066667]", "block[0].max=[0.22,0.04,0.0066667]"])
+    rows = []
+    for k in range(0, 16, 4):  # means of half a second, about one and a half vortices
+        mean = [{name: sum(row[name] for row in run[k:k + 4]) / 4 for name in run[k]} for run in three]
+        rows.append([f"{times[k] - 0.125:.1f} to {times[k + 3]:.1f}", *(f"{1e3 * run['energy_across']:.3f}" for run in mean),
+                     *(f"{run['enstrophy']:.0f}" for run in mean)])
+    return markdown("t [s] | energy across [mJ/kg]: coarse | with spin | fine | enstrophy [1/s^2]: coarse | with spin | fine", rows)
+
+
+@table("spin_cost", "CPU ns a particle-step with spin, without, and without viscosity, a hundred thousand particles", "1 minute")
+def spin_cost(m):
+    rows = []
+    for words, panel in zip(("with spin (`seed`)", "without spin", "without viscosity, too"),
+                            m.render("scenes/studies/spin_cost.toml", "spin_cost", threads=2).panels):
+        ns = {name: 1e9 * stage["cpu_seconds"] / panel["particle_steps"] for name, stage in panel["stages"].items() if name != "write"}
+        parts = [ns.get("neighbours", 0), ns.get("density", 0), ns.get("pressure", 0), ns.get("viscosity", 0) + ns.get("micropolar", 0)]
+        rows.append([words, *(f"{part:.0f}" if part else "" for part in parts), f"{sum(ns.values()):.0f}",
+                     f"{panel['particle_steps'] / panel['wall_seconds'] / 1e6:.2f}"])
+    return markdown("two threads | neighbours | density | pressure | viscosity and spin | all | million particle-steps a second", rows)

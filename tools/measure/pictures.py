@@ -1,0 +1,96 @@
+"""Pictures of README.md and docs/guide, and how long whole films take."""
+import math
+import re
+
+from . import drawing
+from .registry import markdown, table, write_file
+from .runs import number, read_rows
+
+
+@table("picture_honey_coil", "the README's first picture: frame 54 of honey_coil", "1 minute", files="docs/pictures/honey_coil.png",
+       section=False)
+def picture_honey_coil(m):
+    run = m.render("honey_coil", "pictures/honey_coil", threads=2, images=True, options=["--frames", 54, "--no-video"])
+    drawing.picture(m, "docs/pictures/honey_coil.png", [run.folder / "frames/000054.png"], 720)
+
+
+@table("picture_live", "the page of a live run, as Chromium shows it", "1 minute", files="docs/pictures/live.png", section=False)
+def picture_live(m):
+    m.call(["bash", "tools/setup.sh", "chromium"])
+    folder = m.build("whorl_validation")
+    m.call([folder / "tests/whorl_validation", "[page_picture]"], environment={"WHORL_PICTURE": str(m.into / "docs/pictures/live.png")})
+
+
+# What to see, the time of the picture [s], quality of the picture and of the whole film
+gallery_scenes = {
+    "honey_coil": ("A thread of honey coils on a plate.", 3.3, "standard"),
+    "honey_ball": ("Honey over a wooden ball.", 2.6, "standard"),
+    "honey_thread": ("A long fall: the thread thins and coils fast. At half speed.", 2.2, "standard"),
+    "sewing_machine": ("Honey on a belt that slows down: a line, meanders, loops, coils.", 5.9, "standard"),
+    "cake_batter": ("A ribbon from a slot folds to and fro.", 2.6, "standard"),
+    "toothpaste": ("Paste on a moving roll. It stiffens as it lies.", 3.9, "standard"),
+    "lava": ("Lava pours on a slope, cools and stiffens.", 3.0, "standard"),
+    "dripping_syrup": ("Drops grow, fall on a thread, and part. At half speed.", 1.7, "standard"),
+    "rotating_drop": ("A bar of syrup turns in weightlessness.", 1.95, "standard"),
+    "dam_break": ("A block of water collapses and hits the wall.", 0.68, "standard"),
+    "dam_break_obstacle": ("The same water runs into a post.", 0.42, "standard"),
+    "paddle": ("Two crossed blades turn in a box of water.", 2.9, "standard"),
+    "floating_boxes": ("A wave carries off crates, a cask and a ball.", 1.05, "standard"),
+    "karman_street": ("A cylinder in a stream sheds vortices in turn.", 2.5, "draft"),
+    "shear_layer": ("Two streams roll up into billows.", 1.5, "draft"),
+    "taylor_green": ("An array of vortices decays and merges.", 1.0, "draft"),
+    "vortex_rings": ("One ring slips through the other.", 0.8, "draft"),
+    "stirred_tank": ("A paddle stirs a tank, seen as particles.", 1.5, "draft"),
+}
+
+
+@table("gallery", "a finished moment of every scene", "1 to 4 minutes a scene", files="docs/pictures/gallery", section=False)
+def gallery(m):
+    for scene, (_, time, quality) in gallery_scenes.items():
+        if m.wanted(scene):  # two pictures: the start, and the moment
+            run = m.render(scene, f"gallery/{scene}", f"time.fps={1 / time:.9g}", "time.slow_motion=1", "look.samples=4", threads=2,
+                           images=True, options=["--until", f"{1.0001 * time:g}", "--quality", quality, "--size", "1920x1080",
+                                                 "--no-video"])
+            drawing.picture(m, f"docs/pictures/gallery/{scene}.jpg", [run.folder / "frames/000002.png"], 960, ["-q:v", "3"])
+
+
+@table("films", "how long each scene's whole film takes on two cores, drawing included: the README's gallery", "hours: --only SCENE",
+       files="docs/studies/films.csv", keeps_rows=True)
+def films(m):
+    file, columns = "docs/studies/films.csv", ["scene", "quality", "minutes"]
+    rows = {r["scene"]: r for r in read_rows(m.into / file)} if (m.into / file).exists() else {}
+    for scene, (_, _, quality) in gallery_scenes.items():
+        if m.wanted(scene):
+            run = m.render(scene, f"films/{scene}", threads=2, images=True, options=["--quality", quality])
+            minutes = max(panel["wall_seconds"] for panel in run.panels) / 60
+            rows[scene] = {"scene": scene, "quality": quality, "minutes": f"{minutes:.2f}"}
+            m.write_csv(file, columns, [rows[name] for name in gallery_scenes if name in rows])
+    cells = [film(scene, rows.get(scene)) for scene in gallery_scenes]
+    return markdown(" | ", zip(cells[::2], cells[1::2]))
+
+
+def film(scene, row):
+    """A cell of the README's gallery."""
+    words, _, quality = gallery_scenes[scene]
+    minutes = number(row["minutes"]) if row else math.nan
+    takes = "" if not row else f" {minutes:.0f} min." if minutes > 0.75 else f" {max(6 * minutes, 1):.0f}0 s."
+    command = f"build/release/whorl render {scene}" + f" --quality {quality}" * (quality != "standard")
+    return f"![{scene}](docs/pictures/gallery/{scene}.jpg)<br>{words}{takes}<br>`{command}`"
+
+
+@table("guide_pictures", "the last moment of every scene that a page of docs/guide prints whole and shows", "1 minute a scene",
+       files="docs/pictures/guide", section=False)
+def guide_pictures(m):
+    for page in sorted((m.into / "docs/guide").glob("*.md")):
+        text = page.read_text(encoding="utf-8")
+        files = dict(re.findall(r"^```\w+\n(?=# ([\w.]+\.\w+)\n)(.*?)^```$", text, re.M | re.S))
+        folder = m.out / "guide" / page.stem
+        for name, body in files.items():
+            if not m.dry:
+                write_file(folder / name, body.encode())
+        for name in (file[:-5] for file in files if file.endswith(".toml")):
+            if f"pictures/guide/{name}.jpg" in text and m.wanted(name):
+                run = m.render(folder / f"{name}.toml", f"guide/{page.stem}/{name}", threads=2, images=True,
+                               options=["--fps", 8, "--size", "960x540", "--no-video"])
+                last = max(run.folder.glob("frames/*.png"), default=run.folder)
+                drawing.picture(m, f"docs/pictures/guide/{name}.jpg", [last], 960, ["-q:v", "4"])

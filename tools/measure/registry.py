@@ -1,0 +1,106 @@
+"""Tables by name, their Markdown, and the sections of pages that they fill."""
+import difflib
+import fnmatch
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Callable
+
+
+class MeasureError(Exception):
+    """What the user can mend: told in one line."""
+
+
+@dataclass
+class Table:
+    name: str
+    about: str
+    takes: str  # how long, in words
+    make: Callable  # of a Measurement: the section's text, or None
+    files: str = ""  # what else it writes, in words
+    section: bool = True
+    keeps_rows: bool = False  # rows that are not measured this time stay: a part of it may be measured
+
+
+tables: dict[str, Table] = {}
+
+
+def table(name, about, takes, **keys):
+    """Decorator of a function that measures `name` and returns its section."""
+
+    def register(make):
+        tables[name] = Table(name, about, takes, make, **keys)
+        return make
+
+    return register
+
+
+def find(pattern):
+    """Tables of that name or pattern ("coil*")."""
+    found = [tables[name] for name in tables if fnmatch.fnmatchcase(name, pattern)]
+    if found:
+        return found
+    near = difflib.get_close_matches(pattern, tables, 1, 0.4)
+    raise MeasureError(f'no table "{pattern}"' + (f'; did you mean "{near[0]}"?' if near else "") + " (--list shows all)")
+
+
+def markdown(columns, rows):
+    """A table. @param columns "a | b | c" @param rows of cells; a short row is filled up, a cell's line breaks and bars become blanks"""
+    names = columns.split(" | ")
+    lines = [names, ["---"] * len(names)]
+    lines += [[str(cell).replace("|", "/").replace("\n", " ") for cell in row] + [""] * (len(names) - len(row)) for row in rows]
+    return "\n".join("|" + "".join(f" {cell} |" if cell else " |" for cell in line) for line in lines).replace(" --- ", "---")
+
+
+def percent(part, digits=0):
+    return f"{100 * part:.{digits}f} %"
+
+
+def off(value, expected, digits=0):
+    """By how much a value is off what was expected."""
+    return f"{100 * (value / expected - 1):+.{digits}f} %"
+
+
+# Sections of pages
+
+def markers(name):
+    return f"<!-- begin {name} -->", f"<!-- end {name} -->"
+
+
+def page_with(top: Path, name):
+    """The page that holds the section: README.md or one in docs."""
+    pages = [page for page in (top / "README.md", *sorted(top.glob("docs/**/*.md"))) if page.is_file()]
+    found = [page for page in pages if any(line.strip() == markers(name)[0] for line in page.read_text(encoding="utf-8").splitlines())]
+    if len(found) != 1:
+        raise MeasureError(f"{len(found) or 'no'} pages hold a line {markers(name)[0]}; one should")
+    return found[0]
+
+
+def replace_section(page, name, section):
+    """The text of the page with `section` between its markers, indented as the first one is."""
+    lines = page.splitlines(keepends=True)
+    places = []
+    for marker in markers(name):
+        found = [k for k, line in enumerate(lines) if line.strip() == marker]
+        if len(found) != 1:
+            raise MeasureError(f"the page has {len(found)} lines {marker}; it needs one")
+        places += found
+    begin, end = places
+    if end < begin:
+        raise MeasureError(f"section {name} ends before it begins")
+    indent = lines[begin][: len(lines[begin]) - len(lines[begin].lstrip())]
+    new = "".join((indent + line).rstrip() + "\n" for line in section.strip("\n").split("\n"))
+    return "".join(lines[: begin + 1]) + new + "".join(lines[end:])
+
+
+def read_page(path: Path):
+    with open(path, newline="", encoding="utf-8") as page:
+        return page.read()
+
+
+def write_file(path: Path, content: bytes):
+    """Whole or not at all."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    beside = path.with_name(path.name + ".new")
+    beside.write_bytes(content)
+    os.replace(beside, path)

@@ -1,0 +1,256 @@
+"""Runs of whorl and of whorl_solver_tables, kept in out/measure, and what they wrote."""
+import csv
+import io
+import json
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+import time
+import tomllib
+from collections import defaultdict
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+import numpy as np
+
+from .registry import MeasureError, write_file
+
+root = Path(__file__).resolve().parents[2]
+drawing_stages = ("surface", "draw", "write", "encode")
+
+
+class RunFailed(MeasureError):
+    pass
+
+
+class Unknown(float):
+    """What stands in a dry run for everything that would be measured: no number, and no entries."""
+
+    def __new__(cls, *_):
+        return super().__new__(cls, "nan")
+
+    def __getitem__(self, _):
+        return self
+
+    get = __getitem__
+
+    def __iter__(self):
+        return iter(())
+
+    items = values = __iter__
+
+
+def number(text):
+    """Of a CSV cell; an empty one is no number."""
+    return float(text) if text not in (None, "") else float("nan")
+
+
+def read_rows(path):
+    with open(path, newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def read_columns(path):
+    """The columns of a CSV file of numbers, by name; where a cell is empty stands nan."""
+    rows = read_rows(path)
+    return {name: np.array([number(row[name]) for row in rows]) for name in (rows[0] if rows else ())}
+
+
+def toml(value, top=True):
+    """A dict as TOML: inline tables below the first level."""
+    if isinstance(value, dict):
+        pairs = [f"{json.dumps(key)} = {toml(part, False)}" for key, part in value.items()]
+        return "\n".join(pairs) + "\n" if top else "{ " + ", ".join(pairs) + " }"
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(toml(part, False) for part in value) + "]"
+    return json.dumps(str(value) if isinstance(value, Path) else value)
+
+
+class Run:
+    """A run folder that whorl wrote."""
+
+    def __init__(self, folder, dry=False):
+        self.folder, self.dry = Path(folder), dry
+        files = sorted(self.folder.glob("panels/*/run.json")) or [self.folder / "run.json"]
+        self.panels = [Unknown()] if dry else [json.loads(file.read_text()) for file in files]
+        self.report = self.panels[0]
+
+    def table(self, name="diagnostics.csv"):
+        """Columns as arrays."""
+        return defaultdict(lambda: np.full(3, np.nan)) if self.dry else read_columns(self.folder / name)
+
+    def last(self, name="diagnostics.csv"):
+        """The newest row."""
+        return Unknown() if self.dry else {column: values[-1] for column, values in self.table(name).items()}
+
+    def points(self, frame):
+        """Positions of an exported frame, whose properties are all floats."""
+        header, _, body = (self.folder / f"points/{frame:06d}.ply").read_bytes().partition(b"end_header\n")
+        return np.frombuffer(body, "<f4").reshape(-1, header.count(b"\nproperty float "))[:, :3]
+
+    @property
+    def scene(self):
+        """As it was run, every key."""
+        return Unknown() if self.dry else tomllib.loads(min(self.folder.glob("**/scene.resolved.toml")).read_text())
+
+    @property
+    def iterations_per_step(self):
+        return sum(self.report["iterations_per_step"].values())
+
+    @property
+    def microseconds(self):
+        """CPU, a particle-step."""
+        return 1e6 * self.report["cpu_seconds"] / self.report["particle_steps"]
+
+    @property
+    def cpu_seconds(self):
+        """Of all panels."""
+        return sum(panel["cpu_seconds"] for panel in self.panels)
+
+    @property
+    def drawing_seconds(self):
+        """CPU, of all panels."""
+        return sum(stage["cpu_seconds"] for panel in self.panels for name, stage in panel["stages"].items() if name in drawing_stages)
+
+
+class Measurement:
+    """What a table's function measures with. Results stay in out/measure and are used again, unless `again`."""
+
+    def __init__(self, program=None, again=False, dry=False, only=(), settings=(), into=root, writes=True, say=None):
+        self.program = Path(program or os.environ.get("WHORL") or root / "build/release/whorl").absolute()
+        self.again, self.dry, self.only, self.settings, self.into = again, dry, only, list(settings), Path(into)
+        self.writes = writes and not dry and not settings  # to pages, their pictures and their tables of figures
+        self.out = root / ("out/measure/try" if settings else "out/measure")
+        self.say = say or (lambda text: print(text, file=sys.stderr, flush=True))
+        self.ready = set()
+
+    def wanted(self, name):
+        return not self.only or any(fnmatchcase(str(name), pattern) for pattern in self.only)
+
+    # Programs
+
+    def build(self, target, preset="release"):
+        """Builds what is not there yet; a program that the user has named is left alone."""
+        if (preset, target) not in self.ready:
+            self.ready.add((preset, target))
+            self.call(["bash", root / "tools/build.sh", preset, target])
+        return root / "build" / preset
+
+    def call(self, command, log=None, environment=None):
+        """Runs a command. @param log takes the command and its output"""
+        command = [str(part) for part in command]
+        line = shlex.join(part.replace(f"{root}/", "") for part in command)
+        self.say(line)
+        if self.dry:
+            return ""
+        start = time.monotonic()
+        done = subprocess.run(command, cwd=root, env={**os.environ, **(environment or {})}, text=True,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        if log:
+            write_file(log, f"{'failed: ' * (done.returncode != 0)}{line}\n{done.stdout}{done.stderr}".encode())
+        if done.returncode != 0:
+            last = (done.stderr or done.stdout).strip().splitlines()[-1:] or ["no message"]
+            raise RunFailed(f"failed ({done.returncode}): {last[0].removeprefix('whorl: ')}")
+        self.say(f"    {time.monotonic() - start:.1f} s")
+        return done.stdout
+
+    def whorl(self, *arguments, **keys):
+        if not self.program.is_file() and self.program == root / "build/release/whorl":
+            self.build("whorl")
+        return self.call([self.program, *arguments], **keys)
+
+    def kept(self, result, log, command):
+        """Whether `result` was made by this command before."""
+        if self.again or self.dry or not result.exists() or not log.exists():
+            return False
+        with open(log, encoding="utf-8") as text:
+            return text.readline().rstrip("\n") == shlex.join(str(part).replace(f"{root}/", "") for part in command)
+
+    # Results
+
+    def render(self, scene, name, *settings, options=(), threads=1, images=False):
+        """A run of a scene into out/measure/NAME. @param settings "key=value" @param options of whorl render"""
+        folder = self.out / name
+        log = folder.with_name(folder.name + ".log")
+        command = ["render", scene, *([] if images else ["--no-images"]), "--quiet", "--threads", threads, "--out", folder, *options]
+        for setting in [*settings, *self.settings]:
+            command += ["--set", setting]
+        if self.kept(folder / "run.json", log, [self.program, *command]):
+            self.say(f"{name}: kept")
+        else:
+            self.whorl(*command, log=log)
+        return Run(folder, self.dry)
+
+    def plan(self, scene, *settings, options=()):
+        """What whorl plan predicts."""
+        command = ["plan", scene, "--no-images", "--threads", 1, "--json", *options]
+        for setting in [*settings, *self.settings]:
+            command += ["--set", setting]
+        text = self.whorl(*command)
+        return Unknown() if self.dry else json.loads(text)
+
+    def toml_file(self, name, keys):
+        """Writes some keys of a scene, a scene or a study as a file."""
+        file = self.out / f"{name}.toml"
+        if not self.dry:
+            write_file(file, toml(keys).encode())
+        return file
+
+    def scene_without(self, scene, name, *tables):
+        """A copy of a shipped scene without these tables: keys of models that are not chosen may not stand in a scene."""
+        keys = read_scene(scene)
+        for one in tables:
+            keys.pop(one, None)
+        return self.toml_file(name, keys)
+
+    def study(self, name, keys, kind="tradeoff"):
+        """The rows of whorl tradeoff (or stability) for the study with these keys, in out/measure/NAME."""
+        folder = self.out / name
+        if self.again and not self.dry:
+            shutil.rmtree(folder / "points", ignore_errors=True)
+        keys = {"set": [], **keys}
+        keys["set"] = [*keys["set"], *self.settings]
+        file = self.toml_file(f"{name}/study", keys)
+        self.whorl(kind, file, "--all", "--threads", 1, "--jobs", 1, "--out", folder, log=folder / "log")
+        return [] if self.dry else read_rows(folder / f"{kind}.csv")
+
+    def point(self, name, *words):
+        """The run of a study's point: its folder's name holds all these words."""
+        found = [f for f in sorted((self.out / name / "points").glob("*/")) if all(word in f.name for word in words)]
+        return Run(found[0] if found else "", self.dry)
+
+    def solver(self, *arguments, name=None):
+        """The rows that whorl_solver_tables prints, kept in out/measure/solver."""
+        name = "solver/" + (name or "-".join(str(argument).lstrip("-") for argument in arguments))
+        file, log = self.out / f"{name}.csv", self.out / f"{name}.log"
+        command = [root / "build/release/tools/measure/solver/whorl_solver_tables", *arguments]
+        if not self.kept(file, log, command):
+            self.build("whorl_solver_tables")
+            text = self.call(command, log=log)
+            if not self.dry:
+                write_file(file, text.encode())
+        return [] if self.dry else read_rows(file)
+
+    def write(self, path, content):
+        """A file of the documentation. @param path from the top of the repository"""
+        if self.writes:
+            write_file(self.into / path, content)
+
+    def write_csv(self, path, columns, rows):
+        text = io.StringIO()
+        csv.writer(text, lineterminator="\n").writerows([columns, *([row[name] for name in columns] for row in rows)])
+        self.write(path, text.getvalue().encode())
+
+
+def read_scene(scene):
+    return tomllib.loads((root / scene).read_text())
+
+
+def attempt(measure):
+    """The cells that measure() returns, or why it could not."""
+    try:
+        return measure()
+    except RunFailed as error:
+        return [str(error)]

@@ -1,0 +1,27 @@
+#pragma once
+/// The subcommands of whorl_solver_tables. Each measures one thing and prints it as CSV, a row as soon as it is known.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cstdio>
+#include <tuple>
+
+namespace CLI {
+class App;
+}
+
+namespace whorl {
+
+template <class... Cells>
+void print_csv(const Cells&... cells) {
+    fmt::print("{}\n", fmt::join(std::tuple<const Cells&...>(cells...), ","));
+    std::fflush(stdout);
+}
+
+void add_viscous_models(CLI::App& program);
+void add_viscous_preconditioners(CLI::App& program);
+void add_pressure_solves(CLI::App& program);
+void add_curls(CLI::App& program);
+void add_vorticity(CLI::App& program);
+
+}  // namespace whorl

@@ -1,0 +1,65 @@
+/// Kinetic energy and enstrophy of a run at given times.
+#include <CLI/CLI.hpp>
+
+#include "engine/core/parallel.h"
+#include "engine/scene/read.h"
+#include "engine/sim/simulation.h"
+#include "engine/sph/operators.h"
+#include "tools/measure/solver/subcommands.h"
+
+namespace whorl {
+namespace {
+
+/// Per kg: kinetic energy, that of the motion across the stream (y), and enstrophy.
+struct Measured {
+    double energy = 0, across = 0, enstrophy = 0;  ///< J, J, 1/s^2
+};
+
+Measured measured(const World& w) {
+    const auto u = w.fluid.column<field::velocity>();
+    const auto rho = w.fluid.column<field::density>();
+    std::vector<Real> V(rho.size());
+    for (std::size_t i = 0; i < V.size(); ++i) V[i] = w.step.mass / rho[i];
+    const double n = w.fluid.size();
+    const auto mean = [&](const auto& f) {
+        return parallel_sum(w.fluid.size(), [&](Index i) { return 0.5 * static_cast<double>(f(i)); }) / n;
+    };
+    return with_kernel(w.step.kernel, w.step.support, [&](const auto& W) {
+        return Measured{mean([&](Index i) { return u[static_cast<std::size_t>(i)].squaredNorm(); }),
+                        mean([&](Index i) { return u[static_cast<std::size_t>(i)].y() * u[static_cast<std::size_t>(i)].y(); }),
+                        mean([&](Index i) { return curl(w.fluid_pairs, i, W, Span<const Real>(V), u).squaredNorm(); })};
+    });
+}
+
+/// Ends early where the run diverges.
+void print_vorticity(const std::string& file, const std::vector<std::string>& changes, const std::vector<double>& times) {
+    ReadRequest request;
+    for (const std::string& change : changes) request.changes.push_back(parse_change(change));
+    const Scene scene = read_scene(file, request);
+    Simulation simulation(scene, make_plan(scene));
+    print_csv("time", "energy", "energy_across", "enstrophy");
+    for (const double time : times) {
+        while (simulation.time() < time)
+            if (simulation.step(time).diverged) return;
+        const Measured m = measured(simulation.world());
+        print_csv(time, m.energy, m.across, m.enstrophy);
+    }
+}
+
+}  // namespace
+
+void add_vorticity(CLI::App& program) {
+    struct Keys {
+        std::string scene;
+        std::vector<std::string> changes;
+        std::vector<double> times;
+    };
+    const auto keys = std::make_shared<Keys>();
+    CLI::App* app = program.add_subcommand("vorticity", "kinetic energy, that across the stream, and enstrophy of a run, per kg");
+    app->add_option("scene", keys->scene)->required();
+    app->add_option("--set", keys->changes, "KEY=VALUE of the scene")->allow_extra_args(false);
+    app->add_option("--times", keys->times, "s")->required();
+    app->callback([keys] { print_vorticity(keys->scene, keys->changes, keys->times); });
+}
+
+}  // namespace whorl

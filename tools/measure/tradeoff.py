@@ -1,0 +1,331 @@
+"""Fronts, maps, qualities, sleep, what auto chooses, what the plan foresees."""
+import math
+from types import SimpleNamespace
+
+from . import drawing
+from .registry import markdown, off, percent, table
+from .runs import Unknown, attempt, number, read_rows, read_scene, root
+
+
+# Fronts and maps: whorl tradeoff and whorl stability draw them
+
+def shipped_study(kind, name):
+    def make(m):
+        folder = m.out / "studies" / name
+        if name == "precision":  # compares two programs
+            m.build("whorl")
+            m.build("whorl", "double")
+        m.whorl(kind, root / f"scenes/studies/{kind}/{name}.toml", "--out", folder, log=folder.with_suffix(".log"))
+        if not m.dry:
+            m.write(f"docs/studies/{name}.svg", (folder / f"{kind}.svg").read_bytes())
+            text = (folder / f"{kind}.csv").read_text().replace(f"{root}/", "")  # messages name files
+            m.write(f"docs/studies/{name}.csv", text.encode())
+
+    return make
+
+
+fronts = {"hydrostatic_column": "still water, pressure against rho g h", "taylor_green": "vortices, decay against theory",
+          "micropolar_decay": "micropolar vortices, decay against theory",
+          "coil_frequency": "a coil, frequency against slender-thread theory",
+          "dam_front": "a dam breaks, its centre against a finer run"}
+maps = {"viscous_steps": "time step against viscosity, every model", "sound_steps": "time step against sound speed",
+        "coupled_steps": "the coupled solve", "scale": "spacing 1e-6 m to 1e3 m", "gravity": "no gravity to 1000 g",
+        "impact": "impact at 0.1 to 100 m/s", "thread_across": "particles across a thread",
+        "micropolar_exchange": "micropolar coupling against inertia",
+        "density_ratio": "a body's density over the water's against its impact speed",
+        "precision": "single and double precision, against the distance from the origin"}
+for prefix, kind, shipped in (("front", "tradeoff", fronts), ("map", "stability", maps)):
+    for name, words in shipped.items():
+        files = f"docs/studies/{name}.svg and .csv"
+        table(f"{prefix}_{name}", words, "1 to 5 minutes", files=files, section=False)(shipped_study(kind, name))
+
+
+def study_settings(until, frames):
+    return [f"time.end={until}", "time.slow_motion=1", f"time.fps={frames / until:.12g}"]
+
+
+# Draft, standard and fine
+
+def against(quality, column, part="diagnostics.csv"):
+    return {"of": "reference", "reference": [f"quality={quality}"], "at": "all", "table": part, "column": column}
+
+
+density = ("mean density error", {"of": "exact", "column": "density_error_mean", "at": "all", "expected": "0", "scale": 1})
+potential = ("potential energy, to fine", against("fine", "potential_energy"))
+kinetic = ("kinetic energy, to fine", against("fine", "kinetic_energy"))
+second_panel = ("kinetic energy, to fine", against("fine", "kinetic_energy", "panels/2/diagnostics.csv"))
+coil = ("frequency of the first turns to steady theory",
+        {"of": "exact", "table": "probes/coil.csv", "column": "frequency", "expected": "2.139"})
+angular = ("angular momentum lost", {"of": "conserved", "column": "angular_momentum_z", "at": "all"})
+decay = ("kinetic energy without spin, to theory",
+         {"of": "exact", "table": "panels/1/diagnostics.csv", "column": "kinetic_energy", "at": "all",
+          "expected": "0.004*exp(-4*2e-5*(20*pi)^2*t)"})
+qualities = {  # scene: seconds, what the error is of
+    "honey_coil": (1.6, *coil), "honey_ball": (0.9, *potential), "honey_thread": (0.45, *potential), "sewing_machine": (0.7, *kinetic),
+    "cake_batter": (0.8, *potential), "toothpaste": (2.0, *potential), "lava": (1.2, *potential), "dripping_syrup": (0.3, *potential),
+    "rotating_drop": (0.4, *angular), "dam_break": (0.08, *density), "dam_break_obstacle": (0.12, *density), "paddle": (0.08, *density),
+    "floating_boxes": (0.06, *density), "karman_street": (0.02, *second_panel), "shear_layer": (0.02, *second_panel),
+    "vortex_rings": (0.015, *second_panel), "taylor_green": (0.04, *decay), "stirred_tank": (0.04, *second_panel)}
+
+
+def measure_quality(m, scene):
+    """Rows of docs/studies/quality.csv of a scene, and its three pictures. Eight frames are enough to see, and cost little."""
+    until, error_of, accuracy = qualities[scene]
+    name, rows, images = f"quality/{scene}", [], []
+    keys = {"scenes": [scene], "set": [*study_settings(until, 8), "output.size=[480, 270]"], "pictures": True, "limit": 3600,
+            "knob": [{"key": "quality", "values": ["draft", "standard", "fine"]}]}
+    figures, pictures = ({r["quality"]: r for r in m.study(name, {**keys, "accuracy": a})} or Unknown()
+                         for a in (accuracy, {"of": "picture", "reference": ["quality=fine"]}))  # the second finds the points of the first
+    for quality in ("draft", "standard", "fine"):
+        run = m.point(name, f"quality={quality}-")
+        cpu = (run.cpu_seconds - run.drawing_seconds) / run.report["time"]
+        rows.append({"scene": scene, "until": until, "quality": quality, "spacing": run.scene["fluid"]["spacing"],
+                     "particles": run.report["particles"], "cpu_seconds_a_second": f"{cpu:.4g}", "error": figures[quality]["error"],
+                     "error_of": error_of, "picture_difference": pictures[quality]["error"]})
+        images.append(max(run.folder.glob("frames/*.png"), default=run.folder))
+    drawing.picture(m, f"docs/pictures/quality/{scene}.jpg", images, 320, ["-q:v", "3"])
+    return rows
+
+
+@table("quality", "draft, standard and fine of every scene: CPU time, error and picture of the first part of its film", "3 hours",
+       files="docs/studies/quality.csv, docs/pictures/quality", keeps_rows=True)
+def quality(m):
+    file, order = "docs/studies/quality.csv", list(qualities)
+    columns = ["scene", "until", "quality", "spacing", "particles", "cpu_seconds_a_second", "error", "error_of", "picture_difference"]
+    rows = read_rows(m.into / file) if (m.into / file).exists() else []
+    for scene in filter(m.wanted, qualities):
+        rows = [r for r in rows if r["scene"] != scene] + measure_quality(m, scene)
+        rows.sort(key=lambda r: order.index(r["scene"]))
+        m.write_csv(file, columns, rows)
+    return quality_section(rows)
+
+
+def short(value, digits):
+    return f"{value:.0f}" if abs(value) >= 10**(digits - 1) else f"{value:.{digits}g}"
+
+
+def quality_section(rows):
+    figures, words = [], {}
+    for r in rows:
+        error, picture = (number(r[name]) for name in ("error", "picture_difference"))
+        fine = r["quality"] == "fine"
+        figures.append([f"`{r['scene']}`", r["until"], r["quality"], short(1000 * number(r["spacing"]), 3), r["particles"],
+                        short(number(r["cpu_seconds_a_second"]), 3), "reference" if fine and error < 1e-8 else short(100 * error, 2),
+                        "reference" if fine else short(picture, 2)])
+        words[r["scene"]] = [f"`{r['scene']}`", r["error_of"], f"![](../pictures/quality/{r['scene']}.jpg)"]
+    columns = "scene | until [s] | quality | spacing [mm] | particles | CPU s a simulated second | error [%] | picture, dE"
+    return markdown(columns, figures) + "\n\n" + markdown("scene | what the error is of | draft, standard and fine", words.values())
+
+
+# Sleep
+
+@table("sleep", "what sleep saves and what it changes: fluid that has come to rest", "8 minutes")
+def sleep(m):
+    puddle, closed, rows = "scenes/studies/puddle.toml", ["fluid.spacing=2.5e-3", "emitter[0].stop=1", "look.samples=1"], []
+    still = 'solid[0].position=["0", "0", "0"]'
+    for words, models, scene, end, value, settings in (
+            ("puddle of honey", "coupled", puddle, 3, 0.06, []), ("puddle of honey", "ppe", puddle, 3, 1, []),
+            ("puddle of water", "ppe", puddle, 8, 1, ["fluid.viscosity=0", "look.material=water"]),
+            ("toothpaste", "coupled", "scenes/toothpaste.toml", 8, 0.15, [*closed, still]),
+            ("honey_ball", "coupled", "scenes/honey_ball.toml", 5, 0.06, closed)):
+        if not m.wanted(words):
+            continue
+        name = f"sleep/{words.replace(' ', '_')}-{models}"
+        compared = m.study(name, {"scenes": [root / scene], "limit": 3600, "pictures": True,
+                                  "knob": [{"key": "time.sleep", "values": [0, value]}],
+                                  "set": [f"models.pressure={models}", f"time.end={end}", "time.fps=8", "time.slow_motion=1",
+                                          "output.size=[480, 270]", *settings],
+                                  "accuracy": {"of": "picture", "reference": ["time.sleep=0"]}})
+        awake, asleep = (m.point(name, f"time.sleep={v:g}-") for v in (0, value))
+        seconds = []
+        for run in (asleep, awake):  # of the simulation, from the start and over the last second
+            d = run.table()
+            late = ~(d["time"] < d["time"][-1] - 1 - 1e-9)
+            last = d["cpu_seconds"][late][-1] - d["cpu_seconds"][late][0] - run.drawing_seconds * (late.sum() - 1) / len(late)
+            seconds.append((run.cpu_seconds - run.drawing_seconds, last))
+        (all_asleep, last_asleep), (all_awake, last_awake) = seconds
+        a, b, fluid = awake.table(), asleep.table(), awake.scene["fluid"]
+        weight = a["particles"][-1] * fluid["density"] * fluid["spacing"]**3 * 9.81
+        most = abs(a["potential_energy"] - b["potential_energy"]).max()
+        picture = next((r["error"] for r in compared if number(r["time.sleep"]) > 0), Unknown())
+        times = f"{last_awake / last_asleep:.0f}" if 100 * last_asleep > last_awake else "> 100"
+        rows.append([words, models, f"{end} s", f"{value}", f"{all_asleep:.2f}", f"{all_awake:.2f}", f"{all_awake / all_asleep:.1f}",
+                     f"{max(last_asleep, 0):.3f}", f"{last_awake:.2f}", times, f"{most / weight / fluid['spacing']:.3f} d",
+                     percent(most / abs(a["potential_energy"][-1]), 2), f"{number(picture):.2g} dE"])
+    return markdown("scene | models | until | time.sleep | asleep s | awake s | times | last second, asleep s | last second, awake s | "
+                    "times | height differs by | energy by | picture by", rows)
+
+
+# What auto chooses
+
+honey = ["coupled+none", "ppe+full", "ppe+full_assembled", "ppe+explicit", "wcsph+full"]
+water = ["ppe+none", "ppe+xsph", "wcsph+none", "wcsph+xsph"]
+vortices = ["wcsph+explicit", "wcsph+full", "ppe+explicit", "ppe+full"]
+cases = {
+    "pours": (honey, {"honey_coil": 0.9, "honey_ball": 0.7, "honey_thread": 0.4, "sewing_machine": 0.6, "cake_batter": 0.6,
+                      "toothpaste": 0.7, "lava": 0.8, "rotating_drop": 0.2, "dripping_syrup": 0.15}),
+    "water": (water, {"dam_break": 0.25, "dam_break_obstacle": 0.1, "paddle": 0.2, "floating_boxes": 0.06}),
+    "vortices": (vortices, {"taylor_green": 0.02, "karman_street": 0.02, "shear_layer": 0.02, "stirred_tank": 0.03, "vortex_rings": 0.015})}
+
+
+def scene_with_models(m, scene, combination):
+    """A copy of a scene with these models: keys of models that are not chosen may not stand in it. Panels go."""
+    keys, (pressure, viscosity) = read_scene(f"scenes/{scene}.toml"), combination.split("+")
+    micropolar = "micropolar" in keys.get("models", {})
+    keys["models"] = {**keys.get("models", {}), "pressure": pressure, "viscosity": viscosity}
+    if viscosity != "xsph":
+        keys.pop("viscosity", None)
+    if pressure not in ("auto", "wcsph") or not micropolar:
+        keys.pop("pressure", None)
+    if keys.pop("panel", None):
+        keys.pop("output", None)
+    if pressure == "wcsph":  # it solves nothing
+        for changes in keys.get("quality", {}).values():
+            changes.pop("pressure.tolerance", None)
+    return m.toml_file(f"auto/{scene}/{combination}", keys)
+
+
+def compare_models(m, scene, until, combinations):
+    """auto beside other models, at draft quality, one thread, least of two timings: by combination cells of CPU seconds and error, and
+    what auto takes. Error: of the kinetic energy over all frames against auto at standard spacing. What takes more than four times the wall
+    time of auto is broken off: it cannot be the cheaper one."""
+    name, limit, by_name = f"auto/{scene}", 120.0, {}
+    files = [scene_with_models(m, scene, combination) for combination in ("auto+auto", *combinations)]
+    for some in (files[:2], files):
+        rows = m.study(name, {
+            "scenes": [files[0]], "quality": "draft", "limit": limit, "set": study_settings(until, 12),
+            "knob": [{"key": "scene", "values": some}], "cost": {"repeat": 2}, "accuracy": against("standard", "kinetic_energy")})
+        by_name = {combination: next((r for r in rows if f"/{combination}.toml" in r["scene"]), Unknown())  # the knob's, the second "scene"
+                   for combination in ("auto+auto", *combinations)}
+        limit = 2 + 4 * number(by_name["auto+auto"]["wall_seconds"])
+    models = {c["key"]: c["value"] for c in m.point(name, "auto+auto_scene=").report["models"]}
+    auto, took = by_name.pop("auto+auto"), "+".join(models.get(f"models.{key}", "?") for key in ("pressure", "viscosity"))
+    if took in by_name and by_name[took]["error"] == auto["error"]:  # the same run: four timings of it
+        auto["cost_low"] = by_name[took]["cost_low"] = min(auto["cost_low"], by_name[took]["cost_low"], key=number)
+
+    def cells(r):
+        if r["status"] == "refused":
+            return ["refused", ""]
+        return [f"{number(r['cost_low']):.2g}", f"{100 * number(r['error']):.2g} %"] if r["status"] == "done" else ["-", "-"]
+
+    return SimpleNamespace(took=took, auto=cells(auto), cells={combination: cells(r) for combination, r in by_name.items()})
+
+
+def words_of(combination):
+    return combination.replace("+none", "").replace("+", " + ")
+
+
+@table("auto", "is auto a good choice: beside every combination of pressure and viscosity, the beginning of each scene", "25 minutes")
+def auto(m):
+    sections = []
+    for kind, (combinations, scenes) in cases.items():
+        rows = []
+        for scene in filter(m.wanted, scenes):
+            def measure():
+                c = compare_models(m, scene, scenes[scene], combinations)
+                return [words_of(c.took), *c.auto, *(cell for cells in c.cells.values() for cell in cells)]
+
+            rows.append([scene, f"{scenes[scene]}", *attempt(measure)])
+        columns = [f"{kind} | until [s] | auto takes | s | error", *(f"{words_of(combination)} s | error" for combination in combinations)]
+        sections += [markdown(" | ".join(columns), rows)] if rows else []
+    return "\n\n".join(sections)
+
+
+@table("lava_viscosity", "lava with less and less viscosity: coupled beside ppe + full", "3 minutes")
+def lava_viscosity(m):
+    rows = []
+    for viscosity in (100, 30, 10):
+        found = {"draft": [], "standard": []}
+        for pressure, models in (("coupled", []), ("ppe", ["models.viscosity=full"])):
+            for r in m.study(f"lava_viscosity/{viscosity}-{pressure}", {
+                    "scenes": ["lava"], "set": [*study_settings(0.8, 12), f"fluid.viscosity={viscosity}", f"models.pressure={pressure}",
+                                                *models],
+                    "knob": [{"key": "quality", "values": list(found)}],
+                    "accuracy": against("standard", "kinetic_energy")}):
+                found[r["quality"]] += [f"{number(r['cost']):.2f}", f"{100 * number(r['error']):.2g} %" if r["quality"] == "draft" else ""]
+        rows += [[f"{viscosity} Pa s", quality, *cells] for quality, cells in found.items()]
+    return markdown("viscosity | spacing | coupled [s] | error | ppe + full [s] | error", rows)
+
+
+# What the plan foresees
+
+def plan_and_run(m, scene, until, name, *settings):
+    """What whorl plan predicts of the beginning of a scene, and the run."""
+    options, file = ["--quality", "draft", "--until", until], f"scenes/{scene}.toml"
+    return m.plan(file, *settings, options=options)["cost"], m.render(file, name, *settings, options=options)
+
+
+plan_cases = ("honey_coil:1.5 honey_ball:1.2 honey_thread:0.7 sewing_machine:1 cake_batter:0.8 toothpaste:1 lava:1 dripping_syrup:0.8 "
+              "dripping_syrup:1.5 dam_break:0.6 dam_break_obstacle:0.6 paddle:0.4 floating_boxes:0.5 rotating_drop:0.3 karman_street:0.2 "
+              "shear_layer:0.15 stirred_tank:0.3 taylor_green:0.15 vortex_rings:0.15")
+
+
+@table("plan", "the plan's CPU time and memory beside what a run takes, the beginning of each scene", "8 minutes")
+def plan(m):
+    rows = []
+    for scene, until in (case.split(":") for case in plan_cases.split()):
+        def measure():
+            cost, run = plan_and_run(m, scene, until, f"plan/{scene}-{until}")
+            seconds, memory, taken = cost["film_seconds"], cost["memory_bytes"], max(panel["peak_memory_bytes"] for panel in run.panels)
+            return [f"{seconds:.1f} s", f"{run.cpu_seconds:.1f} s", off(seconds, run.cpu_seconds), f"{memory / 1e6:.0f} MB",
+                    f"{taken / 1e6:.0f} MB", off(memory, taken)]
+
+        if m.wanted(scene):
+            rows.append([scene, f"{until} s", *attempt(measure)])
+    return markdown("scene | until | predicted | taken | off by | memory predicted | memory taken | off by", rows)
+
+
+tension, full = ("surface tension", ["fluid.surface_tension=0.05"]), ("implicit viscosity (full)", ["models.viscosity=full"])
+shifting, free = ("shifting", ["models.shifting=fickian"]), ("divergence-free velocities", ["pressure.divergence_free=true"])
+multigrid, exchange = ("multigrid", ["pressure.preconditioner=multigrid"]), ("implicit exchange of spin", ["micropolar.exchange=implicit"])
+bodies = ("free bodies", [f"solid[{k}].density={density}" for k, density in enumerate((450, 350, 250, 2500, 500, 150), 1)])
+water_tension, sleeping = ("surface tension", ["fluid.surface_tension=0.07"]), ("sleep", ["time.sleep=0.06"])
+model_cases = (("honey_coil", 1.2, tension), ("honey_ball", 0.9, tension), ("honey_ball", 0.9, sleeping), ("cake_batter", 0.7, tension),
+               ("lava", 0.8, tension), ("toothpaste", 0.8, sleeping), ("rotating_drop", 0.3, tension), ("dam_break", 0.4, water_tension),
+               ("dam_break", 0.4, shifting), ("dam_break", 0.4, free), ("dam_break_obstacle", 0.3, multigrid), ("paddle", 0.3, free),
+               ("paddle", 0.3, ("sleep", ["time.sleep=1"])), ("floating_boxes", 0.3, bodies), ("floating_boxes", 0.3, free),
+               ("karman_street", 0.1, full), ("shear_layer", 0.1, full), ("shear_layer", 0.1, exchange), ("vortex_rings", 0.1, full),
+               ("taylor_green", 0.1, full), ("stirred_tank", 0.2, full), ("stirred_tank", 0.2, shifting))
+
+
+@table("model_cost", "what a model costs that a scene does not need, and what the plan says that it costs", "20 minutes")
+def model_cost(m):
+    rows = []
+    for scene, until, model in model_cases:
+        words, settings = model
+        fixed = [f"solid[{k}].density=0" for k in range(1, 7)] if model is bodies else []
+
+        def measure():
+            name = f"model_cost/{scene}-"
+            (p0, t0), (p1, t1) = ((cost["film_seconds"], run.cpu_seconds) for cost, run in (
+                plan_and_run(m, scene, until, name + ("fixed" if fixed else "without"), *fixed),
+                plan_and_run(m, scene, until, name + words.replace(" ", "_"), *fixed, *settings)))
+            return [*(f"{seconds:.2f} s" for seconds in (p1, t1, p0, t0)), f"{p1 / p0:.2f}", f"{t1 / t0:.2f}", off(p1 / p0, t1 / t0)]
+
+        if m.wanted(scene):
+            rows.append([scene, f"{until} s", words, *attempt(measure)])
+    return markdown("scene | until | switched on | predicted | taken | predicted, without | taken, without | times as dear, predicted | "
+                    "times as dear, taken | off by", rows)
+
+
+@table("live_speed", "how much of real time a draft reaches with its pictures, lever by lever", "2 minutes, an idle machine")
+def live_speed(m):
+    settings, rows = [], []
+    for k, (words, more) in enumerate((
+            ("none", ["surface.voxel=0.5", "time.cfl=0.4", "pressure.tolerance=1e-3"]),
+            ("surface of one voxel a spacing (`surface.voxel = 1`)", ["surface.voxel=1"]),
+            ("steps of up to 1.6 spacings (`time.cfl = 1.6`)", ["time.cfl=1.6"]),
+            ("a looser solve (`pressure.tolerance = 3e-3`)", ["pressure.tolerance=3e-3"]),
+            ("`pressure.tolerance = 1e-2` (not the draft's)", ["pressure.tolerance=1e-2"]))):
+        settings += more  # the later the stronger
+        run = m.render("honey_coil", f"live_speed/{k}", *settings, threads=2, images=True,
+                       options=["--quality", "draft", "--size", "640x360", "--until", 2, "--no-video"])
+        d, stages = run.table(), run.report["stages"]
+        late = ~(d["time"] < 1 - 1e-9)
+        wall, time, steps, iterations = (d[name][late] for name in ("wall_seconds", "time", "steps", "pressure_iterations"))
+        simulate = sum(stage["wall_seconds"] for name, stage in stages.items() if name not in ("draw", "surface", "write", "encode"))
+        pictures = [1e3 * stages[name]["wall_seconds"] / stages[name]["calls"] for name in ("draw", "surface")]
+        rows.append([words, f"{(time[-1] - time[0]) / (wall[-1] - wall[0]):.2f}", f"{1e3 * simulate / run.report['frames']:.0f}",
+                     f"{iterations[1:].sum() / (steps[-1] - steps[0]):.0f}", f"{(steps[-1] - steps[0]) / (len(steps) - 1):.0f}",
+                     *(f"{ms:.0f}" for ms in pictures)])
+    return markdown("lever | of real time | simulate ms | iterations a step | steps a picture | draw ms | surface ms", rows)
