@@ -13,7 +13,7 @@ constexpr double most_assembled_viscous_number = 2e5;
 
 }  // namespace
 
-void check_models(const Scene& scene, const Plan& plan, double viscous_number, std::vector<Problem>& problems) {
+void check_models(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, std::vector<Problem>& problems) {
     const auto report = [&](const std::string& key, const std::string& what, const std::string& hint, const std::string& allowed = "") {
         problems.push_back({scene.place(key), what, hint, allowed.empty() ? "" : "allowed: " + allowed});
     };
@@ -35,12 +35,12 @@ void check_models(const Scene& scene, const Plan& plan, double viscous_number, s
                    "take \"full\", the same without a matrix, or a larger fluid.spacing",
                    fmt::format("up to {:g} GB", most_assembled_bytes / 1e9));
 
-    if (plan.viscosity == ViscosityModel::full_assembled && viscous_number > most_assembled_viscous_number)
-        report(
-            "models.viscosity",
-            fmt::format("the solver of models.viscosity = \"full_assembled\" does not converge where nu dt/d^2 = {:.2g}", viscous_number),
-            "take \"full\", whose iterations do not grow with it, or smaller steps",
-            fmt::format("up to {:g}", most_assembled_viscous_number));
+    if (plan.viscosity == ViscosityModel::full_assembled && numbers.viscous_number > most_assembled_viscous_number)
+        report("models.viscosity",
+               fmt::format("the solver of models.viscosity = \"full_assembled\" does not converge where nu dt/d^2 = {:.2g}",
+                           numbers.viscous_number),
+               "take \"full\", whose iterations do not grow with it, or smaller steps",
+               fmt::format("up to {:g}", most_assembled_viscous_number));
 
     if (plan.pressure == PressureModel::coupled && plan.viscosity != ViscosityModel::none)
         report("models.viscosity", "models.pressure = \"coupled\" solves for the viscosity itself",
@@ -50,8 +50,13 @@ void check_models(const Scene& scene, const Plan& plan, double viscous_number, s
         report("viscosity.preconditioner",
                "viscosity.preconditioner = \"two_level\" needs viscosity.correction: as published, a rotation is no rigid motion",
                "take \"block_jacobi\"", "auto, none or block_jacobi");
-    if (plan.pressure == PressureModel::coupled && plan.largest_viscosity == 0)
-        report("models.pressure", "models.pressure = \"coupled\" needs a viscosity, and fluid.viscosity is 0", "take \"ppe\"");
+    if (plan.pressure == PressureModel::coupled && numbers.least_viscous_number < coupled_works_from)
+        report(numbers.thinnest_fluid,
+               fmt::format(
+                   "{} is {:.3g} Pa s at the start, too thin for models.pressure = \"coupled\": the viscous number nu dt/d^2 is {:.2g} "
+                   "(dt: the fastest moves by 0.4 spacings), and coupled works from {:g} on",
+                   numbers.thinnest_fluid, numbers.least_viscosity, numbers.least_viscous_number, coupled_works_from),
+               "choose models.pressure = \"ppe\" with models.viscosity = \"full\"");
     const bool right_pressure = plan.boundary == BoundaryModel::none ||
                                 (plan.boundary == BoundaryModel::akinci && plan.pressure == PressureModel::wcsph) ||
                                 (plan.boundary == BoundaryModel::ppe && plan.pressure == PressureModel::ppe);

@@ -6,8 +6,11 @@
 namespace whorl {
 
 /// Models that do not go together, or that this version does not have.
-/// @param viscous_number nu dt/d^2 of the steps that the flow allows
-void check_models(const Scene& scene, const Plan& plan, double viscous_number, std::vector<Problem>& problems);
+void check_models(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, std::vector<Problem>& problems);
+
+/// SceneNumbers::least_viscous_number from which on models.pressure = "coupled" works. It joins the particles by viscosity: thinner fluid
+/// would have to part into drops, and its pools would lose height.
+inline constexpr double coupled_works_from = 0.04;
 
 /// Free bodies: what cannot be one, and models that do not move them.
 void check_bodies(const Scene& scene, const Plan& plan, std::vector<Problem>& problems);

@@ -75,13 +75,18 @@ SceneNumbers scene_numbers(const Scene& scene, const SceneShapes& shapes, double
         return std::max(0.0, top);
     };
 
-    n.across = std::numeric_limits<double>::infinity();
+    n.across = n.least_viscosity = std::numeric_limits<double>::infinity();
     const auto thin = [&](double length, const std::string& name) {
         if (length / d < n.across) n.across = length / d, n.thinnest = name;
     };
     const auto viscous = [&](std::size_t source, const Vec3d& x) {
         const Expression& mu = scene.viscosity_of_source(source);
         n.viscosity = std::max(n.viscosity, mu(0, x));
+        if (mu(0, x) < n.least_viscosity) {
+            n.least_viscosity = mu(0, x);
+            n.thinnest_fluid =
+                source > 0 && scene.emitters[source - 1].viscosity ? entry_name("emitter", source - 1) + ".viscosity" : "fluid.viscosity";
+        }
         if (depends_on_age(mu))
             for (const double age : sample_times(0, end)) n.viscosity = std::max(n.viscosity, mu(age, x));
     };
@@ -125,6 +130,7 @@ SceneNumbers scene_numbers(const Scene& scene, const SceneShapes& shapes, double
     n.step = n.speed > 0 ? std::min(scene.time.max_step, scene.time.cfl * d / n.speed) : scene.time.max_step;
     if (scene.time.fixed_step > 0) n.step = scene.time.fixed_step;
     n.viscous_number = n.nu * n.step / (d * d);
+    n.least_viscous_number = n.least_viscosity > 0 ? 0.4 * n.least_viscosity / (scene.fluid.density * n.speed * d) : 0;
     n.explicit_step = n.nu > 0 ? 0.125 * support * support / (4 * n.nu) : std::numeric_limits<double>::infinity();
     return n;
 }

@@ -6,19 +6,24 @@
 namespace whorl {
 
 struct SceneNumbers {
-    double spacing = 0;         ///< m
-    double gravity = 0;         ///< m/s^2, the largest over the run
-    double fall = 0;            ///< m, from the highest fluid down to the floor of the domain along gravity; 0 where that axis is periodic
-    double speed = 0;           ///< m/s, the largest of what emitters, blocks and solids are given and of a free fall
-    double viscosity = 0;       ///< Pa s, the largest over blocks and emitters
-    double nu = 0;              ///< m^2/s
-    double step = 0;            ///< s, the time step that flow alone allows: cfl d/speed, at most max_step
-    double viscous_number = 0;  ///< nu step/d^2
-    double explicit_step = 0;   ///< s, longest stable step of explicit viscosity, 0.125 R^2/(4 nu); infinite without viscosity
-    double particles = 0;       ///< at the end of the run
-    double across = 0;          ///< particles across the thinnest feature
-    std::string thinnest;       ///< which that is: "emitter[0]"
-    bool free_surface = true;   ///< not every axis is periodic
+    double spacing = 0;          ///< m
+    double gravity = 0;          ///< m/s^2, the largest over the run
+    double fall = 0;             ///< m, from the highest fluid down to the floor of the domain along gravity; 0 where that axis is periodic
+    double speed = 0;            ///< m/s, the largest of what emitters, blocks and solids are given and of a free fall
+    double viscosity = 0;        ///< Pa s, the largest over blocks and emitters
+    double nu = 0;               ///< m^2/s
+    double step = 0;             ///< s, the time step that flow alone allows: cfl d/speed, at most max_step
+    double viscous_number = 0;   ///< nu step/d^2
+    double explicit_step = 0;    ///< s, longest stable step of explicit viscosity, 0.125 R^2/(4 nu); infinite without viscosity
+    double least_viscosity = 0;  ///< Pa s, the least over blocks and emitters at the start
+    std::string thinnest_fluid;  ///< the key that gives it: "emitter[0].viscosity"
+    /// nu step/d^2 of the least viscosity in a step in which the fastest moves by 0.4 spacings, however long the steps of the run are:
+    /// how the particles' viscosity compares with their inertia. Infinite where nothing moves.
+    double least_viscous_number = 0;
+    double particles = 0;      ///< at the end of the run
+    double across = 0;         ///< particles across the thinnest feature
+    std::string thinnest;      ///< which that is: "emitter[0]"
+    bool free_surface = true;  ///< not every axis is periodic
 };
 
 /// Bounds [m] and volume [m^3] of a shape; a plane has infinite bounds and no volume.

@@ -32,6 +32,9 @@ std::string pressure_reason(PressureModel pressure, const Scene& scene, const Sc
     if (scene.models.micropolar != MicropolarModel::none) return "the usual company of micropolar terms; \"ppe\" has them too";
     if (!n.free_surface) return "every axis is periodic: no free surface";
     if (scene.any_free_solid()) return "it moves the free bodies in the same solve";
+    if (n.viscous_number > coupled_above && pressure == PressureModel::ppe)
+        return fmt::format("viscous number nu dt/d^2 = {:.3g} where {} is least: the flow there hardly diffuses within a step",
+                           n.least_viscous_number, n.thinnest_fluid);
     const std::string number = fmt::format("viscous number nu dt/d^2 = {:.3g}", n.viscous_number);
     return pressure == PressureModel::coupled
                ? fmt::format("{} > {:g} with a free surface: viscosity and pressure act together within a step", number, coupled_above)
@@ -40,7 +43,8 @@ std::string pressure_reason(PressureModel pressure, const Scene& scene, const Sc
 
 PressureModel automatic_pressure(const Scene& scene, const SceneNumbers& n) {
     if (scene.models.micropolar != MicropolarModel::none) return PressureModel::wcsph;
-    return n.free_surface && n.viscous_number > coupled_above && !scene.any_free_solid() ? PressureModel::coupled : PressureModel::ppe;
+    const bool viscous = n.viscous_number > coupled_above && n.least_viscous_number >= coupled_works_from;
+    return n.free_surface && viscous && !scene.any_free_solid() ? PressureModel::coupled : PressureModel::ppe;
 }
 
 void choose_viscosity(Plan& plan, const Scene& scene, const SceneNumbers& n, double step) {
@@ -219,7 +223,7 @@ Plan make_plan(const Scene& given) {
     if (scene.time.sleep > 0)
         plan.choices.push_back({"time.sleep", fmt::format("{:g}", scene.time.sleep), false,
                                 "what moves less than that many spacings in half a second is not solved for"});
-    check_models(given, plan, n.viscous_number, problems);
+    check_models(given, plan, n, problems);
     check_placement(scene, plan, n, shapes, problems);
     check_poisson(scene, plan, shapes, problems);
     if (!problems.empty()) throw InputError(in_order(std::move(problems), file));

@@ -11,10 +11,9 @@ struct CoupledOptions {
     double support = 3, widest_support = 5;  ///< kernel radius; it grows where a particle has fewer than `enough_neighbours`
     int enough_neighbours = 16;
 
-    double bulk = 10;             ///< lambda over mu: resistance to a change of volume within one step (the multiplier does the rest)
-    double smoothing = 0.15;      ///< penalty on what the linear field does not explain, over mu: removes zero-energy modes
-    double damping_aside = 0.06;  ///< the same of fluid that parts, over its damping along the pairs
-    double pair_smoothing = 5;    ///< the same along the pair only: keeps necks from growing without stiffening bending
+    double bulk = 10;           ///< lambda over mu: resistance to a change of volume within one step (the multiplier does the rest)
+    double smoothing = 0.15;    ///< penalty on what the linear field does not explain, over mu: removes zero-energy modes
+    double pair_smoothing = 5;  ///< the same along the pair only: keeps necks from growing without stiffening bending
     double thin_below = 0.8, thin_at = 0.6;  ///< middle over largest eigenvalue of M between which a thread turns thin (and is evened)
     double unresolved_at = 0.01, resolved_above = 0.04;  ///< eigenvalue of M over the largest between which a direction counts as resolved
 
@@ -32,22 +31,8 @@ struct CoupledOptions {
            evening_range =
                2;  ///< the same along thin threads, where stretching widens every gap and nobody close is there to be pushed into it
 
-    /// Whether fluid bears tension, by the Reynolds number of a particle, (|D| + sqrt(g/d)) d^2/nu: wholly up to the first, not at all from
-    /// the second on.
-    double bears_tension_up_to = 0.25, parts_from = 2.5;
-    double stiffness = 50;  ///< of fluid that parts: it yields to pressure like a sound wave of the speed sqrt(stiffness) d/dt (with 10 a
-                            ///< pool of 20 layers keeps bouncing)
-    /// Its damping of what no linear field explains, over sqrt(p/rho)/d: what is pressed would fall into itself where the least-squares
-    /// divergence does not see it (a pool loses a sixth of its height with 50, 4 % with 100); what flies is under no pressure and falls
-    /// apart as it likes.
-    double held = 400;
-    double parting_push = 0.1;  ///< added to `push` and ...
-    double sliding_closest =
-        0.2;                    ///< ... to `closest` for it, and for all that slides: half a spacing is its share of the room beside a wall
-    int most_rounds = 4;        ///< solves a step until those that press have been found
-    double few_change = 0.005;  ///< part of the particles that may still change sides between two rounds
-
     double stick = 0.5, closest = 0.3;  ///< distance from a solid below which a particle touches it, and which it never goes below
+    double sliding_closest = 0.5;       ///< the second along a solid that it slides on: half a spacing is its share of the room there
 
     int aggregate = 32;     ///< particles in an aggregate of the coarse level (up to 1.5 times as many, see `many`)
     int many = 50'000;      ///< particles beyond which aggregates grow with their cube root: the factor then costs as much as the products

@@ -45,7 +45,7 @@ struct Shifting {
                    strongest_evening = Real(0.05);
         const RowBlock& block = system.rows.blocks[i / CoupledRows::block_size];
         const Neighbourhood& hood = system.rows.neighbourhood[i];
-        const Real thin = hood.thin * (1 - system.parting[i].parts);  // what parts may tear
+        const Real thin = hood.thin;
         Vec3 dx = Vec3::Zero();
         Real along = 0;
         for (std::size_t e = block.row_begin(i - block.begin); e < block.row_end(i - block.begin); ++e) {
@@ -76,10 +76,7 @@ void CoupledShift::operator()(Update<field::position> x, Update<field::velocity>
     const CoupledSystem& s = *system;
     const Real d = step.spacing;
     std::vector<Real> strain(x.size());
-    parallel_for(x.size(), [&](Index i) {
-        const Real falling = s.parting[i].parts * std::sqrt(step.gravity.norm() / d);
-        strain[i] = step.dt * Real(0.5) * (Real(0.5) * (G[i] + G[i].transpose()).norm() + falling);  // half of |D| and sqrt(g/d)
-    });
+    parallel_for(x.size(), [&](Index i) { strain[i] = step.dt * Real(0.5) * (Real(0.5) * (G[i] + G[i].transpose()).norm()); });
 
     const Shifting shifting{s, x.values, strain, step};
     std::vector<Vec3> shift(x.size(), Vec3::Zero());
@@ -125,14 +122,12 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
     const Real d = step.spacing, dt = step.dt;
     parallel_for(x.size(), [&](Index i) {
         if (role[i] != 0) return;
-        const Real parts = s.parting[i].parts;
         const Vec3 was_touching = slip[i];
         slip[i] = Vec3::Zero();
         const Vec3 from = s.x_before[i];
         for (std::size_t k = 0; k < solids.all.size(); ++k) {
             const Solid& solid = solids.all[k];
-            const Real closest =
-                d * static_cast<Real>(s.options.closest + s.options.sliding_closest * (solid.sticks() ? static_cast<double>(parts) : 1));
+            const Real closest = d * static_cast<Real>(solid.sticks() ? s.options.closest : s.options.sliding_closest);
             // What slides rests where it comes no closer: it must count as touching there whatever the rounding.
             const Real stick = static_cast<Real>(s.options.stick) * d,
                        touching = solid.sticks() ? stick : std::max(stick, closest + Real(0.05) * d);

@@ -48,10 +48,6 @@ void look_along_change(const Operator& A, const Unknowns& unknowns, Span<const V
     });
 }
 
-/// What a flat surface, an edge or a corner of a packed fluid lacks of its density n/n0, within 3 % on a lattice. Inside, the noise of |sum
-/// w r| / sum w |r| is no surface.
-Real surface_lacks(const Neighbourhood& hood) { return Real(0.84) * std::max(Real(0), hood.surface - Real(0.025)); }
-
 struct Momentum {
     Vec3d linear = Vec3d::Zero(), angular = Vec3d::Zero();
     Momentum& operator+=(const Momentum& o) {
@@ -100,33 +96,6 @@ void CoupledNeighbourhood::operator()(Read<field::position> x, Read<field::role>
     parallel_for(x.size(), [&](Index i) { density[i] = step.rest_density * s.rows.neighbourhood[i].density; });
 }
 
-namespace {
-
-/// Which particles bear no tension, and which of these press, as the last step's flow suggests. Returns whether any bears none.
-/// @param p, G of the last step
-bool set_parting(CoupledSystem& s, Span<const Real> mu, Span<const Real> p, Span<const Mat3> G, const StepContext& step) {
-    const CoupledOptions& o = s.options;
-    const double d = step.spacing, falling = std::sqrt(step.gravity.norm() / d), range = std::log(o.parts_from / o.bears_tension_up_to);
-    s.parting.resize(mu.size());
-    parallel_for(static_cast<Index>(mu.size()), [&](Index i) {
-        Parting& part = s.parting[i];
-        part.counts = s.friction.acts() ? 1 - s.friction.counted[i] : 1;
-        const double rate = 0.5 * static_cast<double>((G[i] + G[i].transpose()).norm()) + falling,
-                     nu = static_cast<double>(mu[i]) / step.rest_density;
-        const double reynolds = rate * d * d / std::max(nu, 1e-12);
-        const double t = reynolds > 0 ? std::clamp(std::log(reynolds / o.bears_tension_up_to) / range, 0.0, 1.0) : 0;
-        part.parts = static_cast<Real>(t * t * (3 - 2 * t));
-        const Neighbourhood& hood = s.rows.neighbourhood[i];
-        part.presses = part.parts == 0 || p[i] > 0 || hood.density + surface_lacks(hood) >= 1;
-        // By pressure: what flies freely is not held together by it.
-        const double pressed = std::sqrt(std::max(0.0, static_cast<double>(p[i])) / static_cast<double>(step.rest_density)) / d;
-        part.damping = part.presses ? static_cast<Real>(part.parts * o.held * pressed * static_cast<double>(step.dt)) : 0;
-    });
-    return parallel_max(static_cast<Index>(mu.size()), 0, [&](Index i) { return static_cast<double>(s.parting[i].parts); }) > 0;
-}
-
-}  // namespace
-
 void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, Read<field::viscosity> mu, Update<field::velocity> u,
                               Update<field::pressure> p, Update<field::velocity_change> change, Update<field::velocity_gradient> G,
                               Update<field::aggregate> aggregate, Update<field::contact_normal> slip, const Solids& solids,
@@ -139,8 +108,7 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
     if (n == 0) return;
     StrainForm& form = s.form;
     s.friction.set(x.values, role.values, mu.values, solids, step);
-    const bool any_parts = set_parting(s, mu.values, p.values, G.values, step);
-    form.set(s.rows, mu.values, s.parting, dt, step.rest_density, d, o);
+    form.set(s.rows, mu.values, s.friction.counted, dt, step.rest_density, d, o);
     form.set_friction(s.friction.hold);
 
     Unknowns unknowns{role.values, slip.values};
@@ -169,19 +137,16 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
     const std::vector<Real>& known_pressure = *s.known_pressure;
     const bool any_known = known_pressure.size() == count;
     const auto set_pressure = [&](Index i) {
-        q[i] = form.coefficients(i).bulk * d * target[i] +
-               dt * (s.parting[i].share() * p[i] + (any_known ? known_pressure[i] : 0)) / (step.rest_density * d);
+        q[i] = form.coefficients(i).bulk * d * target[i] + dt * (p[i] + (any_known ? known_pressure[i] : 0)) / (step.rest_density * d);
     };
     const double fastest = largest_speed(u.values);
     const double turning_limit = o.turning_limit * fastest / d;
     const double fastest_push = o.fastest_push * (fastest / d + std::sqrt(step.gravity.norm() / d));
     parallel_for(n, [&](Index i) {
         const Neighbourhood& hood = s.rows.neighbourhood[i];
-        const double compressed = hood.density + s.parting[i].parts * surface_lacks(hood) - 1;
-        // Fluid that mostly bears tension keeps the volume it has; drawing it together would be a creep that never ends.
-        const double falls_shut = std::max(0.0, 2 * static_cast<double>(s.parting[i].parts) - 1);
-        const double push = o.push + o.parting_push * static_cast<double>(s.parting[i].parts);
-        double wanted = compressed > 0 ? std::min(push * compressed / dt, fastest_push) : falls_shut * compressed / dt;
+        // Only apart: drawing together what is stretched would be a creep that never ends.
+        const double compressed = hood.density - 1;
+        double wanted = compressed > 0 ? std::min(o.push * compressed / dt, fastest_push) : 0;
         if (role[i] == 0) wanted += std::clamp(-double(dt) * second_invariant(G[i]), -turning_limit, turning_limit);
         target[i] = static_cast<Real>(wanted);
         set_pressure(i);
@@ -219,63 +184,46 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
         const auto k = static_cast<std::size_t>(i);
         start[k] = unknowns.part(k, u[i] + Real(0.9) * change[i]);
     });
-    // p - lambda (tr D - s): what the multiplier becomes. Where it would pull and the fluid bears no tension, it does not press.
+    // p - lambda (tr D - s): what the multiplier becomes.
     const auto multiplier = [&](Index i) {
-        const Real lambda = form.coefficients(i).full_bulk * step.rest_density * d * d / dt;
+        const Real lambda = form.coefficients(i).bulk * step.rest_density * d * d / dt;
         return p[i] - lambda * (form.divergence(i, G[i]) - target[i]);
     };
-    const auto solve_from = [&](Span<Vec3> load, Span<Vec3> guess, double reference, bool look) {
+    const auto solve_from = [&](Span<Vec3> load, Span<Vec3> guess, double reference) {
         if (!(reference > 0)) return conjugate_gradients<Vec3>(A, s.preconditioner, load, guess, o.limits, ResidualNorm::preconditioned);
         A(guess, z);
         parallel_for(n, [&](Index i) { load[i] -= z[i]; });  // the residual
-        if (look && load_norm(load) > reference) look_along_change(A, unknowns, change.values, load, guess);
+        if (load_norm(load) > reference) look_along_change(A, unknowns, change.values, load, guess);
         return conjugate_gradients_from<Vec3>(A, s.preconditioner, load, guess, o.limits, ResidualNorm::preconditioned, reference);
     };
-    SolveReport all;
-    for (int round = 1;; ++round) {
-        s.preconditioner.set(form, x.values, role.values, slip.values, step.domain, d, aggregate.values);
-        if (!o.diagonal) s.preconditioner.let_through();
-        set_load();
-        double reference = load_norm(b);
-        if (!nothing_held) {
-            form.apply(known, z);
-            parallel_for(n, [&](Index i) {
-                const auto k = static_cast<std::size_t>(i);
-                b[k] -= unknowns.part(k, z[k]);
-            });
-            reference = std::max(reference, 0.03 * load_norm(b));
-        }
-        const SolveReport solved = solve_from(b, start, reference, round == 1);
-        if (round == 1) all = solved;
-        else all.iterations += solved.iterations, all.last_residual = solved.last_residual, all.converged = solved.converged;
-        if (nothing_held) {
-            parallel_for(n, [&](Index i) { z[i] = loaded(i, u[i]); });
-            restore_momentum(x.values, z, !step.domain.any_periodic(), start);
-        }
-        parallel_for(n, [&](Index i) { z[i] = known[i] + start[i]; });
-        form.gradient(z, G.values);
-        if (!any_parts || round == o.most_rounds) break;
-        const auto turncoat = [&](Index i) { return s.parting[i].parts > 0 && s.parting[i].presses != (multiplier(i) > 0); };
-        if (parallel_sum(n, [&](Index i) { return turncoat(i) ? 1.0 : 0.0; }) <= o.few_change * n) break;
+    s.preconditioner.set(form, x.values, role.values, slip.values, step.domain, d, aggregate.values);
+    if (!o.diagonal) s.preconditioner.let_through();
+    set_load();
+    double reference = load_norm(b);
+    if (!nothing_held) {
+        form.apply(known, z);
         parallel_for(n, [&](Index i) {
-            if (turncoat(i)) s.parting[i].presses = !s.parting[i].presses;
+            const auto k = static_cast<std::size_t>(i);
+            b[k] -= unknowns.part(k, z[k]);
         });
-        form.set_pressing(s.parting);
-        parallel_for(n, set_pressure);
+        reference = std::max(reference, 0.03 * load_norm(b));
     }
-    report.solves.push_back({"coupled", all});
+    const SolveReport solved = solve_from(b, start, reference);
+    if (nothing_held) {
+        parallel_for(n, [&](Index i) { z[i] = loaded(i, u[i]); });
+        restore_momentum(x.values, z, !step.domain.any_periodic(), start);
+    }
+    parallel_for(n, [&](Index i) { z[i] = known[i] + start[i]; });
+    form.gradient(z, G.values);
+    report.solves.push_back({"coupled", solved});
     parallel_for(n, [&](Index i) {
         const Vec3& solution = z[i];
         change[i] = solution - u[i];
         u[i] = solution;
     });
 
-    // Of both signs where the fluid bears tension; what holds a stretched thread together and makes it thin is p < 0.
-    parallel_for(n, [&](Index i) {
-        const Parting& part = s.parting[i];
-        const Real now = static_cast<Real>(o.memory) * multiplier(i);
-        p[i] = now > 0 ? part.share() * now : (1 - part.parts) * now;
-    });
+    // Of both signs: what holds a stretched thread together and makes it thin is p < 0.
+    parallel_for(n, [&](Index i) { p[i] = static_cast<Real>(o.memory) * multiplier(i); });
 
     if (unknowns.any_slip) {
         // A solid that slips can push, not pull: where it would have to pull, it lets go.

@@ -150,14 +150,7 @@ Mat3 stress(const Mat3& G, const Neighbourhood& n, const StrainCoefficients& c) 
 
 }  // namespace
 
-void StrainForm::set_pressing(Span<const Parting> parting) {
-    parallel_for(static_cast<Index>(coefficients_.size()), [&](Index i) {
-        StrainCoefficients& c = coefficients_[i];
-        c.bulk = parting[i].share() * c.full_bulk;
-    });
-}
-
-void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Span<const Parting> parting, Real dt, Real density, Real spacing,
+void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Span<const Real> counted, Real dt, Real density, Real spacing,
                      const CoupledOptions& o) {
     rows_ = &rows;
     friction_ = {};
@@ -167,14 +160,12 @@ void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Span<c
         const Neighbourhood& n = rows.neighbourhood[i];
         const double K = double(viscosity[i]) * dt / (double(density) * spacing * spacing);
         StrainCoefficients& c = coefficients_[i];
-        const Parting part = parting.empty() ? Parting{} : parting[i];
-        const double sheared = part.counts * K;
+        const double sheared = counted.empty() ? K : (1 - counted[i]) * K;
         c.shear = static_cast<Real>(2 * sheared);
-        c.full_bulk = static_cast<Real>(2 * K * o.bulk / (2 + n.unresolved * o.bulk) + part.parts * o.stiffness);
-        c.bulk = part.share() * c.full_bulk;
+        c.bulk = static_cast<Real>(2 * K * o.bulk / (2 + n.unresolved * o.bulk));
         const double base = n.spread > 0 ? 2 * 3 / n.spread : 0;
-        c.smooth = static_cast<Real>(base * (sheared * o.smoothing + part.damping * o.damping_aside));
-        c.pair = static_cast<Real>(base * (sheared * o.pair_smoothing + part.damping));
+        c.smooth = static_cast<Real>(base * (sheared * o.smoothing));
+        c.pair = static_cast<Real>(base * (sheared * o.pair_smoothing));
     });
     forces_.resize(rows.entries());
 }

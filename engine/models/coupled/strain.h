@@ -17,32 +17,19 @@ namespace whorl {
 
 /// What the form needs of particle i besides its row.
 struct StrainCoefficients {
-    Real shear = 0;      ///< 2 K
-    Real full_bulk = 0;  ///< K Lambda if the particle presses
-    Real bulk =
-        0;  ///< K Lambda; an unresolved lateral direction is stress-free, so that a single file has Trouton's 3 mu instead of locking
+    Real shear = 0;  ///< 2 K
+    /// K Lambda; an unresolved lateral direction is stress-free, so that a single file has Trouton's 3 mu instead of locking.
+    Real bulk = 0;
     Real smooth = 0;  ///< 2 c
     Real pair = 0;    ///< 2 c'
-};
-
-/// What is particular about a particle: little viscosity, so that it bears no tension, or a wall that rubs.
-struct Parting {
-    Real counts = 1;   ///< share of its volume whose shear is not the friction's (ContactFriction::counted)
-    Real parts = 0;    ///< 0: bears tension like honey, 1: none, like water
-    Real damping = 0;  ///< of what the linear field does not explain, where viscosity does too little; in the units of K
-    bool presses = true;
-    /// Of the resistance to a change of volume that is there.
-    Real share() const { return 1 - parts + (presses ? parts : 0); }
 };
 
 class StrainForm {
 public:
     /// @param viscosity mu [Pa s] of each particle @param dt [s] @param density rho [kg/m^3] @param spacing d [m]
-    /// @param parting one a particle; empty: all bear tension
-    void set(const CoupledRows& rows, Span<const Real> viscosity, Span<const Parting> parting, Real dt, Real density, Real spacing,
+    /// @param counted part of a particle's volume whose shear is the friction's (ContactFriction::counted); empty: none
+    void set(const CoupledRows& rows, Span<const Real> viscosity, Span<const Real> counted, Real dt, Real density, Real spacing,
              const CoupledOptions& options);
-    /// Other particles press now.
-    void set_pressing(Span<const Parting> parting);
 
     /// Adds sum_i u_i.hold_i u_i/2 to E; empty: nothing. `hold` must outlive the use.
     void set_friction(Span<const Mat3> hold) { friction_ = hold; }

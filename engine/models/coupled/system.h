@@ -25,7 +25,6 @@ struct CoupledSystem {
     CoupledOptions options;
     CoupledRows rows;
     StrainForm form;
-    std::vector<Parting> parting;  ///< one a particle
     ContactFriction friction;
     TwoLevel preconditioner;
     int steps_since_refresh = 0;

@@ -75,6 +75,29 @@ TEST_CASE("a thinner fluid is solved with its pressure down to a viscous number 
     CHECK(with_number(0.2) == PressureModel::ppe);
 }
 
+TEST_CASE("the coupled solve refuses fluid whose viscous number is below 0.04 anywhere at the start, with what to choose", "[plan]") {
+    const double d = 2e-3, speed = std::sqrt(0.25 * 0.25 + 2 * 9.81 * 0.09);
+    const auto with_number = [&](double number) { return std::to_string(1000 * number * d * speed / 0.4); };
+    const auto coupled = [](const std::string& viscosity) {
+        return messages_with({"models.pressure=coupled", "fluid.viscosity=" + viscosity});
+    };
+    CHECK(coupled(with_number(0.05)) == "no error");
+    CHECK(coupled(with_number(0.03)).find("too thin for models.pressure = \"coupled\": the viscous number nu dt/d^2 is 0.03 ") !=
+          std::string::npos);
+    CHECK(coupled("0.001").find("fluid.viscosity=0.001: fluid.viscosity is 0.001 Pa s at the start, too thin for models.pressure = "
+                                "\"coupled\"") != std::string::npos);
+    CHECK(coupled("0.001").find("coupled works from 0.04 on; choose models.pressure = \"ppe\" with models.viscosity = \"full\"") !=
+          std::string::npos);
+    CHECK(coupled("0").find("too thin") != std::string::npos);
+    // By the least at the start, whatever it becomes.
+    CHECK(coupled("100*age").find("too thin") != std::string::npos);
+    CHECK(coupled("100*exp(-age)") == "no error");
+    CHECK(messages_with({"models.pressure=coupled", "emitter[0].viscosity=0.001"}).find("emitter[0].viscosity is 0.001 Pa s") !=
+          std::string::npos);
+    // Left to choose, it is not taken where a part of the fluid is thin.
+    CHECK(plan_with({"fluid.viscosity=0.001+1000*age"}).pressure == PressureModel::ppe);
+}
+
 TEST_CASE("what the user chose stays, also the kernel and its support", "[plan]") {
     const Plan plan = plan_with({"fluid.kernel=cubic", "fluid.support=2.5"});
     CHECK(plan.kernel == KernelKind::cubic);

@@ -1,4 +1,4 @@
-/// The coupled solve where viscosity is small: fluid that bears no tension.
+/// Honey in a tank whose walls it slides along, solved by the coupled model.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
@@ -66,22 +66,8 @@ struct Tank : CoupledWorld {
 
 }  // namespace
 
-TEST_CASE("coupled: a dam runs up the wall with 1e-6 as with 1e-3 m^2/s, water throws off drops, and honey does not come as far",
+TEST_CASE("coupled: a column of honey that is let go sinks in one piece, 0.15 m wide and 0.2 m high less than twice as wide after 0.3 s",
           "[validation][coupled]") {
-    for (double nu : {1e-6, 1e-3}) {
-        CAPTURE(nu);
-        Tank dam(15, 20, 40, nu);
-        dam.run_until(0.3);
-        const double energy = dam.mean([&](std::size_t i) { return 0.5 * dam.velocity()[i].squaredNorm() + 9.81 * dam.position()[i][1]; });
-        double highest = 0;
-        for (const Vec3& x : dam.position()) highest = std::max<double>(highest, x[1]);
-        CHECK(highest > 0.2);  // above where it began
-        // 0.97 J/kg at the start: the impact on the wall costs some, and nothing brings in any.
-        CHECK(energy < 0.97);
-        CHECK(energy > 0.6);
-        dam.run_until(0.65);
-        if (nu < 1e-4) CHECK(dam.pieces() > 5);  // 17; with 1e-3, a Reynolds number of 300, a drop flies at 0.15 s and is caught again
-    }
     Tank honey(15, 20, 40, 1);
     honey.run_until(0.3);
     double front = 0;
@@ -90,20 +76,11 @@ TEST_CASE("coupled: a dam runs up the wall with 1e-6 as with 1e-3 m^2/s, water t
     CHECK(honey.pieces() == 1);
 }
 
-TEST_CASE("coupled: pools of water 5 and 10, thin syrup 20, and honey 5 particles deep come to rest and keep their height within 4 %",
-          "[validation][coupled]") {
-    // Measured over 1.2 to 2 s: 1 to 2 % are lost with little viscosity, 2 to 3.2 % with 1 m^2/s, which is held to what its particles weigh
-    // (n/n0 <= 1) but not against walls. The lattice melts, and the least-squares divergence does not see every layer that falls into
-    // another.
-    struct Case {
-        int layers;
-        double nu;
-    };
-    for (const Case& c : {Case{5, 1e-6}, Case{10, 1e-6}, Case{20, 1e-3}, Case{5, 1}}) {
-        CAPTURE(c.layers, c.nu);
-        Tank pool(12, c.layers, 12, c.nu);
-        pool.run_until(1.2);
-        CHECK(std::sqrt(pool.mean([&](std::size_t i) { return double(pool.velocity()[i].squaredNorm()); })) < 0.02);
-        CHECK(pool.mean([&](std::size_t i) { return double(pool.position()[i][1]); }) == Approx(0.5 * c.layers * Tank::d).epsilon(0.04));
-    }
+TEST_CASE("coupled: a pool of honey 5 particles deep comes to rest and keeps its height within 4 %", "[validation][coupled]") {
+    // 2 to 3.2 % are lost over 1.2 to 2 s: fluid is held to what its particles weigh (n/n0 <= 1) but not against walls. The lattice melts,
+    // and the least-squares divergence does not see every layer that falls into another.
+    Tank pool(12, 5, 12, 1);
+    pool.run_until(1.2);
+    CHECK(std::sqrt(pool.mean([&](std::size_t i) { return double(pool.velocity()[i].squaredNorm()); })) < 0.02);
+    CHECK(pool.mean([&](std::size_t i) { return double(pool.position()[i][1]); }) == Approx(0.5 * 5 * Tank::d).epsilon(0.04));
 }
