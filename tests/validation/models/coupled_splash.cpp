@@ -67,7 +67,7 @@ struct Tank : CoupledWorld {
 }  // namespace
 
 TEST_CASE("coupled: a dam runs up the wall with 1e-6 as with 1e-3 m^2/s, water throws off drops, and honey does not come as far",
-          "[validation][coupled]") {
+          "[validation][coupled][regression]") {
     for (double nu : {1e-6, 1e-3}) {
         CAPTURE(nu);
         Tank dam(15, 20, 40, nu);
@@ -91,7 +91,7 @@ TEST_CASE("coupled: a dam runs up the wall with 1e-6 as with 1e-3 m^2/s, water t
 }
 
 TEST_CASE("coupled: pools of water 5 and 10, thin syrup 20, and honey 5 particles deep come to rest and keep their height within 4 %",
-          "[validation][coupled]") {
+          "[validation][coupled][regression]") {
     // Measured over 1.2 to 2 s: 1 to 2 % are lost with little viscosity, 2 to 3.2 % with 1 m^2/s, which is held to what its particles weigh
     // (n/n0 <= 1) but not against walls. The lattice melts, and the least-squares divergence does not see every layer that falls into
     // another.
