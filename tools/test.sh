@@ -1,8 +1,18 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds Whorl and its tests, and runs them all. Arguments go to ctest: bash tools/test.sh -L fast
+# test.sh [--long] [argument of ctest ...]: installs what is missing, builds Whorl and its tests, and runs them. bash tools/test.sh -L fast runs
+# the fast ones. With --long: first the fast ones under the address and undefined sanitizers, then all, those that take minutes each (the ctest
+# label long) among them.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+which=(-LE long)
+if [ "${1:-}" = --long ]; then
+  which=()
+  shift
+  bash tools/setup.sh
+  bash tools/build.sh asan whorl whorl_tests
+  ctest --preset asan -j "$(nproc)" -L fast
+fi
 bash tools/setup.sh chromium  # for the page of whorl live
 if [ "${CI:-}" = true ]; then export CONFIGURE="-DWHORL_WERROR=ON"; fi
 bash tools/build.sh release
-ctest --preset release "$@"
+ctest --preset release -j "$(nproc)" "${which[@]}" "$@"

@@ -13,19 +13,6 @@
 namespace whorl {
 namespace {
 
-/// What a cell as wide as the reach knows of its particles.
-struct Cell {
-    bool restless = false;  ///< somebody moves: nobody falls asleep
-    bool stirs = false;     ///< or somebody awake has moved a little: sleepers wake
-    bool awake = false;
-    Real least_quiet = std::numeric_limits<Real>::infinity();  ///< s, sleepers do not count
-
-    void operator+=(const Cell& o) {
-        restless |= o.restless, stirs |= o.stirs, awake |= o.awake;
-        least_quiet = std::min(least_quiet, o.least_quiet);
-    }
-};
-
 /// Appends the columns of one store to another that has the same.
 void append(const ParticleStore& from, ParticleStore& to) {
     const auto before = static_cast<std::size_t>(to.size());
@@ -50,6 +37,19 @@ void HoldSleepers::operator()(Read<field::role> role, Read<field::anchor> anchor
 
 /// The fluid in cells as wide as the reach: what is within reach of a particle lies in its cell or the 26 around it.
 struct Sleep::Cells {
+    /// What a cell as wide as the reach knows of its particles.
+    struct Cell {
+        bool restless = false;  ///< somebody moves: nobody falls asleep
+        bool stirs = false;     ///< or somebody awake has moved a little: sleepers wake
+        bool awake = false;
+        Real least_quiet = std::numeric_limits<Real>::infinity();  ///< s, sleepers do not count
+
+        void operator+=(const Cell& o) {
+            restless |= o.restless, stirs |= o.stirs, awake |= o.awake;
+            least_quiet = std::min(least_quiet, o.least_quiet);
+        }
+    };
+
     std::array<double, 3> origin{}, inverse_edge{};
     std::array<std::int64_t, 3> period{};  ///< cells along a periodic axis, else 0
     std::unordered_map<std::int64_t, Cell> cells;
@@ -139,12 +139,12 @@ void Sleep::look(World& world, double elapsed) {
         // Where much counts as rest, a tenth of a spacing is yet enough to press on a sleeper.
         const bool stirs = restless || (quiet[k] >= 0 && domain.minimum_image(x[k] - anchor[k]).norm() > Real(0.1) * d);
         cells.cells[cells.key(places[k])] +=
-            Cell{restless, stirs, quiet[k] >= 0, quiet[k] >= 0 ? quiet[k] : std::numeric_limits<Real>::infinity()};
+            Cells::Cell{restless, stirs, quiet[k] >= 0, quiet[k] >= 0 ? quiet[k] : std::numeric_limits<Real>::infinity()};
     }
     const auto near = cells.blurred(places);
     sleepers_ = 0;
     for (std::size_t k = 0; k < n; ++k) {
-        const Cell& around = near.at(cells.key(places[k]));
+        const Cells::Cell& around = near.at(cells.key(places[k]));
         if (quiet[k] < 0 && around.stirs) {
             quiet[k] = options_.after / 2;  // awake, but no reason to wake others until it moves itself
         } else if (quiet[k] >= 0 && !around.restless && around.least_quiet >= options_.after) {
@@ -175,7 +175,7 @@ void Sleep::tuck_in(World& world) {
         std::vector<std::array<std::int64_t, 3>> places(x.size());
         for (std::size_t k = 0; k < x.size(); ++k) {
             places[k] = cells.place(domain.wrapped(x[k]));
-            cells.cells[cells.key(places[k])] += Cell{false, false, quiet[k] >= 0, 0};
+            cells.cells[cells.key(places[k])] += Cells::Cell{false, false, quiet[k] >= 0, 0};
         }
         const auto near = cells.blurred(places);
         for (Index i = 0; i < n; ++i) {

@@ -8,7 +8,7 @@ namespace whorl::test {
 
 /// @throws InputError where the text is no scene, or its plan refuses it
 Simulation simulation_of(const std::string& text);
-/// Steps to `end` [s]; a run that diverges fails the test.
+/// Steps to `end` [s]. @throws std::runtime_error where the run diverges
 void run_until(Simulation& simulation, double end);
 /// All that lives from step to step, as bytes.
 std::string state_of(const Simulation& simulation);

@@ -9,7 +9,7 @@
 namespace whorl::test {
 namespace {
 
-constexpr float pi = std::numbers::pi_v<float>;
+constexpr float pi_f = std::numbers::pi_v<float>;
 
 float interpolated(const Volume& v, const Vec3f& x) {
     const Vec3f u = (x - v.origin) / v.voxel;
@@ -138,7 +138,7 @@ Surface coiled_thread(float radius, float coil, int turns, float height, float v
     std::vector<float> thickness;
     const int steps_a_turn = 40, steps = steps_a_turn * turns;
     for (int n = 0; n <= steps; ++n) {
-        const float s = static_cast<float>(n) / static_cast<float>(steps), angle = 2 * pi * static_cast<float>(n) / steps_a_turn;
+        const float s = static_cast<float>(n) / static_cast<float>(steps), angle = 2 * pi_f * static_cast<float>(n) / steps_a_turn;
         const float wide = coil * (1.25f - 0.5f * s) * (1 + 0.06f * std::sin(1.7f * angle));
         axis.emplace_back(wide * std::cos(angle), 0.8f * radius + 1.55f * radius * static_cast<float>(turns) * s, wide * std::sin(angle));
         thickness.push_back(radius * (1.12f - 0.12f * s));
@@ -213,7 +213,7 @@ TriangleMesh cylinder_mesh(const Vec3f& base, float radius, float height) {
     constexpr std::uint32_t sides = 96;
     const auto ring = [&](float y, const Vec3f& normal, float r) {
         for (std::uint32_t i = 0; i < sides; ++i) {
-            const float angle = 2 * pi * static_cast<float>(i) / sides;
+            const float angle = 2 * pi_f * static_cast<float>(i) / sides;
             const Vec3f out(std::cos(angle), 0, std::sin(angle));
             mesh.position.push_back(base + r * out + Vec3f(0, y, 0));
             mesh.normal.push_back(normal.isZero() ? out : normal);

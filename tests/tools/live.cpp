@@ -8,6 +8,7 @@
 #include "engine/io/files.h"
 #include "render/image/image.h"
 #include "tests/support/live_program.h"
+#include "tests/support/scenes.h"
 #include "tools/live/access.h"
 #include "tools/study/table.h"
 
@@ -20,20 +21,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// A short thread of honey on a plate that can be moved: a few hundred particles.
-const char* const honey = R"(
-name = "little_honey"
-[time]
-end = 2.0
-fps = 50
-[domain]
-min = [-0.03, -0.01, -0.03]
-max = [0.03, 0.06, 0.03]
-[fluid]
-spacing = 4e-3
-viscosity = 200
-[models]
-pressure = "coupled"
-[[block]]
+const std::string honey = test::little_honey("end = 2.0\nfps = 50", 4e-3, R"([[block]]
 shape = "box"
 min = [-0.013, 0.0, -0.013]
 max = [0.013, 0.02, 0.013]
@@ -50,7 +38,7 @@ name = "pile"
 kind = "coil"
 [quality.draft]
 pressure.tolerance = 2e-3
-)";
+)");
 
 /// Everything that a request could change.
 std::string wanted(LiveProgram& live) {
@@ -208,9 +196,9 @@ TEST_CASE("a saved scene file acts while the run goes on, a broken one is told w
     CHECK(live.state().at("values").at("fluid.viscosity") == 77);
     CHECK(live.state().at("frame") == 2);
     save("viscosity = 200", "viscosity = 55 +");
-    CHECK(told("scene.toml:11:"));
+    CHECK(told("scene.toml:10:"));
     CHECK(live.state().at("values").at("fluid.viscosity") == 77);
-    save("spacing = 4e-3\nviscosity = 200", "spacing = 5e-3\nviscosity = 66");
+    save("spacing = 0.004\nviscosity = 200", "spacing = 5e-3\nviscosity = 66");
     CHECK(told("restart to use the new fluid.spacing"));
     CHECK(live.state().at("values").at("fluid.viscosity") == 66);
     CHECK(live.program().output().find('\n') != std::string::npos);

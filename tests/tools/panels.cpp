@@ -17,6 +17,8 @@ using test::Outcome;
 using test::Program;
 namespace fs = std::filesystem;
 
+namespace panels_test {
+
 namespace {
 
 const char* const drop = R"(
@@ -141,3 +143,5 @@ TEST_CASE("a panel's wrong key is told with its place, before anything is writte
           std::string::npos);
     CHECK_FALSE(fs::exists(scratch.run()));
 }
+
+}  // namespace panels_test

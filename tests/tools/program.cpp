@@ -16,6 +16,8 @@
 using namespace whorl;
 namespace fs = std::filesystem;
 
+namespace program_test {
+
 namespace {
 
 struct Outcome {
@@ -185,3 +187,5 @@ TEST_CASE("a plan tells models with reasons, fields, stages in order and the lim
     CHECK(std::distance(fs::directory_iterator(folder), fs::directory_iterator()) == 1);
     fs::remove_all(folder);
 }
+
+}  // namespace program_test

@@ -7,6 +7,7 @@
 #include "engine/io/files.h"
 #include "render/image/image.h"
 #include "tests/support/program.h"
+#include "tests/support/scenes.h"
 #include "tests/support/scratch.h"
 
 using namespace whorl;
@@ -14,23 +15,12 @@ using test::Outcome;
 using test::Program;
 namespace fs = std::filesystem;
 
+namespace render_test {
+
 namespace {
 
 /// A short thread of honey and a lump of it, enough particles (> 512) that parallel loops do run in parallel.
-const char* const honey = R"(
-name = "little_honey"
-[time]
-end = 0.3
-fps = 40
-[domain]
-min = [-0.03, -0.01, -0.03]
-max = [0.03, 0.06, 0.03]
-[fluid]
-spacing = 2.5e-3
-viscosity = 200
-[models]
-pressure = "coupled"
-[[block]]
+const std::string honey = test::little_honey("end = 0.3\nfps = 40", 2.5e-3, R"([[block]]
 shape = "box"
 min = [-0.013, 0.0, -0.013]
 max = [0.013, 0.025, 0.013]
@@ -49,7 +39,7 @@ name = "all"
 kind = "region"
 min = [-1, -1, -1]
 max = [1, 1, 1]
-)";
+)");
 
 struct Scratch : test::ScratchFolder {
     explicit Scratch(const std::string& text = honey) { std::ofstream(*this / "scene.toml") << text; }
@@ -320,3 +310,5 @@ TEST_CASE("a film of particles chooses its range of colours at the start, writes
     CHECK(range_of({}) == "[0.0, 1.2]");
     CHECK(range_of({"--set", "look.range=[0, 2]"}) == "[0.0, 2.0]");
 }
+
+}  // namespace render_test

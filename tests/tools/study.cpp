@@ -17,6 +17,8 @@ using namespace whorl;
 using namespace whorl::test;
 namespace fs = std::filesystem;
 
+namespace study_test {
+
 namespace {
 
 void write(const fs::path& file, const std::string& text) {
@@ -191,3 +193,5 @@ TEST_CASE("a study file's mistakes are told with their places, all in one go", "
                             Catch::Contains("unknown key \"acuracy\"; did you mean \"accuracy\"?"));
     CHECK_FALSE(fs::exists(folder / "out"));
 }
+
+}  // namespace study_test

@@ -1,9 +1,9 @@
 // Writing a frame of 1280x720.
-#include "render/image/image.h"
-
 #include <benchmark/benchmark.h>
 
 #include <cmath>
+
+#include "render/image/image.h"
 
 namespace {
 

@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "engine/core/random.h"
 #include "engine/particles/sample.h"
 
 using namespace whorl;
@@ -10,11 +11,8 @@ using namespace whorl;
 TEST_CASE("the vorticity of a linear flow is exact, also at a free surface and on jittered particles", "[io]") {
     Column<Vec3> x, u;
     const Vec3 omega(1, -2, 3);
-    unsigned noise = 1;
-    const auto jitter = [&] {
-        noise = noise * 1664525u + 1013904223u;
-        return Real(0.2) * (static_cast<Real>(noise >> 8) / Real(1 << 24) - Real(0.5));
-    };
+    RandomNumbers random(1);
+    const auto jitter = [&] { return static_cast<Real>(0.2 * (random() - 0.5)); };
     for (int k = 0; k < 6; ++k)
         for (int j = 0; j < 6; ++j)
             for (int i = 0; i < 6; ++i) {

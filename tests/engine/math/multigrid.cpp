@@ -99,7 +99,8 @@ TEST_CASE("a V-cycle is symmetric and positive definite, also where the matrix i
         }
 }
 
-TEST_CASE("with smoothed interpolation the iterations do not grow with the lattice: at most 8 for 8^3 and for 32^3", "[math][multigrid]") {
+TEST_CASE("with smoothed interpolation the iterations do not grow with the lattice: at most 8 for 8^3 and for 32^3",
+          "[math][multigrid][regression]") {
     // To 1e-4. Measured: 5 and 7; constants alone need 10 and 23.
     const Cube small(8, true), large(32, true);
     CHECK(iterations(small, {true, 100, 20}) <= 8);

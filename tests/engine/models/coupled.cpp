@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 
+#include "engine/core/random.h"
 #include "engine/math/conjugate_gradients.h"
 #include "engine/models/coupled/coarse_matrix.h"
 #include "engine/models/coupled/system.h"
@@ -9,18 +10,18 @@
 using namespace whorl;
 using namespace whorl::test;
 
+namespace coupled_test {
+
 namespace {
 
 constexpr Real d = 0.002;
 
-struct Random {
-    std::uint64_t state = 1;
-    Real operator()() {
-        state = state * 6364136223846793005u + 1442695040888963407u;
-        return Real(state >> 40) / Real(1u << 24) * 2 - 1;
-    }
-    Vec3 vector() { return Vec3((*this)(), (*this)(), (*this)()); }
-};
+/// Three numbers in [-1, 1).
+Vec3 random_vector(RandomNumbers& random) {
+    Vec3 v;
+    for (int a = 0; a < 3; ++a) v[a] = static_cast<Real>(2 * random() - 1);
+    return v;
+}
 
 /// Rows and form of a blob, with K = nu dt / d^2.
 struct Form {
@@ -42,9 +43,9 @@ double dot_all(const std::vector<Vec3>& a, const std::vector<Vec3>& b) { return 
 TEST_CASE("the strain form is symmetric, conserves momentum, and leaves rigid motions alone", "[models][coupled]") {
     const std::vector<Vec3> x = blue_noise_cylinder(Real(2.5) * d, 20 * d, d);
     const Form f(x, 10);
-    Random random;
+    RandomNumbers random(1);
     std::vector<Vec3> u(x.size()), v(x.size()), Au(x.size()), Av(x.size());
-    for (std::size_t i = 0; i < x.size(); ++i) u[i] = random.vector(), v[i] = random.vector();
+    for (std::size_t i = 0; i < x.size(); ++i) u[i] = random_vector(random), v[i] = random_vector(random);
     f.form.apply(u, Au);
     f.form.apply(v, Av);
     CHECK(dot_all(Au, v) == Approx(dot_all(u, Av)).epsilon(1e-5));
@@ -234,3 +235,5 @@ TEST_CASE("the coupled solve gives the same bits for 1, 2 and 4 threads", "[mode
     }
     set_threads(before);
 }
+
+}  // namespace coupled_test

@@ -10,6 +10,8 @@
 using namespace whorl;
 using namespace whorl::test;
 
+namespace density_rate_test {
+
 namespace {
 
 constexpr double d = 0.01;
@@ -88,3 +90,5 @@ TEST_CASE("a gate keeps a wall out of the density until the fluid is near, and l
     for (std::size_t i = 0; i < open.size(); ++i)
         if (x[i].y() < Real(0.6 * d)) CHECK(touching.rho[i] == Approx(open[i]).epsilon(1e-6));
 }
+
+}  // namespace density_rate_test

@@ -11,6 +11,8 @@
 using namespace whorl;
 using namespace whorl::test;
 
+namespace full_viscosity_test {
+
 namespace {
 
 constexpr double d = 0.1;
@@ -161,3 +163,5 @@ TEST_CASE("with the coarse level a stiff free body needs less than half of the i
     }
     CHECK(2 * iterations[1] < iterations[0]);  // each judged by its own norm: at the same number the diagonal leaves the larger error
 }
+
+}  // namespace full_viscosity_test

@@ -14,6 +14,8 @@
 using namespace whorl;
 using namespace whorl::test;
 
+namespace pressure_multigrid_test {
+
 namespace {
 
 constexpr double d = 0.01;
@@ -230,3 +232,5 @@ TEST_CASE(
     INFO("constraint: " << less << " and " << more);
     CHECK(less < more);
 }
+
+}  // namespace pressure_multigrid_test

@@ -10,6 +10,8 @@
 using namespace whorl;
 using namespace whorl::test;
 
+namespace shifting_test {
+
 namespace {
 
 constexpr double d = 0.01;
@@ -80,3 +82,5 @@ TEST_CASE("particles at a free surface are hardly shifted outward, those inside 
     // Jitter makes some of them look like fluid: one in some tens.
     CHECK(surface / at_surface < 0.05 * inside / within);
 }
+
+}  // namespace shifting_test

@@ -10,6 +10,8 @@
 using namespace whorl;
 using test::TestWorld;
 
+namespace surface_tension_test {
+
 namespace {
 
 constexpr double sigma = 0.07;
@@ -196,3 +198,5 @@ TEST_CASE(
         }
     }
 }
+
+}  // namespace surface_tension_test

@@ -13,6 +13,8 @@
 using namespace whorl;
 using namespace whorl::test;
 
+namespace wcsph_test {
+
 namespace {
 
 constexpr double d = 0.01, g = 9.81, rho_0 = 1000;
@@ -127,3 +129,5 @@ TEST_CASE("water beside a vertical wall is carried by the whole pressure gradien
     CHECK(beside / count_beside == Approx(far / count_far).epsilon(0.05));
     CHECK(std::abs(sideways / count_beside) < 0.05 * g);
 }
+
+}  // namespace wcsph_test

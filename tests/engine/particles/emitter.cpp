@@ -11,6 +11,8 @@
 
 using namespace whorl;
 
+namespace emitter_test {
+
 namespace {
 
 constexpr Real d = Real(0.002);
@@ -157,3 +159,5 @@ TEST_CASE("a slot's column fills its opening", "[particles]") {
         CHECK(std::abs(x.y()) < Real(1.5) * d);
     }
 }
+
+}  // namespace emitter_test

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "engine/core/parallel.h"
+#include "engine/core/random.h"
 
 using namespace whorl;
 
@@ -34,9 +35,8 @@ TEST_CASE("particles of one cell keep their order, those that are not finite com
 
 TEST_CASE("the order is the same for 1, 2 and 4 threads and a sorted store stays as it is", "[particles]") {
     std::vector<Vec3> x;
-    std::uint32_t seed = 1;
-    const auto random = [&] { return Real((seed = seed * 1664525u + 1013904223u) >> 8) / Real(1 << 24); };
-    for (int k = 0; k < 4000; ++k) x.push_back({random(), random(), random()});
+    RandomNumbers random(1);
+    for (int k = 0; k < 4000; ++k) x.push_back({Real(random()), Real(random()), Real(random())});
     std::vector<Index> before;
     CurveSort sort;
     for (int count : {1, 2, 4}) {

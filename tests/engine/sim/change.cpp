@@ -10,6 +10,8 @@
 using namespace whorl;
 using namespace whorl::test;
 
+namespace change_test {
+
 namespace {
 
 /// Syrup falls from a nozzle on a plate that moves and turns.
@@ -103,3 +105,5 @@ TEST_CASE("a run resumed after a change is the run that went on", "[sim][change]
     run_until(resumed, 0.2);
     CHECK(state_of(resumed) == state_of(whole));
 }
+
+}  // namespace change_test

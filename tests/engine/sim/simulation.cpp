@@ -12,6 +12,8 @@
 using namespace whorl;
 using namespace whorl::test;
 
+namespace simulation_test {
+
 namespace {
 
 /// Syrup slumps against the walls of a box, under a ball.
@@ -143,3 +145,5 @@ pressure = ")toml" + pressure + "\"\n");
         CHECK(std::hypot(mean.x(), mean.z()) < 1e-5 * 9.81 * 0.2);
     }
 }
+
+}  // namespace simulation_test

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "engine/core/parallel.h"
+#include "engine/core/random.h"
 #include "tests/support/surface_measures.h"
 
 using namespace whorl;
@@ -123,8 +124,8 @@ TEST_CASE("a coil of thread is one closed piece without handles", "[surface]") {
 }
 
 TEST_CASE("a cloud of particles at random is still closed and manifold", "[surface]") {
-    std::uint32_t state = 1;
-    const auto random = [&] { return static_cast<float>((state = state * 1664525u + 1013904223u) >> 8) / 16777216.0f; };
+    RandomNumbers numbers(1);
+    const auto random = [&] { return static_cast<float>(numbers()); };
     Frame frame;
     frame.spacing = 1;
     for (int n = 0; n < 3000; ++n) frame.position.emplace_back(30 * random(), 30 * random(), 30 * random());

@@ -8,6 +8,8 @@
 using namespace whorl;
 using namespace whorl::test;
 
+namespace capillary_thread_test {
+
 namespace {
 
 constexpr double sigma = 0.07, rho = 1000, d = 1e-3, pi = std::numbers::pi;
@@ -83,3 +85,5 @@ TEST_CASE("coupled: a thread of syrup beads in waves longer than its circumferen
         CHECK(thread.swing() < 0.08);
     }
 }
+
+}  // namespace capillary_thread_test

@@ -4,6 +4,7 @@
 #include <limits>
 #include <numbers>
 
+#include "engine/core/random.h"
 #include "engine/geometry/kinds.h"
 #include "tests/support/coupled_world.h"
 
@@ -25,13 +26,13 @@ Solid solid_of(std::shared_ptr<const Shape> shape, double slip_length) {
 std::vector<Vec3> loose_box(const Vec3d& min, const Vec3d& max, double d) {
     std::vector<Vec3> x;
     const Vec3d size = (max - min) / d;
-    unsigned state = 1;
-    const auto random = [&] { return 2 * ((state = state * 1664525u + 1013904223u) >> 8) / double(1 << 24) - 1; };
+    RandomNumbers random(1);
+    const auto shift = [&] { return 0.05 * (2 * random() - 1); };
     for (int a = 0; a < std::lround(size[0]); ++a)
         for (int b = 0; b < std::lround(size[1]); ++b)
             for (int c = 0; c < std::lround(size[2]); ++c) {
-                const Vec3d loose(random(), random(), random());
-                x.push_back((min + d * (Vec3d(a + 0.5, b + 0.5, c + 0.5) + 0.05 * loose)).cast<Real>());
+                const Vec3d loose{shift(), shift(), shift()};
+                x.push_back((min + d * (Vec3d(a + 0.5, b + 0.5, c + 0.5) + loose)).cast<Real>());
             }
     return x;
 }
@@ -41,7 +42,7 @@ std::vector<Vec3> loose_box(const Vec3d& min, const Vec3d& max, double d) {
 TEST_CASE(
     "coupled: a wall that moves drags the fluid into a straight profile that slips at both walls by b du/dy, b = 1e-6 d to 10 d, within 2 "
     "% of its speed, or sticks, within 6 %",
-    "[validation][coupled][boundary][slip]") {
+    "[validation][coupled][boundary][slip][regression]") {
     // Sticking fluid nearer than d/2 to a wall is held there and stands for the wall: the profile begins up to half a spacing, 4 % of the
     // height, before it, and not evenly.
     const double d = 0.01, H = 12 * d, nu = 0.01, U = 0.05;

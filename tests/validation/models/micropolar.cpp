@@ -14,6 +14,8 @@
 using namespace whorl;
 using namespace whorl::test;
 
+namespace micropolar_test {
+
 TEST_CASE("a micropolar Taylor-Green vortex follows its two equations within 2 % at 32 particles a wave, at second order",
           "[validation][micropolar]") {
     const Micropolar2 coefficients{1, 1.5, 0.02, 0.05};
@@ -108,7 +110,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a free blob keeps orbital and spin angular momentum together to 1e-4 with the adjoint pair of curls, and its momentum",
-          "[validation][micropolar]") {
+          "[validation][micropolar][regression]") {
     // viscosity = coupling (seed with mu_t = 0, eringen with mu = 0, whatever effective_viscosity calibrates): the Laplacian's torque pays
     // for curl u.
     MicropolarOptions options;
@@ -201,3 +203,5 @@ TEST_CASE("the energy budget closes to 1 % with both pressure models, explicit a
         CHECK(work.smoothing < 0);
     }
 }
+
+}  // namespace micropolar_test

@@ -16,6 +16,8 @@
 using namespace whorl;
 using namespace whorl::test;
 
+namespace pressure_test {
+
 namespace {
 
 constexpr double d = 0.01, g = 9.81, rho_0 = 1000;
@@ -159,3 +161,5 @@ TEST_CASE("two blocks that collide in free space keep momentum within 1e-5 and a
     for (const Vec3& u : w.column<field::velocity>()) energy += static_cast<double>(u.squaredNorm()) / 2 * rho_0 * d * d * d;
     CHECK(energy < one);  // the two halves of it at the start
 }
+
+}  // namespace pressure_test

@@ -12,6 +12,8 @@
 using namespace whorl;
 using namespace whorl::test;
 
+namespace slip_test {
+
 namespace {
 
 enum class Form { brookshaw, monaghan, full };
@@ -85,27 +87,26 @@ double worst_error(Form form, const Channel& c, int across) {
 
 }  // namespace
 
-TEST_CASE(
-    "between a wall at rest that slips and one that drags, the profile is straight and slips by b du/dy within 2 %, 16 particles across",
-    "[validation][viscosity][boundary][slip]") {
+namespace {
+
+/// @param slip_lengths over the spacing
+void couette(std::initializer_list<double> slip_lengths) {
     const int across = 16;
     for (Form form : all_forms)
-        for (double b : {0.5, 2.0, 10.0}) {
+        for (double b : slip_lengths) {
             Channel c;
             c.U1 = 1, c.b0 = b * c.H / across;
             const double error = worst_error(form, c, across);
             CAPTURE(name(form), b, error);
-            CHECK(error < 0.02);  // with the cubic kernel and R = 2 d it is the same sum on both sides of the wall: exact to rounding
+            // With the cubic kernel and R = 2 d it is the same sum on both sides of the wall: exact to rounding.
+            CHECK(error < 0.02);
         }
 }
 
-TEST_CASE(
-    "plane Poiseuille flow between walls that slip by b is the parabola plus g b H/(2 nu) within 2 % (explicit monaghan 5 %), 24 particles "
-    "across",
-    "[validation][viscosity][boundary][slip]") {
+void poiseuille(std::initializer_list<double> slip_lengths) {
     const int across = 24;
     for (Form form : all_forms)
-        for (double b : {0.5, 2.0, 10.0}) {
+        for (double b : slip_lengths) {
             Channel c;
             c.g = 8, c.b0 = c.b1 = b * c.H / across;
             const double error = worst_error(form, c, across);
@@ -114,6 +115,27 @@ TEST_CASE(
             // little.
             CHECK(error < (form == Form::monaghan ? 0.05 : 0.02));
         }
+}
+
+}  // namespace
+
+TEST_CASE(
+    "between a wall at rest that slips and one that drags, the profile is straight and slips by b du/dy within 2 %, 16 particles across",
+    "[validation][viscosity][boundary][slip]") {
+    couette({0.5, 2});
+}
+
+TEST_CASE(
+    "plane Poiseuille flow between walls that slip by b is the parabola plus g b H/(2 nu) within 2 % (explicit monaghan 5 %), 24 particles "
+    "across",
+    "[validation][viscosity][boundary][slip][regression]") {
+    poiseuille({0.5, 2});
+}
+
+TEST_CASE("walls that slip by ten spacings: the straight profile and the parabola as with less, within 2 % (explicit monaghan 5 %)",
+          "[validation][viscosity][boundary][slip][long][regression]") {
+    couette({10});
+    poiseuille({10});
 }
 
 TEST_CASE("a slip length of 1e-6 d is a wall that sticks, one of 1e6 d a wall that slides freely",
@@ -141,3 +163,5 @@ TEST_CASE("a slip length of 1e-6 d is a wall that sticks, one of 1e6 d a wall th
         CHECK(w.max_speed() < 1e-4);
     }
 }
+
+}  // namespace slip_test

@@ -7,6 +7,8 @@
 
 using namespace whorl;
 
+namespace thread_draw_test {
+
 namespace {
 
 constexpr double U0 = 0.1, a0 = 5e-3, nu = 0.05, g = 9.81, fall = 0.25, d = 2e-3;
@@ -131,3 +133,5 @@ max = [0.03, -0.25, 0.03]
     WARN("in one piece down to a draw of " << whole);
     CHECK(whole >= 9);
 }
+
+}  // namespace thread_draw_test

@@ -14,6 +14,8 @@
 using namespace whorl;
 using namespace whorl::test;
 
+namespace viscosity_test {
+
 namespace {
 
 enum class Form { brookshaw, monaghan, full };
@@ -179,3 +181,5 @@ TEST_CASE("a free body that turns keeps its angular momentum within 0.1 % and it
     CHECK(w.angular_momentum().z() == Approx(L).epsilon(0.001));
     CHECK(energy() == Approx(E).epsilon(0.01));
 }
+
+}  // namespace viscosity_test

@@ -7,6 +7,8 @@
 
 using namespace whorl;
 
+namespace leaks_test {
+
 namespace {
 
 constexpr double d = 0.0125;
@@ -89,3 +91,5 @@ position = ["t < 0.016 ? 6.25*t : 0.1", 0, 0]
     CHECK(simulation.totals().lost_particles == 0);
     CHECK(simulation.world().fluid.size() == particles);
 }
+
+}  // namespace leaks_test

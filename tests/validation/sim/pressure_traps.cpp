@@ -9,6 +9,8 @@
 
 using namespace whorl;
 
+namespace pressure_traps_test {
+
 namespace {
 
 constexpr double g = 9.81;
@@ -165,3 +167,5 @@ max = [0.165, 0.104, 0.1]
     CHECK(mean_compression(simulation) < 0.01);
     CHECK(simulation.totals().lost_particles == 0);
 }
+
+}  // namespace pressure_traps_test

@@ -54,7 +54,7 @@ artificial_viscosity = 0
 TEST_CASE(
     "vortices at Reynolds 1000 keep their energy within a tenth over a turn with the difference gradient and shifting, and with the "
     "symmetric one lose more than half",
-    "[validation][pressure][shifting]") {
+    "[validation][pressure][shifting][regression]") {
     // What the symmetric gradient loses, disordered particles turn into noise, which viscosity eats: .45 are left of the exact .88
     // after .4 s. With shifting .82 are; what is lost at once, a twentieth, the jittered start costs.
     const double k = 2 * std::numbers::pi / length, end = 0.4, exact = std::exp(-4 * nu * k * k * end);

@@ -12,6 +12,8 @@
 
 using namespace whorl;
 
+namespace waves_test {
+
 namespace {
 
 constexpr double g = 9.81;
@@ -128,3 +130,5 @@ shape = "plane"
     REQUIRE(zeros.at.size() == 6);
     CHECK((zeros.at[5] - zeros.at[0]) / 2.5 == Approx(period).epsilon(0.03));
 }
+
+}  // namespace waves_test

@@ -8,6 +8,7 @@
 
 #include "tests/support/browser.h"
 #include "tests/support/live_program.h"
+#include "tests/support/scenes.h"
 
 using namespace whorl;
 using nlohmann::json;
@@ -16,20 +17,7 @@ using test::LiveProgram;
 
 namespace {
 
-const char* const honey = R"(
-name = "page_honey"
-[time]
-end = 60
-fps = 24
-[domain]
-min = [-0.03, -0.01, -0.03]
-max = [0.03, 0.06, 0.03]
-[fluid]
-spacing = 4e-3
-viscosity = 200
-[models]
-pressure = "coupled"
-[[emitter]]
+const std::string honey = test::little_honey("end = 60\nfps = 24", 4e-3, R"([[emitter]]
 position = [0, 0.045, 0]
 radius = 5e-3
 speed = 0.3
@@ -41,7 +29,7 @@ max = [0.03, 0.0, 0.03]
 [[probe]]
 name = "pile"
 kind = "coil"
-)";
+)");
 
 bool missing() {
     if (Browser::installed()) return false;
