@@ -15,6 +15,10 @@ pkg_check_modules(muparser REQUIRED IMPORTED_TARGET muparser)
 pkg_check_modules(httplib REQUIRED IMPORTED_TARGET cpp-httplib)
 add_library(muparser::muparser ALIAS PkgConfig::muparser)
 
+# Cairo draws words and plots, in a font that the build puts into the program.
+pkg_check_modules(cairo REQUIRED IMPORTED_TARGET cairo-ft cairo-svg freetype2)
+find_file(WHORL_FONT DejaVuSans.ttf PATHS /usr/share/fonts/truetype/dejavu REQUIRED)
+
 # stb writes PNG through zlib, ten times faster than through its own deflate.
 find_package(ZLIB REQUIRED)
 find_path(STB_INCLUDE_DIR stb_image_write.h PATH_SUFFIXES stb REQUIRED)

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "engine/core/errors.h"
+#include "engine/core/triangle.h"
 #include "engine/geometry/kinds.h"
 #include "engine/geometry/mesh_file.h"
 
@@ -12,29 +13,6 @@ namespace whorl {
 namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
-
-/// Nearest point of a triangle, and on which of its features it lies: 0 to 2 corner, 3 to 5 edge opposite to corner, 6 face.
-struct Nearest {
-    Vec3d point;
-    int feature;
-};
-
-/// Ericson 2005, "Real-time collision detection", 5.1.5.
-Nearest nearest_on_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-    const Vec3d ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
-    const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp), d6 = ac.dot(cp);
-    if (d1 <= 0 && d2 <= 0) return {a, 0};
-    if (d3 >= 0 && d4 <= d3) return {b, 1};
-    const double vc = d1 * d4 - d3 * d2;
-    if (vc <= 0 && d1 >= 0 && d3 <= 0) return {a + d1 / (d1 - d3) * ab, 5};
-    if (d6 >= 0 && d5 <= d6) return {c, 2};
-    const double vb = d5 * d2 - d1 * d6;
-    if (vb <= 0 && d2 >= 0 && d6 <= 0) return {a + d2 / (d2 - d6) * ac, 4};
-    const double va = d3 * d6 - d5 * d4;
-    if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return {b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b), 3};
-    const double sum = va + vb + vc;
-    return {a + vb / sum * ab + vc / sum * ac, 6};
-}
 
 /// Signed distance by the nearest triangle, in a tree of boxes; the sign from the angle-weighted normal of the nearest corner, edge or face
 /// (Baerentzen and Aanaes 2005): right also where the nearest point is shared by triangles that disagree.
@@ -165,7 +143,7 @@ private:
                 for (std::uint32_t k = node.begin; k < node.end; ++k) {
                     const std::uint32_t t = order_[k];
                     const Triangle& corner = mesh_.triangle[t];
-                    const Nearest found = nearest_on_triangle(x, vertex_[corner[0]], vertex_[corner[1]], vertex_[corner[2]]);
+                    const auto found = nearest_on_triangle(x, vertex_[corner[0]], vertex_[corner[1]], vertex_[corner[2]]);
                     const double r2 = (x - found.point).squaredNorm();
                     if (!(r2 < best)) continue;
                     best = r2;

@@ -8,12 +8,6 @@
 namespace whorl {
 namespace {
 
-std::size_t index_of(const FlowGrid& g, int i, int j, int k) {
-    return (static_cast<std::size_t>(k) * static_cast<std::size_t>(g.n[1]) + static_cast<std::size_t>(j)) *
-               static_cast<std::size_t>(g.n[0]) +
-           static_cast<std::size_t>(i);
-}
-
 /// An index on an axis; -1 outside.
 int on_axis(const FlowGrid& g, int axis, int i) {
     if (g.periodic[axis]) return ((i % g.n[axis]) + g.n[axis]) % g.n[axis];
@@ -55,15 +49,14 @@ struct Bins {
     std::vector<std::uint32_t> start, particle;
 };
 Bins binned(const FlowGrid& grid, const std::vector<Vec3f>& position) {
-    const std::size_t cells =
-        static_cast<std::size_t>(grid.n[0]) * static_cast<std::size_t>(grid.n[1]) * static_cast<std::size_t>(grid.n[2]);
+    const std::size_t cells = grid_count(grid.n[0], grid.n[1], grid.n[2]);
     std::vector<std::int64_t> bin(position.size(), -1);
     parallel_for(static_cast<Index>(position.size()), [&](Index p) {
         const Vec3f& x = position[p];
         if (!finite(x)) return;
         int at[3];
         for (int a = 0; a < 3; ++a) at[a] = on_axis(grid, a, static_cast<int>(std::floor((x[a] - grid.origin[a]) / grid.cell[a])));
-        if (at[0] >= 0 && at[1] >= 0 && at[2] >= 0) bin[p] = static_cast<std::int64_t>(index_of(grid, at[0], at[1], at[2]));
+        if (at[0] >= 0 && at[1] >= 0 && at[2] >= 0) bin[p] = static_cast<std::int64_t>(grid.index(at[0], at[1], at[2]));
     });
     Bins bins{std::vector<std::uint32_t>(cells + 1), {}};
     for (const std::int64_t b : bin)
@@ -96,10 +89,7 @@ FlowGrid flow_grid(const Frame& frame, const std::vector<float>& value, std::siz
         if (grid.periodic[a]) reach[a] = std::min(reach[a], (grid.n[a] - 1) / 2);
     }
     parallel_for(static_cast<Index>(nodes), [&](Index node) {
-        const auto m = static_cast<std::size_t>(node);
-        const int i = static_cast<int>(m % static_cast<std::size_t>(grid.n[0]));
-        const int j = static_cast<int>(m / static_cast<std::size_t>(grid.n[0]) % static_cast<std::size_t>(grid.n[1]));
-        const int k = static_cast<int>(m / static_cast<std::size_t>(grid.n[0]) / static_cast<std::size_t>(grid.n[1]));
+        const int i = node % grid.n[0], j = node / grid.n[0] % grid.n[1], k = node / grid.n[0] / grid.n[1];
         const Vec3f x = grid.origin + grid.cell.cwiseProduct(Vec3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k)));
         const Vec3f period = grid.extent();
         float weight = 0, values = 0;
@@ -109,7 +99,7 @@ FlowGrid flow_grid(const Frame& frame, const std::vector<float>& value, std::siz
                 for (int di = -reach[0]; di <= reach[0]; ++di) {
                     const int a = on_axis(grid, 0, i + di), b = on_axis(grid, 1, j + dj), c = on_axis(grid, 2, k + dk);
                     if (a < 0 || b < 0 || c < 0) continue;
-                    const std::size_t cell = index_of(grid, a, b, c);
+                    const std::size_t cell = grid.index(a, b, c);
                     for (std::uint32_t s = bins.start[cell]; s < bins.start[cell + 1]; ++s) {
                         const std::uint32_t p = bins.particle[s];
                         Vec3f r = x - frame.position[p];
@@ -124,9 +114,9 @@ FlowGrid flow_grid(const Frame& frame, const std::vector<float>& value, std::siz
                     }
                 }
         if (weight <= 0) return;
-        grid.velocity[m] = velocities / weight;
-        grid.value[m] = values / weight;
-        grid.cover[m] = std::min(1.0f, weight / lattice);
+        grid.velocity[node] = velocities / weight;
+        grid.value[node] = values / weight;
+        grid.cover[node] = std::min(1.0f, weight / lattice);
     });
     return grid;
 }
@@ -152,7 +142,7 @@ FlowGrid::Sample FlowGrid::at(const Vec3f& x) const {
             w *= upper ? share[a] : 1 - share[a];
         }
         if (c[0] < 0 || c[1] < 0 || c[2] < 0 || w <= 0) continue;
-        const std::size_t m = index_of(*this, c[0], c[1], c[2]);
+        const std::size_t m = index(c[0], c[1], c[2]);
         sample.cover += w * cover[m];
         if (cover[m] <= 0) continue;  // has no velocity and no value to tell
         weights += w;

@@ -3,11 +3,12 @@
 #include <array>
 #include <vector>
 
+#include "engine/core/grid_index.h"
 #include "engine/io/frame.h"
 
 namespace whorl {
 
-/// Node (i, j, k) stands at origin + cell (i, j, k); index = (k n[1] + j) n[0] + i. A periodic axis ends one cell before its first node
+/// Node (i, j, k) stands at origin + cell (i, j, k), i runs fastest. A periodic axis ends one cell before its first node
 /// comes again.
 struct FlowGrid {
     Vec3f origin = Vec3f::Zero();  ///< m
@@ -18,6 +19,7 @@ struct FlowGrid {
     std::vector<float> value;     ///< of the field that is shown
     std::vector<float> cover;     ///< 0 no fluid near .. 1 full of it
 
+    std::size_t index(int i, int j, int k) const { return grid_index(i, j, k, n[0], n[1]); }
     bool empty() const { return velocity.empty(); }
     Vec3f extent() const { return cell.cwiseProduct(Vec3f(static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2]))); }
 

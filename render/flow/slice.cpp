@@ -31,14 +31,14 @@ FlowSlice flow_slice(const FlowGrid& grid, const LookOptions& look, int longest)
     slice.width = std::max(2, static_cast<int>(std::lround(size[a] / pixel)));
     slice.height = std::max(2, static_cast<int>(std::lround(size[b] / pixel)));
 
-    const std::size_t pixels = static_cast<std::size_t>(slice.width) * static_cast<std::size_t>(slice.height);
+    const std::size_t pixels = grid_count(slice.width, slice.height);
     std::vector<Eigen::Vector2f> velocity(pixels);
     std::vector<float> value(pixels);
     slice.rgba.resize(4 * pixels);
     parallel_blocks(slice.height, 4, [&](Index begin, Index end) {
         for (Index y = begin; y < end; ++y)
             for (int x = 0; x < slice.width; ++x) {
-                const std::size_t k = static_cast<std::size_t>(y) * static_cast<std::size_t>(slice.width) + static_cast<std::size_t>(x);
+                const std::size_t k = grid_index(x, y, slice.width);
                 const Vec3f place = slice.corner + (static_cast<float>(x) + 0.5f) / static_cast<float>(slice.width) * slice.across +
                                     (static_cast<float>(y) + 0.5f) / static_cast<float>(slice.height) * slice.up;
                 const FlowGrid::Sample s = grid.at(place);
@@ -53,8 +53,7 @@ FlowSlice flow_slice(const FlowGrid& grid, const LookOptions& look, int longest)
         bright = streaks(velocity, slice.width, slice.height, std::max(6, longest / 45));
         for (const Eigen::Vector2f& v : velocity) fast = std::max(fast, v.norm());
     }
-    parallel_for(static_cast<Index>(pixels), [&](Index i) {
-        const auto k = static_cast<std::size_t>(i);
+    parallel_for(static_cast<Index>(pixels), [&](Index k) {
         Vec3f colour = linear_of(map_colour(look.colour_map, value[k]));
         // Still water is calm: no noise where nothing moves.
         if (fast > 0) colour *= 1 + 1.1f * std::min(1.0f, 8 * velocity[k].norm() / fast) * (bright[k] - 0.5f);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "engine/core/grid_index.h"
 #include "engine/core/parallel.h"
 
 namespace whorl {
@@ -23,7 +24,7 @@ std::vector<float> streaks(const std::vector<Eigen::Vector2f>& velocity, int nx,
     const auto pixel = [&](float x, float y) -> const Eigen::Vector2f* {
         const int i = static_cast<int>(std::lround(x)), j = static_cast<int>(std::lround(y));
         if (i < 0 || j < 0 || i >= nx || j >= ny) return nullptr;
-        return &velocity[static_cast<std::size_t>(j) * static_cast<std::size_t>(nx) + i];
+        return &velocity[grid_index(i, j, nx)];
     };
     const float contrast = std::sqrt(2.0f * static_cast<float>(half_length) + 1);  // of a mean of so many independent pixels
     parallel_blocks(ny, 4, [&](Index begin, Index end) {
@@ -43,8 +44,7 @@ std::vector<float> streaks(const std::vector<Eigen::Vector2f>& velocity, int nx,
                     }
                 }
                 const float mean = sum / static_cast<float>(count);
-                brightness[static_cast<std::size_t>(y) * static_cast<std::size_t>(nx) + x] =
-                    std::clamp(0.5f + 0.6f * contrast * (mean - 0.5f), 0.0f, 1.0f);
+                brightness[grid_index(x, y, nx)] = std::clamp(0.5f + 0.6f * contrast * (mean - 0.5f), 0.0f, 1.0f);
             }
     });
     return brightness;

@@ -19,8 +19,7 @@ Trails trails(const Frame& frame, const std::vector<float>& value, const FlowGri
     all.value.resize(corners * n);
     all.index.resize(indices * n);
     const float step = seconds / pieces;
-    parallel_for(static_cast<Index>(n), [&](Index i) {
-        const auto p = static_cast<std::size_t>(i);
+    parallel_for(static_cast<Index>(n), [&](Index p) {
         Vec3f way[pieces + 1];
         way[0] = frame.position[p];
         for (int k = 0; k < pieces; ++k) {
@@ -33,14 +32,14 @@ Trails trails(const Frame& frame, const std::vector<float>& value, const FlowGri
             const float length = side.norm();
             side = length > 0 ? Vec3f(side / length) : Vec3f(Vec3f::Zero());
             const float half = 0.5f * width * (1 - static_cast<float>(k) / pieces);
-            const std::size_t corner = corners * p + 2 * static_cast<std::size_t>(k);
+            const std::size_t corner = corners * p + 2 * k;
             all.position[corner] = way[k] + half * side, all.position[corner + 1] = way[k] - half * side;
             all.value[corner] = all.value[corner + 1] = value[p];
         }
         for (int k = 0; k < pieces; ++k) {
-            const auto c = static_cast<std::uint32_t>(corners * p + 2 * static_cast<std::size_t>(k));
+            const auto c = static_cast<std::uint32_t>(corners * p + 2 * k);
             const std::uint32_t two[6] = {c, c + 1, c + 2, c + 2, c + 1, c + 3};
-            std::copy(two, two + 6, all.index.begin() + static_cast<std::ptrdiff_t>(indices * p + 6 * static_cast<std::size_t>(k)));
+            std::copy(two, two + 6, all.index.begin() + indices * p + 6 * k);
         }
     });
     return all;

@@ -11,8 +11,6 @@ namespace {
 
 constexpr float unknown = 1e6f;
 
-std::size_t at(const Volume& v, int i, int j, int k) { return (static_cast<std::size_t>(k) * v.ny + j) * v.nx + i; }
-
 /// The distance that makes |grad phi| = 1 from the smaller neighbour along each axis (Zhao, Math. Comp. 74, 2005), voxels of size h.
 float eikonal(std::array<float, 3> a, float h) {
     std::sort(a.begin(), a.end());
@@ -33,9 +31,9 @@ void sweep(Volume& v) {
                 for (int a = 0; a < v.nx; ++a) {
                     const int i = place(a, v.nx, 0), j = place(b, v.ny, 1), k = place(c, v.nz, 2);
                     const auto value = [&](int x, int y, int z) {
-                        return x < 0 || y < 0 || z < 0 || x >= v.nx || y >= v.ny || z >= v.nz ? unknown : v.value[at(v, x, y, z)];
+                        return x < 0 || y < 0 || z < 0 || x >= v.nx || y >= v.ny || z >= v.nz ? unknown : v.value[v.index(x, y, z)];
                     };
-                    float& phi = v.value[at(v, i, j, k)];
+                    float& phi = v.value[v.index(i, j, k)];
                     phi = std::min(
                         phi, eikonal({std::min(value(i - 1, j, k), value(i + 1, j, k)), std::min(value(i, j - 1, k), value(i, j + 1, k)),
                                       std::min(value(i, j, k - 1), value(i, j, k + 1))},
@@ -62,12 +60,12 @@ Volume far_field(const Volume& band, int coarseness, int margin) {
         const int i = (n % wide.nx - margin) * coarseness, j = (n / wide.nx % wide.ny - margin) * coarseness,
                   k = (n / wide.nx / wide.ny - margin) * coarseness;
         if (i >= 0 && j >= 0 && k >= 0 && i < band.nx && j < band.ny && k < band.nz)
-            sign[n] = band.value[at(band, i, j, k)] < 0 ? -1.0f : 1.0f;
+            sign[n] = band.value[band.index(i, j, k)] < 0 ? -1.0f : 1.0f;
         float nearest = unknown;
         for (int z = std::max(k - reach, 0); z <= std::min(k + reach, band.nz - 1); ++z)
             for (int y = std::max(j - reach, 0); y <= std::min(j + reach, band.ny - 1); ++y)
                 for (int x = std::max(i - reach, 0); x <= std::min(i + reach, band.nx - 1); ++x) {
-                    const float d = std::abs(band.value[at(band, x, y, z)]);
+                    const float d = std::abs(band.value[band.index(x, y, z)]);
                     if (d > band.voxel) continue;
                     const float away = std::sqrt(static_cast<float>((x - i) * (x - i) + (y - j) * (y - j) + (z - k) * (z - k)));
                     nearest = std::min(nearest, d + band.voxel * away);

@@ -355,12 +355,12 @@ void Renderer::Device::compose_picture(const Shot& shot) {
 }
 
 Image Renderer::Device::read_back() const {
-    Image image{width, height, std::vector<std::uint8_t>(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height))};
+    Image image = plain_image(width, height, 0);
     // Four bytes a pixel come back as they lie there; three would be converted one by one by the driver.
     std::vector<std::uint8_t> rows(4 * image.rgb.size() / 3);
     glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, rows.data());
     for (int y = 0; y < height; ++y) {
-        const std::uint8_t* from = rows.data() + 4 * static_cast<std::size_t>(height - 1 - y) * static_cast<std::size_t>(width);
+        const std::uint8_t* from = rows.data() + 4 * grid_index(0, height - 1 - y, width);
         std::uint8_t* to = image.pixel(0, y);
         for (int x = 0; x < width; ++x, from += 4, to += 3) to[0] = from[0], to[1] = from[1], to[2] = from[2];
     }

@@ -45,7 +45,7 @@ Volume union_of(const std::vector<const Volume*>& own, const std::vector<Mat3f>&
     all.origin = low - Vec3f::Constant(2 * all.voxel);
     const Eigen::Vector3i count = ((high - low) / all.voxel).array().ceil().cast<int>() + 5;
     all.nx = count.x(), all.ny = count.y(), all.nz = count.z();
-    all.value.resize(static_cast<std::size_t>(all.nx) * all.ny * all.nz);
+    all.value.resize(all.count());
     parallel_for(all.ny * all.nz, [&](Index r) {
         std::vector<float> row(all.nx, 1e6f);
         const Vec3f first = all.origin + all.voxel * Vec3f(0, static_cast<float>(r % all.ny), static_cast<float>(r / all.ny));

@@ -10,10 +10,6 @@
 namespace whorl {
 namespace {
 
-Image filled(int width, int height, std::uint8_t grey) {
-    return {width, height, std::vector<std::uint8_t>(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height), grey)};
-}
-
 // The source pixels that a target pixel covers along one axis, with the share of each.
 struct Cover {
     int first = 0;
@@ -42,7 +38,7 @@ void paste(Image& onto, const Image& image, int x, int y) {
 Image downscaled(const Image& image, int width, int height) {
     WHORL_ASSERT(width > 0 && height > 0 && image.width > 0 && image.height > 0);
     const std::vector<Cover> columns = covers(image.width, width), rows = covers(image.height, height);
-    Image result = filled(width, height, 0);
+    Image result = plain_image(width, height, 0);
     parallel_blocks(height, 1, [&](Index y, Index) {
         const Cover& row = rows[y];
         for (int x = 0; x < width; ++x) {
@@ -73,7 +69,7 @@ Image contact_sheet(const std::vector<Image>& images, int columns, int cell_widt
     }
     columns = std::clamp(columns, 1, static_cast<int>(cells.size()));
     const int rows = (static_cast<int>(cells.size()) + columns - 1) / columns;
-    Image sheet = filled(columns * (widest + gap) + gap, rows * (cell_height + gap) + gap, 24);
+    Image sheet = plain_image(columns * (widest + gap) + gap, rows * (cell_height + gap) + gap, 24);
     for (int i = 0; i < static_cast<int>(cells.size()); ++i)
         paste(sheet, cells[i], gap + (i % columns) * (widest + gap), gap + (i / columns) * (cell_height + gap));
     return sheet;
@@ -84,7 +80,7 @@ Image side_by_side(const std::vector<Image>& images, int columns, int gap, int w
     const int rows = (static_cast<int>(images.size()) + columns - 1) / columns, w = images[0].width, h = images[0].height;
     const int left = (width - columns * w - (columns - 1) * gap) / 2, top = (height - rows * h - (rows - 1) * gap) / 2;
     WHORL_ASSERT(left >= 0 && top >= 0);
-    Image whole = filled(width, height, 24);
+    Image whole = plain_image(width, height, 24);
     for (int i = 0; i < static_cast<int>(images.size()); ++i)
         paste(whole, images[i], left + (i % columns) * (w + gap), top + (i / columns) * (h + gap));
     return whole;

@@ -52,6 +52,10 @@ const bool configured = [] {
 
 }  // namespace
 
+Image plain_image(int width, int height, std::uint8_t grey) {
+    return {width, height, std::vector<std::uint8_t>(3 * grid_count(width, height), grey)};
+}
+
 std::vector<std::uint8_t> encode_png(const Image& image) {
     std::vector<std::uint8_t> bytes;
     stbi_write_png_to_func(append, &bytes, image.width, image.height, 3, image.rgb.data(), 3 * image.width);
@@ -77,7 +81,7 @@ Image read_png(const std::filesystem::path& file) {
     stbi_uc* pixels = stbi_load(file.c_str(), &image.width, &image.height, &channels, 3);
     if (pixels == nullptr)
         throw InputError({file.string()}, std::string("cannot read the picture: ") + stbi_failure_reason(), "", "a PNG file");
-    image.rgb.assign(pixels, pixels + 3 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
+    image.rgb.assign(pixels, pixels + 3 * grid_count(image.width, image.height));
     stbi_image_free(pixels);
     return image;
 }

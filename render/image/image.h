@@ -4,16 +4,20 @@
 #include <filesystem>
 #include <vector>
 
+#include "engine/core/grid_index.h"
+
 namespace whorl {
 
 /// 8-bit sRGB, rows from the top, three bytes a pixel.
 struct Image {
     int width = 0, height = 0;
     std::vector<std::uint8_t> rgb;
-    std::uint8_t* pixel(int x, int y) { return &rgb[3 * (static_cast<std::size_t>(y) * width + x)]; }
-    const std::uint8_t* pixel(int x, int y) const { return &rgb[3 * (static_cast<std::size_t>(y) * width + x)]; }
+    std::uint8_t* pixel(int x, int y) { return &rgb[3 * grid_index(x, y, width)]; }
+    const std::uint8_t* pixel(int x, int y) const { return &rgb[3 * grid_index(x, y, width)]; }
 };
 
+/// Of one grey everywhere.
+Image plain_image(int width, int height, std::uint8_t grey);
 /// Writes under a temporary name and renames when whole. @throws EnvironmentError (disk full, no such folder)
 void write_png(const std::filesystem::path& file, const Image& image);
 /// @throws InputError where the file is missing or no picture

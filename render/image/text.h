@@ -1,5 +1,5 @@
 #pragma once
-/// Words on pictures, in a font of strokes that is part of the program: the same on every machine, sharp at every size.
+/// Words on pictures.
 #include <string>
 
 #include "engine/core/types.h"
@@ -10,12 +10,12 @@ namespace whorl {
 struct TextStyle {
     float height = 14;             ///< of a capital letter [pixels]
     Vec3f colour = Vec3f::Zero();  ///< sRGB, 0 .. 1
-    Vec3f halo = Vec3f::Ones();    ///< round every stroke, so that it can be read on anything
+    Vec3f halo = Vec3f::Ones();    ///< round every letter, so that it can be read on anything
     float halo_strength = 0.6f;    ///< 0: none
 };
 
-/// Draws printable ASCII; x, y is where the first letter's baseline begins [pixels from the upper left]. "^" lifts what follows
-/// (digits, signs) as an exponent: "kg/m^3". Characters that the font does not have are drawn as a box.
+/// Draws UTF-8; x, y is where the first letter's baseline begins [pixels from the upper left]. "^" lifts what follows (digits, signs) as an
+/// exponent: "kg/m^3". Characters that the font does not have are drawn as a box.
 /// @return where the next letter would begin
 float draw_text(Image& image, float x, float y, const std::string& text, const TextStyle& style);
 /// Width of the text as drawn [pixels].

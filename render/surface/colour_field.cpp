@@ -78,4 +78,16 @@ LocalField::Sample LocalField::at(const Vec3f& at) const {
     return {c, -6 * Vec3f(gx, gy, gz)};
 }
 
+Vec3f LocalField::mean(const Vec3f& at, const std::vector<Vec3f>& v) const {
+    Vec3f sum = Vec3f::Zero();
+    float weight = 0;
+    for (std::size_t j = 0; j < x.size(); ++j) {
+        const float t = std::max(0.0f, 1 - inverse_R2[j] * (at - Vec3f(x[j], y[j], z[j])).squaredNorm());
+        const float w = height[j] * t * t * t;
+        weight += w;
+        sum += w * v[original[j]];
+    }
+    return sum / std::max(weight, 1e-6f);
+}
+
 }  // namespace whorl

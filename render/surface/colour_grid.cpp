@@ -1,23 +1,20 @@
-#include <tbb/global_control.h>
+#include "render/surface/colour_grid.h"
+
+#include <openvdb/openvdb.h>
 
 #include <cmath>
-#include <mutex>
 #include <unordered_map>
 
 #include "engine/core/parallel.h"
-#include "render/surface/colour_grid_tree.h"
 
 namespace whorl {
 namespace {
 
-constexpr int edge = ColourBlock::edge;
-
 // Makes the blocks of all nodes that particles reach, and one node more: so a surface never runs along a missing block. Particles come
 // sorted along rows; what a bunch of them reaches together is asked for once.
-void touch_blocks(const ColourField& field, float voxel, openvdb::FloatTree& tree) {
+void touch_blocks(const ColourField& field, float voxel, openvdb::FloatTree::RootNodeType& root) {
     const ParticleRows& p = field.particles();
-    const float reach = field.reach() + voxel, block = voxel * edge;
-    openvdb::tree::ValueAccessor<openvdb::FloatTree> accessor(tree);
+    const float reach = field.reach() + voxel, block = voxel * block_edge;
     for (Index begin = 0; begin < p.size();) {
         Vec3f low(p.x[begin], p.y[begin], p.z[begin]), high = low;
         Index end = begin + 1;
@@ -32,30 +29,32 @@ void touch_blocks(const ColourField& field, float voxel, openvdb::FloatTree& tre
                               last = ((high.array() + reach) / block).floor().cast<int>();
         for (int a = first.x(); a <= last.x(); ++a)
             for (int b = first.y(); b <= last.y(); ++b)
-                for (int c = first.z(); c <= last.z(); ++c) accessor.touchLeaf({a * edge, b * edge, c * edge});
+                for (int c = first.z(); c <= last.z(); ++c) root.touchLeaf({a * block_edge, b * block_edge, c * block_edge});
         begin = end;
     }
 }
 
 // c at the block's nodes: each particle in turn adds its bump to the nodes that it reaches, row by row along z (8 nodes, one vector).
 void fill(const LocalField& local, float voxel, ColourBlock& block) {
-    alignas(64) float colour[edge * edge * edge] = {};
+    alignas(64) float colour[block_nodes] = {};
     for (std::size_t n = 0; n < local.x.size(); ++n) {
         const float inverse_R2 = voxel * voxel * local.inverse_R2[n], r = 1 / std::sqrt(inverse_R2);
         const float px = local.x[n] / voxel - static_cast<float>(block.origin[0]),
                     py = local.y[n] / voxel - static_cast<float>(block.origin[1]),
                     pz = local.z[n] / voxel - static_cast<float>(block.origin[2]);
-        const int i0 = std::max(0, static_cast<int>(std::ceil(px - r))), i1 = std::min(edge - 1, static_cast<int>(std::floor(px + r)));
-        const int j0 = std::max(0, static_cast<int>(std::ceil(py - r))), j1 = std::min(edge - 1, static_cast<int>(std::floor(py + r)));
-        alignas(32) float z2[edge];
-        for (int k = 0; k < edge; ++k) z2[k] = inverse_R2 * (static_cast<float>(k) - pz) * (static_cast<float>(k) - pz);
+        const int i0 = std::max(0, static_cast<int>(std::ceil(px - r))),
+                  i1 = std::min(block_edge - 1, static_cast<int>(std::floor(px + r)));
+        const int j0 = std::max(0, static_cast<int>(std::ceil(py - r))),
+                  j1 = std::min(block_edge - 1, static_cast<int>(std::floor(py + r)));
+        alignas(32) float z2[block_edge];
+        for (int k = 0; k < block_edge; ++k) z2[k] = inverse_R2 * (static_cast<float>(k) - pz) * (static_cast<float>(k) - pz);
         const float height = local.height[n];
         for (int i = i0; i <= i1; ++i)
             for (int j = j0; j <= j1; ++j) {
                 const float dx = static_cast<float>(i) - px, dy = static_cast<float>(j) - py, rest = 1 - inverse_R2 * (dx * dx + dy * dy);
                 if (rest <= 0) continue;
-                float* row = colour + (i * edge + j) * edge;
-                for (int k = 0; k < edge; ++k) {
+                float* row = colour + (i * block_edge + j) * block_edge;
+                for (int k = 0; k < block_edge; ++k) {
                     const float t = std::max(0.0f, rest - z2[k]);
                     row[k] += height * t * t * t;
                 }
@@ -71,21 +70,21 @@ constexpr float deep = 0.9f;
 // Whether the fluid fills the block. Seen at every other node, 64 of 512: no node is further from one of these than 0.87 d where voxels are
 // half a spacing wide, and the colour does not fall from 0.9 to 0.6 and rise again over such a way.
 bool is_deep(const LocalField& local, const Vec3f& low, float voxel) {
-    for (int i = 0; i < edge; i += 2)
-        for (int j = 0; j < edge; j += 2)
-            for (int k = 0; k < edge; k += 2)
+    for (int i = 0; i < block_edge; i += 2)
+        for (int j = 0; j < block_edge; j += 2)
+            for (int k = 0; k < block_edge; k += 2)
                 if (local.at(low + voxel * Vec3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k))).colour < deep)
                     return false;
     return true;
 }
 
 void cut_off(const Cut& cut, const Vec3f& low, float voxel, float iso, float reach, ColourBlock& block) {
-    for (int n = 0; n < edge * edge * edge; ++n) {
-        const Vec3f x = low + voxel * Vec3f(static_cast<float>(n >> 6), static_cast<float>(n >> 3 & 7), static_cast<float>(n & 7));
+    for (int n = 0; n < block_nodes; ++n) {
+        const Vec3f x = low + voxel * ColourBlock::node(n);
         block.value[n] = std::min(block.value[n], cut_colour(cut.at(x).inside, iso, reach));
     }
-    block.least = *std::min_element(block.value, block.value + edge * edge * edge);
-    block.most = *std::max_element(block.value, block.value + edge * edge * edge);
+    block.least = *std::min_element(block.value, block.value + block_nodes);
+    block.most = *std::max_element(block.value, block.value + block_nodes);
 }
 
 std::int64_t key(int a, int b, int c) {
@@ -95,29 +94,20 @@ std::int64_t key(int a, int b, int c) {
 
 }  // namespace
 
-void prepare_openvdb() {
-    static std::once_flag once;
-    std::call_once(once, [] { openvdb::initialize(); });
-    // The control holds while it lives; the newest count wins, the smallest of those alive.
-    static std::mutex mutex;
-    static std::unique_ptr<tbb::global_control> control;
-    static int count = 0;
-    const std::lock_guard lock(mutex);
-    if (count != threads()) {
-        control.reset();
-        control = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, threads());
-        count = threads();
-    }
-}
+struct ColourGrid::Tree {
+    /// Without OpenVDB's class of whole trees, whose virtual functions take ten seconds to compile.
+    openvdb::FloatTree::RootNodeType root{0.0f};
+};
 
 ColourGrid::ColourGrid(const ColourField& field, float voxel, const Cut& cut, float iso) : voxel_(voxel), tree_(std::make_unique<Tree>()) {
-    prepare_openvdb();
-    touch_blocks(field, voxel, tree_->floats);
+    touch_blocks(field, voxel, tree_->root);
+    std::vector<openvdb::FloatTree::LeafNodeType*> leaves;
+    tree_->root.getNodes(leaves);
     std::unordered_map<std::int64_t, Index> index;
-    blocks_.reserve(tree_->floats.leafCount());
-    for (auto leaf = tree_->floats.beginLeaf(); leaf; ++leaf) {
+    blocks_.reserve(leaves.size());
+    for (auto* leaf : leaves) {
         const openvdb::Coord& o = leaf->origin();
-        index.emplace(key(o.x() / edge, o.y() / edge, o.z() / edge), static_cast<Index>(blocks_.size()));
+        index.emplace(key(o.x() / block_edge, o.y() / block_edge, o.z() / block_edge), static_cast<Index>(blocks_.size()));
         ColourBlock block;
         block.origin = {o.x(), o.y(), o.z()};
         block.value = leaf->buffer().data();
@@ -126,16 +116,15 @@ ColourGrid::ColourGrid(const ColourField& field, float voxel, const Cut& cut, fl
     parallel_tasks(static_cast<Index>(blocks_.size()), [&](Index b) {
         ColourBlock& block = blocks_[b];
         for (int n = 0; n < 8; ++n) {
-            const auto found =
-                index.find(key(block.origin[0] / edge + (n >> 2), block.origin[1] / edge + (n >> 1 & 1), block.origin[2] / edge + (n & 1)));
+            const auto found = index.find(key(block.origin[0] / block_edge + (n >> 2), block.origin[1] / block_edge + (n >> 1 & 1),
+                                              block.origin[2] / block_edge + (n & 1)));
             block.ahead[n] = found == index.end() ? -1 : found->second;
         }
         thread_local LocalField local;
-        const Vec3f low =
-            voxel * Vec3f(static_cast<float>(block.origin[0]), static_cast<float>(block.origin[1]), static_cast<float>(block.origin[2]));
-        local.gather(field, low, low.array() + voxel * (edge - 1));
+        const Vec3f low = block.low(voxel);
+        local.gather(field, low, low.array() + voxel * (block_edge - 1));
         if (voxel * 2 < 0.6f * local.reach && is_deep(local, low, voxel)) {
-            std::fill(block.value, block.value + edge * edge * edge, 1.0f);
+            std::fill(block.value, block.value + block_nodes, 1.0f);
             block.least = block.most = 1;
         } else {
             fill(local, voxel, block);

@@ -10,12 +10,20 @@
 
 namespace whorl {
 
-/// A leaf of the tree: 8^3 nodes.
+/// Nodes along the edge of a block, and in it.
+inline constexpr int block_edge = 8, block_nodes = block_edge * block_edge * block_edge;
+
+/// A leaf of the tree.
 struct ColourBlock {
-    static constexpr int edge = 8;
     std::array<int, 3> origin;  ///< its first node
     float* value;               ///< of node (i, j, k) of the block at (8 i + j) 8 + k
     float least = 0, most = 0;
+    /// Where the first node stands [m].
+    Vec3f low(float voxel) const {
+        return voxel * Vec3f(static_cast<float>(origin[0]), static_cast<float>(origin[1]), static_cast<float>(origin[2]));
+    }
+    /// Place of value[n] from the first node [voxels].
+    static Vec3f node(int n) { return Vec3f(static_cast<float>(n >> 6), static_cast<float>(n >> 3 & 7), static_cast<float>(n & 7)); }
     std::array<Index, 8> ahead;  ///< the blocks at origin + 8 (a, b, c), at 4 a + 2 b + c (itself first); -1: no block, all zero
 };
 
@@ -27,11 +35,9 @@ public:
 
     float voxel() const { return voxel_; }  ///< m
     const std::vector<ColourBlock>& blocks() const { return blocks_; }
-    /// The tree, for colour_grid.cpp and vdb.cpp, which include OpenVDB.
-    struct Tree;
-    const Tree& tree() const { return *tree_; }
 
 private:
+    struct Tree;  ///< OpenVDB's, which holds the values
     float voxel_;
     std::unique_ptr<Tree> tree_;
     std::vector<ColourBlock> blocks_;

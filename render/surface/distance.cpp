@@ -4,32 +4,12 @@
 #include <limits>
 
 #include "engine/core/parallel.h"
+#include "engine/core/triangle.h"
 
 namespace whorl {
 namespace {
 
 constexpr double most_voxels = 16e6;
-
-// The point of triangle abc closest to p (Ericson, Real-Time Collision Detection, 5.1.5).
-Vec3f closest_point(const Vec3f& p, const Vec3f& a, const Vec3f& b, const Vec3f& c) {
-    const Vec3f ab = b - a, ac = c - a, ap = p - a;
-    const float d1 = ab.dot(ap), d2 = ac.dot(ap);
-    if (d1 <= 0 && d2 <= 0) return a;
-    const Vec3f bp = p - b;
-    const float d3 = ab.dot(bp), d4 = ac.dot(bp);
-    if (d3 >= 0 && d4 <= d3) return b;
-    const float vc = d1 * d4 - d3 * d2;
-    if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + d1 / (d1 - d3) * ab;
-    const Vec3f cp = p - c;
-    const float d5 = ab.dot(cp), d6 = ac.dot(cp);
-    if (d6 >= 0 && d5 <= d6) return c;
-    const float vb = d5 * d2 - d1 * d6;
-    if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + d2 / (d2 - d6) * ac;
-    const float va = d3 * d6 - d5 * d4;
-    if (va <= 0 && d4 >= d3 && d5 >= d6) return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
-    const float sum = va + vb + vc;
-    return sum > 0 ? Vec3f(a + (vb * ab + vc * ac) / sum) : a;
-}
 
 // What a voxel knows of the surface.
 struct Closest {
@@ -37,30 +17,21 @@ struct Closest {
     float distance2 = std::numeric_limits<float>::infinity();
 };
 
-struct Extent {
-    Vec3f origin;
-    float voxel;
-    std::array<int, 3> size;
-    std::size_t count() const { return static_cast<std::size_t>(size[0]) * size[1] * size[2]; }
-    std::size_t index(int i, int j, int k) const { return (static_cast<std::size_t>(k) * size[1] + j) * size[0] + i; }
-    Vec3f at(int i, int j, int k) const {
-        return origin + voxel * Vec3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k));
-    }
-};
-
-Extent extent_of(const TriangleMesh& mesh, float voxel) {
+// The voxels about the mesh, without values.
+Volume extent_of(const TriangleMesh& mesh, float voxel) {
     Vec3f low = mesh.position[0], high = low;
     for (const Vec3f& p : mesh.position) low = low.cwiseMin(p), high = high.cwiseMax(p);
     for (;; voxel *= 1.25f) {
-        Extent extent{Vec3f::Zero(), voxel, {}};
+        Vec3f origin;
+        std::array<int, 3> size{};
         double count = 1;
         for (int a = 0; a < 3; ++a) {
             const double first = std::floor(low[a] / voxel) - 2, last = std::ceil(high[a] / voxel) + 2;
-            extent.origin[a] = voxel * static_cast<float>(first);
-            extent.size[a] = static_cast<int>(last - first) + 1;
+            origin[a] = voxel * static_cast<float>(first);
+            size[a] = static_cast<int>(last - first) + 1;
             count *= last - first + 1;
         }
-        if (count <= most_voxels) return extent;
+        if (count <= most_voxels) return {origin, voxel, size[0], size[1], size[2], {}};
     }
 }
 
@@ -68,7 +39,7 @@ Extent extent_of(const TriangleMesh& mesh, float voxel) {
 class Slabs {
 public:
     static constexpr int thickness = 4;
-    Slabs(const TriangleMesh& mesh, const Extent& extent, float margin) : begin_((extent.size[2] + thickness - 1) / thickness + 1, 0) {
+    Slabs(const TriangleMesh& mesh, const Volume& extent, float margin) : begin_((extent.nz + thickness - 1) / thickness + 1, 0) {
         const auto range = [&](std::size_t t) {
             float low = std::numeric_limits<float>::max(), high = -low;
             for (std::uint32_t v : mesh.triangle[t]) low = std::min(low, mesh.position[v].z()), high = std::max(high, mesh.position[v].z());
@@ -94,11 +65,11 @@ private:
 
 // Exact closest points of all voxels within `margin` of the surface, and on which side of it they are. The nearest triangle decides; where
 // several share the nearest point (an edge, a corner), the one that faces the voxel most squarely does.
-void near_surface(const TriangleMesh& mesh, const Extent& e, float margin, std::vector<Closest>& closest, std::vector<std::int8_t>& side) {
+void near_surface(const TriangleMesh& mesh, const Volume& e, float margin, std::vector<Closest>& closest, std::vector<std::int8_t>& side) {
     const Slabs slabs(mesh, e, margin);
     parallel_tasks(slabs.count(), [&](Index slab) {
-        const int k_begin = slab * Slabs::thickness, k_end = std::min(e.size[2], k_begin + Slabs::thickness);
-        std::vector<float> squareness(static_cast<std::size_t>(e.size[0]) * e.size[1] * Slabs::thickness, 0.0f);
+        const int k_begin = slab * Slabs::thickness, k_end = std::min(e.nz, k_begin + Slabs::thickness);
+        std::vector<float> squareness(grid_count(e.nx, e.ny, Slabs::thickness), 0.0f);
         for (std::uint32_t t : slabs.triangles(slab)) {
             const Vec3f &a = mesh.position[mesh.triangle[t][0]], &b = mesh.position[mesh.triangle[t][1]],
                         &c = mesh.position[mesh.triangle[t][2]];
@@ -110,8 +81,8 @@ void near_surface(const TriangleMesh& mesh, const Extent& e, float margin, std::
                 std::sqrt(std::max({(a - middle).squaredNorm(), (b - middle).squaredNorm(), (c - middle).squaredNorm()})) + margin;
             const Vec3f low = (a.cwiseMin(b).cwiseMin(c).array() - margin - e.origin.array()) / e.voxel,
                         high = (a.cwiseMax(b).cwiseMax(c).array() + margin - e.origin.array()) / e.voxel;
-            const int i0 = std::max(0, static_cast<int>(std::ceil(low.x()))), i1 = std::min(e.size[0] - 1, static_cast<int>(high.x()));
-            const int j0 = std::max(0, static_cast<int>(std::ceil(low.y()))), j1 = std::min(e.size[1] - 1, static_cast<int>(high.y()));
+            const int i0 = std::max(0, static_cast<int>(std::ceil(low.x()))), i1 = std::min(e.nx - 1, static_cast<int>(high.x()));
+            const int j0 = std::max(0, static_cast<int>(std::ceil(low.y()))), j1 = std::min(e.ny - 1, static_cast<int>(high.y()));
             const int k0 = std::max(k_begin, static_cast<int>(std::ceil(low.z()))), k1 = std::min(k_end - 1, static_cast<int>(high.z()));
             for (int k = k0; k <= k1; ++k)
                 for (int j = j0; j <= j1; ++j)
@@ -119,10 +90,10 @@ void near_surface(const TriangleMesh& mesh, const Extent& e, float margin, std::
                         const Vec3f p = e.at(i, j, k);
                         const float above = normal.dot(p - a);
                         if (std::abs(above) > margin || (p - middle).squaredNorm() > round * round) continue;
-                        const Vec3f q = closest_point(p, a, b, c);
+                        const Vec3f q = nearest_on_triangle(p, a, b, c).point;
                         const float distance2 = (p - q).squaredNorm();
                         Closest& best = closest[e.index(i, j, k)];
-                        float& square = squareness[(static_cast<std::size_t>(k - k_begin) * e.size[1] + j) * e.size[0] + i];
+                        float& square = squareness[grid_index(i, j, k - k_begin, e.nx, e.ny)];
                         const float tie = 1e-5f * e.voxel * e.voxel;
                         // A large triangle's box holds voxels far beside it: which side of its plane they are on means nothing.
                         if (distance2 > margin * margin || distance2 > best.distance2 + tie) continue;
@@ -139,23 +110,24 @@ void near_surface(const TriangleMesh& mesh, const Extent& e, float margin, std::
 
 // Hands closest points and sides on from plane to plane along one axis, forwards and backwards; each voxel beyond the exact margin asks the
 // nine voxels next to it in the plane before. Six such sweeps reach every voxel along a path that hardly leaves the straight one.
-void sweep(const Extent& e, int axis, float margin, float limit, std::vector<Closest>& closest, std::vector<std::int8_t>& side) {
-    const int u = (axis + 1) % 3, v = (axis + 2) % 3, n = e.size[axis];
-    const std::array<std::size_t, 3> stride{1, e.size[0], static_cast<std::size_t>(e.size[0]) * e.size[1]};
+void hand_on(const Volume& e, int axis, float margin, float limit, std::vector<Closest>& closest, std::vector<std::int8_t>& side) {
+    const std::array<int, 3> size{e.nx, e.ny, e.nz};
+    const std::array<std::size_t, 3> stride{1, grid_index(0, 1, e.nx), grid_index(0, 0, 1, e.nx, e.ny)};
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3, n = size[axis];
     for (int direction : {1, -1})
         for (int s = 1; s < n; ++s)
-            parallel_for(static_cast<Index>(e.size[u]) * e.size[v], [&](Index m) {
+            parallel_for(static_cast<Index>(size[u]) * size[v], [&](Index m) {
                 std::array<int, 3> at{};
                 at[axis] = direction > 0 ? s : n - 1 - s;
-                at[u] = m % e.size[u];
-                at[v] = m / e.size[u];
+                at[u] = m % size[u];
+                at[v] = m / size[u];
                 const std::size_t here = e.index(at[0], at[1], at[2]), before = direction > 0 ? here - stride[axis] : here + stride[axis];
                 if (side[here] == 0) side[here] = side[before];
                 Closest& best = closest[here];
                 if (best.distance2 <= margin * margin || !(closest[before].distance2 < limit * limit)) return;
                 const Vec3f x = e.at(at[0], at[1], at[2]);
-                for (int dv = at[v] > 0 ? -1 : 0; dv <= (at[v] + 1 < e.size[v] ? 1 : 0); ++dv)
-                    for (int du = at[u] > 0 ? -1 : 0; du <= (at[u] + 1 < e.size[u] ? 1 : 0); ++du) {
+                for (int dv = at[v] > 0 ? -1 : 0; dv <= (at[v] + 1 < size[v] ? 1 : 0); ++dv)
+                    for (int du = at[u] > 0 ? -1 : 0; du <= (at[u] + 1 < size[u] ? 1 : 0); ++du) {
                         const Closest& other = closest[before + du * stride[u] + dv * stride[v]];
                         const float distance2 = (x - other.point).squaredNorm();
                         if (distance2 < best.distance2) best = {other.point, distance2};
@@ -167,16 +139,16 @@ void sweep(const Extent& e, int axis, float margin, float limit, std::vector<Clo
 
 Volume distance_volume(const TriangleMesh& mesh, float voxel, int band) {
     if (mesh.triangle.empty()) return {};
-    const Extent e = extent_of(mesh, voxel);
-    std::vector<Closest> closest(e.count());
-    std::vector<std::int8_t> side(e.count(), 0);
+    Volume volume = extent_of(mesh, voxel);
+    std::vector<Closest> closest(volume.count());
+    std::vector<std::int8_t> side(volume.count(), 0);
     // Each cell that the surface crosses has all its corners within sqrt(3) voxels of it: sides never leak through.
-    const float margin = 1.75f * e.voxel, limit = static_cast<float>(band) * e.voxel;
-    near_surface(mesh, e, margin, closest, side);
-    for (int axis : {0, 1, 2}) sweep(e, axis, margin, limit + 2 * e.voxel, closest, side);
+    const float margin = 1.75f * volume.voxel, limit = static_cast<float>(band) * volume.voxel;
+    near_surface(mesh, volume, margin, closest, side);
+    for (int axis : {0, 1, 2}) hand_on(volume, axis, margin, limit + 2 * volume.voxel, closest, side);
 
-    Volume volume{e.origin, e.voxel, e.size[0], e.size[1], e.size[2], std::vector<float>(e.count())};
-    parallel_for(static_cast<Index>(e.count()),
+    volume.value.resize(volume.count());
+    parallel_for(static_cast<Index>(volume.count()),
                  [&](Index n) { volume.value[n] = (side[n] < 0 ? -1.0f : 1.0f) * std::min(limit, std::sqrt(closest[n].distance2)); });
     return volume;
 }

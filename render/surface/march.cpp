@@ -8,8 +8,6 @@
 namespace whorl {
 namespace {
 
-constexpr int block_edge = ColourBlock::edge, nodes = block_edge * block_edge * block_edge;
-
 // The values of a block and of the first nodes of the blocks ahead: all corners of the block's cells.
 struct Tile {
     static constexpr int side = block_edge + 1;
@@ -46,7 +44,7 @@ struct Tile {
 // What a block adds to the mesh. Each node owns the three edges that start there, each cell the vertices in its middle.
 struct Part {
     std::vector<Vec3f> vertex;
-    std::vector<Index> edge_vertex = std::vector<Index>(3 * nodes, -1);  // of node n along axis a at 3 n + a; counted within the block
+    std::vector<Index> edge_vertex = std::vector<Index>(3 * block_nodes, -1);  // of node n along axis a at 3 n + a; counted within the block
     std::vector<std::array<std::uint32_t, 3>> triangle;
     Index first_vertex = 0, first_middle = 0;
     std::size_t first_triangle = 0;
@@ -175,7 +173,7 @@ void project(const ColourField& field, float iso, float voxel, const ColourGrid&
         thread_local LocalField local;
         const auto& o = grid.blocks()[marched.block[n]].origin;
         const Vec3f low = voxel * Vec3f(static_cast<float>(o[0]), static_cast<float>(o[1]), static_cast<float>(o[2]));
-        local.gather(field, low, low.array() + voxel * ColourBlock::edge);
+        local.gather(field, low, low.array() + voxel * block_edge);
         for (Index v = marched.block_begin[n]; v < marched.block_begin[n + 1]; ++v) {
             LocalField::Sample sample = local.at(mesh.position[v]);
             if (cut.any()) {

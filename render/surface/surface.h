@@ -1,10 +1,10 @@
 #pragma once
 /// Particles -> density-normalised colour field in an OpenVDB grid -> closed triangle mesh and a distance volume. OpenVDB stays behind
 /// this header: including it costs nothing.
-#include <filesystem>
 #include <memory>
 #include <vector>
 
+#include "engine/core/grid_index.h"
 #include "engine/io/frame.h"
 
 namespace whorl {
@@ -17,12 +17,17 @@ struct SurfaceOptions {
     bool distance = true;  ///< make the distance volume (refraction needs it)
 };
 
-/// A dense scalar volume: value at voxel (i,j,k) stands at origin + voxel (i,j,k); index = (k ny + j) nx + i.
+/// A dense scalar volume: value at voxel (i,j,k) stands at origin + voxel (i,j,k); i runs fastest.
 struct Volume {
     Vec3f origin = Vec3f::Zero();  ///< m
     float voxel = 0;               ///< m
     int nx = 0, ny = 0, nz = 0;
     std::vector<float> value;
+    std::size_t count() const { return grid_count(nx, ny, nz); }
+    std::size_t index(int i, int j, int k) const { return grid_index(i, j, k, nx, ny); }
+    Vec3f at(int i, int j, int k) const {
+        return origin + voxel * Vec3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k));
+    }
 };
 
 struct Surface {
@@ -33,8 +38,5 @@ struct Surface {
 
 /// Builds the surface of the frame's fluid. The same bits for any number of threads. An empty frame gives an empty surface.
 Surface build_surface(const Frame& frame, const SurfaceOptions& options);
-
-/// Writes a .vdb file that other programs open: a level set "surface" and a fog volume "density", plus the named vector field "velocity".
-void write_vdb(const std::filesystem::path& file, const Frame& frame, const SurfaceOptions& options);
 
 }  // namespace whorl

@@ -111,8 +111,8 @@ Picture particles(F&& velocity) {
     for (int k = 0; k < field.nz; ++k)
         for (int j = 0; j < field.ny; ++j)
             for (int i = 0; i < field.nx; ++i)
-                if (field.value[(static_cast<std::size_t>(k) * field.ny + j) * field.nx + i] < 0) {
-                    const Vec3f x = field.origin + field.voxel * Vec3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k));
+                if (field.value[field.index(i, j, k)] < 0) {
+                    const Vec3f x = field.at(i, j, k);
                     picture.frame.position.push_back(x);
                     picture.frame.velocity.push_back(velocity(x));
                 }

@@ -20,7 +20,7 @@ float interpolated(const Volume& v, const Vec3f& x) {
     for (int c = 0; c < 8; ++c) {
         const int a = c & 1, b = (c >> 1) & 1, d = c >> 2;
         const float weight = (a ? f.x() : 1 - f.x()) * (b ? f.y() : 1 - f.y()) * (d ? f.z() : 1 - f.z());
-        sum += weight * v.value[(static_cast<std::size_t>(k + d) * v.ny + (j + b)) * v.nx + (i + a)];
+        sum += weight * v.value[v.index(i + a, j + b, k + d)];
     }
     return sum;
 }

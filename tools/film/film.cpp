@@ -7,6 +7,7 @@
 #include "engine/io/points.h"
 #include "render/gl/renderer.h"
 #include "render/surface/mesh_export.h"
+#include "render/surface/vdb.h"
 #include "render/video/encoder.h"
 #include "tools/film/contact_sheet.h"
 #include "tools/film/usage.h"

@@ -7,8 +7,6 @@
 #include <limits>
 #include <map>
 
-#include "render/image/text.h"
-
 namespace whorl {
 namespace {
 
@@ -97,7 +95,7 @@ Canvas draw_front(const std::vector<PlotPoint>& points, const std::string& title
         if (p.on_front) taken.push_back({x.at(p.x) - 5, y.at(p.y) - 5, x.at(p.x) + 5, y.at(p.y) + 5});
     for (const PlotPoint& p : points) {
         if (!p.on_front) continue;
-        const double wide = text_width(p.label, 0.72f * 12) + 4, px = x.at(p.x), py = y.at(p.y);
+        const double wide = Canvas::width_of(p.label, 12) + 4, px = x.at(p.x), py = y.at(p.y);
         Box best{};
         for (const double step : {-10.0, 20.0, -26.0, 36.0, -42.0, 52.0, -58.0, 68.0})
             for (const double side : {8.0, -8 - wide}) {

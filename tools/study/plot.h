@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/study/canvas.h"
+#include "render/image/canvas.h"
 
 namespace whorl {
 

@@ -7,12 +7,8 @@ using namespace whorl;
 
 namespace {
 
-Image white(int width, int height) {
-    return {width, height, std::vector<std::uint8_t>(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 255)};
-}
-
 Image letter(char c, float height) {
-    Image image = white(3 * static_cast<int>(height), 3 * static_cast<int>(height));
+    Image image = plain_image(3 * static_cast<int>(height), 3 * static_cast<int>(height), 255);
     draw_text(image, height, 2 * height, std::string(1, c), {height, Vec3f::Zero(), Vec3f::Ones(), 0});
     return image;
 }
@@ -41,7 +37,7 @@ TEST_CASE("every printable character has a shape of its own, also at the size of
 TEST_CASE("text is as wide as it says, scales with its height, and lifts exponents", "[render]") {
     CHECK(text_width("m/s", 20) == Approx(2 * text_width("m/s", 10)));
     CHECK(text_width("kg/m^3", 10) < text_width("kg/m3", 10));
-    Image image = white(200, 60);
+    Image image = plain_image(200, 60, 255);
     draw_text(image, 10, 40, "speed [m/s]", {12, Vec3f::Zero(), Vec3f::Ones(), 0});
     const auto end = static_cast<int>(10 + text_width("speed [m/s]", 12));
     int last = 0;
@@ -60,7 +56,7 @@ TEST_CASE("a halo makes dark text readable on black", "[render]") {
 }
 
 TEST_CASE("text that reaches beyond the picture is cut, not written elsewhere", "[render]") {
-    Image image = white(20, 20);
+    Image image = plain_image(20, 20, 255);
     draw_text(image, 10, 15, "beyond", {14, Vec3f::Zero(), Vec3f::Ones(), 0.6f});
     draw_text(image, -100, -100, "far out", {14, Vec3f::Zero(), Vec3f::Ones(), 0.6f});
     CHECK(image.rgb.size() == 1200);

@@ -8,10 +8,6 @@ using namespace whorl;
 
 namespace {
 
-Image grey(int width, int height) {
-    return {width, height, std::vector<std::uint8_t>(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 160)};
-}
-
 bool holds(const Image& image, const Vec3f& colour) {
     for (int y = 0; y < image.height; ++y)
         for (int x = 0; x < image.width; ++x) {
@@ -47,7 +43,7 @@ TEST_CASE("ticks are round numbers within the range, all written alike", "[rende
 TEST_CASE("a legend shows the map from end to end with the field's name and unit", "[render]") {
     LookOptions look;
     look.field = "speed";
-    Image image = grey(640, 360);
+    Image image = plain_image(640, 360, 160);
     draw_legend(image, look, {0, 2});
     for (const float t : {0.0f, 0.25f, 0.5f, 0.75f, 1.0f}) CHECK(holds(image, map_colour("viridis", t)));
     for (int y = 0; y < image.height; ++y)
@@ -60,11 +56,11 @@ TEST_CASE("a legend shows the map from end to end with the field's name and unit
 
 TEST_CASE("a time stamp changes only its corner, and only in its digits from frame to frame", "[render]") {
     LookOptions look;
-    Image first = grey(640, 360), second = first;
+    Image first = plain_image(640, 360, 160), second = first;
     draw_time(first, look, 1.25);
     draw_time(second, look, 1.5);
     CHECK(first.rgb != second.rgb);
-    CHECK(first.rgb != grey(640, 360).rgb);
+    CHECK(first.rgb != plain_image(640, 360, 160).rgb);
     for (int y = 0; y < first.height; ++y)
         for (int x = 0; x < first.width; ++x)
             if (x > 200 || y < 300) REQUIRE(first.pixel(x, y)[0] == 160);

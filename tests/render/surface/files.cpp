@@ -7,6 +7,7 @@
 #include "engine/core/errors.h"
 #include "render/surface/mesh_export.h"
 #include "render/surface/surface.h"
+#include "render/surface/vdb.h"
 #include "tests/support/scratch.h"
 #include "tests/support/surface_measures.h"
 

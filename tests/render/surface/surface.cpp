@@ -37,7 +37,7 @@ float trilinear(const Volume& v, const Vec3f& at) {
     for (int c = 0; c < 8; ++c) {
         const int i = n.x() + (c & 1), j = n.y() + (c >> 1 & 1), k = n.z() + (c >> 2);
         sum += (c & 1 ? f.x() : 1 - f.x()) * (c & 2 ? f.y() : 1 - f.y()) * (c & 4 ? f.z() : 1 - f.z()) *
-               v.value[(static_cast<std::size_t>(k) * v.ny + j) * v.nx + i];
+               v.value[v.index(i, j, k)];
     }
     return sum;
 }
@@ -178,7 +178,7 @@ TEST_CASE("the distance volume is zero on the mesh, negative inside and grows by
                 const Vec3f at = v.origin + v.voxel * Vec3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k));
                 const double exact = std::clamp((at - centre).norm() - radius, -8.0 * v.voxel, 8.0 * v.voxel);
                 // The mesh itself is off by up to 0.08 d here and there, the way to it by up to 0.07 d.
-                const float found = v.value[(static_cast<std::size_t>(k) * v.ny + j) * v.nx + i];
+                const float found = v.value[v.index(i, j, k)];
                 if (std::abs(found - exact) > 0.15) {
                     INFO(i << " " << j << " " << k << ": " << found << " for " << exact);
                     REQUIRE(false);
