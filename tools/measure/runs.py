@@ -196,9 +196,9 @@ class Measurement:
     def sets(self, settings):
         return [word for setting in (*settings, *self.settings) for word in ("--set", setting)]
 
-    def plan(self, scene, *settings, options=()):
+    def plan(self, scene, *settings, options=(), threads=1, images=False):
         """What whorl plan predicts."""
-        text = self.whorl("plan", scene, "--no-images", "--threads", 1, "--json", *options, *self.sets(settings))
+        text = self.whorl("plan", scene, *["--no-images"] * (not images), "--threads", threads, "--json", *options, *self.sets(settings))
         return Unknown() if self.dry else json.loads(text)
 
     def toml_file(self, name, keys):
