@@ -3,6 +3,7 @@ import contextlib
 import io
 import json
 import math
+import os
 import re
 import sys
 import tempfile
@@ -104,15 +105,24 @@ class Results(unittest.TestCase):
         m.out = self.folder / "out"
         return m
 
-    def test_a_result_is_used_again_for_the_same_command_alone(self):
+    def test_a_result_is_used_again_for_the_same_command_and_scene_alone(self):
         m = self.program(f'echo run >> {self.folder}/count\nfor k; do [ "$last" = --out ] && folder=$k; last=$k; done\n'
                          'mkdir -p "$folder" && echo {} > "$folder/run.json"\n')
+        scene = m.toml_file("scene", {"a": 1})
         for settings in (["a=1"], ["a=1"], ["a=2"]):
-            m.render("scene", "run", *settings)
+            m.render(scene, "run", *settings)
         self.assertEqual((self.folder / "count").read_text(), "run\n" * 2)
-        m.again = True
-        m.render("scene", "run", "a=2")
+        m.toml_file("scene", {"a": 1})
+        m.render(scene, "run", "a=2")
+        self.assertEqual((self.folder / "count").read_text(), "run\n" * 2)
+        m.toml_file("scene", {"a": 2})
+        os.utime(scene, (2e9, 2e9))
+        m.render(scene, "run", "a=2")
         self.assertEqual((self.folder / "count").read_text(), "run\n" * 3)
+        os.utime(scene, (1e9, 1e9))
+        m.again = True
+        m.render(scene, "run", "a=2")
+        self.assertEqual((self.folder / "count").read_text(), "run\n" * 4)
 
     def test_a_failed_run_is_a_row_with_its_reason_and_is_not_kept(self):
         m = self.program("echo 'whorl: no such scene' >&2; exit 2\n")

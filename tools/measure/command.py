@@ -26,7 +26,8 @@ def parser():
     p.add_argument("--dry-run", action="store_true", help="print the commands, run nothing")
     p.add_argument("--again", action="store_true", help="measure anew what out/measure holds already")
     p.add_argument("--only", action="append", default=[], metavar="ROW", help="these scenes or rows alone (repeatable)")
-    p.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="of every run, for a try that is printed and not written (repeatable)")
+    p.add_argument("--set", action="append", default=[], metavar="KEY=VALUE",
+                   help="of every run, for a try that is printed and not written (repeatable)")
     p.add_argument("--program", help="the whorl to measure (default: $WHORL, or build/release/whorl, built when it is missing)")
     p.add_argument("--into", default=runs.root, metavar="FOLDER", help="another copy of README.md and docs to write into")
     return p

@@ -1,5 +1,4 @@
 """Pictures of README.md and docs/guide, and how long whole films take."""
-import math
 import re
 
 from . import drawing
@@ -65,15 +64,18 @@ def films(m):
             minutes = max(panel["wall_seconds"] for panel in run.panels) / 60
             rows[scene] = {"scene": scene, "quality": quality, "minutes": f"{minutes:.2f}"}
             m.write_csv(file, columns, [rows[name] for name in gallery_scenes if name in rows])
-    cells = [film(scene, rows.get(scene)) for scene in gallery_scenes]
+    cells = [film(m, scene, rows.get(scene)) for scene in gallery_scenes]
     return markdown(" | ", zip(cells[::2], cells[1::2]))
 
 
-def film(scene, row):
-    """A cell of the README's gallery."""
+def film(m, scene, row):
+    """A cell of the README's gallery. A film that has not been measured takes as long as the plan says."""
     words, _, quality = gallery_scenes[scene]
-    minutes = number(row["minutes"]) if row else math.nan
-    takes = "" if not row else f" {minutes:.0f} min." if minutes > 0.75 else f" {max(6 * minutes, 1):.0f}0 s."
+    if row:
+        minutes = number(row["minutes"])
+    else:
+        minutes = m.plan(scene, options=["--quality", quality], threads=2, images=True)["cost"]["film_seconds"] / 60
+    takes = f" {minutes:.0f} min." if minutes > 0.75 else f" {max(6 * minutes, 1):.0f}0 s."
     command = f"build/release/whorl render {scene}" + f" --quality {quality}" * (quality != "standard")
     return f"![{scene}](docs/pictures/gallery/{scene}.jpg)<br>{words}{takes}<br>`{command}`"
 

@@ -42,6 +42,15 @@ class Unknown(float):
     items = values = __iter__
 
 
+def words_of(command):
+    """As somebody would type it at the top of the repository."""
+    return shlex.join(str(part).replace(f"{root}/", "") for part in command)
+
+
+def newer(file, than):
+    return not Path(than).exists() or Path(file).stat().st_mtime >= Path(than).stat().st_mtime
+
+
 def number(text):
     """Of a CSV cell; an empty one is no number."""
     return float(text) if text not in (None, "") else float("nan")
@@ -140,8 +149,7 @@ class Measurement:
 
     def call(self, command, log=None, environment=None):
         """Runs a command. @param log takes the command and its output"""
-        command = [str(part) for part in command]
-        line = shlex.join(part.replace(f"{root}/", "") for part in command)
+        command, line = [str(part) for part in command], words_of(command)
         self.say(line)
         if self.dry:
             return ""
@@ -162,11 +170,16 @@ class Measurement:
         return self.call([self.program, *arguments], **keys)
 
     def kept(self, result, log, command):
-        """Whether `result` was made by this command before."""
+        """Whether `result` was made by this command before, with the scene files as they are."""
         if self.again or self.dry or not result.exists() or not log.exists():
             return False
+        files = [root / part for part in map(str, command) if part.endswith(".toml")]
         with open(log, encoding="utf-8") as text:
-            return text.readline().rstrip("\n") == shlex.join(str(part).replace(f"{root}/", "") for part in command)
+            same = text.readline().rstrip("\n") == words_of(command) and all(newer(log, file) for file in files)
+        if same:
+            old = "" if newer(log, command[0]) else ", though the program has changed since (--again measures anew)"
+            self.say(f"{result.relative_to(self.out)}: kept{old}")
+        return same
 
     # Results
 
@@ -174,47 +187,37 @@ class Measurement:
         """A run of a scene into out/measure/NAME. @param settings "key=value" @param options of whorl render"""
         folder = self.out / name
         log = folder.with_name(folder.name + ".log")
-        command = ["render", scene, *([] if images else ["--no-images"]), "--quiet", "--threads", threads, "--out", folder, *options]
-        for setting in [*settings, *self.settings]:
-            command += ["--set", setting]
-        if self.kept(folder / "run.json", log, [self.program, *command]):
-            self.say(f"{name}: kept")
-        else:
+        command = ["render", scene, *["--no-images"] * (not images), "--quiet", "--threads", threads, "--out", folder, *options,
+                   *self.sets(settings)]
+        if not self.kept(folder / "run.json", log, [self.program, *command]):
             self.whorl(*command, log=log)
         return Run(folder, self.dry)
 
-    def plan(self, scene, *settings, options=()):
+    def sets(self, settings):
+        return [word for setting in (*settings, *self.settings) for word in ("--set", setting)]
+
+    def plan(self, scene, *settings, options=(), threads=1, images=False):
         """What whorl plan predicts."""
-        command = ["plan", scene, "--no-images", "--threads", 1, "--json", *options]
-        for setting in [*settings, *self.settings]:
-            command += ["--set", setting]
-        text = self.whorl(*command)
+        text = self.whorl("plan", scene, *["--no-images"] * (not images), "--threads", threads, "--json", *options, *self.sets(settings))
         return Unknown() if self.dry else json.loads(text)
 
     def toml_file(self, name, keys):
         """Writes some keys of a scene, a scene or a study as a file."""
-        file = self.out / f"{name}.toml"
-        if not self.dry:
-            write_file(file, toml(keys).encode())
+        file, content = self.out / f"{name}.toml", toml(keys).encode()
+        if not self.dry and not (file.exists() and file.read_bytes() == content):
+            write_file(file, content)
         return file
 
-    def scene_without(self, scene, name, *tables):
-        """A copy of a shipped scene without these tables: keys of models that are not chosen may not stand in a scene."""
-        keys = read_scene(scene)
-        for one in tables:
-            keys.pop(one, None)
-        return self.toml_file(name, keys)
-
-    def study(self, name, keys, kind="tradeoff"):
-        """The rows of whorl tradeoff (or stability) for the study with these keys, in out/measure/NAME."""
+    def study(self, name, keys):
+        """The rows of whorl tradeoff for the study with these keys, whose points it keeps in out/measure/NAME."""
         folder = self.out / name
         if self.again and not self.dry:
             shutil.rmtree(folder / "points", ignore_errors=True)
         keys = {"set": [], **keys}
         keys["set"] = [*keys["set"], *self.settings]
         file = self.toml_file(f"{name}/study", keys)
-        self.whorl(kind, file, "--all", "--threads", 1, "--jobs", 1, "--out", folder, log=folder / "log")
-        return [] if self.dry else read_rows(folder / f"{kind}.csv")
+        self.whorl("tradeoff", file, "--all", "--threads", 1, "--jobs", 1, "--out", folder, log=folder / "log")
+        return [] if self.dry else read_rows(folder / "tradeoff.csv")
 
     def point(self, name, *words):
         """The run of a study's point: its folder's name holds all these words."""
