@@ -14,39 +14,20 @@ Real second_invariant(const Mat3& G) {
     return Real(0.5) * (t * t - (G * G).trace());
 }
 
-/// Leaves of v what is not prescribed: nothing of a particle stuck or in a nozzle, the tangential part of one that slides.
+/// The part of a velocity that is solved for: nothing of a particle that is stuck or in a nozzle, what is tangential of one that slides.
 struct Unknowns {
     Span<const std::int16_t> role;
     Span<const Vec3> slip;
     bool any_slip = false;
 
-    Vec3 part(std::size_t i, const Vec3& v) const {
+    Vec3 part(Index i, const Vec3& v) const {
         if (role[i] != 0) return Vec3::Zero();
         return any_slip ? Vec3(v - slip[i] * slip[i].dot(v)) : v;
     }
     void restrict_to(Span<Vec3> v) const {
-        parallel_for(static_cast<Index>(v.size()), [&](Index i) {
-            const auto k = static_cast<std::size_t>(i);
-            v[k] = part(k, v[k]);
-        });
+        parallel_for(static_cast<Index>(v.size()), [&](Index i) { v[i] = part(i, v[i]); });
     }
 };
-
-/// Where the last step's change is a bad guide (a jolt, a landing): goes along it to where the energy is least.
-/// @param r the residual of u, kept up to date
-template <class Operator>
-void look_along_change(const Operator& A, const Unknowns& unknowns, Span<const Vec3> change, Span<Vec3> r, Span<Vec3> u) {
-    std::vector<Vec3> way(change.begin(), change.end()), bent(change.size());
-    unknowns.restrict_to(way);
-    A(way, bent);
-    const double stiffness = dot<Vec3>(way, bent);
-    if (!(stiffness > 0) || !std::isfinite(stiffness)) return;
-    const Real far = static_cast<Real>(dot<Vec3>(way, r) / stiffness);
-    parallel_for(static_cast<Index>(u.size()), [&](Index i) {
-        u[i] += far * way[i];
-        r[i] -= far * bent[i];
-    });
-}
 
 struct Momentum {
     Vec3d linear = Vec3d::Zero(), angular = Vec3d::Zero();
@@ -96,32 +77,74 @@ void CoupledNeighbourhood::operator()(Read<field::position> x, Read<field::role>
     parallel_for(x.size(), [&](Index i) { density[i] = step.rest_density * s.rows.neighbourhood[i].density; });
 }
 
-void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, Read<field::viscosity> mu, Update<field::velocity> u,
-                              Update<field::pressure> p, Update<field::velocity_change> change, Update<field::velocity_gradient> G,
-                              Update<field::aggregate> aggregate, Update<field::contact_normal> slip, const Solids& solids,
-                              const StepContext& step, StepReport& report) const {
-    CoupledSystem& s = *system;
-    const CoupledOptions& o = s.options;
+namespace {
+
+/// One step of the solve: its phases in order, and what they hand to each other.
+struct CoupledStep {
+    CoupledSystem& system;
+    Read<field::position> x;
+    Read<field::role> role;
+    Read<field::viscosity> mu;
+    Update<field::velocity> u;
+    Update<field::pressure> p;
+    Update<field::velocity_change> change;
+    Update<field::velocity_gradient> G;
+    Update<field::aggregate> aggregate;
+    Update<field::contact_normal> slip;
+    const Solids& solids;
+    const StepContext& step;
+
+    const CoupledOptions& options = system.options;
+    StrainForm& form = system.form;
     const Index n = x.size();
-    const auto count = static_cast<std::size_t>(n);
     const Real dt = step.dt, d = step.spacing;
-    if (n == 0) return;
-    StrainForm& form = s.form;
-    s.friction.set(x.values, role.values, mu.values, solids, step);
-    form.set(s.rows, mu.values, s.friction.counted, dt, step.rest_density, d, o);
-    form.set_friction(s.friction.hold);
 
     Unknowns unknowns{role.values, slip.values};
     Index free_particles = 0;
+    bool nothing_held = false;                  ///< no solid and no nozzle takes part: momentum is kept
+    Column<Vec3> known = Column<Vec3>(n);       ///< the part of the velocities that is prescribed [m/s]
+    Column<Vec3> solved = Column<Vec3>(n);      ///< the part that is not: first where the solver starts, then the solution [m/s]
+    Column<Real> divergence = Column<Real>(n);  ///< s, that the step asks for [1/s]
+    Column<Real> pressure = Column<Real>(n);    ///< q [m/s]: the multiplier, and what of the bulk term does not depend on u
+    Column<Vec3> load = Column<Vec3>(n);        ///< right-hand side, then the residual [m/s]
+    Column<Vec3> work = Column<Vec3>(n);
+
+    void set_up_form();
+    void find_unknowns();
+    void set_known_velocities();
+    void set_divergence();
+    void set_pressure();
+    void set_up_preconditioner();
+    double set_load();
+    SolveReport solve(double reference);
+    void descend_along_last_change();
+    void keep_momentum();
+    void take_over();
+    void release_slipping();
+
+    Vec3 loaded(Index i, const Vec3& before) const;
+    void multiply(Span<const Vec3> v, Span<Vec3> y) const;
+    double preconditioned_norm(Span<const Vec3> r);
+};
+
+void CoupledStep::set_up_form() {
+    system.friction.set(x.values, role.values, mu.values, solids, step);
+    form.set(system.rows, mu.values, system.friction.counted, dt, step.rest_density, d, options);
+    form.set_friction(system.friction.hold);
+}
+
+void CoupledStep::find_unknowns() {
     for (Index i = 0; i < n; ++i) {
         free_particles += role[i] == 0;
         unknowns.any_slip |= slip[i] != Vec3::Zero();
     }
-    const bool nothing_held = free_particles == n && !unknowns.any_slip && !s.friction.acts();
+    nothing_held = free_particles == n && !unknowns.any_slip && !system.friction.acts();
+}
 
-    // What is known: velocities of nozzles and solids. A particle that slides knows its velocity along the normal.
-    std::vector<Vec3> known(count, Vec3::Zero()), b(count), start(count);
+/// Of nozzles and solids. A particle that slides knows its velocity along the normal.
+void CoupledStep::set_known_velocities() {
     parallel_for(n, [&](Index i) {
+        known[i] = Vec3::Zero();
         if (role[i] > 0) u[i] = solids.all[role[i] - 1].pose.velocity_at(x[i]);
         if (role[i] != 0) known[i] = u[i];
         else if (unknowns.any_slip && slip[i] != Vec3::Zero()) {
@@ -130,112 +153,154 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
             if (solid >= 0) known[i] = slip[i] * slip[i].dot(solids.all[solid].pose.velocity_at(x[i]));
         }
     });
+}
 
-    // s_i: compressed particles part; and a body that turns needs div u = -dt I2(grad u) to keep its volume under x += dt u.
-    // q_i: the multiplier, and the bulk term's part that does not depend on u.
-    std::vector<Real> target(count), q(count);
-    const std::vector<Real>& known_pressure = *s.known_pressure;
-    const bool any_known = known_pressure.size() == count;
-    const auto set_pressure = [&](Index i) {
-        q[i] = form.coefficients(i).bulk * d * target[i] + dt * (p[i] + (any_known ? known_pressure[i] : 0)) / (step.rest_density * d);
-    };
+/// s_i: compressed particles move apart; and a body that turns needs div u = -dt I2(grad u) to keep its volume under x += dt u.
+void CoupledStep::set_divergence() {
     const double fastest = largest_speed(u.values);
-    const double turning_limit = o.turning_limit * fastest / d;
-    const double fastest_push = o.fastest_push * (fastest / d + std::sqrt(step.gravity.norm() / d));
+    const double turning_limit = options.turning_limit * fastest / d;
+    const double fastest_push = options.fastest_push * (fastest / d + std::sqrt(step.gravity.norm() / d));
     parallel_for(n, [&](Index i) {
-        const Neighbourhood& hood = s.rows.neighbourhood[i];
-        // Only apart: drawing together what is stretched would be a creep that never ends.
-        const double compressed = hood.density - 1;
-        double wanted = compressed > 0 ? std::min(o.push * compressed / dt, fastest_push) : 0;
+        // Never together: drawing in what is stretched would be a creep without end.
+        const double compressed = system.rows.neighbourhood[i].density - 1;
+        double wanted = compressed > 0 ? std::min(options.push * compressed / dt, fastest_push) : 0;
         if (role[i] == 0) wanted += std::clamp(-double(dt) * second_invariant(G[i]), -turning_limit, turning_limit);
-        target[i] = static_cast<Real>(wanted);
-        set_pressure(i);
+        divergence[i] = static_cast<Real>(wanted);
     });
-    const auto loaded = [&](Index i, const Vec3& before) -> Vec3 {
-        const Vec3 load = before + dt * step.gravity;
-        return s.friction.acts() ? Vec3(load + s.friction.pull[i]) : load;
-    };
-    const auto set_load = [&] {
-        parallel_for(n, [&](Index i) { b[i] = loaded(i, u[i]); });
-        form.add_pressure(q, b);
-        unknowns.restrict_to(b);
-    };
+}
 
-    const bool coarse = o.diagonal && free_particles >= o.fewest_for_coarse;
-    if (!coarse) s.preconditioner.clear();
-    else if (step.at_landing || s.preconditioner.unknowns() == 0 || s.steps_since_refresh >= o.refresh_every) {
-        s.preconditioner.refresh(form, x.values, role.values, o, step.domain, d, aggregate.values);
-        s.steps_since_refresh = 0;
-    }
-    ++s.steps_since_refresh;
-
-    // The residual is measured against the loads on the fluid, not against the large forces by which nozzle and solids hold their
-    // neighbours; these count a little, for a fluid at rest that is only dragged along.
-    std::vector<Vec3> z(count);
-    const auto load_norm = [&](Span<const Vec3> load) {
-        s.preconditioner(load, z);
-        return std::sqrt(std::max(0.0, dot<Vec3>(load, z)));
-    };
-    const auto A = [&](Span<const Vec3> v, Span<Vec3> y) {
-        form.apply(v, y);
-        unknowns.restrict_to(y);
-    };
+void CoupledStep::set_pressure() {
+    const std::vector<Real>& known_pressure = *system.known_pressure;
+    const bool any_known = known_pressure.size() == x.values.size();
     parallel_for(n, [&](Index i) {
-        const auto k = static_cast<std::size_t>(i);
-        start[k] = unknowns.part(k, u[i] + Real(0.9) * change[i]);
+        pressure[i] =
+            form.coefficients(i).bulk * d * divergence[i] + dt * (p[i] + (any_known ? known_pressure[i] : 0)) / (step.rest_density * d);
     });
-    // p - lambda (tr D - s): what the multiplier becomes.
-    const auto multiplier = [&](Index i) {
-        const Real lambda = form.coefficients(i).bulk * step.rest_density * d * d / dt;
-        return p[i] - lambda * (form.divergence(i, G[i]) - target[i]);
-    };
-    const auto solve_from = [&](Span<Vec3> load, Span<Vec3> guess, double reference) {
-        if (!(reference > 0)) return conjugate_gradients<Vec3>(A, s.preconditioner, load, guess, o.limits, ResidualNorm::preconditioned);
-        A(guess, z);
-        parallel_for(n, [&](Index i) { load[i] -= z[i]; });  // the residual
-        if (load_norm(load) > reference) look_along_change(A, unknowns, change.values, load, guess);
-        return conjugate_gradients_from<Vec3>(A, s.preconditioner, load, guess, o.limits, ResidualNorm::preconditioned, reference);
-    };
-    s.preconditioner.set(form, x.values, role.values, slip.values, step.domain, d, aggregate.values);
-    if (!o.diagonal) s.preconditioner.let_through();
-    set_load();
-    double reference = load_norm(b);
-    if (!nothing_held) {
-        form.apply(known, z);
-        parallel_for(n, [&](Index i) {
-            const auto k = static_cast<std::size_t>(i);
-            b[k] -= unknowns.part(k, z[k]);
-        });
-        reference = std::max(reference, 0.03 * load_norm(b));
+}
+
+void CoupledStep::set_up_preconditioner() {
+    TwoLevel& M = system.preconditioner;
+    const bool coarse = options.diagonal && free_particles >= options.fewest_for_coarse;
+    if (!coarse) M.clear();
+    else if (step.at_landing || M.unknowns() == 0 || system.steps_since_refresh >= options.refresh_every) {
+        M.refresh(form, x.values, role.values, options, step.domain, d, aggregate.values);
+        system.steps_since_refresh = 0;
     }
-    const SolveReport solved = solve_from(b, start, reference);
-    if (nothing_held) {
-        parallel_for(n, [&](Index i) { z[i] = loaded(i, u[i]); });
-        restore_momentum(x.values, z, !step.domain.any_periodic(), start);
+    ++system.steps_since_refresh;
+    M.set(form, x.values, role.values, slip.values, step.domain, d, aggregate.values);
+    if (!options.diagonal) M.be_identity();
+}
+
+/// What a particle of that velocity brings into the step.
+Vec3 CoupledStep::loaded(Index i, const Vec3& before) const {
+    const Vec3 falling = before + dt * step.gravity;
+    return system.friction.acts() ? Vec3(falling + system.friction.pull[i]) : falling;
+}
+
+/// The right-hand side.
+/// @returns what its residual is measured against: the loads on the fluid, not the large forces by which nozzle and solids hold their
+/// neighbours; these count a little, for a fluid at rest that is only dragged along
+double CoupledStep::set_load() {
+    parallel_for(n, [&](Index i) { load[i] = loaded(i, u[i]); });
+    form.add_pressure(pressure, load);
+    unknowns.restrict_to(load);
+    const double reference = preconditioned_norm(load);
+    if (nothing_held) return reference;
+    form.apply(known, work);
+    parallel_for(n, [&](Index i) { load[i] -= unknowns.part(i, work[i]); });
+    return std::max(reference, 0.03 * preconditioned_norm(load));
+}
+
+void CoupledStep::multiply(Span<const Vec3> v, Span<Vec3> y) const {
+    form.apply(v, y);
+    unknowns.restrict_to(y);
+}
+
+/// sqrt(r.M r), which leaves M r in work.
+double CoupledStep::preconditioned_norm(Span<const Vec3> r) {
+    system.preconditioner(r, work);
+    return std::sqrt(std::max(0.0, dot<Vec3>(r, work)));
+}
+
+/// By conjugate gradients, from the last velocity plus most of its last change.
+SolveReport CoupledStep::solve(double reference) {
+    const auto A = [this](Span<const Vec3> v, Span<Vec3> y) { multiply(v, y); };
+    const TwoLevel& M = system.preconditioner;
+    parallel_for(n, [&](Index i) { solved[i] = unknowns.part(i, u[i] + Real(0.9) * change[i]); });
+    if (!(reference > 0)) return conjugate_gradients<Vec3>(A, M, load, solved, options.limits, ResidualNorm::preconditioned);
+    multiply(solved, work);
+    parallel_for(n, [&](Index i) { load[i] -= work[i]; });  // the residual
+    if (preconditioned_norm(load) > reference) {
+        descend_along_last_change();
+        M(load, work);
     }
-    parallel_for(n, [&](Index i) { z[i] = known[i] + start[i]; });
-    form.gradient(z, G.values);
-    report.solves.push_back({"coupled", solved});
+    return conjugate_gradients_from<Vec3>(A, M, load, solved, options.limits, ResidualNorm::preconditioned, reference, work);
+}
+
+/// Where the last step's change is a bad guide (a jolt, a landing): goes along it to where the energy is least, the residual with it.
+void CoupledStep::descend_along_last_change() {
+    Column<Vec3> way(change.values.begin(), change.values.end()), bent(way.size());
+    unknowns.restrict_to(way);
+    multiply(way, bent);
+    const double stiffness = dot<Vec3>(way, bent);
+    if (!(stiffness > 0) || !std::isfinite(stiffness)) return;
+    const Real far = static_cast<Real>(dot<Vec3>(way, load) / stiffness);
     parallel_for(n, [&](Index i) {
-        const Vec3& solution = z[i];
+        solved[i] += far * way[i];
+        load[i] -= far * bent[i];
+    });
+}
+
+void CoupledStep::keep_momentum() {
+    if (!nothing_held) return;
+    parallel_for(n, [&](Index i) { work[i] = loaded(i, u[i]); });
+    restore_momentum(x.values, work, !step.domain.any_periodic(), solved);
+}
+
+/// The new velocity, its gradient, and p - lambda (tr D - s), what the multiplier becomes. It has both signs: what holds a stretched thread
+/// together and makes it thin is p < 0.
+void CoupledStep::take_over() {
+    parallel_for(n, [&](Index i) { work[i] = known[i] + solved[i]; });
+    form.gradient(work, G.values);
+    parallel_for(n, [&](Index i) {
+        const Vec3& solution = work[i];
         change[i] = solution - u[i];
         u[i] = solution;
+        const Real lambda = form.coefficients(i).bulk * step.rest_density * d * d / dt;
+        p[i] = static_cast<Real>(options.memory) * (p[i] - lambda * (form.divergence(i, G[i]) - divergence[i]));
     });
+}
 
-    // Of both signs: what holds a stretched thread together and makes it thin is p < 0.
-    parallel_for(n, [&](Index i) { p[i] = static_cast<Real>(o.memory) * multiplier(i); });
+/// A solid that slips can push, not pull: where it would have to pull, it lets go.
+void CoupledStep::release_slipping() {
+    if (!unknowns.any_slip) return;
+    form.apply(u.values, work);
+    parallel_for(n, [&](Index i) { load[i] = loaded(i, u[i] - change[i]); });
+    form.add_pressure(pressure, load);
+    parallel_for(n, [&](Index i) {
+        if (slip[i].dot(work[i] - load[i]) < 0) slip[i] = Vec3::Zero();
+    });
+}
 
-    if (unknowns.any_slip) {
-        // A solid that slips can push, not pull: where it would have to pull, it lets go.
-        std::vector<Vec3> balance(count);
-        form.apply(u.values, balance);
-        std::vector<Vec3> load(count);
-        parallel_for(n, [&](Index i) { load[i] = loaded(i, u[i] - change[i]); });
-        form.add_pressure(q, load);
-        parallel_for(n, [&](Index i) {
-            if (slip[i].dot(balance[i] - load[i]) < 0) slip[i] = Vec3::Zero();
-        });
-    }
+}  // namespace
+
+void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, Read<field::viscosity> mu, Update<field::velocity> u,
+                              Update<field::pressure> p, Update<field::velocity_change> change, Update<field::velocity_gradient> G,
+                              Update<field::aggregate> aggregate, Update<field::contact_normal> slip, const Solids& solids,
+                              const StepContext& step, StepReport& report) const {
+    if (x.size() == 0) return;
+    CoupledStep now{*system, x, role, mu, u, p, change, G, aggregate, slip, solids, step};
+    now.set_up_form();
+    now.find_unknowns();
+    now.set_known_velocities();
+    now.set_divergence();
+    now.set_pressure();
+    now.set_up_preconditioner();
+    const double reference = now.set_load();
+    report.solves.push_back({"coupled", now.solve(reference)});
+    now.keep_momentum();
+    now.take_over();
+    now.release_slipping();
 }
 
 }  // namespace whorl

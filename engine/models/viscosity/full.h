@@ -3,10 +3,9 @@
 ///
 /// Stages of a step, in order: Gravity, (forces), Kick, FullViscosity, (pressure), Move. Corrected, it needs no density.
 #include "engine/geometry/solids.h"
-#include "engine/math/block_cholesky.h"
 #include "engine/models/boundary/friction.h"
+#include "engine/models/strain/coarse_level.h"
 #include "engine/models/viscosity/implicit.h"
-#include "engine/particles/aggregates.h"
 
 namespace whorl {
 
@@ -65,8 +64,8 @@ public:
 
     /// R^T A R.
     SymmetricBlocks coarse_matrix(const RigidAggregates& groups) const;
-    /// Both must outlive the use; null: the diagonal alone.
-    void use_coarse(const RigidAggregates* groups, const BlockCholesky* factor) { groups_ = groups, factor_ = factor; }
+    /// It must outlive the use; null: the diagonal alone.
+    void use_coarse(const CoarseLevel* coarse) { coarse_ = coarse; }
 
 private:
     /// Sixteen numbers side by side, one or two vector registers: lane 4 a + b belongs to component a of a velocity and b of a pair.
@@ -103,6 +102,7 @@ private:
     void set_up_bodies(const FullViscosityOptions& options, const SolidPairs& solid_pairs, const Solids& solids,
                        const SolidParticles& layer, const StepContext& step);
     void set_up_body_blocks();
+    struct CoarseRows;
     /// What bodies take from the sums at i, and what i gives to them, once its stress is known.
     void take_bodies(Index i, Span<const Vec3> u, Mat3& A, Vec3& own) const;
     void give_bodies(Index i, Span<const Vec3> u, const Vec3& own_velocity, const Mat3& Q) const;
@@ -122,11 +122,9 @@ private:
     mutable ViscousBodies bodies_;
     std::vector<Mat3d> body_blocks_;  ///< inverses of the 3x3 diagonal blocks of the bodies' entries
     bool touches_wall_ = false, corrected_ = true;
-    const RigidAggregates* groups_ = nullptr;
-    const BlockCholesky* factor_ = nullptr;
+    const CoarseLevel* coarse_ = nullptr;
     mutable Column<Sixteen> u_, Q_;
     mutable Column<Sixteen> own_;  ///< the part of y that needs no neighbour's stress, as the sums of four lanes each
-    mutable std::vector<Real> load_;
 };
 
 /// The stage of the corrected form: u = argmin E.
@@ -142,9 +140,8 @@ private:
                        Span<std::int32_t> aggregate);
     FullViscosityOptions options_;
     ViscousOperator operator_;
-    RigidAggregates groups_;
-    BlockCholesky factor_;
-    int group_count_ = 0, steps_since_refresh_ = 0;  ///< of the coarse level; no groups: there is none
+    CoarseLevel coarse_;
+    int steps_since_refresh_ = 0;  ///< of the coarse level
 };
 
 /// The stage of the form as in the note, which weights by the density.

@@ -66,130 +66,122 @@ Block inner_products(const Mat4& C) {
     return m;
 }
 
-/// What some rows add to the blocks of the groups that they touch.
-struct Local {
-    struct Sum {
-        int row, column;  ///< groups
-        Eigen::Matrix<Real, 8, 6> strain;
-        Mat4 products;
-    };
-    std::vector<int> touched;
-    std::vector<std::vector<int>> place;  ///< of (row, column <= row) by local number in sums, -1: nothing yet
-    std::vector<Sum> sums;
-
-    int number(int group) {
-        for (std::size_t k = 0; k < touched.size(); ++k)
-            if (touched[k] == group) return static_cast<int>(k);
-        touched.push_back(group);
-        place.emplace_back(touched.size(), -1);
-        return static_cast<int>(touched.size()) - 1;
-    }
-    Sum& sum(int row, int column) {
-        int& p = place[row][column];
-        if (p < 0) {
-            p = static_cast<int>(sums.size());
-            sums.push_back({touched[row], touched[column], Eigen::Matrix<Real, 8, 6>::Zero(), Mat4::Zero()});
-        }
-        return sums[p];
-    }
-};
-
-/// One group's share of what a particle sees.
-struct Share {
-    int number;   ///< in Local
-    Moments S;    ///< sum w (1, arm) r^T, with the sign of u_i - u_j
-    Vec4 spring;  ///< sum 2 w (c_i + c_j) (1, arm)
-    Moments T;    ///< S M^+
-    Strains F;
-};
-
 Vec4 lever(const Vec3& arm) { return {1, arm[0], arm[1], arm[2]}; }
 
 }  // namespace
 
-SymmetricBlocks ViscousOperator::coarse_matrix(const RigidAggregates& g) const {
-    const auto add_row = [&](Index i, Local& local, std::vector<Share>& shares) {
-        shares.clear();
-        const auto share_of = [&](int group) -> Share& {
-            const int number = local.number(group);
-            for (Share& s : shares)
-                if (s.number == number) return s;
-            shares.push_back({number, Moments::Zero(), Vec4::Zero(), {}, {}});
-            return shares.back();
-        };
-        const int own = g.of(i);
-        if (own >= 0) share_of(own).S += lever(g.arm(i)) * wr_[i].wr.transpose();
-        Real springs = 1 + (wall_.empty() ? 0 : wall_[i].near.spring);
-        for (std::size_t k = pairs_->first[i]; k < pairs_->first[i + 1]; ++k) {
-            const Index j = pairs_->other[k];
-            springs += pair_[k].spring;
-            if (g.of(j) < 0) continue;
-            Share& s = share_of(g.of(j));
-            const Vec4 arm = lever(g.arm(j));
-            s.S -= arm * pair_[k].wr.transpose();
-            s.spring += pair_[k].spring * arm;
-        }
-        const Real c = 2 * c_[i], root = std::sqrt(2 * K_[i]);
-        for (Share& s : shares) {
-            s.T = s.S * M_[i].matrix();
-            s.F = root * (whole_[i] ? strains(s.T) : strains(s.T, P_[i].matrix()));
-        }
-        for (const Share& a : shares)
-            for (const Share& b : shares) {
-                if (b.number > a.number) continue;
-                Local::Sum& sum = local.sum(a.number, b.number);
-                sum.strain.noalias() += a.F * b.F.topRows<6>().transpose();
-                sum.products -= (c * (a.T * b.S.transpose())).cast<double>();
-            }
-        if (own < 0) return;
-        // sum over the pairs of 2 w (c_i + c_j) u_ij.v_ij: the part of u_i.v_i, and of -u_i.v_j where i's group comes first (else the other
-        // row's turn)
-        const Vec4 arm = lever(g.arm(i));
-        const int self = local.number(own);
-        if (friction_.acts()) {
-            Eigen::Matrix<Real, 3, 6> motion;  // v + omega x arm
-            motion << Mat3::Identity(), Vec3::UnitX().cross(g.arm(i)), Vec3::UnitY().cross(g.arm(i)), Vec3::UnitZ().cross(g.arm(i));
-            local.sum(self, self).strain.topRows<6>() += motion.transpose() * hold(i) * motion;
-        }
-        // The rounding of the sums must not make a rigid motion gain energy.
-        local.sum(self, self).products +=
-            ((1 + 16 * std::numeric_limits<Real>::epsilon()) * springs * arm * arm.transpose()).cast<double>();
-        for (const Share& b : shares) {
-            const int group = local.touched[b.number];
-            if (group > own) continue;
-            if (b.number <= self) local.sum(self, b.number).products -= (arm * b.spring.transpose()).cast<double>();
-            else local.sum(b.number, self).products -= (b.spring * arm.transpose()).cast<double>();
-        }
+/// What some rows add to Ac.
+struct ViscousOperator::CoarseRows {
+    /// What they add to the block of two groups.
+    struct PairSum {
+        Eigen::Matrix<Real, 8, 6> strain = Eigen::Matrix<Real, 8, 6>::Zero();
+        Mat4 products = Mat4::Zero();
+    };
+    /// One group's share of what a particle sees.
+    struct Share {
+        int number;   ///< in sums
+        Moments S;    ///< sum w (1, arm) r^T, with the sign of u_i - u_j
+        Vec4 spring;  ///< sum 2 w (c_i + c_j) (1, arm)
+        Moments T;    ///< S M^+
+        Strains F;
     };
 
+    const ViscousOperator& A;
+    const RigidAggregates& groups;
+    GroupSums<PairSum> sums{};
+    std::vector<Share> shares{};  ///< of one particle
+    Real springs = 0;             ///< of the same: the part of u_i.v_i
+
+    void add(Index i) {
+        find_shares(i);
+        add_strains(i);
+        if (groups.of(i) >= 0) add_own_motion(i);
+    }
+
+private:
+    Share& share_of(int group);
+    void find_shares(Index i);
+    void add_strains(Index i);
+    void add_own_motion(Index i);
+};
+
+ViscousOperator::CoarseRows::Share& ViscousOperator::CoarseRows::share_of(int group) {
+    const int number = sums.number(group);
+    for (Share& s : shares)
+        if (s.number == number) return s;
+    return shares.emplace_back(Share{number, Moments::Zero(), Vec4::Zero(), {}, {}});
+}
+
+void ViscousOperator::CoarseRows::find_shares(Index i) {
+    shares.clear();
+    if (const int own = groups.of(i); own >= 0) share_of(own).S += lever(groups.arm(i)) * A.wr_[i].wr.transpose();
+    springs = 1 + (A.wall_.empty() ? 0 : A.wall_[i].near.spring);
+    for (std::size_t k = A.pairs_->first[i]; k < A.pairs_->first[i + 1]; ++k) {
+        const Index j = A.pairs_->other[k];
+        const Pair& pair = A.pair_[k];
+        springs += pair.spring;
+        if (groups.of(j) < 0) continue;
+        Share& s = share_of(groups.of(j));
+        const Vec4 arm = lever(groups.arm(j));
+        s.S -= arm * pair.wr.transpose();
+        s.spring += pair.spring * arm;
+    }
+}
+
+void ViscousOperator::CoarseRows::add_strains(Index i) {
+    const Real c = 2 * A.c_[i], root = std::sqrt(2 * A.K_[i]);
+    for (Share& s : shares) {
+        s.T = s.S * A.M_[i].matrix();
+        s.F = root * (A.whole_[i] ? strains(s.T) : strains(s.T, A.P_[i].matrix()));
+    }
+    for (const Share& a : shares)
+        for (const Share& b : shares) {
+            if (b.number > a.number) continue;
+            PairSum& sum = sums.sum(a.number, b.number);
+            sum.strain.noalias() += a.F * b.F.topRows<6>().transpose();
+            sum.products -= (c * (a.T * b.S.transpose())).cast<double>();
+        }
+}
+
+/// Mass and friction, and sum over the pairs of 2 w (c_i + c_j) u_ij.v_ij: the part of u_i.v_i, and of -u_i.v_j where i's group comes first
+/// (else the other row's turn).
+void ViscousOperator::CoarseRows::add_own_motion(Index i) {
+    const Vec3& a = groups.arm(i);
+    const Vec4 arm = lever(a);
+    const int own = groups.of(i), self = sums.number(own);
+    if (A.friction_.acts()) {
+        Eigen::Matrix<Real, 3, 6> motion;  // v + omega x arm
+        motion << Mat3::Identity(), Vec3::UnitX().cross(a), Vec3::UnitY().cross(a), Vec3::UnitZ().cross(a);
+        sums.sum(self, self).strain.topRows<6>() += motion.transpose() * A.hold(i) * motion;
+    }
+    // The rounding of the sums must not make a rigid motion gain energy.
+    sums.sum(self, self).products += ((1 + 16 * std::numeric_limits<Real>::epsilon()) * springs * arm * arm.transpose()).cast<double>();
+    for (const Share& b : shares) {
+        if (sums.group(b.number) > own) continue;
+        if (b.number <= self) sums.sum(self, b.number).products -= (arm * b.spring.transpose()).cast<double>();
+        else sums.sum(b.number, self).products -= (b.spring * arm.transpose()).cast<double>();
+    }
+}
+
+SymmetricBlocks ViscousOperator::coarse_matrix(const RigidAggregates& g) const {
     // A task is a group's members; what is in none, by blocks of the store.
     constexpr Index outside = 1024;
     const Index n = size(), tasks = g.groups() + (n + outside - 1) / outside;
-    std::vector<Local> locals(tasks);
+    std::vector<GroupSums<CoarseRows::PairSum>> parts(tasks);
     parallel_tasks(tasks, [&](Index task) {
-        std::vector<Share> shares;
-        Local& local = locals[task];
+        CoarseRows rows{*this, g};
         if (task < g.groups()) {
-            for (const Index i : g.members(task)) add_row(i, local, shares);
+            for (const Index i : g.members(task)) rows.add(i);
         } else {
             const Index begin = (task - g.groups()) * outside;
             for (Index i = begin; i < std::min(n, begin + outside); ++i)
-                if (g.of(i) < 0) add_row(i, local, shares);
+                if (g.of(i) < 0) rows.add(i);
         }
+        parts[task] = std::move(rows.sums);
     });
-
-    SymmetricBlocks A(g.groups());
-    for (const Local& local : locals)
-        for (const Local::Sum& sum : local.sums)
-            A.add(sum.row, sum.column, sum.strain.topRows<6>().cast<double>() + inner_products(sum.products));
-    // A group in a line, or of one particle, has rotations that move nothing.
-    for (int r = 0; r < A.nodes(); ++r) {
-        Block weak = Block::Zero();
-        weak.diagonal() << 0, 0, 0, 1e-3, 1e-3, 1e-3;
-        if (A.row(r).empty()) weak.diagonal().setOnes();
-        A.add(r, r, weak);
-    }
-    return A;
+    return coarse_blocks(g.groups(), parts, [](const CoarseRows::PairSum& sum) {
+        return SymmetricBlocks::Block(sum.strain.topRows<6>().cast<double>() + inner_products(sum.products));
+    });
 }
 
 }  // namespace whorl
