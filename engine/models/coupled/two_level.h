@@ -3,7 +3,7 @@
 ///
 /// B: the 3x3 diagonal blocks. R: the six rigid motions of every aggregate of 32 to 48 particles (fewer where they hang together in pieces
 /// only); Ac = R^T A R, factored exactly. The diagonal settles what neighbours do to each other.
-#include "engine/models/coupled/strain.h"
+#include "engine/models/coupled/strain_form.h"
 #include "engine/models/strain/coarse_level.h"
 
 namespace whorl {

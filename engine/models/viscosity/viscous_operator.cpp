@@ -1,9 +1,10 @@
+#include "engine/models/viscosity/viscous_operator.h"
+
 #include <limits>
 
 #include "engine/core/parallel.h"
 #include "engine/models/boundary/wall.h"
 #include "engine/models/strain/moment.h"
-#include "engine/models/viscosity/full.h"
 
 namespace whorl {
 void ViscousOperator::set_up(const FullViscosityOptions& options, const FluidPairs& pairs, const SolidPairs& solid_pairs,
@@ -18,7 +19,7 @@ void ViscousOperator::set_up(const FullViscosityOptions& options, const FluidPai
     u_.resize(n), Q_.resize(n), own_.resize(n);
     touches_wall_ = false;
     wall_.clear(), wall_moment_.clear();
-    rub_.resize(n);
+    K_friction_.resize(n);
     friction_.set(FrictionForm::central, solid_pairs, solids, layer, step);
     if (layer.size() > 0) set_up_wall(options, solid_pairs, solids, layer, step);
     set_up_bodies(options, solid_pairs, solids, layer, step);
@@ -53,7 +54,7 @@ void ViscousOperator::set_up_moments(const FullViscosityOptions& options, const 
             if (!wall_.empty()) M += wall_moment_[i], wr_[i].wr += wall_[i].near.wr;
             free_[i] = role[i] == 0;
             K_[i] = step.dt * mu[i] / step.rest_density;
-            if (friction_.acts()) rub_[i] = K_[i], K_[i] *= 1 - friction_.counted(i);
+            if (friction_.acts()) K_friction_[i] = K_[i], K_[i] *= 1 - friction_.counted(i);
             c_[i] = 0;
             P_[i].set(Mat3::Identity());
             whole_[i] = 1;

@@ -2,7 +2,7 @@
 #include <limits>
 
 #include "engine/core/parallel.h"
-#include "engine/models/viscosity/full.h"
+#include "engine/models/viscosity/viscous_operator.h"
 
 namespace whorl {
 namespace {

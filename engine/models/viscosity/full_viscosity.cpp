@@ -1,4 +1,4 @@
-#include "engine/models/viscosity/full.h"
+#include "engine/models/viscosity/full_viscosity.h"
 
 namespace whorl {
 

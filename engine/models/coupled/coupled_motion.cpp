@@ -1,5 +1,6 @@
+#include "engine/models/coupled/coupled_motion.h"
+
 #include "engine/core/parallel.h"
-#include "engine/models/coupled/system.h"
 
 namespace whorl {
 namespace {

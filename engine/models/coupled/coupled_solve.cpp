@@ -1,8 +1,9 @@
+#include "engine/models/coupled/coupled_solve.h"
+
 #include <Eigen/Cholesky>
 
 #include "engine/core/parallel.h"
 #include "engine/math/conjugate_gradients.h"
-#include "engine/models/coupled/system.h"
 #include "engine/particles/largest_speed.h"
 
 namespace whorl {

@@ -1,4 +1,4 @@
-#include "engine/models/coupled/rows.h"
+#include "engine/models/coupled/coupled_rows.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
