@@ -9,9 +9,10 @@
 ///     template <class T> Vector<T, start_conditions> at_start(const Vector<T, functions>& y) const;                 zero where they hold
 ///     template <class T> Vector<T, functions - start_conditions> at_end(const Vector<T, functions>& y) const;
 #include <algorithm>
+#include <cmath>
+#include <unsupported/Eigen/AutoDiff>
 #include <vector>
 
-#include "engine/math/jet.h"
 #include "engine/math/solve.h"
 
 namespace whorl {
@@ -51,7 +52,7 @@ private:
     static Vector<double, m> with_jacobian(const F& f, const Values& y, Eigen::Matrix<double, m, n>& jacobian);
     static Values slope(const Problem& problem, const Values& y) { return problem.slope(y); }
     static Values slope(const Problem& problem, const Values& y, Matrix& jacobian) {
-        return with_jacobian<n>([&](const auto& jets) { return problem.slope(jets); }, y, jacobian);
+        return with_jacobian<n>([&](const auto& v) { return problem.slope(v); }, y, jacobian);
     }
     static double residual(const Problem& problem, const Curve<n>& curve);
     static std::vector<Values> newton_step(const Problem& problem, const Curve<n>& curve);
@@ -62,11 +63,12 @@ private:
 template <class Problem>
 template <int m, class F>
 Vector<double, m> Collocation<Problem>::with_jacobian(const F& f, const Values& y, Eigen::Matrix<double, m, n>& jacobian) {
-    Vector<Jet<n>, n> jets;
-    for (int k = 0; k < n; ++k) jets[k] = Jet<n>::variable(y[k], k);
-    const Vector<Jet<n>, m> result = f(jets);
+    using Varying = Eigen::AutoDiffScalar<Values>;  // a number with its derivatives by the functions
+    Vector<Varying, n> varying;
+    for (int k = 0; k < n; ++k) varying[k] = Varying(y[k], n, k);
+    const Vector<Varying, m> result = f(varying);
     Vector<double, m> values;
-    for (int k = 0; k < m; ++k) values[k] = result[k].value, jacobian.row(k) = result[k].gradient.matrix().transpose();
+    for (int k = 0; k < m; ++k) values[k] = result[k].value(), jacobian.row(k) = result[k].derivatives().transpose();
     return values;
 }
 
@@ -114,7 +116,7 @@ std::vector<typename Collocation<Problem>::Values> Collocation<Problem>::newton_
     std::vector<Eigen::Matrix<double, n, n + 1>> beside(intervals);
     Eigen::Matrix<double, first, n> at_start;
     Eigen::Matrix<double, first, n + 1> condition;
-    condition.col(n) = -with_jacobian<first>([&](const auto& jets) { return problem.at_start(jets); }, curve.y[0], at_start);
+    condition.col(n) = -with_jacobian<first>([&](const auto& v) { return problem.at_start(v); }, curve.y[0], at_start);
     condition.template leftCols<n>() = at_start;
     Eigen::Matrix<double, rows, 2 * n + 1> block;
     Matrix j_left, j_middle, j_right;
@@ -139,7 +141,7 @@ std::vector<typename Collocation<Problem>::Values> Collocation<Problem>::newton_
     Eigen::Matrix<double, n, n + 1> end;
     end.template topRows<first>() = condition;
     end.template bottomRightCorner<last, 1>() =
-        -with_jacobian<last>([&](const auto& jets) { return problem.at_end(jets); }, curve.y.back(), at_end);
+        -with_jacobian<last>([&](const auto& v) { return problem.at_end(v); }, curve.y.back(), at_end);
     end.template bottomLeftCorner<last, n>() = at_end;
     if (!eliminate(end, n)) return {};
     std::vector<Values> step(intervals + 1);

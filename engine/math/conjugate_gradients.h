@@ -46,16 +46,18 @@ struct NoPreconditioner {
 /// Goes on from a first guess whose residual is known, which saves a product with A (see conjugate_gradients for the rest).
 /// @param r b - A x; then the last residual
 /// @param reference > 0, what the residual is measured against in the chosen norm
+/// @param Mr M r, where it is known already
 template <class T, class Operator, class Preconditioner>
 SolveReport conjugate_gradients_from(const Operator& A, const Preconditioner& M, Span<T> r, Span<T> x, const SolveLimits& limits,
-                                     ResidualNorm norm, double reference) {
+                                     ResidualNorm norm, double reference, Span<const T> Mr = {}) {
     const std::size_t n = r.size();
     const auto count = static_cast<Index>(n);
     std::vector<T> z(n, zero_entry<T>()), q(n, zero_entry<T>());
     SolveReport report;
     const bool euclidean = norm == ResidualNorm::euclidean;
     const auto relative_residual = [&](double rr, double residual_z) { return std::sqrt(euclidean ? rr : residual_z) / reference; };
-    M(Span<const T>(r), Span<T>(z));
+    if (Mr.empty()) M(Span<const T>(r), Span<T>(z));
+    else std::copy(Mr.begin(), Mr.end(), z.begin());
     double rz = dot<T>(r, z);
     std::vector<T> p = z;
     report.first_residual = report.last_residual = relative_residual(euclidean ? dot<T>(r, r) : 0, rz);

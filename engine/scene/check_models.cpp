@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "engine/models/viscosity/assembled.h"
+#include "engine/models/viscosity/assembled_viscosity.h"
 #include "engine/scene/checks.h"
 #include "engine/scene/names.h"
 

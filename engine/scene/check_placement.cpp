@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "engine/models/surface_tension/surface_tension.h"
-#include "engine/models/viscosity/ageing.h"
+#include "engine/models/viscosity/ageing_viscosity.h"
 #include "engine/scene/checks.h"
 #include "engine/scene/names.h"
 #include "engine/scene/tree.h"

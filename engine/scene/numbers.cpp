@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "engine/models/viscosity/ageing.h"
+#include "engine/models/viscosity/ageing_viscosity.h"
 #include "engine/scene/tree.h"
 
 namespace whorl {

@@ -6,8 +6,8 @@
 
 #include "engine/models/pressure/pressure_multigrid.h"
 #include "engine/models/surface_tension/surface_tension.h"
-#include "engine/models/viscosity/assembled.h"
-#include "engine/models/viscosity/explicit.h"
+#include "engine/models/viscosity/assembled_viscosity.h"
+#include "engine/models/viscosity/explicit_viscosity.h"
 #include "engine/scene/checks.h"
 #include "engine/scene/names.h"
 #include "engine/scene/numbers.h"

@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "engine/core/random.h"
-#include "engine/models/viscosity/ageing.h"
+#include "engine/models/viscosity/ageing_viscosity.h"
 #include "engine/particles/sample.h"
 #include "engine/particles/solid_sampling.h"
 #include "engine/scene/numbers.h"

@@ -8,7 +8,7 @@
 #include "engine/core/binary_io.h"
 #include "engine/core/parallel.h"
 #include "engine/models/pressure/crowding.h"
-#include "engine/models/viscosity/ageing.h"
+#include "engine/models/viscosity/ageing_viscosity.h"
 #include "engine/particles/largest_speed.h"
 #include "engine/particles/sort.h"
 #include "engine/scene/names.h"

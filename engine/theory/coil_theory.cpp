@@ -42,7 +42,7 @@ struct ThreadProblem {
     template <class T>
     T share(const T& depth) const {
         using std::exp;
-        return full_depth > 0 ? (exp(depth) - T(1)) * T(1 / std::expm1(full_depth)) : T(0);
+        return full_depth > 0 ? T((exp(depth) - T(1)) * T(1 / std::expm1(full_depth))) : T(0);
     }
 
     template <class T>

@@ -6,7 +6,7 @@
 #include "engine/core/random.h"
 #include "engine/models/motion/motion.h"
 #include "engine/models/pressure/wcsph.h"
-#include "engine/models/viscosity/explicit.h"
+#include "engine/models/viscosity/explicit_viscosity.h"
 #include "engine/sph/density.h"
 
 namespace whorl::test {

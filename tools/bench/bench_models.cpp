@@ -7,7 +7,7 @@
 #include "engine/models/boundary/wall.h"
 #include "engine/models/motion/motion.h"
 #include "engine/models/pressure/ppe.h"
-#include "engine/models/viscosity/full.h"
+#include "engine/models/viscosity/full_viscosity.h"
 #include "engine/particles/sort.h"
 #include "engine/sph/density.h"
 #include "tests/support/world.h"

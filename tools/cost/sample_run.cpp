@@ -6,7 +6,7 @@
 #include <cmath>
 #include <regex>
 
-#include "engine/models/viscosity/ageing.h"
+#include "engine/models/viscosity/ageing_viscosity.h"
 #include "engine/scene/numbers.h"
 
 namespace whorl {

@@ -9,7 +9,7 @@
 
 namespace whorl {
 
-/// Which Laplacian the friction belongs to, see models/viscosity/explicit.h: c is what Lap u_i = sum_j V c (u_j - u_i) weights a neighbour
+/// Which Laplacian the friction belongs to, see models/viscosity/explicit_viscosity.h: c is what Lap u_i = sum_j V c (u_j - u_i) weights a neighbour
 /// by.
 enum class FrictionForm {
     central,  ///< c = 2 3/(lattice sum) |W'|/r

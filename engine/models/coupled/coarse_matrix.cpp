@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/core/parallel.h"
+#include "engine/models/strain/coarse_level.h"
 
 namespace whorl {
 namespace {
@@ -89,7 +90,7 @@ struct alignas(8 * sizeof(Real)) LeveredSums {
 
 /// What the members of one aggregate add to the sums of one row, by unit rigid motion.
 struct Share {
-    int aggregate = -1;  ///< its number in Partial; -1: those in none
+    int aggregate = -1;  ///< its number in GroupSums; -1: those in none
     LeveredSums sums;
     Vec3 s;        ///< sum w r
     Mat3 arm_s;    ///< sum w arm r^T
@@ -159,140 +160,148 @@ Mat15x6 derivative(const Mat15x6& F, const Neighbourhood& n, const StrainCoeffic
     return out;
 }
 
-/// What one block of rows adds to Ac.
-struct Partial {
-    std::vector<std::int32_t> aggregates;  ///< those that the rows touch, by the number that they have here
-    std::vector<int> place;                ///< in sums of (row >= column) at row (row + 1)/2 + column; -1: nothing yet
-    struct Sum {
-        int row, column;
-        SymmetricBlocks::Block value;
-    };
-    std::vector<Sum> sums;
-
-    int number(std::int32_t aggregate) {
-        for (std::size_t k = aggregates.size(); k-- > 0;)
-            if (aggregates[k] == aggregate) return static_cast<int>(k);
-        aggregates.push_back(aggregate);
-        place.resize(aggregates.size() * (aggregates.size() + 1) / 2, -1);
-        return static_cast<int>(aggregates.size()) - 1;
-    }
-    void add(int a, int b, const Mat6& m) {
-        const int row = std::max(a, b), column = std::min(a, b);
-        int& at = place[row * (row + 1) / 2 + column];
-        if (at < 0) {
-            at = static_cast<int>(sums.size());
-            sums.push_back({row, column, SymmetricBlocks::Block::Zero()});
-        }
-        SymmetricBlocks::Block& to = sums[at].value;
-        if (a >= b) to += m.cast<double>();
-        else to += m.transpose().cast<double>();
-    }
+struct BlockSum {
+    SymmetricBlocks::Block value = SymmetricBlocks::Block::Zero();
 };
+
+/// What one block of rows adds to Ac.
+class CoarseRows {
+public:
+    CoarseRows(const StrainForm& form, const RigidAggregates& aggregates, const RowBlock& block, GroupSums<BlockSum>& sums);
+    void add_row(Index row);
+    /// The springs' part of u_j.u_j, once all rows are added; with it mass and friction.
+    void add_springs();
+
+private:
+    struct alignas(8 * sizeof(Real)) Springs {
+        Real v[8] = {};
+    };
+    Share& share_of(int aggregate);
+    Mat6 find_shares(Index row);
+    void add_coupling(Index row);
+    void add_strains(const Neighbourhood& n, const StrainCoefficients& c, const Mat6& C4);
+    void add(int a, int b, const Mat6& m);
+
+    const StrainForm& form_;
+    const RigidAggregates& aggregates_;
+    const RowBlock& block_;
+    GroupSums<BlockSum>& sums_;
+    std::vector<Springs> springs_;  ///< sum of W over all pairs of a particle that the block touches
+    std::vector<int> number_;       ///< of its aggregate in sums_, -1: in none
+    std::vector<Monomials> pairs_;  ///< of one row
+    std::vector<Share> shares_;     ///< of one row, that of the row's own particle first
+    std::vector<Mat15x6> F_, dF_;
+};
+
+CoarseRows::CoarseRows(const StrainForm& form, const RigidAggregates& aggregates, const RowBlock& block, GroupSums<BlockSum>& sums)
+    : form_(form), aggregates_(aggregates), block_(block), sums_(sums), springs_(block.touched.size()), number_(block.touched.size()) {
+    for (std::size_t place = 0; place < number_.size(); ++place) {
+        const std::int32_t a = aggregates.of(block.touched[place]);
+        number_[place] = a < 0 ? -1 : sums.number(a);
+    }
+}
+
+Share& CoarseRows::share_of(int aggregate) {
+    for (Share& s : shares_)
+        if (s.aggregate == aggregate) return s;
+    return shares_.emplace_back(aggregate);
+}
+
+void CoarseRows::add(int a, int b, const Mat6& m) {
+    SymmetricBlocks::Block& to = sums_.sum(std::max(a, b), std::min(a, b)).value;
+    if (a >= b) to += m.cast<double>();
+    else to += m.transpose().cast<double>();
+}
+
+void CoarseRows::add_row(Index row) {
+    if (block_.row_begin(row) == block_.row_end(row)) return;
+    const Index i = block_.begin + row;
+    const Mat6 C4 = find_shares(row);
+    if (number_[row] >= 0) add_coupling(row);
+    add_strains(form_.rows().neighbourhood[i], form_.coefficients(i), C4);
+}
+
+/// @returns sum w/r^2 q q^T
+Mat6 CoarseRows::find_shares(Index row) {
+    const std::size_t begin = block_.row_begin(row), end = block_.row_end(row);
+    shares_.clear();
+    share_of(number_[row]);
+    find_monomials(block_, begin, end, form_.coefficients(block_.begin + row), pairs_);
+    alignas(8 * sizeof(Real)) Real quartic[Monomials::count - Monomials::levered] = {};
+    for (std::size_t e = begin; e < end; ++e) {
+        const Index place = block_.other[e];
+        const Real* m = pairs_[e - begin].v;
+        share_of(number_[place]).sums.add(m, aggregates_.arm(block_.touched[place]));
+        add_to<8>(springs_[place].v, m + Monomials::springs);
+        add_to<Monomials::count - Monomials::levered>(quartic, m + Monomials::levered);
+    }
+    Mat6 C4;
+    for (int k = 0; k < 6; ++k)
+        for (int l = 0; l < 6; ++l) C4(k, l) = quartic[fourth[k][l]];
+    for (Share& share : shares_) {
+        share.unpack();
+        add_to<8>(springs_[row].v, share.sums.v[0] + Monomials::springs);
+    }
+    return C4;
+}
+
+/// The row's own particle is in each of its pairs: the springs' part of u_i.u_j, and its share of the sums.
+void CoarseRows::add_coupling(Index row) {
+    const Vec3& a = aggregates_.arm(block_.begin + row);
+    const Mat36 E = motion(a);
+    const int own = number_[row];
+    Vec3 s_sum = Vec3::Zero();
+    Mat36 b_sum = Mat36::Zero();
+    for (const Share& share : shares_) {
+        s_sum += share.s, b_sum += share.b;
+        if (share.aggregate < 0) continue;
+        const Mat6 coupling = -E.transpose().lazyProduct(share.spring);
+        add(own, share.aggregate, coupling);
+        if (share.aggregate == own) add(own, own, Mat6(coupling.transpose()));
+    }
+    Share& share = shares_.front();
+    share.s -= s_sum;
+    share.arm_s -= a * s_sum.transpose();
+    share.b -= b_sum;
+    for (int k = 0; k < 6; ++k) share.arm_b.col(k) -= a.cross(Vec3(b_sum.col(k)));
+}
+
+void CoarseRows::add_strains(const Neighbourhood& n, const StrainCoefficients& c, const Mat6& C4) {
+    F_.resize(shares_.size()), dF_.resize(shares_.size());
+    for (std::size_t k = 0; k < shares_.size(); ++k) {
+        if (shares_[k].aggregate < 0) continue;
+        F_[k] = features(shares_[k]);
+        dF_[k] = derivative(F_[k], n, c, C4);
+    }
+    for (std::size_t k = 0; k < shares_.size(); ++k)
+        for (std::size_t l = 0; l < shares_.size(); ++l)
+            if (shares_[l].aggregate >= 0 && shares_[k].aggregate >= shares_[l].aggregate)
+                add(shares_[k].aggregate, shares_[l].aggregate, Mat6(F_[k].transpose().lazyProduct(dF_[l])));
+}
+
+void CoarseRows::add_springs() {
+    for (std::size_t place = 0; place < springs_.size(); ++place) {
+        const Index j = block_.touched[place];
+        if (number_[place] < 0) continue;
+        const Mat36 E = motion(aggregates_.arm(j));
+        const bool own_row = static_cast<Index>(place) < block_.size();
+        const Mat3 W = springs_of(springs_[place].v) + (own_row ? Mat3(Mat3::Identity() + form_.friction(j)) : Mat3(Mat3::Zero()));
+        add(number_[place], number_[place], Mat6(E.transpose().lazyProduct(Mat36(W * E))));
+    }
+}
 
 }  // namespace
 
 SymmetricBlocks coarse_matrix(const StrainForm& form, const RigidAggregates& aggregates) {
     const CoupledRows& rows = form.rows();
-    std::vector<Partial> partials(rows.blocks.size());
-    parallel_blocks(rows.size(), CoupledRows::block_size, [&](Index begin, Index end) {
-        const auto block_number = static_cast<std::size_t>(begin / CoupledRows::block_size);
-        const RowBlock& block = rows.blocks[block_number];
-        Partial& partial = partials[block_number];
-        struct alignas(8 * sizeof(Real)) Springs {
-            Real v[8] = {};
-        };
-        std::vector<Springs> springs(block.touched.size());  // sum of W over all pairs of a particle
-        std::vector<int> number(block.touched.size());       // in partial
-        for (std::size_t place = 0; place < number.size(); ++place) {
-            const std::int32_t a = aggregates.of(block.touched[place]);
-            number[place] = a < 0 ? -1 : partial.number(a);
-        }
-        std::vector<Monomials> pairs;
-        std::vector<Share> shares;
-        std::vector<Mat15x6> F, dF;
-        for (Index i = begin; i < end; ++i) {
-            const std::size_t e0 = block.row_begin(i - begin), e1 = block.row_end(i - begin);
-            if (e0 == e1) continue;
-            const Neighbourhood& n = rows.neighbourhood[i];
-            const StrainCoefficients& c = form.coefficients(i);
-            shares.clear();
-            const auto share_of = [&](int a) -> Share& {
-                for (Share& s : shares)
-                    if (s.aggregate == a) return s;
-                return shares.emplace_back(a);
-            };
-            const int own = number[i - begin];
-            share_of(own);
-            find_monomials(block, e0, e1, c, pairs);
-            alignas(8 * sizeof(Real)) Real quartic[Monomials::count - Monomials::levered] = {};
-            for (std::size_t e = e0; e < e1; ++e) {
-                const auto place = static_cast<std::size_t>(block.other[e]);
-                const Real* m = pairs[e - e0].v;
-                share_of(number[place]).sums.add(m, aggregates.arm(block.touched[place]));
-                add_to<8>(springs[place].v, m + Monomials::springs);
-                add_to<Monomials::count - Monomials::levered>(quartic, m + Monomials::levered);
-            }
-            Mat6 C4;
-            for (int k = 0; k < 6; ++k)
-                for (int l = 0; l < 6; ++l) C4(k, l) = quartic[fourth[k][l]];
-            Vec3 s_sum = Vec3::Zero();
-            Mat36 b_sum = Mat36::Zero();
-            for (Share& share : shares) {
-                share.unpack();
-                s_sum += share.s, b_sum += share.b;
-                add_to<8>(springs[i - begin].v, share.sums.v[0] + Monomials::springs);
-            }
-            if (own >= 0) {
-                const Vec3& a = aggregates.arm(i);
-                const Mat36 E = motion(a);
-                for (const Share& share : shares) {
-                    if (share.aggregate < 0) continue;
-                    const Mat6 coupling = -E.transpose().lazyProduct(share.spring);
-                    partial.add(own, share.aggregate, coupling);
-                    if (share.aggregate == own) partial.add(own, own, Mat6(coupling.transpose()));
-                }
-                Share& share = shares.front();
-                share.s -= s_sum;
-                share.arm_s -= a * s_sum.transpose();
-                share.b -= b_sum;
-                for (int k = 0; k < 6; ++k) share.arm_b.col(k) -= a.cross(Vec3(b_sum.col(k)));
-            }
-            F.resize(shares.size()), dF.resize(shares.size());
-            for (std::size_t k = 0; k < shares.size(); ++k) {
-                if (shares[k].aggregate < 0) continue;
-                F[k] = features(shares[k]);
-                dF[k] = derivative(F[k], n, c, C4);
-            }
-            for (std::size_t k = 0; k < shares.size(); ++k)
-                for (std::size_t l = 0; l < shares.size(); ++l)
-                    if (shares[l].aggregate >= 0 && shares[k].aggregate >= shares[l].aggregate)
-                        partial.add(shares[k].aggregate, shares[l].aggregate, Mat6(F[k].transpose().lazyProduct(dF[l])));
-        }
-        for (std::size_t place = 0; place < springs.size(); ++place) {
-            const Index j = block.touched[place];
-            if (number[place] < 0) continue;
-            const Mat36 E = motion(aggregates.arm(j));
-            const bool own_row = static_cast<Index>(place) < block.size();
-            const Mat3 W = springs_of(springs[place].v) + (own_row ? Mat3(Mat3::Identity() + form.friction(j)) : Mat3(Mat3::Zero()));
-            partial.add(number[place], number[place], Mat6(E.transpose().lazyProduct(Mat36(W * E))));
-        }
+    std::vector<GroupSums<BlockSum>> parts(rows.blocks.size());
+    parallel_tasks(static_cast<Index>(rows.blocks.size()), [&](Index k) {
+        const RowBlock& block = rows.blocks[k];
+        CoarseRows coarse(form, aggregates, block, parts[k]);
+        for (Index row = 0; row < block.size(); ++row) coarse.add_row(row);
+        coarse.add_springs();
     });
-
-    SymmetricBlocks Ac(aggregates.groups());
-    for (const Partial& partial : partials)
-        for (const Partial::Sum& sum : partial.sums) {
-            const auto aggregate = [&](int k) { return partial.aggregates[k]; };
-            Ac.add(aggregate(sum.row), aggregate(sum.column), sum.value);
-        }
-    // An aggregate of a single particle or of a straight file has motions that move nothing: a trace of the largest entry keeps Ac
-    // definite.
-    for (int a = 0; a < Ac.nodes(); ++a) {
-        double largest = 0;
-        for (const SymmetricBlocks::Entry& e : Ac.row(a))
-            if (e.column == a) largest = e.value.diagonal().maxCoeff();
-        Ac.add(a, a, (largest > 0 ? 1e-7 * largest : 1) * SymmetricBlocks::Block::Identity());
-    }
-    return Ac;
+    return coarse_blocks(aggregates.groups(), parts, [](const BlockSum& sum) { return sum.value; });
 }
 
 }  // namespace whorl

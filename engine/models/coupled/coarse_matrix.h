@@ -1,6 +1,6 @@
 #pragma once
 #include "engine/math/block_cholesky.h"
-#include "engine/models/coupled/strain.h"
+#include "engine/models/coupled/strain_form.h"
 #include "engine/particles/aggregates.h"
 
 namespace whorl {

@@ -15,7 +15,6 @@ struct CoupledOptions {
     double smoothing = 0.15;    ///< penalty on what the linear field does not explain, over mu: removes zero-energy modes
     double pair_smoothing = 5;  ///< the same along the pair only: keeps necks from growing without stiffening bending
     double thin_below = 0.8, thin_at = 0.6;  ///< middle over largest eigenvalue of M between which a thread turns thin (and is evened)
-    double unresolved_at = 0.01, resolved_above = 0.04;  ///< eigenvalue of M over the largest between which a direction counts as resolved
 
     double gate = 1.6;    ///< longer pairs count only with a common neighbour closer than `bridge` to both:
     double bridge = 1.7;  ///< turns of a coil must not feel each other through the air

@@ -20,15 +20,15 @@ void TwoLevel::refresh(const StrainForm& form, Span<const Vec3> x, Span<const st
     const double growth = std::cbrt(static_cast<double>(x.size()) / options.many);
     const int size =
         static_cast<int>(std::clamp(options.aggregate * growth, static_cast<double>(options.aggregate), 1.5 * options.aggregate));
-    groups_ = aggregate_by(neighbours, x, role, domain, spacing / 2, size, aggregate);
-    groups_ = split_unconnected(neighbours, aggregate);
-    aggregates_.place(x, role, aggregate, groups_, domain, spacing);
-    if (!factor_.factor(coarse_matrix(form, aggregates_), aggregates_.centres())) groups_ = 0;
+    aggregate_by(neighbours, x, role, domain, spacing / 2, size, aggregate);
+    const int groups = split_unconnected(neighbours, aggregate);
+    coarse_.place(x, role, aggregate, groups, domain, spacing);
+    coarse_.factor(coarse_matrix(form, coarse_.motions()));
 }
 
 void TwoLevel::set(const StrainForm& form, Span<const Vec3> x, Span<const std::int16_t> role, Span<const Vec3> slip, const Domain& domain,
                    Real spacing, Span<const std::int32_t> aggregate) {
-    if (groups_ > 0) aggregates_.place(x, role, aggregate, groups_, domain, spacing);
+    coarse_.place(x, role, aggregate, coarse_.groups(), domain, spacing);
     inverse_diagonal_.resize(x.size());
     form.diagonal(inverse_diagonal_);
     bool any_slip = false;
@@ -54,12 +54,8 @@ void TwoLevel::set(const StrainForm& form, Span<const Vec3> x, Span<const std::i
 
 void TwoLevel::operator()(Span<const Vec3> r, Span<Vec3> z) const {
     parallel_for(static_cast<Index>(r.size()), [&](Index i) { z[i] = inverse_diagonal_[i] * r[i]; });
-    if (groups_ == 0) return;
-    load_.resize(6 * groups_);
-    aggregates_.restrict_to_groups(r, load_);
-    factor_.solve(load_);
-    aggregates_.add_motion(load_, z);
-    if (slip_.empty()) return;
+    coarse_.add(r, z);
+    if (coarse_.groups() == 0 || slip_.empty()) return;
     parallel_for(static_cast<Index>(z.size()), [&](Index i) {
         z[i] -= slip_[i] * slip_[i].dot(z[i]);  // the diagonal's part has none along it
     });

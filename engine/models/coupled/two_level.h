@@ -2,11 +2,9 @@
 /// Preconditioner of the coupled solve:  z = B^-1 r + R Ac^-1 R^T r.
 ///
 /// B: the 3x3 diagonal blocks. R: the six rigid motions of every aggregate of 32 to 48 particles (fewer where they hang together in pieces
-/// only); Ac = R^T A R, factored exactly. The diagonal settles what neighbours do to each other, the rigid motions carry a pull through a
-/// whole thread in one application.
-#include "engine/math/block_cholesky.h"
-#include "engine/models/coupled/strain.h"
-#include "engine/particles/aggregates.h"
+/// only); Ac = R^T A R, factored exactly. The diagonal settles what neighbours do to each other.
+#include "engine/models/coupled/strain_form.h"
+#include "engine/models/strain/coarse_level.h"
 
 namespace whorl {
 
@@ -18,25 +16,22 @@ public:
     void refresh(const StrainForm& form, Span<const Vec3> x, Span<const std::int16_t> role, const CoupledOptions& options,
                  const Domain& domain, Real spacing, Span<std::int32_t> aggregate);
     /// Drops the coarse level.
-    void clear() { groups_ = 0; }
+    void clear() { coarse_.clear(); }
 
     /// The diagonal blocks and the aggregates' places of this step.
     /// @param slip field::contact_normal: the velocity along it is prescribed
     void set(const StrainForm& form, Span<const Vec3> x, Span<const std::int16_t> role, Span<const Vec3> slip, const Domain& domain,
              Real spacing, Span<const std::int32_t> aggregate);
-    /// z = r from now to the next set(), for comparison.
-    void let_through() { clear(), inverse_diagonal_.assign(inverse_diagonal_.size(), Mat3::Identity()); }
+    /// z = r from now to the next set(), to compare.
+    void be_identity() { clear(), inverse_diagonal_.assign(inverse_diagonal_.size(), Mat3::Identity()); }
     void operator()(Span<const Vec3> r, Span<Vec3> z) const;
 
-    int unknowns() const { return 6 * groups_; }
+    int unknowns() const { return 6 * coarse_.groups(); }
 
 private:
-    int groups_ = 0;
-    RigidAggregates aggregates_;
-    BlockCholesky factor_;
+    CoarseLevel coarse_;
     std::vector<Mat3> inverse_diagonal_;
     std::vector<Vec3> slip_;  ///< empty where nothing slips
-    mutable std::vector<Real> load_;
 };
 
 }  // namespace whorl

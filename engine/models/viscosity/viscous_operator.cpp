@@ -1,57 +1,25 @@
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
+#include "engine/models/viscosity/viscous_operator.h"
+
 #include <limits>
 
 #include "engine/core/parallel.h"
 #include "engine/models/boundary/wall.h"
-#include "engine/models/viscosity/full.h"
+#include "engine/models/strain/moment.h"
 
 namespace whorl {
-namespace {
-
-/// M^+ and P of the matrix M of a neighbourhood. A direction counts as resolved by a smooth step of its eigenvalue over the largest, from
-/// 0.01 to 0.04: neighbours on a line or in a plane, or a single one, tell nothing about the directions across. Returns whether all three
-/// are resolved.
-bool pseudo_inverse(const Mat3d& M, Mat3d& inverse, Mat3d& projection) {
-    const double size = M.trace();
-    inverse = projection = Mat3d::Zero();
-    if (!(size > 0)) return false;
-    // With trace 1 and s_min/s_max = 0.04 the determinant is 0.0047 at most: above that all three are resolved.
-    if (const Mat3d scaled = M / size; scaled.determinant() > 0.005) {
-        inverse = scaled.inverse() / size;
-        projection.setIdentity();
-        return true;
-    }
-    const Eigen::SelfAdjointEigenSolver<Mat3d> axes(M);
-    const Vec3d s = axes.eigenvalues();
-    bool whole = true;
-    for (int a = 0; a < 3; ++a) {
-        const double t = std::log(std::max(s[a] / s[2], 1e-30) / 0.01) / std::log(4.0);
-        const double c = std::min(1.0, std::max(0.0, t)), resolved = c * c * (3 - 2 * c);
-        whole = whole && resolved == 1;
-        if (resolved == 0) continue;
-        const Mat3d along = axes.eigenvectors().col(a) * axes.eigenvectors().col(a).transpose();
-        inverse += resolved / s[a] * along;
-        projection += resolved * along;
-    }
-    return whole;
-}
-
-}  // namespace
-
 void ViscousOperator::set_up(const FullViscosityOptions& options, const FluidPairs& pairs, const SolidPairs& solid_pairs,
                              const Solids& solids, const SolidParticles& layer, const StepContext& step, Read<field::role> role,
                              Read<field::viscosity> mu, Span<const Real> density) {
     const std::size_t n = static_cast<std::size_t>(mu.size());
     pairs_ = &pairs;
     corrected_ = options.correction;
-    use_coarse(nullptr, nullptr);
+    use_coarse(nullptr);
     pair_.resize(pairs.other.size());
     M_.resize(n), P_.resize(n), K_.resize(n), c_.resize(n), wr_.resize(n), free_.resize(n), whole_.resize(n);
     u_.resize(n), Q_.resize(n), own_.resize(n);
     touches_wall_ = false;
     wall_.clear(), wall_moment_.clear();
-    rub_.resize(n);
+    K_friction_.resize(n);
     friction_.set(FrictionForm::central, solid_pairs, solids, layer, step);
     if (layer.size() > 0) set_up_wall(options, solid_pairs, solids, layer, step);
     set_up_bodies(options, solid_pairs, solids, layer, step);
@@ -86,15 +54,15 @@ void ViscousOperator::set_up_moments(const FullViscosityOptions& options, const 
             if (!wall_.empty()) M += wall_moment_[i], wr_[i].wr += wall_[i].near.wr;
             free_[i] = role[i] == 0;
             K_[i] = step.dt * mu[i] / step.rest_density;
-            if (friction_.acts()) rub_[i] = K_[i], K_[i] *= 1 - friction_.counted(i);
+            if (friction_.acts()) K_friction_[i] = K_[i], K_[i] *= 1 - friction_.counted(i);
             c_[i] = 0;
             P_[i].set(Mat3::Identity());
             whole_[i] = 1;
             if (options.correction) {
-                Mat3d inverse, projection;
-                whole_[i] = pseudo_inverse(M, inverse, projection);
-                M_[i].set(inverse.cast<Real>());
-                P_[i].set(projection.cast<Real>());
+                const Moment moment = invert_moment(M);
+                whole_[i] = moment.whole;
+                M_[i].set(moment.inverse.cast<Real>());
+                P_[i].set(moment.resolved.cast<Real>());
                 if (M.trace() > 0) c_[i] = options.penalty * K_[i] * static_cast<Real>(3 / M.trace());
             } else {
                 const Real compression = density.empty() ? 1 : density[i] / step.rest_density;
@@ -184,11 +152,7 @@ double ViscousOperator::largest_spread() const {
 
 void ViscousOperator::precondition(Span<const Vec3> r, Span<Vec3> z) const {
     divide_by_diagonal(r, z);
-    if (!groups_) return;
-    load_.resize(6 * groups_->groups());
-    groups_->restrict_to_groups(r, load_);
-    factor_->solve(load_);
-    groups_->add_motion(load_, z);
+    if (coarse_) coarse_->add(r, z);
 }
 
 }  // namespace whorl

@@ -79,20 +79,6 @@ struct Bratu {
 
 }  // namespace
 
-TEST_CASE("a jet's derivatives are those of the formula, to rounding", "[math]") {
-    using J = Jet<2>;
-    const auto f = [](const auto& x, const auto& y) {
-        using std::exp;
-        return exp(x * y) / (y + 2.0 * x) - x;
-    };
-    const double x = 0.7, y = 1.3;
-    const J jet = f(J::variable(x, 0), J::variable(y, 1));
-    const double e = std::exp(x * y), d = y + 2 * x;
-    CHECK(jet.value == Approx(f(x, y)).epsilon(1e-14));
-    CHECK(jet.gradient[0] == Approx(e * y / d - 2 * e / (d * d) - 1).epsilon(1e-13));
-    CHECK(jet.gradient[1] == Approx(e * x / d - e / (d * d)).epsilon(1e-13));
-}
-
 TEST_CASE("half the intervals' length is a sixteenth of the error of a boundary value problem", "[math]") {
     const Layer layer;
     double before = 0;

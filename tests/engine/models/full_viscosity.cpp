@@ -4,8 +4,8 @@
 
 #include "engine/models/boundary/wall.h"
 #include "engine/models/motion/motion.h"
-#include "engine/models/viscosity/full.h"
-#include "tests/support/coarse_matrix.h"
+#include "engine/models/viscosity/full_viscosity.h"
+#include "tests/support/coarse_difference.h"
 #include "tests/support/viscous_block.h"
 
 using namespace whorl;

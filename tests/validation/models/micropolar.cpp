@@ -6,7 +6,7 @@
 #include "engine/io/diagnostics.h"
 #include "engine/models/boundary/wall.h"
 #include "engine/models/motion/motion.h"
-#include "engine/models/viscosity/explicit.h"
+#include "engine/models/viscosity/explicit_viscosity.h"
 #include "engine/scene/read.h"
 #include "engine/sph/density.h"
 #include "tests/support/micropolar_flows.h"

@@ -9,7 +9,7 @@
 #include "engine/models/pressure/damping.h"
 #include "engine/models/pressure/ppe.h"
 #include "engine/models/pressure/wcsph.h"
-#include "engine/models/viscosity/explicit.h"
+#include "engine/models/viscosity/explicit_viscosity.h"
 #include "engine/sph/density.h"
 #include "tests/support/world.h"
 

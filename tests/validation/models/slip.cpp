@@ -4,8 +4,8 @@
 
 #include "engine/models/boundary/wall.h"
 #include "engine/models/motion/motion.h"
-#include "engine/models/viscosity/explicit.h"
-#include "engine/models/viscosity/full.h"
+#include "engine/models/viscosity/explicit_viscosity.h"
+#include "engine/models/viscosity/full_viscosity.h"
 #include "engine/sph/density.h"
 #include "tests/support/world.h"
 

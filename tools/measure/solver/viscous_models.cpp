@@ -2,9 +2,9 @@
 
 #include "engine/geometry/shape.h"
 #include "engine/models/motion/motion.h"
-#include "engine/models/viscosity/assembled.h"
-#include "engine/models/viscosity/explicit.h"
-#include "engine/models/viscosity/full.h"
+#include "engine/models/viscosity/assembled_viscosity.h"
+#include "engine/models/viscosity/explicit_viscosity.h"
+#include "engine/models/viscosity/full_viscosity.h"
 #include "engine/particles/sample.h"
 #include "engine/sph/density.h"
 

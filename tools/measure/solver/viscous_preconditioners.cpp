@@ -5,8 +5,9 @@
 
 #include "engine/core/clock.h"
 #include "engine/core/random.h"
-#include "engine/models/coupled/system.h"
-#include "engine/models/viscosity/full.h"
+#include "engine/models/coupled/coupled_motion.h"
+#include "engine/models/coupled/coupled_solve.h"
+#include "engine/models/viscosity/full_viscosity.h"
 #include "engine/particles/sort.h"
 #include "engine/scene/names.h"
 #include "tests/support/world.h"

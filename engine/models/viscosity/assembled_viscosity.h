@@ -5,7 +5,7 @@
 ///
 /// Stages of a step, in order: Density, Gravity, (forces), Kick, AssembledViscosity, (pressure), Move.
 #include "engine/geometry/solids.h"
-#include "engine/models/viscosity/implicit.h"
+#include "engine/models/viscosity/implicit_viscosity.h"
 #include "engine/particles/pairs.h"
 
 namespace whorl {

@@ -1,4 +1,4 @@
-#include "engine/models/viscosity/assembled.h"
+#include "engine/models/viscosity/assembled_viscosity.h"
 
 #include <cmath>
 

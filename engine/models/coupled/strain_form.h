@@ -11,7 +11,7 @@
 ///
 /// D is exact where all directions are resolved and zero for a rigid rotation even in a single file of particles. The forces are the exact
 /// derivative of E, pair by pair opposite: momentum is conserved to round-off.
-#include "engine/models/coupled/rows.h"
+#include "engine/models/coupled/coupled_rows.h"
 
 namespace whorl {
 

@@ -1,4 +1,4 @@
-#include "engine/models/viscosity/ageing.h"
+#include "engine/models/viscosity/ageing_viscosity.h"
 
 namespace whorl {
 namespace {

@@ -5,7 +5,7 @@
 #endif
 
 #include "engine/core/parallel.h"
-#include "engine/models/viscosity/full.h"
+#include "engine/models/viscosity/viscous_operator.h"
 
 #pragma GCC diagnostic ignored "-Wpsabi"  // the functions below that take and give vectors are this file's own
 
@@ -90,7 +90,7 @@ void ViscousOperator::spread(Span<const Vec3> u, bool free_only) const {
 
 /// A = sum_j w u_ij r_ij^T, G = A M^+, Q = 2 K P D M^+ - 2 c G; what the penalty's springs pull stands beside A.
 void ViscousOperator::stress(Span<const Vec3> u, bool with_walls) const {
-    const bool rubs = friction_.acts() || bodies();
+    const bool walls_push_back = friction_.acts() || bodies();
     parallel_for(size(), [&](Index i) {
         const Lanes own = lanes_of(u_[i]);
         Lanes A = sum_row(*pairs_, pair_.data(), i, [&](std::size_t j) { return own - lanes_of(u_[j]); });
@@ -99,13 +99,14 @@ void ViscousOperator::stress(Span<const Vec3> u, bool with_walls) const {
             const Wall& wall = wall_[i];
             A += in_each_row(wall.near.wr.data()) * own;
             if (with_walls) A -= lanes_of(wall.moving);
-            if (rubs) {
+            if (walls_push_back) {
                 Sixteen sum;
                 reinterpret_cast<Lanes&>(sum) = A;
                 Mat3 gradient = sum.matrix();
                 Vec3 pull = sum.beside();
-                if (friction_.acts()) pull += rub_[i] * (friction_.hold(i) * ui - (with_walls ? friction_.pull(i) : Vec3(Vec3::Zero())));
-                if (bodies()) take_bodies(i, u, gradient, pull);
+                if (friction_.acts())
+                    pull += K_friction_[i] * (friction_.hold(i) * ui - (with_walls ? friction_.pull(i) : Vec3(Vec3::Zero())));
+                if (bodies()) subtract_body_velocities(i, u, gradient, pull);
                 sum.set(gradient, pull);
                 A = lanes_of(sum);
             }
@@ -119,7 +120,7 @@ void ViscousOperator::stress(Span<const Vec3> u, bool with_walls) const {
         const Lanes Q = times(K * G - c * A, M);
         reinterpret_cast<Lanes&>(Q_[i]) = Q;
         reinterpret_cast<Lanes&>(own_[i]) = Q * in_each_row(wr_[i].wr.data()) + beside(A + own);
-        if (bodies()) give_bodies(i, u, ui, Q_[i].matrix());
+        if (bodies()) set_body_forces(i, u, ui, Q_[i].matrix());
     });
 }
 

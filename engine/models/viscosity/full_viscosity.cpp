@@ -1,4 +1,4 @@
-#include "engine/models/viscosity/full.h"
+#include "engine/models/viscosity/full_viscosity.h"
 
 namespace whorl {
 
@@ -13,23 +13,24 @@ void FullViscosity::operator()(const FluidPairs& pairs, const SolidPairs& solid_
 
 void FullViscosity::set_up_coarse(const FluidPairs& pairs, const StepContext& step, Read<field::role> role, Read<field::position> x,
                                   Span<std::int32_t> aggregate) {
-    operator_.use_coarse(nullptr, nullptr);
+    operator_.use_coarse(nullptr);
     const double d2 = static_cast<double>(step.spacing) * step.spacing;
     if (options_.aggregate == 0 || operator_.largest_spread() < options_.coarse_above * d2) {
-        group_count_ = 0;
+        coarse_.clear();
         std::fill(aggregate.begin(), aggregate.end(), 0);
         return;
     }
     // A resumed run starts at a landing: it sets up what the run that never stopped does.
-    const bool fresh = step.at_landing || group_count_ == 0 || steps_since_refresh_ >= options_.refresh_every;
-    if (fresh) group_count_ = form_aggregates(pairs, x.values, role.values, step.domain, step.support, options_.aggregate, aggregate);
-    groups_.place(x.values, role.values, aggregate, group_count_, step.domain, step.spacing);
+    const bool fresh = step.at_landing || coarse_.groups() == 0 || steps_since_refresh_ >= options_.refresh_every;
+    const int groups =
+        fresh ? form_aggregates(pairs, x.values, role.values, step.domain, step.support, options_.aggregate, aggregate) : coarse_.groups();
+    coarse_.place(x.values, role.values, aggregate, groups, step.domain, step.spacing);
     if (fresh) {
         steps_since_refresh_ = 0;
-        if (!factor_.factor(operator_.coarse_matrix(groups_), groups_.centres())) group_count_ = 0;
+        coarse_.factor(operator_.coarse_matrix(coarse_.motions()));
     }
     ++steps_since_refresh_;
-    if (group_count_ > 0) operator_.use_coarse(&groups_, &factor_);
+    if (coarse_.groups() > 0) operator_.use_coarse(&coarse_);
 }
 
 void UncorrectedViscosity::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer,

@@ -1,4 +1,4 @@
-#include "engine/models/viscosity/implicit.h"
+#include "engine/models/viscosity/implicit_viscosity.h"
 
 #include <Eigen/LU>
 

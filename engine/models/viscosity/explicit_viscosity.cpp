@@ -1,4 +1,4 @@
-#include "engine/models/viscosity/explicit.h"
+#include "engine/models/viscosity/explicit_viscosity.h"
 
 #include <cmath>
 

@@ -2,7 +2,7 @@
 #include <Eigen/LU>
 
 #include "engine/models/bodies/reaction.h"
-#include "engine/models/viscosity/full.h"
+#include "engine/models/viscosity/viscous_operator.h"
 
 namespace whorl {
 namespace {
@@ -44,7 +44,7 @@ void ViscousOperator::set_up_bodies(const FullViscosityOptions& options, const S
 }
 
 // A_i -= sum_s w V_s r^T,   own_i -= 2 c_i sum_s stretch w V_s
-void ViscousOperator::take_bodies(Index i, Span<const Vec3> u, Mat3& A, Vec3& own) const {
+void ViscousOperator::subtract_body_velocities(Index i, Span<const Vec3> u, Mat3& A, Vec3& own) const {
     for (std::size_t e = bodies_.first[i]; e < bodies_.first[i + 1]; ++e) {
         const BodyTouch& t = bodies_.touch[e];
         const Vec3 &v = u[K_.size() + (2 * t.body)], &w = u[K_.size() + (2 * t.body + 1)];
@@ -55,7 +55,7 @@ void ViscousOperator::take_bodies(Index i, Span<const Vec3> u, Mat3& A, Vec3& ow
 }
 
 // F_s = w Q r + 2 c w (stretch u_i - V_s):   force = sum stretch F_s,   torque = a x force - sum r x F_s
-void ViscousOperator::give_bodies(Index i, Span<const Vec3> u, const Vec3& own_velocity, const Mat3& Q) const {
+void ViscousOperator::set_body_forces(Index i, Span<const Vec3> u, const Vec3& own_velocity, const Mat3& Q) const {
     for (std::size_t e = bodies_.first[i]; e < bodies_.first[i + 1]; ++e) {
         BodyTouch& t = bodies_.touch[e];
         const Vec3 &v = u[K_.size() + (2 * t.body)], &w = u[K_.size() + (2 * t.body + 1)];

@@ -37,6 +37,8 @@ struct RowBlock {
     Index size() const { return end - begin; }
     std::size_t row_begin(Index row) const { return first[row]; }
     std::size_t row_end(Index row) const { return first[row + 1]; }
+    /// Ends a row, whose pairs end there, after a whole vector.
+    void pad(Index row, std::size_t from);
 };
 
 class CoupledRows {
@@ -68,6 +70,10 @@ public:
 private:
     struct Scratch;
     void build_block(RowBlock& block, Span<const Vec3> x, Span<const std::int16_t> role, Real spacing, const CoupledOptions& options);
+    Real find_candidates(Index i, Real spacing, const CoupledOptions& options, Scratch& s) const;
+    void find_bridges(Index i, Real h, const CoupledOptions& options, Scratch& s) const;
+    std::size_t append_row(RowBlock& block, Index i, Real h, Span<const std::int16_t> role, const CoupledOptions& options,
+                           Scratch& s) const;
     void number_slots();
 
     NeighbourSearch near_search_, far_search_;

@@ -1,5 +1,6 @@
+#include "engine/models/coupled/coupled_motion.h"
+
 #include "engine/core/parallel.h"
-#include "engine/models/coupled/system.h"
 
 namespace whorl {
 namespace {
@@ -44,8 +45,8 @@ struct Shifting {
         const Real evening_range = static_cast<Real>(o.evening_range), evening_rate = static_cast<Real>(o.evening_rate),
                    strongest_evening = Real(0.05);
         const RowBlock& block = system.rows.blocks[i / CoupledRows::block_size];
-        const Neighbourhood& hood = system.rows.neighbourhood[i];
-        const Real thin = hood.thin;
+        const Neighbourhood& around = system.rows.neighbourhood[i];
+        const Real thin = around.thin;
         Vec3 dx = Vec3::Zero();
         Real along = 0;
         for (std::size_t e = block.row_begin(i - block.begin); e < block.row_end(i - block.begin); ++e) {
@@ -55,17 +56,17 @@ struct Shifting {
             const Vec3 r = step.domain.minimum_image(x[j] - x[i]) / step.spacing;
             const Real distance = r.norm(), strained = strain[i] + strain[j];
             if (distance < range && distance > Real(1e-6)) dx -= std::min(rate * strained, strongest) * (range - distance) / distance * r;
-            const Real s = hood.along.dot(r), away = std::abs(s);
+            const Real s = around.along.dot(r), away = std::abs(s);
             if (thin > 0 && away < evening_range)
                 along -= std::min(evening_rate * strained, strongest_evening) * (evening_range - away) * s / (away + Real(0.2));
         }
-        dx += thin * along * hood.along;
+        dx += thin * along * around.along;
         const Real length = dx.norm(), longest = static_cast<Real>(o.longest_shift);
         if (length > longest) dx *= longest / length;
         // At the surface the repulsion has nothing to balance it: its outward part would fatten the thread.
-        const Real on_surface = std::clamp((hood.surface - Real(0.12)) / Real(0.18), Real(0), Real(1));
-        const Real outward = dx.dot(hood.outward);
-        return outward > 0 ? Vec3(dx - on_surface * outward * hood.outward) : dx;
+        const Real on_surface = std::clamp((around.surface - Real(0.12)) / Real(0.18), Real(0), Real(1));
+        const Real outward = dx.dot(around.outward);
+        return outward > 0 ? Vec3(dx - on_surface * outward * around.outward) : dx;
     }
 };
 

@@ -1,22 +1,13 @@
 #pragma once
-/// Implicit viscosity in its full form, variational and matrix-free (docs/physics.md 4; Takahashi et al. 2015, mended).
-///
-/// Stages of a step, in order: Gravity, (forces), Kick, FullViscosity, (pressure), Move. Corrected, it needs no density.
+/// The operator of the full implicit viscosity, variational and matrix-free (docs/physics.md 4; Takahashi et al. 2015, mended). Set up in
+/// viscous_operator.cpp, its product in viscous_operator_product.cpp, its coarse level in viscous_operator_coarse.cpp, free bodies in
+/// viscous_operator_bodies.cpp.
 #include "engine/geometry/solids.h"
-#include "engine/math/block_cholesky.h"
 #include "engine/models/boundary/friction.h"
-#include "engine/models/viscosity/implicit.h"
-#include "engine/particles/aggregates.h"
+#include "engine/models/strain/coarse_level.h"
+#include "engine/models/viscosity/implicit_viscosity.h"
 
 namespace whorl {
-
-namespace field {
-struct viscous_aggregate {
-    using type = std::int32_t;
-    static constexpr std::string_view name = "viscous_aggregate", unit = "",
-                                      meaning = "rigid group in the coarse level of the viscosity, 0: none";
-};
-}  // namespace field
 
 struct FullViscosityOptions {
     SolveLimits limits{1e-4, 500};  ///< see solve_implicit()
@@ -65,8 +56,8 @@ public:
 
     /// R^T A R.
     SymmetricBlocks coarse_matrix(const RigidAggregates& groups) const;
-    /// Both must outlive the use; null: the diagonal alone.
-    void use_coarse(const RigidAggregates* groups, const BlockCholesky* factor) { groups_ = groups, factor_ = factor; }
+    /// It must outlive the use; null: the diagonal alone.
+    void use_coarse(const CoarseLevel* coarse) { coarse_ = coarse; }
 
 private:
     /// Sixteen numbers side by side, one or two vector registers: lane 4 a + b belongs to component a of a velocity and b of a pair.
@@ -91,7 +82,7 @@ private:
         Sixteen moving{};            ///< the gradient from the solids' own velocities, their pull beside it
     };
     /// dt mu/rho_0 times WallFriction's: what solids do along which the fluid slips by a length.
-    Mat3 hold(Index i) const { return rub_[i] * friction_.hold(i); }
+    Mat3 hold(Index i) const { return K_friction_[i] * friction_.hold(i); }
     void set_up_moments(const FullViscosityOptions& options, const StepContext& step, Read<field::role> role, Read<field::viscosity> mu,
                         Span<const Real> density);
     void set_up_wall(const FullViscosityOptions& options, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
@@ -103,16 +94,17 @@ private:
     void set_up_bodies(const FullViscosityOptions& options, const SolidPairs& solid_pairs, const Solids& solids,
                        const SolidParticles& layer, const StepContext& step);
     void set_up_body_blocks();
+    struct CoarseRows;
     /// What bodies take from the sums at i, and what i gives to them, once its stress is known.
-    void take_bodies(Index i, Span<const Vec3> u, Mat3& A, Vec3& own) const;
-    void give_bodies(Index i, Span<const Vec3> u, const Vec3& own_velocity, const Mat3& Q) const;
+    void subtract_body_velocities(Index i, Span<const Vec3> u, Mat3& A, Vec3& own) const;
+    void set_body_forces(Index i, Span<const Vec3> u, const Vec3& own_velocity, const Mat3& Q) const;
     void sum_bodies(Span<const Vec3> u, Span<Vec3> y) const;
 
     const FluidPairs* pairs_ = nullptr;
     Column<Pair> pair_;
     Column<Pair> wr_;  ///< sum of w r_ij over fluid and solids
     WallFriction friction_;
-    Column<Real> rub_;                ///< dt mu/rho_0; K_ has not what the friction counts
+    Column<Real> K_friction_;         ///< dt mu/rho_0; K_ has not what the friction counts
     Column<Wall> wall_;               ///< empty: there are no solids
     Column<Mat3d> wall_moment_;       ///< what the solids add to M
     Column<Sixteen> M_, P_;           ///< M^+ and P
@@ -122,42 +114,9 @@ private:
     mutable ViscousBodies bodies_;
     std::vector<Mat3d> body_blocks_;  ///< inverses of the 3x3 diagonal blocks of the bodies' entries
     bool touches_wall_ = false, corrected_ = true;
-    const RigidAggregates* groups_ = nullptr;
-    const BlockCholesky* factor_ = nullptr;
+    const CoarseLevel* coarse_ = nullptr;
     mutable Column<Sixteen> u_, Q_;
     mutable Column<Sixteen> own_;  ///< the part of y that needs no neighbour's stress, as the sums of four lanes each
-    mutable std::vector<Real> load_;
-};
-
-/// The stage of the corrected form: u = argmin E.
-class FullViscosity {
-public:
-    explicit FullViscosity(FullViscosityOptions options) : options_(options) {}
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer,
-                    const StepContext& step, StepReport& report, Read<field::role> role, Read<field::position> x, Read<field::viscosity> mu,
-                    Update<field::velocity> u, Update<field::viscous_acceleration> last, Update<field::viscous_aggregate> aggregate);
-
-private:
-    void set_up_coarse(const FluidPairs& pairs, const StepContext& step, Read<field::role> role, Read<field::position> x,
-                       Span<std::int32_t> aggregate);
-    FullViscosityOptions options_;
-    ViscousOperator operator_;
-    RigidAggregates groups_;
-    BlockCholesky factor_;
-    int group_count_ = 0, steps_since_refresh_ = 0;  ///< of the coarse level; no groups: there is none
-};
-
-/// The stage of the form as in the note, which weights by the density.
-class UncorrectedViscosity {
-public:
-    explicit UncorrectedViscosity(FullViscosityOptions options) : options_(options) { options_.correction = false; }
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer,
-                    const StepContext& step, StepReport& report, Read<field::role> role, Read<field::position> x, Read<field::density> rho,
-                    Read<field::viscosity> mu, Update<field::velocity> u, Update<field::viscous_acceleration> last);
-
-private:
-    FullViscosityOptions options_;
-    ViscousOperator operator_;
 };
 
 }  // namespace whorl

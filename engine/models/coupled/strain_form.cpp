@@ -1,4 +1,4 @@
-#include "engine/models/coupled/strain.h"
+#include "engine/models/coupled/strain_form.h"
 
 #include <array>
 

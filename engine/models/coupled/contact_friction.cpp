@@ -1,4 +1,4 @@
-#include "engine/models/coupled/slip_friction.h"
+#include "engine/models/coupled/contact_friction.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "engine/models/coupled/rows.h"
+#include "engine/models/coupled/coupled_rows.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "engine/core/parallel.h"
+#include "engine/models/strain/moment.h"
 
 namespace whorl {
 namespace {
@@ -17,38 +18,24 @@ Real wendland(Real q) {
     return p2 * p2 * (1 + 4 * q);
 }
 
-double smooth_step(double t) {
-    t = std::clamp(t, 0.0, 1.0);
-    return t * t * (3 - 2 * t);
-}
-
-/// M+, P and what follows from the eigenvalues of M. A direction is resolved by a smooth step of ln(s_a / s_max).
-void invert_moment(const Mat3& M, const CoupledOptions& o, Neighbourhood& n) {
+/// M+, P and what follows from the eigenvalues of M.
+void set_moment(const Mat3& M, const CoupledOptions& o, Neighbourhood& n) {
     const Mat3d wide = M.cast<double>();
-    Eigen::SelfAdjointEigenSolver<Mat3d> eigen;
-    eigen.computeDirect(wide, Eigen::EigenvaluesOnly);
-    Vec3d s = eigen.eigenvalues();
+    Eigen::SelfAdjointEigenSolver<Mat3d> axes;
+    axes.computeDirect(wide, Eigen::EigenvaluesOnly);
+    const Vec3d s = axes.eigenvalues();
     if (!(s[2] > 0)) return;
     n.thin = static_cast<Real>(smooth_step((o.thin_below - s[1] / s[2]) / (o.thin_below - o.thin_at)));
-    const bool resolved = s[0] >= o.resolved_above * s[2];
-    if (resolved) n.inverse_moment = wide.inverse().cast<Real>();
-    if (resolved && n.thin == 0) return;
-    eigen.computeDirect(wide);
-    s = eigen.eigenvalues();
-    if (n.thin > 0) n.along = eigen.eigenvectors().col(2).cast<Real>();
-    if (resolved) return;
-    const Mat3d Q = eigen.eigenvectors();
-    Vec3d pi, inverse;
-    double k = 0;
-    for (int a = 0; a < 3; ++a) {
-        const double ratio = s[a] / s[2];
-        pi[a] = ratio <= 0 ? 0 : smooth_step(std::log(ratio / o.unresolved_at) / std::log(o.resolved_above / o.unresolved_at));
-        inverse[a] = pi[a] > 0 ? pi[a] / s[a] : 0;
-        k += 1 - pi[a] * pi[a];
-    }
-    n.inverse_moment = (Q * inverse.asDiagonal() * Q.transpose()).cast<Real>();
-    n.resolved = (Q * pi.asDiagonal() * Q.transpose()).cast<Real>();
-    n.unresolved = static_cast<Real>(k);
+    const bool whole = resolves_all(s);
+    if (whole) n.inverse_moment = wide.inverse().cast<Real>();
+    if (whole && n.thin == 0) return;
+    axes.computeDirect(wide);
+    if (n.thin > 0) n.along = axes.eigenvectors().col(2).cast<Real>();
+    if (whole) return;
+    const Moment moment = invert_moment(axes.eigenvalues(), axes.eigenvectors());
+    n.inverse_moment = moment.inverse.cast<Real>();
+    n.resolved = moment.resolved.cast<Real>();
+    n.unresolved = static_cast<Real>(moment.unresolved);
 }
 
 }  // namespace
@@ -64,6 +51,13 @@ struct CoupledRows::Scratch {
 
     unsigned long build = 0;  ///< for which `reached` was cleared
 
+    Index place_of(Index j, RowBlock& block) {
+        if (place[j] < 0) {
+            place[j] = static_cast<Index>(block.touched.size());
+            block.touched.push_back(j);
+        }
+        return place[j];
+    }
     void clear() { x.clear(), y.clear(), z.clear(), r2.clear(), index.clear(); }
     void add(Index j, const Vec3& r) {
         x.push_back(r[0]), y.push_back(r[1]), z.push_back(r[2]);
@@ -175,85 +169,92 @@ void CoupledRows::build_block(RowBlock& block, Span<const Vec3> x, Span<const st
     if (s.reached.size() != x.size() || s.build != builds_) s.reached.assign(x.size(), -1), s.build = builds_;
     block.touched.clear();
     block.first.assign(1, 0);
-    const auto place_of = [&](Index j) {
-        Index& place = s.place[j];
-        if (place < 0) {
-            place = static_cast<Index>(block.touched.size());
-            block.touched.push_back(j);
-        }
-        return place;
-    };
-    for (Index i = block.begin; i < block.end; ++i) place_of(i);
-
-    const Real inverse_spacing = 1 / spacing;
-    const Real h0 = static_cast<Real>(o.support), widest = static_cast<Real>(o.widest_support);
-    std::size_t counted = 0, end = 0;
-
+    for (Index i = block.begin; i < block.end; ++i) s.place_of(i, block);
+    std::size_t counted = 0;
     for (Index i = block.begin; i < block.end; ++i) {
-        const auto at = static_cast<std::size_t>(i);
-        const Index sparse = sparse_place_[at];
-        s.clear();
-        const auto take = [&](Index j, const Vec3& r, Real) {
-            if (j != i) s.add(j, r * -inverse_spacing);
-        };
-        if (sparse < 0) near_.of(i, take);
-        else far_.of(sparse, take);
-        const std::size_t candidates = s.index.size();
-
-        Real h = h0;
-        if (sparse >= 0) {
-            h = widest;
-            if (static_cast<int>(candidates) >= o.enough_neighbours) {
-                s.order.assign(s.r2.begin(), s.r2.end());
-                const auto enough = s.order.begin() + (o.enough_neighbours - 1);
-                std::nth_element(s.order.begin(), enough, s.order.end());
-                h = std::clamp(Real(1.15) * std::sqrt(*enough), h0, widest);
-            }
-        }
-        Neighbourhood& hood = neighbourhood[at];
-        s.w.resize(candidates);
-        hood.density = weigh(static_cast<Index>(candidates), s.r2.data(), h0, h, s.w.data());
-
-        // Pairs longer than the gate need a bridge. In the normal support: candidates that are close to one that is close to i.
-        const Real scale = h / h0, gate = static_cast<Real>(o.gate) * scale, reach = static_cast<Real>(o.bridge) * scale;
-        if (h == h0) {
-            for (Index k = 0; k < close_count_[at]; ++k) {
-                const auto bridge = static_cast<std::size_t>(close_[at * most_close + k]);
-                for (Index l = 0; l < close_count_[bridge]; ++l) s.reached[close_[bridge * most_close + l]] = i;
-            }
-        } else {
-            s.bridges.clear();
-            for (std::size_t k = 0; k < candidates; ++k)
-                if (s.r2[k] < reach * reach) s.bridges.push_back(k);
-        }
-
-        const std::size_t begin = end;
-        for (Column<Real>* column : {&block.x, &block.y, &block.z, &block.w})
-            if (column->size() < begin + candidates + lanes) column->resize(2 * (begin + candidates + lanes));
-        if (block.other.size() < block.x.size()) block.other.resize(block.x.size());
-        for (std::size_t k = 0; k < candidates; ++k) {
-            if (s.w[k] == 0) continue;
-            const Index j = s.index[k];
-            if (s.r2[k] > gate * gate && !(role[at] != 0 && role[j] != 0)) {
-                const bool counts = h == h0 ? s.reached[j] == i : s.bridged(k, reach * reach);
-                if (!counts) continue;
-            }
-            block.x[end] = s.x[k], block.y[end] = s.y[k], block.z[end] = s.z[k], block.w[end] = s.w[k];
-            block.other[end] = place_of(j);
-            ++end;
-        }
+        const Real h = find_candidates(i, spacing, o, s);
+        Neighbourhood& here = neighbourhood[i];
+        s.w.resize(s.index.size());
+        here.density = weigh(static_cast<Index>(s.index.size()), s.r2.data(), static_cast<Real>(o.support), h, s.w.data());
+        find_bridges(i, h, o, s);
+        const std::size_t begin = block.first.back(), end = append_row(block, i, h, role, o, s);
         counted += end - begin;
-        for (; (end - begin) % lanes != 0; ++end) {
-            block.x[end] = 1, block.y[end] = 0, block.z[end] = 0, block.w[end] = 0;
-            block.other[end] = i - block.begin;
-        }
-        block.first.push_back(end);
-        const Mat3 M = moments(static_cast<Index>(end - begin), block.x.data() + begin, block.y.data() + begin, block.z.data() + begin,
-                               block.w.data() + begin, hood);
-        if (hood.spread > 0) invert_moment(M, o, hood);
+        block.pad(i - block.begin, end);
+        const std::size_t padded = block.first.back();
+        const Mat3 M = moments(static_cast<Index>(padded - begin), block.x.data() + begin, block.y.data() + begin, block.z.data() + begin,
+                               block.w.data() + begin, here);
+        if (here.spread > 0) set_moment(M, o, here);
     }
     row_pairs_[block.begin / block_size] = counted;
     for (Index j : block.touched) s.place[j] = -1;
+}
+
+/// @returns the kernel radius in spacings: 1.15 times the distance of the 16th neighbour where few are near
+Real CoupledRows::find_candidates(Index i, Real spacing, const CoupledOptions& o, Scratch& s) const {
+    const Real inverse_spacing = 1 / spacing;
+    const Index sparse = sparse_place_[i];
+    s.clear();
+    const auto take = [&](Index j, const Vec3& r, Real) {
+        if (j != i) s.add(j, r * -inverse_spacing);
+    };
+    const Real usual = static_cast<Real>(o.support), widest = static_cast<Real>(o.widest_support);
+    if (sparse < 0) {
+        near_.of(i, take);
+        return usual;
+    }
+    far_.of(sparse, take);
+    if (static_cast<int>(s.index.size()) < o.enough_neighbours) return widest;
+    s.order.assign(s.r2.begin(), s.r2.end());
+    const auto enough = s.order.begin() + (o.enough_neighbours - 1);
+    std::nth_element(s.order.begin(), enough, s.order.end());
+    return std::clamp(Real(1.15) * std::sqrt(*enough), usual, widest);
+}
+
+/// What pairs longer than the gate need. In the usual support: candidates that are close to one that is close to i.
+void CoupledRows::find_bridges(Index i, Real h, const CoupledOptions& o, Scratch& s) const {
+    const Real usual = static_cast<Real>(o.support);
+    if (h == usual) {
+        const auto close = [&](Index j) { return Span<const Index>(close_).subspan(std::size_t(j) * most_close, close_count_[j]); };
+        for (const Index bridge : close(i))
+            for (const Index j : close(bridge)) s.reached[j] = i;
+        return;
+    }
+    const Real reach = static_cast<Real>(o.bridge) * (h / usual);
+    s.bridges.clear();
+    for (std::size_t k = 0; k < s.index.size(); ++k)
+        if (s.r2[k] < reach * reach) s.bridges.push_back(k);
+}
+
+/// Those candidates that count. @returns the row's end
+std::size_t CoupledRows::append_row(RowBlock& block, Index i, Real h, Span<const std::int16_t> role, const CoupledOptions& o,
+                                    Scratch& s) const {
+    std::size_t end = block.first.back();
+    const std::size_t most = end + s.index.size() + lanes;
+    for (Column<Real>* column : {&block.x, &block.y, &block.z, &block.w})
+        if (column->size() < most) column->resize(2 * most);
+    if (block.other.size() < block.x.size()) block.other.resize(block.x.size());
+    const Real usual = static_cast<Real>(o.support), scale = h / usual;
+    const Real gate = static_cast<Real>(o.gate) * scale, reach = static_cast<Real>(o.bridge) * scale;
+    for (std::size_t k = 0; k < s.index.size(); ++k) {
+        if (s.w[k] == 0) continue;
+        const Index j = s.index[k];
+        if (s.r2[k] > gate * gate && !(role[i] != 0 && role[j] != 0)) {
+            const bool counts = h == usual ? s.reached[j] == i : s.bridged(k, reach * reach);
+            if (!counts) continue;
+        }
+        block.x[end] = s.x[k], block.y[end] = s.y[k], block.z[end] = s.z[k], block.w[end] = s.w[k];
+        block.other[end] = s.place_of(j, block);
+        ++end;
+    }
+    return end;
+}
+
+void RowBlock::pad(Index row, std::size_t from) {
+    for (; (from - first.back()) % CoupledRows::lanes != 0; ++from) {
+        x[from] = 1, y[from] = 0, z[from] = 0, w[from] = 0;
+        other[from] = row;
+    }
+    first.push_back(from);
 }
 
 /// Lists for every particle the places, in the blocks' order, at which blocks hold something for it.

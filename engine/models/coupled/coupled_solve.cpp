@@ -1,0 +1,307 @@
+#include "engine/models/coupled/coupled_solve.h"
+
+#include <Eigen/Cholesky>
+
+#include "engine/core/parallel.h"
+#include "engine/math/conjugate_gradients.h"
+#include "engine/particles/largest_speed.h"
+
+namespace whorl {
+namespace {
+
+/// (tr(G)^2 - tr(G^2)) / 2: what det(1 + dt G) adds to 1 + dt tr G at second order.
+Real second_invariant(const Mat3& G) {
+    const Real t = G.trace();
+    return Real(0.5) * (t * t - (G * G).trace());
+}
+
+/// The part of a velocity that is solved for: nothing of a particle that is stuck or in a nozzle, what is tangential of one that slides.
+struct Unknowns {
+    Span<const std::int16_t> role;
+    Span<const Vec3> slip;
+    bool any_slip = false;
+
+    Vec3 part(Index i, const Vec3& v) const {
+        if (role[i] != 0) return Vec3::Zero();
+        return any_slip ? Vec3(v - slip[i] * slip[i].dot(v)) : v;
+    }
+    void restrict_to(Span<Vec3> v) const {
+        parallel_for(static_cast<Index>(v.size()), [&](Index i) { v[i] = part(i, v[i]); });
+    }
+};
+
+struct Momentum {
+    Vec3d linear = Vec3d::Zero(), angular = Vec3d::Zero();
+    Momentum& operator+=(const Momentum& o) {
+        linear += o.linear, angular += o.angular;
+        return *this;
+    }
+};
+struct Inertia {
+    Vec3d first = Vec3d::Zero();
+    Mat3d second = Mat3d::Zero();
+    Inertia& operator+=(const Inertia& o) {
+        first += o.first, second += o.second;
+        return *this;
+    }
+};
+
+/// Where nothing holds the fluid, its forces are all internal: a rigid motion takes out what the unfinished solve did to the momentum.
+/// @param turning also the angular momentum (it has no meaning along a periodic axis)
+void restore_momentum(Span<const Vec3> x, Span<const Vec3> wanted, bool turning, Span<Vec3> u) {
+    const auto n = static_cast<Index>(x.size());
+    const auto inertia = parallel_sum(n, Inertia{}, [&](Index i) {
+        const Vec3d a = x[i].cast<double>();
+        return Inertia{a, a * a.transpose()};
+    });
+    const Vec3d centre = inertia.first / n;
+    const Mat3d second = inertia.second - n * centre * centre.transpose();
+    const Mat3d theta = second.trace() * Mat3d::Identity() - second;
+    const auto missing = parallel_sum(n, Momentum{}, [&](Index i) {
+        const Vec3d du = wanted[i].cast<double>() - u[i].cast<double>();
+        return Momentum{du, (x[i].cast<double>() - centre).cross(du)};
+    });
+    const Vec3d shift = missing.linear / n;
+    // A single file of particles has no inertia about its own line.
+    Vec3d turn = (theta + 1e-9 * theta.trace() * Mat3d::Identity()).ldlt().solve(missing.angular);
+    if (!turning) turn.setZero();
+    if (!shift.allFinite() || !turn.allFinite()) return;
+    parallel_for(n, [&](Index i) { u[i] += (shift + turn.cross(x[i].cast<double>() - centre)).cast<Real>(); });
+}
+
+}  // namespace
+
+void CoupledNeighbourhood::operator()(Read<field::position> x, Read<field::role> role, Write<field::density> density,
+                                      const StepContext& step) const {
+    CoupledSystem& s = *system;
+    s.rows.build(x.values, role.values, step.domain, step.spacing, s.options);
+    parallel_for(x.size(), [&](Index i) { density[i] = step.rest_density * s.rows.neighbourhood[i].density; });
+}
+
+namespace {
+
+/// One step of the solve: its phases in order, and what they hand to each other.
+struct CoupledStep {
+    CoupledSystem& system;
+    Read<field::position> x;
+    Read<field::role> role;
+    Read<field::viscosity> mu;
+    Update<field::velocity> u;
+    Update<field::pressure> p;
+    Update<field::velocity_change> change;
+    Update<field::velocity_gradient> G;
+    Update<field::aggregate> aggregate;
+    Update<field::contact_normal> slip;
+    const Solids& solids;
+    const StepContext& step;
+
+    const CoupledOptions& options = system.options;
+    StrainForm& form = system.form;
+    const Index n = x.size();
+    const Real dt = step.dt, d = step.spacing;
+
+    Unknowns unknowns{role.values, slip.values};
+    Index free_particles = 0;
+    bool nothing_held = false;                  ///< no solid and no nozzle takes part: momentum is kept
+    Column<Vec3> known = Column<Vec3>(n);       ///< the part of the velocities that is prescribed [m/s]
+    Column<Vec3> solved = Column<Vec3>(n);      ///< the part that is not: first where the solver starts, then the solution [m/s]
+    Column<Real> divergence = Column<Real>(n);  ///< s, that the step asks for [1/s]
+    Column<Real> pressure = Column<Real>(n);    ///< q [m/s]: the multiplier, and what of the bulk term does not depend on u
+    Column<Vec3> load = Column<Vec3>(n);        ///< right-hand side, then the residual [m/s]
+    Column<Vec3> work = Column<Vec3>(n);
+
+    void set_up_form();
+    void find_unknowns();
+    void set_known_velocities();
+    void set_divergence();
+    void set_pressure();
+    void set_up_preconditioner();
+    double set_load();
+    SolveReport solve(double reference);
+    void descend_along_last_change();
+    void keep_momentum();
+    void take_over();
+    void release_slipping();
+
+    Vec3 loaded(Index i, const Vec3& before) const;
+    void multiply(Span<const Vec3> v, Span<Vec3> y) const;
+    double preconditioned_norm(Span<const Vec3> r);
+};
+
+void CoupledStep::set_up_form() {
+    system.friction.set(x.values, role.values, mu.values, solids, step);
+    form.set(system.rows, mu.values, system.friction.counted, dt, step.rest_density, d, options);
+    form.set_friction(system.friction.hold);
+}
+
+void CoupledStep::find_unknowns() {
+    for (Index i = 0; i < n; ++i) {
+        free_particles += role[i] == 0;
+        unknowns.any_slip |= slip[i] != Vec3::Zero();
+    }
+    nothing_held = free_particles == n && !unknowns.any_slip && !system.friction.acts();
+}
+
+/// Of nozzles and solids. A particle that slides knows its velocity along the normal.
+void CoupledStep::set_known_velocities() {
+    parallel_for(n, [&](Index i) {
+        known[i] = Vec3::Zero();
+        if (role[i] > 0) u[i] = solids.all[role[i] - 1].pose.velocity_at(x[i]);
+        if (role[i] != 0) known[i] = u[i];
+        else if (unknowns.any_slip && slip[i] != Vec3::Zero()) {
+            Real distance = 0;
+            const int solid = solids.nearest(x[i], distance);
+            if (solid >= 0) known[i] = slip[i] * slip[i].dot(solids.all[solid].pose.velocity_at(x[i]));
+        }
+    });
+}
+
+/// s_i: compressed particles move apart; and a body that turns needs div u = -dt I2(grad u) to keep its volume under x += dt u.
+void CoupledStep::set_divergence() {
+    const double fastest = largest_speed(u.values);
+    const double turning_limit = options.turning_limit * fastest / d;
+    const double fastest_push = options.fastest_push * (fastest / d + std::sqrt(step.gravity.norm() / d));
+    parallel_for(n, [&](Index i) {
+        // Never together: drawing in what is stretched would be a creep without end.
+        const double compressed = system.rows.neighbourhood[i].density - 1;
+        double wanted = compressed > 0 ? std::min(options.push * compressed / dt, fastest_push) : 0;
+        if (role[i] == 0) wanted += std::clamp(-double(dt) * second_invariant(G[i]), -turning_limit, turning_limit);
+        divergence[i] = static_cast<Real>(wanted);
+    });
+}
+
+void CoupledStep::set_pressure() {
+    const std::vector<Real>& known_pressure = *system.known_pressure;
+    const bool any_known = known_pressure.size() == x.values.size();
+    parallel_for(n, [&](Index i) {
+        pressure[i] =
+            form.coefficients(i).bulk * d * divergence[i] + dt * (p[i] + (any_known ? known_pressure[i] : 0)) / (step.rest_density * d);
+    });
+}
+
+void CoupledStep::set_up_preconditioner() {
+    TwoLevel& M = system.preconditioner;
+    const bool coarse = options.diagonal && free_particles >= options.fewest_for_coarse;
+    if (!coarse) M.clear();
+    else if (step.at_landing || M.unknowns() == 0 || system.steps_since_refresh >= options.refresh_every) {
+        M.refresh(form, x.values, role.values, options, step.domain, d, aggregate.values);
+        system.steps_since_refresh = 0;
+    }
+    ++system.steps_since_refresh;
+    M.set(form, x.values, role.values, slip.values, step.domain, d, aggregate.values);
+    if (!options.diagonal) M.be_identity();
+}
+
+/// What a particle of that velocity brings into the step.
+Vec3 CoupledStep::loaded(Index i, const Vec3& before) const {
+    const Vec3 falling = before + dt * step.gravity;
+    return system.friction.acts() ? Vec3(falling + system.friction.pull[i]) : falling;
+}
+
+/// The right-hand side.
+/// @returns what its residual is measured against: the loads on the fluid, not the large forces by which nozzle and solids hold their
+/// neighbours; these count a little, for a fluid at rest that is only dragged along
+double CoupledStep::set_load() {
+    parallel_for(n, [&](Index i) { load[i] = loaded(i, u[i]); });
+    form.add_pressure(pressure, load);
+    unknowns.restrict_to(load);
+    const double reference = preconditioned_norm(load);
+    if (nothing_held) return reference;
+    form.apply(known, work);
+    parallel_for(n, [&](Index i) { load[i] -= unknowns.part(i, work[i]); });
+    return std::max(reference, 0.03 * preconditioned_norm(load));
+}
+
+void CoupledStep::multiply(Span<const Vec3> v, Span<Vec3> y) const {
+    form.apply(v, y);
+    unknowns.restrict_to(y);
+}
+
+/// sqrt(r.M r), which leaves M r in work.
+double CoupledStep::preconditioned_norm(Span<const Vec3> r) {
+    system.preconditioner(r, work);
+    return std::sqrt(std::max(0.0, dot<Vec3>(r, work)));
+}
+
+/// By conjugate gradients, from the last velocity plus most of its last change.
+SolveReport CoupledStep::solve(double reference) {
+    const auto A = [this](Span<const Vec3> v, Span<Vec3> y) { multiply(v, y); };
+    const TwoLevel& M = system.preconditioner;
+    parallel_for(n, [&](Index i) { solved[i] = unknowns.part(i, u[i] + Real(0.9) * change[i]); });
+    if (!(reference > 0)) return conjugate_gradients<Vec3>(A, M, load, solved, options.limits, ResidualNorm::preconditioned);
+    multiply(solved, work);
+    parallel_for(n, [&](Index i) { load[i] -= work[i]; });  // the residual
+    if (preconditioned_norm(load) > reference) {
+        descend_along_last_change();
+        M(load, work);
+    }
+    return conjugate_gradients_from<Vec3>(A, M, load, solved, options.limits, ResidualNorm::preconditioned, reference, work);
+}
+
+/// Where the last step's change is a bad guide (a jolt, a landing): goes along it to where the energy is least, the residual with it.
+void CoupledStep::descend_along_last_change() {
+    Column<Vec3> way(change.values.begin(), change.values.end()), bent(way.size());
+    unknowns.restrict_to(way);
+    multiply(way, bent);
+    const double stiffness = dot<Vec3>(way, bent);
+    if (!(stiffness > 0) || !std::isfinite(stiffness)) return;
+    const Real far = static_cast<Real>(dot<Vec3>(way, load) / stiffness);
+    parallel_for(n, [&](Index i) {
+        solved[i] += far * way[i];
+        load[i] -= far * bent[i];
+    });
+}
+
+void CoupledStep::keep_momentum() {
+    if (!nothing_held) return;
+    parallel_for(n, [&](Index i) { work[i] = loaded(i, u[i]); });
+    restore_momentum(x.values, work, !step.domain.any_periodic(), solved);
+}
+
+/// The new velocity, its gradient, and p - lambda (tr D - s), what the multiplier becomes. It has both signs: what holds a stretched thread
+/// together and makes it thin is p < 0.
+void CoupledStep::take_over() {
+    parallel_for(n, [&](Index i) { work[i] = known[i] + solved[i]; });
+    form.gradient(work, G.values);
+    parallel_for(n, [&](Index i) {
+        const Vec3& solution = work[i];
+        change[i] = solution - u[i];
+        u[i] = solution;
+        const Real lambda = form.coefficients(i).bulk * step.rest_density * d * d / dt;
+        p[i] = static_cast<Real>(options.memory) * (p[i] - lambda * (form.divergence(i, G[i]) - divergence[i]));
+    });
+}
+
+/// A solid that slips can push, not pull: where it would have to pull, it lets go.
+void CoupledStep::release_slipping() {
+    if (!unknowns.any_slip) return;
+    form.apply(u.values, work);
+    parallel_for(n, [&](Index i) { load[i] = loaded(i, u[i] - change[i]); });
+    form.add_pressure(pressure, load);
+    parallel_for(n, [&](Index i) {
+        if (slip[i].dot(work[i] - load[i]) < 0) slip[i] = Vec3::Zero();
+    });
+}
+
+}  // namespace
+
+void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, Read<field::viscosity> mu, Update<field::velocity> u,
+                              Update<field::pressure> p, Update<field::velocity_change> change, Update<field::velocity_gradient> G,
+                              Update<field::aggregate> aggregate, Update<field::contact_normal> slip, const Solids& solids,
+                              const StepContext& step, StepReport& report) const {
+    if (x.size() == 0) return;
+    CoupledStep now{*system, x, role, mu, u, p, change, G, aggregate, slip, solids, step};
+    now.set_up_form();
+    now.find_unknowns();
+    now.set_known_velocities();
+    now.set_divergence();
+    now.set_pressure();
+    now.set_up_preconditioner();
+    const double reference = now.set_load();
+    report.solves.push_back({"coupled", now.solve(reference)});
+    now.keep_momentum();
+    now.take_over();
+    now.release_slipping();
+}
+
+}  // namespace whorl

@@ -1,0 +1,22 @@
+#pragma once
+/// Neighbourhoods, and velocity and pressure at the end of the step (coupled_system.h, strain_form.h).
+#include "engine/geometry/solids.h"
+#include "engine/models/coupled/coupled_system.h"
+#include "engine/particles/step_context.h"
+
+namespace whorl {
+
+struct CoupledNeighbourhood {
+    std::shared_ptr<CoupledSystem> system;
+    void operator()(Read<field::position> x, Read<field::role> role, Write<field::density> density, const StepContext& step) const;
+};
+
+struct CoupledSolve {
+    std::shared_ptr<CoupledSystem> system;
+    void operator()(Read<field::position> x, Read<field::role> role, Read<field::viscosity> mu, Update<field::velocity> u,
+                    Update<field::pressure> p, Update<field::velocity_change> change, Update<field::velocity_gradient> G,
+                    Update<field::aggregate> aggregate, Update<field::contact_normal> slip, const Solids& solids, const StepContext& step,
+                    StepReport& report) const;
+};
+
+}  // namespace whorl

@@ -1,0 +1,34 @@
+#pragma once
+/// Viscosity and incompressibility in one symmetric positive definite solve a step, for fluids so viscous that they coil. The stages of a
+/// step, in this order, share one CoupledSystem:
+///
+///   CoupledNeighbourhood   rows, contact gate, moments
+///   CoupledSolve           the velocity at the end of the step, the multiplier (pressure), the gradient
+///   CoupledMove            x += dt u
+///   CoupledShift           close particles part, the velocity goes along: u += G dx
+///   CoupledContact         particles that reach a solid stick to it, or slide along it
+///
+/// Nozzles: prescribed particles (role -k) must fill at least `support` spacings above the opening.
+#include <memory>
+
+#include "engine/models/coupled/contact_friction.h"
+#include "engine/models/coupled/coupled_fields.h"
+#include "engine/models/coupled/two_level.h"
+
+namespace whorl {
+
+/// What the stages hand to each other within a step, and set-ups that lag. Nothing here lives on beyond a landing.
+struct CoupledSystem {
+    explicit CoupledSystem(CoupledOptions chosen = {}) : options(chosen) {}
+    CoupledOptions options;
+    CoupledRows rows;
+    StrainForm form;
+    ContactFriction friction;
+    TwoLevel preconditioner;
+    int steps_since_refresh = 0;
+    /// Pressures [Pa] that are known beforehand, besides the multiplier: those that surface tension presses the fluid with. Empty: none.
+    std::shared_ptr<std::vector<Real>> known_pressure = std::make_shared<std::vector<Real>>();
+    std::vector<Vec3> x_before;  ///< positions before the move [m]
+};
+
+}  // namespace whorl

@@ -1,0 +1,80 @@
+#pragma once
+/// The coarse level of a two-level preconditioner: the rigid motions R of groups of particles, and Ac = R^T A R, factored. It carries a
+/// pull through a whole thread in one application, where neighbours pass it on by one spacing.
+#include "engine/math/block_cholesky.h"
+#include "engine/particles/aggregates.h"
+
+namespace whorl {
+
+class CoarseLevel {
+public:
+    void clear() { groups_ = 0; }
+    int groups() const { return groups_; }
+    /// Where the groups' members are now. @param group as aggregate_by() leaves it: groups travel with their particles
+    void place(Span<const Vec3> x, Span<const std::int16_t> role, Span<const std::int32_t> group, int groups, const Domain& domain,
+               Real spacing);
+    const RigidAggregates& motions() const { return motions_; }
+    /// Where Ac is not definite, there is no coarse level.
+    void factor(const SymmetricBlocks& Ac);
+    /// z += R Ac^-1 R^T r
+    void add(Span<const Vec3> r, Span<Vec3> z) const;
+
+private:
+    int groups_ = 0;
+    RigidAggregates motions_;
+    BlockCholesky factor_;
+    mutable std::vector<Real> load_;
+};
+
+/// What some rows of an operator add to Ac: a Sum for each two groups that they touch. Threads that each have one need not wait for each
+/// other.
+template <class Sum>
+class GroupSums {
+public:
+    /// A group's number here, from 0.
+    int number(int group) {
+        for (std::size_t k = groups_.size(); k-- > 0;)
+            if (groups_[k] == group) return static_cast<int>(k);
+        groups_.push_back(group);
+        place_.resize(groups_.size() * (groups_.size() + 1) / 2, -1);
+        return static_cast<int>(groups_.size()) - 1;
+    }
+    int group(int number) const { return groups_[number]; }
+    /// Of two groups by their numbers. @param row at least column
+    Sum& sum(int row, int column) {
+        int& place = place_[row * (row + 1) / 2 + column];
+        if (place < 0) {
+            place = static_cast<int>(sums_.size());
+            sums_.push_back({row, column, {}});
+        }
+        return sums_[place].sum;
+    }
+    /// Calls f(group of the row, group of the column, sum).
+    template <class F>
+    void each(const F& f) const {
+        for (const Entry& e : sums_) f(groups_[e.row], groups_[e.column], e.sum);
+    }
+
+private:
+    struct Entry {
+        int row, column;
+        Sum sum;
+    };
+    std::vector<int> groups_;
+    std::vector<int> place_;  ///< of (row, column) in sums_; -1: nothing yet
+    std::vector<Entry> sums_;
+};
+
+/// A group of a single particle or of a straight file has motions that move nothing: a trace of the largest entry keeps Ac definite.
+void keep_definite(SymmetricBlocks& Ac);
+
+/// Ac from what all rows add, in their order.
+/// @param block block(sum) is the 6x6 block that a sum stands for
+template <class Sum, class F>
+SymmetricBlocks coarse_blocks(int groups, const std::vector<GroupSums<Sum>>& parts, const F& block) {
+    SymmetricBlocks Ac(groups);
+    for (const GroupSums<Sum>& part : parts) part.each([&](int row, int column, const Sum& sum) { Ac.add(row, column, block(sum)); });
+    keep_definite(Ac);
+    return Ac;
+}
+}  // namespace whorl

@@ -1,0 +1,29 @@
+#pragma once
+/// What a particle's neighbours tell about the gradient of a field there, for every model that takes it by least squares.
+#include <algorithm>
+
+#include "engine/core/types.h"
+
+namespace whorl {
+
+/// 0 up to t = 0, 1 from t = 1 on, without a kink.
+inline double smooth_step(double t) {
+    t = std::clamp(t, 0.0, 1.0);
+    return t * t * (3 - 2 * t);
+}
+
+/// Of the moment matrix M = sum w r r^T = Q diag(s) Q^T, s ascending. Neighbours on a line or in a plane, or a single one, tell nothing
+/// about the directions across: a direction counts as resolved by a smooth step of ln(s_a/s_max) from 0.01 to 0.04.
+struct Moment {
+    Mat3d inverse = Mat3d::Zero();   ///< M+ = Q diag(pi/s) Q^T, pi: how far a direction is resolved
+    Mat3d resolved = Mat3d::Zero();  ///< P = Q diag(pi) Q^T
+    double unresolved = 3;           ///< k = sum (1 - pi^2): 0 in a volume, 1 in a sheet, 2 in a single file
+    bool whole = false;              ///< all directions are resolved
+};
+
+inline bool resolves_all(const Vec3d& s) { return s[0] >= 0.04 * s[2]; }
+Moment invert_moment(const Vec3d& s, const Mat3d& Q);
+/// The same without eigenvalues where all directions are resolved by far.
+Moment invert_moment(const Mat3d& M);
+
+}  // namespace whorl

@@ -1,0 +1,47 @@
+#pragma once
+/// Implicit viscosity in its full form, variational and matrix-free (viscous_operator.h).
+///
+/// Stages of a step, in order: Gravity, (forces), Kick, FullViscosity, (pressure), Move. Corrected, it needs no density.
+#include "engine/models/viscosity/viscous_operator.h"
+
+namespace whorl {
+
+namespace field {
+struct viscous_aggregate {
+    using type = std::int32_t;
+    static constexpr std::string_view name = "viscous_aggregate", unit = "",
+                                      meaning = "rigid group in the coarse level of the viscosity, 0: none";
+};
+}  // namespace field
+
+/// The stage of the corrected form: u = argmin E.
+class FullViscosity {
+public:
+    explicit FullViscosity(FullViscosityOptions options) : options_(options) {}
+    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer,
+                    const StepContext& step, StepReport& report, Read<field::role> role, Read<field::position> x, Read<field::viscosity> mu,
+                    Update<field::velocity> u, Update<field::viscous_acceleration> last, Update<field::viscous_aggregate> aggregate);
+
+private:
+    void set_up_coarse(const FluidPairs& pairs, const StepContext& step, Read<field::role> role, Read<field::position> x,
+                       Span<std::int32_t> aggregate);
+    FullViscosityOptions options_;
+    ViscousOperator operator_;
+    CoarseLevel coarse_;
+    int steps_since_refresh_ = 0;  ///< of the coarse level
+};
+
+/// The stage of the form as in the note, which weights by the density.
+class UncorrectedViscosity {
+public:
+    explicit UncorrectedViscosity(FullViscosityOptions options) : options_(options) { options_.correction = false; }
+    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer,
+                    const StepContext& step, StepReport& report, Read<field::role> role, Read<field::position> x, Read<field::density> rho,
+                    Read<field::viscosity> mu, Update<field::velocity> u, Update<field::viscous_acceleration> last);
+
+private:
+    FullViscosityOptions options_;
+    ViscousOperator operator_;
+};
+
+}  // namespace whorl

@@ -1,0 +1,187 @@
+// R^T A R of the viscous operator, straight from what each particle's strain and penalty make of the rigid motions around it.
+#include <limits>
+
+#include "engine/core/parallel.h"
+#include "engine/models/viscosity/viscous_operator.h"
+
+namespace whorl {
+namespace {
+
+using Block = SymmetricBlocks::Block;
+using Mat4 = Eigen::Matrix<double, 4, 4>;
+/// Rows: 1 and the three components of the arm; columns: components of w r.
+using Moments = Eigen::Matrix<Real, 4, 3>;
+using Vec4 = Eigen::Matrix<Real, 4, 1>;
+/// Columns: xx, yy, zz, xy, xz, yz of a strain, the last three times sqrt 2; rows: the six motions and two of nothing, a vector register.
+using Strains = Eigen::Matrix<Real, 8, 6>;
+
+/// Strain rates of the unit motions of one group as one particle sees them: G = A M^+ with A = sum w u r^T of that group.
+Strains strains(const Moments& T) {
+    const Real h = Real(0.70710678118654752);
+    const auto t = T.row(0), x = T.row(1), y = T.row(2), z = T.row(3);
+    Strains F = Strains::Zero();
+    // Translations: G has the one row t.
+    F(0, 0) = t[0], F(0, 3) = h * t[1], F(0, 4) = h * t[2];
+    F(1, 1) = t[1], F(1, 3) = h * t[0], F(1, 5) = h * t[2];
+    F(2, 2) = t[2], F(2, 4) = h * t[0], F(2, 5) = h * t[1];
+    // Rotations: u = e_x x arm = (0, -z, y), and so on.
+    F(3, 1) = -z[1], F(3, 2) = y[2], F(3, 3) = -h * z[0], F(3, 4) = h * y[0], F(3, 5) = h * (y[1] - z[2]);
+    F(4, 0) = z[0], F(4, 2) = -x[2], F(4, 3) = h * z[1], F(4, 4) = h * (z[2] - x[0]), F(4, 5) = -h * x[1];
+    F(5, 0) = -y[0], F(5, 1) = x[1], F(5, 3) = h * (x[0] - y[1]), F(5, 4) = -h * y[2], F(5, 5) = h * x[2];
+    return F;
+}
+
+/// The same where not all directions are resolved: D = sym(P G).
+Strains strains(const Moments& T, const Mat3& P) {
+    const Real h = Real(0.70710678118654752);
+    Strains F = Strains::Zero();
+    for (int mode = 0; mode < 6; ++mode) {
+        Mat3 G = Mat3::Zero();
+        if (mode < 3) {
+            G.row(mode) = T.row(0);
+        } else {
+            const int p = (mode - 2) % 3, q = (mode - 1) % 3;  // e_n x arm: component n + 1 is -arm_(n+2), component n + 2 is arm_(n+1)
+            G.row(p) = -T.row(1 + q);
+            G.row(q) = T.row(1 + p);
+        }
+        const Mat3 D = P * G;
+        F.row(mode) << D(0, 0), D(1, 1), D(2, 2), h * (D(0, 1) + D(1, 0)), h * (D(0, 2) + D(2, 0)), h * (D(1, 2) + D(2, 1));
+    }
+    return F;
+}
+
+/// Inner products u.v of the motions of two groups, from the sums C = sum (1, arm) (1, arm')^T.
+Block inner_products(const Mat4& C) {
+    Block m = Block::Zero();
+    m.topLeftCorner<3, 3>().diagonal().setConstant(C(0, 0));
+    const auto cross = [](double a, double b, double c) {  // m, n -> sum_k eps_mnk (a, b, c)_k
+        Mat3d e;
+        e << 0, c, -b, -c, 0, a, b, -a, 0;
+        return e;
+    };
+    m.topRightCorner<3, 3>() = cross(C(0, 1), C(0, 2), C(0, 3));
+    m.bottomLeftCorner<3, 3>() = cross(C(1, 0), C(2, 0), C(3, 0)).transpose();
+    const Mat3d arms = C.bottomRightCorner<3, 3>();
+    m.bottomRightCorner<3, 3>() = arms.trace() * Mat3d::Identity() - arms.transpose();
+    return m;
+}
+
+Vec4 lever(const Vec3& arm) { return {1, arm[0], arm[1], arm[2]}; }
+
+}  // namespace
+
+/// What some rows add to Ac.
+struct ViscousOperator::CoarseRows {
+    /// What they add to the block of two groups.
+    struct PairSum {
+        Eigen::Matrix<Real, 8, 6> strain = Eigen::Matrix<Real, 8, 6>::Zero();
+        Mat4 products = Mat4::Zero();
+    };
+    /// One group's share of what a particle sees.
+    struct Share {
+        int number;   ///< in sums
+        Moments S;    ///< sum w (1, arm) r^T, with the sign of u_i - u_j
+        Vec4 spring;  ///< sum 2 w (c_i + c_j) (1, arm)
+        Moments T;    ///< S M^+
+        Strains F;
+    };
+
+    const ViscousOperator& A;
+    const RigidAggregates& groups;
+    GroupSums<PairSum> sums{};
+    std::vector<Share> shares{};  ///< of one particle
+    Real springs = 0;             ///< of the same: the part of u_i.v_i
+
+    void add(Index i) {
+        find_shares(i);
+        add_strains(i);
+        if (groups.of(i) >= 0) add_own_motion(i);
+    }
+
+private:
+    Share& share_of(int group);
+    void find_shares(Index i);
+    void add_strains(Index i);
+    void add_own_motion(Index i);
+};
+
+ViscousOperator::CoarseRows::Share& ViscousOperator::CoarseRows::share_of(int group) {
+    const int number = sums.number(group);
+    for (Share& s : shares)
+        if (s.number == number) return s;
+    return shares.emplace_back(Share{number, Moments::Zero(), Vec4::Zero(), {}, {}});
+}
+
+void ViscousOperator::CoarseRows::find_shares(Index i) {
+    shares.clear();
+    if (const int own = groups.of(i); own >= 0) share_of(own).S += lever(groups.arm(i)) * A.wr_[i].wr.transpose();
+    springs = 1 + (A.wall_.empty() ? 0 : A.wall_[i].near.spring);
+    for (std::size_t k = A.pairs_->first[i]; k < A.pairs_->first[i + 1]; ++k) {
+        const Index j = A.pairs_->other[k];
+        const Pair& pair = A.pair_[k];
+        springs += pair.spring;
+        if (groups.of(j) < 0) continue;
+        Share& s = share_of(groups.of(j));
+        const Vec4 arm = lever(groups.arm(j));
+        s.S -= arm * pair.wr.transpose();
+        s.spring += pair.spring * arm;
+    }
+}
+
+void ViscousOperator::CoarseRows::add_strains(Index i) {
+    const Real c = 2 * A.c_[i], root = std::sqrt(2 * A.K_[i]);
+    for (Share& s : shares) {
+        s.T = s.S * A.M_[i].matrix();
+        s.F = root * (A.whole_[i] ? strains(s.T) : strains(s.T, A.P_[i].matrix()));
+    }
+    for (const Share& a : shares)
+        for (const Share& b : shares) {
+            if (b.number > a.number) continue;
+            PairSum& sum = sums.sum(a.number, b.number);
+            sum.strain.noalias() += a.F * b.F.topRows<6>().transpose();
+            sum.products -= (c * (a.T * b.S.transpose())).cast<double>();
+        }
+}
+
+/// Mass and friction, and sum over the pairs of 2 w (c_i + c_j) u_ij.v_ij: the part of u_i.v_i, and of -u_i.v_j where i's group comes first
+/// (else the other row's turn).
+void ViscousOperator::CoarseRows::add_own_motion(Index i) {
+    const Vec3& a = groups.arm(i);
+    const Vec4 arm = lever(a);
+    const int own = groups.of(i), self = sums.number(own);
+    if (A.friction_.acts()) {
+        Eigen::Matrix<Real, 3, 6> motion;  // v + omega x arm
+        motion << Mat3::Identity(), Vec3::UnitX().cross(a), Vec3::UnitY().cross(a), Vec3::UnitZ().cross(a);
+        sums.sum(self, self).strain.topRows<6>() += motion.transpose() * A.hold(i) * motion;
+    }
+    // The rounding of the sums must not make a rigid motion gain energy.
+    sums.sum(self, self).products += ((1 + 16 * std::numeric_limits<Real>::epsilon()) * springs * arm * arm.transpose()).cast<double>();
+    for (const Share& b : shares) {
+        if (sums.group(b.number) > own) continue;
+        if (b.number <= self) sums.sum(self, b.number).products -= (arm * b.spring.transpose()).cast<double>();
+        else sums.sum(b.number, self).products -= (b.spring * arm.transpose()).cast<double>();
+    }
+}
+
+SymmetricBlocks ViscousOperator::coarse_matrix(const RigidAggregates& g) const {
+    // A task is a group's members; what is in none, by blocks of the store.
+    constexpr Index outside = 1024;
+    const Index n = size(), tasks = g.groups() + (n + outside - 1) / outside;
+    std::vector<GroupSums<CoarseRows::PairSum>> parts(tasks);
+    parallel_tasks(tasks, [&](Index task) {
+        CoarseRows rows{*this, g};
+        if (task < g.groups()) {
+            for (const Index i : g.members(task)) rows.add(i);
+        } else {
+            const Index begin = (task - g.groups()) * outside;
+            for (Index i = begin; i < std::min(n, begin + outside); ++i)
+                if (g.of(i) < 0) rows.add(i);
+        }
+        parts[task] = std::move(rows.sums);
+    });
+    return coarse_blocks(g.groups(), parts, [](const CoarseRows::PairSum& sum) {
+        return SymmetricBlocks::Block(sum.strain.topRows<6>().cast<double>() + inner_products(sum.products));
+    });
+}
+
+}  // namespace whorl
