@@ -1,9 +1,10 @@
 // Writing a frame of 1280x720.
-#include "render/image/image.h"
-
 #include <benchmark/benchmark.h>
 
 #include <cmath>
+
+#include "render/image/arrange.h"
+#include "render/image/image.h"
 
 namespace {
 

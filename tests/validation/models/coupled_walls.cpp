@@ -4,7 +4,8 @@
 #include <limits>
 #include <numbers>
 
-#include "engine/geometry/kinds.h"
+#include "engine/geometry/box.h"
+#include "engine/geometry/plane.h"
 #include "tests/support/coupled_world.h"
 
 using namespace whorl;
