@@ -137,78 +137,92 @@ std::string Key::allowed() const {
     return text;
 }
 
+Key& Key::only_with(std::string_view key, std::initializer_list<const char*> values) {
+    return selector = key, selected_by.assign(values.begin(), values.end()), *this;
+}
+Key& Key::only_with(std::string_view key, const std::vector<std::string>& values) { return selector = key, selected_by = values, *this; }
+
 void Key::read(void* object, const Value& v, const std::string& path, std::vector<Problem>& problems) const {
-    const auto report = [&](const Place& place, std::string what, std::string hint = "") {
-        const std::string rule = allowed();
-        problems.push_back({place, std::move(what), std::move(hint), rule.empty() ? "" : "allowed: " + rule});
-    };
-    const std::string of_unit = unit.empty() ? "" : " [" + unit + "]";
-    const auto wrong_type = [&](const Place& place, const std::string& found) {
-        problems.push_back(
-            {place, path + " must be " + type_name() + of_unit + ", not " + found, "", choices.empty() ? "" : "allowed: " + allowed()});
-    };
-    const auto in_range = [&](double x, const Place& place, const std::string& called) {
-        if (std::isnan(x) || std::isinf(x)) {
-            problems.push_back({place, called + " = " + plain(x) + " is not a finite number", "", ""});
-            return false;
-        }
-        if (x < least || x > most || (least_open && x == least)) {
-            report(place, called + " = " + plain(x) + " is out of range");
-            return false;
-        }
-        return true;
-    };
-
-    bool good = true;
+    if (may_be_auto && v.as<std::string>() && *v.as<std::string>() == "auto") return access->read(static_cast<char*>(object) + offset, v);
     const KeyType element = element_of(type);
-    const auto check = [&](const Value& e, const std::string& called) {
-        if (e.is_number() && (element == KeyType::number || element == KeyType::integer || element == KeyType::expression))
-            good &= in_range(e.number(), e.place, called);
-        if (const std::string* text = e.as<std::string>())
-            if (!choices.empty() && std::find(choices.begin(), choices.end(), *text) == choices.end()) {
-                std::vector<std::string> names = choices;
-                if (may_be_auto) names.emplace_back("auto");
-                const std::string near = nearest_name(*text, names);
-                report(e.place, called + " = " + e.toml() + " is not known", near.empty() ? "" : "did you mean \"" + near + "\"?");
-                good = false;
-            }
-    };
-
-    const bool automatic = may_be_auto && v.as<std::string>() && *v.as<std::string>() == "auto";
-    if (automatic) {
-        set(object, v);
-        return;
-    }
+    bool good = true;
     if (element == type) {
-        if (!fits(type, v)) return wrong_type(v.place, in_words(v));
-        check(v, path);
+        if (!fits(type, v)) return wrong_type(v.place, in_words(v), path, problems);
+        good = check_entry(v, path, problems);
     } else {
         const Value::List* list = v.as<Value::List>();
-        if (!list) return wrong_type(v.place, in_words(v));
-        if (count > 0 && list->size() != static_cast<std::size_t>(count)) return wrong_type(v.place, in_words(v));
+        if (!list || (count > 0 && list->size() != static_cast<std::size_t>(count)))
+            return wrong_type(v.place, in_words(v), path, problems);
         for (std::size_t i = 0; i < list->size(); ++i) {
             const Value& e = (*list)[i];
-            if (!fits(element, e)) return wrong_type(e.place, in_words(e) + " in place " + std::to_string(i + 1));
-            check(e, path + "[" + std::to_string(i) + "]");
+            if (!fits(element, e)) return wrong_type(e.place, in_words(e) + " in place " + std::to_string(i + 1), path, problems);
+            good &= check_entry(e, path + "[" + std::to_string(i) + "]", problems);
         }
     }
-    if (!good) return;
+    if (good && assign(object, v, path, problems)) check_expressions(object, v, path, problems);
+}
+
+void Key::wrong_type(const Place& place, const std::string& found, const std::string& path, Problems& problems) const {
+    const std::string of_unit = unit.empty() ? "" : " [" + unit + "]";
+    problems.push_back(
+        {place, path + " must be " + type_name() + of_unit + ", not " + found, "", choices.empty() ? "" : "allowed: " + allowed()});
+}
+
+bool Key::check_entry(const Value& entry, const std::string& path, Problems& problems) const {
+    const KeyType element = element_of(type);
+    const bool counts = element == KeyType::number || element == KeyType::integer || element == KeyType::expression;
+    const bool in_range = !counts || !entry.is_number() || check_range(entry.number(), entry.place, path, problems);
+    return check_choice(entry, path, problems) && in_range;
+}
+
+bool Key::check_range(double x, const Place& place, const std::string& path, Problems& problems) const {
+    if (std::isnan(x) || std::isinf(x)) {
+        problems.push_back({place, path + " = " + plain(x) + " is not a finite number", "", ""});
+        return false;
+    }
+    if (x >= least && x <= most && !(least_open && x == least)) return true;
+    const std::string rule = allowed();
+    problems.push_back({place, path + " = " + plain(x) + " is out of range", "", rule.empty() ? "" : "allowed: " + rule});
+    return false;
+}
+
+bool Key::check_choice(const Value& entry, const std::string& path, Problems& problems) const {
+    const std::string* text = entry.as<std::string>();
+    if (!text || choices.empty() || std::find(choices.begin(), choices.end(), *text) != choices.end()) return true;
+    std::vector<std::string> names = choices;
+    if (may_be_auto) names.emplace_back("auto");
+    const std::string near = nearest_name(*text, names);
+    problems.push_back({entry.place, path + " = " + entry.toml() + " is not known", near.empty() ? "" : "did you mean \"" + near + "\"?",
+                        "allowed: " + allowed()});
+    return false;
+}
+
+bool Key::assign(void* object, const Value& v, const std::string& path, Problems& problems) const {
     try {
-        set(object, v);
+        access->read(static_cast<char*>(object) + offset, v);
+        return true;
     } catch (const KeyFault& fault) {
         problems.push_back(
             {fault.place, path + ": " + fault.what(), "", variables.empty() ? "" : "allowed: functions of " + variable_names(variables)});
-        return;
+        return false;
     }
-    if (constants)
-        for (const double x : constants(object)) good &= in_range(x, v.place, path);
-    if (used_variables)
-        for (const char c : used_variables(object))
-            if (variables.find(c) == std::string::npos) {
-                problems.push_back({v.place, path + " uses " + variable_name(c) + ", which it cannot depend on", "",
-                                    variables.empty() ? "allowed: a constant" : "allowed: functions of " + variable_names(variables)});
-                good = false;
-            }
+}
+
+void Key::check_expressions(const void* object, const Value& v, const std::string& path, Problems& problems) const {
+    if (!access->constants) return;
+    const void* expressions = static_cast<const char*>(object) + offset;
+    for (const double x : access->constants(expressions)) check_range(x, v.place, path, problems);
+    for (const char c : access->variables(expressions))
+        if (variables.find(c) == std::string::npos)
+            problems.push_back({v.place, path + " uses " + variable_name(c) + ", which it cannot depend on", "",
+                                variables.empty() ? "allowed: a constant" : "allowed: functions of " + variable_names(variables)});
+}
+
+Key& KeyTable::add(Key key, std::string_view name, std::string_view unit, std::string_view what, const void* fresh) {
+    key.name = name, key.unit = unit, key.meaning = what;
+    key.standard = key.get(fresh);
+    keys.push_back(std::move(key));
+    return keys.back();
 }
 
 const Key* KeyTable::find_key(const std::string& name) const {

@@ -11,10 +11,12 @@
 #include <array>
 #include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -66,6 +68,14 @@ struct KeyFault : std::invalid_argument {
 template <class T, class = void>
 struct KeyCodec;
 
+/// What a key does with its member, by the member's type alone.
+struct MemberAccess {
+    Value (*write)(const void* member);
+    void (*read)(void* member, const Value&);                   ///< the type was checked before; may throw KeyFault
+    std::vector<double> (*constants)(const void* member) = {};  ///< of expressions: those that are plain numbers
+    std::string (*variables)(const void* member) = {};          ///< of expressions
+};
+
 struct Key {
     std::string name, unit, meaning;
     KeyType type = KeyType::number;
@@ -82,10 +92,9 @@ struct Key {
     std::vector<std::string> selected_by;  ///< the selector's values for which it counts
     Value standard;                        ///< the default
 
-    std::function<Value(const void* object)> get;
-    std::function<void(void* object, const Value&)> set;               ///< the type was checked before; may throw KeyFault
-    std::function<std::vector<double>(const void* object)> constants;  ///< of expressions: those that are plain numbers
-    std::function<std::string(const void* object)> used_variables;     ///< of expressions
+    std::ptrdiff_t offset = 0;  ///< of the member in the object [bytes]
+    const MemberAccess* access = nullptr;
+    Value get(const void* object) const { return access->write(static_cast<const char*>(object) + offset); }
 
     Key& required() { return is_required = true, *this; }
     Key& at_least(double v) { return least = v, *this; }
@@ -93,9 +102,8 @@ struct Key {
     Key& at_most(double v) { return most = v, *this; }
     Key& one_of(std::vector<std::string> names);
     Key& of(std::string names) { return variables = std::move(names), *this; }
-    Key& only_with(std::string key, std::vector<std::string> values) {
-        return selector = std::move(key), selected_by = std::move(values), *this;
-    }
+    Key& only_with(std::string_view key, std::initializer_list<const char*> values);
+    Key& only_with(std::string_view key, const std::vector<std::string>& values);
     Key& not_deciding() { return decides = false, *this; }
     Key& live() { return may_change = true, *this; }
 
@@ -105,6 +113,15 @@ struct Key {
     std::string allowed() const;
     /// "a number", "3 numbers", "one of the texts", ...
     std::string type_name() const;
+
+private:
+    using Problems = std::vector<Problem>;
+    void wrong_type(const Place& place, const std::string& found, const std::string& path, Problems& problems) const;
+    bool check_entry(const Value& entry, const std::string& path, Problems& problems) const;
+    bool check_range(double x, const Place& place, const std::string& path, Problems& problems) const;
+    bool check_choice(const Value& entry, const std::string& path, Problems& problems) const;
+    bool assign(void* object, const Value& v, const std::string& path, Problems& problems) const;
+    void check_expressions(const void* object, const Value& v, const std::string& path, Problems& problems) const;
 };
 
 /// The keys of one struct, and its parts: structs and lists of structs inside it, which have tables of their own.
@@ -132,7 +149,32 @@ public:
     }
     const Key* find_key(const std::string& name) const;
     const Part* find_part(const std::string& name) const;
+
+protected:
+    Key& add(Key key, std::string_view name, std::string_view unit, std::string_view what, const void* fresh);
 };
+
+/// One constant for each type of member, however many keys there are.
+template <class T>
+const MemberAccess* access_of() {
+    using Codec = KeyCodec<T>;
+    static constexpr auto made = [] {
+        MemberAccess access{[](const void* member) { return Codec::write(*static_cast<const T*>(member)); },
+                            [](void* member, const Value& v) { *static_cast<T*>(member) = Codec::read(v); }};
+        if constexpr (requires(const T& t) { Codec::constants(t); }) {
+            access.constants = [](const void* member) { return Codec::constants(*static_cast<const T*>(member)); };
+            access.variables = [](const void* member) { return Codec::variables(*static_cast<const T*>(member)); };
+        }
+        return access;
+    }();
+    return &made;
+}
+
+/// The member of a member, for key(): inside(&BlockKeys::shape, &ShapeKeys::min).
+template <class S, class Inner, class T>
+auto inside(Inner S::*outer, T Inner::*inner) {
+    return [outer, inner](S& s) -> T& { return s.*outer.*inner; };
+}
 
 template <class S>
 class KeyTableOf : public KeyTable {
@@ -142,26 +184,15 @@ public:
         make = [] { return std::make_shared<S>(); };
     }
 
-    /// @param access a member pointer, or a function S& -> T& @param unit "" for a bare number
-    template <class Access>
-    Key& key(std::string name, Access access, std::string unit, std::string what) {
-        using T = std::remove_cvref_t<std::invoke_result_t<Access, S&>>;
-        using Codec = KeyCodec<T>;
+    /// @param member a member pointer, or inside() @param unit "" for a bare number
+    template <class Member>
+    Key& key(std::string_view name, Member member, std::string_view unit, std::string_view what) {
+        using T = std::remove_cvref_t<std::invoke_result_t<Member, S&>>;
         Key k;
-        k.name = std::move(name), k.unit = std::move(unit), k.meaning = std::move(what);
-        Codec::describe(k);
-        k.get = [access](const void* object) { return Codec::write(std::invoke(access, *static_cast<S*>(const_cast<void*>(object)))); };
-        k.set = [access](void* object, const Value& v) { std::invoke(access, *static_cast<S*>(object)) = Codec::read(v); };
-        if constexpr (requires(const T& t) { Codec::constants(t); }) {
-            k.constants = [access](const void* o) { return Codec::constants(std::invoke(access, *static_cast<S*>(const_cast<void*>(o)))); };
-            k.used_variables = [access](const void* o) {
-                return Codec::variables(std::invoke(access, *static_cast<S*>(const_cast<void*>(o))));
-            };
-        }
-        const S fresh{};
-        k.standard = k.get(&fresh);
-        keys.push_back(std::move(k));
-        return keys.back();
+        KeyCodec<T>::describe(k);
+        k.offset = reinterpret_cast<const char*>(&std::invoke(member, fresh_)) - reinterpret_cast<const char*>(&fresh_);
+        k.access = access_of<T>();
+        return add(std::move(k), name, unit, what, &fresh_);
     }
     /// A struct inside this one: [name].
     template <class T>
@@ -183,6 +214,9 @@ public:
         parts.push_back(std::move(p));
         return parts.back();
     }
+
+private:
+    S fresh_{};  ///< what defaults and offsets are read from
 };
 
 /// The shortest decimal that is this number, also for a float.

@@ -7,7 +7,7 @@ namespace whorl {
 namespace {
 
 /// A place on the surface of body `a` at the surface of solid `b`.
-struct Point {
+struct ContactPoint {
     std::size_t a, b;
     Vec3d normal;                        ///< from b to a
     Vec3d arm_a, arm_b = Vec3d::Zero();  ///< from the centres [m]; arm_b: where b is free
@@ -21,7 +21,7 @@ struct Point {
 };
 
 /// A body while impulses act on it.
-struct Moving {
+struct MovingBody {
     Vec3d velocity = Vec3d::Zero(), turning = Vec3d::Zero();  ///< m/s, rad/s
     double lightness = 0;                                     ///< 1/kg
     Mat3d inverse_inertia = Mat3d::Zero();
@@ -33,9 +33,9 @@ struct Moving {
     }
 };
 
-class Touching {
+class Contacts {
 public:
-    Touching(Solids& solids, const SolidParticles& layer, const TouchStep& step)
+    Contacts(Solids& solids, const SolidParticles& layer, const ContactStep& step)
         : solids_(solids), layer_(layer), step_(step), moving_(solids.all.size()) {
         for (std::size_t k = 0; k < moving_.size(); ++k)
             if (const auto& body = solids.all[k].body)
@@ -66,13 +66,13 @@ public:
                 } else if (static_cast<double>(solids_.all[b].distance(body.centre.cast<Real>())) > reach[a] + 2 * step_.spacing) {
                     continue;
                 }
-                for (const Index s : own[a]) at_particle(a, b, s, image);
+                for (const Index s : own[a]) look_from(a, b, s, image);
             }
     }
 
     void solve(double gravity) {
         const double slow = std::sqrt(2 * gravity * step_.spacing);
-        for (Point& p : points_) {
+        for (ContactPoint& p : points_) {
             if (!solids_.all[p.b].body) p.wall = velocity(p.b, p.place);
             p.softness = softness(p, p.normal);
             const double coming = -relative(p).dot(p.normal);
@@ -83,12 +83,12 @@ public:
         constexpr int rounds = 60;
         for (int round = 0; round < rounds; ++round) {
             double largest = 0;
-            for (Point& p : points_) largest = std::max(largest, push_apart(p));
-            for (Point& p : points_)
+            for (ContactPoint& p : points_) largest = std::max(largest, push_apart(p));
+            for (ContactPoint& p : points_)
                 if (p.friction > 0 && p.impulse.dot(p.normal) > 0) hold_back(p);
             if (largest < 1e-6 * step_.spacing / step_.dt) break;
         }
-        for (const Point& p : points_) {
+        for (const ContactPoint& p : points_) {
             solids_.all[p.a].body->push(p.impulse, p.arm_a);
             if (solids_.all[p.b].body) solids_.all[p.b].body->push(-p.impulse, p.arm_b);
         }
@@ -117,12 +117,12 @@ private:
         }
         return p;
     }
-    void at_particle(std::size_t a, std::size_t b, Index s, const Vec3d& image) {
+    void look_from(std::size_t a, std::size_t b, Index s, const Vec3d& image) {
         const Solid& other = solids_.all[b];
         const Vec3d start = layer_.position[s].cast<double>() + image;
         const double coming = (solids_.all[a].body->velocity_at(start - image) - velocity(b, start)).norm() * step_.dt;
         if (static_cast<double>(other.distance(start.cast<Real>())) > coming + 1.5 * step_.spacing) return;
-        Point p;
+        ContactPoint p;
         p.place = deepest(solids_.all[a], other, image, s);
         p.gap = static_cast<double>(other.distance(p.place.cast<Real>()));
         if (p.gap > coming + 0.1 * step_.spacing) return;
@@ -139,26 +139,28 @@ private:
         const Solid& solid = solids_.all[k];
         return solid.body ? solid.body->velocity_at(x) : Vec3d(solid.pose.velocity_at(x.cast<Real>()).cast<double>());
     }
-    Vec3d relative(const Point& p) const {
-        const Moving &a = moving_[p.a], &b = moving_[p.b];
+    Vec3d relative(const ContactPoint& p) const {
+        const MovingBody &a = moving_[p.a], &b = moving_[p.b];
         return a.velocity + a.turning.cross(p.arm_a) - b.velocity - b.turning.cross(p.arm_b) - p.wall;
     }
     /// Of the two together.
-    double softness(const Point& p, const Vec3d& n) const { return moving_[p.a].softness(p.arm_a, n) + moving_[p.b].softness(p.arm_b, n); }
-    void push(Point& p, const Vec3d& impulse) {
+    double softness(const ContactPoint& p, const Vec3d& n) const {
+        return moving_[p.a].softness(p.arm_a, n) + moving_[p.b].softness(p.arm_b, n);
+    }
+    void push(ContactPoint& p, const Vec3d& impulse) {
         p.impulse += impulse;
         moving_[p.a].push(impulse, p.arm_a);
         moving_[p.b].push(-impulse, p.arm_b);
     }
     /// @returns the change of velocity [m/s]
-    double push_apart(Point& p) {
+    double push_apart(ContactPoint& p) {
         const double before = p.impulse.dot(p.normal);
         const double after = std::max(0.0, before + (p.wanted - relative(p).dot(p.normal)) / p.softness);
         if (after == before) return 0;
         push(p, (after - before) * p.normal);
         return std::abs(after - before) * p.softness;
     }
-    void hold_back(Point& p) {
+    void hold_back(ContactPoint& p) {
         const double pressed = p.impulse.dot(p.normal);
         const Vec3d v = relative(p), sliding = v - v.dot(p.normal) * p.normal;
         const double speed = sliding.norm();
@@ -171,18 +173,18 @@ private:
 
     Solids& solids_;
     const SolidParticles& layer_;
-    const TouchStep& step_;
-    std::vector<Moving> moving_;  ///< by solid; those that no force moves have no lightness
-    std::vector<Point> points_;
+    const ContactStep& step_;
+    std::vector<MovingBody> moving_;  ///< by solid; those that no force moves have no lightness
+    std::vector<ContactPoint> points_;
 };
 
 }  // namespace
 
-void touch(Solids& solids, const SolidParticles& layer, const TouchStep& step, double gravity) {
+void resolve_contacts(Solids& solids, const SolidParticles& layer, const ContactStep& step, double gravity) {
     if (!(step.dt > 0)) return;
-    Touching touching(solids, layer, step);
-    touching.find();
-    if (!touching.empty()) touching.solve(gravity);
+    Contacts contacts(solids, layer, step);
+    contacts.find();
+    if (!contacts.empty()) contacts.solve(gravity);
 }
 
 }  // namespace whorl

@@ -6,7 +6,7 @@
 namespace whorl {
 
 /// What the step says about contact.
-struct TouchStep {
+struct ContactStep {
     double dt = 0;       ///< s
     double spacing = 0;  ///< m, between the particles of the layers
     Domain domain;
@@ -19,6 +19,6 @@ struct TouchStep {
 /// by impulses at that point, equal and opposite (momentum and angular momentum stay), with Coulomb friction: sequential impulses
 /// (projected Gauss-Seidel) in a fixed order. Overlaps are pushed apart by a fifth a step; who comes faster than free fall over a spacing
 /// bounces.
-void touch(Solids& solids, const SolidParticles& layer, const TouchStep& step, double gravity);
+void resolve_contacts(Solids& solids, const SolidParticles& layer, const ContactStep& step, double gravity);
 
 }  // namespace whorl

@@ -1,7 +1,8 @@
+#include "engine/geometry/box.h"
+
 #include <Eigen/Geometry>
 
-#include "engine/geometry/kinds.h"
-#include "engine/geometry/layer.h"
+#include "engine/geometry/surface_layer.h"
 
 namespace whorl {
 namespace {
@@ -108,12 +109,5 @@ private:
 }  // namespace
 
 std::shared_ptr<const Shape> make_box(const Vec3d& min, const Vec3d& max) { return std::make_shared<Box>(min, max); }
-
-void frame_of(const Vec3d& n, Vec3d& u, Vec3d& v) {
-    int least = 0;
-    n.cwiseAbs().minCoeff(&least);
-    u = n.cross(Vec3d::Unit(least)).normalized();
-    v = n.cross(u);
-}
 
 }  // namespace whorl

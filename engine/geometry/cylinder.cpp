@@ -1,8 +1,9 @@
+#include "engine/geometry/cylinder.h"
+
 #include <Eigen/Geometry>
 #include <numbers>
 
-#include "engine/geometry/kinds.h"
-#include "engine/geometry/layer.h"
+#include "engine/geometry/surface_layer.h"
 
 namespace whorl {
 namespace {

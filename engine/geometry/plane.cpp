@@ -1,7 +1,8 @@
+#include "engine/geometry/plane.h"
+
 #include <limits>
 
-#include "engine/geometry/kinds.h"
-#include "engine/geometry/layer.h"
+#include "engine/geometry/surface_layer.h"
 
 namespace whorl {
 namespace {

@@ -8,47 +8,20 @@ namespace {
 /// The keys of a shape, of a struct with a member `shape`.
 template <class S>
 void add_shape_keys(KeyTableOf<S>& t, const std::vector<std::string>& kinds, bool with_position) {
-    t.key(
-         "shape", [](S & s) -> auto& { return s.shape.kind; }, "", "what it is")
-        .required()
-        .one_of(kinds);
-    t.key(
-         "min", [](S & s) -> auto& { return s.shape.min; }, "m", "lowest corner")
-        .required()
-        .only_with("shape", {"box"});
-    t.key(
-         "max", [](S & s) -> auto& { return s.shape.max; }, "m", "highest corner")
-        .required()
-        .only_with("shape", {"box"});
+    const auto shape = [](auto member) { return inside(&S::shape, member); };
+    using Keys = ShapeKeys;
+    t.key("shape", shape(&Keys::kind), "", "what it is").required().one_of(kinds);
+    t.key("min", shape(&Keys::min), "m", "lowest corner").required().only_with("shape", {"box"});
+    t.key("max", shape(&Keys::max), "m", "highest corner").required().only_with("shape", {"box"});
     if (with_position)
-        t.key(
-             "position", [](S & s) -> auto& { return s.shape.centre; }, "m", "centre of a sphere; origin of a mesh")
-            .only_with("shape", {"sphere", "mesh"});
-    t.key(
-         "from", [](S & s) -> auto& { return s.shape.from; }, "m", "middle of one end")
-        .required()
-        .only_with("shape", {"cylinder"});
-    t.key(
-         "to", [](S & s) -> auto& { return s.shape.to; }, "m", "middle of the other end")
-        .required()
-        .only_with("shape", {"cylinder"});
-    t.key(
-         "radius", [](S & s) -> auto& { return s.shape.radius; }, "m", "of the sphere or cylinder")
-        .required()
-        .above(0)
-        .only_with("shape", {"sphere", "cylinder"});
+        t.key("position", shape(&Keys::centre), "m", "centre of a sphere; origin of a mesh").only_with("shape", {"sphere", "mesh"});
+    t.key("from", shape(&Keys::from), "m", "middle of one end").required().only_with("shape", {"cylinder"});
+    t.key("to", shape(&Keys::to), "m", "middle of the other end").required().only_with("shape", {"cylinder"});
+    t.key("radius", shape(&Keys::radius), "m", "of the sphere or cylinder").required().above(0).only_with("shape", {"sphere", "cylinder"});
     if (std::find(kinds.begin(), kinds.end(), "plane") != kinds.end())
-        t.key(
-             "normal", [](S & s) -> auto& { return s.shape.normal; }, "", "out of the solid, into the fluid")
-            .only_with("shape", {"plane"});
-    t.key(
-         "file", [](S & s) -> auto& { return s.shape.file; }, "", "OBJ, PLY or STL, found from the scene file's folder")
-        .required()
-        .only_with("shape", {"mesh"});
-    t.key(
-         "scale", [](S & s) -> auto& { return s.shape.scale; }, "", "metres per unit of the mesh file")
-        .above(0)
-        .only_with("shape", {"mesh"});
+        t.key("normal", shape(&Keys::normal), "", "out of the solid, into the fluid").only_with("shape", {"plane"});
+    t.key("file", shape(&Keys::file), "", "OBJ, PLY or STL, found from the scene file's folder").required().only_with("shape", {"mesh"});
+    t.key("scale", shape(&Keys::scale), "", "metres per unit of the mesh file").above(0).only_with("shape", {"mesh"});
 }
 
 KeyTable time_keys() {

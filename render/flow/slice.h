@@ -1,7 +1,7 @@
 #pragma once
 /// A plane through the flow as a picture: the field's colours, streaked along the flow.
 #include "render/flow/flow_grid.h"
-#include "render/look/look.h"
+#include "render/look/look_options.h"
 
 namespace whorl {
 

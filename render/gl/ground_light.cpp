@@ -35,14 +35,14 @@ Vec3f ground_area(const Bounds& bounds) {
 
 }  // namespace
 
-void GroundLight::draw(const Things& things, const Material& material, const Mat3f& to_studio, float spacing, float ground,
+void GroundLight::draw(const SceneGeometry& scene, const Material& material, const Mat3f& to_studio, float spacing, float ground,
                        bool has_ground) {
     light_ = to_studio.transpose() * shadow_light();
-    centre_ = things.bounds().centre();
-    radius_ = std::max(1.02f * things.bounds().radius(), 1e-4f);
-    light_matrix_ = light_matrix(light_, things.bounds());
+    centre_ = scene.bounds().centre();
+    radius_ = std::max(1.02f * scene.bounds().radius(), 1e-4f);
+    light_matrix_ = light_matrix(light_, scene.bounds());
     glDisable(GL_DEPTH_TEST);
-    draw_layers(things, spacing);
+    draw_layers(scene, spacing);
 
     const Vec3f absorption =
         material.refracts ? Vec3f(material.absorption + Vec3f::Constant(0.15f * material.haze)) : Vec3f::Constant(1e6f);
@@ -58,13 +58,13 @@ void GroundLight::draw(const Things& things, const Material& material, const Mat
 
     area_ = Vec3f(0, 0, 1e-9f);
     if (!has_ground) return;
-    area_ = ground_area(things.bounds());
-    const float thick = things.fluid_bounds().empty() ? 0.0f : 0.35f * things.fluid_bounds().radius();
+    area_ = ground_area(scene.bounds());
+    const float thick = scene.fluid_bounds().empty() ? 0.0f : 0.35f * scene.fluid_bounds().radius();
     const Vec3f tint = material.refracts ? Vec3f(0.55f * (-absorption * thick).array().exp()) : Vec3f(0.35f * material.colour);
-    draw_ground(things, tint, ground, spacing);
+    draw_ground(scene, tint, ground, spacing);
 }
 
-void GroundLight::draw_layers(const Things& things, float spacing) {
+void GroundLight::draw_layers(const SceneGeometry& scene, float spacing) {
     glBindFramebuffer(GL_FRAMEBUFFER, layers_target_.id());
     glViewport(0, 0, light_size, light_size);
     glClearColor(0, 0, 0, 0);
@@ -75,15 +75,15 @@ void GroundLight::draw_layers(const Things& things, float spacing) {
     layers_program_.set("view_projection", light_matrix_);
     layers_program_.set("light", light_);
     layers_program_.set("light_centre", centre_);
-    layers_program_.set("is_solid", things.are_particles() ? 1 : 0);
+    layers_program_.set("is_solid", scene.are_particles() ? 1 : 0);
     layers_program_.set("point_size", 0.5f * spacing * static_cast<float>(light_size) / radius_);
-    things.draw_fluid(layers_program_);
+    scene.draw_fluid(layers_program_);
     layers_program_.set("is_solid", 1);
-    things.draw_solids(layers_program_, false, [](const FrameSolid&) {});
+    scene.draw_solids(layers_program_, false, [](const FrameSolid&) {});
     glDisable(GL_BLEND);
 }
 
-void GroundLight::draw_ground(const Things& things, const Vec3f& tint, float ground, float spacing) {
+void GroundLight::draw_ground(const SceneGeometry& scene, const Vec3f& tint, float ground, float spacing) {
     // From above: x, z of the area -> the picture.
     Eigen::Matrix4f from_above = Eigen::Matrix4f::Zero();
     from_above(0, 0) = from_above(1, 2) = 1 / area_.z();
@@ -99,8 +99,8 @@ void GroundLight::draw_ground(const Things& things, const Vec3f& tint, float gro
     lowest_program_.use();
     lowest_program_.set("view_projection", from_above);
     lowest_program_.set("point_size", 0.5f * spacing * static_cast<float>(ground_size) / area_.z());
-    things.draw_fluid(lowest_program_);
-    things.draw_solids(lowest_program_, false, [](const FrameSolid&) {});
+    scene.draw_fluid(lowest_program_);
+    scene.draw_solids(lowest_program_, false, [](const FrameSolid&) {});
     glBlendEquation(GL_FUNC_ADD);
     glDisable(GL_BLEND);
 

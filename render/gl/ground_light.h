@@ -1,7 +1,7 @@
 #pragma once
 /// Light that reaches the ground and the solids: through the fluid (coloured, gathered), past the solids, and from the open sky.
-#include "render/gl/things.h"
-#include "render/look/look.h"
+#include "render/gl/scene_geometry.h"
+#include "render/look/look_options.h"
 #include "render/look/material.h"
 
 namespace whorl {
@@ -12,7 +12,7 @@ public:
     explicit GroundLight(int height) : light_size(height < 480 ? 128 : 256), ground_size(light_size) {}
     /// @param to_studio studio_axes() of the view @param spacing of the particles [m] @param ground its height [m] @param has_ground else
     /// only the solids are lit
-    void draw(const Things& things, const Material& material, const Mat3f& to_studio, float spacing, float ground, bool has_ground);
+    void draw(const SceneGeometry& scene, const Material& material, const Mat3f& to_studio, float spacing, float ground, bool has_ground);
     /// Sets the uniforms of shadow.glsl; takes two texture units from `unit` on.
     void bind_shadow(gl::Program& program, int unit) const;
     /// Sets the uniforms of studio.glsl about the ground; takes one texture unit.
@@ -20,8 +20,8 @@ public:
 
 private:
     const int light_size, ground_size;  ///< texels along a side
-    void draw_layers(const Things& things, float spacing);
-    void draw_ground(const Things& things, const Vec3f& tint, float ground, float spacing);
+    void draw_layers(const SceneGeometry& scene, float spacing);
+    void draw_ground(const SceneGeometry& scene, const Vec3f& tint, float ground, float spacing);
 
     gl::Program layers_program_{{"mesh.vert"}, {"light.frag"}};
     gl::Program transmission_program_{{"screen.vert"}, {"transmission.frag"}};

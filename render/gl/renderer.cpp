@@ -12,9 +12,9 @@
 #include "render/gl/field_texture.h"
 #include "render/gl/ground_light.h"
 #include "render/gl/objects.h"
+#include "render/gl/scene_geometry.h"
 #include "render/gl/setup.h"
 #include "render/gl/solid_field.h"
-#include "render/gl/things.h"
 #include "render/look/colour_map.h"
 #include "render/look/field_values.h"
 #include "render/look/material.h"
@@ -95,7 +95,7 @@ struct Renderer::Device {
     gl::Framebuffer glass_target = gl::framebuffer({glass.id()}, depth.id());
     gl::Framebuffer output = gl::framebuffer({picture.id()}, 0);
 
-    Things things;
+    SceneGeometry scene;
     FieldTexture field;
     SolidField solid_field;
     GroundLight ground_light{height};
@@ -128,7 +128,7 @@ Image Renderer::Device::draw(const Frame& frame, const Surface& surface, const L
     context.make_current();
     std::array<float, 2> range{0, 1};
     if (shows_field(look)) range = fill_field(frame, look, view);
-    else things.fill(frame, surface.mesh, surface.age);
+    else scene.fill(frame, surface.mesh, surface.age);
     field.fill(shows_field(look) ? Volume{} : surface.distance);
     solid_field.fill(frame.solids);
     const float aspect = static_cast<float>(width) / static_cast<float>(height);
@@ -138,17 +138,17 @@ Image Renderer::Device::draw(const Frame& frame, const Surface& surface, const L
                     fluid_material(look, (frame.domain_max - frame.domain_min).norm()),
                     frame.spacing,
                     ground_height(frame),
-                    camera_matrix(view, aspect, things.bounds()),
+                    camera_matrix(view, aspect, scene.bounds()),
                     aspect,
                     !surface.age.empty()};
     glBindVertexArray(no_vertices);
-    ground_light.draw(things, shot.material, studio_axes(view), frame.spacing, shot.ground, look.ground);
+    ground_light.draw(scene, shot.material, studio_axes(view), frame.spacing, shot.ground, look.ground);
 
     glViewport(0, 0, width, height);
     glClearColor(0, 0, 0, 0);
     glBindFramebuffer(GL_FRAMEBUFFER, accumulate.id());
     glClear(GL_COLOR_BUFFER_BIT);
-    if (things.any_containers()) {
+    if (scene.any_containers()) {
         glBindFramebuffer(GL_FRAMEBUFFER, glass_target.id());
         glClear(GL_COLOR_BUFFER_BIT);
     }
@@ -163,7 +163,7 @@ Image Renderer::Device::draw(const Frame& frame, const Surface& surface, const L
 void Renderer::Device::draw_sample(const Shot& shot, int sample) {
     const int samples = std::max(shot.look.samples, 1);
     const Eigen::Matrix4f matrix = jittered(shot.camera, sample_place(sample, samples), width, height);
-    const PixelBox box = pixels_of(things.bounds(), shot.camera, width, height);
+    const PixelBox box = pixels_of(scene.bounds(), shot.camera, width, height);
     glEnable(GL_SCISSOR_TEST);
     glScissor(box.x, box.y, box.width, box.height);
 
@@ -181,19 +181,19 @@ void Renderer::Device::draw_sample(const Shot& shot, int sample) {
     glBlendFunc(GL_ONE, GL_ONE);
     if (shot.look.style == "volume") shade_volume(shot, matrix, 1.0f / static_cast<float>(samples));
     else shade_fluid(shot, matrix, 1.0f / static_cast<float>(samples));
-    if (things.any_containers()) draw_glass(shot, matrix, 1.0f / static_cast<float>(samples));
+    if (scene.any_containers()) draw_glass(shot, matrix, 1.0f / static_cast<float>(samples));
     glDisable(GL_BLEND);
     glDisable(GL_SCISSOR_TEST);
 }
 
 void Renderer::Device::draw_solids(const Shot& shot, const Eigen::Matrix4f& matrix) {
-    if (!things.any_solids()) return;
+    if (!scene.any_solids()) return;
     // Their colour is the dearest of all: depth comes first, so that only what is seen gets one.
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     solid_depth.use();
     solid_depth.set("view_projection", matrix);
     solid_depth.set("ground_height", shot.look.ground ? shot.ground : -1e6f);
-    things.draw_solids(solid_depth, false, [](const FrameSolid&) {});
+    scene.draw_solids(solid_depth, false, [](const FrameSolid&) {});
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glDepthFunc(GL_LEQUAL);
     set_studio(solid_colour, shot);
@@ -201,7 +201,7 @@ void Renderer::Device::draw_solids(const Shot& shot, const Eigen::Matrix4f& matr
     field.bind(solid_colour, field_unit);
     solid_field.bind(solid_colour, solid_unit);
     solid_colour.set("view_projection", matrix);
-    things.draw_solids(solid_colour, false, [&](const FrameSolid& s) {
+    scene.draw_solids(solid_colour, false, [&](const FrameSolid& s) {
         const SolidMaterial material = solid_material(s.material);
         solid_colour.set("solid_colour", material.colour);
         solid_colour.set("metal", material.metal);
@@ -218,7 +218,7 @@ void Renderer::Device::draw_fluid(const Shot& shot, const Eigen::Matrix4f& matri
     fluid_normal.set("view_projection", matrix);
     fluid_normal.set("ground_height", shot.look.ground ? shot.ground : -1e6f);
     fluid_normal.set("tolerance", 0.5f * shot.spacing);
-    things.draw_fluid(fluid_normal);
+    scene.draw_fluid(fluid_normal);
     glColorMaski(0, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
 }
 
@@ -228,16 +228,16 @@ std::array<float, 2> Renderer::Device::fill_field(const Frame& frame, const Look
     for (float& v : place) v = std::clamp((v - range[0]) / (range[1] - range[0]), 0.0f, 1.0f);
     if (look.style == "particles") {
         const bool trailing = look.trail > 0;
-        things.fill(frame, place,
-                    trailing ? trails(frame, place, flow_grid(frame, place), look.trail, 0.5f * frame.spacing, view.position) : Trails{});
+        scene.fill(frame, place,
+                   trailing ? trails(frame, place, flow_grid(frame, place), look.trail, 0.5f * frame.spacing, view.position) : Trails{});
     } else if (look.style == "slice") {
         const FlowSlice picture_of_it = flow_slice(flow_grid(frame, place), look, std::max(width, height));
         fill_slice(picture_of_it);
-        things.fill(frame, picture_of_it);
+        scene.fill(frame, picture_of_it);
     } else {
         const FlowGrid grid = flow_grid(frame, place);
-        things.fill(frame, grid);
-        volume_box = things.fluid_bounds();
+        scene.fill(frame, grid);
+        volume_box = scene.fluid_bounds();
         if (!grid.empty())
             gl::fill_3d(values, grid.n[0], grid.n[1], grid.n[2], grid.value.data()),
                 gl::fill_3d(cover, grid.n[0], grid.n[1], grid.n[2], grid.cover.data());
@@ -260,13 +260,13 @@ void Renderer::Device::draw_particles(const Shot& shot, const Eigen::Matrix4f& m
     particles.set("radius", (shot.look.trail > 0 ? 0.25f : 0.5f) * shot.spacing);  // trails must show between them
     particles.set("pixels", 0.5f * static_cast<float>(height) / std::tan(shot.view.fov * std::numbers::pi_v<float> / 360));
     particles.set("picture_size", Eigen::Vector2f(static_cast<float>(width), static_cast<float>(height)));
-    things.draw_fluid(particles);
+    scene.draw_fluid(particles);
     if (shot.look.trail <= 0) return;
     trail.use();
     trail.texture("colours", 0, GL_TEXTURE_2D, colours.id());
     trail.set("view_projection", matrix);
     trail.set("eye", shot.view.position);
-    things.draw_trails();
+    scene.draw_trails();
 }
 
 void Renderer::Device::fill_slice(const FlowSlice& flow) {
@@ -284,7 +284,7 @@ void Renderer::Device::draw_slice(const Shot& shot, const Eigen::Matrix4f& matri
     slice_colour.texture("slice", 0, GL_TEXTURE_2D, slice.id());
     slice_colour.set("view_projection", matrix);
     slice_colour.set("eye", shot.view.position);
-    things.draw_slice();
+    scene.draw_slice();
 }
 
 void Renderer::Device::shade_volume(const Shot& shot, const Eigen::Matrix4f& matrix, float weight) {
@@ -315,7 +315,7 @@ void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matr
     program.set("to_world", Eigen::Matrix4f(matrix.inverse()));
     program.set("to_clip", matrix);
     program.set("weight", weight);
-    program.set("has_solids", things.any_solids() ? 1 : 0);
+    program.set("has_solids", scene.any_solids() ? 1 : 0);
     program.set("box_softness", material.roughness);
     program.set("roughness", material.roughness);
     program.set("refraction", material.refraction);
@@ -337,7 +337,7 @@ void Renderer::Device::draw_glass(const Shot& shot, const Eigen::Matrix4f& matri
     glass_walls.set("view_projection", matrix);
     glass_walls.set("weight", weight);
     glass_walls.set("box_softness", 0.05f);
-    things.draw_solids(glass_walls, true, [](const FrameSolid&) {});
+    scene.draw_solids(glass_walls, true, [](const FrameSolid&) {});
     glDepthMask(GL_TRUE);
     glDisable(GL_DEPTH_TEST);
 }
@@ -347,7 +347,7 @@ void Renderer::Device::compose_picture(const Shot& shot) {
     set_studio(compose, shot);
     compose.texture("samples", 0, GL_TEXTURE_2D, sum.id());
     compose.texture("glass", 1, GL_TEXTURE_2D, glass.id());
-    compose.set("has_glass", things.any_containers() ? 1 : 0);
+    compose.set("has_glass", scene.any_containers() ? 1 : 0);
     compose.set("to_world", Eigen::Matrix4f(shot.camera.inverse()));
     compose.set("exposure", shot.look.exposure);
     compose.set("aspect", shot.aspect);

@@ -1,7 +1,8 @@
 #pragma once
 /// What one picture needs to know about its frame: bounds, camera matrices, where the ground is.
 #include "engine/io/frame.h"
-#include "render/look/look.h"
+#include "render/look/camera.h"
+#include "render/look/look_options.h"
 #include "render/surface/surface.h"
 
 namespace whorl {

@@ -1,10 +1,10 @@
-// Pictures made smaller and laid side by side.
+#include "render/image/arrange.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include "engine/core/errors.h"
 #include "engine/core/parallel.h"
-#include "render/image/image.h"
 #include "render/image/linear_light.h"
 
 namespace whorl {

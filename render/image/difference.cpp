@@ -1,9 +1,10 @@
+#include "render/image/difference.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "engine/core/parallel.h"
-#include "render/image/image.h"
 #include "render/image/linear_light.h"
 
 namespace whorl {

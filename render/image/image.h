@@ -24,17 +24,5 @@ void write_png(const std::filesystem::path& file, const Image& image);
 Image read_png(const std::filesystem::path& file);
 std::vector<std::uint8_t> encode_png(const Image& image);
 std::vector<std::uint8_t> encode_jpeg(const Image& image, int quality);
-/// The picture made smaller by averaging in linear light.
-Image downscaled(const Image& image, int width, int height);
-/// Pictures side by side in rows of `columns`, each at most cell_width wide, in order, with small gaps.
-Image contact_sheet(const std::vector<Image>& images, int columns, int cell_width);
-/// Pictures of one size in a grid, row by row, in the middle of a dark picture of width x height.
-Image side_by_side(const std::vector<Image>& images, int columns, int gap, int width, int height);
-/// Mean and largest perceptual difference (CIE76 delta E in L*a*b*, after a 3x3 blur so that one-pixel shifts of an edge count little);
-/// infinite where the sizes differ.
-struct PictureDifference {
-    double mean = 0, p99 = 0, max = 0;
-};
-PictureDifference difference(const Image& a, const Image& b);
 
 }  // namespace whorl

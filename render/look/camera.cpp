@@ -1,8 +1,8 @@
+#include "render/look/camera.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-
-#include "render/look/look.h"
 
 namespace whorl {
 namespace {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "render/look/colour_map.h"
+#include "render/look/material.h"
 
 namespace whorl {
 
@@ -32,6 +33,11 @@ std::array<float, 2> field_range(const std::vector<float>& values, const LookOpt
     if (is_diverging(look.colour_map)) high = std::max(std::abs(low), std::abs(high)), low = -high;
     if (high <= low) high = low + 1;
     return {low, high};
+}
+
+std::vector<std::string> shown_fields(const LookOptions& look) {
+    if (shows_field(look)) return {look.field};
+    return fluid_material(look, 1).cooling > 0 ? std::vector<std::string>{"age"} : std::vector<std::string>{};
 }
 
 }  // namespace whorl

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "engine/io/frame.h"
-#include "render/look/look.h"
+#include "render/look/look_options.h"
 
 namespace whorl {
 
@@ -12,5 +12,8 @@ namespace whorl {
 std::vector<float> field_values(const Frame& frame, const LookOptions& look);
 /// The look's range; where it is empty the values' own, symmetric about zero on a diverging map.
 std::array<float, 2> field_range(const std::vector<float>& values, const LookOptions& look);
+
+/// What a frame needs besides positions and velocities for the picture.
+std::vector<std::string> shown_fields(const LookOptions& look);
 
 }  // namespace whorl

@@ -1,7 +1,8 @@
 #include "render/look/look_keys.h"
 
+#include "render/look/camera.h"
 #include "render/look/colour_map.h"
-#include "render/look/look.h"
+#include "render/look/look_options.h"
 #include "render/look/material.h"
 #include "render/look/studio.h"
 

@@ -1,6 +1,7 @@
 #pragma once
 /// The keys of [camera] and [look] in a scene file.
 #include "engine/core/keys.h"
+#include "render/look/camera.h"
 
 namespace whorl {
 

@@ -81,11 +81,6 @@ Material fluid_material(const LookOptions& look, float size) {
     return material;
 }
 
-std::vector<std::string> shown_fields(const LookOptions& look) {
-    if (shows_field(look)) return {look.field};
-    return fluid_material(look, table_size).cooling > 0 ? std::vector<std::string>{"age"} : std::vector<std::string>{};
-}
-
 SolidMaterial solid_material(const std::string& name) {
     for (const auto& [known, preset] : solid_presets())
         if (known == name) return preset;

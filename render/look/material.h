@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "render/look/look.h"
+#include "render/look/look_options.h"
 
 namespace whorl {
 

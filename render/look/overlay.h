@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "render/image/image.h"
-#include "render/look/look.h"
+#include "render/look/look_options.h"
 
 namespace whorl {
 

@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "render/look/look.h"
+#include "render/look/camera.h"
+#include "render/look/look_options.h"
 
 namespace whorl {
 

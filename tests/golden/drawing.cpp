@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "render/gl/renderer.h"
+#include "render/image/difference.h"
 #include "tests/support/shapes.h"
 
 using namespace whorl;

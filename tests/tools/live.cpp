@@ -6,6 +6,7 @@
 #include <random>
 
 #include "engine/io/files.h"
+#include "render/image/difference.h"
 #include "render/image/image.h"
 #include "tests/support/live_program.h"
 #include "tests/support/scenes.h"

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "render/image/arrange.h"
 #include "render/image/image.h"
 
 namespace {

@@ -15,6 +15,8 @@
 #include "engine/scene/names.h"
 #include "render/gl/renderer.h"
 #include "render/image/image.h"
+#include "render/look/camera.h"
+#include "render/look/field_values.h"
 #include "tools/cost/sample_run.h"
 #include "tools/film/usage.h"
 

@@ -4,7 +4,7 @@
 
 #include "engine/io/frame.h"
 #include "engine/sim/simulation.h"
-#include "render/look/look.h"
+#include "render/look/look_options.h"
 
 namespace whorl {
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/image/arrange.h"
 #include "render/image/image.h"
 
 namespace whorl {

@@ -17,7 +17,8 @@
 #include "engine/io/checkpoint.h"
 #include "engine/io/frame.h"
 #include "render/image/image.h"
-#include "render/look/look.h"
+#include "render/look/camera.h"
+#include "render/look/look_options.h"
 #include "render/surface/surface.h"
 #include "tools/film/bounded_queue.h"
 

@@ -11,6 +11,7 @@
 #include "engine/core/version.h"
 #include "engine/core/whole_file.h"
 #include "engine/io/files.h"
+#include "render/image/arrange.h"
 #include "render/look/overlay.h"
 #include "render/video/encoder.h"
 #include "tools/film/colour_range.h"

@@ -12,6 +12,7 @@
 #include "engine/core/whole_file.h"
 #include "engine/io/columns.h"
 #include "engine/io/snapshot.h"
+#include "render/look/field_values.h"
 #include "render/video/encoder.h"
 #include "tools/cost/estimate.h"
 #include "tools/film/colour_range.h"

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <thread>
 
+#include "render/look/field_values.h"
 #include "tools/film/run.h"
 
 namespace whorl {

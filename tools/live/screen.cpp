@@ -4,6 +4,7 @@
 
 #include "engine/core/parallel.h"
 #include "render/gl/renderer.h"
+#include "render/look/camera.h"
 #include "tools/film/usage.h"
 
 namespace whorl {

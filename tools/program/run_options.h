@@ -9,7 +9,8 @@
 #include <vector>
 
 #include "engine/scene/scene.h"
-#include "render/look/look.h"
+#include "render/look/camera.h"
+#include "render/look/look_options.h"
 #include "render/surface/surface.h"
 
 namespace CLI {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "render/image/difference.h"
 #include "render/image/image.h"
 #include "tools/study/table.h"
 

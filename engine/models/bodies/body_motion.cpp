@@ -29,11 +29,11 @@ void KickBodies::operator()(const StepContext& step, Solids& solids, SolidPartic
 }
 
 void MoveBodies::operator()(const StepContext& step, Solids& solids, const SolidParticles& layer) const {
-    TouchStep how;
+    ContactStep how;
     how.dt = static_cast<double>(step.dt);
     how.spacing = static_cast<double>(step.spacing);
     how.domain = step.domain;
-    touch(solids, layer, how, static_cast<double>(step.gravity.norm()));
+    resolve_contacts(solids, layer, how, static_cast<double>(step.gravity.norm()));
     for (Solid& solid : solids.all)
         if (solid.body) solid.body->move(static_cast<double>(step.dt));
 }

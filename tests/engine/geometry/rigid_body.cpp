@@ -28,7 +28,7 @@ Solid free_box(const Vec3d& min, const Vec3d& max, double density) {
 struct Stage {
     Solids solids;
     SolidParticles layer;
-    TouchStep step;
+    ContactStep step;
     double gravity = 9.81;
     explicit Stage(double spacing) {
         step.dt = 2e-3, step.spacing = spacing, step.domain = {Vec3::Constant(Real(-0.3)), Vec3::Constant(Real(0.3)), {}};
@@ -43,7 +43,7 @@ struct Stage {
                 if (solid.body) solid.body->velocity.y() -= gravity * step.dt;
             solids.place_bodies();
             layer.follow(solids);
-            touch(solids, layer, step, gravity);
+            resolve_contacts(solids, layer, step, gravity);
             for (Solid& solid : solids.all)
                 if (solid.body) solid.body->move(step.dt);
             solids.place_bodies();

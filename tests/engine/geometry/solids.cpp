@@ -2,7 +2,11 @@
 #include <numbers>
 
 #include "engine/core/errors.h"
-#include "engine/geometry/kinds.h"
+#include "engine/geometry/box.h"
+#include "engine/geometry/cylinder.h"
+#include "engine/geometry/mesh_shape.h"
+#include "engine/geometry/plane.h"
+#include "engine/geometry/sphere.h"
 #include "engine/particles/search.h"
 #include "engine/particles/solid_sampling.h"
 

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "render/image/difference.h"
 #include "tests/support/shapes.h"
 
 using namespace whorl;

@@ -1,6 +1,8 @@
+#include "render/look/camera.h"
+
 #include <catch2/catch.hpp>
 
-#include "render/look/look.h"
+#include "render/look/look_options.h"
 
 using namespace whorl;
 

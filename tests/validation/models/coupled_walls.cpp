@@ -5,7 +5,8 @@
 #include <numbers>
 
 #include "engine/core/random.h"
-#include "engine/geometry/kinds.h"
+#include "engine/geometry/box.h"
+#include "engine/geometry/plane.h"
 #include "tests/support/coupled_world.h"
 
 using namespace whorl;

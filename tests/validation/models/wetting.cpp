@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 #include <numbers>
 
-#include "engine/geometry/kinds.h"
+#include "engine/geometry/plane.h"
 #include "engine/models/motion/motion.h"
 #include "engine/models/pressure/constraint.h"
 #include "engine/models/pressure/damping.h"

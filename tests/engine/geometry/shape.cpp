@@ -8,7 +8,11 @@
 #include <random>
 
 #include "engine/core/errors.h"
-#include "engine/geometry/kinds.h"
+#include "engine/geometry/box.h"
+#include "engine/geometry/cylinder.h"
+#include "engine/geometry/mesh_shape.h"
+#include "engine/geometry/plane.h"
+#include "engine/geometry/sphere.h"
 
 using namespace whorl;
 

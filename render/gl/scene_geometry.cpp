@@ -1,4 +1,4 @@
-#include "render/gl/things.h"
+#include "render/gl/scene_geometry.h"
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -42,7 +42,7 @@ TriangleMesh with_normals(const TriangleMesh& mesh) {
     return split;
 }
 
-const gl::Vertices& Things::model(const std::shared_ptr<const TriangleMesh>& mesh) {
+const gl::Vertices& SceneGeometry::model(const std::shared_ptr<const TriangleMesh>& mesh) {
     const auto [place, is_new] = models_.try_emplace(mesh.get());
     if (is_new) {
         place->second.mesh = mesh;
@@ -51,7 +51,7 @@ const gl::Vertices& Things::model(const std::shared_ptr<const TriangleMesh>& mes
     return place->second.vertices;
 }
 
-void Things::fill(const Frame& frame, const TriangleMesh& fluid, const std::vector<float>& age) {
+void SceneGeometry::fill(const Frame& frame, const TriangleMesh& fluid, const std::vector<float>& age) {
     if (fluid.normal.size() == fluid.position.size()) fill_vertices(fluid_, fluid, age);
     else fill_vertices(fluid_, with_normals(fluid));
     shape_ = Shape::surface;
@@ -59,7 +59,7 @@ void Things::fill(const Frame& frame, const TriangleMesh& fluid, const std::vect
     fill_solids(frame);
 }
 
-void Things::fill(const Frame& frame, const std::vector<float>& value, const Trails& trails) {
+void SceneGeometry::fill(const Frame& frame, const std::vector<float>& value, const Trails& trails) {
     const float* first = frame.position.empty() ? nullptr : frame.position[0].data();
     particles_.fill({{first, 3 * frame.position.size()}, {value.data(), value.size()}}, nullptr, 0);
     trails_.fill({{trails.position.empty() ? nullptr : trails.position[0].data(), 3 * trails.position.size()},
@@ -73,7 +73,7 @@ void Things::fill(const Frame& frame, const std::vector<float>& value, const Tra
     fill_solids(frame);
 }
 
-void Things::fill(const Frame& frame, const FlowSlice& slice) {
+void SceneGeometry::fill(const Frame& frame, const FlowSlice& slice) {
     shape_ = Shape::slice;
     const std::vector<Vec3f> corner{slice.corner, slice.corner + slice.across, slice.corner + slice.up,
                                     slice.corner + slice.across + slice.up};
@@ -85,7 +85,7 @@ void Things::fill(const Frame& frame, const FlowSlice& slice) {
     fill_solids(frame);
 }
 
-void Things::fill(const Frame& frame, const FlowGrid& grid) {
+void SceneGeometry::fill(const Frame& frame, const FlowGrid& grid) {
     shape_ = Shape::grid;
     bounds_ = Bounds{};
     // The nodes stand in the middle of a texture's texels.
@@ -94,7 +94,7 @@ void Things::fill(const Frame& frame, const FlowGrid& grid) {
     fill_solids(frame);
 }
 
-void Things::fill_solids(const Frame& frame) {
+void SceneGeometry::fill_solids(const Frame& frame) {
     solids_.clear();
     containers_.clear();
     for (const FrameSolid& solid : frame.solids) {
@@ -106,14 +106,14 @@ void Things::fill_solids(const Frame& frame) {
     if (bounds_.empty()) bounds_.add(frame.domain_min), bounds_.add(frame.domain_max);
 }
 
-void Things::draw_fluid(gl::Program& program) const {
+void SceneGeometry::draw_fluid(gl::Program& program) const {
     program.set("rotation", Mat3f(Mat3f::Identity()));
     program.set("translation", Vec3f(Vec3f::Zero()));
     if (shape_ == Shape::particles) particles_.draw(GL_POINTS);
     if (shape_ == Shape::surface) fluid_.draw(GL_TRIANGLES);  // slices and clouds throw no shadow
 }
 
-void Things::draw_solids(gl::Program& program, bool containers, const std::function<void(const FrameSolid&)>& prepare) const {
+void SceneGeometry::draw_solids(gl::Program& program, bool containers, const std::function<void(const FrameSolid&)>& prepare) const {
     for (const auto& [solid, vertices] : containers ? containers_ : solids_) {
         program.set("rotation", solid.rotation);
         program.set("translation", solid.translation);

@@ -1,3 +1,5 @@
+#include "engine/geometry/mesh_shape.h"
+
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -6,7 +8,6 @@
 
 #include "engine/core/errors.h"
 #include "engine/core/triangle.h"
-#include "engine/geometry/kinds.h"
 #include "engine/geometry/mesh_file.h"
 
 namespace whorl {

@@ -1,4 +1,4 @@
-#include "engine/geometry/layer.h"
+#include "engine/geometry/surface_layer.h"
 
 #include <fmt/format.h>
 
@@ -31,6 +31,13 @@ std::vector<double> period_points(const LayerRegion& region, int axis) {
     std::vector<double> x;
     for (double k = 0; k < count; ++k) x.push_back(region.domain.min[axis] + (k + 0.5) * length / count);
     return x;
+}
+
+void frame_of(const Vec3d& n, Vec3d& u, Vec3d& v) {
+    int least = 0;
+    n.cwiseAbs().minCoeff(&least);
+    u = n.cross(Vec3d::Unit(least)).normalized();
+    v = n.cross(u);
 }
 
 void check_count(double points, const std::string& shape) {

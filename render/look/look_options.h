@@ -1,5 +1,5 @@
 #pragma once
-/// What a picture shows and how: camera, materials, lights. Plain data; render/gl draws it.
+/// What a picture shows and how: style, material, light, colours. Plain data; render/gl draws it.
 #include <array>
 #include <optional>
 #include <string>
@@ -8,29 +8,6 @@
 #include "engine/core/types.h"
 
 namespace whorl {
-
-struct CameraKey {
-    double time = 0;  ///< s
-    Vec3f position = Vec3f(0, 0.1f, 0.4f), target = Vec3f::Zero();
-    float fov = 30;  ///< degrees, vertical
-};
-
-/// kind "fixed": position, target. "orbit": turns about `target` at `distance`, `height`, `degrees_per_second`, from `start_angle`.
-/// "keys": smooth (Catmull-Rom) through `keys`. "auto" (default): frames the domain from a pleasing angle.
-struct CameraOptions {
-    std::string kind = "auto";
-    Vec3f position = Vec3f(0, 0.1f, 0.4f), target = Vec3f::Zero(), up = Vec3f(0, 1, 0);
-    float fov = 30;  ///< degrees, vertical
-    float distance = 0.4f, height = 0.1f, start_angle = 0, degrees_per_second = 20;
-    std::vector<CameraKey> keys;
-};
-
-/// The camera at one moment.
-struct View {
-    Vec3f position, target, up;
-    float fov;  ///< degrees, vertical
-};
-View view_at(const CameraOptions& camera, double time, const Vec3f& domain_min, const Vec3f& domain_max);
 
 struct LookOptions {
     /// liquid (refracting surface) | opaque (paint, lava) | and coloured by a field: particles | slice (a plane through the flow) | volume
@@ -61,7 +38,5 @@ struct LookOptions {
 
 /// Whether the look colours the fluid by a field instead of drawing its surface.
 inline bool shows_field(const LookOptions& look) { return look.style == "particles" || look.style == "slice" || look.style == "volume"; }
-/// What a frame needs besides positions and velocities for the picture.
-std::vector<std::string> shown_fields(const LookOptions& look);
 
 }  // namespace whorl

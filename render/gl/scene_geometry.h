@@ -15,7 +15,7 @@ namespace whorl {
 /// are.
 TriangleMesh with_normals(const TriangleMesh& mesh);
 
-class Things {
+class SceneGeometry {
 public:
     void fill(const Frame& frame, const TriangleMesh& fluid, const std::vector<float>& age = {});
     /// The fluid as its particles, each with a value, and their trails where there are any.
