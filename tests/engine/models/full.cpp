@@ -1,17 +1,18 @@
+#include "engine/models/viscosity/full.h"
+
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
 
 #include "engine/models/boundary/wall.h"
 #include "engine/models/motion/motion.h"
-#include "engine/models/viscosity/full.h"
 #include "tests/support/coarse_matrix.h"
 #include "tests/support/viscous_block.h"
 
 using namespace whorl;
 using namespace whorl::test;
 
-namespace full_viscosity_test {
+namespace full_test {
 
 namespace {
 
@@ -164,4 +165,4 @@ TEST_CASE("with the coarse level a stiff free body needs less than half of the i
     CHECK(2 * iterations[1] < iterations[0]);  // each judged by its own norm: at the same number the diagonal leaves the larger error
 }
 
-}  // namespace full_viscosity_test
+}  // namespace full_test
