@@ -36,8 +36,7 @@ float trilinear(const Volume& v, const Vec3f& at) {
     float sum = 0;
     for (int c = 0; c < 8; ++c) {
         const int i = n.x() + (c & 1), j = n.y() + (c >> 1 & 1), k = n.z() + (c >> 2);
-        sum += (c & 1 ? f.x() : 1 - f.x()) * (c & 2 ? f.y() : 1 - f.y()) * (c & 4 ? f.z() : 1 - f.z()) *
-               v.value[v.index(i, j, k)];
+        sum += (c & 1 ? f.x() : 1 - f.x()) * (c & 2 ? f.y() : 1 - f.y()) * (c & 4 ? f.z() : 1 - f.z()) * v.value[v.index(i, j, k)];
     }
     return sum;
 }

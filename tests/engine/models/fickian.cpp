@@ -1,16 +1,17 @@
 /// Moves that even out the particles.
+#include "engine/models/shifting/fickian.h"
+
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "engine/core/random.h"
-#include "engine/models/shifting/fickian.h"
 #include "engine/sph/density.h"
 #include "tests/support/world.h"
 
 using namespace whorl;
 using namespace whorl::test;
 
-namespace shifting_test {
+namespace fickian_test {
 
 namespace {
 
@@ -83,4 +84,4 @@ TEST_CASE("particles at a free surface are hardly shifted outward, those inside 
     CHECK(surface / at_surface < 0.05 * inside / within);
 }
 
-}  // namespace shifting_test
+}  // namespace fickian_test
