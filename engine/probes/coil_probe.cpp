@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "engine/core/binary_io.h"
-#include "engine/io/files.h"
 
 namespace whorl {
 namespace {
@@ -40,8 +39,8 @@ struct CoilProbe::Step {
     CoilTurns::Sight sight;
 };
 
-CoilProbe::CoilProbe(const ProbeKeys& keys, Patience patience)
-    : point_(keys.axis_point), up_(keys.axis_direction.normalized()), height_(keys.height), expectation_(patience) {
+CoilProbe::CoilProbe(const ProbeKeys& keys, TheorySearch search)
+    : point_(keys.axis_point), up_(keys.axis_direction.normalized()), height_(keys.height), expectation_(search) {
     across_x_ = up_.unitOrthogonal();
     across_y_ = up_.cross(across_x_);
 }
@@ -136,18 +135,18 @@ void CoilProbe::after_step(const World& world, double time) {
     turns_.see(step.sight);
 }
 
-std::string CoilProbe::rows(const World&, double time) {
+ProbeRows CoilProbe::rows(const World&, double time) {
     const CoilTurns::Reading r = turns_.read(time);
     const bool known = r.turns_known > 0, several = r.turns_known > 1;
     const double root = std::sqrt(std::max(1, r.turns_known));
     const double fall = memory_.opening - r.ground;
     const auto parameters = known && pouring_ ? steady_parameters(*pouring_, up_, time, 1 / r.frequency, fall) : std::nullopt;
     const auto theory = parameters ? expectation_.at(*parameters) : std::nullopt;
-    const auto cell = [](bool shown, double value) { return "," + (shown ? number(value) : std::string()); };
-    return number(time) + cell(known, r.frequency) + cell(known, r.radius) + cell(true, r.turns) + cell(several, r.frequency_spread) +
-           cell(several, r.radius_spread) + cell(true, memory_.pile_seen ? r.ground_now : 0) + cell(several, r.frequency_spread / root) +
-           cell(several, r.radius_spread / root) + cell(known, fall) + cell(theory.has_value(), theory ? theory->frequency : 0) +
-           cell(theory.has_value(), theory ? theory->radius : 0) + "\n";
+    const auto known_if = [](bool is_known, double value) { return is_known ? value : NAN; };
+    return {{time, known_if(known, r.frequency), known_if(known, r.radius), static_cast<double>(r.turns),
+             known_if(several, r.frequency_spread), known_if(several, r.radius_spread), memory_.pile_seen ? r.ground_now : 0,
+             known_if(several, r.frequency_spread / root), known_if(several, r.radius_spread / root), known_if(known, fall),
+             theory ? theory->frequency : NAN, theory ? theory->radius : NAN}};
 }
 
 void CoilProbe::save(std::ostream& out) const {

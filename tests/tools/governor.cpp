@@ -7,9 +7,9 @@
 #include <fstream>
 #include <sstream>
 
+#include "engine/io/csv.h"
 #include "tests/support/program.h"
 #include "tests/support/scratch.h"
-#include "tools/study/table.h"
 
 using namespace whorl;
 using test::Outcome;

@@ -5,12 +5,12 @@
 #include <fstream>
 #include <random>
 
+#include "engine/io/csv.h"
 #include "engine/io/files.h"
 #include "render/image/image.h"
 #include "tests/support/live_program.h"
 #include "tests/support/scenes.h"
 #include "tools/live/access.h"
-#include "tools/study/table.h"
 
 using namespace whorl;
 using nlohmann::json;

@@ -6,12 +6,12 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "engine/io/csv.h"
 #include "tests/support/program.h"
 #include "tests/support/scratch.h"
 #include "tools/study/accuracy.h"
 #include "tools/study/recommend.h"
 #include "tools/study/sweep.h"
-#include "tools/study/table.h"
 
 using namespace whorl;
 using namespace whorl::test;

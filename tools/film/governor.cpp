@@ -61,25 +61,9 @@ std::optional<SceneFile> Governor::look(double seconds, int frame, double spent)
     return governed();
 }
 
-Scene with_models_of(const Plan& plan, const Scene& scene) {
-    Scene s = scene;
-    s.models.pressure = plan.pressure;
-    s.models.viscosity = plan.viscosity;
-    s.models.boundary = plan.boundary;
-    s.models.shifting = plan.shifting;
-    s.fluid.kernel = plan.kernel;
-    s.fluid.support = plan.support / plan.spacing;
-    if (plan.pressure == PressureModel::wcsph)
-        s.pressure.sound_speed = plan.sound_speed, s.pressure.artificial_viscosity = plan.artificial_viscosity;
-    if (plan.micropolar != MicropolarModel::none)
-        s.micropolar.exchange = plan.spin.implicit_exchange ? ExchangeScheme::implicit : ExchangeScheme::explicit_steps;
-    return s;
-}
-
 std::string budget_header() {
     return "frame,time,wall_seconds,allowed_seconds,given_up,tolerance_factor,cfl,voxel,samples,largest_residual,unconverged_solves,"
-           "density_error_mean,"
-           "density_error_max";
+           "density_error_mean,density_error_max";
 }
 
 std::string budget_row(const BudgetRow& r) {

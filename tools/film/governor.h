@@ -40,9 +40,6 @@ private:
     double amount_ = 0, applied_ = 0, allowed_ = 0;
 };
 
-/// The scene with every automatic choice as `plan` made it: what changes from here on cannot change the models.
-Scene with_models_of(const Plan& plan, const Scene& scene);
-
 /// The columns of budget.csv, and a row: what the frame took and was allowed, what was given up, and what that did to what can be measured.
 std::string budget_header();
 struct BudgetRow {

@@ -11,6 +11,7 @@
 #include "engine/core/version.h"
 #include "engine/core/whole_file.h"
 #include "engine/io/files.h"
+#include "engine/scene/frame_times.h"
 #include "render/look/overlay.h"
 #include "render/video/encoder.h"
 #include "tools/film/colour_range.h"
@@ -60,8 +61,8 @@ class PanelFilm {
 public:
     PanelFilm(const RunRequest& request, PanelRuns how)
         : request_(request), scene_(request.file.scene), scenes_(panel_scenes(request.file)),
-          folder_(how == PanelRuns::anew ? RunFolder::fresh(request.folder) : RunFolder::existing(request.folder)) {
-        if (how == PanelRuns::anew) write_text(folder_.path() / "scene.resolved.toml", resolved_toml(request.file));
+          folder_(how == PanelRuns::fresh ? RunFolder::fresh(request.folder) : RunFolder::existing(request.folder)) {
+        if (how == PanelRuns::fresh) write_text(folder_.path() / "scene.resolved.toml", resolved_toml(request.file));
     }
 
     int go() {
@@ -98,7 +99,7 @@ private:
         if (!request_.quiet && !request_.json)
             std::fprintf(stderr, "panel %zu of %zu: %s\n", k + 1, scenes_.size(), name_of(scene_.panels[k], k).c_str());
         std::vector<std::string> damaged;
-        if (!status.empty() && newest_checkpoint(panel.folder, damaged)) go_on_from_newest(panel);
+        if (!status.empty() && newest_checkpoint(panel.folder, damaged)) resume_from_newest(panel);
         return run_scene(panel);
     }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "engine/core/errors.h"
+#include "engine/scene/frame_times.h"
 #include "engine/scene/read.h"
 
 namespace whorl {
@@ -23,7 +24,7 @@ void check_settings(const Checkpoint& checkpoint, const Scene& now, const std::f
 
 }  // namespace
 
-void go_on_from_newest(RunRequest& request) {
+void resume_from_newest(RunRequest& request) {
     std::vector<std::string> damaged;
     std::optional<Checkpoint> checkpoint = newest_checkpoint(request.folder, damaged);
     for (const std::string& line : damaged) fmt::print(stderr, "whorl: {}\n", line);

@@ -4,7 +4,9 @@
 #include <memory>
 
 #include "engine/core/parallel.h"
+#include "engine/scene/frame_times.h"
 #include "engine/scene/plan.h"
+#include "tools/film/panels.h"
 #include "tools/film/run.h"
 #include "tools/program/command.h"
 #include "tools/program/run_options.h"
@@ -32,7 +34,8 @@ int render(const Options& options) {
     if (request.frames) request.frames = std::min(*request.frames, frame_count(request.file.scene));
     request.quiet = options.quiet;
     request.json = options.json;
-    return options.dry_run ? dry_run(request) : run_scene(request);
+    if (options.dry_run) return dry_run(request);
+    return request.file.scene.panels.empty() ? run_scene(request) : run_panels(request, PanelRuns::fresh);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "engine/core/clock.h"
 #include "engine/core/whole_file.h"
+#include "engine/io/csv.h"
 #include "engine/sim/simulation.h"
 #include "tools/film/progress.h"
 #include "tools/program/command.h"

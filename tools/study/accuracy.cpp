@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/io/csv.h"
 #include "render/image/image.h"
-#include "tools/study/table.h"
 
 namespace whorl {
 namespace {
