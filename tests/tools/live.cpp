@@ -220,7 +220,7 @@ TEST_CASE("only our own page and programs on this machine are answered", "[tools
     CHECK(live.get("/state", {{"Host", "localhost:" + port}}).status == 200);
 
     // From elsewhere: only with the token.
-    const Door open("0.0.0.0", 8080, "secret");
+    const AccessRules open("0.0.0.0", 8080, "secret");
     CHECK(open.refusal({"box:8080", "", "", ""}) != "");
     CHECK(open.refusal({"box:8080", "", "", "secre"}) != "");
     CHECK(open.refusal({"box:8080", "http://box:8080", "", "secret"}) == "");
@@ -346,7 +346,7 @@ TEST_CASE(
     CHECK(tight.at("given_up").at("tolerance_factor") == Approx(10));
     CHECK(tight.at("given_up").at("cfl").get<double>() > cfl);
     CHECK(tight.at("given_up").at("samples") == 1);
-    CHECK(tight.at("values").at("pressure.tolerance") == 2e-3);  // the user's wishes stay the user's
+    CHECK(tight.at("values").at("pressure.tolerance") == 2e-3);  // what the user set stays
     CHECK(tight.at("values").at("fluid.viscosity") == 200);
 
     const CsvTable noted = read_csv(live.run() / "budget.csv");

@@ -60,7 +60,7 @@ void FrameLoop::apply_governor() {
 
 void FrameLoop::scene_changed(const SceneFile& file) {
     host_.set_pictures(file);
-    governor_.want(file);
+    governor_.set_scene(file);
     if (governor_.now().amount > 0) apply(governor_.governed());
 }
 

@@ -19,7 +19,7 @@ constexpr double answer = 0.6, slack = 0.8;
 
 Governor::Governor(const SceneFile& given, int frames) : given_(given), frames_(frames) {}
 
-void Governor::want(const SceneFile& given) { given_ = given; }
+void Governor::set_scene(const SceneFile& given) { given_ = given; }
 
 Sacrifice Governor::now() const {
     const BudgetKeys& most = given_.scene.budget;

@@ -21,8 +21,8 @@ public:
     /// @param given the scene as the user wants it @param frames of the film
     Governor(const SceneFile& given, int frames);
 
-    /// The user's wishes changed while the run goes on.
-    void want(const SceneFile& given);
+    /// The user's scene is another one from now on.
+    void set_scene(const SceneFile& given);
     /// After a frame. @param seconds it took, wall @param frame its number @param spent s, wall, over the whole run
     /// @return the scene to go on with, where it is another than before
     std::optional<SceneFile> look(double seconds, int frame, double spent);

@@ -5,6 +5,7 @@
 #include "engine/core/errors.h"
 #include "engine/scene/frame_times.h"
 #include "engine/scene/read.h"
+#include "engine/scene/scene_difference.h"
 
 namespace whorl {
 namespace {

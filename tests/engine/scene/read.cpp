@@ -1,4 +1,5 @@
 #include "engine/scene/read.h"
+#include "engine/scene/scene_difference.h"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>

@@ -212,7 +212,7 @@ TEST_CASE("what theory is asked follows the scene, and nothing is asked where it
 }
 
 TEST_CASE("who does not wait for the theory has its answer soon, the same as who waits", "[io][coil_theory]") {
-    CoilExpectation waits(Patience::waits), goes_on(Patience::never_waits);
+    CoilExpectation waits(TheorySearch::wait), goes_on(TheorySearch::in_background);
     CoilParameters p = nozzle_of_5_mm(0.1, 0.12, 0.2);
     const auto answer = waits.at(p);
     REQUIRE(answer);
@@ -229,7 +229,7 @@ TEST_CASE("who does not wait for the theory has its answer soon, the same as who
 
     std::stringstream state;
     waits.save(state);
-    CoilExpectation resumed(Patience::waits);
+    CoilExpectation resumed(TheorySearch::wait);
     resumed.load(state);
     p.fall *= 0.99;
     CHECK(resumed.at(p)->frequency == waits.at(p)->frequency);

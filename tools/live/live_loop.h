@@ -8,9 +8,9 @@
 #include "engine/io/files.h"
 #include "engine/io/snapshot.h"
 #include "tools/film/frame_loop.h"
+#include "tools/live/controls.h"
 #include "tools/live/journal.h"
 #include "tools/live/screen.h"
-#include "tools/live/wishes.h"
 
 namespace whorl {
 
@@ -28,7 +28,7 @@ private:
 class LiveLoop : public FrameLoopHost {
 public:
     /// @param real_time never faster than the film would play
-    LiveLoop(Wishes& wishes, Screen& screen, Journal& journal, Status& status, bool real_time);
+    LiveLoop(Controls& controls, Screen& screen, Journal& journal, Status& status, bool real_time);
     /// Until `stop` says so. @throws EnvironmentError
     void run(const std::function<bool()>& stop);
     /// Writes the recording as it stands, and returns it; any thread. @throws EnvironmentError (disk full)
@@ -36,7 +36,7 @@ public:
     const Simulation& simulation() const { return *simulation_; }
 
 private:
-    void begin(WantedScene& scene);
+    void begin(PlannedScene& scene);
     void follow(const Orders& orders);
     bool step_to_next_frame();
     void show_frame();
@@ -46,11 +46,11 @@ private:
     nlohmann::ordered_json status_json(const Measures& measures) const;
     void wait_for_real_time();
 
-    bool stop_wanted() override { return stop_() || wishes_.restart_wanted(); }
+    bool stop_wanted() override { return stop_() || controls_.restart_wanted(); }
     void after_step(const StepReport& report, double began) override;
     void set_pictures(const SceneFile& file) override;
 
-    Wishes& wishes_;
+    Controls& controls_;
     Screen& screen_;
     Journal& journal_;
     Status& status_;

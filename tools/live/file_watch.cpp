@@ -1,4 +1,4 @@
-#include "tools/live/watch.h"
+#include "tools/live/file_watch.h"
 
 #include <sys/stat.h>
 

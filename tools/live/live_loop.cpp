@@ -1,4 +1,4 @@
-#include "tools/live/loop.h"
+#include "tools/live/live_loop.h"
 
 #include <fmt/format.h>
 
@@ -37,12 +37,12 @@ Json Status::get() const {
     return json_;
 }
 
-LiveLoop::LiveLoop(Wishes& wishes, Screen& screen, Journal& journal, Status& status, bool real_time)
-    : wishes_(wishes), screen_(screen), journal_(journal), status_(status), real_time_(real_time) {
-    begin(*wishes_.take(0).scene);
+LiveLoop::LiveLoop(Controls& controls, Screen& screen, Journal& journal, Status& status, bool real_time)
+    : controls_(controls), screen_(screen), journal_(journal), status_(status), real_time_(real_time) {
+    begin(*controls_.take(0).scene);
 }
 
-void LiveLoop::begin(WantedScene& scene) {
+void LiveLoop::begin(PlannedScene& scene) {
     loop_.reset();
     simulation_ = std::move(scene.simulation);
     frame_ = 1;
@@ -53,7 +53,7 @@ void LiveLoop::begin(WantedScene& scene) {
     frame_steps_ = 0, frame_iterations_ = frame_wall_ = simulate_wall_ = pace_ = frames_a_second_ = 0;
     {
         const std::lock_guard lock(recording_mutex_);
-        journal_.begin(scene.file, wishes_.scene_path(), wishes_.options().quality);
+        journal_.begin(scene.file, controls_.scene_path(), controls_.options().quality);
         journal_.write(0);
         time_ = 0;
     }
@@ -71,7 +71,7 @@ void LiveLoop::set_pictures(const SceneFile& file) { screen_.look({file.surface,
 
 void LiveLoop::follow(const Orders& orders) {
     if (!orders.scene) return;
-    WantedScene& wanted = *orders.scene;
+    PlannedScene& wanted = *orders.scene;
     if (!wanted.simulation && simulation_->totals().steps == 0) try {
             // Nothing has moved yet: a scene that begins with these values, which is what a recording will say.
             wanted.simulation = std::make_unique<Simulation>(wanted.file.scene, wanted.plan);
@@ -111,7 +111,7 @@ void LiveLoop::after_step(const StepReport& report, double) {
     const Divergence& d = *report.diverged;
     state_ = State::diverged;
     why_ = fmt::format("diverged at {:.4g} s in \"{}\", {}: {}; undo what led there and restart", d.time, d.stage, d.field, d.what);
-    wishes_.tell(true, why_);
+    controls_.tell(true, why_);
 }
 
 /// @return false where it was broken off, to end or to begin anew
@@ -149,7 +149,7 @@ void LiveLoop::end_if_over() {
     const Scene& scene = simulation_->scene();
     if (frame_time(scene, frame_ + 1) <= scene.time.end * (1 + 1e-9)) return;
     state_ = State::ended;
-    wishes_.tell(false, fmt::format("the scene ends at {:g} s: raise time.end to go on, or restart", scene.time.end));
+    controls_.tell(false, fmt::format("the scene ends at {:g} s: raise time.end to go on, or restart", scene.time.end));
 }
 
 /// The present state, between two frames too.
@@ -205,7 +205,7 @@ void LiveLoop::run(const std::function<bool()>& stop) {
     stop_ = stop;
     while (!stop()) {
         screen_.check();
-        const Orders orders = wishes_.take(0.1);
+        const Orders orders = controls_.take(0.1);
         follow(orders);
         if (state_ != State::running || !(orders.playing || orders.step)) {
             due_ = shown_at_ = wall_seconds();
