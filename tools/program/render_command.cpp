@@ -9,6 +9,7 @@
 #include "tools/film/panels.h"
 #include "tools/film/run.h"
 #include "tools/program/command.h"
+#include "tools/program/preview.h"
 #include "tools/program/run_options.h"
 
 namespace whorl {
@@ -16,12 +17,12 @@ namespace {
 
 /// What would be run, without running it.
 int dry_run(const RunRequest& request) {
-    const Scene& scene = request.file.scene;
-    const Plan plan = make_plan(scene);
-    for (const Choice& c : plan.choices) fmt::print("{} = {}{}\n", c.key, c.value, c.reason.empty() ? "" : "  (" + c.reason + ")");
-    for (const std::string& warning : plan.warnings) fmt::print("warning: {}\n", warning);
-    fmt::print("{} frames, about {:.0f} particles at the end, into {}\n", request.frames.value_or(frame_count(scene)),
-               plan.estimated_particles, request.folder.string());
+    const Plan plan = make_plan(request.file.scene);
+    const Simulation simulation(request.file.scene, plan);
+    const Preview preview{request.file, plan, simulation, std::nullopt};
+    if (request.json) return print_json(preview), exit_done;
+    print_text(preview);
+    fmt::print("{} frames into {}\n", request.frames.value_or(frame_count(request.file.scene)), request.folder.string());
     return exit_done;
 }
 
