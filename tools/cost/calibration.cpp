@@ -16,7 +16,7 @@
 #include "render/gl/renderer.h"
 #include "render/image/image.h"
 #include "tools/cost/sample_run.h"
-#include "tools/film/usage.h"
+#include "tools/process/usage.h"
 
 namespace whorl {
 namespace {

@@ -18,9 +18,9 @@
 #include "tools/film/contact_sheet.h"
 #include "tools/film/resume_run.h"
 #include "tools/film/run_folder.h"
-#include "tools/film/usage.h"
-#include "tools/program/command.h"
-#include "tools/program/scene_changes.h"
+#include "tools/process/exit_codes.h"
+#include "tools/process/usage.h"
+#include "tools/scene_file/scene_changes.h"
 
 namespace whorl {
 namespace {

@@ -7,7 +7,7 @@
 #include "engine/core/parallel.h"
 #include "engine/core/version.h"
 #include "engine/io/checkpoint.h"
-#include "tools/film/usage.h"
+#include "tools/process/usage.h"
 
 namespace whorl {
 

@@ -18,14 +18,14 @@
 #include "tools/film/contact_sheet.h"
 #include "tools/film/film.h"
 #include "tools/film/frame_loop.h"
-#include "tools/film/interrupt.h"
 #include "tools/film/progress.h"
 #include "tools/film/report.h"
 #include "tools/film/run_folder.h"
 #include "tools/film/run_times.h"
 #include "tools/film/tables.h"
-#include "tools/program/command.h"
-#include "tools/program/scene_changes.h"
+#include "tools/process/exit_codes.h"
+#include "tools/process/interrupt.h"
+#include "tools/scene_file/scene_changes.h"
 
 namespace whorl {
 namespace {

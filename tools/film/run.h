@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "engine/io/checkpoint.h"
-#include "tools/program/run_options.h"
+#include "tools/scene_file/scene_file.h"
 
 namespace whorl {
 

@@ -1,6 +1,6 @@
 #include "tools/film/run_times.h"
 
-#include "tools/film/usage.h"
+#include "tools/process/usage.h"
 
 namespace whorl {
 

@@ -11,7 +11,7 @@
 
 #include "engine/sim/simulation.h"
 #include "tools/film/film.h"
-#include "tools/program/scene_changes.h"
+#include "tools/scene_file/scene_changes.h"
 
 namespace whorl {
 

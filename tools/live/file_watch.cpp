@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "tools/film/usage.h"
+#include "tools/process/usage.h"
 
 namespace whorl {
 namespace {

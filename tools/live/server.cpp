@@ -8,10 +8,10 @@
 
 #include "engine/core/parallel.h"
 #include "engine/scene/read.h"
-#include "tools/film/usage.h"
 #include "tools/live/access.h"
 #include "tools/live/page.h"
 #include "tools/live/values.h"
+#include "tools/process/usage.h"
 
 namespace whorl {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "engine/scene/value_json.h"
-#include "tools/program/scene_changes.h"
+#include "tools/scene_file/scene_changes.h"
 
 namespace whorl {
 

@@ -5,14 +5,14 @@
 
 #include "engine/core/parallel.h"
 #include "engine/core/whole_file.h"
-#include "tools/film/interrupt.h"
 #include "tools/film/report.h"
 #include "tools/film/run_folder.h"
 #include "tools/live/access.h"
-#include "tools/live/server.h"
 #include "tools/live/file_watch.h"
+#include "tools/live/server.h"
+#include "tools/process/interrupt.h"
 #include "tools/program/command.h"
-#include "tools/program/run_options.h"
+#include "tools/scene_file/scene_file.h"
 
 namespace whorl {
 namespace {

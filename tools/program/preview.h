@@ -4,7 +4,7 @@
 
 #include "engine/sim/simulation.h"
 #include "tools/cost/estimate.h"
-#include "tools/program/run_options.h"
+#include "tools/scene_file/scene_file.h"
 
 namespace whorl {
 

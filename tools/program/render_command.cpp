@@ -10,7 +10,7 @@
 #include "tools/film/run.h"
 #include "tools/program/command.h"
 #include "tools/program/preview.h"
-#include "tools/program/run_options.h"
+#include "tools/scene_file/scene_file.h"
 
 namespace whorl {
 namespace {

@@ -13,7 +13,7 @@
 #include "engine/sim/simulation.h"
 #include "tools/film/progress.h"
 #include "tools/program/command.h"
-#include "tools/program/run_options.h"
+#include "tools/scene_file/scene_file.h"
 #include "tools/study/jobs.h"
 #include "tools/study/plot.h"
 #include "tools/study/stability.h"

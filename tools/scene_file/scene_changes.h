@@ -9,7 +9,7 @@
 #include "engine/scene/document.h"
 #include "engine/scene/plan.h"
 #include "engine/scene/scene_difference.h"
-#include "tools/program/run_options.h"
+#include "tools/scene_file/scene_file.h"
 
 namespace whorl {
 

@@ -1,4 +1,4 @@
-#include "tools/program/scene_changes.h"
+#include "tools/scene_file/scene_changes.h"
 
 #include <algorithm>
 #include <map>
