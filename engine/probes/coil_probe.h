@@ -58,7 +58,7 @@ private:
         bool pile_seen = false;
     };
 
-    Step look(const World& world) const;
+    Step observe(const World& world) const;
     void find_pile(Step& step) const;
     void find_thread(Step& step) const;
 

@@ -44,7 +44,7 @@ FrameSummary FrameLoop::measure_frame() {
 BudgetRow FrameLoop::weigh(const FrameSummary& summary, int frame, double seconds, double spent) {
     BudgetRow row;
     row.given_up = governor_.now();
-    governed_ = governor_.look(seconds, frame, spent);
+    governed_ = governor_.after_frame(seconds, frame, spent);
     row.frame = frame, row.time = simulation_.time();
     row.seconds = seconds, row.allowed = governor_.allowed();
     row.largest_residual = largest_residual_;

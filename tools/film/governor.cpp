@@ -44,7 +44,7 @@ SceneFile Governor::governed() const {
     return file;
 }
 
-std::optional<SceneFile> Governor::look(double seconds, int frame, double spent) {
+std::optional<SceneFile> Governor::after_frame(double seconds, int frame, double spent) {
     const BudgetKeys& keys = given_.scene.budget;
     if (!keys.any()) {
         if (applied_ == 0) return std::nullopt;

@@ -25,7 +25,7 @@ public:
     void set_scene(const SceneFile& given);
     /// After a frame. @param seconds it took, wall @param frame its number @param spent s, wall, over the whole run
     /// @return the scene to go on with, where it is another than before
-    std::optional<SceneFile> look(double seconds, int frame, double spent);
+    std::optional<SceneFile> after_frame(double seconds, int frame, double spent);
     /// The scene with what is given up now.
     SceneFile governed() const;
 

@@ -161,7 +161,7 @@ void Run::resume() {
     const Checkpoint& from = *request_.from;
     std::istringstream state(from.simulation);
     simulation_.load(state);
-    replay_.make_until(simulation_.time(), [&](const Scene& s, const Plan& p, double time) { simulation_.changed_before(s, p, time); });
+    replay_.apply_until(simulation_.time(), [&](const Scene& s, const Plan& p, double time) { simulation_.changed_before(s, p, time); });
     first_ = from.frame + 1;
     std::ifstream report(folder_.path() / "run.json");
     if (const auto earlier = nlohmann::json::parse(report, nullptr, false); earlier.is_object() && earlier.contains("first_troubles"))
@@ -192,7 +192,7 @@ void Run::after_step(const StepReport& report, double began) {
     incidents_.add(report, began, simulation_.totals().steps + (report.diverged ? 1 : 0));
     if (report.diverged) return;
     progress_->step(simulation_, frame_);
-    if (replay_.make_until(simulation_.time(), [&](const Scene& s, const Plan& p, double) { simulation_.change(s, p); }))
+    if (replay_.apply_until(simulation_.time(), [&](const Scene& s, const Plan& p, double) { simulation_.change(s, p); }))
         loop_->scene_changed(replay_.now());
 }
 
@@ -216,7 +216,7 @@ void Run::add_frame() {
         saved_at_ = wall_seconds();
         write_report("running", "");
     }
-    progress_->landed(simulation_, frame_, summary.iterations);
+    progress_->frame_done(simulation_, frame_, summary.iterations);
     if (weighed && frame_ < last_) loop_->apply_governor();
 }
 

@@ -188,7 +188,7 @@ Replay::Replay(const SceneFile& file) : now_(file), changes_(file.scene.changes)
 
     Replay trial(*this);
     Plan plan = make_plan(now_.scene);
-    trial.make_until(std::numeric_limits<double>::infinity(), [&](const Scene&, const Plan& next, double) {
+    trial.apply_until(std::numeric_limits<double>::infinity(), [&](const Scene&, const Plan& next, double) {
         const auto models = changes_of_models(plan, next);
         if (!models.empty())
             throw InputError(trial.places_[trial.made_ - 1], "this change asks for other models while the run goes on: " + models[0]);
@@ -206,7 +206,7 @@ SceneFile Replay::moment(std::size_t& change) const {
     return changed(now_, made);
 }
 
-bool Replay::make_until(double time, const Follow& simulation) {
+bool Replay::apply_until(double time, const Follow& simulation) {
     bool any = false;
     while (made_ < changes_.size() && next() <= time) {
         const double when = next();

@@ -62,7 +62,7 @@ public:
     /// What to call for each moment: simulation(scene, plan, time) where the simulation goes by something else from then on.
     using Follow = std::function<void(const Scene&, const Plan&, double)>;
     /// Makes all changes up to `time` [s], a moment after the other. @return whether there was any
-    bool make_until(double time, const Follow& simulation);
+    bool apply_until(double time, const Follow& simulation);
 
 private:
     SceneFile moment(std::size_t& change) const;
