@@ -13,7 +13,7 @@ namespace whorl {
 
 struct Checkpoint {
     std::string build;         ///< build_id() of the program that wrote it
-    std::string scene;         ///< scene.resolved.toml, whose deciding settings must be the same for the run to go on
+    std::string scene;         ///< scene.resolved.toml, whose deciding settings must be the same for the run to be resumed
     int frame = 0;             ///< the state stands at this frame's time; its row and its picture exist
     int frames = 0;            ///< the frame that the run is to end with
     double wall = 0, cpu = 0;  ///< s so far, over all parts of the run
@@ -24,7 +24,7 @@ struct Checkpoint {
     std::string simulation;                            ///< Simulation::save()
 };
 
-/// Version, precision, compiler and instruction set: only the same build is sure to go on with the same bits.
+/// Version, precision, compiler and instruction set: only the same build is sure to resume with the same bits.
 std::string build_id();
 
 /// Writes checkpoints/<frame>.whorl in the run folder, durably, and removes all but the newest two. @throws EnvironmentError (disk full)

@@ -20,7 +20,7 @@ private:
     std::vector<FrameSolid> solids_;  ///< the nozzles behind the solids; poses are filled in by take()
 };
 
-/// The particles' part of a frame (particle_frame.cpp).
+/// The particles' part of a frame.
 Frame particles_of(const World& world, const std::vector<std::string>& fields);
 
 }  // namespace whorl

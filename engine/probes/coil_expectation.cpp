@@ -61,7 +61,7 @@ CoilExpectation::~CoilExpectation() { give_up_ = true; }
 std::optional<CoilTheory> CoilExpectation::at(const CoilParameters& parameters) {
     if (coming_.valid() && coming_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) answer_ = coming_.get();
     if (answer_ && relative_change(answer_->of, parameters) <= (answer_->theory ? same : same_none)) return answer_->theory;
-    if (patience_ == Patience::waits) return (answer_ = find(parameters))->theory;
+    if (search_ == TheorySearch::wait) return (answer_ = find(parameters))->theory;
     if (!coming_.valid()) coming_ = std::async(std::launch::async, [this, parameters] { return find(parameters); });
     return answer_ && relative_change(answer_->of, parameters) <= neighbour ? answer_->theory : std::nullopt;
 }

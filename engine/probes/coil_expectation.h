@@ -26,18 +26,18 @@ std::optional<Pouring> pouring(const Scene& scene, const Plan& plan, const Vec3d
 /// @param time,span s @param fall m
 std::optional<CoilParameters> steady_parameters(const Pouring& pouring, const Vec3d& up, double time, double span, double fall);
 
-/// Whether whoever asks waits for the answer.
-enum class Patience { waits, never_waits };
+/// How an answer is found that takes time: the caller waits for it, or another thread finds it and the caller asks again.
+enum class TheorySearch { wait, in_background };
 
 class CoilExpectation {
 public:
-    explicit CoilExpectation(Patience patience) : patience_(patience) {}
+    explicit CoilExpectation(TheorySearch search) : search_(search) {}
     ~CoilExpectation();
-    /// The coil for these parameters, or for some within 0.2 % of them (3 % where none was found). One that never waits has it found on
-    /// another thread, and until then gives that of parameters within a tenth, if there is one, else nothing.
+    /// The coil for these parameters, or for some within 0.2 % of them (3 % where none was found). While a search in the background goes
+    /// on: that of parameters within a tenth, if there is one, else nothing.
     std::optional<CoilTheory> at(const CoilParameters& parameters);
 
-    /// Of one that waits: it goes on with the same bits.
+    /// So that a resumed run has the same bits; only where the caller waits.
     void save(std::ostream& out) const;
     void load(std::istream& in);
 
@@ -48,7 +48,7 @@ private:
     };
     Answer find(const CoilParameters& parameters) { return {parameters, solver_.at(parameters, &give_up_)}; }
 
-    Patience patience_;
+    TheorySearch search_;
     CoilSolver solver_;
     std::optional<Answer> answer_;
     std::atomic<bool> give_up_{false};

@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "engine/core/binary_io.h"
-#include "engine/io/files.h"
 
 namespace whorl {
 namespace {
@@ -37,16 +36,16 @@ struct CoilProbe::Step {
     double slice = 0;      ///< particles in a layer of thread
     bool pile = false;
     double pile_top = 0;  ///< m
-    CoilTurns::Sight sight;
+    CoilTurns::Sample sample;
 };
 
-CoilProbe::CoilProbe(const ProbeKeys& keys, Patience patience)
-    : point_(keys.axis_point), up_(keys.axis_direction.normalized()), height_(keys.height), expectation_(patience) {
+CoilProbe::CoilProbe(const ProbeKeys& keys, TheorySearch search)
+    : point_(keys.axis_point), up_(keys.axis_direction.normalized()), height_(keys.height), expectation_(search) {
     across_x_ = up_.unitOrthogonal();
     across_y_ = up_.cross(across_x_);
 }
 
-CoilProbe::Step CoilProbe::look(const World& world) const {
+CoilProbe::Step CoilProbe::observe(const World& world) const {
     const auto x = world.fluid.column<field::position>();
     const auto u = world.fluid.column<field::velocity>();
     const Span<const std::int16_t> role = world.fluid.has<field::role>() ? world.fluid.column<field::role>() : Span<const std::int16_t>();
@@ -79,13 +78,13 @@ CoilProbe::Step CoilProbe::look(const World& world) const {
     }
     for (std::size_t l = 0; l < layers.size(); ++l) {
         const double speed = layers[l].count >= 3 ? layers[l].down / layers[l].count : 0;
-        if (!(speed > step.sight.speed)) continue;
-        step.sight.speed = speed;
+        if (!(speed > step.sample.speed)) continue;
+        step.sample.speed = speed;
         step.slice = layers[l].count;
         step.fastest_z = (static_cast<double>(l) + 1) * step.spacing;
     }
-    step.sight.radius = std::sqrt(step.slice / std::numbers::pi) * step.spacing;
-    if (step.sight.speed > 0) find_pile(step);
+    step.sample.radius = std::sqrt(step.slice / std::numbers::pi) * step.spacing;
+    if (step.sample.speed > 0) find_pile(step);
     return step;
 }
 
@@ -94,7 +93,7 @@ void CoilProbe::find_pile(Step& step) const {
     const double thickness = step.spacing / fine;
     std::vector<double> slow(static_cast<std::size_t>(step.fastest_z / thickness) + 1, 0.0);
     for (const Step::Place& p : step.fluid)
-        if (p.z >= 0 && p.z < step.fastest_z && p.speed < resting * step.sight.speed) slow[p.z / thickness] += 1;
+        if (p.z >= 0 && p.z < step.fastest_z && p.speed < resting * step.sample.speed) slow[p.z / thickness] += 1;
     double met = 0;
     for (std::size_t l = slow.size(); l-- > 0 && !step.pile;) {
         met += slow[l];
@@ -106,48 +105,51 @@ void CoilProbe::find_pile(Step& step) const {
 }
 
 void CoilProbe::find_thread(Step& step) const {
-    const double a = step.sight.radius, U = step.sight.speed;
-    if (height_ > 0) step.sight.section.emplace();
-    const auto add = [](CoilTurns::Spot& spot, const Step::Place& p) { spot.x += p.x, spot.y += p.y, spot.height += p.z, spot.count += 1; };
+    const double a = step.sample.radius, U = step.sample.speed;
+    if (height_ > 0) step.sample.section.emplace();
+    const auto add = [](CoilTurns::Centre& centre, const Step::Place& p) {
+        centre.x += p.x, centre.y += p.y, centre.height += p.z, centre.count += 1;
+    };
     for (const Step::Place& p : step.fluid) {
         const double speed = p.speed / U;
-        if (height_ > 0 && speed > resting && std::abs(p.z - memory_.pile_top - height_) < 1.5 * step.spacing) add(*step.sight.section, p);
+        if (height_ > 0 && speed > resting && std::abs(p.z - memory_.pile_top - height_) < 1.5 * step.spacing) add(*step.sample.section, p);
         if (p.z < memory_.pile_top - below * a || p.z > memory_.pile_top + above * a) continue;
-        if (speed > falling) add(step.sight.thread, p);
+        if (speed > falling) add(step.sample.thread, p);
         const double range = std::floor((speed - CoilTurns::slowest) / CoilTurns::range_width);
-        if (range >= 0 && range < CoilTurns::ranges && p.z < step.fastest_z) add(step.sight.contact[range], p);
+        if (range >= 0 && range < CoilTurns::ranges && p.z < step.fastest_z) add(step.sample.contact[range], p);
     }
-    if (height_ > 0) step.sight.thread = *step.sight.section;
+    if (height_ > 0) step.sample.thread = *step.sample.section;
 }
 
 void CoilProbe::after_step(const World& world, double time) {
-    Step step = look(world);
-    const CoilTurns::Sight& sight = step.sight;
+    Step step = observe(world);
+    const CoilTurns::Sample& sample = step.sample;
     const double elapsed = time - memory_.last_time;
     memory_.last_time = time;
     memory_.opening = step.opening;
-    memory_.fastest = std::max(memory_.fastest, sight.speed);
-    if (!step.pile || sight.speed < 0.2 * memory_.fastest) return turns_.lose();  // no thread, or no more than the pile's own creeping
-    const double blend = memory_.pile_seen ? 1 - std::exp(-elapsed * sight.speed / (4 * sight.radius)) : 1;
+    memory_.fastest = std::max(memory_.fastest, sample.speed);
+    if (!step.pile || sample.speed < 0.2 * memory_.fastest)
+        return turns_.thread_lost();  // no thread, or no more than the pile's own creeping
+    const double blend = memory_.pile_seen ? 1 - std::exp(-elapsed * sample.speed / (4 * sample.radius)) : 1;
     memory_.pile_top += blend * (step.pile_top - memory_.pile_top);
     memory_.pile_seen = true;
     find_thread(step);
-    step.sight.time = time;
-    turns_.see(step.sight);
+    step.sample.time = time;
+    turns_.add(step.sample);
 }
 
-std::string CoilProbe::rows(const World&, double time) {
+ProbeRows CoilProbe::rows(const World&, double time) {
     const CoilTurns::Reading r = turns_.read(time);
     const bool known = r.turns_known > 0, several = r.turns_known > 1;
     const double root = std::sqrt(std::max(1, r.turns_known));
     const double fall = memory_.opening - r.ground;
     const auto parameters = known && pouring_ ? steady_parameters(*pouring_, up_, time, 1 / r.frequency, fall) : std::nullopt;
     const auto theory = parameters ? expectation_.at(*parameters) : std::nullopt;
-    const auto cell = [](bool shown, double value) { return "," + (shown ? number(value) : std::string()); };
-    return number(time) + cell(known, r.frequency) + cell(known, r.radius) + cell(true, r.turns) + cell(several, r.frequency_spread) +
-           cell(several, r.radius_spread) + cell(true, memory_.pile_seen ? r.ground_now : 0) + cell(several, r.frequency_spread / root) +
-           cell(several, r.radius_spread / root) + cell(known, fall) + cell(theory.has_value(), theory ? theory->frequency : 0) +
-           cell(theory.has_value(), theory ? theory->radius : 0) + "\n";
+    const auto known_if = [](bool is_known, double value) { return is_known ? value : NAN; };
+    return {{time, known_if(known, r.frequency), known_if(known, r.radius), static_cast<double>(r.turns),
+             known_if(several, r.frequency_spread), known_if(several, r.radius_spread), memory_.pile_seen ? r.ground_now : 0,
+             known_if(several, r.frequency_spread / root), known_if(several, r.radius_spread / root), known_if(known, fall),
+             theory ? theory->frequency : NAN, theory ? theory->radius : NAN}};
 }
 
 void CoilProbe::save(std::ostream& out) const {

@@ -30,14 +30,24 @@ namespace whorl {
 
 class CoilProbe : public Probe {
 public:
-    explicit CoilProbe(const ProbeKeys& keys, Patience patience = Patience::waits);
-    std::string header() const override {
-        return "time,frequency,radius,turns,frequency_spread,radius_spread,pile_height,frequency_uncertainty,radius_uncertainty,fall,"
-               "theory_frequency,theory_radius";
+    explicit CoilProbe(const ProbeKeys& keys, TheorySearch search = TheorySearch::wait);
+    std::vector<std::string> columns() const override {
+        return {"time",
+                "frequency",
+                "radius",
+                "turns",
+                "frequency_spread",
+                "radius_spread",
+                "pile_height",
+                "frequency_uncertainty",
+                "radius_uncertainty",
+                "fall",
+                "theory_frequency",
+                "theory_radius"};
     }
-    void goes_by(const Scene& scene, const Plan& plan) override { pouring_ = pouring(scene, plan, point_, up_); }
+    void set_scene(const Scene& scene, const Plan& plan) override { pouring_ = pouring(scene, plan, point_, up_); }
     void after_step(const World& world, double time) override;
-    std::string rows(const World& world, double time) override;
+    ProbeRows rows(const World& world, double time) override;
     void save(std::ostream& out) const override;
     void load(std::istream& in) override;
 
@@ -48,7 +58,7 @@ private:
         bool pile_seen = false;
     };
 
-    Step look(const World& world) const;
+    Step observe(const World& world) const;
     void find_pile(Step& step) const;
     void find_thread(Step& step) const;
 

@@ -44,43 +44,43 @@ std::optional<double> CirclePoints::radius() const {
     return std::sqrt(spread + cx * cx + cy * cy);
 }
 
-void CoilTurns::see(const Sight& sight) {
+void CoilTurns::add(const Sample& sample) {
     Memory& m = memory_;
-    const double elapsed = std::max(0.0, sight.time - m.last_time);
-    m.last_time = sight.time;
+    const double elapsed = std::max(0.0, sample.time - m.last_time);
+    m.last_time = sample.time;
     // 30 radii of thread are about the length of a turn, 4 what lies at the contact.
-    const double laid = elapsed * sight.speed / sight.radius;
+    const double laid = elapsed * sample.speed / sample.radius;
     const bool first = m.thread_radius == 0;
     const double blend = first ? 1 : 1 - std::exp(-laid / 30), keep = std::exp(-laid / 4);
-    m.thread_radius += blend * (sight.radius - m.thread_radius);
+    m.thread_radius += blend * (sample.radius - m.thread_radius);
     for (std::size_t k = 0; k < ranges; ++k) {
-        const Spot& spot = sight.contact[k];
-        if (spot.count <= 0) continue;
+        const Centre& centre = sample.contact[k];
+        if (centre.count <= 0) continue;
         Height& h = m.height[k];
-        h.sum = keep * h.sum + laid * spot.height / spot.count, h.weight = keep * h.weight + laid;
+        h.sum = keep * h.sum + laid * centre.height / centre.count, h.weight = keep * h.weight + laid;
     }
-    if (sight.thread.count < 3) return;  // too few to tell where it is; the next step may
+    if (sample.thread.count < 3) return;  // too few to tell where it is; the next step may
 
-    const double x = sight.thread.x / sight.thread.count - m.centre_x, y = sight.thread.y / sight.thread.count - m.centre_y;
+    const double x = sample.thread.x / sample.thread.count - m.centre_x, y = sample.thread.y / sample.thread.count - m.centre_y;
     if (!first) m.centre_x += blend * x, m.centre_y += blend * y;
     const double change = std::remainder(std::atan2(y, x) - m.angle, two_pi);
-    const bool broken = std::hypot(x, y) < 0.15 * sight.radius || std::abs(change) > two_pi / 4;
+    const bool broken = std::hypot(x, y) < 0.15 * sample.radius || std::abs(change) > two_pi / 4;
     const double before = m.angle;
     m.angle += change;
     if (std::abs(m.angle - m.turn_angle) > std::abs(m.farthest - m.turn_angle)) {
-        m.farthest = m.angle, m.farthest_time = sight.time;
+        m.farthest = m.angle, m.farthest_time = sample.time;
     } else if (m.turning && std::abs(m.angle - m.farthest) > two_pi / 4) {
         begin_turn(m.farthest_time, m.farthest);
-        m.farthest = m.angle, m.farthest_time = sight.time;
+        m.farthest = m.angle, m.farthest_time = sample.time;
     }
     if (broken || !m.turning) {
         m.turning = !broken;
-        begin_turn(sight.time, m.angle);
+        begin_turn(sample.time, m.angle);
         return;
     }
     const double turned = std::abs(m.angle - m.turn_angle), turned_before = std::abs(before - m.turn_angle);
-    if (turned >= two_pi) complete_turn(sight.time - elapsed * (turned - two_pi) / (turned - turned_before));
-    measure(sight, elapsed);
+    if (turned >= two_pi) complete_turn(sample.time - elapsed * (turned - two_pi) / (turned - turned_before));
+    measure(sample, elapsed);
 }
 
 /// The thread's centre line comes to rest one radius above the ground that it lands on.
@@ -100,16 +100,17 @@ void CoilTurns::begin_turn(double time, double angle) {
     m.turn_height = {};
 }
 
-void CoilTurns::measure(const Sight& sight, double elapsed) {
-    const auto add = [&](CirclePoints& circle, const Spot& spot) {
-        if (spot.count > 0) circle.add(elapsed, spot.x / spot.count, spot.y / spot.count);
+void CoilTurns::measure(const Sample& sample, double elapsed) {
+    const auto add = [&](CirclePoints& circle, const Centre& centre) {
+        if (centre.count > 0) circle.add(elapsed, centre.x / centre.count, centre.y / centre.count);
     };
     for (std::size_t k = 0; k < ranges; ++k) {
-        const Spot& spot = sight.contact[k];
-        add(memory_.circle[k], spot);
-        if (spot.count > 0) memory_.turn_height[k].sum += elapsed * spot.height / spot.count, memory_.turn_height[k].weight += elapsed;
+        const Centre& centre = sample.contact[k];
+        add(memory_.circle[k], centre);
+        if (centre.count > 0)
+            memory_.turn_height[k].sum += elapsed * centre.height / centre.count, memory_.turn_height[k].weight += elapsed;
     }
-    if (sight.section) add(memory_.section, *sight.section);
+    if (sample.section) add(memory_.section, *sample.section);
 }
 
 double CoilTurns::radius() const {

@@ -3,7 +3,7 @@
 ///
 /// The thread's place across the axis turns with the coil; its angle, seen from the place's own running mean, is unwrapped over time. A
 /// turn is full when the angle has gone on by 2 pi. A turn that breaks off (the thread runs through the mean, or jumps by more than a
-/// quarter turn between two sights) does not count; one that goes back by a quarter begins anew where it turned round: a thread that folds
+/// quarter turn between two samples) does not count; one that goes back by a quarter begins anew where it turned round: a thread that folds
 /// has no turns.
 ///
 /// During a turn the contact goes round a circle, fitted by least squares (x^2 + y^2 + D x + E y + F, Kasa 1976), so that a coil that
@@ -30,16 +30,16 @@ public:
     static constexpr double slowest = 0.1, range_width = 0.15;  ///< of the thread's speed: range k begins at slowest + k range_width
 
     /// Mean place of some particles: sums, and how many.
-    struct Spot {
+    struct Centre {
         double x = 0, y = 0, height = 0, count = 0;
     };
     /// What one step shows.
-    struct Sight {
+    struct Sample {
         double time = 0;
         double speed = 0, radius = 0;  ///< m/s, m: of the falling thread
-        Spot thread;                   ///< what tells the angle: its lowest part, still falling
-        std::array<Spot, ranges> contact;
-        std::optional<Spot> section;  ///< gives the radius, where it is to be that of a section that still falls
+        Centre thread;                 ///< what tells the angle: its lowest part, still falling
+        std::array<Centre, ranges> contact;
+        std::optional<Centre> section;  ///< gives the radius, where it is to be that of a section that still falls
     };
     struct Reading {
         int turns_known = 0;                             ///< 0: all but `turns` and `ground` are without meaning
@@ -49,9 +49,9 @@ public:
         double ground_now = 0;  ///< m
     };
 
-    void see(const Sight& sight);
+    void add(const Sample& sample);
     /// No thread falls any more.
-    void lose() { memory_.turning = false; }
+    void thread_lost() { memory_.turning = false; }
     Reading read(double time) const;
 
     /// A mean height: sum and weight.
@@ -83,7 +83,7 @@ public:
 
 private:
     void begin_turn(double time, double angle);
-    void measure(const Sight& sight, double elapsed);
+    void measure(const Sample& sample, double elapsed);
     void complete_turn(double time);
     double radius() const;
     double ground(const std::array<Height, ranges>& heights) const;

@@ -1,12 +1,15 @@
 #include "engine/probes/probes.h"
 
+#include <limits>
+
 #include "engine/core/parallel.h"
 #include "engine/io/columns.h"
-#include "engine/io/files.h"
 #include "engine/probes/coil_probe.h"
 
 namespace whorl {
 namespace {
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 bool in_nozzle(Span<const std::int16_t> role, std::size_t k) { return !role.empty() && role[k] < 0; }
 
@@ -18,11 +21,12 @@ class RegionProbe : public Probe {
 public:
     explicit RegionProbe(const ProbeKeys& keys) : min_(keys.min), max_(keys.max) {}
 
-    std::string header() const override {
-        return "time,particles,mass,centroid_x,centroid_y,centroid_z,velocity_x,velocity_y,velocity_z,spin_x,spin_y,spin_z";
+    std::vector<std::string> columns() const override {
+        return {"time",       "particles",  "mass",       "centroid_x", "centroid_y", "centroid_z",
+                "velocity_x", "velocity_y", "velocity_z", "spin_x",     "spin_y",     "spin_z"};
     }
 
-    std::string rows(const World& world, double time) override {
+    ProbeRows rows(const World& world, double time) override {
         const auto x = world.fluid.column<field::position>();
         const auto u = world.fluid.column<field::velocity>();
         const Span<const Vec3> spin = world.fluid.has<field::spin>() ? world.fluid.column<field::spin>() : Span<const Vec3>();
@@ -39,9 +43,9 @@ public:
             if (!spin.empty()) s.segment<3>(7) = spin[k].cast<double>().array();
             return s;
         });
-        std::string row = number(time) + "," + number(sums[0]) + "," + number(sums[0] * static_cast<double>(world.step.mass));
-        for (int k = 1; k < 10; ++k) row += "," + (sums[0] > 0 ? number(sums[k] / sums[0]) : std::string());
-        return row + "\n";
+        std::vector<double> row{time, sums[0], sums[0] * static_cast<double>(world.step.mass)};
+        for (int k = 1; k < 10; ++k) row.push_back(sums[0] > 0 ? sums[k] / sums[0] : unknown);
+        return {row};
     }
 
 private:
@@ -54,28 +58,27 @@ public:
     PointsProbe(std::vector<Vec3d> points, bool line, const World& world) : points_(std::move(points)), line_(line) {
         for (const std::string& name : quantity_names())
             if (name != "position" && world.fluid.find(name) != nullptr) names_.push_back(name);
-        header_ = line ? "time,s,x,y,z" : "time";
+        columns_ = line ? std::vector<std::string>{"time", "s", "x", "y", "z"} : std::vector<std::string>{"time"};
         for (const NumberColumn& column : columns_named(world.fluid, names_))
-            for (const std::string& name : component_names(column)) header_ += "," + name;
+            for (const std::string& name : component_names(column)) columns_.push_back(name);
     }
 
-    std::string header() const override { return header_; }
+    std::vector<std::string> columns() const override { return columns_; }
 
-    std::string rows(const World& world, double time) override {
+    ProbeRows rows(const World& world, double time) override {
         const std::vector<NumberColumn> columns = columns_named(world.fluid, names_);
-        std::string text;
+        ProbeRows rows;
         for (const Vec3d& point : points_) {
-            text += number(time);
-            if (line_)
-                for (double value : {(point - points_.front()).norm(), point.x(), point.y(), point.z()}) text += "," + number(value);
-            text += interpolated(world, columns, point) + "\n";
+            std::vector<double>& row = rows.emplace_back(std::vector<double>{time});
+            if (line_) row.insert(row.end(), {(point - points_.front()).norm(), point.x(), point.y(), point.z()});
+            for (double value : interpolated(world, columns, point)) row.push_back(value);
         }
-        return text;
+        return rows;
     }
 
 private:
     // f(x) = sum_j f_j W(x - x_j) / sum_j W(x - x_j)
-    static std::string interpolated(const World& world, const std::vector<NumberColumn>& columns, const Vec3d& at) {
+    static std::vector<double> interpolated(const World& world, const std::vector<NumberColumn>& columns, const Vec3d& at) {
         const auto x = world.fluid.column<field::position>();
         const auto role = roles(world);
         const Vec3 here = at.cast<Real>();
@@ -94,23 +97,22 @@ private:
                     for (int c = 0; c < column.components; ++c) sums[s++] += weight * column.value(static_cast<Index>(k), c);
             }
         });
-        std::string cells;
-        for (double sum : sums) cells += "," + (weights > 0 ? number(sum / weights) : std::string());
-        return cells;
+        for (double& sum : sums) sum = weights > 0 ? sum / weights : unknown;
+        return sums;
     }
 
     std::vector<Vec3d> points_;
     bool line_;
     std::vector<std::string> names_;
-    std::string header_;
+    std::vector<std::string> columns_;
 };
 
 }  // namespace
 
-std::unique_ptr<Probe> make_probe(const ProbeKeys& keys, const World& world, Patience patience) {
+std::unique_ptr<Probe> make_probe(const ProbeKeys& keys, const World& world, TheorySearch search) {
     switch (keys.kind) {
         case ProbeKind::region: return std::make_unique<RegionProbe>(keys);
-        case ProbeKind::coil: return std::make_unique<CoilProbe>(keys, patience);
+        case ProbeKind::coil: return std::make_unique<CoilProbe>(keys, search);
         case ProbeKind::point: return std::make_unique<PointsProbe>(std::vector<Vec3d>{keys.at}, false, world);
         case ProbeKind::line: break;
     }
@@ -120,8 +122,14 @@ std::unique_ptr<Probe> make_probe(const ProbeKeys& keys, const World& world, Pat
     return std::make_unique<PointsProbe>(std::move(points), true, world);
 }
 
-std::string rows_of(Probe& probe, const Simulation& simulation) {
-    probe.goes_by(simulation.scene(), simulation.plan());
+NamedProbes make_probes(const Simulation& simulation, TheorySearch search) {
+    NamedProbes probes;
+    for (const ProbeKeys& keys : simulation.scene().probes) probes.emplace_back(keys.name, make_probe(keys, simulation.world(), search));
+    return probes;
+}
+
+ProbeRows rows_of(Probe& probe, const Simulation& simulation) {
+    probe.set_scene(simulation.scene(), simulation.plan());
     return probe.rows(simulation.world(), simulation.time());
 }
 

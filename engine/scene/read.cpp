@@ -190,14 +190,6 @@ bool Scene::viscosity_ages_by_place() const {
     return false;
 }
 
-Place Scene::place(const std::string& key) const {
-    for (std::string path = key; !path.empty();) {
-        if (const auto it = places.find(path); it != places.end()) return it->second;
-        const std::size_t end = path.find_last_of(".[");
-        path.resize(end == std::string::npos ? 0 : end);
-    }
-    const auto it = places.find("");
-    return it == places.end() ? Place{} : it->second;
-}
+Place Scene::place(const std::string& key) const { return place_in(places, key); }
 
 }  // namespace whorl

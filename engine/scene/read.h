@@ -39,12 +39,6 @@ std::string json_schema(const std::vector<Section>& sections = {});
 /// The same keys as a page of Markdown tables.
 std::string markdown_reference(const std::vector<Section>& sections = {});
 
-/// The settings that decide what a simulation does (not what is drawn, named, probed or written), one "key = value" a line.
-std::string deciding_settings(const Scene& scene);
-/// What differs between those of two scenes, one line each: "fluid.viscosity: 1000.0, now 500.0". Empty: a run of one can go on as the
-/// other.
-std::vector<std::string> differences(const Scene& before, const Scene& now);
-
 /// The engine's own sections.
 const KeyTable& scene_keys();
 

@@ -29,16 +29,7 @@ std::vector<std::string> names_in(const KeyTable& table) {
 Reader::Reader(const KeyTable& table, void* object, std::vector<Section> sections)
     : root_{&table, object}, sections_(std::move(sections)) {}
 
-Place Reader::place(const std::string& key) const {
-    for (std::string path = key;;) {
-        if (const auto it = places.find(path); it != places.end()) return it->second;
-        const std::size_t end = path.find_last_of(".[");
-        if (end == std::string::npos) break;
-        path.resize(end);
-    }
-    const auto it = places.find("");
-    return it == places.end() ? Place{} : it->second;
-}
+Place Reader::place(const std::string& key) const { return place_in(places, key); }
 
 void Reader::disagree(const std::vector<std::string>& keys, std::string what, std::string hint, std::string allowed) {
     for (const std::string& key : keys)

@@ -5,22 +5,12 @@
 
 #include "engine/core/variables.h"
 #include "engine/scene/read.h"
+#include "engine/scene/value_json.h"
 
 namespace whorl {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json json_of(const Value& v) {
-    if (const bool* flag = v.as<bool>()) return *flag;
-    if (const auto* whole = v.as<std::int64_t>()) return *whole;
-    if (const double* number = v.as<double>()) return *number;
-    if (const std::string* text = v.as<std::string>()) return *text;
-    Json list = Json::array();
-    if (const auto* values = v.as<Value::List>())
-        for (const Value& e : *values) list.push_back(json_of(e));
-    return list;
-}
 
 Json bounded(const Key& key, Json type) {
     if (std::isfinite(key.least) && std::abs(key.least) < 2e9) type[key.least_open ? "exclusiveMinimum" : "minimum"] = key.least;

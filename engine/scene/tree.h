@@ -1,6 +1,7 @@
 #pragma once
 /// Walking a struct by its key table.
 #include <algorithm>
+#include <map>
 
 #include "engine/core/keys.h"
 
@@ -15,6 +16,17 @@ struct Described {
 /// "emitter[2]"
 inline std::string entry_name(const std::string& list, std::size_t i) { return list + "[" + std::to_string(i) + "]"; }
 inline std::string joined_path(const std::string& path, const std::string& name) { return path.empty() ? name : path + "." + name; }
+
+/// Where a key stands in its file, or else the nearest table around it that was given. @param places of what was given, by full names
+inline Place place_in(const std::map<std::string, Place>& places, const std::string& key) {
+    for (std::string path = key; !path.empty();) {
+        if (const auto it = places.find(path); it != places.end()) return it->second;
+        const std::size_t end = path.find_last_of(".[");
+        path.resize(end == std::string::npos ? 0 : end);
+    }
+    const auto it = places.find("");
+    return it == places.end() ? Place{} : it->second;
+}
 
 /// The selector's present value: of the key beside (`shape`), or from the root (`models.pressure`).
 inline std::string selector_value(const Key& key, const Described& here, const Described& root) {

@@ -44,22 +44,6 @@ private:
     Described root_;
 };
 
-/// "key = value" of everything that decides the simulation.
-void decide(const Described& here, const Described& root, const std::string& path, std::vector<std::pair<std::string, std::string>>& all) {
-    for (const Key& key : here.table->keys)
-        if (key.decides && counts(key, here, root)) all.emplace_back(joined_path(path, key.name), key.get(here.object).toml());
-    each_part(here, path, [&](const KeyTable::Part& part, const std::string& name, const Described& inner) {
-        if (part.decides) decide(inner, root, name, all);
-    });
-}
-
-std::vector<std::pair<std::string, std::string>> decided(const Scene& scene) {
-    std::vector<std::pair<std::string, std::string>> all;
-    const Described root{&scene_keys(), &scene};
-    decide(root, root, "", all);
-    return all;
-}
-
 }  // namespace
 
 std::string resolved_toml(const Scene& scene, const std::vector<Section>& sections) {
@@ -69,30 +53,6 @@ std::string resolved_toml(const Scene& scene, const std::vector<Section>& sectio
     writer.table(root, "", "");
     for (const Section& s : sections) writer.table({s.table, s.object}, "[" + s.name + "]", s.name);
     return std::move(writer.text);
-}
-
-std::string deciding_settings(const Scene& scene) {
-    std::string text;
-    for (const auto& [key, value] : decided(scene)) text += key + " = " + value + "\n";
-    return text;
-}
-
-std::vector<std::string> differences(const Scene& before, const Scene& now) {
-    const auto old = decided(before), fresh = decided(now);
-    const auto value_in = [](const auto& all, const std::string& key) -> const std::string* {
-        for (const auto& [name, value] : all)
-            if (name == key) return &value;
-        return nullptr;
-    };
-    std::vector<std::string> lines;
-    for (const auto& [key, value] : old) {
-        const std::string* other = value_in(fresh, key);
-        if (!other) lines.push_back(key + ": " + value + ", now absent");
-        else if (*other != value) lines.push_back(key + ": " + value + ", now " + *other);
-    }
-    for (const auto& [key, value] : fresh)
-        if (!value_in(old, key)) lines.push_back(key + ": absent, now " + value);
-    return lines;
 }
 
 }  // namespace whorl

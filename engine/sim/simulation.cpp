@@ -12,6 +12,7 @@
 #include "engine/particles/largest_speed.h"
 #include "engine/particles/sort.h"
 #include "engine/scene/names.h"
+#include "engine/scene/scene_difference.h"
 #include "engine/sim/check.h"
 #include "engine/sim/place.h"
 #include "engine/sim/sleep.h"
@@ -312,23 +313,21 @@ void Simulation::load(std::istream& in) {
     s.world.solid_particles.follow(s.world.solids);
 }
 
+namespace {
+
+/// What cannot change while a run goes on, as a scene file would have it.
+NamedTexts models_of(const Plan& plan) {
+    const auto number = [](double value) { return Expression(value).text(); };
+    return {{"models.pressure", name_of(plan.pressure)},     {"models.viscosity", name_of(plan.viscosity)},
+            {"models.micropolar", name_of(plan.micropolar)}, {"models.boundary", name_of(plan.boundary)},
+            {"models.shifting", name_of(plan.shifting)},     {"fluid.kernel", name_of(plan.kernel)},
+            {"fluid.spacing", number(plan.spacing)},         {"fluid.support", number(plan.support)}};
+}
+
+}  // namespace
+
 std::vector<std::string> changes_of_models(const Plan& running, const Plan& wanted) {
-    std::vector<std::string> lines;
-    const auto compare = [&](const std::string& key, const auto& before, const auto& now) {
-        if (before == now) return;
-        if constexpr (std::is_enum_v<std::remove_cvref_t<decltype(now)>>)
-            lines.push_back(key + ": " + name_of(before) + ", now " + name_of(now));
-        else lines.push_back(key + ": " + Expression(before).text() + ", now " + Expression(now).text());
-    };
-    compare("models.pressure", running.pressure, wanted.pressure);
-    compare("models.viscosity", running.viscosity, wanted.viscosity);
-    compare("models.micropolar", running.micropolar, wanted.micropolar);
-    compare("models.boundary", running.boundary, wanted.boundary);
-    compare("models.shifting", running.shifting, wanted.shifting);
-    compare("fluid.kernel", running.kernel, wanted.kernel);
-    compare("fluid.spacing", running.spacing, wanted.spacing);
-    compare("fluid.support", running.support, wanted.support);
-    return lines;
+    return texts_of(differences(models_of(running), models_of(wanted)));
 }
 
 }  // namespace whorl

@@ -7,9 +7,9 @@
 #include <fstream>
 #include <sstream>
 
+#include "engine/io/csv.h"
 #include "tests/support/program.h"
 #include "tests/support/scratch.h"
-#include "tools/study/table.h"
 
 using namespace whorl;
 using test::Outcome;
@@ -44,7 +44,7 @@ TEST_CASE("frames that take too long cost tolerance first, then step length, the
     CHECK(governor.now().amount == 0);
     double last = 0;
     for (int frame = 2; frame < 60; ++frame) {
-        governor.look(0.5, frame, 0);  // whatever is given up, it does not help
+        governor.after_frame(0.5, frame, 0);  // whatever is given up, it does not help
         const Sacrifice s = governor.now();
         CHECK(s.amount >= last);
         last = s.amount;
@@ -64,10 +64,10 @@ TEST_CASE("a governor settles where frames take what they may, and takes everyth
     Governor governor(with_budget(0.1), 1000);
     // A frame costs as tolerance^-0.3 and steps^-1.
     const auto seconds = [&](double base) { return base * std::pow(governor.now().tolerance, -0.3) * 0.4 / governor.now().cfl; };
-    for (int frame = 2; frame < 40; ++frame) governor.look(seconds(0.25), frame, 0);
+    for (int frame = 2; frame < 40; ++frame) governor.after_frame(seconds(0.25), frame, 0);
     CHECK(seconds(0.25) < 0.105);
     CHECK(seconds(0.25) > 0.07);
-    for (int frame = 40; frame < 80; ++frame) governor.look(seconds(0.04), frame, 0);
+    for (int frame = 40; frame < 80; ++frame) governor.after_frame(seconds(0.04), frame, 0);
     CHECK(governor.now().amount == 0);
 }
 
@@ -75,9 +75,9 @@ TEST_CASE("a budget for the film is shared out over the frames that are left", "
     SceneFile file = with_budget(0);
     file.scene.budget.seconds = 10;
     Governor governor(file, 101);
-    governor.look(0.1, 1, 0);
+    governor.after_frame(0.1, 1, 0);
     CHECK(governor.allowed() == Approx(0.1));
-    governor.look(0.1, 51, 7.5);  // half of the frames for three quarters of the time
+    governor.after_frame(0.1, 51, 7.5);  // half of the frames for three quarters of the time
     CHECK(governor.allowed() == Approx(0.05));
 }
 

@@ -5,13 +5,13 @@
 #include <fstream>
 #include <random>
 
+#include "engine/io/csv.h"
 #include "engine/io/files.h"
 #include "render/image/difference.h"
 #include "render/image/image.h"
 #include "tests/support/live_program.h"
 #include "tests/support/scenes.h"
 #include "tools/live/access.h"
-#include "tools/study/table.h"
 
 using namespace whorl;
 using nlohmann::json;
@@ -221,7 +221,7 @@ TEST_CASE("only our own page and programs on this machine are answered", "[tools
     CHECK(live.get("/state", {{"Host", "localhost:" + port}}).status == 200);
 
     // From elsewhere: only with the token.
-    const Door open("0.0.0.0", 8080, "secret");
+    const AccessRules open("0.0.0.0", 8080, "secret");
     CHECK(open.refusal({"box:8080", "", "", ""}) != "");
     CHECK(open.refusal({"box:8080", "", "", "secre"}) != "");
     CHECK(open.refusal({"box:8080", "http://box:8080", "", "secret"}) == "");
@@ -347,7 +347,7 @@ TEST_CASE(
     CHECK(tight.at("given_up").at("tolerance_factor") == Approx(10));
     CHECK(tight.at("given_up").at("cfl").get<double>() > cfl);
     CHECK(tight.at("given_up").at("samples") == 1);
-    CHECK(tight.at("values").at("pressure.tolerance") == 2e-3);  // the user's wishes stay the user's
+    CHECK(tight.at("values").at("pressure.tolerance") == 2e-3);  // what the user set stays
     CHECK(tight.at("values").at("fluid.viscosity") == 200);
 
     const CsvTable noted = read_csv(live.run() / "budget.csv");

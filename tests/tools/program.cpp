@@ -10,8 +10,7 @@
 #include <sstream>
 
 #include "engine/scene/read.h"
-#include "tools/program/known_sections.h"
-#include "tools/program/run_options.h"
+#include "tools/scene_file/scene_file.h"
 
 using namespace whorl;
 namespace fs = std::filesystem;

@@ -6,12 +6,12 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "engine/io/csv.h"
 #include "tests/support/program.h"
 #include "tests/support/scratch.h"
 #include "tools/study/accuracy.h"
 #include "tools/study/recommend.h"
 #include "tools/study/sweep.h"
-#include "tools/study/table.h"
 
 using namespace whorl;
 using namespace whorl::test;
@@ -63,13 +63,13 @@ TEST_CASE("the search finds the front of a smooth sweep and runs little that lie
     }
 }
 
-TEST_CASE("wishes are read, and nonsense is refused with an example", "[study]") {
-    CHECK(parse_wish("error<2%").bound == Approx(0.02));
-    CHECK(parse_wish("error < 0.02").holds(1, 0.019, 1));
-    CHECK(parse_wish("fps>24").holds(1, 1, 25));
-    CHECK_FALSE(parse_wish("cost<60").holds(61, 0, 1));
-    CHECK_THROWS_WITH(parse_wish("speed>3"), "--recommend speed>3: is no wish; allowed: \"error<2%\", \"fps>24\", \"cost<60\"");
-    CHECK_THROWS_AS(parse_wish("error>2%"), InputError);
+TEST_CASE("goals are read, and nonsense is refused with an example", "[study]") {
+    CHECK(parse_goal("error<2%").bound == Approx(0.02));
+    CHECK(parse_goal("error < 0.02").holds(1, 0.019, 1));
+    CHECK(parse_goal("fps>24").holds(1, 1, 25));
+    CHECK_FALSE(parse_goal("cost<60").holds(61, 0, 1));
+    CHECK_THROWS_WITH(parse_goal("speed>3"), "--recommend speed>3: is no goal; allowed: \"error<2%\", \"fps>24\", \"cost<60\"");
+    CHECK_THROWS_AS(parse_goal("error>2%"), InputError);
 }
 
 TEST_CASE("errors of a run: against an expression, its first row, and a run that counts as true", "[study]") {

@@ -18,7 +18,7 @@
 #include "render/look/camera.h"
 #include "render/look/field_values.h"
 #include "tools/cost/sample_run.h"
-#include "tools/film/usage.h"
+#include "tools/process/usage.h"
 
 namespace whorl {
 namespace {

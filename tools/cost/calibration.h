@@ -5,7 +5,7 @@
 #include <string>
 
 #include "engine/scene/plan.h"
-#include "tools/program/run_options.h"
+#include "tools/scene_file/scene_file.h"
 
 namespace whorl {
 

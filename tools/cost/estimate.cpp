@@ -6,9 +6,9 @@
 
 #include "engine/core/parallel.h"
 #include "engine/models/pressure/pressure_multigrid.h"
+#include "engine/scene/frame_times.h"
 #include "engine/scene/numbers.h"
 #include "tools/cost/pace.h"
-#include "tools/film/run.h"
 
 namespace whorl {
 namespace {

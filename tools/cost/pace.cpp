@@ -6,6 +6,7 @@
 
 #include "engine/models/surface_tension/surface_tension.h"
 #include "engine/scene/numbers.h"
+#include "engine/theory/falling_thread.h"
 
 namespace whorl {
 namespace {
@@ -121,25 +122,12 @@ void add_thread(std::vector<double>& speeds, const EmitterKeys& e, const Scene& 
         const double U = std::max(e.speed(t), 1e-9);
         const double speed = thread.length() < fall
                                  ? std::min(thread.advance(U, dt, fall), std::sqrt(U * U + 2 * g * fall))
-                                 : drawn_speed(U, fall, g * std::max(0.0, 1 - thread.held() / std::max(fall, 1e-30)), nu);
+                                 : fast_end_speed({U, fall, g * std::max(0.0, 1 - thread.held() / std::max(fall, 1e-30)), nu});
         speeds[k] = std::max(speeds[k], speed);
     }
 }
 
 }  // namespace
-
-double drawn_speed(double U, double H, double g, double nu) {
-    const double free = std::sqrt(U * U + 2 * g * H);
-    if (nu <= 0 || free <= U * (1 + 1e-9)) return free;
-    const double wanted = H * std::sqrt(g / (6 * nu));
-    double low = U, high = U + g * H * H / (6 * nu);  // without the thinning, which makes it lighter
-    for (int k = 0; k < 50; ++k) {
-        const double u = 0.5 * (low + high);
-        (std::sqrt(u) * (0.5 * M_PI - std::asin(std::sqrt(std::min(1.0, U / u)))) < wanted ? low : high) = u;
-    }
-    const double crept = high - U, fallen = free - U;
-    return U + crept * fallen / (crept + fallen);
-}
 
 Pace::Pace(const Scene& scene, const Plan& plan, const Simulation& simulation)
     : scene_(scene), simulation_(simulation), threads_(points, 0.0) {

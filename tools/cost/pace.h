@@ -8,9 +8,9 @@ namespace whorl {
 
 /// The speed of the fastest fluid over the time of a film, and the time steps that it allows.
 ///   Fluid that is poured hangs on a thread that its weight draws out; where that parts a drop falls freely and the rest hangs on; an end
-///   that has reached the floor makes it a steady thread (drawn_speed below). Fluid that can fall is as fast as the free fall since the
-///   start, up to one through its whole height; after six times of such a fall (a broken dam: steps measured) half as fast. A pool that
-///   fills its container already does not fall.
+///   that has reached the floor makes it a steady thread (engine/theory/falling_thread.h). Fluid that can fall is as fast as the free fall
+///   since the start, up to one through its whole height; after six times of such a fall (a broken dam: steps measured) half as fast. A
+///   pool that fills its container already does not fall.
 class Pace {
 public:
     /// @param simulation of the scene, at its start
@@ -31,12 +31,5 @@ private:
     bool falls_ = false;             ///< fluid of blocks
     std::vector<double> threads_;    ///< m/s, fastest of what emitters let out, ends and drops at even times from 0 to the end
 };
-
-/// Speed [m/s] of the lower end of a thread that leaves its nozzle with U [m/s] and hangs, or is taken away without tension, H [m] below
-/// it: steady, viscosity nu [m^2/s] against gravity g [m/s^2], no inertia: (u'/u)' = -g/(3 nu u), u(0) = U, u'(H) = 0, of which
-///   sqrt(u_H) (pi/2 - asin sqrt(U/u_H)) = H sqrt(g/(6 nu))
-/// is the first integral (Trouton 1906). Inertia is put in by adding the inverse gain in speed to that of the free fall (between the two
-/// limits nothing but a bridge: a thread of nu = 0.05 m^2/s that is drawn tenfold comes out 15 % slow).
-double drawn_speed(double U, double H, double g, double nu);
 
 }  // namespace whorl

@@ -1,7 +1,7 @@
 #pragma once
 /// A small scene with the models of a large one: what the cost of a scene is measured on before it is run.
 #include "engine/scene/plan.h"
-#include "tools/program/run_options.h"
+#include "tools/scene_file/scene_file.h"
 
 namespace whorl {
 

@@ -10,7 +10,7 @@
 #include "render/surface/vdb.h"
 #include "render/video/encoder.h"
 #include "tools/film/contact_sheet.h"
-#include "tools/film/usage.h"
+#include "tools/process/usage.h"
 
 namespace whorl {
 namespace {

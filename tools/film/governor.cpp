@@ -19,7 +19,7 @@ constexpr double answer = 0.6, slack = 0.8;
 
 Governor::Governor(const SceneFile& given, int frames) : given_(given), frames_(frames) {}
 
-void Governor::want(const SceneFile& given) { given_ = given; }
+void Governor::set_scene(const SceneFile& given) { given_ = given; }
 
 Sacrifice Governor::now() const {
     const BudgetKeys& most = given_.scene.budget;
@@ -44,7 +44,7 @@ SceneFile Governor::governed() const {
     return file;
 }
 
-std::optional<SceneFile> Governor::look(double seconds, int frame, double spent) {
+std::optional<SceneFile> Governor::after_frame(double seconds, int frame, double spent) {
     const BudgetKeys& keys = given_.scene.budget;
     if (!keys.any()) {
         if (applied_ == 0) return std::nullopt;
@@ -61,25 +61,9 @@ std::optional<SceneFile> Governor::look(double seconds, int frame, double spent)
     return governed();
 }
 
-Scene with_models_of(const Plan& plan, const Scene& scene) {
-    Scene s = scene;
-    s.models.pressure = plan.pressure;
-    s.models.viscosity = plan.viscosity;
-    s.models.boundary = plan.boundary;
-    s.models.shifting = plan.shifting;
-    s.fluid.kernel = plan.kernel;
-    s.fluid.support = plan.support / plan.spacing;
-    if (plan.pressure == PressureModel::wcsph)
-        s.pressure.sound_speed = plan.sound_speed, s.pressure.artificial_viscosity = plan.artificial_viscosity;
-    if (plan.micropolar != MicropolarModel::none)
-        s.micropolar.exchange = plan.spin.implicit_exchange ? ExchangeScheme::implicit : ExchangeScheme::explicit_steps;
-    return s;
-}
-
 std::string budget_header() {
     return "frame,time,wall_seconds,allowed_seconds,given_up,tolerance_factor,cfl,voxel,samples,largest_residual,unconverged_solves,"
-           "density_error_mean,"
-           "density_error_max";
+           "density_error_mean,density_error_max";
 }
 
 std::string budget_row(const BudgetRow& r) {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "engine/scene/plan.h"
-#include "tools/program/run_options.h"
+#include "tools/scene_file/scene_file.h"
 
 namespace whorl {
 
@@ -21,11 +21,11 @@ public:
     /// @param given the scene as the user wants it @param frames of the film
     Governor(const SceneFile& given, int frames);
 
-    /// The user's wishes changed while the run goes on.
-    void want(const SceneFile& given);
+    /// The user's scene is another one from now on.
+    void set_scene(const SceneFile& given);
     /// After a frame. @param seconds it took, wall @param frame its number @param spent s, wall, over the whole run
     /// @return the scene to go on with, where it is another than before
-    std::optional<SceneFile> look(double seconds, int frame, double spent);
+    std::optional<SceneFile> after_frame(double seconds, int frame, double spent);
     /// The scene with what is given up now.
     SceneFile governed() const;
 
@@ -39,9 +39,6 @@ private:
     int frames_;
     double amount_ = 0, applied_ = 0, allowed_ = 0;
 };
-
-/// The scene with every automatic choice as `plan` made it: what changes from here on cannot change the models.
-Scene with_models_of(const Plan& plan, const Scene& scene);
 
 /// The columns of budget.csv, and a row: what the frame took and was allowed, what was given up, and what that did to what can be measured.
 std::string budget_header();

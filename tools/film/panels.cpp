@@ -12,15 +12,16 @@
 #include "engine/core/whole_file.h"
 #include "engine/io/files.h"
 #include "render/image/arrange.h"
+#include "engine/scene/frame_times.h"
 #include "render/look/overlay.h"
 #include "render/video/encoder.h"
 #include "tools/film/colour_range.h"
 #include "tools/film/contact_sheet.h"
 #include "tools/film/resume_run.h"
 #include "tools/film/run_folder.h"
-#include "tools/film/usage.h"
-#include "tools/program/command.h"
-#include "tools/program/scene_changes.h"
+#include "tools/process/exit_codes.h"
+#include "tools/process/usage.h"
+#include "tools/scene_file/scene_changes.h"
 
 namespace whorl {
 namespace {
@@ -61,8 +62,8 @@ class PanelFilm {
 public:
     PanelFilm(const RunRequest& request, PanelRuns how)
         : request_(request), scene_(request.file.scene), scenes_(panel_scenes(request.file)),
-          folder_(how == PanelRuns::anew ? RunFolder::fresh(request.folder) : RunFolder::existing(request.folder)) {
-        if (how == PanelRuns::anew) write_text(folder_.path() / "scene.resolved.toml", resolved_toml(request.file));
+          folder_(how == PanelRuns::fresh ? RunFolder::fresh(request.folder) : RunFolder::existing(request.folder)) {
+        if (how == PanelRuns::fresh) write_text(folder_.path() / "scene.resolved.toml", resolved_toml(request.file));
     }
 
     int go() {
@@ -99,7 +100,7 @@ private:
         if (!request_.quiet && !request_.json)
             std::fprintf(stderr, "panel %zu of %zu: %s\n", k + 1, scenes_.size(), name_of(scene_.panels[k], k).c_str());
         std::vector<std::string> damaged;
-        if (!status.empty() && newest_checkpoint(panel.folder, damaged)) go_on_from_newest(panel);
+        if (!status.empty() && newest_checkpoint(panel.folder, damaged)) resume_from_newest(panel);
         return run_scene(panel);
     }
 

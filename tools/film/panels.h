@@ -16,7 +16,7 @@ std::vector<SceneFile> panel_scenes(const SceneFile& file);
 /// How many panels stand in a row: as the scene says, else all of two or three, from four on about as many as there are rows.
 int panel_columns(const Scene& scene);
 
-enum class PanelRuns { anew, go_on };
+enum class PanelRuns { fresh, resumed };
 /// @return as run_scene(); where a panel diverged the film ends with its last picture
 int run_panels(const RunRequest& request, PanelRuns how);
 

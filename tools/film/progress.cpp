@@ -26,7 +26,7 @@ std::string grouped(long value) {
 
 Progress::Progress(int first_frame, int last_frame, bool quiet, bool json)
     : first_(first_frame), last_(last_frame), quiet_(quiet || json), json_(json), terminal_(isatty(STDERR_FILENO) == 1),
-      began_(wall_seconds()), landed_at_(began_) {}
+      began_(wall_seconds()), frame_done_at_(began_) {}
 
 Progress::~Progress() { clear(); }
 
@@ -42,9 +42,9 @@ void Progress::say(const std::string& text) {
 
 void Progress::step(const Simulation& simulation, int frame) { show(simulation, frame, false); }
 
-void Progress::landed(const Simulation& simulation, int frame, double iterations) {
-    const double now = wall_seconds(), spent = now - landed_at_;
-    landed_at_ = now;
+void Progress::frame_done(const Simulation& simulation, int frame, double iterations) {
+    const double now = wall_seconds(), spent = now - frame_done_at_;
+    frame_done_at_ = now;
     iterations_ = iterations;
     if (frame > first_) frame_seconds_ = frame_seconds_ > 0 ? 0.8 * frame_seconds_ + 0.2 * spent : spent;
     if (json_) {

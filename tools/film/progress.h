@@ -16,7 +16,7 @@ public:
     /// After every step.
     void step(const Simulation& simulation, int frame);
     /// When a frame's time is reached. @param iterations a step, over the steps since the last frame
-    void landed(const Simulation& simulation, int frame, double iterations);
+    void frame_done(const Simulation& simulation, int frame, double iterations);
     /// A line that stays. Not with --json or --quiet.
     void say(const std::string& text);
 
@@ -28,7 +28,7 @@ private:
     bool quiet_, json_, terminal_, line_open_ = false;
     double began_, shown_ = 0;
     double frame_seconds_ = 0;  ///< wall, newest frames counting most
-    double landed_at_;
+    double frame_done_at_;
     double iterations_ = 0;
 };
 

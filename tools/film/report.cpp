@@ -7,16 +7,9 @@
 #include "engine/core/parallel.h"
 #include "engine/core/version.h"
 #include "engine/io/checkpoint.h"
-#include "tools/film/usage.h"
+#include "tools/process/usage.h"
 
 namespace whorl {
-
-StageTimes with_shared_cpu(StageTimes stages, double simulation_cpu) {
-    double wall = 0;
-    for (const auto& [name, t] : stages) wall += t.wall;
-    for (auto& [name, t] : stages) t.cpu = wall > 0 ? simulation_cpu * t.wall / wall : 0;
-    return stages;
-}
 
 nlohmann::ordered_json run_json(const Simulation& simulation, const RunReport& report) {
     using Json = nlohmann::ordered_json;
@@ -59,7 +52,7 @@ nlohmann::ordered_json run_json(const Simulation& simulation, const RunReport& r
               {"solve_seconds", totals.pressure_solve}}},
             {"unconverged_solves", totals.unconverged_solves},
             {"converged", totals.unconverged_solves == 0},
-            {"first_troubles", report.troubles.json()},
+            {"first_troubles", report.incidents.json()},
             {"time_step_limits", totals.binding},
             {"wall_seconds", report.wall},
             {"predicted_wall_seconds", report.predicted_wall > 0 ? Json(report.predicted_wall) : Json()},

@@ -6,7 +6,7 @@
 
 #include "engine/core/clock.h"
 #include "engine/sim/simulation.h"
-#include "tools/film/troubles.h"
+#include "tools/film/incidents.h"
 
 namespace whorl {
 
@@ -20,12 +20,8 @@ struct RunReport {
     double first_picture = 0;  ///< s after the start of this part
     std::string gl_device, encoder;
     StageTimes stages;  ///< over all parts of the run
-    Troubles troubles;
+    Incidents incidents;
 };
-
-/// CPU seconds of the simulation's stages: the simulation's threads' CPU time, shared out by the stages' wall time (measured stage by
-/// stage, the threads that draw meanwhile would count too).
-StageTimes with_shared_cpu(StageTimes stages, double simulation_cpu);
 
 nlohmann::ordered_json run_json(const Simulation& simulation, const RunReport& report);
 

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include "engine/core/errors.h"
+#include "engine/scene/frame_times.h"
 #include "engine/scene/read.h"
+#include "engine/scene/scene_difference.h"
 
 namespace whorl {
 namespace {
@@ -23,7 +25,7 @@ void check_settings(const Checkpoint& checkpoint, const Scene& now, const std::f
 
 }  // namespace
 
-void go_on_from_newest(RunRequest& request) {
+void resume_from_newest(RunRequest& request) {
     std::vector<std::string> damaged;
     std::optional<Checkpoint> checkpoint = newest_checkpoint(request.folder, damaged);
     for (const std::string& line : damaged) fmt::print(stderr, "whorl: {}\n", line);

@@ -1,5 +1,5 @@
 #pragma once
-/// A run that goes on where it stopped.
+/// A run that is resumed where it stopped.
 #include "tools/film/run.h"
 
 namespace whorl {
@@ -7,6 +7,6 @@ namespace whorl {
 /// Completes a request for the run in its folder, whose scene is request.file as it stands there now: the newest checkpoint, and where to
 /// end (request.frames, where nothing was asked, is what the run was to make). Tells on standard error which checkpoints are damaged.
 /// @throws InputError where there is no sound checkpoint, or it is another build's or of other settings (with each of them)
-void go_on_from_newest(RunRequest& request);
+void resume_from_newest(RunRequest& request);
 
 }  // namespace whorl

@@ -4,7 +4,6 @@
 #include <spdlog/sinks/basic_file_sink.h>
 #include <spdlog/spdlog.h>
 
-#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -13,21 +12,21 @@
 #include "engine/io/columns.h"
 #include "engine/io/snapshot.h"
 #include "render/look/field_values.h"
+#include "engine/scene/frame_times.h"
 #include "render/video/encoder.h"
 #include "tools/cost/estimate.h"
 #include "tools/film/colour_range.h"
 #include "tools/film/contact_sheet.h"
 #include "tools/film/film.h"
-#include "tools/film/governor.h"
-#include "tools/film/interrupt.h"
-#include "tools/film/panels.h"
+#include "tools/film/frame_loop.h"
 #include "tools/film/progress.h"
 #include "tools/film/report.h"
 #include "tools/film/run_folder.h"
+#include "tools/film/run_times.h"
 #include "tools/film/tables.h"
-#include "tools/film/usage.h"
-#include "tools/program/command.h"
-#include "tools/program/scene_changes.h"
+#include "tools/process/exit_codes.h"
+#include "tools/process/interrupt.h"
+#include "tools/scene_file/scene_changes.h"
 
 namespace whorl {
 namespace {
@@ -58,55 +57,54 @@ std::vector<std::string> snapshot_fields(const SceneFile& file, const World& wor
     return fields;
 }
 
-class Run {
+class Run : public FrameLoopHost {
 public:
     Run(const RunRequest& request, const Plan& plan);
-    int go();
+    int run();
 
 private:
     SceneFile with_colour_range() const;
     void make_folders();
     void resume();
+    void greet(const Plan& plan);
 
-    void take_up(const SceneFile& file);
-    void follow_changes();
-    void land(int frame);
-    std::optional<SceneFile> govern(int frame, const Measures& measures);
-    void go_by(const SceneFile& file);
-    bool step_to(int frame);
-    std::shared_ptr<Checkpoint> state_at(int frame) const;
-    std::optional<Divergence> loop();
+    bool stop_wanted() override { return interrupt_.interrupted(); }
+    double next_change() const override { return replay_.next(); }
+    void after_step(const StepReport& report, double began) override;
+    void set_pictures(const SceneFile& file) override;
+
+    std::optional<Divergence> simulate();
+    void add_frame();
+    bool weigh(const FrameSummary& summary);
+    std::shared_ptr<Checkpoint> state() const;
+    StageTimes stages() const { return times_.stages(simulation_.times(), film_->times()); }
+
+    int finish(const std::optional<Divergence>& diverged);
+    int conclude(const std::string& status, const std::string& message);
+    void say_done(double wall);
+    void print_result(const std::string& status, const std::string& message, double wall) const;
+    void write_report(const std::string& status, const std::string& message);
     void save_newest();
     void predict_late();
-    void write_report(const std::string& status, const std::string& message);
-    int conclude(const std::string& status, const std::string& message);
-
-    double wall() const { return earlier_wall_ + wall_seconds() - began_; }
-    double cpu() const { return earlier_cpu_ + process_cpu_seconds() - cpu_before_; }
-    StageTimes stages() const;
+    int frames_written() const { return std::max(first_ - 1, film_->frames_written()); }
 
     const RunRequest& request_;
     const Scene& scene_;
-    double began_ = wall_seconds(), earlier_wall_ = 0, earlier_cpu_ = 0;
-    double cpu_before_ = process_cpu_seconds(), simulation_cpu_before_ = simulation_cpu_seconds();  ///< another panel may have run before
-    StageTimes earlier_stages_;
-    int resumed_ = 0;
+    RunTimes times_;
     int first_ = 1, last_ = 1;  ///< frames that this part of the run makes
+    int frame_ = 1;             ///< on its way
     Simulation simulation_;     ///< places fluid and solids: may throw InputError, so the folder comes after it
     SceneFile file_;            ///< the request's, with what is chosen at the start put in
     Replay replay_;             ///< what changes while the scene runs
     RunFolder folder_;
     std::shared_ptr<spdlog::logger> log_;
     std::string scene_text_;
+    std::optional<FrameLoop> loop_;
     std::optional<RunTables> tables_;
     std::optional<Snapshots> snapshots_;
-    std::shared_ptr<const PictureOptions> how_;
-    RunTotals totals_at_row_;
-    Troubles troubles_;
-    std::optional<Governor> governor_;                          ///< where the scene has a budget
-    double landed_at_ = wall_seconds(), largest_residual_ = 0;  ///< of the frame on its way
-    long unconverged_at_row_ = 0;
-    double saved_at_ = wall_seconds();
+    std::shared_ptr<const PictureOptions> pictures_;  ///< how they are made now
+    Incidents incidents_;
+    double frame_done_at_ = wall_seconds(), saved_at_ = wall_seconds();
     double predicted_ = 0;  ///< s, wall time of the whole run where costs were measured before (whorl plan); else 0
     InterruptGuard interrupt_;
     std::optional<Progress> progress_;
@@ -114,30 +112,31 @@ private:
 };
 
 Run::Run(const RunRequest& request, const Plan& plan)
-    : request_(request), scene_(request.file.scene), simulation_(scene_, plan), file_(with_colour_range()), replay_(file_),
+    : request_(request), scene_(request.file.scene), last_(request.frames.value_or(frame_count(scene_))), simulation_(scene_, plan),
+      file_(with_colour_range()), replay_(file_),
       folder_(request.from ? RunFolder::existing(request.folder) : RunFolder::fresh(request.folder)), scene_text_(resolved_toml(file_)) {
-    last_ = request.frames.value_or(frame_count(scene_));
     make_folders();
     if (request.from) resume();
-    tables_.emplace(folder_.path(), simulation_, scene_.budget.any(), request.from ? &*request.from : nullptr);
-    if (scene_.budget.any()) {
-        governor_.emplace(replay_.now(), last_);
-        if (request.from) governor_->set(tables_->last_given_up());
-    }
-    take_up(replay_.now());
-    if (governor_ && governor_->now().amount > 0) go_by(governor_->governed());
-    totals_at_row_ = simulation_.totals();
+    loop_.emplace(*this, simulation_, replay_.now(), last_, TheorySearch::wait);
+    tables_.emplace(folder_.path(), simulation_, loop_->probes(), scene_.budget.any(), request.from ? &*request.from : nullptr);
+    if (request.from) loop_->governor().set(tables_->last_given_up());
+    loop_->scene_changed(replay_.now());
+    greet(plan);
+    film_.emplace(film_options(request, file_, first_ - 1));
+    write_report("running", "");
+}
+
+/// What the run is going to do, on the terminal and in its log.
+void Run::greet(const Plan& plan) {
     log_->info("whorl {}, {}: frames {} to {}", build_id(), scene_.name, first_, last_);
     for (const Choice& c : plan.choices) log_->info("{} = {}{}: {}", c.key, c.value, c.automatic ? " (auto)" : "", c.reason);
     for (const std::string& warning : plan.warnings) log_->warn("{}", warning);
-    progress_.emplace(first_, last_, request.quiet, request.json);
+    progress_.emplace(first_, last_, request_.quiet, request_.json);
     for (const std::string& warning : plan.warnings) progress_->say("warning: " + warning);
-    if (const auto costs = find_calibration(request.file, plan); costs && !request.from && !request.frames) {
-        predicted_ = estimate(request.file, plan, simulation_, *costs).film;
+    if (const auto costs = find_calibration(request_.file, plan); costs && !request_.from && !request_.frames) {
+        predicted_ = estimate(request_.file, plan, simulation_, *costs).film;
         progress_->say(fmt::format("about {} expected", duration(predicted_)));
     }
-    film_.emplace(film_options(request, file_, first_ - 1));
-    write_report("running", "");
 }
 
 /// The range of the colour map stands in scene.resolved.toml and thereby in every checkpoint: a resumed film keeps it.
@@ -163,31 +162,21 @@ void Run::resume() {
     const Checkpoint& from = *request_.from;
     std::istringstream state(from.simulation);
     simulation_.load(state);
-    replay_.make_until(simulation_.time(), [&](const Scene& s, const Plan& p, double time) { simulation_.changed_before(s, p, time); });
+    replay_.apply_until(simulation_.time(), [&](const Scene& s, const Plan& p, double time) { simulation_.changed_before(s, p, time); });
     first_ = from.frame + 1;
     std::ifstream report(folder_.path() / "run.json");
     if (const auto earlier = nlohmann::json::parse(report, nullptr, false); earlier.is_object() && earlier.contains("first_troubles"))
-        troubles_.take(earlier["first_troubles"]);
-    earlier_wall_ = from.wall, earlier_cpu_ = from.cpu, earlier_stages_ = from.stages, resumed_ = from.resumed + 1;
+        incidents_.add_earlier(earlier["first_troubles"]);
+    times_.add_earlier(from);
 }
 
-StageTimes Run::stages() const {
-    StageTimes all = with_shared_cpu(simulation_.times(), simulation_cpu_seconds() - simulation_cpu_before_);
-    all.merge(film_->times());
-    for (const auto& [name, t] : earlier_stages_) {
-        StageTime& sum = all[name];
-        sum.wall += t.wall, sum.cpu += t.cpu, sum.calls += t.calls;
-    }
-    return all;
-}
-
-std::shared_ptr<Checkpoint> Run::state_at(int frame) const {
+std::shared_ptr<Checkpoint> Run::state() const {
     auto state = std::make_shared<Checkpoint>();
     state->build = build_id();
     state->scene = scene_text_;
-    state->frame = frame;
+    state->frame = frame_;
     state->frames = last_;
-    state->wall = wall(), state->cpu = cpu(), state->stages = stages(), state->resumed = resumed_;
+    state->wall = times_.wall(), state->cpu = times_.cpu(), state->stages = stages(), state->resumed = times_.resumed();
     tables_->save(*state);
     std::ostringstream particles;
     simulation_.save(particles);
@@ -195,101 +184,63 @@ std::shared_ptr<Checkpoint> Run::state_at(int frame) const {
     return state;
 }
 
-/// From now on pictures are made as `file` says.
-void Run::take_up(const SceneFile& file) {
+void Run::set_pictures(const SceneFile& file) {
     snapshots_.emplace(simulation_, snapshot_fields(file, simulation_.world()));
-    how_ = std::make_shared<const PictureOptions>(PictureOptions{file.surface, file.camera, file.look});
+    pictures_ = std::make_shared<const PictureOptions>(PictureOptions{file.surface, file.camera, file.look});
 }
 
-void Run::follow_changes() {
-    if (!replay_.make_until(simulation_.time(), [&](const Scene& s, const Plan& p, double) { simulation_.change(s, p); })) return;
-    take_up(replay_.now());
-    if (!governor_) return;
-    governor_->want(replay_.now());
-    if (governor_->now().amount > 0) go_by(governor_->governed());
+void Run::after_step(const StepReport& report, double began) {
+    incidents_.add(report, began, simulation_.totals().steps + (report.diverged ? 1 : 0));
+    if (report.diverged) return;
+    progress_->step(simulation_, frame_);
+    if (replay_.apply_until(simulation_.time(), [&](const Scene& s, const Plan& p, double) { simulation_.change(s, p); }))
+        loop_->scene_changed(replay_.now());
 }
 
-/// From now on simulation and pictures go by what the governor allows. The models stay those that run.
-void Run::go_by(const SceneFile& file) {
-    const Scene scene = with_models_of(simulation_.plan(), file.scene);
-    simulation_.change(scene, make_plan(scene));
-    take_up(file);
-}
-
-/// What the frame took, and what the next one may. @return how to go on, where it is another way than before
-std::optional<SceneFile> Run::govern(int frame, const Measures& measures) {
-    const double now = wall_seconds(), seconds = now - landed_at_;
-    landed_at_ = now;
-    if (frame == first_ && !request_.from) return std::nullopt;  // nothing was simulated for it
-    const Sacrifice before = governor_->now();
-    auto next = governor_->look(seconds, frame, wall());
-    tables_->add_budget(budget_row({frame, simulation_.time(), seconds, governor_->allowed(), before, largest_residual_,
-                                    simulation_.totals().unconverged_solves - unconverged_at_row_, measures.density_error_mean,
-                                    measures.density_error_max}));
-    largest_residual_ = 0, unconverged_at_row_ = simulation_.totals().unconverged_solves;
-    return frame < last_ ? next : std::nullopt;
+/// @return where the run diverged, if it did
+std::optional<Divergence> Run::simulate() {
+    for (frame_ = first_; frame_ <= last_; ++frame_) {
+        if (!loop_->step_to(frame_time(scene_, frame_))) return simulation_.world().report.diverged;
+        add_frame();
+    }
+    return std::nullopt;
 }
 
 /// The frame's row, its lines in the probes' tables, and its picture on the way.
-void Run::land(int frame) {
-    const double time = simulation_.time();
-    const RunTotals& totals = simulation_.totals();
-    const Measures measures = measure(simulation_.world(), simulation_.scene().domain.gravity(time), simulation_.plan().spin.micro_inertia);
-    tables_->land(frame, measures, totals_at_row_, wall(), cpu());
-    const double steps = static_cast<double>(std::max(1L, totals.steps - totals_at_row_.steps));
-    const double iterations = (totals.pressure_iterations - totals_at_row_.pressure_iterations + totals.viscosity_iterations -
-                               totals_at_row_.viscosity_iterations) /
-                              steps;
-    totals_at_row_ = totals;
-    const std::optional<SceneFile> next = governor_ ? govern(frame, measures) : std::nullopt;
-
-    const bool due = frame == last_ || wall_seconds() - saved_at_ >= scene_.output.checkpoint_every;
-    film_->add(snapshots_->take(simulation_, frame), how_, state_at(frame), due);
+void Run::add_frame() {
+    const FrameSummary summary = loop_->measure_frame();
+    tables_->add_frame(frame_, summary, times_.wall(), times_.cpu());
+    const bool weighed = scene_.budget.any() && weigh(summary);
+    const bool due = frame_ == last_ || wall_seconds() - saved_at_ >= scene_.output.checkpoint_every;
+    film_->add(snapshots_->take(simulation_, frame_), pictures_, state(), due);
     if (due) {
         saved_at_ = wall_seconds();
         write_report("running", "");
     }
-    progress_->landed(simulation_, frame, iterations);
-    if (next) go_by(*next);
+    progress_->frame_done(simulation_, frame_, summary.iterations);
+    if (weighed && frame_ < last_) loop_->apply_governor();
 }
 
-/// @return false where the run was interrupted or diverged on the way
-bool Run::step_to(int frame) {
-    const double until = frame_time(scene_, frame);
-    while (simulation_.time() < until) {
-        if (interrupt_.interrupted()) return false;
-        const double time = simulation_.time();
-        const StepReport& report = simulation_.step(std::min(until, replay_.next()));
-        for (const StepReport::Solve& solve : report.solves) largest_residual_ = std::max(largest_residual_, solve.report.last_residual);
-        troubles_.look(report, time, simulation_.totals().steps + (report.diverged ? 1 : 0));
-        if (report.diverged) return false;
-        tables_->after_step();
-        progress_->step(simulation_, frame);
-        follow_changes();
-    }
+/// Holds the frame against the budget. @return false where nothing was simulated for it
+bool Run::weigh(const FrameSummary& summary) {
+    const double now = wall_seconds(), seconds = now - std::exchange(frame_done_at_, now);
+    if (frame_ == first_ && !request_.from) return false;
+    tables_->add_budget(loop_->weigh(summary, frame_, seconds, times_.wall()));
     return true;
-}
-
-std::optional<Divergence> Run::loop() {
-    for (int frame = first_; frame <= last_; ++frame) {
-        if (!step_to(frame)) return simulation_.world().report.diverged;
-        land(frame);
-    }
-    return std::nullopt;
 }
 
 void Run::write_report(const std::string& status, const std::string& message) {
     RunReport report;
     report.status = status, report.message = message;
-    report.frames = std::max(first_ - 1, film_->frames_written());
+    report.frames = frames_written();
     report.frames_planned = last_;
-    report.wall = wall(), report.cpu = cpu(), report.resumed = resumed_, report.predicted_wall = predicted_;
-    report.first_picture = film_->first_picture() > 0 ? film_->first_picture() - began_ : 0;
+    report.wall = times_.wall(), report.cpu = times_.cpu(), report.resumed = times_.resumed(), report.predicted_wall = predicted_;
+    report.first_picture = film_->first_picture() > 0 ? film_->first_picture() - times_.began() : 0;
     report.gl_device = film_->device();
     static const std::string encoder = encoder_version();
     report.encoder = scene_.output.frames && scene_.output.video ? encoder : "";
     report.stages = stages();
-    report.troubles = troubles_;
+    report.incidents = incidents_;
     write_text(folder_.path() / "run.json", run_json(simulation_, report).dump(2) + "\n");
 }
 
@@ -302,7 +253,7 @@ void Run::save_newest() {
 /// enough can spare the second that measuring takes.
 void Run::predict_late() try {
     constexpr double spares_a_second = 30;
-    if (predicted_ > 0 || request_.from || request_.frames || wall() < spares_a_second) return;
+    if (predicted_ > 0 || request_.from || request_.frames || times_.wall() < spares_a_second) return;
     const Plan plan = make_plan(request_.file.scene);
     predicted_ = estimate(request_.file, plan, Simulation(request_.file.scene, plan), calibrate(request_.file, plan)).film;
     // The rest of the report stands: the run took neither the time nor the memory of this.
@@ -314,40 +265,43 @@ void Run::predict_late() try {
     log_->warn("no prediction: {}", error.what());
 }
 
-int Run::conclude(const std::string& status, const std::string& message) {
-    const int frames = std::max(first_ - 1, film_->frames_written());
-    if (scene_.output.frames) write_contact_sheet(folder_.path(), frames);
-    write_report(status, message);
-    const double took = wall();
-    if (status == "done") predict_late();
-    log_->info("{} after {} frames, {} steps, {:.1f} s{}{}", status, frames, simulation_.totals().steps, took, message.empty() ? "" : ": ",
-               message);
+void Run::say_done(double wall) {
+    const bool video = scene_.output.frames && scene_.output.video;
     const std::string folder = folder_.path().string();
-    if (status == "done") {
-        const bool video = scene_.output.frames && scene_.output.video;
-        const std::string expected = predicted_ > 0 ? fmt::format(" ({} expected)", duration(predicted_)) : "";
-        progress_->say(fmt::format("{} frames, {} in {}{}: {}", frames, status, duration(took), expected,
-                                   video ? folder + "/" + scene_.name + ".mp4" : folder));
-    }
-    if (request_.json) {
-        const nlohmann::ordered_json result{{"event", "result"},
-                                            {"status", status},
-                                            {"message", message},
-                                            {"folder", folder},
-                                            {"frames", frames},
-                                            {"time", simulation_.time()},
-                                            {"particles", simulation_.world().fluid.size()},
-                                            {"wall_seconds", took}};
-        std::printf("%s\n", result.dump().c_str());
-    }
+    const std::string expected = predicted_ > 0 ? fmt::format(" ({} expected)", duration(predicted_)) : "";
+    progress_->say(fmt::format("{} frames, done in {}{}: {}", frames_written(), duration(wall), expected,
+                               video ? folder + "/" + scene_.name + ".mp4" : folder));
+}
+
+void Run::print_result(const std::string& status, const std::string& message, double wall) const {
+    const nlohmann::ordered_json result{{"event", "result"},
+                                        {"status", status},
+                                        {"message", message},
+                                        {"folder", folder_.path().string()},
+                                        {"frames", frames_written()},
+                                        {"time", simulation_.time()},
+                                        {"particles", simulation_.world().fluid.size()},
+                                        {"wall_seconds", wall}};
+    std::printf("%s\n", result.dump().c_str());
+}
+
+int Run::conclude(const std::string& status, const std::string& message) {
+    if (scene_.output.frames) write_contact_sheet(folder_.path(), frames_written());
+    write_report(status, message);
+    const double wall = times_.wall();
+    if (status == "done") predict_late();
+    log_->info("{} after {} frames, {} steps, {:.1f} s{}{}", status, frames_written(), simulation_.totals().steps, wall,
+               message.empty() ? "" : ": ", message);
+    if (status == "done") say_done(wall);
+    if (request_.json) print_result(status, message, wall);
     progress_.reset();
     if (status == "done") return exit_done;
     std::fprintf(stderr, "whorl: %s\n", message.c_str());
     return status == "interrupted" ? exit_interrupted : exit_failed;
 }
 
-int Run::go() try {
-    const auto diverged = loop();
+int Run::finish(const std::optional<Divergence>& diverged) {
+    const std::string folder = folder_.path().string();
     if (diverged) {
         film_->finish(true);
         const Vec3d& x = diverged->place;
@@ -355,18 +309,18 @@ int Run::go() try {
                         fmt::format("the run diverged at {:.6g} s in stage \"{}\", field \"{}\", at ({:.4g}, {:.4g}, {:.4g}) m: {}; the "
                                     "{} frames before it are in {}",
                                     diverged->time, diverged->stage, diverged->field, x.x(), x.y(), x.z(), diverged->what,
-                                    film_->frames_written(), folder_.path().string()));
+                                    film_->frames_written(), folder));
     }
-    if (simulation_.time() < frame_time(scene_, last_)) {
-        progress_->say("interrupted: completing the frames on their way");
-        film_->finish(false);
-        save_newest();
-        return conclude("interrupted", fmt::format("interrupted after frame {} of {}; go on with: whorl resume {}",
-                                                   std::max(first_ - 1, film_->frames_written()), last_, folder_.path().string()));
-    }
-    film_->finish(true);
-    return conclude("done", "");
-} catch (const std::exception& error) {
+    const bool complete = simulation_.time() >= frame_time(scene_, last_);
+    if (!complete) progress_->say("interrupted: completing the frames on their way");
+    film_->finish(complete);
+    if (complete) return conclude("done", "");
+    save_newest();
+    return conclude("interrupted",
+                    fmt::format("interrupted after frame {} of {}; go on with: whorl resume {}", frames_written(), last_, folder));
+}
+
+int Run::run() try { return finish(simulate()); } catch (const std::exception& error) {
     log_->error("{}", error.what());
     try {
         save_newest();
@@ -378,17 +332,9 @@ int Run::go() try {
 
 }  // namespace
 
-double frame_time(const Scene& scene, int frame) { return (frame - 1) * scene.time.frame_interval(); }
-
-int frame_count(const Scene& scene) {
-    // A hair more than the product, for ends that are a whole number of frames up to rounding.
-    return static_cast<int>(std::floor(scene.time.end / scene.time.frame_interval() * (1 + 1e-12) + 1e-9)) + 1;
-}
-
 int run_scene(const RunRequest& request) {
-    if (!request.file.scene.panels.empty()) return run_panels(request, PanelRuns::anew);
     const Plan plan = make_plan(request.file.scene);
-    return Run(request, plan).go();
+    return Run(request, plan).run();
 }
 
 }  // namespace whorl

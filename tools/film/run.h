@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "engine/io/checkpoint.h"
-#include "tools/program/run_options.h"
+#include "tools/scene_file/scene_file.h"
 
 namespace whorl {
 
@@ -13,16 +13,11 @@ struct RunRequest {
     std::filesystem::path folder;
     std::optional<int> frames;  ///< end with this frame, whatever time.end says
     bool quiet = false, json = false;
-    std::optional<Checkpoint> from;  ///< go on from here; nothing: a new run
+    std::optional<Checkpoint> from;  ///< where to resume; nothing: a new run
 };
 
-/// Frame k shows the time (k - 1) frame_interval(); frame 1 the start.
-double frame_time(const Scene& scene, int frame);
-/// The last frame that is not past time.end.
-int frame_count(const Scene& scene);
-
-/// Simulates, measures, draws, writes. Interrupted by SIGINT or SIGTERM it completes the frames that are on their way, saves the state of
-/// the newest one and says how to go on.
+/// Simulates, measures, draws, writes; the scene's panels are left out (panels.h runs them). Interrupted by SIGINT or SIGTERM it completes
+/// the frames that are on their way, saves the state of the newest one and says how to resume.
 /// @return exit_done, exit_failed (diverged) or exit_interrupted
 /// @throws InputError before anything is written; EnvironmentError (no EGL device, disk full) with all that was made kept
 int run_scene(const RunRequest& request);

@@ -1,28 +1,26 @@
 #include "tools/film/tables.h"
 
-#include <cstdlib>
-#include <fstream>
 #include <sstream>
 
 #include "engine/io/bodies.h"
-#include "tools/film/governor.h"
+#include "engine/io/csv.h"
+#include "engine/io/diagnostics.h"
 
 namespace whorl {
 
-RunTables::RunTables(std::filesystem::path folder, const Simulation& simulation, bool budgeted, const Checkpoint* from)
-    : folder_(std::move(folder)), simulation_(simulation) {
+RunTables::RunTables(std::filesystem::path folder, const Simulation& simulation, const NamedProbes& probes, bool budgeted,
+                     const Checkpoint* from)
+    : folder_(std::move(folder)), simulation_(simulation), probes_(probes) {
     open(diagnostics, diagnostics_header(), from);
     if (simulation.world().solids.any_free()) open(bodies, bodies_header(), from);
     if (budgeted) open(budget, budget_header(), from);
-    for (const ProbeKeys& keys : simulation.scene().probes) {
-        std::unique_ptr<Probe> probe = make_probe(keys, simulation.world());
+    for (const auto& [name, probe] : probes) {
         if (from)
-            if (const auto found = from->probes.find(keys.name); found != from->probes.end()) {
+            if (const auto found = from->probes.find(name); found != from->probes.end()) {
                 std::istringstream state(found->second);
                 probe->load(state);
             }
-        open(table_of(keys.name), probe->header(), from);
-        probes_.emplace(keys.name, std::move(probe));
+        open(table_of(name), csv_header(probe->columns()), from);
     }
 }
 
@@ -35,27 +33,19 @@ void RunTables::open(const std::string& name, const std::string& header, const C
     tables_.emplace(name, Table(folder_ / name, std::string_view(header)));
 }
 
-void RunTables::after_step() {
-    for (auto& [name, probe] : probes_) probe->after_step(simulation_.world(), simulation_.time());
-}
-
-void RunTables::land(int frame, const Measures& measures, const RunTotals& before, double wall, double cpu) {
+void RunTables::add_frame(int frame, const FrameSummary& summary, double wall, double cpu) {
     const double time = simulation_.time();
-    tables_.at(diagnostics).append(diagnostics_row(frame, time, measures, before, simulation_.totals(), wall, cpu));
+    tables_.at(diagnostics).append(diagnostics_row(frame, time, summary.measures, summary.before, simulation_.totals(), wall, cpu));
     if (const auto free = tables_.find(bodies); free != tables_.end())
         free->second.append(bodies_rows(frame, time, simulation_.world(), simulation_.scene().domain.gravity(time)));
-    for (auto& [name, probe] : probes_) tables_.at(table_of(name)).append(rows_of(*probe, simulation_));
+    for (const auto& [name, probe] : probes_) tables_.at(table_of(name)).append(csv_lines(rows_of(*probe, simulation_)));
 }
 
 double RunTables::last_given_up() const {
     const auto table = tables_.find(budget);
     if (table == tables_.end()) return 0;
-    std::ifstream in(table->second.file());
-    std::string line, last;
-    while (std::getline(in, line))
-        if (!line.empty()) last = line;
-    for (int column = 0; column < 4; ++column) last = last.substr(std::min(last.size(), last.find(',') + 1));
-    return std::strtod(last.c_str(), nullptr);
+    const CsvTable rows = read_csv(table->second.file());
+    return rows.rows.empty() ? 0 : rows.rows.back()[rows.index("given_up")];
 }
 
 void RunTables::save(Checkpoint& state) const {

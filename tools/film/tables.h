@@ -4,23 +4,21 @@
 #include <map>
 
 #include "engine/io/checkpoint.h"
-#include "engine/io/diagnostics.h"
 #include "engine/io/files.h"
 #include "engine/probes/probes.h"
+#include "tools/film/frame_loop.h"
 
 namespace whorl {
 
 class RunTables {
 public:
-    /// @param budgeted there is a governor, whose table is budget.csv
+    /// @param budgeted there is budget.csv too @param probes fill their tables; they outlive this
     /// @param from where the run goes on from: tables are cut back to what they held then, probes remember; null for a new run
     /// @throws EnvironmentError where a table is shorter than it was, or cannot be made
-    RunTables(std::filesystem::path folder, const Simulation& simulation, bool budgeted, const Checkpoint* from);
-    /// What every step is seen by.
-    void after_step();
-    /// The rows of a frame. @param before totals at the last row @param wall,cpu s so far
-    void land(int frame, const Measures& measures, const RunTotals& before, double wall, double cpu);
-    void add_budget(const std::string& row) { tables_.at(budget).append(row); }
+    RunTables(std::filesystem::path folder, const Simulation& simulation, const NamedProbes& probes, bool budgeted, const Checkpoint* from);
+    /// The rows of a frame. @param wall,cpu s so far
+    void add_frame(int frame, const FrameSummary& summary, double wall, double cpu);
+    void add_budget(const BudgetRow& row) { tables_.at(budget).append(budget_row(row)); }
     /// What the governor of the run so far had given up, by the budget's last row; 0 where there is none.
     double last_given_up() const;
     /// Lengths of the tables and memories of the probes.
@@ -34,7 +32,7 @@ private:
     std::filesystem::path folder_;
     const Simulation& simulation_;
     std::map<std::string, Table> tables_;  ///< by their path in the run folder
-    std::map<std::string, std::unique_ptr<Probe>> probes_;
+    const NamedProbes& probes_;
 };
 
 }  // namespace whorl

@@ -28,16 +28,17 @@ std::string random_token() {
     return text;
 }
 
-Door::Door(std::string host, int port, std::string token) : host_(std::move(host)), port_(std::to_string(port)), token_(std::move(token)) {}
+AccessRules::AccessRules(std::string host, int port, std::string token)
+    : host_(std::move(host)), port_(std::to_string(port)), token_(std::move(token)) {}
 
-bool Door::own(const std::string& host) const {
+bool AccessRules::own(const std::string& host) const {
     if (!is_loopback(host_)) return true;  // it goes by names that we do not know; the token decides
     for (const std::string& name : {host_, std::string("127.0.0.1"), std::string("localhost"), std::string("[::1]")})
         if (host == name + ":" + port_ || (port_ == "80" && host == name)) return true;
     return false;
 }
 
-std::string Door::refusal(const Caller& caller) const {
+std::string AccessRules::refusal(const Caller& caller) const {
     if (!own(caller.host)) return "this server does not go by the name \"" + caller.host.substr(0, 100) + "\"";
     if (!caller.origin.empty() && caller.origin != "http://" + caller.host)
         return "pages of " + caller.origin.substr(0, 100) + " may not ask this server";

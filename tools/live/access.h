@@ -12,10 +12,10 @@ struct Caller {
     std::string token;       ///< ?token=, or Authorization: Bearer
 };
 
-class Door {
+class AccessRules {
 public:
     /// @param host that the server is bound to @param token "" where none is needed: only for loopback
-    Door(std::string host, int port, std::string token);
+    AccessRules(std::string host, int port, std::string token);
     /// Why the caller is refused; "" where it is not.
     ///  - Host must be one of our own names: a page elsewhere whose name was made to point at 127.0.0.1 (DNS rebinding) brings its own.
     ///  - Origin, where there is one, must be ours: no other page may change anything, or read.

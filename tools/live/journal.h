@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/program/scene_changes.h"
+#include "tools/scene_file/scene_changes.h"
 
 namespace whorl {
 

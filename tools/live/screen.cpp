@@ -5,34 +5,16 @@
 #include "engine/core/parallel.h"
 #include "render/gl/renderer.h"
 #include "render/look/camera.h"
-#include "tools/film/usage.h"
+#include "tools/process/usage.h"
 
 namespace whorl {
 namespace {
-
-constexpr int jpeg_quality = 85;
 
 bool same(const SurfaceOptions& a, const SurfaceOptions& b) {
     return a.voxel == b.voxel && a.radius == b.radius && a.iso == b.iso && a.smoothing == b.smoothing && a.distance == b.distance;
 }
 
-std::string text_of(const std::vector<std::uint8_t>& bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
-
 }  // namespace
-
-const std::string& Picture::jpeg() const {
-    std::call_once(jpeg_made_, [&] {
-        const double began = wall_seconds();
-        jpeg_ = text_of(encode_jpeg(image, jpeg_quality));
-        encode_seconds_ = wall_seconds() - began;
-    });
-    return jpeg_;
-}
-
-const std::string& Picture::png() const {
-    std::call_once(png_made_, [&] { png_ = text_of(encode_png(image)); });
-    return png_;
-}
 
 Screen::Screen(int width, int height) : width_(width), height_(height) {
     share_threads_with_software_driver();

@@ -27,7 +27,7 @@ public:
     std::shared_ptr<const Picture> newest() const;
     /// Waits for a picture newer than `number`. @return null where none came within `seconds`, or the screen was closed
     std::shared_ptr<const Picture> after(std::uint64_t number, double seconds) const;
-    /// Nobody waits any longer.
+    /// Ends after() for all who wait in it.
     void close();
 
     /// Writes each new frame's picture from now on. @throws EnvironmentError where the folder cannot be made
@@ -40,7 +40,7 @@ public:
     /// Wall seconds of the newest picture by stage: surface, draw.
     StageTimes times() const;
     std::string device() const;
-    /// What ended the thread, if anything did. @throws it
+    /// @throws what ended the thread, if anything did
     void check() const;
 
 private:

@@ -9,10 +9,10 @@
 #include "engine/core/parallel.h"
 #include "engine/scene/read.h"
 #include "render/look/camera.h"
-#include "tools/film/usage.h"
 #include "tools/live/access.h"
 #include "tools/live/page.h"
 #include "tools/live/values.h"
+#include "tools/process/usage.h"
 
 namespace whorl {
 namespace {
@@ -24,7 +24,7 @@ using httplib::Response;
 /// Connections that are answered at once; streams keep one each, and leave enough for everything else.
 constexpr int workers = 40, most_streams = 12;
 constexpr std::size_t longest_body = 64 * 1024;
-constexpr double patience = 0.25;  ///< s, after which a waiting thread looks whether the server ends
+constexpr double wake_up = 0.25;  ///< s, after which a waiting thread looks whether the server ends
 
 void answer(Response& response, int status, const Json& json) {
     response.status = status;
@@ -50,41 +50,44 @@ Caller caller_of(const Request& request) {
     return c;
 }
 
-/// Counts the viewers that keep a connection; refuses where there are too many.
-class Seats {
-public:
-    std::shared_ptr<void> take() {
-        if (taken_.fetch_add(1) >= most_streams) {
-            --taken_;
-            return nullptr;
-        }
-        return {this, [this](void*) { --taken_; }};
-    }
-    int taken() const { return taken_; }
-
-private:
-    std::atomic<int> taken_{0};
-};
-
 }  // namespace
 
 struct LiveServer::Http {
+    /// Counts the viewers that keep a connection.
+    class Viewers {
+    public:
+        /// @return holds the viewer's place; null where there are too many
+        std::shared_ptr<void> add() {
+            if (count_.fetch_add(1) >= most_streams) {
+                --count_;
+                return nullptr;
+            }
+            return {this, [this](void*) { --count_; }};
+        }
+        int count() const { return count_; }
+
+    private:
+        std::atomic<int> count_{0};
+    };
+    using Handler = void (Http::*)(const Request&, Response&);
+    using JsonHandler = void (Http::*)(const nlohmann::json&, Response&);
+
     ServerOptions options;
-    Wishes& wishes;
+    Controls& controls;
     Screen& screen;
     Status& status;
     httplib::Server server;
     int port = 0;
-    std::optional<Door> door;
+    std::optional<AccessRules> access;
     std::function<std::string()> recording;
     std::filesystem::path folder;
     std::atomic<bool> ending{false};
     std::atomic<int> recordings{0};
-    Seats pictures, events;
+    Viewers pictures, events;
     std::mutex recorder_mutex;  ///< starting and stopping
     std::thread thread;
 
-    Http(ServerOptions o, Wishes& w, Screen& s, Status& t) : options(std::move(o)), wishes(w), screen(s), status(t) {}
+    Http(ServerOptions o, Controls& w, Screen& s, Status& t) : options(std::move(o)), controls(w), screen(s), status(t) {}
 
     void bind() {
         // Nobody else may take the port while we have it (the default would allow that); one that a run just left is free at once.
@@ -98,7 +101,7 @@ struct LiveServer::Http {
         if (port <= 0)
             throw EnvironmentError(fmt::format("cannot listen on {}:{}", options.host, options.port), "",
                                    "take another port: --port 0 finds a free one");
-        door.emplace(options.host, port, options.token);
+        access.emplace(options.host, port, options.token);
         server.new_task_queue = [] { return new httplib::ThreadPool(workers); };
         server.set_payload_max_length(longest_body);
         server.set_keep_alive_timeout(1);
@@ -108,12 +111,26 @@ struct LiveServer::Http {
         server.set_tcp_nodelay(true);
     }
 
-    void routes();
+    void add_routes();
+    void check_every_request();
+    void answer_errors();
+    void serve_page();
+    void get(const char* path, Handler handler);
+    void post(const char* path, JsonHandler handler);
+
+    void get_state(const Request&, Response& response) { answer(response, 200, state()); }
+    void get_keys(const Request&, Response& response) { answer(response, 200, keys()); }
+    void get_stream(const Request&, Response& response);
+    void get_events(const Request&, Response& response);
+    void get_picture(const Request&, Response& response);
+    void get_scene(const Request&, Response& response);
+    void get_recording(const Request&, Response& response);
+    void post_set(const nlohmann::json& changes, Response& response);
+    void post_control(const nlohmann::json& order, Response& response);
+
     Json state() const;
-    Json described() const;
-    void stream(const Request&, Response& response);
-    void follow_events(const Request&, Response& response);
-    void control(const nlohmann::json& order, Response& response);
+    Json keys() const;
+    void restart(const nlohmann::json& order, Response& response);
     void record(Response& response);
     void stop_recording(Response& response);
 };
@@ -123,19 +140,19 @@ Json LiveServer::Http::state() const {
     for (const auto& [name, t] : screen.times()) json["ms"][name] = 1e3 * t.wall;
     const auto recorded = screen.recording();
     const auto newest = screen.newest();
-    const auto notice = wishes.newest_notice();
-    json["playing"] = wishes.playing();
-    json["quality"] = wishes.options().quality;
-    json["revision"] = wishes.revision();
-    json["can_undo"] = wishes.can_undo();
+    const auto notice = controls.newest_notice();
+    json["playing"] = controls.playing();
+    json["quality"] = controls.options().quality;
+    json["revision"] = controls.revision();
+    json["can_undo"] = controls.can_undo();
     json["picture"] = newest ? Json(newest->number) : Json();
     json["picture_frame"] = newest ? Json(newest->frame) : Json();
     json["recorded_pictures"] = recorded ? Json(*recorded) : Json();
-    json["viewers"] = pictures.taken();
+    json["viewers"] = pictures.count();
     json["device"] = screen.device();
     json["memory_bytes"] = resident_memory();
     json["notice"] = notice ? Json{{"number", notice->number}, {"error", notice->error}, {"text", notice->text}} : Json();
-    const SceneFile file = wishes.file();
+    const SceneFile file = controls.file();
     const View view =
         view_at(file.camera, json.value("time", 0.0), file.scene.domain.min.cast<float>(), file.scene.domain.max.cast<float>());
     json["view"] = {{"position", json_of(view.position)}, {"target", json_of(view.target)}, {"up", json_of(view.up)}, {"fov", view.fov}};
@@ -143,16 +160,16 @@ Json LiveServer::Http::state() const {
     return json;
 }
 
-Json LiveServer::Http::described() const {
-    const Plan plan = wishes.plan();
+Json LiveServer::Http::keys() const {
+    const Plan plan = controls.plan();
     Json models = Json::array(), scenes = Json::array();
     for (const Choice& c : plan.choices)
         models.push_back({{"key", c.key}, {"value", c.value}, {"automatic", c.automatic}, {"reason", c.reason}});
     for (const auto& [name, path] : shipped_scenes()) scenes.push_back(name);
-    return {{"scene", wishes.file().scene.name},
-            {"quality", wishes.options().quality},
-            {"revision", wishes.revision()},
-            {"keys", described_keys(wishes.file())},
+    return {{"scene", controls.file().scene.name},
+            {"quality", controls.options().quality},
+            {"revision", controls.revision()},
+            {"keys", described_keys(controls.file())},
             {"models", models},
             {"warnings", plan.warnings},
             {"scenes", scenes}};
@@ -160,9 +177,9 @@ Json LiveServer::Http::described() const {
 
 /// MJPEG: each viewer gets the newest picture when the one before has gone out; what it misses is dropped. Browsers show a picture when
 /// they see the next one's head, so one that has no successor at once (a run that pauses) is sent again.
-void LiveServer::Http::stream(const Request&, Response& response) {
-    const auto seat = pictures.take();
-    if (!seat) return refuse(response, 503, "too many viewers");
+void LiveServer::Http::get_stream(const Request&, Response& response) {
+    const auto place = pictures.add();
+    if (!place) return refuse(response, 503, "too many viewers");
     struct Sent {
         std::shared_ptr<const Picture> picture;
         bool again = false;
@@ -170,12 +187,12 @@ void LiveServer::Http::stream(const Request&, Response& response) {
     auto last = std::make_shared<Sent>();
     response.set_content_provider(
         "multipart/x-mixed-replace; boundary=picture",
-        [this, seat, last](std::size_t, httplib::DataSink& sink) {
+        [this, place, last](std::size_t, httplib::DataSink& sink) {
             constexpr double at_once = 0.02;  // s
             for (;;) {
                 if (ending || !sink.is_writable()) return false;
                 const bool wait = !last->picture || last->again;
-                auto picture = screen.after(last->picture ? last->picture->number : 0, wait ? patience : at_once);
+                auto picture = screen.after(last->picture ? last->picture->number : 0, wait ? wake_up : at_once);
                 last->again = picture == nullptr;
                 if (!picture && wait) continue;
                 if (picture) last->picture = std::move(picture);
@@ -186,17 +203,17 @@ void LiveServer::Http::stream(const Request&, Response& response) {
                 return sink.write(head.data(), head.size()) && sink.write(jpeg.data(), jpeg.size()) && sink.write("\r\n", 2);
             }
         },
-        [seat](bool) {});
+        [place](bool) {});
 }
 
 /// Server-sent events: the state, whenever it has changed, at most ten times a second.
-void LiveServer::Http::follow_events(const Request&, Response& response) {
-    const auto seat = events.take();
-    if (!seat) return refuse(response, 503, "too many viewers");
+void LiveServer::Http::get_events(const Request&, Response& response) {
+    const auto place = events.add();
+    if (!place) return refuse(response, 503, "too many viewers");
     auto sent = std::make_shared<std::string>();
     response.set_chunked_content_provider(
         "text/event-stream",
-        [this, seat, sent](std::size_t, httplib::DataSink& sink) {
+        [this, place, sent](std::size_t, httplib::DataSink& sink) {
             for (int quiet = 0;; ++quiet) {
                 if (ending || !sink.is_writable()) return false;
                 Json json = state();
@@ -214,7 +231,7 @@ void LiveServer::Http::follow_events(const Request&, Response& response) {
                 std::this_thread::sleep_for(std::chrono::milliseconds(100));
             }
         },
-        [seat](bool) {});
+        [place](bool) {});
 }
 
 void LiveServer::Http::record(Response& response) {
@@ -223,7 +240,7 @@ void LiveServer::Http::record(Response& response) {
     std::filesystem::path where;
     do where = folder / fmt::format("recording_{}", ++recordings);
     while (std::filesystem::exists(where));
-    screen.record(where, wishes.file().scene.time.fps);
+    screen.record(where, controls.file().scene.time.fps);
     done(response, {{"folder", where.string()}});
 }
 
@@ -232,7 +249,7 @@ void LiveServer::Http::stop_recording(Response& response) {
     const auto recorded = screen.stop_recording();
     if (!recorded) return refuse(response, 400, "nothing is being recorded");
     recording();
-    wishes.tell(
+    controls.tell(
         !recorded->problem.empty(),
         fmt::format("{} pictures in {}{}{}; for a film of this run at any quality: whorl render {} --quality fine", recorded->pictures,
                     recorded->folder.string(), recorded->video.empty() ? "" : ", video " + recorded->video.string(),
@@ -243,7 +260,25 @@ void LiveServer::Http::stop_recording(Response& response) {
                     {"problem", recorded->problem}});
 }
 
-void LiveServer::Http::control(const nlohmann::json& order, Response& response) {
+void LiveServer::Http::restart(const nlohmann::json& order, Response& response) {
+    Controls::Restart how;
+    if (order.contains("set")) how.set = changes_of(order["set"]);
+    for (const KeyChange& c : how.set)
+        if (c.path == "name" || c.path.find("file") != std::string::npos || c.path.rfind("output", 0) == 0)
+            return refuse(response, 400, c.path.substr(0, 100) + " is set on the command line or in the scene file only");
+    const auto text = [&](const char* key, std::string& to) {
+        if (order.contains(key)) to = order[key].is_string() ? order[key].get<std::string>() : "?";
+    };
+    text("scene", how.scene), text("quality", how.quality);
+    const auto scenes = shipped_scenes();
+    if (!how.scene.empty() && std::none_of(scenes.begin(), scenes.end(), [&](const auto& s) { return s.first == how.scene; }))
+        return refuse(response, 400, "no scene of that name ships");
+    how.forget = order.contains("forget") && order["forget"] == true;
+    controls.restart(how);
+    done(response);
+}
+
+void LiveServer::Http::post_control(const nlohmann::json& order, Response& response) {
     const std::string allowed = "allowed: {\"do\": \"pause | play | step | restart | undo | record | stop_recording\"}";
     if (!order.is_object() || !order.contains("do") || !order["do"].is_string())
         return refuse(response, 400, "the order has no \"do\"; " + allowed);
@@ -251,34 +286,75 @@ void LiveServer::Http::control(const nlohmann::json& order, Response& response) 
     for (const auto& [key, value] : order.items())
         if (key != "do" && !(what == "restart" && (key == "set" || key == "scene" || key == "quality" || key == "forget")))
             return refuse(response, 400, "\"" + what.substr(0, 40) + "\" takes no \"" + key.substr(0, 40) + "\"");
-    if (what == "pause") wishes.pause();
-    else if (what == "play") wishes.play();
-    else if (what == "step") wishes.step();
+    if (what == "record") return record(response);
+    if (what == "stop_recording") return stop_recording(response);
+    if (what == "restart") return restart(order, response);
+    if (what == "pause") controls.pause();
+    else if (what == "play") controls.play();
+    else if (what == "step") controls.step();
     else if (what == "undo") {
-        if (!wishes.undo()) return refuse(response, 400, "there is nothing to undo");
-        screen.look(wishes.picture());
-    } else if (what == "record") return record(response);
-    else if (what == "stop_recording") return stop_recording(response);
-    else if (what == "restart") {
-        Wishes::Restart how;
-        if (order.contains("set")) how.set = changes_of(order["set"]);
-        for (const KeyChange& c : how.set)
-            if (c.path == "name" || c.path.find("file") != std::string::npos || c.path.rfind("output", 0) == 0)
-                return refuse(response, 400, c.path.substr(0, 100) + " is set on the command line or in the scene file only");
-        const auto text = [&](const char* key, std::string& to) {
-            if (order.contains(key)) to = order[key].is_string() ? order[key].get<std::string>() : "?";
-        };
-        text("scene", how.scene), text("quality", how.quality);
-        const auto scenes = shipped_scenes();
-        if (!how.scene.empty() && std::none_of(scenes.begin(), scenes.end(), [&](const auto& s) { return s.first == how.scene; }))
-            return refuse(response, 400, "no scene of that name ships");
-        how.forget = order.contains("forget") && order["forget"] == true;
-        wishes.restart(how);
+        if (!controls.undo()) return refuse(response, 400, "there is nothing to undo");
+        screen.look(controls.picture());
     } else return refuse(response, 400, "cannot do \"" + what.substr(0, 40) + "\"; " + allowed);
     done(response);
 }
 
-void LiveServer::Http::routes() {
+void LiveServer::Http::post_set(const nlohmann::json& changes, Response& response) {
+    controls.set(changes_of(changes));
+    screen.look(controls.picture());
+    done(response, {{"revision", controls.revision()}});
+}
+
+void LiveServer::Http::get_picture(const Request&, Response& response) {
+    const auto picture = screen.newest() ? screen.newest() : screen.after(0, 5);
+    if (!picture) return refuse(response, 503, "there is no picture yet");
+    response.set_header("X-Frame", std::to_string(picture->frame));
+    response.set_header("X-Time", fmt::format("{}", picture->time));
+    response.set_content(picture->png(), "image/png");
+}
+
+void LiveServer::Http::get_scene(const Request&, Response& response) {
+    response.set_header("Content-Disposition", "attachment; filename=\"scene.toml\"");
+    response.set_content(resolved_toml(controls.file()), "text/plain; charset=utf-8");
+}
+
+void LiveServer::Http::get_recording(const Request&, Response& response) {
+    response.set_header("Content-Disposition", "attachment; filename=\"recording.toml\"");
+    response.set_content(recording(), "text/plain; charset=utf-8");
+}
+
+void LiveServer::Http::add_routes() {
+    check_every_request();
+    answer_errors();
+    serve_page();
+    get("/state", &Http::get_state);
+    get("/keys", &Http::get_keys);
+    get("/stream", &Http::get_stream);
+    get("/events", &Http::get_events);
+    get("/frame.png", &Http::get_picture);
+    get("/scene.toml", &Http::get_scene);
+    get("/recording.toml", &Http::get_recording);
+    post("/set", &Http::post_set);
+    post("/control", &Http::post_control);
+}
+
+void LiveServer::Http::get(const char* path, Handler handler) {
+    server.Get(path, [this, handler](const Request& request, Response& response) { (this->*handler)(request, response); });
+}
+
+/// The user's mistakes are answered with what is wrong and what is allowed.
+void LiveServer::Http::post(const char* path, JsonHandler handler) {
+    server.Post(path, [this, handler](const Request& request, Response& response) {
+        omp_set_num_threads(1);  // of this thread: the cores are the simulation's
+        const auto json = nlohmann::json::parse(request.body, nullptr, false);
+        if (json.is_discarded()) return refuse(response, 400, "the body is no JSON");
+        try {
+            (this->*handler)(json, response);
+        } catch (const InputError& error) { refuse(response, 400, error.what()); }
+    });
+}
+
+void LiveServer::Http::check_every_request() {
     server.set_default_headers({{"Cache-Control", "no-store"},
                                 {"X-Content-Type-Options", "nosniff"},
                                 {"Referrer-Policy", "no-referrer"},
@@ -288,11 +364,14 @@ void LiveServer::Http::routes() {
     server.set_pre_routing_handler([this](const Request& request, Response& response) {
         Caller caller = caller_of(request);
         if (is_part_of_page(request.path)) caller.token = options.token;
-        const std::string why = door->refusal(caller);
+        const std::string why = access->refusal(caller);
         if (why.empty()) return httplib::Server::HandlerResponse::Unhandled;
         refuse(response, 403, why);
         return httplib::Server::HandlerResponse::Handled;
     });
+}
+
+void LiveServer::Http::answer_errors() {
     server.set_error_handler([](const Request&, Response& response) {
         if (!response.body.empty()) return;
         refuse(response, response.status,
@@ -308,6 +387,9 @@ void LiveServer::Http::routes() {
             refuse(response, 500, "failed");
         }
     });
+}
+
+void LiveServer::Http::serve_page() {
     for (const auto& [path, name, type] : {std::array<const char*, 3>{"/", "index.html", "text/html; charset=utf-8"},
                                            {"/live.css", "live.css", "text/css; charset=utf-8"},
                                            {"/live.js", "live.js", "text/javascript; charset=utf-8"},
@@ -315,46 +397,10 @@ void LiveServer::Http::routes() {
         server.Get(path, [name = std::string(name), type = std::string(type)](const Request&, Response& response) {
             response.set_content(live_page(name), type);
         });
-    server.Get("/state", [this](const Request&, Response& response) { answer(response, 200, state()); });
-    server.Get("/keys", [this](const Request&, Response& response) { answer(response, 200, described()); });
-    server.Get("/stream", [this](const Request& request, Response& response) { stream(request, response); });
-    server.Get("/events", [this](const Request& request, Response& response) { follow_events(request, response); });
-    server.Get("/frame.png", [this](const Request&, Response& response) {
-        const auto picture = screen.newest() ? screen.newest() : screen.after(0, 5);
-        if (!picture) return refuse(response, 503, "there is no picture yet");
-        response.set_header("X-Frame", std::to_string(picture->frame));
-        response.set_header("X-Time", fmt::format("{}", picture->time));
-        response.set_content(picture->png(), "image/png");
-    });
-    server.Get("/scene.toml", [this](const Request&, Response& response) {
-        response.set_header("Content-Disposition", "attachment; filename=\"scene.toml\"");
-        response.set_content(resolved_toml(wishes.file()), "text/plain; charset=utf-8");
-    });
-    server.Get("/recording.toml", [this](const Request&, Response& response) {
-        response.set_header("Content-Disposition", "attachment; filename=\"recording.toml\"");
-        response.set_content(recording(), "text/plain; charset=utf-8");
-    });
-    // The user's mistakes are answered with what is wrong and what is allowed.
-    const auto post = [this](const char* path, auto act) {
-        server.Post(path, [this, act](const Request& request, Response& response) {
-            omp_set_num_threads(1);  // of this thread: the cores are the simulation's
-            const auto json = nlohmann::json::parse(request.body, nullptr, false);
-            if (json.is_discarded()) return refuse(response, 400, "the body is no JSON");
-            try {
-                act(json, response);
-            } catch (const InputError& error) { refuse(response, 400, error.what()); }
-        });
-    };
-    post("/set", [this](const nlohmann::json& json, Response& response) {
-        wishes.set(changes_of(json));
-        screen.look(wishes.picture());
-        done(response, {{"revision", wishes.revision()}});
-    });
-    post("/control", [this](const nlohmann::json& json, Response& response) { control(json, response); });
 }
 
-LiveServer::LiveServer(ServerOptions options, Wishes& wishes, Screen& screen, Status& status)
-    : http_(std::make_unique<Http>(std::move(options), wishes, screen, status)) {
+LiveServer::LiveServer(ServerOptions options, Controls& controls, Screen& screen, Status& status)
+    : http_(std::make_unique<Http>(std::move(options), controls, screen, status)) {
     http_->bind();
 }
 
@@ -369,7 +415,7 @@ void LiveServer::stop() {
 void LiveServer::start(std::function<std::string()> recording, std::filesystem::path folder) {
     http_->recording = std::move(recording);
     http_->folder = std::move(folder);
-    http_->routes();
+    http_->add_routes();
     http_->thread = std::thread([this] {
         name_thread("server");
         http_->server.listen_after_bind();

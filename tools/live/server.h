@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "tools/live/loop.h"
+#include "tools/live/live_loop.h"
 
 namespace whorl {
 
@@ -16,7 +16,7 @@ struct ServerOptions {
 class LiveServer {
 public:
     /// Binds. @throws EnvironmentError where the address is taken or cannot be had
-    LiveServer(ServerOptions options, Wishes& wishes, Screen& screen, Status& status);
+    LiveServer(ServerOptions options, Controls& controls, Screen& screen, Status& status);
     ~LiveServer();
     LiveServer(const LiveServer&) = delete;
     LiveServer& operator=(const LiveServer&) = delete;

@@ -41,17 +41,6 @@ bool hidden(const UsedKey& k) {
 
 }  // namespace
 
-Json json_of(const Value& v) {
-    if (const bool* flag = v.as<bool>()) return *flag;
-    if (const auto* whole = v.as<std::int64_t>()) return *whole;
-    if (const double* number = v.as<double>()) return *number;
-    if (const std::string* text = v.as<std::string>()) return *text;
-    Json list = Json::array();
-    if (const auto* values = v.as<Value::List>())
-        for (const Value& e : *values) list.push_back(json_of(e));
-    return list;
-}
-
 std::optional<Value> value_of(const nlohmann::json& json) {
     if (json.is_boolean()) return Value(json.get<bool>());
     if (json.is_number_unsigned() && json.get<std::uint64_t>() > std::uint64_t(std::numeric_limits<std::int64_t>::max()))

@@ -3,11 +3,11 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 
-#include "tools/program/scene_changes.h"
+#include "engine/scene/value_json.h"
+#include "tools/scene_file/scene_changes.h"
 
 namespace whorl {
 
-nlohmann::ordered_json json_of(const Value& value);
 /// Nothing where no key takes such a value: null, objects, lists in lists, long texts.
 std::optional<Value> value_of(const nlohmann::json& json);
 

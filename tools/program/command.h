@@ -1,9 +1,11 @@
 #pragma once
 /// How a subcommand joins the program: one file a subcommand, one add_NAME() in it, one line in main.cpp.
 ///
-/// add_NAME() adds a CLI11 subcommand with its options (tools/program/run_options.h), sets a callback that stores what to run in `chosen`,
+/// add_NAME() adds a CLI11 subcommand with its options (tools/scene_file/options.h), sets a callback that stores what to run in `chosen`,
 /// and returns. main() parses, then calls `chosen` inside run_guarded(), which alone turns exceptions into messages and exit codes.
 #include <functional>
+
+#include "tools/process/exit_codes.h"
 
 namespace CLI {
 class App;
@@ -11,18 +13,8 @@ class App;
 
 namespace whorl {
 
-enum ExitCode : int {
-    exit_done = 0,
-    exit_failed = 1,        ///< the run failed: diverged, disk full, no EGL device; what was made stays
-    exit_bad_input = 2,     ///< the user's mistake; nothing was written
-    exit_interrupted = 130  ///< SIGINT or SIGTERM; the state is saved
-};
-
 /// What the chosen subcommand does; returns an ExitCode. Throws InputError (2) and EnvironmentError (1) freely.
 using Job = std::function<int()>;
-
-/// Runs the job; prints whatever it throws on standard error ("whorl: ..."), one line a problem, and returns the exit code.
-int run_guarded(const Job& job);
 
 void add_render(CLI::App& program, Job& chosen);
 void add_live(CLI::App& program, Job& chosen);

@@ -5,14 +5,14 @@
 
 #include "engine/core/parallel.h"
 #include "engine/core/whole_file.h"
-#include "tools/film/interrupt.h"
 #include "tools/film/report.h"
 #include "tools/film/run_folder.h"
 #include "tools/live/access.h"
+#include "tools/live/file_watch.h"
 #include "tools/live/server.h"
-#include "tools/live/watch.h"
+#include "tools/process/interrupt.h"
 #include "tools/program/command.h"
-#include "tools/program/run_options.h"
+#include "tools/scene_file/scene_file.h"
 
 namespace whorl {
 namespace {
@@ -63,18 +63,18 @@ int live(LiveOptions options) {
     check_server(options.server);
     const Size size = size_of(options.shared.size);
     options.shared.size.clear();  // of the page's pictures, not of a film of the recording
-    Wishes wishes(options.shared);
-    if (options.paused) wishes.pause();
+    Controls controls(options.shared);
+    if (options.paused) controls.pause();
     const std::size_t recorded = read_scene_file(options.shared).scene.changes.size();
-    if (recorded > 0) wishes.tell(false, fmt::format("{} recorded changes are left out: whorl render repeats them", recorded));
+    if (recorded > 0) controls.tell(false, fmt::format("{} recorded changes are left out: whorl render repeats them", recorded));
 
     InterruptGuard interrupt;
     Screen screen(size.width, size.height);
     Status status;
-    LiveServer server(options.server, wishes, screen, status);  // a port that is taken is told before anything is written
-    const RunFolder folder = RunFolder::fresh(options.shared.out.empty() ? free_folder(wishes.file().scene.name) : options.shared.out);
+    LiveServer server(options.server, controls, screen, status);  // a port that is taken is told before anything is written
+    const RunFolder folder = RunFolder::fresh(options.shared.out.empty() ? free_folder(controls.file().scene.name) : options.shared.out);
     Journal journal(folder.path());
-    LiveLoop loop(wishes, screen, journal, status, !options.unpaced);
+    LiveLoop loop(controls, screen, journal, status, !options.unpaced);
     write_report(folder.path(), loop.simulation(), "running");
     struct Serving {  // ends before what it answers from does
         LiveServer& server;
@@ -82,7 +82,7 @@ int live(LiveOptions options) {
     };
     server.start([&] { return loop.save_recording(); }, folder.path());
     const Serving serving{server};
-    const FileWatch watch([&] { return wishes.scene_path(); }, [&] { wishes.file_edited(); });
+    const FileWatch watch([&] { return controls.scene_path(); }, [&] { controls.file_edited(); });
 
     std::printf("%s\n", server.url().c_str());
     std::fflush(stdout);
@@ -95,7 +95,7 @@ int live(LiveOptions options) {
     write_report(folder.path(), loop.simulation(), "done");
     if (!options.shared.quiet)
         fmt::print(stderr, "whorl: recorded; to repeat it as a film: whorl render {} --quality {}\n", journal.file().string(),
-                   wishes.options().quality);
+                   controls.options().quality);
     return exit_done;
 }
 

@@ -4,22 +4,25 @@
 #include <memory>
 
 #include "engine/core/parallel.h"
+#include "engine/scene/frame_times.h"
 #include "engine/scene/plan.h"
+#include "tools/film/panels.h"
 #include "tools/film/run.h"
 #include "tools/program/command.h"
-#include "tools/program/run_options.h"
+#include "tools/program/preview.h"
+#include "tools/scene_file/scene_file.h"
 
 namespace whorl {
 namespace {
 
 /// What would be run, without running it.
 int dry_run(const RunRequest& request) {
-    const Scene& scene = request.file.scene;
-    const Plan plan = make_plan(scene);
-    for (const Choice& c : plan.choices) fmt::print("{} = {}{}\n", c.key, c.value, c.reason.empty() ? "" : "  (" + c.reason + ")");
-    for (const std::string& warning : plan.warnings) fmt::print("warning: {}\n", warning);
-    fmt::print("{} frames, about {:.0f} particles at the end, into {}\n", request.frames.value_or(frame_count(scene)),
-               plan.estimated_particles, request.folder.string());
+    const Plan plan = make_plan(request.file.scene);
+    const Simulation simulation(request.file.scene, plan);
+    const Preview preview{request.file, plan, simulation, std::nullopt};
+    if (request.json) return print_json(preview), exit_done;
+    print_text(preview);
+    fmt::print("{} frames into {}\n", request.frames.value_or(frame_count(request.file.scene)), request.folder.string());
     return exit_done;
 }
 
@@ -32,7 +35,8 @@ int render(const Options& options) {
     if (request.frames) request.frames = std::min(*request.frames, frame_count(request.file.scene));
     request.quiet = options.quiet;
     request.json = options.json;
-    return options.dry_run ? dry_run(request) : run_scene(request);
+    if (options.dry_run) return dry_run(request);
+    return request.file.scene.panels.empty() ? run_scene(request) : run_panels(request, PanelRuns::fresh);
 }
 
 }  // namespace

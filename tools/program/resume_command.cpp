@@ -24,8 +24,8 @@ int resume(const ResumeOptions& options) {
     request.frames = options.shared.frames;
     request.quiet = options.shared.quiet;
     request.json = options.shared.json;
-    if (!request.file.scene.panels.empty()) return run_panels(request, PanelRuns::go_on);
-    go_on_from_newest(request);
+    if (!request.file.scene.panels.empty()) return run_panels(request, PanelRuns::resumed);
+    resume_from_newest(request);
     return run_scene(request);
 }
 

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "tools/program/command.h"
-#include "tools/program/known_sections.h"
+#include "tools/scene_file/scene_file.h"
 
 namespace whorl {
 

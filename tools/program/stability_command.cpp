@@ -9,10 +9,11 @@
 
 #include "engine/core/clock.h"
 #include "engine/core/whole_file.h"
+#include "engine/io/csv.h"
 #include "engine/sim/simulation.h"
 #include "tools/film/progress.h"
 #include "tools/program/command.h"
-#include "tools/program/run_options.h"
+#include "tools/scene_file/scene_file.h"
 #include "tools/study/jobs.h"
 #include "tools/study/plot.h"
 #include "tools/study/stability.h"

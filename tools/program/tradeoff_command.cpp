@@ -9,6 +9,7 @@
 
 #include "engine/core/clock.h"
 #include "engine/core/whole_file.h"
+#include "engine/io/csv.h"
 #include "tools/film/progress.h"
 #include "tools/program/command.h"
 #include "tools/study/accuracy.h"
@@ -222,17 +223,17 @@ private:
     }
 
     void recommend() const {
-        const Wish wish = parse_wish(options_.recommend);
+        const Goal goal = parse_goal(options_.recommend);
         const Measured* best = nullptr;
         for (std::size_t i = 0; i < rows_.size(); ++i) {
             const Measured& m = measured_[i];
-            if (!std::isfinite(m.error) || !wish.holds(m.cost, m.error, rows_[i].result.fps())) continue;
+            if (!std::isfinite(m.error) || !goal.holds(m.cost, m.error, rows_[i].result.fps())) continue;
             // The cheapest that is accurate enough, or the most accurate that is cheap enough.
-            if (!best || (wish.of == Wish::Of::error ? m.cost < best->cost : m.error < best->error)) best = &m;
+            if (!best || (goal.of == Goal::Of::error ? m.cost < best->cost : m.error < best->error)) best = &m;
         }
-        if (!best) throw EnvironmentError(fmt::format("no point of the study reaches {}", wish.text), "", "widen the knobs' values");
+        if (!best) throw EnvironmentError(fmt::format("no point of the study reaches {}", goal.text), "", "widen the knobs' values");
         std::string overlay =
-            fmt::format("# {} of the study {}: {}, error {}\n", wish.text, study_.name, cost_text(best->cost), error_text(best->error));
+            fmt::format("# {} of the study {}: {}, error {}\n", goal.text, study_.name, cost_text(best->cost), error_text(best->error));
         // What the study sets for all of its points is the study's, but what follows from a knob is the knob's.
         std::string options, scene = scene_;
         std::vector<std::string> chosen;
@@ -250,7 +251,7 @@ private:
         }
         const fs::path file = folder_ / "recommended.toml";
         write_text(file, overlay);
-        say(fmt::format("\nfor {}: {} ({}, error {}); {} holds them:\n  whorl render {} --with {}{}", wish.text,
+        say(fmt::format("\nfor {}: {} ({}, error {}); {} holds them:\n  whorl render {} --with {}{}", goal.text,
                         joined_settings(settings_at(study_, best->at)), cost_text(best->cost), error_text(best->error), file.string(),
                         scene, file.string(), options));
     }
@@ -295,7 +296,7 @@ int tradeoff(SweepOptions options) {
     if (study.knobs.empty()) throw InputError({options.study, 0, 0}, "the study turns no knob", "add a [[knob]] with key and values");
     if (study.accuracy.column.empty() && study.accuracy.of != AccuracyKind::picture)
         throw InputError({options.study, 0, 0}, "accuracy.column is missing", "it names a column of accuracy.table");
-    if (!options.recommend.empty()) parse_wish(options.recommend);
+    if (!options.recommend.empty()) parse_goal(options.recommend);
     seconds_of(options.budget);
     const fs::path folder = folder_of(study, options);
     try {
@@ -321,7 +322,7 @@ void add_tradeoff(CLI::App& program, Job& chosen) {
     app->add_flag("--all", options->all, "run the whole grid, not only what the front may need");
     app->add_option("--recommend", options->recommend,
                     "print the cheapest settings that reach it and write them as an overlay: \"error<2%\", \"fps>24\"")
-        ->type_name("WISH");
+        ->type_name("GOAL");
     app->footer(
         "Each point is a run of its own process and is kept: a study that was stopped goes on when it is called again.\n"
         "Examples:\n"

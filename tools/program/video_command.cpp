@@ -8,7 +8,7 @@
 #include "render/image/image.h"
 #include "render/video/encoder.h"
 #include "tools/program/command.h"
-#include "tools/program/run_options.h"
+#include "tools/scene_file/scene_file.h"
 
 namespace whorl {
 namespace {

@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "render/image/difference.h"
+#include "engine/io/csv.h"
 #include "render/image/image.h"
-#include "tools/study/table.h"
 
 namespace whorl {
 namespace {

@@ -1,9 +1,11 @@
 #pragma once
 /// A few tasks at a time.
-#include <chrono>
+#include <algorithm>
+#include <condition_variable>
+#include <deque>
 #include <functional>
 #include <future>
-#include <thread>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -18,23 +20,42 @@ public:
     bool empty() const { return running_.empty(); }
 
     void start(std::size_t name, std::function<Result()> task) {
-        running_.emplace_back(name, std::async(std::launch::async, std::move(task)));
+        running_.emplace_back(name, std::async(std::launch::async, [this, name, task = std::move(task)] {
+                                  const Announce announce{*this, name};
+                                  return task();
+                              }));
     }
 
     /// Waits for the task that ends first. @return its name and result @throws what it threw
     std::pair<std::size_t, Result> next() {
-        for (;; std::this_thread::sleep_for(std::chrono::milliseconds(5)))
-            for (auto job = running_.begin(); job != running_.end(); ++job) {
-                if (job->second.wait_for(std::chrono::seconds(0)) != std::future_status::ready) continue;
-                auto [name, future] = std::move(*job);
-                running_.erase(job);
-                return {name, future.get()};
-            }
+        std::unique_lock lock(mutex_);
+        changed_.wait(lock, [&] { return !ended_.empty(); });
+        const std::size_t name = ended_.front();
+        ended_.pop_front();
+        lock.unlock();
+        const auto job = std::find_if(running_.begin(), running_.end(), [&](const auto& j) { return j.first == name; });
+        std::future<Result> future = std::move(job->second);
+        running_.erase(job);
+        return {name, future.get()};
     }
 
 private:
+    /// Tells that a task has ended, also where it throws.
+    struct Announce {
+        Jobs& jobs;
+        std::size_t name;
+        ~Announce() {
+            const std::lock_guard lock(jobs.mutex_);
+            jobs.ended_.push_back(name);
+            jobs.changed_.notify_one();
+        }
+    };
+
     std::size_t most_;
-    std::vector<std::pair<std::size_t, std::future<Result>>> running_;
+    std::mutex mutex_;  ///< of ended_
+    std::condition_variable changed_;
+    std::deque<std::size_t> ended_;
+    std::vector<std::pair<std::size_t, std::future<Result>>> running_;  ///< last: its tasks use all of the above
 };
 
 }  // namespace whorl

@@ -18,7 +18,7 @@
 #include "engine/core/clock.h"
 #include "engine/core/whole_file.h"
 #include "engine/io/checkpoint.h"
-#include "tools/program/command.h"
+#include "tools/process/exit_codes.h"
 
 namespace whorl {
 namespace {
@@ -89,7 +89,64 @@ Json json_of(const fs::path& file) { return Json::parse(text_of(file), nullptr, 
 
 bool is_option(const std::string& setting, const char* name) { return setting.rfind(std::string(name) + "=", 0) == 0; }
 
+/// A record that can be kept: of the same call and build, timed often enough. @return whether there is one
+bool take_record(const fs::path& record, const std::string& identity, int repeat, PointResult& result) {
+    const Json known = json_of(record);
+    if (!known.is_object() || known.value("identity", "") != identity || known.value("build", "") != build_id()) return false;
+    if (static_cast<int>(known.at("cpu_seconds").size()) < (known.at("status") == "done" ? repeat : 1)) return false;
+    result.status = known.at("status"), result.message = known.at("message");
+    result.cpu = known.at("cpu_seconds").get<std::vector<double>>(), result.wall = known.at("wall_seconds").get<std::vector<double>>();
+    result.memory = known.at("memory_bytes"), result.frames = known.at("frames");
+    result.kept = true;
+    return true;
+}
+
+void write_record(const fs::path& record, const std::string& identity, const PointResult& result) {
+    const Json json{{"identity", identity},          {"build", build_id()},       {"status", result.status},
+                    {"message", result.message},     {"cpu_seconds", result.cpu}, {"wall_seconds", result.wall},
+                    {"memory_bytes", result.memory}, {"frames", result.frames}};
+    write_text(record, json.dump(1) + "\n");
+}
+
 }  // namespace
+
+/// What a point runs.
+struct PointRunner::Call {
+    std::string program, scene, quality, threads;
+    std::vector<std::string> all;   ///< settings
+    std::vector<std::string> keys;  ///< those that are the scene's
+};
+
+PointRunner::Call PointRunner::call_of(const Study& study, int threads, const std::string& scene, std::vector<std::string> settings) {
+    Call call{fs::read_symlink("/proc/self/exe").string(), scene, study.quality, std::to_string(threads), std::move(settings), {}};
+    for (const std::string& s : call.all) {
+        const std::string value = s.substr(s.find('=') + 1);
+        if (is_option(s, "program")) call.program = (study.directory / value).string();
+        else if (is_option(s, "scene")) call.scene = value;
+        else if (is_option(s, "quality")) call.quality = value;
+        else if (is_option(s, "threads")) call.threads = value;
+        else call.keys.push_back(s);
+    }
+    return call;
+}
+
+/// The same for the same result and the same cost.
+std::string PointRunner::identity_of(const Call& call, bool pictures) {
+    std::string identity = fmt::format("{} | {} | {} | {} threads{}", call.scene, joined_settings(call.all), call.quality, call.threads,
+                                       pictures ? " | pictures" : "");
+    if (!name_a_program(call.all)) return identity;
+    std::error_code none;  // a program that is not there is told where it is run
+    return identity + fmt::format(" | {} bytes of {}", fs::file_size(call.program, none),
+                                  fs::last_write_time(call.program, none).time_since_epoch().count());
+}
+
+std::vector<std::string> PointRunner::arguments_of(const Call& call, bool pictures, const fs::path& folder) {
+    std::vector<std::string> arguments{call.program, "render",    call.scene,   "--out",     folder.string(),
+                                       "--quiet",    "--threads", call.threads, "--quality", call.quality};
+    arguments.emplace_back(pictures ? "--no-video" : "--no-images");
+    for (const std::string& key : call.keys) arguments.emplace_back("--set"), arguments.push_back(key);
+    return arguments;
+}
 
 bool name_a_program(const std::vector<std::string>& settings) {
     return std::any_of(settings.begin(), settings.end(), [](const std::string& s) { return is_option(s, "program"); });
@@ -100,76 +157,38 @@ std::string joined_settings(const std::vector<std::string>& settings) { return f
 PointRunner::PointRunner(const Study& study, fs::path folder, int threads) : study_(study), folder_(std::move(folder)), threads_(threads) {}
 
 PointResult PointRunner::run(const std::string& scene, const std::vector<std::string>& settings, int repeat, bool pictures) const {
-    const std::vector<std::string> all = run_settings(study_, settings);
-    std::string program = fs::read_symlink("/proc/self/exe").string(), name = scene, quality = study_.quality,
-                threads = std::to_string(threads_);
-    std::vector<std::string> keys;
-    for (const std::string& s : all) {
-        const std::string value = s.substr(s.find('=') + 1);
-        if (is_option(s, "program")) program = (study_.directory / value).string();
-        else if (is_option(s, "scene")) name = value;
-        else if (is_option(s, "quality")) quality = value;
-        else if (is_option(s, "threads")) threads = value;
-        else keys.push_back(s);
-    }
-    std::string identity =
-        fmt::format("{} | {} | {} | {} threads{}", name, joined_settings(all), quality, threads, pictures ? " | pictures" : "");
-    std::error_code none;  // a program that is not there is told below
-    if (name_a_program(all))
-        identity +=
-            fmt::format(" | {} bytes of {}", fs::file_size(program, none), fs::last_write_time(program, none).time_since_epoch().count());
+    const Call call = call_of(study_, threads_, scene, run_settings(study_, settings));
+    const std::string words = joined_settings(settings), identity = identity_of(call, pictures);
     PointResult result;
-    const std::string words = joined_settings(settings);
-    result.folder = folder_ / "points" / folder_name(fs::path(name).stem().string() + (words.empty() ? "" : "," + words));
+    result.folder = folder_ / "points" / folder_name(fs::path(call.scene).stem().string() + (words.empty() ? "" : "," + words));
     const fs::path record = result.folder.string() + ".json";
+    if (take_record(record, identity, repeat, result)) return result;
 
-    const Json known = json_of(record);
-    if (known.is_object() && known.value("identity", "") == identity && known.value("build", "") == build_id() &&
-        static_cast<int>(known.at("cpu_seconds").size()) >= (known.at("status") == "done" ? repeat : 1)) {
-        result.status = known.at("status"), result.message = known.at("message");
-        result.cpu = known.at("cpu_seconds").get<std::vector<double>>(), result.wall = known.at("wall_seconds").get<std::vector<double>>();
-        result.memory = known.at("memory_bytes"), result.frames = known.at("frames");
-        result.kept = true;
-        return result;
-    }
-
-    if (access(program.c_str(), X_OK) != 0)
-        throw InputError({study_.name, 0, 0}, fmt::format("the point {} cannot run: there is no program {}", words, program),
+    if (access(call.program.c_str(), X_OK) != 0)
+        throw InputError({study_.name, 0, 0}, fmt::format("the point {} cannot run: there is no program {}", words, call.program),
                          "build it first: bash tools/build.sh PRESET whorl");
-    std::vector<std::string> arguments{program,   "render",    name,    "--out",     result.folder.string(),
-                                       "--quiet", "--threads", threads, "--quality", quality};
-    arguments.emplace_back(pictures ? "--no-video" : "--no-images");
-    for (const std::string& key : keys) arguments.emplace_back("--set"), arguments.push_back(key);
     fs::create_directories(result.folder.parent_path());
-    const fs::path output = result.folder.string() + ".txt";
-    for (int k = 0; k < repeat && (k == 0 || result.done()); ++k) {
-        const ChildUse use = run_child(arguments, output, study_.limit, interrupt_);
-        if (use.code == exit_bad_input)
-            throw InputError({study_.name, 0, 0}, fmt::format("the point {} cannot run: {}", words, text_of(output)));
-        const Json run = json_of(result.folder / "run.json");
-        result.status = use.code == -1          ? "timeout"
-                        : use.code == exit_done ? "done"
-                        : run.is_object()       ? run.value("status", "failed")
-                                                : "failed";
-        if (use.code > exit_failed && use.code != -1) result.status = "failed";
-        result.message = use.code == -1    ? fmt::format("took longer than {:g} s", study_.limit)
-                         : run.is_object() ? run.value("message", "")
-                                           : text_of(output);
-        result.cpu.push_back(use.cpu), result.wall.push_back(use.wall);
-        result.memory = std::max(result.memory, use.memory);
-        result.frames = run.is_object() ? run.value("frames_planned", 0.0) : 0.0;
-    }
-    write_text(record, Json{{"identity", identity},
-                            {"build", build_id()},
-                            {"status", result.status},
-                            {"message", result.message},
-                            {"cpu_seconds", result.cpu},
-                            {"wall_seconds", result.wall},
-                            {"memory_bytes", result.memory},
-                            {"frames", result.frames}}
-                               .dump(1) +
-                           "\n");
+    for (int k = 0; k < repeat && (k == 0 || result.done()); ++k) run_once(call, pictures, words, result);
+    write_record(record, identity, result);
     return result;
+}
+
+/// Runs the point, and adds what it took to the result. @param words the point's name in messages
+void PointRunner::run_once(const Call& call, bool pictures, const std::string& words, PointResult& result) const {
+    const fs::path output = result.folder.string() + ".txt";
+    const ChildUse use = run_child(arguments_of(call, pictures, result.folder), output, study_.limit, interrupt_);
+    if (use.code == exit_bad_input)
+        throw InputError({study_.name, 0, 0}, fmt::format("the point {} cannot run: {}", words, text_of(output)));
+    const Json run = json_of(result.folder / "run.json");
+    const bool late = use.code == -1;
+    result.status = late ? "timeout" : use.code == exit_done ? "done" : run.is_object() ? run.value("status", "failed") : "failed";
+    if (use.code > exit_failed) result.status = "failed";
+    result.message = late              ? fmt::format("took longer than {:g} s", study_.limit)
+                     : run.is_object() ? run.value("message", "")
+                                       : text_of(output);
+    result.cpu.push_back(use.cpu), result.wall.push_back(use.wall);
+    result.memory = std::max(result.memory, use.memory);
+    result.frames = run.is_object() ? run.value("frames_planned", 0.0) : 0.0;
 }
 
 }  // namespace whorl

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/film/interrupt.h"
+#include "tools/process/interrupt.h"
 #include "tools/study/study.h"
 
 namespace whorl {
@@ -35,6 +35,12 @@ public:
     PointResult run(const std::string& scene, const std::vector<std::string>& settings, int repeat, bool pictures) const;
 
 private:
+    struct Call;
+    static Call call_of(const Study& study, int threads, const std::string& scene, std::vector<std::string> settings);
+    static std::string identity_of(const Call& call, bool pictures);
+    static std::vector<std::string> arguments_of(const Call& call, bool pictures, const std::filesystem::path& folder);
+    void run_once(const Call& call, bool pictures, const std::string& words, PointResult& result) const;
+
     const Study& study_;
     std::filesystem::path folder_;
     int threads_;

@@ -6,7 +6,7 @@
 namespace whorl {
 
 /// "error<2%", "error<0.02", "fps>24", "cost<60".
-struct Wish {
+struct Goal {
     enum class Of { error, fps, cost } of = Of::error;
     double bound = 0;
     std::string text;
@@ -15,6 +15,6 @@ struct Wish {
 };
 
 /// @throws InputError
-Wish parse_wish(const std::string& text);
+Goal parse_goal(const std::string& text);
 
 }  // namespace whorl

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "tools/study/table.h"
+#include "engine/io/csv.h"
 
 namespace whorl {
 namespace {

@@ -9,7 +9,7 @@
 #include "engine/scene/document.h"
 #include "engine/scene/expression_keys.h"
 #include "engine/scene/reader.h"
-#include "tools/program/run_options.h"
+#include "tools/scene_file/scene_file.h"
 
 namespace whorl {
 

@@ -59,11 +59,4 @@ double seconds_of(const std::string& budget) {
     return number * scale;
 }
 
-std::string csv_cell(const std::string& text) {
-    if (text.find_first_of(",\"\n") == std::string::npos) return text;
-    std::string quoted = "\"";
-    for (const char c : text) quoted += c == '"' ? "\"\"" : c == '\n' ? " " : std::string(1, c);
-    return quoted + "\"";
-}
-
 }  // namespace whorl

@@ -31,7 +31,5 @@ std::vector<std::string> settings_at(const Study& study, const GridPoint& p);
 std::string label_at(const Study& study, const GridPoint& p);
 /// "90", "90s", "10min", "1.5h" in seconds. @throws InputError
 double seconds_of(const std::string& budget);
-/// Quotes a cell that holds commas.
-std::string csv_cell(const std::string& text);
 
 }  // namespace whorl

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "engine/core/parallel.h"
+#include "engine/io/csv.h"
 #include "engine/io/files.h"
 #include "engine/io/nozzle.h"
 #include "engine/io/points.h"
@@ -102,10 +103,11 @@ TEST_CASE("a region probe counts, weighs and averages what is inside its box", "
     keys.kind = ProbeKind::region;
     keys.max = Vec3d(1, 1, 1);
     const auto probe = make_probe(keys, world);
-    CHECK(probe->header() == "time,particles,mass,centroid_x,centroid_y,centroid_z,velocity_x,velocity_y,velocity_z,spin_x,spin_y,spin_z");
-    CHECK(probe->rows(world, 0.5).substr(0, 12) == "0.5,2,4,0.30");
+    CHECK(csv_header(probe->columns()) ==
+          "time,particles,mass,centroid_x,centroid_y,centroid_z,velocity_x,velocity_y,velocity_z,spin_x,spin_y,spin_z");
+    CHECK(csv_lines(probe->rows(world, 0.5)).substr(0, 12) == "0.5,2,4,0.30");
     for (std::int16_t& role : world.fluid.column<field::role>()) role = -1;
-    CHECK(probe->rows(world, 0.5) == "0.5,0,0,,,,,,,,,\n");
+    CHECK(csv_lines(probe->rows(world, 0.5)) == "0.5,0,0,,,,,,,,,\n");
 }
 
 TEST_CASE("a point probe gives a constant field exactly, at a free surface too, and nothing where there is no fluid", "[io][probe]") {
@@ -117,10 +119,10 @@ TEST_CASE("a point probe gives a constant field exactly, at a free surface too, 
     }
     ProbeKeys keys;
     const auto probe = make_probe(keys, world);
-    CHECK(probe->header() == "time,velocity_x,velocity_y,velocity_z,density,spin_x,spin_y,spin_z");
-    CHECK(probe->rows(world, 2) == "2,1,2,3,1000,0,0,3\n");
+    CHECK(csv_header(probe->columns()) == "time,velocity_x,velocity_y,velocity_z,density,spin_x,spin_y,spin_z");
+    CHECK(csv_lines(probe->rows(world, 2)) == "2,1,2,3,1000,0,0,3\n");
     keys.at = Vec3d(5, 5, 5);
-    CHECK(make_probe(keys, world)->rows(world, 2) == "2,,,,,,,\n");
+    CHECK(csv_lines(make_probe(keys, world)->rows(world, 2)) == "2,,,,,,,\n");
 }
 
 TEST_CASE("a line probe writes its points from end to end, a profile a frame", "[io][probe]") {
@@ -130,8 +132,8 @@ TEST_CASE("a line probe writes its points from end to end, a profile a frame", "
     keys.to = Vec3d(0, 0, 2);
     keys.count = 3;
     const auto probe = make_probe(keys, world);
-    CHECK(probe->header().substr(0, 13) == "time,s,x,y,z,");
-    const std::string rows = probe->rows(world, 1);
+    CHECK(csv_header(probe->columns()).substr(0, 13) == "time,s,x,y,z,");
+    const std::string rows = csv_lines(probe->rows(world, 1));
     CHECK(std::count(rows.begin(), rows.end(), '\n') == 3);
     CHECK(rows.find("\n1,1,0,0,1,") != std::string::npos);
     CHECK(rows.find("\n1,2,0,0,2,") != std::string::npos);

@@ -7,6 +7,8 @@
 #include <random>
 #include <sstream>
 
+#include "engine/io/csv.h"
+
 using namespace whorl;
 
 namespace {
@@ -75,13 +77,6 @@ struct CoilingThread {
     }
 };
 
-std::vector<double> cells(const std::string& row) {
-    std::vector<double> values;
-    std::istringstream in(row);
-    for (std::string cell; std::getline(in, cell, ',');) values.push_back(cell.empty() || cell == "\n" ? NAN : std::stod(cell));
-    return values;
-}
-
 ProbeKeys upright_axis() {
     ProbeKeys keys;
     keys.kind = ProbeKind::coil;
@@ -96,9 +91,9 @@ TEST_CASE("the coil probe reads frequency and radius of a coiling thread within 
     thread.frequency = thread.U / (2 * pi * thread.R);
     CoilProbe probe(upright_axis());
     double t = 0;
-    REQUIRE(std::isnan(cells(probe.rows(thread.at(t), t))[1]));
+    REQUIRE(std::isnan(probe.rows(thread.at(t), t).front()[1]));
     for (; t < 2.5; t += 0.004) probe.after_step(thread.at(t), t);
-    const auto row = cells(probe.rows(thread.at(t), t));
+    const auto row = probe.rows(thread.at(t), t).front();
     CHECK(row[1] == Approx(thread.frequency).epsilon(0.02));
     CHECK(row[2] == Approx(thread.R).epsilon(0.02));
     CHECK(row[3] == Approx(thread.frequency * t).margin(0.25));
@@ -121,7 +116,7 @@ TEST_CASE("the coil probe's fall is from the top of the thread to the ground tha
     const World world = thread.at(t);
     Real top = 0;
     for (const Vec3& x : world.fluid.column<field::position>()) top = std::max(top, x.y());
-    const auto row = cells(probe.rows(world, t));
+    const auto row = probe.rows(world, t).front();
     CHECK(row[9] == Approx(top - thread.ground(t) + 2 * thread.a * 2.2).margin(2 * thread.d));
 }
 
@@ -145,7 +140,7 @@ TEST_CASE("few particles, noise, the other direction or an axis beside the coil'
     CoilProbe probe(upright_axis());
     double t = 0;
     for (; t < 6.2 / thread.frequency; t += 0.005) probe.after_step(thread.at(t), t);
-    const auto row = cells(probe.rows(thread.at(t), t));
+    const auto row = probe.rows(thread.at(t), t).front();
     CHECK(row[1] == Approx(thread.frequency).epsilon(0.04));
     CHECK(row[2] == Approx(thread.R).epsilon(0.04));
     CHECK(row[3] == Approx(thread.frequency * t).margin(missed));
@@ -159,7 +154,7 @@ TEST_CASE("with a height the coil probe gives the radius of the section there, t
     CoilProbe probe(keys);
     double t = 0;
     for (; t < 2.5; t += 0.004) probe.after_step(thread.at(t), t);
-    const auto row = cells(probe.rows(thread.at(t), t));
+    const auto row = probe.rows(thread.at(t), t).front();
     CHECK(row[1] == Approx(thread.frequency).epsilon(0.02));
     CHECK(row[2] < thread.R);
     CHECK(row[2] > 0.3 * thread.R);
@@ -183,7 +178,7 @@ TEST_CASE("a coil that quickens shows in the spread of its turns", "[io][probe]"
     CoilProbe probe(upright_axis());
     double t = 0;
     for (; t < 2.5; t += 0.004) probe.after_step(thread.at(t), t);
-    const auto row = cells(probe.rows(thread.at(t), t));
+    const auto row = probe.rows(thread.at(t), t).front();
     CHECK(row[1] == Approx(thread.frequency * (1 + thread.drift * (t - 0.9))).epsilon(0.03));
     CHECK(row[4] > 0.02 * thread.frequency);
 }
@@ -194,9 +189,9 @@ TEST_CASE("a thread that folds back and forth has no frequency, once it coils, i
     CoilProbe probe(upright_axis());
     double t = 0;
     for (; t < 1.5; t += 0.01) probe.after_step(thread.at(0.5 + 0.15 * std::sin(2 * pi * t)), t);  // to and fro by 0.67 of a turn
-    CHECK(std::isnan(cells(probe.rows(thread.at(0.5), t))[1]));
+    CHECK(std::isnan(probe.rows(thread.at(0.5), t).front()[1]));
     for (; t < 3; t += 0.01) probe.after_step(thread.at(t - 1), t);
-    const auto row = cells(probe.rows(thread.at(t - 1), t));
+    const auto row = probe.rows(thread.at(t - 1), t).front();
     CHECK(row[1] == Approx(thread.frequency).epsilon(0.05));
 }
 
@@ -214,7 +209,7 @@ TEST_CASE("the coil probe goes on from its saved state with the same bits", "[io
             second.load(state);
         }
     }
-    CHECK(whole.rows(thread.at(t), t) == second.rows(thread.at(t), t));
+    CHECK(csv_lines(whole.rows(thread.at(t), t)) == csv_lines(second.rows(thread.at(t), t)));
 }
 
 TEST_CASE("without a thread, or before it lands, the coil probe leaves its cells empty", "[io][probe]") {
@@ -225,5 +220,5 @@ TEST_CASE("without a thread, or before it lands, the coil probe leaves its cells
     probe.after_step(world, 0.1);
     for (Vec3& v : world.fluid.column<field::velocity>()) v = Vec3(0, -1, 0);
     probe.after_step(world, 0.2);
-    CHECK(probe.rows(world, 0.2) == "0.2,,,0,,,0,,,,,\n");
+    CHECK(csv_lines(probe.rows(world, 0.2)) == "0.2,,,0,,,0,,,,,\n");
 }

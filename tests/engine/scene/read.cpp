@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "engine/scene/scene_difference.h"
 #include "engine/scene/tree.h"
 
 using namespace whorl;
@@ -139,22 +140,6 @@ TEST_CASE("a change can add the next entry of a list", "[scene]") {
     const Scene scene = read_scene_text(text, "s.toml", request);
     REQUIRE(scene.probes.size() == 2);
     CHECK(scene.probes[1].at.y() == 0.1);
-}
-
-TEST_CASE("settings that decide the simulation are told apart from those of the picture", "[scene]") {
-    const auto changed = [](const std::string& change) {
-        ReadRequest request;
-        request.changes = {parse_change(change)};
-        return differences(read_scene_text(text, "s.toml"), read_scene_text(text, "s.toml", request));
-    };
-    CHECK(changed("output.size=[640, 360]").empty());
-    CHECK(changed("name=other").empty());
-    CHECK(changed("probe[0].count=5").empty());
-    CHECK(changed("time.end=9").empty());
-    CHECK(changed("fluid.density=900") == std::vector<std::string>{"fluid.density: 1000.0, now 900.0"});
-    CHECK(changed("emitter[1].speed=1") == std::vector<std::string>{"emitter[1].speed: \"0.1 + t\", now 1.0"});
-    CHECK(changed("seed=2") == std::vector<std::string>{"seed: 1, now 2"});
-    CHECK(changed("fluid.kernel=wendland_c4") == std::vector<std::string>{"fluid.kernel: \"auto\", now \"wendland_c4\""});
 }
 
 namespace {

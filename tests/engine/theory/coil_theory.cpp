@@ -1,15 +1,10 @@
 #include "engine/theory/coil_theory.h"
 
 #include <catch2/catch.hpp>
-#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <numbers>
 #include <sstream>
-#include <thread>
-
-#include "engine/probes/coil_expectation.h"
-#include "engine/scene/read.h"
 
 using namespace whorl;
 
@@ -23,32 +18,6 @@ CoilTheory found(const CoilParameters& parameters) {
     REQUIRE(theory);
     CHECK(solver.effort() < CoilSolver::most_effort);
     return *theory;
-}
-
-const char* const pouring_scene = R"(
-[time]
-end = 1
-[domain]
-min = [-0.1, -0.1, -0.1]
-max = [0.1, 0.2, 0.1]
-[fluid]
-spacing = 2e-3
-viscosity = 1000
-[models]
-pressure = "coupled"
-[[emitter]]
-position = [0, 0.08, 0]
-radius = 5e-3
-speed = 0.25
-)";
-
-/// What theory takes from the scene at 1 s, after turns of half a second and a fall of 8 cm; with `from` replaced by `to` first.
-std::optional<CoilParameters> parameters_of(const std::string& from = "", const std::string& to = "", const std::string& more = "") {
-    std::string text = pouring_scene;
-    if (!from.empty()) text.replace(text.find(from), from.size(), to);
-    const Scene scene = read_scene_text(text + more, "pouring.toml");
-    const auto poured = pouring(scene, make_plan(scene), Vec3d::Zero(), Vec3d::UnitY());
-    return poured ? steady_parameters(*poured, Vec3d::UnitY(), 1, 0.5, 0.08) : std::nullopt;
 }
 
 }  // namespace
@@ -182,55 +151,4 @@ TEST_CASE("nonsense and extremes have no coil or a finite one, within the bounde
     const std::atomic<bool> give_up{true};
     CHECK_FALSE(solver.at(nozzle_of_5_mm(0.25, 0.08, 1), &give_up));
     CHECK(solver.effort() == 0);
-}
-
-TEST_CASE("what theory is asked follows the scene, and nothing is asked where it is not of such a thread", "[io][coil_theory]") {
-    const auto plain = parameters_of();
-    REQUIRE(plain);
-    CHECK(plain->nozzle_radius == 5e-3);
-    CHECK(plain->speed == 0.25);
-    CHECK(plain->viscosity == Approx(1));
-    CHECK(plain->gravity == 9.81);
-    CHECK(plain->fall == 0.08);
-    CHECK(parameters_of("speed = 0.25", "speed = 0.25\nviscosity = 300")->viscosity == Approx(0.3));
-    CHECK(parameters_of("speed = 0.25", "speed = \"0.1 + 0.1*min(1, 4*t)\"")->speed == Approx(0.2));  // steady for the newest turn
-    CHECK(parameters_of("viscosity = 1000", "viscosity = 1000\nsurface_tension = 0.05")->surface_tension == Approx(5e-5));
-    CHECK(parameters_of("", "", "[[emitter]]\nposition = [0.05, 0.15, 0]\nradius = 0.004\nspeed = 0.1\n")->nozzle_radius ==
-          5e-3);  // the one on the axis
-
-    CHECK_FALSE(parameters_of("speed = 0.25", "speed = \"0.25*(1+0.8*sin(12*t))\""));
-    CHECK_FALSE(parameters_of("speed = 0.25", "speed = 0"));
-    CHECK_FALSE(parameters_of("speed = 0.25", "speed = 0.25\nstop = 0.9"));
-    CHECK_FALSE(parameters_of("speed = 0.25", "speed = 0.25\ndirection = [1, -1, 0]"));
-    CHECK_FALSE(parameters_of("viscosity = 1000", "viscosity = \"1000 + 100*age\""));
-    CHECK_FALSE(parameters_of("viscosity = 1000", "viscosity = \"1000 + 100*x\""));
-    CHECK_FALSE(parameters_of("radius = 5e-3", "shape = \"box\"\nwidth = 0.01\nthickness = 0.01"));
-    CHECK_FALSE(parameters_of("max = [0.1, 0.2, 0.1]", "max = [0.1, 0.2, 0.1]\ngravity = [3, -9, 0]"));
-    CHECK_FALSE(parameters_of("pressure = \"coupled\"", "pressure = \"wcsph\"\nviscosity = \"xsph\""));
-    CHECK_FALSE(parameters_of("[[emitter]]\nposition = [0, 0.08, 0]\nradius = 5e-3\nspeed = 0.25\n",
-                              "[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.02, 0.02, 0.02]\n"));
-}
-
-TEST_CASE("who does not wait for the theory has its answer soon, the same as who waits", "[io][coil_theory]") {
-    CoilExpectation waits(Patience::waits), goes_on(Patience::never_waits);
-    CoilParameters p = nozzle_of_5_mm(0.1, 0.12, 0.2);
-    const auto answer = waits.at(p);
-    REQUIRE(answer);
-    CHECK_FALSE(goes_on.at(p));
-    std::optional<CoilTheory> soon;
-    for (int k = 0; k < 600 && !soon; ++k) std::this_thread::sleep_for(std::chrono::milliseconds(20)), soon = goes_on.at(p);
-    REQUIRE(soon);
-    CHECK(soon->frequency == answer->frequency);
-    p.fall *= 1.001;
-    CHECK(waits.at(p)->frequency == answer->frequency);  // near enough
-    p.fall *= 1.05;
-    CHECK(goes_on.at(p)->frequency == answer->frequency);  // until the new one is there
-    CHECK(waits.at(p)->frequency != answer->frequency);
-
-    std::stringstream state;
-    waits.save(state);
-    CoilExpectation resumed(Patience::waits);
-    resumed.load(state);
-    p.fall *= 0.99;
-    CHECK(resumed.at(p)->frequency == waits.at(p)->frequency);
 }

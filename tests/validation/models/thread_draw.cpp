@@ -4,6 +4,7 @@
 
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
+#include "engine/theory/falling_thread.h"
 
 using namespace whorl;
 
@@ -11,46 +12,7 @@ namespace thread_draw_test {
 
 namespace {
 
-constexpr double U0 = 0.1, a0 = 5e-3, nu = 0.05, g = 9.81, fall = 0.25, d = 2e-3;
-
-/// Speed over height of a steady thread: u a^2 = U0 a0^2, 3 nu (a^2 u')' + g a^2 - u u' a^2 = 0, no tension at the lower end. Integrated
-/// upward, where it is stable, from the end speed that gives U0 at the nozzle.
-class SteadyThread {
-public:
-    SteadyThread() {
-        double low = U0, high = 10;
-        for (int k = 0; k < 80; ++k) {
-            const double middle = (low + high) / 2;
-            (integrate(middle) < U0 ? low : high) = middle;
-        }
-        integrate(high);
-    }
-    /// Over the slice from y to y + h [m below the nozzle]: 1/u averaged along the thread gives the slice's volume, U0 a0^2 pi times it.
-    double mean_speed(double y, double h) const {
-        double sum = 0;
-        const int n = 100;
-        for (int k = 0; k < n; ++k) sum += 1 / speed(y + h * (k + 0.5) / n);
-        return n / sum;
-    }
-
-private:
-    static constexpr int steps = 5000;
-    double speed(double y) const { return u_[std::lround((fall - y) / fall * steps)]; }
-    double integrate(double end) {
-        u_.assign(1, end);
-        double u = end, s = 0;  // s = u'/u
-        const double h = fall / steps;
-        const auto bend = [](double v, double t) { return (v * t - g / v) / (3 * nu); };
-        for (int k = 0; k < steps; ++k) {
-            const double um = u - h / 2 * u * s, sm = s - h / 2 * bend(u, s);
-            u -= h * um * sm, s -= h * bend(um, sm);
-            if (!(u > 0)) return 0;
-            u_.push_back(u);
-        }
-        return u;
-    }
-    std::vector<double> u_;
-};
+constexpr double U0 = 0.1, a0 = 5e-3, nu = 0.05, fall = 0.25, d = 2e-3;
 
 /// The longest link of the shortest tree that joins all points: a gap shows as a long one.
 double longest_link(const std::vector<Vec3>& x) {
@@ -103,7 +65,7 @@ max = [0.03, -0.25, 0.03]
 )toml",
                                         "thread.toml");
     Simulation simulation(scene, make_plan(scene));
-    const SteadyThread theory;
+    const FallingThread theory({U0, fall, 9.81, nu});
     // Slices of 2 cm, averaged over 0.4 s: particles a slice give the cross-section, their mean speed the draw.
     constexpr int slices = 12;
     double count[slices] = {}, speed[slices] = {}, samples = 0, link[slices] = {};

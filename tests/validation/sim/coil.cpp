@@ -46,10 +46,7 @@ std::vector<double> measured(const CoilCase& c, double spacing, double turns) {
         probe->after_step(simulation.world(), simulation.time());
     }
     CHECK(simulation.totals().lost_particles == 0);
-    std::vector<double> values;
-    std::istringstream row(rows_of(*probe, simulation));
-    for (std::string cell; std::getline(row, cell, ',');) values.push_back(cell.empty() || cell == "\n" ? NAN : std::stod(cell));
-    return values;
+    return rows_of(*probe, simulation).front();
 }
 
 /// 2.5 particles across the nozzle's radius; the probe's own uncertainty after seven turns is 1 to 2 %. The same at finer spacings:

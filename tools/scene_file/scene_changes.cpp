@@ -1,4 +1,4 @@
-#include "tools/program/scene_changes.h"
+#include "tools/scene_file/scene_changes.h"
 
 #include <algorithm>
 #include <map>
@@ -11,15 +11,6 @@
 
 namespace whorl {
 namespace {
-
-void collect(const Described& here, const Described& root, const std::string& path, std::vector<UsedKey>& all) {
-    for (const Key& key : here.table->keys)
-        if (counts(key, here, root)) all.push_back({joined_path(path, key.name), &key, here.object});
-    each_part(here, path, [&](const KeyTable::Part& part, const std::string& name, const Described& inner) {
-        if (path.empty() && part.name == "change") return;
-        collect(inner, root, name, all);
-    });
-}
 
 /// The key of that name, also one that does not count now ("camera.position" before camera.kind = "fixed").
 struct Found {
@@ -64,12 +55,6 @@ void set_place(Value& v, const Place& place) {
         for (Value& child : *list) set_place(child, place);
 }
 
-std::map<std::string, std::string> values(const SceneFile& file) {
-    std::map<std::string, std::string> all;
-    for (const UsedKey& k : used_keys(file)) all[k.path] = k.value().toml();
-    return all;
-}
-
 }  // namespace
 
 std::string full_path(const std::string& path) {
@@ -97,8 +82,26 @@ KeyChange read_change(const Change& change) {
 
 std::vector<UsedKey> used_keys(const SceneFile& file) {
     std::vector<UsedKey> all;
-    for (const auto& [name, root] : roots(file)) collect(root, name.empty() ? root : roots(file)[0].second, name, all);
+    const auto sections = roots(file);
+    for (const auto& [name, section] : sections) add_used_keys(section, sections.front().second, name, all);
+    std::erase_if(all, [](const UsedKey& k) { return k.path.rfind("change[", 0) == 0; });
     return all;
+}
+
+std::vector<KeyDifference> differences(const SceneFile& before, const SceneFile& now) {
+    std::map<std::string, UsedKey> keys;
+    const auto texts = [&](const SceneFile& file) {
+        NamedTexts all;
+        for (const UsedKey& k : used_keys(file)) {
+            all.emplace_back(k.path, k.value().toml());
+            keys.insert_or_assign(k.path, k);  // the later scene's, where both have it
+        }
+        return all;
+    };
+    const NamedTexts old = texts(before), fresh = texts(now);
+    std::vector<KeyDifference> found;
+    for (const Difference& d : differences(old, fresh)) found.push_back({d, keys.at(d.name).key, keys.at(d.name).value()});
+    return found;
 }
 
 SceneFile changed(const SceneFile& file, const std::vector<KeyChange>& changes) {
@@ -129,17 +132,14 @@ SceneFile changed(const SceneFile& file, const std::vector<KeyChange>& changes) 
     }
 }
 
-std::vector<std::string> needs_restart(const SceneFile& before, const SceneFile& now) {
-    const auto old = values(before), fresh = values(now);
+std::vector<std::string> needs_restart(const std::vector<KeyDifference>& differences) {
     std::vector<std::string> lines;
-    for (const UsedKey& k : used_keys(now)) {
-        if (k.key->may_change || k.path.rfind("output.", 0) == 0 || k.path.rfind("probe[", 0) == 0 || k.path == "name") continue;
-        const auto it = old.find(k.path);
-        if (it == old.end()) lines.push_back(k.path + " is new");
-        else if (it->second != fresh.at(k.path)) lines.push_back(k.path + " cannot change from " + it->second + " to " + fresh.at(k.path));
+    for (const KeyDifference& d : differences) {
+        if (d.key->may_change || d.name.rfind("output.", 0) == 0 || d.name.rfind("probe[", 0) == 0 || d.name == "name") continue;
+        if (!d.before) lines.push_back(d.name + " is new");
+        else if (!d.now) lines.push_back(d.name + " is gone");
+        else lines.push_back(d.name + " cannot change from " + *d.before + " to " + *d.now);
     }
-    for (const UsedKey& k : used_keys(before))
-        if (!k.key->may_change && fresh.count(k.path) == 0 && k.path.rfind("probe[", 0) != 0) lines.push_back(k.path + " is gone");
     return lines;
 }
 
@@ -188,7 +188,7 @@ Replay::Replay(const SceneFile& file) : now_(file), changes_(file.scene.changes)
 
     Replay trial(*this);
     Plan plan = make_plan(now_.scene);
-    trial.make_until(std::numeric_limits<double>::infinity(), [&](const Scene&, const Plan& next, double) {
+    trial.apply_until(std::numeric_limits<double>::infinity(), [&](const Scene&, const Plan& next, double) {
         const auto models = changes_of_models(plan, next);
         if (!models.empty())
             throw InputError(trial.places_[trial.made_ - 1], "this change asks for other models while the run goes on: " + models[0]);
@@ -206,12 +206,12 @@ SceneFile Replay::moment(std::size_t& change) const {
     return changed(now_, made);
 }
 
-bool Replay::make_until(double time, const Follow& simulation) {
+bool Replay::apply_until(double time, const Follow& simulation) {
     bool any = false;
     while (made_ < changes_.size() && next() <= time) {
         const double when = next();
         SceneFile then = moment(made_);
-        if (const auto lines = needs_restart(now_, then); !lines.empty())
+        if (const auto lines = needs_restart(differences(now_, then)); !lines.empty())
             throw InputError(places_[made_ - 1], lines[0] + " while the run goes on", "",
                              "allowed: keys that may change (whorl live --help)");
         const bool physics = decides(now_, then);

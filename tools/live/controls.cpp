@@ -1,8 +1,7 @@
-#include "tools/live/wishes.h"
+#include "tools/live/controls.h"
 
 #include <algorithm>
 #include <chrono>
-#include <set>
 
 #include "engine/core/clock.h"
 
@@ -18,12 +17,6 @@ SceneFile without_later_changes(SceneFile file) {
     return file;
 }
 
-std::map<std::string, Value> values_by_key(const SceneFile& file) {
-    std::map<std::string, Value> all;
-    for (const UsedKey& k : used_keys(file)) all.emplace(k.path, k.value());
-    return all;
-}
-
 /// What leads from one reading of a file to the next.
 struct Edit {
     std::vector<KeyChange> live;
@@ -31,38 +24,32 @@ struct Edit {
 };
 Edit edit_between(const SceneFile& before, const SceneFile& now) {
     Edit edit;
-    const auto old = values_by_key(before);
-    std::set<std::string> present;
-    for (const UsedKey& k : used_keys(now)) {
-        present.insert(k.path);
-        const auto it = old.find(k.path);
-        if (it != old.end() && it->second.toml() == k.value().toml()) continue;
-        if (k.key->may_change && (it != old.end() || k.path.find('[') == std::string::npos))
-            edit.live.push_back({k.path, k.value(), now.scene.place(k.path)});
-        else edit.restart.push_back(k.path);
+    for (const KeyDifference& d : differences(before, now)) {
+        const bool of_list = d.name.find('[') != std::string::npos;
+        if (!d.now && !of_list) continue;
+        if (d.now && d.key->may_change && (d.before || !of_list)) edit.live.push_back({d.name, d.value, now.scene.place(d.name)});
+        else edit.restart.push_back(d.name);
     }
-    for (const auto& [path, value] : old)
-        if (present.count(path) == 0 && path.find('[') != std::string::npos) edit.restart.push_back(path);
     return edit;
 }
 
 }  // namespace
 
-Wishes::Wishes(Options options) : options_(std::move(options)) {
+Controls::Controls(Options options) : options_(std::move(options)) {
     orders_.playing = true;
     restart({});
 }
 
-void Wishes::set(const std::vector<KeyChange>& changes) {
+void Controls::set(const std::vector<KeyChange>& changes) {
     const std::lock_guard lock(mutex_);
     set_locked(changes, true);
 }
 
-void Wishes::set_locked(const std::vector<KeyChange>& changes, bool may_undo) {
+void Controls::set_locked(const std::vector<KeyChange>& changes, bool may_undo) {
     if (changes.empty()) return;
-    auto next = std::make_shared<WantedScene>();
+    auto next = std::make_shared<PlannedScene>();
     next->file = changed(wanted_, changes);
-    if (const auto lines = needs_restart(wanted_, next->file); !lines.empty()) {
+    if (const auto lines = needs_restart(differences(wanted_, next->file)); !lines.empty()) {
         std::vector<Problem> problems;
         for (const std::string& line : lines)
             problems.push_back({changes.front().source, line + " while the run goes on",
@@ -80,23 +67,20 @@ void Wishes::set_locked(const std::vector<KeyChange>& changes, bool may_undo) {
     } else {
         orders_.changes.insert(orders_.changes.end(), changes.begin(), changes.end());
     }
-    const auto old = values_by_key(wanted_), fresh = values_by_key(next->file);
+    if (may_undo) remember(differences(next->file, wanted_));
     wanted_ = next->file;
     plan_ = next->plan;
     orders_.scene = std::move(next);
     for (const KeyChange& c : changes) set_.insert_or_assign(c.path, c.value);
-    if (may_undo) remember(old, fresh);
     ++revision_;
     changed_.notify_all();
 }
 
-/// What leads back from `fresh` to `old`.
-void Wishes::remember(const std::map<std::string, Value>& old, const std::map<std::string, Value>& fresh) {
+/// @param back what leads from the scene that is wanted now to the one before
+void Controls::remember(const std::vector<KeyDifference>& back) {
     Undo undo{{}, wall_seconds()};
-    for (const auto& [path, value] : fresh) {
-        const auto it = old.find(path);
-        if (it != old.end() && it->second.toml() != value.toml()) undo.back.push_back({path, it->second, {}});
-    }
+    for (const KeyDifference& d : back)
+        if (d.before && d.now) undo.back.push_back({d.name, d.value, {}});
     if (undo.back.empty()) return;
     const auto same_keys = [&](const Undo& before) {
         return std::equal(before.back.begin(), before.back.end(), undo.back.begin(), undo.back.end(),
@@ -107,7 +91,7 @@ void Wishes::remember(const std::map<std::string, Value>& old, const std::map<st
     if (undo_.size() > kept_undos) undo_.erase(undo_.begin());
 }
 
-bool Wishes::undo() {
+bool Controls::undo() {
     const std::lock_guard lock(mutex_);
     if (undo_.empty()) return false;
     const Undo last = std::move(undo_.back());
@@ -116,29 +100,29 @@ bool Wishes::undo() {
     return true;
 }
 
-void Wishes::play() {
+void Controls::play() {
     const std::lock_guard lock(mutex_);
     orders_.playing = true;
     changed_.notify_all();
 }
-void Wishes::pause() {
+void Controls::pause() {
     const std::lock_guard lock(mutex_);
     orders_.playing = orders_.step = false;
     changed_.notify_all();
 }
-void Wishes::step() {
+void Controls::step() {
     const std::lock_guard lock(mutex_);
     orders_.playing = false;
     orders_.step = true;
     changed_.notify_all();
 }
 
-void Wishes::restart(const Restart& how) {
+void Controls::restart(const Restart& how) {
     while (!try_restart(how)) {}
 }
 
 /// Placing the particles takes its time, and is done without the lock. @return false where something was set meanwhile
-bool Wishes::try_restart(const Restart& how) {
+bool Controls::try_restart(const Restart& how) {
     std::unique_lock lock(mutex_);
     Options options = options_;
     const std::map<std::string, Value> set = set_;
@@ -151,7 +135,7 @@ bool Wishes::try_restart(const Restart& how) {
     const SceneFile base = without_later_changes(read_scene_file(options));
     std::map<std::string, Value> kept;
     std::string not_kept;
-    auto next = std::make_shared<WantedScene>();
+    auto next = std::make_shared<PlannedScene>();
     next->file = base;
     if (!other && !how.forget)
         for (const auto& [path, value] : set) try {
@@ -182,7 +166,7 @@ bool Wishes::try_restart(const Restart& how) {
     return true;
 }
 
-void Wishes::file_edited() {
+void Controls::file_edited() {
     const std::lock_guard lock(mutex_);
     try {
         SceneFile now = without_later_changes(read_scene_file(options_));
@@ -201,18 +185,18 @@ void Wishes::file_edited() {
     } catch (const InputError& error) { tell_locked(true, error.what()); }
 }
 
-void Wishes::tell(bool error, std::string text) {
+void Controls::tell(bool error, std::string text) {
     const std::lock_guard lock(mutex_);
     tell_locked(error, std::move(text));
 }
-void Wishes::tell_locked(bool error, std::string text) { notice_ = Notice{++notices_, error, std::move(text)}; }
+void Controls::tell_locked(bool error, std::string text) { notice_ = Notice{++notices_, error, std::move(text)}; }
 
-std::optional<Notice> Wishes::newest_notice() const {
+std::optional<Notice> Controls::newest_notice() const {
     const std::lock_guard lock(mutex_);
     return notice_;
 }
 
-Orders Wishes::take(double seconds) {
+Orders Controls::take(double seconds) {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, std::chrono::duration<double>(seconds), [&] { return orders_.playing || orders_.step || orders_.scene; });
     Orders taken = orders_;
@@ -222,40 +206,40 @@ Orders Wishes::take(double seconds) {
     return taken;
 }
 
-bool Wishes::restart_wanted() const {
+bool Controls::restart_wanted() const {
     const std::lock_guard lock(mutex_);
     return orders_.scene && orders_.scene->simulation;
 }
 
-SceneFile Wishes::file() const {
+SceneFile Controls::file() const {
     const std::lock_guard lock(mutex_);
     return wanted_;
 }
-Plan Wishes::plan() const {
+Plan Controls::plan() const {
     const std::lock_guard lock(mutex_);
     return plan_;
 }
-PictureOptions Wishes::picture() const {
+PictureOptions Controls::picture() const {
     const std::lock_guard lock(mutex_);
     return {wanted_.surface, wanted_.camera, wanted_.look};
 }
-Options Wishes::options() const {
+Options Controls::options() const {
     const std::lock_guard lock(mutex_);
     return options_;
 }
-bool Wishes::playing() const {
+bool Controls::playing() const {
     const std::lock_guard lock(mutex_);
     return orders_.playing;
 }
-bool Wishes::can_undo() const {
+bool Controls::can_undo() const {
     const std::lock_guard lock(mutex_);
     return !undo_.empty();
 }
-std::uint64_t Wishes::revision() const {
+std::uint64_t Controls::revision() const {
     const std::lock_guard lock(mutex_);
     return revision_;
 }
-std::filesystem::path Wishes::scene_path() const {
+std::filesystem::path Controls::scene_path() const {
     const std::lock_guard lock(mutex_);
     return path_;
 }

@@ -1,11 +1,12 @@
+#include "tools/process/exit_codes.h"
+
 #include <fmt/format.h>
 
 #include "engine/core/errors.h"
-#include "tools/program/command.h"
 
 namespace whorl {
 
-int run_guarded(const Job& job) {
+int run_guarded(const std::function<int()>& job) {
     try {
         return job();
     } catch (const InputError& e) {

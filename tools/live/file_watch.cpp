@@ -1,10 +1,10 @@
-#include "tools/live/watch.h"
+#include "tools/live/file_watch.h"
 
 #include <sys/stat.h>
 
 #include <array>
 
-#include "tools/film/usage.h"
+#include "tools/process/usage.h"
 
 namespace whorl {
 namespace {

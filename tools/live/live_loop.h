@@ -1,18 +1,16 @@
 #pragma once
-/// The simulation's side of a live run: steps to the next frame time, takes up what is wanted, shows the frame, tells how it goes.
+/// The simulation's side of a live run: steps to the next frame time, does what people ask for, shows the frame, tells how it goes.
 #include <functional>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "engine/io/diagnostics.h"
 #include "engine/io/files.h"
 #include "engine/io/snapshot.h"
-#include "engine/probes/probes.h"
-#include "tools/film/governor.h"
+#include "tools/film/frame_loop.h"
+#include "tools/live/controls.h"
 #include "tools/live/journal.h"
 #include "tools/live/screen.h"
-#include "tools/live/wishes.h"
 
 namespace whorl {
 
@@ -27,10 +25,10 @@ private:
     nlohmann::ordered_json json_ = nlohmann::ordered_json::object();
 };
 
-class LiveLoop {
+class LiveLoop : public FrameLoopHost {
 public:
     /// @param real_time never faster than the film would play
-    LiveLoop(Wishes& wishes, Screen& screen, Journal& journal, Status& status, bool real_time);
+    LiveLoop(Controls& controls, Screen& screen, Journal& journal, Status& status, bool real_time);
     /// Until `stop` says so. @throws EnvironmentError
     void run(const std::function<bool()>& stop);
     /// Writes the recording as it stands, and returns it; any thread. @throws EnvironmentError (disk full)
@@ -38,43 +36,43 @@ public:
     const Simulation& simulation() const { return *simulation_; }
 
 private:
-    void begin(WantedScene& scene);
-    void take_up(const Orders& orders);
-    bool step_to_frame(const std::function<bool()>& stop);
-    void land();
-    void govern(const Measures& measures);
-    void go_by(const SceneFile& governed);
+    void begin(PlannedScene& scene);
+    void follow(const Orders& orders);
+    bool step_to_next_frame();
+    void show_frame();
+    void weigh(const FrameSummary& summary);
+    void end_if_over();
     void tell();
-    void tell(const Measures& measures);
-    Measures measures() const;
+    nlohmann::ordered_json status_json(const Measures& measures) const;
     void wait_for_real_time();
 
-    Wishes& wishes_;
+    bool stop_wanted() override { return stop_() || controls_.restart_wanted(); }
+    void after_step(const StepReport& report, double began) override;
+    void set_pictures(const SceneFile& file) override;
+
+    Controls& controls_;
     Screen& screen_;
     Journal& journal_;
     Status& status_;
     bool real_time_;
 
+    std::function<bool()> stop_;  ///< the run is to end
     std::unique_ptr<Simulation> simulation_;
+    std::optional<FrameLoop> loop_;
     std::optional<Snapshots> snapshots_;
-    std::vector<std::pair<std::string, std::unique_ptr<Probe>>> probes_;
     int frame_ = 1;
     enum class State { running, ended, diverged } state_ = State::running;
     std::string why_;  ///< it diverged
 
-    std::optional<Governor> governor_;  ///< asks nothing where the scene has no budget
-    std::unique_ptr<Table> budget_;     ///< what each frame gave up, from the first one on that had a budget
-    double spent_ = 0;                  ///< s, wall, that the frames since the start took; waiting and pauses do not count
-    double largest_residual_ = 0;       ///< of the newest frame's solves
-    long unconverged_at_row_ = 0;
+    std::unique_ptr<Table> budget_;  ///< what each frame gave up, from the first one on that had a budget
+    double spent_ = 0;               ///< s, wall, that the frames since the start took; waiting and pauses do not count
 
     // What the newest frame took.
     StageTimes times_before_, frame_times_;
-    RunTotals totals_before_;
     long frame_steps_ = 0;
     double frame_iterations_ = 0, frame_wall_ = 0, simulate_wall_ = 0;
-    double landed_at_ = 0, due_ = 0;  ///< wall s
-    double pace_ = 0;                 ///< simulated over wall seconds, over the newest frames
+    double shown_at_ = 0, due_ = 0;  ///< wall s
+    double pace_ = 0;                ///< simulated over wall seconds, over the newest frames
     double frames_a_second_ = 0;
     nlohmann::ordered_json probed_ = nlohmann::ordered_json::object();
 

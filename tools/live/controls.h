@@ -1,6 +1,6 @@
 #pragma once
-/// What people want of a live run: from the server's threads and the watched file to the loop. Every wish is checked here, at once and as a
-/// whole; what the loop takes can be done.
+/// The controls of a live run: the server's threads and the watched file set them, the loop reads them. Every change is checked here, at
+/// once and as a whole, so that the loop can do what it reads.
 #include <condition_variable>
 #include <cstdint>
 #include <map>
@@ -11,15 +11,16 @@
 
 #include "engine/sim/simulation.h"
 #include "tools/film/film.h"
-#include "tools/program/scene_changes.h"
+#include "tools/scene_file/scene_changes.h"
 
 namespace whorl {
 
-/// A scene as wanted, with its plan. Whoever holds it may evaluate its expressions; nobody else does.
-struct WantedScene {
+/// A scene with its plan. Whoever holds it may evaluate its expressions; nobody else does.
+struct PlannedScene {
     SceneFile file;
     Plan plan;
-    std::unique_ptr<Simulation> simulation;  ///< where the run is to begin anew: placed already, so that nothing can go wrong later
+    std::unique_ptr<Simulation>
+        simulation;  ///< where the run is to begin anew: with its particles placed, so that nothing can go wrong later
 };
 
 /// Something to be told to people.
@@ -32,15 +33,15 @@ struct Notice {
 /// What the loop is to do next.
 struct Orders {
     bool playing = false;
-    bool step = false;                   ///< one frame, although it does not play
-    std::shared_ptr<WantedScene> scene;  ///< where something changed
-    std::vector<KeyChange> changes;      ///< what leads from the scene before to this one
+    bool step = false;                    ///< one frame, although it does not play
+    std::shared_ptr<PlannedScene> scene;  ///< where something changed
+    std::vector<KeyChange> changes;       ///< what leads from the scene before to this one
 };
 
-class Wishes {
+class Controls {
 public:
     /// Reads the scene. @throws InputError
-    explicit Wishes(Options options);
+    explicit Controls(Options options);
 
     /// All of the changes, or none. @throws InputError; nothing is changed then
     void set(const std::vector<KeyChange>& changes);
@@ -79,7 +80,7 @@ public:
     std::filesystem::path scene_path() const;
 
 private:
-    void remember(const std::map<std::string, Value>& old, const std::map<std::string, Value>& fresh);
+    void remember(const std::vector<KeyDifference>& back);
     void set_locked(const std::vector<KeyChange>& changes, bool may_undo);
     bool try_restart(const Restart& how);
     void tell_locked(bool error, std::string text);

@@ -1,13 +1,31 @@
-#include "tools/study/table.h"
+#include "engine/io/csv.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
-#include <sstream>
+#include <limits>
 
 #include "engine/core/errors.h"
+#include "engine/io/files.h"
 
 namespace whorl {
+namespace {
+
+/// The cells of a line; two quotes inside quotes are one.
+std::vector<std::string> cells_of(const std::string& line) {
+    std::vector<std::string> cells(1);
+    bool quoted = false;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+        if (line[i] == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"') cells.back() += line[i++];
+        else if (line[i] == '"') quoted = !quoted;
+        else if (line[i] == ',' && !quoted) cells.emplace_back();
+        else cells.back() += line[i];
+    }
+    return cells;
+}
+
+}  // namespace
 
 bool CsvTable::has(const std::string& column) const { return std::find(columns.begin(), columns.end(), column) != columns.end(); }
 
@@ -28,18 +46,12 @@ CsvTable read_csv(const std::filesystem::path& file) {
                          "accuracy.table names a file in the run folder: diagnostics.csv, probes/NAME.csv");
     CsvTable table;
     table.file = file.string();
-    const auto cells = [](const std::string& line) {
-        std::vector<std::string> found;
-        std::istringstream row(line);
-        for (std::string cell; std::getline(row, cell, ',');) found.push_back(cell);
-        return found;
-    };
     std::string line;
     std::getline(in, line);
-    table.columns = cells(line);
+    table.columns = cells_of(line);
     while (std::getline(in, line)) {
         std::vector<double> row(table.columns.size(), std::numeric_limits<double>::quiet_NaN());
-        const std::vector<std::string> texts = cells(line);
+        const std::vector<std::string> texts = cells_of(line);
         for (std::size_t k = 0; k < std::min(row.size(), texts.size()); ++k) {
             char* end = nullptr;
             const double value = std::strtod(texts[k].c_str(), &end);
@@ -48,6 +60,28 @@ CsvTable read_csv(const std::filesystem::path& file) {
         table.rows.push_back(std::move(row));
     }
     return table;
+}
+
+std::string csv_cell(const std::string& text) {
+    if (text.find_first_of(",\"\n") == std::string::npos) return text;
+    std::string quoted = "\"";
+    for (const char c : text) quoted += c == '"' ? "\"\"" : c == '\n' ? " " : std::string(1, c);
+    return quoted + "\"";
+}
+
+std::string csv_header(const std::vector<std::string>& columns) {
+    std::string line;
+    for (std::size_t k = 0; k < columns.size(); ++k) line += (k ? "," : "") + columns[k];
+    return line;
+}
+
+std::string csv_lines(const std::vector<std::vector<double>>& rows) {
+    std::string lines;
+    for (const std::vector<double>& row : rows) {
+        for (std::size_t k = 0; k < row.size(); ++k) lines += (k ? "," : "") + (std::isnan(row[k]) ? std::string() : number(row[k]));
+        lines += "\n";
+    }
+    return lines;
 }
 
 }  // namespace whorl

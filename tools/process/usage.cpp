@@ -1,4 +1,4 @@
-#include "tools/film/usage.h"
+#include "tools/process/usage.h"
 
 #include <pthread.h>
 #include <sys/resource.h>

@@ -1,13 +1,12 @@
+#include "tools/scene_file/scene_file.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "engine/scene/read.h"
 #include "render/look/look_keys.h"
 #include "render/surface/surface_keys.h"
-#include "tools/program/known_sections.h"
-#include "tools/program/run_options.h"
-#include "tools/program/scene_changes.h"
+#include "tools/scene_file/scene_changes.h"
 
 namespace whorl {
 namespace {

@@ -8,17 +8,11 @@
 #include "engine/core/keys.h"
 #include "engine/scene/document.h"
 #include "engine/scene/plan.h"
-#include "tools/program/run_options.h"
+#include "engine/scene/scene_difference.h"
+#include "tools/scene_file/scene_file.h"
 
 namespace whorl {
 
-/// A key that a scene uses, by its full name: "emitter[0].speed".
-struct UsedKey {
-    std::string path;
-    const Key* key;
-    const void* object;
-    Value value() const { return key->get(object); }
-};
 /// Every key that counts in this scene, in the order of the resolved file. Valid while `file` lives; its changes are not among them.
 std::vector<UsedKey> used_keys(const SceneFile& file);
 
@@ -39,8 +33,16 @@ KeyChange read_change(const Change& change);
 /// @throws InputError with all that is wrong
 SceneFile changed(const SceneFile& file, const std::vector<KeyChange>& changes);
 
-/// Those paths whose keys may not change while a run goes on, and why, one line each; nothing where all may.
-std::vector<std::string> needs_restart(const SceneFile& before, const SceneFile& now);
+/// A key that has another value in the later of two scenes, is new there, or gone.
+struct KeyDifference : Difference {
+    const Key* key;
+    Value value;  ///< in the later scene; what is gone: in the earlier one
+};
+/// Of all sections, but not of the scene's changes.
+std::vector<KeyDifference> differences(const SceneFile& before, const SceneFile& now);
+
+/// Those keys that may not change while a run goes on, and why, one line each; nothing where all may.
+std::vector<std::string> needs_restart(const std::vector<KeyDifference>& differences);
 /// Whether the simulation (not only the picture) goes by something else.
 bool decides(const SceneFile& before, const SceneFile& now);
 
@@ -60,7 +62,7 @@ public:
     /// What to call for each moment: simulation(scene, plan, time) where the simulation goes by something else from then on.
     using Follow = std::function<void(const Scene&, const Plan&, double)>;
     /// Makes all changes up to `time` [s], a moment after the other. @return whether there was any
-    bool make_until(double time, const Follow& simulation);
+    bool apply_until(double time, const Follow& simulation);
 
 private:
     SceneFile moment(std::size_t& change) const;

@@ -1,5 +1,5 @@
 #pragma once
-/// The first step of each kind of trouble that a run had: what a user asks first when a run ends badly.
+/// What went wrong in a run, each kind with the first step that had it: what a user asks first when a run ends badly.
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
@@ -8,24 +8,24 @@
 
 namespace whorl {
 
-struct Trouble {
+struct Incident {
     std::string kind;  ///< unconverged | lost | diverged
     double time = 0;   ///< s, at the start of the step
     long step = 0;     ///< from 1
     std::string what;
 };
 
-class Troubles {
+class Incidents {
 public:
-    /// Looks at a step's report; only the first of each kind is kept.
-    void look(const StepReport& report, double time, long step);
+    /// Notes what the step's report tells; only the first of each kind is kept.
+    void add(const StepReport& report, double time, long step);
     nlohmann::ordered_json json() const;
     /// Those of the run's earlier part, from its run.json.
-    void take(const nlohmann::json& earlier);
+    void add_earlier(const nlohmann::json& earlier);
 
 private:
-    void note(Trouble trouble);
-    std::vector<Trouble> first_;
+    void add(Incident incident);
+    std::vector<Incident> first_;
 };
 
 }  // namespace whorl

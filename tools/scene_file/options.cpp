@@ -1,4 +1,4 @@
-#include "tools/program/run_options.h"
+#include "tools/scene_file/options.h"
 
 #include <CLI/CLI.hpp>
 

@@ -1,4 +1,4 @@
-#include "tools/film/interrupt.h"
+#include "tools/process/interrupt.h"
 
 #include <signal.h>
 #include <unistd.h>

@@ -1,0 +1,28 @@
+#include "engine/io/csv.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+#include "tests/support/scratch.h"
+
+using namespace whorl;
+
+TEST_CASE("a table is read as it was written, with commas and quotes in its cells", "[io][csv]") {
+    const test::ScratchFolder folder;
+    const std::vector<std::string> columns{"plain", csv_cell("gravity=[0, -9.81, 0]"), csv_cell("the \"fine\" one")};
+    CHECK(columns[2] == "\"the \"\"fine\"\" one\"");
+    std::ofstream(folder / "table.csv") << csv_header(columns) << "\n"
+                                        << csv_lines({{1, std::numeric_limits<double>::quiet_NaN(), 3.5}}) << "2,"
+                                        << csv_cell("no number, but \"text\"") << ",4\n";
+    const CsvTable table = read_csv(folder / "table.csv");
+    CHECK(table.columns == std::vector<std::string>{"plain", "gravity=[0, -9.81, 0]", "the \"fine\" one"});
+    REQUIRE(table.rows.size() == 2);
+    CHECK(table.rows[0][0] == 1);
+    CHECK(std::isnan(table.rows[0][1]));
+    CHECK(table.rows[0][2] == 3.5);
+    CHECK(table.rows[1][0] == 2);
+    CHECK(std::isnan(table.rows[1][1]));
+    CHECK(table.rows[1][2] == 4);
+}

@@ -1,0 +1,56 @@
+#include "engine/scene/scene_difference.h"
+
+#include <catch2/catch.hpp>
+
+#include "engine/scene/read.h"
+
+using namespace whorl;
+
+namespace {
+
+const char* const two_sources = R"toml(
+[time]
+end = 1
+[fluid]
+spacing = 0.01
+viscosity = 5
+[[emitter]]
+position = [0, 0.1, 0]
+radius = 0.02
+speed = 0.5
+[[emitter]]
+position = [0, 0.2, 0]
+radius = 0.02
+speed = "0.1 + t"
+[[probe]]
+name = "line"
+kind = "line"
+from = [0, 0, 0]
+to = [0, 1, 0]
+)toml";
+
+std::vector<std::string> after(const std::string& change) {
+    ReadRequest request;
+    request.changes = {parse_change(change)};
+    return differences(read_scene_text(two_sources, "s.toml"), read_scene_text(two_sources, "s.toml", request));
+}
+
+}  // namespace
+
+TEST_CASE("settings that decide the simulation are told apart from those of the picture", "[scene]") {
+    CHECK(after("output.size=[640, 360]").empty());
+    CHECK(after("name=other").empty());
+    CHECK(after("probe[0].count=5").empty());
+    CHECK(after("time.end=9").empty());
+    CHECK(after("fluid.density=900") == std::vector<std::string>{"fluid.density: 1000.0, now 900.0"});
+    CHECK(after("emitter[1].speed=1") == std::vector<std::string>{"emitter[1].speed: \"0.1 + t\", now 1.0"});
+    CHECK(after("seed=2") == std::vector<std::string>{"seed: 1, now 2"});
+    CHECK(after("fluid.kernel=wendland_c4") == std::vector<std::string>{"fluid.kernel: \"auto\", now \"wendland_c4\""});
+}
+
+TEST_CASE("differences come in the later list's order, what is gone comes last", "[scene]") {
+    const auto found = differences(NamedTexts{{"a", "1"}, {"b", "2"}, {"c", "3"}}, NamedTexts{{"d", "4"}, {"c", "3"}, {"b", "5"}});
+    CHECK(texts_of(found) == std::vector<std::string>{"d: absent, now 4", "b: 2, now 5", "a: 1, now absent"});
+    CHECK_FALSE(found[0].before);
+    CHECK_FALSE(found[2].now);
+}

@@ -1,0 +1,70 @@
+#pragma once
+/// What a film and a live run share: a simulation goes from frame to frame. Probes see every step, the solvers' residuals are kept,
+/// accuracy is given up for the budget, and changes of the scene are followed.
+#include "engine/io/diagnostics.h"
+#include "engine/probes/probes.h"
+#include "tools/film/governor.h"
+
+namespace whorl {
+
+/// Who runs the loop: a film, or a live run.
+class FrameLoopHost {
+public:
+    virtual ~FrameLoopHost() = default;
+    /// Asked before every step: whether to stop on the way.
+    virtual bool stop_wanted() = 0;
+    /// s; no step goes past it.
+    virtual double next_change() const;
+    /// @param began s, at the step's start
+    virtual void after_step(const StepReport& /*report*/, double /*began*/) {}
+    /// From now on pictures are made as `file` says.
+    virtual void set_pictures(const SceneFile& file) = 0;
+};
+
+/// A frame that was reached.
+struct FrameSummary {
+    Measures measures;
+    RunTotals before;       ///< at the frame before
+    long steps = 0;         ///< since then
+    double iterations = 0;  ///< of all solvers, a step
+};
+
+class FrameLoop {
+public:
+    /// @param file the scene as the user wants it @param frames of the film
+    FrameLoop(FrameLoopHost& host, Simulation& simulation, const SceneFile& file, int frames, TheorySearch search);
+
+    /// @param time s @return false where the host stopped it, or the run diverged
+    bool step_to(double time);
+    /// Measures the frame that was reached.
+    FrameSummary measure_frame();
+    /// Holds what the frame took against the budget. @param seconds it took, wall @param spent s, wall, over the whole run
+    /// @return the frame's row of budget.csv
+    BudgetRow weigh(const FrameSummary& summary, int frame, double seconds, double spent);
+    /// Goes on as the last weigh() decided.
+    void apply_governor();
+    /// The user's scene is another one now; the simulation knows it already.
+    void scene_changed(const SceneFile& file);
+
+    const NamedProbes& probes() const { return probes_; }
+    Governor& governor() { return governor_; }
+    const Governor& governor() const { return governor_; }
+    /// Relative; of the solves since the last frame.
+    double largest_residual() const { return largest_residual_; }
+
+private:
+    void apply(const SceneFile& file);
+
+    FrameLoopHost& host_;
+    Simulation& simulation_;
+    NamedProbes probes_;
+    Governor governor_;
+    std::optional<SceneFile> governed_;  ///< what the governor decided last
+    RunTotals totals_at_frame_;
+    double largest_residual_ = 0;
+};
+
+/// The scene with every automatic choice as `plan` made it: what changes from here on cannot change the models.
+Scene with_models_of(const Plan& plan, const Scene& scene);
+
+}  // namespace whorl

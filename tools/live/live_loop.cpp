@@ -1,0 +1,230 @@
+#include "tools/live/live_loop.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <thread>
+#include <utility>
+
+#include "engine/scene/frame_times.h"
+
+namespace whorl {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json finite(double v) { return std::isfinite(v) ? Json(v) : Json(); }
+
+/// The newest row of a probe's table as {"frequency": 2.1, ...}; null where a value is not known.
+Json last_row(const std::vector<std::string>& columns, const ProbeRows& rows) {
+    Json row = Json::object();
+    if (rows.empty()) return row;
+    for (std::size_t k = 0; k < columns.size(); ++k) row[columns[k]] = finite(rows.back()[k]);
+    return row;
+}
+
+/// Mean that follows within a few frames.
+void smooth(double& mean, double value) { mean = mean > 0 ? 0.8 * mean + 0.2 * value : value; }
+
+}  // namespace
+
+void Status::set(Json json) {
+    const std::lock_guard lock(mutex_);
+    json_ = std::move(json);
+}
+Json Status::get() const {
+    const std::lock_guard lock(mutex_);
+    return json_;
+}
+
+LiveLoop::LiveLoop(Controls& controls, Screen& screen, Journal& journal, Status& status, bool real_time)
+    : controls_(controls), screen_(screen), journal_(journal), status_(status), real_time_(real_time) {
+    begin(*controls_.take(0).scene);
+}
+
+void LiveLoop::begin(PlannedScene& scene) {
+    loop_.reset();
+    simulation_ = std::move(scene.simulation);
+    frame_ = 1;
+    state_ = State::running;
+    why_.clear();
+    probed_ = Json::object();
+    times_before_ = {}, frame_times_ = {};
+    frame_steps_ = 0, frame_iterations_ = frame_wall_ = simulate_wall_ = pace_ = frames_a_second_ = 0;
+    {
+        const std::lock_guard lock(recording_mutex_);
+        journal_.begin(scene.file, controls_.scene_path(), controls_.options().quality);
+        journal_.write(0);
+        time_ = 0;
+    }
+    loop_.emplace(*this, *simulation_, scene.file, frame_count(scene.file.scene), TheorySearch::in_background);
+    snapshots_.emplace(*simulation_, shown_fields(scene.file.look));
+    set_pictures(scene.file);
+    budget_.reset();
+    std::filesystem::remove(journal_.folder() / "budget.csv");  // of the run before
+    spent_ = 0;
+    shown_at_ = due_ = wall_seconds();
+    show_frame();
+}
+
+void LiveLoop::set_pictures(const SceneFile& file) { screen_.look({file.surface, file.camera, file.look}); }
+
+void LiveLoop::follow(const Orders& orders) {
+    if (!orders.scene) return;
+    PlannedScene& wanted = *orders.scene;
+    if (!wanted.simulation && simulation_->totals().steps == 0) try {
+            // Nothing has moved yet: a scene that begins with these values, which is what a recording will say.
+            wanted.simulation = std::make_unique<Simulation>(wanted.file.scene, wanted.plan);
+        } catch (const InputError&) {  // a solid moved over the fluid: from where it stands, then
+        }
+    if (wanted.simulation) return begin(wanted);
+    if (state_ == State::diverged) return;  // stopped between two frames: only a restart helps, and has these values
+    const double time = simulation_->time();
+    simulation_->change(wanted.file.scene, wanted.plan);
+    snapshots_.emplace(*simulation_, shown_fields(wanted.file.look));
+    {
+        const std::lock_guard lock(recording_mutex_);
+        journal_.add(time, orders.changes);
+        journal_.write(time);
+    }
+    if (state_ == State::ended && time < wanted.file.scene.time.end) state_ = State::running;
+    loop_->scene_changed(wanted.file);
+    tell();
+}
+
+/// Holds the frame against the scene's budget, and notes what it took, gave up and lost by it.
+void LiveLoop::weigh(const FrameSummary& summary) {
+    double picture = 0;  // s, beside the simulation
+    for (const auto& [name, t] : screen_.times()) picture += t.wall;
+    const double seconds = std::max(simulate_wall_, picture);
+    spent_ += seconds;
+    const BudgetRow row = loop_->weigh(summary, frame_, seconds, spent_);
+    if (loop_->governor().has_budget()) {
+        if (!budget_) budget_ = std::make_unique<Table>(journal_.folder() / "budget.csv", budget_header());
+        budget_->append(budget_row(row));
+    }
+    if (state_ == State::running) loop_->apply_governor();
+}
+
+void LiveLoop::after_step(const StepReport& report, double) {
+    if (!report.diverged) return;
+    const Divergence& d = *report.diverged;
+    state_ = State::diverged;
+    why_ = fmt::format("diverged at {:.4g} s in \"{}\", {}: {}; undo what led there and restart", d.time, d.stage, d.field, d.what);
+    controls_.tell(true, why_);
+}
+
+/// @return false where it was broken off, to end or to begin anew
+bool LiveLoop::step_to_next_frame() {
+    const double began = wall_seconds();
+    if (!loop_->step_to(frame_time(simulation_->scene(), frame_ + 1))) return false;
+    simulate_wall_ = wall_seconds() - began;
+    ++frame_;
+    return true;
+}
+
+/// The frame that has been reached: measured, shown, told.
+void LiveLoop::show_frame() {
+    const FrameSummary summary = loop_->measure_frame();
+    frame_steps_ = summary.steps, frame_iterations_ = summary.iterations;
+    frame_times_.clear();
+    for (const auto& [name, t] : simulation_->times()) frame_times_[name].wall = t.wall - times_before_[name].wall;
+    times_before_ = simulation_->times();
+    for (const auto& [name, probe] : loop_->probes()) probed_[name] = last_row(probe->columns(), rows_of(*probe, *simulation_));
+    {
+        const std::lock_guard lock(recording_mutex_);
+        time_ = simulation_->time();
+    }
+    screen_.show(snapshots_->take(*simulation_, frame_));
+    const double now = wall_seconds();
+    frame_wall_ = now - std::exchange(shown_at_, now);
+    const double interval = simulation_->scene().time.frame_interval();
+    if (frame_steps_ > 0 && frame_wall_ > 0) smooth(pace_, interval / frame_wall_), smooth(frames_a_second_, 1 / frame_wall_);
+    end_if_over();
+    if (frame_steps_ > 0) weigh(summary);
+    status_.set(status_json(summary.measures));
+}
+
+void LiveLoop::end_if_over() {
+    const Scene& scene = simulation_->scene();
+    if (frame_time(scene, frame_ + 1) <= scene.time.end * (1 + 1e-9)) return;
+    state_ = State::ended;
+    controls_.tell(false, fmt::format("the scene ends at {:g} s: raise time.end to go on, or restart", scene.time.end));
+}
+
+/// The present state, between two frames too.
+void LiveLoop::tell() {
+    const Vec3d gravity = simulation_->scene().domain.gravity(simulation_->time());
+    status_.set(status_json(measure(simulation_->world(), gravity, simulation_->plan().spin.micro_inertia)));
+}
+
+Json LiveLoop::status_json(const Measures& m) const {
+    const Scene& scene = simulation_->scene();
+    Json ms = Json::object();
+    for (const auto& [name, t] : frame_times_) ms[name] = 1e3 * t.wall;
+    const RunTotals& totals = simulation_->totals();
+    const Governor& governor = loop_->governor();
+    const Sacrifice s = governor.now();
+    const Json given_up = {
+        {"amount", s.amount}, {"tolerance_factor", s.tolerance}, {"cfl", s.cfl}, {"voxel", s.voxel}, {"samples", s.samples}};
+    return {{"scene", scene.name},
+            {"time", simulation_->time()},
+            {"end", scene.time.end},
+            {"frame", frame_},
+            {"state", state_ == State::running ? "running"
+                      : state_ == State::ended ? "ended"
+                                               : "diverged"},
+            {"particles", m.particles},
+            {"ms", ms},
+            {"simulate_ms", 1e3 * simulate_wall_},
+            {"frame_ms", 1e3 * frame_wall_},
+            {"frames_per_second", frames_a_second_},
+            {"simulated_per_wall_second", pace_},
+            {"steps", frame_steps_},
+            {"time_step", totals.last_step},
+            {"iterations", frame_iterations_},
+            {"energy", {{"kinetic", finite(m.kinetic_energy)}, {"potential", finite(m.potential_energy)}, {"spin", finite(m.spin_energy)}}},
+            {"max_speed", finite(m.max_speed)},
+            {"density_error", finite(m.density_error_max)},
+            {"given_up", given_up},
+            {"frame_seconds_allowed", governor.has_budget() ? finite(governor.allowed()) : Json()},
+            {"largest_residual", finite(loop_->largest_residual())},
+            {"lost_particles", totals.lost_particles},
+            {"probes", probed_}};
+}
+
+/// A film's frames do not come faster than it plays.
+void LiveLoop::wait_for_real_time() {
+    if (!real_time_) return;
+    const double frame = 1 / simulation_->scene().time.fps, now = wall_seconds();
+    due_ = std::max(due_ + frame, now - 0.1);  // what was missed is not made up for
+    if (due_ > now) std::this_thread::sleep_for(std::chrono::duration<double>(due_ - now));
+}
+
+void LiveLoop::run(const std::function<bool()>& stop) {
+    stop_ = stop;
+    while (!stop()) {
+        screen_.check();
+        const Orders orders = controls_.take(0.1);
+        follow(orders);
+        if (state_ != State::running || !(orders.playing || orders.step)) {
+            due_ = shown_at_ = wall_seconds();
+            continue;
+        }
+        if (step_to_next_frame()) {
+            show_frame();
+            wait_for_real_time();
+        } else if (state_ == State::diverged) {
+            tell();
+        }
+    }
+    save_recording();
+}
+
+std::string LiveLoop::save_recording() const {
+    const std::lock_guard lock(recording_mutex_);
+    journal_.write(time_);
+    return journal_.text(time_);
+}
+
+}  // namespace whorl

@@ -1,0 +1,28 @@
+#pragma once
+/// What `whorl plan` and `whorl render --dry-run` print of a scene that is not run.
+#include <optional>
+
+#include "engine/sim/simulation.h"
+#include "tools/cost/estimate.h"
+#include "tools/scene_file/scene_file.h"
+
+namespace whorl {
+
+struct PreviewCost {
+    Calibration calibration;
+    Estimate estimate;
+    double film = 0;  ///< s, wall: of all panels, one after the other
+};
+
+/// A scene as it would begin, and what its first step would obey.
+struct Preview {
+    const SceneFile& file;
+    const Plan& plan;
+    const Simulation& simulation;
+    std::optional<PreviewCost> cost;
+};
+
+void print_text(const Preview& preview);
+void print_json(const Preview& preview);
+
+}  // namespace whorl

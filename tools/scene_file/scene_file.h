@@ -1,0 +1,47 @@
+#pragma once
+/// A scene file as the options of the command line change it.
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/scene/read.h"
+#include "render/look/camera.h"
+#include "render/look/look_options.h"
+#include "render/surface/surface.h"
+#include "tools/scene_file/options.h"
+
+namespace whorl {
+
+/// All that a scene file says: for the engine, and for the picture.
+struct SceneFile {
+    Scene scene;
+    SurfaceOptions surface;
+    CameraOptions camera;
+    LookOptions look;
+};
+
+/// Reads options.scene with the changes that --set, --quality, --until, --size, --fps, --seed, --export, --no-video and --no-images ask
+/// for.
+/// @throws InputError with all that is wrong, places and hints
+SceneFile read_scene_file(const Options& options);
+/// Reads a resolved scene back (resume, video).
+SceneFile read_scene_file(const std::filesystem::path& file, const std::vector<std::string>& set = {});
+/// The same from its text, as a checkpoint keeps it. @param file stands for it in messages
+SceneFile read_resolved(const std::string& text, const std::string& file);
+/// scene.resolved.toml: every value used. Reading it back gives the same scene.
+std::string resolved_toml(const SceneFile& file);
+
+/// The scenes that ship, by name.
+std::vector<std::pair<std::string, std::filesystem::path>> shipped_scenes();
+/// The file that `name` means: itself where it exists, else <name>.toml among the scenes that ship (installed share folder, or the source
+/// tree).
+/// @throws InputError with the nearest name
+std::filesystem::path find_scene(const std::string& name);
+/// The same for a sweep (whorl tradeoff, whorl stability).
+std::filesystem::path find_study(const std::string& name);
+
+/// The scene file's sections that are not the engine's: surface, camera, look. For the schema.
+std::vector<Section> known_sections();
+
+}  // namespace whorl
