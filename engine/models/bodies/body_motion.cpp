@@ -5,12 +5,12 @@
 
 namespace whorl {
 
-std::vector<Index> particles_at_bodies(const Solids& solids, const SolidPairs& pairs, const SolidParticles& layer) {
+std::vector<Index> particles_at_bodies(const Surroundings& around) {
     std::vector<Index> near;
-    for (Index i = 0; i < pairs.size(); ++i) {
+    for (Index i = 0; i < around.solid_pairs.size(); ++i) {
         bool touches = false;
-        for (std::size_t k = pairs.first[i]; k < pairs.first[i + 1] && !touches; ++k)
-            touches = solids.all[layer.solid[pairs.other[k]]].body.has_value();
+        for (std::size_t k = around.solid_pairs.first[i]; k < around.solid_pairs.first[i + 1] && !touches; ++k)
+            touches = around.solids.all[around.layer.solid[around.solid_pairs.other[k]]].body.has_value();
         if (touches) near.push_back(i);
     }
     return near;
@@ -28,13 +28,14 @@ void KickBodies::operator()(const StepContext& step, Solids& solids, SolidPartic
     layer.follow(solids);
 }
 
-void MoveBodies::operator()(const StepContext& step, Solids& solids, const SolidParticles& layer) const {
+void MoveBodies::operator()(const Surroundings& around) const {
+    const StepContext& step = around.step;
     TouchStep how;
     how.dt = static_cast<double>(step.dt);
     how.spacing = static_cast<double>(step.spacing);
     how.domain = step.domain;
-    touch(solids, layer, how, static_cast<double>(step.gravity.norm()));
-    for (Solid& solid : solids.all)
+    touch(around.solids, around.layer, how, static_cast<double>(step.gravity.norm()));
+    for (Solid& solid : around.solids.all)
         if (solid.body) solid.body->move(static_cast<double>(step.dt));
 }
 

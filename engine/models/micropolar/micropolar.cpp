@@ -74,20 +74,21 @@ void add_fluid(Sums& all, const Kernel& W, const FluidPairs& pairs, Index i, con
 /// Solids that the fluid sticks to, as neighbours with the volume V_s for m/rho_j. Velocity and spin are continued behind the surface, so
 /// that on it the fluid has those of the solid.
 template <bool central, class Kernel>
-void add_solids(Sums& all, const Kernel& W, const MicropolarOptions& options, const SolidPairs& pairs, Index i, const Own& own,
-                Real softening, const Solids& solids, const SolidParticles& layer, const StepContext& step, Real gate) {
-    const WallShear shear{step.spacing / 2};
+void add_solids(Sums& all, const Kernel& W, const MicropolarOptions& options, const Surroundings& around, Index i, const Own& own,
+                Real softening, Real gate) {
+    const SolidParticles& layer = around.layer;
+    const WallShear shear{around.step.spacing / 2};
     const auto add = [](Sum3& sum, const Vec3& v) { sum.x += v.x(), sum.y += v.y(), sum.z += v.z(); };
     const bool both_u = options.curl_velocity == CurlForm::symmetric, both_w = options.curl_spin == CurlForm::symmetric;
-    pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-        const Solid& solid = solids.all[layer.solid[s]];
+    around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+        const Solid& solid = around.solids.all[layer.solid[s]];
         if (!solid.sticks()) return;
         const Real stretch = shear.stretch(r, layer.normal[s]);
         const Vec3 wall = solid.pose.velocity_at(layer.position[s] + r);
         const Vec3 u_is = stretch * (own.u - wall) + (wall - layer.velocity[s]);
         const Vec3 w_is = options.free_spin_walls ? Vec3(Vec3::Zero()) : Vec3(stretch * (own.w - solid.pose.angular_velocity));
         const Real slope = W.slope(distance);
-        const Real b = gate * options.solid_factor * layer.volume[s] / step.mass, even = 2 * own.b * b * slope;
+        const Real b = gate * options.solid_factor * layer.volume[s] / around.step.mass, even = 2 * own.b * b * slope;
         add(all.viscous, even * u_is);
         add(all.diffuse, even * w_is);
         if constexpr (central) add(all.central, 5 * even * u_is.dot(r) / (distance * distance + softening) * r);
@@ -114,10 +115,10 @@ void Micropolar::set_torque(const StepContext& step, Read<field::position> x, Wr
 }
 
 template <class Kernel, bool central>
-EnergyWork Micropolar::advance(const Kernel& kernel, const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids,
-                               const SolidParticles& layer, const StepContext& step, Read<field::role> role, Read<field::density> rho,
+EnergyWork Micropolar::advance(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Read<field::density> rho,
                                Read<field::velocity> u, Update<field::acceleration> a, Write<field::spin_change> change,
                                Read<field::spin> w) const {
+    const StepContext& step = around.step;
     const MicropolarOptions& o = options_;
     const Real lattice = 3 / lattice_second_moment(step.kernel, step.support, step.spacing),
                softening = Real(0.01) * step.support * step.support / 4;
@@ -129,7 +130,7 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const FluidPairs& pairs, co
     const Real alpha = part(o.smoothing_velocity) / dt, beta = part(o.smoothing_spin) / dt;
     const Real mu = static_cast<Real>(o.pair_viscosity), mu_central = static_cast<Real>(o.central_viscosity),
                gamma = static_cast<Real>(o.spin_viscosity);
-    const bool any_torque = !o.torque.is_zero(), any_solids = layer.size() > 0;
+    const bool any_torque = !o.torque.is_zero(), any_solids = around.layer.size() > 0;
 
     return parallel_sum(a.size(), EnergyWork{}, [&](Index i) -> EnergyWork {
         if (role[i] != 0) {
@@ -140,10 +141,10 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const FluidPairs& pairs, co
         const Own own{
             u[i], w[i], o.co_rotating ? w[i] : Vec3(Vec3::Zero()), b, curl_weights(o.curl_velocity, b), curl_weights(o.curl_spin, b)};
         Sums s;
-        add_fluid<central>(s, kernel, pairs, i, own, softening, rho.data(), u.data(), w.data());
-        if (any_solids && solid_pairs.count(i) > 0) {
-            const Real gate = o.gate.weight(kernel, i, solid_pairs, layer.volume, o.solid_factor);
-            add_solids<central>(s, kernel, o, solid_pairs, i, own, softening, solids, layer, step, gate);
+        add_fluid<central>(s, kernel, around.pairs, i, own, softening, rho.data(), u.data(), w.data());
+        if (any_solids && around.solid_pairs.count(i) > 0) {
+            const Real gate = o.gate.weight(kernel, i, around.solid_pairs, around.layer.volume, o.solid_factor);
+            add_solids<central>(s, kernel, o, around, i, own, softening, gate);
         }
 
         Vec3 viscous = s.viscous.times(m * lattice * mu);
@@ -175,17 +176,16 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const FluidPairs& pairs, co
     });
 }
 
-void Micropolar::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
-                            const StepContext& step, StepReport& report, Read<field::role> role, Read<field::density> rho,
+void Micropolar::operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::density> rho,
                             Read<field::position> x, Read<field::velocity> u, Update<field::acceleration> a,
                             Write<field::spin_change> change, Update<field::spin> w) {
+    const StepContext& step = around.step;
     if (!options_.torque.is_zero()) set_torque(step, x, change);
     const Read<field::spin> spin{w.values};
     report.work = with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
-        return options_.central_viscosity != 0
-                   ? advance<Kernel, true>(kernel, pairs, solid_pairs, solids, layer, step, role, rho, u, a, change, spin)
-                   : advance<Kernel, false>(kernel, pairs, solid_pairs, solids, layer, step, role, rho, u, a, change, spin);
+        return options_.central_viscosity != 0 ? advance<Kernel, true>(kernel, around, role, rho, u, a, change, spin)
+                                               : advance<Kernel, false>(kernel, around, role, rho, u, a, change, spin);
     });
     parallel_for(w.size(), [&](Index i) { w[i] += change[i]; });
 }

@@ -6,15 +6,16 @@
 namespace whorl {
 namespace {}  // namespace
 
-void BodyRows::build(const WallImage& wall, const SolidPairs& solid_pairs, const SolidParticles& layer, const Solids& solids,
-                     const StepContext& step, Span<const Real> rho, DensityRate& D) {
+void BodyRows::build(const WallImage& wall, const Surroundings& around, Span<const Real> rho, DensityRate& D) {
+    const SolidParticles& layer = around.layer;
+    const StepContext& step = around.step;
     bodies_.clear();
     mass_ = static_cast<double>(step.mass);
-    if (!solids.any_free()) return;
-    const std::vector<Index> near = particles_at_bodies(solids, solid_pairs, layer);
-    for (std::size_t k = 0; k < solids.all.size(); ++k) {
-        if (!solids.all[k].body) continue;
-        const RigidBody& state = *solids.all[k].body;
+    if (!around.solids.any_free()) return;
+    const std::vector<Index> near = particles_at_bodies(around);
+    for (std::size_t k = 0; k < around.solids.all.size(); ++k) {
+        if (!around.solids.all[k].body) continue;
+        const RigidBody& state = *around.solids.all[k].body;
         Body body{k, mass_ / state.mass, mass_ * state.inverse_inertia(), std::vector<Touch>(near.size())};
         with_kernel(step.kernel, step.support, [&](const auto& W) {
             parallel_for(static_cast<Index>(near.size()), [&](Index e) {
@@ -22,7 +23,7 @@ void BodyRows::build(const WallImage& wall, const SolidPairs& solid_pairs, const
                 touch.particle = near[e];
                 touch.h.setZero();
                 Real w = 0;
-                solid_pairs.of(touch.particle, [&](Index s, const Vec3& r, Real distance) {
+                around.solid_pairs.of(touch.particle, [&](Index s, const Vec3& r, Real distance) {
                     const WallImage::Seen seen = wall.see(W, r, distance, layer.normal[s], layer.volume[s]);
                     w += seen.value;
                     if (static_cast<std::size_t>(layer.solid[s]) != k) return;

@@ -41,11 +41,12 @@ PressurePreconditioner constraint_unpreconditioned(const ConstraintMatrix&) { re
 
 /// No displacement lowers all densities at once (their mean
 /// is lowest on a lattice), and asking for it would tear the fluid apart with pressures that grow without bound.
-bool fills_periodic_domain(const StepContext& step, const Solids& solids, Index n) {
+bool fills_periodic_domain(const Surroundings& around, Index n) {
+    const StepContext& step = around.step;
     const Vec3d size = (step.domain.max - step.domain.min).cast<double>();
     const bool periodic = step.domain.periodic[0] && step.domain.periodic[1] && step.domain.periodic[2];
     double volume = n * static_cast<double>(step.volume);
-    for (const Solid& solid : solids.all)
+    for (const Solid& solid : around.solids.all)
         if (solid.body) volume += solid.body->volume;
     return periodic && volume > 0.98 * size.prod();
 }
@@ -162,9 +163,9 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
     }
 }
 
-WallImage ConstraintPressure::wall_of(const Solids& solids, const StepContext& step) const {
-    WallImage wall(step.kernel, step.support, step.spacing, options_.gate);
-    wall.goes_on = !solids.any_free();
+WallImage ConstraintPressure::wall_of(const Surroundings& around) const {
+    WallImage wall(around.step.kernel, around.step.support, around.step.spacing, options_.gate);
+    wall.goes_on = !around.solids.any_free();
     return wall;
 }
 
@@ -182,17 +183,17 @@ Real ConstraintPressure::mending_rate(Real rho, Real target, bool filled, const 
     return excess > 0 || filled ? corrected(filled) * excess / time : excess / step.dt;
 }
 
-void ConstraintPressure::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, Solids& solids,
-                                    const StepContext& step, StepReport& report, Read<field::role> role, Write<field::density> rho,
+void ConstraintPressure::operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Write<field::density> rho,
                                     Update<field::velocity> u, Update<field::pressure> p) {
+    const StepContext& step = around.step;
     const Index n = rho.size();
     const Real rho_0 = step.rest_density;
     b_.resize(n);
     residual_.resize(n);
-    const WallImage wall = wall_of(solids, step);
-    D_.build(wall, pairs, solid_pairs, solid, step, role, Read<field::velocity>{u.values}, rho.values, b_, &solids);
-    bodies_.build(wall, solid_pairs, solid, solids, step, rho.values, D_);
-    const bool filled = fills_periodic_domain(step, solids, n);
+    const WallImage wall = wall_of(around);
+    D_.build(wall, around, role, Read<field::velocity>{u.values}, rho.values, b_);
+    bodies_.build(wall, around, rho.values, D_);
+    const bool filled = fills_periodic_domain(around, n);
     const Real target = filled ? static_cast<Real>(parallel_sum(n, [&](Index i) { return static_cast<double>(rho[i]); }) / n) : rho_0;
     const double mean_rate = filled ? parallel_sum(n, [&](Index i) { return static_cast<double>(b_[i]); }) / n : 0;
     const Real time = mending_time(u.values, step);
@@ -200,11 +201,11 @@ void ConstraintPressure::operator()(const FluidPairs& pairs, const SolidPairs& s
         b_[i] += mending_rate(rho[i], target, filled, step, time);
         p[i] = D_.diagonal[i] > 0 ? p[i] / D_.virial[i] * step.dt / (rho[i] * rho[i]) : 0;  // q
     });
-    ConstraintMatrix matrix{D_, {}, Column<Padded>(n), pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};
+    ConstraintMatrix matrix{D_, {}, Column<Padded>(n), around.pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};
     const auto fastest = static_cast<Real>(filled ? largest_speed(u.values) : 0);
     report.solves.push_back(
         {"pressure", filled ? solve_filled(matrix, step, mean_rate, fastest, p.values) : solve(matrix, step, p.values)});
-    bodies_.push(p.values, solids);
+    bodies_.push(p.values, around.solids);
     D_.transposed(p.values, matrix.force);
     parallel_for(n, [&](Index i) {
         u[i] -= matrix.force[i].head<3>();

@@ -6,6 +6,7 @@
 #include "engine/math/solve.h"
 #include "engine/models/pressure/body_rows.h"
 #include "engine/models/pressure/preconditioner.h"
+#include "engine/particles/surroundings.h"
 
 namespace whorl {
 
@@ -56,8 +57,7 @@ struct ConstraintOptions {
 class ConstraintPressure {
 public:
     explicit ConstraintPressure(ConstraintOptions options) : options_(std::move(options)) {}
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, Solids& solids,
-                    const StepContext& step, StepReport& report, Read<field::role> role, Write<field::density> rho,
+    void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Write<field::density> rho,
                     Update<field::velocity> u, Update<field::pressure> p);
 
     const DensityRate& density_rate() const { return D_; }
@@ -84,7 +84,7 @@ protected:
     /// its speed (at least sqrt(g d)). A heavy body on a thin film of fluid is otherwise thrown up by what mends the film, the faster the
     /// shorter the step, and the pressure that throws it shortens the next one.
     Real mending_time(Span<const Vec3> u, const StepContext& step) const;
-    WallImage wall_of(const Solids& solids, const StepContext& step) const;
+    WallImage wall_of(const Surroundings& around) const;
     SolveReport solve_filled(ConstraintMatrix& A, const StepContext& step, double mean_rate, Real fastest, Span<Real> q);
 
     ConstraintOptions options_;
@@ -94,7 +94,7 @@ protected:
 };
 
 /// Nothing can give way: every axis is periodic, and the volumes of particles and free bodies fill the domain.
-bool fills_periodic_domain(const StepContext& step, const Solids& solids, Index n);
+bool fills_periodic_domain(const Surroundings& around, Index n);
 
 /// Limit of the time step from pressure: cfl d / sqrt(p/rho_0) [s], p the mean pressure of the pressed fluid. Displacements over a step
 /// turn the forces between neighbours; beyond twice this (at cfl 0.4) a column at rest shakes itself apart, whatever the solver's

@@ -29,14 +29,13 @@ void RelieveCrowding::with_neighbours(const Pairs& pairs, const std::vector<Inde
 }
 
 template <class Kernel>
-std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, const FluidPairs& pairs, const SolidPairs& solid_pairs,
-                                     const Solids& solids, const SolidParticles& layer, const StepContext& step, Read<field::role> role,
+std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, const Surroundings& around, Read<field::role> role,
                                      Span<Real> rho, Span<Vec3> x, Span<Vec3> u, const std::function<void()>& find) {
+    const StepContext& step = around.step;
     const Real rho_0 = step.rest_density, m = step.mass, crowded = rho_0 * (1 + most_ / 2), farthest = step.spacing / 5;
     const auto row = [&](Index i) {
         return density_row(
-            wall, W, pairs, solid_pairs, layer, m, i, [](const Pairs::Group&, const Real*) {},
-            [](Index, const Vec3&, const WallImage::Seen&) {});
+            wall, W, around, i, [](const Pairs::Group&, const Real*) {}, [](Index, const Vec3&, const WallImage::Seen&) {});
     };
     const Index n = static_cast<Index>(x.size());
     parallel_for(n, [&](Index i) { rho[i] = row(i).density; });
@@ -63,11 +62,11 @@ std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, con
             push_[i] = l * at_i.own;
             share_[i] = l * at_i.fill;
         });
-        with_neighbours(pairs, crowded_, movers_);
+        with_neighbours(around.pairs, crowded_, movers_);
         parallel_for(static_cast<Index>(movers_.size()), [&](Index c) {
             const Index i = movers_[c];
             Vec3 move = share_[i] > 0 ? push_[i] : Vec3(Vec3::Zero()), slower = Vec3::Zero();
-            pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
+            around.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
                 const Real both = share_[i] + share_[j];
                 if (!(both > 0)) return;
                 const Real slope = m * W.slope(distance);
@@ -86,22 +85,23 @@ std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, con
             x[i] -= moves_[c];
             u[i] += kicks_[c];
             Real distance = 0;
-            if (const int k = solids.nearest(x[i], distance); k >= 0 && distance < 0) x[i] -= distance * solids.all[k].normal(x[i]);
+            if (const int k = around.solids.nearest(x[i], distance); k >= 0 && distance < 0)
+                x[i] -= distance * around.solids.all[k].normal(x[i]);
             moves_[c] = x[i] - before;
         });
         moved += static_cast<Real>(std::sqrt(
             parallel_max(static_cast<Index>(movers_.size()), 0, [&](Index c) { return static_cast<double>(moves_[c].squaredNorm()); })));
         if (2 * moved > step.spacing / 5) find(), moved = 0;
-        with_neighbours(pairs, movers_, touched_);
+        with_neighbours(around.pairs, movers_, touched_);
         parallel_for(static_cast<Index>(touched_.size()), [&](Index c) { rho[touched_[c]] = row(touched_[c]).density; });
     }
 }
 
-void RelieveCrowding::operator()(FluidPairs& pairs, SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
-                                 const StepContext& step, StepReport& report, Read<field::role> role, Update<field::density> rho,
-                                 Update<field::position> x, Update<field::velocity> u) {
+void RelieveCrowding::operator()(const Surroundings& around, FluidPairs& pairs, SolidPairs& solid_pairs, StepReport& report,
+                                 Read<field::role> role, Update<field::density> rho, Update<field::position> x, Update<field::velocity> u) {
+    const StepContext& step = around.step;
     const Index n = x.size();
-    if (fills_periodic_domain(step, solids, n)) return;  // there densities are held equal, not below rho_0
+    if (fills_periodic_domain(around, n)) return;  // there densities are held equal, not below rho_0
     // A fifth of a spacing more than the kernel's reach: who comes into it while particles move is seen. A periodic axis may be too short
     // for that.
     Real reach = step.support + step.spacing / 5;
@@ -109,7 +109,7 @@ void RelieveCrowding::operator()(FluidPairs& pairs, SolidPairs& solid_pairs, con
         if (length > 0) reach = std::min(reach, length / 2);
     const auto find = [&] {
         search_.find(x.values, reach, step.domain, pairs);
-        solid_search_.find(x.values, layer.position, reach, step.domain, solid_pairs);
+        solid_search_.find(x.values, around.layer.position, reach, step.domain, solid_pairs);
     };
     find();
     seen_.resize(n, 0), push_.resize(n), moves_.resize(n), kicks_.resize(n);
@@ -117,7 +117,7 @@ void RelieveCrowding::operator()(FluidPairs& pairs, SolidPairs& solid_pairs, con
     const WallImage wall(step.kernel, step.support, step.spacing, gate_);
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         SolveReport left;
-        left.why_not = relieve(wall, W, pairs, solid_pairs, solids, layer, step, role, rho.values, x.values, u.values, find);
+        left.why_not = relieve(wall, W, around, role, rho.values, x.values, u.values, find);
         if (!left.why_not.empty()) report.solves.push_back({std::string(name), left});
     });
 }

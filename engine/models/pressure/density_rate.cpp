@@ -48,28 +48,28 @@ WallImage::WallImage(KernelKind kind, Real support, Real d, SolidGate gate_befor
     });
 }
 
-void DensityRate::build(const WallImage& wall, const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid,
-                        const StepContext& step, Read<field::role> role, Read<field::velocity> u, Span<Real> rho, Span<Real> rate,
-                        const Solids* solids) {
-    first = pairs.first;
-    other = pairs.other;
-    const std::size_t n = static_cast<std::size_t>(pairs.size());
+void DensityRate::build(const WallImage& wall, const Surroundings& around, Read<field::role> role, Read<field::velocity> u, Span<Real> rho,
+                        Span<Real> rate) {
+    const StepContext& step = around.step;
+    first = around.pairs.first;
+    other = around.pairs.other;
+    const std::size_t n = static_cast<std::size_t>(around.pairs.size());
     resize_tightly(slope, other.size());
-    period = pairs.period;
+    period = around.pairs.period;
     x.resize(n);
     fill.resize(n);
     own.resize(n);
     diagonal.resize(n);
     free.resize(n);
     virial.resize(n);
-    const bool bodies = solids && solids->any_free();
+    const bool bodies = around.solids.any_free();
     with_kernel(step.kernel, step.support, [&](const auto& W) {
-        parallel_for(pairs.size(), [&](Index i) {
+        parallel_for(around.pairs.size(), [&](Index i) {
             Real change = 0, wall_change = 0;
-            x[i] = padded(pairs.x_own[i]);
+            x[i] = padded(around.pairs.x_own[i]);
             Index k = 0;
             const DensityRow row = density_row(
-                wall, W, pairs, solid_pairs, solid, step.mass, i,
+                wall, W, around, i,
                 [&](const Pairs::Group& group, const Real* c) {
                     std::copy(c, c + group.count, slope.begin() + static_cast<std::ptrdiff_t>(first[i]) + k);
                     k += group.count;
@@ -82,8 +82,8 @@ void DensityRate::build(const WallImage& wall, const FluidPairs& pairs, const So
                     change += part;
                 },
                 [&](Index s, const Vec3& r, const WallImage::Seen& seen) {
-                    const Solid* body = bodies ? &solids->all[solid.solid[s]] : nullptr;
-                    const Vec3 moves = body && body->body ? body->pose.velocity_at(solid.position[s] + r) : solid.velocity[s];
+                    const Solid* body = bodies ? &around.solids.all[around.layer.solid[s]] : nullptr;
+                    const Vec3 moves = body && body->body ? body->pose.velocity_at(around.layer.position[s] + r) : around.layer.velocity[s];
                     wall_change += seen.gradient.dot(u[i] - moves);
                 });
             const Real f = row.fill;

@@ -5,11 +5,9 @@
 #include <limits>
 #include <vector>
 
-#include "engine/geometry/solids.h"
 #include "engine/math/kernel.h"
 #include "engine/particles/field.h"
-#include "engine/particles/pairs.h"
-#include "engine/particles/step_context.h"
+#include "engine/particles/surroundings.h"
 #include "engine/sph/gate.h"
 
 namespace whorl {
@@ -74,11 +72,12 @@ struct DensityRow {
 
 /// @param fluid_neighbours called as (group, c) with g_ij = c r @param solid_neighbour as (s, r, Seen)
 template <class Kernel, class Fluid, class SolidPart>
-DensityRow density_row(const WallImage& wall, const Kernel& W, const FluidPairs& pairs, const SolidPairs& solid_pairs,
-                       const SolidParticles& solid, Real mass, Index i, Fluid&& fluid_neighbours, SolidPart&& solid_neighbour) {
+DensityRow density_row(const WallImage& wall, const Kernel& W, const Surroundings& around, Index i, Fluid&& fluid_neighbours,
+                       SolidPart&& solid_neighbour) {
+    const Real mass = around.step.mass;
     Vec3 fluid = Vec3::Zero(), walls = Vec3::Zero();
     Real density = mass * W.value(0), squares = 0, pull = 0, w = 0, wall_pull = 0;
-    pairs.groups_of(i, [&](const Pairs::Group& group) {
+    around.pairs.groups_of(i, [&](const Pairs::Group& group) {
         alignas(64) Real c[Pairs::Group::most];
         Real x = 0, y = 0, z = 0, sum = 0, sum_squares = 0, sum_pull = 0;
         for (Index l = 0; l < group.padded(); ++l) {
@@ -97,9 +96,9 @@ DensityRow density_row(const WallImage& wall, const Kernel& W, const FluidPairs&
         pull += sum_pull;
         fluid_neighbours(group, static_cast<const Real*>(c));
     });
-    if (solid.size() > 0)
-        solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-            const WallImage::Seen seen = wall.see(W, r, distance, solid.normal[s], solid.volume[s]);
+    if (around.layer.size() > 0)
+        around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+            const WallImage::Seen seen = wall.see(W, r, distance, around.layer.normal[s], around.layer.volume[s]);
             w += seen.value;
             wall_pull += seen.pull;
             walls += seen.gradient;
@@ -135,10 +134,8 @@ struct DensityRate {
     Index size() const { return static_cast<Index>(own.size()); }
 
     /// @param rho written @param rate D u with prescribed and solid velocities included
-    /// @param solids whose poses free bodies are seen to move by; without them every layer particle counts with its own velocity
-    void build(const WallImage& wall, const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid,
-               const StepContext& step, Read<field::role> role, Read<field::velocity> u, Span<Real> rho, Span<Real> rate,
-               const Solids* solids = nullptr);
+    void build(const WallImage& wall, const Surroundings& around, Read<field::role> role, Read<field::velocity> u, Span<Real> rho,
+               Span<Real> rate);
     /// g_ij of the pair k in row i.
     Vec3 gradient(Index i, std::size_t k) const {
         Vec3 r = (x[i] - x[other[k]]).template head<3>();

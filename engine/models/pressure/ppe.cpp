@@ -43,8 +43,7 @@ PressurePreconditioner poisson_unpreconditioned(const PressureMatrix&) { return 
 /// Free surface: the divergence of the position, 3 inside the fluid (3.06 on a lattice with R = 2 d), 2.24 in the outermost layer of a flat
 /// lattice; solids count as fluid does. A particle that is compressed is no surface, however few its neighbours: it needs a pressure.
 template <class Kernel>
-void PoissonPressure::classify(const Kernel& kernel, const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid,
-                               const StepContext& step, Read<field::role> role, Read<field::density> rho) {
+void PoissonPressure::classify(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Read<field::density> rho) {
     constexpr Real surface_divergence = Real(2.55);
     parallel_for(rho.size(), [&](Index i) {
         PressureClass& mine = class_[i];
@@ -52,38 +51,40 @@ void PoissonPressure::classify(const Kernel& kernel, const FluidPairs& pairs, co
             mine = PressureClass::prescribed;
             return;
         }
-        const Index fluid_neighbours = pairs.count(i), solid_neighbours = solid.size() > 0 ? solid_pairs.count(i) : 0;
+        const Index fluid_neighbours = around.pairs.count(i), solid_neighbours = around.layer.size() > 0 ? around.solid_pairs.count(i) : 0;
         if (fluid_neighbours == 0) {
             mine = solid_neighbours == 0 ? PressureClass::isolated : PressureClass::separated;
             return;
         }
         Real divergence = 0;
-        pairs.of(i, [&](Index, const Vec3&, Real r) { divergence -= step.volume * kernel.derivative(r) * r; });
+        around.pairs.of(i, [&](Index, const Vec3&, Real r) { divergence -= around.step.volume * kernel.derivative(r) * r; });
         if (solid_neighbours > 0)
-            solid_pairs.of(i, [&](Index s, const Vec3&, Real r) {
-                divergence -= gate_[i] * options_.solid_factor * solid.volume[s] * kernel.derivative(r) * r;
+            around.solid_pairs.of(i, [&](Index s, const Vec3&, Real r) {
+                divergence -= gate_[i] * options_.solid_factor * around.layer.volume[s] * kernel.derivative(r) * r;
             });
-        mine = divergence < surface_divergence && rho[i] < step.rest_density ? PressureClass::surface : PressureClass::poisson;
+        mine = divergence < surface_divergence && rho[i] < around.step.rest_density ? PressureClass::surface : PressureClass::poisson;
     });
 }
 
 template <class Kernel>
-void PoissonPressure::build(const Kernel& kernel, const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid,
-                            const StepContext& step, Read<field::density> rho, Update<field::velocity> u, Update<field::pressure> p) {
+void PoissonPressure::build(const Kernel& kernel, const Surroundings& around, Read<field::density> rho, Update<field::velocity> u,
+                            Update<field::pressure> p) {
+    const SolidParticles& layer = around.layer;
+    const StepContext& step = around.step;
     const Index n = rho.size();
     const Real rho_0 = step.rest_density, over_dt2 = 1 / (step.dt * step.dt);
     const auto slope_at = [&](Real r) { return kernel.derivative(r) / std::max(r, smallest); };
     const WallShear wall{step.spacing / 2};
 
     parallel_for(n, [&](Index i) {
-        wall_[i] =
-            solid.size() > 0 ? Vec3(gate_[i] * wall_gradient(kernel, i, solid_pairs, solid, options_.solid_factor)) : Vec3(Vec3::Zero());
+        wall_[i] = layer.size() > 0 ? Vec3(gate_[i] * wall_gradient(kernel, i, around, options_.solid_factor)) : Vec3(Vec3::Zero());
     });
 
     for (Index i = 0; i < n; ++i) {
         Index unknowns = 0;
         if (class_[i] == PressureClass::poisson)
-            for (std::size_t k = pairs.first[i]; k < pairs.first[i + 1]; ++k) unknowns += class_[pairs.other[k]] == PressureClass::poisson;
+            for (std::size_t k = around.pairs.first[i]; k < around.pairs.first[i + 1]; ++k)
+                unknowns += class_[around.pairs.other[k]] == PressureClass::poisson;
         matrix_.first[i + 1] = matrix_.first[i] + static_cast<std::size_t>(unknowns);
     }
     matrix_.other.resize(matrix_.first[n]);
@@ -104,7 +105,7 @@ void PoissonPressure::build(const Kernel& kernel, const FluidPairs& pairs, const
         std::size_t k = matrix_.first[i];
         Real row = 0, pin = 0, rate = 0;
         bool surface = false;
-        pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
+        around.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
             const Vec3 gradW = slope_at(distance) * r;
             rate += step.mass * (u[i] - u[j]).dot(gradW);
             const Real Vj = step.mass / rho[j];
@@ -120,12 +121,12 @@ void PoissonPressure::build(const Kernel& kernel, const FluidPairs& pairs, const
                 default: pin += c, surface = true;
             }
         });
-        if (solid.size() > 0)
-            solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+        if (layer.size() > 0)
+            around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
                 // The flow turns at the surface, not at the solid particle behind it: the normal part is continued like shear.
-                const Vec3 n_s = solid.normal[s], u_is = u[i] - solid.velocity[s];
+                const Vec3 n_s = layer.normal[s], u_is = u[i] - layer.velocity[s];
                 const Vec3 turned = u_is + (wall.stretch(r, n_s) - 1) * u_is.dot(n_s) * n_s;
-                rate += gate_[i] * rho_0 * options_.solid_factor * solid.volume[s] * slope_at(distance) * turned.dot(r);
+                rate += gate_[i] * rho_0 * options_.solid_factor * layer.volume[s] * slope_at(distance) * turned.dot(r);
             });
         mirror += prescribed;
         wall_[i] = rho_0 / (rho[i] * rho[i]) * prescribed;  // the other half comes from the sum over the pairs
@@ -236,9 +237,9 @@ void PoissonPressure::solve(const StepContext& step, StepReport& report, Update<
     });
 }
 
-void PoissonPressure::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid,
-                                 const StepContext& step, StepReport& report, Read<field::role> role, Read<field::density> rho,
+void PoissonPressure::operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::density> rho,
                                  Update<field::velocity> u, Update<field::pressure> p) {
+    const StepContext& step = around.step;
     const std::size_t n = static_cast<std::size_t>(rho.size());
     class_.resize(n);
     touches_surface_.resize(n);
@@ -246,17 +247,19 @@ void PoissonPressure::operator()(const FluidPairs& pairs, const SolidPairs& soli
     matrix_.diagonal.resize(n);
     matrix_.pin.resize(n);
     matrix_.unknown.resize(n);
-    matrix_.x = pairs.x_own;
+    matrix_.x = around.pairs.x_own;
     matrix_.spacing = step.spacing;
     b_.resize(n);
     wall_.resize(n);
     gate_.resize(n);
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         parallel_for(rho.size(), [&](Index i) {
-            gate_[i] = solid.size() > 0 ? options_.gate.weight(kernel, i, solid_pairs, solid.volume, options_.solid_factor) : Real(1);
+            gate_[i] = around.layer.size() > 0
+                           ? options_.gate.weight(kernel, i, around.solid_pairs, around.layer.volume, options_.solid_factor)
+                           : Real(1);
         });
-        classify(kernel, pairs, solid_pairs, solid, step, role, rho);
-        build(kernel, pairs, solid_pairs, solid, step, rho, u, p);
+        classify(kernel, around, role, rho);
+        build(kernel, around, rho, u, p);
         find_closed();
         solve(step, report, p);
         // u_i -= dt sum_j m (p_i/rho_i^2 + p_j/rho_j^2) grad W_ij + dt (push of prescribed neighbours and solids)
@@ -264,12 +267,12 @@ void PoissonPressure::operator()(const FluidPairs& pairs, const SolidPairs& soli
             if (class_[i] == PressureClass::prescribed) return;
             const Real own = p[i] / (rho[i] * rho[i]);
             Vec3 sum = Vec3::Zero();
-            pairs.of(i,
-                     [&](Index j, const Vec3& r, Real distance) { sum += (own + p[j] / (rho[j] * rho[j])) * kernel.slope(distance) * r; });
+            around.pairs.of(
+                i, [&](Index j, const Vec3& r, Real distance) { sum += (own + p[j] / (rho[j] * rho[j])) * kernel.slope(distance) * r; });
             u[i] -= step.dt * (step.mass * sum + p[i] * wall_[i]);
-            if (p[i] > 0 && solid.size() > 0)
-                u[i] -= step.dt * gate_[i] * step.rest_density / (rho[i] * rho[i]) *
-                        wall_push(kernel, i, solid_pairs, solid, step, options_.solid_factor, p[i]);
+            if (p[i] > 0 && around.layer.size() > 0)
+                u[i] -=
+                    step.dt * gate_[i] * step.rest_density / (rho[i] * rho[i]) * wall_push(kernel, i, around, options_.solid_factor, p[i]);
         });
     });
 }

@@ -2,11 +2,11 @@
 /// Implicit viscosity in its full form, variational and matrix-free (docs/physics.md 4; Takahashi et al. 2015, mended).
 ///
 /// Stages of a step, in order: Gravity, (forces), Kick, FullViscosity, (pressure), Move. Corrected, it needs no density.
-#include "engine/geometry/solids.h"
 #include "engine/math/block_cholesky.h"
 #include "engine/models/boundary/friction.h"
 #include "engine/models/viscosity/implicit.h"
 #include "engine/particles/aggregates.h"
+#include "engine/particles/surroundings.h"
 
 namespace whorl {
 
@@ -47,8 +47,7 @@ class ViscousOperator final : public ImplicitOperator {
 public:
     /// Coefficients for these positions.
     /// @param density [kg/m^3], of the form as in the note; empty: at rest
-    void set_up(const FullViscosityOptions& options, const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids,
-                const SolidParticles& layer, const StepContext& step, Read<field::role> role, Read<field::viscosity> mu,
+    void set_up(const FullViscosityOptions& options, const Surroundings& around, Read<field::role> role, Read<field::viscosity> mu,
                 Span<const Real> density = {});
     const ViscousBodies* bodies() const override { return bodies_.body.empty() ? nullptr : &bodies_; }
 
@@ -94,14 +93,12 @@ private:
     Mat3 hold(Index i) const { return rub_[i] * friction_.hold(i); }
     void set_up_moments(const FullViscosityOptions& options, const StepContext& step, Read<field::role> role, Read<field::viscosity> mu,
                         Span<const Real> density);
-    void set_up_wall(const FullViscosityOptions& options, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
-                     const StepContext& step);
+    void set_up_wall(const FullViscosityOptions& options, const Surroundings& around);
     void set_up_blocks(const FullViscosityOptions& options);
     void spread(Span<const Vec3> u, bool free_only) const;
     void stress(Span<const Vec3> u, bool with_walls) const;
     void divergence(Span<const Vec3> u, Span<Vec3> y, bool free_only) const;
-    void set_up_bodies(const FullViscosityOptions& options, const SolidPairs& solid_pairs, const Solids& solids,
-                       const SolidParticles& layer, const StepContext& step);
+    void set_up_bodies(const FullViscosityOptions& options, const Surroundings& around);
     void set_up_body_blocks();
     /// What bodies take from the sums at i, and what i gives to them, once its stress is known.
     void take_bodies(Index i, Span<const Vec3> u, Mat3& A, Vec3& own) const;
@@ -133,9 +130,9 @@ private:
 class FullViscosity {
 public:
     explicit FullViscosity(FullViscosityOptions options) : options_(options) {}
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer,
-                    const StepContext& step, StepReport& report, Read<field::role> role, Read<field::position> x, Read<field::viscosity> mu,
-                    Update<field::velocity> u, Update<field::viscous_acceleration> last, Update<field::viscous_aggregate> aggregate);
+    void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::position> x,
+                    Read<field::viscosity> mu, Update<field::velocity> u, Update<field::viscous_acceleration> last,
+                    Update<field::viscous_aggregate> aggregate);
 
 private:
     void set_up_coarse(const FluidPairs& pairs, const StepContext& step, Read<field::role> role, Read<field::position> x,
@@ -151,9 +148,9 @@ private:
 class UncorrectedViscosity {
 public:
     explicit UncorrectedViscosity(FullViscosityOptions options) : options_(options) { options_.correction = false; }
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer,
-                    const StepContext& step, StepReport& report, Read<field::role> role, Read<field::position> x, Read<field::density> rho,
-                    Read<field::viscosity> mu, Update<field::velocity> u, Update<field::viscous_acceleration> last);
+    void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::position> x,
+                    Read<field::density> rho, Read<field::viscosity> mu, Update<field::velocity> u,
+                    Update<field::viscous_acceleration> last);
 
 private:
     FullViscosityOptions options_;
