@@ -133,7 +133,7 @@ void place_blocks(const Scene& scene, const Plan& plan, World& world) {
                 put_down(points, *shape, scene.domain.gravity(0), world.step.spacing);
                 std::erase_if(points, [&](const Vec3& x) { return shape->distance(x) >= 0; });
             }
-            if (plan.pressure == PressureModel::wcsph && keys.sampling == Sampling::lattice) loosen(points, world.step.spacing, seed);
+            if (plan.facts.pressure.has_sound && keys.sampling == Sampling::lattice) loosen(points, world.step.spacing, seed);
             return points;
         };
         std::vector<Vec3> points = sample(Layers::nearest);
