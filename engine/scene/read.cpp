@@ -7,6 +7,7 @@
 #include "engine/models/viscosity/ageing.h"
 #include "engine/scene/names.h"
 #include "engine/scene/reader.h"
+#include "engine/scene/scene_keys.h"
 
 namespace whorl {
 namespace {

@@ -1,10 +1,12 @@
+#include "engine/scene/schema.h"
+
 #include <fmt/format.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "engine/core/variables.h"
-#include "engine/scene/read.h"
+#include "engine/scene/scene_keys.h"
 
 namespace whorl {
 namespace {

@@ -6,7 +6,7 @@
 #include "engine/models/viscosity/ageing.h"
 #include "engine/particles/sample.h"
 #include "engine/particles/solid_sampling.h"
-#include "engine/scene/numbers.h"
+#include "engine/scene/scene_shapes.h"
 
 namespace whorl {
 

@@ -10,6 +10,8 @@
 #include <sstream>
 
 #include "engine/scene/read.h"
+#include "engine/scene/schema.h"
+#include "engine/scene/write.h"
 #include "tools/program/known_sections.h"
 #include "tools/program/run_options.h"
 

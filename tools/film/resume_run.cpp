@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "engine/core/errors.h"
-#include "engine/scene/read.h"
+#include "engine/scene/write.h"
 
 namespace whorl {
 namespace {

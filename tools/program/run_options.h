@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/scene/scene.h"
+#include "engine/scene/write.h"
 #include "render/look/look.h"
 #include "render/surface/surface.h"
 

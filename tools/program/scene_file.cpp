@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
+#include "engine/scene/model_facts.h"
 #include "engine/scene/read.h"
+#include "engine/scene/write.h"
 #include "render/look/look_keys.h"
 #include "render/surface/surface_keys.h"
 #include "tools/program/known_sections.h"

@@ -3,7 +3,10 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "engine/scene/scene_keys.h"
+#include "engine/scene/schema.h"
 #include "engine/scene/tree.h"
+#include "engine/scene/write.h"
 
 using namespace whorl;
 
