@@ -13,7 +13,7 @@
 #include "engine/models/pressure/crowding.h"
 #include "engine/models/pressure/damping.h"
 #include "engine/models/pressure/divergence_free.h"
-#include "engine/models/pressure/ppe.h"
+#include "engine/models/pressure/poisson.h"
 #include "engine/models/pressure/pressure_multigrid.h"
 #include "engine/models/pressure/wcsph.h"
 #include "engine/models/shifting/fickian.h"

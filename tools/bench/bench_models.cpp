@@ -6,7 +6,7 @@
 #include "engine/core/random.h"
 #include "engine/models/boundary/wall.h"
 #include "engine/models/motion/motion.h"
-#include "engine/models/pressure/ppe.h"
+#include "engine/models/pressure/poisson.h"
 #include "engine/models/viscosity/full.h"
 #include "engine/particles/sort.h"
 #include "engine/sph/density.h"
