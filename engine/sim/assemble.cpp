@@ -233,7 +233,7 @@ private:
         ConstraintOptions options;
         options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
         options.correction = scene_.pressure.correction;
-        options.careful = scene_.fluid.surface_tension > 0;
+        options.slow_correction = scene_.fluid.surface_tension > 0;
         options.active_set = scene_.pressure.active_set;
         options.gate = gate_;
         options.preconditioner = preconditioner<ConstraintPreconditionerSetup>(

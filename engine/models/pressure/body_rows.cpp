@@ -4,7 +4,6 @@
 #include "engine/models/bodies/reaction.h"
 
 namespace whorl {
-namespace {}  // namespace
 
 void BodyRows::build(const WallImage& wall, const Surroundings& around, Span<const Real> rho, DensityRate& D) {
     const SolidParticles& layer = around.layer;
@@ -24,14 +23,14 @@ void BodyRows::build(const WallImage& wall, const Surroundings& around, Span<con
                 touch.h.setZero();
                 Real w = 0;
                 around.solid_pairs.of(touch.particle, [&](Index s, const Vec3& r, Real distance) {
-                    const WallImage::Seen seen = wall.see(W, r, distance, layer.normal[s], layer.volume[s]);
-                    w += seen.value;
+                    const WallImage::Share share = wall.share(W, r, distance, layer.normal[s], layer.volume[s]);
+                    w += share.value;
                     if (static_cast<std::size_t>(layer.solid[s]) != k) return;
-                    touch.h += seen.gradient;
+                    touch.h += share.gradient;
                     touch.arm = layer.position[s] + r - state.centre.cast<Real>();
                 });
-                const SolidGate::Passed passed = wall.gate.pass(w);
-                touch.h *= passed.slope * WallImage::room(passed.sum).slope * D.fill[touch.particle] * rho[touch.particle];
+                const SolidGate::Gated gated = wall.gate.gated(w);
+                touch.h *= gated.slope * WallImage::free_volume(gated.sum).slope * D.fill[touch.particle] * rho[touch.particle];
             });
         });
         std::erase_if(body.touches, [](const Touch& t) { return t.h == Vec3::Zero(); });

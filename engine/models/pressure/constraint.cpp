@@ -11,19 +11,18 @@
 namespace whorl {
 namespace {
 
-/// Of the tolerated density error that one step may add. With 0.1 a dam break takes 16.9 iterations a step, with 0.5 11, with 1 8.1, and a
-/// mean density error of 0.063, 0.06 and 0.074 % (ten layers, before the limit below); what is left over is corrected by half in the next
-/// step.
-constexpr double step_share = 0.5;
-/// Where few particles decide how a body moves, and where energy is all there is: free bodies, full periodic domains, divergence-free
-/// velocities.
-constexpr double careful_step_share = 0.1;
-/// And no more than this part of the right-hand side: what gravity presses together in a step is less than the share above, the more so the
-/// shorter the step, and a pressure that is right to that share alone comes in jolts (a column of 16 layers: single readings are off by 12
-/// % in the mean at CFL 0.4 and by 22 % at 0.2; with this by 2.4 and 1.8 %). A tolerance looser than the default loosens it as much.
+/// The part of the tolerated density error that one step may leave: the next one corrects half of it. A dam break of ten layers has a mean
+/// density error of 0.06 % with 0.1, with 0.5 and with 1, and takes 16.9, 11 and 8.1 iterations a step.
+constexpr double usual_share = 0.5;
+/// The same where few particles decide how a body moves, and where the solve must lose no energy: free bodies, full periodic domains,
+/// divergence-free velocities.
+constexpr double strict_share = 0.1;
+/// A step leaves no more than this part of the right-hand side either: gravity presses less together in a short step than the shares above
+/// allow, and a pressure solved to them alone jumps from step to step (in a column of 16 layers by 12 % of its mean at CFL 0.4 and by 22 %
+/// at 0.2; so by 2.4 and 1.8 %). A tolerance looser than the default loosens this as much.
 double largest_residual(double tolerance) { return 0.05 * std::max(1.0, tolerance / ConstraintOptions{}.limits.tolerance); }
-constexpr double least_step_share = 0.02,
-                 least_tolerance = 1e-6;  ///< of the tolerated density error, and beside rounding: where a step brings next to nothing
+/// Where a step brings next to nothing: the least part of the tolerated density error to solve to, and what rounding allows.
+constexpr double least_share = 0.02, least_tolerance = 1e-6;
 
 double changed(const std::vector<char>& before, const std::vector<char>& now) {
     return parallel_sum(static_cast<Index>(now.size()), [&](Index i) { return before[i] != now[i]; });
@@ -39,8 +38,8 @@ PressurePreconditioner diagonal_scaling(const ConstraintMatrix& matrix) {
 
 PressurePreconditioner constraint_unpreconditioned(const ConstraintMatrix&) { return {NoPreconditioner{}}; }
 
-/// No displacement lowers all densities at once (their mean
-/// is lowest on a lattice), and asking for it would tear the fluid apart with pressures that grow without bound.
+/// No displacement lowers all densities at once (their mean is lowest on a lattice), and asking for it would tear the fluid apart with
+/// pressures that grow without bound.
 bool fills_periodic_domain(const Surroundings& around, Index n) {
     const StepContext& step = around.step;
     const Vec3d size = (step.domain.max - step.domain.min).cast<double>();
@@ -72,7 +71,7 @@ SolveReport ConstraintPressure::solve_filled(ConstraintMatrix& matrix, const Ste
     // Among pressures without a mean: only then is it a projection, which cannot give energy.
     const auto A = [&](Span<const Real> in, Span<Real> out) { matrix.multiply(in, out), without_mean(out); };
     const auto precondition = [&](Span<const Real> r, Span<Real> z) { M(r, z), without_mean(z); };
-    const SolveLimits limits{careful_step_share * options_.limits.tolerance, options_.limits.max_iterations};
+    const SolveLimits limits{strict_share * options_.limits.tolerance, options_.limits.max_iterations};
     SolveReport report = conjugate_gradients<Real>(A, precondition, Span<const Real>(b_), q, limits, ResidualNorm::euclidean, worst_rate);
     Column<Real> ones(n, 1);
     D_.transposed(ones, matrix.force);
@@ -108,15 +107,14 @@ ConstraintPressure::ActiveSet ConstraintPressure::choose(ConstraintMatrix& matri
 /// Active set: conjugate gradients over the particles that are taken to press, then those that would pull stop, those that are still
 /// compressed start, and again. What pressed in the last step presses first, with all that is compressed now. Where that is news to most of
 /// them (the first step, an impact), so does all that is about full: from below, the pressed set would grow by two neighbours' reach a
-/// round. (Always, as before, the first round went to particles of the surface that the second let go: 17.4 iterations a step of a dam
-/// rather than 12.3.)
+/// round. In other steps that would take particles of the surface in for a round, and a dam 17.4 iterations a step rather than 12.3.
 SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContext& step, Span<Real> q, Span<const char> both) {
     constexpr Real about_full = Real(0.02);         // relative density that is missing
     constexpr double changes_to_set_up_for = 0.02;  // part of the particles
     const Index n = D_.size();
     const double worst_rate = std::sqrt(static_cast<double>(n)) * static_cast<double>(step.rest_density / step.dt);
     // A lattice has modes (neighbours up and down in turn) that no pressure moves: asked for more than this, they would grow without bound.
-    const double share = !bodies_.empty() || !both.empty() ? careful_step_share : step_share;
+    const double share = !bodies_.empty() || !both.empty() ? strict_share : usual_share;
     double tolerance = share * options_.limits.tolerance;
     PressurePreconditioner M;
     std::vector<char> set_up_for;  // presses, when M was set up
@@ -134,7 +132,7 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
             report.first_residual = report.last_residual;
             const double asked =
                 std::sqrt(parallel_sum(n, [&](Index i) { return matrix.presses[i] ? static_cast<double>(b_[i]) * b_[i] : 0.0; }));
-            const double least = std::max(least_step_share * options_.limits.tolerance, least_tolerance);
+            const double least = std::max(least_share * options_.limits.tolerance, least_tolerance);
             tolerance = std::min(tolerance, std::max(largest_residual(options_.limits.tolerance) * asked / worst_rate, least));
         }
         report.converged = report.last_residual <= tolerance || (round > 0 && !options_.active_set);
@@ -165,22 +163,22 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
 
 WallImage ConstraintPressure::wall_of(const Surroundings& around) const {
     WallImage wall(around.step.kernel, around.step.support, around.step.spacing, options_.gate);
-    wall.goes_on = !around.solids.any_free();
+    wall.linear_when_near = !around.solids.any_free();
     return wall;
 }
 
-Real ConstraintPressure::mending_time(Span<const Vec3> u, const StepContext& step) const {
+Real ConstraintPressure::correction_time(Span<const Vec3> u, const StepContext& step) const {
     if (bodies_.empty()) return step.dt;
     const auto speed = static_cast<Real>(std::hypot(largest_speed(u), std::sqrt(static_cast<double>(step.gravity.norm() * step.spacing))));
     return speed > 0 ? std::max(step.dt, Real(0.4) * step.spacing / speed) : step.dt;
 }
 
-Real ConstraintPressure::mending_rate(Real rho, Real target, bool filled, const StepContext& step, Real time) const {
+Real ConstraintPressure::correction_rate(Real rho, Real target, bool filled, const StepContext& step, Real time) const {
     // What an impact has pressed together is pushed apart no faster than 5 % of its density allow, or it would jump. Without a surface it
     // is 0.5 %: unevenness that alternates from neighbour to neighbour takes large velocities to mend.
     const Real rho_0 = step.rest_density;
     const Real excess = filled ? std::clamp(rho - target, -rho_0 / 200, rho_0 / 200) : std::min(rho - target, rho_0 / 20);
-    return excess > 0 || filled ? corrected(filled) * excess / time : excess / step.dt;
+    return excess > 0 || filled ? correction_share(filled) * excess / time : excess / step.dt;
 }
 
 void ConstraintPressure::operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Write<field::density> rho,
@@ -196,9 +194,9 @@ void ConstraintPressure::operator()(const Surroundings& around, StepReport& repo
     const bool filled = fills_periodic_domain(around, n);
     const Real target = filled ? static_cast<Real>(parallel_sum(n, [&](Index i) { return static_cast<double>(rho[i]); }) / n) : rho_0;
     const double mean_rate = filled ? parallel_sum(n, [&](Index i) { return static_cast<double>(b_[i]); }) / n : 0;
-    const Real time = mending_time(u.values, step);
+    const Real time = correction_time(u.values, step);
     parallel_for(n, [&](Index i) {
-        b_[i] += mending_rate(rho[i], target, filled, step, time);
+        b_[i] += correction_rate(rho[i], target, filled, step, time);
         p[i] = D_.diagonal[i] > 0 ? p[i] / D_.virial[i] * step.dt / (rho[i] * rho[i]) : 0;  // q
     });
     ConstraintMatrix matrix{D_, {}, Column<Padded>(n), around.pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};

@@ -44,7 +44,7 @@ struct ConstraintOptions {
     double correction = 0.5;  ///< share of the density error that a step corrects; its motion stays in the velocity
     /// Corrects 0.4 of that share, as with free bodies and in full periodic domains: a drop that surface tension holds together loses some
     /// of its pressure to a faster correction (a twentieth, with a radius of 11 spacings).
-    bool careful = false;
+    bool slow_correction = false;
     SolidGate gate;          ///< before solids
     bool active_set = true;  ///< false: p >= 0 is clamped after one solve, as in the notes
     ConstraintPreconditionerSetup preconditioner = diagonal_scaling;
@@ -75,15 +75,15 @@ protected:
     /// particle may be and still join, where more join than press; 0: none
     ActiveSet choose(ConstraintMatrix& matrix, Span<const Real> q, Span<const char> both, Real about_full, Span<Real> rest) const;
     /// Part of a density above rest (of any error, where the domain is `filled`) that the step corrects.
-    Real corrected(bool filled) const {
-        return static_cast<Real>(filled || options_.careful || !bodies_.empty() ? 0.4 * options_.correction : options_.correction);
+    Real correction_share(bool filled) const {
+        return static_cast<Real>(filled || options_.slow_correction || !bodies_.empty() ? 0.4 * options_.correction : options_.correction);
     }
-    /// Rate at which a density of rho is to approach `target` [kg/(m^3 s)]. @param time mending_time() [s]
-    Real mending_rate(Real rho, Real target, bool filled, const StepContext& step, Real time) const;
-    /// Over which a density error is mended [s]: the step, but beside free bodies no less than the fluid itself takes for 0.4 spacings at
-    /// its speed (at least sqrt(g d)). A heavy body on a thin film of fluid is otherwise thrown up by what mends the film, the faster the
-    /// shorter the step, and the pressure that throws it shortens the next one.
-    Real mending_time(Span<const Vec3> u, const StepContext& step) const;
+    /// Rate at which a density of rho is to approach `target` [kg/(m^3 s)]. @param time correction_time() [s]
+    Real correction_rate(Real rho, Real target, bool filled, const StepContext& step, Real time) const;
+    /// Over which a density error is corrected [s]: the step, but beside free bodies no less than the fluid itself takes for 0.4 spacings
+    /// at its speed (at least sqrt(g d)). A heavy body on a thin film of fluid is otherwise thrown up by the correction of the film, the
+    /// faster the shorter the step, and the pressure that throws it shortens the next one.
+    Real correction_time(Span<const Vec3> u, const StepContext& step) const;
     WallImage wall_of(const Surroundings& around) const;
     SolveReport solve_filled(ConstraintMatrix& A, const StepContext& step, double mean_rate, Real fastest, Span<Real> q);
 

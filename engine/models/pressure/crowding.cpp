@@ -35,7 +35,7 @@ std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, con
     const Real rho_0 = step.rest_density, m = step.mass, crowded = rho_0 * (1 + most_ / 2), farthest = step.spacing / 5;
     const auto row = [&](Index i) {
         return density_row(
-            wall, W, around, i, [](const Pairs::Group&, const Real*) {}, [](Index, const Vec3&, const WallImage::Seen&) {});
+            wall, W, around, i, [](const Pairs::Group&, const Real*) {}, [](Index, const Vec3&, const WallImage::Share&) {});
     };
     const Index n = static_cast<Index>(x.size());
     parallel_for(n, [&](Index i) { rho[i] = row(i).density; });

@@ -23,19 +23,20 @@ struct WallImage {
     Real stretch;  ///< 1.85 for the cubic kernel with R = 2 d
     Real virial;   ///< on what the layer adds to a particle's virial (DensityRate::virial)
     Real spacing;  ///< m
-    Real nearest;  ///< m, where an image comes closer than this along the normal, w goes on along its tangent
-    bool goes_on =
-        true;        ///< false: w stays as it is at `nearest`. With free bodies: a raft would float 0.05 d higher, 0.19 above Archimedes
+    Real nearest;  ///< m; where an image is closer than this along the normal, w grows linearly
+    /// false: w stays as it is at `nearest`. So with free bodies: linear, a raft floats 0.05 d higher, 0.19 d above Archimedes
+    /// (tests/validation/sim/bodies.cpp).
+    bool linear_when_near = true;
     SolidGate gate;  ///< w_i counts as w_i times its weight, in the density and in its derivative
     WallImage(KernelKind kernel, Real support, Real spacing, SolidGate gate = {});
 
     /// What a solid particle adds to w_i, its gradient with respect to x_i, and its pull -V W' |r'|.
-    struct Seen {
+    struct Share {
         Real value, pull;
         Vec3 gradient;
     };
     template <class Kernel>
-    Seen see(const Kernel& W, const Vec3& r, Real distance, const Vec3& normal, Real volume) const {
+    Share share(const Kernel& W, const Vec3& r, Real distance, const Vec3& normal, Real volume) const {
         const Real V = factor * volume, height = r.dot(normal);
         Vec3 g = r;
         Real beyond = 0;   // how much closer than `nearest`
@@ -47,13 +48,15 @@ struct WallImage {
         }
         const Real slope = W.slope(distance);
         g *= V * slope;
-        return {V * (W.value(distance) - (goes_on ? slope * nearest * beyond : Real(0))), -V * slope * distance * distance * virial, g};
+        return {V * (W.value(distance) - (linear_when_near ? slope * nearest * beyond : Real(0))),
+                -V * slope * distance * distance * virial, g};
     }
-    /// Of the room around i, which solids fill to w: 1 - w, but never 0, and how much it shrinks with w.
-    struct Room {
+    /// The share of the volume around i that solids, which fill w of it, leave to the fluid: 1 - w, but never 0, and how much it shrinks
+    /// with w.
+    struct FreeVolume {
         Real left, slope;
     };
-    static Room room(Real w) {
+    static FreeVolume free_volume(Real w) {
         constexpr Real least = Real(0.25);
         if (w <= 1 - least) return {1 - w, 1};
         const Real left = least * std::exp((1 - least - w) / least);
@@ -70,7 +73,7 @@ struct DensityRow {
     Real pull;           ///< -sum_j m W' r + rho_i times the solids' [kg/m^3]
 };
 
-/// @param fluid_neighbours called as (group, c) with g_ij = c r @param solid_neighbour as (s, r, Seen)
+/// @param fluid_neighbours called as (group, c) with g_ij = c r @param solid_neighbour as (s, r, Share)
 template <class Kernel, class Fluid, class SolidPart>
 DensityRow density_row(const WallImage& wall, const Kernel& W, const Surroundings& around, Index i, Fluid&& fluid_neighbours,
                        SolidPart&& solid_neighbour) {
@@ -98,15 +101,15 @@ DensityRow density_row(const WallImage& wall, const Kernel& W, const Surrounding
     });
     if (around.layer.size() > 0)
         around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-            const WallImage::Seen seen = wall.see(W, r, distance, around.layer.normal[s], around.layer.volume[s]);
-            w += seen.value;
-            wall_pull += seen.pull;
-            walls += seen.gradient;
-            solid_neighbour(s, r, seen);
+            const WallImage::Share share = wall.share(W, r, distance, around.layer.normal[s], around.layer.volume[s]);
+            w += share.value;
+            wall_pull += share.pull;
+            walls += share.gradient;
+            solid_neighbour(s, r, share);
         });
-    const SolidGate::Passed passed = wall.gate.pass(w);
-    const WallImage::Room room = WallImage::room(passed.sum);
-    const Real f = 1 / room.left, slope = passed.slope * room.slope, rho = f * density;
+    const SolidGate::Gated gated = wall.gate.gated(w);
+    const WallImage::FreeVolume free_volume = WallImage::free_volume(gated.sum);
+    const Real f = 1 / free_volume.left, slope = gated.slope * free_volume.slope, rho = f * density;
     return {rho, f, f * (fluid + rho * slope * walls), slope, squares, pull + rho * slope * wall_pull};
 }
 

@@ -38,11 +38,11 @@ void DivergenceFree::operator()(const Surroundings& around, StepReport& report, 
     matrix.presses.assign(n, 1);
     matrix.multiply(p.values, residual_);  // leaves D^T q in matrix.force
     const Real target = filled ? static_cast<Real>(parallel_sum(n, [&](Index i) { return static_cast<double>(rho[i]); }) / n) : rho_0;
-    const Real time = mending_time(u.values, step);
+    const Real time = correction_time(u.values, step);
     parallel_for(n, [&](Index i) {
         u[i] -= matrix.force[i].head<3>();
         p[i] *= D_.virial[i] * rho[i] * rho[i] / step.dt;
-        b_[i] = rate_[i] - residual_[i] + mending_rate(rho[i], target, filled, step, time);
+        b_[i] = rate_[i] - residual_[i] + correction_rate(rho[i], target, filled, step, time);
     });
     matrix.bodies = nullptr;
     report.solves.push_back(
