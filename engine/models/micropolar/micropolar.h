@@ -54,6 +54,18 @@ public:
                     Update<field::spin> w);
 
 private:
+    struct Sums;
+    struct Own;
+    struct Fluid;
+    struct Coefficients;
+    Coefficients coefficients(const StepContext& step) const;
+    template <bool central, class Kernel>
+    static void add_fluid(Sums& all, const Kernel& W, const FluidPairs& pairs, Index i, const Own& own, const Fluid& fluid);
+    template <bool central, class Kernel>
+    static void add_solids(Sums& all, const Kernel& W, const MicropolarOptions& options, const Surroundings& around, Index i,
+                           const Own& own);
+    template <bool central>
+    EnergyWork drive(const Coefficients& c, const Sums& s, const Own& own, Vec3& a, Vec3& change) const;
     template <class Kernel, bool central>
     EnergyWork advance(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Read<field::density> rho,
                        Read<field::velocity> u, Update<field::acceleration> a, Write<field::spin_change> change, Read<field::spin> w) const;
