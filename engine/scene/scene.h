@@ -75,7 +75,6 @@ struct PressureKeys {
     PressureForm form = PressureForm::constraint;               ///< ppe
     double correction = 0.5;                                    ///< ppe, constraint: share of the density error that a step corrects
     bool divergence_free = false;    ///< ppe, constraint: one solve for the velocity, from both sides, and one for the places
-    bool active_set = true;          ///< ppe, constraint: false: p >= 0 by a clamp after one solve
     double damping = 2;              ///< ppe, constraint: of motion between neighbours that is not resolved, times sqrt(g/d)
     double sound_speed = 0;          ///< m/s, wcsph; 0: ten times the speed that the plan expects
     double gamma = 7;                ///< exponent of Tait's equation, wcsph
@@ -101,7 +100,6 @@ struct MicropolarKeys {
     CurlForm curl_velocity = CurlForm::difference_own_density, curl_spin = CurlForm::symmetric;
     bool co_rotating = true;  ///< curl u - 2 w as the curl seen from the turning particle
     double xsph_velocity = 0.002, xsph_spin = 0.125;
-    double xsph_time = 0;                  ///< s; 0: the parts are taken every step, whatever its length
     double spin_length = 0;                ///< m; 0: the spacing
     std::optional<double> spin_viscosity;  ///< gamma [Pa s m^2]; none: viscosity spin_length^2
     VectorExpression torque;

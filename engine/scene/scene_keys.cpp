@@ -129,8 +129,6 @@ KeyTable pressure_keys() {
           "constraint: inside the fluid the velocity is held free of divergence from both sides, and a second solve moves particles to "
           "keep the density")
         .only_with(model, {"ppe"});
-    t.key("active_set", &PressureKeys::active_set, "", "constraint: pressures are found with p >= 0; false: cut off at 0 after one solve")
-        .only_with(model, {"ppe"});
     t.key("damping", &PressureKeys::damping, "", "constraint: rate at which unresolved motion between neighbours dies, times sqrt(g/d)")
         .at_least(0)
         .only_with(model, {"ppe"});
@@ -209,8 +207,6 @@ KeyTable micropolar_keys() {
               "curl u - 2 w as the curl seen from the turning particle, which conserves angular momentum; false: as written"));
     own(t.key("xsph_velocity", &M::xsph_velocity, "", "smoothing of the velocity a step").at_least(0).at_most(1)).live();
     own(t.key("xsph_spin", &M::xsph_spin, "", "smoothing of the spin a step").at_least(0).at_most(1)).live();
-    own(t.key("xsph_time", &M::xsph_time, "s", "time in which the smoothings take their parts; 0: every step, as in the notes")
-            .at_least(0));
     own(t.key("spin_length", &M::spin_length, "m", "l in the spin's diffusion viscosity l^2; 0: the spacing").at_least(0));
     own(t.key("spin_viscosity", &M::spin_viscosity, "Pa s m^2", "gamma, diffusion of the spin; auto: viscosity spin_length^2").at_least(0));
     own(t.key("torque", &M::torque, "m^2/s^2", "torque on every particle over its mass").of("txyz")).live();

@@ -234,7 +234,6 @@ private:
         options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
         options.correction = scene_.pressure.correction;
         options.slow_correction = scene_.fluid.surface_tension > 0;
-        options.active_set = scene_.pressure.active_set;
         options.gate = gate_;
         options.preconditioner = preconditioner<ConstraintPreconditionerSetup>(
             scene_.pressure.preconditioner, constraint_automatic, constraint_unpreconditioned, diagonal_scaling, constraint_multigrid());
@@ -342,7 +341,6 @@ private:
         options.implicit_exchange = n.implicit_exchange;
         options.smoothing_velocity = keys.xsph_velocity;
         options.smoothing_spin = keys.xsph_spin;
-        options.smoothing_time = keys.xsph_time;
         options.free_spin_walls = keys.wall_spin == WallSpin::free;
         options.torque = keys.torque;
         options.solid_factor = solid_factor_;

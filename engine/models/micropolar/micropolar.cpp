@@ -135,16 +135,13 @@ struct Micropolar::Coefficients {
 
 Micropolar::Coefficients Micropolar::coefficients(const StepContext& step) const {
     const MicropolarOptions& o = options_;
-    const auto part = [&](double given) {
-        return static_cast<Real>(o.smoothing_time > 0 ? std::min(0.5, given * static_cast<double>(step.dt) / o.smoothing_time) : given);
-    };
     Coefficients c;
     c.dt = step.dt, c.m = step.mass;
     c.lattice = 3 / lattice_second_moment(step.kernel, step.support, step.spacing);
     c.lambda = static_cast<Real>(o.coupling), c.over_theta = static_cast<Real>(1 / o.micro_inertia), c.theta = o.micro_inertia;
     c.mu = static_cast<Real>(o.pair_viscosity), c.mu_central = static_cast<Real>(o.central_viscosity);
     c.gamma = static_cast<Real>(o.spin_viscosity);
-    c.alpha = part(o.smoothing_velocity) / step.dt, c.beta = part(o.smoothing_spin) / step.dt;
+    c.alpha = static_cast<Real>(o.smoothing_velocity) / step.dt, c.beta = static_cast<Real>(o.smoothing_spin) / step.dt;
     c.gravity = step.gravity;
     c.any_torque = !o.torque.is_zero();
     return c;

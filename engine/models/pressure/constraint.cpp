@@ -95,7 +95,7 @@ ConstraintPressure::ActiveSet ConstraintPressure::choose(ConstraintMatrix& matri
         matrix.presses[i] = can(i) && (pressed || r > 0);
         return matrix.presses[i] ? ActiveSet{static_cast<double>(r) * r, pressed, !pressed} : ActiveSet{};
     });
-    const bool all = about_full > 0 && (set.joining > set.pressed || !options_.active_set);
+    const bool all = about_full > 0 && (set.joining > set.pressed);
     parallel_for(n, [&](Index i) {
         if (matrix.presses[i]) return;
         matrix.presses[i] = all && can(i) && rest[i] > -about_full;
@@ -135,7 +135,7 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
             const double least = std::max(least_share * options_.limits.tolerance, least_tolerance);
             tolerance = std::min(tolerance, std::max(largest_residual(options_.limits.tolerance) * asked / worst_rate, least));
         }
-        report.converged = report.last_residual <= tolerance || (round > 0 && !options_.active_set);
+        report.converged = report.last_residual <= tolerance;
         report.solve_seconds = wall_seconds() - start - report.set_up_seconds;
         if (report.converged) return report;
         if (!std::isfinite(left) || report.iterations >= options_.limits.max_iterations || round > options_.limits.max_iterations) {
@@ -151,7 +151,7 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
             report.set_up_seconds += wall_seconds() - before;
         }
         // Early rounds need not be exact: their set changes.
-        const double aim = options_.active_set ? std::max(tolerance / 2, report.last_residual / 10) : tolerance;
+        const double aim = std::max(tolerance / 2, report.last_residual / 10);
         const SolveLimits limits{aim, options_.limits.max_iterations - report.iterations};
         report.iterations +=
             conjugate_gradients_from<Real>(A, M, Span<Real>(rest), q, limits, ResidualNorm::euclidean, worst_rate).iterations;

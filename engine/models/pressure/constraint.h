@@ -45,8 +45,7 @@ struct ConstraintOptions {
     /// Corrects 0.4 of that share, as with free bodies and in full periodic domains: a drop that surface tension holds together loses some
     /// of its pressure to a faster correction (a twentieth, with a radius of 11 spacings).
     bool slow_correction = false;
-    SolidGate gate;          ///< before solids
-    bool active_set = true;  ///< false: p >= 0 is clamped after one solve, as in the notes
+    SolidGate gate;  ///< before solids
     ConstraintPreconditionerSetup preconditioner = diagonal_scaling;
 };
 
