@@ -104,6 +104,14 @@ ConstraintPressure::ActiveSet ConstraintPressure::choose(ConstraintMatrix& matri
     return set;
 }
 
+/// What the rates asked for allow to be left, over worst_rate: see largest_residual().
+double ConstraintPressure::tolerance_of_rates(const ConstraintMatrix& matrix, double worst_rate) const {
+    const double asked =
+        std::sqrt(parallel_sum(D_.size(), [&](Index i) { return matrix.presses[i] ? static_cast<double>(b_[i]) * b_[i] : 0.0; }));
+    const double least = std::max(least_share * options_.limits.tolerance, least_tolerance);
+    return std::max(largest_residual(options_.limits.tolerance) * asked / worst_rate, least);
+}
+
 /// Active set: conjugate gradients over the particles that are taken to press, then those that would pull stop, those that are still
 /// compressed start, and again. What pressed in the last step presses first, with all that is compressed now. Where that is news to most of
 /// them (the first step, an impact), so does all that is about full: from below, the pressed set would grow by two neighbours' reach a
@@ -130,10 +138,7 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
         report.last_residual = left / worst_rate;
         if (round == 0) {
             report.first_residual = report.last_residual;
-            const double asked =
-                std::sqrt(parallel_sum(n, [&](Index i) { return matrix.presses[i] ? static_cast<double>(b_[i]) * b_[i] : 0.0; }));
-            const double least = std::max(least_share * options_.limits.tolerance, least_tolerance);
-            tolerance = std::min(tolerance, std::max(largest_residual(options_.limits.tolerance) * asked / worst_rate, least));
+            tolerance = std::min(tolerance, tolerance_of_rates(matrix, worst_rate));
         }
         report.converged = report.last_residual <= tolerance;
         report.solve_seconds = wall_seconds() - start - report.set_up_seconds;

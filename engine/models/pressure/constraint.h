@@ -73,6 +73,7 @@ protected:
     /// Sets matrix.presses and leaves in `rest` what b - A q is there. @param about_full kg/(m^3 s): how far short of being compressed a
     /// particle may be and still join, where more join than press; 0: none
     ActiveSet choose(ConstraintMatrix& matrix, Span<const Real> q, Span<const char> both, Real about_full, Span<Real> rest) const;
+    double tolerance_of_rates(const ConstraintMatrix& matrix, double worst_rate) const;
     /// Part of a density above rest (of any error, where the domain is `filled`) that the step corrects.
     Real correction_share(bool filled) const {
         return static_cast<Real>(filled || options_.slow_correction || !bodies_.empty() ? 0.4 * options_.correction : options_.correction);
