@@ -37,10 +37,9 @@ void set_solid_volumes(SolidParticles& particles, const Solids& solids, const Do
     for (const Solid& solid : solids.all) moves.push_back(solid.moves());
     with_kernel(kernel, support, [&](const auto& W) {
         parallel_for(particles.size(), [&](Index s) {
-            const auto whose = [&](Index i) { return static_cast<std::size_t>(particles.solid[i]); };
             Real sum = W.value(0);
             pairs.of(s, [&](Index other, const Vec3&, Real distance) {
-                const std::size_t a = whose(s), b = whose(other);
+                const Index a = particles.solid[s], b = particles.solid[other];
                 if (a == b || (!moves[a] && !moves[b])) sum += W.value(distance);
             });
             particles.volume[s] = 1 / sum;

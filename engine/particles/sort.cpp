@@ -42,59 +42,58 @@ std::uint64_t hilbert_key(std::array<std::uint32_t, 3> c, int bits) {
 }  // namespace
 
 Span<const Index> CurveSort::order(Span<const Vec3> x, Real cell) {
-    const Index n = static_cast<Index>(x.size());
-    const auto at = [](Index i) { return static_cast<std::size_t>(i); };
-    key_.resize(x.size());
-    other_key_.resize(x.size());
-    order_.resize(x.size());
-    other_order_.resize(x.size());
-    const auto finite = [&](Index i) { return std::isfinite(x[at(i)][0]) && std::isfinite(x[at(i)][1]) && std::isfinite(x[at(i)][2]); };
+    key_.resize(x.size()), other_key_.resize(x.size());
+    order_.resize(x.size()), other_order_.resize(x.size());
+    set_keys(x, cell);
+    sort_keys();
+    return order_;
+}
 
-    // Cells count from the middle of the range of keys at the origin and wrap: a stray particle far away cannot coarsen the cells of the
-    // others.
+/// Cells count from the middle of the range of keys at the origin and wrap: a stray particle far away cannot coarsen the cells of the
+/// others.
+void CurveSort::set_keys(Span<const Vec3> x, Real cell) {
     constexpr double range = double(1 << axis_bits);
+    const Index n = static_cast<Index>(x.size());
+    const auto finite = [&](Index i) { return std::isfinite(x[i][0]) && std::isfinite(x[i][1]) && std::isfinite(x[i][2]); };
     const auto coordinate = [&](Index i, int a) {
-        const double c = std::floor(double(x[at(i)][a]) / double(cell)) + range / 2;
+        const double c = std::floor(double(x[i][a]) / double(cell)) + range / 2;
         return static_cast<std::uint32_t>(std::clamp(c - range * std::floor(c / range), 0.0, range - 1));
     };
     std::array<std::uint32_t, 3> lowest{}, highest{};
+    std::uint32_t extent = 0;
     for (int a = 0; a < 3; ++a) {
         lowest[a] = static_cast<std::uint32_t>(
             -parallel_max(n, 1 - range, [&](Index i) { return finite(i) ? -double(coordinate(i, a)) : 1 - range; }));
         highest[a] = static_cast<std::uint32_t>(parallel_max(n, 0, [&](Index i) { return finite(i) ? double(coordinate(i, a)) : 0; }));
+        extent = std::max(extent, highest[a] >= lowest[a] ? highest[a] - lowest[a] : 0);
     }
-    std::uint32_t extent = 0;
-    for (std::size_t a = 0; a < 3; ++a) extent = std::max(extent, highest[a] >= lowest[a] ? highest[a] - lowest[a] : 0);
     const int bits = std::bit_width(extent);
-
     parallel_for(n, [&](Index i) {
         std::array<std::uint32_t, 3> c;
         for (int a = 0; a < 3; ++a) c[a] = finite(i) ? coordinate(i, a) - lowest[a] : 0;
-        key_[at(i)] = finite(i) ? hilbert_key(c, bits) : not_finite;
-        order_[at(i)] = i;
+        key_[i] = finite(i) ? hilbert_key(c, bits) : not_finite;
+        order_[i] = i;
     });
+}
 
-    // Radix sort, stable, from the lowest digit up; digits that all keys share are skipped.
+/// Radix sort, stable, from the lowest digit up; digits that all keys share are skipped.
+void CurveSort::sort_keys() {
     constexpr int digit_bits = 11, digits = 1 << digit_bits;
     std::uint64_t any = 0, all = ~std::uint64_t(0);
-    for (const std::uint64_t key : key_) {
-        any |= key;
-        all &= key;
-    }
+    for (const std::uint64_t key : key_) any |= key, all &= key;
     for (int shift = 0; shift <= 3 * axis_bits; shift += digit_bits) {
         if (((any & ~all) >> shift & (digits - 1)) == 0) continue;
         std::array<Index, digits + 1> start{};
         for (const std::uint64_t key : key_) ++start[(key >> shift & (digits - 1)) + 1];
         for (std::size_t d = 1; d <= digits; ++d) start[d] += start[d - 1];
-        for (Index k = 0; k < n; ++k) {
-            const std::size_t place = at(start[key_[at(k)] >> shift & (digits - 1)]++);
-            other_key_[place] = key_[at(k)];
-            other_order_[place] = order_[at(k)];
+        for (std::size_t k = 0; k < key_.size(); ++k) {
+            const Index place = start[key_[k] >> shift & (digits - 1)]++;
+            other_key_[place] = key_[k];
+            other_order_[place] = order_[k];
         }
         key_.swap(other_key_);
         order_.swap(other_order_);
     }
-    return order_;
 }
 
 }  // namespace whorl

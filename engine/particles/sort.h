@@ -14,6 +14,9 @@ public:
     Span<const Index> order(Span<const Vec3> x, Real cell);
 
 private:
+    void set_keys(Span<const Vec3> x, Real cell);
+    void sort_keys();
+
     std::vector<std::uint64_t> key_, other_key_;
     std::vector<Index> order_, other_order_;
 };

@@ -13,10 +13,7 @@ constexpr double same = 2e-3;       ///< parameters so near share an answer
 constexpr double same_none = 0.03;  ///< where none was found, which may take a second, it is not sought again so near
 constexpr double neighbour = 0.1;   ///< so near, the old answer stands in for the one to come
 
-bool takes_viscosity(const Plan& plan) {
-    if (plan.micropolar != MicropolarModel::none) return false;
-    return plan.pressure == PressureModel::coupled || (plan.viscosity != ViscosityModel::none && plan.viscosity != ViscosityModel::xsph);
-}
+bool takes_viscosity(const Plan& plan) { return plan.facts.viscous() && !plan.facts.micropolar.spins; }
 
 }  // namespace
 

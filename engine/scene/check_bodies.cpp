@@ -1,13 +1,12 @@
-#include "engine/scene/checks.h"
-#include "engine/scene/names.h"
+#include "engine/scene/check_bodies.h"
+
+#include "engine/scene/key_problems.h"
 #include "engine/scene/tree.h"
 
 namespace whorl {
 
 void check_bodies(const Scene& scene, const Plan& plan, std::vector<Problem>& problems) {
-    const auto report = [&](const std::string& key, const std::string& what, const std::string& hint) {
-        problems.push_back({scene.place(key), what, hint, ""});
-    };
+    const KeyProblems report(scene, problems);
     for (std::size_t k = 0; k < scene.solids.size(); ++k) {
         const SolidKeys& solid = scene.solids[k];
         const std::string name = entry_name("solid", k);
@@ -30,21 +29,18 @@ void check_bodies(const Scene& scene, const Plan& plan, std::vector<Problem>& pr
                    "give where it starts, and its velocity");
     }
     if (!scene.any_free_solid()) return;
-    const bool constraint = plan.pressure == PressureModel::ppe && scene.pressure.form == PressureForm::constraint;
-    if (!constraint && plan.pressure != PressureModel::wcsph)
+    if (!plan.facts.pressure.moves_bodies)
         report("models.pressure",
-               std::string("free bodies (solids with a density) do not go with models.pressure = \"") + name_of(plan.pressure) + "\"" +
-                   (plan.pressure == PressureModel::ppe ? ", pressure.form = \"poisson\"" : ""),
-               "take \"ppe\" with form = \"constraint\", which solves for fluid and bodies at once, or \"wcsph\"");
+               "models.pressure = " + described(plan.facts.pressure) + " does not move free bodies (solids with a density)",
+               "take " + described(pressure_models(), &PressureFacts::moves_bodies));
     else if (plan.boundary == BoundaryModel::none)
         report("models.boundary", "free bodies feel the fluid through their layer of particles, and models.boundary is none",
                "take \"auto\"");
-    if (plan.viscosity == ViscosityModel::full_assembled || (plan.viscosity == ViscosityModel::full && !scene.viscosity.correction))
-        report("models.viscosity",
-               std::string("models.viscosity = \"") + name_of(plan.viscosity) + "\" as given here does not move free bodies",
-               "take \"full\" with viscosity.correction, \"explicit\", \"xsph\" or \"none\"");
+    if (!plan.facts.viscosity.moves_bodies)
+        report("models.viscosity", "models.viscosity = " + described(plan.facts.viscosity) + " does not move free bodies",
+               "take " + described(viscosity_models(), &ViscosityFacts::moves_bodies));
     if (scene.fluid.surface_tension > 0) report("fluid.surface_tension", "surface tension does not pull on free bodies", "take 0");
-    if (plan.micropolar != MicropolarModel::none) report("models.micropolar", "micropolar fluids do not move free bodies", "take \"none\"");
+    if (plan.facts.micropolar.spins) report("models.micropolar", "micropolar fluids do not move free bodies", "take \"none\"");
 }
 
 }  // namespace whorl

@@ -1,3 +1,5 @@
+#include "engine/scene/check_placement.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,7 +9,7 @@
 
 #include "engine/models/surface_tension/surface_tension.h"
 #include "engine/models/viscosity/ageing_viscosity.h"
-#include "engine/scene/checks.h"
+#include "engine/scene/key_problems.h"
 #include "engine/scene/names.h"
 #include "engine/scene/tree.h"
 
@@ -26,17 +28,17 @@ double free_memory() {
     return std::numeric_limits<double>::infinity();
 }
 
-/// Bytes a particle: the neighbour rows (4 bytes a neighbour, and as much again for what goes with them), and what the rest measured at
-/// 3,000 particles (columns, matrices, solids; coupled: the rows of its operator and its coarse level). `whorl plan` measures it for the
-/// scene.
+/// Bytes a particle: the neighbour rows (4 bytes a neighbour, and as much again for what goes with them), and what the model holds besides.
+/// `whorl plan` measures it for the scene.
 double bytes_a_particle(const Plan& plan) {
-    return (plan.pressure == PressureModel::coupled ? 2400 : 800) + 8 * 4.19 * std::pow(plan.support / plan.spacing, 3);
+    return plan.facts.pressure.bytes_a_particle + 8 * 4.19 * std::pow(plan.support / plan.spacing, 3);
 }
 
 class Placement {
 public:
     Placement(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, const SceneShapes& shapes, std::vector<Problem>& problems)
-        : scene_(scene), plan_(plan), n_(numbers), shapes_(shapes), problems_(problems), low_(scene.domain.min), high_(scene.domain.max) {}
+        : scene_(scene), plan_(plan), n_(numbers), shapes_(shapes), report(scene, problems), low_(scene.domain.min),
+          high_(scene.domain.max) {}
 
     void check() {
         domain();
@@ -49,9 +51,6 @@ public:
     }
 
 private:
-    void report(const std::string& key, std::string what, std::string hint = "", std::string allowed = "") {
-        problems_.push_back({scene_.place(key), std::move(what), std::move(hint), std::move(allowed)});
-    }
     std::string domain_text() const { return "the domain goes from " + point(low_) + " to " + point(high_); }
 
     /// Axes that repeat have no outside.
@@ -196,7 +195,7 @@ private:
     }
 
     void memory() {
-        if (n_.particles < 1 && scene_.emitters.empty() && problems_.empty())
+        if (n_.particles < 1 && scene_.emitters.empty() && report.none())
             report("fluid.spacing", "the blocks are too small for a single particle", "take a smaller fluid.spacing");
         const double each = bytes_a_particle(plan_), need = each * n_.particles, have = free_memory();
         const double most = std::min(have, each * std::numeric_limits<Index>::max());
@@ -210,7 +209,7 @@ private:
     const Plan& plan_;
     const SceneNumbers& n_;
     const SceneShapes& shapes_;
-    std::vector<Problem>& problems_;
+    KeyProblems report;
     Vec3d low_, high_;
 };
 

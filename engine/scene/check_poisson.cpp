@@ -1,8 +1,11 @@
+#include "engine/scene/check_poisson.h"
+
 #include <fmt/format.h>
 
 #include <limits>
 
-#include "engine/scene/checks.h"
+#include "engine/scene/check_placement.h"
+#include "engine/scene/key_problems.h"
 
 namespace whorl {
 namespace {
@@ -41,10 +44,9 @@ double narrowest_gap(const SceneShapes& shapes, double spacing, double most) {
 }  // namespace
 
 void check_poisson(const Scene& scene, const Plan& plan, const SceneShapes& shapes, std::vector<Problem>& problems) {
-    if (plan.pressure != PressureModel::ppe || scene.pressure.form != PressureForm::poisson) return;
+    if (plan.facts.pressure.form != PressureForm::poisson) return;
     const auto report = [&](const std::string& what) {
-        problems.push_back(
-            {scene.place("pressure.form"), what, "take pressure.form = \"constraint\", which needs no special case there", ""});
+        KeyProblems(scene, problems)("pressure.form", what, "take pressure.form = \"constraint\", which needs no special case there");
     };
     const auto& periodic = scene.domain.periodic;
     if (periodic[0] && periodic[1] && periodic[2] && part_left_empty(scene, shapes) < 0.02)

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "engine/models/micropolar/micropolar.h"
+#include "engine/scene/key_problems.h"
 #include "engine/scene/names.h"
 #include "engine/scene/plan.h"
 
@@ -32,30 +33,31 @@ double MicropolarNumbers::spin_length() const {
 }
 
 Scene calibrated(const Scene& scene) {
-    if (scene.models.micropolar == MicropolarModel::none || !scene.micropolar.effective_viscosity) return scene;
+    const MicropolarFacts& facts = facts_of(scene.models.micropolar);
+    if (!facts.spins || !scene.micropolar.effective_viscosity) return scene;
     Scene chosen = scene;
     const double twice = 2 * *scene.micropolar.effective_viscosity, l = length_of_spin(scene);
-    chosen.fluid.viscosity = Expression(scene.models.micropolar == MicropolarModel::eringen ? 0.0 : twice);
-    chosen.micropolar.transfer_viscosity = scene.models.micropolar == MicropolarModel::seed ? 0 : twice;
+    chosen.fluid.viscosity = Expression(facts.viscosity_by_transfer > 0 ? 0.0 : twice);
+    chosen.micropolar.transfer_viscosity = facts.coupling_by_mu > 0 ? 0 : twice;
     chosen.micropolar.spin_viscosity = twice * l * l;
     chosen.micropolar.micro_inertia = l * l;
     return chosen;
 }
 
-MicropolarNumbers micropolar_numbers(const Scene& scene, ViscosityModel model) {
+MicropolarNumbers micropolar_numbers(const Scene& scene, const ViscosityFacts& viscosity) {
     const MicropolarKeys& keys = scene.micropolar;
     const double mu = scene.fluid.viscosity(0), transfer = keys.transfer_viscosity, l = length_of_spin(scene);
-    const bool eringen = scene.models.micropolar == MicropolarModel::eringen, explicit_mu = model == ViscosityModel::explicit_laplacian;
+    const MicropolarFacts& facts = facts_of(scene.models.micropolar);
+    const bool explicit_mu = viscosity.viscous && !viscosity.implicit;
     MicropolarNumbers n;
     n.density = scene.fluid.density;
-    n.coupling = scene.models.micropolar == MicropolarModel::seed ? mu + transfer : transfer;
-    const double own = (explicit_mu ? mu : 0) + (eringen ? transfer : 0);
-    const bool implicit_mu = model == ViscosityModel::full || model == ViscosityModel::full_assembled;
-    n.viscosity = own + (implicit_mu ? mu : 0);
+    n.coupling = facts.coupling_by_mu * mu + transfer;
+    const double own = (explicit_mu ? mu : 0) + facts.viscosity_by_transfer * transfer;
+    n.viscosity = own + (viscosity.implicit ? mu : 0);
     const LaplacianForm form = explicit_mu ? scene.viscosity.laplacian : LaplacianForm::brookshaw;
     n.pair_viscosity = form == LaplacianForm::brookshaw ? own : form == LaplacianForm::split ? n.coupling : 0;
     n.central_viscosity = own - n.pair_viscosity;
-    n.spin_viscosity = keys.spin_viscosity.value_or((mu + (eringen ? transfer : 0)) * l * l);
+    n.spin_viscosity = keys.spin_viscosity.value_or((mu + facts.viscosity_by_transfer * transfer) * l * l);
     n.micro_inertia = keys.micro_inertia;
     return n;
 }
@@ -64,7 +66,7 @@ void choose_micropolar(Plan& plan, const Scene& scene, const Scene& asked, doubl
     const auto choose = [&](const char* key, std::string value, bool automatic, std::string reason) {
         plan.choices.push_back({key, std::move(value), automatic, std::move(reason)});
     };
-    MicropolarNumbers& n = plan.spin = micropolar_numbers(scene, plan.viscosity);
+    MicropolarNumbers& n = plan.spin = micropolar_numbers(scene, plan.facts.viscosity);
     const double d = plan.spacing;
     const auto length = [&](double l) { return std::isfinite(l) ? fmt::format("{:.3g} m ({:.2g} d)", l, l / d) : std::string("infinite"); };
     choose("models.micropolar", name_of(plan.micropolar), false,
@@ -118,18 +120,16 @@ void warn_micropolar(Plan& plan, const Scene& scene) {
 }
 
 void check_micropolar(const Scene& scene, const Plan& plan, std::vector<Problem>& problems) {
-    const auto report = [&](const std::string& key, const std::string& what, const std::string& hint, const std::string& allowed = "") {
-        problems.push_back({scene.place(key), what, hint, allowed.empty() ? "" : "allowed: " + allowed});
-    };
-    if (plan.micropolar == MicropolarModel::none) {
+    const KeyProblems report(scene, problems);
+    if (!plan.facts.micropolar.spins) {
         if (plan.viscosity == ViscosityModel::explicit_laplacian && scene.viscosity.laplacian == LaplacianForm::split)
             report("viscosity.laplacian", "viscosity.laplacian = \"split\" splits by the coupling of a micropolar model, and there is none",
-                   "", "brookshaw or monaghan");
+                   "", "allowed: brookshaw or monaghan");
         return;
     }
-    if (plan.pressure == PressureModel::coupled)
-        report("models.pressure", "models.pressure = \"coupled\" has no micropolar terms", "take \"wcsph\" or \"ppe\"",
-               "auto, wcsph, ppe or none");
+    if (!plan.facts.pressure.has_micropolar)
+        report("models.pressure", "models.pressure = " + described(plan.facts.pressure) + " has no micropolar terms",
+               "take \"wcsph\" or \"ppe\"", "allowed: auto, wcsph, ppe or none");
     if (!scene.fluid.viscosity.is_constant())
         report("fluid.viscosity", "fluid.viscosity varies, and a micropolar model couples flow and spin by one viscosity", "give a number");
     const bool calibrates = scene.micropolar.effective_viscosity.has_value();

@@ -1,6 +1,6 @@
 #pragma once
 /// What the micropolar keys of a scene mean: the coefficients of the system, and the lengths and times behind them.
-#include "engine/scene/scene.h"
+#include "engine/scene/model_facts.h"
 
 namespace whorl {
 
@@ -39,8 +39,8 @@ struct MicropolarNumbers {
 /// effective_viscosity l^2 makes the spin length l, and micro_inertia = l^2 lets spin and momentum diffuse alike.
 Scene calibrated(const Scene& scene);
 
-/// @param scene calibrated @param viscosity model that the plan chose
-MicropolarNumbers micropolar_numbers(const Scene& scene, ViscosityModel viscosity);
+/// @param scene calibrated @param viscosity of the model that the plan chose
+MicropolarNumbers micropolar_numbers(const Scene& scene, const ViscosityFacts& viscosity);
 
 struct Plan;
 /// Chooses the exchange scheme and explains the numbers. @param flow_step s, the time step that all else allows @param given the scene as

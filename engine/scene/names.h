@@ -3,27 +3,30 @@
 #include <utility>
 #include <vector>
 
-#include "engine/scene/scene.h"
+#include "engine/scene/model_facts.h"
 
 namespace whorl {
 
 template <class E>
 using Choices = std::vector<std::pair<E, const char*>>;
 
-inline Choices<PressureModel> choices(PressureModel) {
-    using P = PressureModel;
-    return {{P::automatic, "auto"}, {P::none, "none"}, {P::wcsph, "wcsph"}, {P::ppe, "ppe"}, {P::coupled, "coupled"}};
+/// The rows' names, those of several rows once.
+template <class Facts>
+auto row_choices(const std::vector<Facts>& rows) {
+    Choices<decltype(Facts::model)> all;
+    for (const Facts& row : rows)
+        if (all.empty() || all.back().first != row.model) all.emplace_back(row.model, row.name);
+    return all;
 }
-inline Choices<ViscosityModel> choices(ViscosityModel) {
-    using V = ViscosityModel;
-    return {{V::automatic, "auto"}, {V::none, "none"},
-            {V::xsph, "xsph"},      {V::explicit_laplacian, "explicit"},
-            {V::full, "full"},      {V::full_assembled, "full_assembled"}};
+template <class E>
+Choices<E> with_automatic(Choices<E> all) {
+    all.insert(all.begin(), {E::automatic, "auto"});
+    return all;
 }
-inline Choices<MicropolarModel> choices(MicropolarModel) {
-    using M = MicropolarModel;
-    return {{M::none, "none"}, {M::seed, "seed"}, {M::bender, "bender"}, {M::eringen, "eringen"}};
-}
+
+inline Choices<PressureModel> choices(PressureModel) { return with_automatic(row_choices(pressure_models())); }
+inline Choices<ViscosityModel> choices(ViscosityModel) { return with_automatic(row_choices(viscosity_models())); }
+inline Choices<MicropolarModel> choices(MicropolarModel) { return row_choices(micropolar_models()); }
 inline Choices<BoundaryModel> choices(BoundaryModel) {
     using B = BoundaryModel;
     return {{B::automatic, "auto"}, {B::none, "none"}, {B::akinci, "akinci"}, {B::ppe, "ppe"}};

@@ -53,86 +53,114 @@ double emitted_volume(const EmitterKeys& e, double end) {
     return sum * opening_area(e);
 }
 
-SceneNumbers scene_numbers(const Scene& scene, const SceneShapes& shapes, double support) {
-    SceneNumbers n;
-    const double d = n.spacing = scene.fluid.spacing, end = scene.time.end;
-    n.free_surface = !(scene.domain.periodic[0] && scene.domain.periodic[1] && scene.domain.periodic[2]);
+namespace {
 
-    Vec3d pull = Vec3d::Zero();
-    for (const double t : sample_times(0, end)) {
-        const Vec3d g = scene.domain.gravity(t);
-        if (g.norm() > n.gravity) n.gravity = g.norm(), pull = g;
+/// Collects the numbers of what is in the scene, one thing after the other.
+class Survey {
+public:
+    Survey(const Scene& scene, const SceneShapes& shapes) : scene_(scene), shapes_(shapes), d_(scene.fluid.spacing) {
+        n_.spacing = d_;
+        n_.free_surface = !(scene.domain.periodic[0] && scene.domain.periodic[1] && scene.domain.periodic[2]);
+        n_.across = n_.least_viscosity = std::numeric_limits<double>::infinity();
     }
-    // Height over the floor: along -gravity, from the domain's lowest corner.
-    const Vec3d up = n.gravity > 0 ? Vec3d(-pull / n.gravity) : Vec3d::Zero();
-    const auto height = [&](const Vec3d& low, const Vec3d& high) {
-        double top = 0;
-        for (int a = 0; a < 3; ++a) {
-            if (scene.domain.periodic[a]) continue;
-            const double floor = up[a] > 0 ? scene.domain.min[a] : scene.domain.max[a];
-            top += up[a] * ((up[a] > 0 ? high[a] : low[a]) - floor);
-        }
-        return std::max(0.0, top);
-    };
 
-    n.across = n.least_viscosity = std::numeric_limits<double>::infinity();
-    const auto thin = [&](double length, const std::string& name) {
-        if (length / d < n.across) n.across = length / d, n.thinnest = name;
-    };
-    const auto viscous = [&](std::size_t source, const Vec3d& x) {
-        const Expression& mu = scene.viscosity_of_source(source);
-        n.viscosity = std::max(n.viscosity, mu(0, x));
-        if (mu(0, x) < n.least_viscosity) {
-            n.least_viscosity = mu(0, x);
-            n.thinnest_fluid =
-                source > 0 && scene.emitters[source - 1].viscosity ? entry_name("emitter", source - 1) + ".viscosity" : "fluid.viscosity";
-        }
-        if (depends_on_age(mu))
-            for (const double age : sample_times(0, end)) n.viscosity = std::max(n.viscosity, mu(age, x));
-    };
+    SceneNumbers numbers(double support) {
+        gravity();
+        for (std::size_t i = 0; i < scene_.blocks.size(); ++i) block(i);
+        for (std::size_t i = 0; i < scene_.emitters.size(); ++i) emitter(i);
+        for (std::size_t i = 0; i < scene_.solids.size(); ++i) solid(i);
+        steps(support);
+        return n_;
+    }
 
-    for (std::size_t i = 0; i < scene.blocks.size(); ++i) {
-        const BlockKeys& block = scene.blocks[i];
-        const Extent& e = shapes.block_extent[i];
-        const Vec3d low = e.min.cwiseMax(scene.domain.min), high = e.max.cwiseMin(scene.domain.max);
+private:
+    void gravity() {
+        for (const double t : sample_times(0, scene_.time.end)) {
+            const Vec3d g = scene_.domain.gravity(t);
+            if (g.norm() > n_.gravity) n_.gravity = g.norm(), up_ = -g / g.norm();
+        }
+    }
+
+    void block(std::size_t i) {
+        const BlockKeys& block = scene_.blocks[i];
+        const Extent& e = shapes_.block_extent[i];
+        const Vec3d low = e.min.cwiseMax(scene_.domain.min), high = e.max.cwiseMin(scene_.domain.max);
         over_box(low, high, [&](const Vec3d& x) {
-            n.speed = std::max(n.speed, block.velocity(0, x).norm());
-            viscous(0, x);
+            faster(block.velocity(0, x).norm());
+            viscosity(0, x);
         });
-        n.particles += e.volume / (d * d * d);
-        n.fall = std::max(n.fall, height(low, high));
+        n_.particles += e.volume / (d_ * d_ * d_);
+        falls_from(low, high);
         Vec3d size = e.max - e.min;
         for (int a = 0; a < 3; ++a)  // a film along a periodic axis is endless, not thin
-            if (scene.domain.periodic[a] && size[a] > 0.999 * (scene.domain.max[a] - scene.domain.min[a]))
+            if (scene_.domain.periodic[a] && size[a] > 0.999 * (scene_.domain.max[a] - scene_.domain.min[a]))
                 size[a] = std::numeric_limits<double>::infinity();
-        if (std::isfinite(size.minCoeff())) thin(size.minCoeff(), entry_name("block", i));
-    }
-    for (std::size_t i = 0; i < scene.emitters.size(); ++i) {
-        const EmitterKeys& e = scene.emitters[i];
-        const double peak = e.profile == Profile::parabolic ? (e.shape == "disc" ? 2 : 2.25) : 1;
-        for (const double t : sample_times(e.start, std::max(e.start, std::min(e.stop, end))))
-            n.speed = std::max(n.speed, peak * e.speed(t));
-        viscous(i + 1, e.position);
-        n.particles += emitted_volume(e, end) / (d * d * d);
-        n.fall = std::max(n.fall, height(e.position, e.position));
-        thin(e.shape == "disc" ? 2 * e.radius : std::min(e.width, e.thickness), entry_name("emitter", i));
-    }
-    for (std::size_t i = 0; i < scene.solids.size(); ++i) {
-        n.speed = std::max(n.speed, solid_speed(scene.solids[i], shapes.solid_extent[i], end));
-        if (!shapes.solids.all[i].body) continue;
-        n.speed = std::max(n.speed, scene.solids[i].velocity.norm());
-        const Vec3d at = scene.solids[i].position(0);
-        n.fall = std::max(n.fall, height(shapes.solid_extent[i].min + at, shapes.solid_extent[i].max + at));
+        if (std::isfinite(size.minCoeff())) thickness(size.minCoeff(), entry_name("block", i));
     }
 
-    n.speed = std::max(n.speed, std::sqrt(n.speed * n.speed + 2 * n.gravity * n.fall));
-    n.nu = n.viscosity / scene.fluid.density;
-    n.step = n.speed > 0 ? std::min(scene.time.max_step, scene.time.cfl * d / n.speed) : scene.time.max_step;
-    if (scene.time.fixed_step > 0) n.step = scene.time.fixed_step;
-    n.viscous_number = n.nu * n.step / (d * d);
-    n.least_viscous_number = n.least_viscosity > 0 ? 0.4 * n.least_viscosity / (scene.fluid.density * n.speed * d) : 0;
-    n.explicit_step = n.nu > 0 ? 0.125 * support * support / (4 * n.nu) : std::numeric_limits<double>::infinity();
-    return n;
-}
+    void emitter(std::size_t i) {
+        const EmitterKeys& e = scene_.emitters[i];
+        const double peak = e.profile == Profile::parabolic ? (e.shape == "disc" ? 2 : 2.25) : 1;
+        for (const double t : sample_times(e.start, std::max(e.start, std::min(e.stop, scene_.time.end)))) faster(peak * e.speed(t));
+        viscosity(i + 1, e.position);
+        n_.particles += emitted_volume(e, scene_.time.end) / (d_ * d_ * d_);
+        falls_from(e.position, e.position);
+        thickness(e.shape == "disc" ? 2 * e.radius : std::min(e.width, e.thickness), entry_name("emitter", i));
+    }
+
+    void solid(std::size_t i) {
+        faster(solid_speed(scene_.solids[i], shapes_.solid_extent[i], scene_.time.end));
+        if (!shapes_.solids.all[i].body) return;
+        faster(scene_.solids[i].velocity.norm());
+        const Vec3d at = scene_.solids[i].position(0);
+        falls_from(shapes_.solid_extent[i].min + at, shapes_.solid_extent[i].max + at);
+    }
+
+    void steps(double support) {
+        n_.speed = std::max(n_.speed, std::sqrt(n_.speed * n_.speed + 2 * n_.gravity * n_.fall));
+        n_.nu = n_.viscosity / scene_.fluid.density;
+        n_.step = n_.speed > 0 ? std::min(scene_.time.max_step, scene_.time.cfl * d_ / n_.speed) : scene_.time.max_step;
+        if (scene_.time.fixed_step > 0) n_.step = scene_.time.fixed_step;
+        n_.viscous_number = n_.nu * n_.step / (d_ * d_);
+        n_.least_viscous_number = n_.least_viscosity > 0 ? 0.4 * n_.least_viscosity / (scene_.fluid.density * n_.speed * d_) : 0;
+        n_.explicit_step = n_.nu > 0 ? 0.125 * support * support / (4 * n_.nu) : std::numeric_limits<double>::infinity();
+    }
+
+    void faster(double speed) { n_.speed = std::max(n_.speed, speed); }
+    void thickness(double length, const std::string& name) {
+        if (length / d_ < n_.across) n_.across = length / d_, n_.thinnest = name;
+    }
+    void viscosity(std::size_t source, const Vec3d& x) {
+        const Expression& mu = scene_.viscosity_of_source(source);
+        n_.viscosity = std::max(n_.viscosity, mu(0, x));
+        if (mu(0, x) < n_.least_viscosity) {
+            n_.least_viscosity = mu(0, x);
+            n_.thinnest_fluid =
+                source > 0 && scene_.emitters[source - 1].viscosity ? entry_name("emitter", source - 1) + ".viscosity" : "fluid.viscosity";
+        }
+        if (depends_on_age(mu))
+            for (const double age : sample_times(0, scene_.time.end)) n_.viscosity = std::max(n_.viscosity, mu(age, x));
+    }
+    /// Something between two corners can fall along gravity to the floor: the domain's lowest corner.
+    void falls_from(const Vec3d& low, const Vec3d& high) {
+        double top = 0;
+        for (int a = 0; a < 3; ++a) {
+            if (scene_.domain.periodic[a]) continue;
+            const double floor = up_[a] > 0 ? scene_.domain.min[a] : scene_.domain.max[a];
+            top += up_[a] * ((up_[a] > 0 ? high[a] : low[a]) - floor);
+        }
+        n_.fall = std::max({n_.fall, 0.0, top});
+    }
+
+    const Scene& scene_;
+    const SceneShapes& shapes_;
+    double d_;
+    Vec3d up_ = Vec3d::Zero();  ///< against the largest gravity
+    SceneNumbers n_;
+};
+
+}  // namespace
+
+SceneNumbers scene_numbers(const Scene& scene, const SceneShapes& shapes, double support) { return Survey(scene, shapes).numbers(support); }
 
 }  // namespace whorl

@@ -1,7 +1,6 @@
 #pragma once
 /// The dimensionless numbers of a scene, and the lengths and speeds behind them: what decides which models it requires.
-#include "engine/geometry/solids.h"
-#include "engine/scene/scene.h"
+#include "engine/scene/scene_shapes.h"
 
 namespace whorl {
 
@@ -25,23 +24,6 @@ struct SceneNumbers {
     std::string thinnest;      ///< which that is: "emitter[0]"
     bool free_surface = true;  ///< not every axis is periodic
 };
-
-/// Bounds [m] and volume [m^3] of a shape; a plane has infinite bounds and no volume.
-struct Extent {
-    Vec3d min = Vec3d::Zero(), max = Vec3d::Zero();
-    double volume = 0;
-};
-
-/// The shapes of a scene as geometry sees them; the solids stand where they are at the start.
-struct SceneShapes {
-    std::vector<std::shared_ptr<const Shape>> blocks, drains;
-    Solids solids;
-    std::vector<Extent> block_extent, solid_extent, drain_extent;
-};
-/// A free solid as it is at the start; its shape is bounded.
-RigidBody body_of(const SolidKeys& keys, const Shape& shape);
-/// Appends to `problems` where a mesh cannot be used; the shapes are complete only where it added none.
-SceneShapes make_shapes(const Scene& scene, std::vector<Problem>& problems);
 
 /// @param support kernel radius [m]
 SceneNumbers scene_numbers(const Scene& scene, const SceneShapes& shapes, double support);

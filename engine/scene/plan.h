@@ -1,6 +1,7 @@
 #pragma once
 /// What a scene requires: models chosen (every "auto" resolved, with the reason), constants derived. Nothing is allocated yet.
 #include "engine/scene/micropolar_coefficients.h"
+#include "engine/scene/model_facts.h"
 
 namespace whorl {
 
@@ -17,6 +18,7 @@ struct Plan {
     MicropolarModel micropolar = MicropolarModel::none;
     BoundaryModel boundary = BoundaryModel::none;
     ShiftingModel shifting = ShiftingModel::none;
+    ModelFacts facts;  ///< of these models
 
     double spacing = 0, support = 0;  ///< m
     KernelKind kernel = KernelKind::cubic;

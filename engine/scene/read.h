@@ -1,5 +1,5 @@
 #pragma once
-/// Scene files: reading with every mistake in one go, writing every value used, the schema and reference page of all keys.
+/// Scene files: reading with every mistake in one go.
 #include <string>
 #include <vector>
 
@@ -30,16 +30,5 @@ struct ReadRequest {
 Scene read_scene(const std::string& file, const ReadRequest& request = {});
 /// The same from a text. @param file stands for it in messages; mesh files are found from its folder
 Scene read_scene_text(const std::string& text, const std::string& file, const ReadRequest& request = {});
-
-/// Every value used, as a scene file that reads back as the same scene.
-std::string resolved_toml(const Scene& scene, const std::vector<Section>& sections = {});
-
-/// JSON Schema (draft 7) of scene files, for editors.
-std::string json_schema(const std::vector<Section>& sections = {});
-/// The same keys as a page of Markdown tables.
-std::string markdown_reference(const std::vector<Section>& sections = {});
-
-/// The engine's own sections.
-const KeyTable& scene_keys();
 
 }  // namespace whorl

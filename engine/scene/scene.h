@@ -75,7 +75,6 @@ struct PressureKeys {
     PressureForm form = PressureForm::constraint;               ///< ppe
     double correction = 0.5;                                    ///< ppe, constraint: share of the density error that a step corrects
     bool divergence_free = false;    ///< ppe, constraint: one solve for the velocity, from both sides, and one for the places
-    bool active_set = true;          ///< ppe, constraint: false: p >= 0 by a clamp after one solve
     double damping = 2;              ///< ppe, constraint: of motion between neighbours that is not resolved, times sqrt(g/d)
     double sound_speed = 0;          ///< m/s, wcsph; 0: ten times the speed that the plan expects
     double gamma = 7;                ///< exponent of Tait's equation, wcsph

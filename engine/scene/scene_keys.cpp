@@ -1,6 +1,7 @@
+#include "engine/scene/scene_keys.h"
+
 #include "engine/scene/expression_keys.h"
 #include "engine/scene/names.h"
-#include "engine/scene/read.h"
 
 namespace whorl {
 namespace {
@@ -81,15 +82,13 @@ KeyTable model_keys() {
 KeyTable pressure_keys() {
     KeyTableOf<PressureKeys> t("of the pressure model");
     const std::string model = "models.pressure";
+    const std::vector<std::string> solving = names_of(pressure_models(), &PressureFacts::solves);
     t.key("tolerance", &PressureKeys::tolerance, "", "ppe: relative density error; coupled: preconditioned residual")
         .above(0)
         .at_most(0.5)
-        .only_with(model, {"ppe", "coupled"})
+        .only_with(model, solving)
         .live();
-    t.key("max_iterations", &PressureKeys::max_iterations, "", "of the linear solver, a step")
-        .at_least(1)
-        .only_with(model, {"ppe", "coupled"})
-        .live();
+    t.key("max_iterations", &PressureKeys::max_iterations, "", "of the linear solver, a step").at_least(1).only_with(model, solving).live();
     t.key("preconditioner", &PressureKeys::preconditioner, "",
           "of the linear solver; auto: multigrid where enough particles press to pay for its set-up")
         .only_with(model, {"ppe"});
@@ -102,8 +101,6 @@ KeyTable pressure_keys() {
     t.key("divergence_free", &PressureKeys::divergence_free, "",
           "constraint: inside the fluid the velocity is held free of divergence from both sides, and a second solve moves particles to "
           "keep the density")
-        .only_with(model, {"ppe"});
-    t.key("active_set", &PressureKeys::active_set, "", "constraint: pressures are found with p >= 0; false: cut off at 0 after one solve")
         .only_with(model, {"ppe"});
     t.key("damping", &PressureKeys::damping, "", "constraint: rate at which unresolved motion between neighbours dies, times sqrt(g/d)")
         .at_least(0)
@@ -137,7 +134,7 @@ KeyTable pressure_keys() {
 KeyTable viscosity_keys() {
     KeyTableOf<ViscosityKeys> t("of the viscosity model");
     const std::string model = "models.viscosity";
-    const std::vector<std::string> implicit{"full", "full_assembled"};
+    const std::vector<std::string> implicit = names_of(viscosity_models(), &ViscosityFacts::implicit);
     t.key("tolerance", &ViscosityKeys::tolerance, "", "relative residual of the linear solver")
         .above(0)
         .at_most(0.5)
@@ -169,7 +166,9 @@ KeyTable viscosity_keys() {
 KeyTable micropolar_keys() {
     KeyTableOf<MicropolarKeys> t("of the micropolar model");
     using M = MicropolarKeys;
-    const auto own = [](Key& k) -> Key& { return k.only_with("models.micropolar", {"seed", "bender", "eringen"}); };
+    const auto own = [](Key& k) -> Key& {
+        return k.only_with("models.micropolar", names_of(micropolar_models(), &MicropolarFacts::spins));
+    };
     own(t.key("transfer_viscosity", &M::transfer_viscosity, "Pa s", "couples spin and flow").at_least(0)).live();
     own(t.key("micro_inertia", &M::micro_inertia, "m^2",
               "theta: inertia of the spin over the mass; 2 as in the notes makes the spin inert at centimetres")

@@ -1,3 +1,5 @@
+#include "engine/scene/schema.h"
+
 #include <fmt/format.h>
 
 #include <cmath>
@@ -5,6 +7,7 @@
 
 #include "engine/core/variables.h"
 #include "engine/scene/read.h"
+#include "engine/scene/scene_keys.h"
 #include "engine/scene/value_json.h"
 
 namespace whorl {

@@ -1,4 +1,5 @@
-// The only place that knows all models: from the plan to the stages of a step, in order, and the limits of its length.
+#include "engine/sim/assemble.h"
+
 #include <cmath>
 #include <limits>
 
@@ -13,7 +14,7 @@
 #include "engine/models/pressure/crowding.h"
 #include "engine/models/pressure/damping.h"
 #include "engine/models/pressure/divergence_free.h"
-#include "engine/models/pressure/ppe.h"
+#include "engine/models/pressure/poisson.h"
 #include "engine/models/pressure/pressure_multigrid.h"
 #include "engine/models/pressure/wcsph.h"
 #include "engine/models/shifting/fickian.h"
@@ -23,7 +24,6 @@
 #include "engine/models/viscosity/explicit_viscosity.h"
 #include "engine/models/viscosity/full_viscosity.h"
 #include "engine/particles/search.h"
-#include "engine/sim/simulation.h"
 #include "engine/sim/sleep.h"
 #include "engine/sph/density.h"
 
@@ -64,18 +64,33 @@ Stage move_solids() {
             }};
 }
 
+/// The preconditioner that the scene asks for, of those that a pressure solve has.
+template <class SetUp>
+SetUp preconditioner(Preconditioner wanted, SetUp automatic, SetUp none, SetUp diagonal, SetUp multigrid) {
+    switch (wanted) {
+        case Preconditioner::none: return none;
+        case Preconditioner::jacobi: return diagonal;
+        case Preconditioner::multigrid: return multigrid;
+        default: return automatic;
+    }
+}
+
 class Assembler {
 public:
-    Assembler(const Scene& scene, const Plan& plan) : scene_(scene), plan_(plan) {}
+    Assembler(const Scene& scene, const Plan& plan)
+        : scene_(scene), plan_(plan), facts_(plan.facts), constraint_(facts_.pressure.form == PressureForm::constraint),
+          bodies_(scene.any_free_solid()),
+          solid_factor_(plan.boundary == BoundaryModel::none
+                            ? Real(1)
+                            : continued_lattice_factor(plan.kernel, static_cast<Real>(plan.support), static_cast<Real>(plan.spacing))),
+          gate_{static_cast<Real>(scene.boundary.gate)} {}
 
     Assembly assemble() {
         limit("max_step", number(scene_.time.max_step) + " s", [most = scene_.time.max_step](const World&, double) { return most; });
         flow_limits();
-        if (plan_.viscosity != ViscosityModel::none || plan_.micropolar != MicropolarModel::none ||
-            plan_.pressure == PressureModel::coupled)
-            ageing();
-        if (plan_.pressure == PressureModel::coupled) coupled();
-        else apart();
+        if (facts_.viscous() || facts_.viscosity.smooths || facts_.micropolar.spins) ageing();
+        if (facts_.pressure.solves_viscosity) coupled();
+        else separate();
         if (scene_.time.sleep > 0) stage("hold sleepers", "sleep", HoldSleepers{});
         return std::move(made_);
     }
@@ -89,6 +104,7 @@ private:
         made_.limits.push_back({std::move(name), std::move(formula), std::move(dt)});
     }
     static std::string number(double value) { return Expression(value).text(); }
+    static constexpr double never = std::numeric_limits<double>::infinity();  ///< the step of a limit that does not bind
 
     /// No particle moves by more than cfl spacings, whether by its speed or by falling from rest; nor does a solid.
     void flow_limits() {
@@ -96,11 +112,11 @@ private:
         limit("cfl", number(cfl) + " d / max |u|", [=](const World& w, double speed) {
             for (const Vec3& u : w.solid_particles.velocity) speed = std::max(speed, static_cast<double>(u.norm()));
             for (const Solid& s : w.solids.all) speed = std::max(speed, static_cast<double>(s.pose.velocity.norm()));
-            return speed > 0 ? cfl * d / speed : std::numeric_limits<double>::infinity();
+            return speed > 0 ? cfl * d / speed : never;
         });
         limit("gravity", "sqrt(2 " + number(cfl) + " d / g)", [=](const World& w, double) {
             const double g = w.step.gravity.norm();
-            return g > 0 ? std::sqrt(2 * cfl * d / g) : std::numeric_limits<double>::infinity();
+            return g > 0 ? std::sqrt(2 * cfl * d / g) : never;
         });
         if (scene_.emitters.empty()) return;
         std::vector<Expression> speeds;
@@ -108,10 +124,11 @@ private:
         limit("emitter", number(cfl) + " d / emitter speed", [=](const World& w, double) {
             double speed = 0;
             for (const Expression& s : speeds) speed = std::max(speed, 2 * std::abs(s(w.step.time)));
-            return speed > 0 ? 2 * cfl * d / speed : std::numeric_limits<double>::infinity();
+            return speed > 0 ? 2 * cfl * d / speed : never;
         });
     }
 
+    /// Viscosity and pressure in one solve.
     void coupled() {
         CoupledOptions options;
         options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
@@ -126,95 +143,121 @@ private:
         stage("coupled contact", "boundary", CoupledContact{system});
     }
 
-    void apart() {
-        const Real solid_factor =
-            plan_.boundary == BoundaryModel::none
-                ? Real(1)
-                : continued_lattice_factor(plan_.kernel, static_cast<Real>(plan_.support), static_cast<Real>(plan_.spacing));
+    /// What adds to the acceleration, the kick, what changes the velocity, the move: one after the other.
+    void separate() {
         made_.stages.push_back(neighbours());
-        gate_.threshold = static_cast<Real>(scene_.boundary.gate);
-        const bool constraint = plan_.pressure == PressureModel::ppe && scene_.pressure.form == PressureForm::constraint;
-        // The constraint makes its own densities, in its own way at solids; viscosity and spin act before it.
-        const bool needs_density =
-            plan_.viscosity != ViscosityModel::none || plan_.micropolar != MicropolarModel::none || plan_.shifting != ShiftingModel::none;
-        if (!constraint || needs_density) stage("density", "density", Density{solid_factor, gate_});
-
-        WeaklyCompressible tait;
-        tait.sound_speed = plan_.sound_speed;
-        tait.gamma = scene_.pressure.gamma;
-        tait.background_pressure = scene_.pressure.background_pressure;
-        tait.difference_gradient = scene_.pressure.gradient == GradientForm::difference;
-        tait.solid_factor = solid_factor;
-        tait.sound_damping = scene_.pressure.sound_damping;
-        tait.artificial_viscosity = plan_.artificial_viscosity;
-        tait.gate = gate_;
-        const bool wcsph = plan_.pressure == PressureModel::wcsph;
-        if (wcsph) stage("Tait's equation", "pressure", TaitPressure{tait});
-        if (wcsph && tait.sound_damping > 0) stage("sound damping", "pressure", SoundDamping{tait});
-        stage("gravity", "move", Gravity{});
-        const bool bodies = scene_.any_free_solid();
-        if (bodies) stage("weight of bodies", "bodies", Weigh{});
-        if (wcsph) {
-            stage("pressure acceleration", "pressure", PressureAcceleration{tait});
-            if (tait.artificial_viscosity > 0) stage("artificial viscosity", "pressure", ArtificialViscosity{tait});
-            limit("sound", number(scene_.time.cfl) + " R/2 / (c + max |u|)",
-                  [cfl = scene_.time.cfl, R = plan_.support, c = plan_.sound_speed](const World&, double fastest) {
-                      return sound_step(cfl, R, c, fastest);
-                  });
-            if (bodies)
-                limit("light bodies", "(" + number(scene_.time.cfl) + " R/2 / (c + max |u|)) sqrt(mass / mass of the fluid around)",
-                      [cfl = scene_.time.cfl, R = plan_.support, c = plan_.sound_speed](const World& w, double fastest) {
-                          return sound_step(cfl, R, c, fastest) * std::sqrt(lightness(w.solids, w.solid_particles, w.step.mass));
-                      });
-            if (tait.sound_damping > 0)
-                limit("sound damping", "0.6 R/2 / (sound_damping c)",
-                      [dt = sound_damping_step(plan_.support, tait.sound_speed, tait.sound_damping)](const World&, double) { return dt; });
-        }
-        const bool micropolar = plan_.micropolar != MicropolarModel::none;
-        if (micropolar) spin(solid_factor);
-        else if (plan_.viscosity == ViscosityModel::explicit_laplacian) explicit_viscosity(solid_factor);
-        stage("kick", "move", Kick{});
-        if (bodies) stage("kick of bodies", "bodies", KickBodies{});
+        if (facts_.needs_density()) stage("density", "density", Density{solid_factor_, gate_});
+        if (facts_.pressure.has_sound) sound_pressure();
+        weights();
+        if (facts_.pressure.has_sound) sound_forces();
+        if (facts_.micropolar.spins) spin();
+        else if (plan_.viscosity == ViscosityModel::explicit_laplacian) explicit_viscosity();
+        kicks();
         if (scene_.fluid.surface_tension > 0) {
             surface_tension(nullptr);
-            booked(&EnergyWork::surface_tension);
+            work_is(&EnergyWork::surface_tension);
         }
         if (plan_.viscosity == ViscosityModel::xsph) {
             stage("XSPH", "viscosity", XsphViscosity{static_cast<Real>(scene_.viscosity.alpha)});
-            booked(&EnergyWork::smoothing);
+            work_is(&EnergyWork::smoothing);
         }
-        if (plan_.viscosity == ViscosityModel::full || plan_.viscosity == ViscosityModel::full_assembled) {
-            implicit_viscosity(solid_factor);
-            booked(&EnergyWork::viscosity);
-        }
-        if (constraint) constrained_density();
-        else if (plan_.pressure == PressureModel::ppe) {
-            PoissonPressureOptions options;
-            options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
-            options.solid_factor = solid_factor;
-            options.gate = gate_;
-            switch (scene_.pressure.preconditioner) {
-                case Preconditioner::automatic: options.preconditioner = poisson_automatic; break;
-                case Preconditioner::none: options.preconditioner = poisson_unpreconditioned; break;
-                case Preconditioner::jacobi: break;
-                case Preconditioner::multigrid: options.preconditioner = poisson_multigrid(); break;
-            }
-            stage("pressure equation", "pressure", PoissonPressure{options});
-            booked(&EnergyWork::pressure);
-        }
-        if (plan_.shifting == ShiftingModel::fickian) stage("shift", "shifting", FickianShift{solid_factor});
-        if (constraint && scene_.pressure.divergence_free) stage("move", "move", MoveAndDrift{});
-        else stage("move", "move", Move{});
-        if (bodies) stage("motion of bodies", "bodies", MoveBodies{});
-        if (!scene_.solids.empty()) {
-            made_.stages.push_back(move_solids());
-            stage("keep outside", "boundary", KeepOutside{});
-            booked(&EnergyWork::boundary);
-        }
-        if (constraint && !bodies) {
+        if (facts_.viscosity.implicit) implicit_viscosity();
+        if (plan_.pressure == PressureModel::ppe) incompressibility();
+        if (plan_.shifting == ShiftingModel::fickian) stage("shift", "shifting", FickianShift{solid_factor_});
+        moves();
+        if (!scene_.solids.empty()) at_solids();
+        if (constraint_ && !bodies_) {
             stage("crowding", "pressure", RelieveCrowding(largest_over_mean_error * scene_.pressure.tolerance, gate_));
-            booked(&EnergyWork::pressure);
+            work_is(&EnergyWork::pressure);
         }
+    }
+
+    WeaklyCompressible sound() const {
+        WeaklyCompressible options;
+        options.sound_speed = plan_.sound_speed;
+        options.gamma = scene_.pressure.gamma;
+        options.background_pressure = scene_.pressure.background_pressure;
+        options.difference_gradient = scene_.pressure.gradient == GradientForm::difference;
+        options.solid_factor = solid_factor_;
+        options.sound_damping = scene_.pressure.sound_damping;
+        options.artificial_viscosity = plan_.artificial_viscosity;
+        options.gate = gate_;
+        return options;
+    }
+
+    void sound_pressure() {
+        stage("Tait's equation", "pressure", TaitPressure{sound()});
+        if (scene_.pressure.sound_damping > 0) stage("sound damping", "pressure", SoundDamping{sound()});
+    }
+
+    void sound_forces() {
+        stage("pressure acceleration", "pressure", PressureAcceleration{sound()});
+        if (plan_.artificial_viscosity > 0) stage("artificial viscosity", "pressure", ArtificialViscosity{sound()});
+        const double cfl = scene_.time.cfl, R = plan_.support, c = plan_.sound_speed, damping = scene_.pressure.sound_damping;
+        limit("sound", number(cfl) + " R/2 / (c + max |u|)", [=](const World&, double fastest) { return sound_step(cfl, R, c, fastest); });
+        if (bodies_)
+            limit("light bodies", "(" + number(cfl) + " R/2 / (c + max |u|)) sqrt(mass / mass of the fluid around)",
+                  [=](const World& w, double fastest) {
+                      return sound_step(cfl, R, c, fastest) * std::sqrt(lightness(w.solids, w.solid_particles, w.step.mass));
+                  });
+        if (damping > 0)
+            limit("sound damping", "0.6 R/2 / (sound_damping c)",
+                  [dt = sound_damping_step(R, c, damping)](const World&, double) { return dt; });
+    }
+
+    void weights() {
+        stage("gravity", "move", Gravity{});
+        if (bodies_) stage("weight of bodies", "bodies", Weigh{});
+    }
+    void kicks() {
+        stage("kick", "move", Kick{});
+        if (bodies_) stage("kick of bodies", "bodies", KickBodies{});
+    }
+    void moves() {
+        if (constraint_ && scene_.pressure.divergence_free) stage("move", "move", MoveAndDrift{});
+        else stage("move", "move", Move{});
+        if (bodies_) stage("motion of bodies", "bodies", MoveBodies{});
+    }
+    void at_solids() {
+        made_.stages.push_back(move_solids());
+        stage("keep outside", "boundary", KeepOutside{});
+        work_is(&EnergyWork::boundary);
+    }
+
+    void incompressibility() {
+        if (constraint_) density_constraint();
+        else pressure_equation();
+        work_is(&EnergyWork::pressure);
+    }
+
+    void density_constraint() {
+        ConstraintOptions options;
+        options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
+        options.correction = scene_.pressure.correction;
+        options.slow_correction = scene_.fluid.surface_tension > 0;
+        options.gate = gate_;
+        options.preconditioner = preconditioner<ConstraintPreconditionerSetup>(
+            scene_.pressure.preconditioner, constraint_automatic, constraint_unpreconditioned, diagonal_scaling, constraint_multigrid());
+        if (scene_.pressure.damping > 0) {
+            stage("unresolved motion", "pressure", DampUnresolved{scene_.pressure.damping, scene_.fluid.surface_tension});
+            work_is(&EnergyWork::smoothing);
+        }
+        if (scene_.pressure.divergence_free) stage("divergence-free", "pressure", DivergenceFree{options});
+        else stage("density constraint", "pressure", ConstraintPressure{options});
+        limit("pressure", number(scene_.time.cfl) + " d / sqrt(p / rho)",
+              [cfl = scene_.time.cfl, d = plan_.spacing, rho_0 = scene_.fluid.density](const World& w, double) {
+                  return pressure_step(cfl, d, rho_0, w.fluid.column<field::pressure>());
+              });
+    }
+
+    void pressure_equation() {
+        PoissonPressureOptions options;
+        options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
+        options.solid_factor = solid_factor_;
+        options.gate = gate_;
+        options.preconditioner = preconditioner<PressurePreconditionerSetup>(scene_.pressure.preconditioner, poisson_automatic,
+                                                                             poisson_unpreconditioned, jacobi, poisson_multigrid());
+        stage("pressure equation", "pressure", PoissonPressure{options});
     }
 
     void surface_tension(std::shared_ptr<std::vector<Real>> internal) {
@@ -222,8 +265,7 @@ private:
         SurfaceTensionOptions options{tension, {}, std::move(internal)};
         for (const SolidKeys& solid : scene_.solids) options.wetting.push_back(static_cast<Real>(solid.wetting));
         stage("surface tension", "surface tension", SurfaceTension(std::move(options)));
-        const ViscosityModel v = plan_.viscosity;
-        const bool implicit = plan_.pressure == PressureModel::coupled || v == ViscosityModel::full || v == ViscosityModel::full_assembled;
+        const bool implicit = facts_.viscous_implicitly();
         limit("surface tension", implicit ? "b + sqrt(b^2 + rho d^3/(2 pi sigma)), b = mu d/(2 sigma)" : "sqrt(rho d^3 / (2 pi sigma))",
               [=, rho = scene_.fluid.density, d = plan_.spacing](const World& w, double) {
                   double mu = 0;
@@ -237,32 +279,6 @@ private:
               });
     }
 
-    void constrained_density() {
-        ConstraintOptions options;
-        options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
-        options.correction = scene_.pressure.correction;
-        options.careful = scene_.fluid.surface_tension > 0;
-        options.active_set = scene_.pressure.active_set;
-        options.gate = gate_;
-        switch (scene_.pressure.preconditioner) {
-            case Preconditioner::automatic: options.preconditioner = constraint_automatic; break;
-            case Preconditioner::none: options.preconditioner = constraint_unpreconditioned; break;
-            case Preconditioner::jacobi: break;
-            case Preconditioner::multigrid: options.preconditioner = constraint_multigrid(); break;
-        }
-        if (scene_.pressure.damping > 0) {
-            stage("unresolved motion", "pressure", DampUnresolved{scene_.pressure.damping, scene_.fluid.surface_tension});
-            booked(&EnergyWork::smoothing);
-        }
-        if (scene_.pressure.divergence_free) stage("divergence-free", "pressure", DivergenceFree{options});
-        else stage("density constraint", "pressure", ConstraintPressure{options});
-        booked(&EnergyWork::pressure);
-        limit("pressure", number(scene_.time.cfl) + " d / sqrt(p / rho)",
-              [cfl = scene_.time.cfl, d = plan_.spacing, rho_0 = scene_.fluid.density](const World& w, double) {
-                  return pressure_step(cfl, d, rho_0, w.fluid.column<field::pressure>());
-              });
-    }
-
     void ageing() {
         if (!scene_.viscosity_ages()) return;
         std::vector<Expression> of_source;
@@ -271,30 +287,29 @@ private:
         else stage("ageing", "viscosity", AgeingViscosity{std::move(of_source)});
     }
 
-    void explicit_viscosity(Real solid_factor) {
+    void explicit_viscosity() {
         ExplicitOptions options;
         options.monaghan = scene_.viscosity.laplacian == LaplacianForm::monaghan;
-        options.solid_factor = solid_factor;
+        options.solid_factor = solid_factor_;
         options.gate = gate_;
         stage("explicit viscosity", "viscosity", ExplicitViscosity{options});
         limit("viscous", "0.125 R^2 / (4 nu)",
               [R = plan_.support, nu = plan_.largest_viscosity / scene_.fluid.density](const World&, double) {
-                  return nu > 0 ? viscous_step(R, nu) : std::numeric_limits<double>::infinity();
+                  return nu > 0 ? viscous_step(R, nu) : never;
               });
-        if (scene_.any_free_solid())
+        if (bodies_)
             limit("light bodies in viscous fluid", "(0.125 R^2 / (4 nu)) mass / mass of the fluid around",
                   [R = plan_.support, nu = plan_.largest_viscosity / scene_.fluid.density](const World& w, double) {
-                      return nu > 0 ? viscous_step(R, nu) * lightness(w.solids, w.solid_particles, w.step.mass)
-                                    : std::numeric_limits<double>::infinity();
+                      return nu > 0 ? viscous_step(R, nu) * lightness(w.solids, w.solid_particles, w.step.mass) : never;
                   });
     }
 
-    void implicit_viscosity(Real solid_factor) {
+    void implicit_viscosity() {
         const SolveLimits limits{scene_.viscosity.tolerance, scene_.viscosity.max_iterations};
         if (plan_.viscosity == ViscosityModel::full) {
             FullViscosityOptions options;
             options.limits = limits;
-            options.solid_factor = solid_factor;
+            options.solid_factor = solid_factor_;
             const ViscousPreconditioner wanted = scene_.viscosity.preconditioner;
             options.diagonal = wanted != ViscousPreconditioner::none;
             if (wanted == ViscousPreconditioner::none || wanted == ViscousPreconditioner::block_jacobi) options.aggregate = 0;
@@ -305,13 +320,14 @@ private:
         if (plan_.viscosity == ViscosityModel::full_assembled) {
             AssembledViscosityOptions options;
             options.limits = limits;
-            options.solid_factor = solid_factor;
+            options.solid_factor = solid_factor_;
             stage("assembled viscosity", "viscosity", AssembledViscosity(options));
         }
+        work_is(&EnergyWork::viscosity);
     }
 
     /// Micropolar terms with the explicit viscosity in the same pass over the pairs.
-    void spin(Real solid_factor) {
+    void spin() {
         const MicropolarKeys& keys = scene_.micropolar;
         const MicropolarNumbers& n = plan_.spin;
         MicropolarOptions options;
@@ -329,11 +345,11 @@ private:
         options.smoothing_time = keys.xsph_time;
         options.free_spin_walls = keys.wall_spin == WallSpin::free;
         options.torque = keys.torque;
-        options.solid_factor = solid_factor;
+        options.solid_factor = solid_factor_;
         options.gate = gate_;
         stage("micropolar", "micropolar", Micropolar{options});
 
-        const double never = std::numeric_limits<double>::infinity(), R = plan_.support, rho = n.density;
+        const double R = plan_.support, rho = n.density;
         // The spin slaved to the flow takes coupling/2 off the viscosity: whichever is larger bounds the step.
         const double nu = std::max({n.pair_viscosity + std::abs(n.central_viscosity), n.coupling / 2}) / rho;
         limit("viscous", "0.125 R^2 / (4 max(nu, kappa/2))", [=](const World&, double) { return nu > 0 ? viscous_step(R, nu) : never; });
@@ -347,9 +363,9 @@ private:
               [=](const World&, double) { return exchange; });
     }
 
-    /// Books what the stage before does to the kinetic energy as work, where the models keep a budget.
-    void booked(double EnergyWork::*cause) {
-        if (plan_.micropolar == MicropolarModel::none) return;
+    /// Counts what the stage before does to the kinetic energy as work of that cause, where the models keep a budget.
+    void work_is(double EnergyWork::*cause) {
+        if (!facts_.micropolar.spins) return;
         Stage& last = made_.stages.back();
         last.run = [run = std::move(last.run), cause](World& w) {
             const double before = free_kinetic_energy(w);
@@ -360,6 +376,9 @@ private:
 
     const Scene& scene_;
     const Plan& plan_;
+    const ModelFacts& facts_;
+    bool constraint_, bodies_;
+    Real solid_factor_;  ///< on the solids' volumes, see models/boundary/wall.h
     SolidGate gate_;
     Assembly made_;
 };

@@ -6,7 +6,8 @@
 #include "engine/models/viscosity/ageing_viscosity.h"
 #include "engine/particles/sample.h"
 #include "engine/particles/solid_sampling.h"
-#include "engine/scene/numbers.h"
+#include "engine/scene/scene_shapes.h"
+#include "engine/scene/tree.h"
 
 namespace whorl {
 
@@ -111,58 +112,67 @@ void put_down(std::vector<Vec3>& points, const Shape& shape, const Vec3d& gravit
 }
 
 /// Takes away the particles that solids leave no room. @return how many
-std::size_t leave_room(std::vector<Vec3>& points, const World& world) {
+std::size_t remove_in_solids(std::vector<Vec3>& points, const World& world) {
     return std::erase_if(points, [&](const Vec3& x) {
         Real distance = std::numeric_limits<Real>::max();
         return world.solids.nearest(x, distance) >= 0 && distance < Real(0.45) * world.step.spacing;
     });
 }
 
+/// Where the particles of a block stand at the start.
+std::vector<Vec3> points_of_block(const Scene& scene, const Plan& plan, const World& world, std::size_t b) {
+    const BlockKeys& keys = scene.blocks[b];
+    const auto shape = make_shape(keys.shape);
+    const std::uint64_t seed = scene.seed + 1000 * b;
+    const auto sample = [&](Layers layers) {
+        std::vector<Vec3> points = sample_shape(*shape, keys.sampling, world.step.spacing, world.step.domain, seed, layers);
+        if (layers == Layers::within) {
+            put_down(points, *shape, scene.domain.gravity(0), world.step.spacing);
+            std::erase_if(points, [&](const Vec3& x) { return shape->distance(x) >= 0; });
+        }
+        if (plan.facts.pressure.has_sound && keys.sampling == Sampling::lattice) loosen(points, world.step.spacing, seed);
+        return points;
+    };
+    std::vector<Vec3> points = sample(Layers::nearest);
+    if (remove_in_solids(points, world) > 0 && keys.sampling != Sampling::blue_noise) {
+        // Where a layer more than half fits, both at its ends would stand too near to the walls of a container and go.
+        std::vector<Vec3> within = sample(Layers::within);
+        remove_in_solids(within, world);
+        if (within.size() >= points.size()) points.swap(within);
+    }
+    return points;
+}
+
+/// Appends particles at these places, with the block's velocity and spin.
+void add_particles(ParticleStore& fluid, const std::vector<Vec3>& points, const BlockKeys& keys) {
+    const Index first = fluid.size();
+    fluid.resize(first + static_cast<Index>(points.size()));
+    const auto x = fluid.column<field::position>();
+    const auto u = fluid.column<field::velocity>();
+    for (std::size_t k = 0; k < points.size(); ++k) {
+        x[first + k] = points[k];
+        u[first + k] = keys.velocity(0, points[k].cast<double>()).cast<Real>();
+    }
+    if (!fluid.has<field::spin>()) return;
+    const auto w = fluid.column<field::spin>();
+    for (std::size_t k = 0; k < points.size(); ++k) w[first + k] = keys.spin(0, points[k].cast<double>()).cast<Real>();
+}
+
 }  // namespace
 
 void place_blocks(const Scene& scene, const Plan& plan, World& world) {
-    ParticleStore& fluid = world.fluid;
     std::vector<Problem> problems;
     for (std::size_t b = 0; b < scene.blocks.size(); ++b) {
-        const BlockKeys& keys = scene.blocks[b];
-        const auto shape = make_shape(keys.shape);
-        const std::uint64_t seed = scene.seed + 1000 * b;
-        const auto sample = [&](Layers layers) {
-            std::vector<Vec3> points = sample_shape(*shape, keys.sampling, world.step.spacing, world.step.domain, seed, layers);
-            if (layers == Layers::within) {
-                put_down(points, *shape, scene.domain.gravity(0), world.step.spacing);
-                std::erase_if(points, [&](const Vec3& x) { return shape->distance(x) >= 0; });
-            }
-            if (plan.pressure == PressureModel::wcsph && keys.sampling == Sampling::lattice) loosen(points, world.step.spacing, seed);
-            return points;
-        };
-        std::vector<Vec3> points = sample(Layers::nearest);
-        if (leave_room(points, world) > 0 && keys.sampling != Sampling::blue_noise) {
-            // Where a layer more than half fits, both at its ends would stand too near to the walls of a container and go.
-            std::vector<Vec3> within = sample(Layers::within);
-            leave_room(within, world);
-            if (within.size() >= points.size()) points.swap(within);
-        }
+        const std::vector<Vec3> points = points_of_block(scene, plan, world, b);
         if (points.empty())
-            problems.push_back({scene.place("block[" + std::to_string(b) + "]"), "the block holds no particle",
+            problems.push_back({scene.place(entry_name("block", b)), "the block holds no particle",
                                 "make it larger than the spacing, or move it out of the solids", ""});
-        const auto first = static_cast<std::size_t>(fluid.size());
-        fluid.resize(fluid.size() + static_cast<Index>(points.size()));
-        const auto x = fluid.column<field::position>();
-        const auto u = fluid.column<field::velocity>();
-        for (std::size_t k = 0; k < points.size(); ++k) {
-            x[first + k] = points[k];
-            u[first + k] = keys.velocity(0, points[k].cast<double>()).cast<Real>();
-        }
-        if (fluid.has<field::spin>()) {
-            const auto w = fluid.column<field::spin>();
-            for (std::size_t k = 0; k < points.size(); ++k) w[first + k] = keys.spin(0, points[k].cast<double>()).cast<Real>();
-        }
+        add_particles(world.fluid, points, scene.blocks[b]);
     }
     if (!problems.empty()) throw InputError(std::move(problems));
     set_viscosity(scene, world, 0, 0);
-    if (fluid.has<field::density>())
-        for (Real& rho : fluid.column<field::density>()) rho = world.step.rest_density;
+    if (world.fluid.has<field::density>())
+        for (Real& rho : world.fluid.column<field::density>()) rho = world.step.rest_density;
 }
 
 std::vector<Drain> make_drains(const Scene& scene) {

@@ -68,7 +68,7 @@ struct Simulation::State {
         world.fluid.declare(field_info<field::velocity>(), true);
         world.fluid.declare(field_info<field::role>(), true);
         if (!scene.drains.empty()) world.fluid.declare(field_info<field::time_in_drain>(), true);
-        // Whose viscosity a live change of fluid.viscosity may touch.
+        // A live change of fluid.viscosity leaves the fluid of emitters with a viscosity of their own alone.
         const bool own_viscosity =
             std::any_of(scene.emitters.begin(), scene.emitters.end(), [](const EmitterKeys& e) { return e.viscosity.has_value(); });
         if (own_viscosity && world.fluid.has<field::viscosity>()) world.fluid.declare(field_info<field::source>(), true);
@@ -196,38 +196,36 @@ struct Simulation::State {
         }
     }
 
-    const StepReport& step(double until) {
-        world.report = {};
-        world.step.time = time;
-        world.step.at_landing = steps_since_landing == 0;
-        set_gravity();
-        if (world.step.at_landing &&
-            world.solids.any_moving()) {  // velocities over the last step: a resumed run does not know how long that was
-            world.solids.set_time(time, scene.time.max_step);
-            world.solid_particles.follow(world.solids);
-        }
-        const double dt = choose_step(until);
-        if (!(dt > 1e-12 * scene.time.end)) {
-            world.report.diverged =
-                Divergence{"time step", "velocity", time, Vec3d::Zero(), "the time step collapsed: something moves far too fast"};
-            return world.report;
-        }
+    /// What the stages find: time, gravity and solids of this step, emitted fluid, the order in the store, who sleeps.
+    void prepare(double dt) {
         world.step.dt = static_cast<Real>(dt);
         world.solids.set_time(time, dt);
         world.solid_particles.follow(world.solids);
         emit();
         if (steps_since_landing % sort_every == 0) sort();
-        if (sleep && steps_since_landing % Sleep::look_every == 0) sleep_through([&] { sleep->tuck_in(world); });
-        if (!run_stages()) {
-            if (sleep) sleep->gather(world);
-            return world.report;
+        if (sleep && steps_since_landing % Sleep::look_every == 0) sleep_through([&] { sleep->put_away(world); });
+    }
+
+    void start_step() {
+        world.report = {};
+        world.step.time = time;
+        world.step.at_landing = steps_since_landing == 0;
+        set_gravity();
+        // Velocities are those over the last step: a resumed run does not know how long that was.
+        if (world.step.at_landing && world.solids.any_moving()) {
+            world.solids.set_time(time, scene.time.max_step);
+            world.solid_particles.follow(world.solids);
         }
+    }
+
+    /// Fluid that leaves nozzle, drains and domain.
+    void let_out(double dt) {
         for (const Emitter& emitter : emitters) totals.emitted_particles += emitter.release(world.fluid, time + dt);
         if (!drains.empty()) totals.drained_particles += drain(world.fluid, drains, world.step.dt);
         keep_inside();
+    }
 
-        const bool landed = dt == until - time;
-        time = landed ? until : time + dt;
+    void count_step(double dt, bool landed) {
         steps_since_landing = landed ? 0 : steps_since_landing + 1;
         ++totals.steps;
         totals.particle_steps += world.fluid.size();
@@ -239,6 +237,25 @@ struct Simulation::State {
         totals.last_step = dt;
         if (world.report.work) totals.work += *world.report.work, totals.any_work = true;
         count_solves();
+    }
+
+    const StepReport& step(double until) {
+        start_step();
+        const double dt = choose_step(until);
+        if (!(dt > 1e-12 * scene.time.end)) {
+            world.report.diverged =
+                Divergence{"time step", "velocity", time, Vec3d::Zero(), "the time step collapsed: something moves far too fast"};
+            return world.report;
+        }
+        prepare(dt);
+        if (!run_stages()) {
+            if (sleep) sleep->gather(world);
+            return world.report;
+        }
+        let_out(dt);
+        const bool landed = dt == until - time;
+        time = landed ? until : time + dt;
+        count_step(dt, landed);
         return world.report;
     }
 };

@@ -4,29 +4,12 @@
 
 #include "engine/core/clock.h"
 #include "engine/particles/emitter.h"
-#include "engine/scene/plan.h"
-#include "engine/sim/stage.h"
+#include "engine/sim/assemble.h"
 
 namespace whorl {
 
-/// A bound on the time step that one of the chosen models sets.
-struct StepLimit {
-    std::string name;                                        ///< "cfl", "viscous", "sound", "max_step", ...
-    std::string formula;                                     ///< for the plan: "0.4 d / max |u|"
-    std::function<double(const World&, double fastest)> dt;  ///< s; fastest: largest_speed() of the fluid, found once for all limits
-};
-
 /// max |u| of the fluid [m/s].
 double largest_speed(const World& world);
-
-/// What a step consists of.
-struct Assembly {
-    std::vector<Stage> stages;
-    std::vector<StepLimit> limits;
-};
-
-/// The only place that knows all models.
-Assembly assemble(const Scene& scene, const Plan& plan);
 
 /// Sums over the whole run so far.
 struct RunTotals {

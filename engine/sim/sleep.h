@@ -49,8 +49,8 @@ public:
 
     /// After a step: brings all particles back into the store, sees who rests and who wakes. @param elapsed s, since the last look
     void look(World& world, double elapsed);
-    /// Before a step: puts away who sleeps deep, holds who sleeps next to somebody awake.
-    void tuck_in(World& world);
+    /// Before a step: takes out of the store who sleeps far from all others, holds who sleeps next to somebody awake.
+    void put_away(World& world);
     /// Brings all particles back, with their own roles.
     void gather(World& world);
     /// Something changed that everybody feels. Only where all particles are in the store.
@@ -59,7 +59,13 @@ public:
     Index sleepers() const { return sleepers_; }  ///< of the last look
 
 private:
-    struct Cells;
+    struct Cell;
+    class Cells;
+    double reach(const World& world) const;  ///< m
+    bool near_moving_solid(const World& world, const Vec3& x) const;
+    void follow(World& world, Real elapsed) const;
+    void copy_dormant(const ParticleStore& fluid, const std::vector<Index>& away);
+
     SleepOptions options_;
     ParticleStore dormant_;
     Index sleepers_ = 0;

@@ -46,12 +46,13 @@ struct Argument<Update<F>> {
     static Update<F> get(World& w) { return {{w.fluid.template column<F>()}}; }
 };
 
-#define WHORL_SHARED_ARGUMENT(Type, member)            \
-    template <>                                        \
-    struct Argument<Type> {                            \
-        static void list(std::vector<FieldAccess>&) {} \
-        static Type get(World& w) { return w.member; } \
+#define WHORL_SHARED_ARGUMENT(Type, member)                        \
+    template <>                                                    \
+    struct Argument<Type> {                                        \
+        static void list(std::vector<FieldAccess>&) {}             \
+        static decltype(auto) get(World& w) { return (w.member); } \
     };
+WHORL_SHARED_ARGUMENT(const Surroundings&, surroundings())
 WHORL_SHARED_ARGUMENT(const FluidPairs&, fluid_pairs)
 WHORL_SHARED_ARGUMENT(const SolidPairs&, solid_pairs)
 WHORL_SHARED_ARGUMENT(FluidPairs&, fluid_pairs)

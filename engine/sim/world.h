@@ -1,8 +1,6 @@
 #pragma once
 /// Everything that the stages of a run share. A stage gets from here what its operator() names, nothing else.
-#include "engine/geometry/solids.h"
-#include "engine/particles/pairs.h"
-#include "engine/particles/step_context.h"
+#include "engine/particles/surroundings.h"
 
 namespace whorl {
 
@@ -14,6 +12,8 @@ struct World {
     SolidPairs solid_pairs;
     StepContext step;
     StepReport report;
+
+    Surroundings surroundings() { return {fluid_pairs, solid_pairs, solids, solid_particles, step}; }
 };
 
 }  // namespace whorl

@@ -19,16 +19,17 @@ Real sum_over_row(const Pairs& pairs, Index i, const Kernel& W) {
 
 }  // namespace
 
-void sum_density(const FluidPairs& fluid, const SolidPairs& solids, Span<const Real> solid_volume, Real solid_factor, SolidGate gate,
-                 const StepContext& step, Span<Real> density) {
+void sum_density(const Surroundings& around, Real solid_factor, SolidGate gate, Span<Real> density) {
+    const StepContext& step = around.step;
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         const Real m = step.mass, own = m * W.value(0);
-        const bool any_solids = solids.size() == fluid.size() && !solids.other.empty();
-        parallel_for(fluid.size(), [&](Index i) {
-            const Real sum = sum_over_row(fluid, i, W);
+        const bool any_solids = around.solid_pairs.size() == around.pairs.size() && !around.solid_pairs.other.empty();
+        parallel_for(around.pairs.size(), [&](Index i) {
+            const Real sum = sum_over_row(around.pairs, i, W);
             Real wall = 0;
-            if (any_solids) solids.of(i, [&](Index s, const Vec3&, Real distance) { wall += solid_volume[s] * W.value(distance); });
-            if (wall > 0) wall *= gate.weight(W, i, solids, solid_volume, solid_factor);
+            if (any_solids)
+                around.solid_pairs.of(i, [&](Index s, const Vec3&, Real distance) { wall += around.layer.volume[s] * W.value(distance); });
+            if (wall > 0) wall *= gate.weight(W, i, around.solid_pairs, around.layer.volume, solid_factor);
             density[i] = own + m * sum + step.rest_density * solid_factor * wall;
         });
     });

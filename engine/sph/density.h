@@ -1,16 +1,14 @@
 #pragma once
 /// Density and number density by kernel sums.
-#include "engine/geometry/solids.h"
-#include "engine/particles/pairs.h"
-#include "engine/particles/step_context.h"
+#include "engine/particles/field.h"
+#include "engine/particles/surroundings.h"
 #include "engine/sph/gate.h"
 
 namespace whorl {
 
 /// rho_i = m W_ii + sum_j m W_ij + rho_0 sum_s f V_s W_is        Solids count with their volumes (Akinci et al. 2012).
-/// @param solid_volume V_s [m^3], one a solid particle @param solid_factor f, see models/boundary/wall.h @param density [kg/m^3], written
-void sum_density(const FluidPairs& fluid, const SolidPairs& solids, Span<const Real> solid_volume, Real solid_factor, SolidGate gate,
-                 const StepContext& step, Span<Real> density);
+/// @param solid_factor f, see models/boundary/wall.h @param density [kg/m^3], written
+void sum_density(const Surroundings& around, Real solid_factor, SolidGate gate, Span<Real> density);
 
 /// n_i = W_ii + sum_j W_ij        Without the solids [m^-3].
 void sum_number_density(const Pairs& pairs, const StepContext& step, Span<Real> number_density);
@@ -19,10 +17,7 @@ void sum_number_density(const Pairs& pairs, const StepContext& step, Span<Real> 
 struct Density {
     Real solid_factor = 1;
     SolidGate gate = {};
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solids, const StepContext& step,
-                    Write<field::density> rho) const {
-        sum_density(pairs, solid_pairs, solids.volume, solid_factor, gate, step, rho.values);
-    }
+    void operator()(const Surroundings& around, Write<field::density> rho) const { sum_density(around, solid_factor, gate, rho.values); }
 };
 
 }  // namespace whorl

@@ -13,10 +13,10 @@ struct SolidGate {
     Real threshold = 0;  ///< 0: solids always act
 
     /// S times its weight, and the derivative of that by S.
-    struct Passed {
+    struct Gated {
         Real sum, slope;
     };
-    Passed pass(Real S) const {
+    Gated gated(Real S) const {
         if (!(threshold > 0)) return {S, 1};
         const Real t = std::clamp(S / threshold - Real(0.5), Real(0), Real(1)), weight = t * t * (3 - 2 * t);
         return {S * weight, weight + S * 6 * t * (1 - t) / threshold};

@@ -10,6 +10,9 @@
 #include <sstream>
 
 #include "engine/scene/read.h"
+#include "engine/scene/schema.h"
+#include "engine/scene/write.h"
+#include "tools/scene_file/options.h"
 #include "tools/scene_file/scene_file.h"
 
 using namespace whorl;

@@ -6,7 +6,7 @@
 #include "engine/core/random.h"
 #include "engine/models/boundary/wall.h"
 #include "engine/models/motion/motion.h"
-#include "engine/models/pressure/ppe.h"
+#include "engine/models/pressure/poisson.h"
 #include "engine/models/viscosity/full_viscosity.h"
 #include "engine/particles/sort.h"
 #include "engine/sph/density.h"
@@ -54,9 +54,8 @@ void per_particle(benchmark::State& state, Block& block) {
 void set_up(ViscousOperator& A, Block& block) {
     FullViscosityOptions options;
     options.solid_factor = block.factor;
-    const World& w = block.world;
-    A.set_up(options, w.fluid_pairs, w.solid_pairs, w.solids, w.solid_particles, w.step, block.read<field::role>(),
-             block.read<field::viscosity>());
+    World& w = block.world;
+    A.set_up(options, w.surroundings(), block.read<field::role>(), block.read<field::viscosity>());
 }
 
 void viscous_set_up(benchmark::State& state) {
@@ -86,15 +85,15 @@ void pressure_set_up(benchmark::State& state) {
     set_threads(static_cast<int>(state.range(1)));
     Block block(static_cast<Index>(state.range(0)));
     World& w = block.world;
-    Density{block.factor}(w.fluid_pairs, w.solid_pairs, w.solid_particles, w.step, {block.column<field::density>()});
+    Density{block.factor}(w.surroundings(), {block.column<field::density>()});
     PoissonPressureOptions options;
     options.limits.max_iterations = 0;
     options.solid_factor = block.factor;
     PoissonPressure pressure(options);
     for (auto _ : state) {
         w.report = {};
-        pressure(w.fluid_pairs, w.solid_pairs, w.solid_particles, w.step, w.report, block.read<field::role>(), block.read<field::density>(),
-                 {{block.column<field::velocity>()}}, {{block.column<field::pressure>()}});
+        pressure(w.surroundings(), w.report, block.read<field::role>(), block.read<field::density>(), {{block.column<field::velocity>()}},
+                 {{block.column<field::pressure>()}});
     }
     per_particle(state, block);
 }
@@ -103,12 +102,12 @@ void pressure_product(benchmark::State& state) {
     set_threads(static_cast<int>(state.range(1)));
     Block block(static_cast<Index>(state.range(0)));
     World& w = block.world;
-    Density{block.factor}(w.fluid_pairs, w.solid_pairs, w.solid_particles, w.step, {block.column<field::density>()});
+    Density{block.factor}(w.surroundings(), {block.column<field::density>()});
     PoissonPressureOptions options;
     options.solid_factor = block.factor;
     PoissonPressure pressure(options);
-    pressure(w.fluid_pairs, w.solid_pairs, w.solid_particles, w.step, w.report, block.read<field::role>(), block.read<field::density>(),
-             {{block.column<field::velocity>()}}, {{block.column<field::pressure>()}});
+    pressure(w.surroundings(), w.report, block.read<field::role>(), block.read<field::density>(), {{block.column<field::velocity>()}},
+             {{block.column<field::pressure>()}});
     const std::vector<Real> p(w.fluid.size(), 1);
     std::vector<Real> Ap(p.size());
     for (auto _ : state) {

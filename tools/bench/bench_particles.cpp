@@ -63,6 +63,7 @@ void density(benchmark::State& state) {
     const Block block(static_cast<Index>(state.range(0)));
     set_threads(static_cast<int>(state.range(2)));
     FluidPairs pairs;
+    Solids solids;
     StepContext step;
     step.support = Real(static_cast<double>(state.range(1))) * Real(0.1) * Block::d;
     step.kernel = kind;
@@ -71,7 +72,7 @@ void density(benchmark::State& state) {
     NeighbourSearch().find(block.x, step.support, {}, pairs);
     std::vector<Real> rho(block.x.size());
     for (auto _ : state) {
-        sum_density(pairs, {}, {}, 1, {}, step, rho);
+        sum_density({pairs, {}, solids, {}, step}, 1, {}, rho);
         benchmark::ClobberMemory();
     }
     per_particle(state, block.x.size(), mean_neighbours(pairs));

@@ -138,12 +138,9 @@ Pace::Pace(const Scene& scene, const Plan& plan, const Simulation& simulation)
     gravity_ = n.gravity, free_ = n.speed;
     for (const EmitterKeys& e : scene.emitters)
         add_thread(threads_, e, scene, n.nu, n.gravity, free_way(scene, shapes.solids, e.position, n.fall));
-    const bool implicit =
-        plan.pressure == PressureModel::coupled || (plan.viscosity != ViscosityModel::none && plan.viscosity != ViscosityModel::xsph &&
-                                                    plan.viscosity != ViscosityModel::explicit_laplacian);
     if (scene.fluid.surface_tension > 0)
-        tension_step_ =
-            surface_tension_step(scene.fluid.density, plan.spacing, scene.fluid.surface_tension, implicit ? plan.largest_viscosity : 0);
+        tension_step_ = surface_tension_step(scene.fluid.density, plan.spacing, scene.fluid.surface_tension,
+                                             plan.facts.viscous_implicitly() ? plan.largest_viscosity : 0);
     const World& world = simulation.world();
     const auto x = world.fluid.column<field::position>();
     if (world.fluid.size() == 0) return;

@@ -78,9 +78,9 @@ Scene with_models_of(const Plan& plan, const Scene& scene) {
     s.models.shifting = plan.shifting;
     s.fluid.kernel = plan.kernel;
     s.fluid.support = plan.support / plan.spacing;
-    if (plan.pressure == PressureModel::wcsph)
+    if (plan.facts.pressure.has_sound)
         s.pressure.sound_speed = plan.sound_speed, s.pressure.artificial_viscosity = plan.artificial_viscosity;
-    if (plan.micropolar != MicropolarModel::none)
+    if (plan.facts.micropolar.spins)
         s.micropolar.exchange = plan.spin.implicit_exchange ? ExchangeScheme::implicit : ExchangeScheme::explicit_steps;
     return s;
 }

@@ -6,6 +6,7 @@
 #include "engine/scene/frame_times.h"
 #include "engine/scene/read.h"
 #include "engine/scene/scene_difference.h"
+#include "engine/scene/write.h"
 
 namespace whorl {
 namespace {

@@ -8,6 +8,7 @@
 
 #include "engine/core/parallel.h"
 #include "engine/scene/read.h"
+#include "engine/scene/write.h"
 #include "render/look/camera.h"
 #include "tools/live/access.h"
 #include "tools/live/page.h"

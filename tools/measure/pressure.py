@@ -115,21 +115,6 @@ def dam_break_stages(m):
     return markdown("stage | share of the time | CPU us a particle-step", rows)
 
 
-@table("active_set", "pressures cut off at zero after one solve, beside those found with the particles that press", "1 minute")
-def active_set(m):
-    columns = []
-    for value in ("true", "false"):
-        run = dam_break(m, 1.6e-2, 2.5, 1, "pressure.correction=0.2", f"pressure.active_set={value}")
-        d = run.table()
-        errors = [d["density_error_mean"][~((d["time"] < a) | (d["time"] > b))].mean() for a, b in ((0, 0.4), (0.8, 1.0), (2.3, 2.5))]
-        height = d["potential_energy"][-1] / (run.report["particles"] * 1000 * 1.6e-2**3 * theory.gravity)
-        columns.append([*(percent(error, 2) for error in errors), f"{1e3 * height:.1f} mm", f"{run.iterations_per_step:.1f}",
-                        f"{run.microseconds:.1f}"])
-    names = ["mean density error to 0.4 s", "mean density error, 0.8 to 1.0 s (impact)", "mean density error, 2.3 to 2.5 s",
-             "height of the mass at 2.5 s", "iterations a step", "CPU us a particle-step"]
-    return markdown("what | active set | cut off", zip(names, *columns))
-
-
 @table("standing_water", "pressure in a resting column against rho g h, by the length of the step", "1 minute")
 def standing_water(m):
     rows = []

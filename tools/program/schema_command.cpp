@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "engine/scene/schema.h"
 #include "tools/program/command.h"
 #include "tools/scene_file/scene_file.h"
 

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <map>
 
-#include "engine/scene/read.h"
+#include "engine/scene/scene_keys.h"
 #include "engine/scene/tree.h"
+#include "engine/scene/write.h"
 #include "engine/sim/simulation.h"
 #include "render/look/look_keys.h"
 #include "render/surface/surface_keys.h"

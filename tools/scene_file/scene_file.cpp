@@ -4,6 +4,9 @@
 
 #include <algorithm>
 
+#include "engine/scene/model_facts.h"
+#include "engine/scene/read.h"
+#include "engine/scene/write.h"
 #include "render/look/look_keys.h"
 #include "render/surface/surface_keys.h"
 #include "tools/scene_file/scene_changes.h"
@@ -94,7 +97,7 @@ std::vector<Change> presets_of(const std::string& quality) {
 /// @throws InputError where the picture asks for a field that the run will not have
 void check_look(const SceneFile& file) {
     const bool of_spin = file.look.field == "spin" || file.look.field == "spin_difference";
-    if (shows_field(file.look) && of_spin && file.scene.models.micropolar == MicropolarModel::none)
+    if (shows_field(file.look) && of_spin && !facts_of(file.scene.models.micropolar).spins)
         throw InputError(file.scene.place("look.field"), "look.field = \"" + file.look.field + "\" needs particles that spin",
                          "set models.micropolar, or show \"vorticity\"");
 }

@@ -1,20 +1,8 @@
 #include "engine/models/bodies/body_motion.h"
 
 #include "engine/geometry/body_contact.h"
-#include "engine/models/bodies/reaction.h"
 
 namespace whorl {
-
-std::vector<Index> particles_at_bodies(const Solids& solids, const SolidPairs& pairs, const SolidParticles& layer) {
-    std::vector<Index> near;
-    for (Index i = 0; i < pairs.size(); ++i) {
-        bool touches = false;
-        for (std::size_t k = pairs.first[i]; k < pairs.first[i + 1] && !touches; ++k)
-            touches = solids.all[layer.solid[pairs.other[k]]].body.has_value();
-        if (touches) near.push_back(i);
-    }
-    return near;
-}
 
 void Weigh::operator()(const StepContext& step, Solids& solids) const {
     for (Solid& solid : solids.all)
@@ -28,13 +16,14 @@ void KickBodies::operator()(const StepContext& step, Solids& solids, SolidPartic
     layer.follow(solids);
 }
 
-void MoveBodies::operator()(const StepContext& step, Solids& solids, const SolidParticles& layer) const {
+void MoveBodies::operator()(const Surroundings& around) const {
+    const StepContext& step = around.step;
     ContactStep how;
     how.dt = static_cast<double>(step.dt);
     how.spacing = static_cast<double>(step.spacing);
     how.domain = step.domain;
-    resolve_contacts(solids, layer, how, static_cast<double>(step.gravity.norm()));
-    for (Solid& solid : solids.all)
+    resolve_contacts(around.solids, around.layer, how, static_cast<double>(step.gravity.norm()));
+    for (Solid& solid : around.solids.all)
         if (solid.body) solid.body->move(static_cast<double>(step.dt));
 }
 

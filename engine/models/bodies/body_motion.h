@@ -1,9 +1,7 @@
 #pragma once
 /// The frame of a free body's step, beside that of the particles (models/motion/motion.h): Weigh with Gravity, KickBodies after Kick,
 /// MoveBodies after Move.
-#include "engine/geometry/solids.h"
-#include "engine/particles/pairs.h"
-#include "engine/particles/step_context.h"
+#include "engine/particles/surroundings.h"
 
 namespace whorl {
 
@@ -17,9 +15,10 @@ struct KickBodies {
     void operator()(const StepContext& step, Solids& solids, SolidParticles& layer) const;
 };
 
-/// Contacts (geometry/touch.h), then x += dt u, and the turning by the angular momentum. Poses follow with the next Solids::set_time().
+/// Contacts (geometry/body_contact.h), then x += dt u, and the turning by the angular momentum. Poses follow with the next
+/// Solids::set_time().
 struct MoveBodies {
-    void operator()(const StepContext& step, Solids& solids, const SolidParticles& layer) const;
+    void operator()(const Surroundings& around) const;
 };
 
 /// Least mass of a free body over that of the fluid that touches it (a particle of fluid for each of its layer's); 1 or more: 1. What acts

@@ -13,12 +13,15 @@ constexpr Real most_counted = Real(0.75);  ///< in a corner of two walls
 
 }  // namespace
 
-void WallFriction::set(FrictionForm form, const SolidPairs& pairs, const Solids& solids, const SolidParticles& layer,
-                       const StepContext& step) {
+void WallFriction::set(FrictionForm form, const Surroundings& around) {
+    const SolidParticles& layer = around.layer;
+    const StepContext& step = around.step;
     acts_ = false;
-    const auto rubs = [&](Index s) { return solids.all[layer.solid[s]].rubs(); };
-    if (std::none_of(solids.all.begin(), solids.all.end(), [](const Solid& solid) { return solid.rubs(); }) || layer.size() == 0) return;
-    const Index n = pairs.size();
+    const auto rubs = [&](Index s) { return around.solids.all[layer.solid[s]].rubs(); };
+    if (std::none_of(around.solids.all.begin(), around.solids.all.end(), [](const Solid& solid) { return solid.rubs(); }) ||
+        layer.size() == 0)
+        return;
+    const Index n = around.solid_pairs.size();
     hold_.resize(n), pull_.resize(n), counted_.resize(n);
     std::vector<char> touched(n, 0);
     const Real d = step.spacing, depth = d / 2, softening = Real(0.01) * step.support * step.support / 4;
@@ -30,9 +33,9 @@ void WallFriction::set(FrictionForm form, const SolidPairs& pairs, const Solids&
             Mat3 hold = Mat3::Zero();
             Vec3 pull = Vec3::Zero();
             Real counted = 0;
-            pairs.of(i, [&](Index s, const Vec3& r, Real) {
+            around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real) {
                 if (!rubs(s)) return;
-                const Solid& solid = solids.all[layer.solid[s]];
+                const Solid& solid = around.solids.all[layer.solid[s]];
                 const Vec3& normal = layer.normal[s];
                 const Real above = r.dot(normal);
                 if (above <= 0) return;  // beyond an edge: the face of s does not face i

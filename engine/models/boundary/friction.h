@@ -2,10 +2,8 @@
 /// Friction at walls along which the fluid slips by a length of its own, for every viscosity model alike.
 #include <vector>
 
-#include "engine/geometry/solids.h"
 #include "engine/models/boundary/wall.h"
-#include "engine/particles/pairs.h"
-#include "engine/particles/step_context.h"
+#include "engine/particles/surroundings.h"
 
 namespace whorl {
 
@@ -29,7 +27,7 @@ enum class FrictionForm {
 /// the derivative of an energy, nu m u.(hold u)/2. Solids with a slip length have no other part in the viscous terms.
 class WallFriction {
 public:
-    void set(FrictionForm form, const SolidPairs& pairs, const Solids& solids, const SolidParticles& layer, const StepContext& step);
+    void set(FrictionForm form, const Surroundings& around);
     /// Whether any particle feels it.
     bool acts() const { return acts_; }
     const Mat3& hold(Index i) const { return hold_[i]; }  ///< 1/m^2; valid where acts()

@@ -5,10 +5,10 @@
 namespace whorl {
 namespace {
 
-/// A particle inside a free body is brought to its surface and struck by it; what moving it does to its angular momentum the body gets back
-/// as spin. Bodies take the impulses one after the other, in the particles' order: few particles are ever inside.
-void strike(Solids& solids, const std::vector<Index>& inside, const std::vector<int>& whose, Real mass, Update<field::position> x,
-            Update<field::velocity> u) {
+/// A particle inside a free body is put back on its surface and collides with it; what moving it does to its angular momentum the body gets
+/// back as spin. Bodies take the impulses one after the other, in the particles' order: few particles are ever inside.
+void push_out_of_bodies(Solids& solids, const std::vector<Index>& inside, const std::vector<int>& whose, Real mass,
+                        Update<field::position> x, Update<field::velocity> u) {
     for (const Index i : inside) {
         Solid& solid = solids.all[whose[i]];
         RigidBody& body = *solid.body;
@@ -56,7 +56,7 @@ void KeepOutside::operator()(Solids& solids, const SolidPairs& pairs, SolidParti
     for (Index i = 0; i < x.size(); ++i)
         if (struck[i] >= 0) inside.push_back(i);
     if (inside.empty()) return;
-    strike(solids, inside, struck, step.mass, x, u);
+    push_out_of_bodies(solids, inside, struck, step.mass, x, u);
     layer.follow(solids);
 }
 

@@ -5,11 +5,9 @@
 /// Micropolar must be the last that adds to the acceleration: its energy budget is then exact.
 #include <memory>
 
-#include "engine/geometry/solids.h"
 #include "engine/math/expression.h"
 #include "engine/particles/field.h"
-#include "engine/particles/pairs.h"
-#include "engine/particles/step_context.h"
+#include "engine/particles/surroundings.h"
 #include "engine/sph/curl.h"
 #include "engine/sph/gate.h"
 
@@ -51,14 +49,25 @@ struct MicropolarOptions {
 class Micropolar {
 public:
     explicit Micropolar(MicropolarOptions options);
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
-                    const StepContext& step, StepReport& report, Read<field::role> role, Read<field::density> rho, Read<field::position> x,
-                    Read<field::velocity> u, Update<field::acceleration> a, Write<field::spin_change> change, Update<field::spin> w);
+    void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::density> rho,
+                    Read<field::position> x, Read<field::velocity> u, Update<field::acceleration> a, Write<field::spin_change> change,
+                    Update<field::spin> w);
 
 private:
+    struct Sums;
+    struct Own;
+    struct Fluid;
+    struct Coefficients;
+    Coefficients coefficients(const StepContext& step) const;
+    template <bool central, class Kernel>
+    static void add_fluid(Sums& all, const Kernel& W, const FluidPairs& pairs, Index i, const Own& own, const Fluid& fluid);
+    template <bool central, class Kernel>
+    static void add_solids(Sums& all, const Kernel& W, const MicropolarOptions& options, const Surroundings& around, Index i,
+                           const Own& own);
+    template <bool central>
+    EnergyWork drive(const Coefficients& c, const Sums& s, const Own& own, Vec3& a, Vec3& change) const;
     template <class Kernel, bool central>
-    EnergyWork advance(const Kernel& kernel, const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids,
-                       const SolidParticles& layer, const StepContext& step, Read<field::role> role, Read<field::density> rho,
+    EnergyWork advance(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Read<field::density> rho,
                        Read<field::velocity> u, Update<field::acceleration> a, Write<field::spin_change> change, Read<field::spin> w) const;
     /// tau of every particle into `change`.
     void set_torque(const StepContext& step, Read<field::position> x, Write<field::spin_change> change);

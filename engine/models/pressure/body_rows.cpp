@@ -4,17 +4,17 @@
 #include "engine/models/bodies/reaction.h"
 
 namespace whorl {
-namespace {}  // namespace
 
-void BodyRows::build(const WallImage& wall, const SolidPairs& solid_pairs, const SolidParticles& layer, const Solids& solids,
-                     const StepContext& step, Span<const Real> rho, DensityRate& D) {
+void BodyRows::build(const WallImage& wall, const Surroundings& around, Span<const Real> rho, DensityRate& D) {
+    const SolidParticles& layer = around.layer;
+    const StepContext& step = around.step;
     bodies_.clear();
     mass_ = static_cast<double>(step.mass);
-    if (!solids.any_free()) return;
-    const std::vector<Index> near = particles_at_bodies(solids, solid_pairs, layer);
-    for (std::size_t k = 0; k < solids.all.size(); ++k) {
-        if (!solids.all[k].body) continue;
-        const RigidBody& state = *solids.all[k].body;
+    if (!around.solids.any_free()) return;
+    const std::vector<Index> near = particles_at_bodies(around);
+    for (std::size_t k = 0; k < around.solids.all.size(); ++k) {
+        if (!around.solids.all[k].body) continue;
+        const RigidBody& state = *around.solids.all[k].body;
         Body body{k, mass_ / state.mass, mass_ * state.inverse_inertia(), std::vector<Touch>(near.size())};
         with_kernel(step.kernel, step.support, [&](const auto& W) {
             parallel_for(static_cast<Index>(near.size()), [&](Index e) {
@@ -22,15 +22,15 @@ void BodyRows::build(const WallImage& wall, const SolidPairs& solid_pairs, const
                 touch.particle = near[e];
                 touch.h.setZero();
                 Real w = 0;
-                solid_pairs.of(touch.particle, [&](Index s, const Vec3& r, Real distance) {
-                    const WallImage::Seen seen = wall.see(W, r, distance, layer.normal[s], layer.volume[s]);
-                    w += seen.value;
+                around.solid_pairs.of(touch.particle, [&](Index s, const Vec3& r, Real distance) {
+                    const WallImage::Share share = wall.share(W, r, distance, layer.normal[s], layer.volume[s]);
+                    w += share.value;
                     if (static_cast<std::size_t>(layer.solid[s]) != k) return;
-                    touch.h += seen.gradient;
+                    touch.h += share.gradient;
                     touch.arm = layer.position[s] + r - state.centre.cast<Real>();
                 });
-                const SolidGate::Passed passed = wall.gate.pass(w);
-                touch.h *= passed.slope * WallImage::room(passed.sum).slope * D.fill[touch.particle] * rho[touch.particle];
+                const SolidGate::Gated gated = wall.gate.gated(w);
+                touch.h *= gated.slope * WallImage::free_volume(gated.sum).slope * D.fill[touch.particle] * rho[touch.particle];
             });
         });
         std::erase_if(body.touches, [](const Touch& t) { return t.h == Vec3::Zero(); });

@@ -1,6 +1,7 @@
 #pragma once
 /// The columns of D (density_rate.h) that belong to free bodies: their velocities are unknowns of the same solve.
 #include "engine/models/pressure/density_rate.h"
+#include "engine/particles/surroundings.h"
 
 namespace whorl {
 
@@ -18,8 +19,7 @@ public:
     };
 
     /// @param D built; its diagonal gets the bodies' share
-    void build(const WallImage& wall, const SolidPairs& solid_pairs, const SolidParticles& layer, const Solids& solids,
-               const StepContext& step, Span<const Real> rho, DensityRate& D);
+    void build(const WallImage& wall, const Surroundings& around, Span<const Real> rho, DensityRate& D);
     bool empty() const { return bodies_.empty(); }
     /// Adds D_b M_b^-1 m D_b^T q to `rate` where wanted.
     void add_product(Span<const Real> q, Span<const char> wanted, Span<Real> rate) const;

@@ -11,19 +11,18 @@
 namespace whorl {
 namespace {
 
-/// Of the tolerated density error that one step may add. With 0.1 a dam break takes 16.9 iterations a step, with 0.5 11, with 1 8.1, and a
-/// mean density error of 0.063, 0.06 and 0.074 % (ten layers, before the limit below); what is left over is corrected by half in the next
-/// step.
-constexpr double step_share = 0.5;
-/// Where few particles decide how a body moves, and where energy is all there is: free bodies, full periodic domains, divergence-free
-/// velocities.
-constexpr double careful_step_share = 0.1;
-/// And no more than this part of the right-hand side: what gravity presses together in a step is less than the share above, the more so the
-/// shorter the step, and a pressure that is right to that share alone comes in jolts (a column of 16 layers: single readings are off by 12
-/// % in the mean at CFL 0.4 and by 22 % at 0.2; with this by 2.4 and 1.8 %). A tolerance looser than the default loosens it as much.
+/// The part of the tolerated density error that one step may leave: the next one corrects half of it. A dam break of ten layers has a mean
+/// density error of 0.06 % with 0.1, with 0.5 and with 1, and takes 16.9, 11 and 8.1 iterations a step.
+constexpr double usual_share = 0.5;
+/// The same where few particles decide how a body moves, and where the solve must lose no energy: free bodies, full periodic domains,
+/// divergence-free velocities.
+constexpr double strict_share = 0.1;
+/// A step leaves no more than this part of the right-hand side either: gravity presses less together in a short step than the shares above
+/// allow, and a pressure solved to them alone jumps from step to step (in a column of 16 layers by 12 % of its mean at CFL 0.4 and by 22 %
+/// at 0.2; so by 2.4 and 1.8 %). A tolerance looser than the default loosens this as much.
 double largest_residual(double tolerance) { return 0.05 * std::max(1.0, tolerance / ConstraintOptions{}.limits.tolerance); }
-constexpr double least_step_share = 0.02,
-                 least_tolerance = 1e-6;  ///< of the tolerated density error, and beside rounding: where a step brings next to nothing
+/// Where a step brings next to nothing: the least part of the tolerated density error to solve to, and what rounding allows.
+constexpr double least_share = 0.02, least_tolerance = 1e-6;
 
 double changed(const std::vector<char>& before, const std::vector<char>& now) {
     return parallel_sum(static_cast<Index>(now.size()), [&](Index i) { return before[i] != now[i]; });
@@ -39,13 +38,14 @@ PressurePreconditioner diagonal_scaling(const ConstraintMatrix& matrix) {
 
 PressurePreconditioner constraint_unpreconditioned(const ConstraintMatrix&) { return {NoPreconditioner{}}; }
 
-/// No displacement lowers all densities at once (their mean
-/// is lowest on a lattice), and asking for it would tear the fluid apart with pressures that grow without bound.
-bool fills_periodic_domain(const StepContext& step, const Solids& solids, Index n) {
+/// No displacement lowers all densities at once (their mean is lowest on a lattice), and asking for it would tear the fluid apart with
+/// pressures that grow without bound.
+bool fills_periodic_domain(const Surroundings& around, Index n) {
+    const StepContext& step = around.step;
     const Vec3d size = (step.domain.max - step.domain.min).cast<double>();
     const bool periodic = step.domain.periodic[0] && step.domain.periodic[1] && step.domain.periodic[2];
     double volume = n * static_cast<double>(step.volume);
-    for (const Solid& solid : solids.all)
+    for (const Solid& solid : around.solids.all)
         if (solid.body) volume += solid.body->volume;
     return periodic && volume > 0.98 * size.prod();
 }
@@ -71,7 +71,7 @@ SolveReport ConstraintPressure::solve_filled(ConstraintMatrix& matrix, const Ste
     // Among pressures without a mean: only then is it a projection, which cannot give energy.
     const auto A = [&](Span<const Real> in, Span<Real> out) { matrix.multiply(in, out), without_mean(out); };
     const auto precondition = [&](Span<const Real> r, Span<Real> z) { M(r, z), without_mean(z); };
-    const SolveLimits limits{careful_step_share * options_.limits.tolerance, options_.limits.max_iterations};
+    const SolveLimits limits{strict_share * options_.limits.tolerance, options_.limits.max_iterations};
     SolveReport report = conjugate_gradients<Real>(A, precondition, Span<const Real>(b_), q, limits, ResidualNorm::euclidean, worst_rate);
     Column<Real> ones(n, 1);
     D_.transposed(ones, matrix.force);
@@ -95,7 +95,7 @@ ConstraintPressure::ActiveSet ConstraintPressure::choose(ConstraintMatrix& matri
         matrix.presses[i] = can(i) && (pressed || r > 0);
         return matrix.presses[i] ? ActiveSet{static_cast<double>(r) * r, pressed, !pressed} : ActiveSet{};
     });
-    const bool all = about_full > 0 && (set.joining > set.pressed || !options_.active_set);
+    const bool all = about_full > 0 && (set.joining > set.pressed);
     parallel_for(n, [&](Index i) {
         if (matrix.presses[i]) return;
         matrix.presses[i] = all && can(i) && rest[i] > -about_full;
@@ -104,18 +104,25 @@ ConstraintPressure::ActiveSet ConstraintPressure::choose(ConstraintMatrix& matri
     return set;
 }
 
+/// What the rates asked for allow to be left, over worst_rate: see largest_residual().
+double ConstraintPressure::tolerance_of_rates(const ConstraintMatrix& matrix, double worst_rate) const {
+    const double asked =
+        std::sqrt(parallel_sum(D_.size(), [&](Index i) { return matrix.presses[i] ? static_cast<double>(b_[i]) * b_[i] : 0.0; }));
+    const double least = std::max(least_share * options_.limits.tolerance, least_tolerance);
+    return std::max(largest_residual(options_.limits.tolerance) * asked / worst_rate, least);
+}
+
 /// Active set: conjugate gradients over the particles that are taken to press, then those that would pull stop, those that are still
 /// compressed start, and again. What pressed in the last step presses first, with all that is compressed now. Where that is news to most of
 /// them (the first step, an impact), so does all that is about full: from below, the pressed set would grow by two neighbours' reach a
-/// round. (Always, as before, the first round went to particles of the surface that the second let go: 17.4 iterations a step of a dam
-/// rather than 12.3.)
+/// round. In other steps that would take particles of the surface in for a round, and a dam 17.4 iterations a step rather than 12.3.
 SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContext& step, Span<Real> q, Span<const char> both) {
     constexpr Real about_full = Real(0.02);         // relative density that is missing
     constexpr double changes_to_set_up_for = 0.02;  // part of the particles
     const Index n = D_.size();
     const double worst_rate = std::sqrt(static_cast<double>(n)) * static_cast<double>(step.rest_density / step.dt);
     // A lattice has modes (neighbours up and down in turn) that no pressure moves: asked for more than this, they would grow without bound.
-    const double share = !bodies_.empty() || !both.empty() ? careful_step_share : step_share;
+    const double share = !bodies_.empty() || !both.empty() ? strict_share : usual_share;
     double tolerance = share * options_.limits.tolerance;
     PressurePreconditioner M;
     std::vector<char> set_up_for;  // presses, when M was set up
@@ -131,12 +138,9 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
         report.last_residual = left / worst_rate;
         if (round == 0) {
             report.first_residual = report.last_residual;
-            const double asked =
-                std::sqrt(parallel_sum(n, [&](Index i) { return matrix.presses[i] ? static_cast<double>(b_[i]) * b_[i] : 0.0; }));
-            const double least = std::max(least_step_share * options_.limits.tolerance, least_tolerance);
-            tolerance = std::min(tolerance, std::max(largest_residual(options_.limits.tolerance) * asked / worst_rate, least));
+            tolerance = std::min(tolerance, tolerance_of_rates(matrix, worst_rate));
         }
-        report.converged = report.last_residual <= tolerance || (round > 0 && !options_.active_set);
+        report.converged = report.last_residual <= tolerance;
         report.solve_seconds = wall_seconds() - start - report.set_up_seconds;
         if (report.converged) return report;
         if (!std::isfinite(left) || report.iterations >= options_.limits.max_iterations || round > options_.limits.max_iterations) {
@@ -152,7 +156,7 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
             report.set_up_seconds += wall_seconds() - before;
         }
         // Early rounds need not be exact: their set changes.
-        const double aim = options_.active_set ? std::max(tolerance / 2, report.last_residual / 10) : tolerance;
+        const double aim = std::max(tolerance / 2, report.last_residual / 10);
         const SolveLimits limits{aim, options_.limits.max_iterations - report.iterations};
         report.iterations +=
             conjugate_gradients_from<Real>(A, M, Span<Real>(rest), q, limits, ResidualNorm::euclidean, worst_rate).iterations;
@@ -162,49 +166,49 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
     }
 }
 
-WallImage ConstraintPressure::wall_of(const Solids& solids, const StepContext& step) const {
-    WallImage wall(step.kernel, step.support, step.spacing, options_.gate);
-    wall.goes_on = !solids.any_free();
+WallImage ConstraintPressure::wall_of(const Surroundings& around) const {
+    WallImage wall(around.step.kernel, around.step.support, around.step.spacing, options_.gate);
+    wall.linear_when_near = !around.solids.any_free();
     return wall;
 }
 
-Real ConstraintPressure::mending_time(Span<const Vec3> u, const StepContext& step) const {
+Real ConstraintPressure::correction_time(Span<const Vec3> u, const StepContext& step) const {
     if (bodies_.empty()) return step.dt;
     const auto speed = static_cast<Real>(std::hypot(largest_speed(u), std::sqrt(static_cast<double>(step.gravity.norm() * step.spacing))));
     return speed > 0 ? std::max(step.dt, Real(0.4) * step.spacing / speed) : step.dt;
 }
 
-Real ConstraintPressure::mending_rate(Real rho, Real target, bool filled, const StepContext& step, Real time) const {
+Real ConstraintPressure::correction_rate(Real rho, Real target, bool filled, const StepContext& step, Real time) const {
     // What an impact has pressed together is pushed apart no faster than 5 % of its density allow, or it would jump. Without a surface it
     // is 0.5 %: unevenness that alternates from neighbour to neighbour takes large velocities to mend.
     const Real rho_0 = step.rest_density;
     const Real excess = filled ? std::clamp(rho - target, -rho_0 / 200, rho_0 / 200) : std::min(rho - target, rho_0 / 20);
-    return excess > 0 || filled ? corrected(filled) * excess / time : excess / step.dt;
+    return excess > 0 || filled ? correction_share(filled) * excess / time : excess / step.dt;
 }
 
-void ConstraintPressure::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, Solids& solids,
-                                    const StepContext& step, StepReport& report, Read<field::role> role, Write<field::density> rho,
+void ConstraintPressure::operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Write<field::density> rho,
                                     Update<field::velocity> u, Update<field::pressure> p) {
+    const StepContext& step = around.step;
     const Index n = rho.size();
     const Real rho_0 = step.rest_density;
     b_.resize(n);
     residual_.resize(n);
-    const WallImage wall = wall_of(solids, step);
-    D_.build(wall, pairs, solid_pairs, solid, step, role, Read<field::velocity>{u.values}, rho.values, b_, &solids);
-    bodies_.build(wall, solid_pairs, solid, solids, step, rho.values, D_);
-    const bool filled = fills_periodic_domain(step, solids, n);
+    const WallImage wall = wall_of(around);
+    D_.build(wall, around, role, Read<field::velocity>{u.values}, rho.values, b_);
+    bodies_.build(wall, around, rho.values, D_);
+    const bool filled = fills_periodic_domain(around, n);
     const Real target = filled ? static_cast<Real>(parallel_sum(n, [&](Index i) { return static_cast<double>(rho[i]); }) / n) : rho_0;
     const double mean_rate = filled ? parallel_sum(n, [&](Index i) { return static_cast<double>(b_[i]); }) / n : 0;
-    const Real time = mending_time(u.values, step);
+    const Real time = correction_time(u.values, step);
     parallel_for(n, [&](Index i) {
-        b_[i] += mending_rate(rho[i], target, filled, step, time);
+        b_[i] += correction_rate(rho[i], target, filled, step, time);
         p[i] = D_.diagonal[i] > 0 ? p[i] / D_.virial[i] * step.dt / (rho[i] * rho[i]) : 0;  // q
     });
-    ConstraintMatrix matrix{D_, {}, Column<Padded>(n), pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};
+    ConstraintMatrix matrix{D_, {}, Column<Padded>(n), around.pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};
     const auto fastest = static_cast<Real>(filled ? largest_speed(u.values) : 0);
     report.solves.push_back(
         {"pressure", filled ? solve_filled(matrix, step, mean_rate, fastest, p.values) : solve(matrix, step, p.values)});
-    bodies_.push(p.values, solids);
+    bodies_.push(p.values, around.solids);
     D_.transposed(p.values, matrix.force);
     parallel_for(n, [&](Index i) {
         u[i] -= matrix.force[i].head<3>();

@@ -6,6 +6,7 @@
 #include "engine/math/solve.h"
 #include "engine/models/pressure/body_rows.h"
 #include "engine/models/pressure/preconditioner.h"
+#include "engine/particles/surroundings.h"
 
 namespace whorl {
 
@@ -43,9 +44,8 @@ struct ConstraintOptions {
     double correction = 0.5;  ///< share of the density error that a step corrects; its motion stays in the velocity
     /// Corrects 0.4 of that share, as with free bodies and in full periodic domains: a drop that surface tension holds together loses some
     /// of its pressure to a faster correction (a twentieth, with a radius of 11 spacings).
-    bool careful = false;
-    SolidGate gate;          ///< before solids
-    bool active_set = true;  ///< false: p >= 0 is clamped after one solve, as in the notes
+    bool slow_correction = false;
+    SolidGate gate;  ///< before solids
     ConstraintPreconditionerSetup preconditioner = diagonal_scaling;
 };
 
@@ -56,8 +56,7 @@ struct ConstraintOptions {
 class ConstraintPressure {
 public:
     explicit ConstraintPressure(ConstraintOptions options) : options_(std::move(options)) {}
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, Solids& solids,
-                    const StepContext& step, StepReport& report, Read<field::role> role, Write<field::density> rho,
+    void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Write<field::density> rho,
                     Update<field::velocity> u, Update<field::pressure> p);
 
     const DensityRate& density_rate() const { return D_; }
@@ -74,17 +73,18 @@ protected:
     /// Sets matrix.presses and leaves in `rest` what b - A q is there. @param about_full kg/(m^3 s): how far short of being compressed a
     /// particle may be and still join, where more join than press; 0: none
     ActiveSet choose(ConstraintMatrix& matrix, Span<const Real> q, Span<const char> both, Real about_full, Span<Real> rest) const;
+    double tolerance_of_rates(const ConstraintMatrix& matrix, double worst_rate) const;
     /// Part of a density above rest (of any error, where the domain is `filled`) that the step corrects.
-    Real corrected(bool filled) const {
-        return static_cast<Real>(filled || options_.careful || !bodies_.empty() ? 0.4 * options_.correction : options_.correction);
+    Real correction_share(bool filled) const {
+        return static_cast<Real>(filled || options_.slow_correction || !bodies_.empty() ? 0.4 * options_.correction : options_.correction);
     }
-    /// Rate at which a density of rho is to approach `target` [kg/(m^3 s)]. @param time mending_time() [s]
-    Real mending_rate(Real rho, Real target, bool filled, const StepContext& step, Real time) const;
-    /// Over which a density error is mended [s]: the step, but beside free bodies no less than the fluid itself takes for 0.4 spacings at
-    /// its speed (at least sqrt(g d)). A heavy body on a thin film of fluid is otherwise thrown up by what mends the film, the faster the
-    /// shorter the step, and the pressure that throws it shortens the next one.
-    Real mending_time(Span<const Vec3> u, const StepContext& step) const;
-    WallImage wall_of(const Solids& solids, const StepContext& step) const;
+    /// Rate at which a density of rho is to approach `target` [kg/(m^3 s)]. @param time correction_time() [s]
+    Real correction_rate(Real rho, Real target, bool filled, const StepContext& step, Real time) const;
+    /// Over which a density error is corrected [s]: the step, but beside free bodies no less than the fluid itself takes for 0.4 spacings
+    /// at its speed (at least sqrt(g d)). A heavy body on a thin film of fluid is otherwise thrown up by the correction of the film, the
+    /// faster the shorter the step, and the pressure that throws it shortens the next one.
+    Real correction_time(Span<const Vec3> u, const StepContext& step) const;
+    WallImage wall_of(const Surroundings& around) const;
     SolveReport solve_filled(ConstraintMatrix& A, const StepContext& step, double mean_rate, Real fastest, Span<Real> q);
 
     ConstraintOptions options_;
@@ -94,7 +94,7 @@ protected:
 };
 
 /// Nothing can give way: every axis is periodic, and the volumes of particles and free bodies fill the domain.
-bool fills_periodic_domain(const StepContext& step, const Solids& solids, Index n);
+bool fills_periodic_domain(const Surroundings& around, Index n);
 
 /// Limit of the time step from pressure: cfl d / sqrt(p/rho_0) [s], p the mean pressure of the pressed fluid. Displacements over a step
 /// turn the forces between neighbours; beyond twice this (at cfl 0.4) a column at rest shakes itself apart, whatever the solver's

@@ -4,6 +4,7 @@
 
 #include "engine/models/pressure/density_rate.h"
 #include "engine/particles/search.h"
+#include "engine/particles/surroundings.h"
 
 namespace whorl {
 
@@ -22,17 +23,28 @@ public:
     static constexpr std::string_view name = "crowding";  ///< of the solve that is reported; not counted with the linear ones
     /// @param most relative density error that is left
     RelieveCrowding(double most, SolidGate gate) : most_(static_cast<Real>(most)), gate_(gate) {}
-    /// @param pairs, solid_pairs of the step, whose last use this is: their memory holds the neighbours of the places where the step ends
-    void operator()(FluidPairs& pairs, SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer, const StepContext& step,
-                    StepReport& report, Read<field::role> role, Update<field::density> rho, Update<field::position> x,
-                    Update<field::velocity> u);
+    /// @param pairs, solid_pairs those of `around`, whose last use this is: their memory holds the neighbours of the places where the step
+    /// ends
+    void operator()(const Surroundings& around, FluidPairs& pairs, SolidPairs& solid_pairs, StepReport& report, Read<field::role> role,
+                    Update<field::density> rho, Update<field::position> x, Update<field::velocity> u);
 
 private:
+    struct Fluid {
+        Read<field::role> role;
+        Span<Real> rho;
+        Span<Vec3> x, u;
+    };
     /// @returns what is left too dense, in words; empty: nothing
     template <class Kernel>
-    std::string relieve(const WallImage& wall, const Kernel& W, const FluidPairs& pairs, const SolidPairs& solid_pairs,
-                        const Solids& solids, const SolidParticles& layer, const StepContext& step, Read<field::role> role, Span<Real> rho,
-                        Span<Vec3> x, Span<Vec3> u, const std::function<void()>& find);
+    std::string relieve(const WallImage& wall, const Kernel& W, const Surroundings& around, const Fluid& fluid,
+                        const std::function<void()>& find);
+    template <class Kernel>
+    static DensityRow row(const WallImage& wall, const Kernel& W, const Surroundings& around, Index i);
+    Real find_crowded(const StepContext& step, const Fluid& fluid);
+    void set_push(const DensityRow& row, Real rho_0, Index i);
+    template <class Kernel>
+    void set_move(const Kernel& W, const Surroundings& around, const Fluid& fluid, Index c);
+    Real move(const Surroundings& around, const Fluid& fluid);
     /// The particles of `from` and their neighbours.
     void with_neighbours(const Pairs& pairs, const std::vector<Index>& from, std::vector<Index>& all);
 

@@ -19,6 +19,12 @@ public:
     void operator()(const FluidPairs& pairs, const StepContext& step, Read<field::role> role, Update<field::velocity> u);
 
 private:
+    static constexpr Index most = Pairs::Group::most;
+    template <class Kernel>
+    static Mat3 gradient(const Kernel& W, const FluidPairs& pairs, const StepContext& step, Update<field::velocity> u, Index i);
+    template <class Kernel>
+    Vec3 pull(const Kernel& W, const FluidPairs& pairs, const StepContext& step, Update<field::velocity> u, Index i) const;
+
     double rate_, tension_;
     Column<Mat3> gradient_;
     Column<Vec3> stretching_[2];  ///< of the symmetric part of the gradients the diagonal, and twice what stands beside it

@@ -8,7 +8,6 @@
 #include "engine/core/resize_tightly.h"
 
 namespace whorl {
-namespace {}  // namespace
 
 WallImage::WallImage(KernelKind kind, Real support, Real d, SolidGate gate_before) : spacing(d), nearest(d / 2), gate(gate_before) {
     with_kernel(kind, support, [&](const auto& W) {
@@ -48,28 +47,23 @@ WallImage::WallImage(KernelKind kind, Real support, Real d, SolidGate gate_befor
     });
 }
 
-void DensityRate::build(const WallImage& wall, const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid,
-                        const StepContext& step, Read<field::role> role, Read<field::velocity> u, Span<Real> rho, Span<Real> rate,
-                        const Solids* solids) {
-    first = pairs.first;
-    other = pairs.other;
-    const std::size_t n = static_cast<std::size_t>(pairs.size());
+void DensityRate::build(const WallImage& wall, const Surroundings& around, Read<field::role> role, Read<field::velocity> u, Span<Real> rho,
+                        Span<Real> rate) {
+    const StepContext& step = around.step;
+    first = around.pairs.first;
+    other = around.pairs.other;
+    const Index n = around.pairs.size();
     resize_tightly(slope, other.size());
-    period = pairs.period;
-    x.resize(n);
-    fill.resize(n);
-    own.resize(n);
-    diagonal.resize(n);
-    free.resize(n);
-    virial.resize(n);
-    const bool bodies = solids && solids->any_free();
+    period = around.pairs.period;
+    x.resize(n), fill.resize(n), own.resize(n), diagonal.resize(n), free.resize(n), virial.resize(n);
+    const bool bodies = around.solids.any_free();
     with_kernel(step.kernel, step.support, [&](const auto& W) {
-        parallel_for(pairs.size(), [&](Index i) {
+        parallel_for(around.pairs.size(), [&](Index i) {
             Real change = 0, wall_change = 0;
-            x[i] = padded(pairs.x_own[i]);
+            x[i] = padded(around.pairs.x_own[i]);
             Index k = 0;
             const DensityRow row = density_row(
-                wall, W, pairs, solid_pairs, solid, step.mass, i,
+                wall, W, around, i,
                 [&](const Pairs::Group& group, const Real* c) {
                     std::copy(c, c + group.count, slope.begin() + static_cast<std::ptrdiff_t>(first[i]) + k);
                     k += group.count;
@@ -81,10 +75,10 @@ void DensityRate::build(const WallImage& wall, const FluidPairs& pairs, const So
                                         group.r[2][l] * (u[i][2] - v[2][l]));
                     change += part;
                 },
-                [&](Index s, const Vec3& r, const WallImage::Seen& seen) {
-                    const Solid* body = bodies ? &solids->all[solid.solid[s]] : nullptr;
-                    const Vec3 moves = body && body->body ? body->pose.velocity_at(solid.position[s] + r) : solid.velocity[s];
-                    wall_change += seen.gradient.dot(u[i] - moves);
+                [&](Index s, const Vec3& r, const WallImage::Share& share) {
+                    const Solid* body = bodies ? &around.solids.all[around.layer.solid[s]] : nullptr;
+                    const Vec3 moves = body && body->body ? body->pose.velocity_at(around.layer.position[s] + r) : around.layer.velocity[s];
+                    wall_change += share.gradient.dot(u[i] - moves);
                 });
             const Real f = row.fill;
             fill[i] = f;
@@ -109,7 +103,7 @@ Padded DensityRate::sum_over_row(Index i, const F& term) const {
         for (int a = 0; a < 3; ++a) inverse[a] = period[a] > 0 ? 1 / period[a] : 0;
     }
     const auto one = [&](std::size_t k) {
-        const std::size_t j = static_cast<std::size_t>(other[k]);
+        const Index j = other[k];
         Padded r = xi - x[j];
         if constexpr (periodic) r -= length.cwiseProduct(r.cwiseProduct(inverse).array().round().matrix());
         return Padded(term(k, j, r));
@@ -131,7 +125,7 @@ void DensityRate::transposed(Span<const Real> q, Span<Padded> v) const {
             v[i].setZero();
             if (!free[i]) return;
             v[i] = padded(q[i] * own[i]) +
-                   sum_over_row<periodic>(i, [&](std::size_t k, std::size_t j, const Padded& r) { return (slope[k] * share_[j]) * r; });
+                   sum_over_row<periodic>(i, [&](std::size_t k, Index j, const Padded& r) { return (slope[k] * share_[j]) * r; });
         });
     };
     if (period != Vec3::Zero()) run.template operator()<true>();
@@ -144,7 +138,7 @@ void DensityRate::apply(Span<const Padded> v, Span<const char> wanted, Span<Real
             rate[i] = 0;
             if (!wanted[i]) return;
             const Padded sum =
-                sum_over_row<periodic>(i, [&](std::size_t k, std::size_t j, const Padded& r) { return slope[k] * r.cwiseProduct(v[j]); });
+                sum_over_row<periodic>(i, [&](std::size_t k, Index j, const Padded& r) { return slope[k] * r.cwiseProduct(v[j]); });
             rate[i] = own[i].dot(v[i].template head<3>()) - fill[i] * sum.sum();
         });
     };

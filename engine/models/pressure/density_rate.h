@@ -5,11 +5,9 @@
 #include <limits>
 #include <vector>
 
-#include "engine/geometry/solids.h"
 #include "engine/math/kernel.h"
 #include "engine/particles/field.h"
-#include "engine/particles/pairs.h"
-#include "engine/particles/step_context.h"
+#include "engine/particles/surroundings.h"
 #include "engine/sph/gate.h"
 
 namespace whorl {
@@ -25,19 +23,20 @@ struct WallImage {
     Real stretch;  ///< 1.85 for the cubic kernel with R = 2 d
     Real virial;   ///< on what the layer adds to a particle's virial (DensityRate::virial)
     Real spacing;  ///< m
-    Real nearest;  ///< m, where an image comes closer than this along the normal, w goes on along its tangent
-    bool goes_on =
-        true;        ///< false: w stays as it is at `nearest`. With free bodies: a raft would float 0.05 d higher, 0.19 above Archimedes
+    Real nearest;  ///< m; where an image is closer than this along the normal, w grows linearly
+    /// false: w stays as it is at `nearest`. So with free bodies: linear, a raft floats 0.05 d higher, 0.19 d above Archimedes
+    /// (tests/validation/sim/bodies.cpp).
+    bool linear_when_near = true;
     SolidGate gate;  ///< w_i counts as w_i times its weight, in the density and in its derivative
     WallImage(KernelKind kernel, Real support, Real spacing, SolidGate gate = {});
 
     /// What a solid particle adds to w_i, its gradient with respect to x_i, and its pull -V W' |r'|.
-    struct Seen {
+    struct Share {
         Real value, pull;
         Vec3 gradient;
     };
     template <class Kernel>
-    Seen see(const Kernel& W, const Vec3& r, Real distance, const Vec3& normal, Real volume) const {
+    Share share(const Kernel& W, const Vec3& r, Real distance, const Vec3& normal, Real volume) const {
         const Real V = factor * volume, height = r.dot(normal);
         Vec3 g = r;
         Real beyond = 0;   // how much closer than `nearest`
@@ -49,13 +48,15 @@ struct WallImage {
         }
         const Real slope = W.slope(distance);
         g *= V * slope;
-        return {V * (W.value(distance) - (goes_on ? slope * nearest * beyond : Real(0))), -V * slope * distance * distance * virial, g};
+        return {V * (W.value(distance) - (linear_when_near ? slope * nearest * beyond : Real(0))),
+                -V * slope * distance * distance * virial, g};
     }
-    /// Of the room around i, which solids fill to w: 1 - w, but never 0, and how much it shrinks with w.
-    struct Room {
+    /// The share of the volume around i that solids, which fill w of it, leave to the fluid: 1 - w, but never 0, and how much it shrinks
+    /// with w.
+    struct FreeVolume {
         Real left, slope;
     };
-    static Room room(Real w) {
+    static FreeVolume free_volume(Real w) {
         constexpr Real least = Real(0.25);
         if (w <= 1 - least) return {1 - w, 1};
         const Real left = least * std::exp((1 - least - w) / least);
@@ -72,13 +73,14 @@ struct DensityRow {
     Real pull;           ///< -sum_j m W' r + rho_i times the solids' [kg/m^3]
 };
 
-/// @param fluid_neighbours called as (group, c) with g_ij = c r @param solid_neighbour as (s, r, Seen)
+/// @param fluid_neighbours called as (group, c) with g_ij = c r @param solid_neighbour as (s, r, Share)
 template <class Kernel, class Fluid, class SolidPart>
-DensityRow density_row(const WallImage& wall, const Kernel& W, const FluidPairs& pairs, const SolidPairs& solid_pairs,
-                       const SolidParticles& solid, Real mass, Index i, Fluid&& fluid_neighbours, SolidPart&& solid_neighbour) {
+DensityRow density_row(const WallImage& wall, const Kernel& W, const Surroundings& around, Index i, Fluid&& fluid_neighbours,
+                       SolidPart&& solid_neighbour) {
+    const Real mass = around.step.mass;
     Vec3 fluid = Vec3::Zero(), walls = Vec3::Zero();
     Real density = mass * W.value(0), squares = 0, pull = 0, w = 0, wall_pull = 0;
-    pairs.groups_of(i, [&](const Pairs::Group& group) {
+    around.pairs.groups_of(i, [&](const Pairs::Group& group) {
         alignas(64) Real c[Pairs::Group::most];
         Real x = 0, y = 0, z = 0, sum = 0, sum_squares = 0, sum_pull = 0;
         for (Index l = 0; l < group.padded(); ++l) {
@@ -97,17 +99,17 @@ DensityRow density_row(const WallImage& wall, const Kernel& W, const FluidPairs&
         pull += sum_pull;
         fluid_neighbours(group, static_cast<const Real*>(c));
     });
-    if (solid.size() > 0)
-        solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-            const WallImage::Seen seen = wall.see(W, r, distance, solid.normal[s], solid.volume[s]);
-            w += seen.value;
-            wall_pull += seen.pull;
-            walls += seen.gradient;
-            solid_neighbour(s, r, seen);
+    if (around.layer.size() > 0)
+        around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+            const WallImage::Share share = wall.share(W, r, distance, around.layer.normal[s], around.layer.volume[s]);
+            w += share.value;
+            wall_pull += share.pull;
+            walls += share.gradient;
+            solid_neighbour(s, r, share);
         });
-    const SolidGate::Passed passed = wall.gate.pass(w);
-    const WallImage::Room room = WallImage::room(passed.sum);
-    const Real f = 1 / room.left, slope = passed.slope * room.slope, rho = f * density;
+    const SolidGate::Gated gated = wall.gate.gated(w);
+    const WallImage::FreeVolume free_volume = WallImage::free_volume(gated.sum);
+    const Real f = 1 / free_volume.left, slope = gated.slope * free_volume.slope, rho = f * density;
     return {rho, f, f * (fluid + rho * slope * walls), slope, squares, pull + rho * slope * wall_pull};
 }
 
@@ -135,10 +137,8 @@ struct DensityRate {
     Index size() const { return static_cast<Index>(own.size()); }
 
     /// @param rho written @param rate D u with prescribed and solid velocities included
-    /// @param solids whose poses free bodies are seen to move by; without them every layer particle counts with its own velocity
-    void build(const WallImage& wall, const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid,
-               const StepContext& step, Read<field::role> role, Read<field::velocity> u, Span<Real> rho, Span<Real> rate,
-               const Solids* solids = nullptr);
+    void build(const WallImage& wall, const Surroundings& around, Read<field::role> role, Read<field::velocity> u, Span<Real> rho,
+               Span<Real> rate);
     /// g_ij of the pair k in row i.
     Vec3 gradient(Index i, std::size_t k) const {
         Vec3 r = (x[i] - x[other[k]]).template head<3>();

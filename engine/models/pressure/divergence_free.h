@@ -5,6 +5,7 @@
 /// Stages of a step: DivergenceFree in the place of ConstraintPressure, MoveAndDrift in that of Move.
 #include "engine/core/parallel.h"
 #include "engine/models/pressure/constraint.h"
+#include "engine/particles/surroundings.h"
 
 namespace whorl {
 
@@ -30,8 +31,7 @@ struct drift {
 class DivergenceFree : private ConstraintPressure {
 public:
     explicit DivergenceFree(ConstraintOptions options) : ConstraintPressure(std::move(options)) {}
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, Solids& solids,
-                    const StepContext& step, StepReport& report, Read<field::role> role, Write<field::density> rho,
+    void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Write<field::density> rho,
                     Update<field::velocity> u, Update<field::pressure> p, Update<field::packing_pressure> s, Write<field::drift> drift);
 
 private:

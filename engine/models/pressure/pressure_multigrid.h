@@ -2,7 +2,7 @@
 /// Multigrid preconditioners of the two pressure solves (docs/reports/pressure.md).
 #include "engine/math/multigrid.h"
 #include "engine/models/pressure/constraint.h"
-#include "engine/models/pressure/ppe.h"
+#include "engine/models/pressure/poisson.h"
 
 namespace whorl {
 

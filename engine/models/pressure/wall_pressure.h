@@ -1,18 +1,16 @@
 #pragma once
 /// The pressure of solids on a fluid particle, shared by the pressure models.
-#include "engine/geometry/solids.h"
-#include "engine/particles/pairs.h"
-#include "engine/particles/step_context.h"
+#include "engine/particles/surroundings.h"
 
 namespace whorl {
 
 /// grad_i = sum_s V_s grad W_is        What a pressure of 1 at the solids does to fluid particle i, times -1 and its density.
 template <class Kernel>
-Vec3 wall_gradient(const Kernel& kernel, Index i, const SolidPairs& pairs, const SolidParticles& solid, Real volume_factor) {
+Vec3 wall_gradient(const Kernel& kernel, Index i, const Surroundings& around, Real volume_factor) {
     Vec3 gradient = Vec3::Zero();
-    pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+    around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
         const Real slope = kernel.slope(distance);
-        gradient += volume_factor * solid.volume[s] * slope * r;
+        gradient += volume_factor * around.layer.volume[s] * slope * r;
     });
     return gradient;
 }
@@ -24,14 +22,13 @@ Vec3 wall_gradient(const Kernel& kernel, Index i, const SolidPairs& pairs, const
 /// would push the topmost layer of a full box away, as if it weighed on it. The notes' form (Akinci et al. 2012) is p_i, half of it with a
 /// volume 1.43 times as large.
 template <class Kernel>
-Vec3 wall_push(const Kernel& kernel, Index i, const SolidPairs& pairs, const SolidParticles& solid, const StepContext& step,
-               Real volume_factor, Real p) {
+Vec3 wall_push(const Kernel& kernel, Index i, const Surroundings& around, Real volume_factor, Real p) {
     Vec3 push = Vec3::Zero();
-    pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+    around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
         const Real slope = kernel.slope(distance);
-        const Vec3& n = solid.normal[s];
-        const Real both = 2 * p - step.rest_density * step.gravity.dot(n) * std::max(Real(0), r.dot(n));
-        push += std::max(Real(0), both) * volume_factor * solid.volume[s] * slope * r;
+        const Vec3& n = around.layer.normal[s];
+        const Real both = 2 * p - around.step.rest_density * around.step.gravity.dot(n) * std::max(Real(0), r.dot(n));
+        push += std::max(Real(0), both) * volume_factor * around.layer.volume[s] * slope * r;
     });
     return push;
 }

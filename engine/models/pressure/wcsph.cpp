@@ -14,14 +14,15 @@ void TaitPressure::operator()(const StepContext& step, Read<field::density> rho,
     parallel_for(p.size(), [&](Index i) { p[i] = std::max(stiffness * (std::pow(rho[i] / step.rest_density, gamma) - 1) + p0, Real(0)); });
 }
 
-void SoundDamping::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, const StepContext& step,
-                              Read<field::velocity> u, Update<field::pressure> p) const {
+void SoundDamping::operator()(const Surroundings& around, Read<field::velocity> u, Update<field::pressure> p) const {
+    const SolidParticles& layer = around.layer;
+    const StepContext& step = around.step;
     const auto zeta = static_cast<Real>(options.sound_damping * options.sound_speed * step.support / 2);
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         parallel_for(p.size(), [&](Index i) {
             const Vec3 own = u[i];
             Real rate = 0;  // D rho/D t
-            pairs.groups_of(i, [&](const Pairs::Group& group) {
+            around.pairs.groups_of(i, [&](const Pairs::Group& group) {
                 Real other[3][Pairs::Group::most], part = 0;
                 group.gather(u.data(), other);
                 for (Index l = 0; l < group.padded(); ++l)
@@ -31,11 +32,11 @@ void SoundDamping::operator()(const FluidPairs& pairs, const SolidPairs& solid_p
                 rate += part;
             });
             rate *= step.mass;
-            if (solid.size() > 0) {
+            if (layer.size() > 0) {
                 const Real mass = step.rest_density * options.solid_factor *
-                                  options.gate.weight(kernel, i, solid_pairs, solid.volume, options.solid_factor);
-                solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                    rate += mass * solid.volume[s] * kernel.slope(distance) * (own - solid.velocity[s]).dot(r);
+                                  options.gate.weight(kernel, i, around.solid_pairs, layer.volume, options.solid_factor);
+                around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+                    rate += mass * layer.volume[s] * kernel.slope(distance) * (own - layer.velocity[s]).dot(r);
                 });
             }
             p[i] = std::max(p[i] + zeta * rate, Real(0));
@@ -43,12 +44,13 @@ void SoundDamping::operator()(const FluidPairs& pairs, const SolidPairs& solid_p
     });
 }
 
-void ArtificialViscosity::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer,
-                                     const StepContext& step, Read<field::role> role, Read<field::density> rho, Read<field::velocity> u,
+void ArtificialViscosity::operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Read<field::velocity> u,
                                      Update<field::acceleration> a) const {
+    const SolidParticles& layer = around.layer;
+    const StepContext& step = around.step;
     const Real h = step.support / 2, strength = static_cast<Real>(options.artificial_viscosity * options.sound_speed) * h;
     const Real softening = Real(0.01) * h * h;
-    const std::vector<char> slip = slips(solids);
+    const std::vector<char> slip = slips(around.solids);
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         // (u_ij . r_ij)/(r^2 + 0.01 h^2) grad W_ij
         const auto along = [&](const Vec3& u_ij, const Vec3& r, Real distance) {
@@ -58,7 +60,7 @@ void ArtificialViscosity::operator()(const FluidPairs& pairs, const SolidPairs& 
             const Vec3 own = u[i];
             const Real own_rho = rho[i];
             Vec3 sum = Vec3::Zero();
-            pairs.groups_of(i, [&](const Pairs::Group& group) {
+            around.pairs.groups_of(i, [&](const Pairs::Group& group) {
                 Real density[Pairs::Group::most], other[3][Pairs::Group::most], part[3] = {0, 0, 0};
                 group.gather(rho.data(), density), group.gather(u.data(), other);
                 for (Index l = 0; l < group.padded(); ++l) {
@@ -69,19 +71,20 @@ void ArtificialViscosity::operator()(const FluidPairs& pairs, const SolidPairs& 
                 }
                 sum += Vec3(part[0], part[1], part[2]);
             });
-            const Real factor = layer.size() > 0
-                                    ? options.solid_factor * options.gate.weight(kernel, i, solid_pairs, layer.volume, options.solid_factor)
-                                    : 0;
+            const Real factor = layer.size() > 0 ? options.solid_factor * options.gate.weight(kernel, i, around.solid_pairs, layer.volume,
+                                                                                              options.solid_factor)
+                                                 : 0;
             if (factor > 0)
-                solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+                around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
                     if (slip[layer.solid[s]]) return;
                     sum += factor * layer.volume[s] * along(own - layer.velocity[s], r, distance);
                 });
             a[i] += strength * sum;
         });
-        react(solids, solid_pairs, layer, step.mass, role, [&](Index i, Index s, const Vec3& r, Real distance) {
+        react(around, role, [&](Index i, Index s, const Vec3& r, Real distance) {
             if (slip[layer.solid[s]]) return Vec3(Vec3::Zero());
-            const Real factor = options.solid_factor * options.gate.weight(kernel, i, solid_pairs, layer.volume, options.solid_factor);
+            const Real factor =
+                options.solid_factor * options.gate.weight(kernel, i, around.solid_pairs, layer.volume, options.solid_factor);
             return Vec3(strength * factor * layer.volume[s] * along(u[i] - layer.velocity[s], r, distance));
         });
     });
@@ -113,31 +116,31 @@ void add_pressure(const Kernel& kernel, const FluidPairs& pairs, const StepConte
 
 }  // namespace
 
-void PressureAcceleration::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& solid,
-                                      const StepContext& step, Read<field::role> role, Read<field::density> rho, Read<field::pressure> p,
+void PressureAcceleration::operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Read<field::pressure> p,
                                       Update<field::acceleration> a) const {
+    const StepContext& step = around.step;
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
-        if (options.difference_gradient) add_pressure<true>(kernel, pairs, step, rho, p, a);
-        else add_pressure<false>(kernel, pairs, step, rho, p, a);
-        if (solid.size() == 0) return;
+        if (options.difference_gradient) add_pressure<true>(kernel, around.pairs, step, rho, p, a);
+        else add_pressure<false>(kernel, around.pairs, step, rho, p, a);
+        if (around.layer.size() == 0) return;
         const auto push = [&](Index i, Index s, const Vec3& r, Real distance) {
             // p_s + p_i, or p_s - p_i, with p_s = p_i - rho_0 g.r.
             const Real even = options.difference_gradient ? 0 : 2 * p[i], least = options.difference_gradient ? -p[i] : 0;
             const Real both = std::max(least, even - step.rest_density * step.gravity.dot(r));
-            return Vec3(both * solid.volume[s] * kernel.slope(distance) * r);
+            return Vec3(both * around.layer.volume[s] * kernel.slope(distance) * r);
         };
         // rho_s = rho_0, and rho_i near it; both halves of the symmetric form.
         const auto share = [&](Index i) {
-            return options.gate.weight(kernel, i, solid_pairs, solid.volume, options.solid_factor) * step.rest_density *
+            return options.gate.weight(kernel, i, around.solid_pairs, around.layer.volume, options.solid_factor) * step.rest_density *
                    options.solid_factor / (rho[i] * rho[i]);
         };
         parallel_for(a.size(), [&](Index i) {
             if (!(p[i] > 0)) return;
             Vec3 sum = Vec3::Zero();
-            solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { sum += push(i, s, r, distance); });
+            around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { sum += push(i, s, r, distance); });
             a[i] -= share(i) * sum;
         });
-        react(solids, solid_pairs, solid, step.mass, role, [&](Index i, Index s, const Vec3& r, Real distance) {
+        react(around, role, [&](Index i, Index s, const Vec3& r, Real distance) {
             return p[i] > 0 ? Vec3(-share(i) * push(i, s, r, distance)) : Vec3(Vec3::Zero());
         });
     });

@@ -4,10 +4,8 @@
 /// Stages of a step, in order: Density (sph/density.h), TaitPressure, SoundDamping, Gravity, PressureAcceleration, ArtificialViscosity,
 /// Kick, Move, KeepOutside. Without the two dampers nothing is lost but by the time step: sound goes to and fro for ever, and a lattice
 /// that melts stays warm.
-#include "engine/geometry/solids.h"
 #include "engine/particles/field.h"
-#include "engine/particles/pairs.h"
-#include "engine/particles/step_context.h"
+#include "engine/particles/surroundings.h"
 #include "engine/sph/gate.h"
 
 namespace whorl {
@@ -34,8 +32,7 @@ struct TaitPressure {
 /// momentum and angular momentum, and does nothing to a flow that keeps its density (free fall, rotation, shear).
 struct SoundDamping {
     WeaklyCompressible options;
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, const StepContext& step,
-                    Read<field::velocity> u, Update<field::pressure> p) const;
+    void operator()(const Surroundings& around, Read<field::velocity> u, Update<field::pressure> p) const;
 };
 
 /// a_i += alpha c0 h sum_j m/rho_ij (u_ij . r_ij)/(r_ij^2 + 0.01 h^2) grad W_ij, h = R/2, rho_ij the mean     (Monaghan 1992, for receding
@@ -43,8 +40,7 @@ struct SoundDamping {
 /// volumes.
 struct ArtificialViscosity {
     WeaklyCompressible options;
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer,
-                    const StepContext& step, Read<field::role> role, Read<field::density> rho, Read<field::velocity> u,
+    void operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Read<field::velocity> u,
                     Update<field::acceleration> a) const;
 };
 
@@ -59,8 +55,7 @@ struct ArtificialViscosity {
 /// basin. It acts in the symmetric form in either case (in the difference form a wall with the pressure of i would not push).
 struct PressureAcceleration {
     WeaklyCompressible options;
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& solid,
-                    const StepContext& step, Read<field::role> role, Read<field::density> rho, Read<field::pressure> p,
+    void operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Read<field::pressure> p,
                     Update<field::acceleration> a) const;
 };
 

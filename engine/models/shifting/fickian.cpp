@@ -5,9 +5,9 @@
 
 namespace whorl {
 
-void FickianShift::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& layer, const StepContext& step,
-                              Read<field::role> role, Read<field::density> rho, Read<field::velocity> u, Write<field::shift> shift,
-                              Update<field::position> x) const {
+void FickianShift::operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Read<field::velocity> u,
+                              Write<field::shift> shift, Update<field::position> x) const {
+    const StepContext& step = around.step;
     const Real farthest = step.spacing / 20;
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         const Real over_first = 1 / W.value(step.spacing);
@@ -18,7 +18,7 @@ void FickianShift::operator()(const FluidPairs& pairs, const SolidPairs& solid_p
             const Vec3 own = u[i];
             Vec3 gradient = Vec3::Zero();
             Real fastest = 0;
-            pairs.groups_of(i, [&](const Pairs::Group& group) {
+            around.pairs.groups_of(i, [&](const Pairs::Group& group) {
                 Real other[3][Pairs::Group::most], part[3] = {0, 0, 0}, most = 0;
                 group.gather(u.data(), other);
                 for (Index l = 0; l < group.padded(); ++l) {
@@ -30,8 +30,9 @@ void FickianShift::operator()(const FluidPairs& pairs, const SolidPairs& solid_p
                 gradient += step.volume * Vec3(part[0], part[1], part[2]);
                 fastest = std::max(fastest, most);
             });
-            solid_pairs.of(
-                i, [&](Index s, const Vec3& r, Real distance) { gradient += solid_factor * layer.volume[s] * W.slope(distance) * r; });
+            around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+                gradient += solid_factor * around.layer.volume[s] * W.slope(distance) * r;
+            });
             const Real surrounded = std::clamp(3 - Real(2.5) * step.support * gradient.norm(), Real(0), Real(1));
             Vec3 move = -step.dt * std::sqrt(fastest) * step.support * dense * surrounded * gradient;
             const Real length = move.norm();

@@ -9,10 +9,8 @@
 /// and leaves the velocities alone, so momentum is kept exactly.
 ///
 /// Stage of a step: after the forces, before Move. It needs neighbours and density.
-#include "engine/geometry/solids.h"
 #include "engine/particles/field.h"
-#include "engine/particles/pairs.h"
-#include "engine/particles/step_context.h"
+#include "engine/particles/surroundings.h"
 
 namespace whorl {
 
@@ -25,9 +23,8 @@ struct shift {
 
 struct FickianShift {
     Real solid_factor = 1;  ///< on the solids' volumes, see models/boundary/wall.h
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& layer, const StepContext& step,
-                    Read<field::role> role, Read<field::density> rho, Read<field::velocity> u, Write<field::shift> shift,
-                    Update<field::position> x) const;
+    void operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Read<field::velocity> u,
+                    Write<field::shift> shift, Update<field::position> x) const;
 };
 
 }  // namespace whorl

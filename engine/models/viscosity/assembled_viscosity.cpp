@@ -23,35 +23,35 @@ struct AssembledOperator::Gradients {
     Vec3 solid_a(Index i, std::size_t pair) const { return (own_volume ? volume[i] : rest_volume) * solid_gradW[pair]; }
 };
 
-void AssembledOperator::set_up(const AssembledViscosityOptions& options, const FluidPairs& pairs, const SolidPairs& solid_pairs,
-                               const Solids& solids, const SolidParticles& layer, const StepContext& step, Read<field::role> role,
+void AssembledOperator::set_up(const AssembledViscosityOptions& options, const Surroundings& around, Read<field::role> role,
                                Read<field::density> rho, Read<field::viscosity> mu) {
+    const StepContext& step = around.step;
     const std::size_t n = static_cast<std::size_t>(mu.size());
     Gradients g;
     g.rest_volume = step.volume;
     g.own_volume = options.own_volume;
-    g.gradW.resize(pairs.other.size());
+    g.gradW.resize(around.pairs.other.size());
     g.omega.resize(n), g.alpha.resize(n), g.stress.resize(n), g.volume.resize(n);
     parallel_for(mu.size(), [&](Index i) {
         g.volume[i] = step.mass / rho[i];
         g.stress[i] = step.mass * step.dt * mu[i] / (rho[i] * rho[i]);
     });
-    const bool walls = layer.size() > 0;
-    if (walls) g.solid_gradW.resize(solid_pairs.other.size());
-    const std::vector<char> slip = slips(solids);
+    const bool walls = around.layer.size() > 0;
+    if (walls) g.solid_gradW.resize(around.solid_pairs.other.size());
+    const std::vector<char> slip = slips(around.solids);
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         parallel_for(mu.size(), [&](Index i) {
             Vec3 omega = Vec3::Zero(), alpha = Vec3::Zero();
-            std::size_t k = pairs.first[i];
-            pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
+            std::size_t k = around.pairs.first[i];
+            around.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
                 g.gradW[k] = kernel_gradient(kernel, r, distance);
                 omega += g.gradW[k];
                 alpha += g.a(i, j, k++);
             });
             if (walls) {
-                k = solid_pairs.first[i];
-                solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                    const Real volume = slip[layer.solid[s]] ? 0 : options.solid_factor * layer.volume[s];
+                k = around.solid_pairs.first[i];
+                around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+                    const Real volume = slip[around.layer.solid[s]] ? 0 : options.solid_factor * around.layer.volume[s];
                     g.solid_gradW[k] = volume / step.volume * kernel_gradient(kernel, r, distance);
                     omega += g.solid_gradW[k];
                     alpha += g.solid_a(i, k++);
@@ -64,9 +64,9 @@ void AssembledOperator::set_up(const AssembledViscosityOptions& options, const F
     free_.resize(n);
     for (std::size_t i = 0; i < n; ++i) free_[i] = role.values[i] == 0;
     touches_wall_ = parallel_sum(static_cast<Index>(g.solid_gradW.size()), [&](Index k) { return g.solid_gradW[k] != Vec3::Zero(); }) > 0;
-    assemble(g, pairs);
+    assemble(g, around.pairs);
     wall_force_.clear();
-    if (touches_wall_) set_wall_force(g, pairs, solid_pairs, layer);
+    if (touches_wall_) set_wall_force(g, around);
     Column<Mat3> blocks(n);
     parallel_for(mu.size(), [&](Index i) { blocks[i] = block(i, i); });
     diagonal_.set(std::move(blocks), free_);
@@ -108,20 +108,19 @@ void AssembledOperator::assemble(const Gradients& g, const FluidPairs& pairs) {
 }
 
 /// m^ sum_j (mu^_i Q_i + mu^_j Q_j) grad W_ij of the velocities of the solids alone.
-void AssembledOperator::set_wall_force(const Gradients& g, const FluidPairs& pairs, const SolidPairs& solid_pairs,
-                                       const SolidParticles& layer) {
+void AssembledOperator::set_wall_force(const Gradients& g, const Surroundings& around) {
     const Index n = size();
     Column<Mat3> Q(n);
     parallel_for(n, [&](Index i) {
         Mat3 gradient = Mat3::Zero();
-        for (std::size_t k = solid_pairs.first[i]; k < solid_pairs.first[i + 1]; ++k)
-            gradient += layer.velocity[solid_pairs.other[k]] * g.solid_a(i, k).transpose();
+        for (std::size_t k = around.solid_pairs.first[i]; k < around.solid_pairs.first[i + 1]; ++k)
+            gradient += around.layer.velocity[around.solid_pairs.other[k]] * g.solid_a(i, k).transpose();
         Q[i] = -g.stress[i] * (gradient + gradient.transpose());
     });
     wall_force_.resize(n);
     parallel_for(n, [&](Index i) {
         Vec3 sum = Q[i] * g.omega[i];
-        for (std::size_t k = pairs.first[i]; k < pairs.first[i + 1]; ++k) sum += Q[pairs.other[k]] * g.gradW[k];
+        for (std::size_t k = around.pairs.first[i]; k < around.pairs.first[i + 1]; ++k) sum += Q[around.pairs.other[k]] * g.gradW[k];
         wall_force_[i] = sum;
     });
 }
@@ -170,12 +169,11 @@ double assembled_bytes(double reach) {
     return entries * (sizeof(Mat3) + sizeof(Index));
 }
 
-void AssembledViscosity::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids,
-                                    const SolidParticles& layer, const StepContext& step, StepReport& report, Read<field::role> role,
-                                    Read<field::position> x, Read<field::density> rho, Read<field::viscosity> mu, Update<field::velocity> u,
+void AssembledViscosity::operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::position> x,
+                                    Read<field::density> rho, Read<field::viscosity> mu, Update<field::velocity> u,
                                     Update<field::viscous_acceleration> last) {
-    operator_.set_up(options_, pairs, solid_pairs, solids, layer, step, role, rho, mu);
-    solve_implicit(operator_, options_.limits, {step, report, role, x, u, last});
+    operator_.set_up(options_, around, role, rho, mu);
+    solve_implicit(operator_, options_.limits, {around.step, report, role, x, u, last});
 }
 
 }  // namespace whorl

@@ -4,9 +4,8 @@
 /// what the other is held to.
 ///
 /// Stages of a step, in order: Density, Gravity, (forces), Kick, AssembledViscosity, (pressure), Move.
-#include "engine/geometry/solids.h"
 #include "engine/models/viscosity/implicit_viscosity.h"
-#include "engine/particles/pairs.h"
+#include "engine/particles/surroundings.h"
 
 namespace whorl {
 
@@ -33,8 +32,7 @@ inline Mat3 nine_coefficients(const Vec3& gradW, const Vec3& a) {
 /// is known and no stress of their own.
 class AssembledOperator final : public ImplicitOperator {
 public:
-    void set_up(const AssembledViscosityOptions& options, const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids,
-                const SolidParticles& layer, const StepContext& step, Read<field::role> role, Read<field::density> rho,
+    void set_up(const AssembledViscosityOptions& options, const Surroundings& around, Read<field::role> role, Read<field::density> rho,
                 Read<field::viscosity> mu);
 
     void multiply(Span<const Vec3> u, Span<Vec3> y) const override;
@@ -61,7 +59,7 @@ private:
     };
     static constexpr Index rows_size = 256;
     void assemble(const Gradients& g, const FluidPairs& pairs);
-    void set_wall_force(const Gradients& g, const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& layer);
+    void set_wall_force(const Gradients& g, const Surroundings& around);
     Vec3 row_times(Index i, Span<const Vec3> u, bool free_only) const;
 
     std::vector<Rows> rows_;
@@ -82,9 +80,9 @@ inline constexpr double most_assembled_bytes = 4e9;
 class AssembledViscosity {
 public:
     explicit AssembledViscosity(AssembledViscosityOptions options) : options_(options) {}
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
-                    const StepContext& step, StepReport& report, Read<field::role> role, Read<field::position> x, Read<field::density> rho,
-                    Read<field::viscosity> mu, Update<field::velocity> u, Update<field::viscous_acceleration> last);
+    void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::position> x,
+                    Read<field::density> rho, Read<field::viscosity> mu, Update<field::velocity> u,
+                    Update<field::viscous_acceleration> last);
 
 private:
     AssembledViscosityOptions options_;

@@ -39,13 +39,14 @@ struct Monaghan {
 };
 
 template <class Kernel, class Form>
-void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions& options, const FluidPairs& pairs,
-                   const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer, const StepContext& step,
+void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions& options, const Surroundings& around,
                    Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu, Read<field::velocity> u,
                    Update<field::acceleration> a) {
-    const std::vector<char> slip = slips(solids);
+    const SolidParticles& layer = around.layer;
+    const StepContext& step = around.step;
+    const std::vector<char> slip = slips(around.solids);
     WallFriction friction;
-    friction.set(options.monaghan ? FrictionForm::along : FrictionForm::central, solid_pairs, solids, layer, step);
+    friction.set(options.monaghan ? FrictionForm::along : FrictionForm::central, around);
     const WallShear shear{step.spacing / 2};
     // The solids' share in rho_i a_i, but for the weight of all of them at i.
     const auto by_solid = [&](Index i, Index s, const Vec3& r, Real distance) {
@@ -53,19 +54,20 @@ void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions
         if (slip[whose]) return Vec3(Vec3::Zero());
         const Real stretch = shear.stretch(r, layer.normal[s]);
         // The wall's rigid motion, seen from i, plus the shear continued behind the surface.
-        const Vec3 wall = solids.all[whose].pose.velocity_at(layer.position[s] + r);
+        const Vec3 wall = around.solids.all[whose].pose.velocity_at(layer.position[s] + r);
         const Vec3 u_is = stretch * (u[i] - wall) + (wall - layer.velocity[s]);
         return Vec3(layer.volume[s] * mu[i] * form(u_is.dot(r), distance, kernel.slope(distance)) * (Form::along_r ? r : u_is));
     };
     const auto weight = [&](Index i) {
-        return layer.size() > 0 ? options.solid_factor * options.gate.weight(kernel, i, solid_pairs, layer.volume, options.solid_factor)
-                                : Real(0);
+        return layer.size() > 0
+                   ? options.solid_factor * options.gate.weight(kernel, i, around.solid_pairs, layer.volume, options.solid_factor)
+                   : Real(0);
     };
     parallel_for(a.size(), [&](Index i) {
         Vec3 sum = Vec3::Zero();
         const Vec3 own = u[i];
         const Real own_mu = mu[i];
-        pairs.groups_of(i, [&](const Pairs::Group& group) {
+        around.pairs.groups_of(i, [&](const Pairs::Group& group) {
             Real density[Pairs::Group::most], other_mu[Pairs::Group::most], other[3][Pairs::Group::most], part[3] = {0, 0, 0};
             group.gather(rho.data(), density), group.gather(mu.data(), other_mu), group.gather(u.data(), other);
             for (Index l = 0; l < group.padded(); ++l) {
@@ -79,7 +81,7 @@ void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions
             sum += Vec3(part[0], part[1], part[2]);
         });
         if (const Real solid_factor = weight(i); solid_factor > 0) {
-            solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { sum += solid_factor * by_solid(i, s, r, distance); });
+            around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { sum += solid_factor * by_solid(i, s, r, distance); });
             // The wall's area does not depend on the density that the kernel finds beside it: the acceleration is mu/rho_0 times that.
             if (friction.acts())
                 sum -=
@@ -87,19 +89,17 @@ void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions
         }
         a[i] += sum / rho[i];
     });
-    react(solids, solid_pairs, layer, step.mass, role,
+    react(around, role,
           [&](Index i, Index s, const Vec3& r, Real distance) { return Vec3(weight(i) / rho[i] * by_solid(i, s, r, distance)); });
 }
 
 }  // namespace
 
-void ExplicitViscosity::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer,
-                                   const StepContext& step, Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu,
+void ExplicitViscosity::operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu,
                                    Read<field::velocity> u, Update<field::acceleration> a) const {
+    const StepContext& step = around.step;
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
-        const auto add = [&](const auto& form) {
-            add_viscosity(kernel, form, options, pairs, solid_pairs, solids, layer, step, role, rho, mu, u, a);
-        };
+        const auto add = [&](const auto& form) { add_viscosity(kernel, form, options, around, role, rho, mu, u, a); };
         if (options.monaghan) add(Monaghan(step.kernel, step.support, step.spacing));
         else add(Brookshaw{Real(3) / lattice_second_moment(step.kernel, step.support, step.spacing)});
     });

@@ -2,11 +2,9 @@
 /// Viscosity that needs no solve: the XSPH smoothing and the explicit Laplacians.
 ///
 /// Stages of a step: XsphViscosity after Kick; ExplicitViscosity between Gravity and Kick. Both need Density before them.
-#include "engine/geometry/solids.h"
 #include "engine/models/boundary/wall.h"
 #include "engine/particles/field.h"
-#include "engine/particles/pairs.h"
-#include "engine/particles/step_context.h"
+#include "engine/particles/surroundings.h"
 #include "engine/sph/gate.h"
 
 namespace whorl {
@@ -40,8 +38,7 @@ struct ExplicitOptions {
 /// velocity, continued behind the surface (models/boundary/wall.h).
 struct ExplicitViscosity {
     ExplicitOptions options;
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer,
-                    const StepContext& step, Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu,
+    void operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu,
                     Read<field::velocity> u, Update<field::acceleration> a) const;
 };
 

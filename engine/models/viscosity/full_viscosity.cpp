@@ -2,13 +2,12 @@
 
 namespace whorl {
 
-void FullViscosity::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer,
-                               const StepContext& step, StepReport& report, Read<field::role> role, Read<field::position> x,
+void FullViscosity::operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::position> x,
                                Read<field::viscosity> mu, Update<field::velocity> u, Update<field::viscous_acceleration> last,
                                Update<field::viscous_aggregate> aggregate) {
-    operator_.set_up(options_, pairs, solid_pairs, solids, layer, step, role, mu);
-    set_up_coarse(pairs, step, role, x, aggregate.values);
-    solve_implicit(operator_, options_.limits, {step, report, role, x, u, last, &solids});
+    operator_.set_up(options_, around, role, mu);
+    set_up_coarse(around.pairs, around.step, role, x, aggregate.values);
+    solve_implicit(operator_, options_.limits, {around.step, report, role, x, u, last, &around.solids});
 }
 
 void FullViscosity::set_up_coarse(const FluidPairs& pairs, const StepContext& step, Read<field::role> role, Read<field::position> x,
@@ -33,12 +32,11 @@ void FullViscosity::set_up_coarse(const FluidPairs& pairs, const StepContext& st
     if (coarse_.groups() > 0) operator_.use_coarse(&coarse_);
 }
 
-void UncorrectedViscosity::operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer,
-                                      const StepContext& step, StepReport& report, Read<field::role> role, Read<field::position> x,
+void UncorrectedViscosity::operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::position> x,
                                       Read<field::density> rho, Read<field::viscosity> mu, Update<field::velocity> u,
                                       Update<field::viscous_acceleration> last) {
-    operator_.set_up(options_, pairs, solid_pairs, solids, layer, step, role, mu, rho.values);
-    solve_implicit(operator_, options_.limits, {step, report, role, x, u, last, &solids});
+    operator_.set_up(options_, around, role, mu, rho.values);
+    solve_implicit(operator_, options_.limits, {around.step, report, role, x, u, last, &around.solids});
 }
 
 }  // namespace whorl

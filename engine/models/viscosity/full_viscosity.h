@@ -18,9 +18,9 @@ struct viscous_aggregate {
 class FullViscosity {
 public:
     explicit FullViscosity(FullViscosityOptions options) : options_(options) {}
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer,
-                    const StepContext& step, StepReport& report, Read<field::role> role, Read<field::position> x, Read<field::viscosity> mu,
-                    Update<field::velocity> u, Update<field::viscous_acceleration> last, Update<field::viscous_aggregate> aggregate);
+    void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::position> x,
+                    Read<field::viscosity> mu, Update<field::velocity> u, Update<field::viscous_acceleration> last,
+                    Update<field::viscous_aggregate> aggregate);
 
 private:
     void set_up_coarse(const FluidPairs& pairs, const StepContext& step, Read<field::role> role, Read<field::position> x,
@@ -35,9 +35,9 @@ private:
 class UncorrectedViscosity {
 public:
     explicit UncorrectedViscosity(FullViscosityOptions options) : options_(options) { options_.correction = false; }
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, Solids& solids, const SolidParticles& layer,
-                    const StepContext& step, StepReport& report, Read<field::role> role, Read<field::position> x, Read<field::density> rho,
-                    Read<field::viscosity> mu, Update<field::velocity> u, Update<field::viscous_acceleration> last);
+    void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::position> x,
+                    Read<field::density> rho, Read<field::viscosity> mu, Update<field::velocity> u,
+                    Update<field::viscous_acceleration> last);
 
 private:
     FullViscosityOptions options_;

@@ -7,23 +7,23 @@
 #include "engine/models/strain/moment.h"
 
 namespace whorl {
-void ViscousOperator::set_up(const FullViscosityOptions& options, const FluidPairs& pairs, const SolidPairs& solid_pairs,
-                             const Solids& solids, const SolidParticles& layer, const StepContext& step, Read<field::role> role,
+
+void ViscousOperator::set_up(const FullViscosityOptions& options, const Surroundings& around, Read<field::role> role,
                              Read<field::viscosity> mu, Span<const Real> density) {
     const std::size_t n = static_cast<std::size_t>(mu.size());
-    pairs_ = &pairs;
+    pairs_ = &around.pairs;
     corrected_ = options.correction;
     use_coarse(nullptr);
-    pair_.resize(pairs.other.size());
+    pair_.resize(around.pairs.other.size());
     M_.resize(n), P_.resize(n), K_.resize(n), c_.resize(n), wr_.resize(n), free_.resize(n), whole_.resize(n);
     u_.resize(n), Q_.resize(n), own_.resize(n);
     touches_wall_ = false;
     wall_.clear(), wall_moment_.clear();
     K_friction_.resize(n);
-    friction_.set(FrictionForm::central, solid_pairs, solids, layer, step);
-    if (layer.size() > 0) set_up_wall(options, solid_pairs, solids, layer, step);
-    set_up_bodies(options, solid_pairs, solids, layer, step);
-    set_up_moments(options, step, role, mu, density);
+    friction_.set(FrictionForm::central, around);
+    if (around.layer.size() > 0) set_up_wall(options, around);
+    set_up_bodies(options, around);
+    set_up_moments(options, around.step, role, mu, density);
     set_up_blocks(options);
     if (bodies()) set_up_body_blocks();
 }
@@ -78,28 +78,29 @@ void ViscousOperator::set_up_moments(const FullViscosityOptions& options, const 
     });
 }
 
-void ViscousOperator::set_up_wall(const FullViscosityOptions& options, const SolidPairs& solid_pairs, const Solids& solids,
-                                  const SolidParticles& layer, const StepContext& step) {
-    const std::vector<char> slip = slips(solids);
+void ViscousOperator::set_up_wall(const FullViscosityOptions& options, const Surroundings& around) {
+    const SolidParticles& layer = around.layer;
+    const StepContext& step = around.step;
+    const std::vector<char> slip = slips(around.solids);
     const WallShear shear{step.spacing / 2};
     wall_.assign(K_.size(), {});
     wall_moment_.assign(K_.size(), Mat3d::Zero());
     std::vector<char> touches(K_.size(), 0);
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
-        parallel_for(solid_pairs.size(), [&](Index i) {
+        parallel_for(around.solid_pairs.size(), [&](Index i) {
             Wall& wall = wall_[i];
             Mat3 gradient = Mat3::Zero();
             Vec3 pull = Vec3::Zero();
-            solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+            around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
                 const auto whose = static_cast<std::size_t>(layer.solid[s]);
                 const Real w = -options.solid_factor * layer.volume[s] * kernel.derivative(distance) /
                                std::max(distance, std::numeric_limits<Real>::min());
                 if (slip[whose] || !(w > 0)) return;
-                const bool body = solids.all[whose].body.has_value();
+                const bool body = around.solids.all[whose].body.has_value();
                 touches[i] |= !body;
                 const Real stretch = options.correction ? shear.stretch(r, layer.normal[s]) : 1;
                 // stretch (u_i - u_wall(x_i)) + (u_wall(x_i) - u_wall(x_s)), with the rigid motion of the solid u_wall
-                const Vec3 here = solids.all[whose].pose.velocity_at(layer.position[s] + r);
+                const Vec3 here = around.solids.all[whose].pose.velocity_at(layer.position[s] + r);
                 const Vec3 velocity = (stretch - 1) * here + layer.velocity[s];
                 wall_moment_[i] += (w * r * r.transpose()).template cast<double>();
                 wall.near.wr += stretch * w * r;

@@ -2,10 +2,10 @@
 /// The operator of the full implicit viscosity, variational and matrix-free (docs/physics.md 4; Takahashi et al. 2015, mended). Set up in
 /// viscous_operator.cpp, its product in viscous_operator_product.cpp, its coarse level in viscous_operator_coarse.cpp, free bodies in
 /// viscous_operator_bodies.cpp.
-#include "engine/geometry/solids.h"
 #include "engine/models/boundary/friction.h"
 #include "engine/models/strain/coarse_level.h"
 #include "engine/models/viscosity/implicit_viscosity.h"
+#include "engine/particles/surroundings.h"
 
 namespace whorl {
 
@@ -38,8 +38,7 @@ class ViscousOperator final : public ImplicitOperator {
 public:
     /// Coefficients for these positions.
     /// @param density [kg/m^3], of the form as in the note; empty: at rest
-    void set_up(const FullViscosityOptions& options, const FluidPairs& pairs, const SolidPairs& solid_pairs, const Solids& solids,
-                const SolidParticles& layer, const StepContext& step, Read<field::role> role, Read<field::viscosity> mu,
+    void set_up(const FullViscosityOptions& options, const Surroundings& around, Read<field::role> role, Read<field::viscosity> mu,
                 Span<const Real> density = {});
     const ViscousBodies* bodies() const override { return bodies_.body.empty() ? nullptr : &bodies_; }
 
@@ -85,14 +84,12 @@ private:
     Mat3 hold(Index i) const { return K_friction_[i] * friction_.hold(i); }
     void set_up_moments(const FullViscosityOptions& options, const StepContext& step, Read<field::role> role, Read<field::viscosity> mu,
                         Span<const Real> density);
-    void set_up_wall(const FullViscosityOptions& options, const SolidPairs& solid_pairs, const Solids& solids, const SolidParticles& layer,
-                     const StepContext& step);
+    void set_up_wall(const FullViscosityOptions& options, const Surroundings& around);
     void set_up_blocks(const FullViscosityOptions& options);
     void spread(Span<const Vec3> u, bool free_only) const;
     void stress(Span<const Vec3> u, bool with_walls) const;
     void divergence(Span<const Vec3> u, Span<Vec3> y, bool free_only) const;
-    void set_up_bodies(const FullViscosityOptions& options, const SolidPairs& solid_pairs, const Solids& solids,
-                       const SolidParticles& layer, const StepContext& step);
+    void set_up_bodies(const FullViscosityOptions& options, const Surroundings& around);
     void set_up_body_blocks();
     struct CoarseRows;
     /// What bodies take from the sums at i, and what i gives to them, once its stress is known.

@@ -18,22 +18,23 @@ Vec3 turning_part(const Mat3& M) { return {M(2, 1) - M(1, 2), M(0, 2) - M(2, 0),
 
 }  // namespace
 
-void ViscousOperator::set_up_bodies(const FullViscosityOptions& options, const SolidPairs& solid_pairs, const Solids& solids,
-                                    const SolidParticles& layer, const StepContext& step) {
+void ViscousOperator::set_up_bodies(const FullViscosityOptions& options, const Surroundings& around) {
+    const SolidParticles& layer = around.layer;
+    const StepContext& step = around.step;
     bodies_ = {};
-    if (layer.size() == 0 || !solids.any_free()) return;
-    const std::vector<char> slip = slips(solids);
+    if (layer.size() == 0 || !around.solids.any_free()) return;
+    const std::vector<char> slip = slips(around.solids);
     const WallShear shear{step.spacing / 2};
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
-        bodies_.set_up(solids, step.mass, size(), particles_at_bodies(solids, solid_pairs, layer), [&](Index i, std::size_t k) {
+        bodies_.set_up(around.solids, step.mass, size(), particles_at_bodies(around), [&](Index i, std::size_t k) {
             BodyTouch touch;
             if (slip[k]) return touch;
-            solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+            around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
                 if (static_cast<std::size_t>(layer.solid[s]) != k) return;
                 const Real w = -options.solid_factor * layer.volume[s] * kernel.derivative(distance) /
                                std::max(distance, std::numeric_limits<Real>::min());
                 const Real stretch = options.correction ? shear.stretch(r, layer.normal[s]) : 1;
-                touch.arm = layer.position[s] + r - solids.all[k].body->centre.cast<Real>();
+                touch.arm = layer.position[s] + r - around.solids.all[k].body->centre.cast<Real>();
                 touch.g += stretch * w * r;
                 touch.N += w * r * r.transpose();
                 touch.h += stretch * stretch * w;

@@ -33,8 +33,8 @@ struct Floor : TestWorld {
         rho.resize(world.fluid.size());
         rate.resize(rho.size());
         DensityRate D;
-        D.build(WallImage(world.step.kernel, world.step.support, world.step.spacing, SolidGate{threshold}), world.fluid_pairs,
-                world.solid_pairs, world.solid_particles, world.step, Read<field::role>{std::as_const(world.fluid).column<field::role>()},
+        D.build(WallImage(world.step.kernel, world.step.support, world.step.spacing, SolidGate{threshold}), world.surroundings(),
+                Read<field::role>{std::as_const(world.fluid).column<field::role>()},
                 Read<field::velocity>{std::as_const(world.fluid).column<field::velocity>()}, rho, rate);
     }
     void move(double dt) {

@@ -21,9 +21,8 @@ ViscousOperator make_operator(TestWorld& w, Real dt, const FullViscosityOptions&
     w.find_pairs();
     w.world.step.dt = dt;
     ViscousOperator A;
-    const World& c = w.world;
-    A.set_up(options, c.fluid_pairs, c.solid_pairs, c.solids, c.solid_particles, c.step, {c.fluid.column<field::role>()},
-             {c.fluid.column<field::viscosity>()});
+    World& c = w.world;
+    A.set_up(options, c.surroundings(), {c.fluid.column<field::role>()}, {c.fluid.column<field::viscosity>()});
     return A;
 }
 

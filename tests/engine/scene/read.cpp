@@ -4,7 +4,10 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/scene/scene_difference.h"
+#include "engine/scene/scene_keys.h"
+#include "engine/scene/schema.h"
 #include "engine/scene/tree.h"
+#include "engine/scene/write.h"
 
 using namespace whorl;
 

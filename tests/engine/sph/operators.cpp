@@ -48,7 +48,8 @@ TEST_CASE("on a lattice every kernel sums to one within one per cent, and the de
         step.rest_density = 1000;
         step.mass = 1000 * lattice.V[0];
         std::vector<Real> density(lattice.x.size());
-        sum_density(lattice.pairs, {}, {}, 1, {}, step, density);
+        Solids solids;
+        sum_density({lattice.pairs, {}, solids, {}, step}, 1, {}, density);
         for (Real rho : density) REQUIRE(rho == Approx(1000).epsilon(0.01));
     }
 }
@@ -66,8 +67,11 @@ TEST_CASE("solids count in the density with their volume", "[sph]") {
     step.support = Real(0.2);
     step.rest_density = 500;
     step.mass = Real(500 * 1e-3);
-    std::vector<Real> volume(solid.size(), Real(1e-3)), density(fluid.size());
-    sum_density(fluid_pairs, solid_pairs, volume, 1, {}, step, density);
+    Solids solids;
+    SolidParticles layer;
+    layer.volume.assign(solid.size(), Real(1e-3));
+    std::vector<Real> density(fluid.size());
+    sum_density({fluid_pairs, solid_pairs, solids, layer, step}, 1, {}, density);
     for (Real rho : density) REQUIRE(rho == Approx(density[0]).epsilon(1e-5));
 }
 

@@ -7,7 +7,7 @@
 #include "engine/models/motion/motion.h"
 #include "engine/models/pressure/constraint.h"
 #include "engine/models/pressure/damping.h"
-#include "engine/models/pressure/ppe.h"
+#include "engine/models/pressure/poisson.h"
 #include "engine/models/pressure/wcsph.h"
 #include "engine/models/viscosity/explicit_viscosity.h"
 #include "engine/sph/density.h"

@@ -5,7 +5,7 @@
 
 #include "engine/models/boundary/wall.h"
 #include "engine/models/motion/motion.h"
-#include "engine/models/pressure/ppe.h"
+#include "engine/models/pressure/poisson.h"
 #include "engine/models/viscosity/explicit_viscosity.h"
 #include "engine/models/viscosity/full_viscosity.h"
 #include "engine/sph/density.h"

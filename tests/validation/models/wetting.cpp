@@ -46,7 +46,7 @@ TEST_CASE("a drop on a plate that it slides along nears the angle with cos = 2 w
         w.world.solids.all.back().shape = make_plane(Vec3d::Zero(), Vec3d(0, 1, 0));
         ConstraintOptions options;
         options.limits = {1e-3, 1000};
-        options.careful = true;  // as scenes with surface tension have it
+        options.slow_correction = true;  // as scenes with surface tension have it
         w.use({make_stage("surface tension", "", SurfaceTension{{sigma, {static_cast<Real>(wetting)}, nullptr}}),
                make_stage("unresolved motion", "", DampUnresolved{2, sigma}),
                make_stage("density constraint", "", ConstraintPressure{options}), make_stage("move", "", Move{})});

@@ -22,7 +22,7 @@ std::vector<Vec3> acceleration_of(test::TestWorld& w, const SetUp& set_up) {
     const auto u = w.column<field::velocity>();
     w.world.step.dt = Real(1);
     Operator A;
-    set_up(A, std::as_const(w.world));
+    set_up(A, w.world);
     std::vector<Vec3> y(u.size());
     A.force(u, y);
     for (std::size_t i = 0; i < y.size(); ++i) y[i] = u[i] - y[i];
@@ -32,8 +32,8 @@ std::vector<Vec3> acceleration_of(test::TestWorld& w, const SetUp& set_up) {
 std::vector<Vec3> explicit_acceleration(test::TestWorld& w, bool monaghan) {
     std::vector<Vec3> a(w.column<field::velocity>().size(), Vec3::Zero());
     World& c = w.world;
-    ExplicitViscosity{{monaghan, 1}}(c.fluid_pairs, c.solid_pairs, c.solids, c.solid_particles, c.step, read<field::role>(w),
-                                     read<field::density>(w), read<field::viscosity>(w), read<field::velocity>(w), {{Span<Vec3>(a)}});
+    ExplicitViscosity{{monaghan, 1}}(c.surroundings(), read<field::role>(w), read<field::density>(w), read<field::viscosity>(w),
+                                     read<field::velocity>(w), {{Span<Vec3>(a)}});
     return a;
 }
 
@@ -69,9 +69,8 @@ std::vector<ViscousModel> viscous_models() {
                        }});
     all.push_back({"full_assembled", true, 2,
                    [](test::TestWorld& w) {
-                       return acceleration_of<AssembledOperator>(w, [&](AssembledOperator& A, const World& c) {
-                           A.set_up({}, c.fluid_pairs, c.solid_pairs, c.solids, c.solid_particles, c.step, read<field::role>(w),
-                                    read<field::density>(w), read<field::viscosity>(w));
+                       return acceleration_of<AssembledOperator>(w, [&](AssembledOperator& A, World& c) {
+                           A.set_up({}, c.surroundings(), read<field::role>(w), read<field::density>(w), read<field::viscosity>(w));
                        });
                    },
                    [=](double tolerance) {
@@ -81,9 +80,8 @@ std::vector<ViscousModel> viscous_models() {
                    }});
     all.push_back({"full", true, 2,
                    [](test::TestWorld& w) {
-                       return acceleration_of<ViscousOperator>(w, [&](ViscousOperator& A, const World& c) {
-                           A.set_up({}, c.fluid_pairs, c.solid_pairs, c.solids, c.solid_particles, c.step, read<field::role>(w),
-                                    read<field::viscosity>(w));
+                       return acceleration_of<ViscousOperator>(w, [&](ViscousOperator& A, World& c) {
+                           A.set_up({}, c.surroundings(), read<field::role>(w), read<field::viscosity>(w));
                        });
                    },
                    [=](double tolerance) {
@@ -106,7 +104,7 @@ test::TestWorld body(const std::vector<Vec3>& x, double spacing, double support,
     for (Real& one : w.column<field::viscosity>()) one = static_cast<Real>(mu);
     w.world.step.gravity.setZero();
     w.find_pairs();
-    Density{}(w.world.fluid_pairs, w.world.solid_pairs, w.world.solid_particles, w.world.step, {w.column<field::density>()});
+    Density{}(w.world.surroundings(), {w.column<field::density>()});
     return w;
 }
 

@@ -4,12 +4,10 @@
 /// Stages of a step, in order: Density (sph/density.h), Gravity, (forces), Kick, (viscosity), PoissonPressure, Move, KeepOutside.
 #include <vector>
 
-#include "engine/geometry/solids.h"
 #include "engine/math/solve.h"
 #include "engine/models/pressure/preconditioner.h"
 #include "engine/particles/field.h"
-#include "engine/particles/pairs.h"
-#include "engine/particles/step_context.h"
+#include "engine/particles/surroundings.h"
 #include "engine/sph/gate.h"
 
 namespace whorl {
@@ -59,9 +57,8 @@ enum class PressureClass : char { isolated, surface, separated, poisson, prescri
 class PoissonPressure {
 public:
     explicit PoissonPressure(PoissonPressureOptions options) : options_(std::move(options)) {}
-    void operator()(const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid, const StepContext& step,
-                    StepReport& report, Read<field::role> role, Read<field::density> rho, Update<field::velocity> u,
-                    Update<field::pressure> p);
+    void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::density> rho,
+                    Update<field::velocity> u, Update<field::pressure> p);
 
     const std::vector<PressureClass>& classes() const { return class_; }
     const PressureMatrix& matrix() const { return matrix_; }
@@ -74,13 +71,29 @@ private:
     };
 
     template <class Kernel>
-    void classify(const Kernel& kernel, const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid,
-                  const StepContext& step, Read<field::role> role, Read<field::density> rho);
+    void classify(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Read<field::density> rho);
+    struct RowSums;
+    void resize(const Surroundings& around);
     template <class Kernel>
-    void build(const Kernel& kernel, const FluidPairs& pairs, const SolidPairs& solid_pairs, const SolidParticles& solid,
-               const StepContext& step, Read<field::density> rho, Update<field::velocity> u, Update<field::pressure> p);
+    void build(const Kernel& kernel, const Surroundings& around, Read<field::density> rho, Update<field::velocity> u,
+               Update<field::pressure> p);
+    void lay_out_rows(const FluidPairs& pairs);
+    template <class Kernel>
+    void set_row(const Kernel& kernel, const Surroundings& around, Index i, Read<field::density> rho, Update<field::velocity> u,
+                 Update<field::pressure> p);
+    template <class Kernel>
+    void add_fluid(RowSums& row, const Kernel& kernel, const Surroundings& around, Index i, Read<field::density> rho,
+                   Update<field::velocity> u);
+    template <class Kernel>
+    void add_solids(RowSums& row, const Kernel& kernel, const Surroundings& around, Index i, Update<field::velocity> u) const;
     void find_closed();
+    void take_means_away();
+    SolveReport solve_rows(const StepContext& step, double unknowns, Span<Real> x);
+    void choose_zero(const StepContext& step, Span<Real> x) const;
     void solve(const StepContext& step, StepReport& report, Update<field::pressure> p);
+    template <class Kernel>
+    void push(const Kernel& kernel, const Surroundings& around, Read<field::density> rho, Update<field::velocity> u,
+              Update<field::pressure> p) const;
 
     PoissonPressureOptions options_;
     PressureMatrix matrix_;

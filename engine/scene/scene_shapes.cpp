@@ -1,7 +1,8 @@
+#include "engine/scene/scene_shapes.h"
+
 #include <limits>
 #include <numbers>
 
-#include "engine/scene/numbers.h"
 #include "engine/scene/tree.h"
 
 namespace whorl {

@@ -1,0 +1,17 @@
+#pragma once
+/// What surrounds the fluid's particles in a step: a stage that needs neighbours, solids and the step asks for all of it at once.
+#include "engine/geometry/solids.h"
+#include "engine/particles/pairs.h"
+#include "engine/particles/step_context.h"
+
+namespace whorl {
+
+struct Surroundings {
+    const FluidPairs& pairs;        ///< neighbours among the fluid
+    const SolidPairs& solid_pairs;  ///< neighbours in the solids' layer
+    Solids& solids;                 ///< free bodies among them take up forces and impulses
+    const SolidParticles& layer;    ///< the one layer of particles of all solids
+    const StepContext& step;
+};
+
+}  // namespace whorl

@@ -1,0 +1,10 @@
+#pragma once
+/// What pressure.form = "poisson" cannot hold: fluid that fills a periodic domain, and fluid between solids that face each other closely.
+#include "engine/scene/numbers.h"
+#include "engine/scene/plan.h"
+
+namespace whorl {
+
+void check_poisson(const Scene& scene, const Plan& plan, const SceneShapes& shapes, std::vector<Problem>& problems);
+
+}  // namespace whorl

@@ -1,0 +1,127 @@
+#include "engine/scene/model_facts.h"
+
+#include <algorithm>
+
+#include "engine/core/errors.h"
+
+namespace whorl {
+namespace {
+
+/// The row of a model, and of its option where there is one.
+template <class Facts, class Model, class Option>
+const Facts& row_of(const std::vector<Facts>& rows, Model model, std::optional<Option> Facts::*option, Option chosen) {
+    const auto found = std::find_if(rows.begin(), rows.end(),
+                                    [&](const Facts& row) { return row.model == model && (row.*option).value_or(chosen) == chosen; });
+    WHORL_ASSERT(found != rows.end(), "a model without a row");
+    return *found;
+}
+
+}  // namespace
+
+const std::vector<PressureFacts>& pressure_models() {
+    static const std::vector<PressureFacts> rows{
+        {.model = PressureModel::none, .name = "none", .boundary_reason = "no pressure: solids only keep particles out"},
+        {.model = PressureModel::wcsph,
+         .name = "wcsph",
+         .keeps_apart = true,
+         .has_sound = true,
+         .moves_bodies = true,
+         .boundary = BoundaryModel::akinci,
+         .boundary_reason = "solids with weakly compressible pressure"},
+        {.model = PressureModel::ppe,
+         .name = "ppe",
+         .form = PressureForm::constraint,
+         .keeps_apart = true,
+         .solves = true,
+         .makes_density = true,
+         .moves_bodies = true,
+         .boundary = BoundaryModel::ppe,
+         .boundary_reason = "solids with the pressure equation"},
+        {.model = PressureModel::ppe,
+         .name = "ppe",
+         .form = PressureForm::poisson,
+         .keeps_apart = true,
+         .solves = true,
+         .boundary = BoundaryModel::ppe,
+         .boundary_reason = "solids with the pressure equation"},
+        {.model = PressureModel::coupled,
+         .name = "coupled",
+         .keeps_apart = true,
+         .solves = true,
+         .makes_density = true,
+         .solves_viscosity = true,
+         .least_viscous_number = 0.04,
+         .has_micropolar = false,
+         .kernel = KernelKind::wendland_c2,
+         .support = 3,
+         .kernel_reason = "what the coupled pressure was measured with",
+         .boundary_reason = "the coupled pressure touches solids by distance: stick or slide",
+         .shifting = ShiftingModel::fickian,
+         .shifting_reason = "stretched threads lose their even spacing",
+         .bytes_a_particle = 2400},
+    };
+    return rows;
+}
+
+const std::vector<ViscosityFacts>& viscosity_models() {
+    static const std::vector<ViscosityFacts> rows{
+        {.model = ViscosityModel::none, .name = "none"},
+        {.model = ViscosityModel::xsph, .name = "xsph", .smooths = true, .needs_density = true},
+        {.model = ViscosityModel::explicit_laplacian,
+         .name = "explicit",
+         .viscous = true,
+         .needs_density = true,
+         .knows_slip_length = true},
+        {.model = ViscosityModel::full, .name = "full", .correction = true, .viscous = true, .implicit = true, .knows_slip_length = true},
+        {.model = ViscosityModel::full,
+         .name = "full",
+         .correction = false,
+         .viscous = true,
+         .implicit = true,
+         .needs_density = true,
+         .moves_bodies = false},
+        {.model = ViscosityModel::full_assembled,
+         .name = "full_assembled",
+         .viscous = true,
+         .implicit = true,
+         .needs_density = true,
+         .moves_bodies = false},
+    };
+    return rows;
+}
+
+const std::vector<MicropolarFacts>& micropolar_models() {
+    static const std::vector<MicropolarFacts> rows{
+        {.model = MicropolarModel::none, .name = "none"},
+        {.model = MicropolarModel::seed, .name = "seed", .spins = true, .coupling_by_mu = 1},
+        {.model = MicropolarModel::bender, .name = "bender", .spins = true},
+        {.model = MicropolarModel::eringen, .name = "eringen", .spins = true, .viscosity_by_transfer = 1},
+    };
+    return rows;
+}
+
+const PressureFacts& facts_of(PressureModel model, const PressureKeys& keys) {
+    return row_of(pressure_models(), model, &PressureFacts::form, keys.form);
+}
+
+const ViscosityFacts& facts_of(ViscosityModel model, const ViscosityKeys& keys) {
+    return row_of(viscosity_models(), model, &ViscosityFacts::correction, keys.correction);
+}
+
+const MicropolarFacts& facts_of(MicropolarModel model) {
+    return *std::find_if(micropolar_models().begin(), micropolar_models().end(), [&](const auto& row) { return row.model == model; });
+}
+
+std::string described(const PressureFacts& row) {
+    const std::string name = "\"" + std::string(row.name) + "\"";
+    if (!row.form) return name;
+    return name + " with pressure.form = \"" + (*row.form == PressureForm::constraint ? "constraint" : "poisson") + "\"";
+}
+
+std::string described(const ViscosityFacts& row) {
+    const std::string name = "\"" + std::string(row.name) + "\"";
+    if (!row.correction) return name;
+    return name + " with viscosity.correction = " + (*row.correction ? "true" : "false");
+}
+
+}  // namespace whorl

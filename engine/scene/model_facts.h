@@ -1,0 +1,100 @@
+#pragma once
+/// What the models are, a row each. Plan, checks, scene keys, assembly and the prediction of cost read these tables; a model is asked for
+/// by its name only where its own options are read and its stages are made.
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/scene/scene.h"
+
+namespace whorl {
+
+struct PressureFacts {
+    PressureModel model = PressureModel::none;
+    const char* name = "";                  ///< in scene files
+    std::optional<PressureForm> form = {};  ///< the row is of this pressure.form alone
+    bool keeps_apart = false;               ///< particles do not clump: surface tension needs that
+    bool has_sound = false;                 ///< explicit in time: its steps resolve the sound
+    bool solves = false;                    ///< a linear system a step, which has a tolerance
+    bool makes_density = false;             ///< in its own way; for the others the stage Density does
+    bool solves_viscosity = false;          ///< in the same system: it needs a viscosity, and no other viscosity model goes with it
+    /// SceneNumbers::least_viscous_number from which on it works. "coupled" joins the particles by viscosity: thinner fluid would have to
+    /// part into drops, and its pools would lose height.
+    double least_viscous_number = 0;
+    bool has_micropolar = true;  ///< goes with micropolar terms
+    bool moves_bodies = false;
+    KernelKind kernel = KernelKind::cubic;  ///< its own
+    double support = 2;                     ///< its own [spacings]
+    const char* kernel_reason = "usual";
+    BoundaryModel boundary = BoundaryModel::none;  ///< how solids act on it; besides, only "none" goes with it
+    const char* boundary_reason = "";
+    ShiftingModel shifting = ShiftingModel::none;
+    const char* shifting_reason = "particles of this model keep apart by themselves";
+    double bytes_a_particle = 800;  ///< besides neighbours, measured at 3,000 particles
+};
+
+struct ViscosityFacts {
+    ViscosityModel model = ViscosityModel::none;
+    const char* name = "";
+    std::optional<bool> correction = {};  ///< the row is of this viscosity.correction alone
+    bool viscous = false;                 ///< by fluid.viscosity, and at solids too
+    bool smooths = false;                 ///< velocities, by no viscosity of the fluid's
+    bool implicit = false;                ///< solves a linear system: bounds no step
+    bool needs_density = false;
+    bool knows_slip_length = false;
+    bool moves_bodies = true;
+};
+
+/// viscosity = mu + by_transfer mu_t, coupling = coupling_by_mu mu + mu_t, with mu = fluid.viscosity and mu_t =
+/// micropolar.transfer_viscosity.
+struct MicropolarFacts {
+    MicropolarModel model = MicropolarModel::none;
+    const char* name = "";
+    bool spins = false;  ///< particles have a spin
+    double viscosity_by_transfer = 0, coupling_by_mu = 0;
+};
+
+const std::vector<PressureFacts>& pressure_models();
+const std::vector<ViscosityFacts>& viscosity_models();
+const std::vector<MicropolarFacts>& micropolar_models();
+
+const PressureFacts& facts_of(PressureModel model, const PressureKeys& keys);
+const ViscosityFacts& facts_of(ViscosityModel model, const ViscosityKeys& keys);
+const MicropolarFacts& facts_of(MicropolarModel model);
+
+/// The facts of the models that a plan has chosen, and what follows from them together.
+struct ModelFacts {
+    PressureFacts pressure;
+    ViscosityFacts viscosity;
+    MicropolarFacts micropolar;
+    /// Whether the fluid's viscosity acts, and whether implicitly.
+    bool viscous() const { return pressure.solves_viscosity || viscosity.viscous; }
+    bool viscous_implicitly() const { return pressure.solves_viscosity || viscosity.implicit; }
+    /// Whether the stage Density is in the step.
+    bool needs_density() const { return !pressure.makes_density || viscosity.needs_density || micropolar.spins; }
+};
+
+/// Of the rows that `wanted` is true for, the names, each once.
+template <class Facts>
+std::vector<std::string> names_of(const std::vector<Facts>& rows, bool Facts::*wanted) {
+    std::vector<std::string> names;
+    for (const Facts& row : rows)
+        if (row.*wanted && (names.empty() || names.back() != row.name)) names.push_back(row.name);
+    return names;
+}
+
+/// How a user asks for a row: "full" with viscosity.correction = false.
+std::string described(const PressureFacts& row);
+std::string described(const ViscosityFacts& row);
+/// The same of all rows that `wanted` is true for: "full" with viscosity.correction = true, "explicit" or "none".
+template <class Facts>
+std::string described(const std::vector<Facts>& rows, bool Facts::*wanted) {
+    std::vector<std::string> all;
+    for (const Facts& row : rows)
+        if (row.*wanted) all.push_back(described(row));
+    std::string text;
+    for (std::size_t k = 0; k < all.size(); ++k) text += (k == 0 ? "" : k + 1 < all.size() ? ", " : " or ") + all[k];
+    return text;
+}
+
+}  // namespace whorl

@@ -1,0 +1,28 @@
+#pragma once
+/// The shapes of a scene, with their bounds.
+#include <memory>
+#include <vector>
+
+#include "engine/geometry/solids.h"
+#include "engine/scene/scene.h"
+
+namespace whorl {
+
+/// Bounds [m] and volume [m^3] of a shape; a plane has infinite bounds and no volume.
+struct Extent {
+    Vec3d min = Vec3d::Zero(), max = Vec3d::Zero();
+    double volume = 0;
+};
+
+/// The shapes of a scene as geometry sees them; the solids stand where they are at the start.
+struct SceneShapes {
+    std::vector<std::shared_ptr<const Shape>> blocks, drains;
+    Solids solids;
+    std::vector<Extent> block_extent, solid_extent, drain_extent;
+};
+/// A free solid as it is at the start; its shape is bounded.
+RigidBody body_of(const SolidKeys& keys, const Shape& shape);
+/// Appends to `problems` where a mesh cannot be used; the shapes are complete only where it added none.
+SceneShapes make_shapes(const Scene& scene, std::vector<Problem>& problems);
+
+}  // namespace whorl
