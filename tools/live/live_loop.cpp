@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/scene/frame_times.h"
+#include "render/look/field_values.h"
 
 namespace whorl {
 namespace {

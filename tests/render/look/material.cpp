@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "engine/scene/read.h"
+#include "engine/scene/scene_keys.h"
 
 using namespace whorl;
 
