@@ -8,6 +8,7 @@
 ///     template <class T> Vector<T, functions> slope(const Vector<T, functions>& y) const;
 ///     template <class T> Vector<T, start_conditions> at_start(const Vector<T, functions>& y) const;                 zero where they hold
 ///     template <class T> Vector<T, functions - start_conditions> at_end(const Vector<T, functions>& y) const;
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <unsupported/Eigen/AutoDiff>
