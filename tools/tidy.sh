@@ -11,4 +11,4 @@ if [ ${#changed[@]} -eq 0 ]; then
 fi
 cmake --preset tidy >/dev/null
 printf '%s\0' "${changed[@]}" | xargs -0 -n 1 -P "$(nproc)" clang-tidy -p build/tidy --quiet --extra-arg=-Wno-unknown-warning-option \
-  --extra-arg=-Wno-ignored-optimization-argument
+  --extra-arg=-Wno-ignored-optimization-argument --extra-arg=-Wno-unused-command-line-argument

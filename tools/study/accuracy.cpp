@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "render/image/difference.h"
 #include "engine/io/csv.h"
+#include "render/image/difference.h"
 #include "render/image/image.h"
 
 namespace whorl {

@@ -1,8 +1,9 @@
 /// Viscosity by emitter and by age, through whole runs from the text of a scene.
+#include "engine/models/viscosity/ageing_viscosity.h"
+
 #include <catch2/catch.hpp>
 #include <sstream>
 
-#include "engine/models/viscosity/ageing_viscosity.h"
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
 #include "tests/support/runs.h"

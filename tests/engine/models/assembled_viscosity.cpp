@@ -1,6 +1,7 @@
+#include "engine/models/viscosity/assembled_viscosity.h"
+
 #include <catch2/catch.hpp>
 
-#include "engine/models/viscosity/assembled_viscosity.h"
 #include "engine/models/viscosity/full_viscosity.h"
 #include "engine/sph/density.h"
 #include "tests/support/viscous_block.h"

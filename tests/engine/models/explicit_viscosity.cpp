@@ -1,9 +1,10 @@
+#include "engine/models/viscosity/explicit_viscosity.h"
+
 #include <catch2/catch.hpp>
 #include <numbers>
 
 #include "engine/models/boundary/wall.h"
 #include "engine/models/motion/motion.h"
-#include "engine/models/viscosity/explicit_viscosity.h"
 #include "engine/sph/density.h"
 #include "tests/support/world.h"
 

@@ -1,10 +1,11 @@
+#include "engine/models/viscosity/full_viscosity.h"
+
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
 
 #include "engine/models/boundary/wall.h"
 #include "engine/models/motion/motion.h"
-#include "engine/models/viscosity/full_viscosity.h"
 #include "tests/support/coarse_difference.h"
 #include "tests/support/viscous_block.h"
 

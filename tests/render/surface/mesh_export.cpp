@@ -1,8 +1,9 @@
+#include "render/surface/mesh_export.h"
+
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <sstream>
 
-#include "render/surface/mesh_export.h"
 #include "tests/support/scratch.h"
 
 using namespace whorl;
