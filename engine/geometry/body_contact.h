@@ -5,20 +5,19 @@
 
 namespace whorl {
 
-/// What the step says about contact.
+/// What contact needs to know of a time step.
 struct ContactStep {
     double dt = 0;       ///< s
     double spacing = 0;  ///< m, between the particles of the layers
     Domain domain;
 };
 
-/// Changes the velocities of the free bodies so that no place on the surface of one gets into another solid by the end of the step:
-///   v_n >= -gap/dt        for each place looked at, v_n the normal part of the relative velocity there; from every particle of a body's
-///   layer near the solid the
-/// deepest place is looked for along the surface,
-/// by impulses at that point, equal and opposite (momentum and angular momentum stay), with Coulomb friction: sequential impulses
-/// (projected Gauss-Seidel) in a fixed order. Overlaps are pushed apart by a fifth a step; who comes faster than free fall over a spacing
-/// bounces.
+/// Changes the velocities of the free bodies so that none gets into another solid by the end of the step. At each place of contact
+///   v_n >= -gap/dt        v_n: the normal part of the relative velocity there.
+/// A place of contact is looked for from each particle of a body's layer near the other solid: down along the body's surface to where it
+/// is deepest. Impulses there are equal and opposite, so momentum and angular momentum stay; Coulomb friction holds. They are found one
+/// after the other in a fixed order, over and over (projected Gauss-Seidel). Overlaps are pushed apart by a fifth a step. A body bounces
+/// where it comes faster than free fall over a spacing.
 void resolve_contacts(Solids& solids, const SolidParticles& layer, const ContactStep& step, double gravity);
 
 }  // namespace whorl

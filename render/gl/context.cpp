@@ -15,7 +15,7 @@
 namespace whorl {
 namespace {
 
-struct Rung {
+struct Candidate {
     std::string name;
     bool hardware = false;
     std::function<EGLDisplay()> display;
@@ -49,11 +49,11 @@ bool lists(const char* extensions, const std::string& name) {
 
 EGLDisplay platform_display(EGLenum platform, void* native) { return eglGetPlatformDisplayEXT(platform, native, nullptr); }
 
-/// The rungs in order of merit: hardware devices, Mesa without a surface (its software driver where there is no GPU), software devices,
-/// and whatever EGL calls the default display.
-std::vector<Rung> ladder() {
+/// In the order in which they are tried: hardware devices, Mesa without a surface (its software driver where there is no GPU), software
+/// devices, and whatever EGL calls the default display.
+std::vector<Candidate> candidates() {
     const char* client = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
-    std::vector<Rung> hardware, software;
+    std::vector<Candidate> hardware, software;
     if (lists(client, "EGL_EXT_platform_device") && (lists(client, "EGL_EXT_device_enumeration") || lists(client, "EGL_EXT_device_base"))) {
         std::array<EGLDeviceEXT, 16> devices{};
         EGLint count = 0;
@@ -63,17 +63,17 @@ std::vector<Rung> ladder() {
             const char* extensions = eglQueryDeviceStringEXT(device, EGL_EXTENSIONS);
             const bool is_software = lists(extensions, "EGL_MESA_device_software");
             const char* kind = is_software ? "software" : lists(extensions, "EGL_EXT_device_drm") ? "EGL_EXT_device_drm" : "hardware";
-            Rung rung{fmt::format("device {} ({})", i, kind), !is_software,
-                      [device] { return platform_display(EGL_PLATFORM_DEVICE_EXT, device); }};
-            (is_software ? software : hardware).push_back(std::move(rung));
+            Candidate candidate{fmt::format("device {} ({})", i, kind), !is_software,
+                                [device] { return platform_display(EGL_PLATFORM_DEVICE_EXT, device); }};
+            (is_software ? software : hardware).push_back(std::move(candidate));
         }
     }
-    std::vector<Rung> rungs = std::move(hardware);
+    std::vector<Candidate> all = std::move(hardware);
     if (lists(client, "EGL_MESA_platform_surfaceless"))
-        rungs.push_back({"surfaceless", false, [] { return platform_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY); }});
-    rungs.insert(rungs.end(), software.begin(), software.end());
-    rungs.push_back({"default display", false, [] { return eglGetDisplay(EGL_DEFAULT_DISPLAY); }});
-    return rungs;
+        all.push_back({"surfaceless", false, [] { return platform_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY); }});
+    all.insert(all.end(), software.begin(), software.end());
+    all.push_back({"default display", false, [] { return eglGetDisplay(EGL_DEFAULT_DISPLAY); }});
+    return all;
 }
 
 void close(const Opened& opened) {
@@ -95,8 +95,8 @@ EGLContext core_context(EGLDisplay display, EGLConfig config) {
     return EGL_NO_CONTEXT;
 }
 
-/// Opens one rung and makes its context current.
-Opened open(const Rung& rung) {
+/// Opens a display and makes its context current.
+Opened open(const Candidate& candidate) {
     Opened opened;
     const auto failed = [&](const std::string& why) {
         const std::string reason = why + ": " + egl_error();
@@ -105,7 +105,7 @@ Opened open(const Rung& rung) {
         opened.outcome = reason;
         return opened;
     };
-    opened.display = rung.display();
+    opened.display = candidate.display();
     if (opened.display == EGL_NO_DISPLAY) return failed("no display");
     if (!eglInitialize(opened.display, nullptr, nullptr)) {
         opened.display = EGL_NO_DISPLAY;
@@ -143,9 +143,9 @@ void share_threads_with_software_driver() { setenv("LP_NUM_THREADS", std::to_str
 std::vector<DeviceAttempt> probe_devices() {
     share_threads_with_software_driver();
     std::vector<DeviceAttempt> attempts;
-    for (const Rung& rung : ladder()) {
-        const Opened opened = open(rung);
-        attempts.push_back({rung.name, rung.hardware, opened.works(), opened.outcome});
+    for (const Candidate& candidate : candidates()) {
+        const Opened opened = open(candidate);
+        attempts.push_back({candidate.name, candidate.hardware, opened.works(), opened.outcome});
         close(opened);
     }
     return attempts;
@@ -153,8 +153,8 @@ std::vector<DeviceAttempt> probe_devices() {
 
 GlContext::GlContext() {
     std::string tried;
-    for (const Rung& rung : ladder()) {
-        Opened opened = open(rung);
+    for (const Candidate& candidate : candidates()) {
+        Opened opened = open(candidate);
         if (opened.works()) {
             display_ = opened.display;
             context_ = opened.context;
@@ -162,7 +162,7 @@ GlContext::GlContext() {
             device_ = opened.outcome;
             return;
         }
-        tried += (tried.empty() ? "" : "; ") + rung.name + ": " + opened.outcome;
+        tried += (tried.empty() ? "" : "; ") + candidate.name + ": " + opened.outcome;
     }
     throw EnvironmentError("no OpenGL device can draw off-screen", tried,
                            "apt install libegl1 libgl1-mesa-dri (Mesa's software driver needs no GPU)");

@@ -1,5 +1,5 @@
 #pragma once
-/// An OpenGL context without a window: the ladder of EGL devices.
+/// An OpenGL context without a window, on the first EGL device that works.
 #include <string>
 #include <vector>
 
@@ -10,8 +10,8 @@ namespace whorl {
 /// A current OpenGL core context of version 3.3 or newer, bound to the thread that made it.
 class GlContext {
 public:
-    /// Takes the first rung of the ladder that works.
-    /// @throws EnvironmentError with every rung and why it failed
+    /// Tries the devices in order and takes the first that works.
+    /// @throws EnvironmentError with every device and why it failed
     GlContext();
     ~GlContext();
     GlContext(GlContext&& other) noexcept;

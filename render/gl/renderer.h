@@ -12,14 +12,14 @@
 
 namespace whorl {
 
-/// One rung of the ladder of EGL devices: what was tried and what came of it.
+/// An EGL device that was tried, and what came of it.
 struct DeviceAttempt {
     std::string name;  ///< "device 0 (EGL_EXT_device_drm)", "surfaceless", "default display"
     bool hardware = false;
     bool works = false;
     std::string outcome;  ///< renderer and GL version, or why it failed
 };
-/// Tries every rung, for `whorl doctor`.
+/// Tries every device, for `whorl doctor`.
 std::vector<DeviceAttempt> probe_devices();
 
 /// Mesa's software driver takes its number of threads from the environment when its first screen is made. Call before there are threads:
@@ -29,7 +29,7 @@ void share_threads_with_software_driver();
 /// Draws frames into images. Belongs to the thread that made it.
 class Renderer {
 public:
-    /// @throws EnvironmentError where no rung of the ladder works, with each attempt
+    /// @throws EnvironmentError where no device works, with each attempt
     Renderer(int width, int height);
     ~Renderer();
     Renderer(Renderer&&) noexcept;

@@ -1,5 +1,5 @@
 #pragma once
-/// What stands in a frame, on the device: the fluid's mesh and the solids.
+/// The geometry of a frame in the memory of the graphics device: the fluid and the solids.
 #include <functional>
 #include <map>
 #include <memory>
@@ -22,7 +22,7 @@ public:
     void fill(const Frame& frame, const std::vector<float>& value, const Trails& trails);
     /// The fluid as a slice.
     void fill(const Frame& frame, const FlowSlice& slice);
-    /// The fluid as what fills the grid; nothing of it is drawn as a thing.
+    /// The fluid as a cloud in the grid: it has bounds, but no geometry of its own.
     void fill(const Frame& frame, const FlowGrid& grid);
     /// Draws with a program of mesh.vert, its view_projection already set; particles as points.
     void draw_fluid(gl::Program& program) const;
@@ -39,7 +39,7 @@ public:
 
 private:
     struct Model {
-        std::shared_ptr<const TriangleMesh> mesh;  ///< held so that its address stays its name
+        std::shared_ptr<const TriangleMesh> mesh;  ///< held so that no other mesh gets its address, which is its name here
         gl::Vertices vertices{{3, 3, 1}};
     };
     void fill_solids(const Frame& frame);
