@@ -36,7 +36,7 @@ KeyTable time_keys() {
           "every step is this long, whatever the models allow (for studies of stability); 0: they decide")
         .at_least(0);
     t.key("sleep", &TimeKeys::sleep, "spacings",
-          "a particle that moves less in half a second rests, and is not solved for until something near it moves; 0: never")
+          "a particle that moves less in half a second rests, and is left out of the solve until something near it moves; 0: never")
         .at_least(0)
         .at_most(1);
     return t;
@@ -99,8 +99,8 @@ KeyTable pressure_keys() {
         .at_most(1)
         .only_with(model, {"ppe"});
     t.key("divergence_free", &PressureKeys::divergence_free, "",
-          "constraint: inside the fluid the velocity is held free of divergence from both sides, and a second solve moves particles to "
-          "keep the density")
+          "constraint: the velocity inside the fluid has no divergence, of either sign, and a second solve moves particles to keep the "
+          "density")
         .only_with(model, {"ppe"});
     t.key("damping", &PressureKeys::damping, "", "constraint: rate at which unresolved motion between neighbours dies, times sqrt(g/d)")
         .at_least(0)
@@ -115,14 +115,14 @@ KeyTable pressure_keys() {
         .only_with(model, {"wcsph"})
         .live();
     t.key("sound_damping", &PressureKeys::sound_damping, "",
-          "bulk viscosity over density, sound speed and half the kernel radius; 0: sound rings on")
+          "bulk viscosity over density, sound speed and half the kernel radius; 0: sound does not decay")
         .at_least(0)
         .at_most(2)
         .only_with(model, {"wcsph"})
         .live();
     t.key("artificial_viscosity", &PressureKeys::artificial_viscosity, "",
-          "viscosity over density, sound speed and a twentieth of the kernel radius; auto: what the fluid's own lacks to 0.1, 0 with xsph "
-          "and micropolar")
+          "kinematic viscosity over sound speed and a twentieth of the kernel radius; auto: 0.1 less what the fluid's own makes, 0 with "
+          "xsph and micropolar models")
         .at_least(0)
         .at_most(2)
         .only_with(model, {"wcsph"})
@@ -145,15 +145,15 @@ KeyTable viscosity_keys() {
         .only_with(model, implicit)
         .live();
     t.key("preconditioner", &ViscosityKeys::preconditioner, "",
-          "of the linear solver: 3x3 diagonal blocks, these and rigid motions of groups of particles, or auto: the groups where nu dt/d^2 "
-          "passes 4")
+          "of the linear solver; block_jacobi: 3x3 diagonal blocks; two_level: these and rigid motions of groups of particles; auto: "
+          "two_level where nu dt/d^2 passes 4")
         .only_with(model, {"full"});
     t.key("laplacian", &ViscosityKeys::laplacian, "",
           "form of the Laplacian; split, with a micropolar model: the share that its coupling needs in the first form, the rest in the "
           "second")
         .only_with(model, {"explicit"})
         .live();
-    t.key("alpha", &ViscosityKeys::alpha, "", "part of the neighbours' mean velocity taken over a step")
+    t.key("alpha", &ViscosityKeys::alpha, "", "share of the difference to the neighbours' mean velocity that a step takes away")
         .above(0)
         .at_most(1)
         .only_with(model, {"xsph"})
@@ -171,7 +171,7 @@ KeyTable micropolar_keys() {
     };
     own(t.key("transfer_viscosity", &M::transfer_viscosity, "Pa s", "couples spin and flow").at_least(0)).live();
     own(t.key("micro_inertia", &M::micro_inertia, "m^2",
-              "theta: inertia of the spin over the mass; 2 as in the notes makes the spin inert at centimetres")
+              "theta: inertia of the spin over the mass; with 2, as in the notes, the spin hardly changes in scenes of centimetres")
             .above(0))
         .live();
     own(t.key("curl_velocity", &M::curl_velocity, "", "form of the velocity's curl"));
@@ -180,7 +180,7 @@ KeyTable micropolar_keys() {
               "curl u - 2 w as the curl seen from the turning particle, which conserves angular momentum; false: as written"));
     own(t.key("xsph_velocity", &M::xsph_velocity, "", "smoothing of the velocity a step").at_least(0).at_most(1)).live();
     own(t.key("xsph_spin", &M::xsph_spin, "", "smoothing of the spin a step").at_least(0).at_most(1)).live();
-    own(t.key("xsph_time", &M::xsph_time, "s", "time in which the smoothings take their parts; 0: every step, as in the notes")
+    own(t.key("xsph_time", &M::xsph_time, "s", "time in which the smoothings take these shares; 0: in every step, as in the notes")
             .at_least(0));
     own(t.key("spin_length", &M::spin_length, "m", "l in the spin's diffusion viscosity l^2; 0: the spacing").at_least(0));
     own(t.key("spin_viscosity", &M::spin_viscosity, "Pa s m^2", "gamma, diffusion of the spin; auto: viscosity spin_length^2").at_least(0));
@@ -243,7 +243,8 @@ KeyTable solid_keys() {
         .only_with("slip", {"navier"})
         .live();
     t.key("density", &SolidKeys::density, "kg/m^3",
-          "a free body: fluid, gravity and other solids move it; position and rotation then say how it starts; 0: it moves as they say")
+          "more than 0: a free body that fluid, gravity and other solids move, with position and rotation as at the start; 0: position and "
+          "rotation say how it moves")
         .at_least(0);
     t.key("velocity", &SolidKeys::velocity, "m/s", "of a free body at the start");
     t.key("tilt", &SolidKeys::tilt, "degrees", "how it is turned at the start: about this axis through its middle, by this angle");
@@ -273,7 +274,7 @@ KeyTable drain_keys() {
 }
 
 KeyTable probe_keys() {
-    KeyTableOf<ProbeKeys> t("a measurement a frame, in probes/<name>.csv");
+    KeyTableOf<ProbeKeys> t("a measurement at every frame, in probes/<name>.csv");
     t.key("name", &ProbeKeys::name, "", "of the file").required();
     t.key("kind", &ProbeKeys::kind, "", "what is measured").required();
     t.key("at", &ProbeKeys::at, "m", "where the fields are interpolated").required().only_with("kind", {"point"});
