@@ -21,9 +21,9 @@ public:
 private:
     static constexpr Index most = Pairs::Group::most;
     template <class Kernel>
-    static Mat3 gradient(const Kernel& W, const FluidPairs& pairs, const StepContext& step, Update<field::velocity> u, Index i);
+    void find_gradients(const Kernel& W, const FluidPairs& pairs, const StepContext& step, Update<field::velocity> u);
     template <class Kernel>
-    Vec3 pull(const Kernel& W, const FluidPairs& pairs, const StepContext& step, Update<field::velocity> u, Index i) const;
+    void find_changes(const Kernel& W, const FluidPairs& pairs, const StepContext& step, Update<field::velocity> u, Real c);
 
     double rate_, tension_;
     Column<Mat3> gradient_;

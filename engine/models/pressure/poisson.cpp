@@ -72,7 +72,7 @@ void PoissonPressure::build(const Kernel& kernel, const Surroundings& around, Re
         wall_[i] = around.layer.size() > 0 ? Vec3(gate_[i] * wall_gradient(kernel, i, around, options_.solid_factor)) : Vec3(Vec3::Zero());
     });
     lay_out_rows(around.pairs);
-    parallel_for(rho.size(), [&](Index i) { set_row(kernel, around, i, rho, u, p); });
+    set_rows(kernel, around, rho, u, p);
 }
 
 /// Room for the unknown neighbours of each unknown.
@@ -88,85 +88,69 @@ void PoissonPressure::lay_out_rows(const FluidPairs& pairs) {
     matrix_.c.resize(matrix_.first[n]);
 }
 
-/// What the neighbours of one particle sum up to.
-struct PoissonPressure::RowSums {
-    Real couplings = 0, pin = 0;                           ///< of a_ij V_i, to unknowns and to neighbours whose pressure is 0
-    Real rate = 0;                                         ///< d rho/dt
-    Vec3 fluid = Vec3::Zero(), prescribed = Vec3::Zero();  ///< sum V_j grad W_ij, of all and of prescribed neighbours
-    bool surface = false;
-};
-
 template <class Kernel>
-void PoissonPressure::add_fluid(RowSums& row, const Kernel& kernel, const Surroundings& around, Index i, Read<field::density> rho,
-                                Update<field::velocity> u) {
+void PoissonPressure::set_rows(const Kernel& kernel, const Surroundings& around, Read<field::density> rho, Update<field::velocity> u,
+                               Update<field::pressure> p) {
+    const SolidParticles& layer = around.layer;
     const StepContext& step = around.step;
-    const Real V = step.mass / rho[i];
-    std::size_t k = matrix_.first[i];
-    around.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-        const Real slope = kernel.derivative(distance) / std::max(distance, smallest);
-        const Vec3 gradW = slope * r;
-        row.rate += step.mass * (u[i] - u[j]).dot(gradW);
-        const Real Vj = step.mass / rho[j];
-        const Real c = V * Vj * -2 * slope;
-        row.fluid += Vj * gradW;
-        switch (class_[j]) {
-            case PressureClass::poisson:
-                matrix_.other[k] = j;
-                matrix_.c[k++] = c;
-                row.couplings += c;
-                break;
-            case PressureClass::prescribed: row.prescribed += step.volume * gradW; break;
-            default: row.pin += c, row.surface = true;
+    const Index n = rho.size();
+    const Real rho_0 = step.rest_density, over_dt2 = 1 / (step.dt * step.dt);
+    const auto slope_at = [&](Real r) { return kernel.derivative(r) / std::max(r, smallest); };
+    const WallShear wall{step.spacing / 2};
+    parallel_for(n, [&](Index i) {
+        const PressureClass mine = class_[i];
+        const bool unknown = mine == PressureClass::poisson;
+        matrix_.unknown[i] = unknown;
+        matrix_.diagonal[i] = 1;
+        matrix_.pin[i] = b_[i] = 0;
+        touches_surface_[i] = 0;
+        Vec3 mirror = wall_[i], prescribed = Vec3::Zero(), fluid = Vec3::Zero();
+        wall_[i].setZero();
+        if (!unknown && mine != PressureClass::separated) return;
+
+        const Real V = step.mass / rho[i];
+        std::size_t k = matrix_.first[i];
+        Real row = 0, pin = 0, rate = 0;
+        bool surface = false;
+        around.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
+            const Vec3 gradW = slope_at(distance) * r;
+            rate += step.mass * (u[i] - u[j]).dot(gradW);
+            const Real Vj = step.mass / rho[j];
+            const Real c = V * Vj * -2 * slope_at(distance);
+            fluid += Vj * gradW;
+            switch (class_[j]) {
+                case PressureClass::poisson:
+                    matrix_.other[k] = j;
+                    matrix_.c[k++] = c;
+                    row += c;
+                    break;
+                case PressureClass::prescribed: prescribed += step.volume * gradW; break;
+                default: pin += c, surface = true;
+            }
+        });
+        if (layer.size() > 0)
+            around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+                // The flow turns at the surface, not at the solid particle behind it: the normal part is continued like shear.
+                const Vec3 n_s = layer.normal[s], u_is = u[i] - layer.velocity[s];
+                const Vec3 turned = u_is + (wall.stretch(r, n_s) - 1) * u_is.dot(n_s) * n_s;
+                rate += gate_[i] * rho_0 * options_.solid_factor * layer.volume[s] * slope_at(distance) * turned.dot(r);
+            });
+        mirror += prescribed;
+        wall_[i] = rho_0 / (rho[i] * rho[i]) * prescribed;  // the other half comes from the sum over the pairs
+        const Real alpha = 2 * (rho_0 / rho[i]) * (rho_0 / rho[i]) * mirror.squaredNorm() * unbalanced(fluid, mirror);
+        pin += V * alpha;
+        b_[i] = V * (static_cast<Real>(options_.density_correction) * (rho[i] - rho_0) + step.dt * rate) * over_dt2;
+        if (unknown) {
+            matrix_.pin[i] = pin;
+            matrix_.diagonal[i] = std::max(row + pin, smallest);
+            touches_surface_[i] = surface;
+        } else {
+            // Between two facing walls the gradients cancel: no pressure pushes anywhere.
+            const Real enough = Real(1e-6) / (step.spacing * step.spacing);
+            p[i] = alpha > enough ? std::max(Real(0), b_[i] / (V * alpha)) : 0;
+            b_[i] = 0;
         }
     });
-}
-
-/// The flow turns at the surface, not at the solid particle behind it: the normal part of the velocity is continued like shear.
-template <class Kernel>
-void PoissonPressure::add_solids(RowSums& row, const Kernel& kernel, const Surroundings& around, Index i, Update<field::velocity> u) const {
-    const SolidParticles& layer = around.layer;
-    const WallShear wall{around.step.spacing / 2};
-    const Real rho_0 = around.step.rest_density;
-    around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-        const Real slope = kernel.derivative(distance) / std::max(distance, smallest);
-        const Vec3 n_s = layer.normal[s], u_is = u[i] - layer.velocity[s];
-        const Vec3 turned = u_is + (wall.stretch(r, n_s) - 1) * u_is.dot(n_s) * n_s;
-        row.rate += gate_[i] * rho_0 * options_.solid_factor * layer.volume[s] * slope * turned.dot(r);
-    });
-}
-
-template <class Kernel>
-void PoissonPressure::set_row(const Kernel& kernel, const Surroundings& around, Index i, Read<field::density> rho,
-                              Update<field::velocity> u, Update<field::pressure> p) {
-    const StepContext& step = around.step;
-    const bool unknown = class_[i] == PressureClass::poisson;
-    matrix_.unknown[i] = unknown;
-    matrix_.diagonal[i] = 1;
-    matrix_.pin[i] = b_[i] = 0;
-    touches_surface_[i] = 0;
-    Vec3 mirror = wall_[i];
-    wall_[i].setZero();
-    if (!unknown && class_[i] != PressureClass::separated) return;
-
-    RowSums row;
-    add_fluid(row, kernel, around, i, rho, u);
-    if (around.layer.size() > 0) add_solids(row, kernel, around, i, u);
-
-    const Real V = step.mass / rho[i], rho_0 = step.rest_density, over_dt2 = 1 / (step.dt * step.dt);
-    mirror += row.prescribed;
-    wall_[i] = rho_0 / (rho[i] * rho[i]) * row.prescribed;  // the other half comes from the sum over the pairs
-    const Real alpha = 2 * (rho_0 / rho[i]) * (rho_0 / rho[i]) * mirror.squaredNorm() * unbalanced(row.fluid, mirror);
-    b_[i] = V * (static_cast<Real>(options_.density_correction) * (rho[i] - rho_0) + step.dt * row.rate) * over_dt2;
-    if (unknown) {
-        matrix_.pin[i] = row.pin + V * alpha;
-        matrix_.diagonal[i] = std::max(row.couplings + matrix_.pin[i], smallest);
-        touches_surface_[i] = row.surface;
-    } else {
-        // Between two facing walls the gradients cancel: no pressure pushes anywhere.
-        const Real enough = Real(1e-6) / (step.spacing * step.spacing);
-        p[i] = alpha > enough ? std::max(Real(0), b_[i] / (V * alpha)) : 0;
-        b_[i] = 0;
-    }
 }
 
 /// Flood fill from the unknowns next to the surface. What it does not reach is closed: a full box, a pocket. It takes one pass over the

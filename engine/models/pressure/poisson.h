@@ -72,20 +72,14 @@ private:
 
     template <class Kernel>
     void classify(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Read<field::density> rho);
-    struct RowSums;
     void resize(const Surroundings& around);
     template <class Kernel>
     void build(const Kernel& kernel, const Surroundings& around, Read<field::density> rho, Update<field::velocity> u,
                Update<field::pressure> p);
     void lay_out_rows(const FluidPairs& pairs);
     template <class Kernel>
-    void set_row(const Kernel& kernel, const Surroundings& around, Index i, Read<field::density> rho, Update<field::velocity> u,
-                 Update<field::pressure> p);
-    template <class Kernel>
-    void add_fluid(RowSums& row, const Kernel& kernel, const Surroundings& around, Index i, Read<field::density> rho,
-                   Update<field::velocity> u);
-    template <class Kernel>
-    void add_solids(RowSums& row, const Kernel& kernel, const Surroundings& around, Index i, Update<field::velocity> u) const;
+    void set_rows(const Kernel& kernel, const Surroundings& around, Read<field::density> rho, Update<field::velocity> u,
+                  Update<field::pressure> p);
     void find_closed();
     void take_means_away();
     SolveReport solve_rows(const StepContext& step, double unknowns, Span<Real> x);

@@ -53,27 +53,6 @@ void SurfaceTension::find_shares(const Cohesion& cohesion, Index count, double s
     parallel_for(count, [&](Index i) { share_[i] = Skin::share(potential(cohesion, i) * over_inside); });
 }
 
-/// sum_j s_ij (1 - r/L)^2 r_ij over the neighbours, s_ij their share of surface, or 1.
-Vec3 SurfaceTension::pull_of_neighbours(const Cohesion& cohesion, Index i) const {
-    const Real over_length = 1 / cohesion.length;
-    Real sum[3] = {0, 0, 0};
-    const auto add = [&](const Pairs::Group& group, Index l, Real share) {
-        const Real p = std::max(Real(0), 1 - group.distance[l] * over_length), pull = p * p * share;
-        sum[0] -= pull * group.r[0][l], sum[1] -= pull * group.r[1][l], sum[2] -= pull * group.r[2][l];
-    };
-    if (skin_pulls()) {
-        const Real own = share_[i];
-        pairs_.groups_of(i, [&](const Pairs::Group& group) {
-            for (Index l = 0; l < group.count; ++l) add(group, l, (own + share_[group.other[l]]) / 2);
-        });
-    } else {
-        pairs_.groups_of(i, [&](const Pairs::Group& group) {
-            for (Index l = 0; l < group.count; ++l) add(group, l, 1);
-        });
-    }
-    return {sum[0], sum[1], sum[2]};
-}
-
 /// The pulls are the gradient of -phi: where the surface is flat a pressure n (phi(surface) - phi) balances them, and half of the bulk's
 /// phi is left there.
 void SurfaceTension::set_internal_pressure(const Cohesion& cohesion, const Solids& solids, double spacing, Read<field::position> x) {
@@ -98,10 +77,25 @@ void SurfaceTension::operator()(const Solids& solids, const StepContext& step, R
     search_.find(x.values, cohesion.length, step.domain, pairs_);
     if (skin_pulls()) find_shares(cohesion, x.size(), d);
     const Real strength = skin_pulls() ? static_cast<Real>(Skin::strength()) : 1, impulse = strength * step.dt / step.mass;
-    const Real slope = impulse * cohesion.strength / cohesion.length;
+    const Real slope = impulse * cohesion.strength / cohesion.length, over_length = 1 / cohesion.length;
     parallel_for(x.size(), [&](Index i) {
         if (role[i] != 0) return;
-        Vec3 du = slope * pull_of_neighbours(cohesion, i);
+        Real sum[3] = {0, 0, 0};
+        const auto add = [&](const Pairs::Group& group, Index l, Real share) {
+            const Real p = std::max(Real(0), 1 - group.distance[l] * over_length), pull = p * p * share;
+            sum[0] -= pull * group.r[0][l], sum[1] -= pull * group.r[1][l], sum[2] -= pull * group.r[2][l];
+        };
+        if (skin_pulls()) {
+            const Real own = share_[i];
+            pairs_.groups_of(i, [&](const Pairs::Group& group) {
+                for (Index l = 0; l < group.count; ++l) add(group, l, (own + share_[group.other[l]]) / 2);
+            });
+        } else {
+            pairs_.groups_of(i, [&](const Pairs::Group& group) {
+                for (Index l = 0; l < group.count; ++l) add(group, l, 1);
+            });
+        }
+        Vec3 du = slope * Vec3(sum[0], sum[1], sum[2]);
         for (std::size_t k = 0; k < solids.all.size(); ++k) {
             if (options_.wetting[k] == 0) continue;
             const Real z = solids.all[k].distance(x[i]), share = skin_pulls() ? share_[i] : 1;

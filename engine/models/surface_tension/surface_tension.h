@@ -63,7 +63,6 @@ private:
     bool skin_pulls() const { return !options_.internal_pressure; }
     /// Of particle i by the pulls of its neighbours [J].
     Real potential(const Cohesion& cohesion, Index i) const;
-    Vec3 pull_of_neighbours(const Cohesion& cohesion, Index i) const;
     void set_internal_pressure(const Cohesion& cohesion, const Solids& solids, double spacing, Read<field::position> x);
     void find_shares(const Cohesion& cohesion, Index count, double spacing);
 
