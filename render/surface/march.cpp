@@ -44,7 +44,8 @@ struct Tile {
 // What a block adds to the mesh. Each node owns the three edges that start there, each cell the vertices in its middle.
 struct Part {
     std::vector<Vec3f> vertex;
-    std::vector<Index> edge_vertex = std::vector<Index>(3 * block_nodes, -1);  // of node n along axis a at 3 n + a; counted within the block
+    std::vector<Index> edge_vertex =
+        std::vector<Index>(3 * block_nodes, -1);  // of node n along axis a at 3 n + a; counted within the block
     std::vector<std::array<std::uint32_t, 3>> triangle;
     Index first_vertex = 0, first_middle = 0;
     std::size_t first_triangle = 0;

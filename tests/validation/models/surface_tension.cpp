@@ -31,8 +31,8 @@ struct Drop : test::TestWorld {
     explicit Drop(double across)
         : TestWorld(d, 2, Domain{Vec3::Constant(Real(-2 * across * d)), Vec3::Constant(Real(2 * across * d)), {}}) {
         ConstraintOptions options;
-        options.slow_correction = true;         // as scenes with surface tension have it
-        options.limits = {1e-5, 1000};  // the pressure itself is asked for, not only the densities
+        options.slow_correction = true;  // as scenes with surface tension have it
+        options.limits = {1e-5, 1000};   // the pressure itself is asked for, not only the densities
         use({make_stage("surface tension", "", SurfaceTension{{sigma, {}, nullptr}}),
              make_stage("unresolved motion", "", DampUnresolved{2, sigma}),
              make_stage("density constraint", "", ConstraintPressure{options}), make_stage("move", "", Move{})});
