@@ -23,7 +23,7 @@ void TwoLevel::refresh(const StrainForm& form, Span<const Vec3> x, Span<const st
     aggregate_by(neighbours, x, role, domain, spacing / 2, size, aggregate);
     const int groups = split_unconnected(neighbours, aggregate);
     coarse_.place(x, role, aggregate, groups, domain, spacing);
-    coarse_.factor(coarse_matrix(form, coarse_.motions()));
+    if (groups > 0) coarse_.factor(coarse_matrix(form, coarse_.motions()));
 }
 
 void TwoLevel::set(const StrainForm& form, Span<const Vec3> x, Span<const std::int16_t> role, Span<const Vec3> slip, const Domain& domain,

@@ -26,7 +26,7 @@ void FullViscosity::set_up_coarse(const FluidPairs& pairs, const StepContext& st
     coarse_.place(x.values, role.values, aggregate, groups, step.domain, step.spacing);
     if (fresh) {
         steps_since_refresh_ = 0;
-        coarse_.factor(operator_.coarse_matrix(coarse_.motions()));
+        if (groups > 0) coarse_.factor(operator_.coarse_matrix(coarse_.motions()));
     }
     ++steps_since_refresh_;
     if (coarse_.groups() > 0) operator_.use_coarse(&coarse_);
