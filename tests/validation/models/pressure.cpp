@@ -73,43 +73,51 @@ double bottom_pressure(TestWorld& w, int layers) {
     return sum / exact;
 }
 
-}  // namespace
-
-TEST_CASE("the pressure at the bottom of a column of 30 layers is its weight within 2 %, with all pressure models",
-          "[validation][pressure]") {
+/// @param jitter of the particles at the start, in spacings
+void carries_its_weight(Model model, double jitter) {
     const int layers = 30;
     const double H = layers * d;
     // The lattice is no stable packing: left perfect it melts when round-off has grown enough, with wcsph 0.7 s after the start in float
     // and later in double, in a jolt. Scenes start their lattices moved by up to 0.01 d for that reason (engine/sim/place.cpp), and so does
     // this column.
-    for (const auto& [model, jitter] :
-         {std::pair{Model::poisson, 0.0}, {Model::constraint, 0.0}, {Model::wcsph, 0.01}, {Model::wcsph, 0.05}}) {
-        INFO(name_of(model) << ", jitter " << jitter << " d");
-        const bool wcsph = model == Model::wcsph;
-        Setting s;
-        s.model = model;
-        s.sound_speed = 10 * std::sqrt(2 * g * H);
-        s.smoothing = wcsph ? Real(0) : Real(0.1);
-        TestWorld w(d, 2, Domain{Vec3::Zero(), Vec3(Real(6 * d), Real(2 * H), Real(6 * d)), {true, false, true}});
-        w.use(stages_of(s));
-        w.world.step.gravity = Vec3(0, Real(-g), 0);
-        w.add_wall(1, +1, 0);
-        w.place(Vec3::Zero(), Vec3(Real(6 * d), Real(H), Real(6 * d)));
-        RandomNumbers random(1);
-        for (Vec3& x : w.column<field::position>())
-            for (int a = 0; a < 3; ++a) x[a] += static_cast<Real>(jitter * d * (2 * random() - 1));
-        const double dt = wcsph ? sound_step(0.4, 2 * d, s.sound_speed, 0.1) : 1e-3;
-        // Settle, then the mean over 0.2 s: single steps of ppe scatter by 2 to 4 %.
-        const int settle = static_cast<int>((wcsph ? 1.0 : 0.6) / dt), average = static_cast<int>(0.2 / dt);
-        for (int k = 0; k < settle; ++k) w.step(dt);
-        double mean = 0;
-        for (int k = 0; k < average; ++k) {
-            w.step(dt);
-            mean += bottom_pressure(w, layers) / average;
-        }
-        CHECK(mean == Approx(1).epsilon(0.02));
-        CHECK(w.max_speed() < (wcsph ? 0.01 : 0.02) * std::sqrt(2 * g * H));
+    INFO(name_of(model) << ", jitter " << jitter << " d");
+    const bool wcsph = model == Model::wcsph;
+    Setting s;
+    s.model = model;
+    s.sound_speed = 10 * std::sqrt(2 * g * H);
+    s.smoothing = wcsph ? Real(0) : Real(0.1);
+    TestWorld w(d, 2, Domain{Vec3::Zero(), Vec3(Real(6 * d), Real(2 * H), Real(6 * d)), {true, false, true}});
+    w.use(stages_of(s));
+    w.world.step.gravity = Vec3(0, Real(-g), 0);
+    w.add_wall(1, +1, 0);
+    w.place(Vec3::Zero(), Vec3(Real(6 * d), Real(H), Real(6 * d)));
+    RandomNumbers random(1);
+    for (Vec3& x : w.column<field::position>())
+        for (int a = 0; a < 3; ++a) x[a] += static_cast<Real>(jitter * d * (2 * random() - 1));
+    const double dt = wcsph ? sound_step(0.4, 2 * d, s.sound_speed, 0.1) : 1e-3;
+    // Settle, then the mean over 0.2 s: single steps of ppe scatter by 2 to 4 %.
+    const int settle = static_cast<int>((wcsph ? 1.0 : 0.6) / dt), average = static_cast<int>(0.2 / dt);
+    for (int k = 0; k < settle; ++k) w.step(dt);
+    double mean = 0;
+    for (int k = 0; k < average; ++k) {
+        w.step(dt);
+        mean += bottom_pressure(w, layers) / average;
     }
+    CHECK(mean == Approx(1).epsilon(0.02));
+    CHECK(w.max_speed() < (wcsph ? 0.01 : 0.02) * std::sqrt(2 * g * H));
+}
+
+}  // namespace
+
+TEST_CASE("the pressure at the bottom of a column of 30 layers is its weight within 2 %, with all pressure models",
+          "[validation][pressure]") {
+    carries_its_weight(Model::poisson, 0);
+    carries_its_weight(Model::constraint, 0);
+    carries_its_weight(Model::wcsph, 0.05);
+}
+
+TEST_CASE("the same of a weakly compressible column whose lattice is hardly disturbed at the start", "[validation][pressure][long]") {
+    carries_its_weight(Model::wcsph, 0.01);
 }
 
 TEST_CASE("a drop falls as one: velocity g t within 1e-5 and its shape kept, with all pressure models", "[validation][pressure]") {
