@@ -11,16 +11,14 @@ namespace {
 /// Particles whose torque is evaluated by one copy of the expression.
 constexpr Index torque_block = 4096;
 
-}  // namespace
+/// A vector's components as three sums, which the compiler keeps in registers side by side.
+struct Sum3 {
+    Real x = 0, y = 0, z = 0;
+    Vec3 times(Real s) const { return {s * x, s * y, s * z}; }
+};
 
 /// Sums over the neighbours of one particle; each still lacks the mass and the lattice's factor.
-struct Micropolar::Sums {
-    /// A vector's components as three sums, which the compiler keeps in registers side by side.
-    struct Sum3 {
-        Real x = 0, y = 0, z = 0;
-        Vec3 times(Real s) const { return {s * x, s * y, s * z}; }
-    };
-
+struct Sums {
     Sum3 viscous;  ///< sum (b_i^2 + b_j^2) W'/r (u_i - u_j), half of 1/rho_i times the first Laplacian in its symmetric weights
     Sum3 central;  ///< the same of the second Laplacian
     Sum3 diffuse;  ///< the first Laplacian of w
@@ -30,29 +28,22 @@ struct Micropolar::Sums {
 };
 
 /// What a pair needs of particle i.
-struct Micropolar::Own {
+struct Own {
     Vec3 u, w, turning;  ///< turning: w where co_rotating, else 0
     Real b;              ///< 1/rho
     CurlWeights of_u, of_w;
-    Real softening;  ///< m^2, of the second Laplacian
-};
-
-/// The fluid's columns.
-struct Micropolar::Fluid {
-    const Real* rho;
-    const Vec3 *u, *w;
 };
 
 template <bool central, class Kernel>
-void Micropolar::add_fluid(Sums& all, const Kernel& W, const FluidPairs& pairs, Index i, const Own& own, const Fluid& fluid) {
+void add_fluid(Sums& all, const Kernel& W, const FluidPairs& pairs, Index i, const Own& own, Real softening, const Real* rho, const Vec3* u,
+               const Vec3* w) {
     const Real ux = own.u.x(), uy = own.u.y(), uz = own.u.z(), wx = own.w.x(), wy = own.w.y(), wz = own.w.z();
     const Real tx = own.turning.x(), ty = own.turning.y(), tz = own.turning.z(), b_i = own.b;
     const CurlWeights of_u = own.of_u, of_w = own.of_w;
-    const Real softening = own.softening;
     Sums s = all;
     pairs.groups_of(i, [&](const Pairs::Group& group) {
         Real density[Pairs::Group::most], u_j[3][Pairs::Group::most], w_j[3][Pairs::Group::most];
-        group.gather(fluid.rho, density), group.gather(fluid.u, u_j), group.gather(fluid.w, w_j);
+        group.gather(rho, density), group.gather(u, u_j), group.gather(w, w_j);
         for (Index l = 0; l < group.padded(); ++l) {
             const Real rx = group.r[0][l], ry = group.r[1][l], rz = group.r[2][l], r = group.distance[l];
             const Real b = 1 / density[l], slope = W.slope(r);
@@ -83,12 +74,11 @@ void Micropolar::add_fluid(Sums& all, const Kernel& W, const FluidPairs& pairs, 
 /// Solids that the fluid sticks to, as neighbours with the volume V_s for m/rho_j. Velocity and spin are continued behind the surface, so
 /// that on it the fluid has those of the solid.
 template <bool central, class Kernel>
-void Micropolar::add_solids(Sums& all, const Kernel& W, const MicropolarOptions& options, const Surroundings& around, Index i,
-                            const Own& own) {
+void add_solids(Sums& all, const Kernel& W, const MicropolarOptions& options, const Surroundings& around, Index i, const Own& own,
+                Real softening, Real gate) {
     const SolidParticles& layer = around.layer;
     const WallShear shear{around.step.spacing / 2};
-    const Real gate = options.gate.weight(W, i, around.solid_pairs, layer.volume, options.solid_factor);
-    const auto add = [](Sums::Sum3& sum, const Vec3& v) { sum.x += v.x(), sum.y += v.y(), sum.z += v.z(); };
+    const auto add = [](Sum3& sum, const Vec3& v) { sum.x += v.x(), sum.y += v.y(), sum.z += v.z(); };
     const bool both_u = options.curl_velocity == CurlForm::symmetric, both_w = options.curl_spin == CurlForm::symmetric;
     around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
         const Solid& solid = around.solids.all[layer.solid[s]];
@@ -101,12 +91,14 @@ void Micropolar::add_solids(Sums& all, const Kernel& W, const MicropolarOptions&
         const Real b = gate * options.solid_factor * layer.volume[s] / around.step.mass, even = 2 * own.b * b * slope;
         add(all.viscous, even * u_is);
         add(all.diffuse, even * w_is);
-        if constexpr (central) add(all.central, 5 * even * u_is.dot(r) / (distance * distance + own.softening) * r);
+        if constexpr (central) add(all.central, 5 * even * u_is.dot(r) / (distance * distance + softening) * r);
         const Vec3 u_s = own.u - u_is + own.turning.cross(r), w_s = own.w - w_is;
         add(all.curl_u, slope * b * Vec3((both_u ? -1 : 1) * own.u - u_s).cross(r));
         add(all.curl_w, slope * b * Vec3((both_w ? -1 : 1) * own.w - w_s).cross(r));
     });
 }
+
+}  // namespace
 
 Micropolar::Micropolar(MicropolarOptions options) : options_(std::move(options)) {}
 
@@ -122,73 +114,21 @@ void Micropolar::set_torque(const StepContext& step, Read<field::position> x, Wr
     });
 }
 
-/// Constants of a step.
-struct Micropolar::Coefficients {
-    Real dt, m, lattice;         ///< lattice: 3 over the lattice's sum, see ExplicitViscosity
-    Real lambda, over_theta;     ///< coupling, 1/micro-inertia
-    Real mu, mu_central, gamma;  ///< viscosities
-    Real alpha, beta;            ///< smoothing of velocity and spin over dt
-    double theta;
-    Vec3 gravity;
-    bool any_torque;
-};
-
-Micropolar::Coefficients Micropolar::coefficients(const StepContext& step) const {
-    const MicropolarOptions& o = options_;
-    const auto part = [&](double given) {
-        return static_cast<Real>(o.smoothing_time > 0 ? std::min(0.5, given * static_cast<double>(step.dt) / o.smoothing_time) : given);
-    };
-    Coefficients c;
-    c.dt = step.dt, c.m = step.mass;
-    c.lattice = 3 / lattice_second_moment(step.kernel, step.support, step.spacing);
-    c.lambda = static_cast<Real>(o.coupling), c.over_theta = static_cast<Real>(1 / o.micro_inertia), c.theta = o.micro_inertia;
-    c.mu = static_cast<Real>(o.pair_viscosity), c.mu_central = static_cast<Real>(o.central_viscosity);
-    c.gamma = static_cast<Real>(o.spin_viscosity);
-    c.alpha = part(o.smoothing_velocity) / step.dt, c.beta = part(o.smoothing_spin) / step.dt;
-    c.gravity = step.gravity;
-    c.any_torque = !o.torque.is_zero();
-    return c;
-}
-
-/// Adds to the acceleration of one particle, turns its torque into the change of its spin, and tells the work of both.
-template <bool central>
-EnergyWork Micropolar::drive(const Coefficients& c, const Sums& s, const Own& own, Vec3& a, Vec3& change) const {
-    const Real m = c.m, dt = c.dt, b = own.b;
-    Vec3 viscous = s.viscous.times(m * c.lattice * c.mu);
-    if constexpr (central) viscous += s.central.times(m * c.mu_central);
-    const Vec3 spin_push = s.curl_w.times(m * c.lattice * c.lambda * b), smoothing = s.smooth_u.times(m * c.alpha);
-    const Vec3 before = a;
-    a += viscous + spin_push + smoothing;
-
-    // theta dw/dt; the decay -2 lambda/rho w at the end of the step where implicit: one division.
-    const Vec3 tau = c.any_torque ? change : Vec3(Vec3::Zero());
-    const Vec3 decay = options_.co_rotating ? Vec3(Vec3::Zero()) : Vec3(2 * own.w);
-    const Vec3 exchanged = c.lambda * b * (s.curl_u.times(m * c.lattice) - decay), diffused = s.diffuse.times(m * c.lattice * c.gamma);
-    const Real ahead = options_.implicit_exchange ? 1 / (1 + 2 * c.lambda * b * dt * c.over_theta) : 1;
-    const Vec3 spin_smoothing = s.smooth_w.times(m * c.beta), rate = ahead * c.over_theta * (exchanged + diffused + tau);
-    change = dt * (rate + spin_smoothing);
-
-    // Each force at the mean of the velocities before and after the kick: their works then add up to what the kick does, whatever dt.
-    const Vec3 u_mid = own.u + dt / 2 * a, w_mid = own.w + change / 2;
-    const double energy = static_cast<double>(m * dt), spin_energy = energy * static_cast<double>(ahead);
-    EnergyWork work;
-    work.gravity = energy * static_cast<double>(c.gravity.dot(u_mid));
-    work.pressure = energy * static_cast<double>((before - c.gravity).dot(u_mid));
-    work.viscosity = energy * static_cast<double>(viscous.dot(u_mid)) + spin_energy * static_cast<double>(diffused.dot(w_mid));
-    work.exchange = energy * static_cast<double>(spin_push.dot(u_mid)) + spin_energy * static_cast<double>(exchanged.dot(w_mid));
-    work.torque = spin_energy * static_cast<double>(tau.dot(w_mid));
-    work.smoothing = energy * (static_cast<double>(smoothing.dot(u_mid)) + c.theta * static_cast<double>(spin_smoothing.dot(w_mid)));
-    return work;
-}
-
 template <class Kernel, bool central>
 EnergyWork Micropolar::advance(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Read<field::density> rho,
                                Read<field::velocity> u, Update<field::acceleration> a, Write<field::spin_change> change,
                                Read<field::spin> w) const {
+    const StepContext& step = around.step;
     const MicropolarOptions& o = options_;
-    const Coefficients c = coefficients(around.step);
-    const Real softening = Real(0.01) * around.step.support * around.step.support / 4;
-    const Fluid fluid{rho.data(), u.data(), w.data()};
+    const Real lattice = 3 / lattice_second_moment(step.kernel, step.support, step.spacing),
+               softening = Real(0.01) * step.support * step.support / 4;
+    const Real dt = step.dt, m = step.mass;
+    const Real lambda = static_cast<Real>(o.coupling), over_theta = static_cast<Real>(1 / o.micro_inertia);
+    const Real alpha = static_cast<Real>(o.smoothing_velocity) / dt, beta = static_cast<Real>(o.smoothing_spin) / dt;
+    const Real mu = static_cast<Real>(o.pair_viscosity), mu_central = static_cast<Real>(o.central_viscosity),
+               gamma = static_cast<Real>(o.spin_viscosity);
+    const bool any_torque = !o.torque.is_zero(), any_solids = around.layer.size() > 0;
+
     return parallel_sum(a.size(), EnergyWork{}, [&](Index i) -> EnergyWork {
         if (role[i] != 0) {
             change[i].setZero();
@@ -196,12 +136,40 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const Surroundings& around,
         }
         const Real b = 1 / rho[i];
         const Own own{
-            u[i],     w[i], o.co_rotating ? w[i] : Vec3(Vec3::Zero()), b, curl_weights(o.curl_velocity, b), curl_weights(o.curl_spin, b),
-            softening};
+            u[i], w[i], o.co_rotating ? w[i] : Vec3(Vec3::Zero()), b, curl_weights(o.curl_velocity, b), curl_weights(o.curl_spin, b)};
         Sums s;
-        add_fluid<central>(s, kernel, around.pairs, i, own, fluid);
-        if (around.layer.size() > 0 && around.solid_pairs.count(i) > 0) add_solids<central>(s, kernel, o, around, i, own);
-        return drive<central>(c, s, own, a[i], change[i]);
+        add_fluid<central>(s, kernel, around.pairs, i, own, softening, rho.data(), u.data(), w.data());
+        if (any_solids && around.solid_pairs.count(i) > 0) {
+            const Real gate = o.gate.weight(kernel, i, around.solid_pairs, around.layer.volume, o.solid_factor);
+            add_solids<central>(s, kernel, o, around, i, own, softening, gate);
+        }
+
+        Vec3 viscous = s.viscous.times(m * lattice * mu);
+        if constexpr (central) viscous += s.central.times(m * mu_central);
+        const Vec3 spin_push = s.curl_w.times(m * lattice * lambda * b), smoothing = s.smooth_u.times(m * alpha);
+        const Vec3 before = a[i];
+        a[i] += viscous + spin_push + smoothing;
+
+        // theta dw/dt; the decay -2 lambda/rho w at the end of the step where implicit: one division.
+        const Vec3 tau = any_torque ? Vec3(change[i]) : Vec3(Vec3::Zero());
+        const Vec3 decay = o.co_rotating ? Vec3(Vec3::Zero()) : Vec3(2 * own.w);
+        const Vec3 exchanged = lambda * b * (s.curl_u.times(m * lattice) - decay), diffused = s.diffuse.times(m * lattice * gamma);
+        const Real ahead = o.implicit_exchange ? 1 / (1 + 2 * lambda * b * dt * over_theta) : 1;
+        const Vec3 spin_smoothing = s.smooth_w.times(m * beta), rate = ahead * over_theta * (exchanged + diffused + tau);
+        change[i] = dt * (rate + spin_smoothing);
+
+        // Each force at the mean of the velocities before and after the kick: their works then add up to what the kick does, whatever dt.
+        const Vec3 u_mid = own.u + dt / 2 * a[i], w_mid = own.w + change[i] / 2;
+        const double energy = static_cast<double>(m * dt), spin_energy = energy * static_cast<double>(ahead);
+        EnergyWork work;
+        work.gravity = energy * static_cast<double>(step.gravity.dot(u_mid));
+        work.pressure = energy * static_cast<double>((before - step.gravity).dot(u_mid));
+        work.viscosity = energy * static_cast<double>(viscous.dot(u_mid)) + spin_energy * static_cast<double>(diffused.dot(w_mid));
+        work.exchange = energy * static_cast<double>(spin_push.dot(u_mid)) + spin_energy * static_cast<double>(exchanged.dot(w_mid));
+        work.torque = spin_energy * static_cast<double>(tau.dot(w_mid));
+        work.smoothing =
+            energy * (static_cast<double>(smoothing.dot(u_mid)) + o.micro_inertia * static_cast<double>(spin_smoothing.dot(w_mid)));
+        return work;
     });
 }
 

@@ -33,8 +33,7 @@ struct MicropolarOptions {
     /// goes with it feels no exchange, at a free surface too, and what the spin loses the orbit gains. false: curl u - 2 w as written.
     bool co_rotating = true;
     bool implicit_exchange = true;                      ///< the spin's own decay at the end of the step: no limit of its own
-    double smoothing_velocity = 0, smoothing_spin = 0;  ///< XSPH, parts taken a step ...
-    double smoothing_time = 0;                          ///< ... or in this time [s]; 0: a step
+    double smoothing_velocity = 0, smoothing_spin = 0;  ///< XSPH, parts taken a step
     bool free_spin_walls = false;  ///< no couple stress at walls; false: the fluid's spin at a wall is the solid's rotation
     VectorExpression torque;       ///< tau, of t, x, y, z [m^2/s^2]
     Real solid_factor = 1;         ///< on the solids' volumes, see models/boundary/wall.h
@@ -54,18 +53,6 @@ public:
                     Update<field::spin> w);
 
 private:
-    struct Sums;
-    struct Own;
-    struct Fluid;
-    struct Coefficients;
-    Coefficients coefficients(const StepContext& step) const;
-    template <bool central, class Kernel>
-    static void add_fluid(Sums& all, const Kernel& W, const FluidPairs& pairs, Index i, const Own& own, const Fluid& fluid);
-    template <bool central, class Kernel>
-    static void add_solids(Sums& all, const Kernel& W, const MicropolarOptions& options, const Surroundings& around, Index i,
-                           const Own& own);
-    template <bool central>
-    EnergyWork drive(const Coefficients& c, const Sums& s, const Own& own, Vec3& a, Vec3& change) const;
     template <class Kernel, bool central>
     EnergyWork advance(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Read<field::density> rho,
                        Read<field::velocity> u, Update<field::acceleration> a, Write<field::spin_change> change, Read<field::spin> w) const;

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <numeric>
+#include <limits>
 
 #include "engine/core/parallel.h"
 #include "engine/models/pressure/constraint.h"
@@ -29,92 +29,71 @@ void RelieveCrowding::with_neighbours(const Pairs& pairs, const std::vector<Inde
 }
 
 template <class Kernel>
-DensityRow RelieveCrowding::row(const WallImage& wall, const Kernel& W, const Surroundings& around, Index i) {
-    return density_row(
-        wall, W, around, i, [](const Pairs::Group&, const Real*) {}, [](Index, const Vec3&, const WallImage::Share&) {});
-}
-
-/// Of the particles that were touched, those that are too dense. @returns the largest density
-Real RelieveCrowding::find_crowded(const StepContext& step, const Fluid& fluid) {
-    const Real crowded = step.rest_density * (1 + most_ / 2);
-    crowded_.clear();
-    Real densest = 0;
-    for (const Index i : touched_) {
-        if (!(fluid.rho[i] > crowded) || fluid.role[i] != 0) continue;
-        crowded_.push_back(i);
-        densest = std::max(densest, fluid.rho[i]);
-    }
-    return densest;
-}
-
-/// l_i, as what it does to the particle itself and to its neighbours.
-void RelieveCrowding::set_push(const DensityRow& row, Real rho_0, Index i) {
-    const Real diagonal = row.own.squaredNorm() + row.fill * row.fill * row.squares;
-    const Real l = diagonal > smallest ? std::min(row.density - rho_0, rho_0 / 5) / (2 * diagonal) : 0;
-    push_[i] = l * row.own;
-    share_[i] = l * row.fill;
-}
-
-/// What the pushes of i and of its neighbours move i by, and what that does to its velocity.
-template <class Kernel>
-void RelieveCrowding::set_move(const Kernel& W, const Surroundings& around, const Fluid& fluid, Index c) {
-    const Index i = movers_[c];
-    const Real farthest = around.step.spacing / 5;
-    Vec3 move = share_[i] > 0 ? push_[i] : Vec3(Vec3::Zero()), slower = Vec3::Zero();
-    around.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-        const Real both = share_[i] + share_[j];
-        if (!(both > 0)) return;
-        const Real slope = around.step.mass * W.slope(distance);
-        move += share_[j] * slope * r;
-        const Vec3 apart = fluid.u[i] - fluid.u[j];
-        slower += both * slope * (apart - apart.dot(r) / std::max(r.squaredNorm(), smallest) * r);
-    });
-    kicks_[c] = fluid.role[i] != 0 ? Vec3(Vec3::Zero()) : slower;
-    const Real length = move.norm();
-    moves_[c] = fluid.role[i] != 0 ? Vec3(Vec3::Zero()) : length > farthest ? Vec3(farthest / length * move) : move;
-}
-
-/// Moves the movers, but not into solids. @returns the farthest move [m]
-Real RelieveCrowding::move(const Surroundings& around, const Fluid& fluid) {
-    const Index count = static_cast<Index>(movers_.size());
-    parallel_for(count, [&](Index c) {
-        const Index i = movers_[c];
-        share_[i] = 0;
-        const Vec3 before = fluid.x[i];
-        Vec3& x = fluid.x[i];
-        x -= moves_[c];
-        fluid.u[i] += kicks_[c];
-        Real distance = 0;
-        if (const int k = around.solids.nearest(x, distance); k >= 0 && distance < 0) x -= distance * around.solids.all[k].normal(x);
-        moves_[c] = x - before;
-    });
-    return static_cast<Real>(std::sqrt(parallel_max(count, 0, [&](Index c) { return static_cast<double>(moves_[c].squaredNorm()); })));
-}
-
-template <class Kernel>
-std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, const Surroundings& around, const Fluid& fluid,
-                                     const std::function<void()>& find) {
-    const Real rho_0 = around.step.rest_density;
-    const Index n = static_cast<Index>(fluid.x.size());
-    const auto set_density = [&](Index i) { fluid.rho[i] = row(wall, W, around, i).density; };
-    parallel_for(n, set_density);
+std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, const Surroundings& around, Read<field::role> role,
+                                     Span<Real> rho, Span<Vec3> x, Span<Vec3> u, const std::function<void()>& find) {
+    const StepContext& step = around.step;
+    const Real rho_0 = step.rest_density, m = step.mass, crowded = rho_0 * (1 + most_ / 2), farthest = step.spacing / 5;
+    const auto row = [&](Index i) {
+        return density_row(
+            wall, W, around, i, [](const Pairs::Group&, const Real*) {}, [](Index, const Vec3&, const WallImage::Share&) {});
+    };
+    const Index n = static_cast<Index>(x.size());
+    parallel_for(n, [&](Index i) { rho[i] = row(i).density; });
     touched_.resize(n);
-    std::iota(touched_.begin(), touched_.end(), 0);
+    for (Index i = 0; i < n; ++i) touched_[i] = i;
     Real moved = 0;  // at most, since the neighbours were found
     for (int sweep = 0;; ++sweep) {
-        const Real densest = find_crowded(around.step, fluid);
+        crowded_.clear();
+        Real densest = 0;
+        for (const Index i : touched_) {
+            if (!(rho[i] > crowded) || role[i] != 0) continue;
+            crowded_.push_back(i);
+            densest = std::max(densest, rho[i]);
+        }
         if (!(densest > rho_0 * (1 + Real(0.9) * most_))) return "";
         if (sweep == most_sweeps)
             return fmt::format("{} particles are still crowded, one by {:.2g} %, after {} sweeps", crowded_.size(),
                                100 * (static_cast<double>(densest / rho_0) - 1), sweep);
-        parallel_for(static_cast<Index>(crowded_.size()),
-                     [&](Index c) { set_push(row(wall, W, around, crowded_[c]), rho_0, crowded_[c]); });
+        parallel_for(static_cast<Index>(crowded_.size()), [&](Index c) {
+            const Index i = crowded_[c];
+            const DensityRow at_i = row(i);
+            const Real diagonal = at_i.own.squaredNorm() + at_i.fill * at_i.fill * at_i.squares;
+            const Real l = diagonal > std::numeric_limits<Real>::min() ? std::min(at_i.density - rho_0, rho_0 / 5) / (2 * diagonal) : 0;
+            push_[i] = l * at_i.own;
+            share_[i] = l * at_i.fill;
+        });
         with_neighbours(around.pairs, crowded_, movers_);
-        parallel_for(static_cast<Index>(movers_.size()), [&](Index c) { set_move(W, around, fluid, c); });
-        moved += move(around, fluid);
-        if (2 * moved > around.step.spacing / 5) find(), moved = 0;
+        parallel_for(static_cast<Index>(movers_.size()), [&](Index c) {
+            const Index i = movers_[c];
+            Vec3 move = share_[i] > 0 ? push_[i] : Vec3(Vec3::Zero()), slower = Vec3::Zero();
+            around.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
+                const Real both = share_[i] + share_[j];
+                if (!(both > 0)) return;
+                const Real slope = m * W.slope(distance);
+                move += share_[j] * slope * r;
+                const Vec3 apart = u[i] - u[j];
+                slower += both * slope * (apart - apart.dot(r) / std::max(r.squaredNorm(), std::numeric_limits<Real>::min()) * r);
+            });
+            kicks_[c] = role[i] != 0 ? Vec3(Vec3::Zero()) : slower;
+            const Real length = move.norm();
+            moves_[c] = role[i] != 0 ? Vec3(Vec3::Zero()) : length > farthest ? Vec3(farthest / length * move) : move;
+        });
+        parallel_for(static_cast<Index>(movers_.size()), [&](Index c) {
+            const Index i = movers_[c];
+            share_[i] = 0;
+            const Vec3 before = x[i];
+            x[i] -= moves_[c];
+            u[i] += kicks_[c];
+            Real distance = 0;
+            if (const int k = around.solids.nearest(x[i], distance); k >= 0 && distance < 0)
+                x[i] -= distance * around.solids.all[k].normal(x[i]);
+            moves_[c] = x[i] - before;
+        });
+        moved += static_cast<Real>(std::sqrt(
+            parallel_max(static_cast<Index>(movers_.size()), 0, [&](Index c) { return static_cast<double>(moves_[c].squaredNorm()); })));
+        if (2 * moved > step.spacing / 5) find(), moved = 0;
         with_neighbours(around.pairs, movers_, touched_);
-        parallel_for(static_cast<Index>(touched_.size()), [&](Index c) { set_density(touched_[c]); });
+        parallel_for(static_cast<Index>(touched_.size()), [&](Index c) { rho[touched_[c]] = row(touched_[c]).density; });
     }
 }
 
@@ -138,7 +117,7 @@ void RelieveCrowding::operator()(const Surroundings& around, FluidPairs& pairs, 
     const WallImage wall(step.kernel, step.support, step.spacing, gate_);
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         SolveReport left;
-        left.why_not = relieve(wall, W, around, {role, rho.values, x.values, u.values}, find);
+        left.why_not = relieve(wall, W, around, role, rho.values, x.values, u.values, find);
         if (!left.why_not.empty()) report.solves.push_back({std::string(name), left});
     });
 }

@@ -29,22 +29,10 @@ public:
                     Update<field::density> rho, Update<field::position> x, Update<field::velocity> u);
 
 private:
-    struct Fluid {
-        Read<field::role> role;
-        Span<Real> rho;
-        Span<Vec3> x, u;
-    };
     /// @returns what is left too dense, in words; empty: nothing
     template <class Kernel>
-    std::string relieve(const WallImage& wall, const Kernel& W, const Surroundings& around, const Fluid& fluid,
-                        const std::function<void()>& find);
-    template <class Kernel>
-    static DensityRow row(const WallImage& wall, const Kernel& W, const Surroundings& around, Index i);
-    Real find_crowded(const StepContext& step, const Fluid& fluid);
-    void set_push(const DensityRow& row, Real rho_0, Index i);
-    template <class Kernel>
-    void set_move(const Kernel& W, const Surroundings& around, const Fluid& fluid, Index c);
-    Real move(const Surroundings& around, const Fluid& fluid);
+    std::string relieve(const WallImage& wall, const Kernel& W, const Surroundings& around, Read<field::role> role, Span<Real> rho,
+                        Span<Vec3> x, Span<Vec3> u, const std::function<void()>& find);
     /// The particles of `from` and their neighbours.
     void with_neighbours(const Pairs& pairs, const std::vector<Index>& from, std::vector<Index>& all);
 

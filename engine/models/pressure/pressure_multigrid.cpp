@@ -92,101 +92,72 @@ PressurePreconditioner joined(std::shared_ptr<Levels> levels, const std::vector<
     return made;
 }
 
-/// The rows of a coarse matrix that a block of particles adds to.
-class RowSums {
-public:
-    struct Entry {
-        Index row, column;
-        Real value;
-    };
-    explicit RowSums(Index rows) {
-        if (number_.size() < static_cast<std::size_t>(rows)) number_.resize(rows, 0);
-    }
-    void add(Index row, Index column, Real value) {
-        auto& entries = entries_of(row);
-        std::size_t e = 0;
-        while (e < entries.size() && entries[e].first != column) ++e;
-        if (e == entries.size()) entries.emplace_back(column, Real(0));
-        entries[e].second += value;
-    }
-    std::vector<Entry> entries() const {
-        std::vector<Entry> all;
-        for (std::size_t k = 0; k < rows_.size(); ++k)
-            for (const auto& [column, value] : sums_[k]) all.push_back({rows_[k], column, value});
-        return all;
-    }
-
-private:
-    std::vector<std::pair<Index, Real>>& entries_of(Index row) {
-        const Index k = number_[row];
-        if (k < static_cast<Index>(rows_.size()) && rows_[k] == row) return sums_[k];
-        number_[row] = static_cast<Index>(rows_.size());
-        rows_.push_back(row);
-        return sums_.emplace_back();
-    }
-
-    std::vector<Index> rows_;                                ///< in the order in which they came
-    std::vector<std::vector<std::pair<Index, Real>>> sums_;  ///< columns and values of each
-    static inline thread_local std::vector<Index> number_;   ///< by row: its place in rows_, where that holds the row
-};
-
-/// Forces on one particle by a pressure of 1 in each group near by.
-class GroupForces {
-public:
-    struct Force {
-        Index group;
-        Vec3 value;
-    };
-    void clear() { all_.clear(), last_ = 0; }
-    void add(Index group, const Vec3& f) {
-        if (group < 0) return;
-        if (last_ >= all_.size() || all_[last_].group != group) {
-            for (last_ = 0; last_ < all_.size() && all_[last_].group != group;) ++last_;
-            if (last_ == all_.size()) all_.push_back({group, Vec3::Zero()});
-        }
-        all_[last_].value += f;
-    }
-    const std::vector<Force>& all() const { return all_; }
-
-private:
-    std::vector<Force> all_;
-    std::size_t last_ = 0;  ///< the one added to last: neighbours come group by group
-};
-
-/// What the particles from `begin` to `end` add to the coarse matrix.
-std::vector<RowSums::Entry> entries_of(const DensityRate& D, const IndexGroups& groups, Index begin, Index end) {
-    RowSums sums(groups.groups());
-    GroupForces forces;
-    for (Index i = begin; i < end; ++i) {
-        if (!D.free[i]) continue;
-        forces.clear();
-        forces.add(groups.of[i], D.own[i]);
-        for (std::size_t k = D.first[i]; k < D.first[i + 1]; ++k) {
-            const Index j = D.other[k];
-            forces.add(groups.of[j], D.fill[j] * D.gradient(i, k));
-        }
-        for (const auto& f : forces.all())
-            for (const auto& g : forces.all()) sums.add(f.group, g.group, f.value.dot(g.value));
-    }
-    return sums.entries();
-}
-
 /// A'_IJ = sum_i F_iI . F_iJ with F_iI = sum of row i of D^T over the members of I: what a pressure of 1 in the cell I does to particle i.
 /// Inside a cell the sum is next to nothing; particles near a face have two cells, near an edge four.
 SparseRows coarse_matrix(const ConstraintMatrix& A, const IndexGroups& groups) {
     constexpr Index block = 1024;
+    struct Entry {
+        Index row, column;
+        Real value;
+    };
+    struct Force {
+        Index group;
+        Vec3 value;
+    };
+    const DensityRate& D = A.D;
     const Index n = A.size(), blocks = (n + block - 1) / block;
-    std::vector<std::vector<RowSums::Entry>> parts(blocks);
-    parallel_tasks(blocks, [&](Index b) { parts[b] = entries_of(A.D, groups, b * block, std::min(n, (b + 1) * block)); });
-    // By rows, in the order of the blocks.
-    std::vector<std::size_t> first(groups.groups() + 1, 0);
+    std::vector<std::vector<Entry>> parts(blocks);
+    parallel_tasks(blocks, [&](Index b) {
+        std::vector<Index> known;                               // groups that this block touches
+        std::vector<std::vector<std::pair<Index, Real>>> sums;  // their rows
+        thread_local std::vector<Index> number;                 // of a group in `known`
+        if (number.size() < static_cast<std::size_t>(groups.groups())) number.resize(groups.groups(), 0);
+        const auto row_of = [&](Index group) -> std::vector<std::pair<Index, Real>>& {
+            const std::size_t k = static_cast<std::size_t>(number[group]);
+            if (k < known.size() && known[k] == group) return sums[k];
+            number[group] = static_cast<Index>(known.size());
+            known.push_back(group);
+            return sums.emplace_back();
+        };
+        std::vector<Force> forces;
+        for (Index i = b * block; i < std::min(n, (b + 1) * block); ++i) {
+            if (!D.free[i]) continue;
+            forces.clear();
+            std::size_t last = 0;
+            const auto add = [&](Index group, const Vec3& f) {
+                if (group < 0) return;
+                if (last >= forces.size() || forces[last].group != group) {
+                    for (last = 0; last < forces.size() && forces[last].group != group;) ++last;
+                    if (last == forces.size()) forces.push_back({group, Vec3::Zero()});
+                }
+                forces[last].value += f;
+            };
+            add(groups.of[i], D.own[i]);
+            for (std::size_t k = D.first[i]; k < D.first[i + 1]; ++k) {
+                const std::size_t j = static_cast<std::size_t>(D.other[k]);
+                add(groups.of[j], D.fill[j] * D.gradient(i, k));
+            }
+            for (const Force& f : forces) {
+                auto& row = row_of(f.group);
+                for (const Force& g : forces) {
+                    std::size_t e = 0;
+                    while (e < row.size() && row[e].first != g.group) ++e;
+                    if (e == row.size()) row.emplace_back(g.group, Real(0));
+                    row[e].second += f.value.dot(g.value);
+                }
+            }
+        }
+        for (std::size_t k = 0; k < known.size(); ++k)
+            for (const auto& [column, value] : sums[k]) parts[b].push_back({known[k], column, value});
+    });
+    std::vector<std::size_t> first(static_cast<std::size_t>(groups.groups()) + 1, 0);
     for (const auto& part : parts)
-        for (const RowSums::Entry& e : part) ++first[e.row + 1];
+        for (const Entry& e : part) ++first[e.row + 1];
     for (std::size_t g = 1; g < first.size(); ++g) first[g] += first[g - 1];
-    std::vector<std::size_t> next = first;
+    std::vector<std::size_t> next(first.begin(), first.end() - 1);
     std::vector<std::pair<Index, Real>> sorted(first.back());
     for (const auto& part : parts)
-        for (const RowSums::Entry& e : part) sorted[next[e.row]++] = {e.column, e.value};
+        for (const Entry& e : part) sorted[next[e.row]++] = {e.column, e.value};
     return gather_rows(groups.groups(), groups.groups(), [&](Index g, const auto& add) {
         for (std::size_t k = first[g]; k < first[g + 1]; ++k) add(sorted[k].first, sorted[k].second);
     });
