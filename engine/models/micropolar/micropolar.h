@@ -33,7 +33,8 @@ struct MicropolarOptions {
     /// goes with it feels no exchange, at a free surface too, and what the spin loses the orbit gains. false: curl u - 2 w as written.
     bool co_rotating = true;
     bool implicit_exchange = true;                      ///< the spin's own decay at the end of the step: no limit of its own
-    double smoothing_velocity = 0, smoothing_spin = 0;  ///< XSPH, parts taken a step
+    double smoothing_velocity = 0, smoothing_spin = 0;  ///< XSPH, parts taken a step ...
+    double smoothing_time = 0;                          ///< ... or in this time [s]; 0: a step
     bool free_spin_walls = false;  ///< no couple stress at walls; false: the fluid's spin at a wall is the solid's rotation
     VectorExpression torque;       ///< tau, of t, x, y, z [m^2/s^2]
     Real solid_factor = 1;         ///< on the solids' volumes, see models/boundary/wall.h
