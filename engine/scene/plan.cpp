@@ -237,8 +237,7 @@ private:
         if (std::max(std::abs(stiff.stretching - 1), std::abs(stiff.shear - 1)) > 0.05)
             add_warning(
                 fmt::format("on a lattice, viscosity.laplacian = \"monaghan\" is {:.2f} times as stiff as it should be in stretching and "
-                            "{:.2f} times in "
-                            "shear with fluid.support = {:g}; take 4, or \"brookshaw\"",
+                            "{:.2f} times in shear with fluid.support = {:g}; take 4, or \"brookshaw\"",
                             stiff.stretching, stiff.shear, plan_.support / d_));
     }
 

@@ -2,7 +2,7 @@
 
 #include <map>
 
-#include "engine/scene/read.h"
+#include "engine/scene/scene_keys.h"
 
 namespace whorl {
 namespace {

@@ -61,7 +61,7 @@ public:
             inverse_edge[a] = static_cast<double>(period[a]) / length;
         }
     }
-    /// What particle is next is at x. Particles come in their order.
+    /// Adds the next particle, in the order of the store. @param x where it is
     void add(const Vec3& x, const Cell& state) {
         std::array<std::int64_t, 3> c{};
         for (int a = 0; a < 3; ++a)
@@ -70,7 +70,7 @@ public:
         cells[key(c)] += state;
     }
     std::int64_t key_of(Index i) const { return key(places[i]); }
-    /// By key, what is within reach of a cell's particles, and perhaps a little further.
+    /// For each cell with particles, by its key: what is within their reach, and perhaps a little further.
     std::unordered_map<std::int64_t, Cell> within_reach() const {
         std::unordered_map<std::int64_t, Cell> all;
         for (const auto& c : places) {

@@ -30,15 +30,6 @@ Vec3 gradient(const Pairs& pairs, Index i, const Kernel& W, Span<const Real> V, 
     return sum;
 }
 
-/// (grad a)_i = rho_i sum_j m (a_i/rho_i^2 + a_j/rho_j^2) grad W_ij        Antisymmetric in the pair: conserves momentum.
-template <class Kernel>
-Vec3 symmetric_gradient(const Pairs& pairs, Index i, const Kernel& W, Real m, Span<const Real> rho, Span<const Real> a) {
-    Vec3 sum = Vec3::Zero();
-    const Real rho_i = rho[i], own = a[i] / (rho_i * rho_i);
-    pairs.of(i, [&](Index j, const Vec3& r, Real distance) { sum += (own + a[j] / (rho[j] * rho[j])) * kernel_gradient(W, r, distance); });
-    return rho_i * m * sum;
-}
-
 /// (grad u)_i = sum_j V_j (u_j - u_i) (grad W_ij)^T        Row: component of u; column: direction of the derivative.
 template <class Kernel>
 Mat3 gradient(const Pairs& pairs, Index i, const Kernel& W, Span<const Real> V, Span<const Vec3> u) {

@@ -19,8 +19,8 @@ namespace whorl {
 struct PlannedScene {
     SceneFile file;
     Plan plan;
-    std::unique_ptr<Simulation>
-        simulation;  ///< where the run is to begin anew: with its particles placed, so that nothing can go wrong later
+    /// Where the run is to begin anew: with its particles placed, so that nothing can go wrong later.
+    std::unique_ptr<Simulation> simulation;
 };
 
 /// Something to be told to people.

@@ -88,7 +88,7 @@ struct LiveServer::Http {
     std::mutex recorder_mutex;  ///< starting and stopping
     std::thread thread;
 
-    Http(ServerOptions o, Controls& w, Screen& s, Status& t) : options(std::move(o)), controls(w), screen(s), status(t) {}
+    Http(ServerOptions o, Controls& c, Screen& s, Status& t) : options(std::move(o)), controls(c), screen(s), status(t) {}
 
     void bind() {
         // Nobody else may take the port while we have it (the default would allow that); one that a run just left is free at once.

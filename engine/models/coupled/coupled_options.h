@@ -31,7 +31,7 @@ struct CoupledOptions {
                2;  ///< the same along thin threads, where stretching widens every gap and nobody close is there to be pushed into it
 
     double stick = 0.5, closest = 0.3;  ///< distance from a solid below which a particle touches it, and which it never goes below
-    double sliding_closest = 0.5;       ///< the second along a solid that it slides on: half a spacing is its share of the room there
+    double sliding_closest = 0.5;       ///< as `closest`, from a solid that it slides on: half a spacing is its share of the room there
 
     int aggregate = 32;     ///< particles in an aggregate of the coarse level (up to 1.5 times as many, see `many`)
     int many = 50'000;      ///< particles beyond which aggregates grow with their cube root: the factor then costs as much as the products

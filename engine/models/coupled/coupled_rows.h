@@ -37,7 +37,7 @@ struct RowBlock {
     Index size() const { return end - begin; }
     std::size_t row_begin(Index row) const { return first[row]; }
     std::size_t row_end(Index row) const { return first[row + 1]; }
-    /// Ends a row, whose pairs end there, after a whole vector.
+    /// Ends a row: fills the last vector of its pairs, which reach up to `from`, with pairs of no weight.
     void pad(Index row, std::size_t from);
 };
 

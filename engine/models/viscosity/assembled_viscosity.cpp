@@ -7,7 +7,6 @@
 #include "engine/sph/operators.h"
 
 namespace whorl {
-namespace {}  // namespace
 
 /// What the coefficients are made of.
 struct AssembledOperator::Gradients {
