@@ -45,7 +45,7 @@ struct ViscosityFacts {
     bool moves_bodies = true;
 };
 
-/// viscosity = mu + by_transfer mu_t, coupling = coupling_by_mu mu + mu_t, with mu = fluid.viscosity and mu_t =
+/// viscosity = mu + viscosity_by_transfer mu_t, coupling = coupling_by_mu mu + mu_t, with mu = fluid.viscosity and mu_t =
 /// micropolar.transfer_viscosity.
 struct MicropolarFacts {
     MicropolarModel model = MicropolarModel::none;
