@@ -3,6 +3,7 @@
 #include "engine/particles/sort.h"
 
 namespace whorl {
+
 std::vector<Vec3d> aggregate_centres(Span<const Vec3> x, Span<const std::int32_t> group, int groups, const Domain& domain) {
     std::vector<Vec3d> centre(groups, Vec3d::Zero());
     std::vector<Vec3> first(groups, Vec3::Zero());
