@@ -41,9 +41,7 @@ std::size_t CsvTable::index(const std::string& column) const {
 
 CsvTable read_csv(const std::filesystem::path& file) {
     std::ifstream in(file);
-    if (!in)
-        throw InputError({file.string(), 0, 0}, "no such table",
-                         "accuracy.table names a file in the run folder: diagnostics.csv, probes/NAME.csv");
+    if (!in) throw InputError({file.string(), 0, 0}, "no such table", "a run folder holds diagnostics.csv, probes/NAME.csv and more");
     CsvTable table;
     table.file = file.string();
     std::string line;
