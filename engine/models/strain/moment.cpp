@@ -8,7 +8,6 @@ namespace whorl {
 namespace {
 
 double resolved_part(double ratio) {
-    constexpr double unresolved_at = 0.01, resolved_above = 0.04;
     return ratio <= 0 ? 0 : smooth_step(std::log(ratio / unresolved_at) / std::log(resolved_above / unresolved_at));
 }
 

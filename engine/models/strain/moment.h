@@ -12,8 +12,11 @@ inline double smooth_step(double t) {
     return t * t * (3 - 2 * t);
 }
 
+/// Ratios of an eigenvalue to the largest: up to the first a direction is not resolved, from the second on it wholly is.
+inline constexpr double unresolved_at = 0.01, resolved_above = 0.04;
+
 /// Of the moment matrix M = sum w r r^T = Q diag(s) Q^T, s ascending. Neighbours on a line or in a plane, or a single one, tell nothing
-/// about the directions across: a direction counts as resolved by a smooth step of ln(s_a/s_max) from 0.01 to 0.04.
+/// about the directions across: a direction counts as resolved by a smooth step of ln(s_a/s_max) between these ratios.
 struct Moment {
     Mat3d inverse = Mat3d::Zero();   ///< M+ = Q diag(pi/s) Q^T, pi: how far a direction is resolved
     Mat3d resolved = Mat3d::Zero();  ///< P = Q diag(pi) Q^T
@@ -21,7 +24,7 @@ struct Moment {
     bool whole = false;              ///< all directions are resolved
 };
 
-inline bool resolves_all(const Vec3d& s) { return s[0] >= 0.04 * s[2]; }
+inline bool resolves_all(const Vec3d& s) { return s[0] >= resolved_above * s[2]; }
 Moment invert_moment(const Vec3d& s, const Mat3d& Q);
 /// The same without eigenvalues where all directions are resolved by far.
 Moment invert_moment(const Mat3d& M);
