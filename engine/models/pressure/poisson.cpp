@@ -104,7 +104,7 @@ void PoissonPressure::set_rows(const Kernel& kernel, const Surroundings& around,
         matrix_.diagonal[i] = 1;
         matrix_.pin[i] = b_[i] = 0;
         touches_surface_[i] = 0;
-        Vec3 mirror = wall_[i], prescribed = Vec3::Zero(), fluid = Vec3::Zero();
+        Vec3 boundary = wall_[i], prescribed = Vec3::Zero(), fluid = Vec3::Zero();
         wall_[i].setZero();
         if (!unknown && mine != PressureClass::separated) return;
 
@@ -135,9 +135,9 @@ void PoissonPressure::set_rows(const Kernel& kernel, const Surroundings& around,
                 const Vec3 turned = u_is + (wall.stretch(r, n_s) - 1) * u_is.dot(n_s) * n_s;
                 rate += gate_[i] * rho_0 * options_.solid_factor * layer.volume[s] * slope_at(distance) * turned.dot(r);
             });
-        mirror += prescribed;
+        boundary += prescribed;
         wall_[i] = rho_0 / (rho[i] * rho[i]) * prescribed;  // the other half comes from the sum over the pairs
-        const Real alpha = 2 * (rho_0 / rho[i]) * (rho_0 / rho[i]) * mirror.squaredNorm() * unbalanced(fluid, mirror);
+        const Real alpha = 2 * (rho_0 / rho[i]) * (rho_0 / rho[i]) * boundary.squaredNorm() * unbalanced(fluid, boundary);
         pin += V * alpha;
         b_[i] = V * (static_cast<Real>(options_.density_correction) * (rho[i] - rho_0) + step.dt * rate) * over_dt2;
         if (unknown) {
