@@ -223,9 +223,10 @@ private:
         if (n_.across < 4)
             add_warning(fmt::format("only {:.1f} particles across {}: details there are lost, take a smaller fluid.spacing", n_.across,
                                     n_.thinnest));
-        const bool rubs = plan_.facts.pressure.solves_viscosity || (plan_.boundary != BoundaryModel::none && plan_.facts.viscosity.viscous);
+        const bool viscous_walls =
+            plan_.facts.pressure.solves_viscosity || (plan_.boundary != BoundaryModel::none && plan_.facts.viscosity.viscous);
         for (std::size_t k = 0; k < scene_.solids.size(); ++k)
-            if (scene_.solids[k].slip == Slip::navier && !rubs)
+            if (scene_.solids[k].slip == Slip::navier && !viscous_walls)
                 add_warning(fmt::format("solid[{}].slip_length has no effect: no viscosity acts at solids (models.viscosity is {})", k,
                                         name_of(plan_.viscosity)));
     }
