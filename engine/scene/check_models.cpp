@@ -30,10 +30,10 @@ void check_pressure(const Scene& scene, const Plan& plan, const SceneNumbers& nu
                "allowed: auto or none");
     if (numbers.least_viscous_number < pressure.least_viscous_number)
         report(
-            numbers.thinnest_fluid,
+            numbers.least_viscosity_key,
             fmt::format("{} is {:.3g} Pa s at the start, too thin for {}: the viscous number nu dt/d^2 is {:.2g} (dt: the fastest moves by "
                         "0.4 spacings), and {} works from {:g} on",
-                        numbers.thinnest_fluid, numbers.least_viscosity, chosen, numbers.least_viscous_number, pressure.name,
+                        numbers.least_viscosity_key, numbers.least_viscosity, chosen, numbers.least_viscous_number, pressure.name,
                         pressure.least_viscous_number),
             "choose models.pressure = \"ppe\" with models.viscosity = \"full\"");
 }

@@ -28,7 +28,7 @@ std::string pressure_reason(PressureModel pressure, const Scene& scene, const Sc
     if (scene.any_free_solid()) return "it moves the free bodies in the same solve";
     if (n.viscous_number > coupled_above && pressure == PressureModel::ppe)
         return fmt::format("viscous number nu dt/d^2 = {:.3g} where {} is least: the flow there hardly diffuses within a step",
-                           n.least_viscous_number, n.thinnest_fluid);
+                           n.least_viscous_number, n.least_viscosity_key);
     const std::string number = fmt::format("viscous number nu dt/d^2 = {:.3g}", n.viscous_number);
     return pressure == PressureModel::coupled
                ? fmt::format("{} > {:g} with a free surface: viscosity and pressure act together within a step", number, coupled_above)
@@ -222,7 +222,7 @@ private:
         warn_of_lattice();
         if (n_.across < 4)
             add_warning(fmt::format("only {:.1f} particles across {}: details there are lost, take a smaller fluid.spacing", n_.across,
-                                    n_.thinnest));
+                                    n_.narrowest));
         const bool viscous_walls =
             plan_.facts.pressure.solves_viscosity || (plan_.boundary != BoundaryModel::none && plan_.facts.viscosity.viscous);
         for (std::size_t k = 0; k < scene_.solids.size(); ++k)
