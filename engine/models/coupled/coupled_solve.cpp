@@ -183,7 +183,7 @@ void CoupledStep::set_up_preconditioner() {
     TwoLevel& M = system.preconditioner;
     const bool coarse = options.diagonal && free_particles >= options.fewest_for_coarse;
     if (!coarse) M.clear();
-    else if (step.at_landing || M.unknowns() == 0 || system.steps_since_refresh >= options.refresh_every) {
+    else if (step.at_frame_time || M.unknowns() == 0 || system.steps_since_refresh >= options.refresh_every) {
         M.refresh(form, x.values, role.values, options, step.domain, d, aggregate.values);
         system.steps_since_refresh = 0;
     }
