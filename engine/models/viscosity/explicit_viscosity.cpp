@@ -8,8 +8,10 @@
 
 namespace whorl {
 
-void XsphViscosity::operator()(const FluidPairs& pairs, const StepContext& step, Read<field::role> role, Read<field::density> rho,
-                               Write<field::smoothing> change, Update<field::velocity> u) const {
+void XsphViscosity::operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Write<field::smoothing> change,
+                               Update<field::velocity> u) const {
+    const FluidPairs& pairs = around.pairs;
+    const StepContext& step = around.step;
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         parallel_for(u.size(), [&](Index i) {
             Vec3 sum = Vec3::Zero();
