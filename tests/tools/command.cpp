@@ -18,7 +18,7 @@
 using namespace whorl;
 namespace fs = std::filesystem;
 
-namespace program_test {
+namespace command_test {
 
 namespace {
 
@@ -208,4 +208,4 @@ TEST_CASE("a dry run tells the models, how many frames it would make and where t
     fs::remove_all(folder);
 }
 
-}  // namespace program_test
+}  // namespace command_test
