@@ -97,8 +97,8 @@ private:
                 break;
             }
         too_far(name, e.min, e.max);
-        const double narrowest = (e.max - e.min).minCoeff();
-        if (narrowest < 0.999 * plan_.spacing) too_coarse(name, narrowest);
+        const double thinnest = (e.max - e.min).minCoeff();
+        if (thinnest < 0.999 * plan_.spacing) too_coarse(name, thinnest);
         else if (part_inside_solids(shapes_, i, plan_.spacing) == 1)
             report(name, name + " lies wholly inside solids", "move it or the solid");
         const Vec3d middle = 0.5 * (e.min + e.max);
@@ -133,10 +133,10 @@ private:
                 fmt::format("allowed: up to {:.2g} m", enough * plan_.spacing / static_cast<double>(std::numeric_limits<Real>::epsilon())));
     }
 
-    void too_coarse(const std::string& name, double narrowest) {
+    void too_coarse(const std::string& name, double thinnest) {
         report("fluid.spacing",
-               fmt::format("fluid.spacing = {:g} m is larger than {}, which is {:.4g} m across", plan_.spacing, name, narrowest),
-               fmt::format("{:.2g} m puts 5 particles across it", narrowest / 5));
+               fmt::format("fluid.spacing = {:g} m is larger than {}, which is {:.4g} m across", plan_.spacing, name, thinnest),
+               fmt::format("{:.2g} m puts 5 particles across it", thinnest / 5));
     }
 
     void emitter(const std::string& name, const EmitterKeys& e) {
@@ -148,8 +148,8 @@ private:
         if (k >= 0 && distance < 0)
             report(name + ".position", fmt::format("{} at {} lies {:.3g} m inside solid[{}]", name, point(e.position), -distance, k),
                    "move one of them");
-        const double narrowest = e.shape == "disc" ? 2 * e.radius : std::min(e.width, e.thickness);
-        if (narrowest < plan_.spacing) too_coarse(name, narrowest);
+        const double thinnest = e.shape == "disc" ? 2 * e.radius : std::min(e.width, e.thickness);
+        if (thinnest < plan_.spacing) too_coarse(name, thinnest);
         for (const double t : sample_times(e.start, std::max(e.start, std::min(e.stop, scene_.time.end))))
             if (!(e.speed(t) >= 0)) {
                 report(name + ".speed", fmt::format("{}.speed is {:.4g} m/s at t = {:.4g} s", name, e.speed(t), t), "",
