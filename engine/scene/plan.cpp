@@ -37,7 +37,7 @@ std::string pressure_reason(PressureModel pressure, const Scene& scene, const Sc
 
 PressureModel automatic_pressure(const Scene& scene, const SceneNumbers& n) {
     if (facts_of(scene.models.micropolar).spins) return PressureModel::wcsph;
-    const PressureFacts& coupled = facts_of(PressureModel::coupled, scene.pressure);
+    const PressureFacts& coupled = facts_of(PressureModel::coupled);
     const bool viscous = n.viscous_number > coupled_above && n.least_viscous_number >= coupled.least_viscous_number;
     return n.free_surface && viscous && (coupled.moves_bodies || !scene.any_free_solid()) ? PressureModel::coupled : PressureModel::ppe;
 }
@@ -92,12 +92,26 @@ private:
         plan_.expected_speed = n_.speed;
         plan_.largest_viscosity = n_.viscosity;
         plan_.estimated_particles = n_.particles;
+        plan_.free_surface = !scene_.emitters.empty() || part_left_empty(scene_, shapes_) > 0.02;
     }
 
     void choose_pressure() {
         const PressureModel automatic = automatic_pressure(scene_, n_);
         plan_.pressure = choose("models.pressure", scene_.models.pressure, automatic, pressure_reason(automatic, scene_, n_));
-        plan_.facts.pressure = facts_of(plan_.pressure, scene_.pressure);
+        const PressureForm automatic_form = automatic_pressure_form();
+        const PressureForm form = scene_.pressure.form.value_or(automatic_form);
+        plan_.facts.pressure = facts_of(plan_.pressure, form, scene_.pressure.source);
+        if (plan_.facts.pressure.form) tell("pressure.form", name_of(form), !scene_.pressure.form, form_reason());
+    }
+
+    /// The projection keeps vortices; splashing fluid it cannot hold.
+    PressureForm automatic_pressure_form() const {
+        return plan_.free_surface || scene_.any_free_solid() ? PressureForm::constraint : PressureForm::projection;
+    }
+    std::string form_reason() const {
+        if (plan_.free_surface) return "a free surface may splash";
+        if (scene_.any_free_solid()) return "it moves the free bodies in the same solve";
+        return "the fluid fills its space: nothing splashes, and the projection keeps vortices";
     }
 
     void choose_kernel() {
@@ -158,7 +172,7 @@ private:
     /// The choice itself is made step by step, by how many particles press (models/pressure/pressure_multigrid.h).
     void choose_preconditioner() {
         if (plan_.pressure != PressureModel::ppe) return;
-        const double above = scene_.pressure.form == PressureForm::constraint ? constraint_multigrid_above : poisson_multigrid_above;
+        const double above = plan_.facts.pressure.form == PressureForm::constraint ? constraint_multigrid_above : poisson_multigrid_above;
         const bool many = plan_.estimated_particles >= above;
         choose("pressure.preconditioner", scene_.pressure.preconditioner, many ? Preconditioner::multigrid : Preconditioner::jacobi,
                fmt::format("{:.3g} particles; its set-up pays from {:.3g} that press at a time", plan_.estimated_particles, above));
