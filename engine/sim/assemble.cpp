@@ -177,6 +177,7 @@ private:
         if (scene_.fluid.surface_tension > 0) surface_tension(nullptr);
         if (facts_.viscosity.implicit) implicit_viscosity();
         stage("projection", "pressure", Projection{system});
+        if (bounded) pressure_limit();
         work_is(&EnergyWork::pressure);
         stage("move", "move", ProjectionMove{system});
         if (!scene_.solids.empty()) {
@@ -286,6 +287,10 @@ private:
         }
         if (scene_.pressure.divergence_free) stage("divergence-free", "pressure", DivergenceFree{options});
         else stage("density constraint", "pressure", ConstraintPressure{options});
+        pressure_limit();
+    }
+
+    void pressure_limit() {
         limit("pressure", number(scene_.time.cfl) + " d / sqrt(p / rho)",
               [cfl = scene_.time.cfl, d = plan_.spacing, rho_0 = scene_.fluid.density](const World& w, double) {
                   return pressure_step(cfl, d, rho_0, w.fluid.column<field::pressure>());

@@ -15,7 +15,7 @@ namespace whorl {
 namespace field {
 struct pressure_acceleration {
     using type = Vec3;
-    static constexpr std::string_view name = "pressure acceleration", unit = "m/s^2", meaning = "grad p / rho of the last step";
+    static constexpr std::string_view name = "pressure_acceleration", unit = "m/s^2", meaning = "grad p / rho of the last step";
 };
 }  // namespace field
 
