@@ -1,6 +1,7 @@
 #include "engine/models/projection/projection.h"
 
 #include <cmath>
+#include <limits>
 
 #include "engine/core/clock.h"
 #include "engine/core/parallel.h"
@@ -89,8 +90,11 @@ void Projection::operator()(const Surroundings& around, StepReport& report, Read
     const bool any_before = parallel_sum(n, [&](Index i) { return a[i] != Vec3::Zero() ? 1 : 0; }) > 0;
     const Real theta = any_before ? static_cast<Real>(s.options.theta) : Real(1), dt = theta * step.dt;
     b_.resize(n), phi_.resize(n);
+    // What an impact does in a step must not be done again in the next.
+    const Real most =
+        s.options.free_surface ? Real(0.04) * step.spacing / (step.dt * step.dt) : std::numeric_limits<Real>::infinity();
     parallel_for(n, [&](Index i) {
-        if (role[i] == 0) u[i] -= (1 - theta) * step.dt * a[i];
+        if (role[i] == 0 && a[i].norm() < most) u[i] -= (1 - theta) * step.dt * a[i];
         a[i].setZero();
     });
     damp_surface(around, role, u);
@@ -117,6 +121,11 @@ void Projection::operator()(const Surroundings& around, StepReport& report, Read
             if (solve == 0) all.first_residual = solved.first_residual, all.last_residual = solved.last_residual;
             if (!solved.converged) all.converged = false, all.why_not = solved.why_not;
             closed_.take_means_away(phi_);
+            // Air does not pull.
+            if (s.options.free_surface)
+                parallel_for(n, [&](Index i) {
+                    if (s.near_surface[i]) phi_[i] = std::max(phi_[i], solve == 0 ? Real(0) : -p[i]);
+                });
             parallel_for(n, [&](Index i) {
                 p[i] = (solve == 0 ? Real(0) : p[i]) + phi_[i];
                 if (role[i] != 0) return;
