@@ -13,15 +13,13 @@ namespace whorl {
 
 void place_constants(const Scene& scene, const Plan& plan, World& world) {
     StepContext& step = world.step;
-    step.domain.min = scene.domain.min.cast<Real>();
-    step.domain.max = scene.domain.max.cast<Real>();
-    step.domain.periodic = scene.domain.periodic;
+    step.domain = scene.domain.box();
     step.spacing = static_cast<Real>(plan.spacing);
     step.support = static_cast<Real>(plan.support);
     step.kernel = plan.kernel;
     step.rest_density = static_cast<Real>(scene.fluid.density);
-    step.volume = static_cast<Real>(plan.spacing * plan.spacing * plan.spacing);
-    step.mass = static_cast<Real>(scene.fluid.density * plan.spacing * plan.spacing * plan.spacing);
+    step.volume = static_cast<Real>(plan.particle_volume());
+    step.mass = static_cast<Real>(scene.fluid.density * plan.particle_volume());
 }
 
 double slip_length_of(const SolidKeys& keys) {
@@ -93,7 +91,7 @@ void loosen(std::vector<Vec3>& points, double most, std::uint64_t seed, const Sh
     RandomNumbers random(seed);
     for (Vec3& x : points) {
         Vec3 moved = x;
-        for (int a = 0; a < 3; ++a) moved[a] += static_cast<Real>(most * (2 * random() - 1));
+        for (int a = 0; a < world.step.dimensions(); ++a) moved[a] += static_cast<Real>(most * (2 * random() - 1));
         Real distance = 0;
         if (shape.distance(moved) < 0 && (world.solids.nearest(moved, distance) < 0 || distance > nearest)) x = moved;
     }

@@ -13,7 +13,7 @@ void CorrectedViscosity::operator()(const Surroundings& around, Read<field::role
     const StepContext& step = around.step;
     const SolidParticles& layer = around.layer;
     const Real d = step.spacing, V = step.volume, over_density = 1 / step.rest_density;
-    const Real dimensions = 3;
+    const Real dimensions = static_cast<Real>(step.dimensions());
     const Real of_layer = s.any_walls ? layer_factor(step.kernel, step.support, d) : 0;
     const std::vector<char> slip = slips(around.solids);
     if (s.any_walls) friction_.set(FrictionForm::central, around);

@@ -23,16 +23,13 @@ struct LatticeSums {
 
 template <class Kernel>
 LatticeSums lattice_sums(const Kernel& W, const StepContext& step) {
-    const int reach = static_cast<int>(std::ceil(step.support / step.spacing)), depth = reach;
     double trace = 0, slopes = 0;
-    for (int a = -reach; a <= reach; ++a)
-        for (int b = -reach; b <= reach; ++b)
-            for (int c = -depth; c <= depth; ++c) {
-                if (a == 0 && b == 0 && c == 0) continue;
-                const Real r = step.spacing * std::sqrt(static_cast<Real>(a * a + b * b + c * c));
-                trace -= static_cast<double>(W.derivative(r) * r);
-                slopes -= 2 * static_cast<double>(W.slope(r));
-            }
+    each_lattice_point(step.dimensions(), static_cast<int>(std::ceil(step.support / step.spacing)), [&](int a, int b, int c) {
+        if (a == 0 && b == 0 && c == 0) return;
+        const Real r = step.spacing * std::sqrt(static_cast<Real>(a * a + b * b + c * c));
+        trace -= static_cast<double>(W.derivative(r) * r);
+        slopes -= 2 * static_cast<double>(W.slope(r));
+    });
     const double V = step.volume;
     return {static_cast<Real>(V * trace), static_cast<Real>(V * slopes)};
 }
@@ -94,7 +91,7 @@ void ProjectionGeometry::operator()(const Surroundings& around, Read<field::role
         std::vector<Real> fullness(n), slopes(n);
         parallel_for(n, [&](Index i) {
             OwnSums own = fluid_sums(W, around.pairs, i, V, over_first);
-            s.correction[i] = pseudo_inverse(own.moment).template cast<Real>();
+            s.correction[i] = pseudo_inverse(own.moment, step.dimensions()).template cast<Real>();
             s.trace[i] = static_cast<Real>(own.moment.trace());
             s.imbalance[i] = own.imbalance;
             s.gate[i] = 1;
