@@ -44,18 +44,17 @@ double narrowest_gap(const SceneShapes& shapes, double spacing, double most) {
 }  // namespace
 
 void check_poisson(const Scene& scene, const Plan& plan, const SceneShapes& shapes, std::vector<Problem>& problems) {
-    if (plan.facts.pressure.form != PressureForm::poisson) return;
+    if (plan.facts.pressure.source != PressureSource::density) return;
     const auto report = [&](const std::string& what) {
-        KeyProblems(scene, problems)("pressure.form", what, "take pressure.form = \"constraint\", which needs no special case there");
+        KeyProblems(scene, problems)("pressure.source", what, "take pressure.form = \"constraint\", which needs no special case there");
     };
-    const auto& periodic = scene.domain.periodic;
-    if (periodic[0] && periodic[1] && periodic[2] && part_left_empty(scene, shapes) < 0.02)
+    if (scene.domain.box().all_periodic() && part_left_empty(scene, shapes) < 0.02)
         report(
-            "pressure.form = \"poisson\" diverges in fluid that fills a periodic domain: its force is not the transpose of its divergence, "
+            "pressure.source = \"density\" diverges in fluid that fills a periodic domain: its force is not the transpose of its divergence, "
             "and nothing takes away what it adds");
     if (const double gap = narrowest_gap(shapes, plan.spacing, narrowest_slot * plan.spacing); gap < narrowest_slot * plan.spacing)
         report(fmt::format(
-            "pressure.form = \"poisson\" diverges between solids that face each other closely, and these stand {:.2g} spacings apart",
+            "pressure.source = \"density\" diverges between solids that face each other closely, and these stand {:.2g} spacings apart",
             gap / plan.spacing));
 }
 

@@ -1,32 +1,33 @@
 #include "engine/sph/correction.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 
 #include "engine/core/parallel.h"
+#include "engine/math/inverse_in.h"
 
 namespace whorl {
 
-Mat3d pseudo_inverse(const Mat3d& matrix) {
+Mat3d pseudo_inverse(const Mat3d& matrix, int dimensions, Resolved resolved) {
     const double size = matrix.trace();
     if (!(size > 0) || !std::isfinite(size)) return Mat3d::Zero();
     const Mat3d A = matrix / size;
-    // With trace 1 and s_min/s_max = 0.04 the determinant is 0.0047 at most: above that no direction is near the step.
-    if (A.determinant() > 0.005) return A.inverse() / size;
+    // With trace 1 and s_min/s_max = w the determinant is w/(D - 1 + w)^D at most: above that no direction is near the step.
+    const double w = resolved.wholly, most = w / power_of(dimensions - 1 + w, dimensions);
+    if (determinant_in(dimensions, A) > 1.03 * most) return inverse_in(dimensions, A) / size;
     Eigen::SelfAdjointEigenSolver<Mat3d> eigen;
     eigen.computeDirect(A);
     const Vec3d s = eigen.eigenvalues();
     Vec3d inverse;
     for (int a = 0; a < 3; ++a) {
         const double relative = s[a] / s[2];
-        const double t = relative > 0 ? std::clamp(std::log(relative / 0.01) / std::log(0.04 / 0.01), 0.0, 1.0) : 0;
+        const double t = relative > 0 ? std::clamp(std::log(relative / resolved.not_at_all) / std::log(resolved.wholly / resolved.not_at_all), 0.0, 1.0) : 0;
         inverse[a] = t > 0 ? t * t * (3 - 2 * t) / s[a] : 0;
     }
     const Mat3d Q = eigen.eigenvectors();
     return Q * inverse.asDiagonal() * Q.transpose() / size;
 }
 
-void sum_correction(const Pairs& pairs, KernelKind kernel, Real support, Span<const Real> V, Span<Mat3> L) {
+void sum_correction(const Pairs& pairs, KernelForm kernel, Real support, Span<const Real> V, Span<Mat3> L) {
     with_kernel(kernel, support, [&](const auto& W) {
         parallel_for(pairs.size(), [&](Index i) {
             // grad W_ij (x_j - x_i)^T = -W'/|r| r r^T: symmetric, six sums.
@@ -47,7 +48,7 @@ void sum_correction(const Pairs& pairs, KernelKind kernel, Real support, Span<co
             });
             Mat3d M;
             M << xx, xy, xz, xy, yy, yz, xz, yz, zz;
-            L[i] = pseudo_inverse(M).cast<Real>();
+            L[i] = pseudo_inverse(M, kernel.dimensions).cast<Real>();
         });
     });
 }
