@@ -11,7 +11,7 @@
 #include "engine/scene/check_models.h"
 #include "engine/scene/check_placement.h"
 #include "engine/scene/check_plane.h"
-#include "engine/scene/check_poisson.h"
+#include "engine/scene/check_projection.h"
 #include "engine/scene/names.h"
 #include "engine/scene/numbers.h"
 
@@ -222,7 +222,7 @@ private:
         std::vector<Problem> problems;
         check_models(given_, plan_, n_, problems);
         check_placement(scene_, plan_, n_, shapes_, problems);
-        check_poisson(scene_, plan_, shapes_, problems);
+        check_projection(scene_, plan_, shapes_, problems);
         check_plane(scene_, plan_, problems);
         if (!problems.empty()) throw InputError(in_order(std::move(problems), scene_.place("").file));
     }

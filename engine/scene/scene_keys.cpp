@@ -101,9 +101,10 @@ KeyTable pressure_keys() {
           "of the linear solver; auto: multigrid where enough particles press to pay for its set-up")
         .only_with(model, {"ppe"});
     const std::string form = "pressure.form";
-    t.key("form", &PressureKeys::form, "",
-          "constraint: no density above that at rest, for fluid that splashes and piles up; projection: no divergence, for fluid that fills "
-          "its space or moves gently; auto: by what the fluid fills")
+    t.key(
+         "form", &PressureKeys::form, "",
+         "constraint: no density above that at rest, for fluid that splashes and piles up; projection: no divergence, for fluid that fills "
+         "its space or moves gently; auto: by what the fluid fills")
         .only_with(model, {"ppe"});
     t.key("source", &PressureKeys::source, "",
           "projection: what the pressure takes away, the divergence of the velocity, or as published the error of the density")

@@ -243,8 +243,10 @@ struct Simulation::State {
         start_step();
         const double dt = choose_step(until);
         if (!(dt > 1e-12 * scene.time.end)) {
-            world.report.diverged =
-                Divergence{"time step", "velocity", time, Vec3d::Zero(), "the time step collapsed: something moves far too fast"};
+            std::string what = "the time step collapsed: something moves far too fast";
+            if (plan.facts.pressure.source == PressureSource::velocity && plan.free_surface)
+                what += " (pressure.form = \"projection\" does not hold fluid that splashes; \"constraint\" does)";
+            world.report.diverged = Divergence{"time step", "velocity", time, Vec3d::Zero(), what};
             return world.report;
         }
         prepare(dt);

@@ -20,7 +20,9 @@ Mat3d pseudo_inverse(const Mat3d& matrix, int dimensions, Resolved resolved) {
     Vec3d inverse;
     for (int a = 0; a < 3; ++a) {
         const double relative = s[a] / s[2];
-        const double t = relative > 0 ? std::clamp(std::log(relative / resolved.not_at_all) / std::log(resolved.wholly / resolved.not_at_all), 0.0, 1.0) : 0;
+        const double t =
+            relative > 0 ? std::clamp(std::log(relative / resolved.not_at_all) / std::log(resolved.wholly / resolved.not_at_all), 0.0, 1.0)
+                         : 0;
         inverse[a] = t > 0 ? t * t * (3 - 2 * t) / s[a] : 0;
     }
     const Mat3d Q = eigen.eigenvectors();

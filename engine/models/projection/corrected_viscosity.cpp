@@ -7,8 +7,8 @@
 
 namespace whorl {
 
-void CorrectedViscosity::operator()(const Surroundings& around, Read<field::role> role, Read<field::viscosity> mu,
-                                    Read<field::velocity> u, Update<field::acceleration> a) {
+void CorrectedViscosity::operator()(const Surroundings& around, Read<field::role> role, Read<field::viscosity> mu, Read<field::velocity> u,
+                                    Update<field::acceleration> a) {
     const ProjectionSystem& s = *system_;
     const StepContext& step = around.step;
     const SolidParticles& layer = around.layer;

@@ -91,8 +91,7 @@ void Projection::operator()(const Surroundings& around, StepReport& report, Read
     const Real theta = any_before ? static_cast<Real>(s.options.theta) : Real(1), dt = theta * step.dt;
     b_.resize(n), phi_.resize(n);
     // What an impact does in a step must not be done again in the next.
-    const Real most =
-        s.options.free_surface ? Real(0.04) * step.spacing / (step.dt * step.dt) : std::numeric_limits<Real>::infinity();
+    const Real most = s.options.free_surface ? Real(0.04) * step.spacing / (step.dt * step.dt) : std::numeric_limits<Real>::infinity();
     parallel_for(n, [&](Index i) {
         if (role[i] == 0 && a[i].norm() < most) u[i] -= (1 - theta) * step.dt * a[i];
         a[i].setZero();
