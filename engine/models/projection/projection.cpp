@@ -151,12 +151,13 @@ Real fastest_of(Span<const Vec3> u) {
 
 void ProjectionMove::operator()(const Surroundings& around, Read<field::role> role, Update<field::position> x,
                                 Update<field::velocity> u) const {
-    const ProjectionSystem& s = *system;
+    ProjectionSystem& s = *system;
     const StepContext& step = around.step;
     const Index n = u.size();
     const Real d = step.spacing, dt = step.dt;
     const Real slowest = s.options.free_surface ? Real(0.25) * std::sqrt(step.gravity.norm() * d) : 0;
-    std::vector<Vec3> shift(n, Vec3::Zero()), change(n, Vec3::Zero());
+    std::vector<Vec3> change(n, Vec3::Zero());
+    s.shift.assign(n, Vec3::Zero());
     const Real speed = std::max(slowest, fastest_of(u.values));
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(n, [&](Index i) {
@@ -171,12 +172,12 @@ void ProjectionMove::operator()(const Surroundings& around, Read<field::role> ro
             }
             const Real length = move.norm(), most = std::min(speed * dt / 2, d / 10);
             if (length > most) move *= most / length;
-            shift[i] = move;
+            s.shift[i] = move;
             change[i] = difference_sum(W, around.pairs, i, step.volume, u.data()) * (s.correction[i] * move);
         });
     });
     parallel_for(n, [&](Index i) {
-        x[i] += dt / 2 * (u[i] - s.start_velocity[i]) + shift[i];
+        x[i] += dt / 2 * (u[i] - s.start_velocity[i]) + s.shift[i];
         u[i] += change[i];
     });
 }
