@@ -189,7 +189,7 @@ private:
         };
         if (p.kind == ProbeKind::point && outside(p.at, p.at)) far_away("at");
         if (p.kind == ProbeKind::line && outside(p.from.cwiseMin(p.to), p.from.cwiseMax(p.to))) far_away("from");
-        if (p.kind == ProbeKind::region && outside(p.min, p.max)) far_away("min");
+        if ((p.kind == ProbeKind::region || p.kind == ProbeKind::flow) && outside(p.min, p.max)) far_away("min");
         if (p.kind == ProbeKind::coil && outside(p.axis_point + p.height * p.axis_direction, p.axis_point + p.height * p.axis_direction))
             far_away("height");
     }

@@ -94,7 +94,7 @@ private:
                                      name + ".name = \"" + p.name + "\" is taken by " + entry_name("probe", j));
                     break;
                 }
-            if (p.kind == ProbeKind::region) ordered(name + ".min", p.min, name + ".max", p.max);
+            if (p.kind == ProbeKind::region || p.kind == ProbeKind::flow) ordered(name + ".min", p.min, name + ".max", p.max);
             if (p.kind == ProbeKind::coil) direction(name + ".axis_direction", p.axis_direction);
             if (p.kind == ProbeKind::line && p.from == p.to)
                 reader_.disagree({name + ".to", name + ".from"}, name + ".from and " + name + ".to are the same point");

@@ -31,7 +31,7 @@ enum class ExchangeScheme { automatic, explicit_steps, implicit };
 enum class WallSpin { solid, free };
 enum class Slip { no, free, navier };
 enum class Profile { plug, parabolic };
-enum class ProbeKind { point, line, region, coil };
+enum class ProbeKind { point, line, region, flow, coil };
 
 struct TimeKeys {
     double end = 0;          ///< s
@@ -153,7 +153,8 @@ struct DrainKeys {
 struct ProbeKeys {
     std::string name;
     ProbeKind kind = ProbeKind::point;
-    Vec3d min = Vec3d::Zero(), max = Vec3d::Zero();             ///< region
+    Vec3d min = Vec3d::Zero(), max = Vec3d::Zero();             ///< region, flow
+    VectorExpression expected;                                  ///< flow: m/s, of t, x, y, z; zero: nothing is expected
     Vec3d at = Vec3d::Zero();                                   ///< point
     Vec3d from = Vec3d::Zero(), to = Vec3d::Zero();             ///< line
     int count = 32;                                             ///< line

@@ -281,8 +281,11 @@ KeyTable probe_keys() {
     t.key("from", &ProbeKeys::from, "m", "start of the line").required().only_with("kind", {"line"});
     t.key("to", &ProbeKeys::to, "m", "end of the line").required().only_with("kind", {"line"});
     t.key("count", &ProbeKeys::count, "", "points on the line").at_least(2).at_most(100000).only_with("kind", {"line"});
-    t.key("min", &ProbeKeys::min, "m", "lowest corner").required().only_with("kind", {"region"});
-    t.key("max", &ProbeKeys::max, "m", "highest corner").required().only_with("kind", {"region"});
+    t.key("min", &ProbeKeys::min, "m", "lowest corner").required().only_with("kind", {"region", "flow"});
+    t.key("max", &ProbeKeys::max, "m", "highest corner").required().only_with("kind", {"region", "flow"});
+    t.key("expected", &ProbeKeys::expected, "m/s", "velocity that theory expects: the flow is held against it; zero: against nothing")
+        .of("txyz")
+        .only_with("kind", {"flow"});
     t.key("axis_point", &ProbeKeys::axis_point, "m", "where the axis meets the plate").only_with("kind", {"coil"});
     t.key("axis_direction", &ProbeKeys::axis_direction, "", "up, away from the plate").only_with("kind", {"coil"});
     t.key("height", &ProbeKeys::height, "m", "of the section that is measured, above the pile; 0: where the thread comes to rest")
