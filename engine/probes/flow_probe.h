@@ -13,13 +13,7 @@ class FlowProbe : public Probe {
 public:
     explicit FlowProbe(const ProbeKeys& keys) : min_(keys.min), max_(keys.max), expected_(keys.expected) {}
     std::vector<std::string> columns() const override {
-        return {"time",
-                "particles",
-                "kinetic_energy",
-                "largest_vorticity",
-                "mean_square_vorticity",
-                "expected_energy",
-                "velocity_error"};
+        return {"time", "particles", "kinetic_energy", "largest_vorticity", "mean_square_vorticity", "expected_energy", "velocity_error"};
     }
     ProbeRows rows(const World& world, double time) override;
 

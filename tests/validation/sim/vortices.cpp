@@ -42,8 +42,8 @@ void hold_to_theory(const std::vector<std::string>& changes, const Bounds& bound
 
 std::vector<std::string> taylor_green(int a_side, int reynolds, const std::string& sampling) {
     const double nu = 1.0 / reynolds;
-    return {fmt::format("fluid.spacing={}", 1.0 / a_side), fmt::format("fluid.viscosity={}", 1000 * nu),
-            "block.0.sampling=" + sampling, "probe.0.expected=" + vortices_of(decay(nu))};
+    return {fmt::format("fluid.spacing={}", 1.0 / a_side), fmt::format("fluid.viscosity={}", 1000 * nu), "block.0.sampling=" + sampling,
+            "probe.0.expected=" + vortices_of(decay(nu))};
 }
 
 }  // namespace
@@ -68,13 +68,12 @@ TEST_CASE("Taylor-Green vortices, 64 a side, keep energy and velocity within .5 
 TEST_CASE("Taylor-Green vortices in a slab of eight layers keep energy and velocity within 2 % of theory", "[validation][projection]") {
     for (const char* sampling : {"lattice", "jittered"}) {
         INFO(sampling);
-        hold_to_theory({"domain.dimensions=3", "domain.min=[0,0,0]", "domain.max=[1,1,0.25]", "domain.periodic=[true,true,true]",
-                        "domain.gravity=[0,0,0]", "block.0.min=[0,0,0]", "block.0.max=[1,1,0.25]",
-                        "block.0.velocity=" + vortices_of("1", R"(, "0")"),
-                        std::string("block.0.sampling=") + sampling, "probe.0.min=[0,0,0]", "probe.0.max=[1,1,0.25]",
-                        "probe.1.min=[0,0,0]", "probe.1.max=[0.5,0.5,0.25]",
-                        "probe.0.expected=" + vortices_of(decay(0.01), R"(, "0")")},
-                       {0.02, 0.02});
+        hold_to_theory(
+            {"domain.dimensions=3", "domain.min=[0,0,0]", "domain.max=[1,1,0.25]", "domain.periodic=[true,true,true]",
+             "domain.gravity=[0,0,0]", "block.0.min=[0,0,0]", "block.0.max=[1,1,0.25]", "block.0.velocity=" + vortices_of("1", R"(, "0")"),
+             std::string("block.0.sampling=") + sampling, "probe.0.min=[0,0,0]", "probe.0.max=[1,1,0.25]", "probe.1.min=[0,0,0]",
+             "probe.1.max=[0.5,0.5,0.25]", "probe.0.expected=" + vortices_of(decay(0.01), R"(, "0")")},
+            {0.02, 0.02});
     }
 }
 
@@ -84,9 +83,9 @@ TEST_CASE("Taylor-Green vortices of particles that spin keep energy within 2 % a
     // (2/pi)^2 W.
     const Micropolar2 c{.a = 0.0125, .kappa = 0.005, .g = 1e-4, .theta = 1e-3};
     Simulation simulation =
-        benchmark("taylor_green", {"models.micropolar=bender", "fluid.viscosity=12.5", "micropolar.transfer_viscosity=5",
-                                   "micropolar.spin_viscosity=0.1", "micropolar.micro_inertia=1e-3", "micropolar.xsph_velocity=0",
-                                   "micropolar.xsph_spin=0"});
+        benchmark("taylor_green",
+                  {"models.micropolar=bender", "fluid.viscosity=12.5", "micropolar.transfer_viscosity=5", "micropolar.spin_viscosity=0.1",
+                   "micropolar.micro_inertia=1e-3", "micropolar.xsph_velocity=0", "micropolar.xsph_spin=0"});
     const double start = reading(simulation, "flow").at("kinetic_energy")[0];
     for (const double time : {0.5, 1.0, 1.5, 2.0}) {
         run_until(simulation, time);
@@ -143,8 +142,7 @@ TEST_CASE("the double shear layer, 64 a side, keeps its energy within .3 % and i
         run_until(simulation, time);
         const Table flow = reading(simulation, "flow");
         INFO("t = " << time);
-        CHECK(flow.at("kinetic_energy")[0] / start ==
-              Approx(between(spectral.at("time"), spectral.at("energy"), time)).epsilon(0.003));
+        CHECK(flow.at("kinetic_energy")[0] / start == Approx(between(spectral.at("time"), spectral.at("energy"), time)).epsilon(0.003));
     }
     const double largest = reading(simulation, "flow").at("largest_vorticity")[0];
     CHECK(largest == Approx(spectral.at("largest_vorticity")[10]).epsilon(0.02));
@@ -154,9 +152,9 @@ namespace {
 
 /// The largest distance of the centre lines' velocities from those of a grid, over the lid's speed.
 double cavity_error(int reynolds, int a_side, double end) {
-    Simulation simulation = benchmark("lid_driven_cavity", {fmt::format("fluid.spacing={}", 1.0 / a_side),
-                                                            fmt::format("fluid.viscosity={}", 1000.0 / reynolds),
-                                                            fmt::format("time.end={}", end)});
+    Simulation simulation =
+        benchmark("lid_driven_cavity", {fmt::format("fluid.spacing={}", 1.0 / a_side), fmt::format("fluid.viscosity={}", 1000.0 / reynolds),
+                                        fmt::format("time.end={}", end)});
     run_until(simulation, end);
     const Table grid = reference("lid_driven_cavity");
     double largest = 0;
