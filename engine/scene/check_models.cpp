@@ -58,7 +58,8 @@ void check_boundary(const Scene& scene, const Plan& plan, const KeyProblems& rep
 void check_assembled(const Plan& plan, double viscous_number, const KeyProblems& report) {
     if (plan.viscosity != ViscosityModel::full_assembled) return;
     const std::string chosen = setting("models.viscosity", plan.facts.viscosity.name);
-    if (const double bytes = plan.estimated_particles * assembled_bytes(plan.support / plan.spacing); bytes > most_assembled_bytes)
+    if (const double bytes = plan.estimated_particles * assembled_bytes(plan.support / plan.spacing, plan.dimensions());
+        bytes > most_assembled_bytes)
         report("models.viscosity",
                fmt::format("the matrix of {} would take {:.1f} GB ({:.0f} particles)", chosen, bytes / 1e9, plan.estimated_particles),
                "take \"full\", the same without a matrix, or a larger fluid.spacing",

@@ -48,8 +48,7 @@ void check_poisson(const Scene& scene, const Plan& plan, const SceneShapes& shap
     const auto report = [&](const std::string& what) {
         KeyProblems(scene, problems)("pressure.form", what, "take pressure.form = \"constraint\", which needs no special case there");
     };
-    const auto& periodic = scene.domain.periodic;
-    if (periodic[0] && periodic[1] && periodic[2] && part_left_empty(scene, shapes) < 0.02)
+    if (scene.domain.box().all_periodic() && part_left_empty(scene, shapes) < 0.02)
         report(
             "pressure.form = \"poisson\" diverges in fluid that fills a periodic domain: its force is not the transpose of its divergence, "
             "and nothing takes away what it adds");

@@ -10,6 +10,7 @@
 #include "engine/models/viscosity/explicit_viscosity.h"
 #include "engine/scene/check_models.h"
 #include "engine/scene/check_placement.h"
+#include "engine/scene/check_plane.h"
 #include "engine/scene/check_poisson.h"
 #include "engine/scene/names.h"
 #include "engine/scene/numbers.h"
@@ -25,6 +26,7 @@ constexpr double coupled_above = 0.25;
 std::string pressure_reason(PressureModel pressure, const Scene& scene, const SceneNumbers& n) {
     if (facts_of(scene.models.micropolar).spins) return "the usual company of micropolar terms; \"ppe\" has them too";
     if (!n.free_surface) return "every axis is periodic: no free surface";
+    if (n.viscous_number > coupled_above && scene.domain.dimensions == 2) return "viscosity acts in a solve of its own in two dimensions";
     if (scene.any_free_solid()) return "it moves the free bodies in the same solve";
     if (n.viscous_number > coupled_above && pressure == PressureModel::ppe)
         return fmt::format("viscous number nu dt/d^2 = {:.3g} where {} is least: the flow there hardly diffuses within a step",
@@ -39,7 +41,10 @@ PressureModel automatic_pressure(const Scene& scene, const SceneNumbers& n) {
     if (facts_of(scene.models.micropolar).spins) return PressureModel::wcsph;
     const PressureFacts& coupled = facts_of(PressureModel::coupled, scene.pressure);
     const bool viscous = n.viscous_number > coupled_above && n.least_viscous_number >= coupled.least_viscous_number;
-    return n.free_surface && viscous && (coupled.moves_bodies || !scene.any_free_solid()) ? PressureModel::coupled : PressureModel::ppe;
+    return n.free_surface && viscous && (coupled.in_plane || scene.domain.dimensions == 3) &&
+                   (coupled.moves_bodies || !scene.any_free_solid())
+               ? PressureModel::coupled
+               : PressureModel::ppe;
 }
 
 /// Makes the choices one after the other; each finds those before it in the plan.
@@ -88,6 +93,8 @@ private:
     void add_warning(std::string text) { plan_.warnings.push_back(std::move(text)); }
 
     void tell_numbers() {
+        if (scene_.domain.dimensions == 2)
+            plan_.choices.push_back({"domain.dimensions", "2", false, "masses, forces and energies are those of a metre of depth"});
         plan_.spacing = d_;
         plan_.expected_speed = n_.speed;
         plan_.largest_viscosity = n_.viscosity;
@@ -103,8 +110,8 @@ private:
     void choose_kernel() {
         const PressureFacts& own = plan_.facts.pressure;
         plan_.support = scene_.fluid.support.value_or(own.support) * d_;
-        plan_.kernel = scene_.fluid.kernel.value_or(own.kernel);
-        tell("fluid.kernel", name_of(plan_.kernel), !scene_.fluid.kernel, own.kernel_reason);
+        plan_.kernel = {scene_.fluid.kernel.value_or(own.kernel), scene_.domain.dimensions};
+        tell("fluid.kernel", name_of(plan_.kernel.kind), !scene_.fluid.kernel, own.kernel_reason);
         tell("fluid.support", fmt::format("{:g}", plan_.support / d_), !scene_.fluid.support, own.kernel_reason);
     }
 
@@ -135,17 +142,17 @@ private:
         plan_.viscosity = choose("models.viscosity", scene_.models.viscosity, wanted, reason);
         plan_.facts.viscosity = facts_of(plan_.viscosity, scene_.viscosity);
         if (plan_.viscosity == ViscosityModel::full_assembled) {
-            const double bytes = assembled_bytes(plan_.support / d_);
+            const double bytes = assembled_bytes(plan_.support / d_, plan_.dimensions());
             tell("viscosity matrix", fmt::format("{:.3g} GB", plan_.estimated_particles * bytes / 1e9), true,
                  fmt::format("{:.1f} kB a particle: two rings of neighbours, 3x3 numbers each", bytes / 1e3));
         }
     }
 
-    /// Particles come to rest with a viscosity of alpha = 0.1: nu = alpha c R/20. The fluid's own counts.
+    /// Particles come to rest with a viscosity of alpha = 0.1: nu = alpha c R/(4 (D + 2)). The fluid's own counts.
     void choose_artificial_viscosity() {
         if (!plan_.facts.pressure.has_sound) return;
         constexpr double enough = 0.1;
-        double own = 20 * n_.nu / (plan_.sound_speed * plan_.support);
+        double own = 4 * (scene_.domain.dimensions + 2) * n_.nu / (plan_.sound_speed * plan_.support);
         std::string reason = fmt::format("what the fluid's viscosity lacks to {:g}", enough);
         if (!plan_.facts.viscosity.viscous) own = 0, reason = "no viscosity of its own: particles come to rest";
         if (plan_.facts.viscosity.smooths) own = enough, reason = "XSPH smooths";
@@ -202,6 +209,7 @@ private:
         check_models(given_, plan_, n_, problems);
         check_placement(scene_, plan_, n_, shapes_, problems);
         check_poisson(scene_, plan_, shapes_, problems);
+        check_plane(scene_, plan_, problems);
         if (!problems.empty()) throw InputError(in_order(std::move(problems), scene_.place("").file));
     }
 

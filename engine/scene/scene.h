@@ -46,8 +46,10 @@ struct TimeKeys {
 };
 
 struct DomainKeys {
-    Vec3d min{-1, -1, -1}, max{1, 1, 1};  ///< m
+    int dimensions = 3;  ///< 2: the flow is that of the plane z = 0; masses, forces and energies are those of a metre of depth
+    Vec3d min{-1, -1, -1}, max{1, 1, 1};  ///< m; in two dimensions z is 0
     std::array<bool, 3> periodic{false, false, false};
+    Domain box() const { return {min.cast<Real>(), max.cast<Real>(), periodic}; }
     VectorExpression gravity{{Expression(0.0), Expression(-9.81), Expression(0.0)}};  ///< m/s^2, of t
 };
 

@@ -12,12 +12,14 @@ void add_shape_keys(KeyTableOf<S>& t, const std::vector<std::string>& kinds, boo
     const auto shape = [](auto member) { return inside(&S::shape, member); };
     using Keys = ShapeKeys;
     t.key("shape", shape(&Keys::kind), "", "what it is").required().one_of(kinds);
-    t.key("min", shape(&Keys::min), "m", "lowest corner").required().only_with("shape", {"box"});
-    t.key("max", shape(&Keys::max), "m", "highest corner").required().only_with("shape", {"box"});
+    t.key("min", shape(&Keys::min), "m", "lowest corner").required().only_with("shape", {"box"}).in(InPlane::cut);
+    t.key("max", shape(&Keys::max), "m", "highest corner").required().only_with("shape", {"box"}).in(InPlane::cut);
     if (with_position)
-        t.key("position", shape(&Keys::centre), "m", "centre of a sphere; origin of a mesh").only_with("shape", {"sphere", "mesh"});
-    t.key("from", shape(&Keys::from), "m", "middle of one end").required().only_with("shape", {"cylinder"});
-    t.key("to", shape(&Keys::to), "m", "middle of the other end").required().only_with("shape", {"cylinder"});
+        t.key("position", shape(&Keys::centre), "m", "centre of a sphere; origin of a mesh")
+            .only_with("shape", {"sphere", "mesh"})
+            .in(InPlane::cut);
+    t.key("from", shape(&Keys::from), "m", "middle of one end").required().only_with("shape", {"cylinder"}).in(InPlane::cut);
+    t.key("to", shape(&Keys::to), "m", "middle of the other end").required().only_with("shape", {"cylinder"}).in(InPlane::cut);
     t.key("radius", shape(&Keys::radius), "m", "of the sphere or cylinder").required().above(0).only_with("shape", {"sphere", "cylinder"});
     if (std::find(kinds.begin(), kinds.end(), "plane") != kinds.end())
         t.key("normal", shape(&Keys::normal), "", "out of the solid, into the fluid").only_with("shape", {"plane"});
@@ -44,9 +46,15 @@ KeyTable time_keys() {
 
 KeyTable domain_keys() {
     KeyTableOf<DomainKeys> t("the box that particles live in; one that leaves it is gone");
+    t.key("dimensions", &DomainKeys::dimensions, "",
+          "2: the flow in the plane z = 0, much faster; vectors have two numbers, shapes are cut by the plane, and masses, forces and "
+          "energies "
+          "are those of a metre of depth; a domain without depth has two dimensions, too")
+        .at_least(2)
+        .at_most(3);
     t.key("min", &DomainKeys::min, "m", "lowest corner");
     t.key("max", &DomainKeys::max, "m", "highest corner");
-    t.key("periodic", &DomainKeys::periodic, "", "axes along which the box repeats");
+    t.key("periodic", &DomainKeys::periodic, "", "axes along which the box repeats").in(InPlane::vector);
     t.key("gravity", &DomainKeys::gravity, "m/s^2", "acceleration of everything").of("t").live();
     return t;
 }
@@ -184,7 +192,7 @@ KeyTable micropolar_keys() {
             .at_least(0));
     own(t.key("spin_length", &M::spin_length, "m", "l in the spin's diffusion viscosity l^2; 0: the spacing").at_least(0));
     own(t.key("spin_viscosity", &M::spin_viscosity, "Pa s m^2", "gamma, diffusion of the spin; auto: viscosity spin_length^2").at_least(0));
-    own(t.key("torque", &M::torque, "m^2/s^2", "torque on every particle over its mass").of("txyz")).live();
+    own(t.key("torque", &M::torque, "m^2/s^2", "torque on every particle over its mass").of("txyz").in(InPlane::axis)).live();
     own(t.key("exchange", &M::exchange, "", "of spin and flow; auto: explicit where its stable step is long enough"));
     own(t.key("wall_spin", &M::wall_spin, "", "spin at walls that the fluid sticks to: the solid's rotation, or free of couple stress"));
     own(t.key("effective_viscosity", &M::effective_viscosity, "Pa s",
@@ -208,7 +216,7 @@ KeyTable block_keys() {
     KeyTableOf<BlockKeys> t("fluid at the start");
     add_shape_keys(t, {"box", "sphere", "cylinder", "mesh"}, true);
     t.key("velocity", &BlockKeys::velocity, "m/s", "at the start").of("xyz");
-    t.key("spin", &BlockKeys::spin, "1/s", "at the start; needs a micropolar model").of("xyz");
+    t.key("spin", &BlockKeys::spin, "1/s", "at the start; needs a micropolar model").of("xyz").in(InPlane::axis);
     t.key("sampling", &BlockKeys::sampling, "", "how particles stand in it");
     return t;
 }
@@ -233,7 +241,7 @@ KeyTable solid_keys() {
     KeyTableOf<SolidKeys> t("something that the fluid meets");
     add_shape_keys(t, {"box", "plane", "sphere", "cylinder", "mesh"}, false);
     t.key("position", &SolidKeys::position, "m", "moves the shape from where its own keys put it").of("t").live();
-    t.key("rotation", &SolidKeys::rotation, "rad/s", "turns it about its own axes").of("t").live();
+    t.key("rotation", &SolidKeys::rotation, "rad/s", "turns it about its own axes").of("t").in(InPlane::axis).live();
     t.key("inside", &SolidKeys::inside, "", "the fluid is inside the shape: a container");
     t.key("slip", &SolidKeys::slip, "", "whether the fluid sticks (no), slides freely, or slips by slip_length (navier)").live();
     t.key("slip_length", &SolidKeys::slip_length, "m",
@@ -247,7 +255,8 @@ KeyTable solid_keys() {
           "rotation say how it moves")
         .at_least(0);
     t.key("velocity", &SolidKeys::velocity, "m/s", "of a free body at the start");
-    t.key("tilt", &SolidKeys::tilt, "degrees", "how it is turned at the start: about this axis through its middle, by this angle");
+    t.key("tilt", &SolidKeys::tilt, "degrees", "how it is turned at the start: about this axis through its middle, by this angle")
+        .in(InPlane::axis);
     t.key("friction", &SolidKeys::friction, "", "where free bodies touch; of a pair: the geometric mean").at_least(0).at_most(10);
     t.key("bounce", &SolidKeys::bounce, "", "share of its speed that a free body keeps when it hits a solid; of a pair: the larger")
         .at_least(0)

@@ -13,15 +13,13 @@ namespace whorl {
 
 void place_constants(const Scene& scene, const Plan& plan, World& world) {
     StepContext& step = world.step;
-    step.domain.min = scene.domain.min.cast<Real>();
-    step.domain.max = scene.domain.max.cast<Real>();
-    step.domain.periodic = scene.domain.periodic;
+    step.domain = scene.domain.box();
     step.spacing = static_cast<Real>(plan.spacing);
     step.support = static_cast<Real>(plan.support);
     step.kernel = plan.kernel;
     step.rest_density = static_cast<Real>(scene.fluid.density);
-    step.volume = static_cast<Real>(plan.spacing * plan.spacing * plan.spacing);
-    step.mass = static_cast<Real>(scene.fluid.density * plan.spacing * plan.spacing * plan.spacing);
+    step.volume = static_cast<Real>(plan.particle_volume());
+    step.mass = static_cast<Real>(scene.fluid.density * plan.particle_volume());
 }
 
 double slip_length_of(const SolidKeys& keys) {
@@ -90,10 +88,10 @@ namespace {
 /// A lattice at rest under gravity is an equilibrium that does not last, but its symmetry holds until rounding has grown enough: with
 /// weakly compressible pressure it then melts in a jolt of 3 % of the speed of a free fall, up to a second after the start (in double later
 /// than in float). Moved by a hundredth of the spacing from the start, it settles at once and gently.
-void loosen(std::vector<Vec3>& points, Real spacing, std::uint64_t seed) {
+void loosen(std::vector<Vec3>& points, Real spacing, int dimensions, std::uint64_t seed) {
     RandomNumbers random(seed);
     for (Vec3& x : points)
-        for (int a = 0; a < 3; ++a) x[a] += static_cast<Real>(0.01 * spacing * (2 * random() - 1));
+        for (int a = 0; a < dimensions; ++a) x[a] += static_cast<Real>(0.01 * spacing * (2 * random() - 1));
 }
 
 /// Moves a lattice that leaves up to half a spacing at both its ends down to the lower one, where gravity goes along an axis: it would fall
@@ -130,7 +128,8 @@ std::vector<Vec3> points_of_block(const Scene& scene, const Plan& plan, const Wo
             put_down(points, *shape, scene.domain.gravity(0), world.step.spacing);
             std::erase_if(points, [&](const Vec3& x) { return shape->distance(x) >= 0; });
         }
-        if (plan.facts.pressure.has_sound && keys.sampling == Sampling::lattice) loosen(points, world.step.spacing, seed);
+        if (plan.facts.pressure.has_sound && keys.sampling == Sampling::lattice)
+            loosen(points, world.step.spacing, world.step.dimensions(), seed);
         return points;
     };
     std::vector<Vec3> points = sample(Layers::nearest);

@@ -337,7 +337,7 @@ NamedTexts models_of(const Plan& plan) {
     const auto number = [](double value) { return Expression(value).text(); };
     return {{"models.pressure", name_of(plan.pressure)},     {"models.viscosity", name_of(plan.viscosity)},
             {"models.micropolar", name_of(plan.micropolar)}, {"models.boundary", name_of(plan.boundary)},
-            {"models.shifting", name_of(plan.shifting)},     {"fluid.kernel", name_of(plan.kernel)},
+            {"models.shifting", name_of(plan.shifting)},     {"fluid.kernel", name_of(plan.kernel.kind)},
             {"fluid.spacing", number(plan.spacing)},         {"fluid.support", number(plan.support)}};
 }
 

@@ -1,18 +1,18 @@
 #include "engine/sph/correction.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 
 #include "engine/core/parallel.h"
+#include "engine/math/inverse_in.h"
 
 namespace whorl {
 
-Mat3d pseudo_inverse(const Mat3d& matrix) {
+Mat3d pseudo_inverse(const Mat3d& matrix, int dimensions) {
     const double size = matrix.trace();
     if (!(size > 0) || !std::isfinite(size)) return Mat3d::Zero();
     const Mat3d A = matrix / size;
-    // With trace 1 and s_min/s_max = 0.04 the determinant is 0.0047 at most: above that no direction is near the step.
-    if (A.determinant() > 0.005) return A.inverse() / size;
+    // With trace 1 and s_min/s_max = 0.04 the determinant is 0.0047 at most, in the plane 0.037: above that no direction is near the step.
+    if (determinant_in(dimensions, A) > (dimensions == 3 ? 0.005 : 0.038)) return inverse_in(dimensions, A) / size;
     Eigen::SelfAdjointEigenSolver<Mat3d> eigen;
     eigen.computeDirect(A);
     const Vec3d s = eigen.eigenvalues();
@@ -26,7 +26,7 @@ Mat3d pseudo_inverse(const Mat3d& matrix) {
     return Q * inverse.asDiagonal() * Q.transpose() / size;
 }
 
-void sum_correction(const Pairs& pairs, KernelKind kernel, Real support, Span<const Real> V, Span<Mat3> L) {
+void sum_correction(const Pairs& pairs, KernelForm kernel, Real support, Span<const Real> V, Span<Mat3> L) {
     with_kernel(kernel, support, [&](const auto& W) {
         parallel_for(pairs.size(), [&](Index i) {
             // grad W_ij (x_j - x_i)^T = -W'/|r| r r^T: symmetric, six sums.
@@ -47,7 +47,7 @@ void sum_correction(const Pairs& pairs, KernelKind kernel, Real support, Span<co
             });
             Mat3d M;
             M << xx, xy, xz, xy, yy, yz, xz, yz, zz;
-            L[i] = pseudo_inverse(M).cast<Real>();
+            L[i] = pseudo_inverse(M, kernel.dimensions).cast<Real>();
         });
     });
 }

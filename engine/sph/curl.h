@@ -41,6 +41,6 @@ Vec3 curl(CurlForm form, const Pairs& pairs, Index i, const Kernel& W, Real m, S
 
 /// The largest k [1/m] for which a wave of the wavenumber k, or shorter, is turned by the discrete curl on a lattice: what bounds the step
 /// of an explicit exchange. Waves along an edge and along the diagonals of the lattice are looked at.
-double largest_curl(KernelKind kernel, Real support, Real spacing);
+double largest_curl(KernelForm kernel, Real support, Real spacing);
 
 }  // namespace whorl

@@ -13,7 +13,7 @@ Vec3 kernel_gradient(const Kernel& W, const Vec3& r, Real distance) {
     return distance > 0 ? Vec3((W.derivative(distance) / distance) * r) : Vec3(Vec3::Zero());
 }
 
-/// sum_j W_ij over the row of i, W_ii not included [m^-3].
+/// sum_j W_ij over the row of i, W_ii not included [m^-D].
 template <class Kernel>
 Real kernel_sum(const Pairs& pairs, Index i, const Kernel& W) {
     Real sum = 0;
@@ -69,15 +69,15 @@ T laplacian(const Pairs& pairs, Index i, const Kernel& W, Span<const Real> V, Sp
     return sum;
 }
 
-/// (Lap u)_i = 2 (3 + 2) sum_j V_j (u_ij . r_ij) / (|r_ij|^2 + 0.01 h^2) grad W_ij        Monaghan (1992): along the pair, keeps angular
+/// (Lap u)_i = 2 (D + 2) sum_j V_j (u_ij . r_ij) / (|r_ij|^2 + 0.01 h^2) grad W_ij        Monaghan (1992): along the pair, keeps angular
 /// momentum; for fields with a divergence it converges to Lap u + 2 grad div u.
 template <class Kernel>
 Vec3 pairwise_laplacian(const Pairs& pairs, Index i, const Kernel& W, Span<const Real> V, Span<const Vec3> u) {
     Vec3 sum = Vec3::Zero();
     const Vec3 ui = u[i];
-    const Real softening = Real(0.01 * 0.25) * W.R * W.R;
+    const Real softening = Real(0.01 * 0.25) * W.R * W.R, factor = 2 * static_cast<Real>(W.dimensions + 2);
     pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-        sum += (10 * V[j] * (ui - u[j]).dot(r) / (distance * distance + softening)) * kernel_gradient(W, r, distance);
+        sum += (factor * V[j] * (ui - u[j]).dot(r) / (distance * distance + softening)) * kernel_gradient(W, r, distance);
     });
     return sum;
 }

@@ -29,7 +29,7 @@ double particles_at(const Scene& scene, const Plan& plan, double at_start, doubl
         volume += emitted_volume(e, time);
         if (e.start <= time) volume += opening_area(e) * (plan.support + 0.5 * plan.spacing);  // what waits in the nozzle
     }
-    return at_start + volume / std::pow(plan.spacing, 3);
+    return at_start + volume / plan.particle_volume();
 }
 
 }  // namespace

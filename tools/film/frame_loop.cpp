@@ -76,7 +76,7 @@ Scene with_models_of(const Plan& plan, const Scene& scene) {
     s.models.viscosity = plan.viscosity;
     s.models.boundary = plan.boundary;
     s.models.shifting = plan.shifting;
-    s.fluid.kernel = plan.kernel;
+    s.fluid.kernel = plan.kernel.kind;
     s.fluid.support = plan.support / plan.spacing;
     if (plan.facts.pressure.has_sound)
         s.pressure.sound_speed = plan.sound_speed, s.pressure.artificial_viscosity = plan.artificial_viscosity;

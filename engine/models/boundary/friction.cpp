@@ -25,8 +25,12 @@ void WallFriction::set(FrictionForm form, const Surroundings& around) {
     hold_.resize(n), pull_.resize(n), counted_.resize(n);
     std::vector<char> touched(n, 0);
     const Real d = step.spacing, depth = d / 2, softening = Real(0.01) * step.support * step.support / 4;
-    const Real factor = form == FrictionForm::central ? 3 / lattice_second_moment(step.kernel, step.support, d)
-                                                      : along_pairs_factor(step.kernel, step.support, d);
+    const int dimensions = step.dimensions();
+    const Real factor = form == FrictionForm::central
+                            ? 1 / lattice_gradient(step.kernel, step.support, d)
+                            : static_cast<Real>(dimensions + 2) * along_pairs_factor(step.kernel, step.support, d);
+    Mat3 all_directions = Mat3::Identity();
+    if (dimensions == 2) all_directions(2, 2) = 0;
     const Real column = layer_factor(step.kernel, step.support, d);
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         parallel_for(n, [&](Index i) {
@@ -43,14 +47,14 @@ void WallFriction::set(FrictionForm form, const Surroundings& around) {
                 Real along = 0;  // of r_t r_t^T, or of T
                 each_layer(r, normal, d, step.support, [&](const Vec3&, Real distance, Real below) {
                     const Real slope = -2 * factor * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
-                    along += (form == FrictionForm::central ? slope : 5 * slope / (distance * distance + softening)) * (height + below);
+                    along += (form == FrictionForm::central ? slope : slope / (distance * distance + softening)) * (height + below);
                 });
                 along *= column * layer.volume[s] / (height + static_cast<Real>(solid.slip_length));
                 const Vec3 tangential = r - above * normal;
-                const Mat3 T = Mat3::Identity() - normal * normal.transpose();
+                const Mat3 T = all_directions - normal * normal.transpose();
                 const Mat3 share = along * (form == FrictionForm::central ? T : Mat3(tangential * tangential.transpose()));
                 hold += share;
-                counted += share.trace() / 2 * (height + static_cast<Real>(solid.slip_length)) * height;
+                counted += share.trace() / static_cast<Real>(dimensions - 1) * (height + static_cast<Real>(solid.slip_length)) * height;
                 pull += share * solid.pose.velocity_at(layer.position[s] + r);
                 touched[i] = 1;
             });

@@ -10,8 +10,8 @@ namespace whorl {
 /// Which Laplacian the friction belongs to, see models/viscosity/explicit_viscosity.h: c is what Lap u_i = sum_j V c (u_j - u_i) weights a
 /// neighbour by.
 enum class FrictionForm {
-    central,  ///< c = 2 3/(lattice sum) |W'|/r
-    along     ///< c = 10 along_pairs_factor() |W'|/r / (r^2 + 0.01 h^2) r r^T, along the pair
+    central,  ///< c = 2/lattice_gradient() |W'|/r
+    along     ///< c = 2 (D + 2) along_pairs_factor() |W'|/r / (r^2 + 0.01 h^2) r r^T, along the pair
 };
 
 /// Navier's condition: on the surface u_t - u_wall,t = b du_t/dn with the slip length b, and no word about the normal part, which is the

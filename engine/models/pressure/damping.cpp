@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "engine/core/parallel.h"
+#include "engine/math/inverse_in.h"
 
 namespace whorl {
 
@@ -44,9 +45,10 @@ void DampUnresolved::find_gradients(const Kernel& W, const FluidPairs& pairs, co
         });
         for (int a = 1; a < 3; ++a)
             for (int b = 0; b < a; ++b) moment(a, b) = moment(b, a);
-        const Real size = moment.trace() / 3;
-        const bool spans = moment.determinant() > Real(0.05) * size * size * size;
-        gradient_[i] = spans ? Mat3(product * moment.inverse()) : Mat3(Mat3::Zero());
+        const int dimensions = step.dimensions();
+        const Real size = moment.trace() / static_cast<Real>(dimensions);
+        const bool spans = determinant_in(dimensions, moment) > Real(0.05) * power_of(size, dimensions);
+        gradient_[i] = spans ? Mat3(product * inverse_in(dimensions, moment)) : Mat3(Mat3::Zero());
     });
     // The pull along a pair takes (G r).r of both: r_a r_b (G_ab + G_ba)/2, six numbers a particle.
     for (int part = 0; part < 2; ++part) stretching_[part].resize(u.size());
@@ -57,7 +59,7 @@ void DampUnresolved::find_gradients(const Kernel& W, const FluidPairs& pairs, co
     });
 }
 
-/// 3 c sum_j V W_ij (e_ij.r_ij) r_ij/|r_ij|^2
+/// D c sum_j V W_ij (e_ij.r_ij) r_ij/|r_ij|^2
 template <class Kernel>
 void DampUnresolved::find_changes(const Kernel& W, const FluidPairs& pairs, const StepContext& step, Update<field::velocity> u, Real c) {
     change_.resize(u.size());
@@ -82,7 +84,7 @@ void DampUnresolved::find_changes(const Kernel& W, const FluidPairs& pairs, cons
                 sum[a] += part;
             }
         });
-        change_[i] = 3 * c * sum;
+        change_[i] = static_cast<Real>(W.dimensions) * c * sum;
     });
 }
 

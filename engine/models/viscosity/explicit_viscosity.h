@@ -49,7 +49,7 @@ struct LatticeStiffness {
     double stretching = 1, shear = 1;
 };
 /// @param support, spacing [m]
-LatticeStiffness monaghan_lattice_stiffness(KernelKind kernel, double support, double spacing);
+LatticeStiffness monaghan_lattice_stiffness(KernelForm kernel, double support, double spacing);
 
 /// Limit of the time step of the explicit forms: 0.125 R^2/(4 nu) [s].
 double viscous_step(double support, double kinematic_viscosity);

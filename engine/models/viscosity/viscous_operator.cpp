@@ -59,11 +59,11 @@ void ViscousOperator::set_up_moments(const FullViscosityOptions& options, const 
             P_[i].set(Mat3::Identity());
             whole_[i] = 1;
             if (options.correction) {
-                const Moment moment = invert_moment(M);
+                const Moment moment = invert_moment(M, kernel.dimensions);
                 whole_[i] = moment.whole;
                 M_[i].set(moment.inverse.cast<Real>());
                 P_[i].set(moment.resolved.cast<Real>());
-                if (M.trace() > 0) c_[i] = options.penalty * K_[i] * static_cast<Real>(3 / M.trace());
+                if (M.trace() > 0) c_[i] = options.penalty * K_[i] * static_cast<Real>(kernel.dimensions / M.trace());
             } else {
                 const Real compression = density.empty() ? 1 : density[i] / step.rest_density;
                 M_[i].set(Mat3::Identity() / compression);  // V_i/V

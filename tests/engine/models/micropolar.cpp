@@ -102,7 +102,7 @@ TEST_CASE("the difference curls of a rigid rotation are twice its rate within th
         turning[i] = rate.cross(x[i]);
         if ((x[i] - Vec3::Constant(Real(0.45))).norm() < Real(0.02)) middle = static_cast<Index>(i);
     }
-    const double factor = lattice_second_moment(w.world.step.kernel, w.world.step.support, w.world.step.spacing) / 3;
+    const double factor = lattice_gradient(w.world.step.kernel, w.world.step.support, w.world.step.spacing);
     with_kernel(w.world.step.kernel, w.world.step.support, [&](const auto& W) {
         for (const CurlForm form : {CurlForm::difference, CurlForm::difference_own_density}) {
             const auto at_middle = [&](const std::vector<Vec3>& u) {

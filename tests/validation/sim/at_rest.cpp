@@ -162,7 +162,7 @@ normal = [0, -1, 0]
         }
     }
     CHECK(max_speed(simulation) < 0.002 * std::sqrt(2 * g * 10 * d));
-    const double steepness = lattice_second_moment(KernelKind::cubic, Real(2 * d), Real(d)) / 3;
+    const double steepness = lattice_gradient(KernelKind::cubic, Real(2 * d), Real(d));
     CHECK((low - high) / steps * steepness == Approx(rho_0 * g * 9 * d).epsilon(0.01));
 }
 
