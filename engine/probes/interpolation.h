@@ -6,16 +6,33 @@
 
 namespace whorl {
 
-/// What a particle contributes to the value at a point: f(point) = sum weight f(particle).
-struct Contribution {
-    Index particle = 0;
-    double weight = 0;
+/// The value of a field at a point as a sum over particles: f(point) = sum weight f(particle).
+struct Interpolation {
+    struct Share {
+        Index particle = 0;
+        double weight = 0;
+    };
+    std::vector<Share> shares;  ///< empty: no fluid within three spacings
+    bool in_fluid = false;      ///< a particle is within 1.2 spacings
+
+    double operator()(Span<const Real> f) const {
+        double sum = 0;
+        for (const Share& one : shares) sum += one.weight * static_cast<double>(f[static_cast<std::size_t>(one.particle)]);
+        return sum;
+    }
+    Vec3d operator()(Span<const Vec3> f) const {
+        Vec3d sum = Vec3d::Zero();
+        for (const Share& one : shares) sum += one.weight * f[static_cast<std::size_t>(one.particle)].cast<double>();
+        return sum;
+    }
 };
 
 /// Interpolates by weighted least squares: the quadratic function of place that fits the particles within three spacings best. So quadratic
-/// fields are exact, up to a wall too. Terms that these particles do not tell apart are left out, and all but the constant one where no
-/// particle is within 1.2 spacings: outside of the fluid the value is the mean of the nearest particles. Particles in nozzles do not count.
-/// Empty: no fluid within three spacings.
-std::vector<Contribution> interpolate(const World& world, const Vec3d& point);
+/// fields are exact, up to a wall too. Terms that these particles do not tell apart are left out, and outside of the fluid all but the
+/// constant one: there the value is the mean of the nearest particles. Particles in nozzles do not count.
+/// @param among the particles that may be near
+Interpolation interpolate(const World& world, const Vec3d& point, const std::vector<Index>& among);
+/// Among all particles.
+Interpolation interpolate(const World& world, const Vec3d& point);
 
 }  // namespace whorl

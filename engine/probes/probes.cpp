@@ -7,6 +7,7 @@
 #include "engine/probes/coil_probe.h"
 #include "engine/probes/flow_probe.h"
 #include "engine/probes/interpolation.h"
+#include "engine/probes/solid_probe.h"
 
 namespace whorl {
 namespace {
@@ -80,12 +81,12 @@ public:
 
 private:
     static std::vector<double> interpolated(const World& world, const std::vector<NumberColumn>& columns, const Vec3d& at) {
-        const std::vector<Contribution> near = interpolate(world, at);
+        const Interpolation near = interpolate(world, at);
         std::vector<double> values;
         for (const NumberColumn& column : columns)
             for (int c = 0; c < column.components; ++c) {
-                double sum = near.empty() ? unknown : 0;
-                for (const Contribution& one : near) sum += one.weight * column.value(one.particle, c);
+                double sum = near.shares.empty() ? unknown : 0;
+                for (const Interpolation::Share& one : near.shares) sum += one.weight * column.value(one.particle, c);
                 values.push_back(sum);
             }
         return values;
@@ -103,6 +104,7 @@ std::unique_ptr<Probe> make_probe(const ProbeKeys& keys, const World& world, The
     switch (keys.kind) {
         case ProbeKind::region: return std::make_unique<RegionProbe>(keys);
         case ProbeKind::flow: return std::make_unique<FlowProbe>(keys);
+        case ProbeKind::solid: return std::make_unique<SolidProbe>(keys);
         case ProbeKind::coil: return std::make_unique<CoilProbe>(keys, search);
         case ProbeKind::point: return std::make_unique<PointsProbe>(std::vector<Vec3d>{keys.at}, false, world);
         case ProbeKind::line: break;

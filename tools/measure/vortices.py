@@ -254,3 +254,22 @@ def rotating_disc(m):
                      f"{d['angular_momentum_z'][-1] / d['angular_momentum_z'][0]:.5f}", percent(probe["velocity_error"][-1], 2), *cost(run)])
     return markdown("case | asked of energy, angular momentum | energy over the start | angular momentum over the start | velocity error | "
                     "steps | CPU s", rows)
+
+
+@table("cylinder_stream", "a cylinder in a stream: Strouhal number, drag and lift", "5 hours")
+def cylinder_stream(m):
+    rows = []
+    for reynolds, strouhal, drag in ((100, 0.165, 1.35), (200, 0.197, 1.34)):
+        for across in (10, 20):
+            if not m.wanted(f"{reynolds}-{across}"):
+                continue
+            run = flow(m, "cylinder_stream", f"{reynolds}-{across}", f"fluid.spacing={1 / across}", f"fluid.viscosity={1000 / reynolds:g}")
+            force = run.table("probes/force.csv")
+            late = force["time"] > 60
+            x, y = ((force[f"pressure_{c}"] + force[f"viscous_{c}"])[late] / 500 for c in "xy")
+            found = theory.frequency(force["time"][late], y) if not m.dry else math.nan
+            friction = force["viscous_x"][late].mean() / 500
+            rows.append([f"Re {reynolds}, {across} across", "3, 5 %", f"{found:.4f} ({strouhal})", f"{x.mean():.3f} ({drag})", f"{friction:.3f}",
+                         f"{(y.max() - y.min()) / 2:.3f}", *cost(run)])
+    return markdown("case | asked of Strouhal number, drag | Strouhal number (published) | mean drag (published) | of it friction | "
+                    "lift amplitude | steps | CPU s", rows)
