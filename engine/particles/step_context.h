@@ -14,7 +14,7 @@ namespace whorl {
 struct StepContext {
     double time = 0;              ///< s, at the start of the step
     Real dt = 0;                  ///< s
-    bool at_landing = true;       ///< the step starts at a frame time: refresh every lagged set-up, a resumed run starts here
+    bool at_frame_time = true;    ///< the step starts at a frame time: refresh every lagged set-up, a resumed run starts here
     Vec3 gravity = Vec3::Zero();  ///< m/s^2
     Domain domain;
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "engine/models/viscosity/assembled_viscosity.h"
 #include "engine/scene/check_bodies.h"
 #include "engine/scene/key_problems.h"
@@ -17,6 +19,14 @@ constexpr double most_assembled_viscous_number = 2e5;
 /// models.pressure = "ppe"
 std::string setting(const char* key, const char* value) { return fmt::format("{} = \"{}\"", key, value); }
 
+/// The first models that solve for pressure and viscosity one after the other.
+std::string solved_apart() {
+    const auto pressure = std::find_if(pressure_models().begin(), pressure_models().end(),
+                                       [](const auto& row) { return row.solves && !row.solves_viscosity; });
+    const auto viscosity = std::find_if(viscosity_models().begin(), viscosity_models().end(), [](const auto& row) { return row.implicit; });
+    return setting("models.pressure", pressure->name) + " with " + setting("models.viscosity", viscosity->name);
+}
+
 void check_pressure(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, const KeyProblems& report) {
     const PressureFacts& pressure = plan.facts.pressure;
     const std::string chosen = setting("models.pressure", pressure.name);
@@ -30,12 +40,12 @@ void check_pressure(const Scene& scene, const Plan& plan, const SceneNumbers& nu
                "allowed: auto or none");
     if (numbers.least_viscous_number < pressure.least_viscous_number)
         report(
-            numbers.thinnest_fluid,
+            numbers.least_viscosity_key,
             fmt::format("{} is {:.3g} Pa s at the start, too thin for {}: the viscous number nu dt/d^2 is {:.2g} (dt: the fastest moves by "
                         "0.4 spacings), and {} works from {:g} on",
-                        numbers.thinnest_fluid, numbers.least_viscosity, chosen, numbers.least_viscous_number, pressure.name,
+                        numbers.least_viscosity_key, numbers.least_viscosity, chosen, numbers.least_viscous_number, pressure.name,
                         pressure.least_viscous_number),
-            "choose models.pressure = \"ppe\" with models.viscosity = \"full\"");
+            "choose " + solved_apart());
 }
 
 void check_boundary(const Scene& scene, const Plan& plan, const KeyProblems& report) {

@@ -46,7 +46,10 @@ inline Choices<ViscousPreconditioner> choices(ViscousPreconditioner) {
     return {{P::automatic, "auto"}, {P::none, "none"}, {P::block_jacobi, "block_jacobi"}, {P::two_level, "two_level"}};
 }
 inline Choices<PressureForm> choices(PressureForm) {
-    return {{PressureForm::constraint, "constraint"}, {PressureForm::poisson, "poisson"}};
+    return {{PressureForm::constraint, "constraint"}, {PressureForm::projection, "projection"}};
+}
+inline Choices<PressureSource> choices(PressureSource) {
+    return {{PressureSource::velocity, "velocity"}, {PressureSource::density, "density"}};
 }
 inline Choices<GradientForm> choices(GradientForm) {
     return {{GradientForm::symmetric, "symmetric"}, {GradientForm::difference, "difference"}};

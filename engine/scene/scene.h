@@ -24,7 +24,9 @@ enum class ShiftingModel { automatic, none, fickian };
 enum class Preconditioner { automatic, none, jacobi, multigrid };
 /// automatic: two_level where the diagonal alone would take many iterations.
 enum class ViscousPreconditioner { automatic, none, block_jacobi, two_level };
-enum class PressureForm { constraint, poisson };
+enum class PressureForm { constraint, projection };
+/// What the equation of the projection takes away: the divergence of the velocity, or as published the error of the density.
+enum class PressureSource { velocity, density };
 enum class GradientForm { symmetric, difference };
 enum class LaplacianForm { brookshaw, monaghan, split };
 enum class ExchangeScheme { automatic, explicit_steps, implicit };
@@ -74,13 +76,14 @@ struct PressureKeys {
     double tolerance = 1e-3;  ///< relative density error (ppe); preconditioned residual (coupled)
     int max_iterations = 200;
     Preconditioner preconditioner = Preconditioner::automatic;  ///< ppe; coupled brings its own
-    PressureForm form = PressureForm::constraint;               ///< ppe
-    double correction = 0.5;                                    ///< ppe, constraint: share of the density error that a step corrects
-    bool divergence_free = false;    ///< ppe, constraint: one solve for the velocity, from both sides, and one for the places
-    double damping = 2;              ///< ppe, constraint: of motion between neighbours that is not resolved, times sqrt(g/d)
-    double sound_speed = 0;          ///< m/s, wcsph; 0: ten times the speed that the plan expects
-    double gamma = 7;                ///< exponent of Tait's equation, wcsph
-    double background_pressure = 0;  ///< Pa, wcsph
+    std::optional<PressureForm> form;                           ///< ppe; none: "auto"
+    PressureSource source = PressureSource::velocity;           ///< projection
+    std::optional<double> correction;  ///< share of the density error that a step corrects; none: "auto", 0.5, of source density 0.1
+    bool divergence_free = false;      ///< ppe, constraint: one solve for the velocity, from both sides, and one for the places
+    double damping = 2;                ///< ppe, constraint: of motion between neighbours that is not resolved, times sqrt(g/d)
+    double sound_speed = 0;            ///< m/s, wcsph; 0: ten times the speed that the plan expects
+    double gamma = 7;                  ///< exponent of Tait's equation, wcsph
+    double background_pressure = 0;    ///< Pa, wcsph
     GradientForm gradient = GradientForm::symmetric;  ///< wcsph
     double sound_damping = 1;                         ///< bulk viscosity over rho c R/2, wcsph
     std::optional<double>

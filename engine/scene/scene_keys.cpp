@@ -100,19 +100,27 @@ KeyTable pressure_keys() {
     t.key("preconditioner", &PressureKeys::preconditioner, "",
           "of the linear solver; auto: multigrid where enough particles press to pay for its set-up")
         .only_with(model, {"ppe"});
-    t.key("form", &PressureKeys::form, "", "no density above that at rest (constraint), or the pressure equation as published (poisson)")
+    const std::string form = "pressure.form";
+    t.key(
+         "form", &PressureKeys::form, "",
+         "constraint: no density above that at rest, for fluid that splashes and piles up; projection: no divergence, for fluid that fills "
+         "its space or moves gently; auto: by what the fluid fills")
         .only_with(model, {"ppe"});
-    t.key("correction", &PressureKeys::correction, "", "constraint: share of the density error that a step corrects")
+    t.key("source", &PressureKeys::source, "",
+          "projection: what the pressure takes away, the divergence of the velocity, or as published the error of the density")
+        .only_with(form, {"projection"});
+    t.key("correction", &PressureKeys::correction, "",
+          "share of the density error that a step corrects; auto: 0.5 of the constraint, 0.1 of source density, whose notes have 1")
         .above(0)
         .at_most(1)
         .only_with(model, {"ppe"});
     t.key("divergence_free", &PressureKeys::divergence_free, "",
           "constraint: the velocity inside the fluid has no divergence, of either sign, and a second solve moves particles to keep the "
           "density")
-        .only_with(model, {"ppe"});
+        .only_with(form, {"constraint"});
     t.key("damping", &PressureKeys::damping, "", "constraint: rate at which unresolved motion between neighbours dies, times sqrt(g/d)")
         .at_least(0)
-        .only_with(model, {"ppe"});
+        .only_with(form, {"constraint"});
     t.key("sound_speed", &PressureKeys::sound_speed, "m/s", "0: ten times the largest speed that the plan expects")
         .at_least(0)
         .only_with(model, {"wcsph"})

@@ -18,6 +18,8 @@
 #include "engine/models/pressure/poisson.h"
 #include "engine/models/pressure/pressure_multigrid.h"
 #include "engine/models/pressure/wcsph.h"
+#include "engine/models/projection/corrected_viscosity.h"
+#include "engine/models/projection/projection.h"
 #include "engine/models/shifting/fickian.h"
 #include "engine/models/surface_tension/surface_tension.h"
 #include "engine/models/viscosity/ageing_viscosity.h"
@@ -98,6 +100,7 @@ public:
         flow_limits();
         if (facts_.viscous() || facts_.viscosity.smooths || facts_.micropolar.spins) ageing();
         if (facts_.pressure.solves_viscosity) coupled();
+        else if (facts_.pressure.source == PressureSource::velocity) projection();
         else separate();
         if (scene_.time.sleep > 0) stage("hold sleepers", "sleep", HoldSleepers{});
         return std::move(made_);
@@ -149,6 +152,46 @@ private:
         made_.stages.push_back(move_solids());
         if (plan_.shifting != ShiftingModel::none) stage("coupled shift", "shifting", CoupledShift{system});
         stage("coupled contact", "boundary", CoupledContact{system});
+    }
+
+    /// Forces and pressure where the flow takes the particles.
+    void projection() {
+        ProjectionOptions options;
+        options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
+        options.free_surface = plan_.free_surface;
+        options.shift_rate = static_cast<Real>(0.5 / scene_.time.cfl);
+        const bool bounded = plan_.free_surface || !scene_.solids.empty();
+        options.solves = bounded ? 3 : 2;
+        options.theta = bounded ? 0.55 : 0.5;
+        options.gate = gate_;
+        options.preconditioner = preconditioner<PressurePreconditionerSetup>(scene_.pressure.preconditioner, poisson_automatic,
+                                                                             poisson_unpreconditioned, jacobi, poisson_multigrid());
+        auto system = std::make_shared<ProjectionSystem>(options);
+        stage("drift", "move", ProjectionDrift{system});
+        if (!scene_.solids.empty()) made_.stages.push_back(move_solids());
+        made_.stages.push_back(neighbours());
+        stage("geometry", "density", ProjectionGeometry{system});
+        weights();
+        if (facts_.micropolar.spins) spin();
+        else if (plan_.viscosity == ViscosityModel::explicit_laplacian) {
+            if (scene_.viscosity.laplacian == LaplacianForm::brookshaw) {
+                stage("corrected viscosity", "viscosity", CorrectedViscosity{system});
+                viscous_limits();
+            } else {
+                explicit_viscosity();
+            }
+        }
+        kicks();
+        if (scene_.fluid.surface_tension > 0) surface_tension(nullptr);
+        if (facts_.viscosity.implicit) implicit_viscosity();
+        stage("projection", "pressure", Projection{system});
+        if (bounded) pressure_limit();
+        work_is(&EnergyWork::pressure);
+        stage("move", "move", ProjectionMove{system});
+        if (!scene_.solids.empty()) {
+            stage("keep outside", "boundary", KeepOutside{});
+            work_is(&EnergyWork::boundary);
+        }
     }
 
     /// What adds to the acceleration, the kick, what changes the velocity, the move: one after the other.
@@ -242,7 +285,7 @@ private:
     void density_constraint() {
         ConstraintOptions options;
         options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
-        options.correction = scene_.pressure.correction;
+        options.correction = scene_.pressure.correction.value_or(options.correction);
         options.slow_correction = scene_.fluid.surface_tension > 0;
         options.gate = gate_;
         options.preconditioner = preconditioner<ConstraintPreconditionerSetup>(
@@ -253,6 +296,10 @@ private:
         }
         if (scene_.pressure.divergence_free) stage("divergence-free", "pressure", DivergenceFree{options});
         else stage("density constraint", "pressure", ConstraintPressure{options});
+        pressure_limit();
+    }
+
+    void pressure_limit() {
         limit("pressure", number(scene_.time.cfl) + " d / sqrt(p / rho)",
               [cfl = scene_.time.cfl, d = plan_.spacing, rho_0 = scene_.fluid.density](const World& w, double) {
                   return pressure_step(cfl, d, rho_0, w.fluid.column<field::pressure>());
@@ -261,6 +308,7 @@ private:
 
     void pressure_equation() {
         PoissonPressureOptions options;
+        options.density_correction = scene_.pressure.correction.value_or(options.density_correction);
         options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
         options.solid_factor = solid_factor_;
         options.gate = gate_;
@@ -302,6 +350,10 @@ private:
         options.solid_factor = solid_factor_;
         options.gate = gate_;
         stage("explicit viscosity", "viscosity", ExplicitViscosity{options});
+        viscous_limits();
+    }
+
+    void viscous_limits() {
         limit("viscous", "0.125 R^2 / (4 nu)",
               [R = plan_.support, nu = plan_.largest_viscosity / scene_.fluid.density](const World&, double) {
                   return nu > 0 ? viscous_step(R, nu) : never;

@@ -8,8 +8,10 @@
 
 namespace whorl {
 
-void XsphViscosity::operator()(const FluidPairs& pairs, const StepContext& step, Read<field::role> role, Read<field::density> rho,
-                               Write<field::smoothing> change, Update<field::velocity> u) const {
+void XsphViscosity::operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Write<field::smoothing> change,
+                               Update<field::velocity> u) const {
+    const FluidPairs& pairs = around.pairs;
+    const StepContext& step = around.step;
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         parallel_for(u.size(), [&](Index i) {
             Vec3 sum = Vec3::Zero();
@@ -85,8 +87,8 @@ void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions
             around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { sum += solid_factor * by_solid(i, s, r, distance); });
             // The wall's area does not depend on the density that the kernel finds beside it: the acceleration is mu/rho_0 times that.
             if (friction.acts())
-                sum -=
-                    solid_factor / options.solid_factor * rho[i] / step.rest_density * own_mu * (friction.hold(i) * own - friction.pull(i));
+                sum -= solid_factor / options.solid_factor * rho[i] / step.rest_density * own_mu *
+                       (friction.coefficient(i) * own - friction.load(i));
         }
         a[i] += sum / rho[i];
     });

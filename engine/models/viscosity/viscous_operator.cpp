@@ -19,7 +19,7 @@ void ViscousOperator::set_up(const FullViscosityOptions& options, const Surround
     u_.resize(n), Q_.resize(n), own_.resize(n);
     touches_wall_ = false;
     wall_.clear(), wall_moment_.clear();
-    K_friction_.resize(n);
+    dt_nu_.resize(n);
     friction_.set(FrictionForm::central, around);
     if (around.layer.size() > 0) set_up_wall(options, around);
     set_up_bodies(options, around);
@@ -54,7 +54,7 @@ void ViscousOperator::set_up_moments(const FullViscosityOptions& options, const 
             if (!wall_.empty()) M += wall_moment_[i], wr_[i].wr += wall_[i].near.wr;
             free_[i] = role[i] == 0;
             K_[i] = step.dt * mu[i] / step.rest_density;
-            if (friction_.acts()) K_friction_[i] = K_[i], K_[i] *= 1 - friction_.counted(i);
+            if (friction_.acts()) dt_nu_[i] = K_[i], K_[i] *= 1 - friction_.counted(i);
             c_[i] = 0;
             P_[i].set(Mat3::Identity());
             whole_[i] = 1;
@@ -140,7 +140,7 @@ void ViscousOperator::set_up_blocks(const FullViscosityOptions& options) {
         }
         seen += 2 * own * strain_block(i, wr_[i].wr, B);
         B.diagonal().array() += std::max(Real(0), springs - seen);
-        if (friction_.acts()) B += hold(i);
+        if (friction_.acts()) B += friction_coefficient(i);
         blocks[i] = B;
     });
     if (!options.diagonal) std::fill(blocks.begin(), blocks.end(), Mat3::Identity());
