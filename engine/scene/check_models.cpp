@@ -103,12 +103,19 @@ void check_slip(const Scene& scene, const Plan& plan, const KeyProblems& report)
     }
 }
 
+void check_streams(const Scene& scene, const Plan& plan, const KeyProblems& report) {
+    if (plan.facts.pressure.solves_viscosity && !scene.streams.empty())
+        report(entry_name("stream", 0), "models.pressure = " + described(plan.facts.pressure) + " knows no streams",
+               "take models.pressure = \"ppe\" or \"wcsph\"");
+}
+
 void check_sleep(const Scene& scene, const KeyProblems& report) {
     if (scene.time.sleep == 0) return;
     const auto awake = [&](const std::string& who) {
         report("time.sleep", "time.sleep puts away fluid that " + who, "take time.sleep = 0", "allowed: 0");
     };
     if (scene.domain.gravity.depends_on_time()) awake("a changing gravity moves all of");
+    if (!scene.streams.empty()) awake("a stream pulls at");
     if (!scene.drains.empty()) awake("a drain has to see at every step");
     if (scene.any_free_solid()) awake("holds a free body up");
     for (const ProbeKeys& probe : scene.probes)
@@ -126,6 +133,7 @@ void check_models(const Scene& scene, const Plan& plan, const SceneNumbers& numb
     check_slip(scene, plan, report);
     check_micropolar(scene, plan, problems);
     check_bodies(scene, plan, problems);
+    check_streams(scene, plan, report);
     check_sleep(scene, report);
 }
 

@@ -33,7 +33,7 @@ enum class ExchangeScheme { automatic, explicit_steps, implicit };
 enum class WallSpin { solid, free };
 enum class Slip { no, free, navier };
 enum class Profile { plug, parabolic };
-enum class ProbeKind { point, line, region, coil };
+enum class ProbeKind { point, line, region, flow, solid, coil };
 
 struct TimeKeys {
     double end = 0;          ///< s
@@ -155,13 +155,21 @@ struct DrainKeys {
     double after = 0;  ///< s
 };
 
+struct StreamKeys {
+    Vec3d min = Vec3d::Zero(), max = Vec3d::Zero();  ///< m
+    VectorExpression velocity;                       ///< m/s, of t
+    double time = 0;                                 ///< s
+};
+
 struct ProbeKeys {
     std::string name;
     ProbeKind kind = ProbeKind::point;
-    Vec3d min = Vec3d::Zero(), max = Vec3d::Zero();             ///< region
+    Vec3d min = Vec3d::Zero(), max = Vec3d::Zero();             ///< region, flow
+    VectorExpression expected;                                  ///< flow: m/s, of t, x, y, z; zero: nothing is expected
     Vec3d at = Vec3d::Zero();                                   ///< point
     Vec3d from = Vec3d::Zero(), to = Vec3d::Zero();             ///< line
     int count = 32;                                             ///< line
+    int solid = 0;                                              ///< solid: the place of its [[solid]], from 0
     Vec3d axis_point = Vec3d::Zero(), axis_direction{0, 1, 0};  ///< coil; direction points up, away from the plate
     double height = 0;                                          ///< coil: m above the pile
 };
@@ -211,6 +219,7 @@ struct Scene {
     std::vector<EmitterKeys> emitters;
     std::vector<SolidKeys> solids;
     std::vector<DrainKeys> drains;
+    std::vector<StreamKeys> streams;
     std::vector<ProbeKeys> probes;
     std::vector<ChangeKeys> changes;
     std::vector<PanelKeys> panels;  ///< side by side in one film; none: the scene itself

@@ -290,6 +290,15 @@ KeyTable drain_keys() {
     return t;
 }
 
+KeyTable stream_keys() {
+    KeyTableOf<StreamKeys> t("a box in which the fluid is brought to a velocity: inflow and outflow of a periodic domain");
+    t.key("min", &StreamKeys::min, "m", "lowest corner").required();
+    t.key("max", &StreamKeys::max, "m", "highest corner").required();
+    t.key("velocity", &StreamKeys::velocity, "m/s", "of the stream").of("t");
+    t.key("time", &StreamKeys::time, "s", "in which the difference of the fluid's velocity to it falls to 1/e").required().above(0);
+    return t;
+}
+
 KeyTable probe_keys() {
     KeyTableOf<ProbeKeys> t("a measurement at every frame, in probes/<name>.csv");
     t.key("name", &ProbeKeys::name, "", "of the file").required();
@@ -298,8 +307,15 @@ KeyTable probe_keys() {
     t.key("from", &ProbeKeys::from, "m", "start of the line").required().only_with("kind", {"line"});
     t.key("to", &ProbeKeys::to, "m", "end of the line").required().only_with("kind", {"line"});
     t.key("count", &ProbeKeys::count, "", "points on the line").at_least(2).at_most(100000).only_with("kind", {"line"});
-    t.key("min", &ProbeKeys::min, "m", "lowest corner").required().only_with("kind", {"region"});
-    t.key("max", &ProbeKeys::max, "m", "highest corner").required().only_with("kind", {"region"});
+    t.key("min", &ProbeKeys::min, "m", "lowest corner").required().only_with("kind", {"region", "flow"});
+    t.key("max", &ProbeKeys::max, "m", "highest corner").required().only_with("kind", {"region", "flow"});
+    t.key("expected", &ProbeKeys::expected, "m/s", "velocity that theory expects: the flow is held against it; zero: against nothing")
+        .of("txyz")
+        .only_with("kind", {"flow"});
+    t.key("solid", &ProbeKeys::solid, "", "whose force is measured: the place of its [[solid]] in the file, from 0")
+        .required()
+        .at_least(0)
+        .only_with("kind", {"solid"});
     t.key("axis_point", &ProbeKeys::axis_point, "m", "where the axis meets the plate").only_with("kind", {"coil"});
     t.key("axis_direction", &ProbeKeys::axis_direction, "", "up, away from the plate").only_with("kind", {"coil"});
     t.key("height", &ProbeKeys::height, "m", "of the section that is measured, above the pile; 0: where the thread comes to rest")
@@ -368,6 +384,7 @@ KeyTable root_keys() {
     t.list("emitter", &Scene::emitters, emitter_keys());
     t.list("solid", &Scene::solids, solid_keys());
     t.list("drain", &Scene::drains, drain_keys());
+    t.list("stream", &Scene::streams, stream_keys());
     t.list("probe", &Scene::probes, probe_keys()).not_deciding();
     t.list("change", &Scene::changes, change_keys());
     t.list("panel", &Scene::panels, panel_keys()).not_deciding();

@@ -10,6 +10,7 @@
 #include "engine/models/coupled/coupled_solve.h"
 #include "engine/models/micropolar/micropolar.h"
 #include "engine/models/motion/motion.h"
+#include "engine/models/motion/stream.h"
 #include "engine/models/pressure/constraint.h"
 #include "engine/models/pressure/crowding.h"
 #include "engine/models/pressure/damping.h"
@@ -64,6 +65,13 @@ Stage move_solids() {
                 w.solids.set_time(w.step.time + w.step.dt, w.step.dt);
                 w.solid_particles.follow(w.solids);
             }};
+}
+
+std::vector<Stream> make_streams(const Scene& scene) {
+    std::vector<Stream> streams;
+    for (const StreamKeys& keys : scene.streams)
+        streams.push_back({keys.min.cast<Real>(), keys.max.cast<Real>(), keys.velocity, keys.time});
+    return streams;
 }
 
 /// The preconditioner that the scene asks for, of those that a pressure solve has.
@@ -253,6 +261,7 @@ private:
         if (bodies_) stage("weight of bodies", "bodies", Weigh{});
     }
     void kicks() {
+        if (!scene_.streams.empty()) stage("streams", "move", FollowStreams{make_streams(scene_)});
         stage("kick", "move", Kick{});
         if (bodies_) stage("kick of bodies", "bodies", KickBodies{});
     }
