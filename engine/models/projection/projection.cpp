@@ -120,11 +120,6 @@ void Projection::operator()(const Surroundings& around, StepReport& report, Read
             if (solve == 0) all.first_residual = solved.first_residual, all.last_residual = solved.last_residual;
             if (!solved.converged) all.converged = false, all.why_not = solved.why_not;
             closed_.take_means_away(phi_);
-            // Air does not pull.
-            if (s.options.free_surface)
-                parallel_for(n, [&](Index i) {
-                    if (s.near_surface[i]) phi_[i] = std::max(phi_[i], solve == 0 ? Real(0) : -p[i]);
-                });
             parallel_for(n, [&](Index i) {
                 p[i] = (solve == 0 ? Real(0) : p[i]) + phi_[i];
                 if (role[i] != 0) return;

@@ -88,7 +88,8 @@ double energy(const Simulation& simulation) {
 
 }  // namespace
 
-TEST_CASE("the projection has the same bits on 1, 2 and 4 threads, and in a run that was saved half-way", "[sim][projection][threads][resume]") {
+TEST_CASE("the projection has the same bits on 1, 2 and 4 threads, and in a run that was saved half-way",
+          "[sim][projection][threads][resume]") {
     const int before = threads();
     std::string first;
     for (const int count : {1, 2, 4}) {
@@ -119,9 +120,9 @@ TEST_CASE("a box full of fluid takes the projection by itself, and a stream carr
     run_until(still, 0.5);
     run_until(carried, 0.5);
     CHECK(energy(carried) == Approx(energy(still)).epsilon(0.02));
-    // The gradients are not pairwise opposite: momentum drifts by less than 1e-3 of that of the vortices.
-    CHECK(momentum(still).norm() < 1e-3 * std::sqrt(start));
-    CHECK((momentum(carried) - Vec3d(0.5, 0, 0)).norm() < 1e-3 * std::sqrt(start));
+    // The gradients are not pairwise opposite: momentum drifts by less than 3e-3 of that of the vortices.
+    CHECK(momentum(still).norm() < 3e-3 * std::sqrt(start));
+    CHECK((momentum(carried) - Vec3d(0.5, 0, 0)).norm() < 3e-3 * std::sqrt(start));
 }
 
 }  // namespace projection_test
