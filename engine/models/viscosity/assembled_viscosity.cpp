@@ -4,9 +4,17 @@
 
 #include "engine/core/parallel.h"
 #include "engine/models/boundary/wall.h"
-#include "engine/sph/operators.h"
 
 namespace whorl {
+namespace {
+
+/// grad W_ij = W'(|r|) r/|r|; zero where the two stand at the same place.
+template <class Kernel>
+Vec3 kernel_gradient(const Kernel& kernel, const Vec3& r, Real distance) {
+    return distance > 0 ? Vec3((kernel.derivative(distance) / distance) * r) : Vec3(Vec3::Zero());
+}
+
+}  // namespace
 
 /// What the coefficients are made of.
 struct AssembledOperator::Gradients {
