@@ -57,8 +57,10 @@ void AssembledOperator::set_up(const AssembledViscosityOptions& options, const S
             });
             if (walls) {
                 k = around.solid_pairs.first[i];
+                const Real factor =
+                    options.solid_factor * options.gate.weight(kernel, i, around.solid_pairs, around.layer.volume, options.solid_factor);
                 around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                    const Real volume = slip[around.layer.solid[s]] ? 0 : options.solid_factor * around.layer.volume[s];
+                    const Real volume = slip[around.layer.solid[s]] ? 0 : factor * around.layer.volume[s];
                     g.solid_gradW[k] = volume / step.volume * kernel_gradient(kernel, r, distance);
                     omega += g.solid_gradW[k];
                     alpha += g.solid_a(i, k++);
