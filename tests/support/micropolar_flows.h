@@ -5,6 +5,19 @@
 
 namespace whorl::test {
 
+/// What one step of the stage Micropolar adds, taken apart: the world's velocities and spins, pairs found and density set.
+struct MicropolarStep {
+    std::vector<Vec3> acceleration;  ///< m/s^2
+    std::vector<Vec3> spin_change;   ///< 1/s
+};
+MicropolarStep micropolar_step(TestWorld& w, MicropolarOptions options);
+
+/// curl u and curl w as the stage takes them, with the lattice's factor.
+struct Curls {
+    std::vector<Vec3> velocity, spin;
+};
+Curls curls_of(TestWorld& w, CurlForm velocity, CurlForm spin);
+
 /// Kinematic coefficients: U' = -2 a k^2 U + kappa k W, theta W' = -2 g k^2 W + kappa (2 k U - 2 W) for u = U (sin kx cos ky, -cos kx sin
 /// ky), w = W sin kx sin ky.
 struct Micropolar2 {

@@ -4,6 +4,7 @@
 
 #include "engine/models/boundary/wall.h"
 #include "engine/particles/surroundings.h"
+#include "engine/sph/gate.h"
 
 namespace whorl {
 
@@ -26,7 +27,8 @@ enum class FrictionForm {
 /// the derivative of an energy, nu m u.(F u)/2. Solids with a slip length have no other part in the viscous terms.
 class WallFriction {
 public:
-    void set(FrictionForm form, const Surroundings& around);
+    /// @param gate what the friction of a particle is weighted by @param solid_factor see models/boundary/wall.h
+    void set(FrictionForm form, const Surroundings& around, SolidGate gate, Real solid_factor);
     /// Whether any particle feels it.
     bool acts() const { return acts_; }
     const Mat3& coefficient(Index i) const { return coefficient_[i]; }  ///< F_i [1/m^2]; valid where acts()

@@ -122,6 +122,7 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const Surroundings& around,
     const StepContext& step = around.step;
     const MicropolarOptions& o = options_;
     const Real lattice = 1 / lattice_gradient(step.kernel, step.support, step.spacing),
+               along_pairs = along_pairs_factor(step.kernel, step.support, step.spacing),
                softening = Real(0.01) * step.support * step.support / 4;
     const Real dt = step.dt, m = step.mass;
     const Real lambda = static_cast<Real>(o.coupling), over_theta = static_cast<Real>(1 / o.micro_inertia);
@@ -149,7 +150,7 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const Surroundings& around,
         }
 
         Vec3 viscous = s.viscous.times(m * lattice * mu);
-        if constexpr (central) viscous += s.central.times(m * mu_central);
+        if constexpr (central) viscous += s.central.times(m * along_pairs * mu_central);
         const Vec3 spin_push = s.curl_w.times(m * lattice * lambda * b), smoothing = s.smooth_u.times(m * alpha);
         const Vec3 before = a[i];
         a[i] += viscous + spin_push + smoothing;

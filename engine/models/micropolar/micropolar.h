@@ -41,7 +41,8 @@ struct MicropolarOptions {
     SolidGate gate;
 };
 
-/// One pass over the pairs for everything. Lattice factors as in ExplicitViscosity: gradients of linear fields are exact on a lattice.
+/// One pass over the pairs for everything. The lattice factors are those of ExplicitViscosity (docs/physics.md 4); the curls have that of
+/// the first Laplacian, which makes them exact for linear fields on a lattice.
 ///
 /// What conserves: the pair of curls symmetric (spin) and difference_own_density (velocity) with co_rotating gives the orbit what -2 w
 /// takes from the spin; curl u is paid for by the first Laplacian's torque if pair_viscosity = coupling. Then the sum of both angular

@@ -5,7 +5,7 @@
 
 #include "engine/core/parallel.h"
 #include "engine/models/boundary/wall.h"
-#include "engine/sph/correction.h"
+#include "engine/math/pseudo_inverse.h"
 
 namespace whorl {
 

@@ -30,9 +30,9 @@ void FickianShift::operator()(const Surroundings& around, Read<field::role> role
                 gradient += step.volume * Vec3(part[0], part[1], part[2]);
                 fastest = std::max(fastest, most);
             });
-            around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                gradient += solid_factor * around.layer.volume[s] * W.slope(distance) * r;
-            });
+            const Real at_solids = solid_factor * gate.weight(W, i, around.solid_pairs, around.layer.volume, solid_factor);
+            around.solid_pairs.of(
+                i, [&](Index s, const Vec3& r, Real distance) { gradient += at_solids * around.layer.volume[s] * W.slope(distance) * r; });
             const Real surrounded = std::clamp(3 - Real(2.5) * step.support * gradient.norm(), Real(0), Real(1));
             Vec3 move = -step.dt * std::sqrt(fastest) * step.support * dense * surrounded * gradient;
             const Real length = move.norm();

@@ -49,7 +49,7 @@ void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions
     const StepContext& step = around.step;
     const std::vector<char> slip = slips(around.solids);
     WallFriction friction;
-    friction.set(options.monaghan ? FrictionForm::along : FrictionForm::central, around);
+    friction.set(options.monaghan ? FrictionForm::along : FrictionForm::central, around, options.gate, options.solid_factor);
     const WallShear shear{step.spacing / 2};
     // The solids' share in rho_i a_i, but for the weight of all of them at i.
     const auto by_solid = [&](Index i, Index s, const Vec3& r, Real distance) {
@@ -86,9 +86,7 @@ void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions
         if (const Real solid_factor = weight(i); solid_factor > 0) {
             around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { sum += solid_factor * by_solid(i, s, r, distance); });
             // The wall's area does not depend on the density that the kernel finds beside it: the acceleration is mu/rho_0 times that.
-            if (friction.acts())
-                sum -= solid_factor / options.solid_factor * rho[i] / step.rest_density * own_mu *
-                       (friction.coefficient(i) * own - friction.load(i));
+            if (friction.acts()) sum -= rho[i] / step.rest_density * own_mu * (friction.coefficient(i) * own - friction.load(i));
         }
         a[i] += sum / rho[i];
     });

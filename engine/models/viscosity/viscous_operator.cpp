@@ -20,7 +20,7 @@ void ViscousOperator::set_up(const FullViscosityOptions& options, const Surround
     touches_wall_ = false;
     wall_.clear(), wall_moment_.clear();
     dt_nu_.resize(n);
-    friction_.set(FrictionForm::central, around);
+    friction_.set(FrictionForm::central, around, options.gate, options.solid_factor);
     if (around.layer.size() > 0) set_up_wall(options, around);
     set_up_bodies(options, around);
     set_up_moments(options, around.step, role, mu, density);
@@ -91,10 +91,12 @@ void ViscousOperator::set_up_wall(const FullViscosityOptions& options, const Sur
             Wall& wall = wall_[i];
             Mat3 gradient = Mat3::Zero();
             Vec3 pull = Vec3::Zero();
+            const Real solid_factor =
+                options.solid_factor * options.gate.weight(kernel, i, around.solid_pairs, layer.volume, options.solid_factor);
             around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
                 const auto whose = static_cast<std::size_t>(layer.solid[s]);
-                const Real w = -options.solid_factor * layer.volume[s] * kernel.derivative(distance) /
-                               std::max(distance, std::numeric_limits<Real>::min());
+                const Real w =
+                    -solid_factor * layer.volume[s] * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
                 if (slip[whose] || !(w > 0)) return;
                 const bool body = around.solids.all[whose].body.has_value();
                 touches[i] |= !body;

@@ -6,6 +6,7 @@
 #include "engine/models/strain/coarse_level.h"
 #include "engine/models/viscosity/implicit_viscosity.h"
 #include "engine/particles/surroundings.h"
+#include "engine/sph/gate.h"
 
 namespace whorl {
 
@@ -15,7 +16,8 @@ struct FullViscosityOptions {
     /// Of mu, against zig-zag modes that the central gradient does not see; vanishes for affine fields. It also makes up for part of what
     /// the central gradient loses of short waves: a wave of 32 particles decays 2.2 % too slowly with 0.05.
     Real penalty = Real(0.3);
-    Real solid_factor = 1;    ///< on the solids' volumes, see models/boundary/wall.h
+    Real solid_factor = 1;  ///< on the solids' volumes, see models/boundary/wall.h
+    SolidGate gate = {};
     bool diagonal = true;     ///< the diagonal blocks precondition, and measure the residual; false: nothing does
     int aggregate = 48;       ///< particles in a group of the coarse level; 0: no coarse level
     int refresh_every = 5;    ///< steps between two set-ups of the coarse level
