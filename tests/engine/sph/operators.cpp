@@ -194,9 +194,9 @@ TEST_CASE("in the plane the correction of a file of particles is exact along it 
 }
 
 TEST_CASE("in the plane divergence, curl and Laplacians come out: of linear and quadratic fields and of waves", "[sph][plane]") {
-    // On a lattice the sums of second moments are what lattice_gradient() says, 1.3 % off here; of the quadratic field the Laplacian of
-    // Brookshaw needs those alone, but for its softening of 0.01 h^2, and that along the pairs the fourth moments, 2 % off.
-    const int n = 32;
+    // The second moments of the lattice, which gradients and the Laplacian of Brookshaw rest on, are 1 % off here, softening included; the
+    // fourth ones, which forces along the pairs rest on, 4 %. The kernel's own smoothing takes 1 to 2 % from a wave of 48 particles.
+    const int n = 48;
     const Real d = Real(2 * std::numbers::pi / n), support = Real(4.5) * d;
     const Lattice lattice(n, d, 0, true, support, 2);
     const Lattice open(n, d, 0, false, support, 2);
@@ -213,8 +213,8 @@ TEST_CASE("in the plane divergence, curl and Laplacians come out: of linear and 
     const Span<const Vec3> of_linear(linear), of_quadratic(quadratic), of_wave(wave);
     CHECK(divergence(open.pairs, i, W, open.V, of_linear) == Approx(3).epsilon(0.015));
     CHECK((curl(open.pairs, i, W, open.V, of_linear) - Vec3(0, 0, 4)).norm() < 0.06);
-    CHECK((laplacian(open.pairs, i, W, open.V, of_quadratic) - Vec3(2, 2, 0)).norm() < 0.06);
-    CHECK((pairwise_laplacian(open.pairs, i, W, open.V, of_quadratic) - Vec3(2, 2, 0)).norm() < 0.1);
+    CHECK((laplacian(open.pairs, i, W, open.V, of_quadratic) - Vec3(2, 2, 0)).norm() < 0.02 * std::sqrt(8.0));
+    CHECK((pairwise_laplacian(open.pairs, i, W, open.V, of_quadratic) - Vec3(2, 2, 0)).norm() < 0.05 * std::sqrt(8.0));
     double worst_curl = 0, worst_laplacian = 0, worst_pairwise = 0;
     for (Index k = 0; k < lattice.pairs.size(); k += 7) {
         const Vec3& x = lattice.x[k];
@@ -226,7 +226,7 @@ TEST_CASE("in the plane divergence, curl and Laplacians come out: of linear and 
         keep_worst(worst_laplacian, laplacian(lattice.pairs, k, W, lattice.V, of_wave) + own);
         keep_worst(worst_pairwise, pairwise_laplacian(lattice.pairs, k, W, lattice.V, of_wave) + own);
     }
-    CHECK(worst_curl < 0.04);
-    CHECK(worst_laplacian < 0.04);
-    CHECK(worst_pairwise < 0.04);
+    CHECK(worst_curl < 0.025);
+    CHECK(worst_laplacian < 0.025);
+    CHECK(worst_pairwise < 0.05);
 }
