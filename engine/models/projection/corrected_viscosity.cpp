@@ -16,7 +16,7 @@ void CorrectedViscosity::operator()(const Surroundings& around, Read<field::role
     const Real dimensions = static_cast<Real>(step.dimensions());
     const Real of_layer = s.any_walls ? layer_factor(step.kernel, step.support, d) : 0;
     const std::vector<char> slip = slips(around.solids);
-    if (s.any_walls) friction_.set(FrictionForm::central, around);
+    if (s.any_walls) friction_.set(FrictionForm::central, around, s.options.gate, 1);
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(u.size(), [&](Index i) {
             if (role[i] != 0) return;
@@ -61,8 +61,8 @@ void CorrectedViscosity::operator()(const Surroundings& around, Read<field::role
                         imbalance += F * to;
                     });
                 });
-            if (s.near_surface[i]) a[i] += 2 * over_density * sum;
-            else a[i] += (2 * dimensions / std::max(trace, Real(0.1)) * over_density) * (sum - own_mu * (G * imbalance));
+            const Real scale = s.near_surface[i] ? Real(2) : 2 * dimensions / std::max(trace, Real(0.1));
+            a[i] += scale * over_density * (sum - own_mu * (G * imbalance));
             if (friction_.acts()) a[i] -= own_mu * over_density * (friction_.coefficient(i) * own - friction_.load(i));
         });
     });
