@@ -93,8 +93,8 @@ EnergyWork CorrectedMicropolar::advance(const Kernel& W, const Surroundings& aro
                 });
             });
         const auto laplacian = [&](const Vec3& sum, Real moments, const Mat3& G, const Vec3& uneven) {
-            const Real scale = s.near_surface[i] ? Real(2) : 2 * static_cast<Real>(step.dimensions()) / std::max(moments, Real(0.1));
-            return Vec3(scale * (sum - G * uneven));
+            if (s.near_surface[i]) return Vec3(2 * sum);
+            return Vec3(2 * static_cast<Real>(step.dimensions()) / std::max(moments, Real(0.1)) * (sum - G * uneven));
         };
         const Vec3 viscous = mu * b * laplacian(of_u.laplacian, trace, G_u, imbalance), push = lambda * b * curl_of(G_w);
         const Vec3 smoothing = alpha * of_u.smooth, before = a[i];
@@ -125,8 +125,8 @@ void CorrectedMicropolar::operator()(const Surroundings& around, StepReport& rep
                                      Update<field::spin> w) {
     if (!torque_.is_zero()) torque_.each(around.step.time, x.values, [&](Index i, const Vec3& tau) { change[i] = tau; });
     const Read<field::spin> spin{w.values};
-    report.work = with_kernel(around.step.kernel, around.step.support,
-                              [&](const auto& W) { return advance(W, around, role, u, a, change, spin); });
+    report.work =
+        with_kernel(around.step.kernel, around.step.support, [&](const auto& W) { return advance(W, around, role, u, a, change, spin); });
     parallel_for(w.size(), [&](Index i) { w[i] += change[i]; });
 }
 

@@ -61,8 +61,8 @@ void CorrectedViscosity::operator()(const Surroundings& around, Read<field::role
                         imbalance += F * to;
                     });
                 });
-            const Real scale = s.near_surface[i] ? Real(2) : 2 * dimensions / std::max(trace, Real(0.1));
-            a[i] += scale * over_density * (sum - own_mu * (G * imbalance));
+            if (s.near_surface[i]) a[i] += 2 * over_density * sum;
+            else a[i] += (2 * dimensions / std::max(trace, Real(0.1)) * over_density) * (sum - own_mu * (G * imbalance));
             if (friction_.acts()) a[i] -= own_mu * over_density * (friction_.coefficient(i) * own - friction_.load(i));
         });
     });
