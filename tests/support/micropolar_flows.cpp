@@ -29,15 +29,15 @@ std::pair<double, double> runge_kutta(const Micropolar2& c, double k, double U, 
 constexpr double wave = 2 * std::numbers::pi;
 
 /// Stable for all three explicit parts together.
-double explicit_step(const Micropolar2& c, KernelKind kernel, double support, double spacing) {
+double explicit_step(const Micropolar2& c, KernelForm kernel, double support, double spacing) {
     const double exchange = exchange_step(c.kappa, c.theta, largest_curl(kernel, Real(support), Real(spacing)));
     return std::min({viscous_step(support, std::max(c.a, c.kappa / 2)), viscous_step(support, c.g / c.theta), exchange});
 }
 
-void shake(Span<Vec3> x, double by, unsigned seed) {
+void shake(Span<Vec3> x, double by, unsigned seed, int dimensions) {
     RandomNumbers random(seed);
     for (Vec3& one : x)
-        for (int a = 0; a < 3; ++a) one[a] += static_cast<Real>(by) * (2 * static_cast<Real>(random()) - 1);
+        for (int a = 0; a < dimensions; ++a) one[a] += static_cast<Real>(by) * (2 * static_cast<Real>(random()) - 1);
 }
 
 }  // namespace
@@ -88,16 +88,17 @@ MicropolarOptions with_coefficients(MicropolarOptions options, const Micropolar2
     return options;
 }
 
-VortexError taylor_green_error(const Micropolar2& c, MicropolarOptions options, bool central, int N, double support, double jitter) {
-    const double d = 1.0 / N, depth = std::ceil(2 * support) * d;
-    TestWorld w(d, support, Domain{Vec3::Zero(), Vec3(1, 1, Real(depth)), {true, true, true}});
+VortexError taylor_green_error(const Micropolar2& c, MicropolarOptions options, bool central, int N, double support, double jitter,
+                               int dimensions) {
+    const double d = 1.0 / N, depth = dimensions == 2 ? 0 : std::ceil(2 * support) * d;
+    TestWorld w(d, support, Domain{Vec3::Zero(), Vec3(1, 1, Real(depth)), {true, true, dimensions == 3}});
     w.use({make_stage("density", "density", Density{}), make_stage("gravity", "move", Gravity{}),
            make_stage("micropolar", "micropolar", Micropolar(with_coefficients(options, c, central))), make_stage("kick", "move", Kick{})});
     w.place(Vec3::Zero(), w.world.step.domain.max);
     const auto x = w.column<field::position>();
     const auto u = w.column<field::velocity>();
     const auto spin = w.column<field::spin>();
-    if (jitter > 0) shake(x, jitter * d, 3);
+    if (jitter > 0) shake(x, jitter * d, 3, dimensions);
     // Sums against the mode, over the mode's own: an amplitude also where the particles stand unevenly.
     const auto amplitudes = [&] {
         double uu = 0, ww = 0, u2 = 0, w2 = 0;
@@ -114,7 +115,7 @@ VortexError taylor_green_error(const Micropolar2& c, MicropolarOptions options, 
                     Real(-std::cos(wave * x[i].x()) * std::sin(wave * x[i].y())), 0);
 
     const double end = 1 / (2 * (c.a - c.kappa / 4) * wave * wave);
-    const int steps = static_cast<int>(std::ceil(end / explicit_step(c, KernelKind::cubic, support * d, d)));
+    const int steps = static_cast<int>(std::ceil(end / explicit_step(c, w.world.step.kernel, support * d, d)));
     double U = 1, W = 0, most_w = 0, error_u = 0, error_w = 0;
     for (int s = 0; s < steps; ++s) {
         w.step(end / steps);
@@ -126,18 +127,20 @@ VortexError taylor_green_error(const Micropolar2& c, MicropolarOptions options, 
     return {error_u, error_w / most_w};
 }
 
-Drift blob_drift(const Micropolar2& c, MicropolarOptions options, bool central, int steps) {
+Drift blob_drift(const Micropolar2& c, MicropolarOptions options, bool central, int steps, int dimensions) {
     const double d = 0.05, radius = 0.3, speed = 1;
     WeaklyCompressible tait;
     tait.sound_speed = 10 * speed;
-    TestWorld w(d, 2, Domain{Vec3::Constant(-2), Vec3::Constant(2), {}});
+    const Vec3 corner(2, 2, dimensions == 3 ? 2 : 0);
+    TestWorld w(d, 2, Domain{-corner, corner, {}});
     const MicropolarOptions all = with_coefficients(options, c, central);
     w.use({make_stage("density", "density", Density{}), make_stage("tait", "pressure", TaitPressure{tait}),
            make_stage("gravity", "move", Gravity{}), make_stage("pressure", "pressure", PressureAcceleration{tait}),
            make_stage("micropolar", "micropolar", Micropolar(all)), make_stage("kick", "move", Kick{}),
            make_stage("move", "move", Move{})});
     const Real edge = static_cast<Real>(std::ceil(radius / d) * d);
-    w.place(Vec3::Constant(-edge), Vec3::Constant(edge));
+    const Vec3 reach(edge, edge, dimensions == 3 ? edge : 0);
+    w.place(-reach, reach);
     std::vector<Index> inside;
     for (Index i = 0; i < w.world.fluid.size(); ++i)
         if (static_cast<double>(w.column<field::position>()[i].norm()) < radius) inside.push_back(i);
@@ -145,11 +148,11 @@ Drift blob_drift(const Micropolar2& c, MicropolarOptions options, bool central, 
     const auto x = w.column<field::position>();
     const auto u = w.column<field::velocity>();
     const auto spin = w.column<field::spin>();
-    shake(x, 0.15 * d, 5);
+    shake(x, 0.15 * d, 5, dimensions);
     for (std::size_t i = 0; i < x.size(); ++i) {
         const double turn = speed / radius * std::exp(-static_cast<double>(x[i].squaredNorm()) / (radius * radius));
         u[i] = static_cast<Real>(turn) * Vec3(-x[i].y(), x[i].x(), 0);
-        spin[i] = Vec3(0, x[i].x(), static_cast<Real>(turn));
+        spin[i] = Vec3(0, dimensions == 3 ? x[i].x() : 0, static_cast<Real>(turn));
     }
     const auto total = [&] {
         Vec3d L = w.angular_momentum();
@@ -170,7 +173,7 @@ Drift blob_drift(const Micropolar2& c, MicropolarOptions options, bool central, 
     const Vec3d momentum = w.momentum(), angular = total();
     double size = 0;
     for (const Vec3& one : u) size += static_cast<double>(w.world.step.mass * one.norm());
-    const double dt = std::min(0.5 * explicit_step(c, KernelKind::cubic, 2 * d, d), sound_step(0.4, 2 * d, tait.sound_speed, speed));
+    const double dt = std::min(0.5 * explicit_step(c, w.world.step.kernel, 2 * d, d), sound_step(0.4, 2 * d, tait.sound_speed, speed));
     for (int s = 0; s < steps; ++s) {
         w.step(dt);
         drift.momentum = std::max(drift.momentum, (w.momentum() - momentum).norm() / size);

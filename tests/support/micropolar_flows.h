@@ -33,7 +33,8 @@ struct VortexError {
 /// The flow on a lattice with N particles a wave, none of them moved: the discrete operators against the system's own solution until the
 /// velocity has fallen to about 1/e. Options: forms only; the coefficients are filled in. @param support over the spacing @param jitter of
 /// the particles, in spacings
-VortexError taylor_green_error(const Micropolar2& c, MicropolarOptions options, bool central, int N, double support = 2, double jitter = 0);
+VortexError taylor_green_error(const Micropolar2& c, MicropolarOptions options, bool central, int N, double support = 2, double jitter = 0,
+                               int dimensions = 3);
 
 struct Drift {
     double momentum = 0;          ///< largest change over sum m |u|
@@ -43,7 +44,7 @@ struct Drift {
 };
 /// A round blob with uneven particles and a free surface that turns faster inside, with spin, over `steps` steps of weakly compressible
 /// flow.
-Drift blob_drift(const Micropolar2& c, MicropolarOptions options, bool central, int steps);
+Drift blob_drift(const Micropolar2& c, MicropolarOptions options, bool central, int steps, int dimensions = 3);
 
 /// @param central the second form of the Laplacian rather than the first; "split" is set by hand
 MicropolarOptions with_coefficients(MicropolarOptions options, const Micropolar2& c, bool central);

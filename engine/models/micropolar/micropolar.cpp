@@ -52,7 +52,7 @@ void add_fluid(Sums& all, const Kernel& W, const FluidPairs& pairs, Index i, con
             s.smooth_u.x -= near * dux, s.smooth_u.y -= near * duy, s.smooth_u.z -= near * duz;
             s.smooth_w.x -= near * dwx, s.smooth_w.y -= near * dwy, s.smooth_w.z -= near * dwz;
             if constexpr (central) {
-                const Real along = 5 * even * (dux * rx + duy * ry + duz * rz) / (r * r + softening);
+                const Real along = static_cast<Real>(W.dimensions + 2) * even * (dux * rx + duy * ry + duz * rz) / (r * r + softening);
                 s.central.x += along * rx, s.central.y += along * ry, s.central.z += along * rz;
             }
             // (P u_i - Q (u_j + w_i x r)) x grad W
@@ -88,7 +88,8 @@ void add_solids(Sums& all, const Kernel& W, const MicropolarOptions& options, co
         const Real b = gate * options.solid_factor * layer.volume[s] / around.step.mass, even = 2 * own.b * b * slope;
         add(all.viscous, even * u_is);
         add(all.diffuse, even * w_is);
-        if constexpr (central) add(all.central, 5 * even * u_is.dot(r) / (distance * distance + softening) * r);
+        if constexpr (central)
+            add(all.central, static_cast<Real>(W.dimensions + 2) * even * u_is.dot(r) / (distance * distance + softening) * r);
         const Vec3 u_s = own.u - u_is + own.turning.cross(r), w_s = own.w - w_is;
         add(all.curl_u, slope * b * Vec3((both_u ? -1 : 1) * own.u - u_s).cross(r));
         add(all.curl_w, slope * b * Vec3((both_w ? -1 : 1) * own.w - w_s).cross(r));
@@ -105,7 +106,7 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const Surroundings& around,
                                Read<field::spin> w) const {
     const StepContext& step = around.step;
     const MicropolarOptions& o = options_;
-    const Real lattice = 3 / lattice_second_moment(step.kernel, step.support, step.spacing),
+    const Real lattice = 1 / lattice_gradient(step.kernel, step.support, step.spacing),
                along_pairs = along_pairs_factor(step.kernel, step.support, step.spacing),
                softening = Real(0.01) * step.support * step.support / 4;
     const Real dt = step.dt, m = step.mass;

@@ -42,12 +42,10 @@ PressurePreconditioner constraint_unpreconditioned(const ConstraintMatrix&) { re
 /// pressures that grow without bound.
 bool fills_periodic_domain(const Surroundings& around, Index n) {
     const StepContext& step = around.step;
-    const Vec3d size = (step.domain.max - step.domain.min).cast<double>();
-    const bool periodic = step.domain.periodic[0] && step.domain.periodic[1] && step.domain.periodic[2];
     double volume = n * static_cast<double>(step.volume);
     for (const Solid& solid : around.solids.all)
         if (solid.body) volume += solid.body->volume;
-    return periodic && volume > 0.98 * size.prod();
+    return step.domain.all_periodic() && volume > 0.98 * step.domain.volume();
 }
 
 /// Densities are held equal, from both sides: A q = b without its mean. What is left is a constant c with D^T c = c grad(sum rho): it moves

@@ -169,12 +169,10 @@ std::size_t AssembledOperator::bytes() const {
     return sum;
 }
 
-double assembled_bytes(double reach) {
-    const int most = static_cast<int>(std::floor(2 * reach));
+double assembled_bytes(double reach, int dimensions) {
     double entries = 0;
-    for (int x = -most; x <= most; ++x)
-        for (int y = -most; y <= most; ++y)
-            for (int z = -most; z <= most; ++z) entries += x * x + y * y + z * z < 4 * reach * reach;
+    each_lattice_point(dimensions, static_cast<int>(std::floor(2 * reach)),
+                       [&](int x, int y, int z) { entries += x * x + y * y + z * z < 4 * reach * reach; });
     return entries * (sizeof(Mat3) + sizeof(Index));
 }
 

@@ -74,7 +74,7 @@ private:
 
 /// Bytes of the matrix a particle, from the neighbours that a lattice has within twice the kernel radius. @param reach kernel radius over
 /// spacing
-double assembled_bytes(double reach);
+double assembled_bytes(double reach, int dimensions = 3);
 /// More than this is refused: the same operator without a matrix needs a hundredth.
 inline constexpr double most_assembled_bytes = 4e9;
 

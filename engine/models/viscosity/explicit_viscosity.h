@@ -21,8 +21,8 @@ struct smoothing {
 /// on the time step.
 struct XsphViscosity {
     Real alpha = Real(0.002);
-    void operator()(const FluidPairs& pairs, const StepContext& step, Read<field::role> role, Read<field::density> rho,
-                    Write<field::smoothing> change, Update<field::velocity> u) const;
+    void operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Write<field::smoothing> change,
+                    Update<field::velocity> u) const;
 };
 
 struct ExplicitOptions {
@@ -49,7 +49,7 @@ struct LatticeStiffness {
     double stretching = 1, shear = 1;
 };
 /// @param support, spacing [m]
-LatticeStiffness monaghan_lattice_stiffness(KernelKind kernel, double support, double spacing);
+LatticeStiffness monaghan_lattice_stiffness(KernelForm kernel, double support, double spacing);
 
 /// Limit of the time step of the explicit forms: 0.125 R^2/(4 nu) [s].
 double viscous_step(double support, double kinematic_viscosity);

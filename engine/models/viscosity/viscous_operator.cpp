@@ -19,7 +19,7 @@ void ViscousOperator::set_up(const FullViscosityOptions& options, const Surround
     u_.resize(n), Q_.resize(n), own_.resize(n);
     touches_wall_ = false;
     wall_.clear(), wall_moment_.clear();
-    K_friction_.resize(n);
+    dt_nu_.resize(n);
     friction_.set(FrictionForm::central, around, options.gate, options.solid_factor);
     if (around.layer.size() > 0) set_up_wall(options, around);
     set_up_bodies(options, around);
@@ -54,16 +54,16 @@ void ViscousOperator::set_up_moments(const FullViscosityOptions& options, const 
             if (!wall_.empty()) M += wall_moment_[i], wr_[i].wr += wall_[i].near.wr;
             free_[i] = role[i] == 0;
             K_[i] = step.dt * mu[i] / step.rest_density;
-            if (friction_.acts()) K_friction_[i] = K_[i], K_[i] *= 1 - friction_.counted(i);
+            if (friction_.acts()) dt_nu_[i] = K_[i], K_[i] *= 1 - friction_.counted(i);
             c_[i] = 0;
             P_[i].set(Mat3::Identity());
             whole_[i] = 1;
             if (options.correction) {
-                const Moment moment = invert_moment(M);
+                const Moment moment = invert_moment(M, kernel.dimensions);
                 whole_[i] = moment.whole;
                 M_[i].set(moment.inverse.cast<Real>());
                 P_[i].set(moment.resolved.cast<Real>());
-                if (M.trace() > 0) c_[i] = options.penalty * K_[i] * static_cast<Real>(3 / M.trace());
+                if (M.trace() > 0) c_[i] = options.penalty * K_[i] * static_cast<Real>(kernel.dimensions / M.trace());
             } else {
                 const Real compression = density.empty() ? 1 : density[i] / step.rest_density;
                 M_[i].set(Mat3::Identity() / compression);  // V_i/V
@@ -142,7 +142,7 @@ void ViscousOperator::set_up_blocks(const FullViscosityOptions& options) {
         }
         seen += 2 * own * strain_block(i, wr_[i].wr, B);
         B.diagonal().array() += std::max(Real(0), springs - seen);
-        if (friction_.acts()) B += hold(i);
+        if (friction_.acts()) B += friction_coefficient(i);
         blocks[i] = B;
     });
     if (!options.diagonal) std::fill(blocks.begin(), blocks.end(), Mat3::Identity());

@@ -58,7 +58,7 @@ struct Cloud : TestWorld {
     }
     Vec3 vector() { return {Real(random()) - Real(0.5), Real(random()) - Real(0.5), Real(random()) - Real(0.5)}; }
     /// What a step multiplies its curls and its first Laplacian by (docs/physics.md 4).
-    double factor() const { return 3 / lattice_second_moment(world.step.kernel, world.step.support, world.step.spacing); }
+    double factor() const { return 1 / lattice_gradient(world.step.kernel, world.step.support, world.step.spacing); }
 
     /// sum_j f(i, j, r_ij, grad W_ij, W_ij) of every particle over all others, in double.
     template <class F>

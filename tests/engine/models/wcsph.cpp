@@ -125,7 +125,7 @@ TEST_CASE("water beside a vertical wall is carried by the whole pressure gradien
     }
     // A lattice feels a linear pressure 1.02 times; the layer of the wall stands for two of the lattice, but for what the second would add
     // along it.
-    CHECK(far / count_far == Approx(g * lattice_second_moment(KernelKind::cubic, Real(2 * d), Real(d)) / 3).epsilon(2e-3));
+    CHECK(far / count_far == Approx(g * lattice_gradient(KernelKind::cubic, Real(2 * d), Real(d))).epsilon(2e-3));
     CHECK(beside / count_beside == Approx(far / count_far).epsilon(0.05));
     CHECK(std::abs(sideways / count_beside) < 0.05 * g);
 }
@@ -194,7 +194,7 @@ TEST_CASE("both pressure gradients are the sums that the notes print, to 1e-5, a
     TestWorld constant = place(true, true, [](const Vec3&) { return 1e5; });
     for (const Vec3& a : constant.column<field::acceleration>()) CHECK(a.norm() == 0);
     // A linear pressure, on a lattice, away from the surface: the slope, times the lattice sum over 3 of the kernel (docs/physics.md 4).
-    const Real sum = lattice_second_moment(KernelKind::cubic, Real(2 * d), Real(d)) / 3;
+    const Real sum = lattice_gradient(KernelKind::cubic, Real(2 * d), Real(d));
     for (const bool difference : {false, true}) {
         INFO((difference ? "difference" : "symmetric"));
         TestWorld linear = place(difference, false, [&](const Vec3& x) { return 1000 + static_cast<double>(slope.dot(x)); });

@@ -369,8 +369,7 @@ TEST_CASE(
     "[plan][pressure]") {
     const auto messages = [](const std::string& form, const std::string& rest) -> std::string {
         try {
-            make_plan(scene_with({}, "[time]\nend = 1\n[fluid]\nspacing = 0.01\n[models]\npressure = \"ppe\"\n[pressure]\nform = \"" +
-                                         form + "\"\n" + rest));
+            make_plan(scene_with({}, "[time]\nend = 1\n[fluid]\nspacing = 0.01\n[models]\npressure = \"ppe\"\n[pressure]\n" + form + rest));
         } catch (const InputError& error) { return error.what(); }
         return "";
     };
@@ -385,10 +384,34 @@ TEST_CASE(
     const std::string full =
         "[domain]\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]\nperiodic = [true, true, true]\n[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax "
         "= [0.1, 0.1, 0.1]\n";
-    CHECK(messages("poisson", slot("0.02")).find("these stand 2 spacings apart; take pressure.form = \"constraint\"") != std::string::npos);
-    CHECK(messages("poisson", slot("0.06")).find("these stand 6 spacings apart") != std::string::npos);
-    CHECK(messages("poisson", slot("0.1")).empty());
-    CHECK(messages("poisson", full).find("diverges in fluid that fills a periodic domain") != std::string::npos);
-    CHECK(messages("constraint", slot("0.02")).empty());
-    CHECK(messages("constraint", full).empty());
+    const std::string published = "form = \"projection\"\nsource = \"density\"\n", projection = "form = \"projection\"\n",
+                      constraint = "form = \"constraint\"\n";
+    CHECK(messages(published, slot("0.02")).find("these stand 2 spacings apart; take pressure.source = \"velocity\"") != std::string::npos);
+    CHECK(messages(published, slot("0.06")).find("these stand 6 spacings apart") != std::string::npos);
+    CHECK(messages(published, slot("0.1")).empty());
+    CHECK(messages(published, full).find("diverges in fluid that fills a periodic domain") != std::string::npos);
+    for (const std::string& form : {projection, constraint}) {
+        CHECK(messages(form, slot("0.02")).empty());
+        CHECK(messages(form, full).empty());
+    }
+}
+
+TEST_CASE("the projection is refused where fluid splashes, and taken by itself where fluid fills its space", "[plan][pressure]") {
+    const std::string start = "[time]\nend = 1\n[domain]\nmin = [-0.1, -0.1, -0.1]\nmax = [1, 1, 0.3]\n[fluid]\nspacing = 0.01\n",
+                      projection = "[models]\npressure = \"ppe\"\n[pressure]\nform = \"projection\"\n",
+                      tank = "[[solid]]\nshape = \"box\"\ninside = true\nmin = [0, 0, 0]\nmax = [0.4, 0.4, 0.2]\n";
+    const auto block = [](const char* max) { return std::string("[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = ") + max + "\n"; };
+    const auto message = [&](const std::string& text) -> std::string {
+        try {
+            make_plan(scene_with({}, start + text));
+        } catch (const InputError& error) { return error.what(); }
+        return "";
+    };
+    CHECK(message(projection + tank + block("[0.4, 0.2, 0.2]")).empty());
+    CHECK(message(projection + tank + block("[0.2, 0.2, 0.2]")).find("nothing holds") != std::string::npos);
+    CHECK(message(projection + tank + "[[emitter]]\nposition = [0.2, 0.3, 0.1]\nradius = 0.03\nspeed = 0.5\n").find("emitters pour") !=
+          std::string::npos);
+    const auto form = [&](const std::string& text) { return make_plan(scene_with({}, start + text)).facts.pressure.form; };
+    CHECK(form(tank + block("[0.4, 0.4, 0.2]")) == PressureForm::projection);
+    CHECK(form(tank + block("[0.4, 0.2, 0.2]")) == PressureForm::constraint);
 }

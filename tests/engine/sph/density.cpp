@@ -38,7 +38,8 @@ TEST_CASE("on a lattice every kernel sums to one within one per cent, and the de
         step.mass = 1000 * d * d * d;
         std::vector<Real> density(lattice.x.size());
         Solids solids;
-        sum_density({lattice.pairs, {}, solids, {}, step}, 1, {}, density);
+        SolidParticles layer;
+        sum_density({lattice.pairs, {}, solids, layer, step}, 1, {}, density);
         for (Real rho : density) REQUIRE(rho == Approx(1000).epsilon(0.01));
     }
 }

@@ -36,6 +36,13 @@ TEST_CASE("a micropolar Taylor-Green vortex follows its two equations within 2 %
     }
 }
 
+TEST_CASE("in the plane the Taylor-Green vortex with spin follows its two differential equations within 2 %, too",
+          "[validation][micropolar][plane]") {
+    const VortexError error = taylor_green_error({1, 1.5, 0.02, 0.05}, {}, false, 32, 2, 0, 2);
+    CHECK(error.velocity < 0.02);
+    CHECK(error.spin < 0.02);
+}
+
 TEST_CASE(
     "a uniform spin in fluid at rest decays as exp(-2 kappa t/theta) within 0.5 %, and never overshoots however long the implicit step",
     "[validation][micropolar]") {
@@ -118,10 +125,13 @@ TEST_CASE("a free blob keeps orbital and spin angular momentum together to 1e-4 
     options.implicit_exchange = false;
     options.smoothing_spin = 0.125;
     const Micropolar2 equal{0.05, 0.05, 1e-4, 2e-3};
-    const Drift drift = blob_drift(equal, options, false, 300);
-    CHECK(drift.angular_momentum < 1e-4);
-    CHECK(drift.momentum < 1e-5);
-    CHECK(drift.exchange < 1e-4);
+    for (int dimensions : {3, 2}) {
+        INFO(dimensions << " dimensions");
+        const Drift drift = blob_drift(equal, options, false, 300, dimensions);
+        CHECK(drift.angular_momentum < 1e-4);
+        CHECK(drift.momentum < 1e-5);
+        CHECK(drift.exchange < 1e-4);
+    }
     // More viscosity than coupling (eringen): the rest in the Laplacian without torque.
     options.central_viscosity = 1000 * 0.03;
     CHECK(blob_drift(equal, options, false, 300).angular_momentum < 1e-4);

@@ -46,6 +46,16 @@ const char* name(Form form) { return form == Form::brookshaw ? "brookshaw" : for
 /// they make shear 0.70 and stretching 1.45 times as stiff as they are; they need more neighbours than the others.
 double support_of(Form form) { return form == Form::monaghan ? 4 : 2; }
 
+/// Calls test(form, dimensions, depth of the box along z [m]) for all forms, in space and in the plane.
+template <class F>
+void in_space_and_plane(double depth, const F& test) {
+    for (Form form : all_forms)
+        for (int dimensions : {3, 2}) {
+            INFO(name(form) << " in " << dimensions << " dimensions");
+            test(form, dimensions, dimensions == 3 ? depth : 0);
+        }
+}
+
 /// Amplitude of (sin kx cos ky, -cos kx sin ky) in the flow.
 double vortex_amplitude(TestWorld& w, double k) {
     const auto x = w.column<field::position>();
@@ -61,11 +71,10 @@ double vortex_amplitude(TestWorld& w, double k) {
 
 TEST_CASE("a Taylor-Green vortex decays as exp(-2 nu k^2 t) within 2 % of its rate, 32 particles a wave, explicit and full",
           "[validation][viscosity]") {
-    const double L = 1, d = L / 32, k = 2 * std::numbers::pi / L, nu = 1, depth = 8 * d;
-    for (Form form : all_forms) {
-        INFO(name(form));
+    const double L = 1, d = L / 32, k = 2 * std::numbers::pi / L, nu = 1;
+    in_space_and_plane(8 * d, [&](Form form, int dimensions, double depth) {
         const double support = support_of(form);
-        TestWorld w(d, support, Domain{Vec3::Zero(), Vec3(Real(L), Real(L), Real(depth)), {true, true, true}});
+        TestWorld w(d, support, Domain{Vec3::Zero(), Vec3(Real(L), Real(L), Real(depth)), {true, true, dimensions == 3}});
         w.use(viscous_step_of(form, 1));
         w.world.step.gravity.setZero();
         w.place(Vec3::Zero(), Vec3(Real(L), Real(L), Real(depth)), 1000 * nu, [&](const Vec3& x) {
@@ -80,22 +89,21 @@ TEST_CASE("a Taylor-Green vortex decays as exp(-2 nu k^2 t) within 2 % of its ra
         const double rate = -std::log(vortex_amplitude(w, k) / start);
         const double exact = is_implicit(form) ? steps * std::log(1 + 2 * nu * k * k * dt) : -steps * std::log(1 - 2 * nu * k * k * dt);
         CHECK(rate == Approx(exact).epsilon(0.02));
-    }
+    });
 }
 
 TEST_CASE("plane Poiseuille flow between walls at rest reaches its parabola within 2 %, 24 particles across",
           "[validation][viscosity][boundary]") {
     const double H = 1, d = H / 24, nu = 1, g = 8;  // largest speed g H^2/(8 nu) = 1
-    for (Form form : all_forms) {
-        INFO(name(form));
+    in_space_and_plane(8 * d, [&](Form form, int dimensions, double depth) {
         const double support = support_of(form), width = 8 * d;
-        const Real factor = continued_lattice_factor(KernelKind::cubic, Real(support * d), Real(d));
-        TestWorld w(d, support, Domain{Vec3::Zero(), Vec3(Real(width), Real(H), Real(width)), {true, false, true}});
+        const Real factor = continued_lattice_factor({KernelKind::cubic, dimensions}, Real(support * d), Real(d));
+        TestWorld w(d, support, Domain{Vec3::Zero(), Vec3(Real(width), Real(H), Real(depth)), {true, false, dimensions == 3}});
         w.use(viscous_step_of(form, factor));
         w.world.step.gravity = Vec3(Real(g), 0, 0);
         w.add_wall(1, +1, 0);
         w.add_wall(1, -1, H);
-        w.place(Vec3::Zero(), Vec3(Real(width), Real(H), Real(width)), 1000 * nu);
+        w.place(Vec3::Zero(), Vec3(Real(width), Real(H), Real(depth)), 1000 * nu);
         const double dt = is_implicit(form) ? 0.02 : 0.9 * viscous_step(support * d, nu);
         for (int s = 0; s < static_cast<int>(0.6 / dt); ++s) w.step(dt);  // the slowest mode has decayed by exp(-pi^2 0.6) = 0.3 %
         const auto x = w.column<field::position>();
@@ -103,18 +111,17 @@ TEST_CASE("plane Poiseuille flow between walls at rest reaches its parabola with
         double worst = 0;
         for (std::size_t i = 0; i < x.size(); ++i) worst = std::max(worst, std::abs(u[i].x() - g / (2 * nu) * x[i].y() * (H - x[i].y())));
         CHECK(worst < 0.02);
-    }
+    });
 }
 
 TEST_CASE("plane Couette flow between a wall at rest and one that moves stays straight within 2 %, 16 particles across",
           "[validation][viscosity][boundary]") {
     // From the exact flow, for nu t/H^2 = 0.5: what a discrete steady state differs by has come up to 1 - exp(-pi^2/2) = 99 %.
     const double H = 1, d = H / 16, nu = 1;
-    for (Form form : all_forms) {
-        INFO(name(form));
+    in_space_and_plane(8 * d, [&](Form form, int dimensions, double depth) {
         const double support = support_of(form), width = 8 * d;
-        const Real factor = continued_lattice_factor(KernelKind::cubic, Real(support * d), Real(d));
-        TestWorld w(d, support, Domain{Vec3::Zero(), Vec3(Real(width), Real(H), Real(width)), {true, false, true}});
+        const Real factor = continued_lattice_factor({KernelKind::cubic, dimensions}, Real(support * d), Real(d));
+        TestWorld w(d, support, Domain{Vec3::Zero(), Vec3(Real(width), Real(H), Real(depth)), {true, false, dimensions == 3}});
         w.use(viscous_step_of(form, factor));
         w.world.step.gravity.setZero();
         w.add_wall(1, +1, 0);
@@ -123,7 +130,7 @@ TEST_CASE("plane Couette flow between a wall at rest and one that moves stays st
         SolidParticles& layer = w.world.solid_particles;
         for (Index s = 0; s < layer.size(); ++s)
             if (layer.solid[s] == 1) layer.velocity[s] = Vec3(1, 0, 0);
-        w.place(Vec3::Zero(), Vec3(Real(width), Real(H), Real(width)), 1000 * nu, [](const Vec3& x) { return Vec3(x.y(), 0, 0); });
+        w.place(Vec3::Zero(), Vec3(Real(width), Real(H), Real(depth)), 1000 * nu, [](const Vec3& x) { return Vec3(x.y(), 0, 0); });
         const double dt = is_implicit(form) ? 0.02 : 0.9 * viscous_step(support * d, nu);
         for (int s = 0; s < static_cast<int>(0.5 / dt); ++s) w.step(dt);
         const auto x = w.column<field::position>();
@@ -131,7 +138,7 @@ TEST_CASE("plane Couette flow between a wall at rest and one that moves stays st
         double worst = 0;
         for (std::size_t i = 0; i < x.size(); ++i) worst = std::max<double>(worst, std::abs(u[i].x() - x[i].y()));
         CHECK(worst < 0.02);
-    }
+    });
 }
 
 namespace {
@@ -282,15 +289,14 @@ TEST_CASE("a film on an incline keeps its half parabola within 2 %, 16 particles
     // u = g (2 H y - y^2)/(2 nu), from the exact flow, for nu t/H^2 = 1: what the steady state differs by has come up to 1 - exp(-pi^2/4) =
     // 92 %.
     const double H = 1, d = H / 16, nu = 1, g = 2;  // largest speed g H^2/(2 nu) = 1
-    for (Form form : all_forms) {
-        INFO(name(form));
+    in_space_and_plane(8 * d, [&](Form form, int dimensions, double depth) {
         const double support = support_of(form), width = 8 * d;
-        const Real factor = continued_lattice_factor(KernelKind::cubic, Real(support * d), Real(d));
-        TestWorld w(d, support, Domain{Vec3::Zero(), Vec3(Real(width), Real(2 * H), Real(width)), {true, false, true}});
+        const Real factor = continued_lattice_factor({KernelKind::cubic, dimensions}, Real(support * d), Real(d));
+        TestWorld w(d, support, Domain{Vec3::Zero(), Vec3(Real(width), Real(2 * H), Real(depth)), {true, false, dimensions == 3}});
         w.use(viscous_step_of(form, factor));
         w.world.step.gravity = Vec3(Real(g), 0, 0);
         w.add_wall(1, +1, 0);
-        w.place(Vec3::Zero(), Vec3(Real(width), Real(H), Real(width)), 1000 * nu,
+        w.place(Vec3::Zero(), Vec3(Real(width), Real(H), Real(depth)), 1000 * nu,
                 [&](const Vec3& x) { return Vec3(Real(g / (2 * nu) * x.y() * (2 * H - x.y())), 0, 0); });
         const double dt = is_implicit(form) ? 0.02 : 0.9 * viscous_step(support * d, nu);
         for (int s = 0; s < static_cast<int>(1 / dt); ++s) w.step(dt);
@@ -300,7 +306,7 @@ TEST_CASE("a film on an incline keeps its half parabola within 2 %, 16 particles
         for (std::size_t i = 0; i < x.size(); ++i)
             worst = std::max<double>(worst, std::abs(u[i].x() - g / (2 * nu) * x[i].y() * (2 * H - x[i].y())));
         CHECK(worst < 0.02);
-    }
+    });
 }
 
 TEST_CASE("a free body that turns keeps its angular momentum within 0.1 % and its energy within 1 % over two turns, with nu dt/d^2 = 10",
