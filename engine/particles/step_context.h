@@ -36,7 +36,7 @@ struct Divergence {
 };
 
 /// Work on the particles in a step, into their kinetic and spin energy, by its cause [J]; what is dissipated counts negative. Solids do
-/// their work through the terms by which they act.
+/// their work through the terms by which they act. Gravity: with the force that a scene gives.
 struct EnergyWork {
     double gravity = 0, torque = 0, pressure = 0, viscosity = 0, exchange = 0, smoothing = 0, boundary = 0, surface_tension = 0;
     EnergyWork& operator+=(const EnergyWork& o) {

@@ -55,6 +55,11 @@ void check_boundary(const Scene& scene, const Plan& plan, const KeyProblems& rep
                fmt::format("boundary.gate belongs to solids of models.pressure = \"wcsph\" or \"ppe\", and this scene has {}{}",
                            setting("models.pressure", pressure.name), scene.solids.empty() ? " and no solids" : ""),
                "set boundary.gate = 0");
+    if (scene.boundary.volume_factor && plan.boundary != BoundaryModel::akinci)
+        report("boundary.volume_factor",
+               fmt::format("boundary.volume_factor belongs to solids of models.pressure = \"wcsph\", and this scene has {}{}",
+                           setting("models.pressure", pressure.name), scene.solids.empty() ? " and no solids" : ""),
+               "leave it out");
     if (plan.boundary == BoundaryModel::none || plan.boundary == pressure.boundary) return;
     std::string pairs;
     for (const PressureFacts& row : pressure_models())
@@ -115,6 +120,7 @@ void check_sleep(const Scene& scene, const KeyProblems& report) {
         report("time.sleep", "time.sleep puts away fluid that " + who, "take time.sleep = 0", "allowed: 0");
     };
     if (scene.domain.gravity.depends_on_time()) awake("a changing gravity moves all of");
+    if (scene.fluid.force.depends_on_time()) awake("a changing force moves");
     if (!scene.streams.empty()) awake("a stream pulls at");
     if (!scene.drains.empty()) awake("a drain has to see at every step");
     if (scene.any_free_solid()) awake("holds a free body up");

@@ -279,6 +279,11 @@ private:
             add_warning(
                 "pressure.gradient = \"difference\" keeps no particles apart: without models.shifting = \"fickian\" they clump and gain "
                 "energy");
+        if (!scene_.fluid.force.is_zero() && scene_.pressure.sound_speed == 0)
+            add_warning(
+                fmt::format("pressure.sound_speed = {:.3g} m/s was chosen without the speeds that fluid.force makes: give ten times the "
+                            "largest of them",
+                            plan_.sound_speed));
         if (plan_.sound_speed < 8 * n_.speed)
             add_warning(fmt::format("Mach number {:.2f} (speed {:.3g} m/s, sound {:.3g} m/s): density varies by about {:.0f} %",
                                     n_.speed / plan_.sound_speed, n_.speed, plan_.sound_speed,

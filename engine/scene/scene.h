@@ -60,6 +60,7 @@ struct FluidKeys {
     double density = 1000;             ///< kg/m^3
     Expression viscosity{0.0};         ///< Pa s, of x, y, z at the start and of age
     double surface_tension = 0;        ///< N/m
+    VectorExpression force;            ///< m/s^2, of t, x, y, z
     std::optional<KernelKind> kernel;  ///< none: "auto", what the models want (Plan::kernel decides)
     std::optional<double> support;     ///< kernel radius over spacing; none: "auto" (Plan::support decides)
 };
@@ -96,7 +97,7 @@ struct ViscosityKeys {
     ViscousPreconditioner preconditioner = ViscousPreconditioner::automatic;  ///< full
     LaplacianForm laplacian = LaplacianForm::brookshaw;                       ///< explicit
     double alpha = 0.002;                                                     ///< xsph
-    bool correction = true;  ///< full: corrected gradients ("first_order") or as in the note ("none")
+    bool correction = true;                                                   ///< full: corrected gradients; false: as in the note
 };
 
 struct MicropolarKeys {
@@ -115,7 +116,8 @@ struct MicropolarKeys {
 };
 
 struct BoundaryKeys {
-    double gate = 0;  ///< a solid acts only past this kernel sum; 0: always (SolidGate)
+    double gate = 0;                      ///< a solid acts only past this kernel sum; 0: always (SolidGate)
+    std::optional<double> volume_factor;  ///< of the solids' volumes over 1/sum W; none: "auto", continued_lattice_factor()
 };
 
 struct BlockKeys {

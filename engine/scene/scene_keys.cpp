@@ -71,6 +71,10 @@ KeyTable fluid_keys() {
           "surface tension: particles pull at each other over three spacings; 0: none, at no cost")
         .at_least(0)
         .live();
+    t.key("force", &FluidKeys::force, "m/s^2",
+          "force on every particle over its mass, besides gravity; the plan does not foresee the speeds that it makes")
+        .of("txyz")
+        .live();
     t.key("kernel", &FluidKeys::kernel, "", "smoothing kernel; auto: wendland_c2 with pressure \"coupled\", else cubic");
     t.key("support", &FluidKeys::support, "spacings", "kernel radius; auto: 3 with pressure \"coupled\" and in two dimensions, else 2")
         .at_least(1.2)
@@ -220,6 +224,12 @@ KeyTable boundary_keys() {
         .at_most(1)
         .only_with("models.boundary", {"akinci", "ppe"})
         .live();
+    t.key("volume_factor", &BoundaryKeys::volume_factor, "",
+          "volume of a solid's particle times the kernel sum over the solid; 1: as published, and fluid hovers; auto: what a lattice that "
+          "goes on behind the surface would do")
+        .above(0)
+        .at_most(2)
+        .only_with("models.boundary", {"akinci"});
     return t;
 }
 

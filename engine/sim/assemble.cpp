@@ -9,6 +9,7 @@
 #include "engine/models/coupled/coupled_motion.h"
 #include "engine/models/coupled/coupled_solve.h"
 #include "engine/models/micropolar/micropolar.h"
+#include "engine/models/motion/force.h"
 #include "engine/models/motion/motion.h"
 #include "engine/models/motion/stream.h"
 #include "engine/models/pressure/constraint.h"
@@ -90,11 +91,7 @@ class Assembler {
 public:
     Assembler(const Scene& scene, const Plan& plan)
         : scene_(scene), plan_(plan), facts_(plan.facts), constraint_(facts_.pressure.form == PressureForm::constraint),
-          bodies_(scene.any_free_solid()),
-          solid_factor_(plan.boundary == BoundaryModel::none
-                            ? Real(1)
-                            : continued_lattice_factor(plan.kernel, static_cast<Real>(plan.support), static_cast<Real>(plan.spacing))),
-          gate_{static_cast<Real>(scene.boundary.gate)} {}
+          bodies_(scene.any_free_solid()), solid_factor_(factor_of_solids(scene, plan)), gate_{static_cast<Real>(scene.boundary.gate)} {}
 
     Assembly assemble() {
         limit("max_step", number(scene_.time.max_step) + " s", [most = scene_.time.max_step](const World&, double) { return most; });
@@ -108,6 +105,11 @@ public:
     }
 
 private:
+    static Real factor_of_solids(const Scene& scene, const Plan& plan) {
+        if (plan.boundary == BoundaryModel::none) return 1;
+        if (scene.boundary.volume_factor) return static_cast<Real>(*scene.boundary.volume_factor);
+        return continued_lattice_factor(plan.kernel, static_cast<Real>(plan.support), static_cast<Real>(plan.spacing));
+    }
     template <class S>
     void stage(const char* name, const char* group, S s) {
         made_.stages.push_back(make_stage(name, group, std::move(s)));
@@ -148,6 +150,7 @@ private:
         auto system = std::make_shared<CoupledSystem>(options);
         stage("coupled neighbourhood", "neighbours", CoupledNeighbourhood{system});
         if (scene_.fluid.surface_tension > 0) surface_tension(system->known_pressure);
+        force();
         stage("coupled solve", "pressure", CoupledSolve{system});
         stage("coupled move", "move", CoupledMove{system});
         made_.stages.push_back(move_solids());
@@ -183,6 +186,7 @@ private:
             }
         }
         kicks();
+        force();
         if (scene_.fluid.surface_tension > 0) surface_tension(nullptr);
         if (facts_.viscosity.implicit) implicit_viscosity();
         stage("projection", "pressure", Projection{system});
@@ -207,6 +211,7 @@ private:
         if (facts_.micropolar.spins) spin();
         else if (plan_.viscosity == ViscosityModel::explicit_laplacian) explicit_viscosity();
         kicks();
+        force();
         if (scene_.fluid.surface_tension > 0) {
             surface_tension(nullptr);
             work_is(&EnergyWork::surface_tension);
@@ -217,7 +222,7 @@ private:
         }
         if (facts_.viscosity.implicit) implicit_viscosity();
         if (plan_.pressure == PressureModel::ppe) incompressibility();
-        if (plan_.shifting == ShiftingModel::fickian) stage("shift", "shifting", FickianShift{solid_factor_});
+        if (plan_.shifting == ShiftingModel::fickian) stage("shift", "shifting", FickianShift{solid_factor_, gate_});
         moves();
         if (!scene_.solids.empty()) at_solids();
         if (constraint_ && !bodies_) {
@@ -267,6 +272,11 @@ private:
         if (!scene_.streams.empty()) stage("streams", "move", FollowStreams{make_streams(scene_)});
         stage("kick", "move", Kick{});
         if (bodies_) stage("kick of bodies", "bodies", KickBodies{});
+    }
+    void force() {
+        if (scene_.fluid.force.is_zero()) return;
+        stage("force", "move", Force{scene_.fluid.force});
+        work_is(&EnergyWork::gravity);
     }
     void moves() {
         if (constraint_ && scene_.pressure.divergence_free) stage("move", "move", MoveAndDrift{});
@@ -374,6 +384,7 @@ private:
             FullViscosityOptions options;
             options.limits = limits;
             options.solid_factor = solid_factor_;
+            options.gate = gate_;
             const ViscousPreconditioner wanted = scene_.viscosity.preconditioner;
             options.diagonal = wanted != ViscousPreconditioner::none;
             if (wanted == ViscousPreconditioner::none || wanted == ViscousPreconditioner::block_jacobi) options.aggregate = 0;
@@ -385,6 +396,7 @@ private:
             AssembledViscosityOptions options;
             options.limits = limits;
             options.solid_factor = solid_factor_;
+            options.gate = gate_;
             stage("assembled viscosity", "viscosity", AssembledViscosity(options));
         }
         work_is(&EnergyWork::viscosity);

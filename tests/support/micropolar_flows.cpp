@@ -73,10 +73,10 @@ Curls curls_of(TestWorld& w, CurlForm velocity, CurlForm spin) {
     return all;
 }
 
-std::pair<double, double> exact_vortex(const Micropolar2& c, double t) {
+std::pair<double, double> exact_vortex(const Micropolar2& c, double t, double k) {
     double U = 1, W = 0;
     const int steps = 4000;
-    for (int s = 0; s < steps; ++s) std::tie(U, W) = runge_kutta(c, wave, U, W, t / steps);
+    for (int s = 0; s < steps; ++s) std::tie(U, W) = runge_kutta(c, k, U, W, t / steps);
     return {U, W};
 }
 

@@ -24,8 +24,8 @@ struct Micropolar2 {
     double a = 1, kappa = 1, g = 0.02, theta = 0.05;
 };
 
-/// Amplitudes after the time t from U = 1, W = 0, in a box of length 1: Runge-Kutta with steps that leave no error to speak of.
-std::pair<double, double> exact_vortex(const Micropolar2& c, double t);
+/// Amplitudes after the time t from U = 1, W = 0: Runge-Kutta with steps that leave no error to speak of. @param k 1/m
+std::pair<double, double> exact_vortex(const Micropolar2& c, double t, double k);
 
 struct VortexError {
     double velocity = 0, spin = 0;  ///< largest difference of the amplitudes over the run, over their largest exact values

@@ -5,7 +5,7 @@
 /// Micropolar must be the last that adds to the acceleration: its energy budget is then exact.
 #include <memory>
 
-#include "engine/math/expression.h"
+#include "engine/math/expression_field.h"
 #include "engine/particles/field.h"
 #include "engine/particles/surroundings.h"
 #include "engine/sph/curl.h"
@@ -58,11 +58,8 @@ private:
     template <class Kernel, bool central>
     EnergyWork advance(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Read<field::density> rho,
                        Read<field::velocity> u, Update<field::acceleration> a, Write<field::spin_change> change, Read<field::spin> w) const;
-    /// tau of every particle into `change`.
-    void set_torque(const StepContext& step, Read<field::position> x, Write<field::spin_change> change);
-
     MicropolarOptions options_;
-    std::vector<VectorExpression> torque_of_block_;  ///< copies with their own parsers: evaluation is not thread-safe
+    ExpressionField torque_;
 };
 
 /// The longest step of the explicit exchange [s]. With kappa = lambda/rho and k the largest curl on the lattice, exchange alone has the
