@@ -98,8 +98,8 @@ TEST_CASE("a flow probe measures energy, vorticity and the distance from the exp
 }
 
 TEST_CASE("a solid probe measures buoyancy and friction on a ball within 1 and 2 %", "[probe]") {
-    // p = -rho g y pushes with rho g V. Around a ball that moves with e_x, u = (1 + 5 h) e_x at the height h above its surface draws with 5 mu
-    // times the surface times 2/3, the mean of 1 - n_x^2.
+    // p = -rho g y pushes with rho g V. Around a ball that moves with e_x, u = (1 + 5 h) e_x at the height h above its surface draws with 5
+    // mu times the surface times 2/3, the mean of 1 - n_x^2.
     constexpr double R = 0.5, g = 9.81, mu = 3, pi = std::numbers::pi;
     World world = uneven_fluid(false, [](const Vec3d&) { return Vec3d(0, 0, 0); });
     Solid ball;
