@@ -237,7 +237,7 @@ def elliptic_drop(m):
         cells = []
         for t, exact in zip(times, ellipse(times)):
             if not m.dry:
-                axes = 2 * np.sqrt((run.points(round(20 * t))[:, :2].astype(float)**2).mean(axis=0))
+                axes = 2 * np.sqrt((run.points(round(20 * t) + 1)[:, :2].astype(float)**2).mean(axis=0))
                 cells.append(", ".join(f"{100 * (axis / e - 1):+.2f} %" for axis, e in zip(axes, exact)))
         energy = run.table()["kinetic_energy"]
         rows.append([words, "1.5 %", *cells, f"{energy[-1] / energy[0]:.4f}", *cost(run)])
@@ -287,7 +287,7 @@ def martin_moyce(m):
         if m.dry:
             continue
         # Three particles may be drops ahead of the front.
-        fronts = [(np.sort(run.points(k)[:, 0])[-4] + spacing / 2) / a for k in range(81)]
+        fronts = [(np.sort(run.points(k + 1)[:, 0])[-4] + spacing / 2) / a for k in range(81)]
         times = np.arange(81) / 400 * second
         early = experiment["T"][0] - np.interp(experiment["Z"][0], fronts, times)  # there a membrane has to burst first
         found = np.interp(experiment["T"] - early, times, fronts)
