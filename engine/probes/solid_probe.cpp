@@ -1,6 +1,5 @@
 #include "engine/probes/solid_probe.h"
 
-#include <cmath>
 #include <numbers>
 
 #include "engine/probes/interpolation.h"
@@ -55,7 +54,7 @@ ProbeRows SolidProbe::rows(const World& world, double time) {
         if (!fluid.has<field::viscosity>() || !first.in_fluid || !second.in_fluid) continue;
         Vec3d slope = Vec3d::Zero();
         if (solid.sticks()) slope = (4 * (first(u) - velocity[s]) - (second(u) - velocity[s])) / (2 * d);
-        else if (std::isfinite(solid.slip_length)) slope = (at(u) - velocity[s]) / solid.slip_length;
+        else if (solid.partial_slip()) slope = (at(u) - velocity[s]) / solid.slip_length;
         viscous += area[s] * at(fluid.column<field::viscosity>()) * (slope - slope.dot(n) * n);
     }
     return {{time, pressure.x(), pressure.y(), pressure.z(), viscous.x(), viscous.y(), viscous.z()}};

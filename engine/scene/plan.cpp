@@ -24,7 +24,8 @@ namespace {
 constexpr double coupled_above = 0.25;
 
 std::string pressure_reason(PressureModel pressure, const Scene& scene, const SceneNumbers& n) {
-    if (facts_of(scene.models.micropolar).spins) return "the usual company of micropolar terms; \"ppe\" has them too";
+    if (facts_of(scene.models.micropolar).spins && pressure == PressureModel::wcsph)
+        return "the usual company of micropolar terms where there is a free surface; \"ppe\" has them too";
     if (!n.free_surface) return "every axis is periodic: no free surface";
     if (n.viscous_number > coupled_above && scene.domain.dimensions == 2) return "viscosity acts in a solve of its own in two dimensions";
     if (scene.any_free_solid()) return "it moves the free bodies in the same solve";
@@ -37,8 +38,9 @@ std::string pressure_reason(PressureModel pressure, const Scene& scene, const Sc
                : fmt::format("{} <= {:g}: the flow hardly diffuses within a step", number, coupled_above);
 }
 
-PressureModel automatic_pressure(const Scene& scene, const SceneNumbers& n) {
-    if (facts_of(scene.models.micropolar).spins) return PressureModel::wcsph;
+/// @param open the fluid has a free surface
+PressureModel automatic_pressure(const Scene& scene, const SceneNumbers& n, bool open) {
+    if (facts_of(scene.models.micropolar).spins) return open || scene.any_free_solid() ? PressureModel::wcsph : PressureModel::ppe;
     const PressureFacts& coupled = facts_of(PressureModel::coupled);
     const bool viscous = n.viscous_number > coupled_above && n.least_viscous_number >= coupled.least_viscous_number;
     return n.free_surface && viscous && (coupled.in_plane || scene.domain.dimensions == 3) &&
@@ -103,7 +105,7 @@ private:
     }
 
     void choose_pressure() {
-        const PressureModel automatic = automatic_pressure(scene_, n_);
+        const PressureModel automatic = automatic_pressure(scene_, n_, plan_.free_surface);
         plan_.pressure = choose("models.pressure", scene_.models.pressure, automatic, pressure_reason(automatic, scene_, n_));
         const PressureForm automatic_form = automatic_pressure_form();
         const PressureForm form = scene_.pressure.form.value_or(automatic_form);

@@ -100,10 +100,10 @@ struct ViscosityKeys {
 };
 
 struct MicropolarKeys {
-    double transfer_viscosity = 0.3;  ///< Pa s
-    double micro_inertia = 2;         ///< m^2
-    CurlForm curl_velocity = CurlForm::difference_own_density, curl_spin = CurlForm::symmetric;
-    bool co_rotating = true;  ///< curl u - 2 w as the curl seen from the turning particle
+    double transfer_viscosity = 0.3;                   ///< Pa s
+    double micro_inertia = 2;                          ///< m^2
+    std::optional<CurlForm> curl_velocity, curl_spin;  ///< none: "auto" (MicropolarOptions; with the projection corrected gradients)
+    bool co_rotating = true;                           ///< curl u - 2 w as the curl seen from the turning particle
     double xsph_velocity = 0.002, xsph_spin = 0.125;
     double xsph_time = 0;                  ///< s; 0: the parts are taken every step, whatever its length
     double spin_length = 0;                ///< m; 0: the spacing

@@ -190,8 +190,9 @@ KeyTable micropolar_keys() {
               "theta: inertia of the spin over the mass; with 2, as in the notes, the spin hardly changes in scenes of centimetres")
             .above(0))
         .live();
-    own(t.key("curl_velocity", &M::curl_velocity, "", "form of the velocity's curl"));
-    own(t.key("curl_spin", &M::curl_spin, "", "form of the spin's curl"));
+    own(t.key("curl_velocity", &M::curl_velocity, "",
+              "form of the velocity's curl; auto: difference_own_density, or corrected gradients with the projection"));
+    own(t.key("curl_spin", &M::curl_spin, "", "form of the spin's curl; auto: symmetric, or corrected gradients with the projection"));
     own(t.key("co_rotating", &M::co_rotating, "",
               "curl u - 2 w as the curl seen from the turning particle, which conserves angular momentum; false: as written"));
     own(t.key("xsph_velocity", &M::xsph_velocity, "", "smoothing of the velocity a step").at_least(0).at_most(1)).live();

@@ -18,6 +18,7 @@
 #include "engine/models/pressure/poisson.h"
 #include "engine/models/pressure/pressure_multigrid.h"
 #include "engine/models/pressure/wcsph.h"
+#include "engine/models/projection/corrected_micropolar.h"
 #include "engine/models/projection/corrected_viscosity.h"
 #include "engine/models/projection/projection.h"
 #include "engine/models/shifting/fickian.h"
@@ -172,7 +173,7 @@ private:
         made_.stages.push_back(neighbours());
         stage("geometry", "density", ProjectionGeometry{system});
         weights();
-        if (facts_.micropolar.spins) spin();
+        if (facts_.micropolar.spins) spin(system);
         else if (plan_.viscosity == ViscosityModel::explicit_laplacian) {
             if (scene_.viscosity.laplacian == LaplacianForm::brookshaw) {
                 stage("corrected viscosity", "viscosity", CorrectedViscosity{system});
@@ -188,6 +189,8 @@ private:
         if (bounded) pressure_limit();
         work_is(&EnergyWork::pressure);
         stage("move", "move", ProjectionMove{system});
+        work_is(&EnergyWork::smoothing);
+        if (facts_.micropolar.spins) stage("carry spin", "micropolar", CarrySpin{system});
         if (!scene_.solids.empty()) {
             stage("keep outside", "boundary", KeepOutside{});
             work_is(&EnergyWork::boundary);
@@ -387,8 +390,7 @@ private:
         work_is(&EnergyWork::viscosity);
     }
 
-    /// Micropolar terms with the explicit viscosity in the same pass over the pairs.
-    void spin() {
+    MicropolarOptions micropolar_options() const {
         const MicropolarKeys& keys = scene_.micropolar;
         const MicropolarNumbers& n = plan_.spin;
         MicropolarOptions options;
@@ -397,8 +399,8 @@ private:
         options.central_viscosity = n.central_viscosity;
         options.spin_viscosity = n.spin_viscosity;
         options.micro_inertia = n.micro_inertia;
-        options.curl_velocity = keys.curl_velocity;
-        options.curl_spin = keys.curl_spin;
+        options.curl_velocity = keys.curl_velocity.value_or(options.curl_velocity);
+        options.curl_spin = keys.curl_spin.value_or(options.curl_spin);
         options.co_rotating = keys.co_rotating;
         options.implicit_exchange = n.implicit_exchange;
         options.smoothing_velocity = keys.xsph_velocity;
@@ -408,7 +410,17 @@ private:
         options.torque = keys.torque;
         options.solid_factor = solid_factor_;
         options.gate = gate_;
-        stage("micropolar", "micropolar", Micropolar{options});
+        return options;
+    }
+
+    /// Micropolar terms with the explicit viscosity in the same pass over the pairs.
+    /// @param projection where there is one; it has corrected forms of its own, unless the scene asks for others
+    void spin(const std::shared_ptr<ProjectionSystem>& projection = nullptr) {
+        const MicropolarNumbers& n = plan_.spin;
+        const MicropolarOptions options = micropolar_options();
+        const bool asks = scene_.micropolar.curl_velocity || scene_.micropolar.curl_spin || n.central_viscosity != 0;
+        if (projection && !asks) stage("micropolar", "micropolar", CorrectedMicropolar{projection, options});
+        else stage("micropolar", "micropolar", Micropolar{options});
 
         const double R = plan_.support, rho = n.density;
         // The spin slaved to the flow takes coupling/2 off the viscosity: whichever is larger bounds the step.

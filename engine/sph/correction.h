@@ -5,15 +5,11 @@
 
 namespace whorl {
 
-/// From which ratio of eigenvalues to the largest one a direction counts as resolved.
-struct Resolved {
-    double not_at_all = 0.01, wholly = 0.04;
-};
-
-/// Pseudo-inverse of a symmetric positive semi-definite matrix. A direction counts as resolved by a smooth step of ln(s_a/s_max): a
-/// neighbourhood that is a plane, a line or a single neighbour gets no gradient across, and gains or loses a direction without a jump.
+/// Pseudo-inverse of a symmetric positive semi-definite matrix. A direction counts as resolved by a smooth step of ln(s_a/s_max) from ln
+/// 0.01 to ln 0.04: a neighbourhood that is a plane, a line or a single neighbour gets no gradient across, and gains or loses a direction
+/// without a jump.
 /// @param dimensions 2: the third row and column are 0, and so are those of the inverse
-Mat3d pseudo_inverse(const Mat3d& matrix, int dimensions = 3, Resolved resolved = {});
+Mat3d pseudo_inverse(const Mat3d& matrix, int dimensions = 3);
 
 /// L_i = (sum_j V_j grad W_ij (x_j - x_i)^T)^+        L_i times the difference gradient of operators.h is exact for linear fields wherever
 /// the neighbours span all directions, at free surfaces too.

@@ -211,6 +211,8 @@ max = [0.12, 0.12, 0.12]
 spacing = 0.0125
 [models]
 pressure = "ppe"
+[pressure]
+form = "constraint"
 [[block]]
 shape = "box"
 min = [0, 0, 0]

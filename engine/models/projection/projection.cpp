@@ -120,11 +120,6 @@ void Projection::operator()(const Surroundings& around, StepReport& report, Read
             if (solve == 0) all.first_residual = solved.first_residual, all.last_residual = solved.last_residual;
             if (!solved.converged) all.converged = false, all.why_not = solved.why_not;
             closed_.take_means_away(phi_);
-            // Air does not pull.
-            if (s.options.free_surface)
-                parallel_for(n, [&](Index i) {
-                    if (s.near_surface[i]) phi_[i] = std::max(phi_[i], solve == 0 ? Real(0) : -p[i]);
-                });
             parallel_for(n, [&](Index i) {
                 p[i] = (solve == 0 ? Real(0) : p[i]) + phi_[i];
                 if (role[i] != 0) return;
@@ -151,12 +146,13 @@ Real fastest_of(Span<const Vec3> u) {
 
 void ProjectionMove::operator()(const Surroundings& around, Read<field::role> role, Update<field::position> x,
                                 Update<field::velocity> u) const {
-    const ProjectionSystem& s = *system;
+    ProjectionSystem& s = *system;
     const StepContext& step = around.step;
     const Index n = u.size();
     const Real d = step.spacing, dt = step.dt;
     const Real slowest = s.options.free_surface ? Real(0.25) * std::sqrt(step.gravity.norm() * d) : 0;
-    std::vector<Vec3> shift(n, Vec3::Zero()), change(n, Vec3::Zero());
+    std::vector<Vec3> change(n, Vec3::Zero());
+    s.shift.assign(n, Vec3::Zero());
     const Real speed = std::max(slowest, fastest_of(u.values));
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(n, [&](Index i) {
@@ -171,12 +167,12 @@ void ProjectionMove::operator()(const Surroundings& around, Read<field::role> ro
             }
             const Real length = move.norm(), most = std::min(speed * dt / 2, d / 10);
             if (length > most) move *= most / length;
-            shift[i] = move;
+            s.shift[i] = move;
             change[i] = difference_sum(W, around.pairs, i, step.volume, u.data()) * (s.correction[i] * move);
         });
     });
     parallel_for(n, [&](Index i) {
-        x[i] += dt / 2 * (u[i] - s.start_velocity[i]) + shift[i];
+        x[i] += dt / 2 * (u[i] - s.start_velocity[i]) + s.shift[i];
         u[i] += change[i];
     });
 }

@@ -83,8 +83,6 @@ void ProjectionGeometry::operator()(const Surroundings& around, Read<field::role
         for (Index i = 0; i < n; ++i) s.first_touch[i + 1] = s.first_touch[i] + static_cast<std::size_t>(around.solid_pairs.count(i));
     s.touches.resize(s.first_touch[n]);
     const Real d = step.spacing, V = step.volume;
-    // The outermost layer of a lattice has .6; the one-sided gradients of thin sheets and splashes would drive them apart.
-    const Resolved resolved{0.2, 0.4};
     const Real of_layer = s.any_walls ? layer_factor(step.kernel, step.support, d) : 0;
 
     with_kernel(step.kernel, step.support, [&](const auto& W) {
@@ -93,7 +91,7 @@ void ProjectionGeometry::operator()(const Surroundings& around, Read<field::role
         std::vector<Real> fullness(n), slopes(n);
         parallel_for(n, [&](Index i) {
             OwnSums own = fluid_sums(W, around.pairs, i, V, over_first);
-            s.correction[i] = pseudo_inverse(own.moment, step.dimensions(), resolved).template cast<Real>();
+            s.correction[i] = pseudo_inverse(own.moment, step.dimensions()).template cast<Real>();
             s.trace[i] = static_cast<Real>(own.moment.trace());
             s.imbalance[i] = own.imbalance;
             s.gate[i] = 1;

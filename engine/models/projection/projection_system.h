@@ -52,6 +52,7 @@ struct ProjectionSystem {
     Column<Vec3> inward;      ///< sum V W'/r r over fluid and solids [1/m]: into the fluid, at a free surface
     Column<Real> wall_trace;  ///< what solids add to the trace
     Column<Real> gate;        ///< weight of the solids
+    Column<Vec3> shift;       ///< m, of ProjectionMove
     Column<Real> air;         ///< what is missing of a full neighbourhood's sum of -2 V W'/r near a free surface [1/m^2]
     std::vector<char> surface, near_surface;
     std::vector<std::size_t> first_touch;  ///< n + 1, into touches
