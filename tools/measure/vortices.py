@@ -244,18 +244,6 @@ def elliptic_drop(m):
     return markdown("case | asked | half-axes off theory at 0.5 s | 1 s | 1.5 s (1 : 9) | energy at the end over the start | steps | CPU s", rows)
 
 
-@table("rotating_disc", "a drop that turns as a rigid body, once", "1 minute")
-def rotating_disc(m):
-    rows = []
-    for spacing in (0.01, 0.005):
-        run = flow(m, "rotating_disc", f"{spacing}", f"fluid.spacing={spacing}")
-        d, probe = run.table(), run.table("probes/flow.csv")
-        rows.append([f"{0.2 / spacing:.0f} across", "1, 0.5 %", f"{d['kinetic_energy'][-1] / d['kinetic_energy'][0]:.4f}",
-                     f"{d['angular_momentum_z'][-1] / d['angular_momentum_z'][0]:.5f}", percent(probe["velocity_error"][-1], 2), *cost(run)])
-    return markdown("case | asked of energy, angular momentum | energy over the start | angular momentum over the start | velocity error | "
-                    "steps | CPU s", rows)
-
-
 @table("cylinder_stream", "a cylinder in a stream: Strouhal number, drag and lift", "5 hours")
 def cylinder_stream(m):
     rows = []
