@@ -28,8 +28,8 @@ struct FullViscosityOptions {
 /// u_j:
 ///   G_i = sum_j w_ij u_ij r_ij^T M_i^+         velocity gradient; M_i = sum_j w_ij r_ij r_ij^T, M^+ its inverse where it has one
 ///   D_i = (P_i G_i + (P_i G_i)^T)/2            strain rate; P_i projects on the directions that the neighbours resolve
-///   E(u) = sum_i m |u_i - u*_i|^2/2 + dt V sum_i (1 - counted_i) mu_i (|D_i - T_i|^2 + penalty D/(sum_j w_ij r_ij^2) sum_j w_ij |u_ij - G_i
-///   r_ij|^2)
+///   E(u) = sum_i m |u_i - u*_i|^2/2 + dt V sum_i (1 - counted_i) mu_i (|D_i - T_i|^2 + penalty D/(sum_j w_ij r_ij^2) sum_j w_ij |u_ij -
+///   G_i r_ij|^2)
 ///          + dt V sum_i mu_i (u_i.F_i u_i/2 - u_i.f_i)              friction at walls with a slip length, counted = 0 elsewhere:
 ///          models/boundary/friction.h
 ///   T_i = P_i T P_i                            the curvature of the move: models/strain/curvature.h
