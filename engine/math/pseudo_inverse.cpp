@@ -20,9 +20,7 @@ Mat3d pseudo_inverse(const Mat3d& matrix, int dimensions) {
     Vec3d inverse;
     for (int a = 0; a < 3; ++a) {
         const double relative = s[a] / s[2];
-        const double t =
-            relative > 0 ? std::clamp(std::log(relative / 0.01) / std::log(0.04 / 0.01), 0.0, 1.0)
-                         : 0;
+        const double t = relative > 0 ? std::clamp(std::log(relative / 0.01) / std::log(0.04 / 0.01), 0.0, 1.0) : 0;
         inverse[a] = t > 0 ? t * t * (3 - 2 * t) / s[a] : 0;
     }
     const Mat3d Q = eigen.eigenvectors();

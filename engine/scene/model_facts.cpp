@@ -43,6 +43,7 @@ const std::vector<PressureFacts>& pressure_models() {
          .name = "ppe",
          .form = PressureForm::projection,
          .source = PressureSource::velocity,
+         .cfl = 0.625,
          .keeps_apart = true,
          .solves = true,
          .makes_density = true,

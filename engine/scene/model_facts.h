@@ -14,6 +14,7 @@ struct PressureFacts {
     const char* name = "";                      ///< in scene files
     std::optional<PressureForm> form = {};      ///< the row is of this pressure.form alone
     std::optional<PressureSource> source = {};  ///< and of this pressure.source
+    double cfl = 1;                             ///< share of time.cfl that its steps use
     bool keeps_apart = false;                   ///< particles do not clump: surface tension needs that
     bool has_sound = false;                     ///< explicit in time: its steps resolve the sound
     bool solves = false;                        ///< a linear system a step, which has a tolerance

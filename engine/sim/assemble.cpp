@@ -117,12 +117,13 @@ private:
     void limit(std::string name, std::string formula, std::function<double(const World&, double)> dt) {
         made_.limits.push_back({std::move(name), std::move(formula), std::move(dt)});
     }
+    double cfl() const { return scene_.time.cfl * facts_.pressure.cfl; }
     static std::string number(double value) { return Expression(value).text(); }
     static constexpr double never = std::numeric_limits<double>::infinity();  ///< the step of a limit that does not bind
 
     /// No particle moves by more than cfl spacings, whether by its speed or by falling from rest; nor does a solid.
     void flow_limits() {
-        const double cfl = scene_.time.cfl, d = plan_.spacing;
+        const double cfl = this->cfl(), d = plan_.spacing;
         limit("cfl", number(cfl) + " d / max |u|", [=](const World& w, double speed) {
             for (const Vec3& u : w.solid_particles.velocity) speed = std::max(speed, static_cast<double>(u.norm()));
             for (const Solid& s : w.solids.all) speed = std::max(speed, static_cast<double>(s.pose.velocity.norm()));
@@ -163,7 +164,7 @@ private:
         ProjectionOptions options;
         options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
         options.free_surface = plan_.free_surface;
-        options.shift_rate = static_cast<Real>(0.5 / scene_.time.cfl);
+        options.shift_rate = static_cast<Real>(0.5 / cfl());
         const bool bounded = plan_.free_surface || !scene_.solids.empty();
         options.solves = bounded ? 3 : 2;
         options.theta = bounded ? 0.55 : 0.5;
@@ -313,8 +314,8 @@ private:
     }
 
     void pressure_limit() {
-        limit("pressure", number(scene_.time.cfl) + " d / sqrt(p / rho)",
-              [cfl = scene_.time.cfl, d = plan_.spacing, rho_0 = scene_.fluid.density](const World& w, double) {
+        limit("pressure", number(cfl()) + " d / sqrt(p / rho)",
+              [cfl = cfl(), d = plan_.spacing, rho_0 = scene_.fluid.density](const World& w, double) {
                   return pressure_step(cfl, d, rho_0, w.fluid.column<field::pressure>());
               });
     }

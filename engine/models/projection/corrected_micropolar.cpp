@@ -125,8 +125,8 @@ void CorrectedMicropolar::operator()(const Surroundings& around, StepReport& rep
                                      Update<field::spin> w) {
     if (!torque_.is_zero()) torque_.each(around.step.time, x.values, [&](Index i, const Vec3& tau) { change[i] = tau; });
     const Read<field::spin> spin{w.values};
-    report.work = with_kernel(around.step.kernel, around.step.support,
-                              [&](const auto& W) { return advance(W, around, role, u, a, change, spin); });
+    report.work =
+        with_kernel(around.step.kernel, around.step.support, [&](const auto& W) { return advance(W, around, role, u, a, change, spin); });
     parallel_for(w.size(), [&](Index i) { w[i] += change[i]; });
 }
 

@@ -8,8 +8,8 @@ namespace whorl {
 
 /// The system of MicropolarOptions with the gradients G of projection_system.h and the Laplacian of corrected_viscosity.h:
 ///   du/dt += (mu lap u + lambda curl w)/rho,   theta dw/dt = (gamma lap w + lambda (curl u - 2 w))/rho + tau
-/// At solids that the fluid sticks to, velocity and spin are continued behind the wall. The forms of the curls do not apply, and there is no
-/// central viscosity. The exchange is implicit in the spin's own decay where implicit_exchange.
+/// At solids that the fluid sticks to, velocity and spin are continued behind the wall. The forms of the curls do not apply, and there is
+/// no central viscosity. The exchange is implicit in the spin's own decay where implicit_exchange.
 class CorrectedMicropolar {
 public:
     CorrectedMicropolar(std::shared_ptr<ProjectionSystem> system, MicropolarOptions options)

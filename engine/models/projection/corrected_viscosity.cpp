@@ -16,7 +16,7 @@ void CorrectedViscosity::operator()(const Surroundings& around, Read<field::role
     const Real dimensions = static_cast<Real>(step.dimensions());
     const Real of_layer = s.any_walls ? layer_factor(step.kernel, step.support, d) : 0;
     const std::vector<char> slip = slips(around.solids);
-    if (s.any_walls) friction_.set(FrictionForm::central, around);
+    if (s.any_walls) friction_.set(FrictionForm::central, around, s.options.gate, 1);
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(u.size(), [&](Index i) {
             if (role[i] != 0) return;

@@ -11,7 +11,8 @@ namespace whorl {
 /// of a dense neighbourhood, the viscosity of disordered particles is right (3 % too weak else). nu_ij is the harmonic mean. At solids that
 /// the fluid sticks to, u_i - u_l of lattice layer l behind the wall continues the shear: (1 + depth_l/height_i)(u_i - u_wall), the factor
 /// at most
-/// 12. Next to a free surface the plain form is left: no stress acts across it.
+/// 12. Near a free surface the plain form is left: the corrected one makes water at rest
+/// boil. It has a torque on fluid that turns as a whole.
 class CorrectedViscosity {
 public:
     explicit CorrectedViscosity(std::shared_ptr<ProjectionSystem> system) : system_(std::move(system)) {}

@@ -4,8 +4,8 @@
 #include <numbers>
 
 #include "engine/core/parallel.h"
-#include "engine/models/boundary/wall.h"
 #include "engine/math/pseudo_inverse.h"
+#include "engine/models/boundary/wall.h"
 
 namespace whorl {
 
