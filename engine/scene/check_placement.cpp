@@ -47,6 +47,9 @@ public:
         for (std::size_t i = 0; i < scene_.emitters.size(); ++i) emitter(entry_name("emitter", i), scene_.emitters[i]);
         for (std::size_t i = 0; i < scene_.solids.size(); ++i) solid(entry_name("solid", i), i);
         for (std::size_t i = 0; i < scene_.drains.size(); ++i) drain(entry_name("drain", i), shapes_.drain_extent[i]);
+        for (std::size_t i = 0; i < scene_.streams.size(); ++i)
+            if (outside(scene_.streams[i].min, scene_.streams[i].max))
+                report(entry_name("stream", i), entry_name("stream", i) + " lies outside of the domain", "", domain_text());
         for (std::size_t i = 0; i < scene_.probes.size(); ++i) probe(entry_name("probe", i), scene_.probes[i]);
         memory();
     }
@@ -190,7 +193,7 @@ private:
         };
         if (p.kind == ProbeKind::point && outside(p.at, p.at)) far_away("at");
         if (p.kind == ProbeKind::line && outside(p.from.cwiseMin(p.to), p.from.cwiseMax(p.to))) far_away("from");
-        if (p.kind == ProbeKind::region && outside(p.min, p.max)) far_away("min");
+        if ((p.kind == ProbeKind::region || p.kind == ProbeKind::flow) && outside(p.min, p.max)) far_away("min");
         if (p.kind == ProbeKind::coil && outside(p.axis_point + p.height * p.axis_direction, p.axis_point + p.height * p.axis_direction))
             far_away("height");
     }

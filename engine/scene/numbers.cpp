@@ -129,14 +129,14 @@ private:
 
     void faster(double speed) { n_.speed = std::max(n_.speed, speed); }
     void thickness(double length, const std::string& name) {
-        if (length / d_ < n_.across) n_.across = length / d_, n_.thinnest = name;
+        if (length / d_ < n_.across) n_.across = length / d_, n_.narrowest = name;
     }
     void viscosity(std::size_t source, const Vec3d& x) {
         const Expression& mu = scene_.viscosity_of_source(source);
         n_.viscosity = std::max(n_.viscosity, mu(0, x));
         if (mu(0, x) < n_.least_viscosity) {
             n_.least_viscosity = mu(0, x);
-            n_.thinnest_fluid =
+            n_.least_viscosity_key =
                 source > 0 && scene_.emitters[source - 1].viscosity ? entry_name("emitter", source - 1) + ".viscosity" : "fluid.viscosity";
         }
         if (depends_on_age(mu))

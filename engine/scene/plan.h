@@ -18,7 +18,9 @@ struct Plan {
     MicropolarModel micropolar = MicropolarModel::none;
     BoundaryModel boundary = BoundaryModel::none;
     ShiftingModel shifting = ShiftingModel::none;
-    ModelFacts facts;  ///< of these models
+    ModelFacts facts;  ///< of these models; facts.pressure.form and .source are those chosen
+
+    bool free_surface = true;  ///< fluid does not fill all that solids and periodic axes leave
 
     double spacing = 0, support = 0;  ///< m
     KernelForm kernel;                ///< of so many dimensions as the flow

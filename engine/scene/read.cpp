@@ -43,6 +43,10 @@ public:
         for (std::size_t i = 0; i < scene_.emitters.size(); ++i) emitter(entry_name("emitter", i), scene_.emitters[i]);
         for (std::size_t i = 0; i < scene_.solids.size(); ++i) shape(entry_name("solid", i), scene_.solids[i].shape);
         for (std::size_t i = 0; i < scene_.drains.size(); ++i) shape(entry_name("drain", i), scene_.drains[i].shape);
+        for (std::size_t i = 0; i < scene_.streams.size(); ++i) {
+            const std::string name = entry_name("stream", i);
+            ordered(name + ".min", scene_.streams[i].min, name + ".max", scene_.streams[i].max, scene_.domain.dimensions);
+        }
         probes();
         for (const int pixels : scene_.output.size)
             if (pixels % 2 != 0) {
@@ -99,7 +103,11 @@ private:
                                      name + ".name = \"" + p.name + "\" is taken by " + entry_name("probe", j));
                     break;
                 }
-            if (p.kind == ProbeKind::region) ordered(name + ".min", p.min, name + ".max", p.max, scene_.domain.dimensions);
+            if (p.kind == ProbeKind::region || p.kind == ProbeKind::flow)
+                ordered(name + ".min", p.min, name + ".max", p.max, scene_.domain.dimensions);
+            if (p.kind == ProbeKind::solid && static_cast<std::size_t>(p.solid) >= scene_.solids.size())
+                reader_.disagree({name + ".solid"}, name + ".solid = " + std::to_string(p.solid) + " is no solid", "",
+                                 "the scene has " + std::to_string(scene_.solids.size()) + ", counted from 0");
             if (p.kind == ProbeKind::coil) direction(name + ".axis_direction", p.axis_direction);
             if (p.kind == ProbeKind::line && p.from == p.to)
                 reader_.disagree({name + ".to", name + ".from"}, name + ".from and " + name + ".to are the same point");

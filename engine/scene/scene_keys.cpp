@@ -71,6 +71,10 @@ KeyTable fluid_keys() {
           "surface tension: particles pull at each other over three spacings; 0: none, at no cost")
         .at_least(0)
         .live();
+    t.key("force", &FluidKeys::force, "m/s^2",
+          "force on every particle over its mass, besides gravity; the plan does not foresee the speeds that it makes")
+        .of("txyz")
+        .live();
     t.key("kernel", &FluidKeys::kernel, "", "smoothing kernel; auto: wendland_c2 with pressure \"coupled\", else cubic");
     t.key("support", &FluidKeys::support, "spacings", "kernel radius; auto: 3 with pressure \"coupled\", else 2").at_least(1.2).at_most(6);
     return t;
@@ -100,19 +104,27 @@ KeyTable pressure_keys() {
     t.key("preconditioner", &PressureKeys::preconditioner, "",
           "of the linear solver; auto: multigrid where enough particles press to pay for its set-up")
         .only_with(model, {"ppe"});
-    t.key("form", &PressureKeys::form, "", "no density above that at rest (constraint), or the pressure equation as published (poisson)")
+    const std::string form = "pressure.form";
+    t.key(
+         "form", &PressureKeys::form, "",
+         "constraint: no density above that at rest, for fluid that splashes and piles up; projection: no divergence, for fluid that fills "
+         "its space or moves gently; auto: by what the fluid fills")
         .only_with(model, {"ppe"});
-    t.key("correction", &PressureKeys::correction, "", "constraint: share of the density error that a step corrects")
+    t.key("source", &PressureKeys::source, "",
+          "projection: what the pressure takes away, the divergence of the velocity, or as published the error of the density")
+        .only_with(form, {"projection"});
+    t.key("correction", &PressureKeys::correction, "",
+          "share of the density error that a step corrects; auto: 0.5 of the constraint, 0.1 of source density, whose notes have 1")
         .above(0)
         .at_most(1)
         .only_with(model, {"ppe"});
     t.key("divergence_free", &PressureKeys::divergence_free, "",
           "constraint: the velocity inside the fluid has no divergence, of either sign, and a second solve moves particles to keep the "
           "density")
-        .only_with(model, {"ppe"});
+        .only_with(form, {"constraint"});
     t.key("damping", &PressureKeys::damping, "", "constraint: rate at which unresolved motion between neighbours dies, times sqrt(g/d)")
         .at_least(0)
-        .only_with(model, {"ppe"});
+        .only_with(form, {"constraint"});
     t.key("sound_speed", &PressureKeys::sound_speed, "m/s", "0: ten times the largest speed that the plan expects")
         .at_least(0)
         .only_with(model, {"wcsph"})
@@ -182,8 +194,9 @@ KeyTable micropolar_keys() {
               "theta: inertia of the spin over the mass; with 2, as in the notes, the spin hardly changes in scenes of centimetres")
             .above(0))
         .live();
-    own(t.key("curl_velocity", &M::curl_velocity, "", "form of the velocity's curl"));
-    own(t.key("curl_spin", &M::curl_spin, "", "form of the spin's curl"));
+    own(t.key("curl_velocity", &M::curl_velocity, "",
+              "form of the velocity's curl; auto: difference_own_density, or corrected gradients with the projection"));
+    own(t.key("curl_spin", &M::curl_spin, "", "form of the spin's curl; auto: symmetric, or corrected gradients with the projection"));
     own(t.key("co_rotating", &M::co_rotating, "",
               "curl u - 2 w as the curl seen from the turning particle, which conserves angular momentum; false: as written"));
     own(t.key("xsph_velocity", &M::xsph_velocity, "", "smoothing of the velocity a step").at_least(0).at_most(1)).live();
@@ -209,6 +222,12 @@ KeyTable boundary_keys() {
         .at_most(1)
         .only_with("models.boundary", {"akinci", "ppe"})
         .live();
+    t.key("volume_factor", &BoundaryKeys::volume_factor, "",
+          "volume of a solid's particle times the kernel sum over the solid; 1: as published, and fluid hovers; auto: what a lattice that "
+          "goes on behind the surface would do")
+        .above(0)
+        .at_most(2)
+        .only_with("models.boundary", {"akinci"});
     return t;
 }
 
@@ -282,6 +301,15 @@ KeyTable drain_keys() {
     return t;
 }
 
+KeyTable stream_keys() {
+    KeyTableOf<StreamKeys> t("a box in which the fluid is brought to a velocity: inflow and outflow of a periodic domain");
+    t.key("min", &StreamKeys::min, "m", "lowest corner").required();
+    t.key("max", &StreamKeys::max, "m", "highest corner").required();
+    t.key("velocity", &StreamKeys::velocity, "m/s", "of the stream").of("t");
+    t.key("time", &StreamKeys::time, "s", "in which the difference of the fluid's velocity to it falls to 1/e").required().above(0);
+    return t;
+}
+
 KeyTable probe_keys() {
     KeyTableOf<ProbeKeys> t("a measurement at every frame, in probes/<name>.csv");
     t.key("name", &ProbeKeys::name, "", "of the file").required();
@@ -290,8 +318,15 @@ KeyTable probe_keys() {
     t.key("from", &ProbeKeys::from, "m", "start of the line").required().only_with("kind", {"line"});
     t.key("to", &ProbeKeys::to, "m", "end of the line").required().only_with("kind", {"line"});
     t.key("count", &ProbeKeys::count, "", "points on the line").at_least(2).at_most(100000).only_with("kind", {"line"});
-    t.key("min", &ProbeKeys::min, "m", "lowest corner").required().only_with("kind", {"region"});
-    t.key("max", &ProbeKeys::max, "m", "highest corner").required().only_with("kind", {"region"});
+    t.key("min", &ProbeKeys::min, "m", "lowest corner").required().only_with("kind", {"region", "flow"});
+    t.key("max", &ProbeKeys::max, "m", "highest corner").required().only_with("kind", {"region", "flow"});
+    t.key("expected", &ProbeKeys::expected, "m/s", "velocity that theory expects: the flow is held against it; zero: against nothing")
+        .of("txyz")
+        .only_with("kind", {"flow"});
+    t.key("solid", &ProbeKeys::solid, "", "whose force is measured: the place of its [[solid]] in the file, from 0")
+        .required()
+        .at_least(0)
+        .only_with("kind", {"solid"});
     t.key("axis_point", &ProbeKeys::axis_point, "m", "where the axis meets the plate").only_with("kind", {"coil"});
     t.key("axis_direction", &ProbeKeys::axis_direction, "", "up, away from the plate").only_with("kind", {"coil"});
     t.key("height", &ProbeKeys::height, "m", "of the section that is measured, above the pile; 0: where the thread comes to rest")
@@ -360,6 +395,7 @@ KeyTable root_keys() {
     t.list("emitter", &Scene::emitters, emitter_keys());
     t.list("solid", &Scene::solids, solid_keys());
     t.list("drain", &Scene::drains, drain_keys());
+    t.list("stream", &Scene::streams, stream_keys());
     t.list("probe", &Scene::probes, probe_keys()).not_deciding();
     t.list("change", &Scene::changes, change_keys());
     t.list("panel", &Scene::panels, panel_keys()).not_deciding();

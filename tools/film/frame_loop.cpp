@@ -41,7 +41,7 @@ FrameSummary FrameLoop::measure_frame() {
     return summary;
 }
 
-BudgetRow FrameLoop::weigh(const FrameSummary& summary, int frame, double seconds, double spent) {
+void FrameLoop::hold_to_budget(const FrameSummary& summary, int frame, double seconds, double spent) {
     BudgetRow row;
     row.given_up = governor_.now();
     governed_ = governor_.after_frame(seconds, frame, spent);
@@ -50,7 +50,7 @@ BudgetRow FrameLoop::weigh(const FrameSummary& summary, int frame, double second
     row.largest_residual = largest_residual_;
     row.unconverged = simulation_.totals().unconverged_solves - summary.before.unconverged_solves;
     row.density_error_mean = summary.measures.density_error_mean, row.density_error_max = summary.measures.density_error_max;
-    return row;
+    if (governor_.has_budget()) host_.add_budget(row);
 }
 
 void FrameLoop::apply_governor() {

@@ -57,7 +57,8 @@ struct WallShear {
     }
 };
 
-/// By solid: 1 where the fluid does not stick: the viscous terms leave such solids out, and what rubs is WallFriction (friction.h).
+/// By solid: 1 where the fluid does not stick: the viscous terms leave such solids out, and WallFriction (friction.h) acts at those with a
+/// slip length.
 std::vector<char> slips(const Solids& solids);
 
 }  // namespace whorl

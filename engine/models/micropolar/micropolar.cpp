@@ -8,9 +8,6 @@
 namespace whorl {
 namespace {
 
-/// Particles whose torque is evaluated by one copy of the expression.
-constexpr Index torque_block = 4096;
-
 /// A vector's components as three sums, which the compiler keeps in registers side by side.
 struct Sum3 {
     Real x = 0, y = 0, z = 0;
@@ -101,19 +98,7 @@ void add_solids(Sums& all, const Kernel& W, const MicropolarOptions& options, co
 
 }  // namespace
 
-Micropolar::Micropolar(MicropolarOptions options) : options_(std::move(options)) {}
-
-void Micropolar::set_torque(const StepContext& step, Read<field::position> x, Write<field::spin_change> change) {
-    const Index n = x.size(), blocks = (n + torque_block - 1) / torque_block;
-    const auto& component = options_.torque.component;
-    while (torque_of_block_.size() < static_cast<std::size_t>(blocks))
-        torque_of_block_.push_back({{Expression(component[0].text()), Expression(component[1].text()), Expression(component[2].text())}});
-    parallel_tasks(blocks, [&](Index b) {
-        const VectorExpression& torque = torque_of_block_[b];
-        for (Index i = b * torque_block; i < std::min(n, (b + 1) * torque_block); ++i)
-            change[i] = torque(step.time, x[i].template cast<double>()).template cast<Real>();
-    });
-}
+Micropolar::Micropolar(MicropolarOptions options) : options_(std::move(options)), torque_(options_.torque) {}
 
 template <class Kernel, bool central>
 EnergyWork Micropolar::advance(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Read<field::density> rho,
@@ -122,6 +107,7 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const Surroundings& around,
     const StepContext& step = around.step;
     const MicropolarOptions& o = options_;
     const Real lattice = 1 / lattice_gradient(step.kernel, step.support, step.spacing),
+               along_pairs = along_pairs_factor(step.kernel, step.support, step.spacing),
                softening = Real(0.01) * step.support * step.support / 4;
     const Real dt = step.dt, m = step.mass;
     const Real lambda = static_cast<Real>(o.coupling), over_theta = static_cast<Real>(1 / o.micro_inertia);
@@ -131,7 +117,7 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const Surroundings& around,
     const Real alpha = part(o.smoothing_velocity) / dt, beta = part(o.smoothing_spin) / dt;
     const Real mu = static_cast<Real>(o.pair_viscosity), mu_central = static_cast<Real>(o.central_viscosity),
                gamma = static_cast<Real>(o.spin_viscosity);
-    const bool any_torque = !o.torque.is_zero(), any_solids = around.layer.size() > 0;
+    const bool any_torque = !torque_.is_zero(), any_solids = around.layer.size() > 0;
 
     return parallel_sum(a.size(), EnergyWork{}, [&](Index i) -> EnergyWork {
         if (role[i] != 0) {
@@ -149,7 +135,7 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const Surroundings& around,
         }
 
         Vec3 viscous = s.viscous.times(m * lattice * mu);
-        if constexpr (central) viscous += s.central.times(m * mu_central);
+        if constexpr (central) viscous += s.central.times(m * along_pairs * mu_central);
         const Vec3 spin_push = s.curl_w.times(m * lattice * lambda * b), smoothing = s.smooth_u.times(m * alpha);
         const Vec3 before = a[i];
         a[i] += viscous + spin_push + smoothing;
@@ -181,7 +167,7 @@ void Micropolar::operator()(const Surroundings& around, StepReport& report, Read
                             Read<field::position> x, Read<field::velocity> u, Update<field::acceleration> a,
                             Write<field::spin_change> change, Update<field::spin> w) {
     const StepContext& step = around.step;
-    if (!options_.torque.is_zero()) set_torque(step, x, change);
+    if (!torque_.is_zero()) torque_.each(step.time, x.values, [&](Index i, const Vec3& tau) { change[i] = tau; });
     const Read<field::spin> spin{w.values};
     report.work = with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;

@@ -7,13 +7,14 @@
 
 namespace whorl {
 
-void DampUnresolved::operator()(const FluidPairs& pairs, const StepContext& step, Read<field::role> role, Update<field::velocity> u) {
+void DampUnresolved::operator()(const Surroundings& around, Read<field::role> role, Update<field::velocity> u) {
+    const StepContext& step = around.step;
     const double fall = std::sqrt(static_cast<double>(step.gravity.norm() / step.spacing) + tension_ / static_cast<double>(step.mass));
     const auto c = static_cast<Real>(std::min(0.3, rate_ * static_cast<double>(step.dt) * fall));
     if (!(c > 0)) return;
     with_kernel(step.kernel, step.support, [&](const auto& W) {
-        find_gradients(W, pairs, step, u);
-        find_changes(W, pairs, step, u, c);
+        find_gradients(W, around.pairs, step, u);
+        find_changes(W, around.pairs, step, u, c);
     });
     parallel_for(u.size(), [&](Index i) {
         if (role[i] == 0) u[i] += change_[i];

@@ -2,8 +2,7 @@
 /// Damping of what the particles cannot resolve.
 #include "engine/core/column.h"
 #include "engine/particles/field.h"
-#include "engine/particles/pairs.h"
-#include "engine/particles/step_context.h"
+#include "engine/particles/surroundings.h"
 
 namespace whorl {
 
@@ -16,7 +15,7 @@ class DampUnresolved {
 public:
     /// @param tension surface tension [N/m]
     explicit DampUnresolved(double rate, double tension = 0) : rate_(rate), tension_(tension) {}
-    void operator()(const FluidPairs& pairs, const StepContext& step, Read<field::role> role, Update<field::velocity> u);
+    void operator()(const Surroundings& around, Read<field::role> role, Update<field::velocity> u);
 
 private:
     static constexpr Index most = Pairs::Group::most;

@@ -24,21 +24,6 @@ Real unbalanced(const Vec3& fluid, const Vec3& solid) {
 
 }  // namespace
 
-void PressureMatrix::multiply(Span<const Real> p, Span<Real> Ap) const {
-    parallel_for(size(), [&](Index i) {
-        Real sum = diagonal[i] * p[i];
-        for (std::size_t k = first[i]; k < first[i + 1]; ++k) sum -= c[k] * p[other[k]];
-        Ap[i] = sum;
-    });
-}
-
-PressurePreconditioner jacobi(const PressureMatrix& matrix) {
-    return {
-        [&matrix](Span<const Real> r, Span<Real> z) { parallel_for(matrix.size(), [&](Index i) { z[i] = r[i] / matrix.diagonal[i]; }); }};
-}
-
-PressurePreconditioner poisson_unpreconditioned(const PressureMatrix&) { return {NoPreconditioner{}}; }
-
 /// Free surface: the divergence of the position, 3 inside the fluid (3.06 on a lattice with R = 2 d), 2.24 in the outermost layer of a flat
 /// lattice; solids count as fluid does. A particle that is compressed is no surface, however few its neighbours: it needs a pressure.
 template <class Kernel>
@@ -104,7 +89,7 @@ void PoissonPressure::set_rows(const Kernel& kernel, const Surroundings& around,
         matrix_.diagonal[i] = 1;
         matrix_.pin[i] = b_[i] = 0;
         touches_surface_[i] = 0;
-        Vec3 mirror = wall_[i], prescribed = Vec3::Zero(), fluid = Vec3::Zero();
+        Vec3 boundary = wall_[i], prescribed = Vec3::Zero(), fluid = Vec3::Zero();
         wall_[i].setZero();
         if (!unknown && mine != PressureClass::separated) return;
 
@@ -135,9 +120,9 @@ void PoissonPressure::set_rows(const Kernel& kernel, const Surroundings& around,
                 const Vec3 turned = u_is + (wall.stretch(r, n_s) - 1) * u_is.dot(n_s) * n_s;
                 rate += gate_[i] * rho_0 * options_.solid_factor * layer.volume[s] * slope_at(distance) * turned.dot(r);
             });
-        mirror += prescribed;
+        boundary += prescribed;
         wall_[i] = rho_0 / (rho[i] * rho[i]) * prescribed;  // the other half comes from the sum over the pairs
-        const Real alpha = 2 * (rho_0 / rho[i]) * (rho_0 / rho[i]) * mirror.squaredNorm() * unbalanced(fluid, mirror);
+        const Real alpha = 2 * (rho_0 / rho[i]) * (rho_0 / rho[i]) * boundary.squaredNorm() * unbalanced(fluid, boundary);
         pin += V * alpha;
         b_[i] = V * (static_cast<Real>(options_.density_correction) * (rho[i] - rho_0) + step.dt * rate) * over_dt2;
         if (unknown) {
@@ -151,55 +136,6 @@ void PoissonPressure::set_rows(const Kernel& kernel, const Surroundings& around,
             b_[i] = 0;
         }
     });
-}
-
-/// Flood fill from the unknowns next to the surface. What it does not reach is closed: a full box, a pocket. It takes one pass over the
-/// pairs, in order, so the result does not depend on threads.
-void PoissonPressure::find_closed() {
-    const Index n = matrix_.size();
-    closed_.clear();
-    std::vector<char> reached(n, 0);
-    std::vector<Index> queue;
-    const auto spread = [&] {
-        for (std::size_t head = 0; head < queue.size(); ++head) {
-            const Index i = queue[head];
-            for (std::size_t k = matrix_.first[i]; k < matrix_.first[i + 1]; ++k) {
-                const Index j = matrix_.other[k];
-                if (!reached[j] && matrix_.c[k] > 0) reached[j] = 1, queue.push_back(j);
-            }
-        }
-    };
-    for (Index i = 0; i < n; ++i)
-        if (matrix_.unknown[i] && touches_surface_[i]) reached[i] = 1, queue.push_back(i);
-    spread();
-    for (Index i = 0; i < n; ++i) {
-        if (!matrix_.unknown[i] || reached[i]) continue;
-        queue.assign(1, i);
-        reached[i] = 1;
-        spread();
-        // What little alpha a full box has comes from uneven neighbours: it would turn the right-hand side's mean into a huge uniform
-        // pressure.
-        double pins = 0, diagonals = 0;
-        for (Index k : queue) pins += matrix_.pin[k], diagonals += matrix_.diagonal[k];
-        Closed component{queue, pins < 0.01 * diagonals};
-        if (component.singular)
-            for (Index k : queue) {
-                matrix_.diagonal[k] = std::max(matrix_.diagonal[k] - matrix_.pin[k], smallest);
-                matrix_.pin[k] = 0;
-            }
-        closed_.push_back(std::move(component));
-    }
-}
-
-/// A closed component is solvable where its right-hand side has no mean: the walls take what is left.
-void PoissonPressure::take_means_away() {
-    for (const Closed& component : closed_) {
-        if (!component.singular) continue;
-        double mean = 0;
-        for (Index i : component.members) mean += b_[i];
-        mean /= static_cast<double>(component.members.size());
-        for (Index i : component.members) b_[i] -= static_cast<Real>(mean);
-    }
 }
 
 /// |r| is held against that of a residual of rho_0/dt^2 everywhere: the tolerance is a relative density error. At small time steps that
@@ -228,7 +164,7 @@ SolveReport PoissonPressure::solve_rows(const StepContext& step, double unknowns
 /// nor that of a ceiling (wall_push) takes anything away.
 void PoissonPressure::choose_zero(const StepContext& step, Span<Real> x) const {
     const Real layer = step.rest_density * step.gravity.norm() * step.spacing;
-    for (const Closed& component : closed_) {
+    for (const ClosedRegion& component : closed_.all) {
         Real lowest = component.singular ? std::numeric_limits<Real>::max() : 0;
         for (Index i : component.members) lowest = std::min(lowest, x[i]);
         const Real shift = component.singular ? layer - lowest : -lowest;
@@ -238,7 +174,7 @@ void PoissonPressure::choose_zero(const StepContext& step, Span<Real> x) const {
 
 void PoissonPressure::solve(const StepContext& step, StepReport& report, Update<field::pressure> p) {
     const Index n = matrix_.size();
-    take_means_away();
+    closed_.take_means_away(b_);
     Column<Real> x(n);
     const double unknowns = parallel_sum(n, [&](Index i) {
         const bool unknown = matrix_.unknown[i];
@@ -289,7 +225,7 @@ void PoissonPressure::operator()(const Surroundings& around, StepReport& report,
         });
         classify(kernel, around, role, rho);
         build(kernel, around, rho, u, p);
-        find_closed();
+        closed_.find(matrix_, touches_surface_);
         solve(around.step, report, p);
         push(kernel, around, rho, u, p);
     });

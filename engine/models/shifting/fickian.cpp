@@ -33,9 +33,9 @@ void FickianShift::operator()(const Surroundings& around, Read<field::role> role
                 for (Index from = 0; from < group.padded(); from += lanes)
                     for (Index l = 0; l < lanes; ++l) fastest[l] = apart[from + l] > fastest[l] ? apart[from + l] : fastest[l];
             });
-            around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                gradient += solid_factor * around.layer.volume[s] * W.slope(distance) * r;
-            });
+            const Real at_solids = solid_factor * gate.weight(W, i, around.solid_pairs, around.layer.volume, solid_factor);
+            around.solid_pairs.of(
+                i, [&](Index s, const Vec3& r, Real distance) { gradient += at_solids * around.layer.volume[s] * W.slope(distance) * r; });
             const Real surrounded = std::clamp(3 - Real(2.5) * step.support * gradient.norm(), Real(0), Real(1));
             Vec3 move = -step.dt * std::sqrt(*std::max_element(fastest, fastest + lanes)) * step.support * dense * surrounded * gradient;
             const Real length = move.norm();

@@ -6,12 +6,14 @@
 /// Stages of a step, in order: Density, Gravity, (forces), Kick, AssembledViscosity, (pressure), Move.
 #include "engine/models/viscosity/implicit_viscosity.h"
 #include "engine/particles/surroundings.h"
+#include "engine/sph/gate.h"
 
 namespace whorl {
 
 struct AssembledViscosityOptions {
     SolveLimits limits{1e-4, 500};  ///< see solve_implicit()
     Real solid_factor = 1;          ///< on the solids' volumes, see models/boundary/wall.h
+    SolidGate gate = {};
     /// The gradient of particle i weights all its neighbours with V_i: symmetric. false: with V_j, as the note prints it; then the matrix
     /// is not symmetric where densities differ.
     bool own_volume = true;

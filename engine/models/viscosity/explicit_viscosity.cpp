@@ -8,8 +8,10 @@
 
 namespace whorl {
 
-void XsphViscosity::operator()(const FluidPairs& pairs, const StepContext& step, Read<field::role> role, Read<field::density> rho,
-                               Write<field::smoothing> change, Update<field::velocity> u) const {
+void XsphViscosity::operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Write<field::smoothing> change,
+                               Update<field::velocity> u) const {
+    const FluidPairs& pairs = around.pairs;
+    const StepContext& step = around.step;
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         parallel_for(u.size(), [&](Index i) {
             Vec3 sum = Vec3::Zero();
@@ -47,7 +49,7 @@ void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions
     const StepContext& step = around.step;
     const std::vector<char> slip = slips(around.solids);
     WallFriction friction;
-    friction.set(options.monaghan ? FrictionForm::along : FrictionForm::central, around);
+    friction.set(options.monaghan ? FrictionForm::along : FrictionForm::central, around, options.gate, options.solid_factor);
     const WallShear shear{step.spacing / 2};
     // The solids' share in rho_i a_i, but for the weight of all of them at i.
     const auto by_solid = [&](Index i, Index s, const Vec3& r, Real distance) {
@@ -84,9 +86,7 @@ void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions
         if (const Real solid_factor = weight(i); solid_factor > 0) {
             around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { sum += solid_factor * by_solid(i, s, r, distance); });
             // The wall's area does not depend on the density that the kernel finds beside it: the acceleration is mu/rho_0 times that.
-            if (friction.acts())
-                sum -=
-                    solid_factor / options.solid_factor * rho[i] / step.rest_density * own_mu * (friction.hold(i) * own - friction.pull(i));
+            if (friction.acts()) sum -= rho[i] / step.rest_density * own_mu * (friction.coefficient(i) * own - friction.load(i));
         }
         a[i] += sum / rho[i];
     });

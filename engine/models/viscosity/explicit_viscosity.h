@@ -21,8 +21,8 @@ struct smoothing {
 /// on the time step.
 struct XsphViscosity {
     Real alpha = Real(0.002);
-    void operator()(const FluidPairs& pairs, const StepContext& step, Read<field::role> role, Read<field::density> rho,
-                    Write<field::smoothing> change, Update<field::velocity> u) const;
+    void operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Write<field::smoothing> change,
+                    Update<field::velocity> u) const;
 };
 
 struct ExplicitOptions {

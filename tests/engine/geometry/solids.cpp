@@ -173,7 +173,12 @@ TEST_CASE("on a plane the volumes are those of an infinite lattice, and periodic
     Domain domain{Vec3(Real(-1.03), -1, -1), Vec3(Real(1.03), 1, 1), {true, false, true}};
     const SolidParticles particles = sample_solids(solids, d, domain);
     CHECK(particles.size() == 21 * 20);
-    for (Real V : particles.volume) REQUIRE(V == Approx(particles.volume[0]).epsilon(1e-3));
+    // 1/sum W over a lattice without end, 2.06/21 by 0.1 m.
+    const CubicKernel W(2 * d);
+    double sum = 0;
+    for (int a = -3; a <= 3; ++a)
+        for (int b = -3; b <= 3; ++b) sum += static_cast<double>(W.value(static_cast<Real>(std::hypot(a * 2.06 / 21, b * 0.1))));
+    for (Real V : particles.volume) REQUIRE(V == Approx(1 / sum).epsilon(1e-3));
     for (const Vec3& x : particles.position) REQUIRE(x[1] == Approx(-d / 2));
     for (const Vec3& n : particles.normal) REQUIRE((n - Vec3(0, 1, 0)).norm() < 1e-6);
 

@@ -21,14 +21,14 @@ struct Compression {
         FluidPairs pairs;
         SolidPairs solid_pairs;
         Solids solids = w.solids;
+        SolidParticles layer = w.solid_particles;
         NeighbourSearch search, solid_search;
         search.find(x, w.step.support, w.step.domain, pairs);
-        solid_search.find(x, w.solid_particles.position, w.step.support, w.step.domain, solid_pairs);
+        solid_search.find(x, layer.position, w.step.support, w.step.domain, solid_pairs);
         Column<Real> rho(x.size()), rate(x.size());
         DensityRate D;
-        D.build(WallImage(w.step.kernel, w.step.support, w.step.spacing),
-                Surroundings{pairs, solid_pairs, solids, w.solid_particles, w.step}, Read<field::role>{w.fluid.column<field::role>()},
-                Read<field::velocity>{w.fluid.column<field::velocity>()}, rho, rate);
+        D.build(WallImage(w.step.kernel, w.step.support, w.step.spacing), Surroundings{pairs, solid_pairs, solids, layer, w.step},
+                Read<field::role>{w.fluid.column<field::role>()}, Read<field::velocity>{w.fluid.column<field::velocity>()}, rho, rate);
         for (const Real one : rho) {
             const double error = std::max(0.0, static_cast<double>(one / w.step.rest_density) - 1);
             mean += error / static_cast<double>(rho.size());
