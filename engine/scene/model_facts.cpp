@@ -27,7 +27,6 @@ const std::vector<PressureFacts>& pressure_models() {
          .keeps_apart = true,
          .has_sound = true,
          .moves_bodies = true,
-         .plane_support = 3,
          .boundary = BoundaryModel::akinci,
          .boundary_reason = "solids with weakly compressible pressure"},
         {.model = PressureModel::ppe,

@@ -76,9 +76,7 @@ KeyTable fluid_keys() {
         .of("txyz")
         .live();
     t.key("kernel", &FluidKeys::kernel, "", "smoothing kernel; auto: wendland_c2 with pressure \"coupled\", else cubic");
-    t.key("support", &FluidKeys::support, "spacings", "kernel radius; auto: 3 with pressure \"coupled\" and in two dimensions, else 2")
-        .at_least(1.2)
-        .at_most(6);
+    t.key("support", &FluidKeys::support, "spacings", "kernel radius; auto: 3 with pressure \"coupled\", else 2").at_least(1.2).at_most(6);
     return t;
 }
 
