@@ -48,7 +48,6 @@ const std::vector<PressureFacts>& pressure_models() {
          .makes_density = true,
          .kernel = KernelKind::wendland_c2,
          .support = 3,
-         .plane_support = 3,
          .kernel_reason = "what the projection was measured with",
          .boundary = BoundaryModel::ppe,
          .boundary_reason = "solids with the pressure equation",
