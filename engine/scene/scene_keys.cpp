@@ -75,8 +75,11 @@ KeyTable fluid_keys() {
           "force on every particle over its mass, besides gravity; the plan does not foresee the speeds that it makes")
         .of("txyz")
         .live();
-    t.key("kernel", &FluidKeys::kernel, "", "smoothing kernel; auto: wendland_c2 with pressure \"coupled\", else cubic");
-    t.key("support", &FluidKeys::support, "spacings", "kernel radius; auto: 3 with pressure \"coupled\", else 2").at_least(1.2).at_most(6);
+    t.key("kernel", &FluidKeys::kernel, "",
+          "smoothing kernel; auto: wendland_c2 with pressure \"coupled\" and with the projection, else cubic");
+    t.key("support", &FluidKeys::support, "spacings", "kernel radius; auto: 3 with pressure \"coupled\" and with the projection, else 2")
+        .at_least(1.2)
+        .at_most(6);
     return t;
 }
 
