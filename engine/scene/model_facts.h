@@ -14,6 +14,7 @@ struct PressureFacts {
     const char* name = "";                      ///< in scene files
     std::optional<PressureForm> form = {};      ///< the row is of this pressure.form alone
     std::optional<PressureSource> source = {};  ///< and of this pressure.source
+    double cfl = 1;                             ///< share of time.cfl that its steps use
     bool keeps_apart = false;                   ///< particles do not clump: surface tension needs that
     bool has_sound = false;                     ///< explicit in time: its steps resolve the sound
     bool solves = false;                        ///< a linear system a step, which has a tolerance
@@ -26,7 +27,7 @@ struct PressureFacts {
     bool in_plane = true;        ///< knows flows of two dimensions
     bool moves_bodies = false;
     KernelKind kernel = KernelKind::cubic;  ///< its own
-    double support = 2, plane_support = 2;  ///< its own [spacings], in space and in two dimensions
+    double support = 2;                     ///< its own [spacings]
     const char* kernel_reason = "usual";
     BoundaryModel boundary = BoundaryModel::none;  ///< how solids act on it; besides, only "none" goes with it
     const char* boundary_reason = "";

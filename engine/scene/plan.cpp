@@ -55,9 +55,7 @@ public:
     /// @param given the scene as read @param scene the same, calibrated
     Planner(const Scene& given, const Scene& scene, const SceneShapes& shapes)
         : given_(given), scene_(scene), shapes_(shapes), d_(scene.fluid.spacing),
-          n_(scene_numbers(scene, shapes,
-                           scene.fluid.support.value_or(scene.domain.dimensions == 2 ? usual.plane_support : usual.support) * d_)),
-          step_(n_.step) {}
+          n_(scene_numbers(scene, shapes, scene.fluid.support.value_or(usual.support) * d_)), step_(n_.step) {}
 
     Plan plan() {
         tell_numbers();
@@ -127,12 +125,10 @@ private:
 
     void choose_kernel() {
         const PressureFacts& own = plan_.facts.pressure;
-        const bool plane = scene_.domain.dimensions == 2;
-        plan_.support = scene_.fluid.support.value_or(plane ? own.plane_support : own.support) * d_;
+        plan_.support = scene_.fluid.support.value_or(own.support) * d_;
         plan_.kernel = {scene_.fluid.kernel.value_or(own.kernel), scene_.domain.dimensions};
         tell("fluid.kernel", name_of(plan_.kernel.kind), !scene_.fluid.kernel, own.kernel_reason);
-        tell("fluid.support", fmt::format("{:g}", plan_.support / d_), !scene_.fluid.support,
-             plane && own.plane_support != own.support ? "as many neighbours as 2 spacings have in space" : own.kernel_reason);
+        tell("fluid.support", fmt::format("{:g}", plan_.support / d_), !scene_.fluid.support, own.kernel_reason);
     }
 
     void choose_sound_speed() {

@@ -23,6 +23,7 @@
 #include "engine/models/projection/corrected_viscosity.h"
 #include "engine/models/projection/projection.h"
 #include "engine/models/shifting/fickian.h"
+#include "engine/models/strain/curvature.h"
 #include "engine/models/surface_tension/surface_tension.h"
 #include "engine/models/viscosity/ageing_viscosity.h"
 #include "engine/models/viscosity/assembled_viscosity.h"
@@ -117,12 +118,13 @@ private:
     void limit(std::string name, std::string formula, std::function<double(const World&, double)> dt) {
         made_.limits.push_back({std::move(name), std::move(formula), std::move(dt)});
     }
+    double cfl() const { return scene_.time.cfl * facts_.pressure.cfl; }
     static std::string number(double value) { return Expression(value).text(); }
     static constexpr double never = std::numeric_limits<double>::infinity();  ///< the step of a limit that does not bind
 
     /// No particle moves by more than cfl spacings, whether by its speed or by falling from rest; nor does a solid.
     void flow_limits() {
-        const double cfl = scene_.time.cfl, d = plan_.spacing;
+        const double cfl = this->cfl(), d = plan_.spacing;
         limit("cfl", number(cfl) + " d / max |u|", [=](const World& w, double speed) {
             for (const Vec3& u : w.solid_particles.velocity) speed = std::max(speed, static_cast<double>(u.norm()));
             for (const Solid& s : w.solids.all) speed = std::max(speed, static_cast<double>(s.pose.velocity.norm()));
@@ -149,6 +151,7 @@ private:
         options.support = plan_.support / plan_.spacing;
         auto system = std::make_shared<CoupledSystem>(options);
         stage("coupled neighbourhood", "neighbours", CoupledNeighbourhood{system});
+        stage("coupled gradient", "viscosity", CoupledGradient{system});
         if (scene_.fluid.surface_tension > 0) surface_tension(system->known_pressure);
         force();
         stage("coupled solve", "pressure", CoupledSolve{system});
@@ -163,7 +166,6 @@ private:
         ProjectionOptions options;
         options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
         options.free_surface = plan_.free_surface;
-        options.shift_rate = static_cast<Real>(0.5 / scene_.time.cfl);
         const bool bounded = plan_.free_surface || !scene_.solids.empty();
         options.solves = bounded ? 3 : 2;
         options.theta = bounded ? 0.55 : 0.5;
@@ -206,6 +208,7 @@ private:
         made_.stages.push_back(neighbours());
         if (facts_.needs_density()) stage("density", "density", Density{solid_factor_, gate_});
         if (facts_.pressure.has_sound) sound_pressure();
+        if (facts_.viscosity.implicit) stage("velocity gradient", "viscosity", VelocityGradient{solid_factor_});
         weights();
         if (facts_.pressure.has_sound) sound_forces();
         if (facts_.micropolar.spins) spin();
@@ -313,8 +316,8 @@ private:
     }
 
     void pressure_limit() {
-        limit("pressure", number(scene_.time.cfl) + " d / sqrt(p / rho)",
-              [cfl = scene_.time.cfl, d = plan_.spacing, rho_0 = scene_.fluid.density](const World& w, double) {
+        limit("pressure", number(cfl()) + " d / sqrt(p / rho)",
+              [cfl = cfl(), d = plan_.spacing, rho_0 = scene_.fluid.density](const World& w, double) {
                   return pressure_step(cfl, d, rho_0, w.fluid.column<field::pressure>());
               });
     }

@@ -415,3 +415,44 @@ TEST_CASE("the projection is refused where fluid splashes, and taken by itself w
     CHECK(form(tank + block("[0.4, 0.4, 0.2]")) == PressureForm::projection);
     CHECK(form(tank + block("[0.4, 0.2, 0.2]")) == PressureForm::constraint);
 }
+
+TEST_CASE("in two dimensions the plan counts particles by area, and refuses by name what the plane does not have", "[plan][plane]") {
+    const std::string tank = R"toml([time]
+end = 1
+[domain]
+dimensions = 2
+min = [-0.1, -0.1]
+max = [0.3, 0.3]
+[fluid]
+spacing = 0.01
+viscosity = 100
+[[block]]
+shape = "box"
+min = [0, 0]
+max = [0.2, 0.1]
+[[solid]]
+shape = "box"
+min = [0, 0]
+max = [0.2, 0.2]
+inside = true
+)toml";
+    const Plan plan = make_plan(scene_with({}, tank));
+    CHECK(plan.estimated_particles == Approx(200));
+    CHECK(plan.particle_volume() == Approx(1e-4));
+    CHECK(plan.pressure == PressureModel::ppe);  // coupled, which so thick a fluid would have in space, is none for the plane
+    CHECK(plan.kernel.dimensions == 2);
+    CHECK(plan.support == Approx(0.02));
+
+    const auto messages = [&](const std::string& change) {
+        try {
+            make_plan(scene_with({change}, tank));
+        } catch (const InputError& e) { return std::string(e.what()); }
+        return std::string("no error");
+    };
+    const std::string here = " in two dimensions (domain.dimensions = 2)";
+    CHECK(messages("models.pressure=coupled").find("models.pressure = \"coupled\" does not work" + here) != std::string::npos);
+    CHECK(messages("fluid.surface_tension=0.07").find("there is no surface tension" + here) != std::string::npos);
+    CHECK(messages("emitter=[{position=[0,0.2],radius=0.02,speed=1}]").find("there are no emitters" + here) != std::string::npos);
+    CHECK(messages("solid=[{shape=\"sphere\",radius=0.02,density=500}]").find("there are no free bodies" + here) != std::string::npos);
+    CHECK(messages("output.export=[\"vdb\"]").find("there is no surface to export as \"vdb\"" + here) != std::string::npos);
+}

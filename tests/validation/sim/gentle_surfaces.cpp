@@ -34,7 +34,8 @@ Rest rest(const std::vector<std::string>& changes, bool closed) {
     run_until(simulation, 2);
     const Table line = reading(simulation, "up");
     const std::vector<double>&y = line.at("y"), &p = line.at("pressure");
-    double offset = 0;
+    // Without a lid the pressure is 0 at the outermost particles, half a spacing of 1/32 m below the surface.
+    double offset = closed ? 0 : -0.5 / 32;
     for (std::size_t k = 0; closed && k < y.size(); ++k) offset += (p[k] / (1000 * g) - (1 - y[k])) / static_cast<double>(y.size());
     Rest r{fastest(simulation) / std::sqrt(g), 0};
     for (std::size_t k = 0; k < y.size(); ++k) r.pressure = std::max(r.pressure, std::abs(p[k] / (1000 * g) - (1 - y[k]) - offset));

@@ -89,7 +89,7 @@ TEST_CASE("Taylor-Green vortices of particles that spin keep energy within 2 % a
     const double start = reading(simulation, "flow").at("kinetic_energy")[0];
     for (const double time : {0.5, 1.0, 1.5, 2.0}) {
         run_until(simulation, time);
-        const auto [U, W] = exact_vortex(c, time);
+        const auto [U, W] = exact_vortex(c, time, 2 * pi);
         INFO("t = " << time);
         CHECK(reading(simulation, "flow").at("kinetic_energy")[0] == Approx(start * U * U).epsilon(0.02));
         CHECK(reading(simulation, "cell").at("spin_z")[0] == Approx(4 / (pi * pi) * W).epsilon(0.03));
