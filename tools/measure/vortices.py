@@ -186,7 +186,7 @@ def rest(m):
                 if m.dry:
                     continue
                 off = line["pressure"][now] / (1000 * g) - (1 - line["y"][now])
-                off = off - off.mean() * (words == "closed box")
+                off = off - (off.mean() if words == "closed box" else -0.5 / 32)  # 0 at the outermost particles
                 cells += [percent(at(d, t)["max_speed"] / math.sqrt(g), 3), percent(np.abs(off).max(), 2)]
             rows.append([f"{words}, {sampling}", "0.5, 1 %", *cells, *cost(run)])
     return markdown("case | asked of speed, pressure | largest speed at 2 s | pressure | at 10 s | pressure | steps | CPU s", rows)
@@ -232,7 +232,7 @@ def ellipse(times, a=0.15, b=0.15, A=1.0, dt=1e-4):
 @table("elliptic_drop", "half-axes of a drop that is squeezed", "1 minute")
 def elliptic_drop(m):
     rows, times = [], (0.5, 1, 1.5)
-    for words, spacing in (("1160 particles", 0.0078), ("4600 particles", 0.0039), ("18600 particles", 0.00195)):
+    for words, spacing in (("1160 particles", 0.0078), ("4600 particles", 0.0039)):
         run = flow(m, "elliptic_drop", f"{spacing}", f"fluid.spacing={spacing}", options=["--export", "points"])
         cells = []
         for t, exact in zip(times, ellipse(times)):
