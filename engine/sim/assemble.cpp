@@ -296,15 +296,14 @@ private:
         options.solid_factor = solid_factor_;
         options.gate = gate_;
         stage("explicit viscosity", "viscosity", ExplicitViscosity{options});
-        limit("viscous", "0.125 R^2 / (4 nu)",
-              [R = plan_.support, nu = plan_.largest_viscosity / scene_.fluid.density](const World&, double) {
-                  return nu > 0 ? viscous_step(R, nu) : never;
-              });
+        const double nu = plan_.largest_viscosity / scene_.fluid.density,
+                     step = nu > 0 ? viscous_step(plan_.support, nu, options.monaghan) : never;
+        const std::string formula = options.monaghan ? "0.075 R^2 / (4 nu)" : "0.125 R^2 / (4 nu)";
+        limit("viscous", formula, [step](const World&, double) { return step; });
         if (bodies_)
-            limit("light bodies in viscous fluid", "(0.125 R^2 / (4 nu)) mass / mass of the fluid around",
-                  [R = plan_.support, nu = plan_.largest_viscosity / scene_.fluid.density](const World& w, double) {
-                      return nu > 0 ? viscous_step(R, nu) * lightness(w.solids, w.solid_particles, w.step.mass) : never;
-                  });
+            limit("light bodies in viscous fluid", "(" + formula + ") mass / mass of the fluid around", [step](const World& w, double) {
+                return step < never ? step * lightness(w.solids, w.solid_particles, w.step.mass) : never;
+            });
     }
 
     void implicit_viscosity() {
@@ -354,7 +353,7 @@ private:
 
         const double R = plan_.support, rho = n.density;
         // The spin slaved to the flow takes coupling/2 off the viscosity: whichever is larger bounds the step.
-        const double nu = std::max({n.pair_viscosity + std::abs(n.central_viscosity), n.coupling / 2}) / rho;
+        const double nu = std::max({n.pair_viscosity + 5.0 / 3 * std::abs(n.central_viscosity), n.coupling / 2}) / rho;
         limit("viscous", "0.125 R^2 / (4 max(nu, kappa/2))", [=](const World&, double) { return nu > 0 ? viscous_step(R, nu) : never; });
         const double diffusion = n.spin_viscosity / (rho * n.micro_inertia);
         limit("spin diffusion", "0.125 R^2 theta / (4 gamma/rho)",

@@ -1,5 +1,7 @@
 #include "engine/models/strain/curvature.h"
 
+#include <Eigen/LU>
+#include <algorithm>
 #include <limits>
 
 #include "engine/core/parallel.h"
@@ -9,10 +11,12 @@
 namespace whorl {
 
 Mat3 curvature_strain(const Mat3& G, Real dt) {
-    const Mat3 square = G * G;
-    const Mat3 T = dt / 4 * (square + square.transpose());
-    const Real size = T.norm(), most = Real(0.2) * G.norm();
-    return size > most ? Mat3(most / size * T) : T;
+    const Real moved = dt * G.norm(), counted = std::min(moved, Real(0.4));
+    if (!(moved > 0)) return Mat3::Zero();
+    const Mat3 C = counted / moved * dt * G, B = C * (Mat3::Identity() - C).inverse();
+    const Mat3 bent = B * B * (2 * Mat3::Identity() + B).inverse();
+    const Mat3 T = (bent + bent.transpose()) / 2;
+    return std::min(Real(1), Real(0.2) * counted / std::max(T.norm(), std::numeric_limits<Real>::min())) / dt * T;
 }
 
 Mat3 turned_rigidly(const Mat3& G, const Mat3& P) { return G - P * G.transpose() * (Mat3::Identity() - P); }
