@@ -57,6 +57,14 @@ struct Value {
 
 enum class KeyType { flag, integer, number, text, choice, expression, flags, integers, numbers, expressions, texts, any };
 
+/// How a key's three entries stand in a flow of two dimensions, that of the plane z = 0.
+enum class InPlane {
+    free,    ///< as ever: they are no vector of the flow's space
+    vector,  ///< the third is 0 and may be left out
+    axis,    ///< only the third counts, the others are 0: what turns about z
+    cut      ///< of a shape, which the plane cuts: the third may be left out
+};
+
 /// What is wrong with a value that has the right type (a bad expression, say).
 struct KeyFault : std::invalid_argument {
     KeyFault(Place where, const std::string& what) : std::invalid_argument(what), place(std::move(where)) {}
@@ -79,7 +87,8 @@ struct MemberAccess {
 struct Key {
     std::string name, unit, meaning;
     KeyType type = KeyType::number;
-    int count = 0;                     ///< entries of a list type; 0: any number
+    int count = 0;  ///< entries of a list type; 0: any number
+    InPlane in_plane = InPlane::free;
     bool may_be_auto = false;          ///< "auto" is a value (a std::optional member)
     std::vector<std::string> choices;  ///< choice, texts
     double least = -std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::infinity();
@@ -96,6 +105,9 @@ struct Key {
     const MemberAccess* access = nullptr;
     Value get(const void* object) const { return access->write(static_cast<const char*>(object) + offset); }
 
+    /// In a flow of two dimensions its third entry may be left out.
+    bool may_lack_depth() const { return in_plane == InPlane::vector || in_plane == InPlane::cut; }
+
     Key& required() { return is_required = true, *this; }
     Key& at_least(double v) { return least = v, *this; }
     Key& above(double v) { return least = v, least_open = true, *this; }
@@ -104,6 +116,7 @@ struct Key {
     Key& of(std::string names) { return variables = std::move(names), *this; }
     Key& only_with(std::string_view key, std::initializer_list<const char*> values);
     Key& only_with(std::string_view key, const std::vector<std::string>& values);
+    Key& in(InPlane how) { return in_plane = how, *this; }
     Key& not_deciding() { return decides = false, *this; }
     Key& live() { return may_change = true, *this; }
 
@@ -318,6 +331,11 @@ template <class T, std::size_t Count>
 struct KeyCodec<std::array<T, Count>> : ListCodec<std::array<T, Count>, T, static_cast<int>(Count)> {};
 template <class T>
 struct KeyCodec<Eigen::Matrix<T, 3, 1>> : ListCodec<Eigen::Matrix<T, 3, 1>, T, 3> {};
+/// Places and velocities of the flow are in double; colours and cameras are not, and know no plane.
+template <>
+struct KeyCodec<Vec3d> : ListCodec<Vec3d, double, 3> {
+    static void describe(Key& k) { ListCodec::describe(k), k.in_plane = InPlane::vector; }
+};
 template <>
 struct KeyCodec<std::vector<std::string>> {
     static void describe(Key& k) { k.type = KeyType::texts; }

@@ -64,39 +64,18 @@ public:
 
     /// A lattice on the six faces, edges and corners once.
     std::vector<LayerPoint> layer(Real offset, const LayerRegion& region) const override {
-        struct Line {
-            std::vector<double> x;
-            std::vector<int> side;  ///< -1 at the low end, 1 at the high one, 0 between
-        } line[3];
-        for (int a = 0; a < 3; ++a) {
-            if (region.spans_period(a, centre_[a] - half_[a], centre_[a] + half_[a])) {
-                line[a].x = period_points(region, a);
-                line[a].side.assign(line[a].x.size(), 0);
-                continue;
-            }
-            const double half = inset(half_[a], offset), low = centre_[a] - half;
-            const double steps = std::max(1.0, std::round(2 * half / region.spacing)), step = 2 * half / steps;
-            double first = 0, last = steps;
-            if (region.clipped) {
-                first = std::max(first, std::ceil((region.domain.min[a] - region.margin - low) / step));
-                last = std::min(last, std::floor((region.domain.max[a] + region.margin - low) / step));
-            }
-            check_count(last - first, "box");
-            for (double k = first; k <= last; ++k) {
-                line[a].x.push_back(low + k * step);
-                line[a].side.push_back(k == 0 ? -1 : k == steps ? 1 : 0);
-            }
-        }
-        const double n[3] = {double(line[0].x.size()), double(line[1].x.size()), double(line[2].x.size())};
+        LatticeLine line[3];
+        for (int a = 0; a < 3; ++a) line[a] = lattice_line(region, a, centre_[a], half_[a], offset, "box");
+        const double n[3] = {double(line[0].at.size()), double(line[1].at.size()), double(line[2].at.size())};
         check_count(2 * (n[0] * n[1] + n[1] * n[2] + n[2] * n[0]), "box");
         std::vector<LayerPoint> points;
-        for (std::size_t i = 0; i < line[0].x.size(); ++i)
-            for (std::size_t j = 0; j < line[1].x.size(); ++j) {
+        for (std::size_t i = 0; i < line[0].at.size(); ++i)
+            for (std::size_t j = 0; j < line[1].at.size(); ++j) {
                 const bool on_face = line[0].side[i] != 0 || line[1].side[j] != 0;
-                for (std::size_t k = 0; k < line[2].x.size(); ++k) {
+                for (std::size_t k = 0; k < line[2].at.size(); ++k) {
                     if (!on_face && line[2].side[k] == 0) continue;
                     const Vec3d side(line[0].side[i], line[1].side[j], line[2].side[k]);
-                    points.push_back({Vec3d(line[0].x[i], line[1].x[j], line[2].x[k]), side.normalized()});
+                    points.push_back({Vec3d(line[0].at[i], line[1].at[j], line[2].at[k]), side.normalized()});
                 }
             }
         return points;

@@ -1,5 +1,5 @@
 #pragma once
-/// The box that particles live in, with any subset of its axes periodic.
+/// The box that particles live in, with any subset of its axes periodic. A box without depth is a piece of the plane z = 0.
 #include <array>
 #include <cmath>
 
@@ -12,7 +12,15 @@ struct Domain {
     Vec3 max = Vec3::Ones();                            ///< m
     std::array<bool, 3> periodic{false, false, false};  ///< a periodic axis must be at least two support radii long
 
+    int dimensions() const { return min.z() < max.z() ? 3 : 2; }
     bool any_periodic() const { return periodic[0] || periodic[1] || periodic[2]; }
+    /// It has no edge.
+    bool all_periodic() const { return periodic[0] && periodic[1] && (periodic[2] || dimensions() == 2); }
+    /// m^3; of a box without depth m^2, the volume of a metre of depth.
+    double volume() const {
+        const Vec3d size = (max - min).cast<double>();
+        return size.x() * size.y() * (dimensions() == 2 ? 1 : size.z());
+    }
     Vec3 size() const { return max - min; }
     bool contains(const Vec3& x) const {
         for (int a = 0; a < 3; ++a)

@@ -53,6 +53,10 @@ public:
         std::vector<double> line[2];
         for (std::size_t k = 0; k < 2; ++k) {
             const int a = axes[k];
+            if (a == 2 && region.domain.dimensions() == 2) {
+                line[k] = {0};
+                continue;
+            }
             if (a >= 0 && region.domain.periodic[a]) {
                 line[k] = period_points(region, a);
                 continue;

@@ -2,6 +2,7 @@
 
 #include "engine/core/errors.h"
 #include "engine/geometry/box.h"
+#include "engine/geometry/cut.h"
 #include "engine/geometry/cylinder.h"
 #include "engine/geometry/mesh_shape.h"
 #include "engine/geometry/plane.h"
@@ -41,6 +42,7 @@ Bulk bulk_of(const TriangleMesh& mesh) {
 }
 
 std::shared_ptr<const Shape> make_shape(const ShapeKeys& keys) {
+    if (keys.cut && keys.kind != "plane") return make_cut(keys);
     if (keys.kind == "box") return make_box(keys.min, keys.max);
     if (keys.kind == "sphere") return make_sphere(keys.centre, keys.radius);
     if (keys.kind == "cylinder") return make_cylinder(keys.from, keys.to, keys.radius);

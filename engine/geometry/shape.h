@@ -20,6 +20,8 @@ struct ShapeKeys {
     Vec3d normal{0, 1, 0};
     std::filesystem::path file;
     double scale = 1;
+    /// The flow is plane: what counts is the cut by the plane z = 0, for all z. A box or cylinder without depth reaches through the plane.
+    bool cut = false;
 };
 
 /// Where a layer of particles along a shape's surface is wanted, in the shape's own axes.
@@ -38,7 +40,7 @@ struct LayerPoint {
     Vec3d position, outward;  ///< m; unit, away from the shape's inside
 };
 
-/// What a shape is full of, at a density of 1.
+/// What a shape is full of, at a density of 1; of a cut by the plane, what a metre of depth holds.
 struct Bulk {
     double volume = 0;             ///< m^3
     Vec3d centre = Vec3d::Zero();  ///< of gravity, m

@@ -40,8 +40,8 @@ struct Solid {
     void go_on_as(VectorExpression new_position, VectorExpression new_spin, double t);
     bool moves() const;
     bool sticks() const { return slip_length == 0; }
-    /// Whether the fluid slips, but not freely.
-    bool rubs() const { return slip_length > 0 && slip_length < std::numeric_limits<double>::infinity(); }
+    /// The fluid slips, but not freely.
+    bool partial_slip() const { return slip_length > 0 && slip_length < std::numeric_limits<double>::infinity(); }
     /// Distance from x to the solid's surface, positive on the fluid's side [m].
     Real distance(const Vec3& x) const;
     /// Unit vector from the solid into the fluid.

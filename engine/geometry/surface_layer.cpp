@@ -33,6 +33,28 @@ std::vector<double> period_points(const LayerRegion& region, int axis) {
     return x;
 }
 
+LatticeLine lattice_line(const LayerRegion& region, int axis, double centre, double half_length, double offset, const std::string& shape) {
+    LatticeLine line;
+    if (region.spans_period(axis, centre - half_length, centre + half_length)) {
+        line.at = period_points(region, axis);
+        line.side.assign(line.at.size(), 0);
+        return line;
+    }
+    const double half = inset(half_length, offset), low = centre - half;
+    const double steps = std::max(1.0, std::round(2 * half / region.spacing)), step = 2 * half / steps;
+    double first = 0, last = steps;
+    if (region.clipped) {
+        first = std::max(first, std::ceil((region.domain.min[axis] - region.margin - low) / step));
+        last = std::min(last, std::floor((region.domain.max[axis] + region.margin - low) / step));
+    }
+    check_count(last - first, shape);
+    for (double k = first; k <= last; ++k) {
+        line.at.push_back(low + k * step);
+        line.side.push_back(k == 0 ? -1 : k == steps ? 1 : 0);
+    }
+    return line;
+}
+
 void frame_of(const Vec3d& n, Vec3d& u, Vec3d& v) {
     int least = 0;
     n.cwiseAbs().minCoeff(&least);

@@ -10,6 +10,13 @@ inline double inset(double half, double offset) { return offset < 0 ? std::max(h
 /// Evenly spread over the period of the axis, half a step from its ends.
 std::vector<double> period_points(const LayerRegion& region, int axis);
 
+/// Places along an axis of a box's surface at `offset`, from end to end; over the whole period, without ends, where the box spans it.
+struct LatticeLine {
+    std::vector<double> at;  ///< m
+    std::vector<int> side;   ///< -1 at the low end, 1 at the high one, 0 between
+};
+LatticeLine lattice_line(const LayerRegion& region, int axis, double centre, double half, double offset, const std::string& shape);
+
 /// Two unit vectors that make a right-handed frame with the unit vector n.
 void frame_of(const Vec3d& n, Vec3d& u, Vec3d& v);
 

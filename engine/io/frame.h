@@ -31,6 +31,7 @@ struct Frame {
     std::vector<FrameSolid> solids;
     Vec3f domain_min = Vec3f::Zero(), domain_max = Vec3f::Zero();  ///< m
     std::array<bool, 3> periodic{false, false, false};
+    int dimensions = 3;  ///< 2: all particles stand in the plane z = 0
 };
 
 }  // namespace whorl

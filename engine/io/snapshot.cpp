@@ -52,6 +52,7 @@ Frame particles_of(const World& world, const std::vector<std::string>& fields) {
     frame.domain_min = world.step.domain.min.cast<float>();
     frame.domain_max = world.step.domain.max.cast<float>();
     frame.periodic = world.step.domain.periodic;
+    frame.dimensions = world.step.dimensions();
     frame.position.resize(n);
     frame.velocity.resize(n);
     parallel_for(world.fluid.size(), [&](Index i) {

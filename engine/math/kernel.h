@@ -1,5 +1,5 @@
 #pragma once
-/// Smoothing kernels in three dimensions with compact support R.
+/// Smoothing kernels with compact support R, in space and in the plane.
 #include <numbers>
 
 #include "engine/core/types.h"
@@ -8,12 +8,37 @@ namespace whorl {
 
 enum class KernelKind { cubic, wendland_c2, wendland_c4 };
 
-/// W(r), its derivative, and slope(r) = W'(r)/r, which is finite at 0 where W' is 0 there; r in m, for q = r/R in [0, 1); all are 0 beyond.
-/// Cubic B-spline (Monaghan and Lattanzio 1985), written for q = r/R:  W = 8/(pi R^3) (1 - 6 q^2 + 6 q^3 | 2 (1-q)^3).
-struct CubicKernel {
+/// A kernel of that kind in so many dimensions, 2 or 3. All that depends on the dimension of the flow asks the kernel for it.
+struct KernelForm {
+    KernelKind kind = KernelKind::cubic;
+    int dimensions = 3;
+    KernelForm(KernelKind of_kind = KernelKind::cubic, int in_dimensions = 3) : kind(of_kind), dimensions(in_dimensions) {}
+    bool operator==(const KernelForm&) const = default;
+};
+
+/// length^D: m^3 in space; in the plane m^2, the volume of a metre of depth.
+template <class T>
+T power_of(T length, int dimensions) {
+    return dimensions == 2 ? length * length : length * length * length;
+}
+
+/// What the three kernels share. norm makes the integral over all space, or over the whole plane, 1.
+struct KernelBase {
+    int dimensions;
     Real R, inverse, norm;
-    explicit CubicKernel(Real support)
-        : R(support), inverse(1 / support), norm(Real(8 / std::numbers::pi) / (support * support * support)) {}
+    /// @param space, plane norm R^D
+    KernelBase(Real support, int in_dimensions, double space, double plane)
+        : dimensions(in_dimensions), R(support), inverse(1 / support),
+          norm(static_cast<Real>(in_dimensions == 2 ? plane : space) / power_of(support, in_dimensions)) {}
+};
+
+/// W(r), its derivative, and slope(r) = W'(r)/r, which is finite at 0 where W' is 0 there; r in m, for q = r/R in [0, 1); all are 0 beyond.
+/// Units are those in space; in the plane there is one m less in the denominator.
+/// Cubic B-spline (Monaghan and Lattanzio 1985), written for q = r/R:  W = 8/(pi R^3) (1 - 6 q^2 + 6 q^3 | 2 (1-q)^3), in the plane with
+/// 40/(7 pi R^2).
+struct CubicKernel : KernelBase {
+    explicit CubicKernel(Real support, int in_dimensions = 3)
+        : KernelBase(support, in_dimensions, 8 / std::numbers::pi, 40 / (7 * std::numbers::pi)) {}
     Real value(Real r) const {
         const Real q = r * inverse;
         const Real p = std::max(Real(0), 1 - q);
@@ -33,11 +58,10 @@ struct CubicKernel {
     }
 };
 
-/// Wendland C2 (Wendland 1995):  W = 21/(2 pi R^3) (1-q)^4 (1+4q).
-struct WendlandC2Kernel {
-    Real R, inverse, norm;
-    explicit WendlandC2Kernel(Real support)
-        : R(support), inverse(1 / support), norm(Real(21 / (2 * std::numbers::pi)) / (support * support * support)) {}
+/// Wendland C2 (Wendland 1995):  W = 21/(2 pi R^3) (1-q)^4 (1+4q), in the plane with 7/(pi R^2).
+struct WendlandC2Kernel : KernelBase {
+    explicit WendlandC2Kernel(Real support, int in_dimensions = 3)
+        : KernelBase(support, in_dimensions, 21 / (2 * std::numbers::pi), 7 / std::numbers::pi) {}
     Real value(Real r) const {
         const Real q = r * inverse;
         const Real p = std::max(Real(0), 1 - q), p2 = p * p;
@@ -54,11 +78,10 @@ struct WendlandC2Kernel {
     }
 };
 
-/// Wendland C4 (Wendland 1995):  W = 495/(32 pi R^3) (1-q)^6 (1+6q+35/3 q^2).
-struct WendlandC4Kernel {
-    Real R, inverse, norm;
-    explicit WendlandC4Kernel(Real support)
-        : R(support), inverse(1 / support), norm(Real(495 / (32 * std::numbers::pi)) / (support * support * support)) {}
+/// Wendland C4 (Wendland 1995):  W = 495/(32 pi R^3) (1-q)^6 (1+6q+35/3 q^2), in the plane with 9/(pi R^2).
+struct WendlandC4Kernel : KernelBase {
+    explicit WendlandC4Kernel(Real support, int in_dimensions = 3)
+        : KernelBase(support, in_dimensions, 495 / (32 * std::numbers::pi), 9 / std::numbers::pi) {}
     Real value(Real r) const {
         const Real q = r * inverse;
         const Real p = std::max(Real(0), 1 - q), p2 = p * p;
@@ -76,14 +99,23 @@ struct WendlandC4Kernel {
     }
 };
 
-/// Calls f with the kernel of that kind, so that the loops inside f are compiled once a kernel and hold no branch on the kind.
+/// Calls f with that kernel, so that the loops inside f are compiled once a kind and hold no branch on it.
 template <class F>
-decltype(auto) with_kernel(KernelKind kind, Real support, F&& f) {
-    switch (kind) {
-        case KernelKind::wendland_c2: return f(WendlandC2Kernel(support));
-        case KernelKind::wendland_c4: return f(WendlandC4Kernel(support));
-        default: return f(CubicKernel(support));
+decltype(auto) with_kernel(KernelForm form, Real support, F&& f) {
+    switch (form.kind) {
+        case KernelKind::wendland_c2: return f(WendlandC2Kernel(support, form.dimensions));
+        case KernelKind::wendland_c4: return f(WendlandC4Kernel(support, form.dimensions));
+        default: return f(CubicKernel(support, form.dimensions));
     }
+}
+
+/// Calls f(a, b, c) for all whole numbers from -reach to reach: the points of a cubic lattice. In the plane c is 0, on a line b, too.
+template <class F>
+void each_lattice_point(int dimensions, int reach, F&& f) {
+    const int across = dimensions > 1 ? reach : 0, deep = dimensions > 2 ? reach : 0;
+    for (int a = -reach; a <= reach; ++a)
+        for (int b = -across; b <= across; ++b)
+            for (int c = -deep; c <= deep; ++c) f(a, b, c);
 }
 
 }  // namespace whorl

@@ -89,6 +89,7 @@ Real largest_eigenvalue(const SparseRows& A, Span<const Real> inverse) {
 
 void Multigrid::set_up(SparseRows A, std::vector<GridCell> cells, const MultigridOptions& options) {
     levels_.clear();
+    sweeps_before_ = options.sweeps_before, sweeps_after_ = options.sweeps_after;
     for (;;) {
         const Index n = A.size();
         Level& level = levels_.emplace_back();
@@ -121,9 +122,16 @@ void Multigrid::factor(const SparseRows& A) {
     for (Index i = 0; i < A.size(); ++i)
         for (std::size_t k = A.first[i]; k < A.first[i + 1]; ++k) dense(i, A.column[k]) = static_cast<double>(A.value[k]);
     dense = (dense + dense.transpose()).eval() / 2;
-    // A closed box leaves A singular: constants are worth 10^4 times what a neighbour's difference is, not infinitely much.
+    for (Index i = 0; i < A.size(); ++i)
+        if (!(dense(i, i) > static_cast<double>(smallest))) dense(i, i) = 1;
+    coarsest_.compute(dense);
+    // What is left of a row's diagonal after all before it: nothing but the entries' round-off where A is singular.
+    constexpr double round_off = 1e-5;
+    const auto left = [&] { return (coarsest_.matrixLLT().diagonal().array().square() / dense.diagonal().array()).minCoeff(); };
+    if (coarsest_.info() == Eigen::Success && left() > round_off) return;
+    // As in a closed box: constants are then worth 10^4 times what a neighbour's difference is, not infinitely much.
     constexpr double lift = 1e-4;
-    for (Index i = 0; i < A.size(); ++i) dense(i, i) = dense(i, i) > static_cast<double>(smallest) ? dense(i, i) * (1 + lift) : 1;
+    dense.diagonal() *= 1 + lift;
     coarsest_.compute(dense);
 }
 
@@ -140,16 +148,20 @@ void Multigrid::cycle(std::size_t l, Span<const Real> b, Span<Real> x) const {
     }
     const Level& next = levels_[l + 1];
     const SparseRows& A = level.A;
-    // x = S b;  r = b - A x;  x += P (next level) P^T r;  x += S (b - A x)        S = w/D
+    const auto sweep = [&] {
+        A.multiply(x, level.work);
+        parallel_for(n, [&](Index i) { x[i] += level.smoothing[i] * (b[i] - level.work[i]); });
+    };
+    // x = S b, and x += S (b - A x) for every sweep more;  r = b - A x;  x += P (next level) P^T r;  x += S (b - A x)        S = w/D
     parallel_for(n, [&](Index i) { x[i] = level.smoothing[i] * b[i]; });
+    for (int k = 1; k < sweeps_before_; ++k) sweep();
     A.multiply(x, level.work);
     parallel_for(n, [&](Index i) { level.work[i] = b[i] - level.work[i]; });
     level.R.multiply(level.work, next.b);
     cycle(l + 1, next.b, next.x);
     level.P.multiply(next.x, level.work);
     parallel_for(n, [&](Index i) { x[i] += level.work[i]; });
-    A.multiply(x, level.work);
-    parallel_for(n, [&](Index i) { x[i] += level.smoothing[i] * (b[i] - level.work[i]); });
+    for (int k = 0; k < sweeps_after_; ++k) sweep();
 }
 
 std::size_t Multigrid::bytes() const {

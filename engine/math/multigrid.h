@@ -30,10 +30,13 @@ struct MultigridOptions {
     bool smoothed = true;  ///< interpolation is smoothed once: (1 - w D^-1 A) times constants; false: constants
     Index coarsest = 250;  ///< unknowns that are left to a dense Cholesky factorisation
     int most_levels = 20;
+    int sweeps_before = 1;  ///< of damped Jacobi on every level before the correction from the next, at least 1
+    int sweeps_after = 1;   ///< and after it; as many as before keep the cycle symmetric, which conjugate gradients need
 };
 
-/// x = M^-1 b with M symmetric and positive definite for any symmetric positive semi-definite A: one damped Jacobi sweep from zero, the
-/// correction from the next level (2 x 2 x 2 cells become one; A' = P^T A P), one more sweep; Cholesky on the coarsest level.
+/// x = M^-1 b with M symmetric and positive definite for any symmetric positive semi-definite A (with as many sweeps before as after):
+/// damped Jacobi sweeps from zero, the correction from the next level (2 x 2 x 2 cells become one; A' = P^T A P), sweeps again; Cholesky on
+/// the coarsest level, whose diagonal is raised by 1e-4 where it is singular, as in a closed box.
 /// Rows whose diagonal is zero get x = 0.
 class Multigrid {
 public:
@@ -54,6 +57,7 @@ private:
     void factor(const SparseRows& A);
 
     std::vector<Level> levels_;
+    int sweeps_before_ = 1, sweeps_after_ = 1;
     Eigen::LLT<Eigen::MatrixXd> coarsest_;
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/core/parallel.h"
+#include "engine/math/kernel.h"
 #include "engine/particles/search.h"
 
 namespace whorl {
@@ -13,12 +14,16 @@ namespace {
 struct Extent {
     Vec3d min, max;
     bool spans_period[3];
+    int dimensions;  ///< 2: the box has no depth
 };
 
 Extent extent_of(const Shape& shape, const Domain& domain) {
     Vec3 low, high;
     shape.bounds(low, high);
-    Extent e{low.cast<double>().cwiseMax(domain.min.cast<double>()), high.cast<double>().cwiseMin(domain.max.cast<double>()), {}};
+    Extent e{low.cast<double>().cwiseMax(domain.min.cast<double>()),
+             high.cast<double>().cwiseMin(domain.max.cast<double>()),
+             {},
+             domain.dimensions()};
     for (int a = 0; a < 3; ++a) {
         const double tolerance = 1e-5 * static_cast<double>(domain.max[a] - domain.min[a]);
         e.spans_period[a] = domain.periodic[a] && e.min[a] <= static_cast<double>(domain.min[a]) + tolerance &&
@@ -30,9 +35,9 @@ Extent extent_of(const Shape& shape, const Domain& domain) {
 std::vector<Vec3> lattice(const Shape& shape, const Extent& e, double spacing, double jitter, std::uint64_t seed,
                           Layers layers = Layers::nearest) {
     std::vector<Vec3> x;
-    Vec3d step, first;
-    long count[3];
-    for (int a = 0; a < 3; ++a) {
+    Vec3d step = Vec3d::Zero(), first = Vec3d::Zero();
+    long count[3] = {1, 1, 1};
+    for (int a = 0; a < e.dimensions; ++a) {
         const double length = e.max[a] - e.min[a];
         if (!(length > 0)) return x;
         const bool within = layers == Layers::within && !e.spans_period[a];
@@ -47,7 +52,8 @@ std::vector<Vec3> lattice(const Shape& shape, const Extent& e, double spacing, d
             for (long i = 0; i < count[0]; ++i) {
                 Vec3d p =
                     first + Vec3d(static_cast<double>(i) * step[0], static_cast<double>(j) * step[1], static_cast<double>(k) * step[2]);
-                const Vec3d shift(random() - 0.5, random() - 0.5, random() - 0.5);
+                Vec3d shift(random() - 0.5, random() - 0.5, random() - 0.5);
+                if (e.dimensions == 2) shift.z() = 0;
                 if (shape.distance(p.cast<Real>()) >= 0) continue;
                 const Vec3 moved = (p + 2 * jitter * spacing * shift).cast<Real>();
                 x.push_back(shape.distance(moved) < 0 ? moved : Vec3(p.cast<Real>()));
@@ -55,12 +61,12 @@ std::vector<Vec3> lattice(const Shape& shape, const Extent& e, double spacing, d
     return x;
 }
 
-/// Volume of the shape within the extent, by the middles of cells a quarter of a spacing wide.
+/// Volume of the shape within the extent (in the plane: area), by the middles of cells a quarter of a spacing wide.
 double volume_within(const Shape& shape, const Extent& e, double spacing) {
-    long count[3];
-    Vec3d step;
+    long count[3] = {1, 1, 1};
+    Vec3d step = Vec3d::Zero();
     double cells = 1;
-    for (int a = 0; a < 3; ++a) {
+    for (int a = 0; a < e.dimensions; ++a) {
         const double length = e.max[a] - e.min[a];
         if (!(length > 0)) return 0;
         count[a] = std::clamp(std::lround(4 * length / spacing), 1L, 512L);
@@ -138,7 +144,8 @@ std::vector<Vec3> sample_shape(const Shape& shape, Sampling sampling, Real spaci
 
     // Blue noise starts from a strongly jittered lattice with as many points as the volume asks for.
     std::vector<Vec3> x = lattice(shape, e, spacing, 0.4, seed);
-    const auto wanted = static_cast<std::size_t>(std::lround(volume_within(shape, e, spacing) / std::pow(static_cast<double>(spacing), 3)));
+    const auto wanted =
+        static_cast<std::size_t>(std::lround(volume_within(shape, e, spacing) / power_of(static_cast<double>(spacing), e.dimensions)));
     RandomNumbers random(seed + 1);
     while (x.size() > wanted) {
         std::swap(x[random() * static_cast<double>(x.size())], x.back());

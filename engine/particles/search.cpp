@@ -121,8 +121,10 @@ void NeighbourSearch::choose_axes(Span<const Vec3> x, Real support, const Domain
         return Box{xi.cast<double>().array(), xi.cast<double>().array()};
     });
 
-    double cells[3];
-    for (int a = 0; a < 3; ++a) {
+    axes_ = domain.dimensions();
+    if (axes_ == 2) axis_[2] = {};
+    double cells[3] = {1, 1, 1};
+    for (int a = 0; a < axes_; ++a) {
         const double edge = support * (a == 0 ? edge_along : edge_across);
         Axis& axis = axis_[a];
         if (domain.periodic[a]) {
@@ -150,7 +152,7 @@ void NeighbourSearch::choose_axes(Span<const Vec3> x, Real support, const Domain
         bins[longest] = std::floor(bins[longest] / 2);
         axis_[longest].wraps = true;
     }
-    for (int a = 0; a < 3; ++a) {
+    for (int a = 0; a < axes_; ++a) {
         Axis& axis = axis_[a];
         axis.bins = static_cast<int>(bins[a]);
         if (domain.periodic[a]) {
@@ -170,8 +172,8 @@ void NeighbourSearch::fill_bins(Span<const Vec3> x, const Domain& domain) {
             return;
         }
         const Vec3 xi = domain.wrapped(x[i]);
-        int bin[3];
-        for (int a = 0; a < 3; ++a) bin[a] = axis_[a].bin(axis_[a].cell(xi[a]));
+        int bin[3] = {0, 0, 0};
+        for (int a = 0; a < axes_; ++a) bin[a] = axis_[a].bin(axis_[a].cell(xi[a]));
         bin_of_[i] = (bin[2] * axis_[1].bins + bin[1]) * axis_[0].bins + bin[0];
     });
 
@@ -197,10 +199,10 @@ template <bool periodic>
 void NeighbourSearch::append_row(const Vec3& x, Index self, const Reach& reach, Rows& rows) const {
     Test test = reach.test;
     test.self = self;
-    double low[3];
-    int count[3];
-    for (int a = 0; a < 3; ++a) {
-        test.x[a] = x[a];
+    double low[3] = {0, 0, 0};
+    int count[3] = {1, 1, 1};
+    for (int a = 0; a < 3; ++a) test.x[a] = x[a];
+    for (int a = 0; a < axes_; ++a) {
         low[a] = axis_[a].cell(double(x[a]) - reach.radius);
         double high = axis_[a].cell(double(x[a]) + reach.radius);
         if (!axis_[a].wraps) {
@@ -284,6 +286,11 @@ void NeighbourSearch::find(Span<const Vec3> x_own, Span<const Vec3> x_other, Rea
     pairs.x_other = x_other;
     pairs.period = domain.period();
     pairs.support = support;
+    if (x_other.empty()) {
+        pairs.first.assign(x_own.size() + 1, 0);
+        pairs.other.clear();
+        return;
+    }
     choose_axes(x_other, support, domain);
     fill_bins(x_other, domain);
     const bool among_themselves = x_own.data() == x_other.data() && x_own.size() == x_other.size();

@@ -5,7 +5,7 @@
 
 namespace whorl {
 
-SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& domain, KernelKind kernel, Real support) {
+SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& domain, KernelForm kernel, Real support) {
     SolidParticles particles;
     for (std::size_t k = 0; k < solids.all.size(); ++k) {
         const Solid& solid = solids.all[k];
@@ -30,7 +30,7 @@ SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& d
     return particles;
 }
 
-void set_solid_volumes(SolidParticles& particles, const Solids& solids, const Domain& domain, KernelKind kernel, Real support) {
+void set_solid_volumes(SolidParticles& particles, const Solids& solids, const Domain& domain, KernelForm kernel, Real support) {
     Pairs pairs;
     NeighbourSearch().find(particles.position, support, domain, pairs);
     std::vector<char> moves;

@@ -7,16 +7,16 @@
 namespace whorl {
 
 /// Samples every solid's surface about a spacing apart, half a spacing deep in the solid (less where the solid is thinner), in its present
-/// pose. Boxes: a lattice on the faces with their edges. Spheres: a spiral. Cylinders: rings. Planes: a lattice, clipped three spacings
-/// beyond the domain. Meshes: blue noise by throwing darts; the same for the same mesh. A box or plane that spans a periodic axis has no
-/// seam there. What stands further than three spacings outside the domain is left out unless the solid moves.
+/// pose; in a domain without depth the line in which its plane cuts the surface. Boxes: a lattice on the faces with their edges. Spheres: a
+/// spiral. Cylinders: rings. Planes: a lattice, clipped three spacings beyond the domain. Meshes: blue noise by throwing darts; the same
+/// for the same mesh. A box or plane that spans a periodic axis has no seam there. What stands further than three spacings outside the
+/// domain is left out unless the solid moves.
 /// @param support of the volumes' kernel [m]; 0: two spacings
 /// @throws InputError where the layer would need more than 50 million particles
-SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& domain, KernelKind kernel = KernelKind::cubic,
-                             Real support = 0);
+SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& domain, KernelForm kernel = {}, Real support = 0);
 
-/// V_s = 1 / sum_s' W_ss', s itself included (Akinci et al. 2012) [m^3]. Solids that move count their own particles only, so that a volume
+/// V_s = 1 / sum_s' W_ss', s itself included (Akinci et al. 2012) [m^D]. Solids that move count their own particles only, so that a volume
 /// stays as it is.
-void set_solid_volumes(SolidParticles& particles, const Solids& solids, const Domain& domain, KernelKind kernel, Real support);
+void set_solid_volumes(SolidParticles& particles, const Solids& solids, const Domain& domain, KernelForm kernel, Real support);
 
 }  // namespace whorl

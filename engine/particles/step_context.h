@@ -14,16 +14,17 @@ namespace whorl {
 struct StepContext {
     double time = 0;              ///< s, at the start of the step
     Real dt = 0;                  ///< s
-    bool at_landing = true;       ///< the step starts at a frame time: refresh every lagged set-up, a resumed run starts here
+    bool at_frame_time = true;    ///< the step starts at a frame time: refresh every lagged set-up, a resumed run starts here
     Vec3 gravity = Vec3::Zero();  ///< m/s^2
     Domain domain;
 
     Real spacing = 0;       ///< m, d
     Real support = 0;       ///< m, kernel radius R
     Real rest_density = 0;  ///< kg/m^3
-    Real mass = 0;          ///< kg a particle: rest_density spacing^3
-    Real volume = 0;        ///< m^3 a particle at rest: spacing^3
-    KernelKind kernel = KernelKind::cubic;
+    Real mass = 0;          ///< kg a particle: rest_density volume
+    Real volume = 0;        ///< m^3 a particle at rest: spacing^3; in the plane spacing^2, all of a metre of depth
+    KernelForm kernel;
+    int dimensions() const { return kernel.dimensions; }  ///< 2: all particles stand in the plane z = 0 and move in it
 };
 
 /// Where and how a run went wrong: a result, not an exception.
@@ -35,7 +36,7 @@ struct Divergence {
 };
 
 /// Work on the particles in a step, into their kinetic and spin energy, by its cause [J]; what is dissipated counts negative. Solids do
-/// their work through the terms by which they act.
+/// their work through the terms by which they act. Gravity: with the force that a scene gives.
 struct EnergyWork {
     double gravity = 0, torque = 0, pressure = 0, viscosity = 0, exchange = 0, smoothing = 0, boundary = 0, surface_tension = 0;
     EnergyWork& operator+=(const EnergyWork& o) {

@@ -10,7 +10,7 @@ struct Surroundings {
     const FluidPairs& pairs;        ///< neighbours among the fluid
     const SolidPairs& solid_pairs;  ///< neighbours in the solids' layer
     Solids& solids;                 ///< free bodies among them take up forces and impulses
-    const SolidParticles& layer;    ///< the one layer of particles of all solids
+    SolidParticles& layer;          ///< the one layer of particles of all solids; follows the bodies
     const StepContext& step;
 };
 

@@ -5,6 +5,9 @@
 #include "engine/core/parallel.h"
 #include "engine/io/columns.h"
 #include "engine/probes/coil_probe.h"
+#include "engine/probes/flow_probe.h"
+#include "engine/probes/interpolation.h"
+#include "engine/probes/solid_probe.h"
 
 namespace whorl {
 namespace {
@@ -77,28 +80,16 @@ public:
     }
 
 private:
-    // f(x) = sum_j f_j W(x - x_j) / sum_j W(x - x_j)
     static std::vector<double> interpolated(const World& world, const std::vector<NumberColumn>& columns, const Vec3d& at) {
-        const auto x = world.fluid.column<field::position>();
-        const auto role = roles(world);
-        const Vec3 here = at.cast<Real>();
-        const Real support = world.step.support;
-        double weights = 0;
-        std::vector<double> sums;
-        for (const NumberColumn& column : columns) sums.resize(sums.size() + static_cast<std::size_t>(column.components), 0);
-        with_kernel(world.step.kernel, support, [&](const auto& kernel) {
-            for (std::size_t k = 0; k < x.size(); ++k) {
-                const Real distance = world.step.domain.minimum_image(x[k] - here).norm();
-                if (distance >= support || in_nozzle(role, k)) continue;
-                const double weight = static_cast<double>(kernel.value(distance));
-                weights += weight;
-                std::size_t s = 0;
-                for (const NumberColumn& column : columns)
-                    for (int c = 0; c < column.components; ++c) sums[s++] += weight * column.value(static_cast<Index>(k), c);
+        const Interpolation near = interpolate(world, at);
+        std::vector<double> values;
+        for (const NumberColumn& column : columns)
+            for (int c = 0; c < column.components; ++c) {
+                double sum = near.shares.empty() ? unknown : 0;
+                for (const Interpolation::Share& one : near.shares) sum += one.weight * column.value(one.particle, c);
+                values.push_back(sum);
             }
-        });
-        for (double& sum : sums) sum = weights > 0 ? sum / weights : unknown;
-        return sums;
+        return values;
     }
 
     std::vector<Vec3d> points_;
@@ -112,6 +103,8 @@ private:
 std::unique_ptr<Probe> make_probe(const ProbeKeys& keys, const World& world, TheorySearch search) {
     switch (keys.kind) {
         case ProbeKind::region: return std::make_unique<RegionProbe>(keys);
+        case ProbeKind::flow: return std::make_unique<FlowProbe>(keys);
+        case ProbeKind::solid: return std::make_unique<SolidProbe>(keys);
         case ProbeKind::coil: return std::make_unique<CoilProbe>(keys, search);
         case ProbeKind::point: return std::make_unique<PointsProbe>(std::vector<Vec3d>{keys.at}, false, world);
         case ProbeKind::line: break;

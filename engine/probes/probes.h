@@ -35,9 +35,10 @@ public:
 ///           none is kept
 ///   point   time, velocity_*, density, pressure, ...: those quantities that the run keeps, interpolated; not known where no fluid is near
 ///   line    time, s, x, y, z, velocity_*, ...: `count` points from `from` to `to` a frame, s [m] along the line
+///   flow    see flow_probe.h
+///   solid   see solid_probe.h
 ///   coil    see coil_probe.h
-/// Point and line interpolate with the run's kernel, f(x) = sum f_j W_j / sum W_j (Shepard 1968): exact for a constant field, at a surface
-/// too.
+/// Point and line interpolate as interpolation.h says.
 std::unique_ptr<Probe> make_probe(const ProbeKeys& keys, const World& world, TheorySearch search = TheorySearch::wait);
 
 /// The rows of a frame that the simulation has reached.

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "engine/models/viscosity/assembled_viscosity.h"
 #include "engine/scene/check_bodies.h"
 #include "engine/scene/key_problems.h"
@@ -17,6 +19,14 @@ constexpr double most_assembled_viscous_number = 2e5;
 /// models.pressure = "ppe"
 std::string setting(const char* key, const char* value) { return fmt::format("{} = \"{}\"", key, value); }
 
+/// The first models that solve for pressure and viscosity one after the other.
+std::string solved_apart() {
+    const auto pressure = std::find_if(pressure_models().begin(), pressure_models().end(),
+                                       [](const auto& row) { return row.solves && !row.solves_viscosity; });
+    const auto viscosity = std::find_if(viscosity_models().begin(), viscosity_models().end(), [](const auto& row) { return row.implicit; });
+    return setting("models.pressure", pressure->name) + " with " + setting("models.viscosity", viscosity->name);
+}
+
 void check_pressure(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, const KeyProblems& report) {
     const PressureFacts& pressure = plan.facts.pressure;
     const std::string chosen = setting("models.pressure", pressure.name);
@@ -30,12 +40,12 @@ void check_pressure(const Scene& scene, const Plan& plan, const SceneNumbers& nu
                "allowed: auto or none");
     if (numbers.least_viscous_number < pressure.least_viscous_number)
         report(
-            numbers.thinnest_fluid,
+            numbers.least_viscosity_key,
             fmt::format("{} is {:.3g} Pa s at the start, too thin for {}: the viscous number nu dt/d^2 is {:.2g} (dt: the fastest moves by "
                         "0.4 spacings), and {} works from {:g} on",
-                        numbers.thinnest_fluid, numbers.least_viscosity, chosen, numbers.least_viscous_number, pressure.name,
+                        numbers.least_viscosity_key, numbers.least_viscosity, chosen, numbers.least_viscous_number, pressure.name,
                         pressure.least_viscous_number),
-            "choose models.pressure = \"ppe\" with models.viscosity = \"full\"");
+            "choose " + solved_apart());
 }
 
 void check_boundary(const Scene& scene, const Plan& plan, const KeyProblems& report) {
@@ -45,6 +55,11 @@ void check_boundary(const Scene& scene, const Plan& plan, const KeyProblems& rep
                fmt::format("boundary.gate belongs to solids of models.pressure = \"wcsph\" or \"ppe\", and this scene has {}{}",
                            setting("models.pressure", pressure.name), scene.solids.empty() ? " and no solids" : ""),
                "set boundary.gate = 0");
+    if (scene.boundary.volume_factor && plan.boundary != BoundaryModel::akinci)
+        report("boundary.volume_factor",
+               fmt::format("boundary.volume_factor belongs to solids of models.pressure = \"wcsph\", and this scene has {}{}",
+                           setting("models.pressure", pressure.name), scene.solids.empty() ? " and no solids" : ""),
+               "leave it out");
     if (plan.boundary == BoundaryModel::none || plan.boundary == pressure.boundary) return;
     std::string pairs;
     for (const PressureFacts& row : pressure_models())
@@ -58,7 +73,8 @@ void check_boundary(const Scene& scene, const Plan& plan, const KeyProblems& rep
 void check_assembled(const Plan& plan, double viscous_number, const KeyProblems& report) {
     if (plan.viscosity != ViscosityModel::full_assembled) return;
     const std::string chosen = setting("models.viscosity", plan.facts.viscosity.name);
-    if (const double bytes = plan.estimated_particles * assembled_bytes(plan.support / plan.spacing); bytes > most_assembled_bytes)
+    if (const double bytes = plan.estimated_particles * assembled_bytes(plan.support / plan.spacing, plan.dimensions());
+        bytes > most_assembled_bytes)
         report("models.viscosity",
                fmt::format("the matrix of {} would take {:.1f} GB ({:.0f} particles)", chosen, bytes / 1e9, plan.estimated_particles),
                "take \"full\", the same without a matrix, or a larger fluid.spacing",
@@ -92,12 +108,20 @@ void check_slip(const Scene& scene, const Plan& plan, const KeyProblems& report)
     }
 }
 
+void check_streams(const Scene& scene, const Plan& plan, const KeyProblems& report) {
+    if (plan.facts.pressure.solves_viscosity && !scene.streams.empty())
+        report(entry_name("stream", 0), "models.pressure = " + described(plan.facts.pressure) + " knows no streams",
+               "take models.pressure = \"ppe\" or \"wcsph\"");
+}
+
 void check_sleep(const Scene& scene, const KeyProblems& report) {
     if (scene.time.sleep == 0) return;
     const auto awake = [&](const std::string& who) {
         report("time.sleep", "time.sleep puts away fluid that " + who, "take time.sleep = 0", "allowed: 0");
     };
     if (scene.domain.gravity.depends_on_time()) awake("a changing gravity moves all of");
+    if (scene.fluid.force.depends_on_time()) awake("a changing force moves");
+    if (!scene.streams.empty()) awake("a stream pulls at");
     if (!scene.drains.empty()) awake("a drain has to see at every step");
     if (scene.any_free_solid()) awake("holds a free body up");
     for (const ProbeKeys& probe : scene.probes)
@@ -115,6 +139,7 @@ void check_models(const Scene& scene, const Plan& plan, const SceneNumbers& numb
     check_slip(scene, plan, report);
     check_micropolar(scene, plan, problems);
     check_bodies(scene, plan, problems);
+    check_streams(scene, plan, report);
     check_sleep(scene, report);
 }
 

@@ -31,7 +31,8 @@ double free_memory() {
 /// Bytes a particle: the neighbour rows (4 bytes a neighbour, and as much again for what goes with them), and what the model holds besides.
 /// `whorl plan` measures it for the scene.
 double bytes_a_particle(const Plan& plan) {
-    return plan.facts.pressure.bytes_a_particle + 8 * 4.19 * std::pow(plan.support / plan.spacing, 3);
+    return plan.facts.pressure.bytes_a_particle +
+           8 * (plan.dimensions() == 2 ? 3.14 : 4.19) * power_of(plan.support / plan.spacing, plan.dimensions());
 }
 
 class Placement {
@@ -46,6 +47,9 @@ public:
         for (std::size_t i = 0; i < scene_.emitters.size(); ++i) emitter(entry_name("emitter", i), scene_.emitters[i]);
         for (std::size_t i = 0; i < scene_.solids.size(); ++i) solid(entry_name("solid", i), i);
         for (std::size_t i = 0; i < scene_.drains.size(); ++i) drain(entry_name("drain", i), shapes_.drain_extent[i]);
+        for (std::size_t i = 0; i < scene_.streams.size(); ++i)
+            if (outside(scene_.streams[i].min, scene_.streams[i].max))
+                report(entry_name("stream", i), entry_name("stream", i) + " lies outside of the domain", "", domain_text());
         for (std::size_t i = 0; i < scene_.probes.size(); ++i) probe(entry_name("probe", i), scene_.probes[i]);
         memory();
     }
@@ -97,7 +101,7 @@ private:
                 break;
             }
         too_far(name, e.min, e.max);
-        const double thinnest = (e.max - e.min).minCoeff();
+        const double thinnest = (e.max - e.min).head(plan_.dimensions()).minCoeff();
         if (thinnest < 0.999 * plan_.spacing) too_coarse(name, thinnest);
         else if (part_inside_solids(shapes_, i, plan_.spacing) == 1)
             report(name, name + " lies wholly inside solids", "move it or the solid");
@@ -189,7 +193,7 @@ private:
         };
         if (p.kind == ProbeKind::point && outside(p.at, p.at)) far_away("at");
         if (p.kind == ProbeKind::line && outside(p.from.cwiseMin(p.to), p.from.cwiseMax(p.to))) far_away("from");
-        if (p.kind == ProbeKind::region && outside(p.min, p.max)) far_away("min");
+        if ((p.kind == ProbeKind::region || p.kind == ProbeKind::flow) && outside(p.min, p.max)) far_away("min");
         if (p.kind == ProbeKind::coil && outside(p.axis_point + p.height * p.axis_direction, p.axis_point + p.height * p.axis_direction))
             far_away("height");
     }
@@ -202,7 +206,7 @@ private:
         if (need <= most) return;
         report("fluid.spacing",
                fmt::format("about {:.2g} particles need {:.2g} GB of memory, and {:.2g} GB are free", n_.particles, need / 1e9, have / 1e9),
-               fmt::format("fluid.spacing = {:.2g} would fit", plan_.spacing * std::cbrt(1.2 * need / most)));
+               fmt::format("fluid.spacing = {:.2g} would fit", plan_.spacing * std::pow(1.2 * need / most, 1.0 / plan_.dimensions())));
     }
 
     const Scene& scene_;

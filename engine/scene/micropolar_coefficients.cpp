@@ -14,6 +14,7 @@
 namespace whorl {
 namespace {
 
+constexpr double seed_transfer_below = 0.4;  ///< Pa s, in the source notes
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 double length_of_spin(const Scene& scene) { return scene.micropolar.spin_length > 0 ? scene.micropolar.spin_length : scene.fluid.spacing; }
@@ -116,6 +117,10 @@ void warn_micropolar(Plan& plan, const Scene& scene) {
                         "micropolar.micro_inertia of "
                         "{:.2g} m^2 would answer in a tenth of the run",
                         n.response_time(), scene.time.end, 0.2 * scene.time.end * n.coupling / n.density));
+    if (const double transfer = scene.micropolar.transfer_viscosity;
+        plan.micropolar == MicropolarModel::seed && !n.grows() && !scene.micropolar.effective_viscosity && transfer >= seed_transfer_below)
+        add(fmt::format("micropolar.transfer_viscosity = {:g} Pa s: the source of \"seed\" takes less than {:g}", transfer,
+                        seed_transfer_below));
     if (n.coupling == 0) add("the micropolar coupling is 0: the spin does nothing to the flow");
 }
 
@@ -127,6 +132,13 @@ void check_micropolar(const Scene& scene, const Plan& plan, std::vector<Problem>
                    "", "allowed: brookshaw or monaghan");
         return;
     }
+    if (plan.spin.central_viscosity < 0)
+        report(
+            "viscosity.laplacian",
+            fmt::format("viscosity.laplacian = \"split\" leaves {:.3g} Pa s for the form along the pairs (viscosity {:.3g} less coupling "
+                        "{:.3g}), and that feeds energy into compression",
+                        plan.spin.central_viscosity, plan.spin.viscosity, plan.spin.coupling),
+            "take \"eringen\" or a smaller micropolar.transfer_viscosity", "allowed: brookshaw or monaghan");
     if (!plan.facts.pressure.has_micropolar)
         report("models.pressure", "models.pressure = " + described(plan.facts.pressure) + " has no micropolar terms",
                "take \"wcsph\" or \"ppe\"", "allowed: auto, wcsph, ppe or none");

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/core/errors.h"
+#include "engine/scene/names.h"
 
 namespace whorl {
 namespace {
@@ -39,7 +40,22 @@ const std::vector<PressureFacts>& pressure_models() {
          .boundary_reason = "solids with the pressure equation"},
         {.model = PressureModel::ppe,
          .name = "ppe",
-         .form = PressureForm::poisson,
+         .form = PressureForm::projection,
+         .source = PressureSource::velocity,
+         .cfl = 0.625,
+         .keeps_apart = true,
+         .solves = true,
+         .makes_density = true,
+         .kernel = KernelKind::wendland_c2,
+         .support = 3,
+         .kernel_reason = "what the projection was measured with",
+         .boundary = BoundaryModel::ppe,
+         .boundary_reason = "solids with the pressure equation",
+         .shifts = true},
+        {.model = PressureModel::ppe,
+         .name = "ppe",
+         .form = PressureForm::projection,
+         .source = PressureSource::density,
          .keeps_apart = true,
          .solves = true,
          .boundary = BoundaryModel::ppe,
@@ -52,6 +68,7 @@ const std::vector<PressureFacts>& pressure_models() {
          .solves_viscosity = true,
          .least_viscous_number = 0.04,
          .has_micropolar = false,
+         .in_plane = false,
          .kernel = KernelKind::wendland_c2,
          .support = 3,
          .kernel_reason = "what the coupled pressure was measured with",
@@ -96,8 +113,13 @@ const std::vector<MicropolarFacts>& micropolar_models() {
     return rows;
 }
 
-const PressureFacts& facts_of(PressureModel model, const PressureKeys& keys) {
-    return row_of(pressure_models(), model, &PressureFacts::form, keys.form);
+const PressureFacts& facts_of(PressureModel model, PressureForm form, PressureSource source) {
+    const auto& rows = pressure_models();
+    const auto found = std::find_if(rows.begin(), rows.end(), [&](const PressureFacts& row) {
+        return row.model == model && row.form.value_or(form) == form && row.source.value_or(source) == source;
+    });
+    WHORL_ASSERT(found != rows.end(), "a model without a row");
+    return *found;
 }
 
 const ViscosityFacts& facts_of(ViscosityModel model, const ViscosityKeys& keys) {
@@ -111,7 +133,9 @@ const MicropolarFacts& facts_of(MicropolarModel model) {
 std::string described(const PressureFacts& row) {
     const std::string name = "\"" + std::string(row.name) + "\"";
     if (!row.form) return name;
-    return name + " with pressure.form = \"" + (*row.form == PressureForm::constraint ? "constraint" : "poisson") + "\"";
+    std::string with = name + " with pressure.form = \"" + std::string(name_of(*row.form)) + "\"";
+    if (row.source == PressureSource::density) with += " and pressure.source = \"density\"";
+    return with;
 }
 
 std::string described(const ViscosityFacts& row) {

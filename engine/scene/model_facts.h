@@ -11,23 +11,27 @@ namespace whorl {
 
 struct PressureFacts {
     PressureModel model = PressureModel::none;
-    const char* name = "";                  ///< in scene files
-    std::optional<PressureForm> form = {};  ///< the row is of this pressure.form alone
-    bool keeps_apart = false;               ///< particles do not clump: surface tension needs that
-    bool has_sound = false;                 ///< explicit in time: its steps resolve the sound
-    bool solves = false;                    ///< a linear system a step, which has a tolerance
-    bool makes_density = false;             ///< in its own way; for the others the stage Density does
-    bool solves_viscosity = false;          ///< in the same system: it needs a viscosity, and no other viscosity model goes with it
+    const char* name = "";                      ///< in scene files
+    std::optional<PressureForm> form = {};      ///< the row is of this pressure.form alone
+    std::optional<PressureSource> source = {};  ///< and of this pressure.source
+    double cfl = 1;                             ///< share of time.cfl that its steps use
+    bool keeps_apart = false;                   ///< particles do not clump: surface tension needs that
+    bool has_sound = false;                     ///< explicit in time: its steps resolve the sound
+    bool solves = false;                        ///< a linear system a step, which has a tolerance
+    bool makes_density = false;                 ///< in its own way; for the others the stage Density does
+    bool solves_viscosity = false;              ///< in the same system: it needs a viscosity, and no other viscosity model goes with it
     /// SceneNumbers::least_viscous_number from which on it works. "coupled" joins the particles by viscosity: thinner fluid would have to
     /// part into drops, and its pools would lose height.
     double least_viscous_number = 0;
     bool has_micropolar = true;  ///< goes with micropolar terms
+    bool in_plane = true;        ///< knows flows of two dimensions
     bool moves_bodies = false;
     KernelKind kernel = KernelKind::cubic;  ///< its own
     double support = 2;                     ///< its own [spacings]
     const char* kernel_reason = "usual";
     BoundaryModel boundary = BoundaryModel::none;  ///< how solids act on it; besides, only "none" goes with it
     const char* boundary_reason = "";
+    bool shifts = false;  ///< in a way of its own, besides which models.shifting has no place
     ShiftingModel shifting = ShiftingModel::none;
     const char* shifting_reason = "particles of this model keep apart by themselves";
     double bytes_a_particle = 800;  ///< besides neighbours, measured at 3,000 particles
@@ -58,7 +62,8 @@ const std::vector<PressureFacts>& pressure_models();
 const std::vector<ViscosityFacts>& viscosity_models();
 const std::vector<MicropolarFacts>& micropolar_models();
 
-const PressureFacts& facts_of(PressureModel model, const PressureKeys& keys);
+const PressureFacts& facts_of(PressureModel model, PressureForm form = PressureForm::constraint,
+                              PressureSource source = PressureSource::velocity);
 const ViscosityFacts& facts_of(ViscosityModel model, const ViscosityKeys& keys);
 const MicropolarFacts& facts_of(MicropolarModel model);
 

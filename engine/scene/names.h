@@ -46,7 +46,13 @@ inline Choices<ViscousPreconditioner> choices(ViscousPreconditioner) {
     return {{P::automatic, "auto"}, {P::none, "none"}, {P::block_jacobi, "block_jacobi"}, {P::two_level, "two_level"}};
 }
 inline Choices<PressureForm> choices(PressureForm) {
-    return {{PressureForm::constraint, "constraint"}, {PressureForm::poisson, "poisson"}};
+    return {{PressureForm::constraint, "constraint"}, {PressureForm::projection, "projection"}};
+}
+inline Choices<PressureSource> choices(PressureSource) {
+    return {{PressureSource::velocity, "velocity"}, {PressureSource::density, "density"}};
+}
+inline Choices<MultigridCycle> choices(MultigridCycle) {
+    return {{MultigridCycle::additive, "additive"}, {MultigridCycle::v_cycle, "v_cycle"}};
 }
 inline Choices<GradientForm> choices(GradientForm) {
     return {{GradientForm::symmetric, "symmetric"}, {GradientForm::difference, "difference"}};
@@ -71,7 +77,7 @@ inline Choices<Slip> choices(Slip) { return {{Slip::no, "no"}, {Slip::free, "fre
 inline Choices<Profile> choices(Profile) { return {{Profile::plug, "plug"}, {Profile::parabolic, "parabolic"}}; }
 inline Choices<ProbeKind> choices(ProbeKind) {
     using P = ProbeKind;
-    return {{P::point, "point"}, {P::line, "line"}, {P::region, "region"}, {P::coil, "coil"}};
+    return {{P::point, "point"}, {P::line, "line"}, {P::region, "region"}, {P::flow, "flow"}, {P::solid, "solid"}, {P::coil, "coil"}};
 }
 inline Choices<KernelKind> choices(KernelKind) {
     using K = KernelKind;

@@ -61,7 +61,7 @@ class Survey {
 public:
     Survey(const Scene& scene, const SceneShapes& shapes) : scene_(scene), shapes_(shapes), d_(scene.fluid.spacing) {
         n_.spacing = d_;
-        n_.free_surface = !(scene.domain.periodic[0] && scene.domain.periodic[1] && scene.domain.periodic[2]);
+        n_.free_surface = !scene.domain.box().all_periodic();
         n_.across = n_.least_viscosity = std::numeric_limits<double>::infinity();
     }
 
@@ -90,9 +90,10 @@ private:
             faster(block.velocity(0, x).norm());
             viscosity(0, x);
         });
-        n_.particles += e.volume / (d_ * d_ * d_);
+        n_.particles += e.volume / power_of(d_, scene_.domain.dimensions);
         falls_from(low, high);
         Vec3d size = e.max - e.min;
+        if (scene_.domain.dimensions == 2) size.z() = std::numeric_limits<double>::infinity();
         for (int a = 0; a < 3; ++a)  // a film along a periodic axis is endless, not thin
             if (scene_.domain.periodic[a] && size[a] > 0.999 * (scene_.domain.max[a] - scene_.domain.min[a]))
                 size[a] = std::numeric_limits<double>::infinity();
@@ -104,7 +105,7 @@ private:
         const double peak = e.profile == Profile::parabolic ? (e.shape == "disc" ? 2 : 2.25) : 1;
         for (const double t : sample_times(e.start, std::max(e.start, std::min(e.stop, scene_.time.end)))) faster(peak * e.speed(t));
         viscosity(i + 1, e.position);
-        n_.particles += emitted_volume(e, scene_.time.end) / (d_ * d_ * d_);
+        n_.particles += emitted_volume(e, scene_.time.end) / power_of(d_, scene_.domain.dimensions);
         falls_from(e.position, e.position);
         thickness(e.shape == "disc" ? 2 * e.radius : std::min(e.width, e.thickness), entry_name("emitter", i));
     }
@@ -124,20 +125,20 @@ private:
         if (scene_.time.fixed_step > 0) n_.step = scene_.time.fixed_step;
         n_.viscous_number = n_.nu * n_.step / (d_ * d_);
         n_.least_viscous_number = n_.least_viscosity > 0 ? 0.4 * n_.least_viscosity / (scene_.fluid.density * n_.speed * d_) : 0;
-        const bool monaghan = scene_.viscosity.laplacian == LaplacianForm::monaghan;
-        n_.explicit_step = n_.nu > 0 ? viscous_step(support, n_.nu, monaghan) : std::numeric_limits<double>::infinity();
+        const double stiffness = scene_.viscosity.laplacian == LaplacianForm::monaghan ? monaghan_stiffness(scene_.domain.dimensions) : 1;
+        n_.explicit_step = n_.nu > 0 ? viscous_step(support, stiffness * n_.nu) : std::numeric_limits<double>::infinity();
     }
 
     void faster(double speed) { n_.speed = std::max(n_.speed, speed); }
     void thickness(double length, const std::string& name) {
-        if (length / d_ < n_.across) n_.across = length / d_, n_.thinnest = name;
+        if (length / d_ < n_.across) n_.across = length / d_, n_.narrowest = name;
     }
     void viscosity(std::size_t source, const Vec3d& x) {
         const Expression& mu = scene_.viscosity_of_source(source);
         n_.viscosity = std::max(n_.viscosity, mu(0, x));
         if (mu(0, x) < n_.least_viscosity) {
             n_.least_viscosity = mu(0, x);
-            n_.thinnest_fluid =
+            n_.least_viscosity_key =
                 source > 0 && scene_.emitters[source - 1].viscosity ? entry_name("emitter", source - 1) + ".viscosity" : "fluid.viscosity";
         }
         if (depends_on_age(mu))

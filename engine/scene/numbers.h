@@ -15,13 +15,13 @@ struct SceneNumbers {
     double viscous_number = 0;   ///< nu step/d^2
     double explicit_step = 0;    ///< s, longest stable step of explicit viscosity (viscous_step()); infinite without viscosity
     double least_viscosity = 0;  ///< Pa s, the least over blocks and emitters at the start
-    std::string thinnest_fluid;  ///< the key that gives it: "emitter[0].viscosity"
+    std::string least_viscosity_key;  ///< that gives it: "emitter[0].viscosity"
     /// nu step/d^2 of the least viscosity in a step in which the fastest moves by 0.4 spacings, however long the steps of the run are:
     /// how the particles' viscosity compares with their inertia. Infinite where nothing moves.
     double least_viscous_number = 0;
     double particles = 0;      ///< at the end of the run
-    double across = 0;         ///< particles across the thinnest feature
-    std::string thinnest;      ///< which that is: "emitter[0]"
+    double across = 0;         ///< particles across the narrowest feature
+    std::string narrowest;     ///< which that is: "emitter[0]"
     bool free_surface = true;  ///< not every axis is periodic
 };
 

@@ -11,7 +11,8 @@
 #include "engine/models/viscosity/explicit_viscosity.h"
 #include "engine/scene/check_models.h"
 #include "engine/scene/check_placement.h"
-#include "engine/scene/check_poisson.h"
+#include "engine/scene/check_plane.h"
+#include "engine/scene/check_projection.h"
 #include "engine/scene/names.h"
 #include "engine/scene/numbers.h"
 
@@ -24,23 +25,29 @@ namespace {
 constexpr double coupled_above = 0.25;
 
 std::string pressure_reason(PressureModel pressure, const Scene& scene, const SceneNumbers& n) {
-    if (facts_of(scene.models.micropolar).spins) return "the usual company of micropolar terms; \"ppe\" has them too";
+    if (facts_of(scene.models.micropolar).spins && pressure == PressureModel::wcsph)
+        return "the usual company of micropolar terms where there is a free surface; \"ppe\" has them too";
     if (!n.free_surface) return "every axis is periodic: no free surface";
+    if (n.viscous_number > coupled_above && scene.domain.dimensions == 2) return "viscosity acts in a solve of its own in two dimensions";
     if (scene.any_free_solid()) return "it moves the free bodies in the same solve";
     if (n.viscous_number > coupled_above && pressure == PressureModel::ppe)
         return fmt::format("viscous number nu dt/d^2 = {:.3g} where {} is least: the flow there hardly diffuses within a step",
-                           n.least_viscous_number, n.thinnest_fluid);
+                           n.least_viscous_number, n.least_viscosity_key);
     const std::string number = fmt::format("viscous number nu dt/d^2 = {:.3g}", n.viscous_number);
     return pressure == PressureModel::coupled
                ? fmt::format("{} > {:g} with a free surface: viscosity and pressure act together within a step", number, coupled_above)
                : fmt::format("{} <= {:g}: the flow hardly diffuses within a step", number, coupled_above);
 }
 
-PressureModel automatic_pressure(const Scene& scene, const SceneNumbers& n) {
-    if (facts_of(scene.models.micropolar).spins) return PressureModel::wcsph;
-    const PressureFacts& coupled = facts_of(PressureModel::coupled, scene.pressure);
+/// @param open the fluid has a free surface
+PressureModel automatic_pressure(const Scene& scene, const SceneNumbers& n, bool open) {
+    if (facts_of(scene.models.micropolar).spins) return open || scene.any_free_solid() ? PressureModel::wcsph : PressureModel::ppe;
+    const PressureFacts& coupled = facts_of(PressureModel::coupled);
     const bool viscous = n.viscous_number > coupled_above && n.least_viscous_number >= coupled.least_viscous_number;
-    return n.free_surface && viscous && (coupled.moves_bodies || !scene.any_free_solid()) ? PressureModel::coupled : PressureModel::ppe;
+    return n.free_surface && viscous && (coupled.in_plane || scene.domain.dimensions == 3) &&
+                   (coupled.moves_bodies || !scene.any_free_solid())
+               ? PressureModel::coupled
+               : PressureModel::ppe;
 }
 
 /// Makes the choices one after the other; each finds those before it in the plan.
@@ -89,23 +96,39 @@ private:
     void add_warning(std::string text) { plan_.warnings.push_back(std::move(text)); }
 
     void tell_numbers() {
+        if (scene_.domain.dimensions == 2)
+            plan_.choices.push_back({"domain.dimensions", "2", false, "masses, forces and energies are those of a metre of depth"});
         plan_.spacing = d_;
         plan_.expected_speed = n_.speed;
         plan_.largest_viscosity = n_.viscosity;
         plan_.estimated_particles = n_.particles;
+        plan_.free_surface = !scene_.emitters.empty() || part_left_empty(scene_, shapes_) > 0.02;
     }
 
     void choose_pressure() {
-        const PressureModel automatic = automatic_pressure(scene_, n_);
+        const PressureModel automatic = automatic_pressure(scene_, n_, plan_.free_surface);
         plan_.pressure = choose("models.pressure", scene_.models.pressure, automatic, pressure_reason(automatic, scene_, n_));
-        plan_.facts.pressure = facts_of(plan_.pressure, scene_.pressure);
+        const PressureForm automatic_form = automatic_pressure_form();
+        const PressureForm form = scene_.pressure.form.value_or(automatic_form);
+        plan_.facts.pressure = facts_of(plan_.pressure, form, scene_.pressure.source);
+        if (plan_.facts.pressure.form) tell("pressure.form", name_of(form), !scene_.pressure.form, form_reason());
+    }
+
+    /// The projection keeps vortices; splashing fluid it cannot hold.
+    PressureForm automatic_pressure_form() const {
+        return plan_.free_surface || scene_.any_free_solid() ? PressureForm::constraint : PressureForm::projection;
+    }
+    std::string form_reason() const {
+        if (plan_.free_surface) return "a free surface may splash";
+        if (scene_.any_free_solid()) return "it moves the free bodies in the same solve";
+        return "the fluid fills its space: nothing splashes, and the projection keeps vortices";
     }
 
     void choose_kernel() {
         const PressureFacts& own = plan_.facts.pressure;
         plan_.support = scene_.fluid.support.value_or(own.support) * d_;
-        plan_.kernel = scene_.fluid.kernel.value_or(own.kernel);
-        tell("fluid.kernel", name_of(plan_.kernel), !scene_.fluid.kernel, own.kernel_reason);
+        plan_.kernel = {scene_.fluid.kernel.value_or(own.kernel), scene_.domain.dimensions};
+        tell("fluid.kernel", name_of(plan_.kernel.kind), !scene_.fluid.kernel, own.kernel_reason);
         tell("fluid.support", fmt::format("{:g}", plan_.support / d_), !scene_.fluid.support, own.kernel_reason);
     }
 
@@ -138,7 +161,7 @@ private:
         plan_.viscosity = choose("models.viscosity", scene_.models.viscosity, wanted, reason);
         plan_.facts.viscosity = facts_of(plan_.viscosity, scene_.viscosity);
         if (plan_.viscosity == ViscosityModel::full_assembled) {
-            const double bytes = assembled_bytes(plan_.support / d_);
+            const double bytes = assembled_bytes(plan_.support / d_, plan_.dimensions());
             tell("viscosity matrix", fmt::format("{:.3g} GB", plan_.estimated_particles * bytes / 1e9), true,
                  fmt::format("{:.1f} kB a particle: two rings of neighbours, 3x3 numbers each", bytes / 1e3));
         }
@@ -148,7 +171,8 @@ private:
     /// du/dn zero, not the stress. A cylinder of radius a loses it at the rate nu (1.84/a)^2 (the first zero of J_1' is 1.84).
     double rotation_lost() const {
         const bool free_surface = n_.free_surface && part_left_empty(scene_, shapes_) > 0.02;
-        if (facts_of(scene_.models.micropolar).spins) return 0;  // there the rotation goes into spin
+        if (facts_of(scene_.models.micropolar).spins) return 0;               // there the rotation goes into spin
+        if (plan_.facts.pressure.form == PressureForm::projection) return 0;  // it has a Laplacian of its own
         if (!free_surface || scene_.viscosity.laplacian != LaplacianForm::brookshaw || !(n_.speed > 0)) return 0;
         const double radius = n_.across * d_ / 2, turn = 2 * std::numbers::pi * radius / n_.speed;
         return std::isfinite(radius) ? 1 - std::exp(-n_.nu * std::pow(1.84 / radius, 2) * turn) : 0;
@@ -158,11 +182,11 @@ private:
         return fmt::format("{:.2g} % of its rotation from a body with a free surface within a turn", 100 * rotation_lost());
     }
 
-    /// Particles come to rest with a viscosity of alpha = 0.1: nu = alpha c R/20. The fluid's own counts.
+    /// Particles come to rest with a viscosity of alpha = 0.1: nu = alpha c R/(4 (D + 2)). The fluid's own counts.
     void choose_artificial_viscosity() {
         if (!plan_.facts.pressure.has_sound) return;
         constexpr double enough = 0.1;
-        double own = 20 * n_.nu / (plan_.sound_speed * plan_.support);
+        double own = 4 * (scene_.domain.dimensions + 2) * n_.nu / (plan_.sound_speed * plan_.support);
         std::string reason = fmt::format("what the fluid's viscosity lacks to {:g}", enough);
         if (!plan_.facts.viscosity.viscous) own = 0, reason = "no viscosity of its own: particles come to rest";
         if (plan_.facts.viscosity.smooths) own = enough, reason = "XSPH smooths";
@@ -175,7 +199,7 @@ private:
     /// The choice itself is made step by step, by how many particles press (models/pressure/pressure_multigrid.h).
     void choose_preconditioner() {
         if (plan_.pressure != PressureModel::ppe) return;
-        const double above = scene_.pressure.form == PressureForm::constraint ? constraint_multigrid_above : poisson_multigrid_above;
+        const double above = plan_.facts.pressure.form == PressureForm::constraint ? constraint_multigrid_above : poisson_multigrid_above;
         const bool many = plan_.estimated_particles >= above;
         choose("pressure.preconditioner", scene_.pressure.preconditioner, many ? Preconditioner::multigrid : Preconditioner::jacobi,
                fmt::format("{:.3g} particles; its set-up pays from {:.3g} that press at a time", plan_.estimated_particles, above));
@@ -218,7 +242,8 @@ private:
         std::vector<Problem> problems;
         check_models(given_, plan_, n_, problems);
         check_placement(scene_, plan_, n_, shapes_, problems);
-        check_poisson(scene_, plan_, shapes_, problems);
+        check_projection(scene_, plan_, shapes_, problems);
+        check_plane(scene_, plan_, problems);
         if (!problems.empty()) throw InputError(in_order(std::move(problems), scene_.place("").file));
     }
 
@@ -242,10 +267,11 @@ private:
         warn_of_lattice();
         if (n_.across < 4)
             add_warning(fmt::format("only {:.1f} particles across {}: details there are lost, take a smaller fluid.spacing", n_.across,
-                                    n_.thinnest));
-        const bool rubs = plan_.facts.pressure.solves_viscosity || (plan_.boundary != BoundaryModel::none && plan_.facts.viscosity.viscous);
+                                    n_.narrowest));
+        const bool viscous_walls =
+            plan_.facts.pressure.solves_viscosity || (plan_.boundary != BoundaryModel::none && plan_.facts.viscosity.viscous);
         for (std::size_t k = 0; k < scene_.solids.size(); ++k)
-            if (scene_.solids[k].slip == Slip::navier && !rubs)
+            if (scene_.solids[k].slip == Slip::navier && !viscous_walls)
                 add_warning(fmt::format("solid[{}].slip_length has no effect: no viscosity acts at solids (models.viscosity is {})", k,
                                         name_of(plan_.viscosity)));
     }
@@ -270,6 +296,11 @@ private:
             add_warning(
                 "pressure.gradient = \"difference\" keeps no particles apart: without models.shifting = \"fickian\" they clump and gain "
                 "energy");
+        if (!scene_.fluid.force.is_zero() && scene_.pressure.sound_speed == 0)
+            add_warning(
+                fmt::format("pressure.sound_speed = {:.3g} m/s was chosen without the speeds that fluid.force makes: give ten times the "
+                            "largest of them",
+                            plan_.sound_speed));
         if (plan_.sound_speed < 8 * n_.speed)
             add_warning(fmt::format("Mach number {:.2f} (speed {:.3g} m/s, sound {:.3g} m/s): density varies by about {:.0f} %",
                                     n_.speed / plan_.sound_speed, n_.speed, plan_.sound_speed,

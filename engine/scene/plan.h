@@ -18,10 +18,12 @@ struct Plan {
     MicropolarModel micropolar = MicropolarModel::none;
     BoundaryModel boundary = BoundaryModel::none;
     ShiftingModel shifting = ShiftingModel::none;
-    ModelFacts facts;  ///< of these models
+    ModelFacts facts;  ///< of these models; facts.pressure.form and .source are those chosen
+
+    bool free_surface = true;  ///< fluid does not fill all that solids and periodic axes leave
 
     double spacing = 0, support = 0;  ///< m
-    KernelKind kernel = KernelKind::cubic;
+    KernelForm kernel;                ///< of so many dimensions as the flow
     double expected_speed = 0;        ///< m/s: largest of the given speeds and of a free fall through the domain
     double sound_speed = 0;           ///< m/s, wcsph
     double artificial_viscosity = 0;  ///< alpha, wcsph
@@ -30,6 +32,9 @@ struct Plan {
     double estimated_particles = 0;   ///< at the end of the run
     std::vector<Choice> choices;
     std::vector<std::string> warnings;
+
+    int dimensions() const { return kernel.dimensions; }
+    double particle_volume() const { return power_of(spacing, dimensions()); }  ///< m^3, in two dimensions m^2
 };
 
 /// @throws InputError listing all that cannot work (emitter outside the domain, fluid inside a solid, more particles than memory, ...)

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "engine/geometry/cut.h"
 #include "engine/models/viscosity/ageing_viscosity.h"
 #include "engine/scene/names.h"
 #include "engine/scene/reader.h"
@@ -32,7 +33,7 @@ public:
     void check() {
         if (!file_name(scene_.name))
             reader_.disagree({"name"}, "name = \"" + scene_.name + "\" cannot name a folder", "", "allowed: letters, digits, _ - .");
-        ordered("domain.min", scene_.domain.min, "domain.max", scene_.domain.max);
+        ordered("domain.min", scene_.domain.min, "domain.max", scene_.domain.max, scene_.domain.dimensions);
         for (std::size_t i = 0; i < scene_.blocks.size(); ++i) {
             const std::string name = entry_name("block", i);
             shape(name, scene_.blocks[i].shape);
@@ -42,6 +43,10 @@ public:
         for (std::size_t i = 0; i < scene_.emitters.size(); ++i) emitter(entry_name("emitter", i), scene_.emitters[i]);
         for (std::size_t i = 0; i < scene_.solids.size(); ++i) shape(entry_name("solid", i), scene_.solids[i].shape);
         for (std::size_t i = 0; i < scene_.drains.size(); ++i) shape(entry_name("drain", i), scene_.drains[i].shape);
+        for (std::size_t i = 0; i < scene_.streams.size(); ++i) {
+            const std::string name = entry_name("stream", i);
+            ordered(name + ".min", scene_.streams[i].min, name + ".max", scene_.streams[i].max, scene_.domain.dimensions);
+        }
         probes();
         for (const int pixels : scene_.output.size)
             if (pixels % 2 != 0) {
@@ -53,8 +58,8 @@ public:
     }
 
 private:
-    void ordered(const std::string& low, const Vec3d& a, const std::string& high, const Vec3d& b) {
-        for (int axis = 0; axis < 3; ++axis)
+    void ordered(const std::string& low, const Vec3d& a, const std::string& high, const Vec3d& b, int dimensions = 3) {
+        for (int axis = 0; axis < dimensions; ++axis)
             if (!(a[axis] < b[axis])) {
                 reader_.disagree({high, low}, high + " must lie above " + low + " on every axis; on " + "xyz"[axis] + " they are " +
                                                   Value(b[axis]).toml() + " and " + Value(a[axis]).toml());
@@ -66,8 +71,12 @@ private:
         else make_unit(v);
     }
     void shape(const std::string& name, ShapeKeys& s) {
-        if (s.kind == "box") ordered(name + ".min", s.min, name + ".max", s.max);
-        if (s.kind == "cylinder" && s.from == s.to)
+        s.cut = scene_.domain.dimensions == 2;
+        if (s.kind == "box") ordered(name + ".min", s.min, name + ".max", s.max, scene_.domain.dimensions);
+        if (const std::string why = s.cut ? why_no_cut(s) : ""; !why.empty())
+            reader_.disagree({name + ".shape"}, name + " " + why, "domain.dimensions = 2 makes the flow that of this plane",
+                             "allowed: boxes, spheres, cylinders along z and planes along z");
+        if (s.kind == "cylinder" && s.from == s.to && !s.cut)
             reader_.disagree({name + ".to", name + ".from"}, name + ".from and " + name + ".to are the same point");
         if (s.kind == "plane") direction(name + ".normal", s.normal);
         if (s.kind != "mesh") return;
@@ -94,7 +103,11 @@ private:
                                      name + ".name = \"" + p.name + "\" is taken by " + entry_name("probe", j));
                     break;
                 }
-            if (p.kind == ProbeKind::region) ordered(name + ".min", p.min, name + ".max", p.max);
+            if (p.kind == ProbeKind::region || p.kind == ProbeKind::flow)
+                ordered(name + ".min", p.min, name + ".max", p.max, scene_.domain.dimensions);
+            if (p.kind == ProbeKind::solid && static_cast<std::size_t>(p.solid) >= scene_.solids.size())
+                reader_.disagree({name + ".solid"}, name + ".solid = " + std::to_string(p.solid) + " is no solid", "",
+                                 "the scene has " + std::to_string(scene_.solids.size()) + ", counted from 0");
             if (p.kind == ProbeKind::coil) direction(name + ".axis_direction", p.axis_direction);
             if (p.kind == ProbeKind::line && p.from == p.to)
                 reader_.disagree({name + ".to", name + ".from"}, name + ".from and " + name + ".to are the same point");
@@ -105,13 +118,29 @@ private:
     Reader& reader_;
 };
 
+/// Whether the flow has two dimensions: by its key, else where the domain has no depth.
+bool is_plane(const Value& root) {
+    const Value* domain = root.find("domain");
+    if (!domain) return false;
+    if (const Value* given = domain->find("dimensions")) return given->is_number() && given->number() == 2;
+    const auto depth = [&](const char* key) -> std::optional<double> {
+        const Value* v = domain->find(key);
+        const Value::List* list = v ? v->as<Value::List>() : nullptr;
+        if (list && list->size() == 2) return 0;
+        return list && list->size() == 3 && (*list)[2].is_number() ? std::optional<double>((*list)[2].number()) : std::nullopt;
+    };
+    return depth("min") && depth("min") == depth("max");
+}
+
 /// Reads one tree; the scene is complete only where no problem was found.
 void read_tree(const Value& root, const std::string& file, const std::vector<Section>& sections, Scene& scene,
                std::vector<Problem>& problems) {
     scene.directory = fs::path(file).parent_path().string();
     scene.name = fs::path(file).stem().string();
-    Reader reader(scene_keys(), &scene, sections);
+    const bool plane = is_plane(root);
+    Reader reader(scene_keys(), &scene, sections, plane);
     reader.read(root);
+    if (plane) scene.domain.dimensions = 2, scene.domain.min.z() = scene.domain.max.z() = 0;
     Consistency(scene, reader).check();
     problems.insert(problems.end(), reader.problems.begin(), reader.problems.end());
     scene.places = std::move(reader.places);

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cstdlib>
+
 namespace whorl {
 namespace {
 
@@ -17,6 +19,14 @@ std::string selector_name(const Key& key, const std::string& path) {
     return key.selector.find('.') == std::string::npos ? joined_path(path, key.selector) : key.selector;
 }
 
+bool is_zero(const Value& v) {
+    if (const std::string* text = v.as<std::string>()) {
+        char* end = nullptr;
+        return std::strtod(text->c_str(), &end) == 0 && end != text->c_str() && *end == 0;
+    }
+    return v.is_number() ? v.number() == 0 : v.as<bool>() && !*v.as<bool>();
+}
+
 std::vector<std::string> names_in(const KeyTable& table) {
     std::vector<std::string> names;
     for (const Key& k : table.keys) names.push_back(k.name);
@@ -26,8 +36,8 @@ std::vector<std::string> names_in(const KeyTable& table) {
 
 }  // namespace
 
-Reader::Reader(const KeyTable& table, void* object, std::vector<Section> sections)
-    : root_{&table, object}, sections_(std::move(sections)) {}
+Reader::Reader(const KeyTable& table, void* object, std::vector<Section> sections, bool plane)
+    : root_{&table, object}, sections_(std::move(sections)), plane_(plane) {}
 
 Place Reader::place(const std::string& key) const { return place_in(places, key); }
 
@@ -85,14 +95,42 @@ void Reader::read_part(const KeyTable::Part& part, void* object, const Value& v,
     }
 }
 
+void Reader::read_key(const Key& key, void* object, const Value& v, const std::string& path) {
+    places[path] = v.place;
+    const std::size_t before = problems.size();
+    const Value::List* list = v.as<Value::List>();
+    if (plane_ && key.may_lack_depth() && list && list->size() == 2) {
+        Value in_space = v;
+        Value zero = key.type == KeyType::flags ? Value(false) : Value(0.0);
+        zero.place = v.place;
+        in_space.as<Value::List>()->push_back(std::move(zero));
+        key.read(object, in_space, path, problems);
+    } else {
+        key.read(object, v, path, problems);
+        if (plane_ && problems.size() == before && list && list->size() == 3) check_in_plane(key, v, path);
+    }
+    if (problems.size() > before) failed_.insert(path);
+}
+
+void Reader::check_in_plane(const Key& key, const Value& v, const std::string& path) {
+    const Value::List& list = *v.as<Value::List>();
+    const auto report = [&](const Value& wrong, const char* what, const char* allowed) {
+        problems.push_back({wrong.place, path + " " + what + ": the flow has two dimensions (domain.dimensions)", "", allowed});
+    };
+    if (key.in_plane == InPlane::vector && !is_zero(list[2]))
+        report(list[2], "leaves the plane",
+               key.type == KeyType::flags ? "allowed: two flags, or false in the third place"
+                                          : "allowed: two numbers, or 0 in the third place");
+    for (int a = 0; a < 2; ++a)
+        if (key.in_plane == InPlane::axis && !is_zero(list[a]))
+            return report(list[a], "is not about the axis across the plane", "allowed: 0 in the first two places");
+}
+
 void Reader::read_table(const Described& here, void* object, const Value& v, const std::string& path) {
     for (const auto& [name, value] : *v.as<Value::Table>()) {
         const std::string full = joined_path(path, name);
         if (const Key* key = here.table->find_key(name)) {
-            places[full] = value.place;
-            const std::size_t before = problems.size();
-            key->read(object, value, full, problems);
-            if (problems.size() > before) failed_.insert(full);
+            read_key(*key, object, value, full);
         } else if (const KeyTable::Part* part = here.table->find_part(name)) {
             read_part(*part, object, value, full);
         } else {

@@ -12,7 +12,8 @@ namespace whorl {
 
 class Reader {
 public:
-    Reader(const KeyTable& table, void* object, std::vector<Section> sections);
+    /// @param plane the flow has two dimensions
+    Reader(const KeyTable& table, void* object, std::vector<Section> sections, bool plane = false);
 
     void read(const Value& root);
 
@@ -25,12 +26,15 @@ public:
 
 private:
     void read_table(const Described& here, void* object, const Value& v, const std::string& path);
+    void read_key(const Key& key, void* object, const Value& v, const std::string& path);
+    void check_in_plane(const Key& key, const Value& v, const std::string& path);
     void read_part(const KeyTable::Part& part, void* object, const Value& v, const std::string& path);
     void unknown(const Value& v, const std::string& name, const KeyTable& table, const std::string& path);
     void check_selected(const Described& here, const std::string& path);
 
     Described root_;
     std::vector<Section> sections_;
+    bool plane_;
     std::set<std::string> failed_;
 };
 

@@ -24,14 +24,18 @@ enum class ShiftingModel { automatic, none, fickian };
 enum class Preconditioner { automatic, none, jacobi, multigrid };
 /// automatic: two_level where the diagonal alone would take many iterations.
 enum class ViscousPreconditioner { automatic, none, block_jacobi, two_level };
-enum class PressureForm { constraint, poisson };
+enum class PressureForm { constraint, projection };
+/// What the equation of the projection takes away: the divergence of the velocity, or as published the error of the density.
+enum class PressureSource { velocity, density };
+/// How the particles and the coarse levels of a multigrid join: both corrections in sum, or one after the other as published.
+enum class MultigridCycle { additive, v_cycle };
 enum class GradientForm { symmetric, difference };
 enum class LaplacianForm { brookshaw, monaghan, split };
 enum class ExchangeScheme { automatic, explicit_steps, implicit };
 enum class WallSpin { solid, free };
 enum class Slip { no, free, navier };
 enum class Profile { plug, parabolic };
-enum class ProbeKind { point, line, region, coil };
+enum class ProbeKind { point, line, region, flow, solid, coil };
 
 struct TimeKeys {
     double end = 0;          ///< s
@@ -46,8 +50,10 @@ struct TimeKeys {
 };
 
 struct DomainKeys {
-    Vec3d min{-1, -1, -1}, max{1, 1, 1};  ///< m
+    int dimensions = 3;  ///< 2: the flow is that of the plane z = 0; masses, forces and energies are those of a metre of depth
+    Vec3d min{-1, -1, -1}, max{1, 1, 1};  ///< m; in two dimensions z is 0
     std::array<bool, 3> periodic{false, false, false};
+    Domain box() const { return {min.cast<Real>(), max.cast<Real>(), periodic}; }
     VectorExpression gravity{{Expression(0.0), Expression(-9.81), Expression(0.0)}};  ///< m/s^2, of t
 };
 
@@ -56,6 +62,7 @@ struct FluidKeys {
     double density = 1000;             ///< kg/m^3
     Expression viscosity{0.0};         ///< Pa s, of x, y, z at the start and of age
     double surface_tension = 0;        ///< N/m
+    VectorExpression force;            ///< m/s^2, of t, x, y, z
     std::optional<KernelKind> kernel;  ///< none: "auto", what the models want (Plan::kernel decides)
     std::optional<double> support;     ///< kernel radius over spacing; none: "auto" (Plan::support decides)
 };
@@ -72,13 +79,16 @@ struct PressureKeys {
     double tolerance = 1e-3;  ///< relative density error (ppe); preconditioned residual (coupled)
     int max_iterations = 200;
     Preconditioner preconditioner = Preconditioner::automatic;  ///< ppe; coupled brings its own
-    PressureForm form = PressureForm::constraint;               ///< ppe
-    double correction = 0.5;                                    ///< ppe, constraint: share of the density error that a step corrects
-    bool divergence_free = false;    ///< ppe, constraint: one solve for the velocity, from both sides, and one for the places
-    double damping = 2;              ///< ppe, constraint: of motion between neighbours that is not resolved, times sqrt(g/d)
-    double sound_speed = 0;          ///< m/s, wcsph; 0: ten times the speed that the plan expects
-    double gamma = 7;                ///< exponent of Tait's equation, wcsph
-    double background_pressure = 0;  ///< Pa, wcsph
+    std::optional<PressureForm> form;                           ///< ppe; none: "auto"
+    PressureSource source = PressureSource::velocity;           ///< projection
+    bool clamp = true;                                          ///< source density: p = max(0, p) after the solve
+    MultigridCycle cycle = MultigridCycle::additive;            ///< source density
+    int sweeps = 1;                                             ///< source density: of a multigrid cycle, before and after each correction
+    std::optional<double> correction;  ///< share of the density error that a step corrects; none: "auto", 0.5, of source density 0.1
+    double damping = 2;                ///< ppe, constraint: of motion between neighbours that is not resolved, times sqrt(g/d)
+    double sound_speed = 0;            ///< m/s, wcsph; 0: ten times the speed that the plan expects
+    double gamma = 7;                  ///< exponent of Tait's equation, wcsph
+    double background_pressure = 0;    ///< Pa, wcsph
     GradientForm gradient = GradientForm::symmetric;  ///< wcsph
     double sound_damping = 1;                         ///< bulk viscosity over rho c R/2, wcsph
     std::optional<double>
@@ -91,14 +101,14 @@ struct ViscosityKeys {
     ViscousPreconditioner preconditioner = ViscousPreconditioner::automatic;  ///< full
     LaplacianForm laplacian = LaplacianForm::brookshaw;                       ///< explicit
     double alpha = 0.002;                                                     ///< xsph
-    bool correction = true;  ///< full: corrected gradients ("first_order") or as in the note ("none")
+    bool correction = true;                                                   ///< full: corrected gradients; false: as in the note
 };
 
 struct MicropolarKeys {
-    double transfer_viscosity = 0.3;  ///< Pa s
-    double micro_inertia = 2;         ///< m^2
-    CurlForm curl_velocity = CurlForm::difference_own_density, curl_spin = CurlForm::symmetric;
-    bool co_rotating = true;  ///< curl u - 2 w as the curl seen from the turning particle
+    double transfer_viscosity = 0.3;                   ///< Pa s
+    double micro_inertia = 2;                          ///< m^2
+    std::optional<CurlForm> curl_velocity, curl_spin;  ///< none: "auto" (MicropolarOptions; with the projection corrected gradients)
+    bool co_rotating = true;                           ///< curl u - 2 w as the curl seen from the turning particle
     double xsph_velocity = 0.002, xsph_spin = 0.125;
     double xsph_time = 0;                  ///< s; 0: the parts are taken every step, whatever its length
     double spin_length = 0;                ///< m; 0: the spacing
@@ -110,7 +120,8 @@ struct MicropolarKeys {
 };
 
 struct BoundaryKeys {
-    double gate = 0;  ///< a solid acts only past this kernel sum; 0: always (SolidGate)
+    double gate = 0;                      ///< a solid acts only past this kernel sum; 0: always (SolidGate)
+    std::optional<double> volume_factor;  ///< of the solids' volumes over 1/sum W; none: "auto", continued_lattice_factor()
 };
 
 struct BlockKeys {
@@ -150,13 +161,21 @@ struct DrainKeys {
     double after = 0;  ///< s
 };
 
+struct StreamKeys {
+    Vec3d min = Vec3d::Zero(), max = Vec3d::Zero();  ///< m
+    VectorExpression velocity;                       ///< m/s, of t
+    double time = 0;                                 ///< s
+};
+
 struct ProbeKeys {
     std::string name;
     ProbeKind kind = ProbeKind::point;
-    Vec3d min = Vec3d::Zero(), max = Vec3d::Zero();             ///< region
+    Vec3d min = Vec3d::Zero(), max = Vec3d::Zero();             ///< region, flow
+    VectorExpression expected;                                  ///< flow: m/s, of t, x, y, z; zero: nothing is expected
     Vec3d at = Vec3d::Zero();                                   ///< point
     Vec3d from = Vec3d::Zero(), to = Vec3d::Zero();             ///< line
     int count = 32;                                             ///< line
+    int solid = 0;                                              ///< solid: the place of its [[solid]], from 0
     Vec3d axis_point = Vec3d::Zero(), axis_direction{0, 1, 0};  ///< coil; direction points up, away from the plate
     double height = 0;                                          ///< coil: m above the pile
 };
@@ -206,6 +225,7 @@ struct Scene {
     std::vector<EmitterKeys> emitters;
     std::vector<SolidKeys> solids;
     std::vector<DrainKeys> drains;
+    std::vector<StreamKeys> streams;
     std::vector<ProbeKeys> probes;
     std::vector<ChangeKeys> changes;
     std::vector<PanelKeys> panels;  ///< side by side in one film; none: the scene itself

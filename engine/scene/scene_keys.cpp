@@ -12,12 +12,14 @@ void add_shape_keys(KeyTableOf<S>& t, const std::vector<std::string>& kinds, boo
     const auto shape = [](auto member) { return inside(&S::shape, member); };
     using Keys = ShapeKeys;
     t.key("shape", shape(&Keys::kind), "", "what it is").required().one_of(kinds);
-    t.key("min", shape(&Keys::min), "m", "lowest corner").required().only_with("shape", {"box"});
-    t.key("max", shape(&Keys::max), "m", "highest corner").required().only_with("shape", {"box"});
+    t.key("min", shape(&Keys::min), "m", "lowest corner").required().only_with("shape", {"box"}).in(InPlane::cut);
+    t.key("max", shape(&Keys::max), "m", "highest corner").required().only_with("shape", {"box"}).in(InPlane::cut);
     if (with_position)
-        t.key("position", shape(&Keys::centre), "m", "centre of a sphere; origin of a mesh").only_with("shape", {"sphere", "mesh"});
-    t.key("from", shape(&Keys::from), "m", "middle of one end").required().only_with("shape", {"cylinder"});
-    t.key("to", shape(&Keys::to), "m", "middle of the other end").required().only_with("shape", {"cylinder"});
+        t.key("position", shape(&Keys::centre), "m", "centre of a sphere; origin of a mesh")
+            .only_with("shape", {"sphere", "mesh"})
+            .in(InPlane::cut);
+    t.key("from", shape(&Keys::from), "m", "middle of one end").required().only_with("shape", {"cylinder"}).in(InPlane::cut);
+    t.key("to", shape(&Keys::to), "m", "middle of the other end").required().only_with("shape", {"cylinder"}).in(InPlane::cut);
     t.key("radius", shape(&Keys::radius), "m", "of the sphere or cylinder").required().above(0).only_with("shape", {"sphere", "cylinder"});
     if (std::find(kinds.begin(), kinds.end(), "plane") != kinds.end())
         t.key("normal", shape(&Keys::normal), "", "out of the solid, into the fluid").only_with("shape", {"plane"});
@@ -44,9 +46,15 @@ KeyTable time_keys() {
 
 KeyTable domain_keys() {
     KeyTableOf<DomainKeys> t("the box that particles live in; one that leaves it is gone");
+    t.key("dimensions", &DomainKeys::dimensions, "",
+          "2: the flow in the plane z = 0, much faster; vectors have two numbers, shapes are cut by the plane, and masses, forces and "
+          "energies "
+          "are those of a metre of depth; a domain without depth has two dimensions, too")
+        .at_least(2)
+        .at_most(3);
     t.key("min", &DomainKeys::min, "m", "lowest corner");
     t.key("max", &DomainKeys::max, "m", "highest corner");
-    t.key("periodic", &DomainKeys::periodic, "", "axes along which the box repeats");
+    t.key("periodic", &DomainKeys::periodic, "", "axes along which the box repeats").in(InPlane::vector);
     t.key("gravity", &DomainKeys::gravity, "m/s^2", "acceleration of everything").of("t").live();
     return t;
 }
@@ -63,8 +71,15 @@ KeyTable fluid_keys() {
           "surface tension: particles pull at each other over three spacings; 0: none, at no cost")
         .at_least(0)
         .live();
-    t.key("kernel", &FluidKeys::kernel, "", "smoothing kernel; auto: wendland_c2 with pressure \"coupled\", else cubic");
-    t.key("support", &FluidKeys::support, "spacings", "kernel radius; auto: 3 with pressure \"coupled\", else 2").at_least(1.2).at_most(6);
+    t.key("force", &FluidKeys::force, "m/s^2",
+          "force on every particle over its mass, besides gravity; the plan does not foresee the speeds that it makes")
+        .of("txyz")
+        .live();
+    t.key("kernel", &FluidKeys::kernel, "",
+          "smoothing kernel; auto: wendland_c2 with pressure \"coupled\" and with the projection, else cubic");
+    t.key("support", &FluidKeys::support, "spacings", "kernel radius; auto: 3 with pressure \"coupled\" and with the projection, else 2")
+        .at_least(1.2)
+        .at_most(6);
     return t;
 }
 
@@ -94,19 +109,34 @@ KeyTable pressure_keys() {
     t.key("preconditioner", &PressureKeys::preconditioner, "",
           "of the linear solver; auto: multigrid where enough particles press to pay for its set-up")
         .only_with(model, {"ppe"});
-    t.key("form", &PressureKeys::form, "", "no density above that at rest (constraint), or the pressure equation as published (poisson)")
+    const std::string form = "pressure.form";
+    t.key(
+         "form", &PressureKeys::form, "",
+         "constraint: no density above that at rest, for fluid that splashes and piles up; projection: no divergence, for fluid that fills "
+         "its space or moves gently; auto: by what the fluid fills")
         .only_with(model, {"ppe"});
-    t.key("correction", &PressureKeys::correction, "", "constraint: share of the density error that a step corrects")
+    t.key("source", &PressureKeys::source, "",
+          "projection: what the pressure takes away, the divergence of the velocity, or as published the error of the density")
+        .only_with(form, {"projection"});
+    const std::string source = "pressure.source";
+    t.key("clamp", &PressureKeys::clamp, "", "pressures below 0 are cut off after the solve, as published; false: they pull")
+        .only_with(source, {"density"});
+    t.key("cycle", &PressureKeys::cycle, "",
+          "of the multigrid; additive: corrections by the diagonal and by coarse levels in sum; v_cycle: one after the other, as published")
+        .only_with(source, {"density"});
+    t.key("sweeps", &PressureKeys::sweeps, "",
+          "of damped Jacobi before and after the correction from each coarse level; as many after as before, for conjugate gradients")
+        .at_least(1)
+        .at_most(10)
+        .only_with(source, {"density"});
+    t.key("correction", &PressureKeys::correction, "",
+          "share of the density error that a step corrects; auto: 0.5 of the constraint, 0.1 of source density, whose notes have 1")
         .above(0)
         .at_most(1)
         .only_with(model, {"ppe"});
-    t.key("divergence_free", &PressureKeys::divergence_free, "",
-          "constraint: the velocity inside the fluid has no divergence, of either sign, and a second solve moves particles to keep the "
-          "density")
-        .only_with(model, {"ppe"});
     t.key("damping", &PressureKeys::damping, "", "constraint: rate at which unresolved motion between neighbours dies, times sqrt(g/d)")
         .at_least(0)
-        .only_with(model, {"ppe"});
+        .only_with(form, {"constraint"});
     t.key("sound_speed", &PressureKeys::sound_speed, "m/s", "0: ten times the largest speed that the plan expects")
         .at_least(0)
         .only_with(model, {"wcsph"})
@@ -176,8 +206,9 @@ KeyTable micropolar_keys() {
               "theta: inertia of the spin over the mass; with 2, as in the notes, the spin hardly changes in scenes of centimetres")
             .above(0))
         .live();
-    own(t.key("curl_velocity", &M::curl_velocity, "", "form of the velocity's curl"));
-    own(t.key("curl_spin", &M::curl_spin, "", "form of the spin's curl"));
+    own(t.key("curl_velocity", &M::curl_velocity, "",
+              "form of the velocity's curl; auto: difference_own_density, or corrected gradients with the projection"));
+    own(t.key("curl_spin", &M::curl_spin, "", "form of the spin's curl; auto: symmetric, or corrected gradients with the projection"));
     own(t.key("co_rotating", &M::co_rotating, "",
               "curl u - 2 w as the curl seen from the turning particle, which conserves angular momentum; false: as written"));
     own(t.key("xsph_velocity", &M::xsph_velocity, "", "smoothing of the velocity a step").at_least(0).at_most(1)).live();
@@ -186,7 +217,7 @@ KeyTable micropolar_keys() {
             .at_least(0));
     own(t.key("spin_length", &M::spin_length, "m", "l in the spin's diffusion viscosity l^2; 0: the spacing").at_least(0));
     own(t.key("spin_viscosity", &M::spin_viscosity, "Pa s m^2", "gamma, diffusion of the spin; auto: viscosity spin_length^2").at_least(0));
-    own(t.key("torque", &M::torque, "m^2/s^2", "torque on every particle over its mass").of("txyz")).live();
+    own(t.key("torque", &M::torque, "m^2/s^2", "torque on every particle over its mass").of("txyz").in(InPlane::axis)).live();
     own(t.key("exchange", &M::exchange, "", "of spin and flow; auto: explicit where its stable step is long enough"));
     own(t.key("wall_spin", &M::wall_spin, "", "spin at walls that the fluid sticks to: the solid's rotation, or free of couple stress"));
     own(t.key("effective_viscosity", &M::effective_viscosity, "Pa s",
@@ -203,6 +234,12 @@ KeyTable boundary_keys() {
         .at_most(1)
         .only_with("models.boundary", {"akinci", "ppe"})
         .live();
+    t.key("volume_factor", &BoundaryKeys::volume_factor, "",
+          "volume of a solid's particle times the kernel sum over the solid; 1: as published, and fluid hovers; auto: what a lattice that "
+          "goes on behind the surface would do")
+        .above(0)
+        .at_most(2)
+        .only_with("models.boundary", {"akinci"});
     return t;
 }
 
@@ -210,7 +247,7 @@ KeyTable block_keys() {
     KeyTableOf<BlockKeys> t("fluid at the start");
     add_shape_keys(t, {"box", "sphere", "cylinder", "mesh"}, true);
     t.key("velocity", &BlockKeys::velocity, "m/s", "at the start").of("xyz");
-    t.key("spin", &BlockKeys::spin, "1/s", "at the start; needs a micropolar model").of("xyz");
+    t.key("spin", &BlockKeys::spin, "1/s", "at the start; needs a micropolar model").of("xyz").in(InPlane::axis);
     t.key("sampling", &BlockKeys::sampling, "", "how particles stand in it");
     return t;
 }
@@ -235,7 +272,7 @@ KeyTable solid_keys() {
     KeyTableOf<SolidKeys> t("something that the fluid meets");
     add_shape_keys(t, {"box", "plane", "sphere", "cylinder", "mesh"}, false);
     t.key("position", &SolidKeys::position, "m", "moves the shape from where its own keys put it").of("t").live();
-    t.key("rotation", &SolidKeys::rotation, "rad/s", "turns it about its own axes").of("t").live();
+    t.key("rotation", &SolidKeys::rotation, "rad/s", "turns it about its own axes").of("t").in(InPlane::axis).live();
     t.key("inside", &SolidKeys::inside, "", "the fluid is inside the shape: a container");
     t.key("slip", &SolidKeys::slip, "", "whether the fluid sticks (no), slides freely, or slips by slip_length (navier)").live();
     t.key("slip_length", &SolidKeys::slip_length, "m",
@@ -249,7 +286,8 @@ KeyTable solid_keys() {
           "rotation say how it moves")
         .at_least(0);
     t.key("velocity", &SolidKeys::velocity, "m/s", "of a free body at the start");
-    t.key("tilt", &SolidKeys::tilt, "degrees", "how it is turned at the start: about this axis through its middle, by this angle");
+    t.key("tilt", &SolidKeys::tilt, "degrees", "how it is turned at the start: about this axis through its middle, by this angle")
+        .in(InPlane::axis);
     t.key("friction", &SolidKeys::friction, "", "where free bodies touch; of a pair: the geometric mean").at_least(0).at_most(10);
     t.key("bounce", &SolidKeys::bounce, "", "share of its speed that a free body keeps when it hits a solid; of a pair: the larger")
         .at_least(0)
@@ -275,6 +313,15 @@ KeyTable drain_keys() {
     return t;
 }
 
+KeyTable stream_keys() {
+    KeyTableOf<StreamKeys> t("a box in which the fluid is brought to a velocity: inflow and outflow of a periodic domain");
+    t.key("min", &StreamKeys::min, "m", "lowest corner").required();
+    t.key("max", &StreamKeys::max, "m", "highest corner").required();
+    t.key("velocity", &StreamKeys::velocity, "m/s", "of the stream").of("t");
+    t.key("time", &StreamKeys::time, "s", "in which the difference of the fluid's velocity to it falls to 1/e").required().above(0);
+    return t;
+}
+
 KeyTable probe_keys() {
     KeyTableOf<ProbeKeys> t("a measurement at every frame, in probes/<name>.csv");
     t.key("name", &ProbeKeys::name, "", "of the file").required();
@@ -283,8 +330,15 @@ KeyTable probe_keys() {
     t.key("from", &ProbeKeys::from, "m", "start of the line").required().only_with("kind", {"line"});
     t.key("to", &ProbeKeys::to, "m", "end of the line").required().only_with("kind", {"line"});
     t.key("count", &ProbeKeys::count, "", "points on the line").at_least(2).at_most(100000).only_with("kind", {"line"});
-    t.key("min", &ProbeKeys::min, "m", "lowest corner").required().only_with("kind", {"region"});
-    t.key("max", &ProbeKeys::max, "m", "highest corner").required().only_with("kind", {"region"});
+    t.key("min", &ProbeKeys::min, "m", "lowest corner").required().only_with("kind", {"region", "flow"});
+    t.key("max", &ProbeKeys::max, "m", "highest corner").required().only_with("kind", {"region", "flow"});
+    t.key("expected", &ProbeKeys::expected, "m/s", "velocity that theory expects: the flow is held against it; zero: against nothing")
+        .of("txyz")
+        .only_with("kind", {"flow"});
+    t.key("solid", &ProbeKeys::solid, "", "whose force is measured: the place of its [[solid]] in the file, from 0")
+        .required()
+        .at_least(0)
+        .only_with("kind", {"solid"});
     t.key("axis_point", &ProbeKeys::axis_point, "m", "where the axis meets the plate").only_with("kind", {"coil"});
     t.key("axis_direction", &ProbeKeys::axis_direction, "", "up, away from the plate").only_with("kind", {"coil"});
     t.key("height", &ProbeKeys::height, "m", "of the section that is measured, above the pile; 0: where the thread comes to rest")
@@ -353,6 +407,7 @@ KeyTable root_keys() {
     t.list("emitter", &Scene::emitters, emitter_keys());
     t.list("solid", &Scene::solids, solid_keys());
     t.list("drain", &Scene::drains, drain_keys());
+    t.list("stream", &Scene::streams, stream_keys());
     t.list("probe", &Scene::probes, probe_keys()).not_deciding();
     t.list("change", &Scene::changes, change_keys());
     t.list("panel", &Scene::panels, panel_keys()).not_deciding();

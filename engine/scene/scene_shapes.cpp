@@ -11,11 +11,16 @@ namespace {
 Extent extent_of(const ShapeKeys& keys, const Shape& shape) {
     constexpr double pi = std::numbers::pi, endless = std::numeric_limits<double>::infinity();
     if (!shape.bounded()) return {Vec3d::Constant(-endless), Vec3d::Constant(endless), 0};
-    if (keys.kind == "box") return {keys.min, keys.max, (keys.max - keys.min).prod()};
+    if (keys.kind == "box" && !keys.cut) return {keys.min, keys.max, (keys.max - keys.min).prod()};
+    if (keys.kind == "box") {
+        const Vec3d low(keys.min.x(), keys.min.y(), 0), high(keys.max.x(), keys.max.y(), 0);
+        return {low, high, (high - low).head<2>().prod()};
+    }
     Vec3 min, max;
     shape.bounds(min, max);
     const double r = keys.radius;
-    const double volume = keys.kind == "sphere"     ? 4 * pi / 3 * r * r * r
+    const double volume = keys.cut                  ? shape.bulk().volume
+                          : keys.kind == "sphere"   ? 4 * pi / 3 * r * r * r
                           : keys.kind == "cylinder" ? pi * r * r * (keys.to - keys.from).norm()
                                                     : shape.bulk().volume;
     return {min.cast<double>(), max.cast<double>(), volume};

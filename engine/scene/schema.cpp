@@ -34,7 +34,7 @@ Json schema_of(const Key& key) {
     const Json expression = {{"anyOf", {number, {{"type", "string"}}}}};
     const auto list = [&](Json items) {
         Json type = {{"type", "array"}, {"items", std::move(items)}};
-        if (key.count > 0) type["minItems"] = key.count, type["maxItems"] = key.count;
+        if (key.count > 0) type["minItems"] = key.may_lack_depth() ? 2 : key.count, type["maxItems"] = key.count;
         return type;
     };
     Json s;

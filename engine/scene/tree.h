@@ -28,22 +28,30 @@ inline Place place_in(const std::map<std::string, Place>& places, const std::str
     return it == places.end() ? Place{} : it->second;
 }
 
-/// The selector's present value: of the key beside (`shape`), or from the root (`models.pressure`).
-inline std::string selector_value(const Key& key, const Described& here, const Described& root) {
+/// The key that another one is selected by, and the struct that has it: beside it (`shape`), or from the root (`models.pressure`).
+struct Selector {
+    const Key* key;
+    Described in;
+};
+inline Selector selector_of(const Key& key, const Described& here, const Described& root) {
     const std::size_t dot = key.selector.find('.');
-    Described from = here;
-    std::string name = key.selector;
-    if (dot != std::string::npos) {
-        const KeyTable::Part* part = root.table->find_part(key.selector.substr(0, dot));
-        from = {part->table.get(), part->one(const_cast<void*>(root.object))};
-        name = key.selector.substr(dot + 1);
-    }
-    return *from.table->find_key(name)->get(from.object).as<std::string>();
+    if (dot == std::string::npos) return {here.table->find_key(key.selector), here};
+    const KeyTable::Part* part = root.table->find_part(key.selector.substr(0, dot));
+    const Described in{part->table.get(), part->one(const_cast<void*>(root.object))};
+    return {in.table->find_key(key.selector.substr(dot + 1)), in};
 }
 
-/// Whether the key counts: no other shape or model was chosen than those that it belongs to.
+/// The selector's present value.
+inline std::string selector_value(const Key& key, const Described& here, const Described& root) {
+    const Selector selector = selector_of(key, here, root);
+    return *selector.key->get(selector.in.object).as<std::string>();
+}
+
+/// Whether the key counts: no other shape or model was chosen than those that it belongs to, nor one that its selector belongs to.
 inline bool counts(const Key& key, const Described& here, const Described& root) {
     if (key.selector.empty()) return true;
+    const Selector selector = selector_of(key, here, root);
+    if (!counts(*selector.key, selector.in, root)) return false;
     const std::string value = selector_value(key, here, root);
     const bool model = key.selector.find('.') != std::string::npos;  // an "auto" model may turn out to be any
     return (model && value == "auto") || std::find(key.selected_by.begin(), key.selected_by.end(), value) != key.selected_by.end();

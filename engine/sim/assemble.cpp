@@ -9,14 +9,18 @@
 #include "engine/models/coupled/coupled_motion.h"
 #include "engine/models/coupled/coupled_solve.h"
 #include "engine/models/micropolar/micropolar.h"
+#include "engine/models/motion/force.h"
 #include "engine/models/motion/motion.h"
+#include "engine/models/motion/stream.h"
 #include "engine/models/pressure/constraint.h"
 #include "engine/models/pressure/crowding.h"
 #include "engine/models/pressure/damping.h"
-#include "engine/models/pressure/divergence_free.h"
 #include "engine/models/pressure/poisson.h"
 #include "engine/models/pressure/pressure_multigrid.h"
 #include "engine/models/pressure/wcsph.h"
+#include "engine/models/projection/corrected_micropolar.h"
+#include "engine/models/projection/corrected_viscosity.h"
+#include "engine/models/projection/projection.h"
 #include "engine/models/shifting/fickian.h"
 #include "engine/models/strain/curvature.h"
 #include "engine/models/surface_tension/surface_tension.h"
@@ -65,6 +69,13 @@ Stage move_solids() {
             }};
 }
 
+std::vector<Stream> make_streams(const Scene& scene) {
+    std::vector<Stream> streams;
+    for (const StreamKeys& keys : scene.streams)
+        streams.push_back({keys.min.cast<Real>(), keys.max.cast<Real>(), keys.velocity, keys.time});
+    return streams;
+}
+
 /// The preconditioner that the scene asks for, of those that a pressure solve has.
 template <class SetUp>
 SetUp preconditioner(Preconditioner wanted, SetUp automatic, SetUp none, SetUp diagonal, SetUp multigrid) {
@@ -80,23 +91,25 @@ class Assembler {
 public:
     Assembler(const Scene& scene, const Plan& plan)
         : scene_(scene), plan_(plan), facts_(plan.facts), constraint_(facts_.pressure.form == PressureForm::constraint),
-          bodies_(scene.any_free_solid()),
-          solid_factor_(plan.boundary == BoundaryModel::none
-                            ? Real(1)
-                            : continued_lattice_factor(plan.kernel, static_cast<Real>(plan.support), static_cast<Real>(plan.spacing))),
-          gate_{static_cast<Real>(scene.boundary.gate)} {}
+          bodies_(scene.any_free_solid()), solid_factor_(factor_of_solids(scene, plan)), gate_{static_cast<Real>(scene.boundary.gate)} {}
 
     Assembly assemble() {
         limit("max_step", number(scene_.time.max_step) + " s", [most = scene_.time.max_step](const World&, double) { return most; });
         flow_limits();
         if (facts_.viscous() || facts_.viscosity.smooths || facts_.micropolar.spins) ageing();
         if (facts_.pressure.solves_viscosity) coupled();
+        else if (facts_.pressure.source == PressureSource::velocity) projection();
         else separate();
         if (scene_.time.sleep > 0) stage("hold sleepers", "sleep", HoldSleepers{});
         return std::move(made_);
     }
 
 private:
+    static Real factor_of_solids(const Scene& scene, const Plan& plan) {
+        if (plan.boundary == BoundaryModel::none) return 1;
+        if (scene.boundary.volume_factor) return static_cast<Real>(*scene.boundary.volume_factor);
+        return continued_lattice_factor(plan.kernel, static_cast<Real>(plan.support), static_cast<Real>(plan.spacing));
+    }
     template <class S>
     void stage(const char* name, const char* group, S s) {
         made_.stages.push_back(make_stage(name, group, std::move(s)));
@@ -104,12 +117,13 @@ private:
     void limit(std::string name, std::string formula, std::function<double(const World&, double)> dt) {
         made_.limits.push_back({std::move(name), std::move(formula), std::move(dt)});
     }
+    double cfl() const { return scene_.time.cfl * facts_.pressure.cfl; }
     static std::string number(double value) { return Expression(value).text(); }
     static constexpr double never = std::numeric_limits<double>::infinity();  ///< the step of a limit that does not bind
 
     /// No particle moves by more than cfl spacings, whether by its speed or by falling from rest; nor does a solid.
     void flow_limits() {
-        const double cfl = scene_.time.cfl, d = plan_.spacing;
+        const double cfl = this->cfl(), d = plan_.spacing;
         limit("cfl", number(cfl) + " d / max |u|", [=](const World& w, double speed) {
             for (const Vec3& u : w.solid_particles.velocity) speed = std::max(speed, static_cast<double>(u.norm()));
             for (const Solid& s : w.solids.all) speed = std::max(speed, static_cast<double>(s.pose.velocity.norm()));
@@ -138,6 +152,7 @@ private:
         stage("coupled neighbourhood", "neighbours", CoupledNeighbourhood{system});
         stage("coupled gradient", "viscosity", CoupledGradient{system});
         if (scene_.fluid.surface_tension > 0) surface_tension(system->known_pressure);
+        force();
         stage("coupled solve", "pressure", CoupledSolve{system});
         stage("coupled move", "move", CoupledMove{system});
         made_.stages.push_back(move_solids());
@@ -145,17 +160,60 @@ private:
         stage("coupled contact", "boundary", CoupledContact{system});
     }
 
+    /// Forces and pressure where the flow takes the particles.
+    void projection() {
+        ProjectionOptions options;
+        options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
+        options.free_surface = plan_.free_surface;
+        const bool bounded = plan_.free_surface || !scene_.solids.empty();
+        options.solves = bounded ? 3 : 2;
+        options.theta = bounded ? 0.55 : 0.5;
+        options.gate = gate_;
+        options.preconditioner = preconditioner<PressurePreconditionerSetup>(scene_.pressure.preconditioner, poisson_automatic(),
+                                                                             poisson_unpreconditioned, jacobi, poisson_multigrid());
+        auto system = std::make_shared<ProjectionSystem>(options);
+        stage("drift", "move", ProjectionDrift{system});
+        if (!scene_.solids.empty()) made_.stages.push_back(move_solids());
+        made_.stages.push_back(neighbours());
+        stage("geometry", "density", ProjectionGeometry{system});
+        weights();
+        if (facts_.micropolar.spins) spin(system);
+        else if (plan_.viscosity == ViscosityModel::explicit_laplacian) {
+            if (scene_.viscosity.laplacian == LaplacianForm::brookshaw) {
+                stage("corrected viscosity", "viscosity", CorrectedViscosity{system});
+                viscous_limits();
+            } else {
+                explicit_viscosity();
+            }
+        }
+        kicks();
+        force();
+        if (scene_.fluid.surface_tension > 0) surface_tension(nullptr);
+        if (facts_.viscosity.implicit) implicit_viscosity();
+        stage("projection", "pressure", Projection{system});
+        if (bounded) pressure_limit();
+        work_is(&EnergyWork::pressure);
+        stage("move", "move", ProjectionMove{system});
+        work_is(&EnergyWork::smoothing);
+        if (facts_.micropolar.spins) stage("carry spin", "micropolar", CarrySpin{system});
+        if (!scene_.solids.empty()) {
+            stage("keep outside", "boundary", KeepOutside{});
+            work_is(&EnergyWork::boundary);
+        }
+    }
+
     /// What adds to the acceleration, the kick, what changes the velocity, the move: one after the other.
     void separate() {
         made_.stages.push_back(neighbours());
         if (facts_.needs_density()) stage("density", "density", Density{solid_factor_, gate_});
         if (facts_.pressure.has_sound) sound_pressure();
-        if (facts_.viscosity.implicit) stage("velocity gradient", "viscosity", VelocityGradient{solid_factor_});
+        if (facts_.viscosity.implicit) stage("velocity gradient", "viscosity", VelocityGradient{solid_factor_, gate_});
         weights();
         if (facts_.pressure.has_sound) sound_forces();
         if (facts_.micropolar.spins) spin();
         else if (plan_.viscosity == ViscosityModel::explicit_laplacian) explicit_viscosity();
         kicks();
+        force();
         if (scene_.fluid.surface_tension > 0) {
             surface_tension(nullptr);
             work_is(&EnergyWork::surface_tension);
@@ -166,7 +224,7 @@ private:
         }
         if (facts_.viscosity.implicit) implicit_viscosity();
         if (plan_.pressure == PressureModel::ppe) incompressibility();
-        if (plan_.shifting == ShiftingModel::fickian) stage("shift", "shifting", FickianShift{solid_factor_});
+        if (plan_.shifting == ShiftingModel::fickian) stage("shift", "shifting", FickianShift{solid_factor_, gate_});
         moves();
         if (!scene_.solids.empty()) at_solids();
         if (constraint_ && !bodies_) {
@@ -213,12 +271,17 @@ private:
         if (bodies_) stage("weight of bodies", "bodies", Weigh{});
     }
     void kicks() {
+        if (!scene_.streams.empty()) stage("streams", "move", FollowStreams{make_streams(scene_)});
         stage("kick", "move", Kick{});
         if (bodies_) stage("kick of bodies", "bodies", KickBodies{});
     }
+    void force() {
+        if (scene_.fluid.force.is_zero()) return;
+        stage("force", "move", Force{scene_.fluid.force});
+        work_is(&EnergyWork::gravity);
+    }
     void moves() {
-        if (constraint_ && scene_.pressure.divergence_free) stage("move", "move", MoveAndDrift{});
-        else stage("move", "move", Move{});
+        stage("move", "move", Move{});
         if (bodies_) stage("motion of bodies", "bodies", MoveBodies{});
     }
     void at_solids() {
@@ -236,7 +299,7 @@ private:
     void density_constraint() {
         ConstraintOptions options;
         options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
-        options.correction = scene_.pressure.correction;
+        options.correction = scene_.pressure.correction.value_or(options.correction);
         options.slow_correction = scene_.fluid.surface_tension > 0;
         options.gate = gate_;
         options.preconditioner = preconditioner<ConstraintPreconditionerSetup>(
@@ -245,22 +308,31 @@ private:
             stage("unresolved motion", "pressure", DampUnresolved{scene_.pressure.damping, scene_.fluid.surface_tension});
             work_is(&EnergyWork::smoothing);
         }
-        if (scene_.pressure.divergence_free) stage("divergence-free", "pressure", DivergenceFree{options});
-        else stage("density constraint", "pressure", ConstraintPressure{options});
-        limit("pressure", number(scene_.time.cfl) + " d / sqrt(p / rho)",
-              [cfl = scene_.time.cfl, d = plan_.spacing, rho_0 = scene_.fluid.density](const World& w, double) {
+        stage("density constraint", "pressure", ConstraintPressure{options});
+        pressure_limit();
+    }
+
+    void pressure_limit() {
+        limit("pressure", number(cfl()) + " d / sqrt(p / rho)",
+              [cfl = cfl(), d = plan_.spacing, rho_0 = scene_.fluid.density](const World& w, double) {
                   return pressure_step(cfl, d, rho_0, w.fluid.column<field::pressure>());
               });
     }
 
     void pressure_equation() {
         PoissonPressureOptions options;
+        options.density_correction = scene_.pressure.correction.value_or(options.density_correction);
         options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
         options.solid_factor = solid_factor_;
         options.gate = gate_;
-        options.preconditioner = preconditioner<PressurePreconditionerSetup>(scene_.pressure.preconditioner, poisson_automatic,
-                                                                             poisson_unpreconditioned, jacobi, poisson_multigrid());
+        options.clamp = scene_.pressure.clamp;
+        ParticleMultigrid levels = poisson_levels;
+        levels.additive = scene_.pressure.cycle == MultigridCycle::additive;
+        levels.coarse.sweeps_before = levels.coarse.sweeps_after = scene_.pressure.sweeps;
+        options.preconditioner = preconditioner<PressurePreconditionerSetup>(scene_.pressure.preconditioner, poisson_automatic(levels),
+                                                                             poisson_unpreconditioned, jacobi, poisson_multigrid(levels));
         stage("pressure equation", "pressure", PoissonPressure{options});
+        pressure_limit();
     }
 
     void surface_tension(std::shared_ptr<std::vector<Real>> internal) {
@@ -296,9 +368,15 @@ private:
         options.solid_factor = solid_factor_;
         options.gate = gate_;
         stage("explicit viscosity", "viscosity", ExplicitViscosity{options});
-        const double nu = plan_.largest_viscosity / scene_.fluid.density,
-                     step = nu > 0 ? viscous_step(plan_.support, nu, options.monaghan) : never;
-        const std::string formula = options.monaghan ? "0.075 R^2 / (4 nu)" : "0.125 R^2 / (4 nu)";
+        viscous_limits();
+    }
+
+    void viscous_limits() {
+        const bool monaghan = scene_.viscosity.laplacian == LaplacianForm::monaghan;
+        const double stiffness = monaghan ? monaghan_stiffness(plan_.dimensions()) : 1;
+        const double nu = stiffness * plan_.largest_viscosity / scene_.fluid.density;
+        const double step = nu > 0 ? viscous_step(plan_.support, nu) : never;
+        const std::string formula = monaghan ? "0.125 R^2 / (4 nu (D + 2)/D)" : "0.125 R^2 / (4 nu)";
         limit("viscous", formula, [step](const World&, double) { return step; });
         if (bodies_)
             limit("light bodies in viscous fluid", "(" + formula + ") mass / mass of the fluid around", [step](const World& w, double) {
@@ -312,6 +390,7 @@ private:
             FullViscosityOptions options;
             options.limits = limits;
             options.solid_factor = solid_factor_;
+            options.gate = gate_;
             const ViscousPreconditioner wanted = scene_.viscosity.preconditioner;
             options.diagonal = wanted != ViscousPreconditioner::none;
             if (wanted == ViscousPreconditioner::none || wanted == ViscousPreconditioner::block_jacobi) options.aggregate = 0;
@@ -323,13 +402,13 @@ private:
             AssembledViscosityOptions options;
             options.limits = limits;
             options.solid_factor = solid_factor_;
+            options.gate = gate_;
             stage("assembled viscosity", "viscosity", AssembledViscosity(options));
         }
         work_is(&EnergyWork::viscosity);
     }
 
-    /// Micropolar terms with the explicit viscosity in the same pass over the pairs.
-    void spin() {
+    MicropolarOptions micropolar_options() const {
         const MicropolarKeys& keys = scene_.micropolar;
         const MicropolarNumbers& n = plan_.spin;
         MicropolarOptions options;
@@ -338,8 +417,8 @@ private:
         options.central_viscosity = n.central_viscosity;
         options.spin_viscosity = n.spin_viscosity;
         options.micro_inertia = n.micro_inertia;
-        options.curl_velocity = keys.curl_velocity;
-        options.curl_spin = keys.curl_spin;
+        options.curl_velocity = keys.curl_velocity.value_or(options.curl_velocity);
+        options.curl_spin = keys.curl_spin.value_or(options.curl_spin);
         options.co_rotating = keys.co_rotating;
         options.implicit_exchange = n.implicit_exchange;
         options.smoothing_velocity = keys.xsph_velocity;
@@ -349,11 +428,22 @@ private:
         options.torque = keys.torque;
         options.solid_factor = solid_factor_;
         options.gate = gate_;
-        stage("micropolar", "micropolar", Micropolar{options});
+        return options;
+    }
+
+    /// Micropolar terms with the explicit viscosity in the same pass over the pairs.
+    /// @param projection where there is one; it has corrected forms of its own, unless the scene asks for others
+    void spin(const std::shared_ptr<ProjectionSystem>& projection = nullptr) {
+        const MicropolarNumbers& n = plan_.spin;
+        const MicropolarOptions options = micropolar_options();
+        const bool asks = scene_.micropolar.curl_velocity || scene_.micropolar.curl_spin || n.central_viscosity != 0;
+        if (projection && !asks) stage("micropolar", "micropolar", CorrectedMicropolar{projection, options});
+        else stage("micropolar", "micropolar", Micropolar{options});
 
         const double R = plan_.support, rho = n.density;
         // The spin slaved to the flow takes coupling/2 off the viscosity: whichever is larger bounds the step.
-        const double nu = std::max({n.pair_viscosity + 5.0 / 3 * std::abs(n.central_viscosity), n.coupling / 2}) / rho;
+        const double nu =
+            std::max({n.pair_viscosity + monaghan_stiffness(plan_.dimensions()) * std::abs(n.central_viscosity), n.coupling / 2}) / rho;
         limit("viscous", "0.125 R^2 / (4 max(nu, kappa/2))", [=](const World&, double) { return nu > 0 ? viscous_step(R, nu) : never; });
         const double diffusion = n.spin_viscosity / (rho * n.micro_inertia);
         limit("spin diffusion", "0.125 R^2 theta / (4 gamma/rho)",

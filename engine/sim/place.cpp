@@ -13,15 +13,13 @@ namespace whorl {
 
 void place_constants(const Scene& scene, const Plan& plan, World& world) {
     StepContext& step = world.step;
-    step.domain.min = scene.domain.min.cast<Real>();
-    step.domain.max = scene.domain.max.cast<Real>();
-    step.domain.periodic = scene.domain.periodic;
+    step.domain = scene.domain.box();
     step.spacing = static_cast<Real>(plan.spacing);
     step.support = static_cast<Real>(plan.support);
     step.kernel = plan.kernel;
     step.rest_density = static_cast<Real>(scene.fluid.density);
-    step.volume = static_cast<Real>(plan.spacing * plan.spacing * plan.spacing);
-    step.mass = static_cast<Real>(scene.fluid.density * plan.spacing * plan.spacing * plan.spacing);
+    step.volume = static_cast<Real>(plan.particle_volume());
+    step.mass = static_cast<Real>(scene.fluid.density * plan.particle_volume());
 }
 
 double slip_length_of(const SolidKeys& keys) {
@@ -87,13 +85,25 @@ void change_viscosity(const Scene& scene, World& world) {
 
 namespace {
 
+/// Moves each point by up to `most` along every axis [m], those that would leave the shape or come too near to a solid excepted.
+void loosen(std::vector<Vec3>& points, double most, std::uint64_t seed, const Shape& shape, const World& world) {
+    const Real nearest = Real(0.25) * world.step.spacing;
+    RandomNumbers random(seed);
+    for (Vec3& x : points) {
+        Vec3 moved = x;
+        for (int a = 0; a < world.step.dimensions(); ++a) moved[a] += static_cast<Real>(most * (2 * random() - 1));
+        Real distance = 0;
+        if (shape.distance(moved) < 0 && (world.solids.nearest(moved, distance) < 0 || distance > nearest)) x = moved;
+    }
+}
+
+/// By how much the points of a block are moved at random, in spacings.
 /// A lattice at rest under gravity is an equilibrium that does not last, but its symmetry holds until rounding has grown enough: with
 /// weakly compressible pressure it then melts in a jolt of 3 % of the speed of a free fall, up to a second after the start (in double later
 /// than in float). Moved by a hundredth of the spacing from the start, it settles at once and gently.
-void loosen(std::vector<Vec3>& points, Real spacing, std::uint64_t seed) {
-    RandomNumbers random(seed);
-    for (Vec3& x : points)
-        for (int a = 0; a < 3; ++a) x[a] += static_cast<Real>(0.01 * spacing * (2 * random() - 1));
+double looseness(const BlockKeys& keys, const PressureFacts& pressure) {
+    if (keys.sampling == Sampling::jittered) return 0.2;
+    return pressure.has_sound && keys.sampling == Sampling::lattice ? 0.01 : 0;
 }
 
 /// Moves a lattice that leaves up to half a spacing at both its ends down to the lower one, where gravity goes along an axis: it would fall
@@ -125,12 +135,12 @@ std::vector<Vec3> points_of_block(const Scene& scene, const Plan& plan, const Wo
     const auto shape = make_shape(keys.shape);
     const std::uint64_t seed = scene.seed + 1000 * b;
     const auto sample = [&](Layers layers) {
-        std::vector<Vec3> points = sample_shape(*shape, keys.sampling, world.step.spacing, world.step.domain, seed, layers);
+        const Sampling even = keys.sampling == Sampling::jittered ? Sampling::lattice : keys.sampling;
+        std::vector<Vec3> points = sample_shape(*shape, even, world.step.spacing, world.step.domain, seed, layers);
         if (layers == Layers::within) {
             put_down(points, *shape, scene.domain.gravity(0), world.step.spacing);
             std::erase_if(points, [&](const Vec3& x) { return shape->distance(x) >= 0; });
         }
-        if (plan.facts.pressure.has_sound && keys.sampling == Sampling::lattice) loosen(points, world.step.spacing, seed);
         return points;
     };
     std::vector<Vec3> points = sample(Layers::nearest);
@@ -140,6 +150,8 @@ std::vector<Vec3> points_of_block(const Scene& scene, const Plan& plan, const Wo
         remove_in_solids(within, world);
         if (within.size() >= points.size()) points.swap(within);
     }
+    if (const double loose = looseness(keys, plan.facts.pressure); loose > 0)
+        loosen(points, loose * static_cast<double>(world.step.spacing), seed, *shape, world);
     return points;
 }
 

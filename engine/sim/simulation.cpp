@@ -21,7 +21,7 @@
 namespace whorl {
 namespace {
 
-/// Steps between two sorts along the space-filling curve, counted from the last landing.
+/// Steps between two sorts along the space-filling curve, counted from the last frame time.
 constexpr long sort_every = 16;
 
 template <class T>
@@ -56,7 +56,7 @@ struct Simulation::State {
     std::vector<Drain> drains;
     CurveSort curve;
     double time = 0;
-    long steps_since_landing = 0;
+    long steps_since_frame = 0;
     std::optional<Sleep> sleep;
     double since_look = 0;  ///< s, since the last look at who sleeps
     RunTotals totals;
@@ -90,7 +90,7 @@ struct Simulation::State {
 
     /// @param at s, when the change is or was made
     void change(const Scene& now, const Plan& new_plan, double at) {
-        WHORL_ASSERT(steps_since_landing == 0, "change() between landings");
+        WHORL_ASSERT(steps_since_frame == 0, "change() between frame times");
         for (std::size_t k = 0; k < now.solids.size(); ++k) {
             Solid& solid = world.solids.all[k];
             solid.contact = {now.solids[k].friction, now.solids[k].bounce};
@@ -117,7 +117,7 @@ struct Simulation::State {
     double choose_step(double until) {
         if (scene.time.fixed_step > 0) {
             ++totals.binding["fixed_step"];
-            return landing_step(std::min(scene.time.fixed_step, until - time), until - time);
+            return fitted_step(std::min(scene.time.fixed_step, until - time), until - time);
         }
         const StepLimit* binding = nullptr;
         double wanted = until - time;
@@ -126,7 +126,7 @@ struct Simulation::State {
             const double dt = limit.dt(world, fastest);
             if (dt < wanted) wanted = dt, binding = &limit;
         }
-        const double dt = landing_step(wanted, until - time);
+        const double dt = fitted_step(wanted, until - time);
         ++totals.binding[binding != nullptr && dt == wanted ? binding->name : "frame time"];
         return dt;
     }
@@ -202,17 +202,17 @@ struct Simulation::State {
         world.solids.set_time(time, dt);
         world.solid_particles.follow(world.solids);
         emit();
-        if (steps_since_landing % sort_every == 0) sort();
-        if (sleep && steps_since_landing % Sleep::look_every == 0) sleep_through([&] { sleep->put_away(world); });
+        if (steps_since_frame % sort_every == 0) sort();
+        if (sleep && steps_since_frame % Sleep::look_every == 0) sleep_through([&] { sleep->put_away(world); });
     }
 
     void start_step() {
         world.report = {};
         world.step.time = time;
-        world.step.at_landing = steps_since_landing == 0;
+        world.step.at_frame_time = steps_since_frame == 0;
         set_gravity();
         // Velocities are those over the last step: a resumed run does not know how long that was.
-        if (world.step.at_landing && world.solids.any_moving()) {
+        if (world.step.at_frame_time && world.solids.any_moving()) {
             world.solids.set_time(time, scene.time.max_step);
             world.solid_particles.follow(world.solids);
         }
@@ -225,12 +225,12 @@ struct Simulation::State {
         keep_inside();
     }
 
-    void count_step(double dt, bool landed) {
-        steps_since_landing = landed ? 0 : steps_since_landing + 1;
+    void count_step(double dt, bool reached) {
+        steps_since_frame = reached ? 0 : steps_since_frame + 1;
         ++totals.steps;
         totals.particle_steps += world.fluid.size();
         since_look += dt;
-        if (sleep && steps_since_landing % Sleep::look_every == 0) {
+        if (sleep && steps_since_frame % Sleep::look_every == 0) {
             sleep_through([&] { sleep->look(world, since_look); });
             since_look = 0;
         }
@@ -243,8 +243,10 @@ struct Simulation::State {
         start_step();
         const double dt = choose_step(until);
         if (!(dt > 1e-12 * scene.time.end)) {
-            world.report.diverged =
-                Divergence{"time step", "velocity", time, Vec3d::Zero(), "the time step collapsed: something moves far too fast"};
+            std::string what = "the time step collapsed: something moves far too fast";
+            if (plan.facts.pressure.source == PressureSource::velocity && plan.free_surface)
+                what += " (pressure.form = \"projection\" does not hold fluid that splashes; \"constraint\" does)";
+            world.report.diverged = Divergence{"time step", "velocity", time, Vec3d::Zero(), what};
             return world.report;
         }
         prepare(dt);
@@ -253,9 +255,9 @@ struct Simulation::State {
             return world.report;
         }
         let_out(dt);
-        const bool landed = dt == until - time;
-        time = landed ? until : time + dt;
-        count_step(dt, landed);
+        const bool reached = dt == until - time;
+        time = reached ? until : time + dt;
+        count_step(dt, reached);
         return world.report;
     }
 };
@@ -283,7 +285,7 @@ void Simulation::changed_before(const Scene& scene, const Plan& plan, double tim
 
 void Simulation::save(std::ostream& out) const {
     const State& s = *state_;
-    WHORL_ASSERT(s.steps_since_landing == 0, "save() between landings");
+    WHORL_ASSERT(s.steps_since_frame == 0, "save() between frame times");
     put(out, s.time);
     each_number(s.totals, [&](const auto& number) { put(out, number); });
     put(out, s.totals.binding.size());
@@ -323,7 +325,7 @@ void Simulation::load(std::istream& in) {
     for (Solid& solid : s.world.solids.all)
         if (solid.body) solid.body->load(in);
     if (!in) throw EnvironmentError("the saved state ends too early", "", "resume from an older checkpoint");
-    s.steps_since_landing = 0;
+    s.steps_since_frame = 0;
     s.set_gravity();
     s.world.step.time = s.time;
     s.world.solids.set_time(s.time, scene().time.max_step);
@@ -337,7 +339,7 @@ NamedTexts models_of(const Plan& plan) {
     const auto number = [](double value) { return Expression(value).text(); };
     return {{"models.pressure", name_of(plan.pressure)},     {"models.viscosity", name_of(plan.viscosity)},
             {"models.micropolar", name_of(plan.micropolar)}, {"models.boundary", name_of(plan.boundary)},
-            {"models.shifting", name_of(plan.shifting)},     {"fluid.kernel", name_of(plan.kernel)},
+            {"models.shifting", name_of(plan.shifting)},     {"fluid.kernel", name_of(plan.kernel.kind)},
             {"fluid.spacing", number(plan.spacing)},         {"fluid.support", number(plan.support)}};
 }
 

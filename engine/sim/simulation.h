@@ -44,20 +44,20 @@ public:
     const World& world() const;
     const std::vector<Emitter>& emitters() const;
 
-    /// One step, not past `until` [s], landing on it exactly (the last two steps before it are made equal).
-    /// A step that starts at a frame time (just after a landing) refreshes every lagged set-up, so that a run resumed there is the same
-    /// run. report.diverged tells that the run cannot go on.
+    /// One step, not past the next frame time `until` [s]; one step reaches it exactly (the last two before it are made equal).
+    /// A step that starts at a frame time refreshes every lagged set-up, so that a run resumed there is the same run.
+    /// report.diverged tells that the run cannot go on.
     const StepReport& step(double until);
 
     /// From now on the run goes by another scene: the same fluid, solids and models with other values of the keys that may change
-    /// (Key::may_change). Only at a landing. Solids go on from where they stand; the viscosity is that of `scene` where each particle now
-    /// is.
+    /// (Key::may_change). Only at a frame time. Solids go on from where they stand; the viscosity is that of `scene` where each particle
+    /// now is.
     /// @param plan of `scene`; changes_of_models(plan(), plan) must be empty
     void change(const Scene& scene, const Plan& plan);
     /// For a run that was resumed with load(): that change was made at `time` [s], before the state was saved.
     void changed_before(const Scene& scene, const Plan& plan, double time);
 
-    /// All state that lives from step to step. Only at a landing; bit-exact; the same build reads it back.
+    /// All state that lives from step to step. Only at a frame time; bit-exact; the same build reads it back.
     void save(std::ostream& out) const;
     /// @throws EnvironmentError where the data are cut short
     void load(std::istream& in);

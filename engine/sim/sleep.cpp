@@ -52,6 +52,7 @@ struct Sleep::Cell {
 class Sleep::Cells {
 public:
     Cells(const Domain& domain, double reach) {
+        deep = domain.dimensions() == 2 ? 0 : 1;
         for (int a = 0; a < 3; ++a) {
             origin[a] = domain.min[a];
             inverse_edge[a] = 1 / reach;
@@ -78,7 +79,7 @@ public:
             if (!fresh) continue;
             for (std::int64_t dx = -1; dx <= 1; ++dx)
                 for (std::int64_t dy = -1; dy <= 1; ++dy)
-                    for (std::int64_t dz = -1; dz <= 1; ++dz)
+                    for (std::int64_t dz = -deep; dz <= deep; ++dz)
                         if (const auto near = cells.find(key({c[0] + dx, c[1] + dy, c[2] + dz})); near != cells.end())
                             found->second += near->second;
         }
@@ -88,6 +89,7 @@ public:
 private:
     std::array<double, 3> origin{}, inverse_edge{};
     std::array<std::int64_t, 3> period{};  ///< cells along a periodic axis, else 0
+    std::int64_t deep = 1;                 ///< cells along z to look at to each side: in the plane none
     std::unordered_map<std::int64_t, Cell> cells;
     std::vector<std::array<std::int64_t, 3>> places;  ///< of each particle
 

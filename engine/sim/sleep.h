@@ -8,7 +8,7 @@
 /// not quiet for half of `after`, or is a tenth of a spacing off its anchor) wakes all sleepers within reach. Reach is a kernel radius and
 /// what CFL allows between two looks.
 ///
-/// At every landing all particles are in the store with their own roles: frames, probes and checkpoints know nothing of sleep.
+/// At every frame time all particles are in the store with their own roles: frames, probes and checkpoints know nothing of sleep.
 #include "engine/sim/world.h"
 
 namespace whorl {
@@ -41,7 +41,7 @@ struct SleepOptions {
 
 class Sleep {
 public:
-    /// Steps between two looks, counted from the landing.
+    /// Steps between two looks, counted from the frame time.
     static constexpr long look_every = 4;
     static constexpr std::int16_t asleep_role = -32768;
 

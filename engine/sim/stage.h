@@ -53,14 +53,9 @@ struct Argument<Update<F>> {
         static decltype(auto) get(World& w) { return (w.member); } \
     };
 WHORL_SHARED_ARGUMENT(const Surroundings&, surroundings())
-WHORL_SHARED_ARGUMENT(const FluidPairs&, fluid_pairs)
-WHORL_SHARED_ARGUMENT(const SolidPairs&, solid_pairs)
 WHORL_SHARED_ARGUMENT(FluidPairs&, fluid_pairs)
 WHORL_SHARED_ARGUMENT(SolidPairs&, solid_pairs)
 WHORL_SHARED_ARGUMENT(const Solids&, solids)
-WHORL_SHARED_ARGUMENT(Solids&, solids)
-WHORL_SHARED_ARGUMENT(const SolidParticles&, solid_particles)
-WHORL_SHARED_ARGUMENT(SolidParticles&, solid_particles)
 WHORL_SHARED_ARGUMENT(const StepContext&, step)
 WHORL_SHARED_ARGUMENT(StepReport&, report)
 #undef WHORL_SHARED_ARGUMENT

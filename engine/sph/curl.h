@@ -1,13 +1,13 @@
 #pragma once
 /// The three discrete curls (docs/physics.md 8), as sums over a row of pairs. r_ij = x_i - x_j, m the mass of a particle [kg].
 #include "engine/math/kernel.h"
-#include "engine/particles/pairs.h"
 
 namespace whorl {
 
-///   symmetric:               -rho_i sum_j m (u_i/rho_i^2 + u_j/rho_j^2) x grad W_ij    times the mass over rho_i, antisymmetric in the
-///   pair difference:              sum_j m/rho_j (u_i - u_j) x grad W_ij                     exact for constant u difference_own_density:
-///   1/rho_i sum_j m (u_i - u_j) x grad W_ij                   the adjoint of the first: sum V v.curl u = sum V u.curl v
+///   symmetric:               -rho_i sum_j m (u_i/rho_i^2 + u_j/rho_j^2) x grad W_ij    times m/rho_i, antisymmetric in the pair
+///   difference:              sum_j m/rho_j (u_i - u_j) x grad W_ij                     exact for constant u
+///   difference_own_density:  1/rho_i sum_j m (u_i - u_j) x grad W_ij                   the adjoint of the first: sum V v.curl u = sum V
+///                                                                                      u.curl v
 enum class CurlForm { symmetric, difference, difference_own_density };
 
 /// All three are sum_j m (P u_i - Q u_j) x grad W_ij with P = p + p_b b_j and Q = q_b b_j + q_bb b_j^2 + q, b = 1/rho: one loop serves them
@@ -26,21 +26,8 @@ inline CurlWeights curl_weights(CurlForm form, Real b_i) {
     }
 }
 
-/// The curl of u at particle i in that form, without the lattice's factor.
-template <class Kernel>
-Vec3 curl(CurlForm form, const Pairs& pairs, Index i, const Kernel& W, Real m, Span<const Real> rho, Span<const Vec3> u) {
-    const Vec3 own = u[i];
-    const CurlWeights weights = curl_weights(form, 1 / rho[i]);
-    Vec3 sum = Vec3::Zero();
-    pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-        const Real b = 1 / rho[j], slope = W.slope(distance);
-        sum += (m * slope) * Vec3(weights.own(b) * own - weights.other(b) * u[j]).cross(r);
-    });
-    return sum;
-}
-
 /// The largest k [1/m] for which a wave of the wavenumber k, or shorter, is turned by the discrete curl on a lattice: what bounds the step
 /// of an explicit exchange. Waves along an edge and along the diagonals of the lattice are looked at.
-double largest_curl(KernelKind kernel, Real support, Real spacing);
+double largest_curl(KernelForm kernel, Real support, Real spacing);
 
 }  // namespace whorl

@@ -35,10 +35,4 @@ void sum_density(const Surroundings& around, Real solid_factor, SolidGate gate, 
     });
 }
 
-void sum_number_density(const Pairs& pairs, const StepContext& step, Span<Real> number_density) {
-    with_kernel(step.kernel, step.support, [&](const auto& W) {
-        parallel_for(pairs.size(), [&](Index i) { number_density[i] = W.value(0) + sum_over_row(pairs, i, W); });
-    });
-}
-
 }  // namespace whorl

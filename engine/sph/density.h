@@ -1,5 +1,5 @@
 #pragma once
-/// Density and number density by kernel sums.
+/// The density by kernel sums.
 #include "engine/particles/field.h"
 #include "engine/particles/surroundings.h"
 #include "engine/sph/gate.h"
@@ -9,9 +9,6 @@ namespace whorl {
 /// rho_i = m W_ii + sum_j m W_ij + rho_0 sum_s f V_s W_is        Solids count with their volumes (Akinci et al. 2012).
 /// @param solid_factor f, see models/boundary/wall.h @param density [kg/m^3], written
 void sum_density(const Surroundings& around, Real solid_factor, SolidGate gate, Span<Real> density);
-
-/// n_i = W_ii + sum_j W_ij        Without the solids [m^-3].
-void sum_number_density(const Pairs& pairs, const StepContext& step, Span<Real> number_density);
 
 /// The stage of sum_density().
 struct Density {

@@ -28,13 +28,15 @@ FlowGrid laid_out(const Frame& frame, float reach, std::size_t most_nodes) {
         if (frame.periodic[a]) low[a] = frame.domain_min[a], high[a] = frame.domain_max[a];
         else low[a] -= reach, high[a] += reach;
     }
+    const bool plane = frame.dimensions == 2;
+    if (plane) low.z() = -0.5f * frame.spacing, high.z() = 0.5f * frame.spacing, grid.periodic[2] = true;  // one node, wherever z
     float cell = frame.spacing;
     for (;; cell *= 1.25f) {
         double nodes = 1;
         for (int a = 0; a < 3; ++a) {
             // A periodic axis has whole cells; another one more node than cells.
             const float cells = std::max(1.0f, std::round((high[a] - low[a]) / cell));
-            grid.n[a] = static_cast<int>(cells) + (frame.periodic[a] ? 0 : 1);
+            grid.n[a] = static_cast<int>(cells) + (grid.periodic[a] ? 0 : 1);
             grid.cell[a] = (high[a] - low[a]) / cells;
             nodes *= grid.n[a];
         }
@@ -72,11 +74,13 @@ Bins binned(const FlowGrid& grid, const std::vector<Vec3f>& position) {
 }  // namespace
 
 FlowGrid flow_grid(const Frame& frame, const std::vector<float>& value, std::size_t most_nodes) {
-    constexpr float reach_in_spacings = 1.5f, full = 3.2f;  // sum of the weights in a full lattice: 4 pi (1/3 - 2/5 + 1/7) 1.5^3
+    // full: sum of the weights in a full lattice, 4 pi (1/3 - 2/5 + 1/7) 1.5^3; in the plane pi/3 1.5^2.
+    constexpr float reach_in_spacings = 1.5f;
+    const float full = frame.dimensions == 2 ? 2.36f : 3.2f;
     FlowGrid grid = laid_out(frame, reach_in_spacings * frame.spacing, most_nodes);
     if (grid.n[0] == 0) return grid;
     const float h = std::max(reach_in_spacings * frame.spacing, 1.2f * grid.cell.maxCoeff());
-    const float lattice = full * std::pow(h / (reach_in_spacings * frame.spacing), 3.0f);
+    const float lattice = full * std::pow(h / (reach_in_spacings * frame.spacing), static_cast<float>(frame.dimensions));
     const Bins bins = binned(grid, frame.position);
     const std::size_t nodes = bins.start.size() - 1;
     grid.velocity.assign(nodes, Vec3f::Zero());

@@ -44,7 +44,7 @@ private:
 
 }  // namespace
 
-float draw_text(Image& image, float x, float y, const std::string& text, const TextStyle& style) {
+void draw_text(Image& image, float x, float y, const std::string& text, const TextStyle& style) {
     const TextLine line = lay_out(text, style.height / capital_height);
     const float end = x + static_cast<float>(line.width), h = style.height;
     const auto mask = [&] { return Mask(image, x - h, y - 2 * h, end + h, y + h); };
@@ -61,7 +61,6 @@ float draw_text(Image& image, float x, float y, const std::string& text, const T
     const Mask letters = mask();
     draw_line(letters.draw().get(), line, x, y, cairo_show_text);
     letters.mix_into(image, style.colour, 1);
-    return end;
 }
 
 float text_width(const std::string& text, float height) { return static_cast<float>(lay_out(text, height / capital_height).width); }

@@ -16,8 +16,7 @@ struct TextStyle {
 
 /// Draws UTF-8; x, y is where the first letter's baseline begins [pixels from the upper left]. "^" lifts what follows (digits, signs) as an
 /// exponent: "kg/m^3". Characters that the font does not have are drawn as a box.
-/// @return where the next letter would begin
-float draw_text(Image& image, float x, float y, const std::string& text, const TextStyle& style);
+void draw_text(Image& image, float x, float y, const std::string& text, const TextStyle& style);
 /// Width of the text as drawn [pixels].
 float text_width(const std::string& text, float height);
 

@@ -9,6 +9,13 @@ namespace {
 
 float radians(float degrees) { return degrees * std::numbers::pi_v<float> / 180; }
 
+/// The whole of a domain without depth, from ahead.
+View framed_plane(const CameraOptions& camera, const Vec3f& low, const Vec3f& high) {
+    const Vec3f size = high - low, target = 0.5f * (low + high);
+    const float distance = 0.5f * 1.06f * std::max(size.y(), size.x() * 9.0f / 16.0f) / std::tan(0.5f * radians(camera.fov));
+    return {target + Vec3f(0, 0, distance), target, camera.up, camera.fov};
+}
+
 /// Frames the domain, and nothing that moves in it: the picture must not jump. The whole height is seen; sides may be cut, for a domain is
 /// mostly air at its sides.
 View framed(const CameraOptions& camera, const Vec3f& low, const Vec3f& high) {
@@ -61,7 +68,7 @@ View view_at(const CameraOptions& camera, double time, const Vec3f& domain_min, 
         const Vec3f offset(camera.distance * std::sin(angle), camera.height, camera.distance * std::cos(angle));
         return {camera.target + offset, camera.target, camera.up, camera.fov};
     }
-    return framed(camera, domain_min, domain_max);
+    return domain_min.z() < domain_max.z() ? framed(camera, domain_min, domain_max) : framed_plane(camera, domain_min, domain_max);
 }
 
 }  // namespace whorl

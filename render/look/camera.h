@@ -14,7 +14,7 @@ struct CameraKey {
 };
 
 /// kind "fixed": position, target. "orbit": turns about `target` at `distance`, `height`, `degrees_per_second`, from `start_angle`.
-/// "keys": smooth (Catmull-Rom) through `keys`. "auto" (default): frames the domain from a pleasing angle.
+/// "keys": smooth (Catmull-Rom) through `keys`. "auto" (default): frames the domain from a pleasing angle, one without depth from ahead.
 struct CameraOptions {
     std::string kind = "auto";
     Vec3f position = Vec3f(0, 0.1f, 0.4f), target = Vec3f::Zero(), up = Vec3f(0, 1, 0);

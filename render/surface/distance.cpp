@@ -108,9 +108,10 @@ void near_surface(const TriangleMesh& mesh, const Volume& e, float margin, std::
     });
 }
 
-// Hands closest points and sides on from plane to plane along one axis, forwards and backwards; each voxel beyond the exact margin asks the
+// Carries closest points and sides from plane to plane along one axis, forwards and backwards; each voxel beyond the exact margin asks the
 // nine voxels next to it in the plane before. Six such sweeps reach every voxel along a path that hardly leaves the straight one.
-void hand_on(const Volume& e, int axis, float margin, float limit, std::vector<Closest>& closest, std::vector<std::int8_t>& side) {
+void sweep_closest_points(const Volume& e, int axis, float margin, float limit, std::vector<Closest>& closest,
+                          std::vector<std::int8_t>& side) {
     const std::array<int, 3> size{e.nx, e.ny, e.nz};
     const std::array<std::size_t, 3> stride{1, grid_index(0, 1, e.nx), grid_index(0, 0, 1, e.nx, e.ny)};
     const int u = (axis + 1) % 3, v = (axis + 2) % 3, n = size[axis];
@@ -145,7 +146,7 @@ Volume distance_volume(const TriangleMesh& mesh, float voxel, int band) {
     // Each cell that the surface crosses has all its corners within sqrt(3) voxels of it: sides never leak through.
     const float margin = 1.75f * volume.voxel, limit = static_cast<float>(band) * volume.voxel;
     near_surface(mesh, volume, margin, closest, side);
-    for (int axis : {0, 1, 2}) hand_on(volume, axis, margin, limit + 2 * volume.voxel, closest, side);
+    for (int axis : {0, 1, 2}) sweep_closest_points(volume, axis, margin, limit + 2 * volume.voxel, closest, side);
 
     volume.value.resize(volume.count());
     parallel_for(static_cast<Index>(volume.count()),

@@ -30,10 +30,10 @@ Index CoupledWorld::add(const std::vector<Vec3>& x) {
     return old;
 }
 
-void CoupledWorld::run(std::size_t count, Real dt, bool at_landing) {
+void CoupledWorld::run(std::size_t count, Real dt, bool at_frame_time) {
     world.step.dt = dt;
     world.step.time = time;
-    world.step.at_landing = at_landing;
+    world.step.at_frame_time = at_frame_time;
     world.report = {};
     world.solids.set_time(time, dt);
     for (std::size_t k = 0; k < count; ++k) {
@@ -45,8 +45,8 @@ void CoupledWorld::run(std::size_t count, Real dt, bool at_landing) {
     }
 }
 
-bool CoupledWorld::step(Real dt, bool at_landing) {
-    run(stages.size(), dt, at_landing);
+bool CoupledWorld::step(Real dt, bool at_frame_time) {
+    run(stages.size(), dt, at_frame_time);
     time += dt;
     return last_solve().converged;
 }

@@ -21,7 +21,7 @@ struct CoupledWorld {
     /// Adds particles at rest; returns the place of the first.
     Index add(const std::vector<Vec3>& x);
     /// One step of dt [s]; false where the solve did not converge.
-    bool step(Real dt, bool at_landing = false);
+    bool step(Real dt, bool at_frame_time = false);
     /// The same without move, shift and contact.
     bool solve_only(Real dt);
     const SolveReport& last_solve() const { return world.report.solves.back().report; }
@@ -30,7 +30,7 @@ struct CoupledWorld {
 
 private:
     Real viscosity_;
-    void run(std::size_t stages, Real dt, bool at_landing);
+    void run(std::size_t stages, Real dt, bool at_frame_time);
 };
 
 /// Blue noise in a cylinder along y from y = 0 to y = length, periodic along it. Deterministic.

@@ -112,7 +112,7 @@ float to_segment(const Vec3f& x, const Vec3f& a, const Vec3f& b, float& along) {
 
 }  // namespace
 
-Surface surface_of(const Distance& distance, const Vec3f& low, const Vec3f& high, float voxel) {
+Surface surface_of(const ShapeDistance& distance, const Vec3f& low, const Vec3f& high, float voxel) {
     constexpr float band = 3;  // voxels, as narrow as a level set's
     Surface surface;
     Volume& v = surface.distance;

@@ -7,10 +7,10 @@
 namespace whorl::test {
 
 /// Signed distance of a shape [m], negative inside.
-using Distance = std::function<float(const Vec3f&)>;
+using ShapeDistance = std::function<float(const Vec3f&)>;
 
 /// Samples the distance in the box [low, high] and meshes its zero by marching tetrahedra.
-Surface surface_of(const Distance& distance, const Vec3f& low, const Vec3f& high, float voxel);
+Surface surface_of(const ShapeDistance& distance, const Vec3f& low, const Vec3f& high, float voxel);
 
 /// A thread of honey that falls from `height` into a coiled heap on the plane y = 0: coils of radius `coil`, thread radius `radius` [m].
 Surface coiled_thread(float radius, float coil, int turns, float height, float voxel);

@@ -12,9 +12,9 @@ TestWorld::TestWorld(double spacing, double support, const Domain& domain, Kerne
     step.spacing = static_cast<Real>(spacing);
     step.support = static_cast<Real>(support * spacing);
     step.rest_density = 1000;
-    step.volume = static_cast<Real>(spacing * spacing * spacing);
+    step.volume = static_cast<Real>(power_of(spacing, domain.dimensions()));
     step.mass = step.rest_density * step.volume;
-    step.kernel = kernel;
+    step.kernel = {kernel, domain.dimensions()};
     world.fluid.declare(field_info<field::position>(), true);
     world.fluid.declare(field_info<field::velocity>(), true);
     world.fluid.declare(field_info<field::viscosity>(), true);
@@ -28,8 +28,9 @@ void TestWorld::use(std::vector<Stage> all) {
 
 void TestWorld::place(const Vec3& min, const Vec3& max, double mu, const std::function<Vec3(const Vec3&)>& u) {
     const Real d = world.step.spacing;
-    int count[3];
-    for (int a = 0; a < 3; ++a) count[a] = static_cast<int>(std::lround((max[a] - min[a]) / d));
+    const int dimensions = world.step.dimensions();
+    int count[3] = {1, 1, 1};
+    for (int a = 0; a < dimensions; ++a) count[a] = static_cast<int>(std::lround((max[a] - min[a]) / d));
     Index n = world.fluid.size();
     const Index first = n;
     n += count[0] * count[1] * count[2];
@@ -41,7 +42,7 @@ void TestWorld::place(const Vec3& min, const Vec3& max, double mu, const std::fu
     for (int c = 0; c < count[2]; ++c)
         for (int b = 0; b < count[1]; ++b)
             for (int a = 0; a < count[0]; ++a, ++k) {
-                x[k] = min + d * Vec3(a + Real(0.5), b + Real(0.5), c + Real(0.5));
+                x[k] = min + d * Vec3(a + Real(0.5), b + Real(0.5), dimensions == 2 ? 0 : c + Real(0.5));
                 if (u) v[k] = u(x[k]);
                 viscosity[k] = static_cast<Real>(mu);
             }
@@ -59,7 +60,8 @@ void TestWorld::add_wall(int axis, int side, double at, double slip_length) {
     for (int a = 0; a < 3; ++a)
         if (!step.domain.periodic[a]) low[a] -= 3 * d, high[a] += 3 * d;
     const int b = (axis + 1) % 3, c = (axis + 2) % 3;
-    const auto nb = static_cast<int>(std::lround((high[b] - low[b]) / d)), nc = static_cast<int>(std::lround((high[c] - low[c]) / d));
+    const auto layers = [&](int a) { return a == 2 && step.dimensions() == 2 ? 1 : static_cast<int>(std::lround((high[a] - low[a]) / d)); };
+    const int nb = layers(b), nc = layers(c);
     SolidParticles& all = world.solid_particles;
     for (int k = 0; k < nc; ++k)
         for (int j = 0; j < nb; ++j) {
@@ -67,6 +69,7 @@ void TestWorld::add_wall(int axis, int side, double at, double slip_length) {
             x[axis] = static_cast<Real>(at) - side * d / 2;
             x[b] += (j + Real(0.5)) * d;
             x[c] += (k + Real(0.5)) * d;
+            if (step.dimensions() == 2) x.z() = 0;
             all.solid.push_back(whose);
             all.own_position.push_back(x);
             all.position.push_back(x);

@@ -13,7 +13,7 @@ struct TestWorld {
     std::vector<Stage> stages;
     NeighbourSearch search, solid_search;
 
-    /// @param spacing d [m] @param support kernel radius over d
+    /// @param spacing d [m] @param support kernel radius over d @param domain without depth: a flow of two dimensions
     TestWorld(double spacing, double support, const Domain& domain, KernelKind kernel = KernelKind::cubic);
 
     /// Stages to run in a step, in order; allocates their fields. Call before placing fluid.

@@ -6,7 +6,6 @@
 #include "engine/core/random.h"
 #include "engine/particles/search.h"
 #include "engine/particles/sort.h"
-#include "engine/sph/correction.h"
 #include "engine/sph/density.h"
 
 using namespace whorl;
@@ -64,6 +63,7 @@ void density(benchmark::State& state) {
     set_threads(static_cast<int>(state.range(2)));
     FluidPairs pairs;
     Solids solids;
+    SolidParticles layer;
     StepContext step;
     step.support = Real(static_cast<double>(state.range(1))) * Real(0.1) * Block::d;
     step.kernel = kind;
@@ -72,22 +72,7 @@ void density(benchmark::State& state) {
     NeighbourSearch().find(block.x, step.support, {}, pairs);
     std::vector<Real> rho(block.x.size());
     for (auto _ : state) {
-        sum_density({pairs, {}, solids, {}, step}, 1, {}, rho);
-        benchmark::ClobberMemory();
-    }
-    per_particle(state, block.x.size(), mean_neighbours(pairs));
-}
-
-void correction(benchmark::State& state) {
-    const Block block(static_cast<Index>(state.range(0)));
-    set_threads(static_cast<int>(state.range(2)));
-    FluidPairs pairs;
-    const Real support = Real(static_cast<double>(state.range(1))) * Real(0.1) * Block::d;
-    NeighbourSearch().find(block.x, support, {}, pairs);
-    const std::vector<Real> V(block.x.size(), Block::d * Block::d * Block::d);
-    std::vector<Mat3> L(block.x.size());
-    for (auto _ : state) {
-        sum_correction(pairs, KernelKind::cubic, support, V, L);
+        sum_density({pairs, {}, solids, layer, step}, 1, {}, rho);
         benchmark::ClobberMemory();
     }
     per_particle(state, block.x.size(), mean_neighbours(pairs));
@@ -103,4 +88,3 @@ BENCHMARK_TEMPLATE(density, KernelKind::cubic)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(density, KernelKind::wendland_c2)->ArgsProduct({{30000}, {30}, {1, 2}})->UseRealTime()->Unit(benchmark::kMillisecond);
-BENCHMARK(correction)->ArgsProduct({{30000}, {20, 30}, {1, 2}})->UseRealTime()->Unit(benchmark::kMillisecond);

@@ -29,7 +29,7 @@ double particles_at(const Scene& scene, const Plan& plan, double at_start, doubl
         volume += emitted_volume(e, time);
         if (e.start <= time) volume += opening_area(e) * (plan.support + 0.5 * plan.spacing);  // what waits in the nozzle
     }
-    return at_start + volume / std::pow(plan.spacing, 3);
+    return at_start + volume / plan.particle_volume();
 }
 
 }  // namespace
@@ -48,7 +48,7 @@ Estimate estimate(const SceneFile& file, const Plan& plan, const Simulation& sim
     // which starts from the last step's pressures and from what pressed, hardly do (dam breaks of 2,000 to 49,000 particles over 1 to 4
     // s: 8.6 to 11.2 a step; more in the first tenths of a second).
     const Preconditioner M = scene.pressure.preconditioner;
-    const bool constraint = scene.pressure.form == PressureForm::constraint,
+    const bool constraint = plan.facts.pressure.form == PressureForm::constraint,
                grows = plan.pressure == PressureModel::ppe && M != Preconditioner::multigrid;
     const double growth = constraint ? 1.0 / 12 : 1.0 / 3;
     const double grows_to = M != Preconditioner::automatic ? std::numeric_limits<double>::infinity()

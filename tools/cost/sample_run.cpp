@@ -40,8 +40,19 @@ void pour(Scene& scene, const EmitterKeys& emitter, const Expression& viscosity,
     scene.solids = {floor};
 }
 
+/// The plane needs more layers than space for as many particles.
+double stretched(const Scene& scene) { return scene.domain.dimensions == 2 ? 4 : 1; }
+
+/// Of a scene laid out in space, what the plane has of it.
+void lay_flat(Scene& scene) {
+    for (BlockKeys& block : scene.blocks) block.shape.cut = true;
+    for (SolidKeys& solid : scene.solids) solid.shape.cut = true;
+    scene.domain.min.z() = scene.domain.max.z() = 0;
+    scene.domain.periodic[2] = false;
+}
+
 void half_fill_a_tank(Scene& scene) {
-    const double d = scene.fluid.spacing;
+    const double d = stretched(scene) * scene.fluid.spacing;
     BlockKeys water;
     water.shape.min = {0, 0, 0}, water.shape.max = {14 * d, 16 * d, 14 * d};
     water.velocity = constant(Vec3d::Zero());
@@ -54,17 +65,17 @@ void half_fill_a_tank(Scene& scene) {
 }
 
 void turn_a_drop(Scene& scene, double speed) {
-    const double d = scene.fluid.spacing, radius = 9 * d, rate = 0.5 * speed / radius;
+    const double d = stretched(scene) * scene.fluid.spacing, radius = 9 * d, rate = 0.5 * speed / radius;
     BlockKeys drop;
     drop.shape.kind = "sphere";
     drop.shape.centre = Vec3d::Zero(), drop.shape.radius = radius;
-    drop.velocity = {{Expression(fmt::format("{:.9g}*z", rate)), Expression(0.0), Expression(fmt::format("{:.9g}*x", -rate))}};
+    drop.velocity = {{Expression(fmt::format("{:.9g}*y", -rate)), Expression(fmt::format("{:.9g}*x", rate)), Expression(0.0)}};
     scene.blocks = {drop};
     scene.domain.min = Vec3d::Constant(-3 * radius), scene.domain.max = Vec3d::Constant(3 * radius);
 }
 
 void shear(Scene& scene, double speed) {
-    const double d = scene.fluid.spacing, edge = 14 * d;
+    const double d = stretched(scene) * scene.fluid.spacing, edge = 14 * d;
     BlockKeys box;
     box.shape.min = Vec3d::Zero(), box.shape.max = Vec3d::Constant(edge);
     box.velocity = {{Expression(fmt::format("{:.9g}*sin({:.9g}*y)", speed, 2 * M_PI / edge)), Expression(0.0), Expression(0.0)}};
@@ -84,7 +95,7 @@ SceneFile sample_of(const SceneFile& file, const Plan& plan) {
     SceneFile sample = file;
     Scene& scene = sample.scene;
     const bool emits_only = !scene.emitters.empty() && scene.blocks.empty();
-    const bool closed = scene.domain.periodic[0] && scene.domain.periodic[1] && scene.domain.periodic[2];
+    const bool closed = scene.domain.box().all_periodic();
     const bool solids = !scene.solids.empty();
     const double pull = scene.domain.gravity(0).norm();
     const std::vector<EmitterKeys> emitters = scene.emitters;
@@ -95,10 +106,10 @@ SceneFile sample_of(const SceneFile& file, const Plan& plan) {
     scene.models.viscosity = plan.viscosity;
     scene.models.shifting = plan.shifting;
     if (plan.sound_speed > 0) scene.pressure.sound_speed = plan.sound_speed;
-    scene.fluid.kernel = plan.kernel;
+    scene.fluid.kernel = plan.kernel.kind;
     scene.fluid.support = plan.support / scene.fluid.spacing;
     scene.fluid.viscosity = Expression(plan.largest_viscosity);
-    scene.emitters.clear(), scene.probes.clear(), scene.solids.clear(), scene.drains.clear(), scene.places.clear();
+    scene.emitters.clear(), scene.probes.clear(), scene.solids.clear(), scene.drains.clear(), scene.streams.clear(), scene.places.clear();
     scene.domain.gravity = constant({0, -pull, 0});
     sample.camera = {};
 
@@ -108,6 +119,7 @@ SceneFile sample_of(const SceneFile& file, const Plan& plan) {
     else if (solids) half_fill_a_tank(scene);
     else turn_a_drop(scene, plan.expected_speed);
     if (!solids && !closed) scene.solids.clear(), scene.domain.gravity = constant(Vec3d::Zero());
+    if (scene.domain.dimensions == 2) lay_flat(scene);
     scene.time.end = 1e3 * scene.time.max_step;
     return sample;
 }

@@ -41,7 +41,7 @@ FrameSummary FrameLoop::measure_frame() {
     return summary;
 }
 
-BudgetRow FrameLoop::weigh(const FrameSummary& summary, int frame, double seconds, double spent) {
+void FrameLoop::hold_to_budget(const FrameSummary& summary, int frame, double seconds, double spent) {
     BudgetRow row;
     row.given_up = governor_.now();
     governed_ = governor_.after_frame(seconds, frame, spent);
@@ -50,7 +50,7 @@ BudgetRow FrameLoop::weigh(const FrameSummary& summary, int frame, double second
     row.largest_residual = largest_residual_;
     row.unconverged = simulation_.totals().unconverged_solves - summary.before.unconverged_solves;
     row.density_error_mean = summary.measures.density_error_mean, row.density_error_max = summary.measures.density_error_max;
-    return row;
+    if (governor_.has_budget()) host_.add_budget(row);
 }
 
 void FrameLoop::apply_governor() {
@@ -76,7 +76,7 @@ Scene with_models_of(const Plan& plan, const Scene& scene) {
     s.models.viscosity = plan.viscosity;
     s.models.boundary = plan.boundary;
     s.models.shifting = plan.shifting;
-    s.fluid.kernel = plan.kernel;
+    s.fluid.kernel = plan.kernel.kind;
     s.fluid.support = plan.support / plan.spacing;
     if (plan.facts.pressure.has_sound)
         s.pressure.sound_speed = plan.sound_speed, s.pressure.artificial_viscosity = plan.artificial_viscosity;

@@ -17,6 +17,8 @@ public:
     virtual double next_change() const;
     /// @param began s, at the step's start
     virtual void after_step(const StepReport& /*report*/, double /*began*/) {}
+    /// The row of budget.csv for the frame that was reached.
+    virtual void add_budget(const BudgetRow& row) = 0;
     /// From now on pictures are made as `file` says.
     virtual void set_pictures(const SceneFile& file) = 0;
 };
@@ -38,10 +40,10 @@ public:
     bool step_to(double time);
     /// Measures the frame that was reached.
     FrameSummary measure_frame();
-    /// Holds what the frame took against the budget. @param seconds it took, wall @param spent s, wall, over the whole run
-    /// @return the frame's row of budget.csv
-    BudgetRow weigh(const FrameSummary& summary, int frame, double seconds, double spent);
-    /// Goes on as the last weigh() decided.
+    /// Holds what the frame took against the budget, and hands the host its row where there is one.
+    /// @param seconds it took, wall @param spent s, wall, over the whole run
+    void hold_to_budget(const FrameSummary& summary, int frame, double seconds, double spent);
+    /// Goes on as the last hold_to_budget() decided.
     void apply_governor();
     /// The user's scene is another one now; the simulation knows it already.
     void scene_changed(const SceneFile& file);

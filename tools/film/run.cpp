@@ -71,11 +71,11 @@ private:
     bool stop_wanted() override { return interrupt_.interrupted(); }
     double next_change() const override { return replay_.next(); }
     void after_step(const StepReport& report, double began) override;
+    void add_budget(const BudgetRow& row) override { tables_->add_budget(row); }
     void set_pictures(const SceneFile& file) override;
 
     std::optional<Divergence> simulate();
     void add_frame();
-    bool weigh(const FrameSummary& summary);
     std::shared_ptr<Checkpoint> state() const;
     StageTimes stages() const { return times_.stages(simulation_.times(), film_->times()); }
 
@@ -210,7 +210,8 @@ std::optional<Divergence> Run::simulate() {
 void Run::add_frame() {
     const FrameSummary summary = loop_->measure_frame();
     tables_->add_frame(frame_, summary, times_.wall(), times_.cpu());
-    const bool weighed = scene_.budget.any() && weigh(summary);
+    const double now = wall_seconds(), seconds = now - std::exchange(frame_done_at_, now);
+    if (scene_.budget.any() && summary.steps > 0) loop_->hold_to_budget(summary, frame_, seconds, times_.wall());
     const bool due = frame_ == last_ || wall_seconds() - saved_at_ >= scene_.output.checkpoint_every;
     film_->add(snapshots_->take(simulation_, frame_), pictures_, state(), due);
     if (due) {
@@ -218,15 +219,7 @@ void Run::add_frame() {
         write_report("running", "");
     }
     progress_->frame_done(simulation_, frame_, summary.iterations);
-    if (weighed && frame_ < last_) loop_->apply_governor();
-}
-
-/// Holds the frame against the budget. @return false where nothing was simulated for it
-bool Run::weigh(const FrameSummary& summary) {
-    const double now = wall_seconds(), seconds = now - std::exchange(frame_done_at_, now);
-    if (frame_ == first_ && !request_.from) return false;
-    tables_->add_budget(loop_->weigh(summary, frame_, seconds, times_.wall()));
-    return true;
+    if (frame_ < last_) loop_->apply_governor();
 }
 
 void Run::write_report(const std::string& status, const std::string& message) {

@@ -93,18 +93,16 @@ void LiveLoop::follow(const Orders& orders) {
     tell();
 }
 
-/// Holds the frame against the scene's budget, and notes what it took, gave up and lost by it.
-void LiveLoop::weigh(const FrameSummary& summary) {
-    double picture = 0;  // s, beside the simulation
+/// What the newest frame took [s, wall]: its picture is made beside the simulation.
+double LiveLoop::frame_seconds() const {
+    double picture = 0;
     for (const auto& [name, t] : screen_.times()) picture += t.wall;
-    const double seconds = std::max(simulate_wall_, picture);
-    spent_ += seconds;
-    const BudgetRow row = loop_->weigh(summary, frame_, seconds, spent_);
-    if (loop_->governor().has_budget()) {
-        if (!budget_) budget_ = std::make_unique<Table>(journal_.folder() / "budget.csv", budget_header());
-        budget_->append(budget_row(row));
-    }
-    if (state_ == State::running) loop_->apply_governor();
+    return std::max(simulate_wall_, picture);
+}
+
+void LiveLoop::add_budget(const BudgetRow& row) {
+    if (!budget_) budget_ = std::make_unique<Table>(journal_.folder() / "budget.csv", budget_header());
+    budget_->append(budget_row(row));
 }
 
 void LiveLoop::after_step(const StepReport& report, double) {
@@ -142,7 +140,11 @@ void LiveLoop::show_frame() {
     const double interval = simulation_->scene().time.frame_interval();
     if (frame_steps_ > 0 && frame_wall_ > 0) smooth(pace_, interval / frame_wall_), smooth(frames_a_second_, 1 / frame_wall_);
     end_if_over();
-    if (frame_steps_ > 0) weigh(summary);
+    if (summary.steps > 0) {
+        const double seconds = frame_seconds();
+        loop_->hold_to_budget(summary, frame_, seconds, spent_ += seconds);
+        if (state_ == State::running) loop_->apply_governor();
+    }
     status_.set(status_json(summary.measures));
 }
 

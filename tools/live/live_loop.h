@@ -40,7 +40,7 @@ private:
     void follow(const Orders& orders);
     bool step_to_next_frame();
     void show_frame();
-    void weigh(const FrameSummary& summary);
+    double frame_seconds() const;
     void end_if_over();
     void tell();
     nlohmann::ordered_json status_json(const Measures& measures) const;
@@ -48,6 +48,7 @@ private:
 
     bool stop_wanted() override { return stop_() || controls_.restart_wanted(); }
     void after_step(const StepReport& report, double began) override;
+    void add_budget(const BudgetRow& row) override;
     void set_pictures(const SceneFile& file) override;
 
     Controls& controls_;

@@ -119,6 +119,7 @@ void print_text(const Preview& p) {
                p.simulation.world().fluid.size(), p.plan.estimated_particles, p.plan.expected_speed);
     if (p.cost) print_cost(*p.cost);
     for (const std::string& warning : p.plan.warnings) fmt::print("warning: {}\n", warning);
+    if (p.run) fmt::print("{} frames into {}\n", p.run->frames, p.run->folder.string());
 }
 
 void print_json(const Preview& p) {
@@ -161,6 +162,7 @@ void print_json(const Preview& p) {
     };
     if (p.cost) all["cost"] = cost_json(*p.cost);
     all["warnings"] = p.plan.warnings;
+    if (p.run) all["frames"] = p.run->frames, all["folder"] = p.run->folder.string();
     fmt::print("{}\n", all.dump(2));
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 /// What `whorl plan` and `whorl render --dry-run` print of a scene that is not run.
+#include <filesystem>
 #include <optional>
 
 #include "engine/sim/simulation.h"
@@ -14,12 +15,19 @@ struct PreviewCost {
     double film = 0;  ///< s, wall: of all panels, one after the other
 };
 
+/// What a run would write.
+struct PreviewRun {
+    int frames = 0;
+    std::filesystem::path folder;
+};
+
 /// A scene as it would begin, and what its first step would obey.
 struct Preview {
     const SceneFile& file;
     const Plan& plan;
     const Simulation& simulation;
-    std::optional<PreviewCost> cost;
+    std::optional<PreviewCost> cost = {};  ///< of `whorl plan`
+    std::optional<PreviewRun> run = {};    ///< of `whorl render --dry-run`
 };
 
 void print_text(const Preview& preview);

@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
 #include <memory>
 
@@ -19,10 +17,9 @@ namespace {
 int dry_run(const RunRequest& request) {
     const Plan plan = make_plan(request.file.scene);
     const Simulation simulation(request.file.scene, plan);
-    const Preview preview{request.file, plan, simulation, std::nullopt};
-    if (request.json) return print_json(preview), exit_done;
-    print_text(preview);
-    fmt::print("{} frames into {}\n", request.frames.value_or(frame_count(request.file.scene)), request.folder.string());
+    const PreviewRun run{request.frames.value_or(frame_count(request.file.scene)), request.folder};
+    const Preview preview{.file = request.file, .plan = plan, .simulation = simulation, .run = run};
+    request.json ? print_json(preview) : print_text(preview);
     return exit_done;
 }
 

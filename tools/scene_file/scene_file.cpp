@@ -94,6 +94,19 @@ std::vector<Change> presets_of(const std::string& quality) {
     return {};
 }
 
+/// A flow of two dimensions has no surface to draw, and no volume: it is shown as particles or as a slice.
+void look_at_plane(SceneFile& file) {
+    if (file.scene.domain.dimensions == 3) return;
+    if (file.scene.places.count("look.style") == 0) file.look.style = "particles";
+    if (file.look.style != "particles" && file.look.style != "slice")
+        throw InputError(file.scene.place("look.style"),
+                         "look.style = \"" + file.look.style + "\" needs three dimensions (domain.dimensions is 2)", "",
+                         "allowed: particles or slice");
+    if (file.look.style == "slice" && file.look.slice_axis != "z")
+        throw InputError(file.scene.place("look.slice_axis"),
+                         "look.slice_axis: a flow of two dimensions (domain.dimensions) is the slice z = 0", "", "allowed: z");
+}
+
 /// @throws InputError where the picture asks for a field that the run will not have
 void check_look(const SceneFile& file) {
     const bool of_spin = file.look.field == "spin" || file.look.field == "spin_difference";
@@ -106,6 +119,7 @@ SceneFile read(const fs::path& path, ReadRequest request) {
     SceneFile file;
     request.sections = sections_of(file);
     file.scene = read_scene(path.string(), request);
+    look_at_plane(file);
     check_look(file);
     if (file.scene.changes.empty()) return file;
     std::vector<KeyChange> beat;

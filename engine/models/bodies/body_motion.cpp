@@ -4,16 +4,16 @@
 
 namespace whorl {
 
-void Weigh::operator()(const StepContext& step, Solids& solids) const {
-    for (Solid& solid : solids.all)
-        if (solid.body) solid.body->force = solid.body->mass * step.gravity.cast<double>(), solid.body->torque.setZero();
+void Weigh::operator()(const Surroundings& around) const {
+    for (Solid& solid : around.solids.all)
+        if (solid.body) solid.body->force = solid.body->mass * around.step.gravity.cast<double>(), solid.body->torque.setZero();
 }
 
-void KickBodies::operator()(const StepContext& step, Solids& solids, SolidParticles& layer) const {
-    for (Solid& solid : solids.all)
-        if (solid.body) solid.body->kick(static_cast<double>(step.dt));
-    solids.place_bodies();
-    layer.follow(solids);
+void KickBodies::operator()(const Surroundings& around) const {
+    for (Solid& solid : around.solids.all)
+        if (solid.body) solid.body->kick(static_cast<double>(around.step.dt));
+    around.solids.place_bodies();
+    around.layer.follow(around.solids);
 }
 
 void MoveBodies::operator()(const Surroundings& around) const {

@@ -7,12 +7,12 @@ namespace whorl {
 
 /// force = mass g, torque = 0. The first of a step: later stages add to them what acts explicitly.
 struct Weigh {
-    void operator()(const StepContext& step, Solids& solids) const;
+    void operator()(const Surroundings& around) const;
 };
 
 /// u += dt force/mass, and so for the turning; the layer has the new velocities.
 struct KickBodies {
-    void operator()(const StepContext& step, Solids& solids, SolidParticles& layer) const;
+    void operator()(const Surroundings& around) const;
 };
 
 /// Contacts (geometry/body_contact.h), then x += dt u, and the turning by the angular momentum. Poses follow with the next

@@ -4,14 +4,15 @@
 
 #include "engine/models/boundary/wall.h"
 #include "engine/particles/surroundings.h"
+#include "engine/sph/gate.h"
 
 namespace whorl {
 
 /// Which Laplacian the friction belongs to, see models/viscosity/explicit_viscosity.h: c is what Lap u_i = sum_j V c (u_j - u_i) weights a
 /// neighbour by.
 enum class FrictionForm {
-    central,  ///< c = 2 3/(lattice sum) |W'|/r
-    along     ///< c = 10 along_pairs_factor() |W'|/r / (r^2 + 0.01 h^2) r r^T, along the pair
+    central,  ///< c = 2/lattice_gradient() |W'|/r
+    along     ///< c = 2 (D + 2) along_pairs_factor() |W'|/r / (r^2 + 0.01 h^2) r r^T, along the pair
 };
 
 /// Navier's condition: on the surface u_t - u_wall,t = b du_t/dn with the slip length b, and no word about the normal part, which is the
@@ -19,26 +20,26 @@ enum class FrictionForm {
 /// the surface with the same slope would have u_i - u_l = (h_i + d_l) du_t/dn in its layers l at depths d_l, and would pull particle i by
 /// nu times
 ///
-///   -(hold_i u_i - pull_i),   hold_i = sum_s V sum_l T c(r_is + l d n_s) T (h_is + d_l)/(h_is + b),   pull_i = hold_i u_wall,   T = 1 -
-///   n_s n_s^T
+///   -(F_i u_i - f_i),   F_i = sum_s V sum_l T c(r_is + l d n_s) T (h_is + d_l)/(h_is + b),   f_i = F_i u_wall,   T = 1 - n_s n_s^T
 ///
 /// with every particle s of the solid's one layer standing for the column of layers behind it (each_layer()). Over a wetted wall these
-/// forces add up to mu du_t/dn its area, whatever b: b -> 0 sticks, b -> infinity slides freely. As hold_i is symmetric and positive, it is
-/// the derivative of an energy, nu m u.(hold u)/2. Solids with a slip length have no other part in the viscous terms.
+/// forces add up to mu du_t/dn its area, whatever b: b -> 0 sticks, b -> infinity slides freely. As F_i is symmetric and positive, it is
+/// the derivative of an energy, nu m u.(F u)/2. Solids with a slip length have no other part in the viscous terms.
 class WallFriction {
 public:
-    void set(FrictionForm form, const Surroundings& around);
+    /// @param gate what the friction of a particle is weighted by @param solid_factor see models/boundary/wall.h
+    void set(FrictionForm form, const Surroundings& around, SolidGate gate, Real solid_factor);
     /// Whether any particle feels it.
     bool acts() const { return acts_; }
-    const Mat3& hold(Index i) const { return hold_[i]; }  ///< 1/m^2; valid where acts()
-    const Vec3& pull(Index i) const { return pull_[i]; }  ///< 1/(m s)
+    const Mat3& coefficient(Index i) const { return coefficient_[i]; }  ///< F_i [1/m^2]; valid where acts()
+    const Vec3& load(Index i) const { return load_[i]; }                ///< f_i [1/(m s)]
     /// Part of i's volume that lies between it and the wall, where the friction has the shear already: a half in the layer that touches it.
     /// A model with an energy of its own for all of V counts the rest.
     Real counted(Index i) const { return counted_[i]; }
 
 private:
-    Column<Mat3> hold_;
-    Column<Vec3> pull_;
+    Column<Mat3> coefficient_;
+    Column<Vec3> load_;
     Column<Real> counted_;
     bool acts_ = false;
 };

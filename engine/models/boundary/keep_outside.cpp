@@ -28,8 +28,10 @@ void push_out_of_bodies(Solids& solids, const std::vector<Index>& inside, const 
 
 }  // namespace
 
-void KeepOutside::operator()(Solids& solids, const SolidPairs& pairs, SolidParticles& layer, const StepContext& step,
-                             Read<field::role> role, Update<field::position> x, Update<field::velocity> u) const {
+void KeepOutside::operator()(const Surroundings& around, Read<field::role> role, Update<field::position> x,
+                             Update<field::velocity> u) const {
+    Solids& solids = around.solids;
+    const StepContext& step = around.step;
     if (solids.all.empty()) return;
     // The pairs are those before the move: a particle without solid neighbours was a support radius away.
     const Real far = step.support / 2;
@@ -37,7 +39,7 @@ void KeepOutside::operator()(Solids& solids, const SolidPairs& pairs, SolidParti
     std::vector<int> struck(bodies ? static_cast<std::size_t>(x.size()) : 0, -1);
     parallel_for(x.size(), [&](Index i) {
         if (role[i] != 0) return;
-        if (pairs.count(i) == 0 && u[i].squaredNorm() * step.dt * step.dt < far * far) return;
+        if (around.solid_pairs.count(i) == 0 && u[i].squaredNorm() * step.dt * step.dt < far * far) return;
         Real distance = 0;
         const int k = solids.nearest(x[i], distance);
         if (k < 0 || !(distance < 0)) return;
@@ -57,7 +59,7 @@ void KeepOutside::operator()(Solids& solids, const SolidPairs& pairs, SolidParti
         if (struck[i] >= 0) inside.push_back(i);
     if (inside.empty()) return;
     push_out_of_bodies(solids, inside, struck, step.mass, x, u);
-    layer.follow(solids);
+    around.layer.follow(solids);
 }
 
 }  // namespace whorl

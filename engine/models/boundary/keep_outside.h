@@ -1,9 +1,7 @@
 #pragma once
 /// The last resort against penetration, after the move.
-#include "engine/geometry/solids.h"
 #include "engine/particles/field.h"
-#include "engine/particles/pairs.h"
-#include "engine/particles/step_context.h"
+#include "engine/particles/surroundings.h"
 
 namespace whorl {
 
@@ -12,8 +10,7 @@ namespace whorl {
 /// ensures for solids at least a spacing thick. A free body gets the impulse that the particle loses; the two then part as they meet, with
 /// their common mass.
 struct KeepOutside {
-    void operator()(Solids& solids, const SolidPairs& pairs, SolidParticles& layer, const StepContext& step, Read<field::role> role,
-                    Update<field::position> x, Update<field::velocity> u) const;
+    void operator()(const Surroundings& around, Read<field::role> role, Update<field::position> x, Update<field::velocity> u) const;
 };
 
 }  // namespace whorl

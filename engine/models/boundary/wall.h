@@ -12,18 +12,19 @@ namespace whorl {
 /// stands for (1.43 d^3 a particle on a flat wall with R = 2 d): fluid at rest would hover. With this factor, fluid on a lattice that
 /// touches a flat wall feels the same kernel gradient as if the lattice went on behind the wall. 1: as in the notes.
 /// @param support, spacing [m]
-Real continued_lattice_factor(KernelKind kernel, Real support, Real spacing);
+Real continued_lattice_factor(KernelForm kernel, Real support, Real spacing);
 
-/// What makes a solid particle of a flat layer, which has the volume 1/sum W, stand for one particle of fluid, d^3: d^3 sum W over a square
-/// lattice.
-Real layer_factor(KernelKind kernel, Real support, Real spacing);
+/// What makes a solid particle of a flat layer, which has the volume 1/sum W, stand for one particle of fluid, d^D: d^D sum W over a
+/// square lattice, in the plane over a file.
+Real layer_factor(KernelForm kernel, Real support, Real spacing);
 
-/// sum_j V |W'(r_ij)| r_ij over a cubic lattice: 3 for dense neighbours.
-Real lattice_second_moment(KernelKind kernel, Real support, Real spacing);
+/// The slope that sum_j V_j (a_j - a_i) grad W_ij finds on a lattice where it is 1: sum_j V |W'(r_ij)| r_ij/D, 1 for dense neighbours, 1.02
+/// with R = 2 d. What is divided by it is exact there for linear fields.
+Real lattice_gradient(KernelForm kernel, Real support, Real spacing);
 
-/// 3 over the lattice sum of V |W'(r)| r^3/(r^2 + 0.01 h^2), h = R/2: what makes forces along pairs as stiff as they should be in the mean
+/// D over the lattice sum of V |W'(r)| r^3/(r^2 + 0.01 h^2), h = R/2: what makes forces along pairs as stiff as they should be in the mean
 /// over directions.
-Real along_pairs_factor(KernelKind kernel, Real support, Real spacing);
+Real along_pairs_factor(KernelForm kernel, Real support, Real spacing);
 
 /// What fluid at r from a solid particle with that normal feels of the solid may be the column of lattice layers behind it rather than the
 /// particle alone: calls f(r_l, |r_l|, d_l) for each of them within the support, with r_l from the layer to the fluid and its depth d_l
@@ -56,7 +57,8 @@ struct WallShear {
     }
 };
 
-/// By solid: 1 where the fluid does not stick: the viscous terms leave such solids out, and what rubs is WallFriction (friction.h).
+/// By solid: 1 where the fluid does not stick: the viscous terms leave such solids out, and WallFriction (friction.h) acts at those with a
+/// slip length.
 std::vector<char> slips(const Solids& solids);
 
 }  // namespace whorl

@@ -11,13 +11,13 @@ namespace whorl {
 /// particles in front of it: 1/d up to the height of one spacing, less beyond, none from 1.1 d on. Fluid at rest in layers a spacing apart,
 /// wherever the first of them lies, has sum_i V T(h_i) equal to the wall's area, so that it feels mu du_t/dn on it.
 struct ContactFriction {
-    Column<Mat3> hold;     ///< dt mu/rho T/(h + b) (1 - n n^T); empty: there are no such walls
-    Column<Vec3> pull;     ///< hold times the wall's velocity [m/s]
+    Column<Mat3> coefficient;  ///< dt mu/rho T/(h + b) (1 - n n^T); empty: there are no such walls
+    Column<Vec3> load;         ///< coefficient times the wall's velocity [m/s]
     Column<Real> counted;  ///< part of the particle's volume between it and the wall, whose shear is the friction's and not the strain's
                            ///< (WallFriction::counted)
 
     void set(Span<const Vec3> x, Span<const std::int16_t> role, Span<const Real> mu, const Solids& solids, const StepContext& step);
-    bool acts() const { return !hold.empty(); }
+    bool acts() const { return !coefficient.empty(); }
 };
 
 }  // namespace whorl

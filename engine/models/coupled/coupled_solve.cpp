@@ -136,7 +136,7 @@ struct CoupledStep {
 void CoupledStep::set_up_form() {
     system.friction.set(x.values, role.values, mu.values, solids, step);
     form.set(system.rows, mu.values, system.friction.counted, dt, step.rest_density, d, options);
-    form.set_friction(system.friction.hold);
+    form.set_friction(system.friction.coefficient);
 }
 
 void CoupledStep::find_unknowns() {
@@ -197,7 +197,7 @@ void CoupledStep::set_up_preconditioner() {
     TwoLevel& M = system.preconditioner;
     const bool coarse = options.diagonal && free_particles >= options.fewest_for_coarse;
     if (!coarse) M.clear();
-    else if (step.at_landing || M.unknowns() == 0 || system.steps_since_refresh >= options.refresh_every) {
+    else if (step.at_frame_time || M.unknowns() == 0 || system.steps_since_refresh >= options.refresh_every) {
         M.refresh(form, x.values, role.values, options, step.domain, d, aggregate.values);
         system.steps_since_refresh = 0;
     }
@@ -209,7 +209,7 @@ void CoupledStep::set_up_preconditioner() {
 /// What a particle of that velocity brings into the step.
 Vec3 CoupledStep::loaded(Index i, const Vec3& before) const {
     const Vec3 falling = before + dt * step.gravity;
-    return system.friction.acts() ? Vec3(falling + system.friction.pull[i]) : falling;
+    return system.friction.acts() ? Vec3(falling + system.friction.load[i]) : falling;
 }
 
 /// The right-hand side.

@@ -18,7 +18,7 @@
 
 namespace whorl {
 
-/// What the stages hand to each other within a step, and set-ups that lag. Nothing here lives on beyond a landing.
+/// What the stages hand to each other within a step, and set-ups that lag. Nothing here lives on beyond a frame time.
 struct CoupledSystem {
     explicit CoupledSystem(CoupledOptions chosen = {}) : options(chosen) {}
     CoupledOptions options;

@@ -35,8 +35,8 @@ public:
     void set(const CoupledRows& rows, Span<const Real> viscosity, Span<const Real> counted, Real dt, Real density, Real spacing,
              const CoupledOptions& options);
 
-    /// Adds sum_i u_i.hold_i u_i/2 to E; empty: nothing. `hold` must outlive the use.
-    void set_friction(Span<const Mat3> hold) { friction_ = hold; }
+    /// Adds sum_i u_i.F_i u_i/2 to E, F the coefficients; empty: nothing. They must outlive the use.
+    void set_friction(Span<const Mat3> coefficient) { friction_ = coefficient; }
     Mat3 friction(Index i) const { return friction_.empty() ? Mat3(Mat3::Zero()) : friction_[i]; }
 
     /// y = (1 + K) u: mass, strain and friction, over the mass [m/s].

@@ -8,9 +8,6 @@
 namespace whorl {
 namespace {
 
-/// Particles whose torque is evaluated by one copy of the expression.
-constexpr Index torque_block = 4096;
-
 /// A vector's components as three sums, which the compiler keeps in registers side by side.
 struct Sum3 {
     Real x = 0, y = 0, z = 0;
@@ -55,7 +52,7 @@ void add_fluid(Sums& all, const Kernel& W, const FluidPairs& pairs, Index i, con
             s.smooth_u.x -= near * dux, s.smooth_u.y -= near * duy, s.smooth_u.z -= near * duz;
             s.smooth_w.x -= near * dwx, s.smooth_w.y -= near * dwy, s.smooth_w.z -= near * dwz;
             if constexpr (central) {
-                const Real along = 5 * even * (dux * rx + duy * ry + duz * rz) / (r * r + softening);
+                const Real along = static_cast<Real>(W.dimensions + 2) * even * (dux * rx + duy * ry + duz * rz) / (r * r + softening);
                 s.central.x += along * rx, s.central.y += along * ry, s.central.z += along * rz;
             }
             // (P u_i - Q (u_j + w_i x r)) x grad W
@@ -91,7 +88,8 @@ void add_solids(Sums& all, const Kernel& W, const MicropolarOptions& options, co
         const Real b = gate * options.solid_factor * layer.volume[s] / around.step.mass, even = 2 * own.b * b * slope;
         add(all.viscous, even * u_is);
         add(all.diffuse, even * w_is);
-        if constexpr (central) add(all.central, 5 * even * u_is.dot(r) / (distance * distance + softening) * r);
+        if constexpr (central)
+            add(all.central, static_cast<Real>(W.dimensions + 2) * even * u_is.dot(r) / (distance * distance + softening) * r);
         const Vec3 u_s = own.u - u_is + own.turning.cross(r), w_s = own.w - w_is;
         add(all.curl_u, slope * b * Vec3((both_u ? -1 : 1) * own.u - u_s).cross(r));
         add(all.curl_w, slope * b * Vec3((both_w ? -1 : 1) * own.w - w_s).cross(r));
@@ -100,19 +98,7 @@ void add_solids(Sums& all, const Kernel& W, const MicropolarOptions& options, co
 
 }  // namespace
 
-Micropolar::Micropolar(MicropolarOptions options) : options_(std::move(options)) {}
-
-void Micropolar::set_torque(const StepContext& step, Read<field::position> x, Write<field::spin_change> change) {
-    const Index n = x.size(), blocks = (n + torque_block - 1) / torque_block;
-    const auto& component = options_.torque.component;
-    while (torque_of_block_.size() < static_cast<std::size_t>(blocks))
-        torque_of_block_.push_back({{Expression(component[0].text()), Expression(component[1].text()), Expression(component[2].text())}});
-    parallel_tasks(blocks, [&](Index b) {
-        const VectorExpression& torque = torque_of_block_[b];
-        for (Index i = b * torque_block; i < std::min(n, (b + 1) * torque_block); ++i)
-            change[i] = torque(step.time, x[i].template cast<double>()).template cast<Real>();
-    });
-}
+Micropolar::Micropolar(MicropolarOptions options) : options_(std::move(options)), torque_(options_.torque) {}
 
 template <class Kernel, bool central>
 EnergyWork Micropolar::advance(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Read<field::density> rho,
@@ -120,7 +106,8 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const Surroundings& around,
                                Read<field::spin> w) const {
     const StepContext& step = around.step;
     const MicropolarOptions& o = options_;
-    const Real lattice = 3 / lattice_second_moment(step.kernel, step.support, step.spacing),
+    const Real lattice = 1 / lattice_gradient(step.kernel, step.support, step.spacing),
+               along_pairs = along_pairs_factor(step.kernel, step.support, step.spacing),
                softening = Real(0.01) * step.support * step.support / 4;
     const Real dt = step.dt, m = step.mass;
     const Real lambda = static_cast<Real>(o.coupling), over_theta = static_cast<Real>(1 / o.micro_inertia);
@@ -130,7 +117,7 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const Surroundings& around,
     const Real alpha = part(o.smoothing_velocity) / dt, beta = part(o.smoothing_spin) / dt;
     const Real mu = static_cast<Real>(o.pair_viscosity), mu_central = static_cast<Real>(o.central_viscosity),
                gamma = static_cast<Real>(o.spin_viscosity);
-    const bool any_torque = !o.torque.is_zero(), any_solids = around.layer.size() > 0;
+    const bool any_torque = !torque_.is_zero(), any_solids = around.layer.size() > 0;
 
     return parallel_sum(a.size(), EnergyWork{}, [&](Index i) -> EnergyWork {
         if (role[i] != 0) {
@@ -148,7 +135,7 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const Surroundings& around,
         }
 
         Vec3 viscous = s.viscous.times(m * lattice * mu);
-        if constexpr (central) viscous += s.central.times(m * mu_central);
+        if constexpr (central) viscous += s.central.times(m * along_pairs * mu_central);
         const Vec3 spin_push = s.curl_w.times(m * lattice * lambda * b), smoothing = s.smooth_u.times(m * alpha);
         const Vec3 before = a[i];
         a[i] += viscous + spin_push + smoothing;
@@ -180,7 +167,7 @@ void Micropolar::operator()(const Surroundings& around, StepReport& report, Read
                             Read<field::position> x, Read<field::velocity> u, Update<field::acceleration> a,
                             Write<field::spin_change> change, Update<field::spin> w) {
     const StepContext& step = around.step;
-    if (!options_.torque.is_zero()) set_torque(step, x, change);
+    if (!torque_.is_zero()) torque_.each(step.time, x.values, [&](Index i, const Vec3& tau) { change[i] = tau; });
     const Read<field::spin> spin{w.values};
     report.work = with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;

@@ -5,7 +5,7 @@
 /// Micropolar must be the last that adds to the acceleration: its energy budget is then exact.
 #include <memory>
 
-#include "engine/math/expression.h"
+#include "engine/math/expression_field.h"
 #include "engine/particles/field.h"
 #include "engine/particles/surroundings.h"
 #include "engine/sph/curl.h"
@@ -41,7 +41,8 @@ struct MicropolarOptions {
     SolidGate gate;
 };
 
-/// One pass over the pairs for everything. Lattice factors as in ExplicitViscosity: gradients of linear fields are exact on a lattice.
+/// One pass over the pairs for everything. The lattice factors are those of ExplicitViscosity (docs/physics.md 4); the curls have that of
+/// the first Laplacian, which makes them exact for linear fields on a lattice.
 ///
 /// What conserves: the pair of curls symmetric (spin) and difference_own_density (velocity) with co_rotating gives the orbit what -2 w
 /// takes from the spin; curl u is paid for by the first Laplacian's torque if pair_viscosity = coupling. Then the sum of both angular
@@ -57,11 +58,8 @@ private:
     template <class Kernel, bool central>
     EnergyWork advance(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Read<field::density> rho,
                        Read<field::velocity> u, Update<field::acceleration> a, Write<field::spin_change> change, Read<field::spin> w) const;
-    /// tau of every particle into `change`.
-    void set_torque(const StepContext& step, Read<field::position> x, Write<field::spin_change> change);
-
     MicropolarOptions options_;
-    std::vector<VectorExpression> torque_of_block_;  ///< copies with their own parsers: evaluation is not thread-safe
+    ExpressionField torque_;
 };
 
 /// The longest step of the explicit exchange [s]. With kappa = lambda/rho and k the largest curl on the lattice, exchange alone has the

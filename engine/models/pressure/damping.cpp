@@ -3,16 +3,18 @@
 #include <cmath>
 
 #include "engine/core/parallel.h"
+#include "engine/math/inverse_in.h"
 
 namespace whorl {
 
-void DampUnresolved::operator()(const FluidPairs& pairs, const StepContext& step, Read<field::role> role, Update<field::velocity> u) {
+void DampUnresolved::operator()(const Surroundings& around, Read<field::role> role, Update<field::velocity> u) {
+    const StepContext& step = around.step;
     const double fall = std::sqrt(static_cast<double>(step.gravity.norm() / step.spacing) + tension_ / static_cast<double>(step.mass));
     const auto c = static_cast<Real>(std::min(0.3, rate_ * static_cast<double>(step.dt) * fall));
     if (!(c > 0)) return;
     with_kernel(step.kernel, step.support, [&](const auto& W) {
-        find_gradients(W, pairs, step, u);
-        find_changes(W, pairs, step, u, c);
+        find_gradients(W, around.pairs, step, u);
+        find_changes(W, around.pairs, step, u, c);
     });
     parallel_for(u.size(), [&](Index i) {
         if (role[i] == 0) u[i] += change_[i];
@@ -44,9 +46,10 @@ void DampUnresolved::find_gradients(const Kernel& W, const FluidPairs& pairs, co
         });
         for (int a = 1; a < 3; ++a)
             for (int b = 0; b < a; ++b) moment(a, b) = moment(b, a);
-        const Real size = moment.trace() / 3;
-        const bool spans = moment.determinant() > Real(0.05) * size * size * size;
-        gradient_[i] = spans ? Mat3(product * moment.inverse()) : Mat3(Mat3::Zero());
+        const int dimensions = step.dimensions();
+        const Real size = moment.trace() / static_cast<Real>(dimensions);
+        const bool spans = determinant_in(dimensions, moment) > Real(0.05) * power_of(size, dimensions);
+        gradient_[i] = spans ? Mat3(product * inverse_in(dimensions, moment)) : Mat3(Mat3::Zero());
     });
     // The pull along a pair takes (G r).r of both: r_a r_b (G_ab + G_ba)/2, six numbers a particle.
     for (int part = 0; part < 2; ++part) stretching_[part].resize(u.size());
@@ -57,7 +60,7 @@ void DampUnresolved::find_gradients(const Kernel& W, const FluidPairs& pairs, co
     });
 }
 
-/// 3 c sum_j V W_ij (e_ij.r_ij) r_ij/|r_ij|^2
+/// D c sum_j V W_ij (e_ij.r_ij) r_ij/|r_ij|^2
 template <class Kernel>
 void DampUnresolved::find_changes(const Kernel& W, const FluidPairs& pairs, const StepContext& step, Update<field::velocity> u, Real c) {
     change_.resize(u.size());
@@ -82,7 +85,7 @@ void DampUnresolved::find_changes(const Kernel& W, const FluidPairs& pairs, cons
                 sum[a] += part;
             }
         });
-        change_[i] = 3 * c * sum;
+        change_[i] = static_cast<Real>(W.dimensions) * c * sum;
     });
 }
 

@@ -2,12 +2,11 @@
 /// Damping of what the particles cannot resolve.
 #include "engine/core/column.h"
 #include "engine/particles/field.h"
-#include "engine/particles/pairs.h"
-#include "engine/particles/step_context.h"
+#include "engine/particles/surroundings.h"
 
 namespace whorl {
 
-/// u_i += 3 c sum_j V W_ij (e_ij.r_ij) r_ij/|r_ij|^2,   e_ij = u_j - u_i - (G_i + G_j)/2 (x_j - x_i),   c = rate dt, at most 0.3
+/// u_i += D c sum_j V W_ij (e_ij.r_ij) r_ij/|r_ij|^2,   e_ij = u_j - u_i - (G_i + G_j)/2 (x_j - x_i),   c = rate dt, at most 0.3
 /// A packing of particles falls into denser ones; in an inviscid fluid that energy stays for ever, as a tremble from neighbour to
 /// neighbour. G is the local velocity gradient (least squares), so a linear flow feels nothing; where neighbours do not span the space it
 /// is 0. Forces are along the pairs: momentum and angular momentum are kept. The rate is in units of sqrt(g/d + sigma/(rho d^3)), that of
@@ -16,7 +15,7 @@ class DampUnresolved {
 public:
     /// @param tension surface tension [N/m]
     explicit DampUnresolved(double rate, double tension = 0) : rate_(rate), tension_(tension) {}
-    void operator()(const FluidPairs& pairs, const StepContext& step, Read<field::role> role, Update<field::velocity> u);
+    void operator()(const Surroundings& around, Read<field::role> role, Update<field::velocity> u);
 
 private:
     static constexpr Index most = Pairs::Group::most;

@@ -9,33 +9,31 @@
 
 namespace whorl {
 
-WallImage::WallImage(KernelKind kind, Real support, Real d, SolidGate gate_before) : spacing(d), nearest(d / 2), gate(gate_before) {
-    with_kernel(kind, support, [&](const auto& W) {
-        const int reach = static_cast<int>(std::ceil(support / d));
+WallImage::WallImage(KernelForm form, Real support, Real d, SolidGate gate_before) : spacing(d), nearest(d / 2), gate(gate_before) {
+    with_kernel(form, support, [&](const auto& W) {
+        const int reach = static_cast<int>(std::ceil(support / d)), beside_it = form.dimensions - 1;
         // Value and pull along the normal of a layer of the lattice k spacings away.
         const auto layer = [&](int k, double& value, double& pull) {
-            for (int a = -reach; a <= reach; ++a)
-                for (int b = -reach; b <= reach; ++b) {
-                    const Real r = d * std::sqrt(static_cast<Real>(a * a + b * b + k * k));
-                    value += static_cast<double>(W.value(r));
-                    if (k > 0) pull -= static_cast<double>(W.derivative(r) * k * d / r);
-                }
+            each_lattice_point(beside_it, reach, [&](int a, int b, int) {
+                const Real r = d * std::sqrt(static_cast<Real>(a * a + b * b + k * k));
+                value += static_cast<double>(W.value(r));
+                if (k > 0) pull -= static_cast<double>(W.derivative(r) * k * d / r);
+            });
         };
         // Its sum_j |W'| r.
         const auto virial_of = [&](int k) {
             double sum = 0;
-            for (int a = -reach; a <= reach; ++a)
-                for (int b = -reach; b <= reach; ++b) {
-                    const Real r = d * std::sqrt(static_cast<Real>(a * a + b * b + k * k));
-                    sum -= static_cast<double>(W.derivative(r)) * r;
-                }
+            each_lattice_point(beside_it, reach, [&](int a, int b, int) {
+                const Real r = d * std::sqrt(static_cast<Real>(a * a + b * b + k * k));
+                sum -= static_cast<double>(W.derivative(r)) * r;
+            });
             return sum;
         };
         double own = 0, none = 0, first = 0, first_pull = 0, all = 0, all_pull = 0, behind = 0;
         layer(0, own, none);
         layer(1, first, first_pull);
         for (int k = 1; k <= reach; ++k) layer(k, all, all_pull), behind += virial_of(k);
-        const double volume = static_cast<double>(d) * d * d;
+        const double volume = power_of(static_cast<double>(d), form.dimensions);
         factor = static_cast<Real>(own * volume * all / first);
         // f (fluid - stretch wall) + fluid = 0 along the normal: the row of i and the rows of its neighbours.
         const double beside = virial_of(0),
@@ -92,8 +90,8 @@ void DensityRate::build(const WallImage& wall, const Surroundings& around, Read<
             own[i] = row.own;
             free[i] = role[i] == 0;
             diagonal[i] = role[i] == 0 ? row.own.squaredNorm() + f * f * row.squares : 0;
-            virial[i] =
-                std::clamp(f * row.pull / (3 * row.density), Real(0.8), Real(1.5));  // a surface particle has no pressure to speak of
+            // A surface particle has no pressure to speak of.
+            virial[i] = std::clamp(f * row.pull / (static_cast<Real>(W.dimensions) * row.density), Real(0.8), Real(1.5));
             rho[i] = row.density;
             rate[i] = f * (change + row.density * row.wall_slope * wall_change);
         });

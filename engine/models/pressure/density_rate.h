@@ -28,7 +28,7 @@ struct WallImage {
     /// (tests/validation/sim/bodies.cpp).
     bool linear_when_near = true;
     SolidGate gate;  ///< w_i counts as w_i times its weight, in the density and in its derivative
-    WallImage(KernelKind kernel, Real support, Real spacing, SolidGate gate = {});
+    WallImage(KernelForm kernel, Real support, Real spacing, SolidGate gate = {});
 
     /// What a solid particle adds to w_i, its gradient with respect to x_i, and its pull -V W' |r'|.
     struct Share {
@@ -129,7 +129,7 @@ struct DensityRate {
     Column<Real> fill;           ///< f_i
     Column<Vec3> own;            ///< own_i [kg/m^4]
     Column<Real> diagonal;       ///< of D D^T [kg^2/m^8]; 0 where the density cannot change
-    /// f_i sum_j V_j |W'_ij| r_ij/3, images of solids included: 1 for a perfect gradient, 1.02 on a lattice with R = 2 d, up to 1.05 once
+    /// f_i sum_j V_j |W'_ij| r_ij/D, images of solids included: 1 for a perfect gradient, 1.02 on a lattice with R = 2 d, up to 1.05 once
     /// it has melted. The pressure that the pair forces of q exert (their virial) is q times this.
     Column<Real> virial;
     std::vector<char> free;  ///< 0: the velocity is prescribed (inside a nozzle): it does not react and has no pressure of its own

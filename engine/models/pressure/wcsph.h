@@ -16,7 +16,7 @@ struct WeaklyCompressible {
     double background_pressure = 0;    ///< p0 [Pa]; must be 0 where there is a free surface
     bool difference_gradient = false;  ///< (m_j/rho_j)(p_j - p_i) rather than rho_i m_j (p_i/rho_i^2 + p_j/rho_j^2)
     double sound_damping = 0;          ///< bulk viscosity over rho c0 R/2
-    double artificial_viscosity = 0;   ///< alpha, shear viscosity over rho c0 R/20
+    double artificial_viscosity = 0;   ///< alpha, shear viscosity over rho c0 R/(4 (D + 2)), R/20 in space
     Real solid_factor = 1;             ///< on the solids' volumes, see models/boundary/wall.h
     SolidGate gate = {};
 };
@@ -36,8 +36,8 @@ struct SoundDamping {
 };
 
 /// a_i += alpha c0 h sum_j m/rho_ij (u_ij . r_ij)/(r_ij^2 + 0.01 h^2) grad W_ij, h = R/2, rho_ij the mean     (Monaghan 1992, for receding
-/// pairs too) A viscosity of nu = alpha c0 h/10. Conserves momentum and angular momentum. Solids that the fluid sticks to act with their
-/// volumes.
+/// pairs too) A viscosity of nu = alpha c0 h/(2 (D + 2)). Conserves momentum and angular momentum. Solids that the fluid sticks to act with
+/// their volumes.
 struct ArtificialViscosity {
     WeaklyCompressible options;
     void operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Read<field::velocity> u,

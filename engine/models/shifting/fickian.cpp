@@ -1,5 +1,7 @@
 #include "engine/models/shifting/fickian.h"
 
+#include <algorithm>
+
 #include "engine/core/parallel.h"
 #include "engine/math/kernel.h"
 
@@ -17,24 +19,25 @@ void FickianShift::operator()(const Surroundings& around, Read<field::role> role
             if (role[i] != 0 || dense == 0) return;
             const Vec3 own = u[i];
             Vec3 gradient = Vec3::Zero();
-            Real fastest = 0;
+            Real fastest[lanes] = {};  // side by side, as the loop over neighbours runs
             around.pairs.groups_of(i, [&](const Pairs::Group& group) {
-                Real other[3][Pairs::Group::most], part[3] = {0, 0, 0}, most = 0;
+                Real other[3][Pairs::Group::most], part[3] = {0, 0, 0}, apart[Pairs::Group::most];
                 group.gather(u.data(), other);
                 for (Index l = 0; l < group.padded(); ++l) {
                     const Real r = group.distance[l], q = W.value(r) * over_first, weight = (1 + Real(0.2) * q * q * q * q) * W.slope(r);
                     for (int c = 0; c < 3; ++c) part[c] += weight * group.r[c][l];
                     const Real ux = own[0] - other[0][l], uy = own[1] - other[1][l], uz = own[2] - other[2][l];
-                    most = std::max(most, ux * ux + uy * uy + uz * uz);
+                    apart[l] = ux * ux + uy * uy + uz * uz;
                 }
                 gradient += step.volume * Vec3(part[0], part[1], part[2]);
-                fastest = std::max(fastest, most);
+                for (Index from = 0; from < group.padded(); from += lanes)
+                    for (Index l = 0; l < lanes; ++l) fastest[l] = apart[from + l] > fastest[l] ? apart[from + l] : fastest[l];
             });
-            around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                gradient += solid_factor * around.layer.volume[s] * W.slope(distance) * r;
-            });
+            const Real at_solids = solid_factor * gate.weight(W, i, around.solid_pairs, around.layer.volume, solid_factor);
+            around.solid_pairs.of(
+                i, [&](Index s, const Vec3& r, Real distance) { gradient += at_solids * around.layer.volume[s] * W.slope(distance) * r; });
             const Real surrounded = std::clamp(3 - Real(2.5) * step.support * gradient.norm(), Real(0), Real(1));
-            Vec3 move = -step.dt * std::sqrt(fastest) * step.support * dense * surrounded * gradient;
+            Vec3 move = -step.dt * std::sqrt(*std::max_element(fastest, fastest + lanes)) * step.support * dense * surrounded * gradient;
             const Real length = move.norm();
             if (length > farthest) move *= farthest / length;
             shift[i] = move;

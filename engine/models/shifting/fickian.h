@@ -11,6 +11,7 @@
 /// Stage of a step: after the forces, before Move. It needs neighbours and density.
 #include "engine/particles/field.h"
 #include "engine/particles/surroundings.h"
+#include "engine/sph/gate.h"
 
 namespace whorl {
 
@@ -23,6 +24,7 @@ struct shift {
 
 struct FickianShift {
     Real solid_factor = 1;  ///< on the solids' volumes, see models/boundary/wall.h
+    SolidGate gate = {};
     void operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Read<field::velocity> u,
                     Write<field::shift> shift, Update<field::position> x) const;
 };

@@ -52,16 +52,18 @@ void VelocityGradient::operator()(const Surroundings& around, Read<field::role> 
             Mat3d moments;
             differences << A[0][0], A[0][1], A[0][2], A[1][0], A[1][1], A[1][2], A[2][0], A[2][1], A[2][2];
             moments << M[0][0], M[0][1], M[0][2], M[0][1], M[1][1], M[1][2], M[0][2], M[1][2], M[2][2];
-            if (layer.size() > 0)
+            if (layer.size() > 0) {
+                const Real factor = solid_factor * gate.weight(kernel, i, around.solid_pairs, layer.volume, solid_factor);
                 around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
                     const auto whose = static_cast<std::size_t>(layer.solid[s]);
-                    const Real w = -solid_factor * layer.volume[s] * kernel.slope(distance);
+                    const Real w = -factor * layer.volume[s] * kernel.slope(distance);
                     if (slip[whose] || !(w > 0)) return;
                     const Vec3 wall = around.solids.all[whose].pose.velocity_at(layer.position[s] + r);
                     differences += (shear.stretch(r, layer.normal[s]) * (u[i] - wall) + (wall - layer.velocity[s])) * (w * r).transpose();
                     moments += (w * r * r.transpose()).template cast<double>();
                 });
-            const Moment moment = invert_moment(moments);
+            }
+            const Moment moment = invert_moment(moments, kernel.dimensions);
             G[i] = differences * moment.inverse.cast<Real>();
             if (!moment.whole) G[i] = turned_rigidly(G[i], moment.resolved.cast<Real>());
         });

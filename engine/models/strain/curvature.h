@@ -10,6 +10,7 @@
 /// opposite, symmetric, so that momentum and angular momentum stay as they are.
 #include "engine/particles/field.h"
 #include "engine/particles/surroundings.h"
+#include "engine/sph/gate.h"
 
 namespace whorl {
 
@@ -33,6 +34,7 @@ Mat3 turned_rigidly(const Mat3& G, const Mat3& P);
 ///   G_i = turned_rigidly(sum_j w u_ij r_ij^T M^+),   M = sum_j w r_ij r_ij^T,   w = V |W'|/r
 struct VelocityGradient {
     Real solid_factor = 1;  ///< on the solids' volumes, see models/boundary/wall.h
+    SolidGate gate = {};
     void operator()(const Surroundings& around, Read<field::role> role, Read<field::velocity> u, Write<field::velocity_gradient> G) const;
 };
 

@@ -1,8 +1,9 @@
 #include "engine/models/strain/moment.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <cmath>
+
+#include "engine/math/inverse_in.h"
 
 namespace whorl {
 namespace {
@@ -13,9 +14,9 @@ double resolved_part(double ratio) {
 
 }  // namespace
 
-Moment invert_moment(const Vec3d& s, const Mat3d& Q) {
+Moment invert_moment(const Vec3d& s, const Mat3d& Q, int dimensions) {
     Moment m;
-    m.unresolved = 0;
+    m.unresolved = dimensions - 3;
     Vec3d pi, inverse;
     for (int a = 0; a < 3; ++a) {
         pi[a] = resolved_part(s[a] / s[2]);
@@ -28,13 +29,14 @@ Moment invert_moment(const Vec3d& s, const Mat3d& Q) {
     return m;
 }
 
-Moment invert_moment(const Mat3d& M) {
+Moment invert_moment(const Mat3d& M, int dimensions) {
     const double size = M.trace();
-    if (!(size > 0)) return {};
-    // With trace 1 and s_min/s_max = 0.04 the determinant is 0.0047 at most.
-    if (const Mat3d scaled = M / size; scaled.determinant() > 0.005) return {scaled.inverse() / size, Mat3d::Identity(), 0, true};
+    if (!(size > 0)) return {.unresolved = static_cast<double>(dimensions)};
+    // With trace 1 and s_min/s_max = 0.04 the determinant is 0.0047 at most, in the plane 0.037.
+    if (const Mat3d scaled = M / size; determinant_in(dimensions, scaled) > (dimensions == 3 ? 0.005 : 0.038))
+        return {inverse_in(dimensions, scaled) / size, Mat3d::Identity(), 0, true};
     const Eigen::SelfAdjointEigenSolver<Mat3d> axes(M);
-    return invert_moment(axes.eigenvalues(), axes.eigenvectors());
+    return invert_moment(axes.eigenvalues(), axes.eigenvectors(), dimensions);
 }
 
 }  // namespace whorl

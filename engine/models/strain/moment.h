@@ -20,13 +20,14 @@ inline constexpr double unresolved_at = 0.01, resolved_above = 0.04;
 struct Moment {
     Mat3d inverse = Mat3d::Zero();   ///< M+ = Q diag(pi/s) Q^T, pi: how far a direction is resolved
     Mat3d resolved = Mat3d::Zero();  ///< P = Q diag(pi) Q^T
-    double unresolved = 3;           ///< k = sum (1 - pi^2): 0 in a volume, 1 in a sheet, 2 in a single file
+    double unresolved = 3;           ///< k = sum (1 - pi^2): 0 in a volume, 1 in a sheet, 2 in a single file; of the plane's two directions
     bool whole = false;              ///< all directions are resolved
 };
 
 inline bool resolves_all(const Vec3d& s) { return s[0] >= resolved_above * s[2]; }
-Moment invert_moment(const Vec3d& s, const Mat3d& Q);
+/// @param dimensions 2: the third row and column of M are 0, and so are those of its inverse
+Moment invert_moment(const Vec3d& s, const Mat3d& Q, int dimensions = 3);
 /// The same without eigenvalues where all directions are resolved by far.
-Moment invert_moment(const Mat3d& M);
+Moment invert_moment(const Mat3d& M, int dimensions = 3);
 
 }  // namespace whorl

@@ -70,8 +70,9 @@ void SurfaceTension::set_internal_pressure(const Cohesion& cohesion, const Solid
     });
 }
 
-void SurfaceTension::operator()(const Solids& solids, const StepContext& step, Read<field::position> x, Read<field::role> role,
-                                Update<field::velocity> u) {
+void SurfaceTension::operator()(const Surroundings& around, Read<field::position> x, Read<field::role> role, Update<field::velocity> u) {
+    const Solids& solids = around.solids;
+    const StepContext& step = around.step;
     const double d = static_cast<double>(step.spacing);
     const Cohesion cohesion(options_.tension, d);
     search_.find(x.values, cohesion.length, step.domain, pairs_);

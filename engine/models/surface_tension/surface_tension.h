@@ -13,10 +13,9 @@
 #include <memory>
 #include <vector>
 
-#include "engine/geometry/solids.h"
 #include "engine/particles/field.h"
 #include "engine/particles/search.h"
-#include "engine/particles/step_context.h"
+#include "engine/particles/surroundings.h"
 
 namespace whorl {
 
@@ -56,8 +55,7 @@ struct Cohesion {
 class SurfaceTension {
 public:
     explicit SurfaceTension(SurfaceTensionOptions options) : options_(std::move(options)) {}
-    void operator()(const Solids& solids, const StepContext& step, Read<field::position> x, Read<field::role> role,
-                    Update<field::velocity> u);
+    void operator()(const Surroundings& around, Read<field::position> x, Read<field::role> role, Update<field::velocity> u);
 
 private:
     bool skin_pulls() const { return !options_.internal_pressure; }

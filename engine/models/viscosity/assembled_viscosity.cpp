@@ -4,9 +4,17 @@
 
 #include "engine/core/parallel.h"
 #include "engine/models/boundary/wall.h"
-#include "engine/sph/operators.h"
 
 namespace whorl {
+namespace {
+
+/// grad W_ij = W'(|r|) r/|r|; zero where the two stand at the same place.
+template <class Kernel>
+Vec3 kernel_gradient(const Kernel& kernel, const Vec3& r, Real distance) {
+    return distance > 0 ? Vec3((kernel.derivative(distance) / distance) * r) : Vec3(Vec3::Zero());
+}
+
+}  // namespace
 
 /// What the coefficients are made of.
 struct AssembledOperator::Gradients {
@@ -49,8 +57,10 @@ void AssembledOperator::set_up(const AssembledViscosityOptions& options, const S
             });
             if (walls) {
                 k = around.solid_pairs.first[i];
+                const Real factor =
+                    options.solid_factor * options.gate.weight(kernel, i, around.solid_pairs, around.layer.volume, options.solid_factor);
                 around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                    const Real volume = slip[around.layer.solid[s]] ? 0 : options.solid_factor * around.layer.volume[s];
+                    const Real volume = slip[around.layer.solid[s]] ? 0 : factor * around.layer.volume[s];
                     g.solid_gradW[k] = volume / step.volume * kernel_gradient(kernel, r, distance);
                     omega += g.solid_gradW[k];
                     alpha += g.solid_a(i, k++);
@@ -161,12 +171,10 @@ std::size_t AssembledOperator::bytes() const {
     return sum;
 }
 
-double assembled_bytes(double reach) {
-    const int most = static_cast<int>(std::floor(2 * reach));
+double assembled_bytes(double reach, int dimensions) {
     double entries = 0;
-    for (int x = -most; x <= most; ++x)
-        for (int y = -most; y <= most; ++y)
-            for (int z = -most; z <= most; ++z) entries += x * x + y * y + z * z < 4 * reach * reach;
+    each_lattice_point(dimensions, static_cast<int>(std::floor(2 * reach)),
+                       [&](int x, int y, int z) { entries += x * x + y * y + z * z < 4 * reach * reach; });
     return entries * (sizeof(Mat3) + sizeof(Index));
 }
 

@@ -7,12 +7,14 @@
 #include "engine/models/strain/curvature.h"
 #include "engine/models/viscosity/implicit_viscosity.h"
 #include "engine/particles/surroundings.h"
+#include "engine/sph/gate.h"
 
 namespace whorl {
 
 struct AssembledViscosityOptions {
     SolveLimits limits{1e-4, 500};  ///< see solve_implicit()
     Real solid_factor = 1;          ///< on the solids' volumes, see models/boundary/wall.h
+    SolidGate gate = {};
     /// The gradient of particle i weights all its neighbours with V_i: symmetric. false: with V_j, as the note prints it; then the matrix
     /// is not symmetric where densities differ.
     bool own_volume = true;
@@ -75,7 +77,7 @@ private:
 
 /// Bytes of the matrix a particle, from the neighbours that a lattice has within twice the kernel radius. @param reach kernel radius over
 /// spacing
-double assembled_bytes(double reach);
+double assembled_bytes(double reach, int dimensions = 3);
 /// More than this is refused: the same operator without a matrix needs a hundredth.
 inline constexpr double most_assembled_bytes = 4e9;
 

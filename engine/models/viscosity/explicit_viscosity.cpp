@@ -8,8 +8,10 @@
 
 namespace whorl {
 
-void XsphViscosity::operator()(const FluidPairs& pairs, const StepContext& step, Read<field::role> role, Read<field::density> rho,
-                               Write<field::smoothing> change, Update<field::velocity> u) const {
+void XsphViscosity::operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Write<field::smoothing> change,
+                               Update<field::velocity> u) const {
+    const FluidPairs& pairs = around.pairs;
+    const StepContext& step = around.step;
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         parallel_for(u.size(), [&](Index i) {
             Vec3 sum = Vec3::Zero();
@@ -26,16 +28,17 @@ namespace {
 /// The pair's share of mu Lap u but for V_j mu_ij: u_ij = u_i - u_j, slope = W'(r)/r <= 0. Either along u_ij or along r_ij.
 struct Brookshaw {
     static constexpr bool along_r = false;
-    Real lattice;  ///< 3 over the lattice sum of V |W'| r, 3.06 with R = 2 d: without it every flow is that much too viscous
+    Real lattice;  ///< 1/lattice_gradient(): without it every flow is that much too viscous
     Real operator()(Real, Real, Real slope) const { return 2 * lattice * slope; }
 };
 struct Monaghan {
     static constexpr bool along_r = true;
-    Real factor;     ///< along_pairs_factor()
+    Real factor;     ///< 2 (D + 2) along_pairs_factor()
     Real softening;  ///< 0.01 h^2
-    Monaghan(KernelKind kernel, Real support, Real spacing)
-        : factor(along_pairs_factor(kernel, support, spacing)), softening(Real(0.01) * support * support / 4) {}
-    Real operator()(Real approach, Real r, Real slope) const { return 10 * factor * approach / (r * r + softening) * slope; }
+    Monaghan(KernelForm kernel, Real support, Real spacing)
+        : factor(2 * static_cast<Real>(kernel.dimensions + 2) * along_pairs_factor(kernel, support, spacing)),
+          softening(Real(0.01) * support * support / 4) {}
+    Real operator()(Real approach, Real r, Real slope) const { return factor * approach / (r * r + softening) * slope; }
 };
 
 template <class Kernel, class Form>
@@ -45,7 +48,7 @@ void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions
     const StepContext& step = around.step;
     const std::vector<char> slip = slips(around.solids);
     WallFriction friction;
-    friction.set(options.monaghan ? FrictionForm::along : FrictionForm::central, around);
+    friction.set(options.monaghan ? FrictionForm::along : FrictionForm::central, around, options.gate, options.solid_factor);
     const WallShear shear{step.spacing / 2};
     // The solids' share in rho_0 a_i, but for the weight of all of them at i.
     const auto by_solid = [&](Index i, Index s, const Vec3& r, Real distance) {
@@ -81,7 +84,7 @@ void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions
         });
         if (const Real solid_factor = weight(i); solid_factor > 0) {
             around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { sum += solid_factor * by_solid(i, s, r, distance); });
-            if (friction.acts()) sum -= solid_factor / options.solid_factor * own_mu * (friction.hold(i) * own - friction.pull(i));
+            if (friction.acts()) sum -= own_mu * (friction.coefficient(i) * own - friction.load(i));
         }
         a[i] += sum / step.rest_density;
     });
@@ -98,32 +101,29 @@ void ExplicitViscosity::operator()(const Surroundings& around, Read<field::role>
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         const auto add = [&](const auto& form) { add_viscosity(kernel, form, options, around, role, mu, u, a); };
         if (options.monaghan) add(Monaghan(step.kernel, step.support, step.spacing));
-        else add(Brookshaw{Real(3) / lattice_second_moment(step.kernel, step.support, step.spacing)});
+        else add(Brookshaw{1 / lattice_gradient(step.kernel, step.support, step.spacing)});
     });
 }
 
 // Stiffness of a lattice with central forces, C_abcd = sum V w r_a r_b r_c r_d/2: C_xxxx and C_xxyy = C_xyxy. Exact: 3 mu and mu, so that
-// stretching at constant volume, (C_xxxx - C_xxyy)/2, and shear, C_xyxy, both are mu.
-LatticeStiffness monaghan_lattice_stiffness(KernelKind kind, double support, double spacing) {
-    return with_kernel(kind, static_cast<Real>(support), [&](const auto& kernel) {
-        const Monaghan form(kind, static_cast<Real>(support), static_cast<Real>(spacing));
+// stretching at constant volume, (C_xxxx - C_xxyy)/2, and shear, C_xyxy, both are mu. So it is in the plane, too.
+LatticeStiffness monaghan_lattice_stiffness(KernelForm of, double support, double spacing) {
+    return with_kernel(of, static_cast<Real>(support), [&](const auto& kernel) {
+        const Monaghan form(of, static_cast<Real>(support), static_cast<Real>(spacing));
         const int reach = static_cast<int>(std::ceil(support / spacing));
+        const double share = std::pow(spacing, 4 + of.dimensions);
         double along = 0, across = 0;
-        for (int x = -reach; x <= reach; ++x)
-            for (int y = -reach; y <= reach; ++y)
-                for (int z = -reach; z <= reach; ++z) {
-                    if (x == 0 && y == 0 && z == 0) continue;
-                    const auto r = static_cast<Real>(spacing * std::sqrt(x * x + y * y + z * z));
-                    const double w = -form(1, r, kernel.slope(r)) / 2;
-                    along += w * std::pow(spacing, 7) * x * x * x * x;
-                    across += w * std::pow(spacing, 7) * x * x * y * y;
-                }
+        each_lattice_point(of.dimensions, reach, [&](int x, int y, int z) {
+            if (x == 0 && y == 0 && z == 0) return;
+            const auto r = static_cast<Real>(spacing * std::sqrt(x * x + y * y + z * z));
+            const double w = -form(1, r, kernel.slope(r)) / 2 * share;
+            along += w * x * x * x * x;
+            across += w * x * x * y * y;
+        });
         return LatticeStiffness{(along - across) / 2, across};
     });
 }
 
-double viscous_step(double support, double kinematic_viscosity, bool monaghan) {
-    return (monaghan ? 0.075 : 0.125) * support * support / (4 * kinematic_viscosity);
-}
+double viscous_step(double support, double kinematic_viscosity) { return 0.125 * support * support / (4 * kinematic_viscosity); }
 
 }  // namespace whorl

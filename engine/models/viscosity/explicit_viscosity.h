@@ -21,8 +21,8 @@ struct smoothing {
 /// on the time step.
 struct XsphViscosity {
     Real alpha = Real(0.002);
-    void operator()(const FluidPairs& pairs, const StepContext& step, Read<field::role> role, Read<field::density> rho,
-                    Write<field::smoothing> change, Update<field::velocity> u) const;
+    void operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Write<field::smoothing> change,
+                    Update<field::velocity> u) const;
 };
 
 struct ExplicitOptions {
@@ -51,11 +51,12 @@ struct LatticeStiffness {
     double stretching = 1, shear = 1;
 };
 /// @param support, spacing [m]
-LatticeStiffness monaghan_lattice_stiffness(KernelKind kernel, double support, double spacing);
+LatticeStiffness monaghan_lattice_stiffness(KernelForm kernel, double support, double spacing);
 
-/// Limit of the time step of the explicit forms [s]: 0.125 R^2/(4 nu), with `monaghan` 0.6 of that, for a particle's own block is 10/3 as
-/// stiff along each axis where that of `brookshaw` is 2. A lattice is stable up to 2.7 and 1.9 times this, particles 0.25 d off it up
-/// to 2.2 and 1.3 times (cubic kernel, R = 2 d).
-double viscous_step(double support, double kinematic_viscosity, bool monaghan = false);
+/// Limit of the time step of the explicit forms [s]: 0.125 R^2/(4 nu), nu times monaghan_stiffness() with `monaghan`. A lattice in space is
+/// stable up to 2.7 times that, with `monaghan` 1.9 times, particles 0.25 d off it up to 2.2 and 1.3 times (cubic kernel, R = 2 d).
+double viscous_step(double support, double kinematic_viscosity);
+/// The stiffness of a particle's own block with `monaghan` over that with `brookshaw`, 2 (D + 2)/D along each axis over 2.
+inline double monaghan_stiffness(int dimensions) { return (dimensions + 2.0) / dimensions; }
 
 }  // namespace whorl

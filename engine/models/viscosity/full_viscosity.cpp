@@ -19,8 +19,8 @@ void FullViscosity::set_up_coarse(const FluidPairs& pairs, const StepContext& st
         std::fill(aggregate.begin(), aggregate.end(), 0);
         return;
     }
-    // A resumed run starts at a landing: it sets up what the run that never stopped does.
-    const bool fresh = step.at_landing || coarse_.groups() == 0 || steps_since_refresh_ >= options_.refresh_every;
+    // A resumed run starts at a frame time: it sets up what the run that never stopped does.
+    const bool fresh = step.at_frame_time || coarse_.groups() == 0 || steps_since_refresh_ >= options_.refresh_every;
     const int groups =
         fresh ? form_aggregates(pairs, x.values, role.values, step.domain, step.support, options_.aggregate, aggregate) : coarse_.groups();
     coarse_.place(x.values, role.values, aggregate, groups, step.domain, step.spacing);

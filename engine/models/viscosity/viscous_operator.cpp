@@ -20,8 +20,8 @@ void ViscousOperator::set_up(const FullViscosityOptions& options, const Surround
     u_.resize(n), Q_.resize(n), own_.resize(n);
     touches_wall_ = false;
     wall_.clear(), wall_moment_.clear();
-    K_friction_.resize(n);
-    friction_.set(FrictionForm::central, around);
+    dt_nu_.resize(n);
+    friction_.set(FrictionForm::central, around, options.gate, options.solid_factor);
     if (around.layer.size() > 0) set_up_wall(options, around);
     set_up_bodies(options, around);
     set_up_moments(options, around.step, role, mu, density);
@@ -56,16 +56,16 @@ void ViscousOperator::set_up_moments(const FullViscosityOptions& options, const 
             if (!wall_.empty()) M += wall_moment_[i], wr_[i].wr += wall_[i].near.wr;
             free_[i] = role[i] == 0;
             K_[i] = step.dt * mu[i] / step.rest_density;
-            if (friction_.acts()) K_friction_[i] = K_[i], K_[i] *= 1 - friction_.counted(i);
+            if (friction_.acts()) dt_nu_[i] = K_[i], K_[i] *= 1 - friction_.counted(i);
             c_[i] = 0;
             P_[i].set(Mat3::Identity());
             whole_[i] = 1;
             if (options.correction) {
-                const Moment moment = invert_moment(M);
+                const Moment moment = invert_moment(M, kernel.dimensions);
                 whole_[i] = moment.whole;
                 M_[i].set(moment.inverse.cast<Real>());
                 P_[i].set(moment.resolved.cast<Real>());
-                if (M.trace() > 0) c_[i] = options.penalty * K_[i] * static_cast<Real>(3 / M.trace());
+                if (M.trace() > 0) c_[i] = options.penalty * K_[i] * static_cast<Real>(kernel.dimensions / M.trace());
             } else {
                 const Real compression = density.empty() ? 1 : density[i] / step.rest_density;
                 M_[i].set(Mat3::Identity() / compression);  // V_i/V
@@ -93,10 +93,12 @@ void ViscousOperator::set_up_wall(const FullViscosityOptions& options, const Sur
             Wall& wall = wall_[i];
             Mat3 gradient = Mat3::Zero();
             Vec3 pull = Vec3::Zero();
+            const Real solid_factor =
+                options.solid_factor * options.gate.weight(kernel, i, around.solid_pairs, layer.volume, options.solid_factor);
             around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
                 const auto whose = static_cast<std::size_t>(layer.solid[s]);
-                const Real w = -options.solid_factor * layer.volume[s] * kernel.derivative(distance) /
-                               std::max(distance, std::numeric_limits<Real>::min());
+                const Real w =
+                    -solid_factor * layer.volume[s] * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
                 if (slip[whose] || !(w > 0)) return;
                 const bool body = around.solids.all[whose].body.has_value();
                 touches[i] |= !body;
@@ -151,7 +153,7 @@ void ViscousOperator::set_up_blocks(const FullViscosityOptions& options) {
         }
         seen += 2 * own * strain_block(i, wr_[i].wr, B);
         B.diagonal().array() += std::max(Real(0), springs - seen);
-        if (friction_.acts()) B += hold(i);
+        if (friction_.acts()) B += friction_coefficient(i);
         blocks[i] = B;
     });
     if (!options.diagonal) std::fill(blocks.begin(), blocks.end(), Mat3::Identity());

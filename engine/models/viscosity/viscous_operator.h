@@ -6,6 +6,7 @@
 #include "engine/models/strain/coarse_level.h"
 #include "engine/models/viscosity/implicit_viscosity.h"
 #include "engine/particles/surroundings.h"
+#include "engine/sph/gate.h"
 
 namespace whorl {
 
@@ -15,7 +16,8 @@ struct FullViscosityOptions {
     /// Of mu, against zig-zag modes that the central gradient does not see; vanishes for affine fields. It also makes up for part of what
     /// the central gradient loses of short waves: a wave of 32 particles decays 2.2 % too slowly with 0.05.
     Real penalty = Real(0.3);
-    Real solid_factor = 1;    ///< on the solids' volumes, see models/boundary/wall.h
+    Real solid_factor = 1;  ///< on the solids' volumes, see models/boundary/wall.h
+    SolidGate gate = {};
     bool diagonal = true;     ///< the diagonal blocks precondition, and measure the residual; false: nothing does
     int aggregate = 48;       ///< particles in a group of the coarse level; 0: no coarse level
     int refresh_every = 5;    ///< steps between two set-ups of the coarse level
@@ -26,9 +28,9 @@ struct FullViscosityOptions {
 /// u_j:
 ///   G_i = sum_j w_ij u_ij r_ij^T M_i^+         velocity gradient; M_i = sum_j w_ij r_ij r_ij^T, M^+ its inverse where it has one
 ///   D_i = (P_i G_i + (P_i G_i)^T)/2            strain rate; P_i projects on the directions that the neighbours resolve
-///   E(u) = sum_i m |u_i - u*_i|^2/2 + dt V sum_i (1 - counted_i) mu_i (|D_i - T_i|^2 + penalty 3/(sum_j w_ij r_ij^2) sum_j w_ij |u_ij -
+///   E(u) = sum_i m |u_i - u*_i|^2/2 + dt V sum_i (1 - counted_i) mu_i (|D_i - T_i|^2 + penalty D/(sum_j w_ij r_ij^2) sum_j w_ij |u_ij -
 ///   G_i r_ij|^2)
-///          + dt V sum_i mu_i (u_i.hold_i u_i/2 - u_i.pull_i)        friction at walls with a slip length, counted = 0 elsewhere:
+///          + dt V sum_i mu_i (u_i.F_i u_i/2 - u_i.f_i)              friction at walls with a slip length, counted = 0 elsewhere:
 ///          models/boundary/friction.h
 ///   T_i = P_i T P_i                            the curvature of the move: models/strain/curvature.h
 /// and A u = (dE/du)/m, without the terms of u*, solids and prescribed particles, which are the right-hand side. A is symmetric and
@@ -82,8 +84,8 @@ private:
         Pair near{Vec3::Zero(), 0};  ///< sum w stretch r, sum 2 c w stretch^2
         Sixteen moving{};            ///< the gradient from the solids' own velocities, their pull beside it
     };
-    /// dt mu/rho_0 times WallFriction's: what solids do along which the fluid slips by a length.
-    Mat3 hold(Index i) const { return K_friction_[i] * friction_.hold(i); }
+    /// dt nu times that of walls with a slip length.
+    Mat3 friction_coefficient(Index i) const { return dt_nu_[i] * friction_.coefficient(i); }
     void set_up_moments(const FullViscosityOptions& options, const StepContext& step, Read<field::role> role, Read<field::viscosity> mu,
                         Span<const Real> density);
     void set_up_wall(const FullViscosityOptions& options, const Surroundings& around);
@@ -104,12 +106,12 @@ private:
     Column<Pair> pair_;
     Column<Pair> wr_;  ///< sum of w r_ij over fluid and solids
     WallFriction friction_;
-    Column<Real> K_friction_;         ///< dt mu/rho_0; K_ has not what the friction counts
+    Column<Real> dt_nu_;              ///< dt mu/rho_0; valid where there is friction
     Column<Wall> wall_;               ///< empty: there are no solids
     Column<Mat3d> wall_moment_;       ///< what the solids add to M
     Column<Sixteen> M_, P_;           ///< M^+ and P
     Column<Sixteen> curvature_;       ///< 2 P T; empty: none
-    Column<Real> K_, c_;              ///< dt mu/rho_0 and the penalty's coefficient
+    Column<Real> K_, c_;              ///< dt mu/rho_0 without the volume that the friction counts; the penalty's coefficient
     std::vector<char> free_, whole_;  ///< whole: P = 1
     BlockDiagonal diagonal_;
     mutable ViscousBodies bodies_;

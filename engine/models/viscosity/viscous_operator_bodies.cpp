@@ -29,10 +29,12 @@ void ViscousOperator::set_up_bodies(const FullViscosityOptions& options, const S
         bodies_.set_up(around.solids, step.mass, size(), particles_at_bodies(around), [&](Index i, std::size_t k) {
             BodyTouch touch;
             if (slip[k]) return touch;
+            const Real solid_factor =
+                options.solid_factor * options.gate.weight(kernel, i, around.solid_pairs, layer.volume, options.solid_factor);
             around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
                 if (static_cast<std::size_t>(layer.solid[s]) != k) return;
-                const Real w = -options.solid_factor * layer.volume[s] * kernel.derivative(distance) /
-                               std::max(distance, std::numeric_limits<Real>::min());
+                const Real w =
+                    -solid_factor * layer.volume[s] * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
                 const Real stretch = options.correction ? shear.stretch(r, layer.normal[s]) : 1;
                 touch.arm = layer.position[s] + r - around.solids.all[k].body->centre.cast<Real>();
                 touch.g += stretch * w * r;

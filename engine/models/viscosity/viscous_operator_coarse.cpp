@@ -152,7 +152,7 @@ void ViscousOperator::CoarseRows::add_own_motion(Index i) {
     if (A.friction_.acts()) {
         Eigen::Matrix<Real, 3, 6> motion;  // v + omega x arm
         motion << Mat3::Identity(), Vec3::UnitX().cross(a), Vec3::UnitY().cross(a), Vec3::UnitZ().cross(a);
-        sums.sum(self, self).strain.topRows<6>() += motion.transpose() * A.hold(i) * motion;
+        sums.sum(self, self).strain.topRows<6>() += motion.transpose() * A.friction_coefficient(i) * motion;
     }
     // The rounding of the sums must not make a rigid motion gain energy.
     sums.sum(self, self).products += ((1 + 16 * std::numeric_limits<Real>::epsilon()) * springs * arm * arm.transpose()).cast<double>();

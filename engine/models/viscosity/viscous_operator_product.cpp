@@ -106,7 +106,7 @@ void ViscousOperator::stress(Span<const Vec3> u, bool with_known) const {
                 Mat3 gradient = sum.matrix();
                 Vec3 pull = sum.beside();
                 if (friction_.acts())
-                    pull += K_friction_[i] * (friction_.hold(i) * ui - (with_known ? friction_.pull(i) : Vec3(Vec3::Zero())));
+                    pull += dt_nu_[i] * (friction_.coefficient(i) * ui - (with_known ? friction_.load(i) : Vec3(Vec3::Zero())));
                 if (bodies()) subtract_body_velocities(i, u, gradient, pull);
                 sum.set(gradient, pull);
                 A = lanes_of(sum);

@@ -173,7 +173,12 @@ TEST_CASE("on a plane the volumes are those of an infinite lattice, and periodic
     Domain domain{Vec3(Real(-1.03), -1, -1), Vec3(Real(1.03), 1, 1), {true, false, true}};
     const SolidParticles particles = sample_solids(solids, d, domain);
     CHECK(particles.size() == 21 * 20);
-    for (Real V : particles.volume) REQUIRE(V == Approx(particles.volume[0]).epsilon(1e-3));
+    // 1/sum W over a lattice without end, 2.06/21 by 0.1 m.
+    const CubicKernel W(2 * d);
+    double sum = 0;
+    for (int a = -3; a <= 3; ++a)
+        for (int b = -3; b <= 3; ++b) sum += static_cast<double>(W.value(static_cast<Real>(std::hypot(a * 2.06 / 21, b * 0.1))));
+    for (Real V : particles.volume) REQUIRE(V == Approx(1 / sum).epsilon(1e-3));
     for (const Vec3& x : particles.position) REQUIRE(x[1] == Approx(-d / 2));
     for (const Vec3& n : particles.normal) REQUIRE((n - Vec3(0, 1, 0)).norm() < 1e-6);
 
@@ -229,4 +234,48 @@ TEST_CASE("particles follow their solid and carry its velocity", "[geometry]") {
         REQUIRE((particles.velocity[s] - Vec3(0, 0, 2).cross(arm)).norm() < 2e-3);
         REQUIRE(particles.normal[s].dot(arm) == Approx(0.45).epsilon(1e-3));
     }
+}
+
+TEST_CASE("cuts by the plane: distances and normals lie in it, whatever z, and the layer is the line that bounds them",
+          "[geometry][plane]") {
+    ShapeKeys box, ball, rod;
+    box.min = {0, 0, -1}, box.max = {0.4, 0.2, 3};
+    ball.kind = "sphere", ball.centre = {1, 1, 0.3}, ball.radius = 0.5;  // cut to a radius of 0.4
+    rod.kind = "cylinder", rod.from = {-1, 0, -2}, rod.to = {-1, 0, 1}, rod.radius = 0.3;
+    box.cut = ball.cut = rod.cut = true;
+    const auto rectangle = make_shape(box), disc = make_shape(ball), round = make_shape(rod);
+    for (const Real z : {Real(0), Real(7)}) {
+        CHECK(rectangle->distance(Vec3(Real(0.2), Real(0.1), z)) == Approx(-0.1));
+        CHECK(rectangle->distance(Vec3(Real(0.43), Real(0.24), z)) == Approx(0.05));
+        CHECK((rectangle->normal(Vec3(Real(0.43), Real(0.24), z)) - Vec3(Real(0.6), Real(0.8), 0)).norm() < 1e-5);
+        CHECK(disc->distance(Vec3(1, Real(1.6), z)) == Approx(0.2));
+        CHECK((round->normal(Vec3(Real(-0.9), 0, z)) - Vec3(1, 0, 0)).norm() < 1e-6);
+    }
+    CHECK(rectangle->bulk().volume == Approx(0.08));
+    CHECK(disc->bulk().volume == Approx(std::numbers::pi * 0.16));
+    // Of a metre of depth of a disc about its axis: m r^2/2.
+    CHECK(disc->bulk().inertia()(2, 2) == Approx(std::numbers::pi * 0.16 * 0.16 / 2));
+
+    const Real d = Real(0.02);
+    const Domain domain{Vec3(-3, -3, 0), Vec3(3, 3, 0), {}};
+    for (const auto& [shape, length] : {std::pair{rectangle, 2 * (0.38 + 0.18)}, {disc, 2 * std::numbers::pi * 0.39}}) {
+        Solids solids;
+        solids.all.push_back(solid_of(shape));
+        const SolidParticles layer = sample_solids(solids, d, domain, {KernelKind::cubic, 2}, 2 * d);
+        CHECK(layer.size() == std::lround(length / static_cast<double>(d)));
+        const auto [least, most] = gaps(layer, d, domain);
+        CHECK(least > 0.95);
+        CHECK(most < 1.05);
+        for (Index s = 0; s < layer.size(); ++s) {
+            REQUIRE(layer.position[s].z() == 0);
+            REQUIRE(layer.normal[s].z() == 0);
+            REQUIRE(shape->distance(layer.position[s]) == Approx(-0.01).epsilon(0.01));
+        }
+    }
+    // A plane along z is a line.
+    Solids ground;
+    ground.all.push_back(solid_of(make_plane({0, 0, 0}, {0, 1, 0})));
+    const SolidParticles line = sample_solids(ground, d, domain, {KernelKind::cubic, 2}, 2 * d);
+    CHECK(line.size() == Approx((6 + 6 * 0.02) / 0.02).margin(1));
+    for (const Vec3& x : line.position) REQUIRE((x.z() == 0 && x.y() == Approx(-0.01)));
 }

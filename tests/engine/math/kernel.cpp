@@ -6,7 +6,7 @@
 
 using namespace whorl;
 
-TEST_CASE("each kernel integrates to one and its derivative is the slope of its value", "[math]") {
+TEST_CASE("each kernel integrates to one in space and in the plane, and its derivative is the slope of its value", "[math]") {
     const Real R = Real(0.37);
     for (KernelKind kind : {KernelKind::cubic, KernelKind::wendland_c2, KernelKind::wendland_c4})
         with_kernel(kind, R, [&](const auto& kernel) {
@@ -18,6 +18,16 @@ TEST_CASE("each kernel integrates to one and its derivative is the slope of its 
                 integral += 4 * std::numbers::pi * r * r * kernel.value(Real(r)) * R / shells;
             }
             CHECK(integral == Approx(1).epsilon(2e-5));
+            // The same over rings in the plane.
+            const auto plane = with_kernel(KernelForm(kind, 2), R, [&](const auto& flat) {
+                double sum = 0;
+                for (int k = 0; k < shells; ++k) {
+                    const double r = R * (k + 0.5) / shells;
+                    sum += 2 * std::numbers::pi * r * flat.value(Real(r)) * R / shells;
+                }
+                return sum;
+            });
+            CHECK(plane == Approx(1).epsilon(2e-5));
             for (double q : {0.1, 0.3, 0.49, 0.51, 0.8, 0.95}) {
                 const double r = q * R, e = 1e-2 * R;
                 const double slope = (kernel.value(Real(r + e)) - kernel.value(Real(r - e))) / (2 * e);

@@ -6,9 +6,12 @@
 #include "engine/core/parallel.h"
 #include "engine/core/random.h"
 #include "engine/models/boundary/wall.h"
+#include "engine/models/viscosity/explicit_viscosity.h"
+#include "engine/scene/names.h"
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
 #include "engine/sph/density.h"
+#include "tests/support/micropolar_flows.h"
 #include "tests/support/runs.h"
 #include "tests/support/world.h"
 
@@ -41,44 +44,179 @@ max = [0.5, 0.5, 0.5]
 velocity = ["sin(4*pi*y)", "0", "0"]
 )toml";
 
-/// A cloud of uneven particles with a free surface.
+/// A cloud of uneven particles with a free surface, with noise for velocities and spins.
 struct Cloud : TestWorld {
     RandomNumbers random{3};
     Cloud() : TestWorld(0.1, 2, Domain{Vec3::Constant(-2), Vec3::Constant(2), {}}) {
-        use({make_stage("density", "density", Density{})});
+        use({make_stage("density", "density", Density{}), make_stage("micropolar", "micropolar", Micropolar({}))});
         place(Vec3::Zero(), Vec3::Constant(Real(0.6)));
         for (Vec3& x : column<field::position>()) x += Real(0.03) * vector();
+        for (Vec3& u : column<field::velocity>()) u = vector();
+        for (Vec3& w : column<field::spin>()) w = vector();
         find_pairs();
         stages[0].run(world);
     }
     Vec3 vector() { return {Real(random()) - Real(0.5), Real(random()) - Real(0.5), Real(random()) - Real(0.5)}; }
-    std::vector<Vec3> curl_of(CurlForm form, const std::vector<Vec3>& u) {
-        std::vector<Vec3> all(u.size());
-        with_kernel(world.step.kernel, world.step.support, [&](const auto& W) {
-            for (std::size_t i = 0; i < u.size(); ++i)
-                all[i] = curl(form, world.fluid_pairs, static_cast<Index>(i), W, world.step.mass,
-                              std::as_const(world.fluid).column<field::density>(), Span<const Vec3>(u));
-        });
+    /// What a step multiplies its curls and its first Laplacian by (docs/physics.md 4).
+    double factor() const { return 1 / lattice_gradient(world.step.kernel, world.step.support, world.step.spacing); }
+
+    /// sum_j f(i, j, r_ij, grad W_ij, W_ij) of every particle over all others, in double.
+    template <class F>
+    std::vector<Vec3d> sums(const F& f) {
+        const auto x = column<field::position>();
+        const CubicKernel W(world.step.support);
+        std::vector<Vec3d> all(x.size(), Vec3d::Zero());
+        for (std::size_t i = 0; i < x.size(); ++i)
+            for (std::size_t j = 0; j < x.size(); ++j) {
+                const Vec3 r = x[i] - x[j];
+                const Real distance = r.norm();
+                if (i == j || !(distance < world.step.support)) continue;
+                const Vec3d gradient = static_cast<double>(W.derivative(distance) / distance) * r.cast<double>();
+                all[i] += f(i, j, r.cast<double>(), gradient, static_cast<double>(W.value(distance)));
+            }
         return all;
+    }
+    /// The curl of v as the notes print it (with the cross product that their difference forms lack).
+    std::vector<Vec3d> printed_curl(CurlForm form, Span<const Vec3> v) {
+        const auto rho = column<field::density>();
+        const double m = world.step.mass;
+        return sums([&](std::size_t i, std::size_t j, const Vec3d&, const Vec3d& gradient, double) -> Vec3d {
+            const double rho_i = rho[i], rho_j = rho[j];
+            const Vec3d v_i = v[i].cast<double>(), v_j = v[j].cast<double>();
+            switch (form) {
+                case CurlForm::symmetric: return -rho_i * m * (v_i / (rho_i * rho_i) + v_j / (rho_j * rho_j)).cross(gradient);
+                case CurlForm::difference: return m / rho_j * (v_i - v_j).cross(gradient);
+                default: return m / rho_i * (v_i - v_j).cross(gradient);
+            }
+        });
     }
 };
 
+constexpr CurlForm all_curls[] = {CurlForm::symmetric, CurlForm::difference, CurlForm::difference_own_density};
+
+/// Largest difference over the largest value.
+double difference(const std::vector<Vec3>& found, const std::vector<Vec3d>& expected, double factor) {
+    double most = 0, apart = 0;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        most = std::max(most, factor * expected[i].norm());
+        apart = std::max(apart, (found[i].cast<double>() - factor * expected[i]).norm());
+    }
+    return apart / most;
+}
+
 }  // namespace
+
+TEST_CASE("every curl of a step is the sum that the notes print, times the lattice's factor, to 1e-5", "[micropolar]") {
+    Cloud cloud;
+    const auto u = cloud.column<field::velocity>(), w = cloud.column<field::spin>();
+    for (const CurlForm form : all_curls) {
+        INFO(name_of(form));
+        const Curls curls = curls_of(cloud, form, form);
+        CHECK(difference(curls.velocity, cloud.printed_curl(form, u), cloud.factor()) < 1e-5);
+        CHECK(difference(curls.spin, cloud.printed_curl(form, w), cloud.factor()) < 1e-5);
+    }
+}
+
+TEST_CASE("both Laplacians of a step are the sums of the notes with symmetric weights, times one lattice factor each, to 1e-5",
+          "[micropolar]") {
+    Cloud cloud;
+    const auto rho = cloud.column<field::density>();
+    const auto u = cloud.column<field::velocity>(), w = cloud.column<field::spin>();
+    const StepContext& step = cloud.world.step;
+    const double m = step.mass, softening = 0.01 * std::pow(static_cast<double>(step.support) / 2, 2);
+    // m/(rho_i rho_j), which conserves momentum with any weight that is the same for both: here (1/rho_i^2 + 1/rho_j^2)/2.
+    const auto weight = [&](std::size_t i, std::size_t j) { return m * (std::pow(rho[i], -2.0) + std::pow(rho[j], -2.0)) / 2; };
+    const auto first = [&](Span<const Vec3> v) {
+        return cloud.sums([&](std::size_t i, std::size_t j, const Vec3d& r, const Vec3d& gradient, double) -> Vec3d {
+            return weight(i, j) * 2 * gradient.norm() / r.norm() * (v[j] - v[i]).template cast<double>();
+        });
+    };
+    const std::vector<Vec3d> second = cloud.sums([&](std::size_t i, std::size_t j, const Vec3d& r, const Vec3d& gradient, double) -> Vec3d {
+        return weight(i, j) * 10 * (u[i] - u[j]).template cast<double>().dot(r) / (r.squaredNorm() + softening) * gradient;
+    });
+    cloud.world.step.dt = 1;
+    MicropolarOptions options;
+    options.pair_viscosity = options.spin_viscosity = options.micro_inertia = 1;
+    options.implicit_exchange = false;
+    const MicropolarStep made = micropolar_step(cloud, options);
+    CHECK(difference(made.acceleration, first(u), cloud.factor()) < 1e-5);
+    CHECK(difference(made.spin_change, first(w), cloud.factor()) < 1e-5);
+    options.pair_viscosity = 0, options.central_viscosity = 1;
+    CHECK(difference(micropolar_step(cloud, options).acceleration, second, along_pairs_factor(step.kernel, step.support, step.spacing)) <
+          1e-5);
+}
+
+TEST_CASE("without coupling the micropolar stage pushes as the explicit viscosity does, with both Laplacians and at a wall, to 1e-5",
+          "[micropolar][viscosity][boundary]") {
+    for (const bool central : {false, true}) {
+        INFO((central ? "monaghan" : "brookshaw"));
+        TestWorld w(0.1, 2.5, Domain{Vec3::Zero(), Vec3(Real(0.6), Real(0.8), Real(0.6)), {true, false, true}});
+        const Real factor = continued_lattice_factor(w.world.step.kernel, w.world.step.support, w.world.step.spacing);
+        w.use({make_stage("density", "density", Density{factor}), make_stage("micropolar", "micropolar", Micropolar({}))});
+        w.add_wall(1, +1, 0);
+        w.place(Vec3::Zero(), Vec3(Real(0.6), Real(0.6), Real(0.6)), 1);
+        RandomNumbers random(5);
+        for (Vec3& x : w.column<field::position>())
+            for (int a = 0; a < 3; ++a) x[a] += Real(0.02) * (Real(random()) - Real(0.5));
+        for (Vec3& u : w.column<field::velocity>()) u = Vec3(Real(random()), Real(random()), Real(random()));
+        // Equal densities: the two stages weight unequal ones differently.
+        for (Real& rho : w.column<field::density>()) rho = 1000;
+        w.find_pairs();
+        w.world.step.dt = 1;
+        MicropolarOptions options;
+        (central ? options.central_viscosity : options.pair_viscosity) = 1;
+        options.solid_factor = factor;
+        const std::vector<Vec3> with_spin = micropolar_step(w, options).acceleration;
+        std::vector<Vec3> without(with_spin.size(), Vec3::Zero());
+        const ParticleStore& fluid = w.world.fluid;
+        ExplicitViscosity{{central, factor}}(w.world.surroundings(), {fluid.column<field::role>()}, {fluid.column<field::density>()},
+                                             {fluid.column<field::viscosity>()}, {fluid.column<field::velocity>()},
+                                             {{Span<Vec3>(without)}});
+        double most = 0, apart = 0;
+        for (std::size_t i = 0; i < without.size(); ++i) {
+            most = std::max<double>(most, without[i].norm());
+            apart = std::max<double>(apart, (with_spin[i] - without[i]).norm());
+        }
+        CHECK(apart < 1e-5 * most);
+    }
+}
+
+TEST_CASE(
+    "XSPH in a micropolar step takes the parts alpha and beta of the differences with 2 m/(rho_i + rho_j), or in a given time, to 1e-5",
+    "[micropolar]") {
+    Cloud cloud;
+    const auto rho = cloud.column<field::density>();
+    const auto smoothed = [&](Span<const Vec3> v) {
+        return cloud.sums([&](std::size_t i, std::size_t j, const Vec3d&, const Vec3d&, double W) -> Vec3d {
+            return 2 * static_cast<double>(cloud.world.step.mass) / static_cast<double>(rho[i] + rho[j]) * W *
+                   (v[j] - v[i]).template cast<double>();
+        });
+    };
+    const double dt = 0.01, alpha = 0.002, beta = 0.125;
+    cloud.world.step.dt = static_cast<Real>(dt);
+    MicropolarOptions options;
+    options.smoothing_velocity = alpha, options.smoothing_spin = beta;
+    for (const double time : {0.0, 0.05}) {  // 0: in every step
+        INFO("xsph_time " << time);
+        options.smoothing_time = time;
+        const double share = time > 0 ? dt / time : 1;
+        const MicropolarStep made = micropolar_step(cloud, options);
+        CHECK(difference(made.acceleration, smoothed(cloud.column<field::velocity>()), share * alpha / dt) < 1e-5);
+        CHECK(difference(made.spin_change, smoothed(cloud.column<field::spin>()), share * beta) < 1e-5);
+    }
+}
 
 TEST_CASE("the symmetric curl and the difference with the own density are adjoint, at a free surface too, the other pairs are not",
           "[micropolar]") {
     Cloud cloud;
-    const std::size_t n = static_cast<std::size_t>(cloud.world.fluid.size());
-    std::vector<Vec3> u(n), w(n);
-    for (std::size_t i = 0; i < n; ++i) u[i] = cloud.vector(), w[i] = cloud.vector();
+    const auto u = cloud.column<field::velocity>(), w = cloud.column<field::spin>();
     const auto rho = cloud.column<field::density>();
-    const auto product = [&](const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
-        double sum = 0;
-        for (std::size_t i = 0; i < n; ++i) sum += static_cast<double>(a[i].dot(b[i]) / rho[i]);
-        return sum;
-    };
     const auto defect = [&](CurlForm of_u, CurlForm of_w) {
-        const double flow = product(u, cloud.curl_of(of_w, w)), spin = product(w, cloud.curl_of(of_u, u));
+        const Curls curls = curls_of(cloud, of_u, of_w);
+        double flow = 0, spin = 0;
+        for (std::size_t i = 0; i < rho.size(); ++i)
+            flow += static_cast<double>(u[i].dot(curls.spin[i]) / rho[i]),
+                spin += static_cast<double>(w[i].dot(curls.velocity[i]) / rho[i]);
         return std::abs(flow - spin) / std::max(std::abs(flow), std::abs(spin));
     };
     CHECK(defect(CurlForm::difference_own_density, CurlForm::symmetric) < 1e-4);
@@ -87,33 +225,32 @@ TEST_CASE("the symmetric curl and the difference with the own density are adjoin
     CHECK(defect(CurlForm::symmetric, CurlForm::symmetric) > 1e-2);
 }
 
-TEST_CASE("the difference curls of a rigid rotation are twice its rate within the lattice's factor, and of a constant zero",
-          "[micropolar]") {
+TEST_CASE("on a lattice all curls of a rigid rotation are twice its rate, and those of a constant are zero", "[micropolar]") {
     TestWorld w(0.1, 2, Domain{Vec3::Zero(), Vec3::Ones(), {true, true, true}});
-    w.use({make_stage("density", "density", Density{})});
+    w.use({make_stage("density", "density", Density{}), make_stage("micropolar", "micropolar", Micropolar({}))});
     w.place(Vec3::Zero(), Vec3::Ones());
     w.find_pairs();
     w.stages[0].run(w.world);
     const auto x = w.column<field::position>();
-    std::vector<Vec3> turning(x.size()), constant(x.size(), Vec3(1, 2, 3));
     const Vec3 rate(Real(0.3), Real(-0.2), Real(0.5));
     Index middle = 0;
-    for (std::size_t i = 0; i < x.size(); ++i) {
-        turning[i] = rate.cross(x[i]);
+    for (std::size_t i = 0; i < x.size(); ++i)
         if ((x[i] - Vec3::Constant(Real(0.45))).norm() < Real(0.02)) middle = static_cast<Index>(i);
+    const auto set = [&](auto&& value) {
+        for (std::size_t i = 0; i < x.size(); ++i) w.column<field::velocity>()[i] = w.column<field::spin>()[i] = value(x[i]);
+    };
+    for (const CurlForm form : all_curls) {
+        INFO(name_of(form));
+        set([&](const Vec3& at) -> Vec3 { return rate.cross(at); });
+        const Curls turning = curls_of(w, form, form);
+        // The density on this lattice is 1.0004 times that at rest.
+        CHECK((turning.velocity[middle] - 2 * rate).norm() < 2e-3);
+        CHECK((turning.spin[middle] - 2 * rate).norm() < 2e-3);
+        set([&](const Vec3&) -> Vec3 { return {1, 2, 3}; });
+        const Curls constant = curls_of(w, form, form);
+        CHECK(constant.velocity[middle].norm() < 1e-4);
+        CHECK(constant.spin[middle].norm() < 1e-4);
     }
-    const double factor = lattice_second_moment(w.world.step.kernel, w.world.step.support, w.world.step.spacing) / 3;
-    with_kernel(w.world.step.kernel, w.world.step.support, [&](const auto& W) {
-        for (const CurlForm form : {CurlForm::difference, CurlForm::difference_own_density}) {
-            const auto at_middle = [&](const std::vector<Vec3>& u) {
-                return curl(form, w.world.fluid_pairs, middle, W, w.world.step.mass, std::as_const(w.world.fluid).column<field::density>(),
-                            Span<const Vec3>(u));
-            };
-            // The density on this lattice is 1.0004 times that at rest.
-            CHECK((at_middle(turning) - 2 * Real(factor) * rate).norm() < 2e-3);
-            CHECK(at_middle(constant).norm() < 1e-4);
-        }
-    });
 }
 
 TEST_CASE("a scene without a micropolar model has neither spin nor anything else of it", "[micropolar]") {

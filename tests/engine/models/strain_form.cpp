@@ -106,10 +106,10 @@ TEST_CASE("the coarse matrix is R^T A R of the rigid motions of its aggregates t
     std::vector<Vec3> x = blue_noise_cylinder(Real(2.5) * d, 14 * d, d);
     for (int k = 0; k < 12; ++k) x.push_back(Vec3(0, (Real(14.5) + Real(k)) * d, 0));
     Form f(x, 10);
-    std::vector<Mat3> hold(x.size(), Mat3::Zero());
+    std::vector<Mat3> friction(x.size(), Mat3::Zero());
     for (std::size_t i = 0; i < 30; ++i) f.role[i] = -1;
-    for (std::size_t i = 30; i < 60; ++i) hold[i].diagonal() = Vec3(2, 0, 3);
-    f.form.set_friction(hold);
+    for (std::size_t i = 30; i < 60; ++i) friction[i].diagonal() = Vec3(2, 0, 3);
+    f.form.set_friction(friction);
     const auto neighbours = [&](Index i, const auto& visit) {
         const RowBlock& block = f.rows.blocks[i / CoupledRows::block_size];
         for (std::size_t e = block.row_begin(i - block.begin); e < block.row_end(i - block.begin); ++e)

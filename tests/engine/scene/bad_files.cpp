@@ -102,7 +102,7 @@ const std::vector<Case> cases = {
     {"", "[domain]\ngravity = [0, \"-x\", 0]", "bad.toml:10:11: domain.gravity uses x, which it cannot depend on; allowed: functions of t"},
     {"", "[models]\npressure = \"ppe\"\n[pressure]\nsound_speed = 10",
      "bad.toml:12:15: pressure.sound_speed belongs to models.pressure = \"wcsph\", not to \"ppe\"; remove it, or change models.pressure; "
-     "keys of \"ppe\": tolerance, max_iterations, preconditioner, form, correction, divergence_free, damping"},
+     "keys of \"ppe\": tolerance, max_iterations, preconditioner, form, correction"},
     {"", "[models]\nviscosity = \"xsph\"\n[viscosity]\ntolerance = 1e-3",
      "bad.toml:12:13: viscosity.tolerance belongs to models.viscosity = \"full\" or \"full_assembled\", not to \"xsph\"; "
      "remove it, or change models.viscosity; keys of \"xsph\": alpha"},
@@ -180,6 +180,49 @@ TEST_CASE("every mistake in a scene file gets its place, what is wrong, a hint a
         else text.replace(text.find(c.replaced), c.replaced.size(), c.by);
         CAPTURE(text);
         CHECK(messages_of(text) == c.messages);
+    }
+}
+
+TEST_CASE("a scene of two dimensions takes vectors of two numbers, or of three with a zero", "[scene][plane]") {
+    const std::string plane =
+        "[time]\nend = 1\n[fluid]\nspacing = 0.01\n[domain]\ndimensions = 2\nmin = [0, 0]\nmax = [1, 1, 0]\nperiodic = [true, false]\n"
+        "gravity = [0, -1]\n[[block]]\nshape = \"box\"\nmin = [0, 0]\nmax = [0.1, 0.1, 0]\nvelocity = [1, \"x\"]\n";
+    const Scene scene = read_scene_text(plane, "plane.toml");
+    CHECK(scene.domain.dimensions == 2);
+    CHECK(scene.domain.max == Vec3d(1, 1, 0));
+    CHECK(scene.domain.periodic == std::array<bool, 3>{true, false, false});
+    CHECK(scene.blocks[0].velocity(0, Vec3d(0.5, 0, 0)) == Vec3d(1, 0.5, 0));
+    const auto with = [&](const std::string& replaced, const std::string& by) {
+        std::string text = plane;
+        return text.replace(text.find(replaced), replaced.size(), by);
+    };
+    // A domain without depth has two dimensions, too, and a block across the plane is cut by it.
+    CHECK(read_scene_text(with("dimensions = 2\n", ""), "plane.toml").domain.dimensions == 2);
+    CHECK(messages_of(with("dimensions = 2\nmin = [0, 0]", "min = [0, 0, 0]")) == "no error");
+    CHECK(messages_of(with("max = [0.1, 0.1, 0]", "max = [0.1, 0.1, 0.1]")) == "no error");
+
+    const std::string plane_has = "the flow has two dimensions (domain.dimensions)",
+                      two = "allowed: two numbers, or 0 in the third place\n";
+    const std::vector<std::array<std::string, 3>> wrong = {
+        {"max = [1, 1, 0]", "max = [1, 1, 2]", "bad.toml:8:14: domain.max leaves the plane: " + plane_has + "; " + two},
+        {"gravity = [0, -1]", "gravity = [0, 0, -1]", "bad.toml:10:18: domain.gravity leaves the plane: " + plane_has + "; " + two},
+        {"periodic = [true, false]", "periodic = [true, true, true]",
+         "bad.toml:9:25: domain.periodic leaves the plane: " + plane_has + "; allowed: two flags, or false in the third place\n"},
+        {"velocity = [1, \"x\"]", "velocity = [1, 0, \"x\"]",
+         "bad.toml:15:19: block[0].velocity leaves the plane: " + plane_has + "; " + two},
+        {"velocity = [1, \"x\"]", "spin = [1, 0, 0]",
+         "bad.toml:15:9: block[0].spin is not about the axis across the plane: " + plane_has + "; allowed: 0 in the first two places\n"},
+        {"shape = \"box\"\nmin = [0, 0]\nmax = [0.1, 0.1, 0]", "shape = \"cylinder\"\nfrom = [0, 0]\nto = [1, 0]\nradius = 0.1",
+         "bad.toml:12:9: block[0] does not stand upright on the plane z = 0: its ends must have the same x and y; domain.dimensions = 2 "
+         "makes the flow that of this plane; allowed: boxes, spheres, cylinders along z and planes along z\n"},
+        {"min = [0, 0]\nmax = [0.1, 0.1, 0]", "min = [0, 0, 1]\nmax = [0.1, 0.1, 2]",
+         "bad.toml:12:9: block[0] does not reach the plane z = 0; domain.dimensions = 2 makes the flow that of this plane; allowed: boxes, "
+         "spheres, cylinders along z and planes along z\n"},
+        {"dimensions = 2", "dimensions = 4", "bad.toml:6:14: domain.dimensions = 4 is out of range; allowed: at least 2, at most 3\n"}};
+    for (const auto& [replaced, by, message] : wrong) {
+        const std::string text = with(replaced, by), found = messages_of(text) + "\n";
+        CAPTURE(text);
+        CHECK(found.substr(0, message.size()) == message);
     }
 }
 

@@ -216,6 +216,20 @@ TEST_CASE("models that do not go together, or that this version does not have, a
     CHECK(messages_with({"boundary.gate=0.1", "models.pressure=coupled"})
               .find("boundary.gate belongs to solids of models.pressure = \"wcsph\" or \"ppe\", and this scene has models.pressure = "
                     "\"coupled\"") != std::string::npos);
+    CHECK(messages_with({"boundary.volume_factor=1", "models.pressure=ppe"})
+              .find("boundary.volume_factor belongs to solids of models.pressure = \"wcsph\"") != std::string::npos);
+    CHECK(messages_with({"boundary.volume_factor=1", "models.pressure=wcsph"}) == "no error");
+}
+
+TEST_CASE("a force whose speeds the plan cannot know is warned of where sound has to be faster", "[plan]") {
+    const auto warned = [](const std::vector<std::string>& changes) {
+        const std::vector<std::string> all = plan_with(changes).warnings;
+        return std::any_of(all.begin(), all.end(),
+                           [](const std::string& w) { return w.find("without the speeds that fluid.force makes") != std::string::npos; });
+    };
+    CHECK(warned({"fluid.force=[1,0,0]", "models.pressure=wcsph"}));
+    CHECK_FALSE(warned({"fluid.force=[1,0,0]", "models.pressure=wcsph", "pressure.sound_speed=20"}));
+    CHECK_FALSE(warned({"fluid.force=[1,0,0]"}));
 }
 
 TEST_CASE("the plan of the assembled viscosity tells what its matrix takes", "[plan]") {
@@ -325,6 +339,17 @@ TEST_CASE("a micropolar system that feeds energy in is an error by default and a
           std::string::npos);
 }
 
+TEST_CASE("a transfer viscosity that the source of the seed system excludes is warned of", "[plan][micropolar]") {
+    const auto warned = [](const std::vector<std::string>& changes) {
+        const std::vector<std::string> all = make_plan(scene_with(changes, eddies)).warnings;
+        return std::any_of(all.begin(), all.end(),
+                           [](const std::string& w) { return w.find("the source of \"seed\" takes less than 0.4") != std::string::npos; });
+    };
+    CHECK(warned({"micropolar.transfer_viscosity=0.4"}));
+    CHECK_FALSE(warned({"micropolar.transfer_viscosity=0.399"}));
+    CHECK_FALSE(warned({"micropolar.transfer_viscosity=0.4", "models.micropolar=eringen"}));
+}
+
 TEST_CASE("micropolar keys that cannot be are told", "[plan][micropolar]") {
     CHECK(eddy_messages({"micropolar.micro_inertia=0"}).find("micropolar.micro_inertia") != std::string::npos);
     CHECK(eddy_messages({"micropolar.transfer_viscosity=-1"}).find("micropolar.transfer_viscosity") != std::string::npos);
@@ -335,6 +360,10 @@ TEST_CASE("micropolar keys that cannot be are told", "[plan][micropolar]") {
     CHECK(eddy_messages({"models.pressure=coupled"}).find("models.pressure = \"coupled\" has no micropolar terms") != std::string::npos);
     CHECK(eddy_messages({"models.micropolar=none", "viscosity.laplacian=split", "models.viscosity=explicit"})
               .find("splits by the coupling of a micropolar model") != std::string::npos);
+    CHECK(eddy_messages({"viscosity.laplacian=split", "micropolar.transfer_viscosity=1"})
+              .find("viscosity.laplacian = \"split\" leaves -1 Pa s for the form along the pairs (viscosity 4 less coupling 5), and that "
+                    "feeds energy into compression") != std::string::npos);
+    CHECK(eddy_messages({"viscosity.laplacian=split", "models.micropolar=eringen"}) == "no error");
     CHECK(eddy_messages({"models.micropolar=none", "block[0].spin=[0,0,1]"}).find("block[0].spin needs a micropolar model") !=
           std::string::npos);
 }
@@ -369,32 +398,90 @@ TEST_CASE("a background pressure is warned of where blocks leave room, not in a 
     CHECK(warned(channel("0.05")));
 }
 
-TEST_CASE(
-    "the published pressure rows are refused where they diverge, in narrow slots and in fluid that fills a periodic domain, and the "
-    "constraint is not",
-    "[plan][pressure]") {
-    const auto messages = [](const std::string& form, const std::string& rest) -> std::string {
+TEST_CASE("keys of the published pressure rows are refused with other forms of pressure, and correction with source velocity",
+          "[plan][pressure]") {
+    const auto messages = [](const std::string& keys) -> std::string {
         try {
-            make_plan(scene_with({}, "[time]\nend = 1\n[fluid]\nspacing = 0.01\n[models]\npressure = \"ppe\"\n[pressure]\nform = \"" +
-                                         form + "\"\n" + rest));
+            make_plan(
+                scene_with({},
+                           "[time]\nend = 1\n[domain]\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]\nperiodic = [true, true, true]\n[[block]]\n"
+                           "shape = \"box\"\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]\n[fluid]\nspacing = 0.01\n[models]\n"
+                           "pressure = \"ppe\"\n[pressure]\n" +
+                               keys));
         } catch (const InputError& error) { return error.what(); }
         return "";
     };
-    const auto slot = [](const std::string& width) {
-        return "[domain]\nmin = [-0.05, -0.05, 0]\nmax = [0.2, 0.3, 0.1]\nperiodic = [false, false, true]\n[[block]]\nshape = \"box\"\nmin "
-               "= [0, 0, 0]\nmax = [" +
-               width +
-               ", 0.2, 0.1]\n[[solid]]\nshape = \"plane\"\n[[solid]]\nshape = \"plane\"\nnormal = [1, 0, 0]\n[[solid]]\nshape = "
-               "\"plane\"\nposition = [" +
-               width + ", 0, 0]\nnormal = [-1, 0, 0]\n";
+    const std::string published = "form = \"projection\"\nsource = \"density\"\n", projection = "form = \"projection\"\n",
+                      constraint = "form = \"constraint\"\n";
+    for (const std::string key : {"clamp = false", "cycle = \"v_cycle\"", "sweeps = 2"}) {
+        CHECK(messages(published + key).empty());
+        CHECK(messages(projection + key).find("belongs to pressure.source = \"density\"") != std::string::npos);
+        CHECK(messages(constraint + key).find("belongs to pressure.source = \"density\"") != std::string::npos);
+    }
+    CHECK(messages(published + "correction = 1").empty());
+    CHECK(messages(constraint + "correction = 1").empty());
+    CHECK(messages(projection + "correction = 1").find("pressure.source = \"velocity\" does not see") != std::string::npos);
+    CHECK(messages(published + "sweeps = 0").find("at least 1") != std::string::npos);
+    CHECK(messages(published + "cycle = \"w\"").find("additive or v_cycle") != std::string::npos);
+}
+
+TEST_CASE("the projection is refused where fluid splashes, and taken by itself where fluid fills its space", "[plan][pressure]") {
+    const std::string start = "[time]\nend = 1\n[domain]\nmin = [-0.1, -0.1, -0.1]\nmax = [1, 1, 0.3]\n[fluid]\nspacing = 0.01\n",
+                      projection = "[models]\npressure = \"ppe\"\n[pressure]\nform = \"projection\"\n",
+                      tank = "[[solid]]\nshape = \"box\"\ninside = true\nmin = [0, 0, 0]\nmax = [0.4, 0.4, 0.2]\n";
+    const auto block = [](const char* max) { return std::string("[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = ") + max + "\n"; };
+    const auto message = [&](const std::string& text) -> std::string {
+        try {
+            make_plan(scene_with({}, start + text));
+        } catch (const InputError& error) { return error.what(); }
+        return "";
     };
-    const std::string full =
-        "[domain]\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]\nperiodic = [true, true, true]\n[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax "
-        "= [0.1, 0.1, 0.1]\n";
-    CHECK(messages("poisson", slot("0.02")).find("these stand 2 spacings apart; take pressure.form = \"constraint\"") != std::string::npos);
-    CHECK(messages("poisson", slot("0.06")).find("these stand 6 spacings apart") != std::string::npos);
-    CHECK(messages("poisson", slot("0.1")).empty());
-    CHECK(messages("poisson", full).find("diverges in fluid that fills a periodic domain") != std::string::npos);
-    CHECK(messages("constraint", slot("0.02")).empty());
-    CHECK(messages("constraint", full).empty());
+    CHECK(message(projection + tank + block("[0.4, 0.2, 0.2]")).empty());
+    CHECK(message(projection + tank + block("[0.2, 0.2, 0.2]")).find("nothing holds") != std::string::npos);
+    CHECK(message(projection + tank + "[[emitter]]\nposition = [0.2, 0.3, 0.1]\nradius = 0.03\nspeed = 0.5\n").find("emitters pour") !=
+          std::string::npos);
+    const auto form = [&](const std::string& text) { return make_plan(scene_with({}, start + text)).facts.pressure.form; };
+    CHECK(form(tank + block("[0.4, 0.4, 0.2]")) == PressureForm::projection);
+    CHECK(form(tank + block("[0.4, 0.2, 0.2]")) == PressureForm::constraint);
+}
+
+TEST_CASE("in two dimensions the plan counts particles by area, and refuses by name what the plane does not have", "[plan][plane]") {
+    const std::string tank = R"toml([time]
+end = 1
+[domain]
+dimensions = 2
+min = [-0.1, -0.1]
+max = [0.3, 0.3]
+[fluid]
+spacing = 0.01
+viscosity = 100
+[[block]]
+shape = "box"
+min = [0, 0]
+max = [0.2, 0.1]
+[[solid]]
+shape = "box"
+min = [0, 0]
+max = [0.2, 0.2]
+inside = true
+)toml";
+    const Plan plan = make_plan(scene_with({}, tank));
+    CHECK(plan.estimated_particles == Approx(200));
+    CHECK(plan.particle_volume() == Approx(1e-4));
+    CHECK(plan.pressure == PressureModel::ppe);  // coupled, which so thick a fluid would have in space, is none for the plane
+    CHECK(plan.kernel.dimensions == 2);
+    CHECK(plan.support == Approx(0.02));
+
+    const auto messages = [&](const std::string& change) {
+        try {
+            make_plan(scene_with({change}, tank));
+        } catch (const InputError& e) { return std::string(e.what()); }
+        return std::string("no error");
+    };
+    const std::string here = " in two dimensions (domain.dimensions = 2)";
+    CHECK(messages("models.pressure=coupled").find("models.pressure = \"coupled\" does not work" + here) != std::string::npos);
+    CHECK(messages("fluid.surface_tension=0.07").find("there is no surface tension" + here) != std::string::npos);
+    CHECK(messages("emitter=[{position=[0,0.2],radius=0.02,speed=1}]").find("there are no emitters" + here) != std::string::npos);
+    CHECK(messages("solid=[{shape=\"sphere\",radius=0.02,density=500}]").find("there are no free bodies" + here) != std::string::npos);
+    CHECK(messages("output.export=[\"vdb\"]").find("there is no surface to export as \"vdb\"" + here) != std::string::npos);
 }

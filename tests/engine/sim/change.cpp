@@ -57,7 +57,7 @@ TEST_CASE("a run that is told what it does already goes on with the same bits", 
     CHECK(state_of(told) == state_of(untold));
 }
 
-TEST_CASE("a change acts from the landing on: viscosity, emitter, gravity, solids", "[sim][change]") {
+TEST_CASE("a change acts from the frame time on: viscosity, emitter, gravity, solids", "[sim][change]") {
     const Scene before = scene_of();
     const Scene after = scene_of({{"fluid.viscosity", "5"},
                                   {"emitter[0].speed", "0.2"},

@@ -6,9 +6,11 @@
 #include "engine/models/boundary/wall.h"
 #include "engine/models/motion/motion.h"
 #include "engine/models/pressure/poisson.h"
+#include "engine/models/viscosity/assembled_viscosity.h"
 #include "engine/models/viscosity/explicit_viscosity.h"
 #include "engine/models/viscosity/full_viscosity.h"
 #include "engine/sph/density.h"
+#include "tests/support/runs.h"
 #include "tests/support/world.h"
 
 using namespace whorl;
@@ -44,6 +46,16 @@ const char* name(Form form) { return form == Form::brookshaw ? "brookshaw" : for
 /// they make shear 0.70 and stretching 1.45 times as stiff as they are; they need more neighbours than the others.
 double support_of(Form form) { return form == Form::monaghan ? 4 : 2; }
 
+/// Calls test(form, dimensions, depth of the box along z [m]) for all forms, in space and in the plane.
+template <class F>
+void in_space_and_plane(double depth, const F& test) {
+    for (Form form : all_forms)
+        for (int dimensions : {3, 2}) {
+            INFO(name(form) << " in " << dimensions << " dimensions");
+            test(form, dimensions, dimensions == 3 ? depth : 0);
+        }
+}
+
 /// Amplitude of (sin kx cos ky, -cos kx sin ky) in the flow.
 double vortex_amplitude(TestWorld& w, double k) {
     const auto x = w.column<field::position>();
@@ -59,11 +71,10 @@ double vortex_amplitude(TestWorld& w, double k) {
 
 TEST_CASE("a Taylor-Green vortex decays as exp(-2 nu k^2 t) within 2 % of its rate, 32 particles a wave, explicit and full",
           "[validation][viscosity]") {
-    const double L = 1, d = L / 32, k = 2 * std::numbers::pi / L, nu = 1, depth = 8 * d;
-    for (Form form : all_forms) {
-        INFO(name(form));
+    const double L = 1, d = L / 32, k = 2 * std::numbers::pi / L, nu = 1;
+    in_space_and_plane(8 * d, [&](Form form, int dimensions, double depth) {
         const double support = support_of(form);
-        TestWorld w(d, support, Domain{Vec3::Zero(), Vec3(Real(L), Real(L), Real(depth)), {true, true, true}});
+        TestWorld w(d, support, Domain{Vec3::Zero(), Vec3(Real(L), Real(L), Real(depth)), {true, true, dimensions == 3}});
         w.use(viscous_step_of(form, 1));
         w.world.step.gravity.setZero();
         w.place(Vec3::Zero(), Vec3(Real(L), Real(L), Real(depth)), 1000 * nu, [&](const Vec3& x) {
@@ -78,41 +89,39 @@ TEST_CASE("a Taylor-Green vortex decays as exp(-2 nu k^2 t) within 2 % of its ra
         const double rate = -std::log(vortex_amplitude(w, k) / start);
         const double exact = is_implicit(form) ? steps * std::log(1 + 2 * nu * k * k * dt) : -steps * std::log(1 - 2 * nu * k * k * dt);
         CHECK(rate == Approx(exact).epsilon(0.02));
-    }
+    });
 }
 
 TEST_CASE("plane Poiseuille flow between walls at rest reaches its parabola within 2 %, 24 particles across",
           "[validation][viscosity][boundary]") {
     const double H = 1, d = H / 24, nu = 1, g = 8;  // largest speed g H^2/(8 nu) = 1
-    for (Form form : all_forms) {
-        INFO(name(form));
+    in_space_and_plane(8 * d, [&](Form form, int dimensions, double depth) {
         const double support = support_of(form), width = 8 * d;
-        const Real factor = continued_lattice_factor(KernelKind::cubic, Real(support * d), Real(d));
-        TestWorld w(d, support, Domain{Vec3::Zero(), Vec3(Real(width), Real(H), Real(width)), {true, false, true}});
+        const Real factor = continued_lattice_factor({KernelKind::cubic, dimensions}, Real(support * d), Real(d));
+        TestWorld w(d, support, Domain{Vec3::Zero(), Vec3(Real(width), Real(H), Real(depth)), {true, false, dimensions == 3}});
         w.use(viscous_step_of(form, factor));
         w.world.step.gravity = Vec3(Real(g), 0, 0);
         w.add_wall(1, +1, 0);
         w.add_wall(1, -1, H);
-        w.place(Vec3::Zero(), Vec3(Real(width), Real(H), Real(width)), 1000 * nu);
+        w.place(Vec3::Zero(), Vec3(Real(width), Real(H), Real(depth)), 1000 * nu);
         const double dt = is_implicit(form) ? 0.02 : 0.9 * viscous_step(support * d, nu);
         for (int s = 0; s < static_cast<int>(0.6 / dt); ++s) w.step(dt);  // the slowest mode has decayed by exp(-pi^2 0.6) = 0.3 %
         const auto x = w.column<field::position>();
         const auto u = w.column<field::velocity>();
         double worst = 0;
         for (std::size_t i = 0; i < x.size(); ++i) worst = std::max(worst, std::abs(u[i].x() - g / (2 * nu) * x[i].y() * (H - x[i].y())));
-        CHECK(worst < 0.02);
-    }
+        CHECK(worst < (dimensions == 2 ? 0.022 : 0.02));  // the fourth moments of a square lattice are less round
+    });
 }
 
 TEST_CASE("plane Couette flow between a wall at rest and one that moves stays straight within 2 %, 16 particles across",
           "[validation][viscosity][boundary]") {
     // From the exact flow, for nu t/H^2 = 0.5: what a discrete steady state differs by has come up to 1 - exp(-pi^2/2) = 99 %.
     const double H = 1, d = H / 16, nu = 1;
-    for (Form form : all_forms) {
-        INFO(name(form));
+    in_space_and_plane(8 * d, [&](Form form, int dimensions, double depth) {
         const double support = support_of(form), width = 8 * d;
-        const Real factor = continued_lattice_factor(KernelKind::cubic, Real(support * d), Real(d));
-        TestWorld w(d, support, Domain{Vec3::Zero(), Vec3(Real(width), Real(H), Real(width)), {true, false, true}});
+        const Real factor = continued_lattice_factor({KernelKind::cubic, dimensions}, Real(support * d), Real(d));
+        TestWorld w(d, support, Domain{Vec3::Zero(), Vec3(Real(width), Real(H), Real(depth)), {true, false, dimensions == 3}});
         w.use(viscous_step_of(form, factor));
         w.world.step.gravity.setZero();
         w.add_wall(1, +1, 0);
@@ -121,7 +130,7 @@ TEST_CASE("plane Couette flow between a wall at rest and one that moves stays st
         SolidParticles& layer = w.world.solid_particles;
         for (Index s = 0; s < layer.size(); ++s)
             if (layer.solid[s] == 1) layer.velocity[s] = Vec3(1, 0, 0);
-        w.place(Vec3::Zero(), Vec3(Real(width), Real(H), Real(width)), 1000 * nu, [](const Vec3& x) { return Vec3(x.y(), 0, 0); });
+        w.place(Vec3::Zero(), Vec3(Real(width), Real(H), Real(depth)), 1000 * nu, [](const Vec3& x) { return Vec3(x.y(), 0, 0); });
         const double dt = is_implicit(form) ? 0.02 : 0.9 * viscous_step(support * d, nu);
         for (int s = 0; s < static_cast<int>(0.5 / dt); ++s) w.step(dt);
         const auto x = w.column<field::position>();
@@ -129,7 +138,150 @@ TEST_CASE("plane Couette flow between a wall at rest and one that moves stays st
         double worst = 0;
         for (std::size_t i = 0; i < x.size(); ++i) worst = std::max<double>(worst, std::abs(u[i].x() - x[i].y()));
         CHECK(worst < 0.02);
+    });
+}
+
+namespace {
+
+/// Between y = 0 and 1, nu = 1, 24 particles across, from rest: the largest difference from exact(y, t) at the times, under a uniform
+/// acceleration g or with the upper wall at speed U.
+double start_up_error(Form form, double g, double U, const std::function<double(double, double)>& exact) {
+    const double d = 1.0 / 24, support = support_of(form), width = 8 * d;
+    const Real factor = continued_lattice_factor(KernelKind::cubic, Real(support * d), Real(d));
+    TestWorld w(d, support, Domain{Vec3::Zero(), Vec3(Real(width), 1, Real(width)), {true, false, true}});
+    w.use(viscous_step_of(form, factor));
+    w.world.step.gravity = Vec3(Real(g), 0, 0);
+    w.add_wall(1, +1, 0);
+    w.add_wall(1, -1, 1);
+    w.world.solids.all[1].pose.velocity = Vec3(Real(U), 0, 0);
+    SolidParticles& layer = w.world.solid_particles;
+    for (Index s = 0; s < layer.size(); ++s)
+        if (layer.solid[s] == 1) layer.velocity[s] = Vec3(Real(U), 0, 0);
+    w.place(Vec3::Zero(), Vec3(Real(width), 1, Real(width)), 1000);
+    double worst = 0, time = 0;
+    for (const double until : {0.05, 0.1, 0.2}) {
+        const double most = is_implicit(form) ? 1e-3 : 0.9 * viscous_step(support * d, 1);
+        const int steps = static_cast<int>(std::ceil((until - time) / most));
+        for (int s = 0; s < steps; ++s) w.step((until - time) / steps);
+        time = until;
+        const auto x = w.column<field::position>(), u = w.column<field::velocity>();
+        for (std::size_t i = 0; i < x.size(); ++i) worst = std::max(worst, std::abs(u[i].x() - exact(x[i].y(), time)));
     }
+    return worst;
+}
+
+}  // namespace
+
+TEST_CASE("Couette and Poiseuille flow start from rest as their series, within 2 % of the largest speed, 24 particles across",
+          "[validation][viscosity][boundary]") {
+    const double pi = std::numbers::pi;
+    for (Form form : all_forms) {
+        INFO(name(form));
+        CHECK(start_up_error(form, 0, 1, [&](double y, double t) {
+                  double u = y;
+                  for (int n = 1; n < 40; ++n)
+                      u += 2 / (n * pi) * (n % 2 == 0 ? 1 : -1) * std::exp(-n * n * pi * pi * t) * std::sin(n * pi * y);
+                  return u;
+              }) < 0.02);
+        CHECK(start_up_error(form, 8, 0, [&](double y, double t) {
+                  double u = 4 * y * (1 - y);
+                  for (int n = 1; n < 40; n += 2) u -= 32 / std::pow(n * pi, 3) * std::exp(-n * n * pi * pi * t) * std::sin(n * pi * y);
+                  return u;
+              }) < 0.02);
+    }
+}
+
+namespace {
+
+/// S/k for u = sin(ky) on a lattice: its uncorrected gradient is S cos(ky), S = sum_j V |W'|/r y sin(ky).
+double gradient_symbol(double k, double d, double support) {
+    const CubicKernel W(static_cast<Real>(support * d));
+    const int reach = static_cast<int>(support) + 1;
+    double S = 0;
+    for (int a = -reach; a <= reach; ++a)
+        for (int b = -reach; b <= reach; ++b)
+            for (int c = -reach; c <= reach; ++c)
+                if (a != 0 || b != 0 || c != 0)
+                    S -=
+                        static_cast<double>(W.slope(static_cast<Real>(d * std::sqrt(a * a + b * b + c * c)))) * b * d * std::sin(k * b * d);
+    return S * d * d * d / k;
+}
+
+}  // namespace
+
+TEST_CASE("the published full viscosity slows a shear wave at nu times the square of its own lattice sum, to 1e-4, not at nu k^2",
+          "[validation][viscosity]") {
+    // The force is the transpose of the gradient: the rate is nu S^2 with the S of gradient_symbol(). For long waves S/k is the factor that
+    // gradients of linear fields have on a lattice, 1.020 with R = 2 d: they decay 4 % too fast, however many particles a wave has. Shorter
+    // waves lose some of that to the kernel's width: 2.7 % too fast with 32 particles a wave, 3.7 % with 64. With R = 4 d the factor is 1.
+    const double two_pi = 2 * std::numbers::pi;
+    const auto long_waves = [&](double support) { return std::pow(gradient_symbol(two_pi, 1e-3, support), 2); };
+    CHECK(long_waves(2) == Approx(1.0405).epsilon(1e-3));
+    CHECK(long_waves(4) == Approx(1).epsilon(1e-3));
+    struct Case {
+        bool assembled;
+        int particles;
+        double support, over_exact;
+    };
+    for (const Case& one : {Case{true, 32, 2, 1.0272}, Case{true, 64, 2, 1.0371}, Case{false, 32, 2, 1.0272}, Case{false, 64, 2, 1.0371},
+                            Case{false, 32, 4, 0.9543}}) {
+        INFO((one.assembled ? "assembled" : "matrix-free") << ", " << one.particles << " a wave, R/d = " << one.support);
+        const double d = 1.0 / one.particles, k = two_pi, nu = 1, dt = 1 / (nu * k * k);
+        const Real width = static_cast<Real>(2 * one.support * d);
+        TestWorld w(d, one.support, Domain{Vec3::Zero(), Vec3(width, 1, width), {true, true, true}});
+        std::vector<Stage> stages{make_stage("density", "density", Density{})};
+        if (one.assembled) {
+            AssembledViscosityOptions options;
+            options.limits.tolerance = 1e-6;
+            stages.push_back(make_stage("viscosity", "viscosity", AssembledViscosity(options)));
+        } else {
+            FullViscosityOptions options;
+            options.limits.tolerance = 1e-6;
+            stages.push_back(make_stage("viscosity", "viscosity", UncorrectedViscosity(options)));
+        }
+        w.use(std::move(stages));
+        w.place(Vec3::Zero(), Vec3(width, 1, width), 1000 * nu, [&](const Vec3& x) { return Vec3(Real(std::sin(k * x.y())), 0, 0); });
+        w.step(dt);
+        double amplitude = 0;
+        for (Index i = 0; i < w.world.fluid.size(); ++i)
+            amplitude += 2 * w.column<field::velocity>()[i].x() * std::sin(k * w.column<field::position>()[i].y()) / w.world.fluid.size();
+        const double over_exact = std::pow(gradient_symbol(k, d, one.support), 2);
+        // m/rho twice in the gradients, 1/rho in the acceleration; the density on a lattice is not quite that at rest.
+        const double rate = over_exact * nu * k * k / std::pow(w.column<field::density>()[0] / 1000, 3);
+        CHECK(amplitude == Approx(1 / (1 + rate * dt)).epsilon(1e-4));
+        CHECK(over_exact == Approx(one.over_exact).epsilon(1e-3));
+    }
+}
+
+TEST_CASE("a force sin(ky) drives a flow to f/(nu k^2) (1 - exp(-nu k^2 t)) sin(ky) within 1 %, 32 particles a wave",
+          "[validation][viscosity]") {
+    // Kolmogorov's flow, so slow that no particle passes its neighbour.
+    Simulation simulation = simulation_of(R"toml([time]
+end = 0.06
+max_step = 1e-3
+[domain]
+min = [0, 0, 0]
+max = [0.25, 1, 0.25]
+periodic = [true, true, true]
+gravity = [0, 0, 0]
+[fluid]
+spacing = 0.03125
+viscosity = 1000
+force = ["0.5*sin(2*pi*y)", "0", "0"]
+[models]
+pressure = "none"
+viscosity = "explicit"
+[[block]]
+shape = "box"
+min = [0, 0, 0]
+max = [0.25, 1, 0.25]
+)toml");
+    run_until(simulation, 0.06);
+    const double k = 2 * std::numbers::pi, exact = 0.5 / (k * k) * (1 - std::exp(-k * k * 0.06));
+    const auto x = simulation.world().fluid.column<field::position>(), u = simulation.world().fluid.column<field::velocity>();
+    double amplitude = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) amplitude += 2 * u[i].x() * std::sin(k * x[i].y()) / static_cast<double>(x.size());
+    CHECK(amplitude == Approx(exact).epsilon(0.01));
 }
 
 TEST_CASE("a film on an incline keeps its half parabola within 2 %, 16 particles deep, with the forms whose free surface bears no shear",
@@ -137,15 +289,14 @@ TEST_CASE("a film on an incline keeps its half parabola within 2 %, 16 particles
     // u = g (2 H y - y^2)/(2 nu), from the exact flow, for nu t/H^2 = 1: what the steady state differs by has come up to 1 - exp(-pi^2/4) =
     // 92 %.
     const double H = 1, d = H / 16, nu = 1, g = 2;  // largest speed g H^2/(2 nu) = 1
-    for (Form form : all_forms) {
-        INFO(name(form));
+    in_space_and_plane(8 * d, [&](Form form, int dimensions, double depth) {
         const double support = support_of(form), width = 8 * d;
-        const Real factor = continued_lattice_factor(KernelKind::cubic, Real(support * d), Real(d));
-        TestWorld w(d, support, Domain{Vec3::Zero(), Vec3(Real(width), Real(2 * H), Real(width)), {true, false, true}});
+        const Real factor = continued_lattice_factor({KernelKind::cubic, dimensions}, Real(support * d), Real(d));
+        TestWorld w(d, support, Domain{Vec3::Zero(), Vec3(Real(width), Real(2 * H), Real(depth)), {true, false, dimensions == 3}});
         w.use(viscous_step_of(form, factor));
         w.world.step.gravity = Vec3(Real(g), 0, 0);
         w.add_wall(1, +1, 0);
-        w.place(Vec3::Zero(), Vec3(Real(width), Real(H), Real(width)), 1000 * nu,
+        w.place(Vec3::Zero(), Vec3(Real(width), Real(H), Real(depth)), 1000 * nu,
                 [&](const Vec3& x) { return Vec3(Real(g / (2 * nu) * x.y() * (2 * H - x.y())), 0, 0); });
         const double dt = is_implicit(form) ? 0.02 : 0.9 * viscous_step(support * d, nu);
         for (int s = 0; s < static_cast<int>(1 / dt); ++s) w.step(dt);
@@ -155,7 +306,7 @@ TEST_CASE("a film on an incline keeps its half parabola within 2 %, 16 particles
         for (std::size_t i = 0; i < x.size(); ++i)
             worst = std::max<double>(worst, std::abs(u[i].x() - g / (2 * nu) * x[i].y() * (2 * H - x[i].y())));
         CHECK(worst < 0.02);
-    }
+    });
 }
 
 TEST_CASE("a free body that turns keeps its angular momentum within 0.1 % and its energy within 1 % over two turns, with nu dt/d^2 = 10",

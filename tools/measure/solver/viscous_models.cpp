@@ -42,7 +42,7 @@ std::vector<Vec3> xsph_acceleration(test::TestWorld& w) {
     const StepContext& step = w.world.step;
     const Real nu = w.column<field::viscosity>()[0] / step.rest_density;
     std::vector<Vec3> change(w.column<field::velocity>().size()), u(w.column<field::velocity>().begin(), w.column<field::velocity>().end());
-    XsphViscosity{1}(w.world.fluid_pairs, step, read<field::role>(w), read<field::density>(w), {Span<Vec3>(change)}, {{Span<Vec3>(u)}});
+    XsphViscosity{1}(w.world.surroundings(), read<field::role>(w), read<field::density>(w), {Span<Vec3>(change)}, {{Span<Vec3>(u)}});
     for (Vec3& a : change) a *= nu / (Real(0.0375) * step.support * step.support);
     return change;
 }

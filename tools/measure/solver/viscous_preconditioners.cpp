@@ -96,7 +96,7 @@ Cost cost(double scale, double uneven, double K, ViscousPreconditioner precondit
                 if (w.column<field::role>()[i] == 0) u[i] += Real(speed) * (Vec3(0, Real(-0.05), 0) + Real(0.02) * noise());
             }
         }
-        w.world.step.at_landing = s == 0;
+        w.world.step.at_frame_time = s == 0;
         const double before = cpu_seconds();
         w.step(dt);
         const double spent = 1e3 * (cpu_seconds() - before);

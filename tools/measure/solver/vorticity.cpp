@@ -4,7 +4,6 @@
 #include "engine/core/parallel.h"
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
-#include "engine/sph/operators.h"
 #include "tools/measure/solver/subcommands.h"
 
 namespace whorl {
@@ -15,19 +14,27 @@ struct Measured {
     double energy = 0, across = 0, enstrophy = 0;  ///< J, J, 1/s^2
 };
 
-Measured measured(const World& w) {
+/// sum_j V_j (u_i - u_j) x grad W_ij
+template <class Kernel>
+Vec3 difference_curl(const World& w, Index i, const Kernel& kernel) {
     const auto u = w.fluid.column<field::velocity>();
     const auto rho = w.fluid.column<field::density>();
-    std::vector<Real> V(rho.size());
-    for (std::size_t i = 0; i < V.size(); ++i) V[i] = w.step.mass / rho[i];
+    Vec3 sum = Vec3::Zero();
+    w.fluid_pairs.of(
+        i, [&](Index j, const Vec3& r, Real distance) { sum += w.step.mass / rho[j] * kernel.slope(distance) * (u[i] - u[j]).cross(r); });
+    return sum;
+}
+
+Measured measured(const World& w) {
+    const auto u = w.fluid.column<field::velocity>();
     const double n = w.fluid.size();
     const auto mean = [&](const auto& f) {
         return parallel_sum(w.fluid.size(), [&](Index i) { return 0.5 * static_cast<double>(f(i)); }) / n;
     };
-    return with_kernel(w.step.kernel, w.step.support, [&](const auto& W) {
+    return with_kernel(w.step.kernel, w.step.support, [&](const auto& kernel) {
         return Measured{mean([&](Index i) { return u[static_cast<std::size_t>(i)].squaredNorm(); }),
                         mean([&](Index i) { return u[static_cast<std::size_t>(i)].y() * u[static_cast<std::size_t>(i)].y(); }),
-                        mean([&](Index i) { return curl(w.fluid_pairs, i, W, Span<const Real>(V), u).squaredNorm(); })};
+                        mean([&](Index i) { return difference_curl(w, i, kernel).squaredNorm(); })};
     });
 }
 

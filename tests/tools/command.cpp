@@ -18,7 +18,7 @@
 using namespace whorl;
 namespace fs = std::filesystem;
 
-namespace program_test {
+namespace command_test {
 
 namespace {
 
@@ -190,4 +190,22 @@ TEST_CASE("a plan tells models with reasons, fields, stages in order and the lim
     fs::remove_all(folder);
 }
 
-}  // namespace program_test
+TEST_CASE("a dry run tells the models, how many frames it would make and where to, in words and as JSON, and writes nothing", "[tools]") {
+    const fs::path folder = empty_folder("dry_run");
+    write(folder / "s.toml",
+          "[time]\nend = 1\nfps = 10\n[fluid]\nspacing = 0.02\nviscosity = 0.1\n"
+          "[[block]]\nshape = \"box\"\nmin = [0,0,0]\nmax = [0.1,0.1,0.1]\n");
+    const Outcome told = whorl_in(folder, "render s.toml --dry-run --json");
+    REQUIRE(told.code == 0);
+    const nlohmann::json json = nlohmann::json::parse(told.text);
+    CHECK(json.at("frames") == 11);  // 1 s at 10 frames a second, both ends
+    CHECK(json.at("folder") == "out/s");
+    CHECK(json.at("models").at(0).at("key") == "models.pressure");
+    CHECK_FALSE(json.contains("cost"));
+    const std::string words = whorl_in(folder, "render s.toml --dry-run --frames 4 --out there").text;
+    CHECK(words.find("\n4 frames into there\n") != std::string::npos);
+    CHECK(std::distance(fs::directory_iterator(folder), fs::directory_iterator()) == 1);
+    fs::remove_all(folder);
+}
+
+}  // namespace command_test

@@ -15,7 +15,7 @@ using test::Outcome;
 using test::Program;
 namespace fs = std::filesystem;
 
-namespace render_test {
+namespace run_test {
 
 namespace {
 
@@ -211,6 +211,8 @@ max = [0.12, 0.12, 0.12]
 spacing = 0.0125
 [models]
 pressure = "ppe"
+[pressure]
+form = "constraint"
 [[block]]
 shape = "box"
 min = [0, 0, 0]
@@ -312,4 +314,4 @@ TEST_CASE("a film of particles chooses its range of colours at the start, writes
     CHECK(range_of({"--set", "look.range=[0, 2]"}) == "[0.0, 2.0]");
 }
 
-}  // namespace render_test
+}  // namespace run_test

@@ -1,0 +1,145 @@
+#include "engine/models/projection/corrected_micropolar.h"
+
+#include "engine/core/parallel.h"
+#include "engine/models/boundary/wall.h"
+
+namespace whorl {
+namespace {
+
+/// Over the neighbours of one particle, of a vector f.
+struct DifferenceSums {
+    Vec3 laplacian = Vec3::Zero();  ///< sum V W'/r (f_i - f_j)
+    Mat3 gradient = Mat3::Zero();   ///< sum V (f_j - f_i) W'/r r^T
+    Vec3 smooth = Vec3::Zero();     ///< sum V W (f_j - f_i)
+};
+
+template <class Kernel>
+DifferenceSums sums_of(const Kernel& W, const FluidPairs& pairs, Index i, Real volume, const Vec3* f) {
+    DifferenceSums all;
+    const Vec3 own = f[i];
+    pairs.groups_of(i, [&](const Pairs::Group& group) {
+        Real other[3][Pairs::Group::most], lap[3] = {0, 0, 0}, smooth[3] = {0, 0, 0}, S[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
+        group.gather(f, other);
+        for (Index l = 0; l < group.padded(); ++l) {
+            const Real F = W.slope(group.distance[l]), near = W.value(group.distance[l]);
+            const Real x = group.r[0][l], y = group.r[1][l], z = group.r[2][l];
+            const Real a = own[0] - other[0][l], b = own[1] - other[1][l], c = own[2] - other[2][l];
+            lap[0] += F * a, lap[1] += F * b, lap[2] += F * c;
+            smooth[0] -= near * a, smooth[1] -= near * b, smooth[2] -= near * c;
+            const Real p = F * a, q = F * b, t = F * c;
+            S[0] -= p * x, S[1] -= p * y, S[2] -= p * z;
+            S[3] -= q * x, S[4] -= q * y, S[5] -= q * z;
+            S[6] -= t * x, S[7] -= t * y, S[8] -= t * z;
+        }
+        all.laplacian += volume * Vec3(lap[0], lap[1], lap[2]);
+        all.smooth += volume * Vec3(smooth[0], smooth[1], smooth[2]);
+        for (int k = 0; k < 9; ++k) all.gradient(k / 3, k % 3) += volume * S[k];
+    });
+    return all;
+}
+
+Vec3 curl_of(const Mat3& G) { return {G(2, 1) - G(1, 2), G(0, 2) - G(2, 0), G(1, 0) - G(0, 1)}; }
+
+}  // namespace
+
+template <class Kernel>
+EnergyWork CorrectedMicropolar::advance(const Kernel& W, const Surroundings& around, Read<field::role> role, Read<field::velocity> u,
+                                        Update<field::acceleration> a, Write<field::spin_change> change, Read<field::spin> w) const {
+    const ProjectionSystem& s = *system_;
+    const MicropolarOptions& o = options_;
+    const StepContext& step = around.step;
+    const SolidParticles& layer = around.layer;
+    const Real dt = step.dt, m = step.mass, b = 1 / step.rest_density, d = step.spacing;
+    const Real lambda = static_cast<Real>(o.coupling), over_theta = static_cast<Real>(1 / o.micro_inertia);
+    const auto part = [&](double given) {
+        return static_cast<Real>(o.smoothing_time > 0 ? std::min(0.5, given * static_cast<double>(dt) / o.smoothing_time) : given);
+    };
+    const Real alpha = part(o.smoothing_velocity) / dt, beta = part(o.smoothing_spin) / dt;
+    const Real mu = static_cast<Real>(o.pair_viscosity), gamma = static_cast<Real>(o.spin_viscosity);
+    const Real ahead = o.implicit_exchange ? 1 / (1 + 2 * lambda * b * dt * over_theta) : 1;
+    const Real of_layer = s.any_walls ? layer_factor(step.kernel, step.support, d) : 0;
+    const std::vector<char> slip = slips(around.solids);
+    const bool any_torque = !torque_.is_zero();
+
+    return parallel_sum(a.size(), EnergyWork{}, [&](Index i) -> EnergyWork {
+        if (role[i] != 0) {
+            change[i].setZero();
+            return {};
+        }
+        const Vec3 own_u = u[i], own_w = w[i];
+        DifferenceSums of_u = sums_of(W, around.pairs, i, step.volume, u.data());
+        DifferenceSums of_w = sums_of(W, around.pairs, i, step.volume, w.data());
+        const Mat3 G_u = of_u.gradient * s.correction[i], G_w = of_w.gradient * s.correction[i];
+        Real trace = s.trace[i], trace_w = trace;
+        Vec3 imbalance = s.imbalance[i], imbalance_w = imbalance;
+        if (s.any_walls && around.solid_pairs.count(i) > 0)
+            around.solid_pairs.of(i, [&](Index q, const Vec3& r, Real) {
+                const Solid& solid = around.solids.all[layer.solid[q]];
+                if (slip[layer.solid[q]]) return;
+                const Vec3& normal = layer.normal[q];
+                const Real volume = s.gate[i] * of_layer * layer.volume[q], height = std::max(r.dot(normal) - d / 2, d / 4);
+                const bool faces = r.dot(normal) > 0;
+                const Vec3 u_wall = own_u - layer.velocity[q], w_wall = own_w - solid.pose.angular_velocity;
+                each_layer(r, normal, d, step.support, [&](const Vec3& to, Real distance, Real below) {
+                    const Real F = volume * W.slope(distance);
+                    const Real continued = faces ? std::min(Real(12), 1 + below / height) : Real(1);
+                    of_u.laplacian += F * continued * u_wall;
+                    trace -= F * distance * distance;
+                    imbalance += F * to;
+                    if (o.free_spin_walls) return;
+                    of_w.laplacian += F * continued * w_wall;
+                    trace_w -= F * distance * distance;
+                    imbalance_w += F * to;
+                });
+            });
+        const auto laplacian = [&](const Vec3& sum, Real moments, const Mat3& G, const Vec3& uneven) {
+            if (s.near_surface[i]) return Vec3(2 * sum);
+            return Vec3(2 * static_cast<Real>(step.dimensions()) / std::max(moments, Real(0.1)) * (sum - G * uneven));
+        };
+        const Vec3 viscous = mu * b * laplacian(of_u.laplacian, trace, G_u, imbalance), push = lambda * b * curl_of(G_w);
+        const Vec3 smoothing = alpha * of_u.smooth, before = a[i];
+        a[i] += viscous + push + smoothing;
+
+        const Vec3 tau = any_torque ? Vec3(change[i]) : Vec3(Vec3::Zero());
+        const Vec3 exchanged = lambda * b * (curl_of(G_u) - 2 * own_w);
+        const Vec3 diffused = gamma * b * laplacian(of_w.laplacian, trace_w, G_w, imbalance_w);
+        const Vec3 spin_smoothing = beta * of_w.smooth;
+        change[i] = dt * (ahead * over_theta * (exchanged + diffused + tau) + spin_smoothing);
+
+        // Each force at the mean of the velocities before and after the kick: their works then add up to what the kick does.
+        const Vec3 u_mid = own_u + dt / 2 * a[i], w_mid = own_w + change[i] / 2;
+        const double energy = static_cast<double>(m * dt), spin_energy = energy * static_cast<double>(ahead);
+        EnergyWork work;
+        work.gravity = energy * static_cast<double>(before.dot(u_mid));
+        work.viscosity = energy * static_cast<double>(viscous.dot(u_mid)) + spin_energy * static_cast<double>(diffused.dot(w_mid));
+        work.exchange = energy * static_cast<double>(push.dot(u_mid)) + spin_energy * static_cast<double>(exchanged.dot(w_mid));
+        work.torque = spin_energy * static_cast<double>(tau.dot(w_mid));
+        work.smoothing =
+            energy * (static_cast<double>(smoothing.dot(u_mid)) + o.micro_inertia * static_cast<double>(spin_smoothing.dot(w_mid)));
+        return work;
+    });
+}
+
+void CorrectedMicropolar::operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::position> x,
+                                     Read<field::velocity> u, Update<field::acceleration> a, Write<field::spin_change> change,
+                                     Update<field::spin> w) {
+    if (!torque_.is_zero()) torque_.each(around.step.time, x.values, [&](Index i, const Vec3& tau) { change[i] = tau; });
+    const Read<field::spin> spin{w.values};
+    report.work =
+        with_kernel(around.step.kernel, around.step.support, [&](const auto& W) { return advance(W, around, role, u, a, change, spin); });
+    parallel_for(w.size(), [&](Index i) { w[i] += change[i]; });
+}
+
+void CarrySpin::operator()(const Surroundings& around, Write<field::spin_change> change, Update<field::spin> w) const {
+    const ProjectionSystem& s = *system;
+    with_kernel(around.step.kernel, around.step.support, [&](const auto& W) {
+        parallel_for(w.size(), [&](Index i) {
+            change[i].setZero();
+            if (s.shift[i] != Vec3::Zero())
+                change[i] = difference_sum(W, around.pairs, i, around.step.volume, w.data()) * (s.correction[i] * s.shift[i]);
+        });
+    });
+    parallel_for(w.size(), [&](Index i) { w[i] += change[i]; });
+}
+
+}  // namespace whorl

@@ -1,0 +1,36 @@
+#pragma once
+/// Micropolar terms of the projection: curls and Laplacians of velocity and spin that are exact for linear fields on uneven particles.
+#include "engine/math/expression_field.h"
+#include "engine/models/micropolar/micropolar.h"
+#include "engine/models/projection/projection_system.h"
+
+namespace whorl {
+
+/// The system of MicropolarOptions with the gradients G of projection_system.h and the Laplacian of corrected_viscosity.h:
+///   du/dt += (mu lap u + lambda curl w)/rho,   theta dw/dt = (gamma lap w + lambda (curl u - 2 w))/rho + tau
+/// At solids that the fluid sticks to, velocity and spin are continued behind the wall. The forms of the curls do not apply, and there is
+/// no central viscosity. The exchange is implicit in the spin's own decay where implicit_exchange.
+class CorrectedMicropolar {
+public:
+    CorrectedMicropolar(std::shared_ptr<ProjectionSystem> system, MicropolarOptions options)
+        : system_(std::move(system)), options_(std::move(options)), torque_(options_.torque) {}
+    void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::position> x,
+                    Read<field::velocity> u, Update<field::acceleration> a, Write<field::spin_change> change, Update<field::spin> w);
+
+private:
+    template <class Kernel>
+    EnergyWork advance(const Kernel& W, const Surroundings& around, Read<field::role> role, Read<field::velocity> u,
+                       Update<field::acceleration> a, Write<field::spin_change> change, Read<field::spin> w) const;
+
+    std::shared_ptr<ProjectionSystem> system_;
+    MicropolarOptions options_;
+    ExpressionField torque_;
+};
+
+/// After ProjectionMove: the shift carries the spin along, w += (dx.grad) w.
+struct CarrySpin {
+    std::shared_ptr<ProjectionSystem> system;
+    void operator()(const Surroundings& around, Write<field::spin_change> change, Update<field::spin> w) const;
+};
+
+}  // namespace whorl

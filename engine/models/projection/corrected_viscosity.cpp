@@ -1,0 +1,71 @@
+#include "engine/models/projection/corrected_viscosity.h"
+
+#include <cmath>
+
+#include "engine/core/parallel.h"
+#include "engine/models/boundary/wall.h"
+
+namespace whorl {
+
+void CorrectedViscosity::operator()(const Surroundings& around, Read<field::role> role, Read<field::viscosity> mu, Read<field::velocity> u,
+                                    Update<field::acceleration> a) {
+    const ProjectionSystem& s = *system_;
+    const StepContext& step = around.step;
+    const SolidParticles& layer = around.layer;
+    const Real d = step.spacing, V = step.volume, over_density = 1 / step.rest_density;
+    const Real dimensions = static_cast<Real>(step.dimensions());
+    const Real of_layer = s.any_walls ? layer_factor(step.kernel, step.support, d) : 0;
+    const std::vector<char> slip = slips(around.solids);
+    if (s.any_walls) friction_.set(FrictionForm::central, around, s.options.gate, 1);
+    with_kernel(step.kernel, step.support, [&](const auto& W) {
+        parallel_for(u.size(), [&](Index i) {
+            if (role[i] != 0) return;
+            Vec3 sum = Vec3::Zero();
+            Mat3 G = Mat3::Zero();
+            const Vec3 own = u[i];
+            const Real own_mu = mu[i];
+            around.pairs.groups_of(i, [&](const Pairs::Group& group) {
+                Real other[3][Pairs::Group::most], viscosity[Pairs::Group::most];
+                Real mixed[3] = {0, 0, 0}, S[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
+                group.gather(u.data(), other);
+                group.gather(mu.data(), viscosity);
+                for (Index l = 0; l < group.padded(); ++l) {
+                    const Real F = W.slope(group.distance[l]);
+                    const Real x = group.r[0][l], y = group.r[1][l], z = group.r[2][l];
+                    const Real mean = 2 * own_mu * viscosity[l] / std::max(own_mu + viscosity[l], smallest);
+                    const Real p = F * (own[0] - other[0][l]), q = F * (own[1] - other[1][l]), t = F * (own[2] - other[2][l]);
+                    mixed[0] += mean * p, mixed[1] += mean * q, mixed[2] += mean * t;
+                    S[0] -= p * x, S[1] -= p * y, S[2] -= p * z;
+                    S[3] -= q * x, S[4] -= q * y, S[5] -= q * z;
+                    S[6] -= t * x, S[7] -= t * y, S[8] -= t * z;
+                }
+                sum += Vec3(mixed[0], mixed[1], mixed[2]);
+                for (int k = 0; k < 9; ++k) G(k / 3, k % 3) += S[k];
+            });
+            sum *= V;
+            G = V * G * s.correction[i];
+            Real trace = s.trace[i];
+            Vec3 imbalance = s.imbalance[i];
+            if (s.any_walls && around.solid_pairs.count(i) > 0)
+                around.solid_pairs.of(i, [&](Index q, const Vec3& r, Real) {
+                    if (slip[layer.solid[q]]) return;
+                    const Vec3& normal = layer.normal[q];
+                    const Real volume = s.gate[i] * of_layer * layer.volume[q], height = std::max(r.dot(normal) - d / 2, d / 4);
+                    const bool faces = r.dot(normal) > 0;
+                    const Vec3 difference = own - layer.velocity[q];
+                    each_layer(r, normal, d, step.support, [&](const Vec3& to, Real distance, Real below) {
+                        const Real F = volume * W.slope(distance);
+                        const Real continued = faces ? std::min(Real(12), 1 + below / height) : Real(1);
+                        sum += own_mu * F * continued * difference;
+                        trace -= F * distance * distance;
+                        imbalance += F * to;
+                    });
+                });
+            if (s.near_surface[i]) a[i] += 2 * over_density * sum;
+            else a[i] += (2 * dimensions / std::max(trace, Real(0.1)) * over_density) * (sum - own_mu * (G * imbalance));
+            if (friction_.acts()) a[i] -= own_mu * over_density * (friction_.coefficient(i) * own - friction_.load(i));
+        });
+    });
+}
+
+}  // namespace whorl

@@ -1,0 +1,181 @@
+#include "engine/models/projection/projection.h"
+
+#include <cmath>
+#include <limits>
+
+#include "engine/core/clock.h"
+#include "engine/core/parallel.h"
+#include "engine/math/conjugate_gradients.h"
+
+namespace whorl {
+
+/// c_ij = V 2 V |W'|/r among the unknowns; neighbours on the surface have p = 0; prescribed ones go with the particle, as walls do.
+template <class Kernel>
+void Projection::build(const Kernel& W, const Surroundings& around, Read<field::role> role) {
+    const ProjectionSystem& s = *system_;
+    const FluidPairs& pairs = around.pairs;
+    const Index n = pairs.size();
+    matrix_.unknown.resize(n), matrix_.diagonal.resize(n), matrix_.pin.resize(n), touches_surface_.assign(n, 0);
+    matrix_.first.assign(static_cast<std::size_t>(n) + 1, 0);
+    matrix_.x = pairs.x_own;
+    matrix_.spacing = around.step.spacing;
+    parallel_for(n, [&](Index i) { matrix_.unknown[i] = role[i] == 0 && !s.surface[i] && pairs.count(i) > 0; });
+    parallel_for(n, [&](Index i) {
+        std::size_t count = 0;
+        if (matrix_.unknown[i])
+            for (std::size_t k = pairs.first[i]; k < pairs.first[i + 1]; ++k) count += matrix_.unknown[pairs.other[k]] != 0;
+        matrix_.first[i + 1] = count;
+    });
+    for (Index i = 0; i < n; ++i) matrix_.first[i + 1] += matrix_.first[i];
+    matrix_.other.resize(matrix_.first[n]);
+    matrix_.c.resize(matrix_.first[n]);
+    const Real V = around.step.volume;
+    parallel_for(n, [&](Index i) {
+        matrix_.diagonal[i] = 1, matrix_.pin[i] = 0;
+        if (!matrix_.unknown[i]) return;
+        std::size_t k = matrix_.first[i];
+        Real row = 0, pin = V * s.air[i];
+        pairs.of(i, [&](Index j, const Vec3&, Real distance) {
+            const Real c = -2 * V * V * W.slope(distance);
+            if (matrix_.unknown[j]) matrix_.other[k] = j, matrix_.c[k++] = c, row += c;
+            else if (s.surface[j]) pin += c, touches_surface_[i] = 1;
+        });
+        matrix_.pin[i] = pin;
+        matrix_.diagonal[i] = std::max(row + pin, smallest);
+    });
+}
+
+template <class Kernel>
+void Projection::set_source(const Kernel& W, const Surroundings& around, const Vec3* u, Real dt) {
+    const ProjectionSystem& s = *system_;
+    const StepContext& step = around.step;
+    parallel_for(s.size(), [&](Index i) {
+        b_[i] = 0;
+        if (!matrix_.unknown[i]) return;
+        const Mat3 G = difference_sum(W, around.pairs, i, step.volume, u) * s.correction[i];
+        Real divergence = G.trace();
+        s.walls_of(i, [&](const WallTouch& touch) {
+            const Vec3& normal = around.layer.normal[touch.s];
+            const Real at_wall = (u[i] - around.layer.velocity[touch.s]).dot(normal) - touch.height * normal.dot(G * normal);
+            divergence -= touch.flux * at_wall;
+        });
+        b_[i] = -step.volume * step.rest_density / dt * divergence;
+    });
+}
+
+/// Short waves between the outermost particles, which no pressure resolves, die at .4 sqrt(g/d).
+void Projection::damp_surface(const Surroundings& around, Read<field::role> role, Update<field::velocity> u) const {
+    const ProjectionSystem& s = *system_;
+    const StepContext& step = around.step;
+    const Real share = Real(0.4) * step.dt * std::sqrt(step.gravity.norm() / step.spacing) * step.volume;
+    if (!s.options.free_surface || !(share > 0)) return;
+    std::vector<Vec3> change(u.size(), Vec3::Zero());
+    with_kernel(step.kernel, step.support, [&](const auto& W) {
+        parallel_for(u.size(), [&](Index i) {
+            if (!s.near_surface[i] || role[i] != 0) return;
+            around.pairs.of(i, [&](Index j, const Vec3&, Real r) {
+                if (s.near_surface[j] && role[j] == 0) change[i] += share * W.value(r) * (u[j] - u[i]);
+            });
+        });
+    });
+    parallel_for(u.size(), [&](Index i) { u[i] += change[i]; });
+}
+
+void Projection::operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Update<field::velocity> u,
+                            Update<field::pressure> p, Update<field::pressure_acceleration> a) {
+    const ProjectionSystem& s = *system_;
+    const StepContext& step = around.step;
+    const Index n = u.size();
+    // The first step knows no pressure of the one before.
+    const bool any_before = parallel_sum(n, [&](Index i) { return a[i] != Vec3::Zero() ? 1 : 0; }) > 0;
+    const Real theta = any_before ? static_cast<Real>(s.options.theta) : Real(1), dt = theta * step.dt;
+    b_.resize(n), phi_.resize(n);
+    // What an impact does in a step must not be done again in the next.
+    const Real most = s.options.free_surface ? Real(0.04) * step.spacing / (step.dt * step.dt) : std::numeric_limits<Real>::infinity();
+    parallel_for(n, [&](Index i) {
+        if (role[i] == 0 && a[i].norm() < most) u[i] -= (1 - theta) * step.dt * a[i];
+        a[i].setZero();
+    });
+    damp_surface(around, role, u);
+    SolveReport all;
+    all.converged = true;
+    with_kernel(step.kernel, step.support, [&](const auto& W) {
+        const double start = wall_seconds();
+        build(W, around, role);
+        closed_.find(matrix_, touches_surface_, 0.01);
+        closed_.take_pins_away(matrix_);
+        const PressurePreconditioner M = s.options.preconditioner(matrix_);
+        all.levels = M.levels;
+        all.set_up_seconds = wall_seconds() - start;
+        const auto A = [&](Span<const Real> in, Span<Real> out) { matrix_.multiply(in, out); };
+        for (int solve = 0; solve < s.options.solves; ++solve) {
+            set_source(W, around, u.data(), dt);
+            closed_.take_means_away(b_);
+            SolveLimits limits = s.options.limits;
+            if (solve > 0) limits.tolerance = std::max(limits.tolerance, s.options.later_tolerance);
+            parallel_for(n, [&](Index i) { phi_[i] = solve == 0 && matrix_.unknown[i] ? p[i] : 0; });
+            const double began = wall_seconds();
+            const SolveReport solved = conjugate_gradients<Real>(A, M, Span<const Real>(b_), Span<Real>(phi_), limits);
+            all.solve_seconds += wall_seconds() - began;
+            all.iterations += solved.iterations;
+            if (solve == 0) all.first_residual = solved.first_residual, all.last_residual = solved.last_residual;
+            if (!solved.converged) all.converged = false, all.why_not = solved.why_not;
+            closed_.take_means_away(phi_);
+            parallel_for(n, [&](Index i) {
+                p[i] = (solve == 0 ? Real(0) : p[i]) + phi_[i];
+                if (role[i] != 0) return;
+                const Vec3 push = s.correction[i] * difference_sum(W, around.pairs, i, step.volume, phi_.data()) / step.rest_density;
+                a[i] += push;
+                u[i] -= dt * push;
+            });
+        }
+    });
+    report.solves.push_back({"pressure", all});
+}
+
+/// Of any particle over the mean of all [m/s]: the same in any frame that moves along.
+Real fastest_of(Span<const Vec3> u) {
+    struct Sum {
+        Vec3d sum = Vec3d::Zero();
+        void operator+=(const Sum& o) { sum += o.sum; }
+    };
+    const auto n = static_cast<Index>(u.size());
+    if (n == 0) return 0;
+    const Vec3 mean = (parallel_sum(n, Sum{}, [&](Index i) { return Sum{u[i].cast<double>()}; }).sum / n).cast<Real>();
+    return static_cast<Real>(std::sqrt(parallel_max(n, 0, [&](Index i) { return (u[i] - mean).squaredNorm(); })));
+}
+
+void ProjectionMove::operator()(const Surroundings& around, Read<field::role> role, Update<field::position> x,
+                                Update<field::velocity> u) const {
+    ProjectionSystem& s = *system;
+    const StepContext& step = around.step;
+    const Index n = u.size();
+    const Real d = step.spacing, dt = step.dt;
+    const Real slowest = s.options.free_surface ? Real(0.25) * std::sqrt(step.gravity.norm() * d) : 0;
+    std::vector<Vec3> change(n, Vec3::Zero());
+    s.shift.assign(n, Vec3::Zero());
+    const Real speed = std::max(slowest, fastest_of(u.values));
+    with_kernel(step.kernel, step.support, [&](const auto& W) {
+        parallel_for(n, [&](Index i) {
+            if (role[i] != 0 || around.pairs.count(i) == 0) return;
+            bool near = s.surface[i];
+            if (s.options.free_surface)
+                around.pairs.of(i, [&](Index j, const Vec3&, Real r) { near = near || (s.surface[j] && r < Real(1.5) * d); });
+            Vec3 move = -s.options.shift_rate * speed * step.support / 2 * dt * s.spread[i];
+            if (near) {
+                const Vec3 out = s.inward[i].normalized();
+                move -= move.dot(out) * out;
+            }
+            const Real length = move.norm(), most = std::min(speed * dt / 2, d / 10);
+            if (length > most) move *= most / length;
+            s.shift[i] = move;
+            change[i] = difference_sum(W, around.pairs, i, step.volume, u.data()) * (s.correction[i] * move);
+        });
+    });
+    parallel_for(n, [&](Index i) {
+        x[i] += dt / 2 * (u[i] - s.start_velocity[i]) + s.shift[i];
+        u[i] += change[i];
+    });
+}
+
+}  // namespace whorl

@@ -1,0 +1,152 @@
+#include "engine/models/projection/projection_system.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "engine/core/parallel.h"
+#include "engine/math/pseudo_inverse.h"
+#include "engine/models/boundary/wall.h"
+
+namespace whorl {
+
+void ProjectionDrift::operator()(const StepContext& step, Read<field::velocity> u, Update<field::position> x) const {
+    system->start_velocity.assign(u.values.begin(), u.values.end());
+    parallel_for(x.size(), [&](Index i) { x[i] = step.domain.wrapped(x[i] + step.dt * u[i]); });
+}
+
+namespace {
+
+/// Of a full lattice: what the sums of a particle are held against.
+struct LatticeSums {
+    Real trace = 0, slopes = 0;  ///< sum V |W'| r, sum 2 V |W'|/r [1/m^2]
+};
+
+template <class Kernel>
+LatticeSums lattice_sums(const Kernel& W, const StepContext& step) {
+    double trace = 0, slopes = 0;
+    each_lattice_point(step.dimensions(), static_cast<int>(std::ceil(step.support / step.spacing)), [&](int a, int b, int c) {
+        if (a == 0 && b == 0 && c == 0) return;
+        const Real r = step.spacing * std::sqrt(static_cast<Real>(a * a + b * b + c * c));
+        trace -= static_cast<double>(W.derivative(r) * r);
+        slopes -= 2 * static_cast<double>(W.slope(r));
+    });
+    const double V = step.volume;
+    return {static_cast<Real>(V * trace), static_cast<Real>(V * slopes)};
+}
+
+/// Fluid's share of the sums of particle i.
+struct OwnSums {
+    Real kernel = 0, slopes = 0;
+    Mat3d moment = Mat3d::Zero();
+    Vec3 imbalance = Vec3::Zero(), spread = Vec3::Zero();
+};
+
+template <class Kernel>
+OwnSums fluid_sums(const Kernel& W, const FluidPairs& pairs, Index i, Real volume, Real over_first) {
+    OwnSums own;
+    Real xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+    pairs.groups_of(i, [&](const Pairs::Group& group) {
+        Real kernel = 0, slopes = 0, part[6] = {0, 0, 0, 0, 0, 0}, plain[3] = {0, 0, 0}, weighted[3] = {0, 0, 0};
+        for (Index l = 0; l < group.padded(); ++l) {
+            const Real r = group.distance[l], F = W.slope(r), value = W.value(r), q = value * over_first;
+            const Real x = group.r[0][l], y = group.r[1][l], z = group.r[2][l], f = F * (1 + Real(0.2) * q * q * q * q);
+            kernel += value, slopes -= F;
+            part[0] -= F * x * x, part[1] -= F * x * y, part[2] -= F * x * z;
+            part[3] -= F * y * y, part[4] -= F * y * z, part[5] -= F * z * z;
+            plain[0] += F * x, plain[1] += F * y, plain[2] += F * z;
+            weighted[0] += f * x, weighted[1] += f * y, weighted[2] += f * z;
+        }
+        own.kernel += kernel, own.slopes += slopes;
+        xx += part[0], xy += part[1], xz += part[2], yy += part[3], yz += part[4], zz += part[5];
+        own.imbalance += Vec3(plain[0], plain[1], plain[2]);
+        own.spread += Vec3(weighted[0], weighted[1], weighted[2]);
+    });
+    own.moment << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+    own.moment *= volume;
+    own.kernel *= volume, own.slopes *= 2 * volume;
+    own.imbalance *= volume, own.spread *= volume;
+    return own;
+}
+
+}  // namespace
+
+void ProjectionGeometry::operator()(const Surroundings& around, Read<field::role> role, Write<field::density> rho) const {
+    ProjectionSystem& s = *system;
+    const StepContext& step = around.step;
+    const SolidParticles& layer = around.layer;
+    const Index n = around.pairs.size();
+    s.correction.resize(n), s.trace.resize(n), s.imbalance.resize(n), s.spread.resize(n), s.inward.resize(n);
+    s.wall_trace.resize(n), s.gate.resize(n), s.air.resize(n), s.surface.assign(n, 0), s.near_surface.assign(n, 0);
+    s.first_touch.assign(static_cast<std::size_t>(n) + 1, 0);
+    s.any_walls = layer.size() > 0 && !around.solid_pairs.other.empty();
+    if (s.any_walls)
+        for (Index i = 0; i < n; ++i) s.first_touch[i + 1] = s.first_touch[i] + static_cast<std::size_t>(around.solid_pairs.count(i));
+    s.touches.resize(s.first_touch[n]);
+    const Real d = step.spacing, V = step.volume;
+    const Real of_layer = s.any_walls ? layer_factor(step.kernel, step.support, d) : 0;
+
+    with_kernel(step.kernel, step.support, [&](const auto& W) {
+        const LatticeSums full = lattice_sums(W, step);
+        const Real over_first = 1 / W.value(d);
+        std::vector<Real> fullness(n), slopes(n);
+        parallel_for(n, [&](Index i) {
+            OwnSums own = fluid_sums(W, around.pairs, i, V, over_first);
+            s.correction[i] = pseudo_inverse(own.moment, step.dimensions()).template cast<Real>();
+            s.trace[i] = static_cast<Real>(own.moment.trace());
+            s.imbalance[i] = own.imbalance;
+            s.gate[i] = 1;
+            Real wall_trace = 0, wall_kernel = 0, wall_slopes = 0;
+            Vec3 wall = Vec3::Zero(), wall_spread = Vec3::Zero();
+            if (s.any_walls && around.solid_pairs.count(i) > 0) {
+                s.gate[i] = s.options.gate.weight(W, i, around.solid_pairs, layer.volume, 1);
+                std::size_t k = s.first_touch[i];
+                around.solid_pairs.of(i, [&](Index q, const Vec3& r, Real) {
+                    const Vec3& normal = layer.normal[q];
+                    const Real volume = s.gate[i] * of_layer * layer.volume[q], above = r.dot(normal);
+                    Real flux = 0;
+                    each_layer(r, normal, d, step.support, [&](const Vec3& to, Real distance, Real) {
+                        const Real F = volume * W.slope(distance), value = W.value(distance), first = value * over_first;
+                        if (above > 0) flux += 2 * F * to.dot(normal);
+                        wall_trace -= F * distance * distance;
+                        wall_kernel += volume * value, wall_slopes -= 2 * F;
+                        wall += F * to;
+                        wall_spread += F * (1 + Real(0.2) * first * first * first * first) * to;
+                    });
+                    s.touches[k++] = {q, flux, above - d / 2};
+                });
+            }
+            s.wall_trace[i] = wall_trace;
+            s.spread[i] = own.spread + wall_spread;
+            s.inward[i] = own.imbalance + wall;
+            slopes[i] = own.slopes + wall_slopes;
+            rho[i] = step.rest_density * (V * W.value(0) + own.kernel + wall_kernel);
+            fullness[i] = s.trace[i] / std::max(Real(0.3) * full.trace, full.trace - wall_trace);
+        });
+        s.air.assign(n, 0);
+        if (!s.options.free_surface) return;
+        // The outermost layer of a lattice has .6 of a full neighbourhood, the next one .9.
+        constexpr Real certainly = Real(0.725), possibly = Real(0.85), inside = Real(0.95);
+        parallel_for(n, [&](Index i) {
+            if (role[i] != 0 || fullness[i] > possibly) return;
+            bool free = true;
+            if (fullness[i] >= certainly) {
+                const Vec3 out = -s.inward[i].normalized();
+                const Real near = Real(2.2) * d, cone = std::numbers::sqrt2_v<Real> / 2;
+                const auto covers = [&](Index, const Vec3& r, Real distance) {
+                    if (distance < near && -r.dot(out) > cone * distance) free = false;
+                };
+                around.pairs.of(i, covers);
+                if (s.any_walls) around.solid_pairs.of(i, covers);
+            }
+            s.surface[i] = free;
+        });
+        parallel_for(n, [&](Index i) {
+            bool near = s.surface[i] || fullness[i] < inside;
+            if (!near) around.pairs.of(i, [&](Index j, const Vec3&, Real) { near = near || s.surface[j]; });
+            s.near_surface[i] = near;
+            if (near) s.air[i] = std::max(Real(0), full.slopes - slopes[i]);
+        });
+    });
+}
+
+}  // namespace whorl

@@ -1,0 +1,123 @@
+#pragma once
+/// What the stages of the divergence-free projection share within a step (docs/physics.md).
+///
+/// Order of a step, with the neighbours found where the flow takes the particles:
+///   ProjectionDrift, neighbours, ProjectionGeometry, Gravity, CorrectedViscosity, Kick, Projection, ProjectionMove, KeepOutside.
+#include <memory>
+
+#include "engine/models/pressure/closed_regions.h"
+#include "engine/particles/field.h"
+#include "engine/particles/surroundings.h"
+#include "engine/sph/gate.h"
+
+namespace whorl {
+
+namespace field {
+struct pressure_acceleration {
+    using type = Vec3;
+    static constexpr std::string_view name = "pressure_acceleration", unit = "m/s^2", meaning = "grad p / rho of the last step";
+};
+}  // namespace field
+
+struct ProjectionOptions {
+    /// tolerance: residual of the first solve over the norm of its right-hand side
+    SolveLimits limits{1e-3, 200};
+    double later_tolerance = 0.1;  ///< the same of the solves for what the first leaves
+    int solves = 2;                ///< 3 beside walls and free surfaces: with 2 a column in a slot creeps down
+    /// Weight of the new pressure in a step; the old one has the rest. 1/2 is of second order and rings beside walls.
+    double theta = 0.5;
+    bool free_surface = false;
+    Real shift_rate = 1.25;  ///< more makes energy, with less a lattice melts into clumps
+    SolidGate gate;
+    PressurePreconditionerSetup preconditioner;
+};
+
+/// A solid particle as fluid particle i sees it: the column of lattice layers behind it.
+struct WallTouch {
+    Index s;
+    Real flux;    ///< sum_l 2 V W'(r_l)/r_l (r_l.n), <= 0 [1/m]: weight of the normal velocity at the wall in the divergence
+    Real height;  ///< m, of i above the wall
+};
+
+struct ProjectionSystem {
+    explicit ProjectionSystem(ProjectionOptions o) : options(std::move(o)) {}
+    ProjectionOptions options;
+
+    Column<Vec3> start_velocity;  ///< at the start of the step
+
+    Column<Mat3> correction;  ///< L_i = (-sum_j V W'/r r r^T)^-1 over the fluid
+    Column<Real> trace;       ///< of its inverse, over the fluid
+    Column<Vec3> imbalance;   ///< sum_j V W'/r r over the fluid [1/m]
+    Column<Vec3> spread;      ///< sum V [1 + 0.2 (W/W(d))^4] W'/r r over fluid and solids [1/m]
+    Column<Vec3> inward;      ///< sum V W'/r r over fluid and solids [1/m]: into the fluid, at a free surface
+    Column<Real> wall_trace;  ///< what solids add to the trace
+    Column<Real> gate;        ///< weight of the solids
+    Column<Vec3> shift;       ///< m, of ProjectionMove
+    Column<Real> air;         ///< what is missing of a full neighbourhood's sum of -2 V W'/r near a free surface [1/m^2]
+    std::vector<char> surface, near_surface;
+    std::vector<std::size_t> first_touch;  ///< n + 1, into touches
+    std::vector<WallTouch> touches;
+    bool any_walls = false;
+
+    Index size() const { return static_cast<Index>(correction.size()); }
+    /// Calls f(touch) for the walls around i.
+    template <class F>
+    void walls_of(Index i, F&& f) const {
+        if (!any_walls) return;
+        for (std::size_t k = first_touch[i]; k < first_touch[i + 1]; ++k) f(touches[k]);
+    }
+};
+
+/// sum_j V (f_j - f_i) W'/r r^T: times L_i the gradient, row: component of f. Over the fluid.
+template <class Kernel>
+Mat3 difference_sum(const Kernel& W, const FluidPairs& pairs, Index i, Real volume, const Vec3* f) {
+    Real sum[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
+    const Vec3 own = f[i];
+    pairs.groups_of(i, [&](const Pairs::Group& group) {
+        Real other[3][Pairs::Group::most], part[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
+        group.gather(f, other);
+        for (Index l = 0; l < group.padded(); ++l) {
+            const Real F = W.slope(group.distance[l]);
+            const Real x = F * group.r[0][l], y = F * group.r[1][l], z = F * group.r[2][l];
+            const Real a = other[0][l] - own[0], b = other[1][l] - own[1], c = other[2][l] - own[2];
+            part[0] += a * x, part[1] += a * y, part[2] += a * z;
+            part[3] += b * x, part[4] += b * y, part[5] += b * z;
+            part[6] += c * x, part[7] += c * y, part[8] += c * z;
+        }
+        for (int k = 0; k < 9; ++k) sum[k] += part[k];
+    });
+    Mat3 S;
+    S << sum[0], sum[1], sum[2], sum[3], sum[4], sum[5], sum[6], sum[7], sum[8];
+    return volume * S;
+}
+
+/// The same of a scalar.
+template <class Kernel>
+Vec3 difference_sum(const Kernel& W, const FluidPairs& pairs, Index i, Real volume, const Real* f) {
+    Vec3 sum = Vec3::Zero();
+    const Real own = f[i];
+    pairs.groups_of(i, [&](const Pairs::Group& group) {
+        Real other[Pairs::Group::most], part[3] = {0, 0, 0};
+        group.gather(f, other);
+        for (Index l = 0; l < group.padded(); ++l) {
+            const Real F = W.slope(group.distance[l]) * (other[l] - own);
+            for (int a = 0; a < 3; ++a) part[a] += F * group.r[a][l];
+        }
+        sum += Vec3(part[0], part[1], part[2]);
+    });
+    return volume * sum;
+}
+
+/// x* = x + dt u: the projection takes the step's forces where the particles come to.
+struct ProjectionDrift {
+    std::shared_ptr<ProjectionSystem> system;
+    void operator()(const StepContext& step, Read<field::velocity> u, Update<field::position> x) const;
+};
+
+/// Moments of the neighbourhoods, walls, free surface; the density is the kernel sum, which measures how evenly the particles stand.
+struct ProjectionGeometry {
+    std::shared_ptr<ProjectionSystem> system;
+    void operator()(const Surroundings& around, Read<field::role> role, Write<field::density> rho) const;
+};
+
+}  // namespace whorl

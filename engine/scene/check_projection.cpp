@@ -1,0 +1,69 @@
+#include "engine/scene/check_projection.h"
+
+#include <fmt/format.h>
+
+#include "engine/scene/key_problems.h"
+
+namespace whorl {
+namespace {
+
+/// Share of the fluid's sides and bottom that nothing holds, so that it will fall or flow out. Looked at on a lattice of places in each
+/// block that are nearer than a spacing to its boundary.
+double part_unsupported(const Scene& scene, const SceneShapes& shapes, double spacing) {
+    constexpr int points = 33;  // an axis of a block
+    const Vec3d up = -scene.domain.gravity(0).normalized();
+    int sides = 0, open = 0;
+    for (std::size_t block = 0; block < shapes.blocks.size(); ++block) {
+        const Extent& e = shapes.block_extent[block];
+        const bool plane = scene.domain.dimensions == 2;
+        for (int i = 0; i < points * points * (plane ? 1 : points); ++i) {
+            const Vec3d part = (Vec3d(i % points, i / points % points, i / (points * points)) + Vec3d::Constant(0.5)) / points;
+            Vec3 x = (e.min + part.cwiseProduct(e.max - e.min)).cast<Real>();
+            if (plane) x[2] = 0;
+            const Real depth = shapes.blocks[block]->distance(x);
+            // Within a share of the block that the lattice is fine enough for.
+            const Vec3d extent = e.max - e.min;
+            const auto near = static_cast<Real>(std::max(spacing, 2 * extent.maxCoeff() / points));
+            if (depth >= 0 || depth < -near) continue;
+            const Vec3 out = shapes.blocks[block]->normal(x);
+            if (out.cast<double>().dot(up) > 0.5) continue;
+            const Vec3 beyond = x + (static_cast<Real>(spacing) - depth) * out;
+            ++sides;
+            bool held = false;
+            for (int a = 0; a < 3; ++a)  // a periodic side is held by the fluid's own image
+                held = held || (scene.domain.periodic[a] &&
+                                (beyond[a] < static_cast<Real>(scene.domain.min[a]) || beyond[a] > static_cast<Real>(scene.domain.max[a])));
+            for (const auto& other : shapes.blocks) held = held || other->distance(beyond) < 0;
+            Real distance = 0;
+            held = held || (shapes.solids.nearest(beyond, distance) >= 0 && distance < static_cast<Real>(spacing));
+            open += !held;
+        }
+    }
+    return sides > 0 ? static_cast<double>(open) / sides : 0;
+}
+
+void check_splashing(const Scene& scene, const Plan& plan, const SceneShapes& shapes, const KeyProblems& problem) {
+    if (!plan.free_surface) return;
+    const auto report = [&](const std::string& what) {
+        problem("pressure.form", "pressure.form = \"projection\" does not hold fluid that splashes, and " + what,
+                "take pressure.form = \"constraint\", or \"auto\", which does so");
+    };
+    if (!scene.emitters.empty()) report("emitters pour");
+    else if (scene.domain.gravity(0).norm() == 0) report("without weight nothing keeps its surface together");
+    else if (const double open = part_unsupported(scene, shapes, plan.spacing); open > 0.03)
+        report(fmt::format("nothing holds {:.0f} % of this fluid's sides: it will fall or flow out", 100 * open));
+}
+
+}  // namespace
+
+void check_projection(const Scene& scene, const Plan& plan, const SceneShapes& shapes, std::vector<Problem>& problems) {
+    const KeyProblems problem(scene, problems);
+    if (plan.facts.pressure.source != PressureSource::velocity) return;
+    check_splashing(scene, plan, shapes, problem);
+    if (scene.pressure.correction)
+        problem("pressure.correction",
+                "pressure.correction is a share of the density error, which pressure.source = \"velocity\" does not see",
+                "remove it, or take pressure.source = \"density\" or pressure.form = \"constraint\"");
+}
+
+}  // namespace whorl

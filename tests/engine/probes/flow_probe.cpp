@@ -1,0 +1,138 @@
+// Probes of a flow: fields between particles, energy, vorticity, distance from an expected velocity.
+#include "engine/probes/flow_probe.h"
+
+#include <catch2/catch.hpp>
+#include <numbers>
+
+#include "engine/core/random.h"
+#include "engine/geometry/sphere.h"
+#include "engine/particles/solid_sampling.h"
+#include "engine/probes/interpolation.h"
+
+using namespace whorl;
+
+namespace {
+
+constexpr double d = 0.1;
+
+/// Uneven particles that fill a cube of ten spacings, or a sheet z = 0, with the velocity u(x).
+World uneven_fluid(bool sheet, const std::function<Vec3d(const Vec3d&)>& u) {
+    World world;
+    world.fluid.declare(field_info<field::position>(), true);
+    world.fluid.declare(field_info<field::velocity>(), true);
+    world.step.spacing = static_cast<Real>(d);
+    world.step.mass = 2;
+    world.step.domain.min = Vec3::Constant(-10), world.step.domain.max = Vec3::Constant(10);
+    RandomNumbers random(3);
+    const auto place = [&](int k) { return (k + 0.5 + 0.4 * (random() - 0.5)) * d; };
+    std::vector<Vec3> x;
+    for (int k = 0; k < (sheet ? 1 : 10); ++k)
+        for (int j = 0; j < 10; ++j)
+            for (int i = 0; i < 10; ++i) {
+                const double a = place(i), b = place(j);
+                x.push_back(Vec3d(a, b, sheet ? 0 : place(k)).cast<Real>());
+            }
+    world.fluid.resize(x.size());
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        world.fluid.column<field::position>()[i] = x[i];
+        world.fluid.column<field::velocity>()[i] = u(x[i].cast<double>()).cast<Real>();
+    }
+    return world;
+}
+
+Vec3d interpolated_velocity(const World& world, const Vec3d& at) { return interpolate(world, at)(world.fluid.column<field::velocity>()); }
+
+}  // namespace
+
+TEST_CASE("probes interpolate a quadratic field exactly between uneven particles, on a face of the fluid, and in a sheet", "[probe]") {
+    for (const bool sheet : {false, true}) {
+        const double depth = sheet ? 0 : 1;
+        const auto u = [&](const Vec3d& x) {
+            const double z = depth * x.z();
+            return Vec3d(1 + x.x() * x.x() - x.y() * z, 2 - x.y() + 3 * x.x() * x.y(), z * z - 4 * x.y() * x.y());
+        };
+        const World world = uneven_fluid(sheet, u);
+        for (const Vec3d& at : {Vec3d(0.52, 0.47, depth * 0.5), Vec3d(0.5, 0, depth * 0.55), Vec3d(0.33, 1, depth * 0.5)}) {
+            INFO(at.transpose());
+            // Single precision, of which a face takes two digits.
+            CHECK((interpolated_velocity(world, at) - u(at)).norm() < 2e-5);
+        }
+    }
+}
+
+TEST_CASE("outside of the fluid probes give the mean of what is near, and nothing further away", "[probe]") {
+    World world = uneven_fluid(false, [](const Vec3d& x) { return Vec3d(1, x.x(), 0); });
+    const Vec3d beside = interpolated_velocity(world, Vec3d(1.2, 0.5, 0.5));
+    CHECK(beside.x() == Approx(1).epsilon(1e-6));
+    CHECK(beside.y() > 0.8);
+    CHECK(beside.y() < 1);
+    CHECK(interpolate(world, Vec3d(1.5, 0.5, 0.5)).shares.empty());
+    world.fluid.resize(1);
+    const Vec3d alone = interpolated_velocity(world, world.fluid.column<field::position>()[0].cast<double>() + Vec3d(0.05, 0, 0));
+    CHECK((alone - world.fluid.column<field::velocity>()[0].cast<double>()).norm() < 1e-6);
+}
+
+TEST_CASE("a flow probe measures energy, vorticity and the distance from the expected velocity", "[probe]") {
+    const World world = uneven_fluid(false, [](const Vec3d& x) { return Vec3d(-3 * x.y(), 3 * x.x(), 0); });
+    ProbeKeys keys;
+    keys.kind = ProbeKind::flow;
+    keys.min = Vec3d(-1, -1, -1), keys.max = Vec3d(2, 2, 2);
+    keys.expected = {{Expression("-2*t*y"), Expression("2*t*x"), Expression(0.0)}};
+    const auto probe = make_probe(keys, world);
+    const std::vector<double> row = probe->rows(world, 1).at(0);
+    REQUIRE(row.size() == probe->columns().size());
+    double square = 0;
+    for (const Vec3& u : world.fluid.column<field::velocity>()) square += u.squaredNorm();
+    CHECK(row[1] == 1000);
+    CHECK(row[2] == Approx(square).epsilon(1e-6));  // half of a mass of 2
+    CHECK(row[3] == Approx(6).epsilon(1e-3));
+    CHECK(row[4] == Approx(36).epsilon(1e-3));
+    CHECK(row[5] == Approx(square * 4 / 9).epsilon(1e-6));
+    CHECK(row[6] == Approx(0.5).epsilon(1e-5));  // u is half as fast again as expected
+    CHECK(std::isnan(probe->rows(world, 0).at(0)[6]));
+
+    keys.min = Vec3d(5, 5, 5), keys.max = Vec3d(6, 6, 6);
+    const std::vector<double> empty = make_probe(keys, world)->rows(world, 1).at(0);
+    CHECK(empty[2] == 0);
+    CHECK((std::isnan(empty[3]) && std::isnan(empty[5])));
+}
+
+TEST_CASE("a solid probe measures buoyancy and friction on a ball within 1 and 2 %", "[probe]") {
+    // p = -rho g y pushes with rho g V. Around a ball that moves with e_x, u = (1 + 5 h) e_x at the height h above its surface draws with 5
+    // mu times the surface times 2/3, the mean of 1 - n_x^2.
+    constexpr double R = 0.5, g = 9.81, mu = 3, pi = std::numbers::pi;
+    World world = uneven_fluid(false, [](const Vec3d&) { return Vec3d(0, 0, 0); });
+    Solid ball;
+    ball.shape = make_sphere(Vec3d(0, 0, 0), R);
+    ball.position = {{Expression("t"), Expression(0.0), Expression(0.0)}};
+    world.solids.all.push_back(ball);
+    world.solids.set_time(0, 1e-3);
+    world.solid_particles = sample_solids(world.solids, static_cast<Real>(d), world.step.domain);
+    world.fluid.declare(field_info<field::pressure>(), true);
+    world.fluid.declare(field_info<field::viscosity>(), true);
+    std::vector<Vec3> x;
+    RandomNumbers random(5);
+    const auto place = [&](int k) { return (k + 0.5 + 0.3 * (random() - 0.5)) * d; };
+    for (int k = -10; k < 10; ++k)
+        for (int j = -10; j < 10; ++j)
+            for (int i = -10; i < 10; ++i) {
+                const double a = place(i), b = place(j);
+                const Vec3d at(a, b, place(k));
+                if (at.norm() > R + 0.3 * d) x.push_back(at.cast<Real>());
+            }
+    world.fluid.resize(static_cast<Index>(x.size()));
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        world.fluid.column<field::position>()[i] = x[i];
+        world.fluid.column<field::velocity>()[i] = Vec3(static_cast<Real>(1 + 5 * (static_cast<double>(x[i].norm()) - R)), 0, 0);
+        world.fluid.column<field::pressure>()[i] = static_cast<Real>(-1000 * g) * x[i].y();
+        world.fluid.column<field::viscosity>()[i] = static_cast<Real>(mu);
+    }
+    ProbeKeys keys;
+    keys.kind = ProbeKind::solid;
+    const std::vector<double> row = make_probe(keys, world)->rows(world, 2).at(0);
+    const double buoyancy = 1000 * g * 4 / 3 * pi * R * R * R, friction = 5 * mu * 4 * pi * R * R * 2 / 3;
+    CHECK(row[2] == Approx(buoyancy).epsilon(0.01));
+    CHECK(std::abs(row[1]) < 0.01 * buoyancy);
+    CHECK(row[4] == Approx(friction).epsilon(0.02));
+    CHECK(std::abs(row[5]) < 0.02 * friction);
+}

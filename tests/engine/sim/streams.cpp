@@ -1,0 +1,72 @@
+// Boxes in which the fluid is brought to a velocity.
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "engine/core/errors.h"
+#include "tests/support/runs.h"
+
+using namespace whorl;
+using namespace whorl::test;
+
+namespace {
+
+std::string fluid_in_stream(const std::string& more) {
+    return R"toml([time]
+end = 1
+fps = 4
+max_step = 0.1
+[domain]
+min = [0, 0, 0]
+max = [1, 1, 1]
+periodic = [true, true, true]
+gravity = [0, 0, 0]
+[fluid]
+spacing = 0.1
+[[block]]
+shape = "box"
+min = [0, 0, 0]
+max = [1, 1, 1]
+)toml" + more;
+}
+
+}  // namespace
+
+TEST_CASE("a stream brings the fluid in its box to its velocity as 1 - exp(-t/time), whatever the step, and leaves the rest",
+          "[sim][stream]") {
+    for (const double step : {0.1, 0.02}) {
+        Simulation simulation = simulation_of(fluid_in_stream(fmt::format(R"toml([models]
+pressure = "none"
+viscosity = "none"
+[[stream]]
+min = [0, 0, 0]
+max = [1, 0.5, 1]
+velocity = ["0.2", "0", "0.1"]
+time = 0.5
+[[change]]
+time = 0
+key = "time.max_step"
+value = {}
+)toml",
+                                                                          step)));
+        run_until(simulation, 1);
+        const Vec3 expected = static_cast<Real>(1 - std::exp(-2.0)) * Vec3(Real(0.2), 0, Real(0.1));
+        const auto x = simulation.world().fluid.column<field::position>();
+        const auto u = simulation.world().fluid.column<field::velocity>();
+        for (std::size_t i = 0; i < x.size(); ++i) REQUIRE((u[i] - (x[i].y() < 0.5f ? expected : Vec3(0, 0, 0))).norm() < 1e-5f);
+    }
+}
+
+TEST_CASE("a stream that the pressure model does not know, or that lies outside of the domain, is refused", "[sim][stream]") {
+    const std::string stream = R"toml([[stream]]
+min = [0, 0, 0]
+max = [1, 0.5, 1]
+velocity = ["0.2", "0", "0"]
+time = 0.5
+)toml";
+    CHECK_THROWS_WITH(simulation_of(fluid_in_stream("[models]\npressure = \"coupled\"\n" + stream)), Catch::Contains("knows no streams"));
+    CHECK_THROWS_WITH(simulation_of(fluid_in_stream("[[stream]]\nmin = [2, 0, 0]\nmax = [3, 1, 1]\ntime = 1\n")),
+                      Catch::Contains("stream[0] lies outside of the domain"));
+    CHECK_THROWS_WITH(simulation_of(fluid_in_stream("[[stream]]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\n")), Catch::Contains("time"));
+}

@@ -1,0 +1,25 @@
+#pragma once
+/// The scenes of scenes/studies/benchmarks and the tables beside them, for tests that hold them to theory and to published figures.
+#include <map>
+#include <string>
+#include <vector>
+
+#include "engine/sim/simulation.h"
+
+namespace whorl::test {
+
+using Table = std::map<std::string, std::vector<double>>;  ///< columns by name
+
+/// The scene of this name. @param changes "key=value", laid over the file
+Simulation benchmark(const std::string& name, const std::vector<std::string>& changes = {});
+
+/// What the scene's probe of this name reads just now.
+Table reading(const Simulation& simulation, const std::string& probe);
+
+/// Columns of numbers of the CSV file of this name beside the scenes.
+Table reference(const std::string& name);
+
+/// The value at x of a function given at rising places, by the cubic through the four nearest.
+double between(const std::vector<double>& places, const std::vector<double>& values, double x);
+
+}  // namespace whorl::test

@@ -1,0 +1,283 @@
+"""Plane flows of the projection against exact solutions, references.py's tables and published figures."""
+import math
+from collections import defaultdict
+
+import numpy as np
+
+from . import theory
+from .registry import markdown, percent, table
+from .references import folder
+from .runs import read_columns, root
+
+pi = math.pi
+
+
+def flow(m, scene, name, *settings, **keys):
+    return m.render(f"{folder}/{scene}.toml", f"vortices/{scene}-{name}", *settings, **keys)
+
+
+def at(columns, time):
+    """Of a probe with a row a frame: its row at this time, by column."""
+    if isinstance(columns, defaultdict):  # a dry run
+        return defaultdict(lambda: math.nan)
+    k = int(np.argmin(np.abs(columns["time"] - time)))
+    return {name: values[k] for name, values in columns.items()}
+
+
+def cost(run):
+    return [f"{run.report['steps']:.0f}", f"{run.report['cpu_seconds']:.3g}"]
+
+
+def worst(values):
+    """The value furthest from 1."""
+    return max(values, key=lambda value: abs(value - 1))
+
+
+def vortices(nu, depth=()):
+    rate = 8 * pi**2 * nu
+    return ", ".join([f'["exp(-{rate}*t)*sin(2*pi*x)*cos(2*pi*y)"', f'"-exp(-{rate}*t)*cos(2*pi*x)*sin(2*pi*y)"', *depth]) + "]"
+
+
+@table("taylor_green_vortices", "Taylor-Green vortices in the plane and in a slab, lattice and scattered, and with spin", "3 minutes")
+def taylor_green_vortices(m):
+    rows = []
+
+    def add(words, name, asked, *settings):
+        if not m.wanted(name):
+            return
+        run = flow(m, "taylor_green", name, *settings)
+        probe = run.table("probes/flow.csv")
+        ratio = [at(probe, t)["kinetic_energy"] / at(probe, t)["expected_energy"] for t in (0.5, 1, 2)]
+        error = [at(probe, t)["velocity_error"] for t in (0.5, 1, 2)]
+        rows.append([words, asked, *(f"{value:.4f}" for value in ratio), percent(max(error), 2), *cost(run)])
+
+    for a_side, asked in ((32, "1.5, 2 %"), (64, "0.5, 0.5 %")):
+        for reynolds in (100, 1000):
+            for sampling in ("lattice", "jittered"):
+                add(f"Re {reynolds}, {a_side} a side, {sampling}", f"{reynolds}-{a_side}-{sampling}", asked, f"fluid.spacing={1 / a_side}",
+                    f"fluid.viscosity={1000 / reynolds:g}", f"block.0.sampling={sampling}", f"probe.0.expected={vortices(1 / reynolds)}")
+    depth = ['"0"']
+    slab = ["domain.dimensions=3", "domain.min=[0,0,0]", "domain.max=[1,1,0.25]", "domain.periodic=[true,true,true]",
+            "domain.gravity=[0,0,0]", "block.0.min=[0,0,0]", "block.0.max=[1,1,0.25]",
+            'block.0.velocity=["sin(2*pi*x)*cos(2*pi*y)", "-cos(2*pi*x)*sin(2*pi*y)", "0"]', "probe.0.min=[0,0,0]", "probe.0.max=[1,1,0.25]",
+            "probe.1.min=[0,0,0]", "probe.1.max=[0.5,0.5,0.25]", f"probe.0.expected={vortices(0.01, depth)}"]
+    for sampling in ("lattice", "jittered"):
+        add(f"Re 100, 32 a side, slab of 8 layers, {sampling}", f"slab-{sampling}", "2, 2 %", *slab, f"block.0.sampling={sampling}")
+    return markdown("case | asked | energy over theory at 0.5 s | 1 s | 2 s | velocity error | steps | CPU s", rows)
+
+
+def spinning(a, kappa, g, theta_s, k, times):
+    """Amplitudes (U, W) of u = U (sin kx cos ky, -cos kx sin ky) and w = W sin kx sin ky from (1, 0), by their two equations:
+    U' = -2 a k^2 U + kappa k W, theta W' = -2 g k^2 W + kappa (2 k U - 2 W)."""
+    rates = np.array([[-2 * a * k**2, kappa * k], [2 * kappa * k / theta_s, -(2 * g * k**2 + 2 * kappa) / theta_s]])
+    values, vectors = np.linalg.eig(rates)
+    weights = np.linalg.solve(vectors, [1, 0])
+    return [(vectors @ (weights * np.exp(values * t))).real for t in times]
+
+
+@table("taylor_green_spin", "Taylor-Green vortices of particles that spin against their two equations", "1 minute")
+def taylor_green_spin(m):
+    rows, times = [], (0.5, 1, 2)
+    exact = spinning(0.0125, 0.005, 1e-4, 1e-3, 2 * pi, times)
+    for a_side in (32, 64):
+        run = flow(m, "taylor_green", f"spin-{a_side}", f"fluid.spacing={1 / a_side}", "models.micropolar=bender", "fluid.viscosity=12.5",
+                   "micropolar.transfer_viscosity=5", "micropolar.spin_viscosity=0.1", "micropolar.micro_inertia=1e-3",
+                   "micropolar.xsph_velocity=0", "micropolar.xsph_spin=0")
+        energy, cell = run.table("probes/flow.csv"), run.table("probes/cell.csv")
+        start = energy["kinetic_energy"][0]
+        rows.append([f"{a_side} a side", "2, 3 %", *(f"{at(energy, t)['kinetic_energy'] / start / U**2:.4f}" for t, (U, _) in zip(times, exact)),
+                     *(f"{at(cell, t)['spin_z'] * pi**2 / 4 / W:.4f}" for t, (_, W) in zip(times, exact)), *cost(run)])
+    return markdown("case | asked | energy over theory at 0.5 s | 1 s | 2 s | spin over theory at 0.5 s | 1 s | 2 s | steps | CPU s", rows)
+
+
+def core_radius(x, v):
+    """Of u = (1 - exp(-r^2/c^2))/(2 pi r), by least squares."""
+    keep = np.abs(x) > 1e-6
+    radii = np.arange(0.05, 0.4, 1e-4)
+    off = [((v[keep] - (1 - np.exp(-x[keep]**2 / c**2)) / (2 * pi * x[keep]))**2).sum() for c in radii]
+    return radii[int(np.argmin(off))]
+
+
+def modes_energy(square_core):
+    """Of four vortices of alternating sign in a box of 2 m that repeats, but for a factor."""
+    odd = np.arange(1, 60, 2)
+    k2 = pi**2 * np.add.outer(odd**2, odd**2)
+    return (np.exp(-k2 * square_core / 2) / k2).sum()
+
+
+@table("lamb_oseen", "the growing core of Lamb's and Oseen's vortex", "1 minute")
+def lamb_oseen(m):
+    rows, times = [], (0.5, 1, 2, 4)
+    for spacing, asked in ((1 / 16, ""), (1 / 32, "1.5 %"), (1 / 64, "")):
+        if not m.wanted(round(1 / spacing)):
+            continue
+        run = flow(m, "lamb_oseen", f"{1 / spacing:.0f}", f"fluid.spacing={spacing}")
+        energy, line = run.table("probes/flow.csv"), run.table("probes/across.csv")
+        cores, energies = [], []
+        for t in times:
+            square, now = 0.01 + 4e-3 * t, np.abs(line["time"] - t) < 1e-6
+            if m.dry:
+                continue
+            cores.append(f"{core_radius(line['x'][now] - 0.5, line['velocity_y'][now]) / math.sqrt(square):.4f}")
+            energies.append(at(energy, t)["kinetic_energy"] / energy["kinetic_energy"][0] / modes_energy(square) * modes_energy(0.01))
+        rows.append([f"1/{1 / spacing:.0f} m", asked, *cores, f"{worst(energies or [1]):.4f}", *cost(run)])
+    return markdown("spacing | asked of the core | core over theory at 0.5 s | 1 s | 2 s | 4 s | energy over theory, worst | steps | CPU s",
+                    rows)
+
+
+@table("double_shear_layer", "the double shear layer against the spectral method", "2 minutes")
+def double_shear_layer(m):
+    rows, spectral = [], read_columns(root / folder / "double_shear_layer.csv")
+    for a_side in (64, 128):
+        if not m.wanted(a_side):
+            continue
+        run = flow(m, "double_shear_layer", f"{a_side}", f"fluid.spacing={1 / a_side}")
+        probe = run.table("probes/flow.csv")
+        start = probe["kinetic_energy"][0]
+        energy = [at(probe, t)["kinetic_energy"] / start / at(spectral, t)["energy"] for t in (0.5, 0.8, 1)]
+        end, exact = at(probe, 1), at(spectral, 1)
+        rows.append([f"{a_side} a side", "0.3, 2 %", *(f"{value:.4f}" for value in energy),
+                     f"{end['largest_vorticity'] / exact['largest_vorticity']:.3f}",
+                     f"{end['mean_square_vorticity'] / exact['mean_square_vorticity']:.3f}", *cost(run)])
+    return markdown("case | asked of energy, vorticity | energy over the spectral one at 0.5 s | 0.8 s | 1 s | largest vorticity | "
+                    "mean square vorticity | steps | CPU s", rows)
+
+
+@table("lid_driven_cavity", "the cavity against the grid and against Ghia, Ghia and Shin", "40 minutes")
+def lid_driven_cavity(m):
+    rows, grid = [], read_columns(root / folder / "lid_driven_cavity.csv")
+    published = {profile: read_columns(root / folder / f"ghia_ghia_shin_1982_{profile}.csv") for profile in "uv"}
+    for reynolds, end in ((100, 15), (400, 40), (1000, 60)):
+        for a_side, asked in ((64, "2 %"), (128, "1 %")):
+            if not m.wanted(f"{reynolds}-{a_side}"):
+                continue
+            run = flow(m, "lid_driven_cavity", f"{reynolds}-{a_side}", f"fluid.spacing={1 / a_side}", f"fluid.viscosity={1000 / reynolds:g}",
+                       f"time.end={end}")
+            off = {"grid": [], "Ghia": []}
+            cells = []
+            for profile, column in (("u", "velocity_x"), ("v", "velocity_y")):
+                line = run.table(f"probes/{profile}.csv")
+                last = line["time"] > end - 0.5
+                if m.dry:
+                    continue
+                values, exact = line[column][last], grid[f"{profile}_{reynolds}"]
+                off["grid"].append(np.abs(values - exact).max())
+                off["Ghia"].append(np.abs(np.interp(published[profile]["place"], grid["s"], values) - published[profile][f"{reynolds}"]).max())
+                cells += [f"{values.min():.4f} ({exact.min():.4f})"] + [f"{values.max():.4f} ({exact.max():.4f})"] * (profile == "v")
+            if not m.dry:
+                rows.append([f"Re {reynolds}, {a_side} a side", asked, percent(max(off["grid"]), 2), percent(max(off["Ghia"]), 2), *cells,
+                             *cost(run)])
+    return markdown("case | asked | largest distance from the grid | from Ghia, Ghia and Shin | least u (grid) | least v (grid) | "
+                    "largest v (grid) | steps | CPU s", rows)
+
+
+@table("rest", "water at rest in a column, a closed box and a slot", "1 minute")
+def rest(m):
+    rows, g = [], theory.gravity
+    for words, settings in (("column", []), ("closed box", ["solid.0.max=[0.5,1]"]),
+                            ("slot of five spacings", ["block.0.max=[0.15625,1]", "solid.0.max=[0.15625,1.4]",
+                                                       "probe.0.from=[0.078125,0.0625]", "probe.0.to=[0.078125,0.9375]"])):
+        for sampling in ("lattice", "jittered"):
+            run = flow(m, "resting_column", f"{words.split()[0]}-{sampling}", f"block.0.sampling={sampling}", "time.end=10", *settings)
+            d, line = run.table(), run.table("probes/up.csv")
+            cells = []
+            for t in (2, 10):
+                now = np.abs(line["time"] - t) < 1e-6
+                if m.dry:
+                    continue
+                off = line["pressure"][now] / (1000 * g) - (1 - line["y"][now])
+                off = off - off.mean() * (words == "closed box")
+                cells += [percent(at(d, t)["max_speed"] / math.sqrt(g), 3), percent(np.abs(off).max(), 2)]
+            rows.append([f"{words}, {sampling}", "0.5, 1 %", *cells, *cost(run)])
+    return markdown("case | asked of speed, pressure | largest speed at 2 s | pressure | at 10 s | pressure | steps | CPU s", rows)
+
+
+@table("standing_wave", "a standing wave against linear theory", "1 minute")
+def standing_wave(m):
+    rows, k = [], 2 * pi / 0.4
+    period = 2 * pi / math.sqrt(theory.gravity * k * math.tanh(k * 0.2))
+    for spacing in (0.01, 0.005):
+        if not m.wanted(f"{spacing}"):
+            continue
+        run = flow(m, "standing_wave", f"{spacing}", f"fluid.spacing={spacing}")
+        probe = run.table("probes/crest.csv")
+        zeros = theory.zeros(probe["time"], probe["velocity_y"], period / 4)
+        if len(zeros) < 11:
+            rows.append([f"{spacing} m", "2, 5 %", "no five periods", "", *cost(run)])
+            continue
+        peaks = [np.abs(probe["velocity_y"][(probe["time"] > a) & (probe["time"] < b)]).max() for a, b in zip([-1, *zeros], zeros)]
+        decay = math.exp(-2e-4 * k**2 * 5 * period)
+        rows.append([f"{0.2 / spacing:.0f} layers", "2, 5 %", f"{(zeros[10] - zeros[0]) / 5 / period:.4f}",
+                     f"{peaks[10] / peaks[0] / decay:.3f}", *cost(run)])
+    return markdown("case | asked of period, amplitude | period over theory | amplitude after five periods over theory | steps | CPU s", rows)
+
+
+def ellipse(times, a=0.15, b=0.15, A=1.0, dt=1e-4):
+    """Half-axes of the drop u = (-A x, A y): a' = -A a, b' = A b, A' = A^2 (a^2 - b^2)/(a^2 + b^2)."""
+    found, time = [], 0.0
+
+    def rates(s):
+        a, b, A = s
+        return np.array([-A * a, A * b, A**2 * (a**2 - b**2) / (a**2 + b**2)])
+
+    s = np.array([a, b, A])
+    for until in times:
+        while time < until - dt / 2:
+            s = s + dt * rates(s + dt / 2 * rates(s))
+            time += dt
+        found.append(s[:2])
+    return found
+
+
+@table("elliptic_drop", "half-axes of a drop that is squeezed", "1 minute")
+def elliptic_drop(m):
+    rows, times = [], (0.5, 1, 1.5)
+    for words, spacing in (("1160 particles", 0.0078), ("4600 particles", 0.0039), ("18600 particles", 0.00195)):
+        run = flow(m, "elliptic_drop", f"{spacing}", f"fluid.spacing={spacing}", options=["--export", "points"])
+        cells = []
+        for t, exact in zip(times, ellipse(times)):
+            if not m.dry:
+                axes = 2 * np.sqrt((run.points(round(20 * t) + 1)[:, :2].astype(float)**2).mean(axis=0))
+                cells.append(", ".join(f"{100 * (axis / e - 1):+.2f} %" for axis, e in zip(axes, exact)))
+        energy = run.table()["kinetic_energy"]
+        rows.append([words, "1.5 %", *cells, f"{energy[-1] / energy[0]:.4f}", *cost(run)])
+    return markdown("case | asked | half-axes off theory at 0.5 s | 1 s | 1.5 s (1 : 9) | energy at the end over the start | steps | CPU s", rows)
+
+
+@table("cylinder_stream", "a cylinder in a stream: Strouhal number, drag and lift", "5 hours")
+def cylinder_stream(m):
+    rows = []
+    for reynolds, strouhal, drag in ((100, 0.165, 1.35), (200, 0.197, 1.34)):
+        for across in (10, 20):
+            if not m.wanted(f"{reynolds}-{across}"):
+                continue
+            run = flow(m, "cylinder_stream", f"{reynolds}-{across}", f"fluid.spacing={1 / across}", f"fluid.viscosity={1000 / reynolds:g}")
+            if m.dry:
+                continue
+            force = run.table("probes/force.csv")
+            late = force["time"] > 60
+            x, y = ((force[f"pressure_{c}"] + force[f"viscous_{c}"])[late] / 500 for c in "xy")
+            found = theory.frequency(force["time"][late], y)
+            friction = force["viscous_x"][late].mean() / 500
+            rows.append([f"Re {reynolds}, {across} across", "3, 5 %", f"{found:.4f} ({strouhal})", f"{x.mean():.3f} ({drag})", f"{friction:.3f}",
+                         f"{(y.max() - y.min()) / 2:.3f}", *cost(run)])
+    return markdown("case | asked of Strouhal number, drag | Strouhal number (published) | mean drag (published) | of it friction | "
+                    "lift amplitude | steps | CPU s", rows)
+
+
+@table("martin_moyce", "the front of a collapsing column against the experiment", "1 minute")
+def martin_moyce(m):
+    rows, a, experiment = [], 0.05715, read_columns(root / folder / "martin_moyce.csv")
+    second = math.sqrt(2 * theory.gravity / a)
+    for layers in (40, 80):
+        spacing = 2 * a / layers
+        run = flow(m, "martin_moyce", f"{layers}", f"fluid.spacing={spacing:.8g}", options=["--export", "points"])
+        if m.dry:
+            continue
+        # Three particles may be drops ahead of the front.
+        fronts = [(np.sort(run.points(k + 1)[:, 0])[-4] + spacing / 2) / a for k in range(81)]
+        times = np.arange(81) / 400 * second
+        early = experiment["T"][0] - np.interp(experiment["Z"][0], fronts, times)  # there a membrane has to burst first
+        found = np.interp(experiment["T"] - early, times, fronts)
+        rows.append([f"{layers} layers", "5 %", percent(np.abs(found / experiment["Z"] - 1).max(), 1), f"{early:.2f}", *cost(run)])
+    return markdown("case | asked | largest distance from the front | earlier by, in T | steps | CPU s", rows)
