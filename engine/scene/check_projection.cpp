@@ -91,6 +91,9 @@ double part_unsupported(const Scene& scene, const SceneShapes& shapes, double sp
 }
 
 void check_splashing(const Scene& scene, const Plan& plan, const SceneShapes& shapes, const KeyProblems& problem) {
+    if (plan.facts.viscosity.smooths)
+        problem("models.viscosity", "a full box diverges with XSPH under pressure.form = \"projection\"",
+                "take models.viscosity = \"explicit\", or pressure.form = \"constraint\"");
     if (!plan.free_surface) return;
     const auto report = [&](const std::string& what) {
         problem("pressure.form", "pressure.form = \"projection\" does not hold fluid that splashes, and " + what,

@@ -190,7 +190,7 @@ TEST_CASE("the energy budget closes to 1 % with both pressure models, explicit a
           "[validation][micropolar]") {
     const std::string solid = "solid[0]={shape=\"sphere\", position=[0.5,0.5,0.125], radius=0.12, rotation=[0,0,3]}";
     for (const std::vector<std::string>& changes : {std::vector<std::string>{"pressure.background_pressure=2000"},
-                                                    {"models.pressure=ppe"},
+                                                    {"models.pressure=ppe", "pressure.form=constraint"},
                                                     {"models.viscosity=full"},
                                                     {"models.viscosity=xsph"},
                                                     {"fluid.force=[\"2*sin(2*pi*y)\",0,0]"},

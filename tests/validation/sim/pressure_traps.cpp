@@ -17,7 +17,8 @@ constexpr double g = 9.81;
 
 Scene scene(const std::string& text, const std::string& preconditioner) {
     return read_scene_text(
-        "[time]\nend = 1\nmax_step = 5e-3\n[models]\npressure = \"ppe\"\n[pressure]\npreconditioner = \"" + preconditioner + "\"\n" + text,
+        "[time]\nend = 1\nmax_step = 5e-3\n[models]\npressure = \"ppe\"\n[pressure]\nform = \"constraint\"\npreconditioner = \"" +
+            preconditioner + "\"\n" + text,
         "trap.toml");
 }
 
