@@ -27,7 +27,7 @@ struct PressureFacts {
     bool in_plane = true;        ///< knows flows of two dimensions
     bool moves_bodies = false;
     KernelKind kernel = KernelKind::cubic;  ///< its own
-    double support = 2, plane_support = 2;  ///< its own [spacings], in space and in two dimensions
+    double support = 2;                     ///< its own [spacings]
     const char* kernel_reason = "usual";
     BoundaryModel boundary = BoundaryModel::none;  ///< how solids act on it; besides, only "none" goes with it
     const char* boundary_reason = "";

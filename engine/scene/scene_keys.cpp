@@ -75,8 +75,9 @@ KeyTable fluid_keys() {
           "force on every particle over its mass, besides gravity; the plan does not foresee the speeds that it makes")
         .of("txyz")
         .live();
-    t.key("kernel", &FluidKeys::kernel, "", "smoothing kernel; auto: wendland_c2 with pressure \"coupled\", else cubic");
-    t.key("support", &FluidKeys::support, "spacings", "kernel radius; auto: 3 with pressure \"coupled\" and in two dimensions, else 2")
+    t.key("kernel", &FluidKeys::kernel, "",
+          "smoothing kernel; auto: wendland_c2 with pressure \"coupled\" and with the projection, else cubic");
+    t.key("support", &FluidKeys::support, "spacings", "kernel radius; auto: 3 with pressure \"coupled\" and with the projection, else 2")
         .at_least(1.2)
         .at_most(6);
     return t;
@@ -97,7 +98,9 @@ KeyTable pressure_keys() {
     KeyTableOf<PressureKeys> t("of the pressure model");
     const std::string model = "models.pressure";
     const std::vector<std::string> solving = names_of(pressure_models(), &PressureFacts::solves);
-    t.key("tolerance", &PressureKeys::tolerance, "", "ppe: relative density error; coupled: preconditioned residual")
+    t.key("tolerance", &PressureKeys::tolerance, "",
+          "ppe: relative density error; coupled: preconditioned residual of a step in which the fastest fluid moves by 0.4 spacings, less "
+          "of shorter ones")
         .above(0)
         .at_most(0.5)
         .only_with(model, solving)

@@ -154,7 +154,7 @@ TEST_CASE("bad input ends with 2, tells every mistake, and writes nothing", "[to
           "s.toml:2:7: time.end must be a number [s], not the text \"x\"\n"
           "s.toml:3:1: fluid.spacing is missing; initial distance between particles [m]; allowed: more than 0\n"
           "s.toml:4:1: unknown key \"spacng\" in [fluid]; did you mean \"spacing\"?; allowed: spacing, density, viscosity, "
-          "surface_tension, kernel, "
+          "surface_tension, force, kernel, "
           "support\n"
           "--set look.stile=opaque: unknown key \"stile\" in [look]; did you mean \"style\"?; allowed: style, material, absorption, "
           "colour, refraction, "

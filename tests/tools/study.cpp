@@ -126,7 +126,8 @@ TEST_CASE("a stability map tells stable from unstable steps, with the limit that
     write(folder / "map.toml",
           "scenes = [\"falling.toml\"]\nset = [\"models.pressure=none\", \"models.viscosity=explicit\", "
           "\"block[0].velocity=['2*y','2*x','0']\", "
-          "\"domain.gravity=[0,0,0]\"]\n[[knob]]\nkey = \"fluid.viscosity\"\nvalues = [100, 101]\n[[knob]]\nkey = \"time.fixed_step\"\n"
+          "\"domain.gravity=[0,0,0]\", \"time.end=0.25\"]\n[[knob]]\nkey = \"fluid.viscosity\"\nvalues = [100, 101]\n[[knob]]\nkey = "
+          "\"time.fixed_step\"\n"
           "values = [2e-3, 5e-2]\n[stability]\nenergy_growth = 0.05\n");
     const Outcome map =
         test::whorl({"stability", (folder / "map.toml").string(), "--out", (folder / "out").string(), "--threads", "1", "--json"});

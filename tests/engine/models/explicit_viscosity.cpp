@@ -76,8 +76,10 @@ TEST_CASE("shear along a wall that the fluid sticks to feels no viscous force, n
                 largest = std::max<double>(largest, a[i].norm());
                 densest = std::max<double>(densest, std::abs(rho[i] / 1000 - 1));
             }
-        CHECK(largest < 1e-4 * 1.0 / (1000 * d));  // of mu u'/(rho d), the force of one layer on the next
-        CHECK(densest < 1e-3);                     // the lattice sum itself is 1.0004 rho_0, in the plane 1.0009
+        // Of mu u'/(rho d), the force of one layer on the next. In the plane the fluid's lattice sum is 1.0009 rho_0, and its neighbours
+        // weigh that much less than those of the wall.
+        CHECK(largest < (dimensions == 3 ? 1e-4 : 1e-3) / (1000 * d));
+        CHECK(densest < 1e-3);  // the lattice sum itself is 1.0004 rho_0, in the plane 1.0009
     }
 }
 

@@ -210,12 +210,12 @@ TEST_CASE("the pressure's multigrid gives the same bits for any number of thread
 }
 
 TEST_CASE(
-    "in a column of 40 layers multigrid needs at most a third of the diagonal's iterations for the published rows, and fewer for the "
+    "in a column of 40 layers multigrid needs at most half of the diagonal's iterations for the published rows, and fewer for the "
     "constraint",
     "[pressure][multigrid]") {
-    // 1e-3 of any source in the published rows: 10 of 62 (float). In the constraint 0.02 of what falling does to the densities: 14 of 17.
-    // Its gradient does not see what alternates from neighbour to neighbour, and nor does a coarse level: the gain comes with depth
-    // (docs/reports/pressure.md).
+    // 1e-3 of any source in the published rows: 9 of 20 (float); what ties them to walls spares the diagonal iterations. In the constraint
+    // 0.02 of what falling does to the densities: 14 of 17. Its gradient does not see what alternates from neighbour to neighbour, and nor
+    // does a coarse level: the gain comes with depth (docs/reports/pressure.md).
     const Filling column{"column", [](TestWorld& w) { add_box_walls(w, 9, 0, 9), w.place(at_cells(0, 0, 0), at_cells(9, 40, 9)); }};
     Fluid fluid(column);
     Poisson poisson(fluid);
@@ -223,7 +223,7 @@ TEST_CASE(
     const int few = iterations(poisson, poisson.multigrid(true, 2, {}), any, 1e-3),
               many = iterations(poisson, poisson.diagonal(), any, 1e-3);
     INFO("poisson: " << few << " and " << many);
-    CHECK(3 * few <= many);
+    CHECK(2 * few <= many);
     Constraint constraint(fluid);
     for (std::size_t i = 0; i < constraint.falling.size(); ++i)
         if (!constraint.unknown()[i]) constraint.falling[i] = 0;

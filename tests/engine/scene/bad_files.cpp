@@ -27,7 +27,7 @@ const std::vector<Case> cases = {
     {"spacing = 0.01", "spacng = 0.01",
      "bad.toml:3:1: fluid.spacing is missing; initial distance between particles [m]; allowed: more than 0\n"
      "bad.toml:4:1: unknown key \"spacng\" in [fluid]; did you mean \"spacing\"?; allowed: spacing, density, viscosity, surface_tension, "
-     "kernel, support"},
+     "force, kernel, support"},
     {"spacing = 0.01", "spacing = \"fine\"", "bad.toml:4:11: fluid.spacing must be a number [m], not the text \"fine\""},
     {"spacing = 0.01", "spacing = -0.01", "bad.toml:4:11: fluid.spacing = -0.01 is out of range; allowed: more than 0"},
     {"spacing = 0.01", "spacing = 0", "bad.toml:4:11: fluid.spacing = 0 is out of range; allowed: more than 0"},
@@ -69,7 +69,7 @@ const std::vector<Case> cases = {
     {"[time]", "[tme]",
      "bad.toml: time.end is missing; when the run ends [s]; allowed: more than 0\n"
      "bad.toml:1:2: unknown key \"tme\"; did you mean \"time\"?; allowed: name, seed, time, domain, fluid, models, pressure, viscosity, "
-     "micropolar, boundary, block, emitter, solid, drain, probe, change, panel, output, budget, quality"},
+     "micropolar, boundary, block, emitter, solid, drain, stream, probe, change, panel, output, budget, quality"},
     {"[time]", "[[time]]", "bad.toml:1:3: time must be one table, [time]"},
     {"[[block]]", "[block]", "bad.toml:5:2: block must be a list of tables, [[block]]"},
     {"[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]", "",
@@ -145,10 +145,10 @@ const std::vector<Case> cases = {
      "bad.toml:11:10: output.export must be a list of texts, not the text \"mesh\"; allowed: points, mesh, vdb"},
     {"", "[outptu]\nframes = true",
      "bad.toml:9:2: unknown key \"outptu\"; did you mean \"output\"?; allowed: name, seed, time, domain, fluid, models, pressure, "
-     "viscosity, micropolar, boundary, block, emitter, solid, drain, probe, change, panel, output, budget, quality"},
+     "viscosity, micropolar, boundary, block, emitter, solid, drain, stream, probe, change, panel, output, budget, quality"},
     {"", "[quality.draft]\nfluid.spacng = 1\n[quality.coarse]\n[quality.standard]",
      "bad.toml:10:7: unknown key \"spacng\" in [fluid]; did you mean \"spacing\"?; allowed: spacing, density, viscosity, surface_tension, "
-     "kernel, support\n"
+     "force, kernel, support\n"
      "bad.toml:11:10: unknown quality \"coarse\"; allowed: draft, fine\n"
      "bad.toml:12:10: [quality.standard] cannot be set; the file itself is the standard quality; allowed: draft, fine"},
     {"", "[quality.fine]\nfluid.spacing = \"x\"\nblock.4.shape = \"box\"",

@@ -129,6 +129,41 @@ TEST_CASE("weakly compressible sound is ten times the expected speed, and solids
     CHECK(plan_with({"models.pressure=wcsph", "fluid.viscosity=0.1", "pressure.sound_speed=20"}).sound_speed == 20);
 }
 
+TEST_CASE(
+    "where the Laplacian of each velocity component would stop a body that turns, auto takes the full viscosity, and explicit is warned of",
+    "[plan]") {
+    const std::string turning = R"toml([time]
+end = 1
+[domain]
+min = [-0.1, -0.1, -0.1]
+max = [0.1, 0.1, 0.1]
+gravity = [0, 0, 0]
+[fluid]
+spacing = 4e-3
+viscosity = 0.05
+[models]
+pressure = "wcsph"
+[[block]]
+shape = "cylinder"
+from = [0, 0, -0.02]
+to = [0, 0, 0.02]
+radius = 0.03
+velocity = ["-9*y", "9*x", "0"]
+)toml";
+    const auto plan_of = [&](const std::vector<std::string>& changes) { return make_plan(scene_with(changes, turning)); };
+    const auto warned = [&](const std::vector<std::string>& changes) {
+        for (const std::string& w : plan_of(changes).warnings)
+            if (w.find("of its rotation") != std::string::npos) return true;
+        return false;
+    };
+    CHECK(plan_of({}).viscosity == ViscosityModel::full);
+    CHECK(plan_of({"fluid.viscosity=0.001"}).viscosity == ViscosityModel::explicit_laplacian);  // hardly a turn's worth
+    CHECK(plan_of({"viscosity.laplacian=monaghan"}).viscosity == ViscosityModel::explicit_laplacian);
+    CHECK(warned({"models.viscosity=explicit"}));
+    CHECK_FALSE(warned({"models.viscosity=explicit", "viscosity.laplacian=monaghan"}));
+    CHECK_FALSE(warned({}));
+}
+
 TEST_CASE("viscosity that varies in space counts with its largest value", "[plan]") {
     CHECK(plan_with({"fluid.viscosity=y > 0.07 ? 5 : 1"}).largest_viscosity == 5);
 }
@@ -408,4 +443,45 @@ TEST_CASE("the projection is refused where fluid splashes, and taken by itself w
     const auto form = [&](const std::string& text) { return make_plan(scene_with({}, start + text)).facts.pressure.form; };
     CHECK(form(tank + block("[0.4, 0.4, 0.2]")) == PressureForm::projection);
     CHECK(form(tank + block("[0.4, 0.2, 0.2]")) == PressureForm::constraint);
+}
+
+TEST_CASE("in two dimensions the plan counts particles by area, and refuses by name what the plane does not have", "[plan][plane]") {
+    const std::string tank = R"toml([time]
+end = 1
+[domain]
+dimensions = 2
+min = [-0.1, -0.1]
+max = [0.3, 0.3]
+[fluid]
+spacing = 0.01
+viscosity = 100
+[[block]]
+shape = "box"
+min = [0, 0]
+max = [0.2, 0.1]
+[[solid]]
+shape = "box"
+min = [0, 0]
+max = [0.2, 0.2]
+inside = true
+)toml";
+    const Plan plan = make_plan(scene_with({}, tank));
+    CHECK(plan.estimated_particles == Approx(200));
+    CHECK(plan.particle_volume() == Approx(1e-4));
+    CHECK(plan.pressure == PressureModel::ppe);  // coupled, which so thick a fluid would have in space, is none for the plane
+    CHECK(plan.kernel.dimensions == 2);
+    CHECK(plan.support == Approx(0.02));
+
+    const auto messages = [&](const std::string& change) {
+        try {
+            make_plan(scene_with({change}, tank));
+        } catch (const InputError& e) { return std::string(e.what()); }
+        return std::string("no error");
+    };
+    const std::string here = " in two dimensions (domain.dimensions = 2)";
+    CHECK(messages("models.pressure=coupled").find("models.pressure = \"coupled\" does not work" + here) != std::string::npos);
+    CHECK(messages("fluid.surface_tension=0.07").find("there is no surface tension" + here) != std::string::npos);
+    CHECK(messages("emitter=[{position=[0,0.2],radius=0.02,speed=1}]").find("there are no emitters" + here) != std::string::npos);
+    CHECK(messages("solid=[{shape=\"sphere\",radius=0.02,density=500}]").find("there are no free bodies" + here) != std::string::npos);
+    CHECK(messages("output.export=[\"vdb\"]").find("there is no surface to export as \"vdb\"" + here) != std::string::npos);
 }

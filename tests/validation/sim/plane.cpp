@@ -67,7 +67,7 @@ max = [0.06, 0.2]
 }  // namespace
 
 TEST_CASE("in the plane water comes to rest in a box with the pressure of its weight within 2 %", "[validation][sim][plane]") {
-    for (const std::string& models : {"pressure = \"ppe\"\n", "pressure = \"wcsph\"\n"}) {
+    for (const std::string models : {"pressure = \"ppe\"\n", "pressure = \"wcsph\"\n"}) {
         const Rest rest = at_rest(models);
         CAPTURE(models, rest.weight, rest.fastest);
         CHECK(rest.weight == Approx(1).epsilon(0.02));
