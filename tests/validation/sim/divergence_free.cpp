@@ -13,7 +13,7 @@ namespace divergence_free_test {
 namespace {
 
 Simulation simulation_of(const std::string& text, bool divergence_free) {
-    return test::simulation_of(text + "[pressure]\ndivergence_free = " + (divergence_free ? "true\n" : "false\n"));
+    return test::simulation_of(text + "[pressure]\nform = \"constraint\"\ndivergence_free = " + (divergence_free ? "true\n" : "false\n"));
 }
 
 double kinetic_energy(const Simulation& simulation) { return measure(simulation.world(), Vec3d::Zero(), 1).kinetic_energy; }
