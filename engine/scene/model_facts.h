@@ -31,7 +31,6 @@ struct PressureFacts {
     const char* kernel_reason = "usual";
     BoundaryModel boundary = BoundaryModel::none;  ///< how solids act on it; besides, only "none" goes with it
     const char* boundary_reason = "";
-    bool shifts = false;  ///< in a way of its own, besides which models.shifting has no place
     ShiftingModel shifting = ShiftingModel::none;
     const char* shifting_reason = "particles of this model keep apart by themselves";
     double bytes_a_particle = 800;  ///< besides neighbours, measured at 3,000 particles

@@ -111,10 +111,7 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const Surroundings& around,
                softening = Real(0.01) * step.support * step.support / 4;
     const Real dt = step.dt, m = step.mass;
     const Real lambda = static_cast<Real>(o.coupling), over_theta = static_cast<Real>(1 / o.micro_inertia);
-    const auto part = [&](double given) {
-        return static_cast<Real>(o.smoothing_time > 0 ? std::min(0.5, given * static_cast<double>(dt) / o.smoothing_time) : given);
-    };
-    const Real alpha = part(o.smoothing_velocity) / dt, beta = part(o.smoothing_spin) / dt;
+    const Real alpha = o.part_a_step(o.smoothing_velocity, dt) / dt, beta = o.part_a_step(o.smoothing_spin, dt) / dt;
     const Real mu = static_cast<Real>(o.pair_viscosity), mu_central = static_cast<Real>(o.central_viscosity),
                gamma = static_cast<Real>(o.spin_viscosity);
     const bool any_torque = !torque_.is_zero(), any_solids = around.layer.size() > 0;

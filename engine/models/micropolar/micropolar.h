@@ -35,6 +35,10 @@ struct MicropolarOptions {
     bool implicit_exchange = true;                      ///< the spin's own decay at the end of the step: no limit of its own
     double smoothing_velocity = 0, smoothing_spin = 0;  ///< XSPH, parts taken a step ...
     double smoothing_time = 0;                          ///< ... or in this time [s]; 0: a step
+    /// What a step of dt [s] takes of one of the two.
+    Real part_a_step(double given, Real dt) const {
+        return static_cast<Real>(smoothing_time > 0 ? std::min(0.5, given * static_cast<double>(dt) / smoothing_time) : given);
+    }
     bool free_spin_walls = false;  ///< no couple stress at walls; false: the fluid's spin at a wall is the solid's rotation
     VectorExpression torque;       ///< tau, of t, x, y, z [m^2/s^2]
     Real solid_factor = 1;         ///< on the solids' volumes, see models/boundary/wall.h

@@ -1,10 +1,8 @@
 #include "engine/models/projection/corrected_micropolar.h"
 
 #include "engine/core/parallel.h"
-#include "engine/models/boundary/wall.h"
 
 namespace whorl {
-namespace {
 
 /// Over the neighbours of one particle, of a vector f.
 struct DifferenceSums {
@@ -38,6 +36,8 @@ DifferenceSums sums_of(const Kernel& W, const FluidPairs& pairs, Index i, Real v
     return all;
 }
 
+namespace {
+
 Vec3 curl_of(const Mat3& G) { return {G(2, 1) - G(1, 2), G(0, 2) - G(2, 0), G(1, 0) - G(0, 1)}; }
 
 }  // namespace
@@ -49,15 +49,12 @@ EnergyWork CorrectedMicropolar::advance(const Kernel& W, const Surroundings& aro
     const MicropolarOptions& o = options_;
     const StepContext& step = around.step;
     const SolidParticles& layer = around.layer;
-    const Real dt = step.dt, m = step.mass, b = 1 / step.rest_density, d = step.spacing;
+    const Real dt = step.dt, m = step.mass, b = 1 / step.rest_density;
     const Real lambda = static_cast<Real>(o.coupling), over_theta = static_cast<Real>(1 / o.micro_inertia);
-    const auto part = [&](double given) {
-        return static_cast<Real>(o.smoothing_time > 0 ? std::min(0.5, given * static_cast<double>(dt) / o.smoothing_time) : given);
-    };
-    const Real alpha = part(o.smoothing_velocity) / dt, beta = part(o.smoothing_spin) / dt;
+    const Real alpha = o.part_a_step(o.smoothing_velocity, dt) / dt, beta = o.part_a_step(o.smoothing_spin, dt) / dt;
     const Real mu = static_cast<Real>(o.pair_viscosity), gamma = static_cast<Real>(o.spin_viscosity);
     const Real ahead = o.implicit_exchange ? 1 / (1 + 2 * lambda * b * dt * over_theta) : 1;
-    const Real of_layer = s.any_walls ? layer_factor(step.kernel, step.support, d) : 0;
+    const Real of_layer = s.any_walls ? layer_factor(step.kernel, step.support, step.spacing) : 0;
     const std::vector<char> slip = slips(around.solids);
     const bool any_torque = !torque_.is_zero();
 
@@ -72,26 +69,15 @@ EnergyWork CorrectedMicropolar::advance(const Kernel& W, const Surroundings& aro
         const Mat3 G_u = of_u.gradient * s.correction[i], G_w = of_w.gradient * s.correction[i];
         Real trace = s.trace[i], trace_w = trace;
         Vec3 imbalance = s.imbalance[i], imbalance_w = imbalance;
-        if (s.any_walls && around.solid_pairs.count(i) > 0)
-            around.solid_pairs.of(i, [&](Index q, const Vec3& r, Real) {
-                const Solid& solid = around.solids.all[layer.solid[q]];
-                if (slip[layer.solid[q]]) return;
-                const Vec3& normal = layer.normal[q];
-                const Real volume = s.gate[i] * of_layer * layer.volume[q], height = std::max(r.dot(normal) - d / 2, d / 4);
-                const bool faces = r.dot(normal) > 0;
-                const Vec3 u_wall = own_u - layer.velocity[q], w_wall = own_w - solid.pose.angular_velocity;
-                each_layer(r, normal, d, step.support, [&](const Vec3& to, Real distance, Real below) {
-                    const Real F = volume * W.slope(distance);
-                    const Real continued = faces ? std::min(Real(12), 1 + below / height) : Real(1);
-                    of_u.laplacian += F * continued * u_wall;
-                    trace -= F * distance * distance;
-                    imbalance += F * to;
-                    if (o.free_spin_walls) return;
-                    of_w.laplacian += F * continued * w_wall;
-                    trace_w -= F * distance * distance;
-                    imbalance_w += F * to;
-                });
-            });
+        each_sticking_layer(W, s, around, i, of_layer, slip, [&](Index q, Real F, Real continued, const Vec3& to, Real distance) {
+            of_u.laplacian += F * continued * (own_u - layer.velocity[q]);
+            trace -= F * distance * distance;
+            imbalance += F * to;
+            if (o.free_spin_walls) return;
+            of_w.laplacian += F * continued * (own_w - around.solids.all[layer.solid[q]].pose.angular_velocity);
+            trace_w -= F * distance * distance;
+            imbalance_w += F * to;
+        });
         const auto laplacian = [&](const Vec3& sum, Real moments, const Mat3& G, const Vec3& uneven) {
             if (s.near_surface[i]) return Vec3(2 * sum);
             return Vec3(2 * static_cast<Real>(step.dimensions()) / std::max(moments, Real(0.1)) * (sum - G * uneven));

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "engine/core/parallel.h"
-#include "engine/models/boundary/wall.h"
 
 namespace whorl {
 
@@ -11,10 +10,9 @@ void CorrectedViscosity::operator()(const Surroundings& around, Read<field::role
                                     Update<field::acceleration> a) {
     const ProjectionSystem& s = *system_;
     const StepContext& step = around.step;
-    const SolidParticles& layer = around.layer;
-    const Real d = step.spacing, V = step.volume, over_density = 1 / step.rest_density;
+    const Real V = step.volume, over_density = 1 / step.rest_density;
     const Real dimensions = static_cast<Real>(step.dimensions());
-    const Real of_layer = s.any_walls ? layer_factor(step.kernel, step.support, d) : 0;
+    const Real of_layer = s.any_walls ? layer_factor(step.kernel, step.support, step.spacing) : 0;
     const std::vector<char> slip = slips(around.solids);
     if (s.any_walls) friction_.set(FrictionForm::central, around, s.options.gate, 1);
     with_kernel(step.kernel, step.support, [&](const auto& W) {
@@ -46,21 +44,11 @@ void CorrectedViscosity::operator()(const Surroundings& around, Read<field::role
             G = V * G * s.correction[i];
             Real trace = s.trace[i];
             Vec3 imbalance = s.imbalance[i];
-            if (s.any_walls && around.solid_pairs.count(i) > 0)
-                around.solid_pairs.of(i, [&](Index q, const Vec3& r, Real) {
-                    if (slip[layer.solid[q]]) return;
-                    const Vec3& normal = layer.normal[q];
-                    const Real volume = s.gate[i] * of_layer * layer.volume[q], height = std::max(r.dot(normal) - d / 2, d / 4);
-                    const bool faces = r.dot(normal) > 0;
-                    const Vec3 difference = own - layer.velocity[q];
-                    each_layer(r, normal, d, step.support, [&](const Vec3& to, Real distance, Real below) {
-                        const Real F = volume * W.slope(distance);
-                        const Real continued = faces ? std::min(Real(12), 1 + below / height) : Real(1);
-                        sum += own_mu * F * continued * difference;
-                        trace -= F * distance * distance;
-                        imbalance += F * to;
-                    });
-                });
+            each_sticking_layer(W, s, around, i, of_layer, slip, [&](Index q, Real F, Real continued, const Vec3& to, Real distance) {
+                sum += own_mu * F * continued * (own - around.layer.velocity[q]);
+                trace -= F * distance * distance;
+                imbalance += F * to;
+            });
             if (s.near_surface[i]) a[i] += 2 * over_density * sum;
             else a[i] += (2 * dimensions / std::max(trace, Real(0.1)) * over_density) * (sum - own_mu * (G * imbalance));
             if (friction_.acts()) a[i] -= own_mu * over_density * (friction_.coefficient(i) * own - friction_.load(i));

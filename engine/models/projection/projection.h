@@ -17,8 +17,6 @@ public:
     void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Update<field::velocity> u,
                     Update<field::pressure> p, Update<field::pressure_acceleration> a);
 
-    const PressureMatrix& matrix() const { return matrix_; }
-
 private:
     template <class Kernel>
     void build(const Kernel& W, const Surroundings& around, Read<field::role> role);
@@ -34,7 +32,7 @@ private:
 };
 
 /// The end of the step: x = x* + dt/2 (u - u_start), then a shift against uneven spacing that takes the flow's values along:
-///   dx = -shift_rate s R/2 dt sum V [1 + 0.2 (W/W(d))^4] grad W,   u += (dx.grad) u,   s_i = max_j |u_i - u_j|
+///   dx = -shift_rate s R/2 dt sum V [1 + 0.2 (W/W(d))^4] grad W,   u += (dx.grad) u,   s = max |u_i - mean u|
 /// At a free surface particles shift along it alone.
 struct ProjectionMove {
     std::shared_ptr<ProjectionSystem> system;

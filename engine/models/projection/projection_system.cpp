@@ -76,7 +76,7 @@ void ProjectionGeometry::operator()(const Surroundings& around, Read<field::role
     const SolidParticles& layer = around.layer;
     const Index n = around.pairs.size();
     s.correction.resize(n), s.trace.resize(n), s.imbalance.resize(n), s.spread.resize(n), s.inward.resize(n);
-    s.wall_trace.resize(n), s.gate.resize(n), s.air.resize(n), s.surface.assign(n, 0), s.near_surface.assign(n, 0);
+    s.gate.resize(n), s.air.assign(n, 0), s.surface.assign(n, 0), s.near_surface.assign(n, 0);
     s.first_touch.assign(static_cast<std::size_t>(n) + 1, 0);
     s.any_walls = layer.size() > 0 && !around.solid_pairs.other.empty();
     if (s.any_walls)
@@ -115,14 +115,12 @@ void ProjectionGeometry::operator()(const Surroundings& around, Read<field::role
                     s.touches[k++] = {q, flux, above - d / 2};
                 });
             }
-            s.wall_trace[i] = wall_trace;
             s.spread[i] = own.spread + wall_spread;
             s.inward[i] = own.imbalance + wall;
             slopes[i] = own.slopes + wall_slopes;
             rho[i] = step.rest_density * (V * W.value(0) + own.kernel + wall_kernel);
             fullness[i] = s.trace[i] / std::max(Real(0.3) * full.trace, full.trace - wall_trace);
         });
-        s.air.assign(n, 0);
         if (!s.options.free_surface) return;
         // The outermost layer of a lattice has .6 of a full neighbourhood, the next one .9.
         constexpr Real certainly = Real(0.725), possibly = Real(0.85), inside = Real(0.95);

@@ -5,6 +5,7 @@
 ///   ProjectionDrift, neighbours, ProjectionGeometry, Gravity, CorrectedViscosity, Kick, Projection, ProjectionMove, KeepOutside.
 #include <memory>
 
+#include "engine/models/boundary/wall.h"
 #include "engine/models/pressure/closed_regions.h"
 #include "engine/particles/field.h"
 #include "engine/particles/surroundings.h"
@@ -50,7 +51,6 @@ struct ProjectionSystem {
     Column<Vec3> imbalance;   ///< sum_j V W'/r r over the fluid [1/m]
     Column<Vec3> spread;      ///< sum V [1 + 0.2 (W/W(d))^4] W'/r r over fluid and solids [1/m]
     Column<Vec3> inward;      ///< sum V W'/r r over fluid and solids [1/m]: into the fluid, at a free surface
-    Column<Real> wall_trace;  ///< what solids add to the trace
     Column<Real> gate;        ///< weight of the solids
     Column<Vec3> shift;       ///< m, of ProjectionMove
     Column<Real> air;         ///< what is missing of a full neighbourhood's sum of -2 V W'/r near a free surface [1/m^2]
@@ -67,6 +67,25 @@ struct ProjectionSystem {
         for (std::size_t k = first_touch[i]; k < first_touch[i + 1]; ++k) f(touches[k]);
     }
 };
+
+/// Calls f(q, F, continued, to, distance) for each lattice layer behind each particle q of the walls around i that the fluid sticks to: F =
+/// V W'/r [1/m^2], `to` from the layer to i, and the factor of u_i - u_wall that continues the shear into the layer, at most 12.
+/// @param of_layer layer_factor() @param slip slips() of the solids
+template <class Kernel, class Visit>
+void each_sticking_layer(const Kernel& W, const ProjectionSystem& s, const Surroundings& around, Index i, Real of_layer,
+                         const std::vector<char>& slip, Visit&& f) {
+    if (!s.any_walls || around.solid_pairs.count(i) == 0) return;
+    const SolidParticles& layer = around.layer;
+    const Real d = around.step.spacing;
+    around.solid_pairs.of(i, [&](Index q, const Vec3& r, Real) {
+        if (slip[layer.solid[q]]) return;
+        const Vec3& normal = layer.normal[q];
+        const Real above = r.dot(normal), volume = s.gate[i] * of_layer * layer.volume[q], height = std::max(above - d / 2, d / 4);
+        each_layer(r, normal, d, around.step.support, [&](const Vec3& to, Real distance, Real below) {
+            f(q, volume * W.slope(distance), above > 0 ? std::min(Real(12), 1 + below / height) : Real(1), to, distance);
+        });
+    });
+}
 
 /// sum_j V (f_j - f_i) W'/r r^T: times L_i the gradient, row: component of f. Over the fluid.
 template <class Kernel>
