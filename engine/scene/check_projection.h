@@ -1,6 +1,5 @@
 #pragma once
-/// What pressure.form = "projection" cannot hold: fluid that splashes; with source "density" fluid that fills a periodic domain, and fluid
-/// between solids that face each other closely.
+/// What pressure.form = "projection" with source "velocity" cannot hold: fluid that splashes.
 #include "engine/scene/numbers.h"
 #include "engine/scene/plan.h"
 

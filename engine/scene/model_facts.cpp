@@ -57,7 +57,6 @@ const std::vector<PressureFacts>& pressure_models() {
          .source = PressureSource::density,
          .keeps_apart = true,
          .solves = true,
-         .in_plane = false,
          .boundary = BoundaryModel::ppe,
          .boundary_reason = "solids with the pressure equation"},
         {.model = PressureModel::coupled,

@@ -51,6 +51,9 @@ inline Choices<PressureForm> choices(PressureForm) {
 inline Choices<PressureSource> choices(PressureSource) {
     return {{PressureSource::velocity, "velocity"}, {PressureSource::density, "density"}};
 }
+inline Choices<MultigridCycle> choices(MultigridCycle) {
+    return {{MultigridCycle::additive, "additive"}, {MultigridCycle::v_cycle, "v_cycle"}};
+}
 inline Choices<GradientForm> choices(GradientForm) {
     return {{GradientForm::symmetric, "symmetric"}, {GradientForm::difference, "difference"}};
 }

@@ -27,6 +27,8 @@ enum class ViscousPreconditioner { automatic, none, block_jacobi, two_level };
 enum class PressureForm { constraint, projection };
 /// What the equation of the projection takes away: the divergence of the velocity, or as published the error of the density.
 enum class PressureSource { velocity, density };
+/// How the particles and the coarse levels of a multigrid join: both corrections in sum, or one after the other as published.
+enum class MultigridCycle { additive, v_cycle };
 enum class GradientForm { symmetric, difference };
 enum class LaplacianForm { brookshaw, monaghan, split };
 enum class ExchangeScheme { automatic, explicit_steps, implicit };
@@ -79,8 +81,10 @@ struct PressureKeys {
     Preconditioner preconditioner = Preconditioner::automatic;  ///< ppe; coupled brings its own
     std::optional<PressureForm> form;                           ///< ppe; none: "auto"
     PressureSource source = PressureSource::velocity;           ///< projection
+    bool clamp = true;                                          ///< source density: p = max(0, p) after the solve
+    MultigridCycle cycle = MultigridCycle::additive;            ///< source density
+    int sweeps = 1;                                             ///< source density: of a multigrid cycle, before and after each correction
     std::optional<double> correction;  ///< share of the density error that a step corrects; none: "auto", 0.5, of source density 0.1
-    bool divergence_free = false;      ///< ppe, constraint: one solve for the velocity, from both sides, and one for the places
     double damping = 2;                ///< ppe, constraint: of motion between neighbours that is not resolved, times sqrt(g/d)
     double sound_speed = 0;            ///< m/s, wcsph; 0: ten times the speed that the plan expects
     double gamma = 7;                  ///< exponent of Tait's equation, wcsph

@@ -116,15 +116,22 @@ KeyTable pressure_keys() {
     t.key("source", &PressureKeys::source, "",
           "projection: what the pressure takes away, the divergence of the velocity, or as published the error of the density")
         .only_with(form, {"projection"});
+    const std::string source = "pressure.source";
+    t.key("clamp", &PressureKeys::clamp, "", "pressures below 0 are cut off after the solve, as published; false: they pull")
+        .only_with(source, {"density"});
+    t.key("cycle", &PressureKeys::cycle, "",
+          "of the multigrid; additive: corrections by the diagonal and by coarse levels in sum; v_cycle: one after the other, as published")
+        .only_with(source, {"density"});
+    t.key("sweeps", &PressureKeys::sweeps, "",
+          "of damped Jacobi before and after the correction from each coarse level; as many after as before, for conjugate gradients")
+        .at_least(1)
+        .at_most(10)
+        .only_with(source, {"density"});
     t.key("correction", &PressureKeys::correction, "",
           "share of the density error that a step corrects; auto: 0.5 of the constraint, 0.1 of source density, whose notes have 1")
         .above(0)
         .at_most(1)
         .only_with(model, {"ppe"});
-    t.key("divergence_free", &PressureKeys::divergence_free, "",
-          "constraint: the velocity inside the fluid has no divergence, of either sign, and a second solve moves particles to keep the "
-          "density")
-        .only_with(form, {"constraint"});
     t.key("damping", &PressureKeys::damping, "", "constraint: rate at which unresolved motion between neighbours dies, times sqrt(g/d)")
         .at_least(0)
         .only_with(form, {"constraint"});

@@ -15,7 +15,6 @@
 #include "engine/models/pressure/constraint.h"
 #include "engine/models/pressure/crowding.h"
 #include "engine/models/pressure/damping.h"
-#include "engine/models/pressure/divergence_free.h"
 #include "engine/models/pressure/poisson.h"
 #include "engine/models/pressure/pressure_multigrid.h"
 #include "engine/models/pressure/wcsph.h"
@@ -168,7 +167,7 @@ private:
         options.solves = bounded ? 3 : 2;
         options.theta = bounded ? 0.55 : 0.5;
         options.gate = gate_;
-        options.preconditioner = preconditioner<PressurePreconditionerSetup>(scene_.pressure.preconditioner, poisson_automatic,
+        options.preconditioner = preconditioner<PressurePreconditionerSetup>(scene_.pressure.preconditioner, poisson_automatic(),
                                                                              poisson_unpreconditioned, jacobi, poisson_multigrid());
         auto system = std::make_shared<ProjectionSystem>(options);
         stage("drift", "move", ProjectionDrift{system});
@@ -279,8 +278,7 @@ private:
         work_is(&EnergyWork::gravity);
     }
     void moves() {
-        if (constraint_ && scene_.pressure.divergence_free) stage("move", "move", MoveAndDrift{});
-        else stage("move", "move", Move{});
+        stage("move", "move", Move{});
         if (bodies_) stage("motion of bodies", "bodies", MoveBodies{});
     }
     void at_solids() {
@@ -307,8 +305,7 @@ private:
             stage("unresolved motion", "pressure", DampUnresolved{scene_.pressure.damping, scene_.fluid.surface_tension});
             work_is(&EnergyWork::smoothing);
         }
-        if (scene_.pressure.divergence_free) stage("divergence-free", "pressure", DivergenceFree{options});
-        else stage("density constraint", "pressure", ConstraintPressure{options});
+        stage("density constraint", "pressure", ConstraintPressure{options});
         pressure_limit();
     }
 
@@ -325,9 +322,14 @@ private:
         options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
         options.solid_factor = solid_factor_;
         options.gate = gate_;
-        options.preconditioner = preconditioner<PressurePreconditionerSetup>(scene_.pressure.preconditioner, poisson_automatic,
-                                                                             poisson_unpreconditioned, jacobi, poisson_multigrid());
+        options.clamp = scene_.pressure.clamp;
+        ParticleMultigrid levels = poisson_levels;
+        levels.additive = scene_.pressure.cycle == MultigridCycle::additive;
+        levels.coarse.sweeps_before = levels.coarse.sweeps_after = scene_.pressure.sweeps;
+        options.preconditioner = preconditioner<PressurePreconditionerSetup>(scene_.pressure.preconditioner, poisson_automatic(levels),
+                                                                             poisson_unpreconditioned, jacobi, poisson_multigrid(levels));
         stage("pressure equation", "pressure", PoissonPressure{options});
+        pressure_limit();
     }
 
     void surface_tension(std::shared_ptr<std::vector<Real>> internal) {

@@ -42,8 +42,8 @@ std::string key_of(const SceneFile& file, const Plan& plan) {
                        s.blocks.empty() ? "no" : "with");
     key += fmt::format(" | tolerance {:g} {:g}, preconditioner {} {}", s.pressure.tolerance, s.viscosity.tolerance,
                        name_of(s.pressure.preconditioner), name_of(s.viscosity.preconditioner));
-    if (plan.facts.pressure.form)
-        key += fmt::format(" | {}{}", name_of(*plan.facts.pressure.form), s.pressure.divergence_free ? ", divergence-free" : "");
+    if (plan.facts.pressure.form) key += fmt::format(" | {}", name_of(*plan.facts.pressure.form));
+    if (plan.facts.pressure.source) key += fmt::format(" | {}", name_of(*plan.facts.pressure.source));
     key += fmt::format(" | {}x{} {} {} samples, voxel {:g}", s.output.size[0], s.output.size[1], file.look.style, file.look.samples,
                        file.surface.voxel);
     return key;

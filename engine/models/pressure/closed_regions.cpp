@@ -6,7 +6,7 @@ namespace whorl {
 
 /// Flood fill from the unknowns next to the surface. What it does not reach is closed: a full box, a pocket. It takes one pass over the
 /// pairs, in order, so the result does not depend on threads.
-void ClosedRegions::find(PressureMatrix& matrix, Span<const char> touches_surface) {
+void ClosedRegions::find(const PressureMatrix& matrix, Span<const char> touches_surface, double tied) {
     const Index n = matrix.size();
     all.clear();
     std::vector<char> reached(n, 0);
@@ -28,17 +28,19 @@ void ClosedRegions::find(PressureMatrix& matrix, Span<const char> touches_surfac
         queue.assign(1, i);
         reached[i] = 1;
         spread();
-        // What little alpha a full box has comes from uneven neighbours: it would turn the right-hand side's mean into a huge uniform
-        // pressure.
         double pins = 0, diagonals = 0;
         for (Index k : queue) pins += matrix.pin[k], diagonals += matrix.diagonal[k];
-        ClosedRegion component{queue, pins < 0.01 * diagonals};
-        if (component.singular)
-            for (Index k : queue) {
-                matrix.diagonal[k] = std::max(matrix.diagonal[k] - matrix.pin[k], smallest);
-                matrix.pin[k] = 0;
-            }
-        all.push_back(std::move(component));
+        all.push_back({queue, pins < tied * diagonals});
+    }
+}
+
+void ClosedRegions::take_pins_away(PressureMatrix& matrix) const {
+    for (const ClosedRegion& region : all) {
+        if (!region.singular) continue;
+        for (Index k : region.members) {
+            matrix.diagonal[k] = std::max(matrix.diagonal[k] - matrix.pin[k], smallest);
+            matrix.pin[k] = 0;
+        }
     }
 }
 

@@ -14,8 +14,7 @@ namespace {
 /// The part of the tolerated density error that one step may leave: the next one corrects half of it. A dam break of ten layers has a mean
 /// density error of 0.06 % with 0.1, with 0.5 and with 1, and takes 16.9, 11 and 8.1 iterations a step.
 constexpr double usual_share = 0.5;
-/// The same where few particles decide how a body moves, and where the solve must lose no energy: free bodies, full periodic domains,
-/// divergence-free velocities.
+/// The same where few particles decide how a body moves, and where the solve must lose no energy: free bodies, full periodic domains.
 constexpr double strict_share = 0.1;
 /// A step leaves no more than this part of the right-hand side either: gravity presses less together in a short step than the shares above
 /// allow, and a pressure solved to them alone jumps from step to step (in a column of 16 layers by 12 % of its mean at CFL 0.4 and by 22 %
@@ -83,13 +82,13 @@ SolveReport ConstraintPressure::solve_filled(ConstraintMatrix& matrix, const Ste
     return report;
 }
 
-ConstraintPressure::ActiveSet ConstraintPressure::choose(ConstraintMatrix& matrix, Span<const Real> q, Span<const char> both,
-                                                         Real about_full, Span<Real> rest) const {
+ConstraintPressure::ActiveSet ConstraintPressure::choose(ConstraintMatrix& matrix, Span<const Real> q, Real about_full,
+                                                         Span<Real> rest) const {
     const Index n = D_.size();
     const auto can = [&](Index i) { return D_.diagonal[i] > std::numeric_limits<Real>::min(); };
     const ActiveSet set = parallel_sum(n, ActiveSet{}, [&](Index i) {
         const Real r = rest[i] = b_[i] - residual_[i];
-        const bool pressed = q[i] > 0 || (!both.empty() && both[i]);
+        const bool pressed = q[i] > 0;
         matrix.presses[i] = can(i) && (pressed || r > 0);
         return matrix.presses[i] ? ActiveSet{static_cast<double>(r) * r, pressed, !pressed} : ActiveSet{};
     });
@@ -114,13 +113,13 @@ double ConstraintPressure::tolerance_of_rates(const ConstraintMatrix& matrix, do
 /// compressed start, and again. What pressed in the last step presses first, with all that is compressed now. Where that is news to most of
 /// them (the first step, an impact), so does all that is about full: from below, the pressed set would grow by two neighbours' reach a
 /// round. In other steps that would take particles of the surface in for a round, and a dam 17.4 iterations a step rather than 12.3.
-SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContext& step, Span<Real> q, Span<const char> both) {
+SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContext& step, Span<Real> q) {
     constexpr Real about_full = Real(0.02);         // relative density that is missing
     constexpr double changes_to_set_up_for = 0.02;  // part of the particles
     const Index n = D_.size();
     const double worst_rate = std::sqrt(static_cast<double>(n)) * static_cast<double>(step.rest_density / step.dt);
     // A lattice has modes (neighbours up and down in turn) that no pressure moves: asked for more than this, they would grow without bound.
-    const double share = !bodies_.empty() || !both.empty() ? strict_share : usual_share;
+    const double share = !bodies_.empty() ? strict_share : usual_share;
     double tolerance = share * options_.limits.tolerance;
     PressurePreconditioner M;
     std::vector<char> set_up_for;  // presses, when M was set up
@@ -131,7 +130,7 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
     for (int round = 0;; ++round) {
         matrix.presses.assign(n, 1);
         matrix.multiply(q, residual_);
-        const ActiveSet set = choose(matrix, q, both, round == 0 ? about_full * step.rest_density / step.dt : 0, rest);
+        const ActiveSet set = choose(matrix, q, round == 0 ? about_full * step.rest_density / step.dt : 0, rest);
         const double left = std::sqrt(set.squares);
         report.last_residual = left / worst_rate;
         if (round == 0) {
@@ -158,9 +157,7 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
         const SolveLimits limits{aim, options_.limits.max_iterations - report.iterations};
         report.iterations +=
             conjugate_gradients_from<Real>(A, M, Span<Real>(rest), q, limits, ResidualNorm::euclidean, worst_rate).iterations;
-        parallel_for(n, [&](Index i) {
-            if (both.empty() || !both[i]) q[i] = std::max(Real(0), q[i]);
-        });
+        parallel_for(n, [&](Index i) { q[i] = std::max(Real(0), q[i]); });
     }
 }
 

@@ -61,9 +61,9 @@ public:
 
     const DensityRate& density_rate() const { return D_; }
 
-protected:
-    /// A q <= b as complementarity; where `both`, A q = b with q of either sign.
-    SolveReport solve(ConstraintMatrix& A, const StepContext& step, Span<Real> q, Span<const char> both = {});
+private:
+    /// A q <= b as complementarity.
+    SolveReport solve(ConstraintMatrix& A, const StepContext& step, Span<Real> q);
     /// Which particles press in a round.
     struct ActiveSet {
         double squares = 0;              ///< of the residuals of the following
@@ -72,7 +72,7 @@ protected:
     };
     /// Sets matrix.presses and leaves in `rest` what b - A q is there. @param about_full kg/(m^3 s): how far short of being compressed a
     /// particle may be and still join, where more join than press; 0: none
-    ActiveSet choose(ConstraintMatrix& matrix, Span<const Real> q, Span<const char> both, Real about_full, Span<Real> rest) const;
+    ActiveSet choose(ConstraintMatrix& matrix, Span<const Real> q, Real about_full, Span<Real> rest) const;
     double tolerance_of_rates(const ConstraintMatrix& matrix, double worst_rate) const;
     /// Part of a density above rest (of any error, where the domain is `filled`) that the step corrects.
     Real correction_share(bool filled) const {

@@ -6,21 +6,13 @@
 #include "engine/core/parallel.h"
 #include "engine/math/conjugate_gradients.h"
 #include "engine/models/boundary/wall.h"
-#include "engine/models/pressure/wall_pressure.h"
 
 namespace whorl {
 namespace {
 
-/// The share of alpha that counts. alpha is what the wall's push does to the density of i by moving i; but as p_i rises, so does the push
-/// of the fluid on the other side, and next to a wall with fluid against it the two cancel: a uniform pressure moves nothing. The whole
-/// alpha, as in the notes, is right for a particle without fluid neighbours; elsewhere the lowest layer settles too dense (by 2 % under 40
-/// layers at d = 1 cm and dt = 1 ms). 0 up to an imbalance of 0.3, so that uneven neighbours do not count as a gap.
-Real unbalanced(const Vec3& fluid, const Vec3& solid) {
-    const Real size = solid.squaredNorm();
-    if (!(size > 0)) return 0;
-    const Real share = std::max(Real(0), (1 + fluid.dot(solid) / size - Real(0.3)) / Real(0.7));
-    return std::min(Real(1), share * share);
-}
+/// alpha of a full box comes from uneven neighbours; it is a hundredth of the diagonal once a lattice has melted. Of a few particles on a
+/// floor it is as large as the diagonal.
+constexpr double weakly_tied = 0.05;
 
 }  // namespace
 
@@ -28,7 +20,7 @@ Real unbalanced(const Vec3& fluid, const Vec3& solid) {
 /// lattice; solids count as fluid does. A particle that is compressed is no surface, however few its neighbours: it needs a pressure.
 template <class Kernel>
 void PoissonPressure::classify(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Read<field::density> rho) {
-    constexpr Real surface_divergence = Real(2.55);
+    const Real surface_divergence = Real(0.85) * around.step.dimensions();
     parallel_for(rho.size(), [&](Index i) {
         PressureClass& mine = class_[i];
         if (role[i] != 0) {
@@ -51,13 +43,48 @@ void PoissonPressure::classify(const Kernel& kernel, const Surroundings& around,
 }
 
 template <class Kernel>
-void PoissonPressure::build(const Kernel& kernel, const Surroundings& around, Read<field::density> rho, Update<field::velocity> u,
-                            Update<field::pressure> p) {
+void PoissonPressure::weigh(const Kernel& kernel, const Surroundings& around, Read<field::density> rho) {
+    constexpr Real least = Real(0.25);  // of the space that solids leave: between two walls
+    const bool walls = around.layer.size() > 0;
     parallel_for(rho.size(), [&](Index i) {
-        wall_[i] = around.layer.size() > 0 ? Vec3(gate_[i] * wall_gradient(kernel, i, around, options_.solid_factor)) : Vec3(Vec3::Zero());
+        gate_[i] = walls ? options_.gate.weight(kernel, i, around.solid_pairs, around.layer.volume, options_.solid_factor) : Real(1);
+        Real behind = 0;
+        if (walls) around.solid_pairs.of(i, [&](Index s, const Vec3&, Real r) { behind += around.layer.volume[s] * kernel.value(r); });
+        const Real ratio = around.step.rest_density / rho[i];
+        weight_[i] = ratio * ratio;
+        fill_[i] = 1 / std::max(least, 1 - gate_[i] * options_.solid_factor * behind);
     });
-    lay_out_rows(around.pairs);
-    set_rows(kernel, around, rho, u, p);
+}
+
+template <class Kernel>
+Real PoissonPressure::solid_slope(const Kernel& kernel, const Surroundings& around, Index i, Index s, Real distance) const {
+    return (1 + fill_[i]) / 2 * gate_[i] * options_.solid_factor * around.layer.volume[s] * kernel.slope(distance);
+}
+
+/// What solid particle s adds to D_i, without the weight of i.
+template <class Kernel>
+Vec3 PoissonPressure::of_solid(const Kernel& kernel, const Surroundings& around, Index i, Index s, const Vec3& r, Real distance) const {
+    const Vec3& normal = around.layer.normal[s];
+    const Real stretch = WallShear{around.step.spacing / 2}.stretch(r, normal);
+    return solid_slope(kernel, around, i, s, distance) * (r + (stretch - 1) * r.dot(normal) * normal);
+}
+
+/// The pressure of solid particle s is p_i and the weight of the fluid between them, rho_0 g.(x_s - x_i) along the normal. That part is
+/// known before the solve. Without it the lowest layer's pressure is too high by that of its weight, and the topmost layer of a full box
+/// falls.
+template <class Kernel>
+void PoissonPressure::carry(const Kernel& kernel, const Surroundings& around, Update<field::velocity> u) const {
+    if (around.layer.size() == 0) return;
+    const StepContext& step = around.step;
+    parallel_for(matrix_.size(), [&](Index i) {
+        if (class_[i] != PressureClass::poisson) return;
+        Vec3 sum = Vec3::Zero();
+        around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+            const Vec3& normal = around.layer.normal[s];
+            sum += solid_slope(kernel, around, i, s, distance) * step.gravity.dot(normal) * std::max(Real(0), r.dot(normal)) * r;
+        });
+        u[i] += step.dt * weight_[i] * sum;
+    });
 }
 
 /// Room for the unknown neighbours of each unknown.
@@ -73,66 +100,67 @@ void PoissonPressure::lay_out_rows(const FluidPairs& pairs) {
     matrix_.c.resize(matrix_.first[n]);
 }
 
+/// Right-hand side of i. @param error of the density over rho_0 @param rate of the relative density [1/s]
+Real PoissonPressure::source(const StepContext& step, Index i, Real error, Real rate) const {
+    const Real share = static_cast<Real>(options_.density_correction);
+    return step.rest_density * step.volume * weight_[i] * (share * error + step.dt * rate) / (step.dt * step.dt);
+}
+
 template <class Kernel>
 void PoissonPressure::set_rows(const Kernel& kernel, const Surroundings& around, Read<field::density> rho, Update<field::velocity> u,
                                Update<field::pressure> p) {
-    const SolidParticles& layer = around.layer;
     const StepContext& step = around.step;
-    const Index n = rho.size();
-    const Real rho_0 = step.rest_density, over_dt2 = 1 / (step.dt * step.dt);
-    const auto slope_at = [&](Real r) { return kernel.derivative(r) / std::max(r, smallest); };
-    const WallShear wall{step.spacing / 2};
-    parallel_for(n, [&](Index i) {
+    const Real V = step.volume;
+    const Real enough = V * Real(1e-6) / (step.spacing * step.spacing);
+    parallel_for(rho.size(), [&](Index i) {
         const PressureClass mine = class_[i];
         const bool unknown = mine == PressureClass::poisson;
         matrix_.unknown[i] = unknown;
         matrix_.diagonal[i] = 1;
         matrix_.pin[i] = b_[i] = 0;
         touches_surface_[i] = 0;
-        Vec3 boundary = wall_[i], prescribed = Vec3::Zero(), fluid = Vec3::Zero();
-        wall_[i].setZero();
         if (!unknown && mine != PressureClass::separated) return;
 
-        const Real V = step.mass / rho[i];
+        const Real own = weight_[i];
         std::size_t k = matrix_.first[i];
         Real row = 0, pin = 0, rate = 0;
+        Vec3 uniform = Vec3::Zero();
         bool surface = false;
         around.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-            const Vec3 gradW = slope_at(distance) * r;
-            rate += step.mass * (u[i] - u[j]).dot(gradW);
-            const Real Vj = step.mass / rho[j];
-            const Real c = V * Vj * -2 * slope_at(distance);
-            fluid += Vj * gradW;
-            switch (class_[j]) {
-                case PressureClass::poisson:
-                    matrix_.other[k] = j;
-                    matrix_.c[k++] = c;
-                    row += c;
-                    break;
-                case PressureClass::prescribed: prescribed += step.volume * gradW; break;
-                default: pin += c, surface = true;
+            const Real filled = (fill_[i] + fill_[j]) / 2, slope = kernel.slope(distance);
+            const Vec3 gradient = filled * V * slope * r;
+            rate += (u[i] - u[j]).dot(gradient);
+            if (class_[j] == PressureClass::prescribed) {
+                uniform += 2 * own * gradient;
+                return;
+            }
+            uniform += (own + weight_[j]) * gradient;
+            const Real c = filled * filled * V * V * own * weight_[j] * -2 * slope;
+            if (class_[j] == PressureClass::poisson) {
+                matrix_.other[k] = j;
+                matrix_.c[k++] = c;
+                row += c;
+            } else {
+                pin += c, surface = true;
             }
         });
-        if (layer.size() > 0)
+        if (around.layer.size() > 0)
             around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                // The flow turns at the surface, not at the solid particle behind it: the normal part is continued like shear.
-                const Vec3 n_s = layer.normal[s], u_is = u[i] - layer.velocity[s];
-                const Vec3 turned = u_is + (wall.stretch(r, n_s) - 1) * u_is.dot(n_s) * n_s;
-                rate += gate_[i] * rho_0 * options_.solid_factor * layer.volume[s] * slope_at(distance) * turned.dot(r);
+                const Vec3 gradient = of_solid(kernel, around, i, s, r, distance);
+                rate += (u[i] - around.layer.velocity[s]).dot(gradient);
+                uniform += own * gradient;
             });
-        boundary += prescribed;
-        wall_[i] = rho_0 / (rho[i] * rho[i]) * prescribed;  // the other half comes from the sum over the pairs
-        const Real alpha = 2 * (rho_0 / rho[i]) * (rho_0 / rho[i]) * boundary.squaredNorm() * unbalanced(fluid, boundary);
-        pin += V * alpha;
-        b_[i] = V * (static_cast<Real>(options_.density_correction) * (rho[i] - rho_0) + step.dt * rate) * over_dt2;
+        const Real alpha = V * uniform.squaredNorm();
+        pin += alpha;
+        b_[i] = source(step, i, rho[i] / step.rest_density - 1, rate);
         if (unknown) {
             matrix_.pin[i] = pin;
             matrix_.diagonal[i] = std::max(row + pin, smallest);
             touches_surface_[i] = surface;
         } else {
             // Between two facing walls the gradients cancel: no pressure pushes anywhere.
-            const Real enough = Real(1e-6) / (step.spacing * step.spacing);
-            p[i] = alpha > enough ? std::max(Real(0), b_[i] / (V * alpha)) : 0;
+            p[i] = alpha > enough ? b_[i] / alpha : 0;
+            if (options_.clamp) p[i] = std::max(Real(0), p[i]);
             b_[i] = 0;
         }
     });
@@ -160,21 +188,31 @@ SolveReport PoissonPressure::solve_rows(const StepContext& step, double unknowns
     return solved;
 }
 
-/// Without a surface the pressure has no natural zero. Its lowest value is made the weight of a layer, so that neither the clamp of solve()
-/// nor that of a ceiling (wall_push) takes anything away.
+/// Nothing can take the mean density error of a full box away: it is no error of the flow.
+void PoissonPressure::take_mean_errors_away(const StepContext& step, Read<field::density> rho) {
+    for (const ClosedRegion& region : closed_.all) {
+        if (!region.singular) continue;
+        double mean = 0;
+        for (Index i : region.members) mean += rho[i];
+        mean /= static_cast<double>(region.members.size());
+        for (Index i : region.members) b_[i] -= source(step, i, static_cast<Real>(mean) / step.rest_density - 1, 0);
+    }
+}
+
+/// Without a surface the pressure has no natural zero. Its lowest value is made the weight of a layer, so that the clamp takes nothing
+/// away.
 void PoissonPressure::choose_zero(const StepContext& step, Span<Real> x) const {
     const Real layer = step.rest_density * step.gravity.norm() * step.spacing;
-    for (const ClosedRegion& component : closed_.all) {
-        Real lowest = component.singular ? std::numeric_limits<Real>::max() : 0;
-        for (Index i : component.members) lowest = std::min(lowest, x[i]);
-        const Real shift = component.singular ? layer - lowest : -lowest;
-        for (Index i : component.members) x[i] += shift;
+    for (const ClosedRegion& region : closed_.all) {
+        if (!region.singular) continue;
+        Real lowest = std::numeric_limits<Real>::max();
+        for (Index i : region.members) lowest = std::min(lowest, x[i]);
+        for (Index i : region.members) x[i] += layer - lowest;
     }
 }
 
 void PoissonPressure::solve(const StepContext& step, StepReport& report, Update<field::pressure> p) {
     const Index n = matrix_.size();
-    closed_.take_means_away(b_);
     Column<Real> x(n);
     const double unknowns = parallel_sum(n, [&](Index i) {
         const bool unknown = matrix_.unknown[i];
@@ -182,32 +220,34 @@ void PoissonPressure::solve(const StepContext& step, StepReport& report, Update<
         return static_cast<double>(unknown);
     });
     report.solves.push_back({"pressure", solve_rows(step, unknowns, x)});
-    choose_zero(step, x);
+    if (options_.clamp) choose_zero(step, x);
     parallel_for(n, [&](Index i) {
-        if (class_[i] != PressureClass::separated) p[i] = std::max(Real(0), x[i]);
+        if (class_[i] != PressureClass::separated) p[i] = options_.clamp ? std::max(Real(0), x[i]) : x[i];
     });
 }
 
-/// u_i -= dt sum_j m (p_i/rho_i^2 + p_j/rho_j^2) grad W_ij + dt (push of prescribed neighbours and solids)
+/// u_i -= dt/rho_0 (D^T p)_i / V
 template <class Kernel>
-void PoissonPressure::push(const Kernel& kernel, const Surroundings& around, Read<field::density> rho, Update<field::velocity> u,
-                           Update<field::pressure> p) const {
+void PoissonPressure::push(const Kernel& kernel, const Surroundings& around, Update<field::velocity> u, Update<field::pressure> p) const {
     const StepContext& step = around.step;
-    parallel_for(rho.size(), [&](Index i) {
+    parallel_for(matrix_.size(), [&](Index i) {
         if (class_[i] == PressureClass::prescribed) return;
-        const Real own = p[i] / (rho[i] * rho[i]);
+        const Real own = weight_[i] * p[i];
         Vec3 sum = Vec3::Zero();
-        around.pairs.of(
-            i, [&](Index j, const Vec3& r, Real distance) { sum += (own + p[j] / (rho[j] * rho[j])) * kernel.slope(distance) * r; });
-        u[i] -= step.dt * (step.mass * sum + p[i] * wall_[i]);
-        if (p[i] > 0 && around.layer.size() > 0)
-            u[i] -= step.dt * gate_[i] * step.rest_density / (rho[i] * rho[i]) * wall_push(kernel, i, around, options_.solid_factor, p[i]);
+        around.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
+            const Real other = class_[j] == PressureClass::prescribed ? own : weight_[j] * p[j];
+            sum += (fill_[i] + fill_[j]) / 2 * step.volume * (own + other) * kernel.slope(distance) * r;
+        });
+        if (own != 0 && around.layer.size() > 0)
+            around.solid_pairs.of(i,
+                                  [&](Index s, const Vec3& r, Real distance) { sum += own * of_solid(kernel, around, i, s, r, distance); });
+        u[i] -= step.dt / step.rest_density * sum;
     });
 }
 
 void PoissonPressure::resize(const Surroundings& around) {
     const Index n = around.pairs.size();
-    class_.resize(n), touches_surface_.resize(n), gate_.resize(n), b_.resize(n), wall_.resize(n);
+    class_.resize(n), touches_surface_.resize(n), gate_.resize(n), b_.resize(n), weight_.resize(n), fill_.resize(n);
     matrix_.first.assign(static_cast<std::size_t>(n) + 1, 0);
     matrix_.diagonal.resize(n), matrix_.pin.resize(n), matrix_.unknown.resize(n);
     matrix_.x = around.pairs.x_own;
@@ -218,16 +258,15 @@ void PoissonPressure::operator()(const Surroundings& around, StepReport& report,
                                  Update<field::velocity> u, Update<field::pressure> p) {
     resize(around);
     with_kernel(around.step.kernel, around.step.support, [&](const auto& kernel) {
-        parallel_for(rho.size(), [&](Index i) {
-            gate_[i] = around.layer.size() > 0
-                           ? options_.gate.weight(kernel, i, around.solid_pairs, around.layer.volume, options_.solid_factor)
-                           : Real(1);
-        });
+        weigh(kernel, around, rho);
         classify(kernel, around, role, rho);
-        build(kernel, around, rho, u, p);
-        closed_.find(matrix_, touches_surface_);
+        carry(kernel, around, u);
+        lay_out_rows(around.pairs);
+        set_rows(kernel, around, rho, u, p);
+        closed_.find(matrix_, touches_surface_, weakly_tied);
+        take_mean_errors_away(around.step, rho);
         solve(around.step, report, p);
-        push(kernel, around, rho, u, p);
+        push(kernel, around, u, p);
     });
 }
 

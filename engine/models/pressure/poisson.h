@@ -18,6 +18,7 @@ struct PoissonPressureOptions {
     /// Share of the density error that one step corrects: the source is (dt drho/dt + share (rho - rho_0))/dt^2. 1: as in the notes; then
     /// an error e throws the fluid about with e d/dt and the pressure with rho_0 e H^2/dt^2, many times its weight.
     double density_correction = 0.1;
+    bool clamp = true;      ///< p = max(0, p) after the solve, as in the notes
     Real solid_factor = 1;  ///< on the solids' volumes, see models/boundary/wall.h
     SolidGate gate;         ///< before solids
     PressurePreconditionerSetup preconditioner = jacobi;
@@ -26,9 +27,9 @@ struct PoissonPressureOptions {
 /// What a particle is to the pressure solve.
 enum class PressureClass : char { isolated, surface, separated, poisson, prescribed };
 
-/// Row of particle i: sum_j a_ij (p_i - p_j) + alpha_i p_i = (dt drho_i/dt(u*) + share (rho_i - rho_0))/dt^2, then
-/// u_i = u*_i - dt sum_j m (p_i/rho_i^2 + p_j/rho_j^2) grad W_ij - dt (rho_0/rho_i^2) sum_s (p_i + p_s) V_s grad W_is (wall_pressure.h).
-/// Prescribed particles (emitter) act as solids do: their pressure mirrors that of i.
+/// Solves L p = rho_0 D u*/dt + the share of the density error, then u = u* - dt M^-1 D^T p (docs/physics.md 3). The force is the transpose
+/// of the divergence D, walls included, and L >= D M^-1 D^T/2: a solve gains no energy. Prescribed particles (emitter) mirror the pressure
+/// of i.
 class PoissonPressure {
 public:
     explicit PoissonPressure(PoissonPressureOptions options) : options_(std::move(options)) {}
@@ -43,27 +44,34 @@ private:
     void classify(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Read<field::density> rho);
     void resize(const Surroundings& around);
     template <class Kernel>
-    void build(const Kernel& kernel, const Surroundings& around, Read<field::density> rho, Update<field::velocity> u,
-               Update<field::pressure> p);
+    void weigh(const Kernel& kernel, const Surroundings& around, Read<field::density> rho);
+    template <class Kernel>
+    Real solid_slope(const Kernel& kernel, const Surroundings& around, Index i, Index s, Real distance) const;
+    template <class Kernel>
+    void carry(const Kernel& kernel, const Surroundings& around, Update<field::velocity> u) const;
+    template <class Kernel>
+    Vec3 of_solid(const Kernel& kernel, const Surroundings& around, Index i, Index s, const Vec3& r, Real distance) const;
     void lay_out_rows(const FluidPairs& pairs);
     template <class Kernel>
     void set_rows(const Kernel& kernel, const Surroundings& around, Read<field::density> rho, Update<field::velocity> u,
                   Update<field::pressure> p);
     SolveReport solve_rows(const StepContext& step, double unknowns, Span<Real> x);
+    Real source(const StepContext& step, Index i, Real error, Real rate) const;
+    void take_mean_errors_away(const StepContext& step, Read<field::density> rho);
     void choose_zero(const StepContext& step, Span<Real> x) const;
     void solve(const StepContext& step, StepReport& report, Update<field::pressure> p);
     template <class Kernel>
-    void push(const Kernel& kernel, const Surroundings& around, Read<field::density> rho, Update<field::velocity> u,
-              Update<field::pressure> p) const;
+    void push(const Kernel& kernel, const Surroundings& around, Update<field::velocity> u, Update<field::pressure> p) const;
 
     PoissonPressureOptions options_;
     PressureMatrix matrix_;
     std::vector<PressureClass> class_;
     std::vector<char> touches_surface_;
     ClosedRegions closed_;
-    Column<Real> gate_;  ///< weight of the solids by particle
-    Column<Real> b_;     ///< V_i (rho*_i - rho_0)/dt^2
-    Column<Vec3> wall_;  ///< build(): gradient of the solids [1/m]; then: acceleration by prescribed neighbours over -p_i [m^2/kg]
+    Column<Real> gate_;    ///< weight of the solids by particle
+    Column<Real> weight_;  ///< w_i = (rho_0/rho_i)^2
+    Column<Real> fill_;    ///< f_i = 1/(1 - sum_s V_s W_is): the fluid stands for what solids take of its neighbourhood
+    Column<Real> b_;       ///< right-hand side
 };
 
 }  // namespace whorl

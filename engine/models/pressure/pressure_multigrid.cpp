@@ -50,12 +50,13 @@ struct Levels {
 /// Joins the diagonal and the coarse levels, in sum or one after the other.
 /// @param multiply A on vectors that are 0 where not unknown @param unknown may change afterwards, as long as no particle's number does
 template <class Multiply>
-PressurePreconditioner joined(std::shared_ptr<Levels> levels, const std::vector<char>& unknown, bool additive, const Multiply& multiply) {
+PressurePreconditioner joined(std::shared_ptr<Levels> levels, const std::vector<char>& unknown, const ParticleMultigrid& options,
+                              const Multiply& multiply) {
     std::size_t bytes = levels->coarse.bytes() + (levels->groups.of.size() + levels->groups.member.size()) * sizeof(Index) +
                         levels->inverse_diagonal.size() * sizeof(Real);
     PressurePreconditioner made;
     made.levels = 1 + levels->coarse.levels();
-    if (additive) {
+    if (options.additive) {
         made.apply = [levels, &unknown](Span<const Real> r, Span<Real> z) {
             levels->correct(r, unknown, z, [&](Index i) { return levels->inverse_diagonal[i] * r[i]; });
         };
@@ -77,15 +78,20 @@ PressurePreconditioner joined(std::shared_ptr<Levels> levels, const std::vector<
             parallel_for(n, [&](Index i) { x[i] = static_cast<Real>(y[i] / after); });
         }
         const Real w = largest > 0 ? static_cast<Real>(4.0 / 3 / largest) : Real(1);
-        made.apply = [levels, &unknown, multiply, w, n](Span<const Real> r, Span<Real> z) {
+        const int before = options.coarse.sweeps_before, after = options.coarse.sweeps_after;
+        made.apply = [levels, &unknown, multiply, w, n, before, after](Span<const Real> r, Span<Real> z) {
             const auto& D = levels->inverse_diagonal;
             Column<Real>&left = levels->left, &Az = levels->product;
+            const auto sweep = [&] {
+                multiply(Span<const Real>(z), Span<Real>(Az));
+                parallel_for(n, [&](Index i) { z[i] += unknown[i] ? w * D[i] * (r[i] - Az[i]) : 0; });
+            };
             parallel_for(n, [&](Index i) { z[i] = unknown[i] ? w * D[i] * r[i] : 0; });
+            for (int k = 1; k < before; ++k) sweep();
             multiply(Span<const Real>(z), Span<Real>(Az));
             parallel_for(n, [&](Index i) { left[i] = unknown[i] ? r[i] - Az[i] : 0; });
             levels->correct(left, unknown, z, [&](Index i) { return z[i]; });
-            multiply(Span<const Real>(z), Span<Real>(Az));
-            parallel_for(n, [&](Index i) { z[i] += unknown[i] ? w * D[i] * (r[i] - Az[i]) : 0; });
+            for (int k = 0; k < after; ++k) sweep();
         };
     }
     made.bytes = bytes;
@@ -184,8 +190,10 @@ PressurePreconditioner constraint_automatic(const ConstraintMatrix& matrix) {
     return count(matrix.presses) < constraint_multigrid_above ? diagonal_scaling(matrix) : constraint_multigrid()(matrix);
 }
 
-PressurePreconditioner poisson_automatic(const PressureMatrix& matrix) {
-    return count(matrix.unknown) < poisson_multigrid_above ? jacobi(matrix) : poisson_multigrid()(matrix);
+PressurePreconditionerSetup poisson_automatic(const ParticleMultigrid& options) {
+    return [options](const PressureMatrix& matrix) {
+        return count(matrix.unknown) < poisson_multigrid_above ? jacobi(matrix) : poisson_multigrid(options)(matrix);
+    };
 }
 
 ConstraintPreconditionerSetup constraint_multigrid(const ParticleMultigrid& options) {
@@ -198,7 +206,7 @@ ConstraintPreconditionerSetup constraint_multigrid(const ParticleMultigrid& opti
             levels->inverse_diagonal[i] = diagonal > smallest ? 1 / diagonal : 0;
         });
         levels->ready(coarse_matrix(A, levels->groups), std::move(cells), options.coarse);
-        return joined(std::move(levels), A.presses, options.additive, [&A](Span<const Real> q, Span<Real> Aq) { A.multiply(q, Aq); });
+        return joined(std::move(levels), A.presses, options, [&A](Span<const Real> q, Span<Real> Aq) { A.multiply(q, Aq); });
     };
 }
 
@@ -209,7 +217,7 @@ PressurePreconditionerSetup poisson_multigrid(const ParticleMultigrid& options) 
         levels->inverse_diagonal.resize(A.size());
         parallel_for(A.size(), [&](Index i) { levels->inverse_diagonal[i] = 1 / A.diagonal[i]; });
         levels->ready(coarse_matrix(A, levels->groups), std::move(cells), options.coarse);
-        return joined(std::move(levels), A.unknown, options.additive, [&A](Span<const Real> p, Span<Real> Ap) { A.multiply(p, Ap); });
+        return joined(std::move(levels), A.unknown, options, [&A](Span<const Real> p, Span<Real> Ap) { A.multiply(p, Ap); });
     };
 }
 

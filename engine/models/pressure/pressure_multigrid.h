@@ -9,7 +9,7 @@ namespace whorl {
 /// How the particles sit on the first coarse level, and how the two are joined.
 struct ParticleMultigrid {
     Real cell;             ///< in spacings: the unknowns of a cubic cell make one coarse unknown
-    bool additive = true;  ///< z = D^-1 r + P M P^T r; false: a V-cycle from the particles on (three products an iteration rather than one)
+    bool additive = true;  ///< z = D^-1 r + P M P^T r; false: a V-cycle from the particles on, with the sweeps of `coarse`
     MultigridOptions coarse;
 };
 
@@ -27,6 +27,6 @@ PressurePreconditionerSetup poisson_multigrid(const ParticleMultigrid& options =
 inline constexpr double constraint_multigrid_above = 500000, poisson_multigrid_above = 5000;
 /// Whichever is faster for this many unknowns.
 PressurePreconditioner constraint_automatic(const ConstraintMatrix& matrix);
-PressurePreconditioner poisson_automatic(const PressureMatrix& matrix);
+PressurePreconditionerSetup poisson_automatic(const ParticleMultigrid& options = poisson_levels);
 
 }  // namespace whorl

@@ -102,7 +102,8 @@ void Projection::operator()(const Surroundings& around, StepReport& report, Read
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         const double start = wall_seconds();
         build(W, around, role);
-        closed_.find(matrix_, touches_surface_);
+        closed_.find(matrix_, touches_surface_, 0.01);
+        closed_.take_pins_away(matrix_);
         const PressurePreconditioner M = s.options.preconditioner(matrix_);
         all.levels = M.levels;
         all.set_up_seconds = wall_seconds() - start;

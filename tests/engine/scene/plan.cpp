@@ -363,37 +363,31 @@ TEST_CASE("a background pressure is warned of where blocks leave room, not in a 
     CHECK(warned(channel("0.05")));
 }
 
-TEST_CASE(
-    "the published pressure rows are refused where they diverge, in narrow slots and in fluid that fills a periodic domain, and the "
-    "constraint is not",
-    "[plan][pressure]") {
-    const auto messages = [](const std::string& form, const std::string& rest) -> std::string {
+TEST_CASE("keys of the published pressure rows are refused with other forms of pressure, and correction with source velocity",
+          "[plan][pressure]") {
+    const auto messages = [](const std::string& keys) -> std::string {
         try {
-            make_plan(scene_with({}, "[time]\nend = 1\n[fluid]\nspacing = 0.01\n[models]\npressure = \"ppe\"\n[pressure]\n" + form + rest));
+            make_plan(
+                scene_with({},
+                           "[time]\nend = 1\n[domain]\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]\nperiodic = [true, true, true]\n[[block]]\n"
+                           "shape = \"box\"\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]\n[fluid]\nspacing = 0.01\n[models]\n"
+                           "pressure = \"ppe\"\n[pressure]\n" +
+                               keys));
         } catch (const InputError& error) { return error.what(); }
         return "";
     };
-    const auto slot = [](const std::string& width) {
-        return "[domain]\nmin = [-0.05, -0.05, 0]\nmax = [0.2, 0.3, 0.1]\nperiodic = [false, false, true]\n[[block]]\nshape = \"box\"\nmin "
-               "= [0, 0, 0]\nmax = [" +
-               width +
-               ", 0.2, 0.1]\n[[solid]]\nshape = \"plane\"\n[[solid]]\nshape = \"plane\"\nnormal = [1, 0, 0]\n[[solid]]\nshape = "
-               "\"plane\"\nposition = [" +
-               width + ", 0, 0]\nnormal = [-1, 0, 0]\n";
-    };
-    const std::string full =
-        "[domain]\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]\nperiodic = [true, true, true]\n[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax "
-        "= [0.1, 0.1, 0.1]\n";
     const std::string published = "form = \"projection\"\nsource = \"density\"\n", projection = "form = \"projection\"\n",
                       constraint = "form = \"constraint\"\n";
-    CHECK(messages(published, slot("0.02")).find("these stand 2 spacings apart; take pressure.source = \"velocity\"") != std::string::npos);
-    CHECK(messages(published, slot("0.06")).find("these stand 6 spacings apart") != std::string::npos);
-    CHECK(messages(published, slot("0.1")).empty());
-    CHECK(messages(published, full).find("diverges in fluid that fills a periodic domain") != std::string::npos);
-    for (const std::string& form : {projection, constraint}) {
-        CHECK(messages(form, slot("0.02")).empty());
-        CHECK(messages(form, full).empty());
+    for (const std::string key : {"clamp = false", "cycle = \"v_cycle\"", "sweeps = 2"}) {
+        CHECK(messages(published + key).empty());
+        CHECK(messages(projection + key).find("belongs to pressure.source = \"density\"") != std::string::npos);
+        CHECK(messages(constraint + key).find("belongs to pressure.source = \"density\"") != std::string::npos);
     }
+    CHECK(messages(published + "correction = 1").empty());
+    CHECK(messages(constraint + "correction = 1").empty());
+    CHECK(messages(projection + "correction = 1").find("pressure.source = \"velocity\" does not see") != std::string::npos);
+    CHECK(messages(published + "sweeps = 0").find("at least 1") != std::string::npos);
+    CHECK(messages(published + "cycle = \"w\"").find("additive or v_cycle") != std::string::npos);
 }
 
 TEST_CASE("the projection is refused where fluid splashes, and taken by itself where fluid fills its space", "[plan][pressure]") {

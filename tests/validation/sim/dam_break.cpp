@@ -126,16 +126,11 @@ inside = true
     CHECK(simulation.totals().lost_particles == 0);
 }
 
-TEST_CASE(
-    "a rotating square patch of water keeps its fourfold symmetry, its angular momentum and its energy, with both velocities that the "
-    "constraint can leave it",
-    "[validation][pressure]") {
+TEST_CASE("a rotating square patch of water keeps its fourfold symmetry, its angular momentum and its energy", "[validation][pressure]") {
     // One radian. Every particle, turned by a right angle about the axis, falls on another one within a hundredth of a spacing; without
     // viscosity and gravity nothing takes energy but what the pressure brakes (0.1 %).
-    for (const bool divergence_free : {false, true}) {
-        INFO("divergence-free " << divergence_free);
-        constexpr double d = 0.05;
-        Simulation simulation = simulation_of(fmt::format(R"toml([time]
+    constexpr double d = 0.05;
+    Simulation simulation = simulation_of(fmt::format(R"toml([time]
 end = 1
 [domain]
 min = [-3, -3, 0]
@@ -151,38 +146,35 @@ max = [0.5, 0.5, {1}]
 velocity = ["-y", "x", "0"]
 [models]
 pressure = "ppe"
-[pressure]
-divergence_free = {2}
 )toml",
-                                                          d, 5 * d, divergence_free));
-        const auto measure = [&](double& turning, double& energy) {
-            turning = energy = 0;
-            const auto x = simulation.world().fluid.column<field::position>();
-            const auto u = simulation.world().fluid.column<field::velocity>();
-            for (std::size_t i = 0; i < x.size(); ++i) {
-                turning += static_cast<double>(x[i].x()) * u[i].y() - static_cast<double>(x[i].y()) * u[i].x();
-                energy += static_cast<double>(u[i].squaredNorm());
-            }
-        };
-        double turning = 0, energy = 0, turning_now = 0, energy_now = 0;
-        measure(turning, energy);
-        run_until(simulation, 1);
-        measure(turning_now, energy_now);
-        CHECK(turning_now == Approx(turning).epsilon(1e-4));
-        CHECK(energy_now < 1.0001 * energy);
-        CHECK(energy_now > 0.998 * energy);
-        double farthest = 0;
+                                                      d, 5 * d));
+    const auto measure = [&](double& turning, double& energy) {
+        turning = energy = 0;
         const auto x = simulation.world().fluid.column<field::position>();
+        const auto u = simulation.world().fluid.column<field::velocity>();
         for (std::size_t i = 0; i < x.size(); ++i) {
-            double nearest = 1e9;
-            for (std::size_t j = 0; j < x.size(); ++j) {
-                const Vec3 turned(-x[i].y(), x[i].x(), x[i].z());
-                Vec3 r = turned - x[j];
-                r.z() -= static_cast<Real>(5 * d * std::nearbyint(static_cast<double>(r.z()) / (5 * d)));
-                nearest = std::min(nearest, static_cast<double>(r.norm()));
-            }
-            farthest = std::max(farthest, nearest);
+            turning += static_cast<double>(x[i].x()) * u[i].y() - static_cast<double>(x[i].y()) * u[i].x();
+            energy += static_cast<double>(u[i].squaredNorm());
         }
-        CHECK(farthest < 0.01 * d);
+    };
+    double turning = 0, energy = 0, turning_now = 0, energy_now = 0;
+    measure(turning, energy);
+    run_until(simulation, 1);
+    measure(turning_now, energy_now);
+    CHECK(turning_now == Approx(turning).epsilon(1e-4));
+    CHECK(energy_now < 1.0001 * energy);
+    CHECK(energy_now > 0.998 * energy);
+    double farthest = 0;
+    const auto x = simulation.world().fluid.column<field::position>();
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        double nearest = 1e9;
+        for (std::size_t j = 0; j < x.size(); ++j) {
+            const Vec3 turned(-x[i].y(), x[i].x(), x[i].z());
+            Vec3 r = turned - x[j];
+            r.z() -= static_cast<Real>(5 * d * std::nearbyint(static_cast<double>(r.z()) / (5 * d)));
+            nearest = std::min(nearest, static_cast<double>(r.norm()));
+        }
+        farthest = std::max(farthest, nearest);
     }
+    CHECK(farthest < 0.01 * d);
 }
