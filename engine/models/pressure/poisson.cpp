@@ -58,7 +58,7 @@ void PoissonPressure::weigh(const Kernel& kernel, const Surroundings& around, Re
 
 template <class Kernel>
 Real PoissonPressure::solid_slope(const Kernel& kernel, const Surroundings& around, Index i, Index s, Real distance) const {
-    return (1 + fill_[i]) / 2 * gate_[i] * options_.solid_factor * around.layer.volume[s] * kernel.slope(distance);
+    return gate_[i] * options_.solid_factor * around.layer.volume[s] * kernel.slope(distance);
 }
 
 /// What solid particle s adds to D_i, without the weight of i.
@@ -127,7 +127,7 @@ void PoissonPressure::set_rows(const Kernel& kernel, const Surroundings& around,
         Vec3 uniform = Vec3::Zero();
         bool surface = false;
         around.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-            const Real filled = (fill_[i] + fill_[j]) / 2, slope = kernel.slope(distance);
+            const Real filled = std::min(fill_[i], fill_[j]), slope = kernel.slope(distance);
             const Vec3 gradient = filled * V * slope * r;
             rate += (u[i] - u[j]).dot(gradient);
             if (class_[j] == PressureClass::prescribed) {
@@ -236,7 +236,7 @@ void PoissonPressure::push(const Kernel& kernel, const Surroundings& around, Upd
         Vec3 sum = Vec3::Zero();
         around.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
             const Real other = class_[j] == PressureClass::prescribed ? own : weight_[j] * p[j];
-            sum += (fill_[i] + fill_[j]) / 2 * step.volume * (own + other) * kernel.slope(distance) * r;
+            sum += std::min(fill_[i], fill_[j]) * step.volume * (own + other) * kernel.slope(distance) * r;
         });
         if (own != 0 && around.layer.size() > 0)
             around.solid_pairs.of(i,

@@ -166,7 +166,6 @@ TEST_CASE("published rows: a particle that meets a moving wall alone has the pre
         }
         const double volume = d * d * d, rho = static_cast<double>(f.column<field::density>()[0]), ratio = 1000 / rho;
         CHECK(rho == Approx(1000 * (volume * static_cast<double>(W.value(0)) + behind)).epsilon(1e-5));
-        push *= (1 + 1 / (1 - behind)) / 2;
         const double alpha = std::pow(ratio, 4) * push.squaredNorm();
         const double rate = Vec3d(0.3, towards ? -0.5 : 0.5, 0).dot(push);  // of rho/rho_0
         const double b = 1000 * ratio * ratio * (rho / 1000 - 1 + dt * rate) / (dt * dt), p = std::max(0.0, b / alpha);
@@ -219,7 +218,7 @@ TEST_CASE("published rows: scattered fluid between moving walls has the pressure
             for (Index s = 0; s < layer.size(); ++s) {
                 const Vec3d r = x[i] - layer.position[s].cast<double>(), normal = layer.normal[s].cast<double>();
                 const double above = r.dot(normal), stretch = above <= 0 ? 1 : 1 + d / 2 / std::max(above - d / 2, d / 4);
-                const double share = (1 + fill[i]) / 2 * static_cast<double>(options.solid_factor * layer.volume[s]);
+                const double share = static_cast<double>(options.solid_factor * layer.volume[s]);
                 add(s, Vec3d(share * F(r.norm()) * (r + (stretch - 1) * above * normal)));
             }
         };
@@ -233,7 +232,7 @@ TEST_CASE("published rows: scattered fluid between moving walls has the pressure
             for (Index j = 0; j < n; ++j) {
                 if (j == i) continue;
                 const Vec3d r = x[i] - x[j];
-                const double filled = (fill[i] + fill[j]) / 2, c = V * filled * filled * w[i] * w[j] * -2 * F(r.norm());
+                const double filled = std::min(fill[i], fill[j]), c = V * filled * filled * w[i] * w[j] * -2 * F(r.norm());
                 rate += filled * V * F(r.norm()) * (u[i] - u[j]).dot(r);
                 uniform += (w[i] + w[j]) * filled * V * F(r.norm()) * r;
                 A(i, i) += c;
@@ -255,7 +254,7 @@ TEST_CASE("published rows: scattered fluid between moving walls has the pressure
             wrong = std::max(wrong, std::abs(static_cast<double>(f.column<field::pressure>()[i]) - p[i]));
             Vec3d push = Vec3d::Zero();
             for (Index j = 0; j < n; ++j)
-                if (j != i) push += (fill[i] + fill[j]) / 2 * V * (w[i] * p[i] + w[j] * p[j]) * F((x[i] - x[j]).norm()) * (x[i] - x[j]);
+                if (j != i) push += std::min(fill[i], fill[j]) * V * (w[i] * p[i] + w[j] * p[j]) * F((x[i] - x[j]).norm()) * (x[i] - x[j]);
             solids(i, [&](Index, const Vec3d& gradient) { push += w[i] * p[i] * gradient; });
             off = std::max(off, (f.column<field::velocity>()[i].cast<double>() - (u[i] - dt / 1000 * push)).norm());
         }
