@@ -63,10 +63,6 @@ void check_projection(const Scene& scene, const Plan& plan, const SceneShapes& s
     const KeyProblems problem(scene, problems);
     if (plan.facts.pressure.source != PressureSource::velocity) return;
     check_splashing(scene, plan, shapes, problem);
-    if (scene.pressure.correction)
-        problem("pressure.correction",
-                "pressure.correction is a share of the density error, which pressure.source = \"velocity\" does not see",
-                "remove it, or take pressure.source = \"density\" or pressure.form = \"constraint\"");
 }
 
 }  // namespace whorl

@@ -12,6 +12,7 @@
 #include "engine/scene/check_placement.h"
 #include "engine/scene/check_plane.h"
 #include "engine/scene/check_projection.h"
+#include "engine/scene/check_unread.h"
 #include "engine/scene/names.h"
 #include "engine/scene/numbers.h"
 
@@ -229,6 +230,7 @@ private:
         check_placement(scene_, plan_, n_, shapes_, problems);
         check_projection(scene_, plan_, shapes_, problems);
         check_plane(scene_, plan_, problems);
+        check_unread(given_, plan_, problems);
         if (!problems.empty()) throw InputError(in_order(std::move(problems), scene_.place("").file));
     }
 
@@ -271,6 +273,10 @@ private:
 
     void warn_of_pressure() {
         if (plan_.pressure == PressureModel::none) add_warning("models.pressure is none: nothing keeps the particles apart");
+        if (plan_.facts.pressure.source == PressureSource::density && scene_.pressure.damping == 0)
+            add_warning(
+                "without pressure.damping, pressure.source = \"density\" shakes particles beside walls: fluid at rest trembles, and a full "
+                "closed box comes apart where pressure.correction is large");
         if (!plan_.facts.pressure.has_sound) return;
         if (scene_.pressure.background_pressure > 0 && part_left_empty(scene_, shapes_) > 0.02)
             add_warning("pressure.background_pressure pushes particles away from a free surface: 0 is right where there is one");

@@ -85,10 +85,10 @@ struct PressureKeys {
     MultigridCycle cycle = MultigridCycle::additive;            ///< source density
     int sweeps = 1;                                             ///< source density: of a multigrid cycle, before and after each correction
     std::optional<double> correction;  ///< share of the density error that a step corrects; none: "auto", 0.5, of source density 0.1
-    double damping = 2;                ///< ppe, constraint: of motion between neighbours that is not resolved, times sqrt(g/d)
-    double sound_speed = 0;            ///< m/s, wcsph; 0: ten times the speed that the plan expects
-    double gamma = 7;                  ///< exponent of Tait's equation, wcsph
-    double background_pressure = 0;    ///< Pa, wcsph
+    double damping = 2;              ///< constraint and source density: of motion between neighbours that is not resolved, times sqrt(g/d)
+    double sound_speed = 0;          ///< m/s, wcsph; 0: ten times the speed that the plan expects
+    double gamma = 7;                ///< exponent of Tait's equation, wcsph
+    double background_pressure = 0;  ///< Pa, wcsph
     GradientForm gradient = GradientForm::symmetric;  ///< wcsph
     double sound_damping = 1;                         ///< bulk viscosity over rho c R/2, wcsph
     std::optional<double>

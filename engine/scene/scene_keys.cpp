@@ -132,9 +132,10 @@ KeyTable pressure_keys() {
         .above(0)
         .at_most(1)
         .only_with(model, {"ppe"});
-    t.key("damping", &PressureKeys::damping, "", "constraint: rate at which unresolved motion between neighbours dies, times sqrt(g/d)")
+    t.key("damping", &PressureKeys::damping, "",
+          "constraint and source density: rate at which unresolved motion between neighbours dies, times sqrt(g/d)")
         .at_least(0)
-        .only_with(form, {"constraint"});
+        .only_with(model, {"ppe"});
     t.key("sound_speed", &PressureKeys::sound_speed, "m/s", "0: ten times the largest speed that the plan expects")
         .at_least(0)
         .only_with(model, {"wcsph"})

@@ -288,6 +288,10 @@ private:
     }
 
     void incompressibility() {
+        if (scene_.pressure.damping > 0) {
+            stage("unresolved motion", "pressure", DampUnresolved{scene_.pressure.damping, scene_.fluid.surface_tension});
+            work_is(&EnergyWork::smoothing);
+        }
         if (constraint_) density_constraint();
         else pressure_equation();
         work_is(&EnergyWork::pressure);
@@ -301,10 +305,6 @@ private:
         options.gate = gate_;
         options.preconditioner = preconditioner<ConstraintPreconditionerSetup>(
             scene_.pressure.preconditioner, constraint_automatic, constraint_unpreconditioned, diagonal_scaling, constraint_multigrid());
-        if (scene_.pressure.damping > 0) {
-            stage("unresolved motion", "pressure", DampUnresolved{scene_.pressure.damping, scene_.fluid.surface_tension});
-            work_is(&EnergyWork::smoothing);
-        }
         stage("density constraint", "pressure", ConstraintPressure{options});
         pressure_limit();
     }

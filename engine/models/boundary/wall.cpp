@@ -4,24 +4,65 @@
 
 namespace whorl {
 
+namespace {
+
+/// Sums over the lattice of a layer k spacings away: a square one, in the plane a file.
+template <class Kernel>
+class LatticeLayers {
+public:
+    LatticeLayers(const Kernel& kernel, int dimensions, Real support, Real spacing)
+        : kernel_(kernel), dimensions_(dimensions), reach_(static_cast<int>(std::ceil(support / spacing))), spacing_(spacing) {}
+
+    double value(int k) const {
+        return sum(k, [&](Real r, int) { return static_cast<double>(kernel_.value(r)); });
+    }
+    /// Of W' along the normal, and of |W'| r along the layer.
+    double pull(int k) const {
+        return sum(k, [&](Real r, int) { return static_cast<double>(kernel_.derivative(r)) * k * spacing_ / r; });
+    }
+    double along(int k) const {
+        return sum(k, [&](Real r, int squares) {
+            return r > 0 ? -static_cast<double>(kernel_.derivative(r)) * squares * spacing_ * spacing_ / r / (dimensions_ - 1) : 0;
+        });
+    }
+    template <class Term>
+    double behind(Term&& term) const {
+        double sum = 0;
+        for (int k = 1; k <= reach_; ++k) sum += term(k);
+        return sum;
+    }
+
+private:
+    template <class Term>
+    double sum(int k, Term&& term) const {
+        double sum = 0;
+        each_lattice_point(dimensions_ - 1, reach_, [&](int a, int b, int) {
+            sum += term(spacing_ * std::sqrt(static_cast<Real>(a * a + b * b + k * k)), a * a + b * b);
+        });
+        return sum;
+    }
+    const Kernel& kernel_;
+    int dimensions_, reach_;
+    Real spacing_;
+};
+
+}  // namespace
+
 Real continued_lattice_factor(KernelForm form, Real support, Real spacing) {
     return with_kernel(form, support, [&](const auto& kernel) {
-        const int reach = static_cast<int>(std::ceil(support / spacing));
-        // Sums over the lattice of a layer k spacings away: a square one, in the plane a file.
-        const auto layer = [&](int k, auto&& term) {
-            double sum = 0;
-            each_lattice_point(form.dimensions - 1, reach,
-                               [&](int a, int b, int) { sum += term(spacing * std::sqrt(static_cast<Real>(a * a + b * b + k * k))); });
-            return sum;
-        };
-        const auto pull = [&](int k) {
-            return layer(k, [&](Real r) { return static_cast<double>(kernel.derivative(r)) * k * spacing / r; });
-        };
-        double all = 0;
-        for (int k = 1; k <= reach; ++k) all += pull(k);
-        const double own = layer(0, [&](Real r) { return static_cast<double>(kernel.value(r)); });
+        const LatticeLayers layers(kernel, form.dimensions, support, spacing);
         const double volume = power_of(static_cast<double>(spacing), form.dimensions);
-        return static_cast<Real>(own * volume * all / pull(1));
+        return static_cast<Real>(layers.value(0) * volume * layers.behind([&](int k) { return layers.pull(k); }) / layers.pull(1));
+    });
+}
+
+Real lacking_along_wall(KernelForm form, Real support, Real spacing) {
+    return with_kernel(form, support, [&](const auto& kernel) {
+        const LatticeLayers layers(kernel, form.dimensions, support, spacing);
+        const double lacks = layers.behind([&](int k) { return layers.along(k); });
+        const double volume = power_of(static_cast<double>(spacing), form.dimensions);
+        const double wall = volume * layers.value(1) * layers.behind([&](int k) { return layers.pull(k); }) / layers.pull(1);
+        return static_cast<Real>(lacks / (layers.along(0) + lacks) / wall);
     });
 }
 

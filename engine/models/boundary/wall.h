@@ -22,6 +22,10 @@ Real layer_factor(KernelForm kernel, Real support, Real spacing);
 /// with R = 2 d. What is divided by it is exact there for linear fields.
 Real lattice_gradient(KernelForm kernel, Real support, Real spacing);
 
+/// Between fluid on a lattice and a flat wall, what the layer at the wall lacks of the pull along the wall, over what the wall adds to its
+/// kernel sum: with 1/(1 - this times that sum) the layer's own pairs make good for it.
+Real lacking_along_wall(KernelForm kernel, Real support, Real spacing);
+
 /// D over the lattice sum of V |W'(r)| r^3/(r^2 + 0.01 h^2), h = R/2: what makes forces along pairs as stiff as they should be in the mean
 /// over directions.
 Real along_pairs_factor(KernelForm kernel, Real support, Real spacing);

@@ -14,15 +14,19 @@ namespace {
 /// floor it is as large as the diagonal.
 constexpr double weakly_tied = 0.05;
 
+/// Of the divergence of the position over the dimensions: below it is a free surface.
+constexpr Real full_enough = Real(0.85);
+
 }  // namespace
 
 /// Free surface: the divergence of the position, 3 inside the fluid (3.06 on a lattice with R = 2 d), 2.24 in the outermost layer of a flat
 /// lattice; solids count as fluid does. A particle that is compressed is no surface, however few its neighbours: it needs a pressure.
 template <class Kernel>
 void PoissonPressure::classify(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Read<field::density> rho) {
-    const Real surface_divergence = Real(0.85) * around.step.dimensions();
+    const auto D = static_cast<Real>(around.step.dimensions());
     parallel_for(rho.size(), [&](Index i) {
         PressureClass& mine = class_[i];
+        spread_[i] = 1;
         if (role[i] != 0) {
             mine = PressureClass::prescribed;
             return;
@@ -38,7 +42,8 @@ void PoissonPressure::classify(const Kernel& kernel, const Surroundings& around,
             around.solid_pairs.of(i, [&](Index s, const Vec3&, Real r) {
                 divergence -= gate_[i] * options_.solid_factor * around.layer.volume[s] * kernel.derivative(r) * r;
             });
-        mine = divergence < surface_divergence && rho[i] < around.step.rest_density ? PressureClass::surface : PressureClass::poisson;
+        mine = divergence < full_enough * D && rho[i] < around.step.rest_density ? PressureClass::surface : PressureClass::poisson;
+        if (mine == PressureClass::poisson) spread_[i] = std::max(full_enough, divergence / D);
     });
 }
 
@@ -46,19 +51,20 @@ template <class Kernel>
 void PoissonPressure::weigh(const Kernel& kernel, const Surroundings& around, Read<field::density> rho) {
     constexpr Real least = Real(0.25);  // of the space that solids leave: between two walls
     const bool walls = around.layer.size() > 0;
+    const Real lacking = walls ? lacking_along_wall(around.step.kernel, around.step.support, around.step.spacing) : 0;
     parallel_for(rho.size(), [&](Index i) {
         gate_[i] = walls ? options_.gate.weight(kernel, i, around.solid_pairs, around.layer.volume, options_.solid_factor) : Real(1);
         Real behind = 0;
         if (walls) around.solid_pairs.of(i, [&](Index s, const Vec3&, Real r) { behind += around.layer.volume[s] * kernel.value(r); });
         const Real ratio = around.step.rest_density / rho[i];
         weight_[i] = ratio * ratio;
-        fill_[i] = 1 / std::max(least, 1 - gate_[i] * options_.solid_factor * behind);
+        fill_[i] = 1 / std::max(least, 1 - lacking * gate_[i] * options_.solid_factor * behind);
     });
 }
 
 template <class Kernel>
 Real PoissonPressure::solid_slope(const Kernel& kernel, const Surroundings& around, Index i, Index s, Real distance) const {
-    return gate_[i] * options_.solid_factor * around.layer.volume[s] * kernel.slope(distance);
+    return gate_[i] * options_.solid_factor * around.layer.volume[s] / spread_[i] * kernel.slope(distance);
 }
 
 /// What solid particle s adds to D_i, without the weight of i.
@@ -127,7 +133,7 @@ void PoissonPressure::set_rows(const Kernel& kernel, const Surroundings& around,
         Vec3 uniform = Vec3::Zero();
         bool surface = false;
         around.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-            const Real filled = std::min(fill_[i], fill_[j]), slope = kernel.slope(distance);
+            const Real filled = between(i, j), slope = kernel.slope(distance);
             const Vec3 gradient = filled * V * slope * r;
             rate += (u[i] - u[j]).dot(gradient);
             if (class_[j] == PressureClass::prescribed) {
@@ -236,7 +242,7 @@ void PoissonPressure::push(const Kernel& kernel, const Surroundings& around, Upd
         Vec3 sum = Vec3::Zero();
         around.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
             const Real other = class_[j] == PressureClass::prescribed ? own : weight_[j] * p[j];
-            sum += std::min(fill_[i], fill_[j]) * step.volume * (own + other) * kernel.slope(distance) * r;
+            sum += between(i, j) * step.volume * (own + other) * kernel.slope(distance) * r;
         });
         if (own != 0 && around.layer.size() > 0)
             around.solid_pairs.of(i,
@@ -247,7 +253,7 @@ void PoissonPressure::push(const Kernel& kernel, const Surroundings& around, Upd
 
 void PoissonPressure::resize(const Surroundings& around) {
     const Index n = around.pairs.size();
-    class_.resize(n), touches_surface_.resize(n), gate_.resize(n), b_.resize(n), weight_.resize(n), fill_.resize(n);
+    class_.resize(n), touches_surface_.resize(n), gate_.resize(n), b_.resize(n), weight_.resize(n), fill_.resize(n), spread_.resize(n);
     matrix_.first.assign(static_cast<std::size_t>(n) + 1, 0);
     matrix_.diagonal.resize(n), matrix_.pin.resize(n), matrix_.unknown.resize(n);
     matrix_.x = around.pairs.x_own;

@@ -1,7 +1,8 @@
 #pragma once
 /// Incompressible pressure: a Poisson equation for the density that the step would end with (docs/physics.md 3; Takahashi et al. 2016).
 ///
-/// Stages of a step, in order: Density (sph/density.h), Gravity, (forces), Kick, (viscosity), PoissonPressure, Move, KeepOutside.
+/// Stages of a step, in order: Density (sph/density.h), Gravity, (forces), Kick, (viscosity), DampUnresolved,
+/// PoissonPressure, Move, KeepOutside.
 #include <vector>
 
 #include "engine/models/pressure/closed_regions.h"
@@ -49,6 +50,7 @@ private:
     Real solid_slope(const Kernel& kernel, const Surroundings& around, Index i, Index s, Real distance) const;
     template <class Kernel>
     void carry(const Kernel& kernel, const Surroundings& around, Update<field::velocity> u) const;
+    Real between(Index i, Index j) const { return 2 * std::min(fill_[i], fill_[j]) / (spread_[i] + spread_[j]); }
     template <class Kernel>
     Vec3 of_solid(const Kernel& kernel, const Surroundings& around, Index i, Index s, const Vec3& r, Real distance) const;
     void lay_out_rows(const FluidPairs& pairs);
@@ -70,7 +72,8 @@ private:
     ClosedRegions closed_;
     Column<Real> gate_;    ///< weight of the solids by particle
     Column<Real> weight_;  ///< w_i = (rho_0/rho_i)^2
-    Column<Real> fill_;    ///< f_i = 1/(1 - sum_s V_s W_is): the fluid stands for what solids take of its neighbourhood
+    Column<Real> fill_;    ///< f_i: the fluid stands for what solids take of its neighbourhood
+    Column<Real> spread_;  ///< s_i = sum V |W'| r/D over fluid and solids: 1 where sums over neighbours are exact for linear fields
     Column<Real> b_;       ///< right-hand side
 };
 

@@ -203,15 +203,21 @@ TEST_CASE("published rows: scattered fluid between moving walls has the pressure
         const auto F = [&](double r) { return r < 2 * d ? static_cast<double>(kernel.derivative(static_cast<Real>(r))) / r : 0; };
         const SolidParticles& layer = f.world.solid_particles;
         const double V = d * d * d;
-        std::vector<double> rho(n), w(n), fill(n);
+        std::vector<double> rho(n), w(n), fill(n), spread(n, 1);
+        const double lacking = static_cast<double>(lacking_along_wall(KernelKind::cubic, Real(2 * d), Real(d)));
         for (Index i = 0; i < n; ++i) {
-            double behind = 0, sum = V * W(0);
-            for (Index s = 0; s < layer.size(); ++s)
-                behind += static_cast<double>(options.solid_factor * layer.volume[s]) * W((x[i] - layer.position[s].cast<double>()).norm());
+            double behind = 0, sum = V * W(0), divergence = 0;
+            for (Index s = 0; s < layer.size(); ++s) {
+                const double share = static_cast<double>(options.solid_factor * layer.volume[s]);
+                const Vec3d r = x[i] - layer.position[s].cast<double>();
+                behind += share * W(r.norm()), divergence -= share * F(r.norm()) * r.squaredNorm();
+            }
             for (Index j = 0; j < n; ++j)
-                if (j != i) sum += V * W((x[i] - x[j]).norm());
-            rho[i] = 1000 * (sum + behind), w[i] = std::pow(1000 / rho[i], 2), fill[i] = 1 / std::max(0.25, 1 - behind);
+                if (j != i) sum += V * W((x[i] - x[j]).norm()), divergence -= V * F((x[i] - x[j]).norm()) * (x[i] - x[j]).squaredNorm();
+            if (pressure.classes()[i] == PressureClass::poisson) spread[i] = std::max(0.85, divergence / 3);
+            rho[i] = 1000 * (sum + behind), w[i] = std::pow(1000 / rho[i], 2), fill[i] = 1 / std::max(0.25, 1 - lacking * behind);
         }
+        const auto between = [&](Index i, Index j) { return std::min(fill[i], fill[j]) / ((spread[i] + spread[j]) / 2); };
         Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
         Eigen::VectorXd b = Eigen::VectorXd::Zero(n);
         const auto solids = [&](Index i, const auto& add) {
@@ -219,7 +225,7 @@ TEST_CASE("published rows: scattered fluid between moving walls has the pressure
                 const Vec3d r = x[i] - layer.position[s].cast<double>(), normal = layer.normal[s].cast<double>();
                 const double above = r.dot(normal), stretch = above <= 0 ? 1 : 1 + d / 2 / std::max(above - d / 2, d / 4);
                 const double share = static_cast<double>(options.solid_factor * layer.volume[s]);
-                add(s, Vec3d(share * F(r.norm()) * (r + (stretch - 1) * above * normal)));
+                add(s, Vec3d(share / spread[i] * F(r.norm()) * (r + (stretch - 1) * above * normal)));
             }
         };
         for (Index i = 0; i < n; ++i) {
@@ -232,7 +238,7 @@ TEST_CASE("published rows: scattered fluid between moving walls has the pressure
             for (Index j = 0; j < n; ++j) {
                 if (j == i) continue;
                 const Vec3d r = x[i] - x[j];
-                const double filled = std::min(fill[i], fill[j]), c = V * filled * filled * w[i] * w[j] * -2 * F(r.norm());
+                const double filled = between(i, j), c = V * filled * filled * w[i] * w[j] * -2 * F(r.norm());
                 rate += filled * V * F(r.norm()) * (u[i] - u[j]).dot(r);
                 uniform += (w[i] + w[j]) * filled * V * F(r.norm()) * r;
                 A(i, i) += c;
@@ -254,7 +260,7 @@ TEST_CASE("published rows: scattered fluid between moving walls has the pressure
             wrong = std::max(wrong, std::abs(static_cast<double>(f.column<field::pressure>()[i]) - p[i]));
             Vec3d push = Vec3d::Zero();
             for (Index j = 0; j < n; ++j)
-                if (j != i) push += std::min(fill[i], fill[j]) * V * (w[i] * p[i] + w[j] * p[j]) * F((x[i] - x[j]).norm()) * (x[i] - x[j]);
+                if (j != i) push += between(i, j) * V * (w[i] * p[i] + w[j] * p[j]) * F((x[i] - x[j]).norm()) * (x[i] - x[j]);
             solids(i, [&](Index, const Vec3d& gradient) { push += w[i] * p[i] * gradient; });
             off = std::max(off, (f.column<field::velocity>()[i].cast<double>() - (u[i] - dt / 1000 * push)).norm());
         }

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "engine/scene/read.h"
+#include "engine/scene/write.h"
 
 using namespace whorl;
 
@@ -384,10 +385,58 @@ TEST_CASE("keys of the published pressure rows are refused with other forms of p
         CHECK(messages(constraint + key).find("belongs to pressure.source = \"density\"") != std::string::npos);
     }
     CHECK(messages(published + "correction = 1").empty());
+    CHECK(messages(published + "damping = 0").empty());
+    CHECK(messages(projection + "damping = 0").find("pressure.source = \"velocity\" does not leave") != std::string::npos);
     CHECK(messages(constraint + "correction = 1").empty());
     CHECK(messages(projection + "correction = 1").find("pressure.source = \"velocity\" does not see") != std::string::npos);
     CHECK(messages(published + "sweeps = 0").find("at least 1") != std::string::npos);
     CHECK(messages(published + "cycle = \"w\"").find("additive or v_cycle") != std::string::npos);
+}
+
+TEST_CASE("keys that belong to another model than auto took, or that the chosen form leaves aside, are refused with their line",
+          "[plan][pressure]") {
+    const std::string start =
+                          "[time]\nend = 1\n[domain]\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]\nperiodic = [true, true, true]\n"
+                          "[fluid]\nspacing = 0.01\nviscosity = 1e-3\n[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\n",
+                      full = start + "max = [0.1, 0.1, 0.1]\n", half = start + "max = [0.1, 0.05, 0.1]\n";  // 13 lines
+    const auto message = [](const std::string& text) -> std::string {
+        try {
+            make_plan(scene_with({}, text));
+        } catch (const InputError& error) { return error.what(); }
+        return "";
+    };
+    const auto refuses = [&](const std::string& text, const std::string& what, const std::string& way_out) {
+        const std::string said = message(text);
+        INFO(text << "\nsays: " << said);
+        CHECK(said.find("honey.toml:15") != std::string::npos);
+        CHECK(said.find(what) != std::string::npos);
+        CHECK(said.find(way_out) != std::string::npos);
+    };
+    // A full box takes the projection by itself, one with a surface the constraint.
+    refuses(full + "[pressure]\ndamping = 1\n", "pressure.damping is of motion between neighbours", "pressure.form = \"constraint\"");
+    refuses(full + "[pressure]\ncorrection = 0.2\n", "pressure.correction is a share of the density error",
+            "pressure.form = \"constraint\"");
+    refuses(full + "[models]\nshifting = \"fickian\"\n", "evens out its particles itself", "pressure.form = \"constraint\"");
+    refuses(half + "[pressure]\nsource = \"density\"\n",
+            "pressure.source belongs to pressure.form = \"projection\", and \"auto\" takes \"constraint\" here", "or set pressure.form");
+    refuses(half + "[pressure]\nsweeps = 2\nsource = \"density\"\n",
+            "pressure.sweeps belongs to pressure.form = \"projection\", and \"auto\" takes \"constraint\" here", "or set pressure.form");
+    for (const std::string key : {"sound_speed = 10", "gamma = 3", "gradient = \"difference\""})
+        refuses(half + "[pressure]\n" + key + "\n", "belongs to models.pressure = \"wcsph\", and \"auto\" takes \"ppe\" here",
+                "or set models.pressure");
+    refuses(half + "[viscosity]\nalpha = 0.1\n", "belongs to models.viscosity = \"xsph\", and \"auto\" takes \"explicit\" here",
+            "or set models.viscosity");
+    // With source density the cycle is read where there is a multigrid.
+    const std::string published = "[pressure]\ncycle = \"v_cycle\"\nform = \"projection\"\nsource = \"density\"\n";
+    refuses(half + published + "preconditioner = \"jacobi\"\n", "pressure.cycle is of the multigrid", "\"multigrid\"");
+    CHECK(message(half + published + "preconditioner = \"multigrid\"\n").empty());
+    CHECK(message(half + published).empty());
+    // What is read passes, and so do defaults: a resolved scene writes them.
+    CHECK(message(half + "[pressure]\ndamping = 1\ncorrection = 0.2\n").empty());
+    CHECK(message(half + published + "damping = 1\ncorrection = 0.2\n").empty());
+    CHECK(message(half + "[models]\nshifting = \"fickian\"\n").empty());
+    CHECK(message(full + "[pressure]\ndamping = 2\ngamma = 7\n").empty());
+    CHECK(message(resolved_toml(scene_with({}, full))).empty());
 }
 
 TEST_CASE("the projection is refused where fluid splashes, and taken by itself where fluid fills its space", "[plan][pressure]") {

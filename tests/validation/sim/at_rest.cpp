@@ -4,7 +4,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "engine/models/boundary/wall.h"
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
 #include "tests/support/runs.h"
@@ -134,71 +133,108 @@ TEST_CASE("a scene's column of 30 layers on a plane presses on it with its weigh
     }
 }
 
-TEST_CASE(
-    "pressure.source density: water in a full closed box and in a slot of 5 spacings makes no energy, with the pressure of its weight "
-    "within "
-    "3 %",
-    "[validation][sim][regression]") {
-    // Without viscosity. The lattice melts within 0.3 s and sets 0.05 % of m g H free as a trembling that stays: 0.0005 and 0.0006 of m g H
-    // were measured at 0.5, 1, 1.5 and 2 s, and pressures 0 to 2 % off.
-    constexpr double H = 0.15;
-    for (const bool slot : {false, true}) {
-        INFO((slot ? "slot" : "box"));
-        const double width = slot ? 0.0625 : 0.075;
-        const std::string solids =
-            slot ? "[[solid]]\nshape = \"plane\"\n[[solid]]\nshape = \"plane\"\nnormal = [1, 0, 0]\n[[solid]]\nshape = "
-                   "\"plane\"\nposition = [0.0625, 0, 0]\nnormal = [-1, 0, 0]\n"
-                 : "[[solid]]\nshape = \"box\"\ninside = true\nmin = [0, 0, 0]\nmax = [0.075, 0.15, 0.075]\n";
-        Simulation simulation = simulation_of(fmt::format(R"toml([time]
-end = 1
+namespace {
+
+/// Energy of motion and of height over m g H.
+struct Energy {
+    double moving = 0, above_start = 0;
+};
+
+void published_rest(const std::string& name, double correction) {
+    // 2 s from a lattice, without viscosity. What the lattice sets free as it melts (0.2 to 0.6 % of m g H) dies, and nothing else is there
+    // that could do work but the unevenness of the start, which a share of 1 takes back in one step (1e-4 of m g H). The motion that is
+    // left: 4e-6 to 6e-5. The pressure over the last second: the mean of the lower half under the settled level; in the full box, which has
+    // no zero of pressure, the difference between two heights. 0.4 % too low to 1.3 % too high: a settled packing does not press alike in
+    // all directions.
+    constexpr double spacing = 0.0125, H = 12 * spacing, side = 6 * spacing;
+    INFO(name << ", correction " << correction);
+    const double width = name == "slot" ? 5 * spacing : side;
+    const std::string walls = name == "column" ? "[[solid]]\nshape = \"plane\"\n"
+                              : name == "slot"
+                                  ? fmt::format(
+                                        "[[solid]]\nshape = \"plane\"\n[[solid]]\nshape = \"plane\"\nnormal = [1, 0, 0]\n"
+                                        "[[solid]]\nshape = \"plane\"\nposition = [{}, 0, 0]\nnormal = [-1, 0, 0]\n",
+                                        width)
+                                  : fmt::format("[[solid]]\nshape = \"box\"\ninside = true\nmin = [0, 0, 0]\nmax = [{0}, {1}, {0}]\n", side,
+                                                name == "full box" ? H : 2 * H);
+    const bool around_x = name == "column", around_z = name == "column" || name == "slot";
+    Simulation simulation =
+        simulation_of(fmt::format(R"toml([time]
+end = 2
 max_step = 2e-3
 [domain]
-min = [-0.05, -0.05, {1}]
-max = [0.1, 0.35, {2}]
-periodic = [false, false, {3}]
+min = [{1}, -0.05, {2}]
+max = [{3}, 0.35, {4}]
+periodic = [{5}, false, {6}]
 [fluid]
-spacing = 0.0125
+spacing = {7}
 [models]
 pressure = "ppe"
 [pressure]
 form = "projection"
 source = "density"
+correction = {8}
 [[block]]
 shape = "box"
 min = [0, 0, 0]
-max = [{0}, 0.15, 0.075]
-{4})toml",
-                                                          width, slot ? "0" : "-0.05", slot ? "0.075" : "0.15", slot, solids));
-        run_until(simulation, 0.5);
-        double low = 0, expected = 0, most = 0;
-        while (simulation.time() < 1) {
-            REQUIRE_FALSE(simulation.step(1).diverged);
-            const auto x = simulation.world().fluid.column<field::position>();
-            const auto u = simulation.world().fluid.column<field::velocity>();
-            const auto p = simulation.world().fluid.column<field::pressure>();
-            double pressure[2] = {0, 0}, height[2] = {0, 0}, squares = 0;
-            int count[2] = {0, 0};
-            for (std::size_t i = 0; i < x.size(); ++i) {
-                squares += static_cast<double>(u[i].squaredNorm());
-                if (x[i].y() > 0.75 * H) continue;
-                const int upper = x[i].y() > 0.375 * H;
-                pressure[upper] += p[i], height[upper] += x[i].y(), ++count[upper];
-            }
-            most = std::max(most, squares / 2 / static_cast<double>(x.size()) / (g * H));
-            low += pressure[0] / count[0] - pressure[1] / count[1];
-            expected += rho_0 * g * (height[1] / count[1] - height[0] / count[0]);
+max = [{0}, {9}, {10}]
+{11})toml",
+                                  width, around_x ? 0 : -0.05, around_z ? 0 : -0.05, around_x ? width : width + 0.05,
+                                  around_z ? side : side + 0.05, around_x, around_z, spacing, correction, H, side, walls));
+    const auto energy = [&] {
+        const auto x = simulation.world().fluid.column<field::position>();
+        const auto u = simulation.world().fluid.column<field::velocity>();
+        Energy e;
+        for (std::size_t i = 0; i < x.size(); ++i) {
+            e.moving += static_cast<double>(u[i].squaredNorm()) / 2 / static_cast<double>(x.size()) / (g * H);
+            e.above_start += static_cast<double>(x[i].y()) / static_cast<double>(x.size()) / H;
         }
-        CHECK(most < 0.002);
-        CHECK(low / expected == Approx(1).epsilon(0.03));
-        CHECK(simulation.totals().lost_particles == 0);
-        CHECK(simulation.totals().unconverged_solves == 0);
+        e.above_start += e.moving;
+        return e;
+    };
+    const double start = energy().above_start;
+    double difference = 0, expected = 0, highest = 0;
+    while (simulation.time() < 2) {
+        REQUIRE_FALSE(simulation.step(2).diverged);
+        highest = std::max(highest, energy().above_start - start);
+        if (simulation.time() < 1) continue;
+        const auto x = simulation.world().fluid.column<field::position>();
+        const auto p = simulation.world().fluid.column<field::pressure>();
+        double pressure[2] = {0, 0}, height[2] = {0, 0}, level = 0;
+        int count[2] = {0, 0};
+        for (const Vec3& one : x) level += 2 * static_cast<double>(one.y()) / static_cast<double>(x.size());
+        for (std::size_t i = 0; i < x.size(); ++i) {
+            const int upper = x[i].y() > Real(level / 2);
+            pressure[upper] += p[i], height[upper] += x[i].y(), ++count[upper];
+        }
+        const bool full = name == "full box";
+        difference += pressure[0] / count[0] - (full ? pressure[1] / count[1] : 0);
+        expected += rho_0 * g * ((full ? height[1] / count[1] : level) - height[0] / count[0]);
     }
+    CAPTURE(energy().moving, max_speed(simulation) / std::sqrt(g * H), highest);
+    CHECK(highest < 3e-4 * correction);
+    CHECK(energy().moving < 5e-4);
+    CHECK(difference / expected == Approx(1).epsilon(0.02));
+    CHECK(simulation.totals().lost_particles == 0);
+    CHECK(simulation.totals().unconverged_solves == 0);
 }
 
-TEST_CASE("pressure.source density: water that fills the slot between a floor and a ceiling stays at rest, with a pressure 2 % too flat",
-          "[validation][sim][regression]") {
-    // Too flat by what the kernel makes of a linear pressure on a lattice with R = 2 d: its gradient is 1.02 times too steep. Within 1 % of
-    // that. No free surface: the pressure has no natural zero. The ceiling must mirror the pressure less the weight up to it, or the
+}  // namespace
+
+TEST_CASE(
+    "pressure.source density: water in a column, in boxes and in a slot of 5 spacings gains no energy and comes to rest, with the pressure "
+    "of its weight within 2 %",
+    "[validation][sim]") {
+    for (const std::string name : {"column", "open box", "full box", "slot"}) published_rest(name, 0.1);
+}
+
+TEST_CASE("pressure.source density: the same where a step corrects all of the density error, as published", "[validation][sim]") {
+    for (const std::string name : {"column", "open box", "full box", "slot"}) published_rest(name, 1);
+}
+
+TEST_CASE("pressure.source density: water that fills the slot between a floor and a ceiling stays at rest, with the pressure of its weight",
+          "[validation][sim]") {
+    // Within 1 %. No free surface: the pressure has no natural zero. The ceiling must mirror the pressure less the weight up to it, or the
     // topmost layer falls (the run diverged within 0.2 s). Held until the lattice, which is no stable packing, starts to melt (0.3 s).
     Simulation simulation = simulation_of(scene_of(WaterColumn{0.1, 10 * d, d, 0.2, 2e-3}, R"toml([models]
 pressure = "ppe"
@@ -224,8 +260,7 @@ normal = [0, -1, 0]
         }
     }
     CHECK(max_speed(simulation) < 0.002 * std::sqrt(2 * g * 10 * d));
-    const double steepness = lattice_gradient(KernelKind::cubic, Real(2 * d), Real(d));
-    CHECK((low - high) / steps * steepness == Approx(rho_0 * g * 9 * d).epsilon(0.01));
+    CHECK((low - high) / steps == Approx(rho_0 * g * 9 * d).epsilon(0.01));
 }
 
 namespace {

@@ -1,0 +1,83 @@
+#include "engine/scene/check_unread.h"
+
+#include <fmt/format.h>
+
+#include "engine/scene/key_problems.h"
+#include "engine/scene/names.h"
+#include "engine/scene/scene_keys.h"
+#include "engine/scene/tree.h"
+
+namespace whorl {
+namespace {
+
+/// The scene with what the plan took where it says "auto".
+Scene with_choices(const Scene& scene, const Plan& plan) {
+    Scene chosen = scene;
+    chosen.models.pressure = plan.pressure;
+    chosen.models.viscosity = plan.viscosity;
+    chosen.models.boundary = plan.boundary;
+    chosen.models.shifting = plan.shifting;
+    if (plan.facts.pressure.form) chosen.pressure.form = plan.facts.pressure.form;
+    return chosen;
+}
+
+/// What takes the key away: its selector, or the selector of that.
+const Key& deciding_key(const Key& key, const Described& chosen) {
+    const Selector selector = selector_of(key, chosen, chosen);
+    return counts(*selector.key, selector.in, chosen) ? key : deciding_key(*selector.key, chosen);
+}
+
+/// Keys at their defaults pass: a resolved scene gives every one. Those of solids are looked at with the solids (check_models.cpp).
+void check_choices(const Scene& scene, const Plan& plan, const KeyProblems& report) {
+    const Scene choices = with_choices(scene, plan);
+    const Described chosen{&scene_keys(), &choices};
+    for (const KeyTable::Part& part : scene_keys().parts) {
+        if (part.is_list) continue;
+        const void* values = part.one(const_cast<Scene*>(&scene));
+        for (const Key& key : part.table->keys) {
+            const std::string name = joined_path(part.name, key.name);
+            if (key.selector.empty() || key.selector == "models.boundary" || scene.places.count(name) == 0) continue;
+            if (key.get(values).toml() == key.standard.toml() || counts(key, chosen, chosen)) continue;
+            const Key& decides = deciding_key(key, chosen);
+            std::string wanted;
+            for (const std::string& one : decides.selected_by) wanted += (wanted.empty() ? "\"" : " or \"") + one + "\"";
+            report(name,
+                   fmt::format("{} belongs to {} = {}, and \"auto\" takes \"{}\" here", name, decides.selector, wanted,
+                               selector_value(decides, chosen, chosen)),
+                   fmt::format("remove it, or set {}", decides.selector));
+        }
+    }
+}
+
+void check_forms(const Scene& scene, const Plan& plan, const KeyProblems& report) {
+    const std::optional<PressureSource> source = plan.facts.pressure.source;
+    if (source == PressureSource::velocity) {
+        if (scene.pressure.correction)
+            report("pressure.correction",
+                   "pressure.correction is a share of the density error, which pressure.source = \"velocity\" does not see",
+                   "remove it, or take pressure.source = \"density\" or pressure.form = \"constraint\"");
+        if (scene.pressure.damping != PressureKeys{}.damping)
+            report("pressure.damping",
+                   "pressure.damping is of motion between neighbours, which pressure.source = \"velocity\" does not leave",
+                   "remove it, or take pressure.source = \"density\" or pressure.form = \"constraint\"");
+        if (scene.models.shifting == ShiftingModel::fickian)
+            report("models.shifting", "pressure.form = \"projection\" evens out its particles itself: it leaves models.shifting aside",
+                   "remove it, or take pressure.form = \"constraint\"", "allowed: auto or none");
+    }
+    const Preconditioner M = scene.pressure.preconditioner;
+    if (source == PressureSource::density && (M == Preconditioner::none || M == Preconditioner::jacobi))
+        for (const std::string key : {"pressure.cycle", "pressure.sweeps"})
+            if (scene.places.count(key) > 0)
+                report(key, fmt::format("{} is of the multigrid, and pressure.preconditioner is \"{}\"", key, name_of(M)),
+                       "remove it, or take pressure.preconditioner = \"multigrid\"");
+}
+
+}  // namespace
+
+void check_unread(const Scene& scene, const Plan& plan, std::vector<Problem>& problems) {
+    const KeyProblems report(scene, problems);
+    check_choices(scene, plan, report);
+    check_forms(scene, plan, report);
+}
+
+}  // namespace whorl
