@@ -144,8 +144,8 @@ void published_rest(const std::string& name, double correction) {
     // 2 s from a lattice, without viscosity. What the lattice sets free as it melts (0.2 to 0.6 % of m g H) dies, and nothing else is there
     // that could do work but the unevenness of the start, which a share of 1 takes back in one step (1e-4 of m g H). The motion that is
     // left: 4e-6 to 6e-5. The pressure over the last second: the mean of the lower half under the settled level; in the full box, which has
-    // no zero of pressure, the difference between two heights. 0.4 % too low to 1.3 % too high: a settled packing does not press alike in
-    // all directions.
+    // no zero of pressure, the difference between two heights. 0.7 % too low to 1.2 % too high (1 % was aimed at): a settled packing does
+    // not press alike in all directions.
     constexpr double spacing = 0.0125, H = 12 * spacing, side = 6 * spacing;
     INFO(name << ", correction " << correction);
     const double width = name == "slot" ? 5 * spacing : side;
@@ -214,7 +214,7 @@ max = [{0}, {9}, {10}]
     CAPTURE(energy().moving, max_speed(simulation) / std::sqrt(g * H), highest);
     CHECK(highest < 3e-4 * correction);
     CHECK(energy().moving < 5e-4);
-    CHECK(difference / expected == Approx(1).epsilon(0.02));
+    CHECK(difference / expected == Approx(1).epsilon(0.015));
     CHECK(simulation.totals().lost_particles == 0);
     CHECK(simulation.totals().unconverged_solves == 0);
 }
@@ -223,7 +223,7 @@ max = [{0}, {9}, {10}]
 
 TEST_CASE(
     "pressure.source density: water in a column, in boxes and in a slot of 5 spacings gains no energy and comes to rest, with the pressure "
-    "of its weight within 2 %",
+    "of its weight within 1.5 %",
     "[validation][sim]") {
     for (const std::string name : {"column", "open box", "full box", "slot"}) published_rest(name, 0.1);
 }
