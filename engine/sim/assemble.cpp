@@ -23,6 +23,7 @@
 #include "engine/models/projection/corrected_viscosity.h"
 #include "engine/models/projection/projection.h"
 #include "engine/models/shifting/fickian.h"
+#include "engine/models/strain/curvature.h"
 #include "engine/models/surface_tension/surface_tension.h"
 #include "engine/models/viscosity/ageing_viscosity.h"
 #include "engine/models/viscosity/assembled_viscosity.h"
@@ -150,6 +151,7 @@ private:
         options.support = plan_.support / plan_.spacing;
         auto system = std::make_shared<CoupledSystem>(options);
         stage("coupled neighbourhood", "neighbours", CoupledNeighbourhood{system});
+        stage("coupled gradient", "viscosity", CoupledGradient{system});
         if (scene_.fluid.surface_tension > 0) surface_tension(system->known_pressure);
         force();
         stage("coupled solve", "pressure", CoupledSolve{system});
@@ -206,6 +208,7 @@ private:
         made_.stages.push_back(neighbours());
         if (facts_.needs_density()) stage("density", "density", Density{solid_factor_, gate_});
         if (facts_.pressure.has_sound) sound_pressure();
+        if (facts_.viscosity.implicit) stage("velocity gradient", "viscosity", VelocityGradient{solid_factor_});
         weights();
         if (facts_.pressure.has_sound) sound_forces();
         if (facts_.micropolar.spins) spin();

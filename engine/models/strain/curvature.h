@@ -1,0 +1,38 @@
+#pragma once
+/// What makes an implicit strain second order in time (docs/physics.md 4).
+///
+/// A step takes strain rates at its start, with the new velocities, and then moves every particle along a straight line. A rigid rotation
+/// has no strain rate in the middle of that move. At its start the same velocities seem to shrink the body across the axis, at the rate dt
+/// w^2/2. T is this part:
+///   sym G - T = sym(G (1 + dt/2 G)^-1) + O(dt^2),   T = dt/2 sym(G G)
+/// So mu D:D becomes mu (D - T):(D - T). T is known: it takes the velocities at the start of the step. Its stress 2 mu T acts through the
+/// transpose of the gradient, as that of D does: pair by pair opposite, symmetric, so that momentum and angular momentum stay as they are.
+#include "engine/particles/field.h"
+#include "engine/particles/surroundings.h"
+
+namespace whorl {
+
+namespace field {
+struct velocity_gradient {
+    using type = Mat3;
+    static constexpr std::string_view name = "velocity_gradient", unit = "1/s", meaning = "first-order gradient of the velocity";
+};
+}  // namespace field
+
+/// T [1/s], cut off at |T| = 0.2 |G|: beyond it a step turns by more than the expansion is good for.
+Mat3 curvature_strain(const Mat3& G, Real dt);
+
+/// Across directions that the neighbours do not resolve G has no columns. The fluid is taken to turn rigidly with what is resolved, or a
+/// line of particles that turns would have no T along itself.
+/// @param P Moment::resolved
+Mat3 turned_rigidly(const Mat3& G, const Mat3& P);
+
+/// Stage of a step before any force acts: the gradients of all velocities, those of free particles alone. Solids that the fluid sticks to
+/// are neighbours; their velocity continues the shear behind the surface.
+///   G_i = turned_rigidly(sum_j w u_ij r_ij^T M^+),   M = sum_j w r_ij r_ij^T,   w = V |W'|/r
+struct VelocityGradient {
+    Real solid_factor = 1;  ///< on the solids' volumes, see models/boundary/wall.h
+    void operator()(const Surroundings& around, Read<field::role> role, Read<field::velocity> u, Write<field::velocity_gradient> G) const;
+};
+
+}  // namespace whorl
