@@ -1,5 +1,6 @@
 #include "engine/models/strain/curvature.h"
 
+#include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -23,33 +24,40 @@ Mat3 straight_turn(double angle, double dt, bool forward) {
 
 }  // namespace
 
-TEST_CASE("without the curvature a body that turns strains at first order in the step, with it at third", "[viscosity]") {
-    // sym G of the new velocities is (cos a - 1)/dt in the plane, T of the old ones -cos a (1 - cos a)/dt: what is left is -(1 - cos
-    // a)^2/dt.
+TEST_CASE("without the curvature a body that turns strains at first order in the step, with it not at all", "[viscosity]") {
     const double dt = 0.1;
-    for (const double angle : {0.2, 0.1}) {
+    for (const double angle : {0.25, 0.1, 1e-3}) {
         const Mat3 G = straight_turn(angle, dt, true), D = Real(0.5) * (G + G.transpose());
         const Mat3 T = curvature_strain(straight_turn(angle, dt, false), static_cast<Real>(dt));
         const double shrinking = (1 - std::cos(angle)) / dt;
-        CHECK(D(0, 0) == Approx(-shrinking).epsilon(1e-4));
-        CHECK(T(0, 0) == Approx(-shrinking * std::cos(angle)).epsilon(1e-4));
-        CHECK((D - T).norm() < 2 * shrinking * shrinking * dt);
+        CHECK(D(0, 0) == Approx(-shrinking).epsilon(1e-3));
+        CHECK((D - T).norm() < 1e-3 * shrinking + 1e-6 * angle / dt);  // round-off of float in 1 - cos
     }
 }
 
-TEST_CASE("the curvature of a stretching at constant rate is that of the rate in the middle of the move, to second order", "[viscosity]") {
-    Mat3 G = Mat3::Zero();
-    G.diagonal() << 2, -1, -1;
-    const Real dt = Real(0.02);
-    const Mat3 middle = G * (Mat3::Identity() + dt / 2 * G).inverse(), T = curvature_strain(G, dt);
-    CHECK((G - T - middle).norm() < 1.5e-3);         // (dt/2)^2 |G|^3 = 9e-4
-    CHECK(T.trace() == Approx(0.06).epsilon(1e-4));  // volume: dt/2 tr(G G) = -dt I2
+TEST_CASE("with the curvature a stretching at constant rate has its rate to second order in the step", "[viscosity]") {
+    // Lengths grow by exp(rate dt) a step. In the middle of it the rate is 2/dt tanh(rate dt/2).
+    const Vec3d rate(2, -1, -1);
+    const double dt = 0.05;
+    const Mat3 before = Mat3d(((1 - (-dt * rate.array()).exp()) / dt).matrix().asDiagonal()).cast<Real>();
+    const Mat3 after = Mat3d((((dt * rate.array()).exp() - 1) / dt).matrix().asDiagonal()).cast<Real>();
+    const Mat3 D = after - curvature_strain(before, static_cast<Real>(dt));
+    for (int a = 0; a < 3; ++a) {
+        CHECK(std::abs(after(a, a) / rate[a] - 1) > 0.02);  // first order
+        CHECK(D(a, a) == Approx(rate[a]).epsilon(1e-3));    // (rate dt)^2/12 = 8e-4
+    }
 }
 
 TEST_CASE("the curvature never exceeds a fifth of the gradient", "[viscosity]") {
-    Mat3 G = Mat3::Zero();
-    G(0, 1) = -1000, G(1, 0) = 1000;  // one radian a step
-    CHECK(curvature_strain(G, Real(1e-3)).norm() == Approx(0.2 * G.norm()));
+    for (const double angle : {0.3, 1.0, 3.0}) {
+        Mat3 G = Mat3::Zero();
+        G(0, 1) = static_cast<Real>(-1000 * angle), G(1, 0) = static_cast<Real>(1000 * angle);
+        for (const Mat3& gradient : {G, Mat3(G.cwiseAbs())}) {
+            CHECK(curvature_strain(gradient, Real(1e-3)).norm() <= Real(0.2001) * G.norm());
+            CHECK(curvature_strain(gradient, Real(1e-3)).norm() > 0);
+        }
+    }
+    CHECK(curvature_strain(Mat3::Zero(), Real(1e-3)) == Mat3::Zero());
 }
 
 TEST_CASE("the gradient before the forces is exact for linear fields, in a free block and beside a wall that the fluid sticks to",
