@@ -84,7 +84,11 @@ const std::vector<ViscosityFacts>& viscosity_models() {
     static const std::vector<ViscosityFacts> rows{
         {.model = ViscosityModel::none, .name = "none"},
         {.model = ViscosityModel::xsph, .name = "xsph", .smooths = true, .needs_density = true},
-        {.model = ViscosityModel::explicit_laplacian, .name = "explicit", .viscous = true, .knows_slip_length = true},
+        {.model = ViscosityModel::explicit_laplacian,
+         .name = "explicit",
+         .viscous = true,
+         .needs_density = true,
+         .knows_slip_length = true},
         {.model = ViscosityModel::full, .name = "full", .correction = true, .viscous = true, .implicit = true, .knows_slip_length = true},
         {.model = ViscosityModel::full,
          .name = "full",

@@ -192,7 +192,7 @@ void ConstraintPressure::add_bend(const WallImage& wall, const Surroundings& aro
     bend_.resize(n), expected_.resize(n);
     D_.transposed(q, force);
     parallel_for(n, [&](Index i) { expected_[i] = u[i] - force[i].head<3>(); });
-    D_.bend(wall, around, rho, expected_, bend_);
+    D_.bend(wall, around, rho, expected_, bodies_.poses_after(q, around.solids), bend_);
     parallel_for(n, [&](Index i) { b_[i] += std::clamp(bend_[i], -most * step.rest_density, most * step.rest_density) / step.dt; });
 }
 

@@ -48,9 +48,10 @@ WallImage::WallImage(KernelForm form, Real support, Real d, SolidGate gate_befor
 namespace {
 
 /// With which a solid particle counts at i. A free body that moves and turns with the fluid changes no density.
-Vec3 velocity_of(const Surroundings& around, Index s, const Vec3& r) {
-    const Solid& solid = around.solids.all[around.layer.solid[s]];
-    return solid.body ? solid.pose.velocity_at(around.layer.position[s] + r) : around.layer.velocity[s];
+/// @param pose of the solid, with its velocity
+Vec3 velocity_of(const Surroundings& around, const Pose& pose, Index s, const Vec3& r) {
+    const bool free = around.solids.all[around.layer.solid[s]].body.has_value();
+    return free ? pose.velocity_at(around.layer.position[s] + r) : around.layer.velocity[s];
 }
 
 }  // namespace
@@ -83,7 +84,8 @@ void DensityRate::build(const WallImage& wall, const Surroundings& around, Read<
                     change += part;
                 },
                 [&](Index s, const Vec3& r, const WallImage::Share& share) {
-                    wall_change += share.gradient.dot(u[i] - velocity_of(around, s, r));
+                    const Pose& pose = around.solids.all[around.layer.solid[s]].pose;
+                    wall_change += share.gradient.dot(u[i] - velocity_of(around, pose, s, r));
                 });
             const Real f = row.fill;
             fill[i] = f;
@@ -99,7 +101,7 @@ void DensityRate::build(const WallImage& wall, const Surroundings& around, Read<
 }
 
 void DensityRate::bend(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Vec3> v,
-                       Span<Real> change) const {
+                       const std::vector<Pose>& poses, Span<Real> change) const {
     const StepContext& step = around.step;
     const Real dt = step.dt, mass = step.mass;
     with_kernel(step.kernel, step.support, [&](const auto& W) {
@@ -123,7 +125,7 @@ void DensityRate::bend(const WallImage& wall, const Surroundings& around, Span<c
             if (around.layer.size() == 0 || around.solid_pairs.count(i) == 0) return;
             Real w = 0, w_moved = 0, w_linear = 0;
             around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                const Vec3 dr = dt * (v[i] - velocity_of(around, s, r)), to = r + dr;
+                const Vec3 dr = dt * (v[i] - velocity_of(around, poses[static_cast<std::size_t>(around.layer.solid[s])], s, r)), to = r + dr;
                 const WallImage::Share share = wall.share(W, r, distance, around.layer.normal[s], around.layer.volume[s]);
                 w += share.value;
                 w_linear += share.gradient.dot(dr);

@@ -43,14 +43,15 @@ struct Monaghan {
 
 template <class Kernel, class Form>
 void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions& options, const Surroundings& around,
-                   Read<field::role> role, Read<field::viscosity> mu, Read<field::velocity> u, Update<field::acceleration> a) {
+                   Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu, Read<field::velocity> u,
+                   Update<field::acceleration> a) {
     const SolidParticles& layer = around.layer;
     const StepContext& step = around.step;
     const std::vector<char> slip = slips(around.solids);
     WallFriction friction;
     friction.set(options.monaghan ? FrictionForm::along : FrictionForm::central, around, options.gate, options.solid_factor);
     const WallShear shear{step.spacing / 2};
-    // The solids' share in rho_0 a_i, but for the weight of all of them at i.
+    // The solids' share in rho_i a_i, but for the weight of all of them at i.
     const auto by_solid = [&](Index i, Index s, const Vec3& r, Real distance) {
         const auto whose = static_cast<std::size_t>(layer.solid[s]);
         if (slip[whose]) return Vec3(Vec3::Zero());
@@ -70,13 +71,13 @@ void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions
         const Vec3 own = u[i];
         const Real own_mu = mu[i];
         around.pairs.groups_of(i, [&](const Pairs::Group& group) {
-            Real other_mu[Pairs::Group::most], other[3][Pairs::Group::most], part[3] = {0, 0, 0};
-            group.gather(mu.data(), other_mu), group.gather(u.data(), other);
+            Real density[Pairs::Group::most], other_mu[Pairs::Group::most], other[3][Pairs::Group::most], part[3] = {0, 0, 0};
+            group.gather(rho.data(), density), group.gather(mu.data(), other_mu), group.gather(u.data(), other);
             for (Index l = 0; l < group.padded(); ++l) {
                 const Real both = own_mu + other_mu[l], mean = both > 0 ? 2 * own_mu * other_mu[l] / both : 0;
                 const Real x = group.r[0][l], y = group.r[1][l], z = group.r[2][l], r = group.distance[l];
                 const Real ux = own[0] - other[0][l], uy = own[1] - other[1][l], uz = own[2] - other[2][l];
-                const Real share = step.volume * mean * form(ux * x + uy * y + uz * z, r, kernel.slope(r));
+                const Real share = step.mass / density[l] * mean * form(ux * x + uy * y + uz * z, r, kernel.slope(r));
                 part[0] += share * (Form::along_r ? x : ux), part[1] += share * (Form::along_r ? y : uy),
                     part[2] += share * (Form::along_r ? z : uz);
             }
@@ -84,22 +85,22 @@ void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions
         });
         if (const Real solid_factor = weight(i); solid_factor > 0) {
             around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { sum += solid_factor * by_solid(i, s, r, distance); });
-            if (friction.acts()) sum -= own_mu * (friction.coefficient(i) * own - friction.load(i));
+            // The wall's area does not depend on the density that the kernel finds beside it: the acceleration is mu/rho_0 times that.
+            if (friction.acts()) sum -= rho[i] / step.rest_density * own_mu * (friction.coefficient(i) * own - friction.load(i));
         }
-        a[i] += sum / step.rest_density;
+        a[i] += sum / rho[i];
     });
-    react(around, role, [&](Index i, Index s, const Vec3& r, Real distance) {
-        return Vec3(weight(i) / step.rest_density * by_solid(i, s, r, distance));
-    });
+    react(around, role,
+          [&](Index i, Index s, const Vec3& r, Real distance) { return Vec3(weight(i) / rho[i] * by_solid(i, s, r, distance)); });
 }
 
 }  // namespace
 
-void ExplicitViscosity::operator()(const Surroundings& around, Read<field::role> role, Read<field::viscosity> mu, Read<field::velocity> u,
-                                   Update<field::acceleration> a) const {
+void ExplicitViscosity::operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu,
+                                   Read<field::velocity> u, Update<field::acceleration> a) const {
     const StepContext& step = around.step;
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
-        const auto add = [&](const auto& form) { add_viscosity(kernel, form, options, around, role, mu, u, a); };
+        const auto add = [&](const auto& form) { add_viscosity(kernel, form, options, around, role, rho, mu, u, a); };
         if (options.monaghan) add(Monaghan(step.kernel, step.support, step.spacing));
         else add(Brookshaw{1 / lattice_gradient(step.kernel, step.support, step.spacing)});
     });

@@ -32,16 +32,14 @@ struct ExplicitOptions {
 };
 
 /// a_i += mu/rho Lap u, with mu_ij = 2 mu_i mu_j/(mu_i + mu_j), which conserves momentum and keeps the stress at a jump of mu:
-///   brookshaw:  Lap u_i = f sum_j V (u_j - u_i) 2 |grad W_ij|/|r_ij|
-///   monaghan:   Lap u_i = 2 (d + 2) f sum_j V (u_ij . r_ij)/(r_ij^2 + 0.01 h^2) grad W_ij       (Lap u + 2 grad(div u); no torque)
-/// V and rho are those at rest. At a free surface the kernel finds half of the density or less, and volumes twice as large would make the
-/// forces there four times as stiff.
+///   brookshaw:  Lap u_i = f sum_j V_j (u_j - u_i) 2 |grad W_ij|/|r_ij|
+///   monaghan:   Lap u_i = 2 (d + 2) f sum_j V_j (u_ij . r_ij)/(r_ij^2 + 0.01 h^2) grad W_ij       (Lap u + 2 grad(div u); no torque)
 /// The factor f, near 1, makes up for the lattice's sums (models/boundary/wall.h). Solids that the fluid sticks to enter with their
 /// velocity, continued behind the surface (models/boundary/wall.h).
 struct ExplicitViscosity {
     ExplicitOptions options;
-    void operator()(const Surroundings& around, Read<field::role> role, Read<field::viscosity> mu, Read<field::velocity> u,
-                    Update<field::acceleration> a) const;
+    void operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu,
+                    Read<field::velocity> u, Update<field::acceleration> a) const;
 };
 
 /// How stiff `monaghan` is for stretching along the axes of a cubic lattice and for shear between them, over the exact stiffness: 1 and 1

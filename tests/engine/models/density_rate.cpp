@@ -1,4 +1,5 @@
 /// The density of the constraint, its derivative, and the gate before solids.
+#include "engine/models/pressure/body_rows.h"
 #include "engine/models/pressure/density_rate.h"
 
 #include <catch2/catch.hpp>
@@ -41,7 +42,7 @@ struct Floor : TestWorld {
         world.step.dt = bend_step;
         bend.resize(rho.size());
         D.bend(WallImage(world.step.kernel, world.step.support, world.step.spacing, SolidGate{threshold}), world.surroundings(), rho,
-               column<field::velocity>(), bend);
+               column<field::velocity>(), BodyRows{}.poses_after({}, world.solids), bend);
     }
     void move(double dt) {
         const auto x = column<field::position>();
