@@ -125,7 +125,8 @@ void DensityRate::bend(const WallImage& wall, const Surroundings& around, Span<c
             if (around.layer.size() == 0 || around.solid_pairs.count(i) == 0) return;
             Real w = 0, w_moved = 0, w_linear = 0;
             around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                const Vec3 dr = dt * (v[i] - velocity_of(around, poses[static_cast<std::size_t>(around.layer.solid[s])], s, r)), to = r + dr;
+                const Vec3 dr = dt * (v[i] - velocity_of(around, poses[static_cast<std::size_t>(around.layer.solid[s])], s, r)),
+                           to = r + dr;
                 const WallImage::Share share = wall.share(W, r, distance, around.layer.normal[s], around.layer.volume[s]);
                 w += share.value;
                 w_linear += share.gradient.dot(dr);

@@ -1,11 +1,11 @@
 /// The density of the constraint, its derivative, and the gate before solids.
-#include "engine/models/pressure/body_rows.h"
 #include "engine/models/pressure/density_rate.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "engine/core/random.h"
+#include "engine/models/pressure/body_rows.h"
 #include "tests/support/world.h"
 
 using namespace whorl;
