@@ -87,7 +87,9 @@ namespace {
 
 /// Moves each point by up to `most` along every axis [m], those that would leave the shape or come too near to a solid excepted.
 void loosen(std::vector<Vec3>& points, double most, std::uint64_t seed, const Shape& shape, const World& world) {
-    const Real nearest = Real(0.25) * world.step.spacing;
+    // Where a lattice touches a wall its particles stand at 0.5 d.
+    const auto nearest = static_cast<Real>(std::min(0.45, 0.5 - 1.25 * most / static_cast<double>(world.step.spacing)) *
+                                           static_cast<double>(world.step.spacing));
     RandomNumbers random(seed);
     for (Vec3& x : points) {
         Vec3 moved = x;
@@ -100,10 +102,11 @@ void loosen(std::vector<Vec3>& points, double most, std::uint64_t seed, const Sh
 /// By how much the points of a block are moved at random, in spacings.
 /// A lattice at rest under gravity is an equilibrium that does not last, but its symmetry holds until rounding has grown enough: with
 /// weakly compressible pressure it then melts in a jolt of 3 % of the speed of a free fall, up to a second after the start (in double later
-/// than in float). Moved by a hundredth of the spacing from the start, it settles at once and gently.
+/// than in float). Moved by a hundredth of the spacing from the start, it settles at once and gently. With the projection a lattice that
+/// the flow stretches keeps its rows until they buckle, in a jolt of up to 5 % of the flow's velocity.
 double looseness(const BlockKeys& keys, const PressureFacts& pressure) {
     if (keys.sampling == Sampling::jittered) return 0.2;
-    return pressure.has_sound && keys.sampling == Sampling::lattice ? 0.01 : 0;
+    return keys.sampling == Sampling::lattice ? pressure.loosens_lattice : 0;
 }
 
 /// Moves a lattice that leaves up to half a spacing at both its ends down to the lower one, where gravity goes along an axis: it would fall
