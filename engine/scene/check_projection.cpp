@@ -61,8 +61,13 @@ void check_splashing(const Scene& scene, const Plan& plan, const SceneShapes& sh
 
 void check_projection(const Scene& scene, const Plan& plan, const SceneShapes& shapes, std::vector<Problem>& problems) {
     const KeyProblems problem(scene, problems);
-    if (plan.facts.pressure.source != PressureSource::velocity) return;
-    check_splashing(scene, plan, shapes, problem);
+    if (plan.facts.pressure.source == PressureSource::velocity) check_splashing(scene, plan, shapes, problem);
+    const bool weightless = scene.domain.box().all_periodic() || scene.domain.gravity(0).norm() == 0;
+    if (plan.facts.pressure.source == PressureSource::density && !plan.free_surface && weightless)
+        problem("pressure.source",
+                "pressure.source = \"density\" gains energy in fluid that fills its space and rests on nothing: only weight damps what its "
+                "density errors shake",
+                "take pressure.source = \"velocity\"");
 }
 
 }  // namespace whorl

@@ -1,5 +1,5 @@
 #pragma once
-/// What pressure.form = "projection" with source "velocity" cannot hold: fluid that splashes.
+/// What pressure.form = "projection" cannot hold: with source "velocity" fluid that splashes, with "density" full boxes without weight.
 #include "engine/scene/numbers.h"
 #include "engine/scene/plan.h"
 

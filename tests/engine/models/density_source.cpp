@@ -116,6 +116,21 @@ TEST_CASE("a solve of the published rows gains no energy, on lattices and scatte
         }
 }
 
+TEST_CASE(
+    "with what the layer at a flat wall lacks along it, its own pairs pull as hard along the wall as a lattice that goes on behind it",
+    "[pressure][density_source]") {
+    // By hand for R = 2 d: neighbours at 1, sqrt(2) and sqrt(3) spacings; those at 2 have neither W nor W'.
+    const CubicKernel kernel(Real(2 * d));
+    const auto W = [&](double r) { return d * d * d * static_cast<double>(kernel.value(static_cast<Real>(r * d))); };
+    const auto pull = [&](double r) { return -static_cast<double>(kernel.derivative(static_cast<Real>(r * d))) / r; };  // of a step d along
+    const double own = 2 * pull(1) + 4 * pull(std::sqrt(2)), next = 2 * pull(std::sqrt(2)) + 4 * pull(std::sqrt(3));
+    const double wall = W(1) + 4 * W(std::sqrt(2)) + 4 * W(std::sqrt(3));
+    const double lacking = static_cast<double>(lacking_along_wall(KernelKind::cubic, Real(2 * d), Real(d)));
+    const double fill = 1 / (1 - lacking * wall);
+    CHECK(fill * own + next == Approx(own + 2 * next).epsilon(1e-5));
+    CHECK(lacking == Approx(1.20).epsilon(0.01));
+}
+
 TEST_CASE("published rows: a particle alone is isolated, one with solids only is separated, a block has its surface and its inside",
           "[pressure][density_source]") {
     Fluid f(Domain{Vec3(-1, 0, -1), Vec3(1, 2, 1), {}}, exact_options());

@@ -406,7 +406,7 @@ TEST_CASE("keys of the published pressure rows are refused with other forms of p
             make_plan(
                 scene_with({},
                            "[time]\nend = 1\n[domain]\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]\nperiodic = [true, true, true]\n[[block]]\n"
-                           "shape = \"box\"\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]\n[fluid]\nspacing = 0.01\n[models]\n"
+                           "shape = \"box\"\nmin = [0, 0, 0]\nmax = [0.1, 0.05, 0.1]\n[fluid]\nspacing = 0.01\n[models]\n"
                            "pressure = \"ppe\"\n[pressure]\n" +
                                keys));
         } catch (const InputError& error) { return error.what(); }
@@ -466,6 +466,9 @@ TEST_CASE("keys that belong to another model than auto took, or that the chosen 
     refuses(half + published + "preconditioner = \"jacobi\"\n", "pressure.cycle is of the multigrid", "\"multigrid\"");
     CHECK(message(half + published + "preconditioner = \"multigrid\"\n").empty());
     CHECK(message(half + published).empty());
+    // Nothing damps the published rows in a full box without weight.
+    CHECK(message(full + "[models]\npressure = \"ppe\"\n[pressure]\nform = \"projection\"\nsource = \"density\"\n")
+              .find("gains energy in fluid that fills its space and rests on nothing") != std::string::npos);
     // What is read passes, and so do defaults: a resolved scene writes them.
     CHECK(message(half + "[pressure]\ndamping = 1\ncorrection = 0.2\n").empty());
     CHECK(message(half + published + "damping = 1\ncorrection = 0.2\n").empty());

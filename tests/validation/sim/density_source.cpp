@@ -31,8 +31,8 @@ struct EnergyRise {
 
 TEST_CASE("pressure.source density: a dam that breaks in a tank gains no energy, loses no particle and comes to rest on the tank's floor",
           "[validation][pressure]") {
-    // The energy of height that the dam has to give: half of m g H. A rise of 1 % of it is what density errors give back where the wave
-    // falls on itself (0.4 % was measured). The level: two fifths of the width are filled to H.
+    // The energy of height that the dam has to give: half of m g H. It may rise by 0.1 % where the wave falls on itself (0.003 % was
+    // measured). The level: two fifths of the width are filled to H.
     constexpr double d = 0.0125, H = 12 * d;
     Simulation simulation = simulation_of(fmt::format(R"toml([time]
 end = 3
@@ -64,39 +64,10 @@ max = [{5}, 0.45, 1]
     }
     const Measures end = measure(simulation.world(), gravity, 1);
     CAPTURE(rise.most / falls, end.kinetic_energy / falls, end.potential_energy / falls);
-    CHECK(rise.most < 0.01 * falls);
+    CHECK(rise.most < 0.001 * falls);
     CHECK(end.kinetic_energy < 0.01 * falls);
     CHECK(end.potential_energy == Approx(0.4 * falls).epsilon(0.05));
     CHECK(simulation.totals().lost_particles == 0);
-}
-
-TEST_CASE("pressure.source density: vortices in a full periodic box never gain energy", "[validation][pressure]") {
-    // Without viscosity and gravity the exact flow keeps its energy; the published rows lose most of it, as their gradient is not exact on
-    // uneven particles.
-    Simulation simulation = simulation_of(R"toml([time]
-end = 1
-[domain]
-min = [0, 0, 0]
-max = [1, 1, 0.25]
-periodic = [true, true, true]
-gravity = [0, 0, 0]
-[fluid]
-spacing = 0.0625
-[[block]]
-shape = "box"
-min = [0, 0, 0]
-max = [1, 1, 0.25]
-velocity = ["sin(2*pi*x)*cos(2*pi*y)", "-cos(2*pi*x)*sin(2*pi*y)", "0"]
-)toml" + published);
-    const double start = measure(simulation.world(), Vec3d::Zero(), 1).kinetic_energy;
-    EnergyRise rise;
-    for (int k = 1; k <= 50; ++k) {
-        run_until(simulation, 0.02 * k);
-        rise.look(simulation, Vec3d::Zero());
-    }
-    CAPTURE(rise.most / start, rise.least / start);
-    CHECK(rise.most < 0.01 * start);
-    CHECK(rise.least < start);
 }
 
 }  // namespace density_source_runs
