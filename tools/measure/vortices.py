@@ -45,7 +45,7 @@ def taylor_green_vortices(m):
     def add(words, name, asked, *settings):
         if not m.wanted(name):
             return
-        run = flow(m, "taylor_green", name, *settings)
+        run = flow(m, "taylor_green_vortices", name, *settings)
         probe = run.table("probes/flow.csv")
         ratio = [at(probe, t)["kinetic_energy"] / at(probe, t)["expected_energy"] for t in (0.5, 1, 2)]
         error = [at(probe, t)["velocity_error"] for t in (0.5, 1, 2)]
@@ -80,7 +80,7 @@ def taylor_green_spin(m):
     rows, times = [], (0.5, 1, 2)
     exact = spinning(0.0125, 0.005, 1e-4, 1e-3, 2 * pi, times)
     for a_side in (32, 64):
-        run = flow(m, "taylor_green", f"spin-{a_side}", f"fluid.spacing={1 / a_side}", "models.micropolar=bender", "fluid.viscosity=12.5",
+        run = flow(m, "taylor_green_vortices", f"spin-{a_side}", f"fluid.spacing={1 / a_side}", "models.micropolar=bender", "fluid.viscosity=12.5",
                    "micropolar.transfer_viscosity=5", "micropolar.spin_viscosity=0.1", "micropolar.micro_inertia=1e-3",
                    "micropolar.xsph_velocity=0", "micropolar.xsph_spin=0")
         energy, cell = run.table("probes/flow.csv"), run.table("probes/cell.csv")
