@@ -30,14 +30,14 @@ const Key& deciding_key(const Key& key, const Described& chosen) {
 /// Keys at their defaults pass: a resolved scene gives every one. Those of solids are looked at with the solids (check_models.cpp).
 void check_choices(const Scene& scene, const Plan& plan, const KeyProblems& report) {
     const Scene choices = with_choices(scene, plan);
-    const Described chosen{&scene_keys(), &choices};
+    const Described asked{&scene_keys(), &scene}, chosen{&scene_keys(), &choices};
     for (const KeyTable::Part& part : scene_keys().parts) {
         if (part.is_list) continue;
         const void* values = part.one(const_cast<Scene*>(&scene));
         for (const Key& key : part.table->keys) {
             const std::string name = joined_path(part.name, key.name);
             if (key.selector.empty() || key.selector == "models.boundary" || scene.places.count(name) == 0) continue;
-            if (key.get(values).toml() == key.standard.toml() || counts(key, chosen, chosen)) continue;
+            if (key.get(values).toml() == key.standard.toml() || !counts(key, asked, asked) || counts(key, chosen, chosen)) continue;
             const Key& decides = deciding_key(key, chosen);
             std::string wanted;
             for (const std::string& one : decides.selected_by) wanted += (wanted.empty() ? "\"" : " or \"") + one + "\"";

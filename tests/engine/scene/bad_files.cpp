@@ -102,7 +102,7 @@ const std::vector<Case> cases = {
     {"", "[domain]\ngravity = [0, \"-x\", 0]", "bad.toml:10:11: domain.gravity uses x, which it cannot depend on; allowed: functions of t"},
     {"", "[models]\npressure = \"ppe\"\n[pressure]\nsound_speed = 10",
      "bad.toml:12:15: pressure.sound_speed belongs to models.pressure = \"wcsph\", not to \"ppe\"; remove it, or change models.pressure; "
-     "keys of \"ppe\": tolerance, max_iterations, preconditioner, form, correction"},
+     "keys of \"ppe\": tolerance, max_iterations, preconditioner, form, correction, damping"},
     {"", "[models]\nviscosity = \"xsph\"\n[viscosity]\ntolerance = 1e-3",
      "bad.toml:12:13: viscosity.tolerance belongs to models.viscosity = \"full\" or \"full_assembled\", not to \"xsph\"; "
      "remove it, or change models.viscosity; keys of \"xsph\": alpha"},
