@@ -29,6 +29,7 @@ struct PressureFacts {
     KernelKind kernel = KernelKind::cubic;  ///< its own
     double support = 2;                     ///< its own [spacings]
     const char* kernel_reason = "usual";
+    double loosens_lattice = 0;                    ///< spacings by which the particles of a lattice are moved at random at the start
     BoundaryModel boundary = BoundaryModel::none;  ///< how solids act on it; besides, only "none" goes with it
     const char* boundary_reason = "";
     ShiftingModel shifting = ShiftingModel::none;

@@ -100,10 +100,11 @@ void loosen(std::vector<Vec3>& points, double most, std::uint64_t seed, const Sh
 /// By how much the points of a block are moved at random, in spacings.
 /// A lattice at rest under gravity is an equilibrium that does not last, but its symmetry holds until rounding has grown enough: with
 /// weakly compressible pressure it then melts in a jolt of 3 % of the speed of a free fall, up to a second after the start (in double later
-/// than in float). Moved by a hundredth of the spacing from the start, it settles at once and gently.
+/// than in float). Moved by a hundredth of the spacing from the start, it settles at once and gently. With the projection a lattice that
+/// the flow stretches keeps its rows until they buckle, in a jolt of up to 5 % of the flow's velocity.
 double looseness(const BlockKeys& keys, const PressureFacts& pressure) {
     if (keys.sampling == Sampling::jittered) return 0.2;
-    return pressure.has_sound && keys.sampling == Sampling::lattice ? 0.01 : 0;
+    return keys.sampling == Sampling::lattice ? pressure.loosens_lattice : 0;
 }
 
 /// Moves a lattice that leaves up to half a spacing at both its ends down to the lower one, where gravity goes along an axis: it would fall

@@ -8,18 +8,18 @@ namespace whorl {
 struct DifferenceSums {
     Vec3 laplacian = Vec3::Zero();  ///< sum V W'/r (f_i - f_j)
     Mat3 gradient = Mat3::Zero();   ///< sum V (f_j - f_i) W'/r r^T
-    Vec3 smooth = Vec3::Zero();     ///< sum V W (f_j - f_i)
+    Vec3 smooth = Vec3::Zero();     ///< sum V W (f_j - f_i), W the kernel of the whole support
 };
 
 template <class Kernel>
-DifferenceSums sums_of(const Kernel& W, const FluidPairs& pairs, Index i, Real volume, const Vec3* f) {
+DifferenceSums sums_of(const Kernel& W, const Kernel& whole, const FluidPairs& pairs, Index i, Real volume, const Vec3* f) {
     DifferenceSums all;
     const Vec3 own = f[i];
     pairs.groups_of(i, [&](const Pairs::Group& group) {
         Real other[3][Pairs::Group::most], lap[3] = {0, 0, 0}, smooth[3] = {0, 0, 0}, S[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
         group.gather(f, other);
         for (Index l = 0; l < group.padded(); ++l) {
-            const Real F = W.slope(group.distance[l]), near = W.value(group.distance[l]);
+            const Real F = W.slope(group.distance[l]), near = whole.value(group.distance[l]);
             const Real x = group.r[0][l], y = group.r[1][l], z = group.r[2][l];
             const Real a = own[0] - other[0][l], b = own[1] - other[1][l], c = own[2] - other[2][l];
             lap[0] += F * a, lap[1] += F * b, lap[2] += F * c;
@@ -57,6 +57,8 @@ EnergyWork CorrectedMicropolar::advance(const Kernel& W, const Surroundings& aro
     const Real of_layer = s.any_walls ? layer_factor(step.kernel, step.support, step.spacing) : 0;
     const std::vector<char> slip = slips(around.solids);
     const bool any_torque = !torque_.is_zero();
+    const Kernel whole(step.support, step.dimensions());
+    const Real over_lattice = 1 / lattice_gradient(step.kernel, viscous_support * step.support, step.spacing);
 
     return parallel_sum(a.size(), EnergyWork{}, [&](Index i) -> EnergyWork {
         if (role[i] != 0) {
@@ -64,11 +66,11 @@ EnergyWork CorrectedMicropolar::advance(const Kernel& W, const Surroundings& aro
             return {};
         }
         const Vec3 own_u = u[i], own_w = w[i];
-        DifferenceSums of_u = sums_of(W, around.pairs, i, step.volume, u.data());
-        DifferenceSums of_w = sums_of(W, around.pairs, i, step.volume, w.data());
-        const Mat3 G_u = of_u.gradient * s.correction[i], G_w = of_w.gradient * s.correction[i];
-        Real trace = s.trace[i], trace_w = trace;
-        Vec3 imbalance = s.imbalance[i], imbalance_w = imbalance;
+        DifferenceSums of_u = sums_of(W, whole, around.pairs, i, step.volume, u.data());
+        DifferenceSums of_w = sums_of(W, whole, around.pairs, i, step.volume, w.data());
+        const Mat3 G_u = of_u.gradient * s.viscous.correction[i], G_w = of_w.gradient * s.viscous.correction[i];
+        Real trace = s.viscous.trace[i], trace_w = trace;
+        Vec3 imbalance = s.viscous.imbalance[i], imbalance_w = imbalance;
         each_sticking_layer(W, s, around, i, of_layer, slip, [&](Index q, Real F, Real continued, const Vec3& to, Real distance) {
             of_u.laplacian += F * continued * (own_u - layer.velocity[q]);
             trace -= F * distance * distance;
@@ -79,7 +81,7 @@ EnergyWork CorrectedMicropolar::advance(const Kernel& W, const Surroundings& aro
             imbalance_w += F * to;
         });
         const auto laplacian = [&](const Vec3& sum, Real moments, const Mat3& G, const Vec3& uneven) {
-            if (s.near_surface[i]) return Vec3(2 * sum);
+            if (s.near_surface[i]) return Vec3(2 * over_lattice * sum);
             return Vec3(2 * static_cast<Real>(step.dimensions()) / std::max(moments, Real(0.1)) * (sum - G * uneven));
         };
         const Vec3 viscous = mu * b * laplacian(of_u.laplacian, trace, G_u, imbalance), push = lambda * b * curl_of(G_w);
@@ -111,18 +113,17 @@ void CorrectedMicropolar::operator()(const Surroundings& around, StepReport& rep
                                      Update<field::spin> w) {
     if (!torque_.is_zero()) torque_.each(around.step.time, x.values, [&](Index i, const Vec3& tau) { change[i] = tau; });
     const Read<field::spin> spin{w.values};
-    report.work =
-        with_kernel(around.step.kernel, around.step.support, [&](const auto& W) { return advance(W, around, role, u, a, change, spin); });
+    report.work = with_kernel(around.step.kernel, viscous_support * around.step.support,
+                              [&](const auto& W) { return advance(W, around, role, u, a, change, spin); });
     parallel_for(w.size(), [&](Index i) { w[i] += change[i]; });
 }
 
 void CarrySpin::operator()(const Surroundings& around, Write<field::spin_change> change, Update<field::spin> w) const {
     const ProjectionSystem& s = *system;
-    with_kernel(around.step.kernel, around.step.support, [&](const auto& W) {
+    with_kernel(around.step.kernel, viscous_support * around.step.support, [&](const auto& W) {
         parallel_for(w.size(), [&](Index i) {
             change[i].setZero();
-            if (s.shift[i] != Vec3::Zero())
-                change[i] = difference_sum(W, around.pairs, i, around.step.volume, w.data()) * (s.correction[i] * s.shift[i]);
+            if (s.shift[i] != Vec3::Zero()) change[i] = carried(W, s.viscous, around.pairs, i, around.step, w.data(), s.shift[i]);
         });
     });
     parallel_for(w.size(), [&](Index i) { w[i] += change[i]; });

@@ -27,7 +27,7 @@ private:
     ExpressionField torque_;
 };
 
-/// After ProjectionMove: the shift carries the spin along, w += (dx.grad) w.
+/// After ProjectionMove: the shift carries the spin along, as it does the velocity.
 struct CarrySpin {
     std::shared_ptr<ProjectionSystem> system;
     void operator()(const Surroundings& around, Write<field::spin_change> change, Update<field::spin> w) const;

@@ -15,7 +15,8 @@ void CorrectedViscosity::operator()(const Surroundings& around, Read<field::role
     const Real of_layer = s.any_walls ? layer_factor(step.kernel, step.support, step.spacing) : 0;
     const std::vector<char> slip = slips(around.solids);
     if (s.any_walls) friction_.set(FrictionForm::central, around, s.options.gate, 1);
-    with_kernel(step.kernel, step.support, [&](const auto& W) {
+    const Real support = viscous_support * step.support, over_lattice = 1 / lattice_gradient(step.kernel, support, step.spacing);
+    with_kernel(step.kernel, support, [&](const auto& W) {
         parallel_for(u.size(), [&](Index i) {
             if (role[i] != 0) return;
             Vec3 sum = Vec3::Zero();
@@ -41,15 +42,15 @@ void CorrectedViscosity::operator()(const Surroundings& around, Read<field::role
                 for (int k = 0; k < 9; ++k) G(k / 3, k % 3) += S[k];
             });
             sum *= V;
-            G = V * G * s.correction[i];
-            Real trace = s.trace[i];
-            Vec3 imbalance = s.imbalance[i];
+            G = V * G * s.viscous.correction[i];
+            Real trace = s.viscous.trace[i];
+            Vec3 imbalance = s.viscous.imbalance[i];
             each_sticking_layer(W, s, around, i, of_layer, slip, [&](Index q, Real F, Real continued, const Vec3& to, Real distance) {
                 sum += own_mu * F * continued * (own - around.layer.velocity[q]);
                 trace -= F * distance * distance;
                 imbalance += F * to;
             });
-            if (s.near_surface[i]) a[i] += 2 * over_density * sum;
+            if (s.near_surface[i]) a[i] += 2 * over_lattice * over_density * sum;
             else a[i] += (2 * dimensions / std::max(trace, Real(0.1)) * over_density) * (sum - own_mu * (G * imbalance));
             if (friction_.acts()) a[i] -= own_mu * over_density * (friction_.coefficient(i) * own - friction_.load(i));
         });

@@ -154,21 +154,23 @@ void ProjectionMove::operator()(const Surroundings& around, Read<field::role> ro
     std::vector<Vec3> change(n, Vec3::Zero());
     s.shift.assign(n, Vec3::Zero());
     const Real speed = std::max(slowest, fastest_of(u.values));
-    with_kernel(step.kernel, step.support, [&](const auto& W) {
+    parallel_for(n, [&](Index i) {
+        if (role[i] != 0 || around.pairs.count(i) == 0) return;
+        bool near = s.surface[i];
+        if (s.options.free_surface)
+            around.pairs.of(i, [&](Index j, const Vec3&, Real r) { near = near || (s.surface[j] && r < Real(1.5) * d); });
+        Vec3 move = -s.options.shift_rate * speed * step.support / 2 * dt * s.spread[i];
+        if (near) {
+            const Vec3 out = s.inward[i].normalized();
+            move -= move.dot(out) * out;
+        }
+        const Real length = move.norm(), most = std::min(speed * dt / 2, d / 10);
+        if (length > most) move *= most / length;
+        s.shift[i] = move;
+    });
+    with_kernel(step.kernel, viscous_support * step.support, [&](const auto& W) {
         parallel_for(n, [&](Index i) {
-            if (role[i] != 0 || around.pairs.count(i) == 0) return;
-            bool near = s.surface[i];
-            if (s.options.free_surface)
-                around.pairs.of(i, [&](Index j, const Vec3&, Real r) { near = near || (s.surface[j] && r < Real(1.5) * d); });
-            Vec3 move = -s.options.shift_rate * speed * step.support / 2 * dt * s.spread[i];
-            if (near) {
-                const Vec3 out = s.inward[i].normalized();
-                move -= move.dot(out) * out;
-            }
-            const Real length = move.norm(), most = std::min(speed * dt / 2, d / 10);
-            if (length > most) move *= most / length;
-            s.shift[i] = move;
-            change[i] = difference_sum(W, around.pairs, i, step.volume, u.data()) * (s.correction[i] * move);
+            if (s.shift[i] != Vec3::Zero()) change[i] = carried(W, s.viscous, around.pairs, i, step, u.data(), s.shift[i]);
         });
     });
     parallel_for(n, [&](Index i) {

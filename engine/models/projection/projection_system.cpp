@@ -68,6 +68,33 @@ OwnSums fluid_sums(const Kernel& W, const FluidPairs& pairs, Index i, Real volum
     return own;
 }
 
+void set_viscous_sums(const Surroundings& around, LinearSums& sums) {
+    const StepContext& step = around.step;
+    with_kernel(step.kernel, viscous_support * step.support, [&](const auto& W) {
+        parallel_for(around.pairs.size(), [&](Index i) {
+            Real M[6] = {0, 0, 0, 0, 0, 0};
+            Vec3 imbalance = Vec3::Zero();
+            around.pairs.groups_of(i, [&](const Pairs::Group& group) {
+                Real part[6] = {0, 0, 0, 0, 0, 0}, plain[3] = {0, 0, 0};
+                for (Index l = 0; l < group.padded(); ++l) {
+                    const Real F = W.slope(group.distance[l]), x = group.r[0][l], y = group.r[1][l], z = group.r[2][l];
+                    part[0] -= F * x * x, part[1] -= F * x * y, part[2] -= F * x * z;
+                    part[3] -= F * y * y, part[4] -= F * y * z, part[5] -= F * z * z;
+                    plain[0] += F * x, plain[1] += F * y, plain[2] += F * z;
+                }
+                for (int k = 0; k < 6; ++k) M[k] += part[k];
+                imbalance += Vec3(plain[0], plain[1], plain[2]);
+            });
+            Mat3d moment;
+            moment << M[0], M[1], M[2], M[1], M[3], M[4], M[2], M[4], M[5];
+            moment *= step.volume;
+            sums.correction[i] = pseudo_inverse(moment, step.dimensions()).template cast<Real>();
+            sums.trace[i] = static_cast<Real>(moment.trace());
+            sums.imbalance[i] = step.volume * imbalance;
+        });
+    });
+}
+
 }  // namespace
 
 void ProjectionGeometry::operator()(const Surroundings& around, Read<field::role> role, Write<field::density> rho) const {
@@ -75,7 +102,8 @@ void ProjectionGeometry::operator()(const Surroundings& around, Read<field::role
     const StepContext& step = around.step;
     const SolidParticles& layer = around.layer;
     const Index n = around.pairs.size();
-    s.correction.resize(n), s.trace.resize(n), s.imbalance.resize(n), s.spread.resize(n), s.inward.resize(n);
+    s.correction.resize(n), s.spread.resize(n), s.inward.resize(n);
+    s.viscous.correction.resize(n), s.viscous.trace.resize(n), s.viscous.imbalance.resize(n);
     s.gate.resize(n), s.air.assign(n, 0), s.surface.assign(n, 0), s.near_surface.assign(n, 0);
     s.first_touch.assign(static_cast<std::size_t>(n) + 1, 0);
     s.any_walls = layer.size() > 0 && !around.solid_pairs.other.empty();
@@ -92,8 +120,6 @@ void ProjectionGeometry::operator()(const Surroundings& around, Read<field::role
         parallel_for(n, [&](Index i) {
             OwnSums own = fluid_sums(W, around.pairs, i, V, over_first);
             s.correction[i] = pseudo_inverse(own.moment, step.dimensions()).template cast<Real>();
-            s.trace[i] = static_cast<Real>(own.moment.trace());
-            s.imbalance[i] = own.imbalance;
             s.gate[i] = 1;
             Real wall_trace = 0, wall_kernel = 0, wall_slopes = 0;
             Vec3 wall = Vec3::Zero(), wall_spread = Vec3::Zero();
@@ -119,8 +145,9 @@ void ProjectionGeometry::operator()(const Surroundings& around, Read<field::role
             s.inward[i] = own.imbalance + wall;
             slopes[i] = own.slopes + wall_slopes;
             rho[i] = step.rest_density * (V * W.value(0) + own.kernel + wall_kernel);
-            fullness[i] = s.trace[i] / std::max(Real(0.3) * full.trace, full.trace - wall_trace);
+            fullness[i] = static_cast<Real>(own.moment.trace()) / std::max(Real(0.3) * full.trace, full.trace - wall_trace);
         });
+        set_viscous_sums(around, s.viscous);
         if (!s.options.free_surface) return;
         // The outermost layer of a lattice has .6 of a full neighbourhood, the next one .9.
         constexpr Real certainly = Real(0.725), possibly = Real(0.85), inside = Real(0.95);

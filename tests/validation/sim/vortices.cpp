@@ -48,7 +48,7 @@ std::vector<std::string> taylor_green(int a_side, int reynolds, const std::strin
 
 }  // namespace
 
-// At 32 a side the operators themselves are off by 1 % (their error falls with the square of the spacing: .1 to .2 % at 64).
+// At 32 a side the operators themselves are off by .8 % (their error falls with the square of the spacing: .2 % at 64).
 TEST_CASE("Taylor-Green vortices, 32 a side, keep energy and velocity within 1.5 and 2 % of theory", "[validation][projection]") {
     for (const int reynolds : {100, 1000})
         for (const char* sampling : {"lattice", "jittered"}) {
@@ -114,15 +114,19 @@ TEST_CASE("the core of a vortex grows as Lamb and Oseen say within 1.5 %, and it
     const double start = reading(simulation, "flow").at("kinetic_energy")[0];
     for (const double time : {0.5, 1.0, 2.0, 4.0}) {
         run_until(simulation, time);
-        const Table line = reading(simulation, "across");
-        const std::vector<double>&x = line.at("x"), &v = line.at("velocity_y");
-        double best = 0, least = 1e9;  // the radius that fits best
+        // The radius that fits the particles around one vortex best. (On a line between them the kernel widens the core by 1 %.)
+        const auto x = simulation.world().fluid.column<field::position>();
+        const auto u = simulation.world().fluid.column<field::velocity>();
+        double best = 0, least = 1e9;
         for (double core = 0.05; core < 0.4; core += 1e-4) {
             double off = 0;
             for (std::size_t k = 0; k < x.size(); ++k) {
-                const double r = x[k] - 0.5;
-                const double expected = std::abs(r) < 1e-6 ? 0 : (1 - std::exp(-r * r / (core * core))) / (2 * pi * r);
-                off += (v[k] - expected) * (v[k] - expected);
+                const Vec3d from = x[k].cast<double>() - Vec3d(0.5, 0.5, 0);
+                const double r = from.norm();
+                if (r > 0.25 || r < 1e-6) continue;
+                const double around = (from.x() * static_cast<double>(u[k].y()) - from.y() * static_cast<double>(u[k].x())) / r;
+                const double expected = (1 - std::exp(-r * r / (core * core))) / (2 * pi * r);
+                off += (around - expected) * (around - expected);
             }
             if (off < least) least = off, best = core;
         }
