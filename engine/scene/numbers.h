@@ -13,7 +13,7 @@ struct SceneNumbers {
     double nu = 0;               ///< m^2/s
     double step = 0;             ///< s, the time step that flow alone allows: cfl d/speed, at most max_step
     double viscous_number = 0;   ///< nu step/d^2
-    double explicit_step = 0;    ///< s, longest stable step of explicit viscosity, 0.125 R^2/(4 nu); infinite without viscosity
+    double explicit_step = 0;    ///< s, longest stable step of explicit viscosity (viscous_step()); infinite without viscosity
     double least_viscosity = 0;  ///< Pa s, the least over blocks and emitters at the start
     std::string least_viscosity_key;  ///< that gives it: "emitter[0].viscosity"
     /// nu step/d^2 of the least viscosity in a step in which the fastest moves by 0.4 spacings, however long the steps of the run are:

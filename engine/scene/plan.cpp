@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "engine/models/pressure/pressure_multigrid.h"
 #include "engine/models/surface_tension/surface_tension.h"
@@ -156,6 +157,8 @@ private:
         };
         if (plan_.facts.pressure.solves_viscosity) reason = "the coupled pressure solves for it";
         else if (n_.viscosity == 0) reason = "fluid.viscosity is 0";
+        else if (n_.explicit_step >= step_ && rotation_lost() > most_rotation_lost)
+            wanted = ViscosityModel::full, reason = fmt::format("an explicit Laplacian takes {}", rotation_taken());
         else if (n_.explicit_step >= step_) wanted = ViscosityModel::explicit_laplacian, reason = explicit_step("longer");
         else wanted = ViscosityModel::full, reason = explicit_step("shorter");
         plan_.viscosity = choose("models.viscosity", scene_.models.viscosity, wanted, reason);
@@ -165,6 +168,21 @@ private:
             tell("viscosity matrix", fmt::format("{:.3g} GB", plan_.estimated_particles * bytes / 1e9), true,
                  fmt::format("{:.1f} kB a particle: two rings of neighbours, 3x3 numbers each", bytes / 1e3));
         }
+    }
+
+    /// Part of its rotation that the Laplacian of each velocity component takes from a free body within a turn: at a free surface it makes
+    /// du/dn zero, not the stress. A cylinder of radius a loses it at the rate nu (1.84/a)^2 (the first zero of J_1' is 1.84).
+    double rotation_lost() const {
+        const bool free_surface = n_.free_surface && part_left_empty(scene_, shapes_) > 0.02;
+        if (facts_of(scene_.models.micropolar).spins) return 0;               // there the rotation goes into spin
+        if (plan_.facts.pressure.form == PressureForm::projection) return 0;  // it has a Laplacian of its own
+        if (!free_surface || scene_.viscosity.laplacian != LaplacianForm::brookshaw || !(n_.speed > 0)) return 0;
+        const double radius = n_.across * d_ / 2, turn = 2 * std::numbers::pi * radius / n_.speed;
+        return std::isfinite(radius) ? 1 - std::exp(-n_.nu * std::pow(1.84 / radius, 2) * turn) : 0;
+    }
+    static constexpr double most_rotation_lost = 0.01;
+    std::string rotation_taken() const {
+        return fmt::format("{:.2g} % of its rotation from a body with a free surface within a turn", 100 * rotation_lost());
     }
 
     /// Particles come to rest with a viscosity of alpha = 0.1: nu = alpha c R/(4 (D + 2)). The fluid's own counts.
@@ -246,6 +264,9 @@ private:
             add_warning(fmt::format(
                 "explicit viscosity needs steps of {:.3g} s where the flow allows {:.3g} s: models.viscosity = \"full\" may be faster",
                 n_.explicit_step, n_.step));
+        if (plan_.viscosity == ViscosityModel::explicit_laplacian && rotation_lost() > most_rotation_lost)
+            add_warning(fmt::format("viscosity.laplacian = \"brookshaw\" takes {}: take \"monaghan\", or models.viscosity = \"full\"",
+                                    rotation_taken()));
         warn_of_lattice();
         if (n_.across < 4)
             add_warning(fmt::format("only {:.1f} particles across {}: details there are lost, take a smaller fluid.spacing", n_.across,

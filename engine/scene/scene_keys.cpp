@@ -98,7 +98,9 @@ KeyTable pressure_keys() {
     KeyTableOf<PressureKeys> t("of the pressure model");
     const std::string model = "models.pressure";
     const std::vector<std::string> solving = names_of(pressure_models(), &PressureFacts::solves);
-    t.key("tolerance", &PressureKeys::tolerance, "", "ppe: relative density error; coupled: preconditioned residual")
+    t.key("tolerance", &PressureKeys::tolerance, "",
+          "ppe: relative density error; coupled: preconditioned residual of a step in which the fastest fluid moves by 0.4 spacings, less "
+          "of shorter ones")
         .above(0)
         .at_most(0.5)
         .only_with(model, solving)

@@ -23,6 +23,7 @@
 #include "engine/models/projection/corrected_viscosity.h"
 #include "engine/models/projection/projection.h"
 #include "engine/models/shifting/fickian.h"
+#include "engine/models/strain/curvature.h"
 #include "engine/models/surface_tension/surface_tension.h"
 #include "engine/models/viscosity/ageing_viscosity.h"
 #include "engine/models/viscosity/assembled_viscosity.h"
@@ -150,6 +151,7 @@ private:
         options.support = plan_.support / plan_.spacing;
         auto system = std::make_shared<CoupledSystem>(options);
         stage("coupled neighbourhood", "neighbours", CoupledNeighbourhood{system});
+        stage("coupled gradient", "viscosity", CoupledGradient{system});
         if (scene_.fluid.surface_tension > 0) surface_tension(system->known_pressure);
         force();
         stage("coupled solve", "pressure", CoupledSolve{system});
@@ -206,6 +208,7 @@ private:
         made_.stages.push_back(neighbours());
         if (facts_.needs_density()) stage("density", "density", Density{solid_factor_, gate_});
         if (facts_.pressure.has_sound) sound_pressure();
+        if (facts_.viscosity.implicit) stage("velocity gradient", "viscosity", VelocityGradient{solid_factor_, gate_});
         weights();
         if (facts_.pressure.has_sound) sound_forces();
         if (facts_.micropolar.spins) spin();
@@ -367,15 +370,16 @@ private:
     }
 
     void viscous_limits() {
-        limit("viscous", "0.125 R^2 / (4 nu)",
-              [R = plan_.support, nu = plan_.largest_viscosity / scene_.fluid.density](const World&, double) {
-                  return nu > 0 ? viscous_step(R, nu) : never;
-              });
+        const bool monaghan = scene_.viscosity.laplacian == LaplacianForm::monaghan;
+        const double stiffness = monaghan ? monaghan_stiffness(plan_.dimensions()) : 1;
+        const double nu = stiffness * plan_.largest_viscosity / scene_.fluid.density;
+        const double step = nu > 0 ? viscous_step(plan_.support, nu) : never;
+        const std::string formula = monaghan ? "0.125 R^2 / (4 nu (D + 2)/D)" : "0.125 R^2 / (4 nu)";
+        limit("viscous", formula, [step](const World&, double) { return step; });
         if (bodies_)
-            limit("light bodies in viscous fluid", "(0.125 R^2 / (4 nu)) mass / mass of the fluid around",
-                  [R = plan_.support, nu = plan_.largest_viscosity / scene_.fluid.density](const World& w, double) {
-                      return nu > 0 ? viscous_step(R, nu) * lightness(w.solids, w.solid_particles, w.step.mass) : never;
-                  });
+            limit("light bodies in viscous fluid", "(" + formula + ") mass / mass of the fluid around", [step](const World& w, double) {
+                return step < never ? step * lightness(w.solids, w.solid_particles, w.step.mass) : never;
+            });
     }
 
     void implicit_viscosity() {
@@ -436,7 +440,8 @@ private:
 
         const double R = plan_.support, rho = n.density;
         // The spin slaved to the flow takes coupling/2 off the viscosity: whichever is larger bounds the step.
-        const double nu = std::max({n.pair_viscosity + std::abs(n.central_viscosity), n.coupling / 2}) / rho;
+        const double nu =
+            std::max({n.pair_viscosity + monaghan_stiffness(plan_.dimensions()) * std::abs(n.central_viscosity), n.coupling / 2}) / rho;
         limit("viscous", "0.125 R^2 / (4 max(nu, kappa/2))", [=](const World&, double) { return nu > 0 ? viscous_step(R, nu) : never; });
         const double diffusion = n.spin_viscosity / (rho * n.micro_inertia);
         limit("spin diffusion", "0.125 R^2 theta / (4 gamma/rho)",

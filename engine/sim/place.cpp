@@ -87,7 +87,9 @@ namespace {
 
 /// Moves each point by up to `most` along every axis [m], those that would leave the shape or come too near to a solid excepted.
 void loosen(std::vector<Vec3>& points, double most, std::uint64_t seed, const Shape& shape, const World& world) {
-    const Real nearest = Real(0.25) * world.step.spacing;
+    // Where a lattice touches a wall its particles stand at 0.5 d.
+    const auto nearest = static_cast<Real>(std::min(0.45, 0.5 - 1.25 * most / static_cast<double>(world.step.spacing)) *
+                                           static_cast<double>(world.step.spacing));
     RandomNumbers random(seed);
     for (Vec3& x : points) {
         Vec3 moved = x;

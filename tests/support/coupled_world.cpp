@@ -7,6 +7,7 @@ namespace whorl::test {
 CoupledWorld::CoupledWorld(const std::vector<Vec3>& x, Real spacing, Real nu, CoupledOptions options)
     : system(std::make_shared<CoupledSystem>(options)), viscosity_(1000 * nu) {
     stages.push_back(make_stage("rows", "neighbours", CoupledNeighbourhood{system}));
+    stages.push_back(make_stage("gradient", "solve", CoupledGradient{system}));
     stages.push_back(make_stage("solve", "solve", CoupledSolve{system}));
     stages.push_back(make_stage("move", "move", CoupledMove{system}));
     stages.push_back(make_stage("shift", "shift", CoupledShift{system}));
@@ -51,7 +52,7 @@ bool CoupledWorld::step(Real dt, bool at_frame_time) {
 }
 
 bool CoupledWorld::solve_only(Real dt) {
-    run(2, dt, true);
+    run(3, dt, true);
     return last_solve().converged;
 }
 

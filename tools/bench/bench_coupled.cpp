@@ -62,6 +62,7 @@ struct Thread {
     }
     int whole() {
         rows();
+        CoupledGradient{system}({u}, {G}, step);
         const int iterations = solve();
         CoupledMove{system}({{x}}, {u}, {role}, solids, step);
         CoupledShift{system}({{x}}, {{u}}, {G}, {role}, step);

@@ -4,11 +4,6 @@
 
 namespace whorl::field {
 
-struct velocity_gradient {
-    using type = Mat3;
-    static constexpr std::string_view name = "velocity_gradient", unit = "1/s",
-                                      meaning = "first-order gradient of the velocity solved last";
-};
 struct velocity_change {
     using type = Vec3;
     static constexpr std::string_view name = "velocity_change", unit = "m/s",

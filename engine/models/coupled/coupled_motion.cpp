@@ -29,7 +29,7 @@ namespace {
 struct Shifting {
     const CoupledSystem& system;
     Span<const Vec3> x;
-    Span<const Real> strain;  ///< dt |D|/2 of each particle
+    Span<const Real> strain;  ///< dt |D - T|/2 of each particle
     const StepContext& step;
 
     /// With r_ij = x_j - x_i here:
@@ -77,7 +77,10 @@ void CoupledShift::operator()(Update<field::position> x, Update<field::velocity>
     const CoupledSystem& s = *system;
     const Real d = step.spacing;
     std::vector<Real> strain(x.size());
-    parallel_for(x.size(), [&](Index i) { strain[i] = step.dt * Real(0.5) * (Real(0.5) * (G[i] + G[i].transpose()).norm()); });
+    parallel_for(x.size(), [&](Index i) {  // in the middle of the move: a rigid rotation has none
+        const Mat3 D = Real(0.5) * (G[i] + G[i].transpose());
+        strain[i] = step.dt * Real(0.5) * (D - curvature_strain(G[i], step.dt)).norm();
+    });
 
     const Shifting shifting{s, x.values, strain, step};
     std::vector<Vec3> shift(x.size(), Vec3::Zero());

@@ -2,6 +2,7 @@
 /// How particles move once their velocity is known (coupled_system.h).
 #include "engine/geometry/solids.h"
 #include "engine/models/coupled/coupled_system.h"
+#include "engine/models/strain/curvature.h"
 #include "engine/particles/step_context.h"
 
 namespace whorl {

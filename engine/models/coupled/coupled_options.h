@@ -5,7 +5,8 @@
 namespace whorl {
 
 struct CoupledOptions {
-    /// On sqrt(r.M r) / sqrt(b.M b), which follows the velocity's error: 3e-3 suffices for coils, stretched threads want 1e-3.
+    /// On sqrt(r.M r) / sqrt(b.M b), which follows the velocity's error: 3e-3 suffices for coils, stretched threads want 1e-3. It is for a
+    /// step in which the fastest fluid moves by 0.4 d; shorter steps get their share.
     SolveLimits limits{1e-3, 300};
 
     double support = 3, widest_support = 5;  ///< kernel radius; it grows where a particle has fewer than `enough_neighbours`
@@ -22,8 +23,7 @@ struct CoupledOptions {
     double push = 0.1;  ///< compressed particles part at the rate push (n/n0 - 1)/dt
     double fastest_push =
         0.2;  ///< but not faster than this times (max |u| + sqrt(g d))/d: however short the step, they bring no motion of their own
-    double memory = 0.98;        ///< of the multiplier from step to step
-    double turning_limit = 0.1;  ///< times max |u|/d, bound on dt I2(grad u), the divergence that keeps a turning body's volume
+    double memory = 0.98;  ///< of the multiplier from step to step
 
     double shift_rate = 3, shift_range = 1.1, longest_shift = 0.1;  ///< repulsion of close particles: rate over |D|, range, bound a step
     double evening_rate = 1,

@@ -9,12 +9,6 @@
 namespace whorl {
 namespace {
 
-/// (tr(G)^2 - tr(G^2)) / 2: what det(1 + dt G) adds to 1 + dt tr G at second order.
-Real second_invariant(const Mat3& G) {
-    const Real t = G.trace();
-    return Real(0.5) * (t * t - (G * G).trace());
-}
-
 /// The part of a velocity that is solved for: nothing of a particle that is stuck or in a nozzle, what is tangential of one that slides.
 struct Unknowns {
     Span<const std::int16_t> role;
@@ -78,6 +72,14 @@ void CoupledNeighbourhood::operator()(Read<field::position> x, Read<field::role>
     parallel_for(x.size(), [&](Index i) { density[i] = step.rest_density * s.rows.neighbourhood[i].density; });
 }
 
+void CoupledGradient::operator()(Read<field::velocity> u, Write<field::velocity_gradient> G, const StepContext& step) const {
+    const CoupledRows& rows = system->rows;
+    velocity_gradients(rows, step.spacing, u.values, G.values);
+    parallel_for(u.size(), [&](Index i) {
+        if (const Neighbourhood& n = rows.neighbourhood[i]; n.unresolved > 0) G[i] = turned_rigidly(G[i], n.resolved);
+    });
+}
+
 namespace {
 
 /// One step of the solve: its phases in order, and what they hand to each other.
@@ -105,6 +107,7 @@ struct CoupledStep {
     bool nothing_held = false;                  ///< no solid and no nozzle takes part: momentum is kept
     Column<Vec3> known = Column<Vec3>(n);       ///< the part of the velocities that is prescribed [m/s]
     Column<Vec3> solved = Column<Vec3>(n);      ///< the part that is not: first where the solver starts, then the solution [m/s]
+    Column<Mat3> curvature = Column<Mat3>(n);   ///< T [1/s]
     Column<Real> divergence = Column<Real>(n);  ///< s, that the step asks for [1/s]
     Column<Real> pressure = Column<Real>(n);    ///< q [m/s]: the multiplier, and what of the bulk term does not depend on u
     Column<Vec3> load = Column<Vec3>(n);        ///< right-hand side, then the residual [m/s]
@@ -113,10 +116,12 @@ struct CoupledStep {
     void set_up_form();
     void find_unknowns();
     void set_known_velocities();
+    void set_curvature();
     void set_divergence();
     void set_pressure();
     void set_up_preconditioner();
     double set_load();
+    SolveLimits limits() const;
     SolveReport solve(double reference);
     void descend_along_last_change();
     void keep_momentum();
@@ -156,17 +161,26 @@ void CoupledStep::set_known_velocities() {
     });
 }
 
-/// s_i: compressed particles move apart; and a body that turns needs div u = -dt I2(grad u) to keep its volume under x += dt u.
+/// Of the directions that the neighbours resolve. Particles that are not free have none: what they are part of moves them.
+void CoupledStep::set_curvature() {
+    parallel_for(n, [&](Index i) {
+        curvature[i].setZero();
+        if (role[i] != 0) return;
+        curvature[i] = curvature_strain(G[i], dt);
+        if (const Neighbourhood& around = system.rows.neighbourhood[i]; around.unresolved > 0)
+            curvature[i] = around.resolved * curvature[i] * around.resolved;
+    });
+}
+
+/// s_i: compressed particles move apart, and volumes are to be kept in the middle of the move, where tr D - tr T is their rate.
 void CoupledStep::set_divergence() {
     const double fastest = largest_speed(u.values);
-    const double turning_limit = options.turning_limit * fastest / d;
     const double fastest_push = options.fastest_push * (fastest / d + std::sqrt(step.gravity.norm() / d));
     parallel_for(n, [&](Index i) {
         // Never together: drawing in what is stretched would be a creep without end.
         const double compressed = system.rows.neighbourhood[i].density - 1;
-        double wanted = compressed > 0 ? std::min(options.push * compressed / dt, fastest_push) : 0;
-        if (role[i] == 0) wanted += std::clamp(-double(dt) * second_invariant(G[i]), -turning_limit, turning_limit);
-        divergence[i] = static_cast<Real>(wanted);
+        const double pushed = compressed > 0 ? std::min(options.push * compressed / dt, fastest_push) : 0;
+        divergence[i] = static_cast<Real>(pushed) + curvature[i].trace();
     });
 }
 
@@ -203,7 +217,7 @@ Vec3 CoupledStep::loaded(Index i, const Vec3& before) const {
 /// neighbours; these count a little, for a fluid at rest that is only dragged along
 double CoupledStep::set_load() {
     parallel_for(n, [&](Index i) { load[i] = loaded(i, u[i]); });
-    form.add_pressure(pressure, load);
+    form.add_stress(pressure, curvature, load);
     unknowns.restrict_to(load);
     const double reference = preconditioned_norm(load);
     if (nothing_held) return reference;
@@ -223,19 +237,26 @@ double CoupledStep::preconditioned_norm(Span<const Vec3> r) {
     return std::sqrt(std::max(0.0, dot<Vec3>(r, work)));
 }
 
+/// Errors of slow motions stay from step to step and add up. So the tolerance is for the time in which the fastest fluid moves by 0.4 d,
+/// and shorter steps get their share of it. In slow fluid errors die out: its share is at least 0.03.
+SolveLimits CoupledStep::limits() const {
+    const double share = std::clamp(dt * largest_speed(u.values) / (0.4 * d), 0.03, 1.0);
+    return {share * options.limits.tolerance, options.limits.max_iterations};
+}
+
 /// By conjugate gradients, from the last velocity plus most of its last change.
 SolveReport CoupledStep::solve(double reference) {
     const auto A = [this](Span<const Vec3> v, Span<Vec3> y) { multiply(v, y); };
     const TwoLevel& M = system.preconditioner;
     parallel_for(n, [&](Index i) { solved[i] = unknowns.part(i, u[i] + Real(0.9) * change[i]); });
-    if (!(reference > 0)) return conjugate_gradients<Vec3>(A, M, load, solved, options.limits, ResidualNorm::preconditioned);
+    if (!(reference > 0)) return conjugate_gradients<Vec3>(A, M, load, solved, limits(), ResidualNorm::preconditioned);
     multiply(solved, work);
     parallel_for(n, [&](Index i) { load[i] -= work[i]; });  // the residual
     if (preconditioned_norm(load) > reference) {
         descend_along_last_change();
         M(load, work);
     }
-    return conjugate_gradients_from<Vec3>(A, M, load, solved, options.limits, ResidualNorm::preconditioned, reference, work);
+    return conjugate_gradients_from<Vec3>(A, M, load, solved, limits(), ResidualNorm::preconditioned, reference, work);
 }
 
 /// Where the last step's change is a bad guide (a jolt, a landing): goes along it to where the energy is least, the residual with it.
@@ -277,7 +298,7 @@ void CoupledStep::release_slipping() {
     if (!unknowns.any_slip) return;
     form.apply(u.values, work);
     parallel_for(n, [&](Index i) { load[i] = loaded(i, u[i] - change[i]); });
-    form.add_pressure(pressure, load);
+    form.add_stress(pressure, curvature, load);
     parallel_for(n, [&](Index i) {
         if (slip[i].dot(work[i] - load[i]) < 0) slip[i] = Vec3::Zero();
     });
@@ -294,6 +315,7 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
     now.set_up_form();
     now.find_unknowns();
     now.set_known_velocities();
+    now.set_curvature();
     now.set_divergence();
     now.set_pressure();
     now.set_up_preconditioner();

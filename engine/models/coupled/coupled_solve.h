@@ -2,6 +2,7 @@
 /// Neighbourhoods, and velocity and pressure at the end of the step (coupled_system.h, strain_form.h).
 #include "engine/geometry/solids.h"
 #include "engine/models/coupled/coupled_system.h"
+#include "engine/models/strain/curvature.h"
 #include "engine/particles/step_context.h"
 
 namespace whorl {
@@ -9,6 +10,11 @@ namespace whorl {
 struct CoupledNeighbourhood {
     std::shared_ptr<CoupledSystem> system;
     void operator()(Read<field::position> x, Read<field::role> role, Write<field::density> density, const StepContext& step) const;
+};
+
+struct CoupledGradient {
+    std::shared_ptr<CoupledSystem> system;
+    void operator()(Read<field::velocity> u, Write<field::velocity_gradient> G, const StepContext& step) const;
 };
 
 struct CoupledSolve {

@@ -3,6 +3,7 @@
 /// step, in this order, share one CoupledSystem:
 ///
 ///   CoupledNeighbourhood   rows, contact gate, moments
+///   CoupledGradient        the gradient of the velocities before any force
 ///   CoupledSolve           the velocity at the end of the step, the multiplier (pressure), the gradient
 ///   CoupledMove            x += dt u
 ///   CoupledShift           close particles part, the velocity goes along: u += G dx

@@ -154,7 +154,7 @@ void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Span<c
                      const CoupledOptions& o) {
     rows_ = &rows;
     friction_ = {};
-    inverse_spacing_ = 1 / spacing;
+    spacing_ = spacing;
     coefficients_.resize(rows.size());
     parallel_for(rows.size(), [&](Index i) {
         const Neighbourhood& n = rows.neighbourhood[i];
@@ -205,7 +205,7 @@ void StrainForm::apply(Span<const Vec3> u, Span<Vec3> y) const {
     });
 }
 
-void StrainForm::add_pressure(Span<const Real> q, Span<Vec3> y) const {
+void StrainForm::add_stress(Span<const Real> q, Span<const Mat3> T, Span<Vec3> y) const {
     const CoupledRows& rows = *rows_;
     parallel_blocks(rows.size(), CoupledRows::block_size, [&](Index begin, Index) {
         const RowBlock& block = rows.blocks[begin / CoupledRows::block_size];
@@ -215,9 +215,11 @@ void StrainForm::add_pressure(Span<const Real> q, Span<Vec3> y) const {
         for (Index own = 0; own < block.size(); ++own) {
             const RowView row(block, own);
             const auto i = static_cast<std::size_t>(block.begin + own);
-            if (row.count == 0 || q[i] == 0) continue;
+            if (row.count == 0) continue;
             const Neighbourhood& n = rows.neighbourhood[i];
-            const Mat3 Q = q[i] * (n.resolved * n.inverse_moment);
+            Mat3 stress = q[i] * Mat3::Identity();
+            if (!T.empty()) stress += coefficients_[i].shear * spacing_ * T[i];
+            const Mat3 Q = n.resolved * stress * n.inverse_moment;
             pair_forces(row, Q, s.fx.data(), s.fy.data(), s.fz.data());
             scatter(row, own, s, out);
         }
@@ -225,8 +227,7 @@ void StrainForm::add_pressure(Span<const Real> q, Span<Vec3> y) const {
     rows.gather<Vec4>(forces_, [&](Index i, const Vec4& f) { y[i] += Vec3(f.v[0], f.v[1], f.v[2]); });
 }
 
-void StrainForm::gradient(Span<const Vec3> u, Span<Mat3> G) const {
-    const CoupledRows& rows = *rows_;
+void velocity_gradients(const CoupledRows& rows, Real spacing, Span<const Vec3> u, Span<Mat3> G) {
     parallel_blocks(rows.size(), CoupledRows::block_size, [&](Index begin, Index) {
         const RowBlock& block = rows.blocks[begin / CoupledRows::block_size];
         RowScratch& s = scratch(block, rows);
@@ -236,7 +237,7 @@ void StrainForm::gradient(Span<const Vec3> u, Span<Mat3> G) const {
         }
         for (Index own = 0; own < block.size(); ++own) {
             const auto i = static_cast<std::size_t>(block.begin + own);
-            G[i] = inverse_spacing_ * (differences(RowView(block, own), s.u.data(), own, s) * rows.neighbourhood[i].inverse_moment);
+            G[i] = differences(RowView(block, own), s.u.data(), own, s) * rows.neighbourhood[i].inverse_moment / spacing;
         }
     });
 }

@@ -3,17 +3,21 @@
 ///
 /// Per unit mass, lengths in spacings, with K_i = mu_i dt/(rho d^2):
 ///
-///   E(u) = sum_i |u_i - u*_i|^2 / 2 + K_i [ D_i:D_i + Lambda_i/2 (tr D_i - s_i)^2 ] - q_i tr D_i + c_i S_i + c'_i S'_i
+///   E(u) = sum_i |u_i - u*_i|^2 / 2 + K_i [ |D_i - T_i|^2 + Lambda_i/2 (tr D_i - s_i)^2 ] - q_i tr D_i + c_i S_i + c'_i S'_i
 ///
 ///   A_i = sum_j w (u_j - u_i) r^T      G_i = A_i M_i+      D_i = (P_i G_i + G_i^T P_i)/2
 ///   S_i = sum_j w |u_j - u_i|^2 - A_i:G_i                        what the linear field does not explain
 ///   S'_i = sum_j w/r^2 ((u_j - u_i).r - r.G_i r)^2               the same along the pair
 ///
+/// T_i is the curvature of the move (models/strain/curvature.h), s_i the change of volume that is asked for.
 /// D is exact where all directions are resolved and zero for a rigid rotation even in a single file of particles. The forces are the exact
 /// derivative of E, pair by pair opposite: momentum is conserved to round-off.
 #include "engine/models/coupled/coupled_rows.h"
 
 namespace whorl {
+
+/// G d^-1 of every row [1/s] @param spacing d [m]
+void velocity_gradients(const CoupledRows& rows, Real spacing, Span<const Vec3> u, Span<Mat3> G);
 
 /// What the form needs of particle i besides its row.
 struct StrainCoefficients {
@@ -37,10 +41,11 @@ public:
 
     /// y = (1 + K) u: mass, strain and friction, over the mass [m/s].
     void apply(Span<const Vec3> u, Span<Vec3> y) const;
-    /// y_i += sum over rows of P q M+ (w r): the forces of -q tr D [m/s].
-    void add_pressure(Span<const Real> q, Span<Vec3> y) const;
-    /// G d^-1, the gradient of u [1/s].
-    void gradient(Span<const Vec3> u, Span<Mat3> G) const;
+    /// y_i += sum over rows of P (q + 2 K d T) M+ (w r): the forces of -q tr D - 2 K d T:D [m/s].
+    /// @param T symmetric [1/s]; empty: none
+    void add_stress(Span<const Real> q, Span<const Mat3> T, Span<Vec3> y) const;
+    /// velocity_gradients() of its rows.
+    void gradient(Span<const Vec3> u, Span<Mat3> G) const { velocity_gradients(*rows_, spacing_, u, G); }
     /// The 3x3 diagonal blocks of 1 + K (to a few per cent where directions are unresolved).
     void diagonal(Span<Mat3> B) const;
 
@@ -56,7 +61,7 @@ private:
     const CoupledRows* rows_ = nullptr;
     std::vector<StrainCoefficients> coefficients_;
     Span<const Mat3> friction_;
-    Real inverse_spacing_ = 1;
+    Real spacing_ = 1;
     mutable Column<Vec4> forces_;  ///< one a touched particle of each block
 };
 

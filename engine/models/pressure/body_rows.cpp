@@ -63,13 +63,26 @@ void BodyRows::add_product(Span<const Real> q, Span<const char> wanted, Span<Rea
     }
 }
 
+void BodyRows::push(const Body& body, Span<const Real> q, RigidBody& state) const {
+    const Sum sum = transposed(body, q);
+    state.velocity += mass_ / state.mass * sum.push;
+    state.spin_momentum += mass_ * sum.torque;
+}
+
 void BodyRows::push(Span<const Real> q, Solids& solids) const {
+    for (const Body& body : bodies_) push(body, q, *solids.all[body.solid].body);
+}
+
+std::vector<Pose> BodyRows::poses_after(Span<const Real> q, const Solids& solids) const {
+    std::vector<Pose> poses;
+    poses.reserve(solids.all.size());
+    for (const Solid& solid : solids.all) poses.push_back(solid.pose);
     for (const Body& body : bodies_) {
-        const Sum sum = transposed(body, q);
-        RigidBody& state = *solids.all[body.solid].body;
-        state.velocity += mass_ / state.mass * sum.push;
-        state.spin_momentum += mass_ * sum.torque;
+        RigidBody state = *solids.all[body.solid].body;
+        push(body, q, state);
+        poses[body.solid] = state.pose();
     }
+    return poses;
 }
 
 }  // namespace whorl

@@ -25,6 +25,8 @@ public:
     void add_product(Span<const Real> q, Span<const char> wanted, Span<Real> rate) const;
     /// The bodies' part of u -= M^-1 D^T q.
     void push(Span<const Real> q, Solids& solids) const;
+    /// The poses of all solids, the bodies' with the velocities after that part.
+    std::vector<Pose> poses_after(Span<const Real> q, const Solids& solids) const;
 
 private:
     struct Touch {
@@ -42,6 +44,7 @@ private:
         void operator+=(const Sum& o) { push += o.push, torque += o.torque; }
     };
     Sum transposed(const Body& body, Span<const Real> q) const;
+    void push(const Body& body, Span<const Real> q, RigidBody& state) const;
 
     std::vector<Body> bodies_;
     double mass_ = 0;  ///< of a particle [kg]

@@ -184,6 +184,18 @@ Real ConstraintPressure::correction_rate(Real rho, Real target, bool filled, con
     return excess > 0 || filled ? correction_share(filled) * excess / time : excess / step.dt;
 }
 
+void ConstraintPressure::add_bend(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Vec3> u,
+                                  Span<const Real> q, Span<Padded> force) {
+    constexpr Real most = Real(0.02);  // of the rest density: beyond it a step moves by more than the densities tell
+    const StepContext& step = around.step;
+    const Index n = D_.size();
+    bend_.resize(n), expected_.resize(n);
+    D_.transposed(q, force);
+    parallel_for(n, [&](Index i) { expected_[i] = u[i] - force[i].head<3>(); });
+    D_.bend(wall, around, rho, expected_, bodies_.poses_after(q, around.solids), bend_);
+    parallel_for(n, [&](Index i) { b_[i] += std::clamp(bend_[i], -most * step.rest_density, most * step.rest_density) / step.dt; });
+}
+
 void ConstraintPressure::operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Write<field::density> rho,
                                     Update<field::velocity> u, Update<field::pressure> p) {
     const StepContext& step = around.step;
@@ -203,6 +215,7 @@ void ConstraintPressure::operator()(const Surroundings& around, StepReport& repo
         p[i] = D_.diagonal[i] > 0 ? p[i] / D_.virial[i] * step.dt / (rho[i] * rho[i]) : 0;  // q
     });
     ConstraintMatrix matrix{D_, {}, Column<Padded>(n), around.pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};
+    add_bend(wall, around, rho.values, u.values, p.values, matrix.force);
     const auto fastest = static_cast<Real>(filled ? largest_speed(u.values) : 0);
     report.solves.push_back(
         {"pressure", filled ? solve_filled(matrix, step, mean_rate, fastest, p.values) : solve(matrix, step, p.values)});

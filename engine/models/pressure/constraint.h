@@ -49,10 +49,11 @@ struct ConstraintOptions {
     ConstraintPreconditionerSetup preconditioner = diagonal_scaling;
 };
 
-/// Finds q = dt p/rho^2 with   q >= 0,   rho_i + dt (D (u - D^T q))_i <= rho_0,   and q_i = 0 where the density stays below, then u -= D^T
-/// q. Where rho_i exceeds rho_0 only a share of the excess has to go. The projection loses energy, never makes any; a free surface needs no
-/// search, and neither do single particles, closed boxes or slots: A q = b is solvable wherever something can give way. Where nothing can,
-/// in a fluid that fills a periodic domain, densities are held equal instead.
+/// Finds q = dt p/rho^2 with   q >= 0,   rho_i + dt (D (u - D^T q))_i + e_i <= rho_0,   and q_i = 0 where the density stays below, then u
+/// -= D^T q. e is what the move bends: rho(x + dt v) - rho(x) - dt D v, with v = u - D^T q of the last step's pressure. Where rho_i exceeds
+/// rho_0 only a share of the excess has to go. The projection loses energy, never makes any; a free surface needs no search, and neither do
+/// single particles, closed boxes or slots: A q = b is solvable wherever something can give way. Where nothing can, in a fluid that fills a
+/// periodic domain, densities are held equal instead.
 class ConstraintPressure {
 public:
     explicit ConstraintPressure(ConstraintOptions options) : options_(std::move(options)) {}
@@ -84,13 +85,17 @@ protected:
     /// at its speed (at least sqrt(g d)). A heavy body on a thin film of fluid is otherwise thrown up by the correction of the film, the
     /// faster the shorter the step, and the pressure that throws it shortens the next one.
     Real correction_time(Span<const Vec3> u, const StepContext& step) const;
+    /// Adds e/dt to b_. @param force written: D^T q
+    void add_bend(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Vec3> u, Span<const Real> q,
+                  Span<Padded> force);
     WallImage wall_of(const Surroundings& around) const;
     SolveReport solve_filled(ConstraintMatrix& A, const StepContext& step, double mean_rate, Real fastest, Span<Real> q);
 
     ConstraintOptions options_;
     DensityRate D_;
     BodyRows bodies_;
-    Column<Real> b_, residual_;
+    Column<Real> b_, residual_, bend_;
+    Column<Vec3> expected_;  ///< velocities after the step, by the last pressure
 };
 
 /// Nothing can give way: every axis is periodic, and the volumes of particles and free bodies fill the domain.

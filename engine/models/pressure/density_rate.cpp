@@ -45,6 +45,17 @@ WallImage::WallImage(KernelForm form, Real support, Real d, SolidGate gate_befor
     });
 }
 
+namespace {
+
+/// With which a solid particle counts at i. A free body that moves and turns with the fluid changes no density.
+/// @param pose of the solid, with its velocity
+Vec3 velocity_of(const Surroundings& around, const Pose& pose, Index s, const Vec3& r) {
+    const bool free = around.solids.all[around.layer.solid[s]].body.has_value();
+    return free ? pose.velocity_at(around.layer.position[s] + r) : around.layer.velocity[s];
+}
+
+}  // namespace
+
 void DensityRate::build(const WallImage& wall, const Surroundings& around, Read<field::role> role, Read<field::velocity> u, Span<Real> rho,
                         Span<Real> rate) {
     const StepContext& step = around.step;
@@ -54,7 +65,6 @@ void DensityRate::build(const WallImage& wall, const Surroundings& around, Read<
     resize_tightly(slope, other.size());
     period = around.pairs.period;
     x.resize(n), fill.resize(n), own.resize(n), diagonal.resize(n), free.resize(n), virial.resize(n);
-    const bool bodies = around.solids.any_free();
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(around.pairs.size(), [&](Index i) {
             Real change = 0, wall_change = 0;
@@ -74,9 +84,8 @@ void DensityRate::build(const WallImage& wall, const Surroundings& around, Read<
                     change += part;
                 },
                 [&](Index s, const Vec3& r, const WallImage::Share& share) {
-                    const Solid* body = bodies ? &around.solids.all[around.layer.solid[s]] : nullptr;
-                    const Vec3 moves = body && body->body ? body->pose.velocity_at(around.layer.position[s] + r) : around.layer.velocity[s];
-                    wall_change += share.gradient.dot(u[i] - moves);
+                    const Pose& pose = around.solids.all[around.layer.solid[s]].pose;
+                    wall_change += share.gradient.dot(u[i] - velocity_of(around, pose, s, r));
                 });
             const Real f = row.fill;
             fill[i] = f;
@@ -87,6 +96,46 @@ void DensityRate::build(const WallImage& wall, const Surroundings& around, Read<
             virial[i] = std::clamp(f * row.pull / (static_cast<Real>(W.dimensions) * row.density), Real(0.8), Real(1.5));
             rho[i] = row.density;
             rate[i] = f * (change + row.density * row.wall_slope * wall_change);
+        });
+    });
+}
+
+void DensityRate::bend(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Vec3> v,
+                       const std::vector<Pose>& poses, Span<Real> change) const {
+    const StepContext& step = around.step;
+    const Real dt = step.dt, mass = step.mass;
+    with_kernel(step.kernel, step.support, [&](const auto& W) {
+        parallel_for(size(), [&](Index i) {
+            Real linear = 0, bent = 0;  // of the fluid's own sum
+            around.pairs.groups_of(i, [&](const Pairs::Group& group) {
+                alignas(64) Real u[3][Pairs::Group::most];
+                group.gather(v.data(), u);
+                for (int a = 0; a < 3; ++a)
+                    for (Index l = group.count; l < group.padded(); ++l) u[a][l] = v[i][a];
+                for (Index l = 0; l < group.padded(); ++l) {
+                    const Real dx = dt * (v[i][0] - u[0][l]), dy = dt * (v[i][1] - u[1][l]), dz = dt * (v[i][2] - u[2][l]);
+                    const Real rx = group.r[0][l], ry = group.r[1][l], rz = group.r[2][l], r = group.distance[l];
+                    const Real along = W.slope(r) * (rx * dx + ry * dy + rz * dz);
+                    const Real moved = std::sqrt((rx + dx) * (rx + dx) + (ry + dy) * (ry + dy) + (rz + dz) * (rz + dz));
+                    linear += along;
+                    bent += W.value(moved) - W.value(r) - along;
+                }
+            });
+            change[i] = fill[i] * mass * bent;
+            if (around.layer.size() == 0 || around.solid_pairs.count(i) == 0) return;
+            Real w = 0, w_moved = 0, w_linear = 0;
+            around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+                const Vec3 dr = dt * (v[i] - velocity_of(around, poses[static_cast<std::size_t>(around.layer.solid[s])], s, r)),
+                           to = r + dr;
+                const WallImage::Share share = wall.share(W, r, distance, around.layer.normal[s], around.layer.volume[s]);
+                w += share.value;
+                w_linear += share.gradient.dot(dr);
+                w_moved += wall.share(W, to, to.norm(), around.layer.normal[s], around.layer.volume[s]).value;
+            });
+            const SolidGate::Gated gated = wall.gate.gated(w);
+            const Real fluid = rho[i] / fill[i], f = 1 / WallImage::free_volume(wall.gate.gated(w_moved).sum).left;
+            change[i] += (f - fill[i]) * (fluid + mass * (linear + bent)) -
+                         fill[i] * rho[i] * gated.slope * WallImage::free_volume(gated.sum).slope * w_linear;
         });
     });
 }

@@ -31,7 +31,7 @@ struct AssembledOperator::Gradients {
 };
 
 void AssembledOperator::set_up(const AssembledViscosityOptions& options, const Surroundings& around, Read<field::role> role,
-                               Read<field::density> rho, Read<field::viscosity> mu) {
+                               Read<field::density> rho, Read<field::viscosity> mu, Span<const Mat3> before) {
     const StepContext& step = around.step;
     const std::size_t n = static_cast<std::size_t>(mu.size());
     Gradients g;
@@ -74,8 +74,8 @@ void AssembledOperator::set_up(const AssembledViscosityOptions& options, const S
     for (std::size_t i = 0; i < n; ++i) free_[i] = role.values[i] == 0;
     touches_wall_ = parallel_sum(static_cast<Index>(g.solid_gradW.size()), [&](Index k) { return g.solid_gradW[k] != Vec3::Zero(); }) > 0;
     assemble(g, around.pairs);
-    wall_force_.clear();
-    if (touches_wall_) set_wall_force(g, around);
+    known_force_.clear();
+    if (touches_wall_ || !before.empty()) set_known_force(g, around, before);
     Column<Mat3> blocks(n);
     parallel_for(mu.size(), [&](Index i) { blocks[i] = block(i, i); });
     diagonal_.set(std::move(blocks), free_);
@@ -116,21 +116,23 @@ void AssembledOperator::assemble(const Gradients& g, const FluidPairs& pairs) {
     });
 }
 
-/// m^ sum_j (mu^_i Q_i + mu^_j Q_j) grad W_ij of the velocities of the solids alone.
-void AssembledOperator::set_wall_force(const Gradients& g, const Surroundings& around) {
+/// m^ sum_j (mu^_i Q_i + mu^_j Q_j) grad W_ij of T and the velocities of the solids alone.
+void AssembledOperator::set_known_force(const Gradients& g, const Surroundings& around, Span<const Mat3> before) {
     const Index n = size();
     Column<Mat3> Q(n);
     parallel_for(n, [&](Index i) {
+        Q[i] = before.empty() ? Mat3(Mat3::Zero()) : Mat3(2 * g.stress[i] * curvature_strain(before[i], around.step.dt));
+        if (!touches_wall_) return;
         Mat3 gradient = Mat3::Zero();
         for (std::size_t k = around.solid_pairs.first[i]; k < around.solid_pairs.first[i + 1]; ++k)
             gradient += around.layer.velocity[around.solid_pairs.other[k]] * g.solid_a(i, k).transpose();
-        Q[i] = -g.stress[i] * (gradient + gradient.transpose());
+        Q[i] -= g.stress[i] * (gradient + gradient.transpose());
     });
-    wall_force_.resize(n);
+    known_force_.resize(n);
     parallel_for(n, [&](Index i) {
         Vec3 sum = Q[i] * g.omega[i];
         for (std::size_t k = around.pairs.first[i]; k < around.pairs.first[i + 1]; ++k) sum += Q[around.pairs.other[k]] * g.gradW[k];
-        wall_force_[i] = sum;
+        known_force_[i] = sum;
     });
 }
 
@@ -159,7 +161,7 @@ void AssembledOperator::multiply(Span<const Vec3> u, Span<Vec3> y) const {
 void AssembledOperator::force(Span<const Vec3> u, Span<Vec3> y) const {
     parallel_for(size(), [&](Index i) {
         y[i] = row_times(i, u, false);
-        if (!wall_force_.empty()) y[i] += wall_force_[i];
+        if (!known_force_.empty()) y[i] += known_force_[i];
     });
 }
 
@@ -177,9 +179,9 @@ double assembled_bytes(double reach, int dimensions) {
 }
 
 void AssembledViscosity::operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::position> x,
-                                    Read<field::density> rho, Read<field::viscosity> mu, Update<field::velocity> u,
-                                    Update<field::viscous_acceleration> last) {
-    operator_.set_up(options_, around, role, rho, mu);
+                                    Read<field::density> rho, Read<field::viscosity> mu, Read<field::velocity_gradient> before,
+                                    Update<field::velocity> u, Update<field::viscous_acceleration> last) {
+    operator_.set_up(options_, around, role, rho, mu, before.values);
     solve_implicit(operator_, options_.limits, {around.step, report, role, x, u, last});
 }
 

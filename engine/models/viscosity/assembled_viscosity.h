@@ -3,7 +3,8 @@
 /// docs/physics.md 4 tells) in one sparse matrix. Tens of times the memory of the same operator without a matrix: for small scenes, and as
 /// what the other is held to.
 ///
-/// Stages of a step, in order: Density, Gravity, (forces), Kick, AssembledViscosity, (pressure), Move.
+/// Stages of a step, in order: Density, VelocityGradient, Gravity, (forces), Kick, AssembledViscosity, (pressure), Move.
+#include "engine/models/strain/curvature.h"
 #include "engine/models/viscosity/implicit_viscosity.h"
 #include "engine/particles/surroundings.h"
 #include "engine/sph/gate.h"
@@ -29,13 +30,15 @@ inline Mat3 nine_coefficients(const Vec3& gradW, const Vec3& a) {
     return c;
 }
 
-/// u_i + m^ sum_j (mu^_i Q_i + mu^_j Q_j) grad W_ij = u*_i,   Q_i = -grad u_i - (grad u_i)^T,  m^ = m dt,  mu^ = mu/rho^2.
+/// u_i + m^ sum_j (mu^_i Q_i + mu^_j Q_j) grad W_ij = u*_i,   Q_i = 2 T_i - grad u_i - (grad u_i)^T,  m^ = m dt,  mu^ = mu/rho^2,
+/// T the curvature of the move (models/strain/curvature.h).
 /// The second ring k holds i itself and i's neighbours: their coefficients add up in one entry. Solids are neighbours with a velocity that
 /// is known and no stress of their own.
 class AssembledOperator final : public ImplicitOperator {
 public:
+    /// @param before gradients of the velocities at the start of the step [1/s], which T follows from; empty: T = 0
     void set_up(const AssembledViscosityOptions& options, const Surroundings& around, Read<field::role> role, Read<field::density> rho,
-                Read<field::viscosity> mu);
+                Read<field::viscosity> mu, Span<const Mat3> before = {});
 
     void multiply(Span<const Vec3> u, Span<Vec3> y) const override;
     void force(Span<const Vec3> u, Span<Vec3> y) const override;
@@ -61,12 +64,12 @@ private:
     };
     static constexpr Index rows_size = 256;
     void assemble(const Gradients& g, const FluidPairs& pairs);
-    void set_wall_force(const Gradients& g, const Surroundings& around);
+    void set_known_force(const Gradients& g, const Surroundings& around, Span<const Mat3> before);
     Vec3 row_times(Index i, Span<const Vec3> u, bool free_only) const;
 
     std::vector<Rows> rows_;
     Column<Mat3> own_;
-    Column<Vec3> wall_force_;  ///< what the walls' velocities add; empty: no wall is near
+    Column<Vec3> known_force_;  ///< what the walls' velocities and T add; empty: nothing
     BlockDiagonal diagonal_;
     std::vector<char> free_;
     bool touches_wall_ = false;
@@ -83,7 +86,7 @@ class AssembledViscosity {
 public:
     explicit AssembledViscosity(AssembledViscosityOptions options) : options_(options) {}
     void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::position> x,
-                    Read<field::density> rho, Read<field::viscosity> mu, Update<field::velocity> u,
+                    Read<field::density> rho, Read<field::viscosity> mu, Read<field::velocity_gradient> before, Update<field::velocity> u,
                     Update<field::viscous_acceleration> last);
 
 private:

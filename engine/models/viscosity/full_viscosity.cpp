@@ -3,9 +3,9 @@
 namespace whorl {
 
 void FullViscosity::operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::position> x,
-                               Read<field::viscosity> mu, Update<field::velocity> u, Update<field::viscous_acceleration> last,
-                               Update<field::viscous_aggregate> aggregate) {
-    operator_.set_up(options_, around, role, mu);
+                               Read<field::viscosity> mu, Read<field::velocity_gradient> before, Update<field::velocity> u,
+                               Update<field::viscous_acceleration> last, Update<field::viscous_aggregate> aggregate) {
+    operator_.set_up(options_, around, role, mu, {}, before.values);
     set_up_coarse(around.pairs, around.step, role, x, aggregate.values);
     solve_implicit(operator_, options_.limits, {around.step, report, role, x, u, last, &around.solids});
 }
@@ -33,9 +33,9 @@ void FullViscosity::set_up_coarse(const FluidPairs& pairs, const StepContext& st
 }
 
 void UncorrectedViscosity::operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::position> x,
-                                      Read<field::density> rho, Read<field::viscosity> mu, Update<field::velocity> u,
-                                      Update<field::viscous_acceleration> last) {
-    operator_.set_up(options_, around, role, mu, rho.values);
+                                      Read<field::density> rho, Read<field::viscosity> mu, Read<field::velocity_gradient> before,
+                                      Update<field::velocity> u, Update<field::viscous_acceleration> last) {
+    operator_.set_up(options_, around, role, mu, rho.values, before.values);
     solve_implicit(operator_, options_.limits, {around.step, report, role, x, u, last, &around.solids});
 }
 

@@ -1,7 +1,8 @@
 #pragma once
 /// Implicit viscosity in its full form, variational and matrix-free (viscous_operator.h).
 ///
-/// Stages of a step, in order: Gravity, (forces), Kick, FullViscosity, (pressure), Move. Corrected, it needs no density.
+/// Stages of a step, in order: VelocityGradient, Gravity, (forces), Kick, FullViscosity, (pressure), Move. Corrected, it needs no density.
+#include "engine/models/strain/curvature.h"
 #include "engine/models/viscosity/viscous_operator.h"
 
 namespace whorl {
@@ -19,8 +20,8 @@ class FullViscosity {
 public:
     explicit FullViscosity(FullViscosityOptions options) : options_(options) {}
     void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::position> x,
-                    Read<field::viscosity> mu, Update<field::velocity> u, Update<field::viscous_acceleration> last,
-                    Update<field::viscous_aggregate> aggregate);
+                    Read<field::viscosity> mu, Read<field::velocity_gradient> before, Update<field::velocity> u,
+                    Update<field::viscous_acceleration> last, Update<field::viscous_aggregate> aggregate);
 
 private:
     void set_up_coarse(const FluidPairs& pairs, const StepContext& step, Read<field::role> role, Read<field::position> x,
@@ -36,7 +37,7 @@ class UncorrectedViscosity {
 public:
     explicit UncorrectedViscosity(FullViscosityOptions options) : options_(options) { options_.correction = false; }
     void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::position> x,
-                    Read<field::density> rho, Read<field::viscosity> mu, Update<field::velocity> u,
+                    Read<field::density> rho, Read<field::viscosity> mu, Read<field::velocity_gradient> before, Update<field::velocity> u,
                     Update<field::viscous_acceleration> last);
 
 private:

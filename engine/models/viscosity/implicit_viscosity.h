@@ -23,7 +23,8 @@ public:
     virtual ~ImplicitOperator() = default;
     /// y = A u; particles that are not free take part with 0 and get 0.
     virtual void multiply(Span<const Vec3> u, Span<Vec3> y) const = 0;
-    /// The velocities' share in (dE/du)/m, without u*: u - dt (viscous force)/m, walls and prescribed particles with their velocities.
+    /// The velocities' share in (dE/du)/m, without u*: u - dt (viscous force)/m, with the curvature, and walls and prescribed particles
+    /// with their velocities.
     virtual void force(Span<const Vec3> u, Span<Vec3> y) const = 0;
     /// z is near A^-1 r; symmetric and positive definite on the free particles, 0 on the others.
     virtual void precondition(Span<const Vec3> r, Span<Vec3> z) const = 0;

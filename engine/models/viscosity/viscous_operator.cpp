@@ -4,12 +4,13 @@
 
 #include "engine/core/parallel.h"
 #include "engine/models/boundary/wall.h"
+#include "engine/models/strain/curvature.h"
 #include "engine/models/strain/moment.h"
 
 namespace whorl {
 
 void ViscousOperator::set_up(const FullViscosityOptions& options, const Surroundings& around, Read<field::role> role,
-                             Read<field::viscosity> mu, Span<const Real> density) {
+                             Read<field::viscosity> mu, Span<const Real> density, Span<const Mat3> before) {
     const std::size_t n = static_cast<std::size_t>(mu.size());
     pairs_ = &around.pairs;
     corrected_ = options.correction;
@@ -24,6 +25,7 @@ void ViscousOperator::set_up(const FullViscosityOptions& options, const Surround
     if (around.layer.size() > 0) set_up_wall(options, around);
     set_up_bodies(options, around);
     set_up_moments(options, around.step, role, mu, density);
+    set_up_curvature(before, around.step.dt);
     set_up_blocks(options);
     if (bodies()) set_up_body_blocks();
 }
@@ -115,6 +117,15 @@ void ViscousOperator::set_up_wall(const FullViscosityOptions& options, const Sur
         });
     });
     touches_wall_ = friction_.acts() || std::find(touches.begin(), touches.end(), 1) != touches.end();
+}
+
+void ViscousOperator::set_up_curvature(Span<const Mat3> before, Real dt) {
+    curvature_.resize(before.size());
+    parallel_for(static_cast<Index>(before.size()), [&](Index i) {
+        const Mat3 T = 2 * curvature_strain(before[i], dt);
+        const Mat3 P = P_[i].matrix();
+        curvature_[i].set(whole_[i] ? T : Mat3(P * P * T * P));
+    });
 }
 
 /// B_i = 1 + K_i P_i (|h|^2 + h h^T) P_i + 2 c_i (sum w - g.M_i^+ g)            own energy: g = sum_j w r_ij, h = M_i^+ g

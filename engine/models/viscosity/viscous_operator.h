@@ -28,10 +28,11 @@ struct FullViscosityOptions {
 /// u_j:
 ///   G_i = sum_j w_ij u_ij r_ij^T M_i^+         velocity gradient; M_i = sum_j w_ij r_ij r_ij^T, M^+ its inverse where it has one
 ///   D_i = (P_i G_i + (P_i G_i)^T)/2            strain rate; P_i projects on the directions that the neighbours resolve
-///   E(u) = sum_i m |u_i - u*_i|^2/2 + dt V sum_i (1 - counted_i) mu_i (D_i:D_i + penalty D/(sum_j w_ij r_ij^2) sum_j w_ij |u_ij -
+///   E(u) = sum_i m |u_i - u*_i|^2/2 + dt V sum_i (1 - counted_i) mu_i (|D_i - T_i|^2 + penalty D/(sum_j w_ij r_ij^2) sum_j w_ij |u_ij -
 ///   G_i r_ij|^2)
 ///          + dt V sum_i mu_i (u_i.F_i u_i/2 - u_i.f_i)              friction at walls with a slip length, counted = 0 elsewhere:
 ///          models/boundary/friction.h
+///   T_i = P_i T P_i                            the curvature of the move: models/strain/curvature.h
 /// and A u = (dE/du)/m, without the terms of u*, solids and prescribed particles, which are the right-hand side. A is symmetric and
 /// positive definite, because the force is the transpose of the gradient; a rigid motion costs no energy, so forces keep momentum and
 /// angular momentum. V is the volume at rest, for an incompressible fluid the true one, also at the surface. As in the note (correction =
@@ -40,8 +41,9 @@ class ViscousOperator final : public ImplicitOperator {
 public:
     /// Coefficients for these positions.
     /// @param density [kg/m^3], of the form as in the note; empty: at rest
+    /// @param before gradients of the velocities at the start of the step [1/s], which T follows from; empty: T = 0
     void set_up(const FullViscosityOptions& options, const Surroundings& around, Read<field::role> role, Read<field::viscosity> mu,
-                Span<const Real> density = {});
+                Span<const Real> density = {}, Span<const Mat3> before = {});
     const ViscousBodies* bodies() const override { return bodies_.body.empty() ? nullptr : &bodies_; }
 
     void multiply(Span<const Vec3> u, Span<Vec3> y) const override;
@@ -87,9 +89,10 @@ private:
     void set_up_moments(const FullViscosityOptions& options, const StepContext& step, Read<field::role> role, Read<field::viscosity> mu,
                         Span<const Real> density);
     void set_up_wall(const FullViscosityOptions& options, const Surroundings& around);
+    void set_up_curvature(Span<const Mat3> before, Real dt);
     void set_up_blocks(const FullViscosityOptions& options);
     void spread(Span<const Vec3> u, bool free_only) const;
-    void stress(Span<const Vec3> u, bool with_walls) const;
+    void stress(Span<const Vec3> u, bool with_known) const;
     void divergence(Span<const Vec3> u, Span<Vec3> y, bool free_only) const;
     void set_up_bodies(const FullViscosityOptions& options, const Surroundings& around);
     void set_up_body_blocks();
@@ -107,6 +110,7 @@ private:
     Column<Wall> wall_;               ///< empty: there are no solids
     Column<Mat3d> wall_moment_;       ///< what the solids add to M
     Column<Sixteen> M_, P_;           ///< M^+ and P
+    Column<Sixteen> curvature_;       ///< 2 P T; empty: none
     Column<Real> K_, c_;              ///< dt mu/rho_0 without the volume that the friction counts; the penalty's coefficient
     std::vector<char> free_, whole_;  ///< whole: P = 1
     BlockDiagonal diagonal_;

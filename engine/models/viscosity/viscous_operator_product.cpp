@@ -88,8 +88,9 @@ void ViscousOperator::spread(Span<const Vec3> u, bool free_only) const {
     });
 }
 
-/// A = sum_j w u_ij r_ij^T, G = A M^+, Q = 2 K P D M^+ - 2 c G; what the penalty's springs pull stands beside A.
-void ViscousOperator::stress(Span<const Vec3> u, bool with_walls) const {
+/// A = sum_j w u_ij r_ij^T, G = A M^+, Q = 2 K P (D - T) M^+ - 2 c G, T and the walls only with_known; what the penalty's springs pull
+/// stands beside A.
+void ViscousOperator::stress(Span<const Vec3> u, bool with_known) const {
     const bool walls_push_back = friction_.acts() || bodies();
     parallel_for(size(), [&](Index i) {
         const Lanes own = lanes_of(u_[i]);
@@ -98,14 +99,14 @@ void ViscousOperator::stress(Span<const Vec3> u, bool with_walls) const {
         if (!wall_.empty()) {
             const Wall& wall = wall_[i];
             A += in_each_row(wall.near.wr.data()) * own;
-            if (with_walls) A -= lanes_of(wall.moving);
+            if (with_known) A -= lanes_of(wall.moving);
             if (walls_push_back) {
                 Sixteen sum;
                 reinterpret_cast<Lanes&>(sum) = A;
                 Mat3 gradient = sum.matrix();
                 Vec3 pull = sum.beside();
                 if (friction_.acts())
-                    pull += dt_nu_[i] * (friction_.coefficient(i) * ui - (with_walls ? friction_.load(i) : Vec3(Vec3::Zero())));
+                    pull += dt_nu_[i] * (friction_.coefficient(i) * ui - (with_known ? friction_.load(i) : Vec3(Vec3::Zero())));
                 if (bodies()) subtract_body_velocities(i, u, gradient, pull);
                 sum.set(gradient, pull);
                 A = lanes_of(sum);
@@ -117,6 +118,7 @@ void ViscousOperator::stress(Span<const Vec3> u, bool with_walls) const {
         if (!whole_[i]) G = project(lanes_of(P_[i]), G);
         G += transposed(G);
         if (!whole_[i]) G = project(lanes_of(P_[i]), G);
+        if (with_known && !curvature_.empty()) G -= lanes_of(curvature_[i]);
         const Lanes Q = times(K * G - c * A, M);
         reinterpret_cast<Lanes&>(Q_[i]) = Q;
         reinterpret_cast<Lanes&>(own_[i]) = Q * in_each_row(wr_[i].wr.data()) + beside(A + own);

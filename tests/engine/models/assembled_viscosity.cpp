@@ -27,21 +27,21 @@ Read<F> read(const TestWorld& w) {
     return {w.world.fluid.column<F>()};
 }
 
-AssembledOperator assembled(TestWorld& w, bool own_volume = true) {
+AssembledOperator assembled(TestWorld& w, bool own_volume = true, Span<const Mat3> before = {}) {
     AssembledViscosityOptions options;
     options.own_volume = own_volume;
     AssembledOperator A;
     World& c = w.world;
-    A.set_up(options, c.surroundings(), read<field::role>(w), read<field::density>(w), read<field::viscosity>(w));
+    A.set_up(options, c.surroundings(), read<field::role>(w), read<field::density>(w), read<field::viscosity>(w), before);
     return A;
 }
 
-ViscousOperator matrix_free(TestWorld& w) {
+ViscousOperator matrix_free(TestWorld& w, Span<const Mat3> before = {}) {
     FullViscosityOptions options;
     options.correction = false;
     ViscousOperator A;
     World& c = w.world;
-    A.set_up(options, c.surroundings(), read<field::role>(w), read<field::viscosity>(w), w.world.fluid.column<field::density>());
+    A.set_up(options, c.surroundings(), read<field::role>(w), read<field::viscosity>(w), w.world.fluid.column<field::density>(), before);
     return A;
 }
 
@@ -71,17 +71,25 @@ TEST_CASE("every assembled coefficient is the derivative of the matrix-free oper
     }
 }
 
-TEST_CASE("velocities of walls act alike in the assembled and in the matrix-free operator, to 1e-5", "[viscosity][boundary]") {
+TEST_CASE("velocities of walls and the curvature of the move act alike in the assembled and in the matrix-free operator, to 1e-5",
+          "[viscosity][boundary]") {
     TestWorld w = prepared(true);
     auto& layer = w.world.solid_particles;
     for (std::size_t s = 0; s < layer.velocity.size(); ++s) layer.velocity[s] = noise(static_cast<Index>(s));
-    const AssembledOperator A = assembled(w);
-    const ViscousOperator B = matrix_free(w);
+    std::vector<Mat3> before(static_cast<std::size_t>(w.world.fluid.size()));
+    for (std::size_t i = 0; i < before.size(); ++i)
+        for (int a = 0; a < 3; ++a) before[i].col(a) = 20 * noise(static_cast<Index>(5 * i) + a);
+    const AssembledOperator A = assembled(w, true, before);
+    const ViscousOperator B = matrix_free(w, before);
     const auto n = static_cast<std::size_t>(A.size());
-    std::vector<Vec3> u(n), Au(n), Bu(n);
+    std::vector<Vec3> u(n), straight(n), Au(n), Bu(n);
     for (std::size_t i = 0; i < n; ++i) u[i] = noise(static_cast<Index>(3 * i));
     A.force(u, Au);
     B.force(u, Bu);
+    assembled(w).force(u, straight);
+    double curved = 0;
+    for (std::size_t i = 0; i < n; ++i) curved += (Au[i] - straight[i]).cast<double>().squaredNorm();
+    CHECK(std::sqrt(curved) > 0.1 * std::sqrt(inner(Au, Au)));  // or the test would not see it
     double difference = 0;
     for (std::size_t i = 0; i < n; ++i) difference += (Au[i] - Bu[i]).cast<double>().squaredNorm();
     CHECK(std::sqrt(difference) < 1e-5 * std::sqrt(inner(Au, Au)));

@@ -7,6 +7,7 @@
 #include "engine/geometry/shape.h"
 #include "engine/models/boundary/wall.h"
 #include "engine/models/motion/motion.h"
+#include "engine/models/strain/curvature.h"
 #include "engine/particles/sample.h"
 #include "tests/support/coarse_difference.h"
 #include "tests/support/viscous_block.h"
@@ -143,11 +144,12 @@ TEST_CASE("implicit viscosity keeps momentum and angular momentum of a free body
     for (double mu : {1e-3, 1e3, 1e7}) {
         FullViscosityOptions options;
         options.limits = {1e-2, 500};
-        TestWorld w = uneven_block(mu, Real(0.2), {full(options)});
+        TestWorld w = uneven_block(mu, Real(0.2), {make_stage("gradient", "viscosity", VelocityGradient{}), full(options)});
+        const auto x = w.column<field::position>();
         auto u = w.column<field::velocity>();
         double scale = 0;
         for (std::size_t i = 0; i < u.size(); ++i) {
-            u[i] = noise(static_cast<Index>(i)) + Vec3(1, 0, 0);
+            u[i] = noise(static_cast<Index>(i)) + Vec3(1, 0, 0) + Vec3(0, 0, 20).cross(x[i]);
             scale += w.world.step.mass * u[i].norm();
         }
         const Vec3d p = w.momentum(), L = w.angular_momentum();

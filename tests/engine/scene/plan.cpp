@@ -129,6 +129,41 @@ TEST_CASE("weakly compressible sound is ten times the expected speed, and solids
     CHECK(plan_with({"models.pressure=wcsph", "fluid.viscosity=0.1", "pressure.sound_speed=20"}).sound_speed == 20);
 }
 
+TEST_CASE(
+    "where the Laplacian of each velocity component would stop a body that turns, auto takes the full viscosity, and explicit is warned of",
+    "[plan]") {
+    const std::string turning = R"toml([time]
+end = 1
+[domain]
+min = [-0.1, -0.1, -0.1]
+max = [0.1, 0.1, 0.1]
+gravity = [0, 0, 0]
+[fluid]
+spacing = 4e-3
+viscosity = 0.05
+[models]
+pressure = "wcsph"
+[[block]]
+shape = "cylinder"
+from = [0, 0, -0.02]
+to = [0, 0, 0.02]
+radius = 0.03
+velocity = ["-9*y", "9*x", "0"]
+)toml";
+    const auto plan_of = [&](const std::vector<std::string>& changes) { return make_plan(scene_with(changes, turning)); };
+    const auto warned = [&](const std::vector<std::string>& changes) {
+        for (const std::string& w : plan_of(changes).warnings)
+            if (w.find("of its rotation") != std::string::npos) return true;
+        return false;
+    };
+    CHECK(plan_of({}).viscosity == ViscosityModel::full);
+    CHECK(plan_of({"fluid.viscosity=0.001"}).viscosity == ViscosityModel::explicit_laplacian);  // hardly a turn's worth
+    CHECK(plan_of({"viscosity.laplacian=monaghan"}).viscosity == ViscosityModel::explicit_laplacian);
+    CHECK(warned({"models.viscosity=explicit"}));
+    CHECK_FALSE(warned({"models.viscosity=explicit", "viscosity.laplacian=monaghan"}));
+    CHECK_FALSE(warned({}));
+}
+
 TEST_CASE("viscosity that varies in space counts with its largest value", "[plan]") {
     CHECK(plan_with({"fluid.viscosity=y > 0.07 ? 5 : 1"}).largest_viscosity == 5);
 }

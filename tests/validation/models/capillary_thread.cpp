@@ -22,7 +22,7 @@ struct Thread : CoupledWorld {
                        Real(ohnesorge * std::sqrt(sigma * 3 * d / rho))),
           length(wave * d) {
         SurfaceTensionOptions options{sigma, {}, system->known_pressure};
-        stages.insert(stages.begin() + 1, make_stage("surface tension", "", SurfaceTension(options)));
+        stages.insert(stages.begin() + 2, make_stage("surface tension", "", SurfaceTension(options)));
         world.step.domain =
             Domain{Vec3(Real(-20 * d), 0, Real(-20 * d)), Vec3(Real(20 * d), Real(length), Real(20 * d)), {false, true, false}};
         world.step.gravity.setZero();

@@ -53,7 +53,7 @@ struct HeldThread : CoupledWorld {
             q[i] = static_cast<Real>(dt / (rho * d) * (double(p[i]) / system->options.memory + lambda * double(form.divergence(k, G[i]))));
         }
         form.apply(u, rate);
-        form.add_pressure(q, force);
+        form.add_stress(q, {}, force);
         for (std::size_t i = 0; i < n; ++i)
             visit(x[i].cast<double>(), u[i].cast<double>(),
                   Vec3d(double(world.step.mass) / dt * (force[i] + u[i] - rate[i]).cast<double>()));

@@ -1,0 +1,114 @@
+/// Free bodies of fluid that turn: what the time step does to them.
+#include <Eigen/Geometry>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "tests/support/runs.h"
+
+using namespace whorl;
+using namespace whorl::test;
+
+namespace turning_body_test {
+
+namespace {
+
+constexpr double turning = 9;  // 1/s
+
+/// A cylinder with a radius of 30 mm and a height of 40 mm that turns about its axis, without gravity.
+Simulation cylinder(const std::string& models, double spacing, double viscosity, const std::string& time) {
+    return simulation_of("[time]\nend = 1\n" + time + R"toml(
+[domain]
+min = [-0.1, -0.1, -0.1]
+max = [0.1, 0.1, 0.1]
+gravity = [0, 0, 0]
+[[block]]
+shape = "cylinder"
+from = [0, 0, -0.02]
+to = [0, 0, 0.02]
+radius = 0.03
+velocity = ["-9*y", "9*x", "0"]
+[fluid]
+spacing = )toml" + std::to_string(spacing) +
+                         "\nviscosity = " + std::to_string(viscosity) + "\n" + models);
+}
+
+const char* const coupled = "[models]\npressure = \"coupled\"\n";
+const char* const full = "[models]\npressure = \"ppe\"\nviscosity = \"full\"\n";
+
+struct Motion {
+    double energy = 0, turning = 0;  ///< sum u^2/2, sum (x u_y - y u_x)
+};
+
+Motion motion_of(const Simulation& simulation) {
+    const auto x = simulation.world().fluid.column<field::position>();
+    const auto u = simulation.world().fluid.column<field::velocity>();
+    Motion sum;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        const Vec3d a = x[i].cast<double>(), v = u[i].cast<double>();
+        sum.energy += v.squaredNorm() / 2;
+        sum.turning += a.x() * v.y() - a.y() * v.x();
+    }
+    return sum;
+}
+
+/// 700 Pa s at 4 mm for half a second.
+void keeps_its_energy(const char* models, double exact, double step) {
+    INFO(models << "steps of " << step << " s");
+    Simulation simulation = cylinder(models, 4e-3, 700, "max_step = " + std::to_string(step) + "\n");
+    const Motion start = motion_of(simulation);
+    run_until(simulation, 0.5);
+    const Motion end = motion_of(simulation);
+    CHECK(end.energy / start.energy == Approx(exact).margin(0.004));
+    CHECK(end.turning == Approx(start.turning).epsilon(1e-4));
+}
+
+/// Largest distance of a particle from where a rigid rotation would have brought it, over the radius. With 7e5 Pa s the centrifugal force
+/// strains the body by less than 1e-5.
+double off_its_circle(double step) {
+    Simulation simulation = cylinder(full, 6e-3, 7e5, "fixed_step = " + std::to_string(step) + "\n[viscosity]\ntolerance = 1e-6\n");
+    const auto places = [&] {
+        const auto x = simulation.world().fluid.column<field::position>();
+        return std::vector<Vec3>(x.begin(), x.end());
+    };
+    const std::vector<Vec3> start = places();  // the store sorts its particles: each is taken for the one that began nearest
+    const double end = 0.4;
+    run_until(simulation, end);
+    const Mat3 back = Eigen::AngleAxis<Real>(static_cast<Real>(-turning * end), Vec3::UnitZ()).toRotationMatrix();
+    double worst = 0;
+    for (const Vec3& x : places()) {
+        double nearest = 1;
+        for (const Vec3& from : start) nearest = std::min(nearest, double((back * x - from).norm()));
+        worst = std::max(worst, nearest);
+    }
+    return worst / 0.03;
+}
+
+}  // namespace
+
+TEST_CASE("a free cylinder of 700 Pa s that turns keeps 0.995 of its energy with coupled and 0.985 with ppe, and its angular momentum",
+          "[validation][coupled][pressure][viscosity]") {
+    // The centrifugal force strains the body by 0.0043/s: 0.9957 are left of a long cylinder, 0.9946 of a disc. ppe cannot pull, so its
+    // fluid is not incompressible under tension: 0.9849. With steps of first order coupled has 0.934 and ppe 0.835.
+    keeps_its_energy(coupled, 0.995, 5e-3);
+    keeps_its_energy(full, 0.985, 5e-3);
+}
+
+TEST_CASE("the same with half and a quarter of the step", "[validation][coupled][pressure][viscosity][long]") {
+    for (const double step : {2.5e-3, 1.25e-3}) {
+        keeps_its_energy(coupled, 0.995, step);
+        keeps_its_energy(full, 0.985, step);
+    }
+}
+
+TEST_CASE("a stiff body that turns follows its circle at second order in the step, with ppe and full",
+          "[validation][pressure][viscosity]") {
+    // Exact but for the step: a step turns the body by the angle whose sine is dt w. So it is ahead by (dt w)^2 w t/6. (coupled moves the
+    // particles of a lattice apart by 0.1 % of the radius first, whatever the step.)
+    const double coarse = off_its_circle(8e-3), fine = off_its_circle(4e-3), order = std::log2(coarse / fine);
+    INFO(coarse << " with steps of 8 ms, " << fine << " with 4 ms");
+    CHECK(order > 1.8);
+    CHECK(order < 2.2);
+    CHECK(coarse == Approx(std::pow(8e-3 * turning, 2) * turning * 0.4 / 6).epsilon(0.15));  // measured 0.93 of it, the order 1.96
+}
+
+}  // namespace turning_body_test
