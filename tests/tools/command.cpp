@@ -85,6 +85,15 @@ TEST_CASE("the reference page in the repository is what the program prints", "[t
     CHECK(page.str() == markdown_reference(known_sections()));
 }
 
+TEST_CASE("no two scenes that ship have one name, or the wrong one would be found by it", "[tools]") {
+    const auto scenes = shipped_scenes();
+    CHECK(scenes.size() > 30);
+    for (std::size_t k = 1; k < scenes.size(); ++k) {
+        INFO(scenes[k - 1].second << "\n" << scenes[k].second);
+        CHECK(scenes[k].first != scenes[k - 1].first);
+    }
+}
+
 TEST_CASE("the options of the command line change the scene and show up in the resolved one", "[tools]") {
     const fs::path folder = empty_folder("options");
     write(folder / "s.toml",

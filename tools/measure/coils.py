@@ -145,7 +145,7 @@ def sewing_patterns(m, ratios, spacing):
         V = ratio * landing
 
         def measure():
-            probe = m.render("scenes/studies/sewing_machine.toml", f"sewing_machine/{ratio:g}-{spacing:g}", f"fluid.spacing={spacing:g}",
+            probe = m.render("scenes/studies/sewing_machine_study.toml", f"sewing_machine/{ratio:g}-{spacing:g}", f"fluid.spacing={spacing:g}",
                              f'solid[0].position=["-{V:g}*t", "0", "0"]').table("probes/thread.csv")
             late = ~(probe["time"] < probe["time"][-1] - 2)
             t, x, z = (probe[name][late] for name in ("time", "centroid_x", "centroid_z"))

@@ -39,7 +39,7 @@ def vortices(nu, depth=()):
 
 
 def taylor_green_run(m, reynolds, a_side, sampling):
-    return flow(m, "taylor_green", f"{reynolds}-{a_side}-{sampling}", f"fluid.spacing={1 / a_side}", f"fluid.viscosity={1000 / reynolds:g}",
+    return flow(m, "taylor_green_vortices", f"{reynolds}-{a_side}-{sampling}", f"fluid.spacing={1 / a_side}", f"fluid.viscosity={1000 / reynolds:g}",
                 f"block.0.sampling={sampling}", f"probe.0.expected={vortices(1 / reynolds)}")
 
 
@@ -65,7 +65,7 @@ def taylor_green_vortices(m):
             "probe.1.min=[0,0,0]", "probe.1.max=[0.5,0.5,0.25]", f"probe.0.expected={vortices(0.01, depth)}"]
     for sampling in ("lattice", "jittered"):
         if m.wanted(f"slab-{sampling}"):
-            run = flow(m, "taylor_green", f"slab-{sampling}", *slab, f"block.0.sampling={sampling}")
+            run = flow(m, "taylor_green_vortices", f"slab-{sampling}", *slab, f"block.0.sampling={sampling}")
             add(f"Re 100, 32 a side, slab of 8 layers, {sampling}", "2, 2 %", run)
     return markdown("case | asked | energy over theory at 0.5 s | 1 s | 2 s | velocity error | steps | CPU s", rows)
 
@@ -95,7 +95,7 @@ def orders_in_time(m):
     for reynolds in (100, 1000):
         energies = []
         for count in steps:
-            run = flow(m, "taylor_green", f"{reynolds}-{count}-steps", f"fluid.viscosity={1000 / reynolds:g}", f"time.max_step={end / count}",
+            run = flow(m, "taylor_green_vortices", f"{reynolds}-{count}-steps", f"fluid.viscosity={1000 / reynolds:g}", f"time.max_step={end / count}",
                        "time.cfl=2", f"time.end={end}", f"time.fps={1 / end:g}", "block.0.sampling=jittered",
                        f"probe.0.expected={vortices(1 / reynolds)}")
             last = run.last("probes/flow.csv")
@@ -138,7 +138,7 @@ def taylor_green_spin(m):
     rows, times = [], (0.5, 1, 2)
     exact = spinning(0.0125, 0.005, 1e-4, 1e-3, 2 * pi, times)
     for a_side in (32, 64):
-        run = flow(m, "taylor_green", f"spin-{a_side}", f"fluid.spacing={1 / a_side}", "models.micropolar=bender", "fluid.viscosity=12.5",
+        run = flow(m, "taylor_green_vortices", f"spin-{a_side}", f"fluid.spacing={1 / a_side}", "models.micropolar=bender", "fluid.viscosity=12.5",
                    "micropolar.transfer_viscosity=5", "micropolar.spin_viscosity=0.1", "micropolar.micro_inertia=1e-3",
                    "micropolar.xsph_velocity=0", "micropolar.xsph_spin=0")
         energy, cell = run.table("probes/flow.csv"), run.table("probes/cell.csv")

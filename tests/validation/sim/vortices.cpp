@@ -30,7 +30,7 @@ std::string decay(double nu) { return fmt::format("exp(-{}*t)", 8 * pi * pi * nu
 
 /// Runs the scene to t = 2 and holds the energy and the velocity of each particle to the exact flow on the way.
 void hold_to_theory(const std::vector<std::string>& changes, const Bounds& bounds) {
-    Simulation simulation = benchmark("taylor_green", changes);
+    Simulation simulation = benchmark("taylor_green_vortices", changes);
     for (const double time : {0.5, 1.0, 1.5, 2.0}) {
         run_until(simulation, time);
         const Table flow = reading(simulation, "flow");
@@ -83,7 +83,7 @@ TEST_CASE("Taylor-Green vortices of particles that spin keep energy within 2 % a
     // (2/pi)^2 W.
     const Micropolar2 c{.a = 0.0125, .kappa = 0.005, .g = 1e-4, .theta = 1e-3};
     Simulation simulation =
-        benchmark("taylor_green",
+        benchmark("taylor_green_vortices",
                   {"models.micropolar=bender", "fluid.viscosity=12.5", "micropolar.transfer_viscosity=5", "micropolar.spin_viscosity=0.1",
                    "micropolar.micro_inertia=1e-3", "micropolar.xsph_velocity=0", "micropolar.xsph_spin=0"});
     const double start = reading(simulation, "flow").at("kinetic_energy")[0];
