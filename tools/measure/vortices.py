@@ -326,7 +326,7 @@ def cylinder_stream(m):
             if m.dry:
                 continue
             force = run.table("probes/force.csv")
-            late = force["time"] > 25
+            late = force["time"] > 20
             x, y = (median_of_three(force[f"pressure_{c}"] + force[f"viscous_{c}"])[late] / 500 for c in "xy")
             found, lift = wave(force["time"][late], y, np.arange(0.1, 0.3, 1e-4))
             friction = force["viscous_x"][late].mean() / 500
