@@ -55,6 +55,15 @@ TEST_CASE("the small scene that costs are measured on has the models, spacing an
     }
 }
 
+TEST_CASE("costs are predicted for a box full of fluid between walls under the projection, though the small scene has a surface",
+          "[cost]") {
+    for (const char* scene : {"lid_driven_cavity", "resting_column"}) {
+        CAPTURE(scene);
+        const SceneFile file = shipped(scene);
+        CHECK_NOTHROW(make_plan(sample_of(file, make_plan(file.scene)).scene));
+    }
+}
+
 TEST_CASE("a finer spacing costs more steps and particles, a film that is poured costs less than its last frame many times over",
           "[cost]") {
     const auto of = [&](const char* spacing) {

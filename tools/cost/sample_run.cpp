@@ -118,6 +118,8 @@ SceneFile sample_of(const SceneFile& file, const Plan& plan) {
     else if (closed) shear(scene, plan.expected_speed);
     else if (solids) half_fill_a_tank(scene);
     else turn_a_drop(scene, plan.expected_speed);
+    // The tank and the drop have surfaces, which the projection of velocities refuses.
+    if (!closed && scene.pressure.source == PressureSource::velocity) scene.pressure.form.reset();
     if (!solids && !closed) scene.solids.clear(), scene.domain.gravity = constant(Vec3d::Zero());
     if (scene.domain.dimensions == 2) lay_flat(scene);
     scene.time.end = 1e3 * scene.time.max_step;

@@ -106,6 +106,33 @@ def orders_in_time(m):
     return markdown("case | energy over theory with 8 steps | 16 | 32 | 64 | order of 8, 16, 32 | of 16, 32, 64 | in the mean", rows)
 
 
+@table("equal_error", "what Taylor-Green vortices cost with the projection and weakly compressible, by error", "1 minute")
+def equal_error(m):
+    rows, sound = [], ["models.pressure=wcsph", "pressure.sound_speed=15", "pressure.background_pressure=1000", "pressure.gradient=difference",
+                       "pressure.artificial_viscosity=0", "fluid.support=3"]
+    for words, sizes, settings in (("projection", (16, 32), []), ("weakly compressible", (32, 64, 128), sound)):
+        for a_side in sizes:
+            run = flow(m, "taylor_green_vortices", f"{words.split()[0]}-{a_side}", *settings, f"fluid.spacing={1 / a_side}", "time.end=1",
+                       "block.0.sampling=jittered")
+            then = at(run.table("probes/flow.csv"), 0.9)
+            rows.append([words, f"{a_side}", f"{then['kinetic_energy'] / then['expected_energy']:.4f}", percent(then["velocity_error"], 2), *cost(run)])
+    return markdown("pressure | a side | energy over theory at 0.9 s | velocity error | steps | CPU s to 1 s", rows)
+
+
+@table("projection_sizes", "iterations and time of the projection from 16 thousand to a million particles", "2 minutes")
+def projection_sizes(m):
+    rows = []
+    for a_side in (128, 256, 512, 1024):
+        end = 2 / a_side
+        run = flow(m, "taylor_green_vortices", f"size-{a_side}", f"fluid.spacing={1 / a_side}", f"time.end={end}", f"time.fps={1 / end}",
+                   "block.0.sampling=jittered", "pressure.preconditioner=multigrid")
+        r = run.report
+        ns = {name: 1e9 * stage["cpu_seconds"] / r["particle_steps"] for name, stage in r["stages"].items()}
+        rows.append([f"{a_side**2}", f"{run.iterations_per_step:.1f}", *(f"{ns[name]:.0f}" for name in ("neighbours", "density", "viscosity", "pressure", "move")),
+                     f"{1e9 * r['cpu_seconds'] / r['particle_steps']:.0f}"])
+    return markdown("particles | iterations a step | ns a particle-step: neighbours | geometry | viscosity | pressure | move | all", rows)
+
+
 @table("kept_momentum", "how well the projection keeps momentum and angular momentum", "1 minute")
 def kept_momentum(m):
     rows = []

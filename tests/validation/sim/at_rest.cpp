@@ -142,7 +142,7 @@ struct Energy {
 
 void published_rest(const std::string& name, double correction) {
     // 2 s from a lattice, without viscosity. What the lattice sets free as it melts (0.2 to 0.6 % of m g H) dies, and nothing else is there
-    // that could do work but the unevenness of the start, which a share of 1 takes back in one step (1e-4 of m g H). The motion that is
+    // that could do work but the unevenness of the start, which a share of 1 takes back in one step (2e-4 of m g H). The motion that is
     // left: 4e-6 to 6e-5. The pressure over the last second: the mean of the lower half under the settled level; in the full box, which has
     // no zero of pressure, the difference between two heights. 0.7 % too low to 1.2 % too high (1 % was aimed at): a settled packing does
     // not press alike in all directions.
