@@ -128,7 +128,7 @@ def projection_sizes(m):
                    "block.0.sampling=jittered", "pressure.preconditioner=multigrid")
         r = run.report
         ns = {name: 1e9 * stage["cpu_seconds"] / r["particle_steps"] for name, stage in r["stages"].items()}
-        rows.append([f"{a_side**2}", f"{run.iterations_per_step:.1f}", *(f"{ns[name]:.0f}" for name in ("neighbours", "density", "viscosity", "pressure", "move")),
+        rows.append([f"{a_side**2}", f"{run.iterations_per_step:.1f}", *(f"{ns.get(name, math.nan):.0f}" for name in ("neighbours", "density", "viscosity", "pressure", "move")),
                      f"{1e9 * r['cpu_seconds'] / r['particle_steps']:.0f}"])
     return markdown("particles | iterations a step | ns a particle-step: neighbours | geometry | viscosity | pressure | move | all", rows)
 

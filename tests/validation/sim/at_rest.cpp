@@ -111,7 +111,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a scene's column of 30 layers on a plane presses on it with its weight within 2 %, with both pressure models",
-          "[validation][sim]") {
+          "[validation][sim][long]") {
     // Periodic sideways; the particles of the plane are what sample_solids makes of it. Mean over 0.2 s after 1.0 s of settling.
     const std::string smoothed = "viscosity = \"xsph\"\n[viscosity]\nalpha = 0.05\n";  // wcsph has dampers of its own
     for (const std::string pressure : {"ppe", "wcsph"}) {

@@ -84,7 +84,7 @@ TEST_CASE("rafts a tenth and four fifths as dense as water float with that share
     floats(0.8);
 }
 
-TEST_CASE("a raft floats as deep in weakly compressible water, within 0.2 spacings", "[validation][bodies]") {
+TEST_CASE("a raft floats as deep in weakly compressible water, within 0.2 spacings", "[validation][bodies][long]") {
     Simulation simulation = pool({0.2, 0.1, 0.2}, "[models]\npressure = \"wcsph\"\n",
                                  "shape = \"box\"\nmin = [0.05, 0.11, 0.05]\nmax = [0.15, 0.16, 0.15]\ndensity = 300\n");
     run_until(simulation, 1.5);

@@ -58,11 +58,14 @@ TEST_CASE("Taylor-Green vortices, 32 a side, keep energy and velocity within 1.5
 }
 
 TEST_CASE("Taylor-Green vortices, 64 a side, keep energy and velocity within .5 % of theory", "[validation][projection]") {
-    for (const int reynolds : {100, 1000})
-        for (const char* sampling : {"lattice", "jittered"}) {
-            INFO("Re " << reynolds << ", " << sampling);
-            hold_to_theory(taylor_green(64, reynolds, sampling), {0.005, 0.005});
-        }
+    hold_to_theory(taylor_green(64, 100, "lattice"), {0.005, 0.005});
+    hold_to_theory(taylor_green(64, 1000, "jittered"), {0.005, 0.005});
+}
+
+TEST_CASE("Taylor-Green vortices, 64 a side, scattered at Re 100 and from a lattice at Re 1000, keep them as well",
+          "[validation][projection][long]") {
+    hold_to_theory(taylor_green(64, 100, "jittered"), {0.005, 0.005});
+    hold_to_theory(taylor_green(64, 1000, "lattice"), {0.005, 0.005});
 }
 
 namespace {
