@@ -13,10 +13,7 @@ namespace {
 /// The scene with what the plan took where it says "auto".
 Scene with_choices(const Scene& scene, const Plan& plan) {
     Scene chosen = scene;
-    chosen.models.pressure = plan.pressure;
-    chosen.models.viscosity = plan.viscosity;
-    chosen.models.boundary = plan.boundary;
-    chosen.models.shifting = plan.shifting;
+    chosen.models = plan.chosen_models(scene.models);
     if (plan.facts.pressure.form) chosen.pressure.form = plan.facts.pressure.form;
     return chosen;
 }

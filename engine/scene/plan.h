@@ -33,6 +33,11 @@ struct Plan {
     std::vector<Choice> choices;
     std::vector<std::string> warnings;
 
+    /// The same with what the plan took in the place of "auto".
+    ModelKeys chosen_models(ModelKeys models) const {
+        models.pressure = pressure, models.viscosity = viscosity, models.boundary = boundary, models.shifting = shifting;
+        return models;
+    }
     int dimensions() const { return kernel.dimensions; }
     double particle_volume() const { return power_of(spacing, dimensions()); }  ///< m^3, in two dimensions m^2
 };

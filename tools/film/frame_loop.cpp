@@ -72,10 +72,7 @@ void FrameLoop::apply(const SceneFile& file) {
 
 Scene with_models_of(const Plan& plan, const Scene& scene) {
     Scene s = scene;
-    s.models.pressure = plan.pressure;
-    s.models.viscosity = plan.viscosity;
-    s.models.boundary = plan.boundary;
-    s.models.shifting = plan.shifting;
+    s.models = plan.chosen_models(scene.models);
     s.fluid.kernel = plan.kernel.kind;
     s.fluid.support = plan.support / plan.spacing;
     if (plan.facts.pressure.has_sound)

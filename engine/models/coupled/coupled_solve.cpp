@@ -101,6 +101,7 @@ struct CoupledStep {
     StrainForm& form = system.form;
     const Index n = x.size();
     const Real dt = step.dt, d = step.spacing;
+    const double fastest = largest_speed(u.values);  ///< at the start of the step [m/s]
 
     Unknowns unknowns{role.values, slip.values};
     Index free_particles = 0;
@@ -174,7 +175,6 @@ void CoupledStep::set_curvature() {
 
 /// s_i: compressed particles move apart, and volumes are to be kept in the middle of the move, where tr D - tr T is their rate.
 void CoupledStep::set_divergence() {
-    const double fastest = largest_speed(u.values);
     const double fastest_push = options.fastest_push * (fastest / d + std::sqrt(step.gravity.norm() / d));
     parallel_for(n, [&](Index i) {
         // Never together: drawing in what is stretched would be a creep without end.
@@ -240,7 +240,7 @@ double CoupledStep::preconditioned_norm(Span<const Vec3> r) {
 /// Errors of slow motions stay from step to step and add up. So the tolerance is for the time in which the fastest fluid moves by 0.4 d,
 /// and shorter steps get their share of it. In slow fluid errors die out: its share is at least 0.03.
 SolveLimits CoupledStep::limits() const {
-    const double share = std::clamp(dt * largest_speed(u.values) / (0.4 * d), 0.03, 1.0);
+    const double share = std::clamp(dt * fastest / (0.4 * d), 0.03, 1.0);
     return {share * options.limits.tolerance, options.limits.max_iterations};
 }
 

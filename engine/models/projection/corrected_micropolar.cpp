@@ -4,38 +4,6 @@
 
 namespace whorl {
 
-/// Over the neighbours of one particle, of a vector f.
-struct DifferenceSums {
-    Vec3 laplacian = Vec3::Zero();  ///< sum V W'/r (f_i - f_j)
-    Mat3 gradient = Mat3::Zero();   ///< sum V (f_j - f_i) W'/r r^T
-    Vec3 smooth = Vec3::Zero();     ///< sum V W (f_j - f_i), W the kernel of the whole support
-};
-
-template <class Kernel>
-DifferenceSums sums_of(const Kernel& W, const Kernel& whole, const FluidPairs& pairs, Index i, Real volume, const Vec3* f) {
-    DifferenceSums all;
-    const Vec3 own = f[i];
-    pairs.groups_of(i, [&](const Pairs::Group& group) {
-        Real other[3][Pairs::Group::most], lap[3] = {0, 0, 0}, smooth[3] = {0, 0, 0}, S[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
-        group.gather(f, other);
-        for (Index l = 0; l < group.padded(); ++l) {
-            const Real F = W.slope(group.distance[l]), near = whole.value(group.distance[l]);
-            const Real x = group.r[0][l], y = group.r[1][l], z = group.r[2][l];
-            const Real a = own[0] - other[0][l], b = own[1] - other[1][l], c = own[2] - other[2][l];
-            lap[0] += F * a, lap[1] += F * b, lap[2] += F * c;
-            smooth[0] -= near * a, smooth[1] -= near * b, smooth[2] -= near * c;
-            const Real p = F * a, q = F * b, t = F * c;
-            S[0] -= p * x, S[1] -= p * y, S[2] -= p * z;
-            S[3] -= q * x, S[4] -= q * y, S[5] -= q * z;
-            S[6] -= t * x, S[7] -= t * y, S[8] -= t * z;
-        }
-        all.laplacian += volume * Vec3(lap[0], lap[1], lap[2]);
-        all.smooth += volume * Vec3(smooth[0], smooth[1], smooth[2]);
-        for (int k = 0; k < 9; ++k) all.gradient(k / 3, k % 3) += volume * S[k];
-    });
-    return all;
-}
-
 namespace {
 
 Vec3 curl_of(const Mat3& G) { return {G(2, 1) - G(1, 2), G(0, 2) - G(2, 0), G(1, 0) - G(0, 1)}; }
@@ -66,8 +34,8 @@ EnergyWork CorrectedMicropolar::advance(const Kernel& W, const Surroundings& aro
             return {};
         }
         const Vec3 own_u = u[i], own_w = w[i];
-        DifferenceSums of_u = sums_of(W, whole, around.pairs, i, step.volume, u.data());
-        DifferenceSums of_w = sums_of(W, whole, around.pairs, i, step.volume, w.data());
+        DifferenceSums of_u = difference_sums(W, around.pairs, i, step.volume, u.data(), whole);
+        DifferenceSums of_w = difference_sums(W, around.pairs, i, step.volume, w.data(), whole);
         const Mat3 G_u = of_u.gradient * s.viscous.correction[i], G_w = of_w.gradient * s.viscous.correction[i];
         Real trace = s.viscous.trace[i], trace_w = trace;
         Vec3 imbalance = s.viscous.imbalance[i], imbalance_w = imbalance;
@@ -123,7 +91,7 @@ void CarrySpin::operator()(const Surroundings& around, Write<field::spin_change>
     with_kernel(around.step.kernel, viscous_support * around.step.support, [&](const auto& W) {
         parallel_for(w.size(), [&](Index i) {
             change[i].setZero();
-            if (s.shift[i] != Vec3::Zero()) change[i] = carried(W, s.viscous, around.pairs, i, around.step, w.data(), s.shift[i]);
+            if (s.shift[i] != Vec3::Zero()) change[i] = carried(W, s.viscous, around.pairs, i, around.step.volume, w.data(), s.shift[i]);
         });
     });
     parallel_for(w.size(), [&](Index i) { w[i] += change[i]; });

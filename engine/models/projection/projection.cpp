@@ -171,7 +171,7 @@ void ProjectionMove::operator()(const Surroundings& around, Read<field::role> ro
     });
     with_kernel(step.kernel, viscous_support * step.support, [&](const auto& W) {
         parallel_for(n, [&](Index i) {
-            if (s.shift[i] != Vec3::Zero()) change[i] = carried(W, s.viscous, around.pairs, i, step, u.data(), s.shift[i]);
+            if (s.shift[i] != Vec3::Zero()) change[i] = carried(W, s.viscous, around.pairs, i, step.volume, u.data(), s.shift[i]);
         });
     });
     parallel_for(n, [&](Index i) {

@@ -3,7 +3,9 @@
 ///
 /// Order of a step, with the neighbours found where the flow takes the particles:
 ///   ProjectionDrift, neighbours, ProjectionGeometry, Gravity, CorrectedViscosity, Kick, Projection, ProjectionMove, KeepOutside.
+#include <cstddef>
 #include <memory>
+#include <type_traits>
 
 #include "engine/models/boundary/wall.h"
 #include "engine/models/pressure/closed_regions.h"
@@ -121,35 +123,6 @@ Mat3 difference_sum(const Kernel& W, const FluidPairs& pairs, Index i, Real volu
     return volume * S;
 }
 
-/// What a vector f is at x_i + move more than at x_i: the gradient's part, and |move|^2/(2 D) of the Laplacian's for the curvature. The
-/// gradient alone cuts corners the wrong way: crests would grow with every move.
-/// @param W of the viscous support @param sums with it
-template <class Kernel>
-Vec3 carried(const Kernel& W, const LinearSums& sums, const FluidPairs& pairs, Index i, const StepContext& step, const Vec3* f,
-             const Vec3& move) {
-    Real second[3] = {0, 0, 0}, sum[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
-    const Vec3 own = f[i];
-    pairs.groups_of(i, [&](const Pairs::Group& group) {
-        Real other[3][Pairs::Group::most], lap[3] = {0, 0, 0}, part[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
-        group.gather(f, other);
-        for (Index l = 0; l < group.padded(); ++l) {
-            const Real F = W.slope(group.distance[l]), x = group.r[0][l], y = group.r[1][l], z = group.r[2][l];
-            const Real a = F * (other[0][l] - own[0]), b = F * (other[1][l] - own[1]), c = F * (other[2][l] - own[2]);
-            lap[0] -= a, lap[1] -= b, lap[2] -= c;
-            part[0] += a * x, part[1] += a * y, part[2] += a * z;
-            part[3] += b * x, part[4] += b * y, part[5] += b * z;
-            part[6] += c * x, part[7] += c * y, part[8] += c * z;
-        }
-        for (int k = 0; k < 3; ++k) second[k] += lap[k];
-        for (int k = 0; k < 9; ++k) sum[k] += part[k];
-    });
-    Mat3 G;
-    G << sum[0], sum[1], sum[2], sum[3], sum[4], sum[5], sum[6], sum[7], sum[8];
-    G = step.volume * G * sums.correction[i];
-    const Vec3 curvature = step.volume * Vec3(second[0], second[1], second[2]) - G * sums.imbalance[i];
-    return G * move + move.squaredNorm() / std::max(sums.trace[i], Real(0.1)) * curvature;
-}
-
 /// The same of a scalar.
 template <class Kernel>
 Vec3 difference_sum(const Kernel& W, const FluidPairs& pairs, Index i, Real volume, const Real* f) {
@@ -165,6 +138,54 @@ Vec3 difference_sum(const Kernel& W, const FluidPairs& pairs, Index i, Real volu
         sum += Vec3(part[0], part[1], part[2]);
     });
     return volume * sum;
+}
+
+/// Over the neighbours of one particle, of a vector f.
+struct DifferenceSums {
+    Vec3 laplacian = Vec3::Zero();  ///< sum V W'/r (f_i - f_j)
+    Mat3 gradient = Mat3::Zero();   ///< sum V (f_j - f_i) W'/r r^T
+    Vec3 smooth = Vec3::Zero();     ///< sum V W (f_j - f_i), W the kernel `smoothing`
+};
+
+/// @param smoothing a second kernel; without it `smooth` stays 0
+template <class Kernel, class Smoothing = std::nullptr_t>
+DifferenceSums difference_sums(const Kernel& W, const FluidPairs& pairs, Index i, Real volume, const Vec3* f,
+                               const Smoothing& smoothing = nullptr) {
+    constexpr bool smooths = !std::is_null_pointer_v<Smoothing>;
+    DifferenceSums all;
+    const Vec3 own = f[i];
+    pairs.groups_of(i, [&](const Pairs::Group& group) {
+        Real other[3][Pairs::Group::most], lap[3] = {0, 0, 0}, smooth[3] = {0, 0, 0}, S[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
+        group.gather(f, other);
+        for (Index l = 0; l < group.padded(); ++l) {
+            const Real F = W.slope(group.distance[l]);
+            const Real x = group.r[0][l], y = group.r[1][l], z = group.r[2][l];
+            const Real a = own[0] - other[0][l], b = own[1] - other[1][l], c = own[2] - other[2][l];
+            lap[0] += F * a, lap[1] += F * b, lap[2] += F * c;
+            if constexpr (smooths) {
+                const Real near = smoothing.value(group.distance[l]);
+                smooth[0] -= near * a, smooth[1] -= near * b, smooth[2] -= near * c;
+            }
+            const Real p = F * a, q = F * b, t = F * c;
+            S[0] -= p * x, S[1] -= p * y, S[2] -= p * z;
+            S[3] -= q * x, S[4] -= q * y, S[5] -= q * z;
+            S[6] -= t * x, S[7] -= t * y, S[8] -= t * z;
+        }
+        all.laplacian += volume * Vec3(lap[0], lap[1], lap[2]);
+        all.smooth += volume * Vec3(smooth[0], smooth[1], smooth[2]);
+        for (int k = 0; k < 9; ++k) all.gradient(k / 3, k % 3) += volume * S[k];
+    });
+    return all;
+}
+
+/// What a vector f is at x_i + move more than at x_i: the gradient's part, and |move|^2/(2 D) of the Laplacian's for the curvature. The
+/// gradient alone cuts corners the wrong way: crests would grow with every move.
+/// @param W of the viscous support @param sums with it
+template <class Kernel>
+Vec3 carried(const Kernel& W, const LinearSums& sums, const FluidPairs& pairs, Index i, Real volume, const Vec3* f, const Vec3& move) {
+    const DifferenceSums of_f = difference_sums(W, pairs, i, volume, f);
+    const Mat3 G = of_f.gradient * sums.correction[i];
+    return G * move + move.squaredNorm() / std::max(sums.trace[i], Real(0.1)) * (of_f.laplacian - G * sums.imbalance[i]);
 }
 
 /// x* = x + dt u: the projection takes the step's forces where the particles come to.
