@@ -94,6 +94,20 @@ def coils_on_heap(m):
     return markdown("spacing | fall [mm] | frequency [Hz] | +- | theory | off | radius [mm] | +- | theory | off", rows)
 
 
+@table("honey_coil_qualities", "the coil of scenes/honey_coil.toml at draft, standard and fine, with three seeds", "25 minutes")
+def honey_coil_qualities(m):
+    rows = []
+    for quality in ("draft", "standard", "fine"):
+        for seed in (1, 2, 3):
+            if not m.wanted(f"{quality}-{seed}"):
+                continue
+            run = m.render("scenes/honey_coil.toml", f"coils/honey-{quality}-{seed}", f"seed={seed}", options=["--quality", quality])
+            p = run.last("probes/coil.csv")
+            expected = {"frequency": p["theory_frequency"], "radius": p["theory_radius"]}
+            rows.append([quality, seed, f"{1000 * p['fall']:.1f}", *against(p, expected, (2, 1)), f"{run.report['cpu_seconds']:.0f}"])
+    return markdown("quality | seed | fall [mm] | frequency [Hz] | +- | theory | off | radius [mm] | +- | theory | off | CPU s", rows)
+
+
 @table("coil_convergence", "row 2 by spacing: frequency and radius over theory", "15 minutes", files="docs/pictures/coil_convergence.svg")
 def coil_convergence(m):
     points, c = [], theory_rows()[2]

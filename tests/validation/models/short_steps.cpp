@@ -15,7 +15,8 @@ namespace {
 /// Rate at which scenes/studies/shear_wave.toml decays, 16 particles a wave, over nu k^2.
 double decay_rate(const std::string& max_step) {
     ReadRequest request;
-    for (const std::string& change : {std::string("fluid.spacing=0.0625"), "time.max_step=" + max_step}) request.changes.push_back(parse_change(change));
+    for (const std::string& change : {std::string("fluid.spacing=0.0625"), "time.max_step=" + max_step})
+        request.changes.push_back(parse_change(change));
     const Scene scene = read_scene(WHORL_SOURCE_DIR "/scenes/studies/shear_wave.toml", request);
     Simulation simulation(scene, make_plan(scene));
     const auto energy = [&] {
