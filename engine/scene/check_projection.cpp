@@ -51,8 +51,7 @@ void check_splashing(const Scene& scene, const Plan& plan, const SceneShapes& sh
         problem("pressure.form", "pressure.form = \"projection\" does not hold fluid that splashes, and " + what,
                 "take pressure.form = \"constraint\", or \"auto\", which does so");
     };
-    if (!scene.emitters.empty()) report("emitters pour");
-    else if (scene.domain.gravity(0).norm() == 0) report("without weight nothing keeps its surface together");
+    if (scene.domain.gravity(0).norm() == 0) report("without weight nothing keeps its surface together");
     else if (const double open = part_unsupported(scene, shapes, plan.spacing); open > 0.03)
         report(fmt::format("nothing holds {:.0f} % of this fluid's sides: it will fall or flow out", 100 * open));
 }

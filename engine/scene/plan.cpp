@@ -321,7 +321,7 @@ private:
             if (const double part = part_inside_solids(shapes_, i, d_); part > 0.1)
                 add_warning(fmt::format("{:.0f} % of block[{}] lies inside solids and is left out", 100 * part, i));
         for (std::size_t i = 0; i < scene_.emitters.size(); ++i)
-            if (emitted_volume(scene_.emitters[i], scene_.time.end) == 0)
+            if (emitted_volume(scene_.emitters[i], scene_.time.end, scene_.domain.dimensions) == 0)
                 add_warning(fmt::format("emitter[{}] lets nothing through before the end of the run", i));
     }
 

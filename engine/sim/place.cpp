@@ -207,6 +207,8 @@ std::vector<Emitter> make_emitters(const Scene& scene, const Plan& plan) {
         shape.width = static_cast<Real>(keys.width);
         shape.thickness = static_cast<Real>(keys.thickness);
         shape.parabolic = keys.profile == Profile::parabolic;
+        shape.plane = scene.domain.dimensions == 2;
+        if (shape.plane && !shape.slot) shape.width = 2 * shape.radius;
         const int number = static_cast<int>(emitters.size()) + 1;
         // A particle at the opening must find its whole neighbourhood.
         const auto depth = static_cast<Real>(plan.support + plan.spacing);

@@ -59,6 +59,10 @@ struct ProjectionSystem {
     ProjectionOptions options;
 
     Column<Vec3> start_velocity;  ///< at the start of the step
+    struct BodyVelocity {
+        Vec3d velocity, turning;
+    };
+    std::vector<BodyVelocity> body_start;  ///< of the free bodies, at the start of the step
 
     Column<Mat3> correction;  ///< L_i = (-sum_j V W'/r r r^T)^-1 over the fluid
     LinearSums viscous;       ///< with the kernel of viscous_support
