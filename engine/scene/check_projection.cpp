@@ -7,6 +7,13 @@
 namespace whorl {
 namespace {
 
+/// Whether x stands in a nozzle or up to a spacing beside it.
+bool in_nozzle(const EmitterKeys& e, const Vec3d& x, double spacing) {
+    const Vec3d r = x - e.position, way = e.direction.normalized();
+    const double along = r.dot(way), across = (r - along * way).norm();
+    return along < spacing && across < (e.shape == "disc" ? e.radius : std::max(e.width, e.thickness) / 2) + spacing;
+}
+
 /// Share of the fluid's sides and bottom that nothing holds, so that it will fall or flow out. Looked at on a lattice of places in each
 /// block that are nearer than a spacing to its boundary.
 double part_unsupported(const Scene& scene, const SceneShapes& shapes, double spacing) {
@@ -35,6 +42,7 @@ double part_unsupported(const Scene& scene, const SceneShapes& shapes, double sp
                                 (beyond[a] < static_cast<Real>(scene.domain.min[a]) || beyond[a] > static_cast<Real>(scene.domain.max[a])));
             for (const auto& other : shapes.blocks) held = held || other->distance(beyond) < 0;
             Real distance = 0;
+            for (const EmitterKeys& emitter : scene.emitters) held = held || in_nozzle(emitter, beyond.cast<double>(), spacing);
             held = held || (shapes.solids.nearest(beyond, distance) >= 0 && distance < static_cast<Real>(spacing));
             open += !held;
         }

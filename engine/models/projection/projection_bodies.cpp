@@ -9,8 +9,8 @@
 
 namespace whorl {
 
-/// A_s = a_s (n_s + c + E q_s), q_s from the centre, a_s the particle's share of a flat layer; c and E are such that a uniform pressure makes
-/// no force and a linear one the weight of the fluid that the body takes the place of:  sum A = 0,  sum A q^T = volume 1.
+/// A_s = a_s (n_s + c + E q_s), q_s from the centre, a_s the particle's share of a flat layer; c and E are such that a uniform pressure
+/// makes no force and a linear one the weight of the fluid that the body takes the place of:  sum A = 0,  sum A q^T = volume 1.
 void PressureOnBodies::find_surfaces(const Surroundings& around) {
     const SolidParticles& layer = around.layer;
     const StepContext& step = around.step;
@@ -161,16 +161,19 @@ void PressureOnBodies::add_product(Span<const Real> p, Span<Real> Ap) const {
     }
 }
 
-void PressureOnBodies::push(Span<const Real> p, double dt, const Surroundings& around) const {
-    if (bodies_.empty()) return;
+double PressureOnBodies::push(Span<const Real> p, double dt, const Surroundings& around) const {
+    if (bodies_.empty()) return 0;
+    double largest = 0;
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
         const Wrench6 pressed = sum(bodies_[b], &Row::K, p);
         RigidBody& state = *around.solids.all[surfaces_[b].solid].body;
         state.velocity += dt / state.mass * pressed.head<3>();
         state.spin_momentum += dt * pressed.tail<3>();
+        largest = std::max(largest, dt / state.mass * pressed.head<3>().norm());
     }
     around.solids.place_bodies();
     around.layer.follow(around.solids);
+    return largest;
 }
 
 void ProjectionBodyDrift::operator()(const Surroundings& around) const {

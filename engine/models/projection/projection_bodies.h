@@ -6,9 +6,9 @@ namespace whorl {
 
 /// What the fluid's pressure does to the bodies, and they to it.
 ///
-/// Force and torque on a body are sums over its surface, F = -sum_s A_s p_s: A_s is what a particle of its layer stands for, along the normal,
-/// and p_s the pressure there by least squares over the fluid: F = K p with a row of weights for each particle. A body with masses M changes
-/// its velocity by dt M^-1 K p. In the system of the projection stands
+/// Force and torque on a body are sums over its surface, F = -sum_s A_s p_s: A_s is what a particle of its layer stands for, along the
+/// normal, and p_s the pressure there by least squares over the fluid: F = K p with a row of weights for each particle. A body with masses
+/// M changes its velocity by dt M^-1 K p. In the system of the projection stands
 ///
 ///   A + rho_0 Q^T M^-1 Q,
 ///
@@ -20,8 +20,8 @@ public:
     void build(const ProjectionSystem& walls, const Surroundings& around, Read<field::role> role, Span<const char> unknown);
     /// Adds rho_0 Q^T M^-1 Q p.
     void add_product(Span<const Real> p, Span<Real> Ap) const;
-    /// The velocities after the pressure p over dt [s]; the layer has them, too.
-    void push(Span<const Real> p, double dt, const Surroundings& around) const;
+    /// The velocities after the pressure p over dt [s]; the layer has them, too. @return their largest change [m/s]
+    double push(Span<const Real> p, double dt, const Surroundings& around) const;
 
 private:
     /// Of a layer, in the body's own axes.
