@@ -2,7 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "engine/scene/key_problems.h"
+#include "engine/scene/numbers.h"
+#include "engine/scene/tree.h"
 
 namespace whorl {
 namespace {
@@ -50,6 +55,31 @@ double part_unsupported(const Scene& scene, const SceneShapes& shapes, double sp
     return sides > 0 ? static_cast<double>(open) / sides : 0;
 }
 
+/// Whether a jet from the nozzle falls through the air onto fluid or a solid, or, going up, back onto itself. What comes out within a block
+/// does not, nor what a drain takes or what leaves the domain.
+bool jet_lands(const Scene& scene, const SceneShapes& shapes, const EmitterKeys& e, double spacing) {
+    const Vec3d way = e.direction.normalized(), g = scene.domain.gravity(0);
+    const auto in_block = [&](const Vec3d& x) {
+        return std::any_of(shapes.blocks.begin(), shapes.blocks.end(), [&](const auto& b) { return b->distance(x.cast<Real>()) < 0; });
+    };
+    if (in_block(e.position + spacing * way)) return false;
+    if (way.dot(g) < -0.1 * g.norm()) return true;
+    std::vector<std::shared_ptr<const Shape>> drains;
+    for (const DrainKeys& drain : scene.drains) drains.push_back(make_shape(drain.shape));
+    const double narrow = std::max(narrowest_of(e, scene.domain.dimensions), spacing);
+    Vec3d x = e.position + 2 * spacing * way, u = e.speed(e.start) * way;
+    const double step = spacing / 2;
+    for (int k = 0; k < 100000 && scene.domain.box().contains(x.cast<Real>()); ++k) {
+        const double dt = step / std::max(u.norm(), std::sqrt(g.norm() * step) + 1e-9);
+        u += dt * g, x += dt * u;
+        if (std::any_of(drains.begin(), drains.end(), [&](const auto& d) { return d->distance(x.cast<Real>()) <= 0; })) return false;
+        Real distance = 0;
+        const bool at_solid = shapes.solids.nearest(x.cast<Real>(), distance) >= 0 && static_cast<double>(distance) < 0;
+        if (in_block(x) || (at_solid && (x - e.position).norm() > narrow)) return true;
+    }
+    return false;
+}
+
 void check_splashing(const Scene& scene, const Plan& plan, const SceneShapes& shapes, const KeyProblems& problem) {
     if (plan.facts.viscosity.smooths)
         problem("models.viscosity", "a full box diverges with XSPH under pressure.form = \"projection\"",
@@ -59,6 +89,8 @@ void check_splashing(const Scene& scene, const Plan& plan, const SceneShapes& sh
         problem("pressure.form", "pressure.form = \"projection\" does not hold fluid that splashes, and " + what,
                 "take pressure.form = \"constraint\", or \"auto\", which does so");
     };
+    for (std::size_t k = 0; k < scene.emitters.size(); ++k)
+        if (jet_lands(scene, shapes, scene.emitters[k], plan.spacing)) return report(entry_name("emitter", k) + " pours onto something");
     if (scene.domain.gravity(0).norm() == 0) report("without weight nothing keeps its surface together");
     else if (const double open = part_unsupported(scene, shapes, plan.spacing); open > 0.03)
         report(fmt::format("nothing holds {:.0f} % of this fluid's sides: it will fall or flow out", 100 * open));

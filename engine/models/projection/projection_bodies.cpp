@@ -100,27 +100,35 @@ void PressureOnBodies::add_flux(const ProjectionSystem& walls, std::size_t solid
     }
 }
 
-/// Q_i += flux_i X^T (1, x_i) such that sum Q_i (1, x_i) = sum K_i (1, x_i).
+/// Q_i += flux_i X^T t_i such that sum Q_i t_i = sum K_i t_i with t = (1, x, x (r^-D - 1)), r = |x| over its mean square root: fields that are
+/// uniform, that grow outwards as weight's, and that fall off as those of a dipole do.
 void PressureOnBodies::slant(const Surroundings& around, Body& body) {
-    using Terms = Eigen::Vector4d;  // 1, x
-    const auto d = static_cast<double>(around.step.spacing);
-    const auto place_of = [&](const Row& row) -> Terms {
-        const Vec3d at = around.step.domain.minimum_image(around.pairs.x_own[row.particle] - body.centre.cast<Real>()).cast<double>() / d;
-        return {1, at.x(), at.y(), at.z()};
+    using Terms = Eigen::Matrix<double, 7, 1>;
+    const auto from_centre = [&](const Row& row) -> Vec3d {
+        return around.step.domain.minimum_image(around.pairs.x_own[row.particle] - body.centre.cast<Real>()).cast<double>();
     };
-    Eigen::Matrix4d moments = Eigen::Matrix4d::Zero();
-    Eigen::Matrix<double, 4, 6> wanted = Eigen::Matrix<double, 4, 6>::Zero();
+    double weight = 0, squares = 0;
+    for (const Row& row : body.rows) weight += row.flux, squares += row.flux * from_centre(row).squaredNorm();
+    if (!(squares > 0)) return;
+    const double size = std::sqrt(squares / weight);
+    const auto terms_of = [&](const Row& row) -> Terms {
+        const Vec3d x = from_centre(row) / size;
+        const double falls = std::pow(std::max(x.norm(), 0.1), -around.step.dimensions()) - 1;
+        return (Terms() << 1, x, falls * x).finished();
+    };
+    Eigen::Matrix<double, 7, 7> moments = Eigen::Matrix<double, 7, 7>::Zero();
+    Eigen::Matrix<double, 7, 6> wanted = Eigen::Matrix<double, 7, 6>::Zero();
     for (const Row& row : body.rows) {
-        const Terms x = place_of(row);
-        moments += row.flux * x * x.transpose();
-        wanted += x * (row.K - row.Q).transpose();
+        const Terms t = terms_of(row);
+        moments += row.flux * t * t.transpose();
+        wanted += t * (row.K - row.Q).transpose();
     }
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> modes(moments);
-    Eigen::Vector4d inverse = Eigen::Vector4d::Zero();
-    for (int m = 0; m < 4; ++m)
-        if (modes.eigenvalues()[m] > 1e-6 * modes.eigenvalues()[3]) inverse[m] = 1 / modes.eigenvalues()[m];
-    const Eigen::Matrix<double, 4, 6> X = modes.eigenvectors() * inverse.asDiagonal() * modes.eigenvectors().transpose() * wanted;
-    for (Row& row : body.rows) row.Q += row.flux * X.transpose() * place_of(row);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 7, 7>> modes(moments);
+    Terms inverse = Terms::Zero();
+    for (int m = 0; m < 7; ++m)
+        if (modes.eigenvalues()[m] > 1e-6 * modes.eigenvalues()[6]) inverse[m] = 1 / modes.eigenvalues()[m];
+    const Eigen::Matrix<double, 7, 6> X = modes.eigenvectors() * inverse.asDiagonal() * modes.eigenvectors().transpose() * wanted;
+    for (Row& row : body.rows) row.Q += row.flux * X.transpose() * terms_of(row);
 }
 
 void PressureOnBodies::build(const ProjectionSystem& walls, const Surroundings& around, Read<field::role> role, Span<const char> unknown) {
@@ -165,7 +173,7 @@ double PressureOnBodies::push(Span<const Real> p, double dt, const Surroundings&
     if (bodies_.empty()) return 0;
     double largest = 0;
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
-        const Wrench6 pressed = sum(bodies_[b], &Row::K, p);
+        const Wrench6 pressed = sum(bodies_[b], std::getenv("WHORL_K") ? &Row::K : &Row::Q, p);
         RigidBody& state = *around.solids.all[surfaces_[b].solid].body;
         state.velocity += dt / state.mass * pressed.head<3>();
         state.spin_momentum += dt * pressed.tail<3>();
