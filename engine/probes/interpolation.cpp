@@ -1,36 +1,59 @@
 #include "engine/probes/interpolation.h"
 
+#include <Eigen/Eigenvalues>
 #include <numeric>
-
-#include "engine/math/local_fit.h"
 
 namespace whorl {
 namespace {
 
 constexpr double reach = 3, within = 1.2;  ///< spacings
+constexpr double told_apart = 2e-4;        ///< least variance of a term that counts, over the largest
+
+using Terms = Eigen::Matrix<double, 9, 1>;
+
+/// Linear and quadratic terms of the place.
+Terms terms_of(const Vec3d& s) {
+    Terms t;
+    t << s.x(), s.y(), s.z(), s.x() * s.x(), s.y() * s.y(), s.z() * s.z(), s.y() * s.z(), s.z() * s.x(), s.x() * s.y();
+    return t;
+}
 
 }  // namespace
 
+// f(s) = c + b.t(s), s the place seen from the point over the reach. With the mean <> under the weights w, b minimises
+// <(f - <f> - b.(t - <t>))^2>, so that  b = C^+ <(t - <t>) f>,  C = <(t - <t>)(t - <t>)^T>,  f(0) = <f> - b.<t>.
 Interpolation interpolate(const World& world, const Vec3d& point, const std::vector<Index>& among) {
     const auto x = world.fluid.column<field::position>();
     const Span<const std::int16_t> role = world.fluid.has<field::role>() ? world.fluid.column<field::role>() : Span<const std::int16_t>();
     const double radius = reach * static_cast<double>(world.step.spacing);
     Interpolation found;
-    std::vector<Vec3d> place;
-    double nearest = 1;
+    std::vector<Terms> terms;
+    double sum = 0, nearest = 1;
     for (const Index k : among) {
         if (!role.empty() && role[k] < 0) continue;
         const Vec3d s = world.step.domain.minimum_image(x[k] - point.cast<Real>()).cast<double>() / radius;
         const double q = s.norm();
         if (!(q < 1)) continue;
-        found.shares.push_back({k, 0});
-        place.push_back(s);
+        const double weight = std::pow(1 - q, 4) * (1 + 4 * q);  // Wendland C2
+        found.shares.push_back({k, weight});
+        terms.push_back(terms_of(s));
+        sum += weight;
         nearest = std::min(nearest, q);
     }
-    if (place.empty()) return found;
+    for (Interpolation::Share& one : found.shares) one.weight /= sum;
     found.in_fluid = nearest < within / reach;
-    const std::vector<double> weight = found.in_fluid ? fitted_at_origin(place) : mean_at_origin(place);
-    for (std::size_t k = 0; k < weight.size(); ++k) found.shares[k].weight = weight[k];
+    if (!found.in_fluid) return found;
+
+    Terms mean = Terms::Zero();
+    for (std::size_t k = 0; k < terms.size(); ++k) mean += found.shares[k].weight * terms[k];
+    Eigen::Matrix<double, 9, 9> C = Eigen::Matrix<double, 9, 9>::Zero();
+    for (std::size_t k = 0; k < terms.size(); ++k) C += found.shares[k].weight * (terms[k] - mean) * (terms[k] - mean).transpose();
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> modes(C);
+    Terms along = Terms::Zero();  // C^+ <t>
+    for (int m = 0; m < 9; ++m)
+        if (modes.eigenvalues()[m] > told_apart * modes.eigenvalues()[8])
+            along += modes.eigenvectors().col(m) * (modes.eigenvectors().col(m).dot(mean) / modes.eigenvalues()[m]);
+    for (std::size_t k = 0; k < terms.size(); ++k) found.shares[k].weight *= 1 - along.dot(terms[k] - mean);
     return found;
 }
 

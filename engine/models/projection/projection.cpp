@@ -146,7 +146,7 @@ SolveReport Projection::solve(const Kernel& W, const PressurePreconditioner& M, 
         a[i] += push;
         u[i] -= dt * push;
     });
-    bodies_change_ = on_bodies_.push(phi_, static_cast<double>(dt), around);
+    on_bodies_.push(phi_, static_cast<double>(dt), around);
     return solved;
 }
 
@@ -173,11 +173,8 @@ void Projection::operator()(const Surroundings& around, StepReport& report, Read
         all.set_up_seconds = wall_seconds() - start;
         take_old_share(around, 1 - theta, role, u, Read<field::pressure>{p.values}, a);
         damp_surface(around, role, u);
-        double first_change = 0;
-        const auto bodies_unsettled = [&](int k) { return k < most_solves && bodies_change_ > 0.02 * first_change; };
-        for (int k = 0; k < s.options.solves || bodies_unsettled(k); ++k) {
+        for (int k = 0; k < s.options.solves; ++k) {
             const SolveReport solved = solve(W, M, around, theta * step.dt, k == 0, role, u, p, a);
-            if (k == 0) first_change = bodies_change_;
             all.solve_seconds += solved.solve_seconds;
             all.iterations += solved.iterations;
             if (k == 0) all.first_residual = solved.first_residual, all.last_residual = solved.last_residual;

@@ -18,8 +18,6 @@ public:
                     Update<field::pressure> p, Update<field::pressure_acceleration> a);
 
 private:
-    static constexpr int most_solves = 12;  ///< light bodies take more than `solves`
-
     template <class Kernel>
     void build(const Kernel& W, const Surroundings& around, Read<field::role> role);
     void find_held(const FluidPairs& pairs, Read<field::role> role);
@@ -37,7 +35,6 @@ private:
     std::shared_ptr<ProjectionSystem> system_;
     PressureMatrix matrix_;
     PressureOnBodies on_bodies_;
-    double bodies_change_ = 0;  ///< of the last solve [m/s]
     ClosedRegions closed_;
     std::vector<char> touches_surface_, beside_held_;
     Column<Real> b_, phi_;

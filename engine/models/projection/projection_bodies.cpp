@@ -1,10 +1,10 @@
 #include "engine/models/projection/projection_bodies.h"
 
 #include <Eigen/Eigenvalues>
+#include <cmath>
 
 #include "engine/core/parallel.h"
 #include "engine/geometry/body_contact.h"
-#include "engine/math/local_fit.h"
 #include "engine/models/bodies/reaction.h"
 
 namespace whorl {
@@ -15,7 +15,6 @@ void PressureOnBodies::find_surfaces(const Surroundings& around) {
     const SolidParticles& layer = around.layer;
     const StepContext& step = around.step;
     const Real d = step.spacing, of_layer = layer_factor(step.kernel, step.support, d) / d;
-    place_of_.assign(layer.size(), 0);
     for (std::size_t k = 0; k < around.solids.all.size(); ++k) {
         if (!around.solids.all[k].body) continue;
         const RigidBody& body = *around.solids.all[k].body;
@@ -26,7 +25,6 @@ void PressureOnBodies::find_surfaces(const Surroundings& around) {
         wanted.bottomRows<3>() = body.volume * Mat3d::Identity();
         for (Index s = 0; s < layer.size(); ++s) {
             if (static_cast<std::size_t>(layer.solid[s]) != k) continue;
-            place_of_[s] = static_cast<Index>(surface.layer.size());
             const Vec3d n = layer.own_normal[s].cast<double>(), q = (layer.own_position[s] + d / 2 * layer.own_normal[s]).cast<double>();
             place.push_back((Eigen::Vector4d() << 1, q - body.own_centre).finished());
             surface.layer.push_back(s);
@@ -41,93 +39,72 @@ void PressureOnBodies::find_surfaces(const Surroundings& around) {
     }
 }
 
-PressureOnBodies::Row& PressureOnBodies::row_of(Body& body, Index particle) {
-    Index& row = row_of_[particle];
-    if (row < 0) row = static_cast<Index>(body.rows.size()), body.rows.push_back(Row{particle});
-    return body.rows[row];
-}
-
-/// K: the surface's pressures by least squares. Where no fluid touches the surface there is none.
-void PressureOnBodies::add_surface(const Surface& surface, const Surroundings& around, Read<field::role> role, Body& body) {
-    struct Near {
-        std::vector<Index> particle;
-        std::vector<Vec3d> place;  ///< over the reach
-        std::vector<double> weight;
-    };
-    const SolidParticles& layer = around.layer;
-    const Real d = around.step.spacing, reach = around.step.support - d / 2, wet = Real(1.2) * d;
-    std::vector<Near> near(surface.layer.size());
-    for (const Index i : near_) {
-        if (role[i] != 0) continue;
-        around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real) {
-            if (static_cast<std::size_t>(layer.solid[s]) != surface.solid) return;
-            const Vec3 to = r - d / 2 * layer.normal[s];
-            if (!(to.norm() < reach)) return;
-            near[place_of_[s]].particle.push_back(i);
-            near[place_of_[s]].place.push_back((to / reach).cast<double>());
-        });
-    }
-    parallel_for(static_cast<Index>(near.size()), [&](Index s) {
-        bool touched = false;
-        for (const Vec3d& place : near[s].place) touched = touched || place.norm() * static_cast<double>(reach) < static_cast<double>(wet);
-        if (touched) near[s].weight = fitted_at_origin(near[s].place);
-    });
-    const Mat3d R = around.solids.all[surface.solid].body->turn.toRotationMatrix();
-    for (std::size_t s = 0; s < near.size(); ++s) {
-        const Index q = surface.layer[s];
-        Wrench6 push;
-        push.head<3>() = -(R * surface.area[s]);
-        push.tail<3>() = ((layer.position[q] + d / 2 * layer.normal[q]).cast<double>() - body.centre).cross(push.head<3>());
-        for (std::size_t k = 0; k < near[s].weight.size(); ++k) row_of(body, near[s].particle[k]).K += near[s].weight[k] * push;
-    }
-}
-
-/// Q before its slant.
-void PressureOnBodies::add_flux(const ProjectionSystem& walls, std::size_t solid, const Surroundings& around, Read<field::role> role,
-                                Body& body) {
+/// Before the slant.
+void PressureOnBodies::add_rows(const ProjectionSystem& walls, std::size_t solid, const Surroundings& around,
+                                const std::vector<Index>& near, Read<field::role> role, Body& body) {
     const SolidParticles& layer = around.layer;
     const auto V = static_cast<double>(around.step.volume);
-    for (const Index i : near_) {
+    for (const Index i : near) {
         if (role[i] != 0) continue;
+        Row row{i};
         walls.walls_of(i, [&](const WallTouch& touch) {
-            if (static_cast<std::size_t>(layer.solid[touch.s]) != solid || touch.flux == 0) return;
+            if (static_cast<std::size_t>(layer.solid[touch.s]) != solid) return;
             const Vec3d push = V * static_cast<double>(touch.flux) * layer.normal[touch.s].cast<double>();
-            Row& row = row_of(body, i);
             row.Q.head<3>() += push;
             row.Q.tail<3>() += (layer.position[touch.s].cast<double>() - body.centre).cross(push);
             row.flux -= V * static_cast<double>(touch.flux);
         });
+        if (row.flux > 0) body.rows.push_back(row);
     }
 }
 
-/// Q_i += flux_i X^T t_i such that sum Q_i t_i = sum K_i t_i with t = (1, x, x (r^-D - 1)), r = |x| over its mean square root: fields that are
-/// uniform, that grow outwards as weight's, and that fall off as those of a dipole do.
-void PressureOnBodies::slant(const Surroundings& around, Body& body) {
-    using Terms = Eigen::Matrix<double, 7, 1>;
-    const auto from_centre = [&](const Row& row) -> Vec3d {
-        return around.step.domain.minimum_image(around.pairs.x_own[row.particle] - body.centre.cast<Real>()).cast<double>();
-    };
-    double weight = 0, squares = 0;
-    for (const Row& row : body.rows) weight += row.flux, squares += row.flux * from_centre(row).squaredNorm();
-    if (!(squares > 0)) return;
-    const double size = std::sqrt(squares / weight);
-    const auto terms_of = [&](const Row& row) -> Terms {
-        const Vec3d x = from_centre(row) / size;
-        const double falls = std::pow(std::max(x.norm(), 0.1), -around.step.dimensions()) - 1;
-        return (Terms() << 1, x, falls * x).finished();
-    };
-    Eigen::Matrix<double, 7, 7> moments = Eigen::Matrix<double, 7, 7>::Zero();
-    Eigen::Matrix<double, 7, 6> wanted = Eigen::Matrix<double, 7, 6>::Zero();
-    for (const Row& row : body.rows) {
-        const Terms t = terms_of(row);
-        moments += row.flux * t * t.transpose();
-        wanted += t * (row.K - row.Q).transpose();
+/// Of the surface that fluid touches.
+PressureOnBodies::Moments PressureOnBodies::surface_moments(const Surface& surface, const Surroundings& around,
+                                                            const std::vector<Index>& near, const Body& body) {
+    const SolidParticles& layer = around.layer;
+    const Real d = around.step.spacing;
+    std::vector<char> wet(layer.size(), 0);
+    for (const Index i : near)
+        around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real) {
+            if ((r - d / 2 * layer.normal[s]).norm() < Real(1.2) * d) wet[s] = 1;
+        });
+    const Mat3d R = around.solids.all[surface.solid].body->turn.toRotationMatrix();
+    Moments moments = Moments::Zero();
+    for (std::size_t k = 0; k < surface.layer.size(); ++k) {
+        const Index s = surface.layer[k];
+        if (!wet[s]) continue;
+        const Vec3d arm = (layer.position[s] + d / 2 * layer.normal[s]).cast<double>() - body.centre;
+        Wrench6 push;
+        push.head<3>() = -(R * surface.area[k]);
+        push.tail<3>() = arm.cross(push.head<3>());
+        moments += (Eigen::Vector4d() << 1, arm).finished() * push.transpose();
     }
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 7, 7>> modes(moments);
-    Terms inverse = Terms::Zero();
-    for (int m = 0; m < 7; ++m)
-        if (modes.eigenvalues()[m] > 1e-6 * modes.eigenvalues()[6]) inverse[m] = 1 / modes.eigenvalues()[m];
-    const Eigen::Matrix<double, 7, 6> X = modes.eigenvectors() * inverse.asDiagonal() * modes.eigenvectors().transpose() * wanted;
+    return moments;
+}
+
+/// Q_i += flux_i X^T (1, x_i) such that sum (1, x_i) Q_i^T = `of_surface`, x from the centre.
+void PressureOnBodies::slant(const Surroundings& around, const Moments& of_surface, Body& body) {
+    Moments wanted = of_surface;
+    const auto terms_of = [&](const Row& row) -> Eigen::Vector4d {
+        const Vec3 x = around.step.domain.minimum_image(around.pairs.x_own[row.particle] - body.centre.cast<Real>());
+        return (Eigen::Vector4d() << 1, x.cast<double>()).finished();
+    };
+    Eigen::Matrix4d moments = Eigen::Matrix4d::Zero();
+    for (const Row& row : body.rows) {
+        const Eigen::Vector4d t = terms_of(row);
+        moments += row.flux * t * t.transpose();
+        wanted -= t * row.Q.transpose();
+    }
+    // Over lengths of their own, lest the cut go by the unit.
+    Eigen::Vector4d scale = Eigen::Vector4d::Zero();
+    for (int m = 0; m < 4; ++m)
+        if (moments(m, m) > 0) scale[m] = 1 / std::sqrt(moments(m, m));
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> modes(Eigen::Matrix4d(scale.asDiagonal() * moments * scale.asDiagonal()));
+    Eigen::Vector4d inverse = Eigen::Vector4d::Zero();
+    for (int m = 0; m < 4; ++m)
+        if (modes.eigenvalues()[m] > 1e-3) inverse[m] = 1 / modes.eigenvalues()[m];
+    const Eigen::Matrix4d in_modes = scale.asDiagonal() * modes.eigenvectors();
+    const Moments X = in_modes * inverse.asDiagonal() * in_modes.transpose() * wanted;
     for (Row& row : body.rows) row.Q += row.flux * X.transpose() * terms_of(row);
 }
 
@@ -136,30 +113,27 @@ void PressureOnBodies::build(const ProjectionSystem& walls, const Surroundings& 
     if (!around.solids.any_free()) return;
     if (surfaces_.empty()) find_surfaces(around);
     rest_density_ = static_cast<double>(around.step.rest_density);
-    row_of_.assign(unknown.size(), -1);
-    near_ = particles_at_bodies(around);
+    const std::vector<Index> near = particles_at_bodies(around);
     for (const Surface& surface : surfaces_) {
         const RigidBody& state = *around.solids.all[surface.solid].body;
         Body body{state.mass, state.inverse_inertia(), state.centre, {}};
-        add_surface(surface, around, role, body);
-        add_flux(walls, surface.solid, around, role, body);
-        slant(around, body);
-        for (const Row& row : body.rows) row_of_[row.particle] = -1;
+        add_rows(walls, surface.solid, around, near, role, body);
+        slant(around, surface_moments(surface, around, near, body), body);
         std::erase_if(body.rows, [&](const Row& row) { return !unknown[row.particle]; });
         bodies_.push_back(std::move(body));
     }
 }
 
-PressureOnBodies::Wrench6 PressureOnBodies::sum(const Body& body, Wrench6 Row::*weight, Span<const Real> p) {
+PressureOnBodies::Wrench6 PressureOnBodies::sum(const Body& body, Span<const Real> p) {
     return parallel_sum(static_cast<Index>(body.rows.size()), Wrench6(Wrench6::Zero()), [&](Index e) -> Wrench6 {
         const Row& row = body.rows[e];
-        return static_cast<double>(p[row.particle]) * row.*weight;
+        return static_cast<double>(p[row.particle]) * row.Q;
     });
 }
 
 void PressureOnBodies::add_product(Span<const Real> p, Span<Real> Ap) const {
     for (const Body& body : bodies_) {
-        Wrench6 twist = rest_density_ * sum(body, &Row::Q, p);
+        Wrench6 twist = rest_density_ * sum(body, p);
         twist.head<3>() /= body.mass;
         twist.tail<3>() = body.inverse_inertia * Vec3d(twist.tail<3>());
         parallel_for(static_cast<Index>(body.rows.size()), [&](Index e) {
@@ -169,19 +143,16 @@ void PressureOnBodies::add_product(Span<const Real> p, Span<Real> Ap) const {
     }
 }
 
-double PressureOnBodies::push(Span<const Real> p, double dt, const Surroundings& around) const {
-    if (bodies_.empty()) return 0;
-    double largest = 0;
+void PressureOnBodies::push(Span<const Real> p, double dt, const Surroundings& around) const {
+    if (bodies_.empty()) return;
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
-        const Wrench6 pressed = sum(bodies_[b], std::getenv("WHORL_K") ? &Row::K : &Row::Q, p);
+        const Wrench6 pressed = sum(bodies_[b], p);
         RigidBody& state = *around.solids.all[surfaces_[b].solid].body;
         state.velocity += dt / state.mass * pressed.head<3>();
         state.spin_momentum += dt * pressed.tail<3>();
-        largest = std::max(largest, dt / state.mass * pressed.head<3>().norm());
     }
     around.solids.place_bodies();
     around.layer.follow(around.solids);
-    return largest;
 }
 
 void ProjectionBodyDrift::operator()(const Surroundings& around) const {

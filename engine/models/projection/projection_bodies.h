@@ -6,22 +6,22 @@ namespace whorl {
 
 /// What the fluid's pressure does to the bodies, and they to it.
 ///
-/// Force and torque on a body are sums over its surface, F = -sum_s A_s p_s: A_s is what a particle of its layer stands for, along the
-/// normal, and p_s the pressure there by least squares over the fluid: F = K p with a row of weights for each particle. A body with masses
-/// M changes its velocity by dt M^-1 K p. In the system of the projection stands
+/// By the flux at a body's layer its velocity counts in the divergence at fluid particle i. V times that flux, Q_i, is also what a pressure
+/// at i pushes the body by: force and torque are Q p. With M the bodies' masses and tensors of inertia the system of the projection is
 ///
 ///   A + rho_0 Q^T M^-1 Q,
 ///
-/// symmetric and positive as A is, and so the step is stable however light the body. Q_i is V times the flux by which the body's velocity
-/// counts in the divergence at i, slanted a little so that Q p = K p for linear p. What else they differ by the further solves take away.
+/// symmetric and positive as A is, and the step is stable however light the body. The particles stand a little off the surface. So Q is
+/// slanted by a linear function of the place such that a pressure linear in it pushes as it does on the surface itself: a uniform one not
+/// at all, a hydrostatic one with the weight of the fluid displaced.
 class PressureOnBodies {
 public:
     /// @param walls with its touches @param unknown of the pressure equation; the other particles have p = 0
     void build(const ProjectionSystem& walls, const Surroundings& around, Read<field::role> role, Span<const char> unknown);
     /// Adds rho_0 Q^T M^-1 Q p.
     void add_product(Span<const Real> p, Span<Real> Ap) const;
-    /// The velocities after the pressure p over dt [s]; the layer has them, too. @return their largest change [m/s]
-    double push(Span<const Real> p, double dt, const Surroundings& around) const;
+    /// The velocities after the pressure p over dt [s]; the layer has them, too.
+    void push(Span<const Real> p, double dt, const Surroundings& around) const;
 
 private:
     /// Of a layer, in the body's own axes.
@@ -31,11 +31,12 @@ private:
         std::vector<Vec3d> area;  ///< m^2, in the plane m
     };
     using Wrench6 = Eigen::Matrix<double, 6, 1>;  ///< force, torque about the centre
+    using Moments = Eigen::Matrix<double, 4, 6>;  ///< sums of (1, x) Q^T
     /// Of one fluid particle.
     struct Row {
         Index particle;
-        Wrench6 K = Wrench6::Zero(), Q = Wrench6::Zero();
-        double flux = 0;
+        Wrench6 Q = Wrench6::Zero();
+        double flux = 0;  ///< the sum of its sizes [m^2, in the plane m]
     };
     struct Body {
         double mass;
@@ -44,17 +45,14 @@ private:
         std::vector<Row> rows;
     };
     void find_surfaces(const Surroundings& around);
-    Row& row_of(Body& body, Index particle);
-    void add_surface(const Surface& surface, const Surroundings& around, Read<field::role> role, Body& body);
-    void add_flux(const ProjectionSystem& walls, std::size_t solid, const Surroundings& around, Read<field::role> role, Body& body);
-    static void slant(const Surroundings& around, Body& body);
-    static Wrench6 sum(const Body& body, Wrench6 Row::*weight, Span<const Real> p);
+    static void add_rows(const ProjectionSystem& walls, std::size_t solid, const Surroundings& around, const std::vector<Index>& near,
+                         Read<field::role> role, Body& body);
+    static Moments surface_moments(const Surface& surface, const Surroundings& around, const std::vector<Index>& near, const Body& body);
+    static void slant(const Surroundings& around, const Moments& of_surface, Body& body);
+    static Wrench6 sum(const Body& body, Span<const Real> p);
 
     std::vector<Surface> surfaces_;
-    std::vector<Index> place_of_;  ///< by particle of the layer, in its surface
-    std::vector<Index> row_of_;    ///< by particle of the fluid; -1
     std::vector<Body> bodies_;
-    std::vector<Index> near_;  ///< particles near bodies
     double rest_density_ = 0;
 };
 
