@@ -47,7 +47,7 @@ void CorrectedViscosity::operator()(const Surroundings& around, Read<field::role
             Real trace = s.viscous.trace[i];
             Vec3 imbalance = s.viscous.imbalance[i];
             each_sticking_layer(W, s, around, i, of_layer, slip, [&](Index q, Real F, Real continued, const Vec3& to, Real distance) {
-                sum += own_mu * F * continued * (own - around.layer.velocity[q]);
+                sum += own_mu * F * continued * (own - surface_velocity(around, q));
                 trace -= F * distance * distance;
                 imbalance += F * to;
             });
@@ -59,6 +59,7 @@ void CorrectedViscosity::operator()(const Surroundings& around, Read<field::role
     });
 }
 
+/// The stress on a rigid surface is mu d/dn of the velocity over that of the body's own motion, continued into the fluid.
 template <class Kernel>
 void CorrectedViscosity::push_bodies(const Kernel& W, const Surroundings& around, Read<field::role> role, Read<field::viscosity> mu,
                                      Read<field::velocity> u) const {
@@ -72,15 +73,18 @@ void CorrectedViscosity::push_bodies(const Kernel& W, const Surroundings& around
     for (std::size_t k = 0; k < around.solids.all.size(); ++k) {
         if (!around.solids.all[k].body) continue;
         RigidBody& body = *around.solids.all[k].body;
+        const Vec3d turning = body.angular_velocity();
         const Wrench sum = parallel_sum(static_cast<Index>(near.size()), Wrench{}, [&](Index e) {
             Wrench one;
             const Index i = near[e];
             if (role[i] != 0) return one;
             Real trace = s.viscous.trace[i];
+            const Vec3 arm = step.domain.minimum_image(around.pairs.x_own[i] - body.centre.template cast<Real>());
+            const Vec3 relative = u[i] - (body.velocity + turning.cross(arm.template cast<double>())).template cast<Real>();
             each_sticking_layer(W, s, around, i, of_layer, slip, [&](Index q, Real F, Real continued, const Vec3&, Real distance) {
                 trace -= F * distance * distance;
                 if (static_cast<std::size_t>(layer.solid[q]) != k) return;
-                const Vec3d force = (-F * continued * (u[i] - layer.velocity[q])).template cast<double>();
+                const Vec3d force = (-F * continued * relative).template cast<double>();
                 one += Wrench{force, ((layer.position[q] + half * layer.normal[q]).template cast<double>() - body.centre).cross(force)};
             });
             const Real weight = s.near_surface[i] ? at_surface : 2 * static_cast<Real>(step.dimensions()) / std::max(trace, Real(0.1));

@@ -85,6 +85,12 @@ struct ProjectionSystem {
     }
 };
 
+/// Of the wall that particle q of the layer stands behind, on its surface.
+inline Vec3 surface_velocity(const Surroundings& around, Index q) {
+    const SolidParticles& layer = around.layer;
+    return layer.velocity[q] + around.step.spacing / 2 * around.solids.all[layer.solid[q]].pose.angular_velocity.cross(layer.normal[q]);
+}
+
 /// Calls f(q, F, continued, to, distance) for each lattice layer behind each particle q of the walls around i that the fluid sticks to: F =
 /// V W'/r [1/m^2], `to` from the layer to i, and the factor of u_i - u_wall that continues the shear into the layer, at most 12.
 /// @param of_layer layer_factor() @param slip slips() of the solids
