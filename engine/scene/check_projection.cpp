@@ -64,20 +64,37 @@ bool jet_lands(const Scene& scene, const SceneShapes& shapes, const EmitterKeys&
     };
     if (in_block(e.position + spacing * way)) return false;
     if (way.dot(g) < -0.1 * g.norm()) return true;
-    std::vector<std::shared_ptr<const Shape>> drains;
-    for (const DrainKeys& drain : scene.drains) drains.push_back(make_shape(drain.shape));
     const double narrow = std::max(narrowest_of(e, scene.domain.dimensions), spacing);
     Vec3d x = e.position + 2 * spacing * way, u = e.speed(e.start) * way;
     const double step = spacing / 2;
     for (int k = 0; k < 100000 && scene.domain.box().contains(x.cast<Real>()); ++k) {
         const double dt = step / std::max(u.norm(), std::sqrt(g.norm() * step) + 1e-9);
         u += dt * g, x += dt * u;
-        if (std::any_of(drains.begin(), drains.end(), [&](const auto& d) { return d->distance(x.cast<Real>()) <= 0; })) return false;
+        if (std::any_of(shapes.drains.begin(), shapes.drains.end(), [&](const auto& d) { return d->distance(x.cast<Real>()) <= 0; }))
+            return false;
         Real distance = 0;
         const bool at_solid = shapes.solids.nearest(x.cast<Real>(), distance) >= 0 && static_cast<double>(distance) < 0;
         if (in_block(x) || (at_solid && (x - e.position).norm() > narrow)) return true;
     }
     return false;
+}
+
+/// Share of a free body that stands in the blocks' fluid at the start. Looked at on a lattice of places in the box about it.
+double part_under_fluid(const Scene& scene, const SceneShapes& shapes, std::size_t solid) {
+    constexpr int points = 21;  // an axis
+    const bool plane = scene.domain.dimensions == 2;
+    const Extent& e = shapes.solid_extent[solid];
+    const Vec3d at = scene.solids[solid].position(0);
+    int all = 0, under = 0;
+    for (int i = 0; i < points * points * (plane ? 1 : points); ++i) {
+        const Vec3d part = (Vec3d(i % points, i / points % points, i / (points * points)) + Vec3d::Constant(0.5)) / points;
+        Vec3 x = (at + e.min + part.cwiseProduct(e.max - e.min)).cast<Real>();
+        if (plane) x[2] = 0;
+        if (shapes.solids.all[solid].distance(x) > 0) continue;
+        ++all;
+        under += std::any_of(shapes.blocks.begin(), shapes.blocks.end(), [&](const auto& block) { return block->distance(x) < 0; });
+    }
+    return all > 0 ? static_cast<double>(under) / all : 0;
 }
 
 void check_splashing(const Scene& scene, const Plan& plan, const SceneShapes& shapes, const KeyProblems& problem) {
@@ -93,7 +110,15 @@ void check_splashing(const Scene& scene, const Plan& plan, const SceneShapes& sh
         if (jet_lands(scene, shapes, scene.emitters[k], plan.spacing)) return report(entry_name("emitter", k) + " pours onto something");
     if (scene.domain.gravity(0).norm() == 0) report("without weight nothing keeps its surface together");
     else if (const double open = part_unsupported(scene, shapes, plan.spacing); open > 0.03)
-        report(fmt::format("nothing holds {:.0f} % of this fluid's sides: it will fall or flow out", 100 * open));
+        return report(fmt::format("nothing holds {:.0f} % of this fluid's sides: it will fall or flow out", 100 * open));
+    for (std::size_t k = 0; k < scene.solids.size(); ++k) {
+        if (scene.solids[k].density == 0) continue;
+        const double under = part_under_fluid(scene, shapes, k), weight = scene.solids[k].density / scene.fluid.density;
+        if (std::abs(under - weight) > 0.1)
+            return report(
+                fmt::format("{} will fall or rise through the surface: {:.0f} % of it is under the fluid, and it would float with {:.0f} %",
+                            entry_name("solid", k), 100 * under, 100 * weight));
+    }
 }
 
 }  // namespace

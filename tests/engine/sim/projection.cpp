@@ -210,7 +210,7 @@ max = [0.4, 0.4]
 shape = "sphere"
 position = [0.2, 0.15]
 radius = 0.06
-density = 800
+density = 950
 velocity = [0.1, 0]
 )toml";
 
