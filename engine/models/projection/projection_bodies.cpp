@@ -166,9 +166,8 @@ void ProjectionBodyDrift::operator()(const Surroundings& around) const {
 
 void ProjectionBodyMove::operator()(const Surroundings& around) const {
     const StepContext& step = around.step;
-    const auto dt = static_cast<double>(step.dt);
-    resolve_contacts(around.solids, around.layer, {dt, static_cast<double>(step.spacing), step.domain},
-                     static_cast<double>(step.gravity.norm()));
+    const auto dt = static_cast<double>(step.dt), d = static_cast<double>(step.spacing);
+    resolve_contacts(around.solids, around.layer, {dt, d, step.domain, 2 * d}, static_cast<double>(step.gravity.norm()));
     auto start = system->body_start.begin();
     for (Solid& solid : around.solids.all) {
         if (!solid.body) continue;

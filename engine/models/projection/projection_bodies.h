@@ -62,7 +62,8 @@ struct ProjectionBodyDrift {
     void operator()(const Surroundings& around) const;
 };
 
-/// Contacts (geometry/body_contact.h), then x = x* + dt/2 (u - u_start). With ProjectionMove.
+/// Contacts (geometry/body_contact.h) with a clearance of two spacings, for a thinner film of fluid has no pressure that could be told;
+/// then x = x* + dt/2 (u - u_start). With ProjectionMove.
 struct ProjectionBodyMove {
     std::shared_ptr<ProjectionSystem> system;
     void operator()(const Surroundings& around) const;
