@@ -133,7 +133,8 @@ SolveReport Projection::solve(const Kernel& W, const PressurePreconditioner& M, 
     set_source(W, around, u.data(), dt);
     closed_.take_means_away(b_);
     SolveLimits limits = s.options.limits;
-    if (!first) limits.tolerance = std::max(limits.tolerance, s.options.later_tolerance);
+    // A residual that is small beside the fluid's moves a light body.
+    if (!first && !on_bodies_.any()) limits.tolerance = std::max(limits.tolerance, s.options.later_tolerance);
     parallel_for(u.size(), [&](Index i) { phi_[i] = first && matrix_.unknown[i] ? p[i] : 0; });
     const double began = wall_seconds();
     SolveReport solved = conjugate_gradients<Real>(A, M, Span<const Real>(b_), Span<Real>(phi_), limits);

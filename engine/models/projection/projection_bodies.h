@@ -18,6 +18,7 @@ class PressureOnBodies {
 public:
     /// @param walls with its touches @param unknown of the pressure equation; the other particles have p = 0
     void build(const ProjectionSystem& walls, const Surroundings& around, Read<field::role> role, Span<const char> unknown);
+    bool any() const { return !bodies_.empty(); }
     /// Adds rho_0 Q^T M^-1 Q p.
     void add_product(Span<const Real> p, Span<Real> Ap) const;
     /// The velocities after the pressure p over dt [s]; the layer has them, too.

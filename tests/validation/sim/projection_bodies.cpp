@@ -132,7 +132,7 @@ TEST_CASE("under the projection a heavy disc that turns in a round vessel loses 
     std::string text = vessel(2, 1e5);
     text.replace(text.find("spacing = 0.01"), 14, "spacing = 0.01\nviscosity = 10");
     text.replace(text.find("max_step = 2e-3"), 15, "max_step = 5e-3");
-    text.replace(text.find("[fluid]"), 7, "gravity = [0, 0]\n[fluid]");
+    text.replace(text.find("[fluid]"), 7, "gravity = [0, 0]\n[models]\nviscosity = \"explicit\"\n[fluid]");
     text += "rotation = [0, 0, 1]\n";
     Simulation simulation = simulation_of(text);
     run_until(simulation, 1);
