@@ -62,8 +62,9 @@ public:
                 if (solids_.all[b].body) {
                     const Vec3d from = body.centre - solids_.all[b].body->centre;
                     if (step_.domain.any_periodic()) image = step_.domain.minimum_image(from.cast<Real>()).cast<double>() - from;
-                    if ((from + image).norm() > reach[a] + reach[b] + 2 * step_.spacing) continue;
-                } else if (static_cast<double>(solids_.all[b].distance(body.centre.cast<Real>())) > reach[a] + 2 * step_.spacing) {
+                    if ((from + image).norm() > reach[a] + reach[b] + 2 * step_.spacing + step_.clearance) continue;
+                } else if (static_cast<double>(solids_.all[b].distance(body.centre.cast<Real>())) >
+                           reach[a] + 2 * step_.spacing + step_.clearance) {
                     continue;
                 }
                 for (const Index s : own[a]) look_from(a, b, s, image);
@@ -121,10 +122,11 @@ private:
         const Solid& other = solids_.all[b];
         const Vec3d start = layer_.position[s].cast<double>() + image;
         const double coming = (solids_.all[a].body->velocity_at(start - image) - velocity(b, start)).norm() * step_.dt;
-        if (static_cast<double>(other.distance(start.cast<Real>())) > coming + 1.5 * step_.spacing) return;
+        if (static_cast<double>(other.distance(start.cast<Real>())) > coming + 1.5 * step_.spacing + step_.clearance) return;
         ContactPoint p;
         p.place = deepest(solids_.all[a], other, image, s);
-        p.gap = static_cast<double>(other.distance(p.place.cast<Real>()));
+        const auto apart = static_cast<double>(other.distance(p.place.cast<Real>()));
+        p.gap = apart < 0 ? apart : std::max(0.0, apart - step_.clearance);
         if (p.gap > coming + 0.1 * step_.spacing) return;
         for (std::size_t k = points_.size(); k > 0 && points_[k - 1].a == a && points_[k - 1].b == b; --k)
             if ((points_[k - 1].place - p.place).norm() < 0.3 * step_.spacing) return;

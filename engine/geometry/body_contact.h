@@ -10,6 +10,7 @@ struct ContactStep {
     double dt = 0;       ///< s
     double spacing = 0;  ///< m, between the particles of the layers
     Domain domain;
+    double clearance = 0;  ///< m: bodies come no nearer than this to other solids; those that are nearer may stay
 };
 
 /// Changes the velocities of the free bodies so that none gets into another solid by the end of the step. At each place of contact

@@ -12,6 +12,7 @@ namespace {
 
 /// Signed distance to the wall of the pipe behind the opening; q in the opening's frame: width, thickness, along the flow.
 Real pipe_distance(const EmitterShape& shape, const Vec3& q) {
+    if (shape.plane) return std::abs(q.x()) - shape.width / 2;
     if (!shape.slot) return std::sqrt(q.x() * q.x() + q.y() * q.y()) - shape.radius;
     const Real a = std::abs(q.x()) - shape.width / 2, b = std::abs(q.y()) - shape.thickness / 2;
     if (a <= 0 || b <= 0) return std::max(a, b);
@@ -19,6 +20,7 @@ Real pipe_distance(const EmitterShape& shape, const Vec3& q) {
 }
 
 double opening_area(const EmitterShape& shape) {
+    if (shape.plane) return static_cast<double>(shape.width);
     if (shape.slot) return static_cast<double>(shape.width) * shape.thickness;
     return std::numbers::pi * shape.radius * shape.radius;
 }
@@ -41,14 +43,17 @@ struct Emitter::State {
     /// Speed over mean speed at a point of the opening.
     double profile(Real across_width, Real across_thickness) const {
         if (!shape.parabolic) return 1;
-        if (shape.slot) {
-            const double s = 2 * across_thickness / static_cast<double>(shape.thickness);
+        if (shape.plane || shape.slot) {
+            const double s = shape.plane ? 2 * across_width / static_cast<double>(shape.width)
+                                         : 2 * across_thickness / static_cast<double>(shape.thickness);
             return 1.5 * std::max(0.0, 1 - s * s);
         }
         const double r2 = static_cast<double>(across_width) * across_width + static_cast<double>(across_thickness) * across_thickness;
         return 2 * std::max(0.0, 1 - r2 / (static_cast<double>(shape.radius) * shape.radius));
     }
-    double peak() const { return !shape.parabolic ? 1 : shape.slot ? 1.5 : 2; }
+    double peak() const { return !shape.parabolic ? 1 : shape.plane || shape.slot ? 1.5 : 2; }
+    int dimensions() const { return shape.plane ? 2 : 3; }
+    double volume() const { return std::pow(static_cast<double>(spacing), dimensions()); }  ///< of a particle
 
     double mean_speed(double t) const { return t < start || t > stop ? 0 : std::max(0.0, speed_of_time(t)); }
 
@@ -60,8 +65,8 @@ struct Emitter::State {
         return h / 6 * (mean_speed(from) + 4 * mean_speed(from + h / 2) + mean_speed(to));
     }
 
-    double half_width() const { return shape.slot ? shape.width / 2 : shape.radius; }
-    double half_thickness() const { return shape.slot ? shape.thickness / 2 : shape.radius; }
+    double half_width() const { return shape.plane || shape.slot ? shape.width / 2 : shape.radius; }
+    double half_thickness() const { return shape.plane ? 0 : shape.slot ? shape.thickness / 2 : shape.radius; }
 
     /// `count` points anywhere in the pipe, relaxed. @param period m along the pipe; 0: all in one cross-section
     void fill_pipe(long count, double period, std::uint64_t seed) {
@@ -85,18 +90,16 @@ struct Emitter::State {
     /// A plug moves as one: a periodic column of blue noise, as long as makes its volume a whole number of particles, so that the mass flow
     /// is exact.
     void make_column(std::uint64_t seed) {
-        const double volume = std::pow(static_cast<double>(spacing), 3);
-        const long count = std::max(1L, std::lround(opening_area(shape) * 24 * spacing / volume));
-        length = static_cast<double>(count) * volume / opening_area(shape);
+        const long count = std::max(1L, std::lround(opening_area(shape) * 24 * spacing / volume()));
+        length = static_cast<double>(count) * volume() / opening_area(shape);
         fill_pipe(count, length, seed);
     }
 
     /// Layers that slide past each other would push blue noise into pairs. Streamlines stay apart whatever their speeds: blue noise in the
     /// cross-section, single files along the flow, each with a phase of its own.
     void make_streamlines(std::uint64_t seed) {
-        const double area = static_cast<double>(spacing) * spacing;
-        const long count = std::max(1L, std::lround(opening_area(shape) / area));
-        length = std::pow(static_cast<double>(spacing), 3) * static_cast<double>(count) / opening_area(shape);
+        const long count = std::max(1L, std::lround(opening_area(shape) * spacing / volume()));
+        length = volume() * static_cast<double>(count) / opening_area(shape);
         fill_pipe(count, 0, seed);
         RandomNumbers random(seed + 1);
         for (Vec3& q : block) q.z() = static_cast<Real>(random() * length);
@@ -176,9 +179,7 @@ Index Emitter::release(ParticleStore& fluid, double) const {
     return released;
 }
 
-double Emitter::expected_particles() const {
-    return state_->pushed * opening_area(state_->shape) / std::pow(static_cast<double>(state_->spacing), 3);
-}
+double Emitter::expected_particles() const { return state_->pushed * opening_area(state_->shape) / state_->volume(); }
 
 double Emitter::speed(double t) const { return state_->peak() * state_->mean_speed(t); }
 

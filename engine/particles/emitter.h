@@ -17,12 +17,17 @@ struct EmitterShape {
     Real radius = 0;                  ///< m
     Real width = 0, thickness = 0;    ///< m
     bool parabolic = false;           ///< else a plug
+    bool plane = false;               ///< a flow of two dimensions: a slot in the plane z = 0, `width` wide, of a metre of depth
 };
 
 /// Unit axes of the opening's plane: a slot's width lies along `width` (horizontal; along x where the fluid goes straight up or down),
-/// its thickness along `thickness`; width x thickness = -direction.
+/// its thickness along `thickness`; width x thickness = -direction. In the plane thickness is z.
 inline void opening_axes(const EmitterShape& opening, Vec3& width, Vec3& thickness) {
     const Vec3 back = -opening.direction;
+    if (opening.plane) {
+        width = Vec3::UnitZ().cross(back), thickness = Vec3::UnitZ();
+        return;
+    }
     width = std::abs(back.y()) < Real(0.9) ? Vec3(Vec3::UnitY().cross(back)) : Vec3(Vec3::UnitX() - back.x() * back);
     width.normalize();
     thickness = back.cross(width);

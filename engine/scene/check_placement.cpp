@@ -152,7 +152,7 @@ private:
         if (k >= 0 && distance < 0)
             report(name + ".position", fmt::format("{} at {} lies {:.3g} m inside solid[{}]", name, point(e.position), -distance, k),
                    "move one of them");
-        const double thinnest = e.shape == "disc" ? 2 * e.radius : std::min(e.width, e.thickness);
+        const double thinnest = narrowest_of(e, plan_.dimensions());
         if (thinnest < plan_.spacing) too_coarse(name, thinnest);
         for (const double t : sample_times(e.start, std::max(e.start, std::min(e.stop, scene_.time.end))))
             if (!(e.speed(t) >= 0)) {

@@ -13,11 +13,6 @@ void check_plane(const Scene& scene, const Plan& plan, std::vector<Problem>& pro
         report("models.pressure", "models.pressure = " + described(plan.facts.pressure) + " does not work" + here,
                "take " + described(pressure_models(), &PressureFacts::in_plane));
     if (scene.fluid.surface_tension > 0) report("fluid.surface_tension", "there is no surface tension" + here, "take 0", "allowed: 0");
-    for (std::size_t k = 0; k < scene.emitters.size(); ++k)
-        report(entry_name("emitter", k), "there are no emitters" + here, "let the fluid start in a [[block]]");
-    for (std::size_t k = 0; k < scene.solids.size(); ++k)
-        if (scene.solids[k].density > 0)
-            report(entry_name("solid", k) + ".density", "there are no free bodies" + here, "let it stand or move by position and rotation");
     for (std::size_t k = 0; k < scene.probes.size(); ++k)
         if (scene.probes[k].kind == ProbeKind::coil)
             report(entry_name("probe", k) + ".kind", "nothing coils" + here, "", "allowed: point, line or region");

@@ -2,10 +2,22 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "engine/scene/key_problems.h"
+#include "engine/scene/numbers.h"
+#include "engine/scene/tree.h"
 
 namespace whorl {
 namespace {
+
+/// Whether x stands in a nozzle or up to a spacing beside it.
+bool in_nozzle(const EmitterKeys& e, const Vec3d& x, double spacing) {
+    const Vec3d r = x - e.position, way = e.direction.normalized();
+    const double along = r.dot(way), across = (r - along * way).norm();
+    return along < spacing && across < (e.shape == "disc" ? e.radius : std::max(e.width, e.thickness) / 2) + spacing;
+}
 
 /// Share of the fluid's sides and bottom that nothing holds, so that it will fall or flow out. Looked at on a lattice of places in each
 /// block that are nearer than a spacing to its boundary.
@@ -35,11 +47,54 @@ double part_unsupported(const Scene& scene, const SceneShapes& shapes, double sp
                                 (beyond[a] < static_cast<Real>(scene.domain.min[a]) || beyond[a] > static_cast<Real>(scene.domain.max[a])));
             for (const auto& other : shapes.blocks) held = held || other->distance(beyond) < 0;
             Real distance = 0;
+            for (const EmitterKeys& emitter : scene.emitters) held = held || in_nozzle(emitter, beyond.cast<double>(), spacing);
             held = held || (shapes.solids.nearest(beyond, distance) >= 0 && distance < static_cast<Real>(spacing));
             open += !held;
         }
     }
     return sides > 0 ? static_cast<double>(open) / sides : 0;
+}
+
+/// Whether a jet from the nozzle falls through the air onto fluid or a solid, or, going up, back onto itself. What comes out within a block
+/// does not, nor what a drain takes or what leaves the domain.
+bool jet_lands(const Scene& scene, const SceneShapes& shapes, const EmitterKeys& e, double spacing) {
+    const Vec3d way = e.direction.normalized(), g = scene.domain.gravity(0);
+    const auto in_block = [&](const Vec3d& x) {
+        return std::any_of(shapes.blocks.begin(), shapes.blocks.end(), [&](const auto& b) { return b->distance(x.cast<Real>()) < 0; });
+    };
+    if (in_block(e.position + spacing * way)) return false;
+    if (way.dot(g) < -0.1 * g.norm()) return true;
+    const double narrow = std::max(narrowest_of(e, scene.domain.dimensions), spacing);
+    Vec3d x = e.position + 2 * spacing * way, u = e.speed(e.start) * way;
+    const double step = spacing / 2;
+    for (int k = 0; k < 100000 && scene.domain.box().contains(x.cast<Real>()); ++k) {
+        const double dt = step / std::max(u.norm(), std::sqrt(g.norm() * step) + 1e-9);
+        u += dt * g, x += dt * u;
+        if (std::any_of(shapes.drains.begin(), shapes.drains.end(), [&](const auto& d) { return d->distance(x.cast<Real>()) <= 0; }))
+            return false;
+        Real distance = 0;
+        const bool at_solid = shapes.solids.nearest(x.cast<Real>(), distance) >= 0 && static_cast<double>(distance) < 0;
+        if (in_block(x) || (at_solid && (x - e.position).norm() > narrow)) return true;
+    }
+    return false;
+}
+
+/// Share of a free body that stands in the blocks' fluid at the start. Looked at on a lattice of places in the box about it.
+double part_under_fluid(const Scene& scene, const SceneShapes& shapes, std::size_t solid) {
+    constexpr int points = 21;  // an axis
+    const bool plane = scene.domain.dimensions == 2;
+    const Extent& e = shapes.solid_extent[solid];
+    const Vec3d at = scene.solids[solid].position(0);
+    int all = 0, under = 0;
+    for (int i = 0; i < points * points * (plane ? 1 : points); ++i) {
+        const Vec3d part = (Vec3d(i % points, i / points % points, i / (points * points)) + Vec3d::Constant(0.5)) / points;
+        Vec3 x = (at + e.min + part.cwiseProduct(e.max - e.min)).cast<Real>();
+        if (plane) x[2] = 0;
+        if (shapes.solids.all[solid].distance(x) > 0) continue;
+        ++all;
+        under += std::any_of(shapes.blocks.begin(), shapes.blocks.end(), [&](const auto& block) { return block->distance(x) < 0; });
+    }
+    return all > 0 ? static_cast<double>(under) / all : 0;
 }
 
 void check_splashing(const Scene& scene, const Plan& plan, const SceneShapes& shapes, const KeyProblems& problem) {
@@ -51,10 +106,19 @@ void check_splashing(const Scene& scene, const Plan& plan, const SceneShapes& sh
         problem("pressure.form", "pressure.form = \"projection\" does not hold fluid that splashes, and " + what,
                 "take pressure.form = \"constraint\", or \"auto\", which does so");
     };
-    if (!scene.emitters.empty()) report("emitters pour");
-    else if (scene.domain.gravity(0).norm() == 0) report("without weight nothing keeps its surface together");
+    for (std::size_t k = 0; k < scene.emitters.size(); ++k)
+        if (jet_lands(scene, shapes, scene.emitters[k], plan.spacing)) return report(entry_name("emitter", k) + " pours onto something");
+    if (scene.domain.gravity(0).norm() == 0) report("without weight nothing keeps its surface together");
     else if (const double open = part_unsupported(scene, shapes, plan.spacing); open > 0.03)
-        report(fmt::format("nothing holds {:.0f} % of this fluid's sides: it will fall or flow out", 100 * open));
+        return report(fmt::format("nothing holds {:.0f} % of this fluid's sides: it will fall or flow out", 100 * open));
+    for (std::size_t k = 0; k < scene.solids.size(); ++k) {
+        if (scene.solids[k].density == 0) continue;
+        const double under = part_under_fluid(scene, shapes, k), weight = scene.solids[k].density / scene.fluid.density;
+        if (std::abs(under - weight) > 0.1)
+            return report(
+                fmt::format("{} will fall or rise through the surface: {:.0f} % of it is under the fluid, and it would float with {:.0f} %",
+                            entry_name("solid", k), 100 * under, 100 * weight));
+    }
 }
 
 }  // namespace

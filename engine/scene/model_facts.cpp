@@ -47,6 +47,7 @@ const std::vector<PressureFacts>& pressure_models() {
          .keeps_apart = true,
          .solves = true,
          .makes_density = true,
+         .moves_bodies = true,
          .kernel = KernelKind::wendland_c2,
          .support = 3,
          .kernel_reason = "what the projection was measured with",

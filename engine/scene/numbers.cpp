@@ -42,16 +42,24 @@ std::vector<double> sample_times(double from, double to) {
     return times;
 }
 
-double opening_area(const EmitterKeys& e) { return e.shape == "disc" ? std::numbers::pi * e.radius * e.radius : e.width * e.thickness; }
+double opening_area(const EmitterKeys& e, int dimensions) {
+    if (dimensions == 2) return e.shape == "disc" ? 2 * e.radius : e.width;
+    return e.shape == "disc" ? std::numbers::pi * e.radius * e.radius : e.width * e.thickness;
+}
 
-double emitted_volume(const EmitterKeys& e, double end) {
+double narrowest_of(const EmitterKeys& e, int dimensions) {
+    if (e.shape == "disc") return 2 * e.radius;
+    return dimensions == 2 ? e.width : std::min(e.width, e.thickness);
+}
+
+double emitted_volume(const EmitterKeys& e, double end, int dimensions) {
     const double stop = std::min(e.stop, end);
     if (!(stop > e.start)) return 0;
     double sum = 0;
     const std::vector<double> times = sample_times(e.start, stop);
     for (std::size_t k = 0; k + 1 < times.size(); ++k)
         sum += 0.5 * (std::max(0.0, e.speed(times[k])) + std::max(0.0, e.speed(times[k + 1]))) * (times[k + 1] - times[k]);
-    return sum * opening_area(e);
+    return sum * opening_area(e, dimensions);
 }
 
 namespace {
@@ -105,9 +113,9 @@ private:
         const double peak = e.profile == Profile::parabolic ? (e.shape == "disc" ? 2 : 2.25) : 1;
         for (const double t : sample_times(e.start, std::max(e.start, std::min(e.stop, scene_.time.end)))) faster(peak * e.speed(t));
         viscosity(i + 1, e.position);
-        n_.particles += emitted_volume(e, scene_.time.end) / power_of(d_, scene_.domain.dimensions);
+        n_.particles += emitted_volume(e, scene_.time.end, scene_.domain.dimensions) / power_of(d_, scene_.domain.dimensions);
         falls_from(e.position, e.position);
-        thickness(e.shape == "disc" ? 2 * e.radius : std::min(e.width, e.thickness), entry_name("emitter", i));
+        thickness(narrowest_of(e, scene_.domain.dimensions), entry_name("emitter", i));
     }
 
     void solid(std::size_t i) {

@@ -32,7 +32,9 @@ SceneNumbers scene_numbers(const Scene& scene, const SceneShapes& shapes, double
 std::vector<double> sample_times(double from, double to);
 
 /// Area of an emitter's opening [m^2] and what it lets through until the end of the run [m^3].
-double opening_area(const EmitterKeys& emitter);
-double emitted_volume(const EmitterKeys& emitter, double end);
+double opening_area(const EmitterKeys& emitter, int dimensions);
+double emitted_volume(const EmitterKeys& emitter, double end, int dimensions);
+/// Across the opening at its narrowest [m].
+double narrowest_of(const EmitterKeys& emitter, int dimensions);
 
 }  // namespace whorl

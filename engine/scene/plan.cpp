@@ -298,6 +298,13 @@ private:
             add_warning(
                 "without pressure.damping, pressure.source = \"density\" shakes particles beside walls: fluid at rest trembles, and a full "
                 "closed box comes apart where pressure.correction is large");
+        if (plan_.facts.pressure.source == PressureSource::velocity && !plan_.free_surface && scene_.domain.gravity(0).norm() > 0)
+            for (std::size_t k = 0; k < scene_.solids.size(); ++k)
+                if (const double density = scene_.solids[k].density; density > 0 && density < 0.9 * scene_.fluid.density)
+                    add_warning(
+                        fmt::format("solid[{}] is lighter than the fluid: where it comes to press against another solid, pressure.form "
+                                    "= \"projection\" does not hold it, and \"constraint\" does",
+                                    k));
         if (!plan_.facts.pressure.has_sound) return;
         if (scene_.pressure.background_pressure > 0 && part_left_empty(scene_, shapes_) > 0.02)
             add_warning("pressure.background_pressure pushes particles away from a free surface: 0 is right where there is one");
@@ -321,7 +328,7 @@ private:
             if (const double part = part_inside_solids(shapes_, i, d_); part > 0.1)
                 add_warning(fmt::format("{:.0f} % of block[{}] lies inside solids and is left out", 100 * part, i));
         for (std::size_t i = 0; i < scene_.emitters.size(); ++i)
-            if (emitted_volume(scene_.emitters[i], scene_.time.end) == 0)
+            if (emitted_volume(scene_.emitters[i], scene_.time.end, scene_.domain.dimensions) == 0)
                 add_warning(fmt::format("emitter[{}] lets nothing through before the end of the run", i));
     }
 

@@ -189,6 +189,7 @@ private:
                                                                              poisson_unpreconditioned, jacobi, poisson_multigrid(levels));
         auto system = std::make_shared<ProjectionSystem>(options);
         stage("drift", "move", ProjectionDrift{system});
+        if (bodies_) stage("drift of bodies", "bodies", ProjectionBodyDrift{system});
         if (!scene_.solids.empty()) made_.stages.push_back(move_solids());
         made_.stages.push_back(neighbours());
         ink_diffusion();
@@ -212,6 +213,7 @@ private:
         work_is(&EnergyWork::pressure);
         stage("move", "move", ProjectionMove{system});
         work_is(&EnergyWork::smoothing);
+        if (bodies_) stage("motion of bodies", "bodies", ProjectionBodyMove{system});
         if (facts_.micropolar.spins) stage("carry spin", "micropolar", CarrySpin{system});
         if (scene_.any_ink()) stage("carry ink", "ink", CarryInk{system});
         if (!scene_.solids.empty()) {

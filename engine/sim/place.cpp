@@ -1,12 +1,16 @@
 #include "engine/sim/place.h"
 
 #include <bit>
+#include <fmt/format.h>
+
+#include <cmath>
 #include <limits>
 
 #include "engine/core/random.h"
 #include "engine/models/ink/ink.h"
 #include "engine/models/viscosity/ageing_viscosity.h"
 #include "engine/particles/sample.h"
+#include "engine/particles/search.h"
 #include "engine/particles/solid_sampling.h"
 #include "engine/scene/scene_shapes.h"
 #include "engine/scene/tree.h"
@@ -191,6 +195,41 @@ void add_particles(ParticleStore& fluid, const std::vector<Vec3>& points, const 
     for (std::size_t k = 0; k < points.size(); ++k) w[first + k] = keys.spin(0, points[k].cast<double>()).cast<Real>();
 }
 
+/// By how much the kernel sums of the fluid that no solid is near exceed those of a lattice, in the mean.
+double crowding(const World& world) {
+    const StepContext& step = world.step;
+    const auto x = world.fluid.column<field::position>();
+    NeighbourSearch search;
+    Pairs pairs;
+    search.find(x, step.support, step.domain, pairs);
+    double lattice = 0, sums = 0;
+    int counted = 0;
+    with_kernel(step.kernel, step.support, [&](const auto& W) {
+        each_lattice_point(step.dimensions(), static_cast<int>(std::ceil(step.support / step.spacing)), [&](int a, int b, int c) {
+            lattice += static_cast<double>(W.value(step.spacing * std::sqrt(static_cast<Real>(a * a + b * b + c * c))));
+        });
+        for (Index i = 0; i < pairs.size(); ++i) {
+            Real distance = 0;
+            if (world.solids.nearest(x[i], distance) >= 0 && distance < step.support) continue;
+            ++counted;
+            sums += static_cast<double>(W.value(0));
+            pairs.of(i, [&](Index, const Vec3&, Real r) { sums += static_cast<double>(W.value(r)); });
+        }
+    });
+    return counted > 0 ? sums / counted / lattice - 1 : 0;
+}
+
+/// The projection knows no density: what it starts with it keeps.
+void check_room(const Scene& scene, const Plan& plan, const World& world) {
+    if (plan.facts.pressure.source != PressureSource::velocity || plan.free_surface) return;
+    if (const double excess = crowding(world); excess > 0.03)
+        throw InputError(scene.place("block[0]"),
+                         fmt::format("there are {:.0f} % too many particles for the room of this fluid, and pressure.form = \"projection\" "
+                                     "does not move them apart",
+                                     100 * excess),
+                         "let no blocks overlap, or take pressure.form = \"constraint\"", "allowed: up to 3 %");
+}
+
 }  // namespace
 
 void place_blocks(const Scene& scene, const Plan& plan, World& world) {
@@ -208,6 +247,7 @@ void place_blocks(const Scene& scene, const Plan& plan, World& world) {
     set_viscosity(scene, world, 0, 0);
     if (world.fluid.has<field::density>())
         for (Real& rho : world.fluid.column<field::density>()) rho = world.step.rest_density;
+    check_room(scene, plan, world);
 }
 
 std::vector<Drain> make_drains(const Scene& scene) {
@@ -227,6 +267,8 @@ std::vector<Emitter> make_emitters(const Scene& scene, const Plan& plan) {
         shape.width = static_cast<Real>(keys.width);
         shape.thickness = static_cast<Real>(keys.thickness);
         shape.parabolic = keys.profile == Profile::parabolic;
+        shape.plane = scene.domain.dimensions == 2;
+        if (shape.plane && !shape.slot) shape.width = 2 * shape.radius;
         const int number = static_cast<int>(emitters.size()) + 1;
         // A particle at the opening must find its whole neighbourhood.
         const auto depth = static_cast<Real>(plan.support + plan.spacing);

@@ -13,7 +13,8 @@ void place_constants(const Scene& scene, const Plan& plan, World& world);
 double slip_length_of(const SolidKeys& keys);
 /// Solids at t = 0, with their particles where the plan's boundary model wants any.
 void place_solids(const Scene& scene, const Plan& plan, World& world);
-/// Fluid of the blocks; columns must be declared. @throws InputError where a block holds no particle or overlaps another
+/// Fluid of the blocks; columns must be declared. @throws InputError where a block holds no particle, or where there are
+/// more than the room takes and the model does not move them apart
 void place_blocks(const Scene& scene, const Plan& plan, World& world);
 /// Viscosity of the particles from `first` on, which have just come in, and where they came from; nothing where no model asks for it.
 /// @param source 0: a block; k: emitter k - 1

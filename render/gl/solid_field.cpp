@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "engine/core/parallel.h"
 #include "render/gl/setup.h"
@@ -11,6 +12,13 @@ namespace whorl {
 namespace {
 
 constexpr int own_voxels = 64, world_voxels = 96;
+
+/// Edge of a voxel: `usual` along the longest side, and four or more across the thinnest body where 96 x 96 x 96 allow it.
+float voxel_edge(const Vec3f& size, float thinnest, int usual) {
+    constexpr float most_in_all = 96 * 96 * 96;
+    const float longest = std::max(size.maxCoeff(), 1e-6f), fine = std::max(thinnest / 4, longest / 512);
+    return std::min(longest / static_cast<float>(usual), std::max(fine, std::cbrt(size.prod() / most_in_all)));
+}
 
 /// least[n] = min(least[n], distance at place + n*step): a row of samples, place and step in voxels of v; metres. Outside the volume the
 /// distance to its edge is added.
@@ -63,18 +71,22 @@ const Volume& SolidField::own_field(const std::shared_ptr<const TriangleMesh>& m
     for (const auto& [known, volume] : own_)
         if (known == mesh) return volume;
     const Bounds bounds = bounds_of(mesh->position);
-    const float voxel = std::max((bounds.high - bounds.low).maxCoeff(), 1e-6f) / own_voxels;
-    own_.emplace_back(mesh, distance_volume(*mesh, voxel, 4 * own_voxels));
+    const Vec3f size = bounds.high - bounds.low;
+    const float voxel = voxel_edge(size, size.minCoeff(), own_voxels);
+    own_.emplace_back(mesh, distance_volume(*mesh, voxel, static_cast<int>(4 * size.maxCoeff() / voxel) + 1));
     return own_.back().second;
 }
 
 void SolidField::fill(const std::vector<FrameSolid>& solids) {
     std::vector<Placed> now;
     Bounds bounds;
+    float thinnest = std::numeric_limits<float>::max();
     for (const FrameSolid& solid : solids) {
         if (!solid.mesh || solid.mesh->triangle.empty() || solid.container || is_level_ground(solid)) continue;
         now.push_back({solid.mesh, solid.rotation, solid.translation});
         bounds.add(bounds_of(solid));
+        const Bounds own = bounds_of(solid.mesh->position);
+        thinnest = std::min(thinnest, (own.high - own.low).minCoeff());
     }
     const auto same = [](const Placed& a, const Placed& b) {
         return a.mesh == b.mesh && a.rotation == b.rotation && a.translation == b.translation;
@@ -92,7 +104,10 @@ void SolidField::fill(const std::vector<FrameSolid>& solids) {
     std::vector<Mat3f> rotation;
     std::vector<Vec3f> translation;
     for (const Placed& p : placed_) own.push_back(&own_field(p.mesh)), rotation.push_back(p.rotation), translation.push_back(p.translation);
-    const Volume all = union_of(own, rotation, translation, bounds.low, bounds.high, world_voxels);
+    const Vec3f size = bounds.high - bounds.low;
+    const float voxel = voxel_edge(size, thinnest, world_voxels - 5);
+    const Volume all =
+        union_of(own, rotation, translation, bounds.low, bounds.high, static_cast<int>(std::lround(size.maxCoeff() / voxel)) + 5);
     origin_ = all.origin, voxel_ = all.voxel;
     size_ = Vec3f(static_cast<float>(all.nx), static_cast<float>(all.ny), static_cast<float>(all.nz));
     gl::fill_3d(texture_, all.nx, all.ny, all.nz, all.value.data());

@@ -26,8 +26,9 @@ double wall_over_cpu() { return 1 / (threads() > 1 ? parallel_efficiency * threa
 double particles_at(const Scene& scene, const Plan& plan, double at_start, double time) {
     double volume = 0;
     for (const EmitterKeys& e : scene.emitters) {
-        volume += emitted_volume(e, time);
-        if (e.start <= time) volume += opening_area(e) * (plan.support + 0.5 * plan.spacing);  // what waits in the nozzle
+        volume += emitted_volume(e, time, plan.dimensions());
+        if (e.start <= time)
+            volume += opening_area(e, plan.dimensions()) * (plan.support + 0.5 * plan.spacing);  // what waits in the nozzle
     }
     return at_start + volume / plan.particle_volume();
 }

@@ -56,7 +56,8 @@ double free_way(const Scene& scene, const Solids& solids, const Vec3d& x, double
 class HangingThread {
 public:
     HangingThread(const EmitterKeys& e, const Scene& scene, double nu, double g) : nu_(nu), g_(g) {
-        const double radius = std::sqrt(opening_area(e) / M_PI);
+        const int D = scene.domain.dimensions;
+        const double radius = D == 2 ? narrowest_of(e, D) / 2 : std::sqrt(opening_area(e, D) / M_PI);
         if (g > 0) held_ = 2 * scene.fluid.surface_tension / (scene.fluid.density * g * radius);
         parted_ = std::min(0.9, std::pow(0.5 * scene.fluid.spacing / radius, 2));
     }

@@ -40,7 +40,7 @@ EnergyWork CorrectedMicropolar::advance(const Kernel& W, const Surroundings& aro
         Real trace = s.viscous.trace[i], trace_w = trace;
         Vec3 imbalance = s.viscous.imbalance[i], imbalance_w = imbalance;
         each_sticking_layer(W, s, around, i, of_layer, slip, [&](Index q, Real F, Real continued, const Vec3& to, Real distance) {
-            of_u.laplacian += F * continued * (own_u - layer.velocity[q]);
+            of_u.laplacian += F * continued * (own_u - surface_velocity(around, q));
             trace -= F * distance * distance;
             imbalance += F * to;
             if (o.free_spin_walls) return;

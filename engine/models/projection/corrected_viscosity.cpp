@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "engine/core/parallel.h"
+#include "engine/models/bodies/reaction.h"
 
 namespace whorl {
 
@@ -46,7 +47,7 @@ void CorrectedViscosity::operator()(const Surroundings& around, Read<field::role
             Real trace = s.viscous.trace[i];
             Vec3 imbalance = s.viscous.imbalance[i];
             each_sticking_layer(W, s, around, i, of_layer, slip, [&](Index q, Real F, Real continued, const Vec3& to, Real distance) {
-                sum += own_mu * F * continued * (own - around.layer.velocity[q]);
+                sum += own_mu * F * continued * (own - surface_velocity(around, q));
                 trace -= F * distance * distance;
                 imbalance += F * to;
             });
@@ -54,7 +55,45 @@ void CorrectedViscosity::operator()(const Surroundings& around, Read<field::role
             else a[i] += (2 * dimensions / std::max(trace, Real(0.1)) * over_density) * (sum - own_mu * (G * imbalance));
             if (friction_.acts()) a[i] -= own_mu * over_density * (friction_.coefficient(i) * own - friction_.load(i));
         });
+        if (around.solids.any_free()) push_bodies(W, around, role, mu, u);
     });
+}
+
+/// The stress on a rigid surface is mu d/dn of the velocity over that of the body's own motion, continued into the fluid.
+template <class Kernel>
+void CorrectedViscosity::push_bodies(const Kernel& W, const Surroundings& around, Read<field::role> role, Read<field::viscosity> mu,
+                                     Read<field::velocity> u) const {
+    const ProjectionSystem& s = *system_;
+    const StepContext& step = around.step;
+    const SolidParticles& layer = around.layer;
+    const Real of_layer = layer_factor(step.kernel, step.support, step.spacing), half = step.spacing / 2;
+    const Real at_surface = 2 / lattice_gradient(step.kernel, viscous_support * step.support, step.spacing);
+    const std::vector<char> slip = slips(around.solids);
+    const std::vector<Index> near = particles_at_bodies(around);
+    for (std::size_t k = 0; k < around.solids.all.size(); ++k) {
+        if (!around.solids.all[k].body) continue;
+        RigidBody& body = *around.solids.all[k].body;
+        const Vec3d turning = body.angular_velocity();
+        const Wrench sum = parallel_sum(static_cast<Index>(near.size()), Wrench{}, [&](Index e) {
+            Wrench one;
+            const Index i = near[e];
+            if (role[i] != 0) return one;
+            Real trace = s.viscous.trace[i];
+            const Vec3 arm = step.domain.minimum_image(around.pairs.x_own[i] - body.centre.template cast<Real>());
+            const Vec3 relative = u[i] - (body.velocity + turning.cross(arm.template cast<double>())).template cast<Real>();
+            each_sticking_layer(W, s, around, i, of_layer, slip, [&](Index q, Real F, Real continued, const Vec3&, Real distance) {
+                trace -= F * distance * distance;
+                if (static_cast<std::size_t>(layer.solid[q]) != k) return;
+                const Vec3d force = (-F * continued * relative).template cast<double>();
+                one += Wrench{force, ((layer.position[q] + half * layer.normal[q]).template cast<double>() - body.centre).cross(force)};
+            });
+            const Real weight = s.near_surface[i] ? at_surface : 2 * static_cast<Real>(step.dimensions()) / std::max(trace, Real(0.1));
+            const double scale = static_cast<double>(weight * mu[i] * step.volume);
+            return Wrench{scale * one.force, scale * one.torque};
+        });
+        body.force += sum.force;
+        body.torque += sum.torque;
+    }
 }
 
 }  // namespace whorl

@@ -12,7 +12,7 @@ namespace whorl {
 /// of a dense neighbourhood, the viscosity of disordered particles is right (3 % too weak else). nu_ij is the harmonic mean. At solids that
 /// the fluid sticks to, u_i - u_l of lattice layer l behind the wall continues the shear: (1 + depth_l/height_i)(u_i - u_wall), the factor
 /// at most 12. Near a free surface the plain form is left: the corrected one makes water at rest boil. It has a torque on fluid that turns
-/// as a whole.
+/// as a whole. Free bodies are pushed, on their surface, by the opposite of what their layers add to the sums.
 class CorrectedViscosity {
 public:
     explicit CorrectedViscosity(std::shared_ptr<ProjectionSystem> system) : system_(std::move(system)) {}
@@ -20,6 +20,10 @@ public:
                     Update<field::acceleration> a);
 
 private:
+    template <class Kernel>
+    void push_bodies(const Kernel& W, const Surroundings& around, Read<field::role> role, Read<field::viscosity> mu,
+                     Read<field::velocity> u) const;
+
     std::shared_ptr<ProjectionSystem> system_;
     WallFriction friction_;
 };

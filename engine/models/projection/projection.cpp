@@ -6,6 +6,7 @@
 #include "engine/core/clock.h"
 #include "engine/core/parallel.h"
 #include "engine/math/conjugate_gradients.h"
+#include "engine/math/pseudo_inverse.h"
 
 namespace whorl {
 
@@ -49,6 +50,12 @@ void Projection::build(const Kernel& W, const Surroundings& around, Read<field::
     });
 }
 
+void Projection::find_held(const FluidPairs& pairs, Read<field::role> role) {
+    beside_held_.assign(role.size(), 0);
+    if (parallel_sum(role.size(), [&](Index i) { return role[i] != 0 ? 1 : 0; }) == 0) return;
+    parallel_for(role.size(), [&](Index i) { pairs.of(i, [&](Index j, const Vec3&, Real) { beside_held_[i] |= role[j] != 0; }); });
+}
+
 template <class Kernel>
 void Projection::set_source(const Kernel& W, const Surroundings& around, const Vec3* u, Real dt) {
     const ProjectionSystem& s = *system_;
@@ -85,6 +92,69 @@ void Projection::damp_surface(const Surroundings& around, Read<field::role> role
     parallel_for(u.size(), [&](Index i) { u[i] += change[i]; });
 }
 
+/// u -= share dt g, g the last step's grad p/rho. What an impact does in a step must not be done again in the next.
+void Projection::take_old_share(const Surroundings& around, Real share, Read<field::role> role, Update<field::velocity> u,
+                                Read<field::pressure> p, Update<field::pressure_acceleration> a) {
+    const StepContext& step = around.step;
+    const Real most =
+        system_->options.free_surface ? Real(0.04) * step.spacing / (step.dt * step.dt) : std::numeric_limits<Real>::infinity();
+    parallel_for(u.size(), [&](Index i) {
+        const bool goes_on = role[i] == 0 && a[i].norm() < most;
+        if (goes_on) u[i] -= share * step.dt * a[i];
+        phi_[i] = goes_on ? p[i] : 0;
+        a[i].setZero();
+    });
+    on_bodies_.push(phi_, static_cast<double>(share * step.dt), around);
+}
+
+/// grad phi/rho_0 at i. Held particles have no pressure of their own: beside them over the free ones alone, as beside walls.
+template <class Kernel>
+Vec3 Projection::push_of(const Kernel& W, const Surroundings& around, Read<field::role> role, Index i) const {
+    const StepContext& step = around.step;
+    if (!beside_held_[i]) return system_->correction[i] * difference_sum(W, around.pairs, i, step.volume, phi_.data()) / step.rest_density;
+    Mat3d moment = Mat3d::Zero();
+    Vec3 sum = Vec3::Zero();
+    around.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
+        if (role[j] != 0) return;
+        const Vec3 weight = step.volume * W.slope(distance) * r;
+        sum += (phi_[j] - phi_[i]) * weight;
+        moment -= weight.cast<double>() * r.cast<double>().transpose();
+    });
+    return pseudo_inverse(moment, step.dimensions()).template cast<Real>() * sum / step.rest_density;
+}
+
+/// Once: p and g get what the divergence of u asks for.
+/// @param M of matrix_
+template <class Kernel>
+SolveReport Projection::solve(const Kernel& W, const PressurePreconditioner& M, const Surroundings& around, Real dt, bool first,
+                              Read<field::role> role, Update<field::velocity> u, Update<field::pressure> p,
+                              Update<field::pressure_acceleration> a) {
+    const ProjectionSystem& s = *system_;
+    const auto A = [&](Span<const Real> in, Span<Real> out) {
+        matrix_.multiply(in, out);
+        on_bodies_.add_product(in, out);
+    };
+    set_source(W, around, u.data(), dt);
+    closed_.take_means_away(b_);
+    SolveLimits limits = s.options.limits;
+    // A residual that is small beside the fluid's moves a light body.
+    if (!first && !on_bodies_.any()) limits.tolerance = std::max(limits.tolerance, s.options.later_tolerance);
+    parallel_for(u.size(), [&](Index i) { phi_[i] = first && matrix_.unknown[i] ? p[i] : 0; });
+    const double began = wall_seconds();
+    SolveReport solved = conjugate_gradients<Real>(A, M, Span<const Real>(b_), Span<Real>(phi_), limits);
+    solved.solve_seconds = wall_seconds() - began;
+    closed_.take_means_away(phi_);
+    parallel_for(u.size(), [&](Index i) {
+        p[i] = (first ? Real(0) : p[i]) + phi_[i];
+        if (role[i] != 0) return;
+        const Vec3 push = push_of(W, around, role, i);
+        a[i] += push;
+        u[i] -= dt * push;
+    });
+    on_bodies_.push(phi_, static_cast<double>(dt), around);
+    return solved;
+}
+
 void Projection::operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Update<field::velocity> u,
                             Update<field::pressure> p, Update<field::pressure_acceleration> a) {
     const ProjectionSystem& s = *system_;
@@ -92,46 +162,28 @@ void Projection::operator()(const Surroundings& around, StepReport& report, Read
     const Index n = u.size();
     // The first step knows no pressure of the one before.
     const bool any_before = parallel_sum(n, [&](Index i) { return a[i] != Vec3::Zero() ? 1 : 0; }) > 0;
-    const Real theta = any_before ? static_cast<Real>(s.options.theta) : Real(1), dt = theta * step.dt;
+    const Real theta = any_before ? static_cast<Real>(s.options.theta) : Real(1);
     b_.resize(n), phi_.resize(n);
-    // What an impact does in a step must not be done again in the next.
-    const Real most = s.options.free_surface ? Real(0.04) * step.spacing / (step.dt * step.dt) : std::numeric_limits<Real>::infinity();
-    parallel_for(n, [&](Index i) {
-        if (role[i] == 0 && a[i].norm() < most) u[i] -= (1 - theta) * step.dt * a[i];
-        a[i].setZero();
-    });
-    damp_surface(around, role, u);
     SolveReport all;
     all.converged = true;
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         const double start = wall_seconds();
         build(W, around, role);
+        find_held(around.pairs, role);
+        on_bodies_.build(s, around, role, matrix_.unknown);
         closed_.find(matrix_, touches_surface_, 0.01);
         closed_.take_pins_away(matrix_);
         const PressurePreconditioner M = s.options.preconditioner(matrix_);
         all.levels = M.levels;
         all.set_up_seconds = wall_seconds() - start;
-        const auto A = [&](Span<const Real> in, Span<Real> out) { matrix_.multiply(in, out); };
-        for (int solve = 0; solve < s.options.solves; ++solve) {
-            set_source(W, around, u.data(), dt);
-            closed_.take_means_away(b_);
-            SolveLimits limits = s.options.limits;
-            if (solve > 0) limits.tolerance = std::max(limits.tolerance, s.options.later_tolerance);
-            parallel_for(n, [&](Index i) { phi_[i] = solve == 0 && matrix_.unknown[i] ? p[i] : 0; });
-            const double began = wall_seconds();
-            const SolveReport solved = conjugate_gradients<Real>(A, M, Span<const Real>(b_), Span<Real>(phi_), limits);
-            all.solve_seconds += wall_seconds() - began;
+        take_old_share(around, 1 - theta, role, u, Read<field::pressure>{p.values}, a);
+        damp_surface(around, role, u);
+        for (int k = 0; k < s.options.solves; ++k) {
+            const SolveReport solved = solve(W, M, around, theta * step.dt, k == 0, role, u, p, a);
+            all.solve_seconds += solved.solve_seconds;
             all.iterations += solved.iterations;
-            if (solve == 0) all.first_residual = solved.first_residual, all.last_residual = solved.last_residual;
+            if (k == 0) all.first_residual = solved.first_residual, all.last_residual = solved.last_residual;
             if (!solved.converged) all.converged = false, all.why_not = solved.why_not;
-            closed_.take_means_away(phi_);
-            parallel_for(n, [&](Index i) {
-                p[i] = (solve == 0 ? Real(0) : p[i]) + phi_[i];
-                if (role[i] != 0) return;
-                const Vec3 push = s.correction[i] * difference_sum(W, around.pairs, i, step.volume, phi_.data()) / step.rest_density;
-                a[i] += push;
-                u[i] -= dt * push;
-            });
         }
     });
     report.solves.push_back({"pressure", all});

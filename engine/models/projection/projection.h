@@ -1,7 +1,7 @@
 #pragma once
 /// Incompressible flow by projection: a Poisson equation for the pressure that takes the divergence away (Cummins and Rudman 1999;
 /// operators after Lind et al. 2012; docs/physics.md).
-#include "engine/models/projection/projection_system.h"
+#include "engine/models/projection/projection_bodies.h"
 
 namespace whorl {
 
@@ -20,14 +20,23 @@ public:
 private:
     template <class Kernel>
     void build(const Kernel& W, const Surroundings& around, Read<field::role> role);
+    void find_held(const FluidPairs& pairs, Read<field::role> role);
     template <class Kernel>
     void set_source(const Kernel& W, const Surroundings& around, const Vec3* u, Real dt);
+    void take_old_share(const Surroundings& around, Real share, Read<field::role> role, Update<field::velocity> u, Read<field::pressure> p,
+                        Update<field::pressure_acceleration> a);
+    template <class Kernel>
+    Vec3 push_of(const Kernel& W, const Surroundings& around, Read<field::role> role, Index i) const;
+    template <class Kernel>
+    SolveReport solve(const Kernel& W, const PressurePreconditioner& M, const Surroundings& around, Real dt, bool first,
+                      Read<field::role> role, Update<field::velocity> u, Update<field::pressure> p, Update<field::pressure_acceleration> a);
     void damp_surface(const Surroundings& around, Read<field::role> role, Update<field::velocity> u) const;
 
     std::shared_ptr<ProjectionSystem> system_;
     PressureMatrix matrix_;
+    PressureOnBodies on_bodies_;
     ClosedRegions closed_;
-    std::vector<char> touches_surface_;
+    std::vector<char> touches_surface_, beside_held_;
     Column<Real> b_, phi_;
 };
 

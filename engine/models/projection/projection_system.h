@@ -59,6 +59,10 @@ struct ProjectionSystem {
     ProjectionOptions options;
 
     Column<Vec3> start_velocity;  ///< at the start of the step
+    struct BodyVelocity {
+        Vec3d velocity, turning;
+    };
+    std::vector<BodyVelocity> body_start;  ///< of the free bodies, at the start of the step
 
     Column<Mat3> correction;  ///< L_i = (-sum_j V W'/r r r^T)^-1 over the fluid
     LinearSums viscous;       ///< with the kernel of viscous_support
@@ -80,6 +84,12 @@ struct ProjectionSystem {
         for (std::size_t k = first_touch[i]; k < first_touch[i + 1]; ++k) f(touches[k]);
     }
 };
+
+/// Of the wall that particle q of the layer stands behind, on its surface.
+inline Vec3 surface_velocity(const Surroundings& around, Index q) {
+    const SolidParticles& layer = around.layer;
+    return layer.velocity[q] + around.step.spacing / 2 * around.solids.all[layer.solid[q]].pose.angular_velocity.cross(layer.normal[q]);
+}
 
 /// Calls f(q, F, continued, to, distance) for each lattice layer behind each particle q of the walls around i that the fluid sticks to: F =
 /// V W'/r [1/m^2], `to` from the layer to i, and the factor of u_i - u_wall that continues the shear into the layer, at most 12.

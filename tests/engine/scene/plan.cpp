@@ -490,8 +490,12 @@ TEST_CASE("the projection is refused where fluid splashes, and taken by itself w
     };
     CHECK(message(projection + tank + block("[0.4, 0.2, 0.2]")).empty());
     CHECK(message(projection + tank + block("[0.2, 0.2, 0.2]")).find("nothing holds") != std::string::npos);
-    CHECK(message(projection + tank + "[[emitter]]\nposition = [0.2, 0.3, 0.1]\nradius = 0.03\nspeed = 0.5\n").find("emitters pour") !=
-          std::string::npos);
+    CHECK(message(projection + tank + "[[emitter]]\nposition = [0.2, 0.3, 0.1]\nradius = 0.03\nspeed = 0.5\n")
+              .find("emitter[0] pours onto something") != std::string::npos);
+    const std::string raft = "[[solid]]\nshape = \"box\"\nmin = [0.1, 0.1, 0.05]\nmax = [0.3, 0.3, 0.15]\ndensity = ";
+    CHECK(message(projection + tank + block("[0.4, 0.2, 0.2]") + raft + "500\n").empty());
+    CHECK(message(projection + tank + block("[0.4, 0.2, 0.2]") + raft + "800\n")
+              .find("% of it is under the fluid, and it would float with 80 %") != std::string::npos);
     const auto form = [&](const std::string& text) { return make_plan(scene_with({}, start + text)).facts.pressure.form; };
     CHECK(form(tank + block("[0.4, 0.4, 0.2]")) == PressureForm::projection);
     CHECK(form(tank + block("[0.4, 0.2, 0.2]")) == PressureForm::constraint);
@@ -533,7 +537,5 @@ inside = true
     const std::string here = " in two dimensions (domain.dimensions = 2)";
     CHECK(messages("models.pressure=coupled").find("models.pressure = \"coupled\" does not work" + here) != std::string::npos);
     CHECK(messages("fluid.surface_tension=0.07").find("there is no surface tension" + here) != std::string::npos);
-    CHECK(messages("emitter=[{position=[0,0.2],radius=0.02,speed=1}]").find("there are no emitters" + here) != std::string::npos);
-    CHECK(messages("solid=[{shape=\"sphere\",radius=0.02,density=500}]").find("there are no free bodies" + here) != std::string::npos);
     CHECK(messages("output.export=[\"vdb\"]").find("there is no surface to export as \"vdb\"" + here) != std::string::npos);
 }

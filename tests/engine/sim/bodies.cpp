@@ -130,7 +130,8 @@ TEST_CASE("what cannot be a free body, and models that do not move one, are told
     CHECK_THAT(complaint(with(ball + "velocity = [1, 0, 0]\n")), Catch::Contains("has no density"));
     CHECK_THAT(complaint(with("shape = \"sphere\"\nradius = 0.1\nposition = [\"t\", 0.5, 0.5]\ndensity = 500\n")),
                Catch::Contains("depend on t"));
-    CHECK_THAT(complaint(with(ball + "density = 500\n", "[models]\npressure = \"ppe\"\n[pressure]\nform = \"projection\"\n")),
-               Catch::Contains("projection"));
+    CHECK_THAT(complaint(with(ball + "density = 500\n",
+                              "[models]\npressure = \"ppe\"\n[pressure]\nform = \"projection\"\nsource = \"density\"\n")),
+               Catch::Contains("does not move free bodies"));
     CHECK_THAT(complaint(with(ball + "density = 500\n", "[models]\nmicropolar = \"eringen\"\n")), Catch::Contains("micropolar"));
 }

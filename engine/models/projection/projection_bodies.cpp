@@ -1,0 +1,183 @@
+#include "engine/models/projection/projection_bodies.h"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+#include "engine/core/parallel.h"
+#include "engine/geometry/body_contact.h"
+#include "engine/models/bodies/reaction.h"
+
+namespace whorl {
+
+/// A_s = a_s (n_s + c + E q_s), q_s from the centre, a_s the particle's share of a flat layer; c and E are such that a uniform pressure
+/// makes no force and a linear one the weight of the fluid that the body takes the place of:  sum A = 0,  sum A q^T = volume 1.
+void PressureOnBodies::find_surfaces(const Surroundings& around) {
+    const SolidParticles& layer = around.layer;
+    const StepContext& step = around.step;
+    const Real d = step.spacing, of_layer = layer_factor(step.kernel, step.support, d) / d;
+    for (std::size_t k = 0; k < around.solids.all.size(); ++k) {
+        if (!around.solids.all[k].body) continue;
+        const RigidBody& body = *around.solids.all[k].body;
+        Surface surface{k, {}, {}};
+        std::vector<Eigen::Vector4d> place;
+        Eigen::Matrix4d moments = Eigen::Matrix4d::Zero();
+        Eigen::Matrix<double, 4, 3> wanted = Eigen::Matrix<double, 4, 3>::Zero();
+        wanted.bottomRows<3>() = body.volume * Mat3d::Identity();
+        for (Index s = 0; s < layer.size(); ++s) {
+            if (static_cast<std::size_t>(layer.solid[s]) != k) continue;
+            const Vec3d n = layer.own_normal[s].cast<double>(), q = (layer.own_position[s] + d / 2 * layer.own_normal[s]).cast<double>();
+            place.push_back((Eigen::Vector4d() << 1, q - body.own_centre).finished());
+            surface.layer.push_back(s);
+            surface.area.push_back(static_cast<double>(of_layer * layer.volume[s]) * n);
+            moments += surface.area.back().norm() * place.back() * place.back().transpose();
+            wanted -= place.back() * surface.area.back().transpose();
+        }
+        if (step.dimensions() == 2) moments(3, 3) = 1;
+        const Eigen::Matrix<double, 4, 3> slant = moments.ldlt().solve(wanted);
+        for (std::size_t s = 0; s < place.size(); ++s) surface.area[s] += surface.area[s].norm() * slant.transpose() * place[s];
+        surfaces_.push_back(std::move(surface));
+    }
+}
+
+/// Before the slant.
+void PressureOnBodies::add_rows(const ProjectionSystem& walls, std::size_t solid, const Surroundings& around,
+                                const std::vector<Index>& near, Read<field::role> role, Body& body) {
+    const SolidParticles& layer = around.layer;
+    const auto V = static_cast<double>(around.step.volume);
+    for (const Index i : near) {
+        if (role[i] != 0) continue;
+        Row row{i};
+        walls.walls_of(i, [&](const WallTouch& touch) {
+            if (static_cast<std::size_t>(layer.solid[touch.s]) != solid) return;
+            const Vec3d push = V * static_cast<double>(touch.flux) * layer.normal[touch.s].cast<double>();
+            row.Q.head<3>() += push;
+            row.Q.tail<3>() += (layer.position[touch.s].cast<double>() - body.centre).cross(push);
+            row.flux -= V * static_cast<double>(touch.flux);
+        });
+        if (row.flux > 0) body.rows.push_back(row);
+    }
+}
+
+/// Of the surface that fluid touches.
+PressureOnBodies::Moments PressureOnBodies::surface_moments(const Surface& surface, const Surroundings& around,
+                                                            const std::vector<Index>& near, const Body& body) {
+    const SolidParticles& layer = around.layer;
+    const Real d = around.step.spacing;
+    std::vector<char> wet(layer.size(), 0);
+    for (const Index i : near)
+        around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real) {
+            if ((r - d / 2 * layer.normal[s]).norm() < Real(1.2) * d) wet[s] = 1;
+        });
+    const Mat3d R = around.solids.all[surface.solid].body->turn.toRotationMatrix();
+    Moments moments = Moments::Zero();
+    for (std::size_t k = 0; k < surface.layer.size(); ++k) {
+        const Index s = surface.layer[k];
+        if (!wet[s]) continue;
+        const Vec3d arm = (layer.position[s] + d / 2 * layer.normal[s]).cast<double>() - body.centre;
+        Wrench6 push;
+        push.head<3>() = -(R * surface.area[k]);
+        push.tail<3>() = arm.cross(push.head<3>());
+        moments += (Eigen::Vector4d() << 1, arm).finished() * push.transpose();
+    }
+    return moments;
+}
+
+/// Q_i += flux_i X^T (1, x_i) such that sum (1, x_i) Q_i^T = `of_surface`, x from the centre.
+void PressureOnBodies::slant(const Surroundings& around, const Moments& of_surface, Body& body) {
+    Moments wanted = of_surface;
+    const auto terms_of = [&](const Row& row) -> Eigen::Vector4d {
+        const Vec3 x = around.step.domain.minimum_image(around.pairs.x_own[row.particle] - body.centre.cast<Real>());
+        return (Eigen::Vector4d() << 1, x.cast<double>()).finished();
+    };
+    Eigen::Matrix4d moments = Eigen::Matrix4d::Zero();
+    for (const Row& row : body.rows) {
+        const Eigen::Vector4d t = terms_of(row);
+        moments += row.flux * t * t.transpose();
+        wanted -= t * row.Q.transpose();
+    }
+    // Over lengths of their own, lest the cut go by the unit.
+    Eigen::Vector4d scale = Eigen::Vector4d::Zero();
+    for (int m = 0; m < 4; ++m)
+        if (moments(m, m) > 0) scale[m] = 1 / std::sqrt(moments(m, m));
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> modes(Eigen::Matrix4d(scale.asDiagonal() * moments * scale.asDiagonal()));
+    Eigen::Vector4d inverse = Eigen::Vector4d::Zero();
+    for (int m = 0; m < 4; ++m)
+        if (modes.eigenvalues()[m] > 1e-3) inverse[m] = 1 / modes.eigenvalues()[m];
+    const Eigen::Matrix4d in_modes = scale.asDiagonal() * modes.eigenvectors();
+    const Moments X = in_modes * inverse.asDiagonal() * in_modes.transpose() * wanted;
+    for (Row& row : body.rows) row.Q += row.flux * X.transpose() * terms_of(row);
+}
+
+void PressureOnBodies::build(const ProjectionSystem& walls, const Surroundings& around, Read<field::role> role, Span<const char> unknown) {
+    bodies_.clear();
+    if (!around.solids.any_free()) return;
+    if (surfaces_.empty()) find_surfaces(around);
+    rest_density_ = static_cast<double>(around.step.rest_density);
+    const std::vector<Index> near = particles_at_bodies(around);
+    for (const Surface& surface : surfaces_) {
+        const RigidBody& state = *around.solids.all[surface.solid].body;
+        Body body{state.mass, state.inverse_inertia(), state.centre, {}};
+        add_rows(walls, surface.solid, around, near, role, body);
+        slant(around, surface_moments(surface, around, near, body), body);
+        std::erase_if(body.rows, [&](const Row& row) { return !unknown[row.particle]; });
+        bodies_.push_back(std::move(body));
+    }
+}
+
+PressureOnBodies::Wrench6 PressureOnBodies::sum(const Body& body, Span<const Real> p) {
+    return parallel_sum(static_cast<Index>(body.rows.size()), Wrench6(Wrench6::Zero()), [&](Index e) -> Wrench6 {
+        const Row& row = body.rows[e];
+        return static_cast<double>(p[row.particle]) * row.Q;
+    });
+}
+
+void PressureOnBodies::add_product(Span<const Real> p, Span<Real> Ap) const {
+    for (const Body& body : bodies_) {
+        Wrench6 twist = rest_density_ * sum(body, p);
+        twist.head<3>() /= body.mass;
+        twist.tail<3>() = body.inverse_inertia * Vec3d(twist.tail<3>());
+        parallel_for(static_cast<Index>(body.rows.size()), [&](Index e) {
+            const Row& row = body.rows[e];
+            Ap[row.particle] += static_cast<Real>(row.Q.dot(twist));
+        });
+    }
+}
+
+void PressureOnBodies::push(Span<const Real> p, double dt, const Surroundings& around) const {
+    if (bodies_.empty()) return;
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+        const Wrench6 pressed = sum(bodies_[b], p);
+        RigidBody& state = *around.solids.all[surfaces_[b].solid].body;
+        state.velocity += dt / state.mass * pressed.head<3>();
+        state.spin_momentum += dt * pressed.tail<3>();
+    }
+    around.solids.place_bodies();
+    around.layer.follow(around.solids);
+}
+
+void ProjectionBodyDrift::operator()(const Surroundings& around) const {
+    system->body_start.clear();
+    for (Solid& solid : around.solids.all) {
+        if (!solid.body) continue;
+        system->body_start.push_back({solid.body->velocity, solid.body->angular_velocity()});
+        solid.body->move(static_cast<double>(around.step.dt));
+    }
+}
+
+void ProjectionBodyMove::operator()(const Surroundings& around) const {
+    const StepContext& step = around.step;
+    const auto dt = static_cast<double>(step.dt), d = static_cast<double>(step.spacing);
+    resolve_contacts(around.solids, around.layer, {dt, d, step.domain, 2 * d}, static_cast<double>(step.gravity.norm()));
+    auto start = system->body_start.begin();
+    for (Solid& solid : around.solids.all) {
+        if (!solid.body) continue;
+        RigidBody& body = *solid.body;
+        body.centre += dt / 2 * (body.velocity - start->velocity);
+        body.turn = (Eigen::Quaterniond(turn_by(dt / 2 * (body.angular_velocity() - start->turning))) * body.turn).normalized();
+        ++start;
+    }
+    around.solids.place_bodies();
+    around.layer.follow(around.solids);
+}
+
+}  // namespace whorl
