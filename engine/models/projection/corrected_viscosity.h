@@ -20,8 +20,13 @@ public:
                     Update<field::acceleration> a);
 
 private:
+    template <class Kernel>
+    void accelerate(const Kernel& W, const Surroundings& around, Read<field::role> role, Read<field::viscosity> mu, Span<const Vec3> u,
+                    Span<Vec3> out) const;
+
     std::shared_ptr<ProjectionSystem> system_;
     WallFriction friction_;
+    Column<Vec3> change_, middle_;  ///< m/s^2; velocities in the middle of the step
 };
 
 }  // namespace whorl
