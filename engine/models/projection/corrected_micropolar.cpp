@@ -19,13 +19,13 @@ struct CorrectedMicropolar::Rates {
 };
 
 /// What velocities u and spins w do to each other, at particle i.
-template <class Kernel>
-CorrectedMicropolar::Rates CorrectedMicropolar::rates(const Kernel& W, const Surroundings& around, const Terms& terms, Index i,
-                                                      Span<const Vec3> u, Span<const Vec3> w) const {
+/// @param whole the kernel of the smoothing
+template <class Kernel, class Whole>
+CorrectedMicropolar::Rates CorrectedMicropolar::rates(const Kernel& W, const Whole& whole, const Surroundings& around, const Terms& terms,
+                                                      Index i, Span<const Vec3> u, Span<const Vec3> w) const {
     const ProjectionSystem& s = *system_;
     const StepContext& step = around.step;
     const Vec3 own_u = u[i], own_w = w[i];
-    const Kernel whole(step.support, step.dimensions());
     DifferenceSums of_u = difference_sums(W, around.pairs, i, step.volume, u.data(), whole);
     DifferenceSums of_w = difference_sums(W, around.pairs, i, step.volume, w.data(), whole);
     const Mat3 G_u = of_u.gradient * s.viscous.correction[i], G_w = of_w.gradient * s.viscous.correction[i];
@@ -62,16 +62,16 @@ CorrectedMicropolar::Terms CorrectedMicropolar::terms(const Surroundings& around
             .smoothing_velocity = o.part_a_step(o.smoothing_velocity, step.dt) / step.dt,
             .smoothing_spin = o.part_a_step(o.smoothing_spin, step.dt) / step.dt,
             .of_layer = system_->any_walls ? layer_factor(step.kernel, step.support, step.spacing) : 0,
-            .over_lattice = 1 / lattice_gradient(step.kernel, viscous_support * step.support, step.spacing),
+            .over_lattice = 1 / lattice_gradient(step.kernel, one_sided_support * step.support, step.spacing),
             .slip = slips(around.solids)};
 }
 
 /// (1 - exp(-z))/z: what a decay leaves in the mean over a step of a force that is constant.
 Real mean_decay(Real z) { return z > 0 ? -std::expm1(-z) / z : Real(1); }
 
-template <class Kernel>
-void CorrectedMicropolar::go_half(const Kernel& W, const Surroundings& around, Read<field::role> role, Span<const Vec3> u,
-                                  Span<const Vec3> torque, Span<const Vec3> w) {
+template <class Sharp, class Narrow>
+void CorrectedMicropolar::go_half(const Sharp& sharp, const Narrow& narrow, const Surroundings& around, Read<field::role> role,
+                                  Span<const Vec3> u, Span<const Vec3> torque, Span<const Vec3> w) {
     const Terms t = terms(around);
     const Real half = around.step.dt / 2, over_theta = static_cast<Real>(1 / options_.micro_inertia);
     const Real ahead = options_.implicit_exchange ? mean_decay(2 * t.kappa * half * over_theta) : 1;
@@ -79,16 +79,17 @@ void CorrectedMicropolar::go_half(const Kernel& W, const Surroundings& around, R
     parallel_for(u.size(), [&](Index i) {
         middle_velocity_[i] = u[i], middle_spin_[i] = w[i];
         if (role[i] != 0) return;
-        const Rates r = rates(W, around, t, i, u, w);
+        const Rates r = system_->inside[i] ? rates(sharp, sharp.W, around, t, i, u, w) : rates(narrow, sharp.W, around, t, i, u, w);
         const Vec3 exchanged = t.kappa * (r.curl - 2 * w[i]);
         middle_velocity_[i] += half * r.velocity();
         middle_spin_[i] += half * (ahead * over_theta * (exchanged + r.diffused + torque[i]) + r.spin_smoothing);
     });
 }
 
-template <class Kernel>
-EnergyWork CorrectedMicropolar::advance(const Kernel& W, const Surroundings& around, Read<field::role> role, Span<const Vec3> u,
-                                        Update<field::acceleration> a, Write<field::spin_change> change, Span<const Vec3> w) const {
+template <class Sharp, class Narrow>
+EnergyWork CorrectedMicropolar::advance(const Sharp& sharp, const Narrow& narrow, const Surroundings& around, Read<field::role> role,
+                                        Span<const Vec3> u, Update<field::acceleration> a, Write<field::spin_change> change,
+                                        Span<const Vec3> w) const {
     const Terms t = terms(around);
     const Real dt = around.step.dt, over_theta = static_cast<Real>(1 / options_.micro_inertia);
     const Real ahead = options_.implicit_exchange ? mean_decay(2 * t.kappa * dt * over_theta) : 1;
@@ -98,7 +99,8 @@ EnergyWork CorrectedMicropolar::advance(const Kernel& W, const Surroundings& aro
             change[i].setZero();
             return {};
         }
-        const Rates r = rates(W, around, t, i, middle_velocity_, middle_spin_);
+        const Rates r = system_->inside[i] ? rates(sharp, sharp.W, around, t, i, middle_velocity_, middle_spin_)
+                                           : rates(narrow, sharp.W, around, t, i, middle_velocity_, middle_spin_);
         const Vec3 tau = change[i], before = a[i];
         const Vec3 exchanged = t.kappa * (r.curl - 2 * (options_.implicit_exchange ? w[i] : middle_spin_[i]));
         a[i] += r.velocity();
@@ -123,19 +125,19 @@ void CorrectedMicropolar::operator()(const Surroundings& around, StepReport& rep
     const double middle = around.step.time + static_cast<double>(around.step.dt) / 2;
     parallel_for(change.size(), [&](Index i) { change[i].setZero(); });
     if (!torque_.is_zero()) torque_.each(middle, x.values, [&](Index i, const Vec3& tau) { change[i] = tau; });
-    with_kernel(around.step.kernel, viscous_support * around.step.support, [&](const auto& W) {
-        go_half(W, around, role, u.values, change.values, w.values);
-        report.work = advance(W, around, role, u.values, a, change, w.values);
+    with_viscous_kernels(around.step, [&](const auto& sharp, const auto& narrow) {
+        go_half(sharp, narrow, around, role, u.values, change.values, w.values);
+        report.work = advance(sharp, narrow, around, role, u.values, a, change, w.values);
     });
     parallel_for(w.size(), [&](Index i) { w[i] += change[i]; });
 }
 
 void CarrySpin::operator()(const Surroundings& around, Write<field::spin_change> change, Update<field::spin> w) const {
     const ProjectionSystem& s = *system;
-    with_kernel(around.step.kernel, viscous_support * around.step.support, [&](const auto& W) {
+    with_kernel(around.step.kernel, around.step.support, [&](const auto& W) {
         parallel_for(w.size(), [&](Index i) {
             change[i].setZero();
-            if (s.shift[i] != Vec3::Zero()) change[i] = carried(W, s.viscous, around.pairs, i, around.step.volume, w.data(), s.shift[i]);
+            if (s.shift[i] != Vec3::Zero()) change[i] = carried(W, s.whole, around.pairs, i, around.step.volume, w.data(), s.shift[i]);
         });
     });
     parallel_for(w.size(), [&](Index i) { w[i] += change[i]; });

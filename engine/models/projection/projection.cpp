@@ -52,7 +52,7 @@ void Projection::set_source(const Kernel& W, const Surroundings& around, const V
     parallel_for(s.size(), [&](Index i) {
         b_[i] = 0;
         if (!matrix_.unknown[i]) return;
-        const Mat3 G = difference_sum(W, around.pairs, i, step.volume, u) * s.correction[i];
+        const Mat3 G = difference_sum(W, around.pairs, i, step.volume, u) * s.whole.correction[i];
         Real divergence = G.trace();
         s.walls_of(i, [&](const WallTouch& touch) {
             const Vec3& normal = around.layer.normal[touch.s];
@@ -82,7 +82,7 @@ void Projection::damp_surface(const Surroundings& around, Read<field::role> role
 }
 
 void Projection::operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Update<field::velocity> u,
-                            Update<field::pressure> p, Update<field::pressure_acceleration> a) {
+                            Update<field::pressure> p, Update<field::solved_pressure> solved, Update<field::pressure_acceleration> a) {
     const ProjectionSystem& s = *system_;
     const StepContext& step = around.step;
     const Index n = u.size();
@@ -93,7 +93,8 @@ void Projection::operator()(const Surroundings& around, StepReport& report, Read
     // What an impact does in a step must not be done again in the next.
     const Real most = s.options.free_surface ? Real(0.04) * step.spacing / (step.dt * step.dt) : std::numeric_limits<Real>::infinity();
     parallel_for(n, [&](Index i) {
-        if (role[i] == 0 && a[i].norm() < most) u[i] -= (1 - theta) * step.dt * a[i];
+        p[i] = 0;
+        if (role[i] == 0 && a[i].norm() < most) u[i] -= (1 - theta) * step.dt * a[i], p[i] = (1 - theta) * solved[i];
         a[i].setZero();
     });
     damp_surface(around, role, u);
@@ -113,23 +114,24 @@ void Projection::operator()(const Surroundings& around, StepReport& report, Read
             closed_.take_means_away(b_);
             SolveLimits limits = s.options.limits;
             if (solve > 0) limits.tolerance = std::max(limits.tolerance, s.options.later_tolerance);
-            parallel_for(n, [&](Index i) { phi_[i] = solve == 0 && matrix_.unknown[i] ? p[i] : 0; });
+            parallel_for(n, [&](Index i) { phi_[i] = solve == 0 && matrix_.unknown[i] ? solved[i] : 0; });
             const double began = wall_seconds();
-            const SolveReport solved = conjugate_gradients<Real>(A, M, Span<const Real>(b_), Span<Real>(phi_), limits);
+            const SolveReport solve_report = conjugate_gradients<Real>(A, M, Span<const Real>(b_), Span<Real>(phi_), limits);
             all.solve_seconds += wall_seconds() - began;
-            all.iterations += solved.iterations;
-            if (solve == 0) all.first_residual = solved.first_residual, all.last_residual = solved.last_residual;
-            if (!solved.converged) all.converged = false, all.why_not = solved.why_not;
+            all.iterations += solve_report.iterations;
+            if (solve == 0) all.first_residual = solve_report.first_residual, all.last_residual = solve_report.last_residual;
+            if (!solve_report.converged) all.converged = false, all.why_not = solve_report.why_not;
             closed_.take_means_away(phi_);
             parallel_for(n, [&](Index i) {
-                p[i] = (solve == 0 ? Real(0) : p[i]) + phi_[i];
+                solved[i] = (solve == 0 ? Real(0) : solved[i]) + phi_[i];
                 if (role[i] != 0) return;
-                const Vec3 push = s.correction[i] * difference_sum(W, around.pairs, i, step.volume, phi_.data()) / step.rest_density;
+                const Vec3 push = s.whole.correction[i] * difference_sum(W, around.pairs, i, step.volume, phi_.data()) / step.rest_density;
                 a[i] += push;
                 u[i] -= dt * push;
             });
         }
     });
+    parallel_for(n, [&](Index i) { p[i] += theta * solved[i]; });
     report.solves.push_back({"pressure", all});
 }
 
@@ -169,9 +171,9 @@ void ProjectionMove::operator()(const Surroundings& around, Read<field::role> ro
         if (length > most) move *= most / length;
         s.shift[i] = move;
     });
-    with_kernel(step.kernel, viscous_support * step.support, [&](const auto& W) {
+    with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(n, [&](Index i) {
-            if (s.shift[i] != Vec3::Zero()) change[i] = carried(W, s.viscous, around.pairs, i, step.volume, u.data(), s.shift[i]);
+            if (s.shift[i] != Vec3::Zero()) change[i] = carried(W, s.whole, around.pairs, i, step.volume, u.data(), s.shift[i]);
         });
     });
     parallel_for(n, [&](Index i) {

@@ -9,13 +9,16 @@ namespace whorl {
 ///
 ///   sum_j 2 V |W'|/r (p_i - p_j) + air_i p_i = -rho_0 (D u)_i/(theta dt),    u -= theta dt L sum_j V (p_j - p_i) grad W / rho_0
 ///
+/// The field `pressure` is the mean over the step, theta of the new one and (1 - theta) of the old: what moves the fluid. The solved one
+/// rings: what a single step does to it changes sign from step to step and dies as ((1 - theta)/theta)^n.
+///
 /// D is the trace of the corrected difference gradient over the fluid, and at walls the flux of the normal velocity that the flow has there
 /// relative to the wall. Walls have no pressure of their own: leaving them out of the matrix says that no flow goes through them.
 class Projection {
 public:
     explicit Projection(std::shared_ptr<ProjectionSystem> system) : system_(std::move(system)) {}
     void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Update<field::velocity> u,
-                    Update<field::pressure> p, Update<field::pressure_acceleration> a);
+                    Update<field::pressure> p, Update<field::solved_pressure> solved, Update<field::pressure_acceleration> a);
 
 private:
     template <class Kernel>
