@@ -1,8 +1,8 @@
 #include "engine/sim/place.h"
 
-#include <bit>
 #include <fmt/format.h>
 
+#include <bit>
 #include <cmath>
 #include <limits>
 

@@ -74,13 +74,13 @@ InkRange range_around(const FluidPairs& pairs, Index i, Real reach, const Vec3* 
 void CarryInk::operator()(const Surroundings& around, Write<field::ink_change> change, Update<field::ink> c) const {
     const ProjectionSystem& s = *system;
     const StepContext& step = around.step;
-    with_kernel(step.kernel, viscous_support * step.support, [&](const auto& W) {
+    with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(c.size(), [&](Index i) {
             change[i].setZero();
             if (s.shift[i] == Vec3::Zero()) return;
             const auto [least, most] = range_around(around.pairs, i, 2 * step.spacing, c.data());
             if (least == most) return;
-            const Vec3 there = c[i] + carried(W, s.viscous, around.pairs, i, step.volume, c.data(), s.shift[i]);
+            const Vec3 there = c[i] + carried(W, s.whole, around.pairs, i, step.volume, c.data(), s.shift[i]);
             change[i] = there.cwiseMax(least).cwiseMin(most) - c[i];
         });
     });

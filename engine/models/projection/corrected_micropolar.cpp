@@ -1,5 +1,7 @@
 #include "engine/models/projection/corrected_micropolar.h"
 
+#include <cmath>
+
 #include "engine/core/parallel.h"
 
 namespace whorl {
@@ -10,68 +12,109 @@ Vec3 curl_of(const Mat3& G) { return {G(2, 1) - G(1, 2), G(0, 2) - G(2, 0), G(1,
 
 }  // namespace
 
-template <class Kernel>
-EnergyWork CorrectedMicropolar::advance(const Kernel& W, const Surroundings& around, Read<field::role> role, Read<field::velocity> u,
-                                        Update<field::acceleration> a, Write<field::spin_change> change, Read<field::spin> w) const {
+struct CorrectedMicropolar::Rates {
+    Vec3 viscous, push, smoothing;        ///< of the velocity [m/s^2]
+    Vec3 curl, diffused, spin_smoothing;  ///< curl u [1/s], gamma lap w/rho [m^2/s^2]; of the spin [1/s^2]
+    Vec3 velocity() const { return viscous + push + smoothing; }
+};
+
+/// What velocities u and spins w do to each other, at particle i.
+/// @param whole the kernel of the smoothing
+template <class Kernel, class Whole>
+CorrectedMicropolar::Rates CorrectedMicropolar::rates(const Kernel& W, const Whole& whole, const Surroundings& around, const Terms& terms,
+                                                      Index i, Span<const Vec3> u, Span<const Vec3> w) const {
     const ProjectionSystem& s = *system_;
+    const StepContext& step = around.step;
+    const Vec3 own_u = u[i], own_w = w[i];
+    DifferenceSums of_u = difference_sums(W, around.pairs, i, step.volume, u.data(), whole);
+    DifferenceSums of_w = difference_sums(W, around.pairs, i, step.volume, w.data(), whole);
+    const Mat3 G_u = of_u.gradient * s.viscous.correction[i], G_w = of_w.gradient * s.viscous.correction[i];
+    Real trace = s.viscous.trace[i], trace_w = trace;
+    Vec3 imbalance = s.viscous.imbalance[i], imbalance_w = imbalance;
+    each_sticking_layer(W, s, around, i, terms.of_layer, terms.slip, [&](Index q, Real F, Real continued, const Vec3& to, Real distance) {
+        of_u.laplacian += F * continued * (own_u - surface_velocity(around, q));
+        trace -= F * distance * distance;
+        imbalance += F * to;
+        if (options_.free_spin_walls) return;
+        of_w.laplacian += F * continued * (own_w - around.solids.all[around.layer.solid[q]].pose.angular_velocity);
+        trace_w -= F * distance * distance;
+        imbalance_w += F * to;
+    });
+    const auto laplacian = [&](const Vec3& sum, Real moments, const Mat3& G, const Vec3& uneven) {
+        if (s.near_surface[i]) return Vec3(2 * terms.over_lattice * sum);
+        return Vec3(2 * static_cast<Real>(step.dimensions()) / std::max(moments, Real(0.1)) * (sum - G * uneven));
+    };
+    return {.viscous = terms.nu * laplacian(of_u.laplacian, trace, G_u, imbalance),
+            .push = terms.kappa * curl_of(G_w),
+            .smoothing = terms.smoothing_velocity * of_u.smooth,
+            .curl = curl_of(G_u),
+            .diffused = terms.g * laplacian(of_w.laplacian, trace_w, G_w, imbalance_w),
+            .spin_smoothing = terms.smoothing_spin * of_w.smooth};
+}
+
+CorrectedMicropolar::Terms CorrectedMicropolar::terms(const Surroundings& around) const {
     const MicropolarOptions& o = options_;
     const StepContext& step = around.step;
-    const SolidParticles& layer = around.layer;
-    const Real dt = step.dt, m = step.mass, b = 1 / step.rest_density;
-    const Real lambda = static_cast<Real>(o.coupling), over_theta = static_cast<Real>(1 / o.micro_inertia);
-    const Real alpha = o.part_a_step(o.smoothing_velocity, dt) / dt, beta = o.part_a_step(o.smoothing_spin, dt) / dt;
-    const Real mu = static_cast<Real>(o.pair_viscosity), gamma = static_cast<Real>(o.spin_viscosity);
-    const Real ahead = o.implicit_exchange ? 1 / (1 + 2 * lambda * b * dt * over_theta) : 1;
-    const Real of_layer = s.any_walls ? layer_factor(step.kernel, step.support, step.spacing) : 0;
-    const std::vector<char> slip = slips(around.solids);
-    const bool any_torque = !torque_.is_zero();
-    const Kernel whole(step.support, step.dimensions());
-    const Real over_lattice = 1 / lattice_gradient(step.kernel, viscous_support * step.support, step.spacing);
+    const Real b = 1 / step.rest_density;
+    return {.nu = static_cast<Real>(o.pair_viscosity) * b,
+            .kappa = static_cast<Real>(o.coupling) * b,
+            .g = static_cast<Real>(o.spin_viscosity) * b,
+            .smoothing_velocity = o.part_a_step(o.smoothing_velocity, step.dt) / step.dt,
+            .smoothing_spin = o.part_a_step(o.smoothing_spin, step.dt) / step.dt,
+            .of_layer = system_->any_walls ? layer_factor(step.kernel, step.support, step.spacing) : 0,
+            .over_lattice = 1 / lattice_gradient(step.kernel, one_sided_support * step.support, step.spacing),
+            .slip = slips(around.solids)};
+}
 
+/// (1 - exp(-z))/z: what a decay leaves in the mean over a step of a force that is constant.
+Real mean_decay(Real z) { return z > 0 ? -std::expm1(-z) / z : Real(1); }
+
+template <class Sharp, class Narrow>
+void CorrectedMicropolar::go_half(const Sharp& sharp, const Narrow& narrow, const Surroundings& around, Read<field::role> role,
+                                  Span<const Vec3> u, Span<const Vec3> torque, Span<const Vec3> w) {
+    const Terms t = terms(around);
+    const Real half = around.step.dt / 2, over_theta = static_cast<Real>(1 / options_.micro_inertia);
+    const Real ahead = options_.implicit_exchange ? mean_decay(2 * t.kappa * half * over_theta) : 1;
+    middle_velocity_.resize(u.size()), middle_spin_.resize(u.size());
+    parallel_for(u.size(), [&](Index i) {
+        middle_velocity_[i] = u[i], middle_spin_[i] = w[i];
+        if (role[i] != 0) return;
+        const Rates r = system_->inside[i] ? rates(sharp, sharp.W, around, t, i, u, w) : rates(narrow, sharp.W, around, t, i, u, w);
+        const Vec3 exchanged = t.kappa * (r.curl - 2 * w[i]);
+        middle_velocity_[i] += half * r.velocity();
+        middle_spin_[i] += half * (ahead * over_theta * (exchanged + r.diffused + torque[i]) + r.spin_smoothing);
+    });
+}
+
+template <class Sharp, class Narrow>
+EnergyWork CorrectedMicropolar::advance(const Sharp& sharp, const Narrow& narrow, const Surroundings& around, Read<field::role> role,
+                                        Span<const Vec3> u, Update<field::acceleration> a, Write<field::spin_change> change,
+                                        Span<const Vec3> w) const {
+    const Terms t = terms(around);
+    const Real dt = around.step.dt, over_theta = static_cast<Real>(1 / options_.micro_inertia);
+    const Real ahead = options_.implicit_exchange ? mean_decay(2 * t.kappa * dt * over_theta) : 1;
+    const double energy = static_cast<double>(around.step.mass * dt), spin_energy = energy * static_cast<double>(ahead);
     return parallel_sum(a.size(), EnergyWork{}, [&](Index i) -> EnergyWork {
         if (role[i] != 0) {
             change[i].setZero();
             return {};
         }
-        const Vec3 own_u = u[i], own_w = w[i];
-        DifferenceSums of_u = difference_sums(W, around.pairs, i, step.volume, u.data(), whole);
-        DifferenceSums of_w = difference_sums(W, around.pairs, i, step.volume, w.data(), whole);
-        const Mat3 G_u = of_u.gradient * s.viscous.correction[i], G_w = of_w.gradient * s.viscous.correction[i];
-        Real trace = s.viscous.trace[i], trace_w = trace;
-        Vec3 imbalance = s.viscous.imbalance[i], imbalance_w = imbalance;
-        each_sticking_layer(W, s, around, i, of_layer, slip, [&](Index q, Real F, Real continued, const Vec3& to, Real distance) {
-            of_u.laplacian += F * continued * (own_u - surface_velocity(around, q));
-            trace -= F * distance * distance;
-            imbalance += F * to;
-            if (o.free_spin_walls) return;
-            of_w.laplacian += F * continued * (own_w - around.solids.all[layer.solid[q]].pose.angular_velocity);
-            trace_w -= F * distance * distance;
-            imbalance_w += F * to;
-        });
-        const auto laplacian = [&](const Vec3& sum, Real moments, const Mat3& G, const Vec3& uneven) {
-            if (s.near_surface[i]) return Vec3(2 * over_lattice * sum);
-            return Vec3(2 * static_cast<Real>(step.dimensions()) / std::max(moments, Real(0.1)) * (sum - G * uneven));
-        };
-        const Vec3 viscous = mu * b * laplacian(of_u.laplacian, trace, G_u, imbalance), push = lambda * b * curl_of(G_w);
-        const Vec3 smoothing = alpha * of_u.smooth, before = a[i];
-        a[i] += viscous + push + smoothing;
-
-        const Vec3 tau = any_torque ? Vec3(change[i]) : Vec3(Vec3::Zero());
-        const Vec3 exchanged = lambda * b * (curl_of(G_u) - 2 * own_w);
-        const Vec3 diffused = gamma * b * laplacian(of_w.laplacian, trace_w, G_w, imbalance_w);
-        const Vec3 spin_smoothing = beta * of_w.smooth;
-        change[i] = dt * (ahead * over_theta * (exchanged + diffused + tau) + spin_smoothing);
+        const Rates r = system_->inside[i] ? rates(sharp, sharp.W, around, t, i, middle_velocity_, middle_spin_)
+                                           : rates(narrow, sharp.W, around, t, i, middle_velocity_, middle_spin_);
+        const Vec3 tau = change[i], before = a[i];
+        const Vec3 exchanged = t.kappa * (r.curl - 2 * (options_.implicit_exchange ? w[i] : middle_spin_[i]));
+        a[i] += r.velocity();
+        change[i] = dt * (ahead * over_theta * (exchanged + r.diffused + tau) + r.spin_smoothing);
 
         // Each force at the mean of the velocities before and after the kick: their works then add up to what the kick does.
-        const Vec3 u_mid = own_u + dt / 2 * a[i], w_mid = own_w + change[i] / 2;
-        const double energy = static_cast<double>(m * dt), spin_energy = energy * static_cast<double>(ahead);
+        const Vec3 u_mid = u[i] + dt / 2 * a[i], w_mid = w[i] + change[i] / 2;
         EnergyWork work;
         work.gravity = energy * static_cast<double>(before.dot(u_mid));
-        work.viscosity = energy * static_cast<double>(viscous.dot(u_mid)) + spin_energy * static_cast<double>(diffused.dot(w_mid));
-        work.exchange = energy * static_cast<double>(push.dot(u_mid)) + spin_energy * static_cast<double>(exchanged.dot(w_mid));
+        work.viscosity = energy * static_cast<double>(r.viscous.dot(u_mid)) + spin_energy * static_cast<double>(r.diffused.dot(w_mid));
+        work.exchange = energy * static_cast<double>(r.push.dot(u_mid)) + spin_energy * static_cast<double>(exchanged.dot(w_mid));
         work.torque = spin_energy * static_cast<double>(tau.dot(w_mid));
-        work.smoothing =
-            energy * (static_cast<double>(smoothing.dot(u_mid)) + o.micro_inertia * static_cast<double>(spin_smoothing.dot(w_mid)));
+        work.smoothing = energy * (static_cast<double>(r.smoothing.dot(u_mid)) +
+                                   options_.micro_inertia * static_cast<double>(r.spin_smoothing.dot(w_mid)));
         return work;
     });
 }
@@ -79,19 +122,22 @@ EnergyWork CorrectedMicropolar::advance(const Kernel& W, const Surroundings& aro
 void CorrectedMicropolar::operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::position> x,
                                      Read<field::velocity> u, Update<field::acceleration> a, Write<field::spin_change> change,
                                      Update<field::spin> w) {
-    if (!torque_.is_zero()) torque_.each(around.step.time, x.values, [&](Index i, const Vec3& tau) { change[i] = tau; });
-    const Read<field::spin> spin{w.values};
-    report.work = with_kernel(around.step.kernel, viscous_support * around.step.support,
-                              [&](const auto& W) { return advance(W, around, role, u, a, change, spin); });
+    const double middle = around.step.time + static_cast<double>(around.step.dt) / 2;
+    parallel_for(change.size(), [&](Index i) { change[i].setZero(); });
+    if (!torque_.is_zero()) torque_.each(middle, x.values, [&](Index i, const Vec3& tau) { change[i] = tau; });
+    with_viscous_kernels(around.step, [&](const auto& sharp, const auto& narrow) {
+        go_half(sharp, narrow, around, role, u.values, change.values, w.values);
+        report.work = advance(sharp, narrow, around, role, u.values, a, change, w.values);
+    });
     parallel_for(w.size(), [&](Index i) { w[i] += change[i]; });
 }
 
 void CarrySpin::operator()(const Surroundings& around, Write<field::spin_change> change, Update<field::spin> w) const {
     const ProjectionSystem& s = *system;
-    with_kernel(around.step.kernel, viscous_support * around.step.support, [&](const auto& W) {
+    with_kernel(around.step.kernel, around.step.support, [&](const auto& W) {
         parallel_for(w.size(), [&](Index i) {
             change[i].setZero();
-            if (s.shift[i] != Vec3::Zero()) change[i] = carried(W, s.viscous, around.pairs, i, around.step.volume, w.data(), s.shift[i]);
+            if (s.shift[i] != Vec3::Zero()) change[i] = carried(W, s.whole, around.pairs, i, around.step.volume, w.data(), s.shift[i]);
         });
     });
     parallel_for(w.size(), [&](Index i) { w[i] += change[i]; });

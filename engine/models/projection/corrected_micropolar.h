@@ -18,13 +18,28 @@ public:
                     Read<field::velocity> u, Update<field::acceleration> a, Write<field::spin_change> change, Update<field::spin> w);
 
 private:
-    template <class Kernel>
-    EnergyWork advance(const Kernel& W, const Surroundings& around, Read<field::role> role, Read<field::velocity> u,
-                       Update<field::acceleration> a, Write<field::spin_change> change, Read<field::spin> w) const;
+    struct Rates;
+    struct Terms {
+        Real nu, kappa, g;                        ///< over the density [m^2/s, m^2/s, m^4/s]
+        Real smoothing_velocity, smoothing_spin;  ///< 1/s
+        Real of_layer, over_lattice;
+        std::vector<char> slip;  ///< of each solid
+    };
+    Terms terms(const Surroundings& around) const;
+    template <class Kernel, class Whole>
+    Rates rates(const Kernel& W, const Whole& whole, const Surroundings& around, const Terms& terms, Index i, Span<const Vec3> u,
+                Span<const Vec3> w) const;
+    template <class Sharp, class Narrow>
+    void go_half(const Sharp& sharp, const Narrow& narrow, const Surroundings& around, Read<field::role> role, Span<const Vec3> u,
+                 Span<const Vec3> torque, Span<const Vec3> w);
+    template <class Sharp, class Narrow>
+    EnergyWork advance(const Sharp& sharp, const Narrow& narrow, const Surroundings& around, Read<field::role> role, Span<const Vec3> u,
+                       Update<field::acceleration> a, Write<field::spin_change> change, Span<const Vec3> w) const;
 
     std::shared_ptr<ProjectionSystem> system_;
     MicropolarOptions options_;
     ExpressionField torque_;
+    Column<Vec3> middle_velocity_, middle_spin_;  ///< of the step
 };
 
 /// After ProjectionMove: the shift carries the spin along, as it does the velocity.

@@ -5,14 +5,15 @@
 
 namespace whorl {
 
-/// a_i += (D/tr B_i) 2 sum_j V W'/r [nu_ij (u_i - u_j) - nu_i G_i r],   G_i the corrected gradient, D the dimensions, W the kernel of
-/// viscous_support
+/// a_i += A (u + dt/2 A u)_i,   (A u)_i = (D/tr B_i) 2 sum_j V W'/r [nu_ij (u_i - u_j) - nu_i G_i r],   G_i the corrected gradient, D the
+/// dimensions, W the SharpKernel inside the fluid
 ///
-/// Uneven neighbours give Brookshaw's form a share of the first derivatives; without it, and with the trace of the moments in place of that
-/// of a dense neighbourhood, the viscosity of disordered particles is right (3 % too weak else). nu_ij is the harmonic mean. At solids that
-/// the fluid sticks to, u_i - u_l of lattice layer l behind the wall continues the shear: (1 + depth_l/height_i)(u_i - u_wall), the factor
-/// at most 12. Near a free surface the plain form is left: the corrected one makes water at rest boil. It has a torque on fluid that turns
-/// as a whole. Free bodies are pushed, on their surface, by the opposite of what their layers add to the sums.
+/// Of second order in the step, and stable for the steps for which A u is. Uneven neighbours give Brookshaw's form a share of the first
+/// derivatives; without it, and with the trace of the moments in place of that of a dense neighbourhood, the viscosity of disordered
+/// particles is right (3 % too weak else). nu_ij is the harmonic mean. At solids that the fluid sticks to, u_i - u_l of lattice layer l
+/// behind the wall continues the shear: (1 + depth_l/height_i)(u_i - u_wall), the factor at most 12. Near a free surface the plain form is
+/// left: the corrected one makes water at rest boil. It has a torque on fluid that turns as a whole. Free
+/// bodies are pushed, on their surface, by the opposite of what their layers add to the sums.
 class CorrectedViscosity {
 public:
     explicit CorrectedViscosity(std::shared_ptr<ProjectionSystem> system) : system_(std::move(system)) {}
@@ -20,12 +21,15 @@ public:
                     Update<field::acceleration> a);
 
 private:
+    struct Flow;
     template <class Kernel>
-    void push_bodies(const Kernel& W, const Surroundings& around, Read<field::role> role, Read<field::viscosity> mu,
-                     Read<field::velocity> u) const;
+    Vec3 acceleration(const Kernel& W, const Flow& flow, Index i) const;
+    template <class Kernel>
+    void push_bodies(const Kernel& W, const Flow& flow, Read<field::role> role) const;
 
     std::shared_ptr<ProjectionSystem> system_;
     WallFriction friction_;
+    Column<Vec3> middle_;  ///< velocities in the middle of the step
 };
 
 }  // namespace whorl

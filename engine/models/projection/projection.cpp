@@ -63,7 +63,7 @@ void Projection::set_source(const Kernel& W, const Surroundings& around, const V
     parallel_for(s.size(), [&](Index i) {
         b_[i] = 0;
         if (!matrix_.unknown[i]) return;
-        const Mat3 G = difference_sum(W, around.pairs, i, step.volume, u) * s.correction[i];
+        const Mat3 G = difference_sum(W, around.pairs, i, step.volume, u) * s.whole.correction[i];
         Real divergence = G.trace();
         s.walls_of(i, [&](const WallTouch& touch) {
             const Vec3& normal = around.layer.normal[touch.s];
@@ -92,16 +92,18 @@ void Projection::damp_surface(const Surroundings& around, Read<field::role> role
     parallel_for(u.size(), [&](Index i) { u[i] += change[i]; });
 }
 
-/// u -= share dt g, g the last step's grad p/rho. What an impact does in a step must not be done again in the next.
+/// u -= share dt g, g the last step's grad p/rho; p begins with the share of the last one. What an impact does in a step must not be done
+/// again in the next.
 void Projection::take_old_share(const Surroundings& around, Real share, Read<field::role> role, Update<field::velocity> u,
-                                Read<field::pressure> p, Update<field::pressure_acceleration> a) {
+                                Update<field::pressure> p, Read<field::solved_pressure> solved, Update<field::pressure_acceleration> a) {
     const StepContext& step = around.step;
     const Real most =
         system_->options.free_surface ? Real(0.04) * step.spacing / (step.dt * step.dt) : std::numeric_limits<Real>::infinity();
     parallel_for(u.size(), [&](Index i) {
         const bool goes_on = role[i] == 0 && a[i].norm() < most;
         if (goes_on) u[i] -= share * step.dt * a[i];
-        phi_[i] = goes_on ? p[i] : 0;
+        phi_[i] = goes_on ? solved[i] : 0;
+        p[i] = share * phi_[i];
         a[i].setZero();
     });
     on_bodies_.push(phi_, static_cast<double>(share * step.dt), around);
@@ -111,7 +113,8 @@ void Projection::take_old_share(const Surroundings& around, Real share, Read<fie
 template <class Kernel>
 Vec3 Projection::push_of(const Kernel& W, const Surroundings& around, Read<field::role> role, Index i) const {
     const StepContext& step = around.step;
-    if (!beside_held_[i]) return system_->correction[i] * difference_sum(W, around.pairs, i, step.volume, phi_.data()) / step.rest_density;
+    if (!beside_held_[i])
+        return system_->whole.correction[i] * difference_sum(W, around.pairs, i, step.volume, phi_.data()) / step.rest_density;
     Mat3d moment = Mat3d::Zero();
     Vec3 sum = Vec3::Zero();
     around.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
@@ -127,7 +130,7 @@ Vec3 Projection::push_of(const Kernel& W, const Surroundings& around, Read<field
 /// @param M of matrix_
 template <class Kernel>
 SolveReport Projection::solve(const Kernel& W, const PressurePreconditioner& M, const Surroundings& around, Real dt, bool first,
-                              Read<field::role> role, Update<field::velocity> u, Update<field::pressure> p,
+                              Read<field::role> role, Update<field::velocity> u, Update<field::solved_pressure> solved,
                               Update<field::pressure_acceleration> a) {
     const ProjectionSystem& s = *system_;
     const auto A = [&](Span<const Real> in, Span<Real> out) {
@@ -139,24 +142,24 @@ SolveReport Projection::solve(const Kernel& W, const PressurePreconditioner& M, 
     SolveLimits limits = s.options.limits;
     // A residual that is small beside the fluid's moves a light body.
     if (!first && !on_bodies_.any()) limits.tolerance = std::max(limits.tolerance, s.options.later_tolerance);
-    parallel_for(u.size(), [&](Index i) { phi_[i] = first && matrix_.unknown[i] ? p[i] : 0; });
+    parallel_for(u.size(), [&](Index i) { phi_[i] = first && matrix_.unknown[i] ? solved[i] : 0; });
     const double began = wall_seconds();
-    SolveReport solved = conjugate_gradients<Real>(A, M, Span<const Real>(b_), Span<Real>(phi_), limits);
-    solved.solve_seconds = wall_seconds() - began;
+    SolveReport report = conjugate_gradients<Real>(A, M, Span<const Real>(b_), Span<Real>(phi_), limits);
+    report.solve_seconds = wall_seconds() - began;
     closed_.take_means_away(phi_);
     parallel_for(u.size(), [&](Index i) {
-        p[i] = (first ? Real(0) : p[i]) + phi_[i];
+        solved[i] = (first ? Real(0) : solved[i]) + phi_[i];
         if (role[i] != 0) return;
         const Vec3 push = push_of(W, around, role, i);
         a[i] += push;
         u[i] -= dt * push;
     });
     on_bodies_.push(phi_, static_cast<double>(dt), around);
-    return solved;
+    return report;
 }
 
 void Projection::operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Update<field::velocity> u,
-                            Update<field::pressure> p, Update<field::pressure_acceleration> a) {
+                            Update<field::pressure> p, Update<field::solved_pressure> solved, Update<field::pressure_acceleration> a) {
     const ProjectionSystem& s = *system_;
     const StepContext& step = around.step;
     const Index n = u.size();
@@ -176,16 +179,17 @@ void Projection::operator()(const Surroundings& around, StepReport& report, Read
         const PressurePreconditioner M = s.options.preconditioner(matrix_);
         all.levels = M.levels;
         all.set_up_seconds = wall_seconds() - start;
-        take_old_share(around, 1 - theta, role, u, Read<field::pressure>{p.values}, a);
+        take_old_share(around, 1 - theta, role, u, p, Read<field::solved_pressure>{solved.values}, a);
         damp_surface(around, role, u);
         for (int k = 0; k < s.options.solves; ++k) {
-            const SolveReport solved = solve(W, M, around, theta * step.dt, k == 0, role, u, p, a);
-            all.solve_seconds += solved.solve_seconds;
-            all.iterations += solved.iterations;
-            if (k == 0) all.first_residual = solved.first_residual, all.last_residual = solved.last_residual;
-            if (!solved.converged) all.converged = false, all.why_not = solved.why_not;
+            const SolveReport one = solve(W, M, around, theta * step.dt, k == 0, role, u, solved, a);
+            all.solve_seconds += one.solve_seconds;
+            all.iterations += one.iterations;
+            if (k == 0) all.first_residual = one.first_residual, all.last_residual = one.last_residual;
+            if (!one.converged) all.converged = false, all.why_not = one.why_not;
         }
     });
+    parallel_for(n, [&](Index i) { p[i] += theta * solved[i]; });
     report.solves.push_back({"pressure", all});
 }
 
@@ -225,9 +229,9 @@ void ProjectionMove::operator()(const Surroundings& around, Read<field::role> ro
         if (length > most) move *= most / length;
         s.shift[i] = move;
     });
-    with_kernel(step.kernel, viscous_support * step.support, [&](const auto& W) {
+    with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(n, [&](Index i) {
-            if (s.shift[i] != Vec3::Zero()) change[i] = carried(W, s.viscous, around.pairs, i, step.volume, u.data(), s.shift[i]);
+            if (s.shift[i] != Vec3::Zero()) change[i] = carried(W, s.whole, around.pairs, i, step.volume, u.data(), s.shift[i]);
         });
     });
     parallel_for(n, [&](Index i) {

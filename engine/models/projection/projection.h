@@ -9,13 +9,16 @@ namespace whorl {
 ///
 ///   sum_j 2 V |W'|/r (p_i - p_j) + air_i p_i = -rho_0 (D u)_i/(theta dt),    u -= theta dt L sum_j V (p_j - p_i) grad W / rho_0
 ///
+/// The field `pressure` is the mean over the step, theta of the new one and (1 - theta) of the old: what moves the fluid. The solved one
+/// rings: what a single step does to it changes sign from step to step and dies as ((1 - theta)/theta)^n.
+///
 /// D is the trace of the corrected difference gradient over the fluid, and at walls the flux of the normal velocity that the flow has there
 /// relative to the wall. Walls have no pressure of their own: leaving them out of the matrix says that no flow goes through them.
 class Projection {
 public:
     explicit Projection(std::shared_ptr<ProjectionSystem> system) : system_(std::move(system)) {}
     void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Update<field::velocity> u,
-                    Update<field::pressure> p, Update<field::pressure_acceleration> a);
+                    Update<field::pressure> p, Update<field::solved_pressure> solved, Update<field::pressure_acceleration> a);
 
 private:
     template <class Kernel>
@@ -23,13 +26,14 @@ private:
     void find_held(const FluidPairs& pairs, Read<field::role> role);
     template <class Kernel>
     void set_source(const Kernel& W, const Surroundings& around, const Vec3* u, Real dt);
-    void take_old_share(const Surroundings& around, Real share, Read<field::role> role, Update<field::velocity> u, Read<field::pressure> p,
-                        Update<field::pressure_acceleration> a);
+    void take_old_share(const Surroundings& around, Real share, Read<field::role> role, Update<field::velocity> u,
+                        Update<field::pressure> p, Read<field::solved_pressure> solved, Update<field::pressure_acceleration> a);
     template <class Kernel>
     Vec3 push_of(const Kernel& W, const Surroundings& around, Read<field::role> role, Index i) const;
     template <class Kernel>
     SolveReport solve(const Kernel& W, const PressurePreconditioner& M, const Surroundings& around, Real dt, bool first,
-                      Read<field::role> role, Update<field::velocity> u, Update<field::pressure> p, Update<field::pressure_acceleration> a);
+                      Read<field::role> role, Update<field::velocity> u, Update<field::solved_pressure> solved,
+                      Update<field::pressure_acceleration> a);
     void damp_surface(const Surroundings& around, Read<field::role> role, Update<field::velocity> u) const;
 
     std::shared_ptr<ProjectionSystem> system_;

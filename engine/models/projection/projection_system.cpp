@@ -68,30 +68,67 @@ OwnSums fluid_sums(const Kernel& W, const FluidPairs& pairs, Index i, Real volum
     return own;
 }
 
-void set_viscous_sums(const Surroundings& around, LinearSums& sums) {
-    const StepContext& step = around.step;
-    with_kernel(step.kernel, viscous_support * step.support, [&](const auto& W) {
-        parallel_for(around.pairs.size(), [&](Index i) {
-            Real M[6] = {0, 0, 0, 0, 0, 0};
-            Vec3 imbalance = Vec3::Zero();
-            around.pairs.groups_of(i, [&](const Pairs::Group& group) {
-                Real part[6] = {0, 0, 0, 0, 0, 0}, plain[3] = {0, 0, 0};
-                for (Index l = 0; l < group.padded(); ++l) {
-                    const Real F = W.slope(group.distance[l]), x = group.r[0][l], y = group.r[1][l], z = group.r[2][l];
-                    part[0] -= F * x * x, part[1] -= F * x * y, part[2] -= F * x * z;
-                    part[3] -= F * y * y, part[4] -= F * y * z, part[5] -= F * z * z;
-                    plain[0] += F * x, plain[1] += F * y, plain[2] += F * z;
-                }
-                for (int k = 0; k < 6; ++k) M[k] += part[k];
-                imbalance += Vec3(plain[0], plain[1], plain[2]);
-            });
-            Mat3d moment;
-            moment << M[0], M[1], M[2], M[1], M[3], M[4], M[2], M[4], M[5];
-            moment *= step.volume;
-            sums.correction[i] = pseudo_inverse(moment, step.dimensions()).template cast<Real>();
-            sums.trace[i] = static_cast<Real>(moment.trace());
-            sums.imbalance[i] = step.volume * imbalance;
+template <class Kernel>
+void set_linear_sums(const Kernel& W, const Surroundings& around, Index i, LinearSums& sums) {
+    Real M[6] = {0, 0, 0, 0, 0, 0};
+    Vec3 imbalance = Vec3::Zero();
+    around.pairs.groups_of(i, [&](const Pairs::Group& group) {
+        Real part[6] = {0, 0, 0, 0, 0, 0}, plain[3] = {0, 0, 0};
+        for (Index l = 0; l < group.padded(); ++l) {
+            const Real F = W.slope(group.distance[l]), x = group.r[0][l], y = group.r[1][l], z = group.r[2][l];
+            part[0] -= F * x * x, part[1] -= F * x * y, part[2] -= F * x * z;
+            part[3] -= F * y * y, part[4] -= F * y * z, part[5] -= F * z * z;
+            plain[0] += F * x, plain[1] += F * y, plain[2] += F * z;
+        }
+        for (int k = 0; k < 6; ++k) M[k] += part[k];
+        imbalance += Vec3(plain[0], plain[1], plain[2]);
+    });
+    Mat3d moment;
+    moment << M[0], M[1], M[2], M[1], M[3], M[4], M[2], M[4], M[5];
+    moment *= around.step.volume;
+    sums.correction[i] = pseudo_inverse(moment, around.step.dimensions()).template cast<Real>();
+    sums.trace[i] = static_cast<Real>(moment.trace());
+    sums.imbalance[i] = around.step.volume * imbalance;
+}
+
+void set_viscous_sums(const Surroundings& around, ProjectionSystem& s) {
+    const Index n = around.pairs.size();
+    s.viscous.resize(n), s.inside.resize(n);
+    with_viscous_kernels(around.step, [&](const auto& sharp, const auto& narrow) {
+        parallel_for(n, [&](Index i) {
+            s.inside[i] = !s.near_surface[i] && (!s.any_walls || around.solid_pairs.count(i) == 0);
+            if (s.inside[i]) set_linear_sums(sharp, around, i, s.viscous);
+            else set_linear_sums(narrow, around, i, s.viscous);
         });
+    });
+}
+
+/// @param fullness share of a full neighbourhood @param slopes sum 2 V |W'|/r over fluid and solids, full: of a lattice
+void find_surface(const Surroundings& around, Read<field::role> role, const std::vector<Real>& fullness, const std::vector<Real>& slopes,
+                  Real full, ProjectionSystem& s) {
+    const Real d = around.step.spacing;
+    const Index n = around.pairs.size();
+    // The outermost layer of a lattice has .6 of a full neighbourhood, the next one .9.
+    constexpr Real certainly = Real(0.725), possibly = Real(0.85), inside = Real(0.95);
+    parallel_for(n, [&](Index i) {
+        if (role[i] != 0 || fullness[i] > possibly) return;
+        bool free = true;
+        if (fullness[i] >= certainly) {
+            const Vec3 out = -s.inward[i].normalized();
+            const Real near = Real(2.2) * d, cone = std::numbers::sqrt2_v<Real> / 2;
+            const auto covers = [&](Index, const Vec3& r, Real distance) {
+                if (distance < near && -r.dot(out) > cone * distance) free = false;
+            };
+            around.pairs.of(i, covers);
+            if (s.any_walls) around.solid_pairs.of(i, covers);
+        }
+        s.surface[i] = free;
+    });
+    parallel_for(n, [&](Index i) {
+        bool near = s.surface[i] || fullness[i] < inside;
+        if (!near) around.pairs.of(i, [&](Index j, const Vec3&, Real) { near = near || s.surface[j]; });
+        s.near_surface[i] = near;
+        if (near) s.air[i] = std::max(Real(0), full - slopes[i]);
     });
 }
 
@@ -102,8 +139,7 @@ void ProjectionGeometry::operator()(const Surroundings& around, Read<field::role
     const StepContext& step = around.step;
     const SolidParticles& layer = around.layer;
     const Index n = around.pairs.size();
-    s.correction.resize(n), s.spread.resize(n), s.inward.resize(n);
-    s.viscous.correction.resize(n), s.viscous.trace.resize(n), s.viscous.imbalance.resize(n);
+    s.whole.resize(n), s.spread.resize(n), s.inward.resize(n);
     s.gate.resize(n), s.air.assign(n, 0), s.surface.assign(n, 0), s.near_surface.assign(n, 0);
     s.first_touch.assign(static_cast<std::size_t>(n) + 1, 0);
     s.any_walls = layer.size() > 0 && !around.solid_pairs.other.empty();
@@ -119,7 +155,8 @@ void ProjectionGeometry::operator()(const Surroundings& around, Read<field::role
         std::vector<Real> fullness(n), slopes(n);
         parallel_for(n, [&](Index i) {
             OwnSums own = fluid_sums(W, around.pairs, i, V, over_first);
-            s.correction[i] = pseudo_inverse(own.moment, step.dimensions()).template cast<Real>();
+            s.whole.correction[i] = pseudo_inverse(own.moment, step.dimensions()).template cast<Real>();
+            s.whole.trace[i] = static_cast<Real>(own.moment.trace()), s.whole.imbalance[i] = own.imbalance;
             s.gate[i] = 1;
             Real wall_trace = 0, wall_kernel = 0, wall_slopes = 0;
             Vec3 wall = Vec3::Zero(), wall_spread = Vec3::Zero();
@@ -147,31 +184,9 @@ void ProjectionGeometry::operator()(const Surroundings& around, Read<field::role
             rho[i] = step.rest_density * (V * W.value(0) + own.kernel + wall_kernel);
             fullness[i] = static_cast<Real>(own.moment.trace()) / std::max(Real(0.3) * full.trace, full.trace - wall_trace);
         });
-        set_viscous_sums(around, s.viscous);
-        if (!s.options.free_surface) return;
-        // The outermost layer of a lattice has .6 of a full neighbourhood, the next one .9.
-        constexpr Real certainly = Real(0.725), possibly = Real(0.85), inside = Real(0.95);
-        parallel_for(n, [&](Index i) {
-            if (role[i] != 0 || fullness[i] > possibly) return;
-            bool free = true;
-            if (fullness[i] >= certainly) {
-                const Vec3 out = -s.inward[i].normalized();
-                const Real near = Real(2.2) * d, cone = std::numbers::sqrt2_v<Real> / 2;
-                const auto covers = [&](Index, const Vec3& r, Real distance) {
-                    if (distance < near && -r.dot(out) > cone * distance) free = false;
-                };
-                around.pairs.of(i, covers);
-                if (s.any_walls) around.solid_pairs.of(i, covers);
-            }
-            s.surface[i] = free;
-        });
-        parallel_for(n, [&](Index i) {
-            bool near = s.surface[i] || fullness[i] < inside;
-            if (!near) around.pairs.of(i, [&](Index j, const Vec3&, Real) { near = near || s.surface[j]; });
-            s.near_surface[i] = near;
-            if (near) s.air[i] = std::max(Real(0), full.slopes - slopes[i]);
-        });
+        if (s.options.free_surface) find_surface(around, role, fullness, slopes, full.slopes, s);
     });
+    set_viscous_sums(around, s);
 }
 
 }  // namespace whorl

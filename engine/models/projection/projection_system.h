@@ -3,10 +3,13 @@
 ///
 /// Order of a step, with the neighbours found where the flow takes the particles:
 ///   ProjectionDrift, neighbours, ProjectionGeometry, Gravity, CorrectedViscosity, Kick, Projection, ProjectionMove, KeepOutside.
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <type_traits>
 
+#include "engine/math/kernel.h"
 #include "engine/models/boundary/wall.h"
 #include "engine/models/pressure/closed_regions.h"
 #include "engine/particles/field.h"
@@ -19,6 +22,11 @@ namespace field {
 struct pressure_acceleration {
     using type = Vec3;
     static constexpr std::string_view name = "pressure_acceleration", unit = "m/s^2", meaning = "grad p / rho of the last step";
+};
+struct solved_pressure {
+    using type = Real;
+    static constexpr std::string_view name = "solved_pressure", unit = "Pa",
+                                      meaning = "pressure at the end of the last step, which may alternate from step to step";
 };
 }  // namespace field
 
@@ -47,12 +55,43 @@ struct LinearSums {
     Column<Mat3> correction;  ///< (-sum_j V W'/r r r^T)^-1
     Column<Real> trace;       ///< of its inverse
     Column<Vec3> imbalance;   ///< sum_j V W'/r r [1/m]
+    void resize(Index n) { correction.resize(n), trace.resize(n), imbalance.resize(n); }
 };
 
-/// Over the support: that of the kernel of viscosity, spin, curls and shifts. In the plane its Laplacian and gradient of waves 32 particles
-/// long, crossed, are 0.8 and 1.5 % short, those of the whole support 1.2 and 2.4 %. Narrower still, explicit steps would have to be
-/// shorter than viscous_step() (models/viscosity/explicit_viscosity.h).
-inline constexpr Real viscous_support = Real(0.8);
+/// Slopes W'/r (1 - b r^2) whose fourth moment on a lattice is 0, for Laplacians and gradients of fourth order there. With W itself, R = 3
+/// d and 32 particles a wave they are 1.2 and 2.4 % short, where waves cross. The largest eigenvalue of the Laplacian is 6.5/d^2 in the
+/// plane and 6.9/d^2 in space: two stages are stable with viscous_step() (models/viscosity/explicit_viscosity.h). For narrower kernels b
+/// stops where that would end.
+template <class Kernel>
+struct SharpKernel {
+    Kernel W;
+    Real b = 0, norm = 1;  ///< norm keeps the second moment
+    SharpKernel(const Kernel& kernel, Real d) : W(kernel) {
+        double second = 0, fourth = 0, sixth = 0;
+        each_lattice_point(W.dimensions, static_cast<int>(std::ceil(W.R / d)), [&](int x, int y, int z) {
+            const auto square = static_cast<Real>(x * x + y * y + z * z) * d * d;
+            const auto q = static_cast<double>(square), F = static_cast<double>(W.slope(std::sqrt(square)));
+            second += F * q, fourth += F * q * q, sixth += F * q * q * q;
+        });
+        constexpr double most = 4.5;
+        const double share = std::min(fourth / sixth, (1 - 1 / most) * second / fourth);
+        b = static_cast<Real>(share);
+        norm = static_cast<Real>(second / (second - share * fourth));
+    }
+    Real value(Real r) const { return W.value(r); }
+    Real slope(Real r) const { return norm * (1 - b * r * r) * W.slope(r); }
+};
+
+/// Over the support: of the kernel of viscosity, spin and curls beside walls and near free surfaces.
+inline constexpr Real one_sided_support = Real(0.8);
+
+/// Calls f(sharp, narrow): the kernels of viscosity, spin and curls inside the fluid and elsewhere.
+template <class F>
+void with_viscous_kernels(const StepContext& step, F&& f) {
+    with_kernel(step.kernel, step.support, [&]<class Kernel>(const Kernel& W) {
+        f(SharpKernel(W, step.spacing), Kernel(one_sided_support * step.support, step.dimensions()));
+    });
+}
 
 struct ProjectionSystem {
     explicit ProjectionSystem(ProjectionOptions o) : options(std::move(o)) {}
@@ -64,19 +103,20 @@ struct ProjectionSystem {
     };
     std::vector<BodyVelocity> body_start;  ///< of the free bodies, at the start of the step
 
-    Column<Mat3> correction;  ///< L_i = (-sum_j V W'/r r r^T)^-1 over the fluid
-    LinearSums viscous;       ///< with the kernel of viscous_support
-    Column<Vec3> spread;      ///< sum V [1 + 0.2 (W/W(d))^4] W'/r r over fluid and solids [1/m]
-    Column<Vec3> inward;      ///< sum V W'/r r over fluid and solids [1/m]: into the fluid, at a free surface
-    Column<Real> gate;        ///< weight of the solids
-    Column<Vec3> shift;       ///< m, of ProjectionMove
-    Column<Real> air;         ///< what is missing of a full neighbourhood's sum of -2 V W'/r near a free surface [1/m^2]
+    LinearSums whole;          ///< of the kernel
+    LinearSums viscous;        ///< of the SharpKernel for particles inside, of the kernel of one_sided_support for others
+    std::vector<char> inside;  ///< neither beside a wall nor near a free surface, where one-sided sums would be worse for it
+    Column<Vec3> spread;       ///< sum V [1 + 0.2 (W/W(d))^4] W'/r r over fluid and solids [1/m]
+    Column<Vec3> inward;       ///< sum V W'/r r over fluid and solids [1/m]: into the fluid, at a free surface
+    Column<Real> gate;         ///< weight of the solids
+    Column<Vec3> shift;        ///< m, of ProjectionMove
+    Column<Real> air;          ///< what is missing of a full neighbourhood's sum of -2 V W'/r near a free surface [1/m^2]
     std::vector<char> surface, near_surface;
     std::vector<std::size_t> first_touch;  ///< n + 1, into touches
     std::vector<WallTouch> touches;
     bool any_walls = false;
 
-    Index size() const { return static_cast<Index>(correction.size()); }
+    Index size() const { return static_cast<Index>(inside.size()); }
     /// Calls f(touch) for the walls around i.
     template <class F>
     void walls_of(Index i, F&& f) const {
@@ -190,7 +230,7 @@ DifferenceSums difference_sums(const Kernel& W, const FluidPairs& pairs, Index i
 
 /// What a vector f is at x_i + move more than at x_i: the gradient's part, and |move|^2/(2 D) of the Laplacian's for the curvature. The
 /// gradient alone cuts corners the wrong way: crests would grow with every move.
-/// @param W of the viscous support @param sums with it
+/// @param sums with W
 template <class Kernel>
 Vec3 carried(const Kernel& W, const LinearSums& sums, const FluidPairs& pairs, Index i, Real volume, const Vec3* f, const Vec3& move) {
     const DifferenceSums of_f = difference_sums(W, pairs, i, volume, f);
