@@ -34,7 +34,7 @@ inline NumberColumn number_column(const ParticleStore::Entry& entry) {
 
 /// Names of quantities in files (the scene file's, the probes', the exports').
 inline const std::vector<std::string>& quantity_names() {
-    static const std::vector<std::string> names{"position", "velocity", "density", "pressure", "spin", "vorticity", "viscosity"};
+    static const std::vector<std::string> names{"position", "velocity", "density", "pressure", "spin", "vorticity", "viscosity", "ink"};
     return names;
 }
 

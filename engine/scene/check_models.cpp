@@ -114,6 +114,11 @@ void check_streams(const Scene& scene, const Plan& plan, const KeyProblems& repo
                "take models.pressure = \"ppe\" or \"wcsph\"");
 }
 
+void check_ink(const Scene& scene, const KeyProblems& report) {
+    if (scene.fluid.ink_diffusion > 0 && !scene.any_ink())
+        report("fluid.ink_diffusion", "there is no ink that could spread", "give a [[block]], [[emitter]] or [[stream]] ink");
+}
+
 void check_sleep(const Scene& scene, const KeyProblems& report) {
     if (scene.time.sleep == 0) return;
     const auto awake = [&](const std::string& who) {
@@ -122,6 +127,7 @@ void check_sleep(const Scene& scene, const KeyProblems& report) {
     if (scene.domain.gravity.depends_on_time()) awake("a changing gravity moves all of");
     if (scene.fluid.force.depends_on_time()) awake("a changing force moves");
     if (!scene.streams.empty()) awake("a stream pulls at");
+    if (scene.fluid.ink_diffusion > 0) awake("ink spreads in");
     if (!scene.drains.empty()) awake("a drain has to see at every step");
     if (scene.any_free_solid()) awake("holds a free body up");
     for (const ProbeKeys& probe : scene.probes)
@@ -140,6 +146,7 @@ void check_models(const Scene& scene, const Plan& plan, const SceneNumbers& numb
     check_micropolar(scene, plan, problems);
     check_bodies(scene, plan, problems);
     check_streams(scene, plan, report);
+    check_ink(scene, report);
     check_sleep(scene, report);
 }
 

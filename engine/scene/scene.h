@@ -12,6 +12,7 @@
 #include "engine/math/expression.h"
 #include "engine/math/kernel.h"
 #include "engine/particles/sample.h"
+#include "engine/scene/inks.h"
 #include "engine/sph/curl.h"
 
 namespace whorl {
@@ -62,6 +63,7 @@ struct FluidKeys {
     double density = 1000;             ///< kg/m^3
     Expression viscosity{0.0};         ///< Pa s, of x, y, z at the start and of age
     double surface_tension = 0;        ///< N/m
+    double ink_diffusion = 0;          ///< m^2/s
     VectorExpression force;            ///< m/s^2, of t, x, y, z
     std::optional<KernelKind> kernel;  ///< none: "auto", what the models want (Plan::kernel decides)
     std::optional<double> support;     ///< kernel radius over spacing; none: "auto" (Plan::support decides)
@@ -127,6 +129,7 @@ struct BoundaryKeys {
 struct BlockKeys {
     ShapeKeys shape;
     VectorExpression velocity, spin;  ///< of x, y, z
+    Inks ink;                         ///< of x, y, z
     Sampling sampling = Sampling::lattice;
 };
 
@@ -140,6 +143,7 @@ struct EmitterKeys {
     double start = 0, stop = 1e300;   ///< s
     Profile profile = Profile::plug;
     std::optional<Expression> viscosity;  ///< Pa s, of x, y, z at the start and of age; none: the fluid's
+    Inks ink;                             ///< of t, x, y, z as fluid enters the nozzle
 };
 
 struct SolidKeys {
@@ -165,6 +169,7 @@ struct StreamKeys {
     Vec3d min = Vec3d::Zero(), max = Vec3d::Zero();  ///< m
     VectorExpression velocity;                       ///< m/s, of t
     double time = 0;                                 ///< s
+    Inks ink;                                        ///< of t, x, y, z; none: the fluid keeps its own
 };
 
 struct ProbeKeys {
@@ -232,6 +237,7 @@ struct Scene {
     OutputKeys output;
     BudgetKeys budget;
     std::uint64_t seed = 1;
+    bool grains = false;  ///< particles carry a random number for the picture; not a key, it follows from the look
 
     std::string directory;                ///< of the scene file: mesh files are found from here
     std::map<std::string, Place> places;  ///< where each given key stands: "emitter[0].position" -> file:line:column
@@ -242,6 +248,12 @@ struct Scene {
     /// Whether forces move a solid.
     bool any_free_solid() const {
         return std::any_of(solids.begin(), solids.end(), [](const SolidKeys& s) { return s.density > 0; });
+    }
+    /// Whether any particle carries ink.
+    bool any_ink() const {
+        const auto inked = [](const auto& one) { return one.ink.any(); };
+        return std::any_of(blocks.begin(), blocks.end(), inked) || std::any_of(emitters.begin(), emitters.end(), inked) ||
+               std::any_of(streams.begin(), streams.end(), inked);
     }
     /// Whether any of them changes with age; and whether any depends on the place, too.
     bool viscosity_ages() const;

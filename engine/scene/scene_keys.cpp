@@ -71,6 +71,9 @@ KeyTable fluid_keys() {
           "surface tension: particles pull at each other over three spacings; 0: none, at no cost")
         .at_least(0)
         .live();
+    t.key("ink_diffusion", &FluidKeys::ink_diffusion, "m^2/s", "how fast inks spread by themselves; 0: each particle keeps its own")
+        .at_least(0)
+        .live();
     t.key("force", &FluidKeys::force, "m/s^2",
           "force on every particle over its mass, besides gravity; the plan does not foresee the speeds that it makes")
         .of("txyz")
@@ -251,6 +254,7 @@ KeyTable block_keys() {
     add_shape_keys(t, {"box", "sphere", "cylinder", "mesh"}, true);
     t.key("velocity", &BlockKeys::velocity, "m/s", "at the start").of("xyz");
     t.key("spin", &BlockKeys::spin, "1/s", "at the start; needs a micropolar model").of("xyz").in(InPlane::axis);
+    t.key("ink", &BlockKeys::ink, "", "concentrations of up to three inks, 0 to 1, at the start").at_least(0).at_most(1).of("xyz");
     t.key("sampling", &BlockKeys::sampling, "", "how particles stand in it");
     return t;
 }
@@ -268,6 +272,11 @@ KeyTable emitter_keys() {
     t.key("stop", &EmitterKeys::stop, "s", "when it closes").above(0).live();
     t.key("profile", &EmitterKeys::profile, "", "speed over the opening");
     t.key("viscosity", &EmitterKeys::viscosity, "Pa s", "of what comes from here; auto: fluid.viscosity").at_least(0).of("xyza");
+    t.key("ink", &EmitterKeys::ink, "",
+          "concentrations of up to three inks, 0 to 1, of the time and place at which fluid enters the nozzle")
+        .at_least(0)
+        .at_most(1)
+        .of("txyz");
     return t;
 }
 
@@ -322,6 +331,10 @@ KeyTable stream_keys() {
     t.key("max", &StreamKeys::max, "m", "highest corner").required();
     t.key("velocity", &StreamKeys::velocity, "m/s", "of the stream").of("t");
     t.key("time", &StreamKeys::time, "s", "in which the difference of the fluid's velocity to it falls to 1/e").required().above(0);
+    t.key("ink", &StreamKeys::ink, "", "concentrations of up to three inks, 0 to 1, that fluid in the box has; none: it keeps what it has")
+        .at_least(0)
+        .at_most(1)
+        .of("txyz");
     return t;
 }
 

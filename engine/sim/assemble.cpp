@@ -8,6 +8,7 @@
 #include "engine/models/boundary/wall.h"
 #include "engine/models/coupled/coupled_motion.h"
 #include "engine/models/coupled/coupled_solve.h"
+#include "engine/models/ink/ink.h"
 #include "engine/models/micropolar/micropolar.h"
 #include "engine/models/motion/force.h"
 #include "engine/models/motion/motion.h"
@@ -100,6 +101,7 @@ public:
         if (facts_.pressure.solves_viscosity) coupled();
         else if (facts_.pressure.source == PressureSource::velocity) projection();
         else separate();
+        ink_sources();
         if (scene_.time.sleep > 0) stage("hold sleepers", "sleep", HoldSleepers{});
         return std::move(made_);
     }
@@ -143,12 +145,25 @@ private:
         });
     }
 
+    void ink_diffusion() {
+        if (scene_.fluid.ink_diffusion > 0) stage("ink diffusion", "ink", InkDiffusion{scene_.fluid.ink_diffusion});
+    }
+    void ink_sources() {
+        InkSources all;
+        for (const StreamKeys& stream : scene_.streams)
+            if (stream.ink.any())
+                all.sources.push_back({stream.min.cast<Real>(), stream.max.cast<Real>(), ExpressionField(stream.ink.vector())});
+        if (!all.sources.empty()) stage("ink of streams", "ink", std::move(all));
+    }
+
     /// Viscosity and pressure in one solve.
     void coupled() {
         CoupledOptions options;
         options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
         options.support = plan_.support / plan_.spacing;
         auto system = std::make_shared<CoupledSystem>(options);
+        if (scene_.fluid.ink_diffusion > 0) made_.stages.push_back(neighbours());
+        ink_diffusion();
         stage("coupled neighbourhood", "neighbours", CoupledNeighbourhood{system});
         stage("coupled gradient", "viscosity", CoupledGradient{system});
         if (scene_.fluid.surface_tension > 0) surface_tension(system->known_pressure);
@@ -176,6 +191,7 @@ private:
         stage("drift", "move", ProjectionDrift{system});
         if (!scene_.solids.empty()) made_.stages.push_back(move_solids());
         made_.stages.push_back(neighbours());
+        ink_diffusion();
         stage("geometry", "density", ProjectionGeometry{system});
         weights();
         if (facts_.micropolar.spins) spin(system);
@@ -197,6 +213,7 @@ private:
         stage("move", "move", ProjectionMove{system});
         work_is(&EnergyWork::smoothing);
         if (facts_.micropolar.spins) stage("carry spin", "micropolar", CarrySpin{system});
+        if (scene_.any_ink()) stage("carry ink", "ink", CarryInk{system});
         if (!scene_.solids.empty()) {
             stage("keep outside", "boundary", KeepOutside{});
             work_is(&EnergyWork::boundary);
@@ -206,6 +223,7 @@ private:
     /// What adds to the acceleration, the kick, what changes the velocity, the move: one after the other.
     void separate() {
         made_.stages.push_back(neighbours());
+        ink_diffusion();
         if (facts_.needs_density()) stage("density", "density", Density{solid_factor_, gate_});
         if (facts_.pressure.has_sound) sound_pressure();
         if (facts_.viscosity.implicit) stage("velocity gradient", "viscosity", VelocityGradient{solid_factor_, gate_});

@@ -1,8 +1,10 @@
 #include "engine/sim/place.h"
 
+#include <bit>
 #include <limits>
 
 #include "engine/core/random.h"
+#include "engine/models/ink/ink.h"
 #include "engine/models/viscosity/ageing_viscosity.h"
 #include "engine/particles/sample.h"
 #include "engine/particles/solid_sampling.h"
@@ -61,6 +63,22 @@ void set_viscosity(const Scene& scene, World& world, Index first, int source) {
     if (fluid.has<field::source>())
         for (std::int16_t& s : fluid.column<field::source>().subspan(from)) s = static_cast<std::int16_t>(source);
     if (fluid.has<field::birthplace>()) std::copy(x.begin() + first, x.end(), fluid.column<field::birthplace>().begin() + first);
+}
+
+void set_colours(const Scene& scene, World& world, Index first, const Inks& inks, double time) {
+    ParticleStore& fluid = world.fluid;
+    const auto x = fluid.column<field::position>();
+    const auto from = static_cast<std::size_t>(first);
+    if (fluid.has<field::ink>()) {
+        const VectorExpression concentration = inks.vector();
+        const auto ink = fluid.column<field::ink>();
+        for (std::size_t i = from; i < ink.size(); ++i)
+            ink[i] = concentration(time, x[i].cast<double>()).cwiseMax(0.0).cwiseMin(1.0).cast<Real>();
+    }
+    if (!fluid.has<field::grain>()) return;
+    const auto grain = fluid.column<field::grain>();
+    RandomNumbers random(scene.seed ^ std::bit_cast<std::uint64_t>(time) ^ static_cast<std::uint64_t>(first));
+    for (std::size_t i = from; i < grain.size(); ++i) grain[i] = static_cast<Real>(random());
 }
 
 void change_viscosity(const Scene& scene, World& world) {
@@ -182,7 +200,9 @@ void place_blocks(const Scene& scene, const Plan& plan, World& world) {
         if (points.empty())
             problems.push_back({scene.place(entry_name("block", b)), "the block holds no particle",
                                 "make it larger than the spacing, or move it out of the solids", ""});
+        const Index first = world.fluid.size();
         add_particles(world.fluid, points, scene.blocks[b]);
+        set_colours(scene, world, first, scene.blocks[b].ink, 0);
     }
     if (!problems.empty()) throw InputError(std::move(problems));
     set_viscosity(scene, world, 0, 0);

@@ -7,6 +7,7 @@
 
 #include "engine/core/binary_io.h"
 #include "engine/core/parallel.h"
+#include "engine/models/ink/ink.h"
 #include "engine/models/pressure/crowding.h"
 #include "engine/models/viscosity/ageing_viscosity.h"
 #include "engine/particles/largest_speed.h"
@@ -72,6 +73,8 @@ struct Simulation::State {
         const bool own_viscosity =
             std::any_of(scene.emitters.begin(), scene.emitters.end(), [](const EmitterKeys& e) { return e.viscosity.has_value(); });
         if (own_viscosity && world.fluid.has<field::viscosity>()) world.fluid.declare(field_info<field::source>(), true);
+        if (scene.any_ink()) world.fluid.declare(field_info<field::ink>(), true);
+        if (scene.grains) world.fluid.declare(field_info<field::grain>(), true);
         place_constants(scene, plan, world);
         place_solids(scene, plan, world);
         place_blocks(scene, plan, world);
@@ -137,6 +140,7 @@ struct Simulation::State {
             const Index first = world.fluid.size();
             emitter.enter(world.fluid, time, world.step.dt);
             set_viscosity(scene, world, first, ++source);
+            set_colours(scene, world, first, scene.emitters[static_cast<std::size_t>(source) - 1].ink, time);
         }
     }
 

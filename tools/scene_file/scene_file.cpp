@@ -113,6 +113,17 @@ void check_look(const SceneFile& file) {
     if (shows_field(file.look) && of_spin && !facts_of(file.scene.models.micropolar).spins)
         throw InputError(file.scene.place("look.field"), "look.field = \"" + file.look.field + "\" needs particles that spin",
                          "set models.micropolar, or show \"vorticity\"");
+    if (shows_field(file.look) && file.look.field == "ink" && !file.scene.any_ink())
+        throw InputError(file.scene.place("look.field"), "look.field = \"ink\" needs fluid with ink",
+                         "give a [[block]], [[emitter]] or [[stream]] ink");
+}
+
+/// Streaks of a slice go with the particles, which must be told apart for it.
+bool tells_particles_apart(const SceneFile& file) {
+    const auto& changes = file.scene.changes;
+    return (file.look.style == "slice" && file.look.streaks) || std::any_of(changes.begin(), changes.end(), [](const ChangeKeys& c) {
+               return c.key == "look.style" || c.key == "look.streaks";
+           });
 }
 
 SceneFile read(const fs::path& path, ReadRequest request) {
@@ -121,6 +132,7 @@ SceneFile read(const fs::path& path, ReadRequest request) {
     file.scene = read_scene(path.string(), request);
     look_at_plane(file);
     check_look(file);
+    file.scene.grains = tells_particles_apart(file);
     if (file.scene.changes.empty()) return file;
     std::vector<KeyChange> beat;
     for (const Change& change : request.changes) beat.push_back(read_change(change));
@@ -177,6 +189,7 @@ SceneFile read_resolved(const std::string& text, const std::string& path) {
     request.sections = sections_of(file);
     file.scene = read_scene_text(text, path, request);
     check_look(file);
+    file.scene.grains = tells_particles_apart(file);
     return file;
 }
 

@@ -27,7 +27,7 @@ const std::vector<Case> cases = {
     {"spacing = 0.01", "spacng = 0.01",
      "bad.toml:3:1: fluid.spacing is missing; initial distance between particles [m]; allowed: more than 0\n"
      "bad.toml:4:1: unknown key \"spacng\" in [fluid]; did you mean \"spacing\"?; allowed: spacing, density, viscosity, surface_tension, "
-     "force, kernel, support"},
+     "ink_diffusion, force, kernel, support"},
     {"spacing = 0.01", "spacing = \"fine\"", "bad.toml:4:11: fluid.spacing must be a number [m], not the text \"fine\""},
     {"spacing = 0.01", "spacing = -0.01", "bad.toml:4:11: fluid.spacing = -0.01 is out of range; allowed: more than 0"},
     {"spacing = 0.01", "spacing = 0", "bad.toml:4:11: fluid.spacing = 0 is out of range; allowed: more than 0"},
@@ -59,6 +59,12 @@ const std::vector<Case> cases = {
      "bad.toml:5:13: fluid.viscosity must be a number or an expression in quotes [Pa s], not true"},
     {"spacing = 0.01", "spacing = 0.01\ndensity = 2020-01-01",
      "bad.toml:5:11: fluid.density must be a number [kg/m^3], not a date or time"},
+    {"max = [0.1, 0.1, 0.1]", "max = [0.1, 0.1, 0.1]\nink = [1, 0, 0, \"x\"]",
+     "bad.toml:9:17: block[0].ink: there are at most three inks; allowed: functions of x, y, z"},
+    {"max = [0.1, 0.1, 0.1]", "max = [0.1, 0.1, 0.1]\nink = [2]",
+     "bad.toml:9:8: block[0].ink[0] = 2 is out of range; allowed: at least 0, at most 1"},
+    {"spacing = 0.01", "spacing = 0.01\nink_diffusion = 1e-6",
+     "bad.toml:5:17: there is no ink that could spread; give a [[block]], [[emitter]] or [[stream]] ink"},
     {"spacing = 0.01", "density = 900",
      "bad.toml:3:1: fluid.spacing is missing; initial distance between particles [m]; allowed: more than 0"},
     {"[fluid]\nspacing = 0.01", "", "bad.toml: fluid.spacing is missing; initial distance between particles [m]; allowed: more than 0"},

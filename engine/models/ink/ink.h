@@ -1,0 +1,54 @@
+#pragma once
+/// Ink: passive colours that particles carry. What the flow does to them shows where fluid comes from and how it mixes.
+#include <vector>
+
+#include "engine/math/expression_field.h"
+#include "engine/models/projection/projection_system.h"
+#include "engine/particles/field.h"
+#include "engine/particles/surroundings.h"
+
+namespace whorl {
+
+namespace field {
+struct ink {
+    using type = Vec3;
+    static constexpr std::string_view name = "ink", unit = "", meaning = "concentrations of the three inks, 0 to 1";
+};
+/// What a picture tells one particle from another by, all its life.
+struct grain {
+    using type = Real;
+    static constexpr std::string_view name = "grain", unit = "", meaning = "a random number of the particle's own, 0 to 1";
+};
+struct ink_change {
+    using type = Vec3;
+    static constexpr std::string_view name = "ink_change", unit = "", meaning = "change of the inks in a step";
+};
+}  // namespace field
+
+/// c_i += dt D sum_j V |W'|/r (n_i + n_j) (c_j - c_i),   n_i = (dimensions)/sum_j V |W'| r
+///
+/// Brookshaw's Laplacian with the moments of the particles as they stand. Each pair gives as much as it takes, so that the ink of all is
+/// kept, and no ink passes walls and surfaces. A step longer than this is stable for is made of several.
+struct InkDiffusion {
+    double diffusion = 0;  ///< m^2/s
+    void operator()(const Surroundings& around, Write<field::ink_change> change, Update<field::ink> c) const;
+};
+
+/// Fluid in a box has the inks that the box gives.
+struct InkSource {
+    Vec3 min, max;  ///< m
+    ExpressionField ink;
+};
+struct InkSources {
+    std::vector<InkSource> sources;
+    void operator()(const StepContext& step, Read<field::position> x, Update<field::ink> c);
+};
+
+/// After ProjectionMove: the shift of the particles leaves the ink where it is, as it does the velocity. No ink leaves the range of its
+/// neighbours'.
+struct CarryInk {
+    std::shared_ptr<ProjectionSystem> system;
+    void operator()(const Surroundings& around, Write<field::ink_change> change, Update<field::ink> c) const;
+};
+
+}  // namespace whorl
