@@ -73,7 +73,7 @@ Bins binned(const FlowGrid& grid, const std::vector<Vec3f>& position) {
 
 }  // namespace
 
-FlowGrid flow_grid(const Frame& frame, const std::vector<float>& value, std::size_t most_nodes) {
+FlowGrid flow_grid(const Frame& frame, const std::vector<Eigen::Vector4f>& value, std::size_t most_nodes) {
     // full: sum of the weights in a full lattice, 4 pi (1/3 - 2/5 + 1/7) 1.5^3; in the plane pi/3 1.5^2.
     constexpr float reach_in_spacings = 1.5f;
     const float full = frame.dimensions == 2 ? 2.36f : 3.2f;
@@ -84,7 +84,7 @@ FlowGrid flow_grid(const Frame& frame, const std::vector<float>& value, std::siz
     const Bins bins = binned(grid, frame.position);
     const std::size_t nodes = bins.start.size() - 1;
     grid.velocity.assign(nodes, Vec3f::Zero());
-    grid.value.assign(nodes, 0);
+    if (!value.empty()) grid.value.assign(nodes, Eigen::Vector4f::Zero());
     grid.cover.assign(nodes, 0);
     int reach[3];
     // A periodic axis shorter than the reach would meet the same cell twice.
@@ -96,7 +96,8 @@ FlowGrid flow_grid(const Frame& frame, const std::vector<float>& value, std::siz
         const int i = node % grid.n[0], j = node / grid.n[0] % grid.n[1], k = node / grid.n[0] / grid.n[1];
         const Vec3f x = grid.origin + grid.cell.cwiseProduct(Vec3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k)));
         const Vec3f period = grid.extent();
-        float weight = 0, values = 0;
+        float weight = 0;
+        Eigen::Vector4f values = Eigen::Vector4f::Zero();
         Vec3f velocities = Vec3f::Zero();
         for (int dk = -reach[2]; dk <= reach[2]; ++dk)
             for (int dj = -reach[1]; dj <= reach[1]; ++dj)
@@ -114,12 +115,12 @@ FlowGrid flow_grid(const Frame& frame, const std::vector<float>& value, std::siz
                         const float w = q * q;
                         weight += w;
                         velocities += w * frame.velocity[p];
-                        values += w * value[p];
+                        if (!value.empty()) values += w * value[p];
                     }
                 }
         if (weight <= 0) return;
         grid.velocity[node] = velocities / weight;
-        grid.value[node] = values / weight;
+        if (!value.empty()) grid.value[node] = values / weight;
         grid.cover[node] = std::min(1.0f, weight / lattice);
     });
     return grid;
@@ -151,7 +152,7 @@ FlowGrid::Sample FlowGrid::at(const Vec3f& x) const {
         if (cover[m] <= 0) continue;  // has no velocity and no value to tell
         weights += w;
         sample.velocity += w * velocity[m];
-        sample.value += w * value[m];
+        if (!value.empty()) sample.value += w * value[m];
     }
     if (weights > 0) sample.velocity /= weights, sample.value /= weights;
     return sample;

@@ -1,5 +1,5 @@
 #pragma once
-/// The flow on a grid, from the particles of a frame: what slices, volumes and trails are drawn from.
+/// The flow on a grid, from the particles of a frame: what volumes and trails are drawn from.
 #include <array>
 #include <vector>
 
@@ -15,9 +15,9 @@ struct FlowGrid {
     Vec3f cell = Vec3f::Ones();    ///< m
     std::array<int, 3> n{0, 0, 0};
     std::array<bool, 3> periodic{false, false, false};
-    std::vector<Vec3f> velocity;  ///< m/s; 0 where there is no fluid
-    std::vector<float> value;     ///< of the field that is shown
-    std::vector<float> cover;     ///< 0 no fluid near .. 1 full of it
+    std::vector<Vec3f> velocity;         ///< m/s; 0 where there is no fluid
+    std::vector<Eigen::Vector4f> value;  ///< of what is shown
+    std::vector<float> cover;            ///< 0 no fluid near .. 1 full of it
 
     std::size_t index(int i, int j, int k) const { return grid_index(i, j, k, n[0], n[1]); }
     bool empty() const { return velocity.empty(); }
@@ -25,7 +25,8 @@ struct FlowGrid {
 
     struct Sample {
         Vec3f velocity = Vec3f::Zero();
-        float value = 0, cover = 0;
+        Eigen::Vector4f value = Eigen::Vector4f::Zero();
+        float cover = 0;
     };
     /// Linear between the nodes; no cover outside.
     Sample at(const Vec3f& x) const;
@@ -33,7 +34,7 @@ struct FlowGrid {
 
 /// Means over the particles within 1.5 spacings of each node, weighted (1 - r^2/h^2)^2. Nodes are about a spacing apart, or further where
 /// the grid would have more than `most_nodes`. The same bits for any number of threads.
-/// @param value of each particle
-FlowGrid flow_grid(const Frame& frame, const std::vector<float>& value, std::size_t most_nodes = 8'000'000);
+/// @param value of each particle, up to four numbers; none: the grid has none either
+FlowGrid flow_grid(const Frame& frame, const std::vector<Eigen::Vector4f>& value, std::size_t most_nodes = 8'000'000);
 
 }  // namespace whorl

@@ -6,58 +6,72 @@
 #include "engine/core/parallel.h"
 #include "render/flow/streaks.h"
 #include "render/look/colour_map.h"
+#include "render/look/field_values.h"
+#include "render/look/pigments.h"
 
 namespace whorl {
-
 namespace {
-int axis_of(const LookOptions& look) { return look.slice_axis == "x" ? 0 : look.slice_axis == "y" ? 1 : 2; }
-}  // namespace
 
-float slice_position(const FlowGrid& grid, const LookOptions& look) {
+/// Where the slice stands on its axis [m]: as given, else in the middle of the fluid.
+float slice_position(const Frame& frame, const LookOptions& look, int axis) {
     if (look.slice_position) return *look.slice_position;
-    const int axis = axis_of(look);
-    return grid.origin[axis] + 0.5f * grid.extent()[axis];
+    float low = 1e30f, high = -1e30f;
+    for (const Vec3f& x : frame.position)
+        if (std::isfinite(x[axis])) low = std::min(low, x[axis]), high = std::max(high, x[axis]);
+    return low <= high && frame.dimensions == 3 ? 0.5f * (low + high) : 0.5f * (frame.domain_min[axis] + frame.domain_max[axis]);
 }
 
-FlowSlice flow_slice(const FlowGrid& grid, const LookOptions& look, int longest) {
-    FlowSlice slice;
-    if (grid.empty()) return slice;
-    const int axis = axis_of(look), a = axis == 0 ? 1 : 0, b = axis == 2 ? 1 : 2;
-    const Vec3f size = grid.extent();
-    slice.corner = grid.origin;
-    slice.corner[axis] = slice_position(grid, look);
-    slice.across[a] = size[a], slice.up[b] = size[b];
-    const float pixel = std::max(size[a], size[b]) / static_cast<float>(longest);
-    slice.width = std::max(2, static_cast<int>(std::lround(size[a] / pixel)));
-    slice.height = std::max(2, static_cast<int>(std::lround(size[b] / pixel)));
+float cover_of(float weight) { return std::clamp((weight - 0.25f) / 0.15f, 0.0f, 1.0f); }
 
-    const std::size_t pixels = grid_count(slice.width, slice.height);
-    std::vector<Eigen::Vector2f> velocity(pixels);
-    std::vector<float> value(pixels);
-    slice.rgba.resize(4 * pixels);
-    parallel_blocks(slice.height, 4, [&](Index begin, Index end) {
-        for (Index y = begin; y < end; ++y)
-            for (int x = 0; x < slice.width; ++x) {
-                const std::size_t k = grid_index(x, y, slice.width);
-                const Vec3f place = slice.corner + (static_cast<float>(x) + 0.5f) / static_cast<float>(slice.width) * slice.across +
-                                    (static_cast<float>(y) + 0.5f) / static_cast<float>(slice.height) * slice.up;
-                const FlowGrid::Sample s = grid.at(place);
-                velocity[k] = s.cover > 0 ? Eigen::Vector2f(s.velocity[a], s.velocity[b]) : Eigen::Vector2f::Zero();
-                value[k] = s.value;
-                slice.rgba[4 * k + 3] = s.cover;
-            }
-    });
-    std::vector<float> bright;
-    float fast = 0;
-    if (look.streaks) {
-        bright = streaks(velocity, slice.width, slice.height, std::max(6, longest / 45));
-        for (const Eigen::Vector2f& v : velocity) fast = std::max(fast, v.norm());
+}  // namespace
+
+PixelPlane slice_plane(const Frame& frame, const LookOptions& look, int longest) {
+    const int axis = look.slice_axis == "x" ? 0 : look.slice_axis == "y" ? 1 : 2;
+    PixelPlane plane;
+    plane.right = axis == 0 ? Vec3f(-Vec3f::UnitZ()) : Vec3f(Vec3f::UnitX());
+    plane.up = axis == 1 ? Vec3f(-Vec3f::UnitZ()) : Vec3f(Vec3f::UnitY());
+    const Vec3f size = frame.domain_max - frame.domain_min;
+    const float wide = std::abs(size.dot(plane.right)), tall = std::abs(size.dot(plane.up));
+    plane.pixel = std::max(wide, tall) / static_cast<float>(longest);
+    plane.width = std::max(1, static_cast<int>(std::lround(wide / plane.pixel)));
+    plane.height = std::max(1, static_cast<int>(std::lround(tall / plane.pixel)));
+    for (int a = 0; a < 3; ++a) plane.corner[a] = plane.right[a] + plane.up[a] < 0 ? frame.domain_max[a] : frame.domain_min[a];
+    plane.corner[axis] = frame.dimensions == 2 ? 0 : slice_position(frame, look, axis);
+    return plane;
+}
+
+FlowSlice flow_slice(const Frame& frame, const LookOptions& look, const std::array<float, 2>& range, const PixelPlane& plane,
+                     const Vec3f& ground) {
+    FlowSlice slice{plane, {}};
+    const bool inked = look.field == "ink";
+    std::vector<std::vector<float>> value(inked ? 3 : 1);
+    if (inked) {
+        const auto ink = frame.vector.find("ink");
+        for (int k = 0; k < 3; ++k)
+            for (std::size_t p = 0; p < frame.position.size(); ++p)
+                value[k].push_back(ink == frame.vector.end() ? 0.0f : ink->second[p][k]);
+    } else {
+        value[0] = field_values(frame, look);
     }
-    parallel_for(static_cast<Index>(pixels), [&](Index k) {
-        Vec3f colour = linear_of(map_colour(look.colour_map, value[k]));
-        // Still water is calm: no noise where nothing moves.
-        if (fast > 0) colour *= 1 + 1.1f * std::min(1.0f, 8 * velocity[k].norm() / fast) * (bright[k] - 0.5f);
+    const PlaneField field = plane_field(frame, value, plane);
+    std::vector<float> bright;
+    if (look.streaks) {
+        float seconds = look.streak_time, fastest = 0;
+        for (std::size_t k = 0; k < field.cover.size(); ++k)
+            fastest = std::max(fastest, std::hypot(field.velocity[0][k], field.velocity[1][k]));
+        if (seconds <= 0 && fastest > 0) seconds = static_cast<float>(std::max(plane.width, plane.height)) / 45 * plane.pixel / fastest;
+        if (seconds > 0) bright = streaks(field, seconds, plane.pixel);
+    }
+    const ColourTable colours(look.colour_map);
+    const Pigments pigments(look.inks.of, ground);
+    slice.rgba.resize(4 * field.cover.size());
+    parallel_for(static_cast<Index>(field.cover.size()), [&](Index k) {
+        Vec3f colour;
+        if (inked) colour = pigments(Vec3f(field.value[0][k], field.value[1][k], field.value[2][k]).cwiseMax(0.0f).cwiseMin(1.0f));
+        else colour = colours((field.value[0][k] - range[0]) / (range[1] - range[0]));
+        if (!bright.empty()) colour *= std::exp(0.2f * std::clamp(bright[k], -2.0f, 2.0f));
         for (int c = 0; c < 3; ++c) slice.rgba[4 * k + c] = colour[c];
+        slice.rgba[4 * k + 3] = cover_of(field.cover[k]);
     });
     return slice;
 }

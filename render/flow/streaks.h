@@ -1,13 +1,14 @@
 #pragma once
-/// Line integral convolution (Cabral and Leedom 1993): noise smeared along the flow, so that a still picture shows where it goes.
+/// Line integral convolution (Cabral and Leedom 1993): noise smeared along the flow, so that a still picture shows where it goes. The noise
+/// goes with the particles: from picture to picture streaks move as the fluid does, and stand still where it does.
 #include <vector>
 
-#include "engine/core/types.h"
+#include "render/flow/plane_field.h"
 
 namespace whorl {
 
-/// @param velocity in the picture's own axes, nx x ny, row by row, any unit @param half_length of a streak to each side [pixels]
-/// @return brightness about 1/2, 0 .. 1; the noise stands still from picture to picture
-std::vector<float> streaks(const std::vector<Eigen::Vector2f>& velocity, int nx, int ny, int half_length);
+/// @param seconds of the flow's way to each side that a streak shows @param pixel its edge [m]
+/// @return brightness of each pixel, mean 0 and variance 1 where the flow moves by more than a few pixels, 0 where it stands still
+std::vector<float> streaks(const PlaneField& field, float seconds, float pixel);
 
 }  // namespace whorl

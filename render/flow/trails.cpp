@@ -11,12 +11,12 @@ constexpr int pieces = 6;
 
 }  // namespace
 
-Trails trails(const Frame& frame, const std::vector<float>& value, const FlowGrid& grid, float seconds, float width, const Vec3f& eye) {
+Trails trails(const Frame& frame, const std::vector<Vec3f>& colour, const FlowGrid& grid, float seconds, float width, const Vec3f& eye) {
     constexpr std::size_t corners = 2 * (pieces + 1), indices = 6 * pieces;
     const std::size_t n = frame.position.size();
     Trails all;
     all.position.resize(corners * n);
-    all.value.resize(corners * n);
+    all.colour.resize(corners * n);
     all.index.resize(indices * n);
     const float step = seconds / pieces;
     parallel_for(static_cast<Index>(n), [&](Index p) {
@@ -34,7 +34,7 @@ Trails trails(const Frame& frame, const std::vector<float>& value, const FlowGri
             const float half = 0.5f * width * (1 - static_cast<float>(k) / pieces);
             const std::size_t corner = corners * p + 2 * k;
             all.position[corner] = way[k] + half * side, all.position[corner + 1] = way[k] - half * side;
-            all.value[corner] = all.value[corner + 1] = value[p];
+            all.colour[corner] = all.colour[corner + 1] = colour[p];
         }
         for (int k = 0; k < pieces; ++k) {
             const auto c = static_cast<std::uint32_t>(corners * p + 2 * k);

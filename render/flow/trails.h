@@ -7,12 +7,12 @@ namespace whorl {
 /// Ribbons that face the eye, wide at the particle, nothing at the end; as triangles.
 struct Trails {
     std::vector<Vec3f> position;  ///< m
-    std::vector<float> value;     ///< of the particle, a corner
+    std::vector<Vec3f> colour;    ///< of the particle, a corner
     std::vector<std::uint32_t> index;
 };
 
 /// Each particle's way back over `seconds` through the flow of the grid (midpoint rule), in pieces. A moment's flow, not the particle's
 /// history: a resumed film draws the same, and in steady vortices both are the same. @param width at the particle [m]
-Trails trails(const Frame& frame, const std::vector<float>& value, const FlowGrid& grid, float seconds, float width, const Vec3f& eye);
+Trails trails(const Frame& frame, const std::vector<Vec3f>& colour, const FlowGrid& grid, float seconds, float width, const Vec3f& eye);
 
 }  // namespace whorl

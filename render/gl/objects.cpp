@@ -48,7 +48,7 @@ Texture texture_2d(GLenum format, int width, int height, bool linear) {
     return texture;
 }
 
-void fill_3d(Texture& texture, int nx, int ny, int nz, const float* value) {
+void fill_3d(Texture& texture, int nx, int ny, int nz, const float* value, int channels) {
     if (texture.id() == 0) {
         GLuint id = 0;
         glGenTextures(1, &id);
@@ -59,7 +59,8 @@ void fill_3d(Texture& texture, int nx, int ny, int nz, const float* value) {
             glTexParameteri(GL_TEXTURE_3D, axis, GL_CLAMP_TO_EDGE);
     }
     glBindTexture(GL_TEXTURE_3D, texture.id());
-    glTexImage3D(GL_TEXTURE_3D, 0, GL_R32F, nx, ny, nz, 0, GL_RED, GL_FLOAT, value);
+    const bool one = channels == 1;
+    glTexImage3D(GL_TEXTURE_3D, 0, one ? GL_R32F : GL_RGBA16F, nx, ny, nz, 0, one ? GL_RED : GL_RGBA, GL_FLOAT, value);
 }
 
 Framebuffer framebuffer(std::initializer_list<GLuint> colours, GLuint depth) {

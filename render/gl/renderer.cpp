@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "render/flow/flow_grid.h"
+#include "render/flow/plate.h"
 #include "render/flow/slice.h"
 #include "render/flow/trails.h"
 #include "render/gl/context.h"
@@ -15,7 +16,6 @@
 #include "render/gl/scene_geometry.h"
 #include "render/gl/setup.h"
 #include "render/gl/solid_field.h"
-#include "render/look/colour_map.h"
 #include "render/look/field_values.h"
 #include "render/look/material.h"
 #include "render/look/overlay.h"
@@ -42,6 +42,20 @@ struct Shot {
 
 }  // namespace
 
+namespace {
+
+/// The matrix with all that it shows in this box of the picture; the backdrop goes on round it.
+Eigen::Matrix4f beside_words(const Eigen::Matrix4f& matrix, const PictureBox& box, int width, int height) {
+    const float w = static_cast<float>(width), h = static_cast<float>(height);
+    Eigen::Matrix4f into = Eigen::Matrix4f::Identity();
+    into(0, 0) = static_cast<float>(box.width) / w, into(1, 1) = static_cast<float>(box.height) / h;
+    into(0, 3) = (2 * static_cast<float>(box.x) + static_cast<float>(box.width)) / w - 1;
+    into(1, 3) = 1 - (2 * static_cast<float>(box.y) + static_cast<float>(box.height)) / h;
+    return into * matrix;
+}
+
+}  // namespace
+
 struct Renderer::Device {
     Device(int w, int h) : width(w), height(h) {
         glGenVertexArrays(1, &no_vertices);
@@ -54,7 +68,7 @@ struct Renderer::Device {
     void draw_solids(const Shot& shot, const Eigen::Matrix4f& matrix);
     void draw_particles(const Shot& shot, const Eigen::Matrix4f& matrix);
     void draw_slice(const Shot& shot, const Eigen::Matrix4f& matrix);
-    std::array<float, 2> fill_field(const Frame& frame, const LookOptions& look, const View& view);
+    void fill_field(const Frame& frame, const LookOptions& look, const View& view, const std::array<float, 2>& range);
     void fill_slice(const FlowSlice& slice);
     void shade_volume(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
     void draw_fluid(const Shot& shot, const Eigen::Matrix4f& matrix);
@@ -85,7 +99,6 @@ struct Renderer::Device {
     gl::Texture normal = gl::texture_2d(GL_RGBA16F, width, height, false);
     gl::Texture sum = gl::texture_2d(GL_RGBA16F, width, height, false);
     gl::Texture glass = gl::texture_2d(GL_RGBA16F, width, height, false);
-    gl::Texture colours = gl::texture_2d(GL_RGBA16F, 256, 1, true);
     gl::Texture slice, values, cover;  // of the flow
     int slice_width = 0, slice_height = 0;
     Bounds volume_box;
@@ -127,18 +140,22 @@ void Renderer::Device::cover_screen() const {
 Image Renderer::Device::draw(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view) {
     context.make_current();
     std::array<float, 2> range{0, 1};
-    if (shows_field(look)) range = fill_field(frame, look, view);
+    if (shows_field(look)) range = field_range(field_values(frame, look), look);
+    if (look.style == "slice" && view.flat) return draw_plate(frame, look, range, width, height);
+    if (shows_field(look)) fill_field(frame, look, view, range);
     else scene.fill(frame, surface.mesh, surface.age);
     field.fill(shows_field(look) ? Volume{} : surface.distance);
     solid_field.fill(frame.solids);
     const float aspect = static_cast<float>(width) / static_cast<float>(height);
+    const Layout layout = layout_of(width, height, aspect, look, range);
+    const Eigen::Matrix4f camera = camera_matrix(view, aspect, scene.bounds());
     const Shot shot{look,
                     view,
                     studio_of(look.background),
                     fluid_material(look, (frame.domain_max - frame.domain_min).norm()),
                     frame.spacing,
                     ground_height(frame),
-                    camera_matrix(view, aspect, scene.bounds()),
+                    shows_field(look) ? beside_words(camera, layout.flow, width, height) : camera,
                     aspect,
                     !surface.age.empty()};
     glBindVertexArray(no_vertices);
@@ -155,8 +172,8 @@ Image Renderer::Device::draw(const Frame& frame, const Surface& surface, const L
     for (int i = 0; i < std::max(look.samples, 1); ++i) draw_sample(shot, i);
     compose_picture(shot);
     Image image = read_back();
-    if (look.legend && shows_field(look)) draw_legend(image, look, range);
-    if (look.time_stamp) draw_time(image, look, frame.time);
+    if (shows_field(look)) draw_words(image, layout, look, range, frame.time);
+    else draw_words_over(image, look, frame.time);
     return image;
 }
 
@@ -222,39 +239,36 @@ void Renderer::Device::draw_fluid(const Shot& shot, const Eigen::Matrix4f& matri
     glColorMaski(0, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
 }
 
-std::array<float, 2> Renderer::Device::fill_field(const Frame& frame, const LookOptions& look, const View& view) {
-    std::vector<float> place = field_values(frame, look);
-    const std::array<float, 2> range = field_range(place, look);
-    for (float& v : place) v = std::clamp((v - range[0]) / (range[1] - range[0]), 0.0f, 1.0f);
+void Renderer::Device::fill_field(const Frame& frame, const LookOptions& look, const View& view, const std::array<float, 2>& range) {
+    if (look.style == "slice") {
+        const Vec3f paper = Vec3f::Constant(look.background == "dark" ? 0.02f : 0.9f);
+        const FlowSlice flow = flow_slice(frame, look, range, slice_plane(frame, look, std::max(width, height)), paper);
+        fill_slice(flow);
+        return scene.fill(frame, flow);
+    }
+    const FieldColours colours = field_colours(frame, look, range);
     if (look.style == "particles") {
         const bool trailing = look.trail > 0;
-        scene.fill(frame, place,
-                   trailing ? trails(frame, place, flow_grid(frame, place), look.trail, 0.5f * frame.spacing, view.position) : Trails{});
-    } else if (look.style == "slice") {
-        const FlowSlice picture_of_it = flow_slice(flow_grid(frame, place), look, std::max(width, height));
-        fill_slice(picture_of_it);
-        scene.fill(frame, picture_of_it);
-    } else {
-        const FlowGrid grid = flow_grid(frame, place);
-        scene.fill(frame, grid);
-        volume_box = scene.fluid_bounds();
-        if (!grid.empty())
-            gl::fill_3d(values, grid.n[0], grid.n[1], grid.n[2], grid.value.data()),
-                gl::fill_3d(cover, grid.n[0], grid.n[1], grid.n[2], grid.cover.data());
+        scene.fill(
+            frame, colours.colour,
+            trailing ? trails(frame, colours.colour, flow_grid(frame, {}), look.trail, 0.5f * frame.spacing, view.position) : Trails{});
+        return;
     }
-    std::vector<float> texels;
-    for (int i = 0; i < 256; ++i) {
-        for (const float c : linear_of(map_colour(look.colour_map, static_cast<float>(i) / 255))) texels.push_back(c);
-        texels.push_back(1);
+    std::vector<Eigen::Vector4f> glow;  // colours times strengths: nothing weighs nothing in a mean
+    for (std::size_t p = 0; p < colours.colour.size(); ++p) {
+        const Vec3f& c = colours.colour[p];
+        glow.push_back(colours.strength[p] * Eigen::Vector4f(c.x(), c.y(), c.z(), 1));
     }
-    glBindTexture(GL_TEXTURE_2D, colours.id());
-    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, 256, 1, GL_RGBA, GL_FLOAT, texels.data());
-    return range;
+    const FlowGrid grid = flow_grid(frame, glow);
+    scene.fill(frame, grid);
+    volume_box = scene.fluid_bounds();
+    if (grid.empty()) return;
+    gl::fill_3d(values, grid.n[0], grid.n[1], grid.n[2], grid.value[0].data(), 4);
+    gl::fill_3d(cover, grid.n[0], grid.n[1], grid.n[2], grid.cover.data());
 }
 
 void Renderer::Device::draw_particles(const Shot& shot, const Eigen::Matrix4f& matrix) {
     set_studio(particles, shot);
-    particles.texture("colours", 0, GL_TEXTURE_2D, colours.id());
     particles.set("view_projection", matrix);
     particles.set("to_world", Eigen::Matrix4f(matrix.inverse()));
     particles.set("radius", (shot.look.trail > 0 ? 0.25f : 0.5f) * shot.spacing);  // trails must show between them
@@ -263,7 +277,6 @@ void Renderer::Device::draw_particles(const Shot& shot, const Eigen::Matrix4f& m
     scene.draw_fluid(particles);
     if (shot.look.trail <= 0) return;
     trail.use();
-    trail.texture("colours", 0, GL_TEXTURE_2D, colours.id());
     trail.set("view_projection", matrix);
     trail.set("eye", shot.view.position);
     scene.draw_trails();
@@ -271,12 +284,12 @@ void Renderer::Device::draw_particles(const Shot& shot, const Eigen::Matrix4f& m
 
 void Renderer::Device::fill_slice(const FlowSlice& flow) {
     if (flow.empty()) return;
-    if (flow.width != slice_width || flow.height != slice_height) {
-        slice = gl::texture_2d(GL_RGBA16F, flow.width, flow.height, true);
-        slice_width = flow.width, slice_height = flow.height;
+    if (flow.plane.width != slice_width || flow.plane.height != slice_height) {
+        slice = gl::texture_2d(GL_RGBA16F, flow.plane.width, flow.plane.height, true);
+        slice_width = flow.plane.width, slice_height = flow.plane.height;
     }
     glBindTexture(GL_TEXTURE_2D, slice.id());
-    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, flow.width, flow.height, GL_RGBA, GL_FLOAT, flow.rgba.data());
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, flow.plane.width, flow.plane.height, GL_RGBA, GL_FLOAT, flow.rgba.data());
 }
 
 void Renderer::Device::draw_slice(const Shot& shot, const Eigen::Matrix4f& matrix) {
@@ -290,7 +303,6 @@ void Renderer::Device::draw_slice(const Shot& shot, const Eigen::Matrix4f& matri
 void Renderer::Device::shade_volume(const Shot& shot, const Eigen::Matrix4f& matrix, float weight) {
     volume.use();
     volume.texture("solid_buffer", 0, GL_TEXTURE_2D, solid.id());
-    volume.texture("colours", 1, GL_TEXTURE_2D, colours.id());
     volume.texture("values", 2, GL_TEXTURE_3D, values.id());
     volume.texture("cover", 3, GL_TEXTURE_3D, cover.id());
     volume.set("to_world", Eigen::Matrix4f(matrix.inverse()));
@@ -299,7 +311,6 @@ void Renderer::Device::shade_volume(const Shot& shot, const Eigen::Matrix4f& mat
     volume.set("box_high", volume_box.high);
     // So dense that a thickness of the box's least side has the wanted optical depth, four times over: the strong parts are small.
     volume.set("thickness", 4 * shot.look.opacity / std::max((volume_box.high - volume_box.low).minCoeff(), 1e-9f));
-    volume.set("diverging", is_diverging(shot.look.colour_map) ? 1 : 0);
     volume.set("weight", weight);
     cover_screen();
 }

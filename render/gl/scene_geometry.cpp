@@ -59,12 +59,10 @@ void SceneGeometry::fill(const Frame& frame, const TriangleMesh& fluid, const st
     fill_solids(frame);
 }
 
-void SceneGeometry::fill(const Frame& frame, const std::vector<float>& value, const Trails& trails) {
-    const float* first = frame.position.empty() ? nullptr : frame.position[0].data();
-    particles_.fill({{first, 3 * frame.position.size()}, {value.data(), value.size()}}, nullptr, 0);
-    trails_.fill({{trails.position.empty() ? nullptr : trails.position[0].data(), 3 * trails.position.size()},
-                  {trails.value.data(), trails.value.size()}},
-                 trails.index.data(), trails.index.size());
+void SceneGeometry::fill(const Frame& frame, const std::vector<Vec3f>& colour, const Trails& trails) {
+    const auto numbers = [](const std::vector<Vec3f>& v) { return std::pair{v.empty() ? nullptr : v[0].data(), 3 * v.size()}; };
+    particles_.fill({numbers(frame.position), numbers(colour)}, nullptr, 0);
+    trails_.fill({numbers(trails.position), numbers(trails.colour)}, trails.index.data(), trails.index.size());
     shape_ = Shape::particles;
     bounds_ = bounds_of(trails.position);
     const Vec3f radius = Vec3f::Constant(0.5f * frame.spacing);
@@ -75,8 +73,10 @@ void SceneGeometry::fill(const Frame& frame, const std::vector<float>& value, co
 
 void SceneGeometry::fill(const Frame& frame, const FlowSlice& slice) {
     shape_ = Shape::slice;
-    const std::vector<Vec3f> corner{slice.corner, slice.corner + slice.across, slice.corner + slice.up,
-                                    slice.corner + slice.across + slice.up};
+    const PixelPlane& plane = slice.plane;
+    const Vec3f across = plane.pixel * static_cast<float>(plane.width) * plane.right,
+                up = plane.pixel * static_cast<float>(plane.height) * plane.up;
+    const std::vector<Vec3f> corner{plane.corner, plane.corner + across, plane.corner + up, plane.corner + across + up};
     const float place[] = {0, 0, 1, 0, 0, 1, 1, 1};
     const std::uint32_t index[] = {0, 1, 2, 2, 1, 3};
     slice_.fill({{corner[0].data(), 12}, {place, 8}}, index, slice.empty() ? 0 : 6);

@@ -18,8 +18,8 @@ TriangleMesh with_normals(const TriangleMesh& mesh);
 class SceneGeometry {
 public:
     void fill(const Frame& frame, const TriangleMesh& fluid, const std::vector<float>& age = {});
-    /// The fluid as its particles, each with a value, and their trails where there are any.
-    void fill(const Frame& frame, const std::vector<float>& value, const Trails& trails);
+    /// The fluid as its particles, each with a colour, and their trails where there are any.
+    void fill(const Frame& frame, const std::vector<Vec3f>& colour, const Trails& trails);
     /// The fluid as a slice.
     void fill(const Frame& frame, const FlowSlice& slice);
     /// The fluid as a cloud in the grid: it has bounds, but no geometry of its own.
@@ -46,7 +46,7 @@ private:
     const gl::Vertices& model(const std::shared_ptr<const TriangleMesh>& mesh);
 
     enum class Shape { surface, particles, slice, grid };
-    gl::Vertices fluid_{{3, 3, 1}}, particles_{{3, 1}}, trails_{{3, 1}}, slice_{{3, 2}};
+    gl::Vertices fluid_{{3, 3, 1}}, particles_{{3, 3}}, trails_{{3, 3}}, slice_{{3, 2}};
     Shape shape_ = Shape::surface;
     std::map<const TriangleMesh*, Model> models_;
     std::vector<std::pair<FrameSolid, const gl::Vertices*>> solids_, containers_;

@@ -68,7 +68,9 @@ View view_at(const CameraOptions& camera, double time, const Vec3f& domain_min, 
         const Vec3f offset(camera.distance * std::sin(angle), camera.height, camera.distance * std::cos(angle));
         return {camera.target + offset, camera.target, camera.up, camera.fov};
     }
-    return domain_min.z() < domain_max.z() ? framed(camera, domain_min, domain_max) : framed_plane(camera, domain_min, domain_max);
+    View view = domain_min.z() < domain_max.z() ? framed(camera, domain_min, domain_max) : framed_plane(camera, domain_min, domain_max);
+    view.flat = true;
+    return view;
 }
 
 }  // namespace whorl

@@ -26,7 +26,8 @@ struct CameraOptions {
 /// The camera at one moment.
 struct View {
     Vec3f position, target, up;
-    float fov;  ///< degrees, vertical
+    float fov;          ///< degrees, vertical
+    bool flat = false;  ///< of an auto camera: a slice need not stand in the world, it may fill the picture
 };
 View view_at(const CameraOptions& camera, double time, const Vec3f& domain_min, const Vec3f& domain_max);
 

@@ -88,6 +88,18 @@ Vec3f map_colour(const std::string& map, float t) {
     return colour.cwiseMax(0.0f).cwiseMin(1.0f);
 }
 
+ColourTable::ColourTable(const std::string& map) {
+    constexpr int last = 512;
+    for (int i = 0; i <= last; ++i) colours_.push_back(linear_of(map_colour(map, static_cast<float>(i) / last)));
+}
+
+Vec3f ColourTable::operator()(float t) const {
+    const std::size_t last = colours_.size() - 1;
+    const float place = std::clamp(t, 0.0f, 1.0f) * static_cast<float>(last);
+    const std::size_t i = std::min(static_cast<std::size_t>(place), last - 1);
+    return colours_[i] + (place - static_cast<float>(i)) * (colours_[i + 1] - colours_[i]);
+}
+
 bool is_diverging(const std::string& map) { return map == "coolwarm"; }
 
 std::vector<std::string> colour_map_names() { return {"viridis", "inferno", "coolwarm"}; }

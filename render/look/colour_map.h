@@ -13,6 +13,17 @@ Vec3f map_colour(const std::string& map, float t);
 bool is_diverging(const std::string& map);
 std::vector<std::string> colour_map_names();
 
+/// A map's colours in linear light, from so many that what lies between is a straight line.
+class ColourTable {
+public:
+    explicit ColourTable(const std::string& map);
+    /// At t in [0, 1].
+    Vec3f operator()(float t) const;
+
+private:
+    std::vector<Vec3f> colours_;
+};
+
 /// sRGB, 0 .. 1 -> linear light.
 Vec3f linear_of(const Vec3f& colour);
 /// sRGB, 0 .. 1 -> CIE L*a*b* (D65).

@@ -5,6 +5,7 @@
 
 #include "render/look/colour_map.h"
 #include "render/look/material.h"
+#include "render/look/pigments.h"
 
 namespace whorl {
 
@@ -35,7 +36,38 @@ std::array<float, 2> field_range(const std::vector<float>& values, const LookOpt
     return {low, high};
 }
 
+namespace {
+
+/// Each as thick as it can be: how much there is, is the strength.
+FieldColours ink_colours(const Frame& frame, const LookOptions& look) {
+    const Pigments pigments(look.inks.of, Vec3f::Constant(0.9f));
+    FieldColours colours;
+    const auto ink = frame.vector.find("ink");
+    for (std::size_t p = 0; p < frame.position.size(); ++p) {
+        const Vec3f c = ink == frame.vector.end() ? Vec3f(Vec3f::Zero()) : Vec3f(ink->second[p].cwiseMax(0.0f).cwiseMin(1.0f));
+        colours.strength.push_back(std::min(1.0f, c.sum()));
+        colours.colour.push_back(pigments(look.style == "volume" && c.sum() > 0 ? Vec3f(c / c.sum()) : c));
+    }
+    return colours;
+}
+
+}  // namespace
+
+FieldColours field_colours(const Frame& frame, const LookOptions& look, const std::array<float, 2>& range) {
+    if (look.field == "ink") return ink_colours(frame, look);
+    const ColourTable table(look.colour_map);
+    const bool diverging = is_diverging(look.colour_map);
+    FieldColours colours;
+    for (const float value : field_values(frame, look)) {
+        const float t = std::clamp((value - range[0]) / (range[1] - range[0]), 0.0f, 1.0f);
+        colours.colour.push_back(table(t));
+        colours.strength.push_back(diverging ? std::abs(2 * t - 1) : t);
+    }
+    return colours;
+}
+
 std::vector<std::string> shown_fields(const LookOptions& look) {
+    if (look.style == "slice" && look.streaks) return {look.field, "grain"};
     if (shows_field(look)) return {look.field};
     return fluid_material(look, 1).cooling > 0 ? std::vector<std::string>{"age"} : std::vector<std::string>{};
 }

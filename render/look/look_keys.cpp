@@ -4,9 +4,28 @@
 #include "render/look/colour_map.h"
 #include "render/look/look_options.h"
 #include "render/look/material.h"
+#include "render/look/pigments.h"
 #include "render/look/studio.h"
 
 namespace whorl {
+namespace {}  // namespace
+
+template <>
+struct KeyCodec<InkColours> {
+    static void describe(Key& k) { k.type = KeyType::texts; }
+    static Value write(const InkColours& inks) { return KeyCodec<std::vector<std::string>>::write(inks.of); }
+    static InkColours read(const Value& v) {
+        const Value::List& list = *v.as<Value::List>();
+        if (list.empty() || list.size() > 3) throw KeyFault(v.place, "one to three colours, as there may be inks");
+        for (const Value& text : list) {
+            Vec3f ignored;
+            if (!read_colour(*text.as<std::string>(), ignored))
+                throw KeyFault(text.place, text.toml() + " is no colour; colours are written as in \"#1e50a0\": red, green, blue");
+        }
+        return {KeyCodec<std::vector<std::string>>::read(v)};
+    }
+};
+
 namespace {
 
 KeyTable make_camera_key_keys() {
@@ -55,10 +74,12 @@ KeyTable make_look_keys() {
     t.key("ground", &L::ground, "", "a ground with shadow under the scene");
     t.key("exposure", &L::exposure, "", "brightness of everything").above(0);
     t.key("samples", &L::samples, "", "a pixel").at_least(1).at_most(256);
-    t.key("field", &L::field, "", "what is coloured; spin_difference: spin less half of the vorticity")
-        .one_of({"speed", "pressure", "density", "spin", "vorticity", "spin_difference"})
+    t.key("field", &L::field, "",
+          "what is coloured; spin_difference: spin less half of the vorticity; ink: the inks that the fluid carries")
+        .one_of({"speed", "pressure", "density", "spin", "vorticity", "spin_difference", "ink"})
         .only_with("style", field);
     t.key("colour_map", &L::colour_map, "", "of the field").one_of(colour_map_names()).only_with("style", field);
+    t.key("inks", &L::inks, "", "colours of the first, second and third ink; they mix as pigments do").only_with("field", {"ink"});
     t.key("range", &L::range, "", "lowest and highest value of the colour map; equal: chosen once for the whole film, from the scene")
         .only_with("style", field);
     t.key("trail", &L::trail, "s", "how far back each particle's way is drawn; 0: not").at_least(0).only_with("style", {"particles"});
@@ -66,10 +87,15 @@ KeyTable make_look_keys() {
     t.key("slice_position", &L::slice_position, "m", "of the slice on that axis; auto: the middle of the fluid")
         .only_with("style", {"slice"});
     t.key("streaks", &L::streaks, "", "smear the slice along the flow (line integral convolution)").only_with("style", {"slice"});
+    t.key("streak_time", &L::streak_time, "s",
+          "of the flow's way to each side that a streak shows; 0: chosen once for the whole film, from the scene")
+        .at_least(0)
+        .only_with("style", {"slice"});
     t.key("opacity", &L::opacity, "", "optical depth of the volume where the field is strongest")
         .above(0)
         .at_most(100)
         .only_with("style", {"volume"});
+    t.key("title", &L::title, "", "words on every picture; of a panel: its label, unless it has a title of its own");
     t.key("legend", &L::legend, "", "draw the colour map with its numbers and unit").only_with("style", field);
     t.key("time_stamp", &L::time_stamp, "", "write the time on every picture");
     t.all_live();

@@ -9,6 +9,11 @@
 
 namespace whorl {
 
+/// "#rrggbb" (sRGB) of the first, second and third ink, where they are thick.
+struct InkColours {
+    std::vector<std::string> of{"#c8281e", "#1e50a0", "#e6b400"};
+};
+
 struct LookOptions {
     /// liquid (refracting surface) | opaque (paint, lava) | and coloured by a field: particles | slice (a plane through the flow) | volume
     /// (a cloud)
@@ -24,14 +29,17 @@ struct LookOptions {
     bool ground = true;                 ///< a ground with shadow under the scene
     float exposure = 1;
     int samples = 4;              ///< a pixel
-    std::string field = "speed";  ///< speed | pressure | density | spin | vorticity | spin_difference
+    std::string field = "speed";  ///< speed | pressure | density | spin | vorticity | spin_difference | ink
     std::string colour_map = "viridis";
+    InkColours inks;
     std::array<float, 2> range{0, 0};     ///< of the colour map; equal: a film's is chosen at its start, a single picture's from its frame
     float trail = 0;                      ///< s, of the flow's way behind each particle; 0: none
     std::string slice_axis = "z";         ///< x | y | z, across the slice
     std::optional<float> slice_position;  ///< m on that axis; none: the middle of the fluid
     bool streaks = true;                  ///< slice: streaked along the flow (line integral convolution)
+    float streak_time = 0;                ///< s, of the flow's way to each side that a streak shows; 0: chosen as the range is
     float opacity = 1;                    ///< volume: optical depth over the fluid's mean thickness, of the strongest field
+    std::string title;                    ///< what the picture shows, in words; of a panel: its label
     bool legend = false;
     bool time_stamp = false;
 };

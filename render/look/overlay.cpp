@@ -13,7 +13,7 @@ namespace whorl {
 namespace {
 
 /// Height of a capital letter: 14 pixels of a picture of 720.
-float text_height(const Image& image) { return std::max(6.0f, static_cast<float>(std::min(image.height, image.width)) / 51); }
+float text_height(const Image& image) { return std::max(9.0f, static_cast<float>(std::min(image.height, image.width)) / 51); }
 
 TextStyle style_for(const Image& image, const LookOptions& look) {
     TextStyle style;
@@ -30,17 +30,15 @@ std::string unit_of(const std::string& field) {
     return found == units.end() ? "" : found->second;
 }
 
-std::string with_unit(const LookOptions& look, int power) {
+}  // namespace
+
+std::string field_title(const LookOptions& look, int power) {
     const bool vector = look.field == "spin" || look.field == "vorticity" || look.field == "spin_difference";
     std::string unit = unit_of(look.field);
     if (power != 0) unit = fmt::format("10^{}{}{}", power, unit.empty() ? "" : " ", unit);
     const std::string name = look.field == "spin_difference" ? "spin - vorticity/2" : look.field;
     return name + (vector && is_diverging(look.colour_map) ? " z" : "") + (unit.empty() ? "" : " [" + unit + "]");
 }
-
-}  // namespace
-
-std::string field_title(const LookOptions& look) { return with_unit(look, 0); }
 
 Ticks ticks_of(double low, double high, int most) {
     const double rough = (high - low) / std::max(1, most - 1), magnitude = std::pow(10.0, std::floor(std::log10(rough)));
@@ -63,46 +61,102 @@ Ticks ticks_of(double low, double high, int most) {
     return ticks;
 }
 
-void draw_legend(Image& image, const LookOptions& look, const std::array<float, 2>& range) {
-    const TextStyle style = style_for(image, look);
-    const Ticks ticks = ticks_of(range[0], range[1], 7);
-    const std::string title = with_unit(look, ticks.power);
-    float numbers = 0;
-    for (const std::string& label : ticks.label) numbers = std::max(numbers, text_width(label, style.height));
+namespace {
 
-    const float margin = 2 * style.height, dash = 0.6f * style.height;
-    const int bar = static_cast<int>(std::lround(1.5f * style.height)), tall = image.height / 2, arrow = bar / 2;
-    const float right =
-        static_cast<float>(image.width) - margin - std::max(numbers, text_width(title, style.height) - static_cast<float>(bar) - 2 * dash);
-    const int x = static_cast<int>(right - 2 * dash) - bar, top = (image.height - tall) / 2;
+struct Bar {
+    bool upright;
+    float x, y, length, thick;  ///< pixels; x, y: the upper left corner
+};
+
+/// The map along the bar, with an arrow at each end.
+void draw_bar(Image& image, const std::string& map, const Bar& bar) {
+    const float arrow = 0.5f * bar.thick;
     const auto byte = [](float c) { return static_cast<std::uint8_t>(std::lround(255 * c)); };
-    for (int row = -arrow; row < tall + arrow; ++row) {
-        const Vec3f colour = map_colour(look.colour_map, 1 - (static_cast<float>(row) + 0.5f) / static_cast<float>(tall));
-        const int narrow = std::max({0, -row, row + 1 - tall}) * bar / (2 * std::max(arrow, 1));
-        for (int column = narrow; column < bar - narrow; ++column)
-            if (top + row >= 0 && top + row < image.height && x + column >= 0 && x + column < image.width)
-                for (int c = 0; c < 3; ++c) image.pixel(x + column, top + row)[c] = byte(colour[c]);
+    const int across = static_cast<int>(std::lround(bar.thick)), from = -static_cast<int>(arrow), to = static_cast<int>(bar.length + arrow);
+    for (int n = from; n < to; ++n) {
+        const float t = (static_cast<float>(n) + 0.5f) / bar.length;
+        const Vec3f colour = map_colour(map, bar.upright ? 1 - t : t);
+        const int narrow = std::max({0, -n, n + 1 - static_cast<int>(bar.length)});
+        for (int m = narrow; m < across - narrow; ++m) {
+            const int x = static_cast<int>(bar.x) + (bar.upright ? m : n), y = static_cast<int>(bar.y) + (bar.upright ? n : m);
+            if (x < 0 || y < 0 || x >= image.width || y >= image.height) continue;
+            for (int c = 0; c < 3; ++c) image.pixel(x, y)[c] = byte(colour[c]);
+        }
     }
+}
+
+void draw_ticks(Image& image, const Ticks& ticks, const std::array<float, 2>& range, const Bar& bar, const TextStyle& style) {
+    const int thin = std::max(1, static_cast<int>(std::lround(style.height / 9))),
+              dash = static_cast<int>(std::lround(0.4f * style.height));
     for (std::size_t n = 0; n < ticks.place.size(); ++n) {
-        const double up = (ticks.place[n] - range[0]) / (static_cast<double>(range[1]) - range[0]);
-        const float y = static_cast<float>(top + tall) - static_cast<float>(up) * static_cast<float>(tall);
-        const int thick = std::max(1, static_cast<int>(std::lround(style.height / 9)));
-        tint_box(image, x + bar, static_cast<int>(std::lround(y - 0.5f * static_cast<float>(thick))), static_cast<int>(dash), thick,
-                 style.colour, 1);
-        draw_text(image, static_cast<float>(x + bar) + 2 * dash, y + 0.5f * style.height, ticks.label[n], style);
+        const float t = static_cast<float>((ticks.place[n] - range[0]) / (static_cast<double>(range[1]) - range[0]));
+        const float end = bar.thick + static_cast<float>(dash);
+        if (bar.upright) {
+            const float y = bar.y + (1 - t) * bar.length;
+            tint_box(image, static_cast<int>(bar.x + bar.thick), static_cast<int>(y), dash, thin, style.colour, 1);
+            draw_text(image, bar.x + end + 0.4f * style.height, y + 0.5f * style.height, ticks.label[n], style);
+        } else {
+            const float x = bar.x + t * bar.length;
+            tint_box(image, static_cast<int>(x), static_cast<int>(bar.y + bar.thick), thin, dash, style.colour, 1);
+            draw_text(image, x - 0.5f * text_width(ticks.label[n], style.height), bar.y + end + 1.4f * style.height, ticks.label[n], style);
+        }
     }
-    draw_text(image, static_cast<float>(x), static_cast<float>(top - arrow) - style.height, title, style);
 }
 
-void draw_label(Image& image, const LookOptions& look, const std::string& text) {
+/// Title, legend and time one under the other.
+void draw_column(Image& image, const PictureBox& box, const LookOptions& look, const std::array<float, 2>& range, const std::string& time,
+                 const TextStyle& style) {
+    const float h = style.height, x = static_cast<float>(box.x) + h, top = static_cast<float>(box.y);
+    const float bottom = top + static_cast<float>(box.height);
+    if (!look.title.empty()) draw_text(image, x, top + h, look.title, style);
+    if (!time.empty()) draw_text(image, x, bottom, time, style);
+    if (!has_legend(look)) return;
+    const float above = top + (look.title.empty() ? 0 : 2.2f * h), below = bottom - (time.empty() ? 0 : 2.2f * h);
+    const float length = std::min(0.62f * (below - above), 24 * h), middle = 0.5f * (above + below) + h;
+    const Bar bar{true, x, middle - 0.5f * length, length, 1.3f * h};
+    const Ticks ticks = ticks_of(range[0], range[1], std::clamp(static_cast<int>(length / (2.2f * h)), 2, 7));
+    draw_bar(image, look.colour_map, bar);
+    draw_ticks(image, ticks, range, bar, style);
+    draw_text(image, x, bar.y - 1.8f * h, field_title(look, ticks.power), style);
+}
+
+/// Title above the time at the left, the legend at the right.
+void draw_strip(Image& image, const PictureBox& box, const LookOptions& look, const std::array<float, 2>& range, const std::string& time,
+                const TextStyle& style) {
+    const float h = style.height, left = static_cast<float>(box.x), first = static_cast<float>(box.y) + 1.8f * h;
+    const float right = left + static_cast<float>(box.width);
+    const bool two_lines = has_legend(look);
+    if (!look.title.empty()) draw_text(image, left, first, look.title, style);
+    if (!time.empty()) {
+        if (two_lines) draw_text(image, left, first + 1.8f * h, time, style);
+        else draw_text(image, right - text_width("t = 00.000 s", h), first, time, style);
+    }
+    if (!two_lines) return;
+    const float length = std::min(0.45f * static_cast<float>(box.width), 32 * h);
+    const Bar bar{false, right - length - 1.5f * h, first - h, length, 1.2f * h};
+    const Ticks ticks = ticks_of(range[0], range[1], std::clamp(static_cast<int>(length / (4 * h)), 2, 7));
+    draw_bar(image, look.colour_map, bar);
+    draw_ticks(image, ticks, range, bar, style);
+    const std::string title = field_title(look, ticks.power);
+    draw_text(image, bar.x - 1.5f * h - text_width(title, h), first, title, style);
+}
+
+std::string time_text(const LookOptions& look, double time) { return look.time_stamp ? fmt::format("t = {:.3f} s", time) : ""; }
+
+}  // namespace
+
+void draw_words(Image& image, const Layout& layout, const LookOptions& look, const std::array<float, 2>& range, double time) {
     TextStyle style = style_for(image, look);
-    style.height *= 1.3f;
-    draw_text(image, 2 * style.height, 2.5f * style.height, text, style);
+    style.height = layout.text;
+    style.halo_strength = 0;
+    (layout.below ? draw_strip : draw_column)(image, layout.margin, look, range, time_text(look, time), style);
 }
 
-void draw_time(Image& image, const LookOptions& look, double time) {
+void draw_words_over(Image& image, const LookOptions& look, double time) {
     const TextStyle style = style_for(image, look);
-    draw_text(image, 2 * style.height, static_cast<float>(image.height) - 2 * style.height, fmt::format("t = {:.3f} s", time), style);
+    const float h = style.height;
+    if (!look.title.empty()) draw_text(image, 2 * h, 3 * h, look.title, style);
+    if (look.time_stamp) draw_text(image, 2 * h, static_cast<float>(image.height) - 2 * h, time_text(look, time), style);
 }
 
 }  // namespace whorl

@@ -1,16 +1,18 @@
 #pragma once
-/// What is written on a picture: a legend of the colour map, and the time.
+/// What is written beside a flow: a legend of the colour map, the time, what a panel shows.
 #include <array>
 #include <string>
 #include <vector>
 
 #include "render/image/image.h"
+#include "render/look/layout.h"
 #include "render/look/look_options.h"
 
 namespace whorl {
 
 /// "speed [m/s]": the field with its unit; on a diverging map a vector's name is that of its component, "spin z [1/s]".
-std::string field_title(const LookOptions& look);
+/// @param power of ten that its numbers are given in
+std::string field_title(const LookOptions& look, int power = 0);
 
 /// Numbers for a scale from low to high.
 struct Ticks {
@@ -21,12 +23,10 @@ struct Ticks {
 /// At most `most` of them.
 Ticks ticks_of(double low, double high, int most);
 
-/// The colour map as an upright bar at the right edge, with numbers, the field's name and its unit. Values beyond the range have the
-/// colours of the ends: arrows say so.
-void draw_legend(Image& image, const LookOptions& look, const std::array<float, 2>& range);
-/// A few words at the upper left: what a panel shows.
-void draw_label(Image& image, const LookOptions& look, const std::string& text);
-/// "t = 1.250 s" at the lower left.
-void draw_time(Image& image, const LookOptions& look, double time);
+/// The look's title, the time and the legend, those that it asks for, into the layout's margin. The legend is the colour map as a bar with
+/// numbers, the field's name and its unit; values beyond the range have the colours of the ends: arrows say so.
+void draw_words(Image& image, const Layout& layout, const LookOptions& look, const std::array<float, 2>& range, double time);
+/// The title and the time alone, at the upper and the lower left of a picture without margin.
+void draw_words_over(Image& image, const LookOptions& look, double time);
 
 }  // namespace whorl

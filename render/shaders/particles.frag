@@ -1,12 +1,11 @@
 // The sphere in that point, with its own depth.
 in vec3 centre;
-in float place;
+in vec3 shade;
 uniform vec3 eye;
 uniform float radius;
 uniform mat4 to_world;
 uniform mat4 view_projection;
 uniform vec2 picture_size;
-uniform sampler2D colours;
 uniform mat3 studio;         // world -> studio
 uniform vec3 sky;
 uniform vec3 key_colour;
@@ -25,8 +24,7 @@ void main() {
     vec3 n = (x - centre) / radius;
     float open = 0.55 + 0.45 * n.y;
     float lit = clamp(0.25 + 0.75 * dot(n, vec3(-0.48, 0.68, 0.55) * studio), 0.0, 1.0);
-    vec3 c0 = texture(colours, vec2(place, 0.5)).rgb;
     // Little gloss: a colour must be read off the map.
-    solid = vec4(c0 * (sky * open + 1.4 * key_colour * lit) + 0.02 * pow(clamp(1.0 + dot(n, d), 0.0, 1.0), 3.0), distance(x, eye));
+    solid = vec4(shade * (sky * open + 1.4 * key_colour * lit) + 0.02 * pow(clamp(1.0 + dot(n, d), 0.0, 1.0), 3.0), distance(x, eye));
     normal = vec4(0.0);
 }

@@ -1,16 +1,16 @@
 // A particle as a point that covers its sphere.
 layout(location = 0) in vec3 position;
-layout(location = 1) in float value;   // 0 .. 1 along the colour map
+layout(location = 1) in vec3 colour;
 uniform mat4 view_projection;
 uniform vec3 eye;
 uniform float radius;        // m
 uniform float pixels;        // of a length of 1 m at a distance of 1 m
 out vec3 centre;
-out float place;
+out vec3 shade;
 
 void main() {
     centre = position;
-    place = value;
+    shade = colour;
     gl_Position = view_projection * vec4(position, 1.0);
     float away = distance(position, eye);
     // A sphere is seen a little wider than its diameter, and more so near the edge of the picture.

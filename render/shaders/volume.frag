@@ -1,14 +1,12 @@
 // The flow as a glowing cloud: the field along the ray, front to back, over the solids behind it.
 in vec2 uv;
 uniform sampler2D solid_buffer;
-uniform sampler3D values;      // 0 .. 1 along the colour map
+uniform sampler3D values;      // colour times strength, and strength, 0 .. 1
 uniform sampler3D cover;       // 0 .. 1
-uniform sampler2D colours;
 uniform mat4 to_world;         // clip -> world
 uniform vec3 eye;
 uniform vec3 box_low, box_high;  // m
 uniform float thickness;       // optical depth of a metre of the strongest field
-uniform bool diverging;
 uniform float weight;          // of this sample in the pixel
 layout(location = 0) out vec4 colour;
 
@@ -30,11 +28,10 @@ void main() {
         vec3 size = 1.0 / (box_high - box_low);
         for (int i = 0; i < steps; ++i) {
             vec3 p = (eye + d * (from + (float(i) + noise(gl_FragCoord.xy)) * step_length) - box_low) * size;
-            float value = texture(values, p).r;
-            float strong = diverging ? abs(2.0 * value - 1.0) : value;
-            float dense = thickness * texture(cover, p).r * strong * strong;
+            vec4 glow = texture(values, p);
+            float dense = thickness * texture(cover, p).r * glow.a * glow.a;
             float stopped = 1.0 - exp(-dense * step_length);
-            light += through * stopped * texture(colours, vec2(value, 0.5)).rgb;
+            light += through * stopped * glow.rgb / max(glow.a, 1e-4);
             through *= 1.0 - stopped;
             if (through < 0.01) break;
         }

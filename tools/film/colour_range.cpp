@@ -55,21 +55,35 @@ std::pair<double, double> solids_motion(const Scene& scene, const Frame& start) 
     return {speed, turn};
 }
 
+/// The largest speed that the start, the emitters, the solids or a free fall through the domain give [m/s].
+double foreseen_speed(const Scene& scene, const Frame& start) {
+    const Vec3d gravity = scene.domain.gravity(0);
+    const double g = gravity.norm(), height = g > 0 ? fall_height(scene, start, gravity / g) : 0;
+    double speed = std::max(solids_motion(scene, start).first, std::sqrt(2 * g * height));
+    for (const Vec3f& u : start.velocity)
+        if (const auto own = static_cast<double>(u.norm()); std::isfinite(own)) speed = std::max(speed, own);
+    for (const EmitterKeys& emitter : scene.emitters)
+        for (int n = 0; n <= 64; ++n) speed = std::max(speed, std::abs(emitter.speed(n * scene.time.end / 64)));
+    return speed;
+}
+
 }  // namespace
+
+float film_streak_time(const LookOptions& look, const Simulation& simulation) {
+    const Scene& scene = simulation.scene();
+    if (look.style != "slice" || !look.streaks || look.streak_time > 0) return look.streak_time;
+    const double size = (scene.domain.max - scene.domain.min).maxCoeff();
+    const double speed = foreseen_speed(scene, Snapshots(simulation, {}).take(simulation, 1));
+    if (!(speed > 0)) return 0;
+    return static_cast<float>(std::clamp(scene.time.frame_interval(), size / 45 / speed, size / 16 / speed));
+}
 
 std::array<float, 2> film_range(const LookOptions& look, const Simulation& simulation, const Frame& start) {
     if (look.range[0] != look.range[1]) return look.range;
     const Scene& scene = simulation.scene();
     const Vec3d gravity = scene.domain.gravity(0);
     const double g = gravity.norm(), height = g > 0 ? fall_height(scene, start, gravity / g) : 0;
-    const auto [solid_speed, turn] = solids_motion(scene, start);
-
-    LookOptions speed_look = look;
-    speed_look.field = "speed";
-    double speed = std::max({largest(field_values(start, speed_look)), solid_speed, std::sqrt(2 * g * height)});
-    for (const EmitterKeys& emitter : scene.emitters)
-        for (int n = 0; n <= 64; ++n) speed = std::max(speed, std::abs(emitter.speed(n * scene.time.end / 64)));
-
+    const double speed = foreseen_speed(scene, start), turn = solids_motion(scene, start).second;
     const double rest = scene.fluid.density, first = largest(field_values(start, look));
     double high = 1;
     if (look.field == "speed") high = speed;

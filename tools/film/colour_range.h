@@ -1,5 +1,5 @@
 #pragma once
-/// The range of the colour map for a whole film, known before its first picture.
+/// What a look leaves open for a whole film to have: known before its first picture.
 #include <array>
 
 #include "engine/io/frame.h"
@@ -16,5 +16,9 @@ namespace whorl {
 std::array<float, 2> film_range(const LookOptions& look, const Simulation& simulation, const Frame& start);
 /// The same for a simulation that has not begun.
 std::array<float, 2> film_range(const LookOptions& look, const Simulation& simulation);
+
+/// How long the streaks of a slice are [s], the same for every frame of the film: as the look says, else as long as a frame lasts, or what
+/// the fastest fluid takes for a few hundredths of the domain.
+float film_streak_time(const LookOptions& look, const Simulation& simulation);
 
 }  // namespace whorl

@@ -13,7 +13,6 @@
 #include "engine/io/files.h"
 #include "engine/scene/frame_times.h"
 #include "render/image/arrange.h"
-#include "render/look/overlay.h"
 #include "render/video/encoder.h"
 #include "tools/film/colour_range.h"
 #include "tools/film/contact_sheet.h"
@@ -119,10 +118,8 @@ private:
         if (scene_.output.video) encoder.emplace(folder_.path() / (scene_.name + ".mp4"), width, height, VideoOptions{scene_.time.fps, 18});
         for (int frame = 1; frame <= frames; ++frame) {
             std::vector<Image> images;
-            for (std::size_t k = 0; k < scenes_.size(); ++k) {
+            for (std::size_t k = 0; k < scenes_.size(); ++k)
                 images.push_back(read_png(picture_file(panel_folder(folder_.path(), k), frame)));
-                draw_label(images.back(), scenes_[k].look, scene_.panels[k].label);
-            }
             const Image whole = side_by_side(images, panel_columns(scene_), gap, width, height);
             write_png(picture_file(folder_.path(), frame), whole);
             if (encoder) encoder->add(whole);
@@ -185,6 +182,7 @@ std::vector<SceneFile> panel_scenes(const SceneFile& file) {
                 changes.back().source = file.scene.place(name);
             }
             scenes.push_back(changed(alone, changes));
+            if (scenes.back().look.title.empty()) scenes.back().look.title = file.scene.panels[k].label;
             scenes.back().scene.places = file.scene.places;  // what is wrong with it is told by the places in the file
         } catch (const InputError& error) {
             for (Problem problem : error.problems()) {

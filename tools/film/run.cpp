@@ -143,6 +143,7 @@ void Run::greet(const Plan& plan) {
 SceneFile Run::with_colour_range() const {
     SceneFile file = request_.file;
     if (shows_field(file.look)) file.look.range = film_range(file.look, simulation_);
+    file.look.streak_time = film_streak_time(file.look, simulation_);
     return file;
 }
 

@@ -40,28 +40,76 @@ TEST_CASE("ticks are round numbers within the range, all written alike", "[rende
     }
 }
 
-TEST_CASE("a legend shows the map from end to end with the field's name and unit", "[render]") {
+namespace {
+
+/// What the words change of a grey picture.
+std::vector<std::array<int, 2>> changed_pixels(const LookOptions& look, double time, int width, int height, float aspect) {
+    Image image = plain_image(width, height, 160);
+    const std::array<float, 2> range{0, 2};
+    draw_words(image, layout_of(width, height, aspect, look, range), look, range, time);
+    std::vector<std::array<int, 2>> changed;
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+            if (image.pixel(x, y)[0] != 160) changed.push_back({x, y});
+    return changed;
+}
+
+LookOptions wordy() {
     LookOptions look;
+    look.style = "slice";
+    look.field = "vorticity";
+    look.title = "no spin";
+    look.legend = look.time_stamp = true;
+    return look;
+}
+
+}  // namespace
+
+TEST_CASE("a legend shows the map from end to end with the field's name and unit", "[render]") {
+    LookOptions look = wordy();
+    for (const float aspect : {0.5f, 4.0f}) {
+        Image image = plain_image(640, 360, 160);
+        draw_words(image, layout_of(640, 360, aspect, look, {0, 2}), look, {0, 2}, 1);
+        for (const float t : {0.0f, 0.25f, 0.5f, 0.75f, 1.0f}) CHECK(holds(image, map_colour("viridis", t)));
+    }
     look.field = "speed";
-    Image image = plain_image(640, 360, 160);
-    draw_legend(image, look, {0, 2});
-    for (const float t : {0.0f, 0.25f, 0.5f, 0.75f, 1.0f}) CHECK(holds(image, map_colour("viridis", t)));
-    for (int y = 0; y < image.height; ++y)
-        for (int x = 0; x < image.width / 2; ++x) REQUIRE(image.pixel(x, y)[0] == 160);  // it stays at its edge
     CHECK(field_title(look) == "speed [m/s]");
     look.field = "spin";
     look.colour_map = "coolwarm";
     CHECK(field_title(look) == "spin z [1/s]");
 }
 
-TEST_CASE("a time stamp changes only its corner, and only in its digits from frame to frame", "[render]") {
+TEST_CASE("no word stands on the flow or is cut off, whatever its sides and the picture's", "[render]") {
+    const LookOptions look = wordy();
+    const int sizes[][2] = {{640, 360}, {640, 178}, {318, 360}, {1280, 720}, {1920, 1080}, {420, 420}};
+    for (const auto& [width, height] : sizes)
+        for (const float aspect : {0.4f, 1.0f, 1.78f, 3.1f, 6.0f}) {
+            const PictureBox flow = layout_of(width, height, aspect, look, {0, 2}).flow;
+            INFO(width << " x " << height << ", flow " << aspect << ": " << flow.width << " x " << flow.height);
+            // The flow has its sides, and of the picture what the words leave.
+            CHECK(std::abs(static_cast<float>(flow.width) - aspect * static_cast<float>(flow.height)) <= 0.51f * std::max(1.0f, aspect));
+            CHECK((flow.width > 0.6 * width || flow.height > 0.6 * height));
+            for (const auto& [x, y] : changed_pixels(look, 12.5, width, height, aspect)) {
+                const bool on_flow = x >= flow.x && x < flow.x + flow.width && y >= flow.y && y < flow.y + flow.height;
+                REQUIRE_FALSE(on_flow);
+                REQUIRE((x > 0 && y > 0 && x + 1 < width && y + 1 < height));
+            }
+        }
+}
+
+TEST_CASE("without words the flow has the whole picture", "[render]") {
     LookOptions look;
-    Image first = plain_image(640, 360, 160), second = first;
-    draw_time(first, look, 1.25);
-    draw_time(second, look, 1.5);
-    CHECK(first.rgb != second.rgb);
-    CHECK(first.rgb != plain_image(640, 360, 160).rgb);
-    for (int y = 0; y < first.height; ++y)
-        for (int x = 0; x < first.width; ++x)
-            if (x > 200 || y < 300) REQUIRE(first.pixel(x, y)[0] == 160);
+    look.style = "slice";
+    const PictureBox wide = layout_of(640, 360, 16.0f / 9, look, {0, 1}).flow;
+    CHECK((wide.x == 0 && wide.y == 0 && wide.width == 640 && wide.height == 360));
+    CHECK(layout_of(640, 360, 1, look, {0, 1}).flow.height == 360);
+}
+
+TEST_CASE("from frame to frame only the digits of the time change", "[render]") {
+    LookOptions look = wordy();
+    look.legend = false;
+    look.title.clear();
+    const auto first = changed_pixels(look, 1.25, 640, 360, 1.5f), second = changed_pixels(look, 1.5, 640, 360, 1.5f);
+    CHECK(first != second);
+    CHECK_FALSE(first.empty());
 }

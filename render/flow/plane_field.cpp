@@ -1,0 +1,176 @@
+#include "render/flow/plane_field.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "engine/core/parallel.h"
+#include "engine/core/random.h"
+#include "render/flow/plane_particles.h"
+
+namespace whorl {
+namespace {
+
+constexpr int tile = 32;  ///< pixels; one thread fills a tile
+
+/// Values and gradients of one particle; entry 0 and 1: velocity, then the field.
+struct Linear {
+    std::array<float, 5> value{};
+    std::array<Vec3f, 5> gradient;
+};
+
+/// G minimises sum w (f_j - f_i - G r)^2.
+std::vector<Linear> linear_fields(const PlaneParticles& near, const std::vector<std::array<float, 5>>& value, int count, bool flat) {
+    std::vector<Linear> fields(near.at.size());
+    const float h = near.reach;
+    parallel_for(static_cast<Index>(near.at.size()), [&](Index i) {
+        Mat3f moments = Mat3f::Zero();
+        std::array<Vec3f, 5> change;
+        change.fill(Vec3f::Zero());
+        near.around(near.at[i].head<2>(), h, [&](std::uint32_t j) {
+            const Vec3f r = near.at[j] - near.at[i];
+            const float q = 1 - r.squaredNorm() / (h * h);
+            if (q <= 0) return;
+            const Vec3f wr = q * q * r;
+            moments += wr * r.transpose();
+            for (int k = 0; k < count; ++k) change[k] += (value[j][k] - value[i][k]) * wr;
+        });
+        const float size = moments.trace();
+        if (flat) moments(2, 2) = size > 0 ? size : 1;
+        fields[i].value = value[i];
+        fields[i].gradient.fill(Vec3f::Zero());
+        if (!(size > 0)) return;
+        moments.diagonal().array() += 1e-4f * size;
+        const Mat3f inverse = moments.inverse();
+        for (int k = 0; k < count; ++k) fields[i].gradient[k] = inverse * change[k];
+    });
+    return fields;
+}
+
+/// The pixels of one tile, filled particle by particle.
+struct Tile {
+    int x0, y0, nx, ny;
+    std::array<std::array<float, tile * tile>, 5> sum{};
+    std::array<float, tile * tile> weight{}, noise{}, grains{};
+
+    /// Calls f(first pixel of the row, x of its middle, y, count) for the rows of pixels within `reach` of (x, y).
+    template <class F>
+    void rows(float x, float y, float reach, const F& f) const {
+        const int low = std::max(y0, static_cast<int>(std::ceil(y - reach - 0.5f))), high = std::min(y0 + ny, static_cast<int>(std::floor(y + reach + 0.5f)));
+        const int left = std::max(x0, static_cast<int>(std::ceil(x - reach - 0.5f))), right = std::min(x0 + nx, static_cast<int>(std::floor(x + reach + 0.5f)));
+        for (int row = low; row < high; ++row)
+            if (left < right) f((row - y0) * tile + left - x0, static_cast<float>(left) + 0.5f - x, static_cast<float>(row) + 0.5f - y, right - left);
+    }
+
+    /// @param at in pixels @param h the same
+    void add(const Vec3f& at, float h, const Linear& of, int count, float metres) {
+        rows(at.x(), at.y(), h, [&](int first, float dx, float dy, int n) {
+            const float over = 1 / (h * h), rest = 1 - (dy * dy + at.z() * at.z()) * over;
+            if (rest <= 0) return;
+            float w[tile];
+            for (int l = 0; l < n; ++l) {
+                const float r = dx + static_cast<float>(l), q = std::max(0.0f, rest - r * r * over);
+                w[l] = q * q;
+                weight[first + l] += w[l];
+            }
+            for (int k = 0; k < count; ++k) {
+                const Vec3f& g = of.gradient[k];
+                const float base = of.value[k] + metres * (g.x() * dx + g.y() * dy - g.z() * at.z()), slope = metres * g.x();
+                for (int l = 0; l < n; ++l) sum[k][first + l] += w[l] * (base + slope * static_cast<float>(l));
+            }
+        });
+    }
+
+    void add_grain(float x, float y, float radius, float sign) {
+        rows(x, y, radius, [&](int first, float dx, float dy, int n) {
+            const float over = 1 / (radius * radius), rest = 1 - dy * dy * over;
+            for (int l = 0; l < n; ++l) {
+                const float r = dx + static_cast<float>(l), q = std::max(0.0f, rest - r * r * over);
+                noise[first + l] += sign * q * q;
+                grains[first + l] += sign * sign * q * q * q * q;
+            }
+        });
+    }
+};
+
+/// How grains stand around their particle: about four of them on every pixel.
+struct Grains {
+    float radius;   ///< pixels
+    float scatter;  ///< m
+    int each;
+
+    Grains(float spacing, float pixel, bool flat) : radius(std::max(1.5f, 0.2f * spacing / pixel)), scatter(0.7f * spacing) {
+        const float size = radius * pixel / spacing, layers = flat ? 1.0f : 2.0f;
+        each = std::clamp(static_cast<int>(std::ceil(4 / (3.14f * size * size * layers))), 1, 24);
+    }
+    /// Calls f(x, y, sign) for those of a particle, in pixels.
+    template <class F>
+    void of(const Vec3f& at, float own, float fade, float pixel, const F& f) const {
+        RandomNumbers random(std::bit_cast<std::uint32_t>(own));
+        for (int k = 0; k < each; ++k) {
+            const float a = static_cast<float>(6.283185307 * random()), r = scatter / pixel * std::sqrt(static_cast<float>(random()));
+            f(at.x() + r * std::cos(a), at.y() + r * std::sin(a), random() < 0.5 ? -fade : fade);
+        }
+    }
+};
+
+void finish(PlaneField& field, const Tile& t, int count, float lattice) {
+    for (int y = 0; y < t.ny; ++y)
+        for (int x = 0; x < t.nx; ++x) {
+            const int from = y * tile + x;
+            const std::size_t to = grid_index(t.x0 + x, t.y0 + y, field.width);
+            const float w = t.weight[from];
+            field.cover[to] = std::min(1.0f, w / lattice);
+            if (w <= 0) continue;
+            for (int k = 0; k < count; ++k) (k < 2 ? field.velocity[k] : field.value[k - 2])[to] = t.sum[k][from] / w;
+            if (!field.noise.empty() && t.grains[from] > 0) field.noise[to] = t.noise[from] / std::sqrt(t.grains[from]);
+        }
+}
+
+}  // namespace
+
+PlaneField plane_field(const Frame& frame, const std::vector<std::vector<float>>& value, const PixelPlane& plane) {
+    const bool flat = frame.dimensions == 2;
+    const float h = std::max(2 * frame.spacing, 1.2f * plane.pixel);
+    const PlaneParticles near(frame, plane, h);
+    const int count = 2 + static_cast<int>(value.size());
+    std::vector<std::array<float, 5>> own(near.at.size());
+    for (std::size_t i = 0; i < own.size(); ++i) {
+        const std::uint32_t p = near.particle[i];
+        own[i] = {frame.velocity[p].dot(plane.right), frame.velocity[p].dot(plane.up)};
+        for (std::size_t k = 0; k < value.size(); ++k) own[i][2 + k] = value[k][p];
+    }
+    const std::vector<Linear> fields = linear_fields(near, own, count, flat);
+
+    PlaneField field{plane.width, plane.height, {}, {}, {}, {}, 0};
+    const std::size_t pixels = grid_count(plane.width, plane.height);
+    field.cover.assign(pixels, 0);
+    for (int k = 0; k < count; ++k) (k < 2 ? field.velocity[k] : field.value[k - 2]).assign(pixels, 0);
+    const auto grain = frame.scalar.find("grain");
+    const Grains grains(frame.spacing, plane.pixel, flat);
+    if (grain != frame.scalar.end()) field.noise.assign(pixels, 0), field.grain_size = grains.radius;
+    // sum of the weights in a full lattice
+    const float d = h / frame.spacing, lattice = flat ? 1.0472f * d * d : 0.95744f * d * d * d;
+    const float metres = plane.pixel, margin = std::max(h, grains.scatter + grains.radius * metres);
+    const int across = (plane.width + tile - 1) / tile, rows = (plane.height + tile - 1) / tile;
+    parallel_blocks(across * rows, 1, [&](Index begin, Index end) {
+        for (Index n = begin; n < end; ++n) {
+            Tile t{static_cast<int>(n) % across * tile, static_cast<int>(n) / across * tile, 0, 0};
+            t.nx = std::min(tile, plane.width - t.x0), t.ny = std::min(tile, plane.height - t.y0);
+            near.within(metres * static_cast<float>(t.x0) - margin, metres * static_cast<float>(t.y0) - margin,
+                        metres * static_cast<float>(t.x0 + t.nx) + margin, metres * static_cast<float>(t.y0 + t.ny) + margin, [&](std::uint32_t i) {
+                            const Vec3f at = near.at[i] / metres;
+                            t.add(at, h / metres, fields[i], count, metres);
+                            const float fade = 1 - near.at[i].z() * near.at[i].z() / (h * h);
+                            if (!field.noise.empty() && fade > 0)
+                                grains.of(at, grain->second[near.particle[i]], fade, metres,
+                                          [&](float x, float y, float sign) { t.add_grain(x, y, grains.radius, sign); });
+                        });
+            finish(field, t, count, lattice);
+        }
+    });
+    return field;
+}
+
+}  // namespace whorl

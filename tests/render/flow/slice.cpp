@@ -1,0 +1,190 @@
+// Slices: fields in the pixels of a plane, streaks that go with the flow, solids that the plane cuts.
+#include "render/flow/slice.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "engine/core/parallel.h"
+#include "engine/core/random.h"
+#include "render/flow/plate.h"
+#include "render/flow/solid_cut.h"
+#include "render/flow/streaks.h"
+#include "render/image/difference.h"
+#include "tests/support/shapes.h"
+
+using namespace whorl;
+
+namespace slice_test {
+
+namespace {
+
+constexpr float d = 0.05f;
+
+/// A square or a cube of 1 m with uneven particles, each with a grain of its own and a velocity of places.
+template <class F>
+Frame uneven(int dimensions, F&& velocity) {
+    Frame frame;
+    frame.spacing = d;
+    frame.dimensions = dimensions;
+    frame.domain_min = Vec3f::Zero(), frame.domain_max = dimensions == 3 ? Vec3f(Vec3f::Ones()) : Vec3f(1, 1, 0);
+    RandomNumbers random(3);
+    const auto off = [&] { return 0.3f * d * static_cast<float>(2 * random() - 1); };
+    for (int k = 0; k < (dimensions == 3 ? 20 : 1); ++k)
+        for (int j = 0; j < 20; ++j)
+            for (int i = 0; i < 20; ++i) {
+                const Vec3f cell(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k));
+                Vec3f x = d * (cell + Vec3f::Constant(0.5f)) + Vec3f(off(), off(), off());
+                if (dimensions == 2) x.z() = 0;
+                frame.position.push_back(x);
+                frame.velocity.push_back(velocity(x));
+                frame.scalar["grain"].push_back(static_cast<float>(random()));
+            }
+    return frame;
+}
+
+Vec3f turning(const Vec3f& x) { return Vec3f(0.5f - x.y(), x.x() - 0.5f, 0); }
+
+/// Of pixels at least `margin` from the edge, the largest difference to a function of the place.
+template <class F>
+float largest_error(const std::vector<float>& value, const PixelPlane& plane, int margin, F&& expected) {
+    float most = 0;
+    for (int y = margin; y < plane.height - margin; ++y)
+        for (int x = margin; x < plane.width - margin; ++x) {
+            const Vec3f at = plane.corner + plane.pixel * ((static_cast<float>(x) + 0.5f) * plane.right + (static_cast<float>(y) + 0.5f) * plane.up);
+            most = std::max(most, std::abs(value[grid_index(x, y, plane.width)] - expected(at)));
+        }
+    return most;
+}
+
+double mean_square(const std::vector<float>& v) {
+    double sum = 0;
+    for (const float one : v) sum += static_cast<double>(one) * one;
+    return sum / static_cast<double>(v.size());
+}
+
+}  // namespace
+
+TEST_CASE("a linear field is exact in every pixel, at the edges too, in the plane and in space", "[render][slice]") {
+    LookOptions look;
+    for (const int dimensions : {2, 3})
+        for (const char* axis : {"x", "y", "z"}) {
+            look.slice_axis = axis;
+            if (dimensions == 2 && look.slice_axis != "z") continue;
+            look.slice_position = 0.43f;
+            const Frame frame = uneven(dimensions, turning);
+            const auto linear = [&](const Vec3f& x) { return 2 + 3 * x.x() - x.y() + (dimensions == 3 ? 0.7f * x.z() : 0.0f); };
+            std::vector<float> value;
+            for (const Vec3f& x : frame.position) value.push_back(linear(x));
+            const PixelPlane plane = slice_plane(frame, look, 150);
+            const PlaneField field = plane_field(frame, {value}, plane);
+            INFO(dimensions << " dimensions, axis " << axis);
+            // The regularisation of the gradients is 1e-4.
+            CHECK(largest_error(field.value[0], plane, 0, linear) < 1e-3f);
+            CHECK(largest_error(field.velocity[0], plane, 0, [&](const Vec3f& x) { return turning(x).dot(plane.right); }) < 1e-3f);
+            CHECK(largest_error(field.cover, plane, 15, [](const Vec3f&) { return 1.0f; }) < 0.35f);
+        }
+}
+
+TEST_CASE("a slice goes on across a periodic joint", "[render][slice]") {
+    Frame frame = uneven(2, turning);
+    frame.periodic = {true, true, false};
+    std::vector<float> value;
+    for (const Vec3f& x : frame.position) value.push_back(std::sin(6.2831853f * x.x()));
+    const PixelPlane plane = slice_plane(frame, LookOptions{}, 200);
+    const PlaneField field = plane_field(frame, {value}, plane);
+    // A wave of 20 spacings, whose curvature a mean over two spacings flattens by 2 %.
+    CHECK(largest_error(field.value[0], plane, 0, [](const Vec3f& x) { return std::sin(6.2831853f * x.x()); }) < 0.06f);
+    CHECK(*std::min_element(field.cover.begin(), field.cover.end()) > 0.6f);
+}
+
+TEST_CASE("slices are the same bits for any number of threads", "[render][slice]") {
+    const Frame frame = uneven(2, turning);
+    LookOptions look;
+    look.style = "slice";
+    const PixelPlane plane = slice_plane(frame, look, 128);
+    const int before = threads();
+    set_threads(1);
+    const FlowSlice one = flow_slice(frame, look, {0, 1}, plane, Vec3f::Ones());
+    set_threads(4);
+    CHECK(flow_slice(frame, look, {0, 1}, plane, Vec3f::Ones()).rgba == one.rgba);
+    set_threads(before);
+}
+
+TEST_CASE("noise has mean 0 and variance 1 and goes with the particles", "[render][slice]") {
+    Frame frame = uneven(2, turning);
+    frame.periodic = {true, true, false};
+    const PixelPlane plane = slice_plane(frame, LookOptions{}, 400);
+    const PlaneField first = plane_field(frame, {std::vector<float>(frame.position.size())}, plane);
+    REQUIRE_FALSE(first.noise.empty());
+    CHECK(mean_square(first.noise) == Approx(1).epsilon(0.1));
+    // All particles go 10 pixels to the right, and all the noise with them.
+    for (Vec3f& x : frame.position) x.x() += 10 * plane.pixel;
+    const PlaneField second = plane_field(frame, {std::vector<float>(frame.position.size())}, plane);
+    float most = 0;
+    for (int y = 0; y < plane.height; ++y)
+        for (int x = 0; x + 10 < plane.width; ++x)
+            most = std::max(most, std::abs(second.noise[grid_index(x + 10, y, plane.width)] - first.noise[grid_index(x, y, plane.width)]));
+    CHECK(most < 0.02f);
+}
+
+TEST_CASE("streaks run along the flow, and there are none where nothing moves", "[render][slice]") {
+    const Frame moving = uneven(2, [](const Vec3f&) { return Vec3f(1, 0, 0); }), still = uneven(2, [](const Vec3f&) { return Vec3f(Vec3f::Zero()); });
+    const PixelPlane plane = slice_plane(moving, LookOptions{}, 300);
+    const std::vector<float> none(moving.position.size());
+    const std::vector<float> b = streaks(plane_field(moving, {none}, plane), 15 * plane.pixel, plane.pixel);
+    double along = 0, across = 0;
+    for (int y = 50; y < 250; ++y)
+        for (int x = 50; x < 250; ++x) {
+            const auto at = [&](int i, int j) { return b[grid_index(i, j, plane.width)]; };
+            along += std::pow(at(x + 1, y) - at(x, y), 2.0), across += std::pow(at(x, y + 1) - at(x, y), 2.0);
+        }
+    // Streaks are 30 pixels long and two or three wide.
+    CHECK(along < 0.1 * across);
+    CHECK(mean_square(b) == Approx(1).epsilon(0.5));
+    CHECK(mean_square(streaks(plane_field(still, {none}, plane), 1, plane.pixel)) == 0);
+}
+
+TEST_CASE("fluid that stands still looks the same in every frame; a moving one as if its picture moved", "[render][slice]") {
+    // A vortex in the middle of fluid at rest; 1/24 s between frames.
+    const auto vortex = [](const Vec3f& x) { return Vec3f(std::exp(-20 * (x - Vec3f(0.5f, 0.5f, 0)).squaredNorm()) * turning(x)); };
+    Frame frame = uneven(2, vortex);
+    LookOptions look;
+    look.style = "slice";
+    look.streak_time = 0.2f;
+    look.range = {0, 0.2f};
+    const Image first = draw_plate(frame, look, look.range, 400, 400);
+    for (std::size_t p = 0; p < frame.position.size(); ++p) frame.position[p] += frame.velocity[p] / 24;
+    for (std::size_t p = 0; p < frame.position.size(); ++p) frame.velocity[p] = vortex(frame.position[p]);
+    const Image second = draw_plate(frame, look, look.range, 400, 400);
+    const auto corner = [](const Image& image) {  // 0.45 m from the vortex: it turns there by less than 0.01 m/s
+        Image part = plain_image(60, 60, 0);
+        for (int y = 0; y < 60; ++y)
+            for (int x = 0; x < 60; ++x) std::copy_n(image.pixel(x, y), 3, part.pixel(x, y));
+        return part;
+    };
+    CHECK(difference(corner(first), corner(second)).mean < 0.3);
+    CHECK(difference(first, second).mean < 3);
+}
+
+TEST_CASE("solids are cut as large as they are", "[render][slice]") {
+    Frame frame = uneven(3, turning);
+    FrameSolid ball;
+    ball.mesh = std::make_shared<const TriangleMesh>(test::sphere(Vec3f::Zero(), 0.25f, 0.02f).mesh);
+    ball.translation = Vec3f(0.5f, 0.5f, 0.5f);
+    frame.solids.push_back(ball);
+    LookOptions look;
+    look.slice_position = 0.65f;
+    const PixelPlane plane = slice_plane(frame, look, 200);
+    const std::vector<SolidCut> cuts = cut_solids(frame, plane, 2);
+    REQUIRE(cuts.size() == 1);
+    double area = 0, line = 0;
+    for (const float share : cuts[0].inside) area += share;
+    for (const float share : cuts[0].outline) line += share;
+    const double radius = 200 * 0.2;  // sqrt(0.25^2 - 0.15^2) m
+    CHECK(area == Approx(3.14159 * radius * radius).epsilon(0.01));
+    CHECK(line == Approx(2 * 2 * 3.14159 * radius).epsilon(0.05));
+    look.slice_position = 0.9f;
+    CHECK(cut_solids(frame, slice_plane(frame, look, 200), 2).empty());
+}
+
+}  // namespace slice_test

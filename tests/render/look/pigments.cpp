@@ -1,0 +1,39 @@
+#include "render/look/pigments.h"
+
+#include <catch2/catch.hpp>
+
+#include "render/look/colour_map.h"
+
+using namespace whorl;
+
+TEST_CASE("a thick ink has its own colour on any ground, no ink the ground's", "[render][ink]") {
+    for (const float ground : {0.0f, 0.3f, 1.0f}) {
+        const Pigments pigments({"#1e50a0", "#e6b400"}, Vec3f::Constant(ground));
+        Vec3f blue;
+        REQUIRE(read_colour("#1e50a0", blue));
+        // Light that comes through a layer that hides what is behind it: less than 1/255 of white, of yellow, which absorbs least, 6 %.
+        CHECK((pigments(Vec3f(1, 0, 0)) - linear_of(blue)).cwiseAbs().maxCoeff() < 0.02f);
+        CHECK((pigments(Vec3f::Zero()) - Vec3f::Constant(ground)).norm() == 0);
+    }
+}
+
+TEST_CASE("blue and yellow make green, and ink that thins out goes over into the ground without a step", "[render][ink]") {
+    const Pigments pigments({"#1e50a0", "#e6b400"}, Vec3f::Ones());
+    const Vec3f mixed = pigments(Vec3f(0.5f, 0.5f, 0));
+    CHECK(mixed.y() > 1.5f * mixed.x());
+    CHECK(mixed.y() > 1.5f * mixed.z());
+    Vec3f before = pigments(Vec3f::Zero());
+    for (int n = 1; n <= 1000; ++n) {
+        const Vec3f after = pigments(Vec3f(static_cast<float>(n) / 1000, 0, 0));
+        CHECK((after.array() <= before.array() + 1e-5f).all());
+        CHECK((after - before).cwiseAbs().maxCoeff() < 0.02f);
+        before = after;
+    }
+}
+
+TEST_CASE("colours are six hexadecimal digits", "[render][ink]") {
+    Vec3f colour;
+    CHECK(read_colour("#FF8000", colour));
+    CHECK((colour - Vec3f(1, 128.0f / 255, 0)).norm() < 1e-6f);
+    for (const char* wrong : {"", "red", "#ff800", "#ff80000", "#ff80gg", "ff8000"}) CHECK_FALSE(read_colour(wrong, colour));
+}
