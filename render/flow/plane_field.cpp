@@ -57,10 +57,13 @@ struct Tile {
     /// Calls f(first pixel of the row, x of its middle, y, count) for the rows of pixels within `reach` of (x, y).
     template <class F>
     void rows(float x, float y, float reach, const F& f) const {
-        const int low = std::max(y0, static_cast<int>(std::ceil(y - reach - 0.5f))), high = std::min(y0 + ny, static_cast<int>(std::floor(y + reach + 0.5f)));
-        const int left = std::max(x0, static_cast<int>(std::ceil(x - reach - 0.5f))), right = std::min(x0 + nx, static_cast<int>(std::floor(x + reach + 0.5f)));
+        const int low = std::max(y0, static_cast<int>(std::ceil(y - reach - 0.5f))),
+                  high = std::min(y0 + ny, static_cast<int>(std::floor(y + reach + 0.5f)));
+        const int left = std::max(x0, static_cast<int>(std::ceil(x - reach - 0.5f))),
+                  right = std::min(x0 + nx, static_cast<int>(std::floor(x + reach + 0.5f)));
         for (int row = low; row < high; ++row)
-            if (left < right) f((row - y0) * tile + left - x0, static_cast<float>(left) + 0.5f - x, static_cast<float>(row) + 0.5f - y, right - left);
+            if (left < right)
+                f((row - y0) * tile + left - x0, static_cast<float>(left) + 0.5f - x, static_cast<float>(row) + 0.5f - y, right - left);
     }
 
     /// @param at in pixels @param h the same
@@ -159,7 +162,8 @@ PlaneField plane_field(const Frame& frame, const std::vector<std::vector<float>>
             Tile t{static_cast<int>(n) % across * tile, static_cast<int>(n) / across * tile, 0, 0};
             t.nx = std::min(tile, plane.width - t.x0), t.ny = std::min(tile, plane.height - t.y0);
             near.within(metres * static_cast<float>(t.x0) - margin, metres * static_cast<float>(t.y0) - margin,
-                        metres * static_cast<float>(t.x0 + t.nx) + margin, metres * static_cast<float>(t.y0 + t.ny) + margin, [&](std::uint32_t i) {
+                        metres * static_cast<float>(t.x0 + t.nx) + margin, metres * static_cast<float>(t.y0 + t.ny) + margin,
+                        [&](std::uint32_t i) {
                             const Vec3f at = near.at[i] / metres;
                             t.add(at, h / metres, fields[i], count, metres);
                             const float fade = 1 - near.at[i].z() * near.at[i].z() / (h * h);

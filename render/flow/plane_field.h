@@ -9,9 +9,9 @@ namespace whorl {
 
 /// A rectangle of pixels that stands in the flow, rows from below.
 struct PixelPlane {
-    Vec3f corner = Vec3f::Zero();                              ///< m, of the first pixel
-    Vec3f right = Vec3f::UnitX(), up = Vec3f::UnitY();         ///< unit
-    float pixel = 1;                                           ///< m, its edge
+    Vec3f corner = Vec3f::Zero();                       ///< m, of the first pixel
+    Vec3f right = Vec3f::UnitX(), up = Vec3f::UnitY();  ///< unit
+    float pixel = 1;                                    ///< m, its edge
     int width = 0, height = 0;
     Vec3f normal() const { return right.cross(up); }
 };

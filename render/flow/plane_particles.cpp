@@ -19,9 +19,12 @@ PlaneParticles::PlaneParticles(const Frame& frame, const PixelPlane& plane, floa
         for (int i = -images[0]; i <= images[0]; ++i)
             for (int j = -images[1]; j <= images[1]; ++j)
                 for (int k = -images[2]; k <= images[2]; ++k) {
-                    const Vec3f r = frame.position[p] + period.cwiseProduct(Vec3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k))) - plane.corner;
+                    const Vec3f r = frame.position[p] +
+                                    period.cwiseProduct(Vec3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k))) -
+                                    plane.corner;
                     const Vec3f x(r.dot(plane.right), r.dot(plane.up), r.dot(normal));
-                    const bool near = x.x() > -margin_ && x.x() < wide + margin_ && x.y() > -margin_ && x.y() < tall + margin_ && std::abs(x.z()) < margin_;
+                    const bool near = x.x() > -margin_ && x.x() < wide + margin_ && x.y() > -margin_ && x.y() < tall + margin_ &&
+                                      std::abs(x.z()) < margin_;
                     if (!near) continue;  // nor is what is not finite
                     found.push_back(x);
                     whose.push_back(static_cast<std::uint32_t>(p));

@@ -65,7 +65,8 @@ std::vector<float> stroked(const std::vector<Edge>& edges, int width, int height
         const Point low = e[0].cwiseMin(e[1]), high = e[0].cwiseMax(e[1]), along = e[1] - e[0];
         const float square = std::max(along.squaredNorm(), 1e-12f);
         const int x0 = std::max(0, static_cast<int>(low.x() - reach - 1)), x1 = std::min(width - 1, static_cast<int>(high.x() + reach + 1));
-        const int y0 = std::max(0, static_cast<int>(low.y() - reach - 1)), y1 = std::min(height - 1, static_cast<int>(high.y() + reach + 1));
+        const int y0 = std::max(0, static_cast<int>(low.y() - reach - 1)),
+                  y1 = std::min(height - 1, static_cast<int>(high.y() + reach + 1));
         for (int y = y0; y <= y1; ++y)
             for (int x = x0; x <= x1; ++x) {
                 const Point p(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);

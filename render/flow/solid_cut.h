@@ -7,9 +7,9 @@
 namespace whorl {
 
 struct SolidCut {
-    bool container = false;          ///< the fluid is inside the outline
-    std::vector<float> inside;       ///< share of each pixel that lies within the outline, rows from below; empty where the plane misses it
-    std::vector<float> outline;      ///< share of each pixel that its line covers
+    bool container = false;      ///< the fluid is inside the outline
+    std::vector<float> inside;   ///< share of each pixel that lies within the outline, rows from below; empty where the plane misses it
+    std::vector<float> outline;  ///< share of each pixel that its line covers
 };
 
 /// @param line width of the outline [pixels]

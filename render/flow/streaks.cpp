@@ -10,7 +10,7 @@
 namespace whorl {
 namespace {
 
-constexpr int half_pieces = 12;          ///< of a streak to each side
+constexpr int half_pieces = 12;     ///< of a streak to each side
 constexpr float longest_piece = 3;  ///< pixels; a faster flow has shorter streaks
 constexpr float calm = 3;           ///< pixels; flow that moves less has fainter streaks
 

@@ -12,7 +12,7 @@ struct Layout {
     PictureBox flow;    ///< the largest that has the flow's sides and leaves room for the words
     PictureBox margin;  ///< beside it, or below it where the flow is wider than the picture; empty where there are no words
     bool below = false;
-    float text = 0;     ///< height of a capital letter [pixels]
+    float text = 0;  ///< height of a capital letter [pixels]
 };
 
 /// @param aspect of the flow, width over height @param range of the legend

@@ -8,14 +8,15 @@
 namespace whorl {
 namespace {
 
-/// Scattering of an ink of concentration 1, in layers: what lies behind it cannot be seen any more.
+/// Scattering of a layer of an ink of concentration 1: what lies behind it cannot be seen any more.
 constexpr float hiding = 8;
 
 }  // namespace
 
 bool read_colour(const std::string& text, Vec3f& colour) {
     if (text.size() != 7 || text[0] != '#' || text.find_first_not_of("0123456789abcdefABCDEF", 1) != std::string::npos) return false;
-    for (int c = 0; c < 3; ++c) colour[c] = static_cast<float>(std::stoi(text.substr(1 + 2 * static_cast<std::size_t>(c), 2), nullptr, 16)) / 255;
+    for (int c = 0; c < 3; ++c)
+        colour[c] = static_cast<float>(std::stoi(text.substr(1 + 2 * static_cast<std::size_t>(c), 2), nullptr, 16)) / 255;
     return true;
 }
 
@@ -35,7 +36,9 @@ Pigments::Pigments(const std::vector<std::string>& colours, const Vec3f& ground)
 Vec3f Pigments::operator()(const Vec3f& concentration) const {
     const float amount = concentration.sum();
     if (!(amount > 1e-5f)) return ground_;
-    const float S = hiding * amount;
+    // A little of a strong pigment tints a lot: were the layer as thick as there is ink, one part in a thousand would take a quarter of the
+    // red.
+    const float S = hiding * amount * std::sqrt(amount);
     Vec3f colour;
     for (int band = 0; band < 3; ++band) {
         float ratio = 0;

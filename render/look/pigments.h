@@ -11,8 +11,8 @@ namespace whorl {
 /// Kubelka and Munk (1931): in a layer where the pigments scatter S and absorb K of the light, per band and unit of thickness,
 ///   K/S = (1 - R)^2/(2 R)       of a pigment that looks R where the layer hides all behind it
 ///   R   = (1 - R_g (a - q))/(a - R_g + q),   a = 1 + K/S, b = sqrt(a^2 - 1), q = b coth(b S)      (Kubelka 1948)
-/// of a layer of unit thickness on a ground R_g. K and S are the sums over the pigments, each times its concentration; the bands are red,
-/// green and blue. Blue and yellow make green, inks that thin out let the ground through.
+/// of a layer of unit thickness on a ground R_g. K and S are the sums over the pigments, each times its concentration and the square
+/// root of that of all; the bands are red, green and blue. Blue and yellow make green, inks that thin out let the ground through.
 class Pigments {
 public:
     /// @param colours up to three, "#rrggbb" (sRGB) @param ground reflectance of what lies behind, linear RGB

@@ -53,7 +53,7 @@ void CarryInk::operator()(const Surroundings& around, Write<field::ink_change> c
             around.pairs.of(i, [&](Index j, const Vec3&, Real r) {
                 if (r < 2 * step.spacing) least = least.cwiseMin(c[j]), most = most.cwiseMax(c[j]);
             });
-            const Vec3 there = c[i] + carried(W, s.viscous, around.pairs, i, step, c.data(), s.shift[i]);
+            const Vec3 there = c[i] + carried(W, s.viscous, around.pairs, i, step.volume, c.data(), s.shift[i]);
             change[i] = there.cwiseMax(least).cwiseMin(most) - c[i];
         });
     });

@@ -1,4 +1,6 @@
 // Ink in whole scenes.
+#include "engine/models/ink/ink.h"
+
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
@@ -7,7 +9,6 @@
 #include <sstream>
 
 #include "engine/io/snapshot.h"
-#include "engine/models/ink/ink.h"
 #include "tests/support/runs.h"
 
 using namespace whorl;

@@ -50,7 +50,8 @@ float largest_error(const std::vector<float>& value, const PixelPlane& plane, in
     float most = 0;
     for (int y = margin; y < plane.height - margin; ++y)
         for (int x = margin; x < plane.width - margin; ++x) {
-            const Vec3f at = plane.corner + plane.pixel * ((static_cast<float>(x) + 0.5f) * plane.right + (static_cast<float>(y) + 0.5f) * plane.up);
+            const Vec3f at =
+                plane.corner + plane.pixel * ((static_cast<float>(x) + 0.5f) * plane.right + (static_cast<float>(y) + 0.5f) * plane.up);
             most = std::max(most, std::abs(value[grid_index(x, y, plane.width)] - expected(at)));
         }
     return most;
@@ -128,7 +129,8 @@ TEST_CASE("noise has mean 0 and variance 1 and goes with the particles", "[rende
 }
 
 TEST_CASE("streaks run along the flow, and there are none where nothing moves", "[render][slice]") {
-    const Frame moving = uneven(2, [](const Vec3f&) { return Vec3f(1, 0, 0); }), still = uneven(2, [](const Vec3f&) { return Vec3f(Vec3f::Zero()); });
+    const Frame moving = uneven(2, [](const Vec3f&) { return Vec3f(1, 0, 0); }),
+                still = uneven(2, [](const Vec3f&) { return Vec3f(Vec3f::Zero()); });
     const PixelPlane plane = slice_plane(moving, LookOptions{}, 300);
     const std::vector<float> none(moving.position.size());
     const std::vector<float> b = streaks(plane_field(moving, {none}, plane), 15 * plane.pixel, plane.pixel);
