@@ -67,7 +67,7 @@ TEST_CASE("ink that a steady flow leaves as it is stays so: shifts of the partic
     }
     const double off = std::sqrt(sum / static_cast<double>(x.size()));
     INFO("root mean square of the change: " << off);
-    // A particle goes round in about 1 s. Ink that stays with its particle is off by BEFORE.
+    // A particle goes round in about 1 s. Ink that stays with its particle is off by 0.032, carried ink by 0.013.
     CHECK(off < 0.02);
 }
 
