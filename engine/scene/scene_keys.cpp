@@ -385,7 +385,8 @@ KeyTable output_keys() {
     t.key("frames", &OutputKeys::frames, "", "pictures: frames/000001.png ...");
     t.key("video", &OutputKeys::video, "", "<name>.mp4");
     t.key("size", &OutputKeys::size, "pixels", "width and height of the pictures, even numbers").at_least(16).at_most(8192);
-    t.key("panel_columns", &OutputKeys::panel_columns, "", "panels in a row; auto: all of two or three, from four on a square")
+    t.key("panel_columns", &OutputKeys::panel_columns, "",
+          "panels in a row; auto: in the plane as many as make the flow largest, else all of two or three, from four on a square")
         .at_least(1)
         .at_most(16);
     t.key("checkpoint_every", &OutputKeys::checkpoint_every, "s", "of wall time").above(0);

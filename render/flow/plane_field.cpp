@@ -103,7 +103,7 @@ struct Grains {
     float scatter;  ///< m
     int each;
 
-    Grains(float spacing, float pixel, bool flat) : radius(std::max(1.5f, 0.2f * spacing / pixel)), scatter(0.7f * spacing) {
+    Grains(float spacing, float pixel, bool flat) : radius(std::max(1.7f, 0.2f * spacing / pixel)), scatter(0.7f * spacing) {
         const float size = radius * pixel / spacing, layers = flat ? 1.0f : 2.0f;
         each = std::clamp(static_cast<int>(std::ceil(4 / (3.14f * size * size * layers))), 1, 24);
     }

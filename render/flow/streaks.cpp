@@ -10,9 +10,9 @@
 namespace whorl {
 namespace {
 
-constexpr int half_pieces = 12;     ///< of a streak to each side
-constexpr float longest_piece = 3;  ///< pixels; a faster flow has shorter streaks
-constexpr float calm = 3;           ///< pixels; flow that moves less has fainter streaks
+constexpr int half_pieces = 20;        ///< of a streak to each side
+constexpr float longest_piece = 1.7f;  ///< pixels; a faster flow has shorter streaks
+constexpr float calm = 3;              ///< pixels; flow that moves less has fainter streaks
 
 /// White noise of mean 0 and variance 1 that stands still, for fluid whose particles cannot be told apart.
 std::vector<float> still_noise(int width, int height) {
@@ -70,8 +70,11 @@ std::vector<float> streaks(const PlaneField& field, float seconds, float pixel) 
                 float sum = noise[k], weights = 1, length = 0;
                 for (const float side : {1.0f, -1.0f}) {
                     float px = static_cast<float>(x), py = static_cast<float>(y);
+                    Eigen::Vector2f before = side * way(px, py);
                     for (int s = 1; s <= half_pieces; ++s) {
-                        const Eigen::Vector2f first = side * way(px, py), v = side * way(px + 0.5f * first.x(), py + 0.5f * first.y());
+                        // Adams and Bashforth's second order: one look at the flow a piece
+                        const Eigen::Vector2f now = side * way(px, py), v = 1.5f * now - 0.5f * before;
+                        before = now;
                         px += v.x(), py += v.y();
                         // A window without ends that one could see flicker (Hann's).
                         const float w = 0.5f + 0.5f * std::cos(3.1415927f * static_cast<float>(s) / (half_pieces + 1));

@@ -159,7 +159,18 @@ private:
 int panel_columns(const Scene& scene) {
     const std::size_t panels = scene.panels.size();
     if (scene.output.panel_columns) return std::min(*scene.output.panel_columns, static_cast<int>(panels));
-    return panels <= 3 ? static_cast<int>(panels) : static_cast<int>(std::ceil(std::sqrt(static_cast<double>(panels))));
+    if (scene.domain.dimensions == 3)
+        return panels <= 3 ? static_cast<int>(panels) : static_cast<int>(std::ceil(std::sqrt(static_cast<double>(panels))));
+    // A flow in the plane is seen whole: the columns that make it largest.
+    const Vec3d size = scene.domain.max - scene.domain.min;
+    const auto scale = [&](int columns) {
+        const int rows = (static_cast<int>(panels) + columns - 1) / columns;
+        return std::min(scene.output.size[0] / (columns * size.x()), scene.output.size[1] / (rows * size.y()));
+    };
+    int best = 1;
+    for (int columns = 2; columns <= static_cast<int>(panels); ++columns)
+        if (scale(columns) > scale(best)) best = columns;
+    return best;
 }
 
 std::vector<SceneFile> panel_scenes(const SceneFile& file) {

@@ -13,7 +13,8 @@ namespace whorl {
 /// share its range, so that equal colours mean equal values. @throws InputError with what is wrong with a panel's keys
 std::vector<SceneFile> panel_scenes(const SceneFile& file);
 
-/// How many panels stand in a row: as the scene says, else all of two or three, from four on about as many as there are rows.
+/// How many panels stand in a row: as the scene says; in the plane as many as make the flow largest; else all of two or three, from four on
+/// about as many as there are rows.
 int panel_columns(const Scene& scene);
 
 enum class PanelRuns { fresh, resumed };

@@ -1,5 +1,6 @@
 #include "engine/models/ink/ink.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "engine/core/parallel.h"
@@ -42,6 +43,34 @@ void InkSources::operator()(const StepContext& step, Read<field::position> x, Up
     }
 }
 
+namespace {
+
+struct InkRange {
+    Vec3 least, most;
+};
+
+/// Of particle i and its neighbours within `reach`.
+InkRange range_around(const FluidPairs& pairs, Index i, Real reach, const Vec3* c) {
+    Real low[3][lanes], high[3][lanes];  // side by side, as the loop over neighbours runs
+    for (int a = 0; a < 3; ++a) std::fill_n(low[a], lanes, c[i][a]), std::fill_n(high[a], lanes, c[i][a]);
+    pairs.groups_of(i, [&](const Pairs::Group& group) {
+        Real other[3][Pairs::Group::most];
+        group.gather(c, other);
+        for (int a = 0; a < 3; ++a)
+            for (Index from = 0; from < group.padded(); from += lanes)
+                for (Index l = 0; l < lanes; ++l) {
+                    const Real v = group.distance[from + l] < reach ? other[a][from + l] : c[i][a];
+                    low[a][l] = v < low[a][l] ? v : low[a][l], high[a][l] = v > high[a][l] ? v : high[a][l];
+                }
+    });
+    InkRange range;
+    for (int a = 0; a < 3; ++a)
+        range.least[a] = *std::min_element(low[a], low[a] + lanes), range.most[a] = *std::max_element(high[a], high[a] + lanes);
+    return range;
+}
+
+}  // namespace
+
 void CarryInk::operator()(const Surroundings& around, Write<field::ink_change> change, Update<field::ink> c) const {
     const ProjectionSystem& s = *system;
     const StepContext& step = around.step;
@@ -49,10 +78,8 @@ void CarryInk::operator()(const Surroundings& around, Write<field::ink_change> c
         parallel_for(c.size(), [&](Index i) {
             change[i].setZero();
             if (s.shift[i] == Vec3::Zero()) return;
-            Vec3 least = c[i], most = c[i];
-            around.pairs.of(i, [&](Index j, const Vec3&, Real r) {
-                if (r < 2 * step.spacing) least = least.cwiseMin(c[j]), most = most.cwiseMax(c[j]);
-            });
+            const auto [least, most] = range_around(around.pairs, i, 2 * step.spacing, c.data());
+            if (least == most) return;
             const Vec3 there = c[i] + carried(W, s.viscous, around.pairs, i, step.volume, c.data(), s.shift[i]);
             change[i] = there.cwiseMax(least).cwiseMin(most) - c[i];
         });

@@ -146,7 +146,7 @@ TEST_CASE("streaks run along the flow, and there are none where nothing moves", 
     CHECK(mean_square(streaks(plane_field(still, {none}, plane), 1, plane.pixel)) == 0);
 }
 
-TEST_CASE("fluid that stands still looks the same in every frame; a moving one as if its picture moved", "[render][slice]") {
+TEST_CASE("fluid that stands still looks the same in every frame, and a moving one nearly so", "[render][slice]") {
     // A vortex in the middle of fluid at rest; 1/24 s between frames.
     const auto vortex = [](const Vec3f& x) { return Vec3f(std::exp(-20 * (x - Vec3f(0.5f, 0.5f, 0)).squaredNorm()) * turning(x)); };
     Frame frame = uneven(2, vortex);
