@@ -38,14 +38,15 @@ std::array<float, 2> field_range(const std::vector<float>& values, const LookOpt
 
 namespace {
 
-/// Each as thick as it can be: how much there is, is the strength.
+/// In a volume each is as thick as it can be: how much there is, is the strength, whose square is the density. Ink is three times as dense
+/// as fields are, which fill the whole fluid.
 FieldColours ink_colours(const Frame& frame, const LookOptions& look) {
     const Pigments pigments(look.inks.of, Vec3f::Constant(0.9f));
     FieldColours colours;
     const auto ink = frame.vector.find("ink");
     for (std::size_t p = 0; p < frame.position.size(); ++p) {
         const Vec3f c = ink == frame.vector.end() ? Vec3f(Vec3f::Zero()) : Vec3f(ink->second[p].cwiseMax(0.0f).cwiseMin(1.0f));
-        colours.strength.push_back(std::min(1.0f, c.sum()));
+        colours.strength.push_back(std::sqrt(3 * c.sum()));
         colours.colour.push_back(pigments(look.style == "volume" && c.sum() > 0 ? Vec3f(c / c.sum()) : c));
     }
     return colours;

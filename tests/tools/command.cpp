@@ -163,12 +163,12 @@ TEST_CASE("bad input ends with 2, tells every mistake, and writes nothing", "[to
           "s.toml:2:7: time.end must be a number [s], not the text \"x\"\n"
           "s.toml:3:1: fluid.spacing is missing; initial distance between particles [m]; allowed: more than 0\n"
           "s.toml:4:1: unknown key \"spacng\" in [fluid]; did you mean \"spacing\"?; allowed: spacing, density, viscosity, "
-          "surface_tension, force, kernel, "
+          "surface_tension, ink_diffusion, force, kernel, "
           "support\n"
           "--set look.stile=opaque: unknown key \"stile\" in [look]; did you mean \"style\"?; allowed: style, material, absorption, "
           "colour, refraction, "
-          "roughness, cooling, background, ground, exposure, samples, field, colour_map, range, trail, slice_axis, slice_position, "
-          "streaks, opacity, legend, time_stamp\n");
+          "roughness, cooling, background, ground, exposure, samples, field, colour_map, inks, range, trail, slice_axis, slice_position, "
+          "streaks, streak_time, opacity, title, legend, time_stamp\n");
     CHECK(whorl_in(folder, "plan no_such.toml").code == 2);
     CHECK(std::distance(fs::directory_iterator(folder), fs::directory_iterator()) == 1);
     fs::remove_all(folder);

@@ -63,8 +63,6 @@ const std::vector<Case> cases = {
      "bad.toml:9:17: block[0].ink: there are at most three inks; allowed: functions of x, y, z"},
     {"max = [0.1, 0.1, 0.1]", "max = [0.1, 0.1, 0.1]\nink = [2]",
      "bad.toml:9:8: block[0].ink[0] = 2 is out of range; allowed: at least 0, at most 1"},
-    {"spacing = 0.01", "spacing = 0.01\nink_diffusion = 1e-6",
-     "bad.toml:5:17: there is no ink that could spread; give a [[block]], [[emitter]] or [[stream]] ink"},
     {"spacing = 0.01", "density = 900",
      "bad.toml:3:1: fluid.spacing is missing; initial distance between particles [m]; allowed: more than 0"},
     {"[fluid]\nspacing = 0.01", "", "bad.toml: fluid.spacing is missing; initial distance between particles [m]; allowed: more than 0"},
@@ -154,7 +152,7 @@ const std::vector<Case> cases = {
      "viscosity, micropolar, boundary, block, emitter, solid, drain, stream, probe, change, panel, output, budget, quality"},
     {"", "[quality.draft]\nfluid.spacng = 1\n[quality.coarse]\n[quality.standard]",
      "bad.toml:10:7: unknown key \"spacng\" in [fluid]; did you mean \"spacing\"?; allowed: spacing, density, viscosity, surface_tension, "
-     "force, kernel, support\n"
+     "ink_diffusion, force, kernel, support\n"
      "bad.toml:11:10: unknown quality \"coarse\"; allowed: draft, fine\n"
      "bad.toml:12:10: [quality.standard] cannot be set; the file itself is the standard quality; allowed: draft, fine"},
     {"", "[quality.fine]\nfluid.spacing = \"x\"\nblock.4.shape = \"box\"",

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "engine/core/errors.h"
 #include "engine/io/snapshot.h"
 #include "tests/support/runs.h"
 
@@ -138,6 +139,18 @@ ink = ["t < 0.5 ? 1 : 0", 0, "x > 0 ? 1 : 0"]
         const float entered = 1 - (0.03f - x.y()) / 0.2f;
         if (std::abs(entered - 0.5f) > 0.08f) CHECK(ink[i].x() == (entered < 0.5f ? 1.0f : 0.0f));
         CHECK(ink[i].z() == (x.x() > 0 ? 1.0f : 0.0f));
+    }
+}
+
+TEST_CASE("ink cannot spread where there is none", "[sim][ink]") {
+    std::string text = vortices("ink_diffusion = 1e-4", "");
+    text.erase(text.find("ink = ["), text.find("0.25]") + 5 - text.find("ink = ["));
+    try {
+        simulation_of(text);
+        FAIL("no error");
+    } catch (const InputError& error) {
+        REQUIRE(error.problems().size() == 1);
+        CHECK(error.problems()[0].what == "there is no ink that could spread");
     }
 }
 
