@@ -12,6 +12,7 @@
 #include "render/gl/context.h"
 #include "render/gl/field_texture.h"
 #include "render/gl/ground_light.h"
+#include "render/gl/ink_field.h"
 #include "render/gl/objects.h"
 #include "render/gl/scene_geometry.h"
 #include "render/gl/setup.h"
@@ -25,7 +26,7 @@ namespace whorl {
 namespace {
 
 /// Texture units: 0 .. 3 are a pass's own.
-constexpr int ground_unit = 4, shadow_unit = 5, field_unit = 7, solid_unit = 9;
+constexpr int ground_unit = 4, shadow_unit = 5, field_unit = 7, solid_unit = 9, ink_unit = 12;
 
 /// All that one picture is made of.
 struct Shot {
@@ -85,8 +86,8 @@ struct Renderer::Device {
     gl::Program fluid_normal{{"mesh.vert"}, {"normal.frag"}};
     gl::Program solid_depth{{"mesh.vert"}, {"depth.frag"}};
     gl::Program solid_colour{{"mesh.vert"}, {"studio.glsl", "field.glsl", "solids.glsl", "shadow.glsl", "solid.frag"}};
-    gl::Program liquid{{"screen.vert"}, {"studio.glsl", "field.glsl", "liquid.frag"}};
-    gl::Program opaque{{"screen.vert"}, {"studio.glsl", "field.glsl", "opaque.frag"}};
+    gl::Program liquid{{"screen.vert"}, {"studio.glsl", "field.glsl", "inks.glsl", "liquid.frag"}};
+    gl::Program opaque{{"screen.vert"}, {"studio.glsl", "field.glsl", "inks.glsl", "opaque.frag"}};
     gl::Program particles{{"particles.vert"}, {"particles.frag"}};
     gl::Program trail{{"trail.vert"}, {"trail.frag"}};
     gl::Program slice_colour{{"slice.vert"}, {"slice.frag"}};
@@ -111,6 +112,7 @@ struct Renderer::Device {
     SceneGeometry scene;
     FieldTexture field;
     SolidField solid_field;
+    InkField inks;
     GroundLight ground_light{height};
     GLuint no_vertices = 0;
 };
@@ -146,6 +148,7 @@ Image Renderer::Device::draw(const Frame& frame, const Surface& surface, const L
     else scene.fill(frame, surface.mesh, surface.age);
     field.fill(shows_field(look) ? Volume{} : surface.distance);
     solid_field.fill(frame.solids);
+    inks.fill(frame, look, (frame.domain_max - frame.domain_min).norm(), !shows_field(look));
     const float aspect = static_cast<float>(width) / static_cast<float>(height);
     const Layout layout = layout_of(width, height, aspect, look, range);
     const Eigen::Matrix4f camera = camera_matrix(view, aspect, scene.bounds());
@@ -320,6 +323,7 @@ void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matr
     gl::Program& program = material.refracts && !field.empty() ? liquid : opaque;
     set_studio(program, shot);
     field.bind(program, field_unit);
+    inks.bind(program, ink_unit, field.voxel());
     program.texture("depth_buffer", 0, GL_TEXTURE_2D, depth.id());
     program.texture("normal_buffer", 1, GL_TEXTURE_2D, normal.id());
     program.texture("solid_buffer", 2, GL_TEXTURE_2D, solid.id());

@@ -70,7 +70,8 @@ FieldColours field_colours(const Frame& frame, const LookOptions& look, const st
 std::vector<std::string> shown_fields(const LookOptions& look) {
     if (look.style == "slice" && look.streaks) return {look.field, "grain"};
     if (shows_field(look)) return {look.field};
-    return fluid_material(look, 1).cooling > 0 ? std::vector<std::string>{"age"} : std::vector<std::string>{};
+    if (fluid_material(look, 1).cooling > 0) return {"age", "ink"};
+    return {"ink"};
 }
 
 }  // namespace whorl

@@ -79,7 +79,7 @@ KeyTable make_look_keys() {
         .one_of({"speed", "pressure", "density", "spin", "vorticity", "spin_difference", "ink"})
         .only_with("style", field);
     t.key("colour_map", &L::colour_map, "", "of the field").one_of(colour_map_names()).only_with("style", field);
-    t.key("inks", &L::inks, "", "colours of the first, second and third ink; they mix as pigments do").only_with("field", {"ink"});
+    t.key("inks", &L::inks, "", "colours of the first, second and third ink; they mix as pigments do");
     t.key("range", &L::range, "", "lowest and highest value of the colour map; equal: chosen once for the whole film, from the scene")
         .only_with("style", field);
     t.key("trail", &L::trail, "s", "how far back each particle's way is drawn; 0: not").at_least(0).only_with("style", {"particles"});

@@ -20,18 +20,23 @@ bool read_colour(const std::string& text, Vec3f& colour) {
     return true;
 }
 
-Pigments::Pigments(const std::vector<std::string>& colours, const Vec3f& ground) : ground_(ground) {
-    absorption_.fill(Vec3f::Zero());
-    for (std::size_t k = 0; k < std::min<std::size_t>(colours.size(), 3); ++k) {
+std::array<Vec3f, 3> absorption_ratios(const std::vector<std::string>& colours) {
+    std::array<Vec3f, 3> ratio;
+    ratio.fill(Vec3f::Zero());
+    for (std::size_t k = 0; k < std::min(colours.size(), ratio.size()); ++k) {
         Vec3f colour = Vec3f::Ones();
         read_colour(colours[k], colour);
         // No pigment takes all light of a band, and none gives all back.
-        absorption_[k] = linear_of(colour).unaryExpr([](float reflected) {
+        ratio[k] = linear_of(colour).unaryExpr([](float reflected) {
             const float R = std::clamp(reflected, 0.005f, 0.98f);
             return (1 - R) * (1 - R) / (2 * R);
         });
     }
+    return ratio;
 }
+
+Pigments::Pigments(const std::vector<std::string>& colours, const Vec3f& ground)
+    : absorption_(absorption_ratios(colours)), ground_(ground) {}
 
 Vec3f Pigments::operator()(const Vec3f& concentration) const {
     const float amount = concentration.sum();

@@ -25,6 +25,9 @@ private:
     Vec3f ground_;
 };
 
+/// K/S of inks of these colours.
+std::array<Vec3f, 3> absorption_ratios(const std::vector<std::string>& colours);
+
 /// "#rrggbb" -> sRGB, 0 .. 1. @return false where the text is no colour
 bool read_colour(const std::string& text, Vec3f& colour);
 

@@ -71,18 +71,32 @@ vec3 seen_from(vec3 p, vec3 d) {
     return min(s.a > 0.5 ? s.rgb : surroundings(p, d), vec3(1.8));
 }
 
-vec3 light_through(vec3 p, vec3 d, vec3 glow) {
+// Inks along a way through the fluid, in the mean.
+vec3 inks_along(vec3 p, vec3 d, float way) {
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < 6; ++i) sum += inks_at(world_of(p + (float(i) + 0.5) / 6.0 * way * d));
+    return sum / 6.0;
+}
+
+// @param lamp light that falls on the body
+vec3 light_through(vec3 p, vec3 d, vec3 lamp) {
     vec3 through = vec3(1.0), light = vec3(0.0);
     float floor_place = (ground_height - field_origin.y) / voxel;
     for (int turn = 0; turn < 4; ++turn) {
         float to_floor = d.y < -1e-3 && floor_place > -100.0 ? max((floor_place - p.y) / d.y, 0.0) : 1e4;
         float way = way_out(p, d, to_floor);
+        vec3 absorbed = absorption, glow = lamp * scatter;
+        if (has_inks) {
+            vec3 c = inks_along(p, d, way);
+            absorbed += ink_absorption * c;
+            glow = lamp * inked(scatter, c) * step(1e-4, haze);
+        }
         // The glow comes from where light of every colour still gets out again, not from the depth of a thick body.
-        vec3 middle = p + min(0.5 * way, 0.5 / max(absorption.g, 1e-4)) * d;
+        vec3 middle = p + min(0.5 * way, 0.5 / max(absorbed.g, 1e-4)) * d;
         float depth = max(-far_distance(middle), 0.0);
         float milk = 1.0 - exp(-haze * way);
-        light += through * milk * glow * exp(-absorption * 1.2 * depth);
-        through *= exp(-absorption * way) * (1.0 - milk);
+        light += through * milk * glow * exp(-absorbed * 1.2 * depth);
+        through *= exp(-absorbed * way) * (1.0 - milk);
         p += way * d;
         // What can still come is less than a step of 8 bits.
         if (way >= to_floor || max(through.r, max(through.g, through.b)) < 0.003) break;
@@ -125,7 +139,7 @@ void main() {
     float open = openness(p + n, r, 30.0);
     vec3 mirrored = mix(scatter * sky * 0.5, surroundings(x, r) + strip_light(r), open);
     // The body glows more on the side of the window behind the scene and from above.
-    vec3 glow = scatter * sky * (0.9 + 0.4 * dot(studio * n, vec3(-0.48, 0.77, -0.42)));
-    vec3 body = light_through(p, refract(v, n, 1.0 / refraction), glow);
+    vec3 lamp = sky * (0.9 + 0.4 * dot(studio * n, vec3(-0.48, 0.77, -0.42)));
+    vec3 body = light_through(p, refract(v, n, 1.0 / refraction), lamp);
     colour = weight * vec4(mix(body, mirrored, mirror), 1.0);
 }

@@ -44,6 +44,7 @@ void main() {
     vec3 n = normalize(g.xyz);
     if (dot(n, v) > -0.02) n = normalize(n - (dot(n, v) + 0.02) * v);
     vec3 r = reflect(v, n);
+    vec3 body = has_inks ? inked(body_colour, inks_at(x)) : body_colour;
     vec3 l = front_light * studio;  // studio's inverse: into the world
     float open = 1.0, seen = 1.0, lit = 1.0;
     if (has_field) {
@@ -54,9 +55,9 @@ void main() {
     }
     // Light wraps round by `softness`, and what comes out of shadow has gone through the body: it takes on more of its colour.
     float wrapped = clamp((dot(n, l) + softness) / (1.0 + softness), 0.0, 1.0);
-    vec3 bled = mix(vec3(1.0), body_colour / max(max(body_colour.r, max(body_colour.g, body_colour.b)), 1e-3), softness * (1.0 - wrapped));
-    vec3 around = mix(0.6 * backdrop_low, sky, 0.5 + 0.5 * n.y) * mix(body_colour, vec3(1.0), open) * open;
-    vec3 diffuse = body_colour * (around + 1.5 * key_colour * wrapped * lit * bled);
+    vec3 bled = mix(vec3(1.0), body / max(max(body.r, max(body.g, body.b)), 1e-3), softness * (1.0 - wrapped));
+    vec3 around = mix(0.6 * backdrop_low, sky, 0.5 + 0.5 * n.y) * mix(body, vec3(1.0), open) * open;
+    vec3 diffuse = body * (around + 1.5 * key_colour * wrapped * lit * bled);
     float facing = clamp(-dot(n, v), 0.0, 1.0);
     float mirror = 0.04 + 0.96 * pow(1.0 - facing, 5.0) * (1.0 - 0.8 * roughness);
     // A rough body spreads what it mirrors over more directions, so that less comes from each.
