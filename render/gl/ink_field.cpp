@@ -26,10 +26,12 @@ void InkField::fill(const Frame& frame, const LookOptions& look, float size, boo
     gl::fill_3d(texture_, grid.n[0], grid.n[1], grid.n[2], grid.value[0].data(), 4);
     low_ = grid.origin - 0.5f * grid.cell;  // the nodes stand in the middle of texels
     scale_ = grid.extent().cwiseInverse();
+    haze_ = 2 / (colouring_way * size);
     const std::array<Vec3f, 3> ratio = absorption_ratios(look.inks.of);
     for (int k = 0; k < 3; ++k) {
         ratio_.col(k) = ratio[k];
-        absorption_.col(k) = ratio[k].unaryExpr([&](float x) { return -std::log(1 + x - std::sqrt(x * (2 + x))) / (colouring_way * size); });
+        absorption_.col(k) =
+            ratio[k].unaryExpr([&](float x) { return -std::log(1 + x - std::sqrt(x * (2 + x))) / (colouring_way * size); });
     }
 }
 
@@ -41,6 +43,7 @@ void InkField::bind(gl::Program& program, int unit, float voxel) const {
     program.set("ink_scale", scale_);
     program.set("ink_ratio", ratio_);
     program.set("ink_absorption", Mat3f(voxel * absorption_));
+    program.set("ink_haze", voxel * haze_);
 }
 
 }  // namespace whorl

@@ -17,8 +17,9 @@ private:
     gl::Texture texture_;
     bool any_ = false;
     Vec3f low_ = Vec3f::Zero(), scale_ = Vec3f::Ones();
-    Mat3f ratio_ = Mat3f::Zero();   ///< K/S, a column an ink
+    Mat3f ratio_ = Mat3f::Zero();       ///< K/S, a column an ink
     Mat3f absorption_ = Mat3f::Zero();  ///< 1/m, a column an ink
+    float haze_ = 0;                    ///< 1/m
 };
 
 }  // namespace whorl

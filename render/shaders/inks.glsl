@@ -4,6 +4,7 @@ uniform sampler3D ink_field;   // concentrations, and 1 where there is fluid
 uniform vec3 ink_low;          // m
 uniform vec3 ink_scale;        // m -> texture
 uniform mat3 ink_ratio;        // K/S, a column an ink
+uniform float ink_haze;        // 1/voxel, how fast a ray picks up the colour of a thick ink
 uniform mat3 ink_absorption;   // 1/voxel, a column an ink
 
 vec3 inks_at(vec3 x) {

@@ -138,3 +138,20 @@ TEST_CASE("a signed field with its legend and the time, in a dark studio", "[gol
     picture.look.legend = picture.look.time_stamp = true;
     compare(picture, "particles_legend");
 }
+
+TEST_CASE("two inks in honey that coils", "[golden]") {
+    Picture picture = particles([](const Vec3f&) { return Vec3f::Zero(); });
+    picture.look.style = "liquid";
+    picture.surface = coil();
+    for (const Vec3f& x : picture.frame.position) picture.frame.vector["ink"].push_back(x.x() > 0 ? Vec3f(1, 0, 0) : Vec3f(0, 1, 0));
+    compare(picture, "honey_inks");
+}
+
+TEST_CASE("two inks in paint", "[golden]") {
+    Picture picture = particles([](const Vec3f&) { return Vec3f::Zero(); });
+    picture.look.style = "opaque";
+    picture.look.material = "paint";
+    picture.surface = coil();
+    for (const Vec3f& x : picture.frame.position) picture.frame.vector["ink"].push_back(x.x() > 0 ? Vec3f(1, 0, 0) : Vec3f(0, 1, 0));
+    compare(picture, "paint_inks");
+}

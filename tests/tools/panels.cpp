@@ -60,6 +60,27 @@ nlohmann::json run_json(const fs::path& folder) { return nlohmann::json::parse(r
 
 }  // namespace
 
+TEST_CASE("panels of a flow in the plane stand so that the flow is largest") {
+    Scene scene;
+    scene.domain.dimensions = 2;
+    scene.panels.resize(2);
+    scene.output.size = {1280, 720};
+    scene.domain.min = Vec3d::Zero();
+    for (const auto& [width, height, columns] : std::vector<std::array<int, 3>>{{4, 1, 1}, {2, 1, 1}, {1, 1, 2}, {1, 3, 2}}) {
+        scene.domain.max = Vec3d(width, height, 0);
+        INFO(width << " : " << height);
+        CHECK(panel_columns(scene) == columns);
+    }
+}
+
+TEST_CASE("a panel's label is the title of its pictures, unless it has one of its own") {
+    const Scratch scratch(std::string(drop) + "[[panel]]\nlabel = \"third\"\nset = [\"look.title=mine\"]\n");
+    const std::vector<SceneFile> panels = panel_scenes(read_scene_file(scratch.scene()));
+    REQUIRE(panels.size() == 3);
+    CHECK(panels[0].look.title == "water");
+    CHECK(panels[2].look.title == "mine");
+}
+
 TEST_CASE("panels stand in a row of two or three, more of them in a square, or as the scene says") {
     Scene scene;
     const auto columns = [&](std::size_t panels) {
