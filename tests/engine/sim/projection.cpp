@@ -272,6 +272,15 @@ TEST_CASE(
     set_threads(before);
 }
 
+TEST_CASE("a free body that does not start where it floats is refused under the projection", "[sim][projection][bodies]") {
+    std::string text = floating;
+    text.replace(text.find("density = 950"), 13, "density = 500");
+    try {
+        simulation_of(text);
+        FAIL("no error");
+    } catch (const InputError& e) { CHECK_THAT(e.what(), Catch::Contains("100 % of it is under the fluid, and it would float with 50 %")); }
+}
+
 TEST_CASE("a full box with more particles than it has room for is refused under the projection, with how many", "[sim][projection]") {
     std::string text = vortices;
     text.replace(text.find("STREAM"), 6, "0");
