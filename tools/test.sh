@@ -10,6 +10,7 @@ if [ "${1:-}" = --long ]; then
   shift
   bash tools/setup.sh
   bash tools/build.sh asan whorl whorl_tests
+  bash tools/build.sh release whorl_solver_tables
   ctest --preset asan -j "$(nproc)" -L fast
 fi
 bash tools/setup.sh chromium  # for the page of whorl live

@@ -168,7 +168,9 @@ KeyTable viscosity_keys() {
     KeyTableOf<ViscosityKeys> t("of the viscosity model");
     const std::string model = "models.viscosity";
     const std::vector<std::string> implicit = names_of(viscosity_models(), &ViscosityFacts::implicit);
-    t.key("tolerance", &ViscosityKeys::tolerance, "", "relative residual of the linear solver")
+    t.key("tolerance", &ViscosityKeys::tolerance, "",
+          "preconditioned residual over the velocities, of a step in which viscosity takes a hundredth of them; less of those where it "
+          "takes less")
         .above(0)
         .at_most(0.5)
         .only_with(model, implicit)

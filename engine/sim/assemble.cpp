@@ -169,8 +169,9 @@ private:
         options.solves = bounded ? 3 : 2;
         options.theta = bounded ? 0.55 : 0.5;
         options.gate = gate_;
-        options.preconditioner = preconditioner<PressurePreconditionerSetup>(scene_.pressure.preconditioner, poisson_automatic(),
-                                                                             poisson_unpreconditioned, jacobi, poisson_multigrid());
+        const ParticleMultigrid& levels = scene_.domain.dimensions == 2 ? plane_poisson_levels : poisson_levels;
+        options.preconditioner = preconditioner<PressurePreconditionerSetup>(scene_.pressure.preconditioner, poisson_automatic(levels),
+                                                                             poisson_unpreconditioned, jacobi, poisson_multigrid(levels));
         auto system = std::make_shared<ProjectionSystem>(options);
         stage("drift", "move", ProjectionDrift{system});
         if (bodies_) stage("drift of bodies", "bodies", ProjectionBodyDrift{system});
@@ -328,7 +329,7 @@ private:
         options.solid_factor = solid_factor_;
         options.gate = gate_;
         options.clamp = scene_.pressure.clamp;
-        ParticleMultigrid levels = poisson_levels;
+        ParticleMultigrid levels = scene_.domain.dimensions == 2 ? plane_poisson_levels : poisson_levels;
         levels.additive = scene_.pressure.cycle == MultigridCycle::additive;
         levels.coarse.sweeps_before = levels.coarse.sweeps_after = scene_.pressure.sweeps;
         options.preconditioner = preconditioner<PressurePreconditionerSetup>(scene_.pressure.preconditioner, poisson_automatic(levels),

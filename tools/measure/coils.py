@@ -94,6 +94,24 @@ def coils_on_heap(m):
     return markdown("spacing | fall [mm] | frequency [Hz] | +- | theory | off | radius [mm] | +- | theory | off", rows)
 
 
+@table("honey_coil_qualities", "the coil of scenes/honey_coil.toml at draft, standard and fine", "15 minutes")
+def honey_coil_qualities(m):
+    rows = []
+    for quality, seeds in (("draft", (1, 2, 3)), ("standard", (1, 2, 3)), ("fine", (1,))):
+        for seed in seeds:
+            if not m.wanted(f"{quality}-{seed}"):
+                continue
+            run = m.render("scenes/honey_coil.toml", f"coils/honey-{quality}-{seed}", f"seed={seed}", options=["--quality", quality])
+            columns = run.table("probes/coil.csv")
+            pours = np.isfinite(columns["theory_frequency"])  # as long as honey comes there is a theory
+            p = {name: values[pours][-1] if pours.any() else math.nan for name, values in columns.items()}
+            if m.dry:
+                continue
+            expected = {"frequency": p["theory_frequency"], "radius": p["theory_radius"]}
+            rows.append([quality, seed, f"{1000 * p['fall']:.1f}", *against(p, expected, (2, 1)), f"{run.report['cpu_seconds']:.0f}"])
+    return markdown("quality | seed | fall [mm] | frequency [Hz] | +- | theory | off | radius [mm] | +- | theory | off | CPU s", rows)
+
+
 @table("coil_convergence", "row 2 by spacing: frequency and radius over theory", "15 minutes", files="docs/pictures/coil_convergence.svg")
 def coil_convergence(m):
     points, c = [], theory_rows()[2]

@@ -4,7 +4,7 @@ from . import theory
 from .registry import markdown, percent, table
 from .runs import attempt, number
 
-forms = ("constraint", "poisson")
+forms = ("constraint", "published")
 
 
 def milliseconds(seconds):

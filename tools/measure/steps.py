@@ -32,3 +32,17 @@ def dam_steps(m):
         rows.append([f"{cfl:g}", f"{r['steps']:.0f}", percent(d["density_error_mean"][1:].mean(), 4), percent(d["density_error_max"].max(), 2),
                      f"{energy[-1]:.2f}", f"{r['cpu_seconds']:.1f}"])
     return markdown("CFL | steps | mean density error | largest | energy at 0.6 s, J | CPU s", rows)
+
+
+@table("rotating_drop", "scenes/rotating_drop.toml, draft, to 0.5 s: energy and angular momentum by model and step", "2 minutes")
+def rotating_drop(m):
+    rows = []
+    for name, settings in (("coupled", ["models.pressure=coupled"]), ("ppe and full", ["models.pressure=ppe", "models.viscosity=full"])):
+        for step in ("10e-3", "5e-3", "2.5e-3"):
+            run = m.render("scenes/rotating_drop.toml", f"rotating_drop/{name.replace(' ', '_')}-{step}", *settings, f"time.max_step={step}",
+                           options=["--until", 0.5, "--quality", "draft"], threads=1)
+            d = run.table()
+            energy, turning = d["kinetic_energy"], d["angular_momentum_z"]
+            rows.append([name, f"{1e3 * float(step):g}", f"{run.report['steps']:.0f}", f"{energy[-1] / energy[0]:.4f}",
+                         f"{turning[-1] / turning[0] - 1:+.0e}", f"{run.report['cpu_seconds']:.1f}"])
+    return markdown("model | longest step, ms | steps | energy after 0.5 s | change of angular momentum | CPU s", rows)

@@ -43,6 +43,14 @@ def taylor_green_run(m, reynolds, a_side, sampling):
                 f"block.0.sampling={sampling}", f"probe.0.expected={vortices(1 / reynolds)}")
 
 
+def slab_of(thickness):
+    """Settings that make a slab of the plane flow, at Re 100."""
+    box = ["domain", "block.0", "probe.0"]
+    return ["domain.dimensions=3", "domain.periodic=[true,true,true]", "domain.gravity=[0,0,0]", *(f"{one}.min=[0,0,0]" for one in box),
+            *(f"{one}.max=[1,1,{thickness}]" for one in box), 'block.0.velocity=["sin(2*pi*x)*cos(2*pi*y)", "-cos(2*pi*x)*sin(2*pi*y)", "0"]',
+            "probe.1.min=[0,0,0]", f"probe.1.max=[0.5,0.5,{thickness}]", f"""probe.0.expected={vortices(0.01, ['"0"'])}"""]
+
+
 @table("taylor_green_vortices", "Taylor-Green vortices in the plane and in a slab, lattice and scattered, and with spin", "3 minutes")
 def taylor_green_vortices(m):
     rows = []
@@ -58,11 +66,7 @@ def taylor_green_vortices(m):
             for sampling in ("lattice", "jittered"):
                 if m.wanted(f"{reynolds}-{a_side}-{sampling}"):
                     add(f"Re {reynolds}, {a_side} a side, {sampling}", asked, taylor_green_run(m, reynolds, a_side, sampling))
-    depth = ['"0"']
-    slab = ["domain.dimensions=3", "domain.min=[0,0,0]", "domain.max=[1,1,0.25]", "domain.periodic=[true,true,true]",
-            "domain.gravity=[0,0,0]", "block.0.min=[0,0,0]", "block.0.max=[1,1,0.25]",
-            'block.0.velocity=["sin(2*pi*x)*cos(2*pi*y)", "-cos(2*pi*x)*sin(2*pi*y)", "0"]', "probe.0.min=[0,0,0]", "probe.0.max=[1,1,0.25]",
-            "probe.1.min=[0,0,0]", "probe.1.max=[0.5,0.5,0.25]", f"probe.0.expected={vortices(0.01, depth)}"]
+    slab = slab_of(0.25)
     for sampling in ("lattice", "jittered"):
         if m.wanted(f"slab-{sampling}"):
             run = flow(m, "taylor_green_vortices", f"slab-{sampling}", *slab, f"block.0.sampling={sampling}")
@@ -131,6 +135,22 @@ def projection_sizes(m):
         rows.append([f"{a_side**2}", f"{run.iterations_per_step:.1f}", *(f"{ns.get(name, math.nan):.0f}" for name in ("neighbours", "density", "viscosity", "pressure", "move")),
                      f"{1e9 * r['cpu_seconds'] / r['particle_steps']:.0f}"])
     return markdown("particles | iterations a step | ns a particle-step: neighbours | geometry | viscosity | pressure | move | all", rows)
+
+
+@table("plane_speed", "what a particle-step costs in the plane and in a slab, by part: the least of three runs", "1 minute")
+def plane_speed(m):
+    rows, parts = [], ("neighbours", "density", "viscosity", "pressure", "move")
+    for words, settings in (("projection", []), ("weakly compressible", ["models.pressure=wcsph", "pressure.sound_speed=15"])):
+        all_of = {}
+        for shape, spacing, more in (("plane", 1 / 128, []), ("slab of 8 layers", 1 / 64, slab_of(0.125))):
+            runs = [flow(m, "taylor_green_vortices", f"speed-{words.split()[0]}-{shape.split()[0]}-{k}", f"fluid.spacing={spacing}", "time.end=0.2",
+                         "block.0.sampling=jittered", *more, *settings).report for k in range(3)]
+            best = min(runs, key=lambda r: r["cpu_seconds"] / r["particle_steps"])
+            ns = {name: 1e9 * stage["cpu_seconds"] / best["particle_steps"] for name, stage in best["stages"].items()}
+            all_of[shape] = 1e9 * best["cpu_seconds"] / best["particle_steps"]
+            rows.append([words, shape, *(f"{ns.get(name, 0):.0f}" for name in parts), f"{all_of[shape]:.0f}"])
+        rows[-2].append(f"{all_of['slab of 8 layers'] / all_of['plane']:.2f}")
+    return markdown("pressure | shape | ns a particle-step: neighbours | density or geometry | viscosity | pressure | move | all | times faster", rows)
 
 
 @table("kept_momentum", "how well the projection keeps momentum and angular momentum", "1 minute")

@@ -36,10 +36,14 @@ void Projection::build(const Kernel& W, const Surroundings& around, Read<field::
         if (!matrix_.unknown[i]) return;
         std::size_t k = matrix_.first[i];
         Real row = 0, pin = V * s.air[i];
-        pairs.of(i, [&](Index j, const Vec3&, Real distance) {
-            const Real c = -2 * V * V * W.slope(distance);
-            if (matrix_.unknown[j]) matrix_.other[k] = j, matrix_.c[k++] = c, row += c;
-            else if (s.surface[j]) pin += c, touches_surface_[i] = 1;
+        pairs.groups_of(i, [&](const Pairs::Group& group) {
+            Real c[Pairs::Group::most];
+            for (Index l = 0; l < group.padded(); ++l) c[l] = -2 * V * V * W.slope(group.distance[l]);
+            for (Index l = 0; l < group.count; ++l) {
+                const Index j = group.other[l];
+                if (matrix_.unknown[j]) matrix_.other[k] = j, matrix_.c[k++] = c[l], row += c[l];
+                else if (s.surface[j]) pin += c[l], touches_surface_[i] = 1;
+            }
         });
         matrix_.pin[i] = pin;
         matrix_.diagonal[i] = std::max(row + pin, smallest);

@@ -39,6 +39,23 @@ double reference_size(const ImplicitOperator& A, const ImplicitStep& s, Span<con
     return std::sqrt(dot<Vec3>(Span<const Vec3>(reference), Span<const Vec3>(z)));
 }
 
+/// Errors of short steps add up. So the tolerance is of the velocities where viscosity takes a hundredth of them in a step, and less where
+/// it takes less, as in the last step. A share below 0.03 would be near round-off.
+double share_of_tolerance(const ImplicitStep& s, Span<const Vec3> last_change) {
+    struct Sums {
+        Vec3d u = Vec3d::Zero();
+        double square = 0, change = 0;
+        void operator+=(const Sums& o) { u += o.u, square += o.square, change += o.change; }
+    };
+    const Index n = s.u.size();
+    const Sums sums = parallel_sum(n, Sums{}, [&](Index i) {
+        const Vec3d u = s.u[i].cast<double>();
+        return s.role[i] == 0 ? Sums{u, u.squaredNorm(), last_change[i].cast<double>().squaredNorm()} : Sums{};
+    });
+    const double apart = std::max(0.0, sums.square - sums.u.squaredNorm() / std::max<Index>(1, n));
+    return std::clamp(apart > 0 ? 100 * std::sqrt(sums.change / apart) : 1, 0.03, 1.0);
+}
+
 }  // namespace
 
 void solve_implicit(const ImplicitOperator& A, const SolveLimits& limits, const ImplicitStep& s) {
@@ -78,7 +95,8 @@ void solve_implicit(const ImplicitOperator& A, const SolveLimits& limits, const 
             A.precondition(projected, out);
             rigid.remove(out);
         };
-        solved = conjugate_gradients<Vec3>(product, precondition, Span<const Vec3>(b), Span<Vec3>(z), limits, ResidualNorm::preconditioned,
+        const SolveLimits of_step{share_of_tolerance(s, change) * limits.tolerance, limits.max_iterations};
+        solved = conjugate_gradients<Vec3>(product, precondition, Span<const Vec3>(b), Span<Vec3>(z), of_step, ResidualNorm::preconditioned,
                                            size);
         parallel_for(static_cast<Index>(all), [&](Index i) { change[i] += z[i]; });
     }

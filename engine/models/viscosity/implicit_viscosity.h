@@ -52,7 +52,7 @@ struct ImplicitStep {
 /// part, momentum (and angular momentum, if rotations are free) is kept to round-off whatever the tolerance: the preconditioner works in
 /// the space without them.
 /// @param limits tolerance: sqrt(r.z), z = precondition(r), against sqrt(b.B^-1 b), b the velocities before the solve relative to their
-/// mean
+/// mean, for steps in which viscosity takes a hundredth of them; less where it takes less
 void solve_implicit(const ImplicitOperator& A, const SolveLimits& limits, const ImplicitStep& s);
 
 /// The inverse of the 3x3 diagonal blocks; z = B^-1 r for the free particles, 0 for the others.

@@ -28,7 +28,7 @@ spacing = {}
 [models]
 pressure = "ppe"
 [pressure]
-form = "{}"
+form = {}
 [[block]]
 shape = "box"
 min = [0, 0, 0]
@@ -39,7 +39,7 @@ inside = true
 min = [0, 0, 0]
 max = [1, 1, 1]
 )toml",
-                       0.5 / layers, form);
+                       0.5 / layers, form == "constraint" ? "\"constraint\"" : "\"projection\"\nsource = \"density\"");
 }
 
 /// The state of a run after some steps, and the velocities that the next step would hand to its pressure solve.
@@ -98,7 +98,7 @@ struct ConstraintSystem {
 
 /// The published rows of the same step.
 struct PoissonSystem {
-    static constexpr const char* form = "poisson";
+    static constexpr const char* form = "published";
     PressureMatrix A;
     Column<Real> b;
     double step_residual = 0;
@@ -244,7 +244,7 @@ void add(CLI::App& program, const char* name, const char* what, const auto& prin
          void (*of_poisson)(State&, Real)) {
     const auto keys = std::make_shared<Keys>();
     CLI::App* app = program.add_subcommand(name, what);
-    app->add_option("--form", keys->form)->check(CLI::IsMember({"constraint", "poisson"}))->capture_default_str();
+    app->add_option("--form", keys->form)->check(CLI::IsMember({"constraint", "published"}))->capture_default_str();
     app->add_option("--layers", keys->layers, "across the depth: 14 make 1.1e4 particles, 29 1e5, 63 1e6")->capture_default_str();
     app->add_option("--steps", keys->steps, "before the one that is measured")->capture_default_str();
     app->callback([=] {

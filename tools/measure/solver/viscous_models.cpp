@@ -32,8 +32,8 @@ std::vector<Vec3> acceleration_of(test::TestWorld& w, const SetUp& set_up) {
 std::vector<Vec3> explicit_acceleration(test::TestWorld& w, bool monaghan) {
     std::vector<Vec3> a(w.column<field::velocity>().size(), Vec3::Zero());
     World& c = w.world;
-    ExplicitViscosity{{monaghan, 1}}(c.surroundings(), read<field::role>(w), read<field::viscosity>(w), read<field::velocity>(w),
-                                     {{Span<Vec3>(a)}});
+    ExplicitViscosity{{monaghan, 1}}(c.surroundings(), read<field::role>(w), read<field::density>(w), read<field::viscosity>(w),
+                                     read<field::velocity>(w), {{Span<Vec3>(a)}});
     return a;
 }
 
