@@ -217,11 +217,11 @@ velocity = [0.1, 0]
 }  // namespace
 
 TEST_CASE("under the projection a nozzle fills a basin as fast as it pours, and what stands above its rim runs out", "[sim][projection]") {
-    // .1 m at .1 m/s for 4 s: 100 particles. The level rises by less than a spacing, 50 particles.
+    // .1 m at .1 m/s for .4 s: 10 particles. The level rises by less than a spacing, 50 particles.
     Simulation simulation = simulation_of(basin);
     const double before = free_particles(simulation);
-    run_until(simulation, 4);
-    CHECK(simulation.totals().emitted_particles == Approx(100).margin(1));
+    run_until(simulation, 0.4);
+    CHECK(simulation.totals().emitted_particles == Approx(10).margin(1));
     CHECK(simulation.totals().lost_particles == 0);
     CHECK(free_particles(simulation) == before + simulation.totals().emitted_particles - simulation.totals().drained_particles);
     CHECK(free_particles(simulation) > before - 10);
@@ -270,6 +270,15 @@ TEST_CASE(
         CHECK((state_of(resumed) == state_of(whole)));
     }
     set_threads(before);
+}
+
+TEST_CASE("a free body that does not start where it floats is refused under the projection", "[sim][projection][bodies]") {
+    std::string text = floating;
+    text.replace(text.find("density = 950"), 13, "density = 500");
+    try {
+        simulation_of(text);
+        FAIL("no error");
+    } catch (const InputError& e) { CHECK_THAT(e.what(), Catch::Contains("100 % of it is under the fluid, and it would float with 50 %")); }
 }
 
 TEST_CASE("a full box with more particles than it has room for is refused under the projection, with how many", "[sim][projection]") {
