@@ -180,6 +180,7 @@ private:
         ProjectionOptions options;
         options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
         options.free_surface = plan_.free_surface;
+        options.sharp = !facts_.micropolar.spins;
         const bool bounded = plan_.free_surface || !scene_.solids.empty();
         options.solves = bounded ? 3 : 2;
         options.theta = bounded ? 0.55 : 0.5;

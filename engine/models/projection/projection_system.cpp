@@ -96,7 +96,7 @@ void set_viscous_sums(const Surroundings& around, ProjectionSystem& s) {
     s.viscous.resize(n), s.inside.resize(n);
     with_viscous_kernels(around.step, [&](const auto& sharp, const auto& narrow) {
         parallel_for(n, [&](Index i) {
-            s.inside[i] = !s.near_surface[i] && (!s.any_walls || around.solid_pairs.count(i) == 0);
+            s.inside[i] = s.options.sharp && !s.near_surface[i] && (!s.any_walls || around.solid_pairs.count(i) == 0);
             if (s.inside[i]) set_linear_sums(sharp, around, i, s.viscous);
             else set_linear_sums(narrow, around, i, s.viscous);
         });

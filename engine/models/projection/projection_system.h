@@ -38,6 +38,7 @@ struct ProjectionOptions {
     /// Weight of the new pressure in a step; the old one has the rest. 1/2 is of second order and rings beside walls.
     double theta = 0.5;
     bool free_surface = false;
+    bool sharp = true;       ///< SharpKernel inside the fluid; with it spins are noisy
     Real shift_rate = 1.25;  ///< more makes energy, with less a lattice melts into clumps
     SolidGate gate;
     PressurePreconditionerSetup preconditioner;
