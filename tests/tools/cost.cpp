@@ -1,4 +1,5 @@
 #include <catch2/catch.hpp>
+#include <filesystem>
 
 #include "engine/theory/falling_thread.h"
 #include "tools/cost/estimate.h"
@@ -55,9 +56,11 @@ TEST_CASE("the small scene that costs are measured on has the models, spacing an
     }
 }
 
-TEST_CASE("costs are predicted for a box full of fluid between walls under the projection, though the small scene has a surface",
-          "[cost]") {
-    for (const char* scene : {"lid_driven_cavity", "resting_column"}) {
+TEST_CASE("costs are predicted for every shipped scene, and for boxes full of fluid, though the small scene has a surface", "[cost]") {
+    std::vector<std::string> names{"lid_driven_cavity", "resting_column"};
+    for (const auto& entry : std::filesystem::directory_iterator(WHORL_SOURCE_DIR "/scenes"))
+        if (entry.path().extension() == ".toml") names.push_back(entry.path().stem());
+    for (const std::string& scene : names) {
         CAPTURE(scene);
         const SceneFile file = shipped(scene);
         CHECK_NOTHROW(make_plan(sample_of(file, make_plan(file.scene)).scene));

@@ -83,6 +83,12 @@ void shear(Scene& scene, double speed) {
     scene.domain.min = Vec3d::Zero(), scene.domain.max = Vec3d::Constant(edge);
 }
 
+/// Ink that differs from place to place.
+void tint(Scene& scene) {
+    const Expression wave(fmt::format("0.5+0.5*sin({:.9g}*x)", 2 * M_PI / (10 * scene.fluid.spacing)));
+    for (BlockKeys& block : scene.blocks) block.ink.of = {wave};
+}
+
 }  // namespace
 
 double poured_particles(const Plan& plan) { return std::clamp(plan.estimated_particles, 600.0, 1500.0); }
@@ -121,6 +127,7 @@ SceneFile sample_of(const SceneFile& file, const Plan& plan) {
     // The tank and the drop have surfaces, which the projection of velocities refuses.
     if (!closed && scene.pressure.source == PressureSource::velocity) scene.pressure.form.reset();
     if (!solids && !closed) scene.solids.clear(), scene.domain.gravity = constant(Vec3d::Zero());
+    if (file.scene.any_ink()) tint(scene);
     if (scene.domain.dimensions == 2) lay_flat(scene);
     scene.time.end = 1e3 * scene.time.max_step;
     return sample;
