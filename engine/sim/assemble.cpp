@@ -185,7 +185,7 @@ private:
         options.solves = bounded ? 3 : 2;
         options.theta = bounded ? 0.55 : 0.5;
         options.gate = gate_;
-        const ParticleMultigrid& levels = scene_.domain.dimensions == 2 ? plane_poisson_levels : poisson_levels;
+        const ParticleMultigrid& levels = poisson_levels_in(scene_.domain.dimensions);
         options.preconditioner = preconditioner<PressurePreconditionerSetup>(scene_.pressure.preconditioner, poisson_automatic(levels),
                                                                              poisson_unpreconditioned, jacobi, poisson_multigrid(levels));
         auto system = std::make_shared<ProjectionSystem>(options);
@@ -348,7 +348,7 @@ private:
         options.solid_factor = solid_factor_;
         options.gate = gate_;
         options.clamp = scene_.pressure.clamp;
-        ParticleMultigrid levels = scene_.domain.dimensions == 2 ? plane_poisson_levels : poisson_levels;
+        ParticleMultigrid levels = poisson_levels_in(scene_.domain.dimensions);
         levels.additive = scene_.pressure.cycle == MultigridCycle::additive;
         levels.coarse.sweeps_before = levels.coarse.sweeps_after = scene_.pressure.sweeps;
         options.preconditioner = preconditioner<PressurePreconditionerSetup>(scene_.pressure.preconditioner, poisson_automatic(levels),

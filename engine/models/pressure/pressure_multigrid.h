@@ -18,6 +18,7 @@ inline constexpr ParticleMultigrid constraint_levels{7, true, {}};
 inline constexpr ParticleMultigrid poisson_levels{3, true, {}};
 /// In the plane: 16 particles a cell in place of 9, or the coarse levels would cost as much as the particles.
 inline constexpr ParticleMultigrid plane_poisson_levels{4, true, {}};
+constexpr const ParticleMultigrid& poisson_levels_in(int dimensions) { return dimensions == 2 ? plane_poisson_levels : poisson_levels; }
 
 /// The sums over cells and the copies from them between particles and the first coarse level. Galerkin: A' = P^T A P, so what the particles
 /// know of solids, free surface, prescribed neighbours and alpha is in it.

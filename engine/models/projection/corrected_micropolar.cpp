@@ -20,8 +20,8 @@ struct CorrectedMicropolar::Rates {
 
 /// What velocities u and spins w do to each other, at particle i.
 /// @param whole the kernel of the smoothing
-template <class Kernel, class Whole>
-CorrectedMicropolar::Rates CorrectedMicropolar::rates(const Kernel& W, const Whole& whole, const Surroundings& around, const Terms& terms,
+template <class Kernel>
+CorrectedMicropolar::Rates CorrectedMicropolar::rates(const Kernel& W, const Kernel& whole, const Surroundings& around, const Terms& terms,
                                                       Index i, Span<const Vec3> u, Span<const Vec3> w) const {
     const ProjectionSystem& s = *system_;
     const StepContext& step = around.step;
@@ -69,28 +69,26 @@ CorrectedMicropolar::Terms CorrectedMicropolar::terms(const Surroundings& around
 /// (1 - exp(-z))/z: what a decay leaves in the mean over a step of a force that is constant.
 Real mean_decay(Real z) { return z > 0 ? -std::expm1(-z) / z : Real(1); }
 
-template <class Sharp, class Narrow>
-void CorrectedMicropolar::go_half(const Sharp& sharp, const Narrow& narrow, const Surroundings& around, Read<field::role> role,
+template <class Kernel>
+void CorrectedMicropolar::go_half(const Kernel& W, const Kernel& whole, const Surroundings& around, const Terms& t, Read<field::role> role,
                                   Span<const Vec3> u, Span<const Vec3> torque, Span<const Vec3> w) {
-    const Terms t = terms(around);
     const Real half = around.step.dt / 2, over_theta = static_cast<Real>(1 / options_.micro_inertia);
     const Real ahead = options_.implicit_exchange ? mean_decay(2 * t.kappa * half * over_theta) : 1;
     middle_velocity_.resize(u.size()), middle_spin_.resize(u.size());
     parallel_for(u.size(), [&](Index i) {
         middle_velocity_[i] = u[i], middle_spin_[i] = w[i];
         if (role[i] != 0) return;
-        const Rates r = system_->inside[i] ? rates(sharp, sharp.W, around, t, i, u, w) : rates(narrow, sharp.W, around, t, i, u, w);
+        const Rates r = rates(W, whole, around, t, i, u, w);
         const Vec3 exchanged = t.kappa * (r.curl - 2 * w[i]);
         middle_velocity_[i] += half * r.velocity();
         middle_spin_[i] += half * (ahead * over_theta * (exchanged + r.diffused + torque[i]) + r.spin_smoothing);
     });
 }
 
-template <class Sharp, class Narrow>
-EnergyWork CorrectedMicropolar::advance(const Sharp& sharp, const Narrow& narrow, const Surroundings& around, Read<field::role> role,
-                                        Span<const Vec3> u, Update<field::acceleration> a, Write<field::spin_change> change,
-                                        Span<const Vec3> w) const {
-    const Terms t = terms(around);
+template <class Kernel>
+EnergyWork CorrectedMicropolar::advance(const Kernel& W, const Kernel& whole, const Surroundings& around, const Terms& t,
+                                        Read<field::role> role, Span<const Vec3> u, Update<field::acceleration> a,
+                                        Write<field::spin_change> change, Span<const Vec3> w) const {
     const Real dt = around.step.dt, over_theta = static_cast<Real>(1 / options_.micro_inertia);
     const Real ahead = options_.implicit_exchange ? mean_decay(2 * t.kappa * dt * over_theta) : 1;
     const double energy = static_cast<double>(around.step.mass * dt), spin_energy = energy * static_cast<double>(ahead);
@@ -99,8 +97,7 @@ EnergyWork CorrectedMicropolar::advance(const Sharp& sharp, const Narrow& narrow
             change[i].setZero();
             return {};
         }
-        const Rates r = system_->inside[i] ? rates(sharp, sharp.W, around, t, i, middle_velocity_, middle_spin_)
-                                           : rates(narrow, sharp.W, around, t, i, middle_velocity_, middle_spin_);
+        const Rates r = rates(W, whole, around, t, i, middle_velocity_, middle_spin_);
         const Vec3 tau = change[i], before = a[i];
         const Vec3 exchanged = t.kappa * (r.curl - 2 * (options_.implicit_exchange ? w[i] : middle_spin_[i]));
         a[i] += r.velocity();
@@ -125,9 +122,12 @@ void CorrectedMicropolar::operator()(const Surroundings& around, StepReport& rep
     const double middle = around.step.time + static_cast<double>(around.step.dt) / 2;
     parallel_for(change.size(), [&](Index i) { change[i].setZero(); });
     if (!torque_.is_zero()) torque_.each(middle, x.values, [&](Index i, const Vec3& tau) { change[i] = tau; });
-    with_viscous_kernels(around.step, [&](const auto& sharp, const auto& narrow) {
-        go_half(sharp, narrow, around, role, u.values, change.values, w.values);
-        report.work = advance(sharp, narrow, around, role, u.values, a, change, w.values);
+    const StepContext& step = around.step;
+    const Terms t = terms(around);
+    with_kernel(step.kernel, step.support, [&]<class Kernel>(const Kernel& whole) {
+        const Kernel W(one_sided_support * step.support, step.dimensions());
+        go_half(W, whole, around, t, role, u.values, change.values, w.values);
+        report.work = advance(W, whole, around, t, role, u.values, a, change, w.values);
     });
     parallel_for(w.size(), [&](Index i) { w[i] += change[i]; });
 }

@@ -26,15 +26,15 @@ private:
         std::vector<char> slip;  ///< of each solid
     };
     Terms terms(const Surroundings& around) const;
-    template <class Kernel, class Whole>
-    Rates rates(const Kernel& W, const Whole& whole, const Surroundings& around, const Terms& terms, Index i, Span<const Vec3> u,
+    template <class Kernel>
+    Rates rates(const Kernel& W, const Kernel& whole, const Surroundings& around, const Terms& terms, Index i, Span<const Vec3> u,
                 Span<const Vec3> w) const;
-    template <class Sharp, class Narrow>
-    void go_half(const Sharp& sharp, const Narrow& narrow, const Surroundings& around, Read<field::role> role, Span<const Vec3> u,
-                 Span<const Vec3> torque, Span<const Vec3> w);
-    template <class Sharp, class Narrow>
-    EnergyWork advance(const Sharp& sharp, const Narrow& narrow, const Surroundings& around, Read<field::role> role, Span<const Vec3> u,
-                       Update<field::acceleration> a, Write<field::spin_change> change, Span<const Vec3> w) const;
+    template <class Kernel>
+    void go_half(const Kernel& W, const Kernel& whole, const Surroundings& around, const Terms& terms, Read<field::role> role,
+                 Span<const Vec3> u, Span<const Vec3> torque, Span<const Vec3> w);
+    template <class Kernel>
+    EnergyWork advance(const Kernel& W, const Kernel& whole, const Surroundings& around, const Terms& terms, Read<field::role> role,
+                       Span<const Vec3> u, Update<field::acceleration> a, Write<field::spin_change> change, Span<const Vec3> w) const;
 
     std::shared_ptr<ProjectionSystem> system_;
     MicropolarOptions options_;
