@@ -17,7 +17,7 @@ int on_axis(const FlowGrid& g, int axis, int i) {
 bool finite(const Vec3f& x) { return std::isfinite(x.x()) && std::isfinite(x.y()) && std::isfinite(x.z()); }
 
 /// Box, nodes and cells; the fluid's box with a margin, the whole domain along periodic axes.
-FlowGrid laid_out(const Frame& frame, float reach, std::size_t most_nodes) {
+FlowGrid laid_out(const Frame& frame, float reach, std::size_t most_nodes, float cell) {
     Vec3f low = Vec3f::Constant(1e30f), high = Vec3f::Constant(-1e30f);
     for (const Vec3f& x : frame.position)
         if (finite(x)) low = low.cwiseMin(x), high = high.cwiseMax(x);
@@ -30,7 +30,6 @@ FlowGrid laid_out(const Frame& frame, float reach, std::size_t most_nodes) {
     }
     const bool plane = frame.dimensions == 2;
     if (plane) low.z() = -0.5f * frame.spacing, high.z() = 0.5f * frame.spacing, grid.periodic[2] = true;  // one node, wherever z
-    float cell = frame.spacing;
     for (;; cell *= 1.25f) {
         double nodes = 1;
         for (int a = 0; a < 3; ++a) {
@@ -73,11 +72,11 @@ Bins binned(const FlowGrid& grid, const std::vector<Vec3f>& position) {
 
 }  // namespace
 
-FlowGrid flow_grid(const Frame& frame, const std::vector<Eigen::Vector4f>& value, std::size_t most_nodes) {
+FlowGrid flow_grid(const Frame& frame, const std::vector<Eigen::Vector4f>& value, std::size_t most_nodes, float cell_in_spacings) {
     // full: sum of the weights in a full lattice, 4 pi (1/3 - 2/5 + 1/7) 1.5^3; in the plane pi/3 1.5^2.
     constexpr float reach_in_spacings = 1.5f;
     const float full = frame.dimensions == 2 ? 2.36f : 3.2f;
-    FlowGrid grid = laid_out(frame, reach_in_spacings * frame.spacing, most_nodes);
+    FlowGrid grid = laid_out(frame, reach_in_spacings * frame.spacing, most_nodes, cell_in_spacings * frame.spacing);
     if (grid.n[0] == 0) return grid;
     const float h = std::max(reach_in_spacings * frame.spacing, 1.2f * grid.cell.maxCoeff());
     const float lattice = full * std::pow(h / (reach_in_spacings * frame.spacing), static_cast<float>(frame.dimensions));

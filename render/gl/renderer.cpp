@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "render/flow/cloud.h"
 #include "render/flow/flow_grid.h"
 #include "render/flow/plate.h"
 #include "render/flow/slice.h"
@@ -71,7 +72,8 @@ struct Renderer::Device {
     void draw_slice(const Shot& shot, const Eigen::Matrix4f& matrix);
     void fill_field(const Frame& frame, const LookOptions& look, const View& view, const std::array<float, 2>& range);
     void fill_slice(const FlowSlice& slice);
-    void shade_volume(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
+    void fill_cloud(const FlowGrid& grid, const LookOptions& look, const View& view);
+    void shade_volume(const Shot& shot, const Eigen::Matrix4f& matrix, int sample, int samples);
     void draw_fluid(const Shot& shot, const Eigen::Matrix4f& matrix);
     void shade_fluid(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
     void draw_glass(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
@@ -100,9 +102,11 @@ struct Renderer::Device {
     gl::Texture normal = gl::texture_2d(GL_RGBA16F, width, height, false);
     gl::Texture sum = gl::texture_2d(GL_RGBA16F, width, height, false);
     gl::Texture glass = gl::texture_2d(GL_RGBA16F, width, height, false);
-    gl::Texture slice, values, cover;  // of the flow
+    gl::Texture slice, cloud_light, cloud_blocks;  // of the flow
     int slice_width = 0, slice_height = 0;
-    Bounds volume_box;
+    Bounds cloud_box;
+    Vec3f cloud_cell = Vec3f::Ones();  // m
+    float cloud_thickness = 0;         // optical depth of a metre of density 1
     gl::Texture picture = gl::texture_2d(GL_RGBA8, width, height, false);
     gl::Framebuffer geometry = gl::framebuffer({solid.id(), normal.id()}, depth.id());
     gl::Framebuffer accumulate = gl::framebuffer({sum.id()}, 0);
@@ -199,7 +203,7 @@ void Renderer::Device::draw_sample(const Shot& shot, int sample) {
     glBindFramebuffer(GL_FRAMEBUFFER, accumulate.id());
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE);
-    if (shot.look.style == "volume") shade_volume(shot, matrix, 1.0f / static_cast<float>(samples));
+    if (shot.look.style == "volume") shade_volume(shot, matrix, sample, samples);
     else shade_fluid(shot, matrix, 1.0f / static_cast<float>(samples));
     if (scene.any_containers()) draw_glass(shot, matrix, 1.0f / static_cast<float>(samples));
     glDisable(GL_BLEND);
@@ -262,12 +266,22 @@ void Renderer::Device::fill_field(const Frame& frame, const LookOptions& look, c
         const Vec3f& c = colours.colour[p];
         glow.push_back(colours.strength[p] * Eigen::Vector4f(c.x(), c.y(), c.z(), 1));
     }
-    const FlowGrid grid = flow_grid(frame, glow);
+    const FlowGrid grid = flow_grid(frame, glow, 3'000'000, 0.5f);
     scene.fill(frame, grid);
-    volume_box = scene.fluid_bounds();
+    fill_cloud(grid, look, view);
+}
+
+void Renderer::Device::fill_cloud(const FlowGrid& grid, const LookOptions& look, const View& view) {
+    cloud_box = scene.fluid_bounds();
     if (grid.empty()) return;
-    gl::fill_3d(values, grid.n[0], grid.n[1], grid.n[2], grid.value[0].data(), 4);
-    gl::fill_3d(cover, grid.n[0], grid.n[1], grid.n[2], grid.cover.data());
+    // So dense that a thickness of the box's least side has the wanted optical depth, four times over: the strong parts are small.
+    cloud_thickness = 4 * look.opacity / std::max((cloud_box.high - cloud_box.low).minCoeff(), 1e-9f);
+    const Studio studio = studio_of(look.background);
+    const Cloud cloud =
+        lit_cloud(grid, cloud_thickness, {studio_axes(view).transpose() * lamp_of_clouds(), 2.2f * studio.sun, 0.9f * studio.sky, 0.12f});
+    gl::fill_3d(cloud_light, grid.n[0], grid.n[1], grid.n[2], cloud.lit[0].data(), 4);
+    gl::fill_3d(cloud_blocks, cloud.blocks[0], cloud.blocks[1], cloud.blocks[2], cloud.most.data());
+    cloud_cell = grid.cell;
 }
 
 void Renderer::Device::draw_particles(const Shot& shot, const Eigen::Matrix4f& matrix) {
@@ -303,18 +317,20 @@ void Renderer::Device::draw_slice(const Shot& shot, const Eigen::Matrix4f& matri
     scene.draw_slice();
 }
 
-void Renderer::Device::shade_volume(const Shot& shot, const Eigen::Matrix4f& matrix, float weight) {
+void Renderer::Device::shade_volume(const Shot& shot, const Eigen::Matrix4f& matrix, int sample, int samples) {
     volume.use();
     volume.texture("solid_buffer", 0, GL_TEXTURE_2D, solid.id());
-    volume.texture("values", 2, GL_TEXTURE_3D, values.id());
-    volume.texture("cover", 3, GL_TEXTURE_3D, cover.id());
+    volume.texture("lit", 2, GL_TEXTURE_3D, cloud_light.id());
+    volume.texture("most", 3, GL_TEXTURE_3D, cloud_blocks.id());
     volume.set("to_world", Eigen::Matrix4f(matrix.inverse()));
     volume.set("eye", shot.view.position);
-    volume.set("box_low", volume_box.low);
-    volume.set("box_high", volume_box.high);
-    // So dense that a thickness of the box's least side has the wanted optical depth, four times over: the strong parts are small.
-    volume.set("thickness", 4 * shot.look.opacity / std::max((volume_box.high - volume_box.low).minCoeff(), 1e-9f));
-    volume.set("weight", weight);
+    volume.set("box_low", cloud_box.low);
+    volume.set("box_high", cloud_box.high);
+    volume.set("block_size", Vec3f(static_cast<float>(Cloud::block) * cloud_cell));
+    volume.set("thickness", cloud_thickness);
+    volume.set("march", cloud_cell.minCoeff());
+    volume.set("turn", static_cast<float>(sample) / static_cast<float>(samples));
+    volume.set("weight", 1.0f / static_cast<float>(samples));
     cover_screen();
 }
 

@@ -31,6 +31,7 @@ std::array<float, 2> field_range(const std::vector<float>& values, const LookOpt
     for (const float v : values)
         if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
     if (low > high) return {0, 1};
+    if (look.field == "q_criterion" && !is_diverging(look.colour_map)) low = 0;  // below it no vortex is
     if (is_diverging(look.colour_map)) high = std::max(std::abs(low), std::abs(high)), low = -high;
     if (high <= low) high = low + 1;
     return {low, high};

@@ -75,8 +75,9 @@ KeyTable make_look_keys() {
     t.key("exposure", &L::exposure, "", "brightness of everything").above(0);
     t.key("samples", &L::samples, "", "a pixel").at_least(1).at_most(256);
     t.key("field", &L::field, "",
-          "what is coloured; spin_difference: spin less half of the vorticity; ink: the inks that the fluid carries")
-        .one_of({"speed", "pressure", "density", "spin", "vorticity", "spin_difference", "ink"})
+          "what is coloured; q_criterion: Q, positive in vortices; spin_difference: spin less half of the vorticity; ink: the inks that "
+          "the fluid carries")
+        .one_of({"speed", "pressure", "density", "spin", "vorticity", "q_criterion", "spin_difference", "ink"})
         .only_with("style", field);
     t.key("colour_map", &L::colour_map, "", "of the field").one_of(colour_map_names()).only_with("style", field);
     t.key("inks", &L::inks, "", "colours of the first, second and third ink; they mix as pigments do");

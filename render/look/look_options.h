@@ -29,7 +29,7 @@ struct LookOptions {
     bool ground = true;                 ///< a ground with shadow under the scene
     float exposure = 1;
     int samples = 4;              ///< a pixel
-    std::string field = "speed";  ///< speed | pressure | density | spin | vorticity | spin_difference | ink
+    std::string field = "speed";  ///< speed | pressure | density | spin | vorticity | q_criterion | spin_difference | ink
     std::string colour_map = "viridis";
     InkColours inks;
     std::array<float, 2> range{0, 0};     ///< of the colour map; equal: a film's is chosen at its start, a single picture's from its frame

@@ -24,8 +24,9 @@ TextStyle style_for(const Image& image, const LookOptions& look) {
 }
 
 std::string unit_of(const std::string& field) {
-    static const std::map<std::string, std::string> units{{"speed", "m/s"}, {"pressure", "Pa"},   {"density", "kg/m^3"},
-                                                          {"spin", "1/s"},  {"vorticity", "1/s"}, {"spin_difference", "1/s"}};
+    static const std::map<std::string, std::string> units{{"speed", "m/s"},        {"pressure", "Pa"},   {"density", "kg/m^3"},
+                                                          {"spin", "1/s"},         {"vorticity", "1/s"}, {"spin_difference", "1/s"},
+                                                          {"q_criterion", "1/s^2"}};
     const auto found = units.find(field);
     return found == units.end() ? "" : found->second;
 }
@@ -36,7 +37,7 @@ std::string field_title(const LookOptions& look, int power) {
     const bool vector = look.field == "spin" || look.field == "vorticity" || look.field == "spin_difference";
     std::string unit = unit_of(look.field);
     if (power != 0) unit = fmt::format("10^{}{}{}", power, unit.empty() ? "" : " ", unit);
-    const std::string name = look.field == "spin_difference" ? "spin - vorticity/2" : look.field;
+    const std::string name = look.field == "spin_difference" ? "spin - vorticity/2" : look.field == "q_criterion" ? "Q" : look.field;
     return name + (vector && is_diverging(look.colour_map) ? " z" : "") + (unit.empty() ? "" : " [" + unit + "]");
 }
 

@@ -45,6 +45,8 @@ Mat3f studio_axes(const View& view) {
     return axes;
 }
 
+Vec3f lamp_of_clouds() { return Vec3f(-0.62f, 0.68f, 0.38f).normalized(); }
+
 Vec3f shadow_light() { return Vec3f(-0.50f, 0.80f, -0.42f).normalized(); }
 
 }  // namespace whorl

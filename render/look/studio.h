@@ -25,5 +25,7 @@ Mat3f studio_axes(const View& view);
 /// Where the light that throws the shadow stands, in the studio's axes, unit length: high, behind and to the left, so that light comes
 /// through the fluid and its shadow falls towards the viewer.
 Vec3f shadow_light();
+/// The same of the lamp that lights clouds: the first soft box, at the viewer's left.
+Vec3f lamp_of_clouds();
 
 }  // namespace whorl

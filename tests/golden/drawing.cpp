@@ -1,6 +1,7 @@
 /// Pictures of fixed meshes, compared with the ones in pictures/. They were drawn with Mesa's software driver; on other devices small
 /// differences are expected and the tolerance is the same. WHORL_UPDATE_GOLDEN=1 draws them anew: look at them before you commit them.
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 
@@ -154,4 +155,49 @@ TEST_CASE("two inks in paint", "[golden]") {
     picture.surface = coil();
     for (const Vec3f& x : picture.frame.position) picture.frame.vector["ink"].push_back(x.x() > 0 ? Vec3f(1, 0, 0) : Vec3f(0, 1, 0));
     compare(picture, "paint_inks");
+}
+
+namespace {
+
+/// A ball of fluid in which the vorticity of two linked rings shows, or ink fills them.
+Picture linked_rings() {
+    Picture picture = blank("water");
+    picture.look.style = "volume";
+    picture.look.background = "white";
+    picture.look.ground = false;
+    picture.look.opacity = 3;
+    const auto in_ring = [](const Vec3f& x, const Vec3f& centre, const Vec3f& axis) {
+        const Vec3f r = x - centre;
+        const float along = r.dot(axis), across = (r - along * axis).norm() - 0.025f;
+        return std::exp(-(along * along + across * across) / (0.006f * 0.006f));
+    };
+    for (Vec3f x(-0.06f, 0, 0); x.x() < 0.06f; x.x() += 0.0025f)
+        for (x.y() = -0.02f; x.y() < 0.09f; x.y() += 0.0025f)
+            for (x.z() = -0.06f; x.z() < 0.06f; x.z() += 0.0025f) {
+                const float a = in_ring(x, Vec3f(-0.0125f, 0.035f, 0), Vec3f::UnitZ());
+                const float b = in_ring(x, Vec3f(0.0125f, 0.035f, 0), Vec3f::UnitY());
+                picture.frame.position.push_back(x);
+                picture.frame.velocity.emplace_back(0, 0, 0);
+                picture.frame.vector["ink"].emplace_back(a, b, 0);
+                picture.frame.scalar["q_criterion"].push_back(100 * (a + b) - 10);
+            }
+    picture.frame.spacing = 0.0025f;
+    return picture;
+}
+
+}  // namespace
+
+TEST_CASE("two linked rings of ink as a lit volume on white", "[golden]") {
+    Picture picture = linked_rings();
+    picture.look.field = "ink";
+    compare(picture, "volume_ink");
+}
+
+TEST_CASE("the Q of two linked rings as a lit volume in a dark studio, with its legend", "[golden]") {
+    Picture picture = linked_rings();
+    picture.look.field = "q_criterion";
+    picture.look.colour_map = "inferno";
+    picture.look.background = "dark";
+    picture.look.legend = true;
+    compare(picture, "volume_q");
 }

@@ -93,6 +93,7 @@ std::array<float, 2> film_range(const LookOptions& look, const Simulation& simul
         high = std::max(first, turned);
         if (high <= 0) high = speed / (8 * scene.fluid.spacing);
     }
+    if (look.field == "q_criterion") high = std::max(first, turn * turn);
     if (look.field == "density") return {static_cast<float>(0.97 * rest), static_cast<float>(1.03 * rest)};
     high = high > 0 && std::isfinite(high) ? round_up(high) : 1;
     return {is_diverging(look.colour_map) ? static_cast<float>(-high) : 0.0f, static_cast<float>(high)};

@@ -1,6 +1,7 @@
 // Fields that are worked out for a frame.
 #include "engine/io/derived_fields.h"
 
+#include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 
 #include "engine/core/random.h"
@@ -32,4 +33,14 @@ TEST_CASE("a particle that is alone has no vorticity", "[io]") {
     Domain domain;
     domain.min = Vec3::Constant(-1), domain.max = Vec3::Constant(1);
     CHECK(vorticity(Span<const Vec3>(x.data(), 1), Span<const Vec3>(u.data(), 1), 1, domain)[0] == Vec3(0, 0, 0));
+}
+
+TEST_CASE("Q is the squared rate where the flow turns, less that of the strain, and the same in turned axes", "[io]") {
+    Mat3 turning = Mat3::Zero(), strain = Mat3::Zero();
+    turning(0, 1) = -3, turning(1, 0) = 3;  // 3 rad/s: |W|^2/2 = 9
+    strain(0, 0) = 2, strain(1, 1) = -2;    // |S|^2/2 = 4
+    const Mat3 R = Eigen::AngleAxis<Real>(Real(0.7), Vec3(1, 2, 3).normalized()).toRotationMatrix();
+    CHECK(q_criterion(turning) == Approx(9));
+    CHECK(q_criterion(strain) == Approx(-4));
+    CHECK(q_criterion(R * (turning + strain) * R.transpose()) == Approx(5).epsilon(1e-5));
 }

@@ -1,0 +1,104 @@
+#include "render/flow/cloud.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "engine/core/parallel.h"
+
+namespace whorl {
+namespace {
+
+constexpr float least_density = 2e-3f;  // a haze below it is nothing: rays leap over it
+
+/// One layer of nodes across `main`, the other two axes along it.
+struct Layers {
+    int main, a, b;
+    std::size_t node(const FlowGrid& grid, int layer, int i, int j) const {
+        int at[3];
+        at[main] = layer, at[a] = i, at[b] = j;
+        return grid.index(at[0], at[1], at[2]);
+    }
+};
+
+void find_blocks(const FlowGrid& grid, const std::vector<float>& density, Cloud& cloud) {
+    for (int axis = 0; axis < 3; ++axis) cloud.blocks[axis] = (grid.n[axis] + Cloud::block - 1) / Cloud::block;
+    const std::array<int, 3> b = cloud.blocks;
+    cloud.most.assign(grid_count(b[0], b[1], b[2]), 0);
+    parallel_for(static_cast<Index>(cloud.most.size()), [&](Index m) {
+        const int first[3] = {m % b[0] * Cloud::block, m / b[0] % b[1] * Cloud::block, m / (b[0] * b[1]) * Cloud::block};
+        int low[3], high[3];
+        for (int axis = 0; axis < 3; ++axis)
+            low[axis] = std::max(0, first[axis] - 1), high[axis] = std::min(grid.n[axis] - 1, first[axis] + Cloud::block);
+        for (int k = low[2]; k <= high[2]; ++k)
+            for (int j = low[1]; j <= high[1]; ++j)
+                for (int i = low[0]; i <= high[0]; ++i) cloud.most[m] = std::max(cloud.most[m], density[grid.index(i, j, k)]);
+    });
+}
+
+}  // namespace
+
+std::vector<float> depth_towards(const FlowGrid& grid, const std::vector<float>& density, float thickness, const Vec3f& towards) {
+    std::vector<float> depth(density.size(), 0);
+    Layers layers{0, 1, 2};
+    towards.cwiseAbs().maxCoeff(&layers.main);
+    layers.a = (layers.main + 1) % 3, layers.b = (layers.main + 2) % 3;
+    const int n = grid.n[layers.main], na = grid.n[layers.a], nb = grid.n[layers.b];
+    const bool up = towards[layers.main] > 0;
+    const float layer_step = grid.cell[layers.main] / std::abs(towards[layers.main]);  // m, along the light
+    const float move_a = layer_step * towards[layers.a] / grid.cell[layers.a], move_b = layer_step * towards[layers.b] / grid.cell[layers.b];
+    for (int count = 1; count < n; ++count) {
+        const int layer = up ? n - 1 - count : count, before = up ? layer + 1 : layer - 1;
+        parallel_for(na * nb, [&](Index m) {
+            const int i = m % na, j = m / na;
+            const float x = static_cast<float>(i) + move_a, y = static_cast<float>(j) + move_b;
+            const int i0 = static_cast<int>(std::floor(x)), j0 = static_cast<int>(std::floor(y));
+            const float fx = x - static_cast<float>(i0), fy = y - static_cast<float>(j0);
+            float ahead = 0, ahead_density = 0;
+            for (int corner = 0; corner < 4; ++corner) {
+                const int p = i0 + (corner & 1), q = j0 + (corner >> 1);
+                if (p < 0 || q < 0 || p >= na || q >= nb) continue;
+                const float w = ((corner & 1) ? fx : 1 - fx) * ((corner >> 1) ? fy : 1 - fy);
+                const std::size_t other = layers.node(grid, before, p, q);
+                ahead += w * depth[other], ahead_density += w * density[other];
+            }
+            const std::size_t own = layers.node(grid, layer, i, j);
+            depth[own] = ahead + layer_step * thickness * (density[own] + ahead_density) / 2;
+        });
+    }
+    return depth;
+}
+
+Cloud lit_cloud(const FlowGrid& grid, float thickness, const CloudLight& light) {
+    Cloud cloud;
+    const auto nodes = static_cast<Index>(grid.value.size());
+    if (nodes == 0) return cloud;
+    std::vector<float> density(nodes);
+    parallel_for(nodes, [&](Index m) {
+        const float strength = grid.value[m][3], dense = grid.cover[m] * strength * strength;
+        density[m] = dense < least_density ? 0 : dense;
+    });
+    find_blocks(grid, density, cloud);
+    const std::vector<float> to_lamp = depth_towards(grid, density, thickness, light.towards);
+    // The sky: the corners of a tetrahedron that stands on the lamp's far side, and the lamp's own side.
+    const Vec3f w = light.towards, u = w.unitOrthogonal(), v = w.cross(u);
+    std::vector<float> open(nodes, 0);
+    for (const float turn : {0.0f, 1 / 3.0f, 2 / 3.0f}) {
+        const float angle = 2 * std::numbers::pi_v<float> * turn;
+        const Vec3f way = (0.94281f * (std::cos(angle) * u + std::sin(angle) * v) - w / 3).normalized();
+        const std::vector<float> depth = depth_towards(grid, density, thickness, way);
+        parallel_for(nodes, [&](Index m) { open[m] += std::exp(-depth[m]) / 4; });
+    }
+    cloud.lit.assign(nodes, Eigen::Vector4f::Zero());
+    parallel_for(nodes, [&](Index m) {
+        if (density[m] <= 0) return;
+        const Vec3f colour = grid.value[m].head<3>() / grid.value[m][3];
+        const float shade = std::exp(-to_lamp[m]);
+        const Vec3f falls = shade * light.lamp + (open[m] + shade / 4) * light.sky + Vec3f::Constant(light.glow);
+        cloud.lit[m].head<3>() = density[m] * colour.cwiseProduct(falls);
+        cloud.lit[m][3] = density[m];
+    });
+    return cloud;
+}
+
+}  // namespace whorl

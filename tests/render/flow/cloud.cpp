@@ -1,0 +1,58 @@
+// Light in a cloud.
+#include "render/flow/cloud.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+using namespace whorl;
+
+namespace {
+
+/// 1 m along each axis, of white density 1 where `dense` says so.
+template <class F>
+FlowGrid white_cube(int nodes, F&& dense) {
+    FlowGrid grid;
+    grid.n = {nodes, nodes, nodes};
+    grid.cell = Vec3f::Constant(1 / static_cast<float>(nodes));
+    grid.origin = 0.5f * grid.cell;
+    for (int k = 0; k < nodes; ++k)
+        for (int j = 0; j < nodes; ++j)
+            for (int i = 0; i < nodes; ++i) {
+                grid.value.push_back(dense(i, j, k) ? Eigen::Vector4f::Ones() : Eigen::Vector4f::Zero());
+                grid.cover.push_back(1);
+            }
+    grid.velocity.resize(grid.value.size());
+    return grid;
+}
+
+}  // namespace
+
+TEST_CASE("light falls off in an even cloud as its depth says, from above and slanting", "[render][flow]") {
+    const int n = 32;
+    const FlowGrid grid = white_cube(n, [](int, int, int) { return true; });
+    const std::vector<float> density(grid.value.size(), 1);
+    const float thickness = 3;
+    for (const Vec3f& lamp : {Vec3f(0, 1, 0), Vec3f(Vec3f(0.3f, 0.9f, -0.2f).normalized())}) {
+        const std::vector<float> depth = depth_towards(grid, density, thickness, lamp);
+        for (const int j : {0, 9, 20, 31}) {
+            // To the outermost nodes, along the light; far from the sides, where it comes in past a shorter way.
+            const float way = static_cast<float>(n - 1 - j) * grid.cell.y() / lamp.y();
+            CHECK(depth[grid.index(8, j, 22)] == Approx(thickness * way).margin(1e-4));
+        }
+    }
+}
+
+TEST_CASE("a thing in a cloud's light throws a shadow, and empty blocks are known", "[render][flow]") {
+    const FlowGrid grid = white_cube(24, [](int i, int j, int k) { return i >= 10 && i < 14 && k >= 10 && k < 14 && (j == 20 || j == 4); });
+    CloudLight light;
+    light.lamp = Vec3f(1, 1, 1), light.sky = Vec3f::Zero();
+    const Cloud cloud = lit_cloud(grid, 200, light);
+    const Eigen::Vector4f upper = cloud.lit[grid.index(12, 20, 12)], lower = cloud.lit[grid.index(12, 4, 12)];
+    // The upper plate's own half cell of depth 200/24/2 above it has no fluid; the lower one sees a whole cell of depth 8.3 in its way.
+    CHECK(upper[0] == Approx(std::exp(-200.0f / 24 / 2)).epsilon(1e-3));
+    CHECK(lower[0] == Approx(upper[0] * std::exp(-200.0f / 24)).epsilon(1e-2));
+    CHECK(upper[3] == 1);
+    CHECK(cloud.blocks == std::array<int, 3>{3, 3, 3});
+    CHECK(cloud.most[13 + 3] == 1);  // the middle block of the upper layer
+    CHECK(cloud.most[0] == 0);
+}
