@@ -46,7 +46,8 @@ std::vector<float> depth_towards(const FlowGrid& grid, const std::vector<float>&
     const int n = grid.n[layers.main], na = grid.n[layers.a], nb = grid.n[layers.b];
     const bool up = towards[layers.main] > 0;
     const float layer_step = grid.cell[layers.main] / std::abs(towards[layers.main]);  // m, along the light
-    const float move_a = layer_step * towards[layers.a] / grid.cell[layers.a], move_b = layer_step * towards[layers.b] / grid.cell[layers.b];
+    const float move_a = layer_step * towards[layers.a] / grid.cell[layers.a],
+                move_b = layer_step * towards[layers.b] / grid.cell[layers.b];
     for (int count = 1; count < n; ++count) {
         const int layer = up ? n - 1 - count : count, before = up ? layer + 1 : layer - 1;
         parallel_for(na * nb, [&](Index m) {

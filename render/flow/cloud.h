@@ -17,10 +17,10 @@ struct CloudLight {
 
 /// On the nodes of a grid. Densities are parts of the strongest field's.
 struct Cloud {
-    static constexpr int block = 8;              ///< nodes along a block's edge
-    std::vector<Eigen::Vector4f> lit;            ///< radiance times density, density
-    std::array<int, 3> blocks{0, 0, 0};          ///< ceil(nodes / block) along each axis
-    std::vector<float> most;                     ///< largest density in a block and a node around it; 0: empty
+    static constexpr int block = 8;      ///< nodes along a block's edge
+    std::vector<Eigen::Vector4f> lit;    ///< radiance times density, density
+    std::array<int, 3> blocks{0, 0, 0};  ///< ceil(nodes / block) along each axis
+    std::vector<float> most;             ///< largest density in a block and a node around it; 0: empty
 };
 
 /// @param grid with colour times strength, and strength, as its values; the density is the strength's square

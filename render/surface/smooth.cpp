@@ -1,5 +1,7 @@
 #include "render/surface/smooth.h"
 
+#include <utility>
+
 #include "engine/core/parallel.h"
 
 namespace whorl {
@@ -76,6 +78,14 @@ void set_normals(TriangleMesh& mesh) {
         const float length = sum.norm();
         if (length > 0) mesh.normal[v] = sum / length;
     });
+}
+
+void set_smooth_normals(TriangleMesh& mesh, int rounds, int steps) {
+    TriangleMesh smoother;
+    smoother.position = mesh.position, smoother.triangle = mesh.triangle;
+    smooth(smoother, rounds, steps);
+    set_normals(smoother);
+    mesh.normal = std::move(smoother.normal);
 }
 
 }  // namespace whorl

@@ -25,11 +25,12 @@ Surface build_surface(const Frame& frame, const SurfaceOptions& options) {
     surface.mesh = std::move(marched.mesh);
     if (options.smoothing > 0) {
         const std::vector<Vec3f> sharp = cut.any() ? surface.mesh.position : std::vector<Vec3f>();
-        smooth(surface.mesh, options.smoothing, static_cast<int>(std::lround(2.5 / (options.voxel * options.voxel))));
+        const int steps = static_cast<int>(std::lround(2.5 / (options.voxel * options.voxel)));
+        smooth(surface.mesh, options.smoothing, steps);
         // The cut stays plane and its rim in place: both sides of a period fit together.
         for (std::size_t v = 0; v < sharp.size(); ++v)
             if (std::abs(cut.at(sharp[v]).inside) < 0.02f * voxel) surface.mesh.position[v] = sharp[v];
-        set_normals(surface.mesh);
+        set_smooth_normals(surface.mesh, options.smoothing, 3 * steps);
     }
     if (const auto age = frame.scalar.find("age"); age != frame.scalar.end())
         surface.age = values_at(surface.mesh.position, frame.position, age->second, static_cast<float>(options.radius * frame.spacing));

@@ -9,6 +9,8 @@
 
 #include "engine/core/parallel.h"
 #include "engine/core/random.h"
+#include "render/surface/smooth.h"
+#include "tests/support/shapes.h"
 #include "tests/support/surface_measures.h"
 
 using namespace whorl;
@@ -216,4 +218,21 @@ TEST_CASE("a periodic fluid is cut off flat at the sides of its period, and both
     REQUIRE(left.size() > 50);
     REQUIRE(*std::max_element(left.begin(), left.end()) == Approx(*std::max_element(right.begin(), right.end())).margin(0.02));
     REQUIRE(volume(mesh) == Approx(static_cast<double>(period.position.size())).epsilon(0.03));
+}
+
+TEST_CASE("a ball's rough mesh keeps its place and gets smooth normals", "[surface]") {
+    TriangleMesh ball = test::sphere(Vec3f::Zero(), 1, 0.1f).mesh;
+    RandomNumbers random(1);
+    for (Vec3f& x : ball.position) x *= 1 + 0.01f * static_cast<float>(random() - 0.5);
+    const std::vector<Vec3f> place = ball.position;
+    const auto roughness = [&] {
+        double sum = 0;
+        for (std::size_t v = 0; v < ball.normal.size(); ++v) sum += (ball.normal[v] - ball.position[v].normalized()).squaredNorm();
+        return std::sqrt(sum / static_cast<double>(ball.normal.size()));
+    };
+    set_normals(ball);
+    const double before = roughness();
+    set_smooth_normals(ball, 1, 10);
+    CHECK(roughness() < 0.3 * before);  // the blur is over some ten vertices: of what is random it leaves a third and less
+    CHECK(ball.position == place);
 }
