@@ -4,9 +4,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "engine/particles/field.h"
 #include "tests/support/runs.h"
-#include "tools/scene_file/scene_file.h"
+#include "tools/film/panels.h"
 
 using namespace whorl;
 using namespace whorl::test;
@@ -15,13 +14,12 @@ namespace spin_up_test {
 
 namespace {
 
-/// The vessel of scenes/spin_up.toml, 32 spacings across and without panels.
-Simulation vessel(const std::vector<std::string>& changes) {
+/// A panel of scenes/spin_up.toml, 32 spacings across.
+Simulation vessel(std::size_t panel) {
     Options options;
     options.scene = WHORL_SOURCE_DIR "/scenes/spin_up.toml";
-    options.set = {"panel=[]", "fluid.spacing=2e-3"};
-    options.set.insert(options.set.end(), changes.begin(), changes.end());
-    const Scene scene = read_scene_file(options).scene;
+    options.set = {"fluid.spacing=2e-3"};
+    const Scene scene = panel_scenes(read_scene_file(options)).at(panel).scene;
     return Simulation(scene, make_plan(scene));
 }
 
@@ -68,7 +66,7 @@ Errors distance_from(const SteadySpinUp& exact, const Simulation& simulation) {
 // Stop at 4 s: what the start leaves has decayed by exp(-3.83^2 (a - kappa/2) t/R^2) = 0.6 %.
 TEST_CASE("a torque turns fluid in a round vessel whose wall holds the spin as modified Bessel functions say",
           "[validation][projection][micropolar][plane]") {
-    Simulation simulation = vessel({});
+    Simulation simulation = vessel(1);
     run_until(simulation, 4);
     const double a = 0.12e-3, kappa = 0.06e-3, l = 5.5e-3;
     const Errors e = distance_from({a, kappa, a * l * l}, simulation);
@@ -79,26 +77,26 @@ TEST_CASE("a torque turns fluid in a round vessel whose wall holds the spin as m
 
 TEST_CASE("the same torque leaves fluid at rest where the wall lets its particles spin, and where there is no spin",
           "[validation][projection][micropolar][plane]") {
-    Simulation free = vessel({"micropolar.wall_spin=free"});
+    Simulation free = vessel(2);
     run_until(free, 2);
     const double turned = torque / (2 * 0.06e-3) * (1 - std::exp(-2 * 2 * 0.06e-3 / 3e-5));
     for (const Vec3& w : free.world().fluid.column<field::spin>()) REQUIRE(w.z() == Approx(turned).epsilon(0.02));
     const double driven = SteadySpinUp{0.12e-3, 0.06e-3, 0.12e-3 * 5.5e-3 * 5.5e-3}.velocity(0.65 * radius);
     for (const Vec3& u : free.world().fluid.column<field::velocity>()) REQUIRE(u.norm() < 0.02 * driven);
 
-    Simulation classical = vessel({"models.micropolar=none"});
+    Simulation classical = vessel(0);
     run_until(classical, 1);
     for (const Vec3& u : classical.world().fluid.column<field::velocity>()) REQUIRE(u.norm() < 1e-6);
 }
 
 TEST_CASE("uniform fluid under a torque that swings turns by its ordinary differential equation, in every form and with every pressure",
           "[validation][micropolar][plane]") {
-    // theta dw/dt = tau (1 + cos(8 t)) - 2 kappa w. Steps are 2 ms. Weakly compressible flow and the constraint are first order in time: off by
-    // half a step of the torque's swing and of the decay, .8 % together. The projection is of second order.
+    // theta dw/dt = tau (1 + cos(8 t)) - 2 kappa w. Steps are 2 ms. Weakly compressible flow and the constraint are first order in time:
+    // off by half a step of the torque's swing and of the decay, .8 % together. The projection is of second order.
     const double mu = 4, transfer = 2, theta = 0.01, tau = 0.05, swing = 8, end = 0.4;
     for (const std::string form : {"seed", "bender", "eringen"})
-        for (const std::string pressure :
-             {"pressure = \"wcsph\"", "pressure = \"ppe\"\n[pressure]\nform = \"constraint\"", "pressure = \"ppe\"\n[pressure]\nform = \"projection\""})
+        for (const std::string pressure : {"pressure = \"wcsph\"", "pressure = \"ppe\"\n[pressure]\nform = \"constraint\"",
+                                           "pressure = \"ppe\"\n[pressure]\nform = \"projection\""})
             for (const std::string exchange : {"explicit", "implicit"}) {
                 CAPTURE(form, pressure, exchange);
                 Simulation simulation = simulation_of(fmt::format(
@@ -130,7 +128,8 @@ max = [0.2, 0.2]
 )toml",
                     mu, form, pressure, transfer, theta, exchange, tau, swing));
                 run_until(simulation, end);
-                const double kappa = (form == "seed" ? mu + transfer : transfer) / 1000, rate = 2 * kappa / theta, fade = std::exp(-rate * end);
+                const double kappa = (form == "seed" ? mu + transfer : transfer) / 1000, rate = 2 * kappa / theta,
+                             fade = std::exp(-rate * end);
                 const double exact = tau / theta *
                                      ((1 - fade) / rate + (rate * std::cos(swing * end) + swing * std::sin(swing * end) - rate * fade) /
                                                               (rate * rate + swing * swing));
