@@ -88,11 +88,11 @@ def spin_up(m):
             run = m.render("spin_up", f"spin_up/{wall}-{across}", "panel=[]", f"micropolar.wall_spin={wall}", f"fluid.spacing={2 * radius / across:.9g}",
                            "time.fps=1")
             d = run.table("probes/radius.csv")
-            end = d["time"] == d["time"][-1]
+            end = ~(d["time"] < d["time"][-1])  # in a dry run all
             u, w = spin_up_flow(a, kappa, a * length**2, torque, radius, d["s"][end])
             exact_w = w if wall == "solid" else np.full_like(w, torque / (2 * kappa))
             off = d["velocity_y"][end] - (u if wall == "solid" else 0)
             rows.append(["held by the wall" if wall == "solid" else "free at the wall", across, f"{1e3 * np.nanmax(np.abs(d['velocity_y'][end])):.2f}",
-                         f"{1e3 * u.max() if wall == 'solid' else 0:.2f}", percent(np.nanmax(np.abs(off)) / u.max(), 1),
-                         percent(np.nanmax(np.abs(d["spin_z"][end] - exact_w)) / exact_w.max(), 1)])
+                         f"{1e3 * u.max() if wall == 'solid' else 0:.2f}", percent(np.abs(off).max() / u.max(), 1),
+                         percent(np.abs(d["spin_z"][end] - exact_w).max() / exact_w.max(), 1)])
     return markdown("spin | spacings across | largest speed [mm/s] | exact | largest error of u | of w", rows)
