@@ -1,7 +1,9 @@
 """Micropolar fluids: curls, vorticity refinement, the price of spin."""
 import math
 
-from .registry import markdown, table
+import numpy as np
+
+from .registry import markdown, percent, table
 from .runs import number
 
 
@@ -61,3 +63,36 @@ def spin_cost(m):
         rows.append([words, *(f"{part:.0f}" if part else "" for part in parts), f"{sum(ns.values()):.0f}",
                      f"{panel['particle_steps'] / panel['wall_seconds'] / 1e6:.2f}"])
     return markdown("two threads | neighbours | density | pressure | viscosity and spin | all | million particle-steps a second", rows)
+
+
+def bessel(n, x):
+    """Modified Bessel function I_n of the first kind."""
+    angle = np.linspace(0, math.pi, 2001)
+    part = np.exp(np.multiply.outer(x, np.cos(angle))) * np.cos(n * angle)
+    return (part.sum(-1) - (part[..., 0] + part[..., -1]) / 2) / (len(angle) - 1)  # a trapezium rule of a smooth periodic function
+
+
+def spin_up_flow(a, kappa, g, torque, radius, r):
+    """Steady (u, w) at r in a round vessel whose wall holds the spin (docs/physics.md 8)."""
+    m = math.sqrt(kappa * (2 * a - kappa) / (a * g))
+    at_wall, slope = bessel(0, m * radius), bessel(1, m * radius)
+    W = a * torque / (kappa * (2 * a - kappa * 2 * slope / (m * radius * at_wall)))
+    return kappa * W / (a * m * at_wall) * (slope * r / radius - bessel(1, m * r)), W * (1 - bessel(0, m * r) / at_wall)
+
+
+@table("spin_up", "fluid that a torque on its particles turns in a round vessel, against Bessel functions", "2 minutes")
+def spin_up(m):
+    rows, a, kappa, radius, torque, length = [], 1.2e-4, 6e-5, 0.032, 4e-3, 5.5e-3
+    for wall in ("solid", "free"):
+        for across in (20, 40, 64) if wall == "solid" else (40,):
+            run = m.render("spin_up", f"spin_up/{wall}-{across}", "panel=[]", f"micropolar.wall_spin={wall}", f"fluid.spacing={2 * radius / across:.9g}",
+                           "time.fps=1")
+            d = run.table("probes/radius.csv")
+            end = ~(d["time"] < d["time"][-1])  # in a dry run all
+            u, w = spin_up_flow(a, kappa, a * length**2, torque, radius, d["s"][end])
+            exact_w = w if wall == "solid" else np.full_like(w, torque / (2 * kappa))
+            off = d["velocity_y"][end] - (u if wall == "solid" else 0)
+            rows.append(["held by the wall" if wall == "solid" else "free at the wall", across, f"{1e3 * np.nanmax(np.abs(d['velocity_y'][end])):.2f}",
+                         f"{1e3 * u.max() if wall == 'solid' else 0:.2f}", percent(np.abs(off).max() / u.max(), 1),
+                         percent(np.abs(d["spin_z"][end] - exact_w).max() / exact_w.max(), 1)])
+    return markdown("spin | spacings across | largest speed [mm/s] | exact | largest error of u | of w", rows)

@@ -35,6 +35,8 @@ gallery_scenes = {
     "dam_break_obstacle": ("The same water runs into a post.", 0.3, "standard"),
     "paddle": ("Two crossed blades turn in a box of water.", 2.9, "standard"),
     "floating_boxes": ("A wave carries off crates, a cask and a ball.", 1.05, "standard"),
+    "turbulence": ("A crowd of vortices merges into a few. With spin they stay strong.", 1.4, "standard"),
+    "spin_up": ("A torque on the particles' spin turns fluid, if the wall holds the spin.", 1.4, "standard"),
     "karman_street": ("A cylinder in a stream sheds vortices in turn.", 2.5, "draft"),
     "shear_layer": ("Two streams roll up into billows.", 1.5, "draft"),
     "taylor_green": ("An array of vortices decays and merges.", 0.5, "draft"),
