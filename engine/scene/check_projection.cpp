@@ -101,10 +101,11 @@ void check_splashing(const Scene& scene, const Plan& plan, const SceneShapes& sh
     if (plan.facts.viscosity.smooths)
         problem("models.viscosity", "a full box diverges with XSPH under pressure.form = \"projection\"",
                 "take models.viscosity = \"explicit\", or pressure.form = \"constraint\"");
-    if (scene.any_free_solid() && scene.domain.dimensions == 3)
-        problem("pressure.form", "pressure.form = \"projection\" does not hold free bodies in three dimensions",
-                "take pressure.form = \"constraint\", or domain.dimensions = 2");
     if (!plan.free_surface) return;
+    if (scene.fluid.surface_tension > 0)
+        problem("pressure.form",
+                "pressure.form = \"projection\" does not hold surface tension: pulls between the particles tear its surface",
+                "take pressure.form = \"constraint\", or \"auto\", which does so");
     const auto report = [&](const std::string& what) {
         problem("pressure.form", "pressure.form = \"projection\" does not hold fluid that splashes, and " + what,
                 "take pressure.form = \"constraint\", or \"auto\", which does so");

@@ -63,10 +63,13 @@ PressureOnBodies::Moments PressureOnBodies::surface_moments(const Surface& surfa
                                                             const std::vector<Index>& near, const Body& body) {
     const SolidParticles& layer = around.layer;
     const Real d = around.step.spacing;
+    // Between the particles of a lattice over the surface a place is sqrt(1 + 1/4) d off them in the plane, sqrt(1 + 2/4) d in space. One
+    // dry place in a body's wetted surface would let a uniform pressure push it.
+    const Real reach = Real(0.85) * std::sqrt(static_cast<Real>(around.step.dimensions())) * d;
     std::vector<char> wet(layer.size(), 0);
     for (const Index i : near)
         around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real) {
-            if ((r - d / 2 * layer.normal[s]).norm() < Real(1.2) * d) wet[s] = 1;
+            if ((r - d / 2 * layer.normal[s]).norm() < reach) wet[s] = 1;
         });
     const Mat3d R = around.solids.all[surface.solid].body->turn.toRotationMatrix();
     Moments moments = Moments::Zero();
