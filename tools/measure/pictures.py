@@ -40,7 +40,7 @@ gallery_scenes = {
     "karman_street": ("A cylinder in a stream sheds vortices in turn.", 2.5, "draft"),
     "shear_layer": ("Two streams roll up into billows.", 1.5, "draft"),
     "taylor_green": ("An array of vortices decays and merges.", 0.5, "draft"),
-    "vortex_rings": ("One ring slips through the other.", 0.8, "draft"),
+    "vortex_rings": ("One ring slips through the other; two meet head on.", 0.9, "draft"),
     "stirred_tank": ("A paddle stirs a tank, seen as particles.", 1.5, "draft"),
 }
 
