@@ -6,11 +6,11 @@ from .registry import markdown, table, write_file
 from .runs import number, read_rows
 
 
-@table("picture_honey_coil", "the README's first picture: frame 54 of honey_coil", "1 minute", files="docs/pictures/honey_coil.png",
+@table("picture_honey_coil", "the README's first picture: frame 80 of honey_coil", "1 minute", files="docs/pictures/honey_coil.png",
        section=False)
 def picture_honey_coil(m):
-    run = m.render("honey_coil", "pictures/honey_coil", threads=2, images=True, options=["--frames", 54, "--no-video"])
-    drawing.picture(m, "docs/pictures/honey_coil.png", [run.folder / "frames/000054.png"], 720)
+    run = m.render("honey_coil", "pictures/honey_coil", threads=2, images=True, options=["--frames", 80, "--no-video"])
+    drawing.picture(m, "docs/pictures/honey_coil.png", [run.folder / "frames/000080.png"], 720)
 
 
 @table("picture_live", "the page of a live run, as Chromium shows it", "1 minute", files="docs/pictures/live.png", section=False)
@@ -41,7 +41,7 @@ gallery_scenes = {
     "shear_layer": ("Two streams roll up into billows.", 1.5, "draft"),
     "taylor_green": ("An array of vortices decays and merges.", 0.5, "draft"),
     "vortex_rings": ("One ring slips through the other; two meet head on.", 0.9, "draft"),
-    "stirred_tank": ("A paddle stirs a tank, seen as particles.", 1.5, "draft"),
+    "stirred_tank": ("A paddle stirs ink in a glass.", 1.1, "draft"),
 }
 
 
