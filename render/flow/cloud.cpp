@@ -81,7 +81,7 @@ Cloud lit_cloud(const FlowGrid& grid, float thickness, const CloudLight& light) 
     });
     find_blocks(grid, density, cloud);
     const std::vector<float> to_lamp = depth_towards(grid, density, thickness, light.towards);
-    // The sky: the corners of a tetrahedron that stands on the lamp's far side, and the lamp's own side.
+    // The sky: the lamp's direction and the three that make a regular tetrahedron with it.
     const Vec3f w = light.towards, u = w.unitOrthogonal(), v = w.cross(u);
     std::vector<float> open(nodes, 0);
     for (const float turn : {0.0f, 1 / 3.0f, 2 / 3.0f}) {

@@ -34,7 +34,7 @@ FlowGrid laid_out(const Frame& frame, float reach, std::size_t most_nodes, float
         double nodes = 1;
         for (int a = 0; a < 3; ++a) {
             // A periodic axis has whole cells; another one more node than cells.
-            const float cells = std::max(1.0f, std::round((high[a] - low[a]) / cell));
+            const float cells = plane && a == 2 ? 1 : std::max(1.0f, std::round((high[a] - low[a]) / cell));
             grid.n[a] = static_cast<int>(cells) + (grid.periodic[a] ? 0 : 1);
             grid.cell[a] = (high[a] - low[a]) / cells;
             nodes *= grid.n[a];

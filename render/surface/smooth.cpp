@@ -27,8 +27,10 @@ struct Ring {
     }
 };
 
+constexpr float lambda = 0.63f;  // of a step of the blur
+
 // (1 - lambda k)^steps of each component of the shape with eigenvalue k of the umbrella operator.
-void blur(const Ring& ring, std::vector<Vec3f>& position, std::vector<Vec3f>& scratch, int steps, float lambda) {
+void blur(const Ring& ring, std::vector<Vec3f>& position, std::vector<Vec3f>& scratch, int steps) {
     for (int s = 0; s < steps; ++s) {
         parallel_for(static_cast<Index>(position.size()), [&](Index v) {
             Vec3f sum = Vec3f::Zero();
@@ -46,7 +48,6 @@ void blur(const Ring& ring, std::vector<Vec3f>& position, std::vector<Vec3f>& sc
 // curvature; handing back the blurred loss twice leaves the third power of that, and still takes out what the blur takes out well.
 void smooth(TriangleMesh& mesh, int rounds, int steps) {
     constexpr int order = 3;
-    constexpr float lambda = 0.63f;
     const Ring ring(mesh);
     const auto n = static_cast<Index>(mesh.position.size());
     std::vector<Vec3f> blurred, scratch(mesh.position.size()), lost(mesh.position.size());
@@ -55,7 +56,7 @@ void smooth(TriangleMesh& mesh, int rounds, int steps) {
         std::fill(mesh.position.begin(), mesh.position.end(), Vec3f::Zero());
         for (int pass = 0; pass < order; ++pass) {
             blurred = lost;
-            blur(ring, blurred, scratch, steps, lambda);
+            blur(ring, blurred, scratch, steps);
             parallel_for(n, [&](Index v) {
                 mesh.position[v] += blurred[v];
                 lost[v] -= blurred[v];
@@ -64,15 +65,16 @@ void smooth(TriangleMesh& mesh, int rounds, int steps) {
     }
 }
 
-void set_normals(TriangleMesh& mesh) {
-    const Ring ring(mesh);
-    mesh.normal.resize(mesh.position.size());
+namespace {
+
+void set_normals(TriangleMesh& mesh, const Ring& ring, const std::vector<Vec3f>& position) {
+    mesh.normal.resize(position.size());
     std::vector<Vec3f> area(mesh.triangle.size());
     parallel_for(static_cast<Index>(mesh.triangle.size()), [&](Index t) {
         const auto& [a, b, c] = mesh.triangle[t];
-        area[t] = (mesh.position[b] - mesh.position[a]).cross(mesh.position[c] - mesh.position[a]);
+        area[t] = (position[b] - position[a]).cross(position[c] - position[a]);
     });
-    parallel_for(static_cast<Index>(mesh.position.size()), [&](Index v) {
+    parallel_for(static_cast<Index>(position.size()), [&](Index v) {
         Vec3f sum = Vec3f::Zero();
         for (Index n = ring.begin[v]; n < ring.begin[v + 1]; ++n) sum += area[ring.triangle[n]];
         const float length = sum.norm();
@@ -80,12 +82,15 @@ void set_normals(TriangleMesh& mesh) {
     });
 }
 
-void set_smooth_normals(TriangleMesh& mesh, int rounds, int steps) {
-    TriangleMesh smoother;
-    smoother.position = mesh.position, smoother.triangle = mesh.triangle;
-    smooth(smoother, rounds, steps);
-    set_normals(smoother);
-    mesh.normal = std::move(smoother.normal);
+}  // namespace
+
+void set_normals(TriangleMesh& mesh) { set_normals(mesh, Ring(mesh), mesh.position); }
+
+void set_smooth_normals(TriangleMesh& mesh, int steps) {
+    const Ring ring(mesh);
+    std::vector<Vec3f> blurred = mesh.position, scratch(blurred.size());
+    blur(ring, blurred, scratch, steps);
+    set_normals(mesh, ring, blurred);
 }
 
 }  // namespace whorl

@@ -10,7 +10,8 @@ void smooth(TriangleMesh& mesh, int rounds, int steps);
 
 /// Normals from the mesh itself, weighted by area.
 void set_normals(TriangleMesh& mesh);
-/// Normals of the same mesh after smooth(mesh, rounds, steps): what it mirrors gets clean edges, and its outline stays.
-void set_smooth_normals(TriangleMesh& mesh, int rounds, int steps);
+/// Normals of the same mesh after a blur of so many steps: what it mirrors gets clean edges, and its outline stays. That the blur shrinks
+/// it does not show in its normals.
+void set_smooth_normals(TriangleMesh& mesh, int steps);
 
 }  // namespace whorl

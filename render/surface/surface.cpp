@@ -30,7 +30,7 @@ Surface build_surface(const Frame& frame, const SurfaceOptions& options) {
         // The cut stays plane and its rim in place: both sides of a period fit together.
         for (std::size_t v = 0; v < sharp.size(); ++v)
             if (std::abs(cut.at(sharp[v]).inside) < 0.02f * voxel) surface.mesh.position[v] = sharp[v];
-        set_smooth_normals(surface.mesh, options.smoothing, 3 * steps);
+        set_smooth_normals(surface.mesh, options.smoothing * steps);
     }
     if (const auto age = frame.scalar.find("age"); age != frame.scalar.end())
         surface.age = values_at(surface.mesh.position, frame.position, age->second, static_cast<float>(options.radius * frame.spacing));

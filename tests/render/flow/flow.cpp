@@ -85,3 +85,20 @@ TEST_CASE("a trail in a turning flow is an arc as long as the way of its time", 
     CHECK((t.position[12] - t.position[13]).norm() < 1e-6f);
     CHECK(t.colour[0].x() == 0.5f);
 }
+
+TEST_CASE("the grid of a plane flow is one node deep and covered, however fine", "[render][flow]") {
+    Frame frame;
+    frame.dimensions = 2;
+    frame.spacing = 0.1f;
+    frame.domain_min = Vec3f::Zero(), frame.domain_max = Vec3f(1, 1, 0);
+    for (int j = 0; j < 10; ++j)
+        for (int i = 0; i < 10; ++i) {
+            frame.position.push_back(0.1f * Vec3f(static_cast<float>(i) + 0.5f, static_cast<float>(j) + 0.5f, 0));
+            frame.velocity.push_back(turning(frame.position.back()));
+        }
+    for (const float cell : {1.0f, 0.5f}) {
+        const FlowGrid grid = flow_grid(frame, {}, 8'000'000, cell);
+        CHECK(grid.n[2] == 1);
+        CHECK(grid.at(Vec3f(0.5f, 0.5f, 0)).cover > 0.7f);  // the node stands half a spacing off the plane, which takes a quarter
+    }
+}

@@ -232,7 +232,7 @@ TEST_CASE("a ball's rough mesh keeps its place and gets smooth normals", "[surfa
     };
     set_normals(ball);
     const double before = roughness();
-    set_smooth_normals(ball, 1, 10);
+    set_smooth_normals(ball, 10);
     CHECK(roughness() < 0.3 * before);  // the blur is over some ten vertices: of what is random it leaves a third and less
     CHECK(ball.position == place);
 }
