@@ -33,6 +33,13 @@ void check_pressure(const Scene& scene, const Plan& plan, const SceneNumbers& nu
     if (scene.fluid.surface_tension > 0 && !pressure.keeps_apart)
         report("fluid.surface_tension", "surface tension pulls particles together, and " + chosen + " keeps none apart",
                "choose a pressure");
+    const bool between_walls = !plan.free_surface && !scene.domain.box().all_periodic();
+    if (pressure.form == PressureForm::constraint && between_walls && plan.viscosity == ViscosityModel::none && !scene.any_free_solid())
+        report(
+            "pressure.form",
+            "pressure.form = \"constraint\" gains energy in fluid without viscosity that fills the space between solids: where nothing can "
+            "give way, what it corrects in every step sets the fluid in motion",
+            "take pressure.form = \"projection\" or \"auto\", or models.viscosity = \"xsph\"");
     if (!pressure.solves_viscosity) return;
     if (plan.viscosity != ViscosityModel::none)
         report("models.viscosity", chosen + " solves for the viscosity itself",

@@ -17,7 +17,8 @@ void check_plane(const Scene& scene, const Plan& plan, std::vector<Problem>& pro
         if (scene.probes[k].kind == ProbeKind::coil)
             report(entry_name("probe", k) + ".kind", "nothing coils" + here, "", "allowed: point, line or region");
     for (const std::string& what : scene.output.exports)
-        if (what != "points") report("output.export", "there is no surface to export as \"" + what + "\"" + here, "", "allowed: points");
+        if (what != "points" && what != "raw")
+            report("output.export", "there is no surface to export as \"" + what + "\"" + here, "", "allowed: points or raw");
 }
 
 }  // namespace whorl

@@ -46,6 +46,11 @@ void check_choices(const Scene& scene, const Plan& plan, const KeyProblems& repo
     }
 }
 
+void check_output(const Scene& scene, const KeyProblems& report) {
+    if (!scene.output.chart.empty() && scene.panels.empty() && scene.places.count("output.chart") > 0)
+        report("output.chart", "a chart stands under a film of panels, and this scene has none", "add a [[panel]]");
+}
+
 void check_forms(const Scene& scene, const Plan& plan, const KeyProblems& report) {
     const std::optional<PressureSource> source = plan.facts.pressure.source;
     if (source == PressureSource::velocity) {
@@ -75,6 +80,7 @@ void check_unread(const Scene& scene, const Plan& plan, std::vector<Problem>& pr
     const KeyProblems report(scene, problems);
     check_choices(scene, plan, report);
     check_forms(scene, plan, report);
+    check_output(scene, report);
 }
 
 }  // namespace whorl

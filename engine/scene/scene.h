@@ -204,15 +204,17 @@ struct ChangeKeys {
 };
 
 struct PanelKeys {
-    std::string label;             ///< written on it
-    std::vector<std::string> set;  ///< "key=value", what this panel has of its own
+    std::string label;                    ///< written on it
+    std::vector<std::string> set;         ///< "key=value", what this panel has of its own
+    std::vector<std::string> difference;  ///< labels of two others: no run, but what the second has more than the first
 };
 
 struct OutputKeys {
     bool frames = true, video = true;
     double checkpoint_every = 5;         ///< s of wall time
-    std::vector<std::string> exports;    ///< points, mesh, vdb
+    std::vector<std::string> exports;    ///< points, mesh, vdb, raw
     std::array<int, 2> size{1280, 720};  ///< pixels, width and height, even
+    std::string chart;                   ///< of a film of panels: "probe.column", drawn under it; empty: none
     std::optional<int> panel_columns;    ///< of a film of panels; none: as many as there are, in a square from four on
 };
 

@@ -376,6 +376,8 @@ KeyTable panel_keys() {
     KeyTableOf<PanelKeys> t(
         "one of several runs of this scene, side by side in one film, frame by frame; each is a run of its own in panels/1, panels/2, ...");
     t.key("label", &PanelKeys::label, "", "written on it");
+    t.key("difference", &PanelKeys::difference, "",
+          "labels of two other panels: no run of its own, but what the second has more of their slices' field than the first");
     t.key("set", &PanelKeys::set, "", "what it has of its own, as in [\"models.micropolar=none\", \"fluid.spacing=2e-3\"]");
     return t;
 }
@@ -389,8 +391,10 @@ KeyTable output_keys() {
           "panels in a row; auto: in the plane as many as make the flow largest, else all of two or three, from four on a square")
         .at_least(1)
         .at_most(16);
+    t.key("chart", &OutputKeys::chart, "", "PROBE.COLUMN: its curve in every panel, over time, under a film of panels");
     t.key("checkpoint_every", &OutputKeys::checkpoint_every, "s", "of wall time").above(0);
-    t.key("export", &OutputKeys::exports, "", "files for other programs, a set a frame").one_of({"points", "mesh", "vdb"});
+    t.key("export", &OutputKeys::exports, "", "files for other programs, a set a frame; raw: what whorl draw makes pictures from again")
+        .one_of({"points", "mesh", "vdb", "raw"});
     return t;
 }
 

@@ -86,4 +86,12 @@ Image side_by_side(const std::vector<Image>& images, int columns, int gap, int w
     return whole;
 }
 
+Image one_above_other(const Image& above, const Image& below) {
+    WHORL_ASSERT(above.width == below.width);
+    Image whole = plain_image(above.width, above.height + below.height, 0);
+    paste(whole, above, 0, 0);
+    paste(whole, below, 0, above.height);
+    return whole;
+}
+
 }  // namespace whorl

@@ -89,8 +89,20 @@ KeyTable make_look_keys() {
         .only_with("style", {"slice"});
     t.key("streaks", &L::streaks, "", "smear the slice along the flow (line integral convolution)").only_with("style", {"slice"});
     t.key("streak_time", &L::streak_time, "s",
-          "of the flow's way to each side that a streak shows; 0: chosen once for the whole film, from the scene")
+          "of the flow's way to each side that a streak or an arrow shows; 0: chosen once for the whole film, from the scene")
         .at_least(0)
+        .only_with("style", {"slice"});
+    t.key("arrows", &L::arrows, "", "of the velocity, along the slice's longer side; 0: none")
+        .at_least(0)
+        .at_most(200)
+        .only_with("style", {"slice"});
+    t.key("isolines", &L::isolines, "", "lines of equal value, evenly over the range (of inks: of all together); 0: none")
+        .at_least(0)
+        .at_most(100)
+        .only_with("style", {"slice"});
+    t.key("relief", &L::relief, "", "lights the slice as a landscape of its value; 1: strongly")
+        .at_least(0)
+        .at_most(1)
         .only_with("style", {"slice"});
     t.key("opacity", &L::opacity, "", "optical depth of the volume where the field is strongest")
         .above(0)

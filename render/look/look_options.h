@@ -37,7 +37,10 @@ struct LookOptions {
     std::string slice_axis = "z";         ///< x | y | z, across the slice
     std::optional<float> slice_position;  ///< m on that axis; none: the middle of the fluid
     bool streaks = true;                  ///< slice: streaked along the flow (line integral convolution)
-    float streak_time = 0;                ///< s, of the flow's way to each side that a streak shows; 0: chosen as the range is
+    float streak_time = 0;                ///< s, of the flow's way to each side that a streak or arrow shows; 0: chosen as the range is
+    int arrows = 0;                       ///< slice: how many along its longer side
+    int isolines = 0;                     ///< slice: how many values have a line
+    float relief = 0;                     ///< slice: 1: lit as a landscape whose range is a tenth of the longer side high
     float opacity = 1;                    ///< volume: optical depth over the fluid's mean thickness, of the strongest field
     std::string title;                    ///< what the picture shows, in words; of a panel: its label
     bool legend = false;

@@ -133,7 +133,10 @@ void draw_strip(Image& image, const PictureBox& box, const LookOptions& look, co
         else draw_text(image, right - text_width("t = 00.000 s", h), first, time, style);
     }
     if (!two_lines) return;
-    const float length = std::min(0.45f * static_cast<float>(box.width), 32 * h);
+    float taken = 5 * h + text_width(field_title(look, ticks_of(range[0], range[1], 7).power), h);
+    if (!look.title.empty()) taken += text_width(look.title, h);
+    const float wide = static_cast<float>(box.width),
+                length = std::clamp(wide - taken, std::min(8 * h, 0.45f * wide), std::min(0.45f * wide, 32 * h));
     const Bar bar{false, right - length - 1.5f * h, first - h, length, 1.2f * h};
     const Ticks ticks = ticks_of(range[0], range[1], std::clamp(static_cast<int>(length / (4 * h)), 2, 7));
     draw_bar(image, look.colour_map, bar);

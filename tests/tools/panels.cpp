@@ -12,6 +12,7 @@
 #include "render/image/image.h"
 #include "tests/support/program.h"
 #include "tests/support/scratch.h"
+#include "tools/film/panel_scenes.h"
 
 using namespace whorl;
 using test::Outcome;

@@ -4,19 +4,12 @@
 #include <cmath>
 
 #include "engine/io/snapshot.h"
+#include "render/flow/marks.h"
 #include "render/look/colour_map.h"
 #include "render/look/field_values.h"
 
 namespace whorl {
 namespace {
-
-/// The next of 1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8 times a power of ten.
-double round_up(double value) {
-    const double magnitude = std::pow(10.0, std::floor(std::log10(value)));
-    for (const double factor : {1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0})
-        if (value <= factor * magnitude * (1 + 1e-6)) return factor * magnitude;
-    return 10 * magnitude;
-}
 
 double largest(const std::vector<float>& values) {
     double most = 0;
@@ -69,12 +62,20 @@ double foreseen_speed(const Scene& scene, const Frame& start) {
 
 }  // namespace
 
+double round_number_above(double value) {
+    const double magnitude = std::pow(10.0, std::floor(std::log10(value)));
+    for (const double factor : {1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0})
+        if (value <= factor * magnitude * (1 + 1e-6)) return factor * magnitude;
+    return 10 * magnitude;
+}
+
 float film_streak_time(const LookOptions& look, const Simulation& simulation) {
     const Scene& scene = simulation.scene();
-    if (look.style != "slice" || !look.streaks || look.streak_time > 0) return look.streak_time;
+    if (look.style != "slice" || (!look.streaks && look.arrows == 0) || look.streak_time > 0) return look.streak_time;
     const double size = (scene.domain.max - scene.domain.min).maxCoeff();
     const double speed = foreseen_speed(scene, Snapshots(simulation, {}).take(simulation, 1));
     if (!(speed > 0)) return 0;
+    if (!look.streaks) return static_cast<float>(arrow_reach * size / look.arrows / speed);
     return static_cast<float>(std::clamp(scene.time.frame_interval(), size / 45 / speed, size / 16 / speed));
 }
 
@@ -95,7 +96,7 @@ std::array<float, 2> film_range(const LookOptions& look, const Simulation& simul
     }
     if (look.field == "q_criterion") high = std::max(first, turn * turn);
     if (look.field == "density") return {static_cast<float>(0.97 * rest), static_cast<float>(1.03 * rest)};
-    high = high > 0 && std::isfinite(high) ? round_up(high) : 1;
+    high = high > 0 && std::isfinite(high) ? round_number_above(high) : 1;
     return {is_diverging(look.colour_map) ? static_cast<float>(-high) : 0.0f, static_cast<float>(high)};
 }
 

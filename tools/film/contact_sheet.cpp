@@ -14,6 +14,10 @@ std::filesystem::path picture_file(const std::filesystem::path& run_folder, int 
     return run_folder / "frames" / fmt::format("{:06}.png", frame);
 }
 
+std::filesystem::path frame_file(const std::filesystem::path& run_folder, int frame) {
+    return run_folder / "raw" / fmt::format("{:06}.frame", frame);
+}
+
 void write_contact_sheet(const std::filesystem::path& run_folder, int frames) {
     const int pictures = std::min(12, frames);
     std::vector<Image> images;

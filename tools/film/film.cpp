@@ -4,6 +4,7 @@
 
 #include "engine/core/errors.h"
 #include "engine/core/parallel.h"
+#include "engine/io/frame_file.h"
 #include "engine/io/points.h"
 #include "render/gl/renderer.h"
 #include "render/surface/mesh_export.h"
@@ -121,6 +122,7 @@ void Film::write_files(const Shot& shot) {
     const Frame& frame = *shot.frame;
     if (options_.images) write_png(picture_file(options_.folder, frame.number), shot.image);
     if (exports("points")) write_points(numbered(options_.folder, "points", frame.number, "ply"), frame);
+    if (exports("raw")) write_frame(frame_file(options_.folder, frame.number), frame);
     if (exports("mesh")) write_ply_mesh(numbered(options_.folder, "mesh", frame.number, "ply"), shot.surface.mesh);
     if (exports("vdb")) write_vdb(numbered(options_.folder, "vdb", frame.number, "vdb"), frame, shot.how->surface);
 }

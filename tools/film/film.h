@@ -35,7 +35,7 @@ struct FilmOptions {
     std::filesystem::path folder;      ///< the run folder
     std::filesystem::path video;       ///< empty: none
     bool images = true;                ///< false: no surface is drawn, EGL is not touched
-    std::vector<std::string> exports;  ///< points, mesh, vdb
+    std::vector<std::string> exports;  ///< points, mesh, vdb, raw
     int width = 1280, height = 720;
     double fps = 24;
     int frames_before = 0;  ///< pictures that stand in the folder already (a resumed run): they begin the video

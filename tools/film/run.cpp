@@ -18,6 +18,7 @@
 #include "tools/film/colour_range.h"
 #include "tools/film/contact_sheet.h"
 #include "tools/film/film.h"
+#include "tools/film/first_pass.h"
 #include "tools/film/frame_loop.h"
 #include "tools/film/progress.h"
 #include "tools/film/report.h"
@@ -51,9 +52,12 @@ FilmOptions film_options(const RunRequest& request, const SceneFile& file, int f
 std::vector<std::string> snapshot_fields(const SceneFile& file, const World& world) {
     std::vector<std::string> fields = shown_fields(file.look);
     const auto& exports = file.scene.output.exports;
-    if (std::find(exports.begin(), exports.end(), "points") != exports.end())
-        for (const std::string& name : live_fields(world.fluid))
-            if (std::find(fields.begin(), fields.end(), name) == fields.end()) fields.push_back(name);
+    const auto wants = [&](const char* what) { return std::find(exports.begin(), exports.end(), what) != exports.end(); };
+    std::vector<std::string> more;
+    if (wants("points") || wants("raw")) more = live_fields(world.fluid);
+    if (wants("raw")) more.insert(more.end(), {"vorticity", "q_criterion", "spin_difference"});  // so that any look can be drawn
+    for (const std::string& name : more)
+        if (std::find(fields.begin(), fields.end(), name) == fields.end()) fields.push_back(name);
     return fields;
 }
 
@@ -142,7 +146,9 @@ void Run::greet(const Plan& plan) {
 /// The range of the colour map stands in scene.resolved.toml and thereby in every checkpoint: a resumed film keeps it.
 SceneFile Run::with_colour_range() const {
     SceneFile file = request_.file;
-    if (shows_field(file.look)) file.look.range = film_range(file.look, simulation_);
+    if (shows_field(file.look))
+        file.look.range = scene_.output.frames ? first_pass_range(file, simulation_, last_, request_.quiet || request_.json)
+                                               : film_range(file.look, simulation_);
     file.look.streak_time = film_streak_time(file.look, simulation_);
     return file;
 }

@@ -45,7 +45,7 @@ RunFolder RunFolder::fresh(const fs::path& path) {
     RunFolder folder(path);
     if (!used) return folder;
     for (const char* name : {"scene.resolved.toml", "run.json", "diagnostics.csv", "bodies.csv", "contact.png", "log.txt", "probes",
-                             "frames", "points", "mesh", "vdb", "checkpoints", "panels"})
+                             "frames", "points", "mesh", "vdb", "raw", "checkpoints", "panels"})
         fs::remove_all(path / name);
     for (const auto& entry : fs::directory_iterator(path))
         if (entry.path().extension() == ".mp4") fs::remove(entry.path());

@@ -20,6 +20,7 @@ void add_render(CLI::App& program, Job& chosen);
 void add_live(CLI::App& program, Job& chosen);
 void add_plan(CLI::App& program, Job& chosen);
 void add_resume(CLI::App& program, Job& chosen);
+void add_draw(CLI::App& program, Job& chosen);
 void add_video(CLI::App& program, Job& chosen);
 void add_doctor(CLI::App& program, Job& chosen);
 void add_tradeoff(CLI::App& program, Job& chosen);

@@ -61,6 +61,7 @@ int main(int argc, char** argv) {
     whorl::add_live(program, chosen);
     whorl::add_plan(program, chosen);
     whorl::add_resume(program, chosen);
+    whorl::add_draw(program, chosen);
     whorl::add_video(program, chosen);
     whorl::add_tradeoff(program, chosen);
     whorl::add_stability(program, chosen);

@@ -4,7 +4,7 @@
 #include "engine/core/parallel.h"
 #include "engine/sim/simulation.h"
 #include "tools/cost/estimate.h"
-#include "tools/film/panels.h"
+#include "tools/film/panel_scenes.h"
 #include "tools/program/command.h"
 #include "tools/program/preview.h"
 

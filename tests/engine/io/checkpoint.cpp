@@ -68,7 +68,7 @@ TEST_CASE("a damaged checkpoint is named and the one before it is taken", "[io][
         content = sound, message = "checksum";
         content[content.size() / 2] = static_cast<char>(content[content.size() / 2] ^ 1);
     }
-    SECTION("empty") { message = "no checkpoint"; }
+    SECTION("empty") { message = "not of this kind"; }
     std::ofstream(newest, std::ios::binary) << content;
 
     std::vector<std::string> damaged;

@@ -269,6 +269,7 @@ struct Rest {
     double early, late;       ///< root mean square speed over sqrt(2 g H), mean over 0.4 to 0.6 s and over the last 0.2 s
     double fastest;           ///< largest speed over sqrt(2 g H), mean over the last 0.2 s
     double density, densest;  ///< largest mean and largest single relative density error over the last 0.2 s
+    bool keeps_densities;     ///< the form bounds them
     long lost;
 };
 
@@ -295,6 +296,7 @@ Rest settle(const std::string& solids, const std::string& periodic, const Vec3d&
         return sum / (scale * scale);
     };
     Rest rest{};
+    rest.keeps_densities = simulation.plan().facts.pressure.form == PressureForm::constraint;
     run_until(simulation, 0.4);
     for (steps = 0; simulation.time() < 0.6; ++steps) {
         REQUIRE_FALSE(simulation.step(0.6).diverged);
@@ -346,10 +348,12 @@ void comes_to_rest(const std::string& name, const std::string& solids, const std
     CAPTURE(rest.early, rest.late, rest.fastest, rest.density, rest.densest);
     CHECK(rest.fastest < 0.05);
     CHECK(rest.late < 0.02 / 3);
+    CHECK(rest.lost == 0);
+    // What fills its space without smoothing is the projection's: it knows no kernel sums, and its lattice does not melt.
+    if (!rest.keeps_densities) return;
     CHECK(rest.late < rest.early / 2);
     CHECK(rest.density < 1e-3);
     CHECK(rest.densest < 1e-2);
-    CHECK(rest.lost == 0);
 }
 
 }  // namespace

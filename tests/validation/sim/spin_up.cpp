@@ -7,7 +7,7 @@
 
 #include "engine/scene/read.h"
 #include "tests/support/runs.h"
-#include "tools/film/panels.h"
+#include "tools/film/panel_scenes.h"
 
 using namespace whorl;
 using namespace whorl::test;

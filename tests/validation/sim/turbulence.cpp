@@ -3,7 +3,7 @@
 
 #include "tests/support/benchmarks.h"
 #include "tests/support/runs.h"
-#include "tools/film/panels.h"
+#include "tools/film/panel_scenes.h"
 
 using namespace whorl;
 using namespace whorl::test;

@@ -1,0 +1,97 @@
+#pragma once
+/// Values laid one behind the other in a file that shows whether it is whole.
+#include <cstdint>
+#include <cstring>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/core/errors.h"
+
+namespace whorl {
+
+/// Lays values one behind the other.
+struct Packer {
+    std::string bytes;
+    template <class T>
+    void number(const T& value) {
+        bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+    }
+    void operator()(const int& value) { number(value); }
+    void operator()(const long& value) { number(value); }
+    void operator()(const float& value) { number(value); }
+    void operator()(const double& value) { number(value); }
+    void operator()(const bool& value) { number(value); }
+    void operator()(const std::uint64_t& value) { number(value); }
+    void operator()(const std::string& text) {
+        number(static_cast<std::uint64_t>(text.size()));
+        bytes += text;
+    }
+    /// Values without pointers.
+    template <class T>
+    void operator()(const std::vector<T>& values) {
+        number(static_cast<std::uint64_t>(values.size()));
+        bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
+    }
+    template <class T>
+    void operator()(const std::map<std::string, T>& values) {
+        entries(*this, values);
+    }
+    template <class Archive, class T>
+    static void entries(Archive& to, const std::map<std::string, T>& values) {
+        to.number(static_cast<std::uint64_t>(values.size()));
+        for (const auto& [key, value] : values) to(key), to(value);
+    }
+};
+
+/// Takes them off again, in the same order. @throws EnvironmentError where there are too few bytes
+struct Unpacker {
+    std::string_view bytes;
+    std::string_view next(std::size_t n) {
+        if (n > bytes.size()) throw EnvironmentError("ends too early");
+        const std::string_view part = bytes.substr(0, n);
+        bytes.remove_prefix(n);
+        return part;
+    }
+    template <class T>
+    void number(T& value) {
+        std::memcpy(&value, next(sizeof value).data(), sizeof value);
+    }
+    void operator()(int& value) { number(value); }
+    void operator()(long& value) { number(value); }
+    void operator()(float& value) { number(value); }
+    void operator()(double& value) { number(value); }
+    void operator()(bool& value) { number(value); }
+    void operator()(std::uint64_t& value) { number(value); }
+    void operator()(std::string& text) {
+        std::uint64_t size = 0;
+        number(size);
+        text = next(size);
+    }
+    template <class T>
+    void operator()(std::vector<T>& values) {
+        std::uint64_t size = 0;
+        number(size);
+        if (size > bytes.size() / sizeof(T)) throw EnvironmentError("ends too early");
+        values.resize(size);
+        if (size > 0) std::memcpy(static_cast<void*>(values.data()), next(size * sizeof(T)).data(), size * sizeof(T));
+    }
+    template <class T>
+    void operator()(std::map<std::string, T>& values) {
+        entries(*this, values);
+    }
+    template <class Archive, class T>
+    static void entries(Archive& from, std::map<std::string, T>& values) {
+        std::uint64_t size = 0;
+        from.number(size);
+        for (std::string key; size > 0; --size) from(key), from(values[key]);
+    }
+};
+
+/// The bytes behind their kind, size and checksum. @param kind eight letters, the last a version
+std::string sealed(std::string_view kind, std::string_view bytes);
+/// What was sealed. @throws EnvironmentError that says how it is damaged
+std::string_view unsealed(std::string_view kind, std::string_view file);
+
+}  // namespace whorl

@@ -1,0 +1,109 @@
+#include "render/flow/marks.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/parallel.h"
+
+namespace whorl {
+namespace {
+
+using Point = Eigen::Vector2f;
+
+int longer_side(const PlaneField& field) { return std::max(field.width, field.height); }
+
+/// Of the value over the range, a pixel: from neighbours that hold fluid.
+Point slope_at(const PlaneField& field, const std::vector<float>& value, const std::array<float, 2>& range, int x, int y) {
+    const auto difference = [&](int x0, int y0, int x1, int y1) {
+        x0 = std::max(x0, 0), y0 = std::max(y0, 0), x1 = std::min(x1, field.width - 1), y1 = std::min(y1, field.height - 1);
+        const std::size_t a = grid_index(x0, y0, field.width), b = grid_index(x1, y1, field.width);
+        const int apart = x1 - x0 + y1 - y0;
+        if (apart == 0 || field.cover[a] <= 0 || field.cover[b] <= 0) return 0.0f;
+        return (value[b] - value[a]) / (static_cast<float>(apart) * (range[1] - range[0]));
+    };
+    return {difference(x - 1, y, x + 1, y), difference(x, y - 1, x, y + 1)};
+}
+
+struct Arrow {
+    Point tail, tip;
+    float width, head;  ///< pixels: of the shaft, length of the head
+};
+
+/// How far outside of the arrow a place is [pixels]; negative inside.
+float distance_to(const Arrow& arrow, const Point& x) {
+    const float length = (arrow.tip - arrow.tail).norm();
+    const Point way = (arrow.tip - arrow.tail) / length, r = x - arrow.tail;
+    const float along = r.dot(way), across = std::abs(way.x() * r.y() - way.y() * r.x());
+    const float neck = length - arrow.head;
+    const float shaft = std::max({-along, along - neck, across - 0.5f * arrow.width});
+    constexpr float half_angle = 0.42f;  // radians
+    const float side = (across - (length - along) * std::tan(half_angle)) * std::cos(half_angle);
+    return std::min(shaft, std::max(side, neck - along));
+}
+
+void draw(const Arrow& arrow, float rim, const PlaneField& field, Arrows& onto) {
+    const float reach = arrow.head + rim + 2;
+    const Point low = arrow.tail.cwiseMin(arrow.tip) - Point::Constant(reach), high = arrow.tail.cwiseMax(arrow.tip) + Point::Constant(reach);
+    for (int y = std::max(0, static_cast<int>(low.y())); y < std::min<float>(high.y(), static_cast<float>(field.height)); ++y)
+        for (int x = std::max(0, static_cast<int>(low.x())); x < std::min<float>(high.x(), static_cast<float>(field.width)); ++x) {
+            const float d = distance_to(arrow, Point(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f));
+            const std::size_t k = grid_index(x, y, field.width);
+            onto.body[k] = std::max(onto.body[k], std::clamp(0.5f - d, 0.0f, 1.0f));
+            onto.halo[k] = std::max(onto.halo[k], std::clamp(0.5f + rim - d, 0.0f, 1.0f));
+        }
+}
+
+}  // namespace
+
+std::vector<float> iso_lines(const PlaneField& field, const std::vector<float>& value, const std::array<float, 2>& range, int count) {
+    const float half_width = 0.5f * std::max(1.0f, static_cast<float>(longer_side(field)) / 900);
+    constexpr float even = 0.004f;  // of the space between two lines, a pixel: there one would be a blotch
+    std::vector<float> share(field.cover.size(), 0.0f);
+    parallel_for(field.height, [&](Index row) {
+        for (int x = 0; x < field.width; ++x) {
+            const std::size_t k = grid_index(x, static_cast<int>(row), field.width);
+            if (field.cover[k] <= 0) continue;
+            const float step = static_cast<float>(count + 1);
+            const float level = (value[k] - range[0]) / (range[1] - range[0]) * step;
+            const float line = std::clamp(std::round(level), 1.0f, static_cast<float>(count));
+            const float slope = step * slope_at(field, value, range, x, static_cast<int>(row)).norm();
+            if (slope <= 0) continue;
+            share[k] = std::clamp(half_width + 0.5f - std::abs(level - line) / slope, 0.0f, 1.0f) * std::min(1.0f, slope / even);
+        }
+    });
+    return share;
+}
+
+std::vector<float> relief(const PlaneField& field, const std::vector<float>& value, const std::array<float, 2>& range, float strength) {
+    const Vec3f lamp = Vec3f(-0.5f, 0.5f, 0.7f).normalized();
+    const float high = strength * 0.1f * static_cast<float>(longer_side(field));
+    std::vector<float> light(field.cover.size(), 1.0f);
+    parallel_for(field.height, [&](Index row) {
+        for (int x = 0; x < field.width; ++x) {
+            const std::size_t k = grid_index(x, static_cast<int>(row), field.width);
+            if (field.cover[k] <= 0) continue;
+            const Point slope = high * slope_at(field, value, range, x, static_cast<int>(row));
+            const float facing = Vec3f(-slope.x(), -slope.y(), 1).normalized().dot(lamp) / lamp.z();
+            light[k] = 0.35f + 0.65f * std::max(0.0f, facing);
+        }
+    });
+    return light;
+}
+
+Arrows arrows(const PlaneField& field, int count, float seconds, float pixel) {
+    const float apart = static_cast<float>(longer_side(field)) / static_cast<float>(count);
+    const float thick = std::max(1.0f, apart / 26), rim = 0.6f * thick;
+    Arrows result{std::vector<float>(field.cover.size(), 0.0f), std::vector<float>(field.cover.size(), 0.0f)};
+    for (float y = 0.5f * apart; y < static_cast<float>(field.height); y += apart)
+        for (float x = 0.5f * apart; x < static_cast<float>(field.width); x += apart) {
+            const std::size_t k = grid_index(static_cast<int>(x), static_cast<int>(y), field.width);
+            if (field.cover[k] < 0.4f) continue;
+            Point half = Point(field.velocity[0][k], field.velocity[1][k]) * (seconds / pixel);
+            half *= std::min(1.0f, arrow_reach * apart / std::max(half.norm(), 1e-6f));
+            if (2 * half.norm() < 2.5f * thick) continue;
+            draw({Point(x, y) - half, Point(x, y) + half, thick, std::min(6 * thick, 1.2f * half.norm())}, rim, field, result);
+        }
+    return result;
+}
+
+}  // namespace whorl

@@ -1,0 +1,141 @@
+#include "tools/film/panel_scenes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "engine/probes/probes.h"
+#include "tools/film/colour_range.h"
+#include "tools/process/usage.h"
+#include "tools/scene_file/scene_changes.h"
+
+namespace whorl {
+namespace {
+
+/// @throws InputError where the chart is of nothing that the panels measure
+void check_chart(const std::string& chart, const Place& place, const Simulation& start) {
+    std::vector<std::string> names;
+    for (const auto& [name, probe] : make_probes(start, TheorySearch::wait))
+        for (const std::string& column : probe->columns()) names.push_back(name + "." + column);
+    if (std::find(names.begin(), names.end(), chart) != names.end()) return;
+    const std::string near = nearest_name(chart, names);
+    throw InputError(place, "no probe measures \"" + chart + "\"", near.empty() ? "" : "did you mean \"" + near + "\"?",
+                     "the name of a [[probe]], a point, and one of its columns");
+}
+
+/// The range of each map that several panels draw with: one that holds them all. Places the fluid of every panel for it.
+/// @throws InputError where a panel's scene is impossible
+void share_ranges(std::vector<SceneFile>& panels, const RangeOf& range_of) {
+    std::map<std::pair<std::string, std::string>, std::array<float, 2>> shared;
+    const auto wants = [](const LookOptions& look) { return shows_field(look) && look.range[0] == look.range[1]; };
+    for (const SceneFile& panel : panels) {
+        const Simulation start(panel.scene, make_plan(panel.scene));  // an impossible scene ends here, before anything is written
+        if (!wants(panel.look)) continue;
+        const auto range = range_of ? range_of(panel, start) : film_range(panel.look, start);
+        const auto [it, first] = shared.try_emplace({panel.look.field, panel.look.colour_map}, range);
+        it->second = {std::min(it->second[0], range[0]), std::max(it->second[1], range[1])};
+    }
+    for (SceneFile& panel : panels)
+        if (wants(panel.look)) panel.look.range = shared.at({panel.look.field, panel.look.colour_map});
+}
+
+/// The place of the label among the panels that are runs. @throws InputError
+int run_called(const std::vector<PanelKeys>& panels, const std::string& label, const Place& place) {
+    int run = 0;
+    std::vector<std::string> labels;
+    for (const PanelKeys& panel : panels) {
+        if (!panel.difference.empty()) continue;
+        if (panel.label == label) return run;
+        labels.push_back(panel.label);
+        ++run;
+    }
+    const std::string near = nearest_name(label, labels);
+    throw InputError(place, "no panel with a run of its own has the label \"" + label + "\"",
+                     near.empty() ? "give the panels labels" : "did you mean \"" + near + "\"?");
+}
+
+PanelCell difference_of(const SceneFile& file, std::size_t k) {
+    const PanelKeys& panel = file.scene.panels[k];
+    const Place place = file.scene.place("panel[" + std::to_string(k) + "].difference");
+    if (panel.difference.size() != 2) throw InputError(place, "a difference is between two panels", "", "two labels, as in [\"no spin\", \"spin\"]");
+    if (file.look.style != "slice")
+        throw InputError(place, "differences are drawn of slices, and look.style is \"" + file.look.style + "\"", "take look.style = \"slice\"");
+    if (!panel.set.empty()) throw InputError(place, "a difference has no run, and nothing to set", "leave out either set or difference");
+    PanelCell cell;
+    for (int n = 0; n < 2; ++n) cell.between[n] = run_called(file.scene.panels, panel.difference[n], place);
+    return cell;
+}
+
+}  // namespace
+
+int panel_columns(const Scene& scene) {
+    const std::size_t panels = scene.panels.size();
+    if (scene.output.panel_columns) return std::min(*scene.output.panel_columns, static_cast<int>(panels));
+    if (scene.domain.dimensions == 3)
+        return panels <= 3 ? static_cast<int>(panels) : static_cast<int>(std::ceil(std::sqrt(static_cast<double>(panels))));
+    // A flow in the plane is seen whole: the columns that make it largest.
+    const Vec3d size = scene.domain.max - scene.domain.min;
+    const auto scale = [&](int columns) {
+        const int rows = (static_cast<int>(panels) + columns - 1) / columns;
+        return std::min(scene.output.size[0] / (columns * size.x()), (scene.output.size[1] - chart_height(scene)) / (rows * size.y()));
+    };
+    int best = 1;
+    for (int columns = 2; columns <= static_cast<int>(panels); ++columns)
+        if (scale(columns) > scale(best)) best = columns;
+    return best;
+}
+
+int chart_height(const Scene& scene) { return scene.output.chart.empty() ? 0 : scene.output.size[1] / 4 / 2 * 2; }
+
+std::vector<PanelCell> panel_cells(const SceneFile& file) {
+    std::vector<PanelCell> cells;
+    int runs = 0;
+    for (std::size_t k = 0; k < file.scene.panels.size(); ++k) {
+        if (file.scene.panels[k].difference.empty()) cells.push_back({runs++});
+        else cells.push_back(difference_of(file, k));
+    }
+    return cells;
+}
+
+std::vector<SceneFile> panel_scenes(const SceneFile& file, const RangeOf& range_of) {
+    const int count = static_cast<int>(file.scene.panels.size()), columns = panel_columns(file.scene);
+    const int rows = (count + columns - 1) / columns;
+    SceneFile alone = file;
+    alone.scene.panels.clear();
+    alone.scene.output.video = false;
+    alone.scene.output.chart.clear();
+    // Even sizes, so that each could be a video of its own.
+    alone.scene.output.size = {(file.scene.output.size[0] - (columns - 1) * panel_gap) / columns / 2 * 2,
+                               (file.scene.output.size[1] - chart_height(file.scene) - (rows - 1) * panel_gap) / rows / 2 * 2};
+    std::vector<SceneFile> scenes;
+    std::vector<Problem> problems;
+    for (int k = 0; k < count; ++k) {
+        if (!file.scene.panels[k].difference.empty()) continue;
+        const std::string name = "panel[" + std::to_string(k) + "].set";
+        try {
+            std::vector<KeyChange> changes;
+            for (const std::string& text : file.scene.panels[k].set) {
+                changes.push_back(read_change(parse_change(text, name)));
+                changes.back().source = file.scene.place(name);
+            }
+            scenes.push_back(changed(alone, changes));
+            if (scenes.back().look.title.empty()) scenes.back().look.title = file.scene.panels[k].label;
+            scenes.back().scene.places = file.scene.places;  // what is wrong with it is told by the places in the file
+        } catch (const InputError& error) {
+            for (Problem problem : error.problems()) {
+                problem.place = file.scene.place(name);
+                problem.what = name + ": " + problem.what;
+                problems.push_back(std::move(problem));
+            }
+        }
+    }
+    if (!problems.empty()) throw InputError(std::move(problems));
+    if (scenes.empty()) throw InputError(file.scene.place("panel[0].difference"), "no panel has a run of its own");
+    panel_cells(file);
+    for (const SceneFile& run : scenes)
+        if (!file.scene.output.chart.empty()) check_chart(file.scene.output.chart, file.scene.place("output.chart"), Simulation(run.scene, make_plan(run.scene)));
+    share_ranges(scenes, range_of);
+    return scenes;
+}
+
+}  // namespace whorl

@@ -1,0 +1,35 @@
+#pragma once
+/// The runs and the pictures of a film of panels, as its scene has them.
+#include <array>
+#include <functional>
+#include <vector>
+
+#include "engine/sim/simulation.h"
+#include "tools/scene_file/scene_file.h"
+
+namespace whorl {
+
+/// The scenes of those panels that are runs: their keys put in, pictures as large as their place. Panels that show the same field through
+/// the same map share its range, so that equal colours mean equal values. @throws InputError with what is wrong with a panel's keys
+/// @param range_of a run's range; by default an estimate, which is enough for a plan
+using RangeOf = std::function<std::array<float, 2>(const SceneFile& run, const Simulation& start)>;
+std::vector<SceneFile> panel_scenes(const SceneFile& file, const RangeOf& range_of = {});
+
+/// A place in the film.
+struct PanelCell {
+    int run = -1;                       ///< its number among the runs; -1: a difference
+    std::array<int, 2> between{-1, -1};  ///< the runs of a difference
+};
+/// One a panel, in the scene's order. @throws InputError where a difference names what is no run
+std::vector<PanelCell> panel_cells(const SceneFile& file);
+
+/// How many panels stand in a row: as the scene says; in the plane as many as make the flow largest; else all of two or three, from four on
+/// about as many as there are rows.
+int panel_columns(const Scene& scene);
+
+/// Of the chart under the panels [pixels]; 0: none.
+int chart_height(const Scene& scene);
+
+constexpr int panel_gap = 4;  ///< pixels between panels
+
+}  // namespace whorl

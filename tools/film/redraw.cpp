@@ -1,0 +1,76 @@
+#include "tools/film/redraw.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "engine/core/errors.h"
+#include "engine/io/frame_file.h"
+#include "tools/film/contact_sheet.h"
+#include "tools/film/film.h"
+#include "tools/process/exit_codes.h"
+#include "tools/scene_file/scene_changes.h"
+
+namespace whorl {
+namespace {
+
+namespace fs = std::filesystem;
+
+FilmOptions film_options(const RedrawRequest& request, bool whole) {
+    const Scene& scene = request.file.scene;
+    FilmOptions options;
+    options.folder = request.out;
+    if (whole && scene.output.video) options.video = request.out / (scene.name + ".mp4");
+    for (const std::string& what : scene.output.exports)
+        if (what != "raw" || request.out != request.run) options.exports.push_back(what);
+    options.width = scene.output.size[0], options.height = scene.output.size[1];
+    options.fps = scene.time.fps;
+    return options;
+}
+
+}  // namespace
+
+std::vector<int> exported_frames(const fs::path& run_folder) {
+    std::vector<int> numbers;
+    std::error_code none;
+    for (const auto& entry : fs::directory_iterator(run_folder / "raw", none))
+        if (entry.path().extension() == ".frame" && entry.path().stem().extension().empty())
+            if (const int number = std::atoi(entry.path().stem().c_str()); number > 0) numbers.push_back(number);
+    std::sort(numbers.begin(), numbers.end());
+    return numbers;
+}
+
+int redraw(const RedrawRequest& request) {
+    std::vector<int> numbers = exported_frames(request.run);
+    if (numbers.empty())
+        throw InputError({(request.run / "raw").string(), 0, 0}, "there are no frames to draw from", "render the scene with --export raw");
+    const int all = static_cast<int>(numbers.size()), last = request.last > 0 ? request.last : numbers.back();
+    std::erase_if(numbers, [&](int n) { return n < request.first || n > last; });
+    if (numbers.empty())
+        throw InputError({(request.run / "raw").string(), 0, 0},
+                         fmt::format("there are no frames {} to {}", request.first, last), "", fmt::format("1 to {}", all));
+    const bool whole = static_cast<int>(numbers.size()) == all;
+    Replay replay(request.file);
+    const auto options_now = [&] {
+        const SceneFile& now = replay.now();
+        return std::make_shared<const PictureOptions>(PictureOptions{now.surface, now.camera, now.look});
+    };
+    const FilmOptions options = film_options(request, whole);
+    fs::create_directories(request.out / "frames");
+    for (const std::string& what : options.exports) fs::create_directories(request.out / what);
+    Film film(options);
+    auto how = options_now();
+    for (const int number : numbers) {
+        Frame frame = read_frame(frame_file(request.run, number));
+        if (replay.apply_until(frame.time, [](const Scene&, const Plan&, double) {})) how = options_now();
+        film.add(std::move(frame), how, nullptr, false);
+        if (!request.quiet) fmt::print(stderr, "\r{} of {} frames ", film.frames_written(), numbers.size()), std::fflush(stderr);
+    }
+    film.finish(true);
+    if (whole) write_contact_sheet(request.out, numbers.back());
+    if (!request.quiet)
+        fmt::print(stderr, "\r{} frames drawn: {}\n", numbers.size(), whole && !options.video.empty() ? options.video.string() : request.out.string());
+    return exit_done;
+}
+
+}  // namespace whorl

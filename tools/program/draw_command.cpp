@@ -1,0 +1,69 @@
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "engine/core/errors.h"
+#include "engine/core/parallel.h"
+#include "tools/film/redraw.h"
+#include "tools/film/run_folder.h"
+#include "tools/program/command.h"
+#include "tools/scene_file/options.h"
+#include "tools/scene_file/scene_changes.h"
+
+namespace whorl {
+namespace {
+
+struct DrawOptions {
+    Options shared;
+    std::filesystem::path folder;
+    std::string frames;  ///< "12", "1-100"
+};
+
+/// "12" is frame 12 alone, "1-100" all of these. @throws InputError
+void read_frames(const std::string& text, RedrawRequest& request) {
+    if (text.empty()) return;
+    int first = 0, last = 0, used = 0;
+    const int found = std::sscanf(text.c_str(), "%d%n-%d%n", &first, &used, &last, &used);
+    if (found == 1) last = first;
+    if (found < 1 || used != static_cast<int>(text.size()) || first < 1 || last < first)
+        throw InputError({"--frames", 0, 0}, "\"" + text + "\" names no frames", "", "one number, or two as in 1-100");
+    request.first = first, request.last = last;
+}
+
+int draw(const DrawOptions& options) {
+    set_threads(options.shared.threads);
+    const RunFolder held = RunFolder::existing(options.folder);
+    Options own = options.shared;
+    own.scene = (options.folder / "scene.resolved.toml").string();
+    const SceneFile before = read_scene_file(own.scene);
+    RedrawRequest request;
+    request.file = read_scene_file(own);
+    if (!request.file.scene.panels.empty())
+        throw InputError({options.folder.string(), 0, 0}, "this is a film of several panels", "draw one of them: " + (options.folder / "panels/1").string());
+    if (decides(before, request.file))
+        throw InputError({"--set", 0, 0}, "only what the pictures show can be changed, the simulation is over", "render the scene anew",
+                         "keys of [look], [camera], [surface] and [output]");
+    request.run = options.folder;
+    request.out = options.shared.out.empty() ? options.folder : options.shared.out;
+    request.quiet = options.shared.quiet;
+    read_frames(options.frames, request);
+    return redraw(request);
+}
+
+}  // namespace
+
+void add_draw(CLI::App& program, Job& chosen) {
+    const auto options = std::make_shared<DrawOptions>();
+    CLI::App* app = program.add_subcommand("draw", "draw a run's pictures again from the frames it exported (--export raw), without simulating");
+    app->add_option("folder", options->folder, "the run folder, as in out/honey_coil")->required()->type_name("RUN_FOLDER");
+    app->add_option("--frames", options->frames, "one frame, or a range as in 1-100 (default: all)")->type_name("A-B");
+    add_options(*app, options->shared, {Option::set, Option::out, Option::size, Option::no_video, Option::threads, Option::quiet});
+    app->footer(
+        "Keys of the look, the camera and the surface may be others than the run's.\n"
+        "Examples:\n"
+        "  whorl render honey_coil --export raw\n"
+        "  whorl draw out/honey_coil --set look.material=chocolate --out out/chocolate_coil\n"
+        "  whorl draw out/honey_coil --frames 40-60");
+    app->callback([options, &chosen] { chosen = [options] { return draw(*options); }; });
+}
+
+}  // namespace whorl
