@@ -43,7 +43,8 @@ float distance_to(const Arrow& arrow, const Point& x) {
 
 void draw(const Arrow& arrow, float rim, const PlaneField& field, Arrows& onto) {
     const float reach = arrow.head + rim + 2;
-    const Point low = arrow.tail.cwiseMin(arrow.tip) - Point::Constant(reach), high = arrow.tail.cwiseMax(arrow.tip) + Point::Constant(reach);
+    const Point low = arrow.tail.cwiseMin(arrow.tip) - Point::Constant(reach),
+                high = arrow.tail.cwiseMax(arrow.tip) + Point::Constant(reach);
     for (int y = std::max(0, static_cast<int>(low.y())); y < std::min<float>(high.y(), static_cast<float>(field.height)); ++y)
         for (int x = std::max(0, static_cast<int>(low.x())); x < std::min<float>(high.x(), static_cast<float>(field.width)); ++x) {
             const float d = distance_to(arrow, Point(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f));

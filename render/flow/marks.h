@@ -7,7 +7,8 @@
 
 namespace whorl {
 
-/// Lines at `count` values that part the range evenly, about a pixel wide at 1280. They fade where the value is so even that a line would be a blotch.
+/// Lines at `count` values that part the range evenly, about a pixel wide at 1280. They fade where the value is so even that a line would
+/// be a blotch.
 /// @param value of each pixel @return share of line in each pixel, 0 .. 1
 std::vector<float> iso_lines(const PlaneField& field, const std::vector<float>& value, const std::array<float, 2>& range, int count);
 

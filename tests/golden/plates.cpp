@@ -82,4 +82,13 @@ TEST_CASE("vorticity with streaks, a solid, a legend and the time, on black", "[
     compare_plate(look, 480, 240, "slice_vorticity");
 }
 
+TEST_CASE("vorticity in relief with iso-lines and arrows", "[golden]") {
+    LookOptions look = slice_of("vorticity");
+    look.colour_map = "coolwarm";
+    look.range = {-20, 20};
+    look.streaks = false;
+    look.isolines = 15, look.arrows = 16, look.relief = 0.7f;
+    compare_plate(look, 480, 320, "slice_marks");
+}
+
 }  // namespace plates

@@ -167,4 +167,112 @@ TEST_CASE("a panel's wrong key is told with its place, before anything is writte
     CHECK_FALSE(fs::exists(scratch.run()));
 }
 
+namespace {
+
+/// A plane that turns, in one panel twice as fast.
+const char* const turning = R"toml(
+name = "turning"
+[time]
+end = 0.02
+fps = 100
+[domain]
+dimensions = 2
+min = [0, 0]
+max = [0.1, 0.1]
+periodic = [true, true]
+gravity = [0, 0]
+[fluid]
+spacing = 5e-3
+viscosity = 1e-3
+[[block]]
+shape = "box"
+min = [0, 0]
+max = [0.1, 0.1]
+velocity = ["0.1*sin(20*pi*y)", "0"]
+[[probe]]
+name = "flow"
+kind = "flow"
+min = [0, 0]
+max = [0.1, 0.1]
+[look]
+style = "slice"
+field = "vorticity"
+colour_map = "coolwarm"
+streaks = false
+background = "white"
+[output]
+size = [640, 360]
+video = false
+chart = "flow.kinetic_energy"
+[[panel]]
+label = "slow"
+[[panel]]
+label = "fast"
+set = ['block[0].velocity=["0.2*sin(20*pi*y)", "0", "0"]']
+[[panel]]
+difference = ["slow", "fast"]
+)toml";
+
+}  // namespace
+
+TEST_CASE("a third panel shows the difference of two runs, and a chart under them a probe of both") {
+    const Scratch scratch(turning);
+    const Outcome outcome = test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--quiet"});
+    INFO(outcome.err);
+    REQUIRE(outcome.code == 0);
+    const fs::path run = scratch.run();
+    CHECK(run_json(run).at("panels").size() == 2);
+    CHECK_FALSE(fs::exists(run / "panels/1/raw"));  // nobody asked for it
+    const Image whole = read_png(run / "frames/000003.png");
+    CHECK(whole.width == 640);
+    CHECK(whole.height == 360);
+    const Image fast = read_png(run / "panels/2/frames/000001.png"), less = read_png(run / "panels/difference-3/frames/000001.png");
+    REQUIRE(less.width == fast.width);
+    // Stripes of both signs.
+    const auto blue_over_red = [](const Image& image, double height) {
+        const std::uint8_t* p = image.pixel(image.width / 2, static_cast<int>(height * image.height));
+        return static_cast<int>(p[2]) - static_cast<int>(p[0]);
+    };
+    int most = 0, least = 0;
+    for (double h = 0.1; h < 0.9; h += 0.01) most = std::max(most, blue_over_red(less, h)), least = std::min(least, blue_over_red(less, h));
+    CHECK(most > 100);
+    CHECK(least < -100);
+    // Chart and difference go on after all is done: the same film again from what is there.
+    REQUIRE(test::whorl({"resume", scratch.run(), "--quiet"}).code == 0);
+    CHECK(difference(read_png(run / "frames/000003.png"), whole).max == 0);
+}
+
+TEST_CASE("a difference or chart of what is not there is told with its place") {
+    const auto refused = [](const std::string& from, const std::string& to, const std::string& why) {
+        std::string text = turning;
+        text.replace(text.find(from), from.size(), to);
+        const Scratch scratch(text);
+        const Outcome outcome = test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--quiet"});
+        CHECK(outcome.code == 2);
+        CHECK_THAT(outcome.err, Catch::Contains(why) && Catch::Contains("scene.toml:"));
+        CHECK_FALSE(fs::exists(scratch.run()));
+    };
+    refused("[\"slow\", \"fast\"]", "[\"slow\", \"fats\"]", "has the label \"fats\"; did you mean \"fast\"?");
+    refused("[\"slow\", \"fast\"]", "[\"slow\"]", "two labels, as in");
+    refused("flow.kinetic_energy", "flow.kinetic_enrgy", "did you mean \"flow.kinetic_energy\"?");
+    refused("style = \"slice\"\nfield = \"vorticity\"\ncolour_map = \"coolwarm\"\nstreaks = false", "style = \"particles\"",
+            "differences are drawn of slices");
+}
+
+TEST_CASE("a film without a range takes what 99 % of its particles stay below, as a coarse run finds it") {
+    // u = .1 sin(20 pi y) m/s: the speed is at most .1, a little more where coarse particles settle, and the next number is .12.
+    std::string text = turning;
+    text.erase(text.find("[[panel]]"));
+    const Scratch scratch(text.replace(text.find("chart = \"flow.kinetic_energy\"\n"), 30, ""));
+    const Outcome outcome =
+        test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--set", "look.field=speed", "--set", "look.colour_map=viridis"});
+    INFO(outcome.err);
+    REQUIRE(outcome.code == 0);
+    CHECK_THAT(outcome.err, Catch::Contains("first pass at twice the spacing"));
+    const SceneFile used = read_scene_file(fs::path(scratch.run()) / "scene.resolved.toml");
+    CHECK(used.look.range[0] == 0);
+    CHECK(used.look.range[1] >= 0.1f);
+    CHECK(used.look.range[1] < 0.13f);
+}
+
 }  // namespace panels_test

@@ -32,7 +32,8 @@ Axes axes_of(const std::vector<PanelCurve>& curves, const Box& box) {
     for (const PanelCurve& curve : curves)
         for (std::size_t k = 0; k < curve.time.size(); ++k) {
             axes.end = std::max(axes.end, curve.time[k]);
-            if (std::isfinite(curve.value[k])) axes.low = std::min(axes.low, curve.value[k]), axes.high = std::max(axes.high, curve.value[k]);
+            if (std::isfinite(curve.value[k]))
+                axes.low = std::min(axes.low, curve.value[k]), axes.high = std::max(axes.high, curve.value[k]);
         }
     if (!(axes.end > 0)) axes.end = 1;
     if (!(axes.high > axes.low)) axes.high = axes.low + 1;
@@ -42,7 +43,8 @@ Axes axes_of(const std::vector<PanelCurve>& curves, const Box& box) {
 void draw_curve(Canvas& canvas, const Axes& axes, const PanelCurve& curve, double until, const Vec3f& colour, double width) {
     for (std::size_t k = 1; k < curve.time.size() && curve.time[k] <= until; ++k)
         if (std::isfinite(curve.value[k - 1]) && std::isfinite(curve.value[k]))
-            canvas.line(axes.x(curve.time[k - 1]), axes.y(curve.value[k - 1]), axes.x(curve.time[k]), axes.y(curve.value[k]), colour, width);
+            canvas.line(axes.x(curve.time[k - 1]), axes.y(curve.value[k - 1]), axes.x(curve.time[k]), axes.y(curve.value[k]), colour,
+                        width);
 }
 
 }  // namespace
@@ -61,7 +63,8 @@ Image PanelChart::at(double time) const {
         canvas.words(axes.box.left - 0.6 * text, axes.y(up.place[k]) + 0.35 * text, up.label[k], ink, text, 1);
     }
     for (std::size_t k = 0; k < along.place.size(); ++k)
-        canvas.words(axes.x(along.place[k]), axes.box.bottom + 1.4 * text, along.label[k] + (k + 1 == along.place.size() ? " s" : ""), ink, text, 0);
+        canvas.words(axes.x(along.place[k]), axes.box.bottom + 1.4 * text, along.label[k] + (k + 1 == along.place.size() ? " s" : ""), ink,
+                     text, 0);
     canvas.words(axes.box.left, 1.4 * text, title + (up.power != 0 ? " [10^" + std::to_string(up.power) + "]" : ""), ink, text);
     for (std::size_t k = 0; k < curve.size(); ++k) {
         const Vec3f colour = curve_colour(k, dark), faint = 0.3f * colour + 0.7f * paper;

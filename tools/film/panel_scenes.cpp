@@ -57,9 +57,11 @@ int run_called(const std::vector<PanelKeys>& panels, const std::string& label, c
 PanelCell difference_of(const SceneFile& file, std::size_t k) {
     const PanelKeys& panel = file.scene.panels[k];
     const Place place = file.scene.place("panel[" + std::to_string(k) + "].difference");
-    if (panel.difference.size() != 2) throw InputError(place, "a difference is between two panels", "", "two labels, as in [\"no spin\", \"spin\"]");
+    if (panel.difference.size() != 2)
+        throw InputError(place, "a difference is between two panels", "", "two labels, as in [\"no spin\", \"spin\"]");
     if (file.look.style != "slice")
-        throw InputError(place, "differences are drawn of slices, and look.style is \"" + file.look.style + "\"", "take look.style = \"slice\"");
+        throw InputError(place, "differences are drawn of slices, and look.style is \"" + file.look.style + "\"",
+                         "take look.style = \"slice\"");
     if (!panel.set.empty()) throw InputError(place, "a difference has no run, and nothing to set", "leave out either set or difference");
     PanelCell cell;
     for (int n = 0; n < 2; ++n) cell.between[n] = run_called(file.scene.panels, panel.difference[n], place);
@@ -133,7 +135,8 @@ std::vector<SceneFile> panel_scenes(const SceneFile& file, const RangeOf& range_
     if (scenes.empty()) throw InputError(file.scene.place("panel[0].difference"), "no panel has a run of its own");
     panel_cells(file);
     for (const SceneFile& run : scenes)
-        if (!file.scene.output.chart.empty()) check_chart(file.scene.output.chart, file.scene.place("output.chart"), Simulation(run.scene, make_plan(run.scene)));
+        if (!file.scene.output.chart.empty())
+            check_chart(file.scene.output.chart, file.scene.place("output.chart"), Simulation(run.scene, make_plan(run.scene)));
     share_ranges(scenes, range_of);
     return scenes;
 }

@@ -17,7 +17,7 @@ std::vector<SceneFile> panel_scenes(const SceneFile& file, const RangeOf& range_
 
 /// A place in the film.
 struct PanelCell {
-    int run = -1;                       ///< its number among the runs; -1: a difference
+    int run = -1;                        ///< its number among the runs; -1: a difference
     std::array<int, 2> between{-1, -1};  ///< the runs of a difference
 };
 /// One a panel, in the scene's order. @throws InputError where a difference names what is no run

@@ -47,8 +47,8 @@ int redraw(const RedrawRequest& request) {
     const int all = static_cast<int>(numbers.size()), last = request.last > 0 ? request.last : numbers.back();
     std::erase_if(numbers, [&](int n) { return n < request.first || n > last; });
     if (numbers.empty())
-        throw InputError({(request.run / "raw").string(), 0, 0},
-                         fmt::format("there are no frames {} to {}", request.first, last), "", fmt::format("1 to {}", all));
+        throw InputError({(request.run / "raw").string(), 0, 0}, fmt::format("there are no frames {} to {}", request.first, last), "",
+                         fmt::format("1 to {}", all));
     const bool whole = static_cast<int>(numbers.size()) == all;
     Replay replay(request.file);
     const auto options_now = [&] {
@@ -69,7 +69,8 @@ int redraw(const RedrawRequest& request) {
     film.finish(true);
     if (whole) write_contact_sheet(request.out, numbers.back());
     if (!request.quiet)
-        fmt::print(stderr, "\r{} frames drawn: {}\n", numbers.size(), whole && !options.video.empty() ? options.video.string() : request.out.string());
+        fmt::print(stderr, "\r{} frames drawn: {}\n", numbers.size(),
+                   whole && !options.video.empty() ? options.video.string() : request.out.string());
     return exit_done;
 }
 

@@ -36,9 +36,13 @@ int draw(const DrawOptions& options) {
     own.scene = (options.folder / "scene.resolved.toml").string();
     const SceneFile before = read_scene_file(own.scene);
     RedrawRequest request;
-    request.file = read_scene_file(own);
+    own.set.clear();
+    std::vector<KeyChange> changes;
+    for (const std::string& text : options.shared.set) changes.push_back(read_change(parse_change(text)));
+    request.file = changed(read_scene_file(own), changes);
     if (!request.file.scene.panels.empty())
-        throw InputError({options.folder.string(), 0, 0}, "this is a film of several panels", "draw one of them: " + (options.folder / "panels/1").string());
+        throw InputError({options.folder.string(), 0, 0}, "this is a film of several panels",
+                         "draw one of them: " + (options.folder / "panels/1").string());
     if (decides(before, request.file))
         throw InputError({"--set", 0, 0}, "only what the pictures show can be changed, the simulation is over", "render the scene anew",
                          "keys of [look], [camera], [surface] and [output]");
@@ -53,7 +57,8 @@ int draw(const DrawOptions& options) {
 
 void add_draw(CLI::App& program, Job& chosen) {
     const auto options = std::make_shared<DrawOptions>();
-    CLI::App* app = program.add_subcommand("draw", "draw a run's pictures again from the frames it exported (--export raw), without simulating");
+    CLI::App* app =
+        program.add_subcommand("draw", "draw a run's pictures again from the frames it exported (--export raw), without simulating");
     app->add_option("folder", options->folder, "the run folder, as in out/honey_coil")->required()->type_name("RUN_FOLDER");
     app->add_option("--frames", options->frames, "one frame, or a range as in 1-100 (default: all)")->type_name("A-B");
     add_options(*app, options->shared, {Option::set, Option::out, Option::size, Option::no_video, Option::threads, Option::quiet});

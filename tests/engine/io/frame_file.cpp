@@ -1,0 +1,68 @@
+// Frames that are written whole and read back.
+#include "engine/io/frame_file.h"
+
+#include <catch2/catch.hpp>
+#include <fstream>
+
+#include "engine/core/errors.h"
+#include "engine/io/files.h"
+#include "tests/support/scratch.h"
+
+using namespace whorl;
+
+namespace frame_file_test {
+
+TEST_CASE("a frame comes back from its file to the bit, and a damaged file is named", "[io]") {
+    Frame frame;
+    frame.number = 7, frame.time = 0.1, frame.spacing = 0.01f, frame.dimensions = 2;
+    frame.position = {{1, 2, 3}, {-4, 5e-20f, 6}};
+    frame.velocity = {{0, 0, 1}, {1, 0, 0}};
+    frame.scalar["density"] = {1000, 999.5f};
+    frame.vector["ink"] = {{1, 0, 0}, {0, 1, 0.5f}};
+    frame.domain_max = {1, 2, 3};
+    frame.periodic = {true, false, true};
+    FrameSolid solid;
+    TriangleMesh mesh;
+    mesh.position = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    mesh.triangle = {{0, 1, 2}};
+    solid.mesh = std::make_shared<const TriangleMesh>(mesh);
+    solid.rotation << 0, 1, 0, -1, 0, 0, 0, 0, 1;
+    solid.translation = {0.1f, 0.2f, 0.3f};
+    solid.material = "wood", solid.container = true;
+    frame.solids = {solid, FrameSolid{}};
+
+    const test::ScratchFolder folder;
+    const std::filesystem::path file = folder / "000007.frame";
+    write_frame(file, frame);
+    const Frame back = read_frame(file);
+    CHECK(back.number == 7);
+    CHECK(back.time == 0.1);
+    CHECK(back.spacing == 0.01f);
+    CHECK(back.dimensions == 2);
+    CHECK(back.position == frame.position);
+    CHECK(back.velocity == frame.velocity);
+    CHECK(back.scalar == frame.scalar);
+    CHECK(back.vector == frame.vector);
+    CHECK(back.domain_max == frame.domain_max);
+    CHECK(back.periodic == frame.periodic);
+    REQUIRE(back.solids.size() == 2);
+    CHECK(back.solids[0].rotation == solid.rotation);
+    CHECK(back.solids[0].translation == solid.translation);
+    CHECK(back.solids[0].material == "wood");
+    CHECK(back.solids[0].container);
+    CHECK(back.solids[0].mesh->position == mesh.position);
+    CHECK(back.solids[0].mesh->triangle == mesh.triangle);
+    CHECK(back.solids[1].mesh == nullptr);
+
+    std::string bytes = read_whole(file);
+    const auto refused = [&](const std::string& content, const std::string& why) {
+        std::ofstream(file, std::ios::binary) << content;
+        CHECK_THROWS_WITH(read_frame(file), Catch::Contains("000007.frame") && Catch::Contains(why));
+    };
+    refused(bytes.substr(0, bytes.size() - 5), "bytes of");
+    refused("", "not of this kind");
+    bytes[bytes.size() / 2] ^= 1;
+    refused(bytes, "checksum");
+}
+
+}  // namespace frame_file_test

@@ -1,0 +1,84 @@
+// Pictures drawn again from a run's frames.
+#include <catch2/catch.hpp>
+#include <fstream>
+
+#include "engine/io/files.h"
+#include "tests/support/program.h"
+#include "tests/support/scratch.h"
+
+using namespace whorl;
+using test::Outcome;
+namespace fs = std::filesystem;
+
+namespace draw_test {
+
+namespace {
+
+const char* const puddle = R"(
+name = "puddle"
+[time]
+end = 0.1
+fps = 20
+[domain]
+min = [-0.03, -0.01, -0.03]
+max = [0.03, 0.06, 0.03]
+[fluid]
+spacing = 4e-3
+viscosity = 1
+[models]
+pressure = "ppe"
+[[block]]
+shape = "sphere"
+position = [0, 0.02, 0]
+radius = 0.012
+[[solid]]
+shape = "plane"
+[output]
+size = [160, 90]
+export = ["raw"]
+video = false
+)";
+
+}  // namespace
+
+TEST_CASE("draw makes the pictures that render made, to the bit, and others with another look") {
+    const test::ScratchFolder folder;
+    const fs::path scene = folder / "scene.toml", run = folder / "run", other = folder / "other";
+    std::ofstream(scene) << puddle;
+    REQUIRE(test::whorl({"render", scene.string(), "--out", run.string(), "--quiet"}).code == 0);
+    const auto picture = [](const fs::path& of, int n) { return read_whole(of / "frames" / ("00000" + std::to_string(n) + ".png")); };
+    const std::string first = picture(run, 1), third = picture(run, 3);
+    fs::remove_all(run / "frames");
+    const Outcome again = test::whorl({"draw", run.string(), "--quiet"});
+    INFO(again.err);
+    REQUIRE(again.code == 0);
+    CHECK(picture(run, 1) == first);
+    CHECK(picture(run, 3) == third);
+
+    REQUIRE(test::whorl({"draw", run.string(), "--frames", "2-3", "--set", "look.style=particles", "--out", other.string(), "--quiet"}).code == 0);
+    CHECK_FALSE(fs::exists(other / "frames/000001.png"));
+    CHECK(picture(other, 3) != third);
+}
+
+TEST_CASE("draw says what it cannot draw, and changes nothing then") {
+    const test::ScratchFolder folder;
+    const fs::path scene = folder / "scene.toml", run = folder / "run";
+    std::ofstream(scene) << puddle;
+    REQUIRE(test::whorl({"render", scene.string(), "--out", run.string(), "--frames", "2", "--quiet"}).code == 0);
+    const auto refused = [&](const std::vector<std::string>& more, const std::string& why) {
+        std::vector<std::string> words{"draw", run.string(), "--quiet"};
+        words.insert(words.end(), more.begin(), more.end());
+        const Outcome outcome = test::whorl(words);
+        CHECK(outcome.code == 2);
+        CHECK_THAT(outcome.err, Catch::Contains(why));
+    };
+    refused({"--set", "fluid.viscosity=3"}, "the simulation is over");
+    refused({"--frames", "3-4"}, "there are no frames 3 to 4; 1 to 2");
+    refused({"--frames", "two"}, "names no frames");
+    std::ofstream(run / "raw/000002.frame", std::ios::app) << "x";
+    refused({}, "000002.frame: is no whole frame");
+    fs::remove_all(run / "raw");
+    refused({}, "render the scene with --export raw");
+}
+
+}  // namespace draw_test
