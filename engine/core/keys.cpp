@@ -97,6 +97,15 @@ std::string Value::toml() const {
 
 double shortest_decimal(float v) { return std::isfinite(v) ? std::stod(fmt::format("{}", v)) : static_cast<double>(v); }
 
+Value Key::with_depth(const Value& v) const {
+    const Value::List* list = v.as<Value::List>();
+    if (!may_lack_depth() || !list || list->size() != 2) return v;
+    Value in_space = v, zero = type == KeyType::flags ? Value(false) : Value(0.0);
+    zero.place = v.place;
+    in_space.as<Value::List>()->push_back(std::move(zero));
+    return in_space;
+}
+
 Key& Key::one_of(std::vector<std::string> names) {
     if (type == KeyType::text) type = KeyType::choice;
     choices = std::move(names);

@@ -107,6 +107,8 @@ struct Key {
 
     /// In a flow of two dimensions its third entry may be left out.
     bool may_lack_depth() const { return in_plane == InPlane::vector || in_plane == InPlane::cut; }
+    /// What a flow of two dimensions gives it: a third entry is put in where it may be left out and is.
+    Value with_depth(const Value& v) const;
 
     Key& required() { return is_required = true, *this; }
     Key& at_least(double v) { return least = v, *this; }

@@ -99,16 +99,8 @@ void Reader::read_key(const Key& key, void* object, const Value& v, const std::s
     places[path] = v.place;
     const std::size_t before = problems.size();
     const Value::List* list = v.as<Value::List>();
-    if (plane_ && key.may_lack_depth() && list && list->size() == 2) {
-        Value in_space = v;
-        Value zero = key.type == KeyType::flags ? Value(false) : Value(0.0);
-        zero.place = v.place;
-        in_space.as<Value::List>()->push_back(std::move(zero));
-        key.read(object, in_space, path, problems);
-    } else {
-        key.read(object, v, path, problems);
-        if (plane_ && problems.size() == before && list && list->size() == 3) check_in_plane(key, v, path);
-    }
+    key.read(object, plane_ ? key.with_depth(v) : v, path, problems);
+    if (plane_ && problems.size() == before && list && list->size() == 3) check_in_plane(key, v, path);
     if (problems.size() > before) failed_.insert(path);
 }
 

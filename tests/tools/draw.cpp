@@ -55,7 +55,9 @@ TEST_CASE("draw makes the pictures that render made, to the bit, and others with
     CHECK(picture(run, 1) == first);
     CHECK(picture(run, 3) == third);
 
-    REQUIRE(test::whorl({"draw", run.string(), "--frames", "2-3", "--set", "look.style=particles", "--out", other.string(), "--quiet"}).code == 0);
+    REQUIRE(
+        test::whorl({"draw", run.string(), "--frames", "2-3", "--set", "look.style=particles", "--out", other.string(), "--quiet"}).code ==
+        0);
     CHECK_FALSE(fs::exists(other / "frames/000001.png"));
     CHECK(picture(other, 3) != third);
 }

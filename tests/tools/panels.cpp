@@ -208,7 +208,7 @@ chart = "flow.kinetic_energy"
 label = "slow"
 [[panel]]
 label = "fast"
-set = ['block[0].velocity=["0.2*sin(20*pi*y)", "0", "0"]']
+set = ['block[0].velocity=["0.2*sin(20*pi*y)", "0"]']
 [[panel]]
 difference = ["slow", "fast"]
 )toml";

@@ -53,6 +53,18 @@ def refinement_street(m):
     return markdown("t [s] | energy across [mJ/kg]: coarse | with spin | fine | enstrophy [1/s^2]: coarse | with spin | fine", rows)
 
 
+@table("towed_post", "a post that is towed and stops: coarse, with spin, fine", "4 minutes")
+def towed_post(m):
+    run = m.render("towed_post", "towed_post", "time.fps=6", options=["--quality", "draft"])
+    flows = [run.table(f"panels/{k}/probes/flow.csv") for k in (1, 2, 3)]
+    rows = []
+    for t in () if m.dry else (0.5, 1, 1.5, 2, 3):
+        now = [{name: values[int(np.argmin(np.abs(flow["time"] - t)))] for name, values in flow.items()} for flow in flows]
+        rows.append([f"{t:.1f}", *(f"{1e3 * flow['kinetic_energy']:.2f}" for flow in now),
+                     *(f"{flow['mean_square_vorticity'] / 2:.2f}" for flow in now)])
+    return markdown("t [s] | energy [mJ/m]: coarse | with spin | fine | enstrophy [1/s^2]: coarse | with spin | fine", rows)
+
+
 @table("spin_cost", "CPU ns a particle-step with spin, without, and without viscosity, a hundred thousand particles", "1 minute")
 def spin_cost(m):
     rows = []

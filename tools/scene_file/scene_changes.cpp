@@ -116,7 +116,8 @@ SceneFile changed(const SceneFile& file, const std::vector<KeyChange>& changes) 
             continue;
         }
         set_place(c.value, c.source);
-        found.key->read(found.object, c.value, c.path, problems);
+        const bool plane = copy.scene.domain.dimensions == 2;
+        found.key->read(found.object, plane ? found.key->with_depth(c.value) : c.value, c.path, problems);
     }
     if (!problems.empty()) throw InputError(std::move(problems));
     try {
