@@ -95,7 +95,7 @@ std::string Value::toml() const {
     return "\"\"";
 }
 
-double shortest_decimal(float v) { return std::isfinite(v) ? std::stod(fmt::format("{}", v)) : static_cast<double>(v); }
+double shortest_decimal(float v) { return std::isfinite(v) ? std::strtod(fmt::format("{}", v).c_str(), nullptr) : static_cast<double>(v); }
 
 Value Key::with_depth(const Value& v) const {
     const Value::List* list = v.as<Value::List>();

@@ -21,9 +21,8 @@ namespace {
 
 }  // namespace
 
-WholeFile::WholeFile(std::filesystem::path file) : file_(std::move(file)), temporary_(file_) {
-    temporary_.replace_extension(".part" + file_.extension().string());
-}
+WholeFile::WholeFile(std::filesystem::path file)
+    : file_(std::move(file)), temporary_(file_.parent_path() / ("." + file_.filename().string() + ".part")) {}
 
 WholeFile::~WholeFile() {
     std::error_code ignored;

@@ -15,8 +15,7 @@ public:
     WholeFile(const WholeFile&) = delete;
     WholeFile& operator=(const WholeFile&) = delete;
 
-    /// The name to write to: the file's own with ".part" before its extension, so that programs that go by extensions still know the
-    /// format.
+    /// The name to write to: hidden and with another extension, so that what looks for *.png does not find half a picture.
     const std::filesystem::path& temporary() const { return temporary_; }
     /// @throws EnvironmentError where it cannot be renamed
     void commit();

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
+#include <cstdlib>
 #include <numbers>
 #include <stdexcept>
 
@@ -21,7 +22,7 @@ std::string shortest(double value) {
     char text[32];
     for (int digits = 6; digits <= 17; ++digits) {
         std::snprintf(text, sizeof text, "%.*g", digits, value);
-        if (std::stod(text) == value) break;
+        if (std::strtod(text, nullptr) == value) break;
     }
     return text;
 }

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <sstream>
@@ -162,6 +164,19 @@ Change parse_change(const std::string& text, const std::string& option) {
     return {text.substr(0, equals), text.substr(equals + 1), option + " " + text};
 }
 
+namespace {
+
+/// Numbers as people write them and TOML does not: .8, 5., 1.e3.
+Value number_or_text(const std::string& text) {
+    const char first = text.empty() ? ' ' : text[text[0] == '+' || text[0] == '-'];
+    if (first != '.' && std::isdigit(static_cast<unsigned char>(first)) == 0) return Value(text);
+    char* end = nullptr;
+    const double number = std::strtod(text.c_str(), &end);
+    return *end == 0 && std::isfinite(number) ? Value(number) : Value(text);
+}
+
+}  // namespace
+
 void apply_change(Value& root, const Change& change, std::vector<Problem>& problems) {
     const Place place{change.source, 0, 0};
     if (!change.complete) {
@@ -183,7 +198,7 @@ void apply_change(Value& root, const Change& change, std::vector<Problem>& probl
             problems.push_back({place, "the value is not TOML: " + message_of(e), "", ""});
             return;
         }
-        value = Value(change.value);
+        value = number_or_text(change.value);
     }
     set_place(value, place);
     put(root, steps, 0, value, problems);

@@ -31,6 +31,9 @@ int encode(const EncodeOptions& options) {
 
     const Scene scene = read_scene_file(scene_file).scene;
     const std::filesystem::path video = options.out.empty() ? options.folder / (scene.name + ".mp4") : options.out;
+    if (video.extension() != ".mp4")
+        throw InputError({"--out", 0, 0}, "\"" + video.string() + "\" is no MP4, and this program writes no other video",
+                         "give it the suffix .mp4");
     const Image first = read_png(*pictures.begin());
     VideoEncoder encoder(video, first.width, first.height, {options.fps.value_or(scene.time.fps), options.crf});
     for (const auto& picture : pictures) {

@@ -248,6 +248,22 @@ TEST_CASE("several mistakes are told in one go, in the order of their places, th
           "--set fluid.viscosity=-1: fluid.viscosity = -1 is out of range; allowed: at least 0");
 }
 
+TEST_CASE("numbers on the command line may be written as people write them", "[scene]") {
+    const std::string text =
+        "[time]\nend = 1\n[fluid]\nspacing = 0.01\nviscosity = 1e-320\n[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.1, 0.1, "
+        "0.1]\n";
+    for (const auto& [written, meant] :
+         std::vector<std::pair<std::string, double>>{{".8", 0.8}, {"+.5", 0.5}, {"1.", 1}, {"5e-1", 0.5}, {"+1", 1}}) {
+        ReadRequest request;
+        request.changes = {parse_change("time.cfl=" + written)};
+        INFO(written);
+        CHECK(read_scene_text(text, "numbers.toml", request).time.cfl == Approx(meant));
+    }
+    ReadRequest request;
+    request.changes = {parse_change("time.cfl=.8.1")};
+    CHECK(messages_of(text, request) == "--set time.cfl=.8.1: time.cfl must be a number, not the text \".8.1\"");
+}
+
 TEST_CASE("a scene file that is not there, or is a folder, is a mistake of the user", "[scene]") {
     CHECK_THROWS_WITH(read_scene("/no/such.toml"), "/no/such.toml: no such file");
     CHECK_THROWS_WITH(read_scene("/"), "/: is a folder, not a scene file");

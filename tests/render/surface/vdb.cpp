@@ -38,6 +38,6 @@ TEST_CASE("a VDB file opens with a level set, a fog and a velocity", "[surface]"
     // One velocity everywhere is itself wherever the fluid is.
     const auto v = at(velocity, centre);
     REQUIRE((v - openvdb::Vec3s(1, -2, 0.5f)).length() < 1e-5);
-    REQUIRE_FALSE(std::filesystem::exists(folder / "a.part.vdb"));
+    REQUIRE_FALSE(std::filesystem::exists(folder / ".a.vdb.part"));
     REQUIRE_THROWS_AS(write_vdb(folder / "missing" / "a.vdb", frame, {}), EnvironmentError);
 }
