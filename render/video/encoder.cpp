@@ -21,70 +21,118 @@ ChildProcess start(const std::vector<std::string>& arguments) {
 
 std::string last_lines(const std::string& text) { return text.size() <= 600 ? text : "..." + text.substr(text.size() - 600); }
 
+const char* const even = "crop=trunc(iw/2)*2:trunc(ih/2)*2:0:0,";
+const char* const to_bt709 =
+    "scale=in_range=pc:out_range=tv:out_color_matrix=bt709:flags=bicubic+accurate_rnd+full_chroma_int+full_chroma_inp,";
+
+std::vector<std::string> tagged_bt709() {
+    return {"-color_range", "tv", "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"};
+}
+
 // Every frame that was handed over should be in the file a moment later, for the case that everything is killed: few frames held back to
 // look ahead, a keyframe a second, fragments of a quarter of a second. One thread: the simulation needs the others, and "veryfast" takes
 // 10 ms for a frame of 1280x720 ("medium" 24 ms for the same size and 0.7 dB).
-std::vector<std::string> encode_arguments(const std::filesystem::path& file, int width, int height, const VideoOptions& options) {
+std::vector<std::string> mp4(const VideoOptions& options) {
     const std::string keyframe = std::to_string(std::max(1L, std::lround(options.fps)));
-    return {"ffmpeg",
-            "-nostdin",
-            "-hide_banner",
-            "-loglevel",
-            "error",
-            "-y",
-            "-f",
-            "rawvideo",
-            "-pixel_format",
-            "rgb24",
-            "-video_size",
-            std::to_string(width) + "x" + std::to_string(height),
-            "-framerate",
-            std::to_string(options.fps),
-            "-i",
-            "pipe:0",
-            "-filter_threads",
-            "1",
-            "-vf",
-            "crop=trunc(iw/2)*2:trunc(ih/2)*2:0:0,"
-            "scale=in_range=pc:out_range=tv:out_color_matrix=bt709:flags=bicubic+accurate_rnd+full_chroma_int+full_chroma_inp,"
-            "format=yuv420p",
-            "-c:v",
-            "libx264",
-            "-preset",
-            "veryfast",
-            "-crf",
-            std::to_string(options.crf),
-            "-threads",
-            "1",
-            "-g",
-            keyframe,
-            "-x264-params",
-            "rc-lookahead=8:sync-lookahead=0",
-            "-color_range",
-            "tv",
-            "-colorspace",
-            "bt709",
-            "-color_primaries",
-            "bt709",
-            "-color_trc",
-            "bt709",
-            "-movflags",
-            "+empty_moov+default_base_moof",
-            "-frag_duration",
-            "250000",
-            "-flush_packets",
-            "1",
-            "-f",
-            "mp4",
-            file.string()};
+    std::vector<std::string> words{"-vf",          std::string(even) + to_bt709 + "format=yuv420p",
+                                   "-c:v",         "libx264",
+                                   "-preset",      "veryfast",
+                                   "-crf",         std::to_string(options.crf),
+                                   "-threads",     "1",
+                                   "-g",           keyframe,
+                                   "-x264-params", "rc-lookahead=8:sync-lookahead=0"};
+    for (const std::string& word : tagged_bt709()) words.push_back(word);
+    for (const char* word : {"-movflags", "+empty_moov+default_base_moof", "-frag_duration", "250000", "-flush_packets", "1", "-f", "mp4"})
+        words.emplace_back(word);
+    return words;
 }
 
-std::vector<std::string> rewrite_arguments(const std::filesystem::path& from, const std::filesystem::path& to) {
-    return {"ffmpeg", "-nostdin", "-hide_banner", "-loglevel",  "error", "-y",  "-i",       from.string(),
-            "-c",     "copy",     "-movflags",    "+faststart", "-f",    "mp4", to.string()};
+/// ProRes 422 HQ, for cutting programs.
+std::vector<std::string> mov(const VideoOptions&) {
+    std::vector<std::string> words{
+        "-vf", std::string(even) + to_bt709 + "format=yuv422p10le", "-c:v", "prores_ks", "-profile:v", "3", "-threads", "1"};
+    for (const std::string& word : tagged_bt709()) words.push_back(word);
+    words.insert(words.end(), {"-f", "mov"});
+    return words;
+}
+
+/// VP9 needs a larger number for the same quality.
+std::vector<std::string> webm(const VideoOptions& options) {
+    std::vector<std::string> words{"-vf",       std::string(even) + to_bt709 + "format=yuv420p",
+                                   "-c:v",      "libvpx-vp9",
+                                   "-b:v",      "0",
+                                   "-crf",      std::to_string(std::min(63, options.crf + 12)),
+                                   "-deadline", "good",
+                                   "-cpu-used", "5",
+                                   "-threads",  "1"};
+    for (const std::string& word : tagged_bt709()) words.push_back(word);
+    words.insert(words.end(), {"-f", "webm"});
+    return words;
+}
+
+/// One palette for the whole film, made for what moves; at most 25 frames a second, which is what programs show.
+std::vector<std::string> gif(const VideoOptions& options) {
+    return {"-vf",
+            "fps=" + std::to_string(std::min(25.0, options.fps)) +
+                ",split[a][b];[a]palettegen=stats_mode=diff[p];[b][p]paletteuse=dither=bayer:bayer_scale=3",
+            "-loop",
+            "0",
+            "-f",
+            "gif"};
+}
+
+struct Format {
+    const char* suffix;
+    std::vector<std::string> (*encode)(const VideoOptions&);
+    const char* container;  ///< to be rewritten so that it starts fast; null: the file is as it should be when encoded
+};
+constexpr Format formats[] = {{".mp4", mp4, "mp4"}, {".mov", mov, "mov"}, {".webm", webm, nullptr}, {".gif", gif, nullptr}};
+
+const Format& format_of(const std::filesystem::path& file) {
+    const auto found = std::find_if(std::begin(formats), std::end(formats), [&](const Format& f) { return file.extension() == f.suffix; });
+    WHORL_ASSERT(found != std::end(formats), +file.string());
+    return *found;
+}
+
+std::vector<std::string> encode_arguments(const std::filesystem::path& file, int width, int height, const VideoOptions& options) {
+    std::vector<std::string> words{"ffmpeg",
+                                   "-nostdin",
+                                   "-hide_banner",
+                                   "-loglevel",
+                                   "error",
+                                   "-y",
+                                   "-f",
+                                   "rawvideo",
+                                   "-pixel_format",
+                                   "rgb24",
+                                   "-video_size",
+                                   std::to_string(width) + "x" + std::to_string(height),
+                                   "-framerate",
+                                   std::to_string(options.fps),
+                                   "-i",
+                                   "pipe:0",
+                                   "-filter_threads",
+                                   "1"};
+    for (const std::string& word : format_of(file).encode(options)) words.push_back(word);
+    words.push_back(file.string());
+    return words;
+}
+
+std::vector<std::string> rewrite_arguments(const std::filesystem::path& from, const char* container, const std::filesystem::path& to) {
+    return {"ffmpeg", "-nostdin", "-hide_banner", "-loglevel",  "error", "-y",      "-i",       from.string(),
+            "-c",     "copy",     "-movflags",    "+faststart", "-f",    container, to.string()};
 }
 
 }  // namespace
+
+const std::vector<std::string>& video_suffixes() {
+    static const std::vector<std::string> all = [] {
+        std::vector<std::string> names;
+        for (const Format& format : formats) names.emplace_back(format.suffix);
+        return names;
+    }();
+    return all;
+}
 
 struct VideoEncoder::Process {
     std::filesystem::path file;
@@ -114,8 +162,10 @@ void VideoEncoder::finish() {
     const std::unique_ptr<Process> process = std::move(process_);
     if (process->ffmpeg.wait() != 0)
         throw EnvironmentError("the video encoder failed: " + last_lines(process->ffmpeg.output()), "", remedy);
+    const char* const container = format_of(process->file).container;
+    if (container == nullptr) return std::filesystem::rename(partial_video(process->file), process->file);
     WholeFile whole(process->file);
-    ChildProcess rewrite = start(rewrite_arguments(partial_video(process->file), whole.temporary()));
+    ChildProcess rewrite = start(rewrite_arguments(partial_video(process->file), container, whole.temporary()));
     if (rewrite.wait() != 0)
         throw EnvironmentError("cannot rewrite the video: " + last_lines(rewrite.output()), "",
                                partial_video(process->file).string() + " is complete and playable");

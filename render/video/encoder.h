@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "render/image/image.h"
 
@@ -10,15 +11,17 @@ namespace whorl {
 
 struct VideoOptions {
     double fps = 24;  ///< frames a second of the film
-    int crf = 18;     ///< H.264 constant rate factor; lower is better and larger
+    int crf = 18;     ///< H.264 constant rate factor, and what VP9 makes of it; lower is better and larger
 };
 
-/// Encodes H.264, yuv420p, BT.709 tagged and converted. While the run lasts, frames go in short fragments to partial_video(file), which is
-/// playable at any moment, also after SIGKILL; finish() rewrites it with +faststart under its final name. An encoder that goes without
-/// finish() completes the partial file and leaves it. Odd sizes lose their last row or column: yuv420p has none.
+/// Encodes by the file's suffix: .mp4 H.264, .mov ProRes 422 HQ, .webm VP9, .gif with one palette for the film; all but the last BT.709
+/// tagged and converted. What follows is of .mp4, the others are whole when they are finished. While the run lasts, frames go in short
+/// fragments to partial_video(file), which is playable at any moment, also after SIGKILL; finish() rewrites it with +faststart under its
+/// final name. An encoder that goes without finish() completes the partial file and leaves it. Odd sizes lose their last row or column:
+/// yuv420p has none.
 class VideoEncoder {
 public:
-    /// @param file the final name, ending in .mp4. @throws EnvironmentError where ffmpeg is missing
+    /// @param file the final name, ending in one of video_suffixes(). @throws EnvironmentError where ffmpeg is missing
     VideoEncoder(std::filesystem::path file, int width, int height, VideoOptions options);
     ~VideoEncoder();
     VideoEncoder(VideoEncoder&&) noexcept;
@@ -31,6 +34,9 @@ private:
     struct Process;
     std::unique_ptr<Process> process_;
 };
+
+/// ".mp4", ...
+const std::vector<std::string>& video_suffixes();
 
 /// Where frames go until the video is whole: coil.mp4 -> coil.partial.mp4.
 std::filesystem::path partial_video(const std::filesystem::path& file);

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 #include <set>
 
@@ -31,9 +33,10 @@ int encode(const EncodeOptions& options) {
 
     const Scene scene = read_scene_file(scene_file).scene;
     const std::filesystem::path video = options.out.empty() ? options.folder / (scene.name + ".mp4") : options.out;
-    if (video.extension() != ".mp4")
-        throw InputError({"--out", 0, 0}, "\"" + video.string() + "\" is no MP4, and this program writes no other video",
-                         "give it the suffix .mp4");
+    const auto& known = video_suffixes();
+    if (std::find(known.begin(), known.end(), video.extension().string()) == known.end())
+        throw InputError({"--out", 0, 0}, "\"" + video.string() + "\" has the suffix of no video that this program writes", "",
+                         fmt::format("{}", fmt::join(known, ", ")));
     const Image first = read_png(*pictures.begin());
     VideoEncoder encoder(video, first.width, first.height, {options.fps.value_or(scene.time.fps), options.crf});
     for (const auto& picture : pictures) {
@@ -55,11 +58,13 @@ void add_video(CLI::App& program, Job& chosen) {
     CLI::App* app = program.add_subcommand("video", "encode a run's video again from its frames");
     app->add_option("folder", options->folder, "the run folder, as in out/honey_coil")->required()->type_name("RUN_FOLDER");
     app->add_option("--fps", options->fps, "frames a second (default: the scene's)")->type_name("N")->check(CLI::PositiveNumber);
-    app->add_option("--crf", options->crf, "H.264 quality, 0 to 51, lower is better and larger")
+    app->add_option("--crf", options->crf, "quality of H.264 and VP9, 0 to 51, lower is better and larger")
         ->capture_default_str()
         ->check(CLI::Range(0, 51));
-    app->add_option("--out", options->out, "the video's name (default: <scene>.mp4 in the run folder)")->type_name("FILE");
-    app->footer("Example:\n  whorl video out/honey_coil --fps 60 --crf 12");
+    app->add_option("--out", options->out,
+                    "the video's name, ending in .mp4, .mov (ProRes), .webm or .gif (default: <scene>.mp4 in the run folder)")
+        ->type_name("FILE");
+    app->footer("Example:\n  whorl video out/honey_coil --fps 60 --crf 12\n  whorl video out/honey_coil --out honey.gif");
     app->callback([options, &chosen] { chosen = [options] { return encode(*options); }; });
 }
 

@@ -100,6 +100,22 @@ TEST_CASE("a finished video is tagged, starts fast and leaves no partial file", 
     REQUIRE((frames[0].width == 64 && frames[0].height == 48));
 }
 
+TEST_CASE("the suffix decides how a video is encoded", "[video]") {
+    for (const auto& [name, codec] :
+         {std::pair{"film.mov", "codec_name=prores"}, {"film.webm", "codec_name=vp9"}, {"film.gif", "codec_name=gif"}}) {
+        test::ScratchFolder folder;
+        VideoEncoder encoder(folder / name, 64, 48, {20, 18});
+        for (int i = 0; i < 10; ++i) encoder.add(flat_picture(64, 48, static_cast<std::uint8_t>(20 * i), 100, 50));
+        encoder.finish();
+        const std::string found = tags(folder / name);
+        INFO(name << ": " << found);
+        CHECK(found.find(codec) != std::string::npos);
+        CHECK(found.find("avg_frame_rate=20/1") != std::string::npos);
+        CHECK(decoded(folder / name, folder).size() == 10);
+        CHECK_FALSE(std::filesystem::exists(partial_video(folder / name)));
+    }
+}
+
 TEST_CASE("a video whose maker and encoder are killed plays nearly to the end", "[video]") {
     test::ScratchFolder folder;
     const int frames = 72;
