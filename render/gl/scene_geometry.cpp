@@ -7,13 +7,20 @@
 namespace whorl {
 namespace {
 
-/// @param age of each vertex; 0 where it has none
-void fill_vertices(gl::Vertices& vertices, const TriangleMesh& mesh, std::vector<float> age = {}) {
-    if (mesh.triangle.empty()) return vertices.fill({{nullptr, 0}, {nullptr, 0}, {nullptr, 0}}, nullptr, 0);
-    age.resize(mesh.position.size());
-    vertices.fill(
-        {{mesh.position[0].data(), 3 * mesh.position.size()}, {mesh.normal[0].data(), 3 * mesh.normal.size()}, {age.data(), age.size()}},
-        mesh.triangle[0].data(), 3 * mesh.triangle.size());
+void fill_vertices(gl::Vertices& vertices, const TriangleMesh& mesh) {
+    if (mesh.triangle.empty()) return vertices.fill({{nullptr, 0}, {nullptr, 0}}, nullptr, 0);
+    vertices.fill({{mesh.position[0].data(), 3 * mesh.position.size()}, {mesh.normal[0].data(), 3 * mesh.normal.size()}},
+                  mesh.triangle[0].data(), 3 * mesh.triangle.size());
+}
+
+/// With what its vertices carry; 0 where they do not.
+void fill_vertices(gl::Vertices& vertices, const TriangleMesh& mesh, std::vector<float> age, std::vector<CrustPlace> crust) {
+    if (mesh.triangle.empty()) return vertices.fill({{nullptr, 0}, {nullptr, 0}, {nullptr, 0}, {nullptr, 0}}, nullptr, 0);
+    const std::size_t n = mesh.position.size();
+    age.resize(n);
+    crust.resize(n);
+    vertices.fill({{mesh.position[0].data(), 3 * n}, {mesh.normal[0].data(), 3 * n}, {age.data(), n}, {crust[0].data(), 4 * n}},
+                  mesh.triangle[0].data(), 3 * mesh.triangle.size());
 }
 
 }  // namespace
@@ -51,9 +58,10 @@ const gl::Vertices& SceneGeometry::model(const std::shared_ptr<const TriangleMes
     return place->second.vertices;
 }
 
-void SceneGeometry::fill(const Frame& frame, const TriangleMesh& fluid, const std::vector<float>& age) {
-    if (fluid.normal.size() == fluid.position.size()) fill_vertices(fluid_, fluid, age);
-    else fill_vertices(fluid_, with_normals(fluid));
+void SceneGeometry::fill(const Frame& frame, const Surface& surface) {
+    const TriangleMesh& fluid = surface.mesh;
+    if (fluid.normal.size() == fluid.position.size()) fill_vertices(fluid_, fluid, surface.age, surface.crust);
+    else fill_vertices(fluid_, with_normals(fluid), {}, {});
     shape_ = Shape::surface;
     bounds_ = fluid_bounds_ = bounds_of(fluid.position);
     fill_solids(frame);

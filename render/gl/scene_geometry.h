@@ -17,7 +17,7 @@ TriangleMesh with_normals(const TriangleMesh& mesh);
 
 class SceneGeometry {
 public:
-    void fill(const Frame& frame, const TriangleMesh& fluid, const std::vector<float>& age = {});
+    void fill(const Frame& frame, const Surface& surface);
     /// The fluid as its particles, each with a colour, and their trails where there are any.
     void fill(const Frame& frame, const std::vector<Vec3f>& colour, const Trails& trails);
     /// The fluid as a slice.
@@ -40,13 +40,13 @@ public:
 private:
     struct Model {
         std::shared_ptr<const TriangleMesh> mesh;  ///< held so that no other mesh gets its address, which is its name here
-        gl::Vertices vertices{{3, 3, 1}};
+        gl::Vertices vertices{{3, 3}};
     };
     void fill_solids(const Frame& frame);
     const gl::Vertices& model(const std::shared_ptr<const TriangleMesh>& mesh);
 
     enum class Shape { surface, particles, slice, grid };
-    gl::Vertices fluid_{{3, 3, 1}}, particles_{{3, 3}}, trails_{{3, 3}}, slice_{{3, 2}};
+    gl::Vertices fluid_{{3, 3, 1, 4}}, particles_{{3, 3}}, trails_{{3, 3}}, slice_{{3, 2}};
     Shape shape_ = Shape::surface;
     std::map<const TriangleMesh*, Model> models_;
     std::vector<std::pair<FrameSolid, const gl::Vertices*>> solids_, containers_;

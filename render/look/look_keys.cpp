@@ -72,6 +72,7 @@ KeyTable make_look_keys() {
         .only_with("style", surface);
     t.key("background", &L::background, "", "what stands behind").one_of(background_names());
     t.key("ground", &L::ground, "", "a ground with shadow under the scene");
+    t.key("table", &L::table, "", "what the ground is: the background's paper (none), or a table of this").one_of(table_names());
     t.key("exposure", &L::exposure, "", "brightness of everything").above(0);
     t.key("samples", &L::samples, "", "a pixel").at_least(1).at_most(256);
     t.key("field", &L::field, "",
@@ -100,6 +101,10 @@ KeyTable make_look_keys() {
     t.key("legend", &L::legend, "", "draw the colour map with its numbers and unit").only_with("style", field);
     t.key("time_stamp", &L::time_stamp, "", "write the time on every picture");
     t.all_live();
+    t.key("environment", &L::environment, "",
+          "a picture of all that stands round the scene (.hdr, found from the scene file's folder): it lights the scene and is mirrored in "
+          "it; "
+          "empty: the background's lamps");
     return t;
 }
 

@@ -4,7 +4,6 @@ uniform sampler2D samples;
 uniform sampler2D glass;     // walls of containers, over everything
 uniform bool has_glass;
 uniform mat4 to_world;
-uniform vec3 eye;
 uniform float exposure;
 uniform float aspect;
 layout(location = 0) out vec4 picture;

@@ -5,14 +5,12 @@ uniform sampler2D normal_buffer;
 uniform sampler2D solid_buffer;
 uniform mat4 to_world;       // clip -> world
 uniform mat4 to_clip;
-uniform vec3 eye;
 uniform float weight;        // of this sample in the pixel
 uniform bool has_solids;
 uniform float refraction;    // index
 uniform vec3 absorption;     // 1/voxel
 uniform vec3 scatter;
 uniform float haze;          // 1/voxel
-uniform vec3 sky;            // light that falls on a body from all round
 layout(location = 0) out vec4 colour;
 
 float fresnel(float facing) {

@@ -2,6 +2,7 @@
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in float age;     // s, of the fluid; 0 where nothing says
+layout(location = 3) in vec4 crust;    // of the fluid (render/surface/crust.h)
 uniform mat4 view_projection;
 uniform mat3 rotation;
 uniform vec3 translation;
@@ -9,12 +10,16 @@ uniform float point_size;   // pixels, where particles are drawn as points
 out vec3 world;
 out vec3 world_normal;
 out vec3 own;
+out vec3 own_normal;
 out float fluid_age;
+out vec4 fluid_crust;
 invariant gl_Position;  // passes compare depths
 
 void main() {
     own = position;
+    own_normal = normal;
     fluid_age = age;
+    fluid_crust = crust;
     world = rotation * position + translation;
     world_normal = rotation * normal;
     gl_PointSize = point_size;

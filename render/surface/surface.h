@@ -6,6 +6,7 @@
 
 #include "engine/core/grid_index.h"
 #include "engine/io/frame.h"
+#include "render/surface/crust.h"
 
 namespace whorl {
 
@@ -31,9 +32,10 @@ struct Volume {
 };
 
 struct Surface {
-    TriangleMesh mesh;       ///< closed, manifold, outward normals
-    std::vector<float> age;  ///< s, one a vertex: how long the fluid there has been about; empty where the frame does not say
-    Volume distance;         ///< signed distance to the surface [m], negative inside, clamped to a band of some voxels
+    TriangleMesh mesh;              ///< closed, manifold, outward normals
+    std::vector<float> age;         ///< s, one a vertex: how long the fluid there has been about; empty where the frame does not say
+    std::vector<CrustPlace> crust;  ///< one a vertex; empty where the frame has no ages or cannot tell particles apart
+    Volume distance;                ///< signed distance to the surface [m], negative inside, clamped to a band of some voxels
 };
 
 /// Builds the surface of the frame's fluid. The same bits for any number of threads. An empty frame gives an empty surface.
