@@ -11,6 +11,8 @@ namespace whorl {
 namespace {
 
 constexpr float cells_across = 6;
+// A picture shows a glow darker than it is, or it would have no colour. What it lights shows how bright it is.
+constexpr float true_brightness = 3;
 
 }  // namespace
 
@@ -27,9 +29,9 @@ std::vector<HotPatch> hot_patches(const Surface& surface, const Material& materi
         float heat = 0.3f;  // of a body that glows in its folds alone
         if (!surface.age.empty() && material.cooling > 0) heat = heat_of_crust(surface.age[t[0]] / material.cooling);
         const Vec3f place = (middle - bounds.low) / cell;
-        HotPatch& patch =
-            patches[{static_cast<int>(std::floor(place.x())), static_cast<int>(std::floor(place.y())), static_cast<int>(std::floor(place.z()))}];
-        const Vec3f light = area * glow_of(material.emission, heat);
+        HotPatch& patch = patches[{static_cast<int>(std::floor(place.x())), static_cast<int>(std::floor(place.y())),
+                                   static_cast<int>(std::floor(place.z()))}];
+        const Vec3f light = true_brightness * area * glow_of(material.emission, heat);
         patch.place += light.x() * middle;
         patch.normal += normal;
         patch.light += light;
@@ -42,7 +44,8 @@ std::vector<HotPatch> hot_patches(const Surface& surface, const Material& materi
         patch.normal /= patch.area, patch.light /= patch.area;
         list.push_back(patch);
     }
-    std::stable_sort(list.begin(), list.end(), [](const HotPatch& a, const HotPatch& b) { return a.light.x() * a.area > b.light.x() * b.area; });
+    std::stable_sort(list.begin(), list.end(),
+                     [](const HotPatch& a, const HotPatch& b) { return a.light.x() * a.area > b.light.x() * b.area; });
     list.resize(std::min<std::size_t>(list.size(), most_patches));
     return list;
 }

@@ -34,7 +34,7 @@ constexpr int ground_unit = 4, shadow_unit = 5, field_unit = 7, solid_unit = 9, 
 /// All that one picture is made of.
 struct Shot {
     const LookOptions& look;
-    const View& view;
+    View view;
     Material material;
     float spacing = 0;  ///< m
     float ground = 0;   ///< m
@@ -43,6 +43,9 @@ struct Shot {
     bool has_age = false;    ///< of the fluid's surface
     bool has_crust = false;  ///< whose plates are known
     std::vector<HotPatch> patches;
+
+    /// The surface moves while the shutter is open, its distance field does not.
+    bool keeps_motion() const { return view.open > 0 && material.refracts; }
 };
 
 }  // namespace
@@ -70,6 +73,7 @@ struct Renderer::Device {
 
     Image draw(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view);
     void draw_sample(const Shot& shot, int sample);
+    void draw_from(const Shot& shot, int sample);
     void draw_solids(const Shot& shot, const Eigen::Matrix4f& matrix);
     void draw_particles(const Shot& shot, const Eigen::Matrix4f& matrix);
     void draw_slice(const Shot& shot, const Eigen::Matrix4f& matrix);
@@ -115,7 +119,7 @@ struct Renderer::Device {
     float cloud_thickness = 0;         // optical depth of a metre of density 1
     gl::Texture picture = gl::texture_2d(GL_RGBA8, width, height, false);
     gl::Framebuffer geometry = gl::framebuffer({solid.id(), normal.id()}, depth.id());
-    gl::Texture crust;  // made with the first fluid that has one
+    gl::Texture crust;  // or motion of the surface; made with the first fluid that needs it
     gl::Framebuffer crusted_geometry;
     gl::Framebuffer accumulate = gl::framebuffer({sum.id()}, 0);
     gl::Framebuffer glass_target = gl::framebuffer({glass.id()}, depth.id());
@@ -166,6 +170,7 @@ Image Renderer::Device::draw(const Frame& frame, const Surface& surface, const L
               !surface.crust.empty() && !shows_field(look),
               {}};
     if (!shows_field(look)) shot.patches = hot_patches(surface, shot.material);
+    scene.go_to(0);
     glBindVertexArray(no_vertices);
     ground_light.draw(scene, shot.material, surround.shadow_lamp(view), frame.spacing, shot.ground, look.ground);
 
@@ -185,18 +190,37 @@ Image Renderer::Device::draw(const Frame& frame, const Surface& surface, const L
     return image;
 }
 
+/// Each sample has a place in the pixel, one in the lens, and a moment while the shutter is open.
 void Renderer::Device::draw_sample(const Shot& shot, int sample) {
     const int samples = std::max(shot.look.samples, 1);
+    const float turn = 0.618034f * static_cast<float>(sample) + 0.5f, moment = (turn - std::floor(turn) - 0.5f) * shot.view.open;
+    scene.go_to(moment);
+    if (!shot.view.blurs()) return draw_from(shot, sample);
+    Shot from = shot;
+    View& view = from.view;
+    view.position += moment * view.position_velocity, view.target += moment * view.target_velocity;
+    if (!shows_field(shot.look)) from.camera = camera_matrix(view, shot.aspect, scene.bounds());
+    const Vec3f right = studio_axes(view).row(0), up = right.cross(view.target - view.position).normalized();
+    const Eigen::Vector2f place = 0.5f * view.aperture * lens_place(sample, samples);
+    const Vec3f aside = place.x() * right + place.y() * up;
+    from.camera = through_lens(from.camera, view, aside);
+    view.position += aside, view.target += aside;
+    draw_from(from, sample);
+}
+
+void Renderer::Device::draw_from(const Shot& shot, int sample) {
+    const int samples = std::max(shot.look.samples, 1);
     const Eigen::Matrix4f matrix = jittered(shot.camera, sample_place(sample, samples), width, height);
-    const PixelBox box = pixels_of(scene.bounds(), shot.camera, width, height);
+    const PixelBox box = shot.view.blurs() ? PixelBox{0, 0, width, height} : pixels_of(scene.bounds(), shot.camera, width, height);
     glEnable(GL_SCISSOR_TEST);
     glScissor(box.x, box.y, box.width, box.height);
 
-    if (shot.has_crust && crust.id() == 0) {
+    const bool keeps_more = shot.has_crust || shot.keeps_motion();
+    if (keeps_more && crust.id() == 0) {
         crust = gl::texture_2d(GL_RGBA16F, width, height, false);
         crusted_geometry = gl::framebuffer({solid.id(), normal.id(), crust.id()}, depth.id());
     }
-    glBindFramebuffer(GL_FRAMEBUFFER, shot.has_crust ? crusted_geometry.id() : geometry.id());
+    glBindFramebuffer(GL_FRAMEBUFFER, keeps_more ? crusted_geometry.id() : geometry.id());
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     glEnable(GL_DEPTH_TEST);
     draw_solids(shot, matrix);
@@ -247,6 +271,7 @@ void Renderer::Device::draw_fluid(const Shot& shot, const Eigen::Matrix4f& matri
     fluid_normal.use();
     fluid_normal.set("view_projection", matrix);
     fluid_normal.set("ground_height", shot.look.ground ? shot.ground : -1e6f);
+    fluid_normal.set("keeps_motion", shot.keeps_motion() ? 1 : 0);
     fluid_normal.set("tolerance", 0.5f * shot.spacing);
     scene.draw_fluid(fluid_normal);
     glColorMaski(0, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
@@ -350,7 +375,10 @@ void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matr
     program.texture("normal_buffer", 1, GL_TEXTURE_2D, normal.id());
     program.texture("solid_buffer", 2, GL_TEXTURE_2D, solid.id());
     program.texture("crust_buffer", 3, GL_TEXTURE_2D, crust.id());
-    program.set("has_crust", shot.has_crust && shot.has_age && material.cooling > 0 ? 1 : 0);
+    program.texture("motion_buffer", 3, GL_TEXTURE_2D, crust.id());
+    program.set("has_motion", shot.keeps_motion() ? 1 : 0);
+    program.set("draws_behind", shot.view.blurs() ? 1 : 0);
+    program.set("has_crust", shot.has_crust && material.cooling > 0 ? 1 : 0);
     program.set("to_world", Eigen::Matrix4f(matrix.inverse()));
     program.set("to_clip", matrix);
     program.set("weight", weight);

@@ -24,6 +24,8 @@ public:
     void fill(const Frame& frame, const FlowSlice& slice);
     /// The fluid as a cloud in the grid: it has bounds, but no geometry of its own.
     void fill(const Frame& frame, const FlowGrid& grid);
+    /// Everything is drawn as it stands so long [s] after the frame's time: what moves goes on as it does.
+    void go_to(float moment) { moment_ = moment; }
     /// Draws with a program of mesh.vert, its view_projection already set; particles as points.
     void draw_fluid(gl::Program& program) const;
     bool are_particles() const { return shape_ == Shape::particles; }
@@ -46,8 +48,9 @@ private:
     const gl::Vertices& model(const std::shared_ptr<const TriangleMesh>& mesh);
 
     enum class Shape { surface, particles, slice, grid };
-    gl::Vertices fluid_{{3, 3, 1, 4}}, particles_{{3, 3}}, trails_{{3, 3}}, slice_{{3, 2}};
+    gl::Vertices fluid_{{3, 3, 1, 4, 3}}, particles_{{3, 3}}, trails_{{3, 3}}, slice_{{3, 2}};
     Shape shape_ = Shape::surface;
+    float moment_ = 0;  ///< s
     std::map<const TriangleMesh*, Model> models_;
     std::vector<std::pair<FrameSolid, const gl::Vertices*>> solids_, containers_;
     Bounds fluid_bounds_, bounds_;

@@ -11,10 +11,10 @@
 namespace whorl {
 namespace {
 
-constexpr float far_below = -1e6f;       // m, of a ground that is not there
-constexpr float brightest = 1000;        // radiance: the sun itself would make single pixels of every soft reflection white
-constexpr float round_share = 0.7f;      // of the picture's light: that from all round,
-constexpr float directed_share = 0.6f;   // and of what its brightest side has over the opposite one: that of the shadow's lamp
+constexpr float far_below = -1e6f;      // m, of a ground that is not there
+constexpr float brightest = 1000;       // radiance: the sun itself would make single pixels of every soft reflection white
+constexpr float round_share = 0.7f;     // of the picture's light: that from all round,
+constexpr float directed_share = 0.6f;  // and of what its brightest side has over the opposite one: that of the shadow's lamp
 
 gl::Texture texture_of(const Environment& environment) {
     std::vector<float> rgba;
@@ -33,9 +33,7 @@ gl::Texture texture_of(const Environment& environment) {
 
 }  // namespace
 
-Surround::Surround() : noise_(lattice_noise()), picture_(gl::texture_2d(GL_RGBA16F, 1, 1, true)) {
-    light_.fill(Vec3f::Zero());
-}
+Surround::Surround() : noise_(lattice_noise()), picture_(gl::texture_2d(GL_RGBA16F, 1, 1, true)) { light_.fill(Vec3f::Zero()); }
 
 void Surround::fill(const LookOptions& look) {
     if (look.environment == file_) return;

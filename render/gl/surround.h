@@ -18,7 +18,8 @@ public:
     Studio studio(const LookOptions& look) const;
     /// Towards the lamp that throws the shadow, unit, in the world's axes.
     Vec3f shadow_lamp(const View& view) const;
-    /// Sets the uniforms of studio.glsl, textures.glsl and table.glsl but those of the ground's light; takes two texture units from `unit` on.
+    /// Sets the uniforms of studio.glsl, textures.glsl and table.glsl but those of the ground's light; takes two texture units from `unit`
+    /// on.
     /// @param ground its height [m] @param height of the picture [pixels]
     void bind(gl::Program& program, const LookOptions& look, const View& view, float ground, int height, int unit) const;
 

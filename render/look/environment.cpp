@@ -49,8 +49,8 @@ std::array<Vec3f, 9> light_of(const Environment& environment) {
     }
     // Squares of the harmonics' factors, times what a cosine keeps of their order: 1, 2/3, 1/4.
     constexpr float first = 0.079577f, second = 2.0f / 3 * 0.238732f, third = 0.25f;
-    const std::array<float, 9> factor{first, second, second, second, third * 1.193662f, third * 1.193662f, third * 0.099472f, third * 1.193662f,
-                                      third * 0.298416f};
+    const std::array<float, 9> factor{
+        first, second, second, second, third * 1.193662f, third * 1.193662f, third * 0.099472f, third * 1.193662f, third * 0.298416f};
     for (int k = 0; k < 9; ++k) sum[k] *= factor[k];
     return sum;
 }

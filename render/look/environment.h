@@ -8,8 +8,8 @@
 
 namespace whorl {
 
-/// Radiances, linear RGB. Rows from the zenith down, columns round the horizon; the middle column lies towards -z, what is right of it towards
-/// +x.
+/// Radiances, linear RGB. Rows from the zenith down, columns round the horizon; the middle column lies towards -z, what is right of it
+/// towards +x.
 struct Environment {
     int width = 0, height = 0;
     std::vector<float> rgb;
@@ -20,8 +20,8 @@ struct Environment {
 /// A Radiance picture (.hdr), as cameras and Poly Haven make them. @throws InputError where it is missing or no such picture
 Environment read_environment(const std::filesystem::path& file);
 
-/// What the picture lights a white matt surface with, over pi, in spherical harmonics up to the second order: within 3 % of the integral for
-/// a picture without a small lamp (Ramamoorthi and Hanrahan, SIGGRAPH 2001). The terms 1, y, z, x, xy, yz, 3z^2 - 1, xz, x^2 - y^2.
+/// What the picture lights a white matt surface with, over pi, in spherical harmonics up to the second order: within 3 % of the integral
+/// for a picture without a small lamp (Ramamoorthi and Hanrahan, SIGGRAPH 2001). The terms 1, y, z, x, xy, yz, 3z^2 - 1, xz, x^2 - y^2.
 std::array<Vec3f, 9> light_of(const Environment& environment);
 Vec3f light_on(const std::array<Vec3f, 9>& light, const Vec3f& normal);
 

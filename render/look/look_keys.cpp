@@ -50,7 +50,14 @@ KeyTable make_camera_keys() {
     t.key("height", &CameraOptions::height, "m", "above the target").only_with("kind", orbit);
     t.key("start_angle", &CameraOptions::start_angle, "degrees", "where the turn begins; 0: along +z").only_with("kind", orbit);
     t.key("degrees_per_second", &CameraOptions::degrees_per_second, "degrees/s", "of simulated time").only_with("kind", orbit);
+    t.key("aperture", &CameraOptions::aperture, "m", "diameter of the lens: what is nearer or further than `focus` blurs; 0: all is sharp")
+        .at_least(0);
+    t.key("focus", &CameraOptions::focus, "m", "distance at which it is sharp; auto: the target's").above(0);
     t.all_live();
+    t.key("shutter", &CameraOptions::shutter, "degrees",
+          "how long it is open, 360 the whole time from picture to picture: what moves blurs; 0: nothing does; films are shot with 180")
+        .at_least(0)
+        .at_most(360);
     t.list("key", &CameraOptions::keys, make_camera_key_keys());
     return t;
 }

@@ -22,10 +22,12 @@ Crust crust_at(vec4 place, float age) {
     float old = age / cooling, rough = place.w - 0.5;
     c.cold = smoothstep(0.4, 1.5, old + 1.2 * rough + 0.5 * (place.z - 0.5));
     c.outside = exp(-1.2 * old) * (1.0 - 0.8 * c.cold);
-    c.inside = 0.9 * exp(-0.15 * old);
-    float wide = 1.0 - smoothstep(0.2, 0.8, place.x + 0.4 * rough), narrow = 1.0 - smoothstep(0.1, 0.5, place.y + 0.3 * rough);
-    c.crack = c.cold * max(wide, 0.6 * narrow * smoothstep(0.3, 0.9, place.z));
+    c.inside = (0.5 + 0.5 * place.w) * exp(-0.2 * old);
+    // Ragged, wide here and closed there; old ones close.
+    float wide = 1.0 - smoothstep(0.0, 0.15 + 0.75 * place.w * place.w * exp(-0.1 * old), place.x + 0.5 * rough);
+    float narrow = 1.0 - smoothstep(0.0, 0.1 + 0.4 * place.w, place.y + 0.4 * rough);
+    c.crack = c.cold * max(wide, 0.6 * narrow * smoothstep(0.4, 0.9, place.z));
     c.shade = (0.6 + 0.8 * place.z) * (0.7 + 0.6 * place.w);
-    c.height = c.cold * (0.5 * smoothstep(0.0, 1.6, place.x) + 0.25 * smoothstep(0.0, 0.9, place.y) + 0.5 * place.w);
+    c.height = c.cold * (0.4 * smoothstep(0.0, 1.6, place.x) + 0.2 * smoothstep(0.0, 0.9, place.y) + 0.6 * place.w);
     return c;
 }

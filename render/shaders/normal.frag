@@ -3,6 +3,8 @@ in vec3 world;
 in vec3 world_normal;
 in float fluid_age;
 in vec4 fluid_crust;
+in vec3 moved;
+uniform bool keeps_motion;
 uniform float ground_height;
 uniform float tolerance;  // m: a surface that lies on the ground must not be cut to rags by rounding
 layout(location = 0) out vec4 solid;
@@ -13,5 +15,5 @@ void main() {
     if (world.y < ground_height - tolerance) discard;
     solid = vec4(0.0);
     normal = vec4(normalize(world_normal), 1.0 + fluid_age);
-    crust = fluid_crust;
+    crust = keeps_motion ? vec4(moved, 0.0) : fluid_crust;
 }

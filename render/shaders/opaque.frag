@@ -5,6 +5,7 @@ uniform sampler2D normal_buffer;
 uniform sampler2D solid_buffer;
 uniform mat4 to_world;       // clip -> world
 uniform float weight;        // of this sample in the pixel
+uniform bool draws_behind;   // every sample sees what stands behind from a place of its own
 uniform bool has_field;
 uniform vec3 body_colour;
 uniform float roughness;
@@ -38,15 +39,15 @@ void main() {
         n = in_relief(n, x, 2.0 * voxel * crust.height);
     }
     if (g.a < 0.5) {
-        if (solid.a == 0.0) discard;
-        colour = weight * vec4(solid.rgb, 1.0);
+        if (solid.a == 0.0 && !draws_behind) discard;
+        colour = weight * vec4(solid.a == 0.0 ? seen_behind(to_world, uv) : solid.rgb, 1.0);
         return;
     }
     if (dot(n, v) > -0.02) n = normalize(n - (dot(n, v) + 0.02) * v);
     vec3 r = reflect(v, n);
     vec3 body = has_inks ? inked(body_colour, inks_at(x)) : body_colour;
     float matt = roughness;
-    if (has_crust) body *= crust.shade, matt = mix(0.3, 0.6, crust.cold);
+    if (has_crust) body *= crust.shade, matt = mix(0.3, 0.92, crust.cold);
     vec3 l = front_light * studio;  // studio's inverse: into the world
     float open = 1.0, seen = 1.0, lit = 1.0;
     if (has_field) {

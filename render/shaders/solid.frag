@@ -43,7 +43,7 @@ void main() {
     vec3 mirrored = surroundings(world, r);
     if (metal > 0.0) mirrored = mirrored * (r.y < 0.0 ? mix(1.0, flags(r), 0.6 * metal) : 1.0) + metal * (1.0 - roughness) * strip_light(r);
     // A rough surface spreads a lamp over more directions than the lamp is wide, so that less comes from each.
-    mirrored *= mix(1.0, seen, 0.8) * mix(1.0, 0.35, smoothstep(0.35, 0.5, roughness)) * mix(1.0, 0.3, smoothstep(0.75, 1.0, roughness));
+    mirrored *= mix(1.0, seen, 0.8) * mix(1.0, 0.35, smoothstep(0.35, 0.5, roughness)) * mix(1.0, 0.05, smoothstep(0.8, 1.0, roughness));
     vec3 tint = mix(vec3(1.0), albedo, metal);
     solid = vec4(diffuse + mirror * tint * mirrored, length(world - eye));
     normal = vec4(0.0);

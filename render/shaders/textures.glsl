@@ -50,7 +50,7 @@ Texture planks(vec3 q, float width) {
 Texture rock(vec3 q, float width) {
     float lumps = layers(28.0 * q, 28.0 * width), grain = layers(210.0 * q, 210.0 * width), stain = noise(9.0 * q, 9.0 * width);
     vec3 colour = mix(vec3(0.75, 0.72, 0.7), vec3(1.25, 1.2, 1.1), stain) * (0.5 + 0.5 * lumps + 0.5 * grain);
-    return Texture(colour, 0.022 * lumps + 0.0035 * grain);
+    return Texture(colour, 0.022 * lumps + 0.0028 * grain);
 }
 
 // A slab that was sawn and honed.

@@ -37,6 +37,9 @@ Surface build_surface(const Frame& frame, const SurfaceOptions& options) {
         if (const auto grain = frame.scalar.find("grain"); grain != frame.scalar.end())
             surface.crust = crust_places(surface.mesh.position, frame.position, grain->second, frame.spacing);
     }
+    if (options.velocity)
+        surface.velocity =
+            values_at(surface.mesh.position, frame.position, frame.velocity, static_cast<float>(options.radius * frame.spacing));
     if (options.distance) surface.distance = distance_volume(surface.mesh, voxel, 8);
     return surface;
 }

@@ -147,6 +147,13 @@ bool tells_particles_apart(const SceneFile& file) {
            });
 }
 
+/// What has no key but follows from those that there are.
+void follow(SceneFile& file) {
+    file.scene.grains = tells_particles_apart(file);
+    file.surface.velocity = file.camera.shutter > 0;
+    file.camera.interval = 1 / (file.scene.time.fps * file.scene.time.slow_motion);
+}
+
 SceneFile read(const fs::path& path, ReadRequest request) {
     SceneFile file;
     request.sections = sections_of(file);
@@ -154,7 +161,7 @@ SceneFile read(const fs::path& path, ReadRequest request) {
     look_at_plane(file);
     check_look(file);
     find_environment(file);
-    file.scene.grains = tells_particles_apart(file);
+    follow(file);
     if (file.scene.changes.empty()) return file;
     std::vector<KeyChange> beat;
     for (const Change& change : request.changes) beat.push_back(read_change(change));
@@ -211,7 +218,7 @@ SceneFile read_resolved(const std::string& text, const std::string& path) {
     request.sections = sections_of(file);
     file.scene = read_scene_text(text, path, request);
     check_look(file);
-    file.scene.grains = tells_particles_apart(file);
+    follow(file);
     return file;
 }
 
