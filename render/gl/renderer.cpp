@@ -203,7 +203,7 @@ void Renderer::Device::draw_sample(const Shot& shot, int sample) {
     const Vec3f right = studio_axes(view).row(0), up = right.cross(view.target - view.position).normalized();
     const Eigen::Vector2f place = 0.5f * view.aperture * lens_place(sample, samples);
     const Vec3f aside = place.x() * right + place.y() * up;
-    from.camera = through_lens(from.camera, view, aside);
+    if (view.aperture > 0) from.camera = through_lens(from.camera, view, aside);
     view.position += aside, view.target += aside;
     draw_from(from, sample);
 }

@@ -12,16 +12,17 @@ layout(location = 0) out vec4 solid;
 layout(location = 1) out vec4 normal;
 
 void main() {
+    vec3 v = normalize(world - eye);
     vec3 n = normalize(world_normal);
+    if (dot(n, v) > 0.0) n = -n;
     vec3 albedo = solid_colour;
     if (pattern > 0) {
         Texture t = texture_of(pattern, own, own_normal, max(length(dFdx(own)), length(dFdy(own))));
         albedo *= t.colour;
         n = in_relief(n, world, t.height);
+        if (dot(n, v) > -0.02) n = normalize(n - (dot(n, v) + 0.02) * v);
     }
     if (world.y < ground_height - 1e-4) discard;
-    vec3 v = normalize(world - eye);
-    if (dot(n, v) > 0.0) n = -n;
     vec3 r = reflect(v, n);
     float f0 = mix(0.045, 0.85, metal);
     float mirror = f0 + (1.0 - f0) * pow(clamp(1.0 + dot(n, v), 0.0, 1.0), 5.0) * (1.0 - 0.7 * roughness);
