@@ -47,7 +47,7 @@ void main() {
     vec3 r = reflect(v, n);
     vec3 body = has_inks ? inked(body_colour, inks_at(x)) : body_colour;
     float matt = roughness;
-    if (has_crust) body *= crust.shade, matt = mix(0.3, 0.92, crust.cold);
+    if (has_crust) body *= crust.shade, matt = mix(0.3, 0.98, crust.cold);
     vec3 l = front_light * studio;  // studio's inverse: into the world
     float open = 1.0, seen = 1.0, lit = 1.0;
     if (has_field) {

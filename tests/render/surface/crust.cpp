@@ -20,7 +20,8 @@ Fluid block(int n) {
     Fluid fluid;
     for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j)
-            for (int k = 0; k < n; ++k) fluid.position.push_back(d * Vec3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k)));
+            for (int k = 0; k < n; ++k)
+                fluid.position.push_back(d * Vec3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k)));
     fluid.grain.assign(fluid.position.size(), 0.5f);
     return fluid;
 }
