@@ -132,7 +132,7 @@ void find_environment(SceneFile& file) {
         read_environment(picture);
     } catch (const InputError& e) {
         throw InputError(file.scene.place("look.environment"),
-                         "look.environment: " + picture.string() + " " + e.problems().front().message(), "",
+                         "look.environment = \"" + picture.string() + "\": " + e.problems().front().what, "",
                          "allowed: a Radiance picture (.hdr)");
     }
 }
