@@ -14,6 +14,8 @@ struct FrameSolid {
     std::shared_ptr<const TriangleMesh> mesh;  ///< in the solid's own coordinates
     Mat3f rotation = Mat3f::Identity();        ///< x_world = rotation x + translation
     Vec3f translation = Vec3f::Zero();         ///< m
+    Vec3f velocity = Vec3f::Zero();            ///< m/s, of its own origin
+    Vec3f spin = Vec3f::Zero();                ///< rad/s, in the world's axes
     std::string material;                      ///< name of a material of the look; "" the look's default for solids
     bool container = false;                    ///< the fluid is inside: drawn as glass or left out, never hiding the fluid
     bool ground = false;                       ///< an unbounded plane

@@ -39,6 +39,8 @@ Frame Snapshots::take(const Simulation& simulation, int number) const {
     for (std::size_t k = 0; k < world.solids.all.size(); ++k) {
         frame.solids[k].rotation = world.solids.all[k].pose.rotation.cast<float>();
         frame.solids[k].translation = world.solids.all[k].pose.translation.cast<float>();
+        frame.solids[k].velocity = world.solids.all[k].pose.velocity.cast<float>();
+        frame.solids[k].spin = world.solids.all[k].pose.angular_velocity.cast<float>();
     }
     return frame;
 }

@@ -312,7 +312,7 @@ KeyTable solid_keys() {
         .live();
     // The names of render/look/material.cpp, which the engine does not see; a test holds the two lists together.
     t.key("material", &SolidKeys::material, "", "how it looks")
-        .one_of({"ceramic", "white", "metal", "wood", "clay", "dark", "rock", "glass"})
+        .one_of({"ceramic", "white", "metal", "wood", "clay", "dark", "rock", "glass", "cloth"})
         .not_deciding()
         .live();
     return t;

@@ -44,8 +44,6 @@ std::shared_ptr<const Shape> made(const Scene& scene, const std::string& name, c
     }
 }
 
-}  // namespace
-
 Mat3d turned_by(const Vec3d& degrees) {
     const double angle = std::numbers::pi / 180 * degrees.norm();
     return angle > 0 ? Eigen::AngleAxisd(angle, degrees.normalized()).toRotationMatrix() : Mat3d(Mat3d::Identity());
@@ -60,6 +58,31 @@ RigidBody body_of(const SolidKeys& keys, const Shape& shape) {
     return body;
 }
 
+}  // namespace
+
+double slip_length_of(const SolidKeys& keys) {
+    switch (keys.slip) {
+        case Slip::no: return 0;
+        case Slip::free: return std::numeric_limits<double>::infinity();
+        case Slip::navier: return keys.slip_length;
+    }
+    return 0;
+}
+
+Solid solid_of(const SolidKeys& keys, std::shared_ptr<const Shape> shape) {
+    Solid solid;
+    solid.shape = std::move(shape);
+    solid.position = keys.position;
+    solid.spin = keys.rotation;
+    solid.inside = keys.inside;
+    solid.turn = turned_by(keys.tilt);
+    solid.slip_length = slip_length_of(keys);
+    solid.material = keys.material;
+    solid.contact = {keys.friction, keys.bounce};
+    if (keys.density > 0 && solid.shape && solid.shape->bounded()) solid.body = body_of(keys, *solid.shape);
+    return solid;
+}
+
 SceneShapes make_shapes(const Scene& scene, std::vector<Problem>& problems) {
     SceneShapes shapes;
     for (std::size_t i = 0; i < scene.blocks.size(); ++i) {
@@ -69,13 +92,7 @@ SceneShapes make_shapes(const Scene& scene, std::vector<Problem>& problems) {
     }
     for (std::size_t i = 0; i < scene.solids.size(); ++i) {
         const SolidKeys& keys = scene.solids[i];
-        Solid solid;
-        solid.shape = made(scene, entry_name("solid", i), keys.shape, problems);
-        solid.position = keys.position;
-        solid.spin = keys.rotation;
-        solid.inside = keys.inside;
-        solid.turn = turned_by(keys.tilt);
-        if (keys.density > 0 && solid.shape && solid.shape->bounded()) solid.body = body_of(keys, *solid.shape);
+        Solid solid = solid_of(keys, made(scene, entry_name("solid", i), keys.shape, problems));
         shapes.solid_extent.push_back(solid.shape ? turned(extent_of(keys.shape, *solid.shape), solid.turn) : Extent{});
         shapes.solids.all.push_back(std::move(solid));
     }

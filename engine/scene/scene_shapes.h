@@ -20,8 +20,10 @@ struct SceneShapes {
     Solids solids;
     std::vector<Extent> block_extent, solid_extent, drain_extent;
 };
-/// A free solid as it is at the start; its shape is bounded.
-RigidBody body_of(const SolidKeys& keys, const Shape& shape);
+/// 0 where the fluid sticks, infinite where it slides freely [m].
+double slip_length_of(const SolidKeys& keys);
+/// The solid of this shape as the scene describes it; it has no pose before Solids::set_time(). A free one's shape must be bounded.
+Solid solid_of(const SolidKeys& keys, std::shared_ptr<const Shape> shape);
 /// Appends to `problems` where a mesh cannot be used; the shapes are complete only where it added none.
 SceneShapes make_shapes(const Scene& scene, std::vector<Problem>& problems);
 

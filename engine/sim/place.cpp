@@ -28,28 +28,8 @@ void place_constants(const Scene& scene, const Plan& plan, World& world) {
     step.mass = static_cast<Real>(scene.fluid.density * plan.particle_volume());
 }
 
-double slip_length_of(const SolidKeys& keys) {
-    switch (keys.slip) {
-        case Slip::no: return 0;
-        case Slip::free: return std::numeric_limits<double>::infinity();
-        case Slip::navier: return keys.slip_length;
-    }
-    return 0;
-}
-
 void place_solids(const Scene& scene, const Plan& plan, World& world) {
-    for (const SolidKeys& keys : scene.solids) {
-        Solid solid;
-        solid.shape = make_shape(keys.shape);
-        solid.position = keys.position;
-        solid.spin = keys.rotation;
-        solid.inside = keys.inside;
-        solid.slip_length = slip_length_of(keys);
-        solid.material = keys.material;
-        solid.contact = {keys.friction, keys.bounce};
-        if (keys.density > 0) solid.body = body_of(keys, *solid.shape);
-        world.solids.all.push_back(std::move(solid));
-    }
+    for (const SolidKeys& keys : scene.solids) world.solids.all.push_back(solid_of(keys, make_shape(keys.shape)));
     world.solids.set_time(0, scene.time.max_step);
     if (plan.boundary == BoundaryModel::none) return;
     world.solid_particles = sample_solids(world.solids, world.step.spacing, world.step.domain, plan.kernel, world.step.support);

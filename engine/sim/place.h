@@ -9,8 +9,6 @@ namespace whorl {
 
 /// Fills the step's constants from the plan.
 void place_constants(const Scene& scene, const Plan& plan, World& world);
-/// By how much the fluid slips along it: 0, a length, or infinitely far [m].
-double slip_length_of(const SolidKeys& keys);
 /// Solids at t = 0, with their particles where the plan's boundary model wants any.
 void place_solids(const Scene& scene, const Plan& plan, World& world);
 /// Fluid of the blocks; columns must be declared. @throws InputError where a block holds no particle, or where there are

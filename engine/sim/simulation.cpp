@@ -14,6 +14,7 @@
 #include "engine/particles/sort.h"
 #include "engine/scene/names.h"
 #include "engine/scene/scene_difference.h"
+#include "engine/scene/scene_shapes.h"
 #include "engine/sim/check.h"
 #include "engine/sim/place.h"
 #include "engine/sim/sleep.h"

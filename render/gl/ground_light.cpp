@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/look/studio.h"
-
 namespace whorl {
 namespace {
 
@@ -35,9 +33,9 @@ Vec3f ground_area(const Bounds& bounds) {
 
 }  // namespace
 
-void GroundLight::draw(const SceneGeometry& scene, const Material& material, const Mat3f& to_studio, float spacing, float ground,
+void GroundLight::draw(const SceneGeometry& scene, const Material& material, const Vec3f& lamp, float spacing, float ground,
                        bool has_ground) {
-    light_ = to_studio.transpose() * shadow_light();
+    light_ = lamp;
     centre_ = scene.bounds().centre();
     radius_ = std::max(1.02f * scene.bounds().radius(), 1e-4f);
     light_matrix_ = light_matrix(light_, scene.bounds());

@@ -10,9 +10,9 @@ class GroundLight {
 public:
     /// @param height of the pictures [pixels]: a small one shows no more than half the maps' resolution
     explicit GroundLight(int height) : light_size(height < 480 ? 128 : 256), ground_size(light_size) {}
-    /// @param to_studio studio_axes() of the view @param spacing of the particles [m] @param ground its height [m] @param has_ground else
-    /// only the solids are lit
-    void draw(const SceneGeometry& scene, const Material& material, const Mat3f& to_studio, float spacing, float ground, bool has_ground);
+    /// @param lamp unit, towards the one that throws the shadow @param spacing of the particles [m] @param ground its height [m] @param
+    /// has_ground else only the solids are lit
+    void draw(const SceneGeometry& scene, const Material& material, const Vec3f& lamp, float spacing, float ground, bool has_ground);
     /// Sets the uniforms of shadow.glsl; takes two texture units from `unit` on.
     void bind_shadow(gl::Program& program, int unit) const;
     /// Sets the uniforms of studio.glsl about the ground; takes one texture unit.

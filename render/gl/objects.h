@@ -63,6 +63,7 @@ public:
     void set(const char* uniform, const Vec3f& value);
     void set(const char* uniform, const Eigen::Vector4f& value);
     void set(const char* uniform, const Mat3f& value);
+    void set(const char* uniform, const std::vector<Eigen::Vector4f>& values);  ///< of an array, as many as there are
     void set(const char* uniform, const Eigen::Matrix4f& value);
     /// Binds a texture to a unit and the sampler to it.
     void texture(const char* uniform, int unit, GLenum target, GLuint id);

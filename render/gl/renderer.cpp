@@ -13,11 +13,13 @@
 #include "render/gl/context.h"
 #include "render/gl/field_texture.h"
 #include "render/gl/ground_light.h"
+#include "render/gl/hot_patches.h"
 #include "render/gl/ink_field.h"
 #include "render/gl/objects.h"
 #include "render/gl/scene_geometry.h"
 #include "render/gl/setup.h"
 #include "render/gl/solid_field.h"
+#include "render/gl/surround.h"
 #include "render/look/field_values.h"
 #include "render/look/material.h"
 #include "render/look/overlay.h"
@@ -27,19 +29,23 @@ namespace whorl {
 namespace {
 
 /// Texture units: 0 .. 3 are a pass's own.
-constexpr int ground_unit = 4, shadow_unit = 5, field_unit = 7, solid_unit = 9, ink_unit = 12;
+constexpr int ground_unit = 4, shadow_unit = 5, field_unit = 7, solid_unit = 9, ink_unit = 12, surround_unit = 13;
 
 /// All that one picture is made of.
 struct Shot {
     const LookOptions& look;
-    const View& view;
-    Studio studio;
+    View view;
     Material material;
     float spacing = 0;  ///< m
     float ground = 0;   ///< m
     Eigen::Matrix4f camera;
     float aspect = 1;
-    bool has_age = false;  ///< of the fluid's surface
+    bool has_age = false;    ///< of the fluid's surface
+    bool has_crust = false;  ///< whose plates are known
+    std::vector<HotPatch> patches;
+
+    /// The surface moves while the shutter is open, its distance field does not.
+    bool keeps_motion() const { return view.open > 0 && material.refracts; }
 };
 
 }  // namespace
@@ -67,6 +73,7 @@ struct Renderer::Device {
 
     Image draw(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view);
     void draw_sample(const Shot& shot, int sample);
+    void draw_from(const Shot& shot, int sample);
     void draw_solids(const Shot& shot, const Eigen::Matrix4f& matrix);
     void draw_particles(const Shot& shot, const Eigen::Matrix4f& matrix);
     void draw_slice(const Shot& shot, const Eigen::Matrix4f& matrix);
@@ -87,15 +94,18 @@ struct Renderer::Device {
 
     gl::Program fluid_normal{{"mesh.vert"}, {"normal.frag"}};
     gl::Program solid_depth{{"mesh.vert"}, {"depth.frag"}};
-    gl::Program solid_colour{{"mesh.vert"}, {"studio.glsl", "field.glsl", "solids.glsl", "shadow.glsl", "solid.frag"}};
-    gl::Program liquid{{"screen.vert"}, {"studio.glsl", "field.glsl", "inks.glsl", "liquid.frag"}};
-    gl::Program opaque{{"screen.vert"}, {"studio.glsl", "field.glsl", "inks.glsl", "opaque.frag"}};
+    gl::Program solid_colour{
+        {"mesh.vert"},
+        {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "shadow.glsl", "hot.glsl", "solid.frag"}};
+    gl::Program liquid{{"screen.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "inks.glsl", "liquid.frag"}};
+    gl::Program opaque{{"screen.vert"},
+                       {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "inks.glsl", "crust.glsl", "opaque.frag"}};
     gl::Program particles{{"particles.vert"}, {"particles.frag"}};
     gl::Program trail{{"trail.vert"}, {"trail.frag"}};
     gl::Program slice_colour{{"slice.vert"}, {"slice.frag"}};
     gl::Program volume{{"screen.vert"}, {"volume.frag"}};
-    gl::Program glass_walls{{"mesh.vert"}, {"studio.glsl", "glass.frag"}};
-    gl::Program compose{{"screen.vert"}, {"studio.glsl", "compose.frag"}};
+    gl::Program glass_walls{{"mesh.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "glass.frag"}};
+    gl::Program compose{{"screen.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "compose.frag"}};
 
     gl::Texture depth = gl::texture_2d(GL_DEPTH_COMPONENT32F, width, height, false);
     gl::Texture solid = gl::texture_2d(GL_RGBA16F, width, height, false);
@@ -109,6 +119,8 @@ struct Renderer::Device {
     float cloud_thickness = 0;         // optical depth of a metre of density 1
     gl::Texture picture = gl::texture_2d(GL_RGBA8, width, height, false);
     gl::Framebuffer geometry = gl::framebuffer({solid.id(), normal.id()}, depth.id());
+    gl::Texture crust;  // or motion of the surface; made with the first fluid that needs it
+    gl::Framebuffer crusted_geometry;
     gl::Framebuffer accumulate = gl::framebuffer({sum.id()}, 0);
     gl::Framebuffer glass_target = gl::framebuffer({glass.id()}, depth.id());
     gl::Framebuffer output = gl::framebuffer({picture.id()}, 0);
@@ -118,23 +130,13 @@ struct Renderer::Device {
     SolidField solid_field;
     InkField inks;
     GroundLight ground_light{height};
+    Surround surround;
     GLuint no_vertices = 0;
 };
 
 void Renderer::Device::set_studio(gl::Program& program, const Shot& shot) const {
     program.use();
-    program.set("studio", studio_axes(shot.view));
-    program.set("backdrop_low", shot.studio.backdrop_low);
-    program.set("backdrop_high", shot.studio.backdrop_high);
-    program.set("backdrop_glow", shot.studio.backdrop_glow);
-    program.set("key_light", shot.studio.key);
-    program.set("window_light", shot.studio.window);
-    program.set("rim_light", shot.studio.rim);
-    program.set("fill_light", shot.studio.fill);
-    program.set("sky", shot.studio.sky);
-    program.set("key_colour", shot.studio.sun);
-    program.set("ground_height", shot.look.ground ? shot.ground : -1e6f);
-    program.set("eye", shot.view.position);
+    surround.bind(program, shot.look, shot.view, shot.ground, height, surround_unit);
     ground_light.bind_ground(program, ground_unit);
 }
 
@@ -145,28 +147,32 @@ void Renderer::Device::cover_screen() const {
 
 Image Renderer::Device::draw(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view) {
     context.make_current();
+    surround.fill(look);
     std::array<float, 2> range{0, 1};
     if (shows_field(look)) range = field_range(field_values(frame, look), look);
     if (look.style == "slice" && view.flat) return draw_plate(frame, look, range, width, height);
     if (shows_field(look)) fill_field(frame, look, view, range);
-    else scene.fill(frame, surface.mesh, surface.age);
+    else scene.fill(frame, surface);
     field.fill(shows_field(look) ? Volume{} : surface.distance);
     solid_field.fill(frame.solids);
     inks.fill(frame, look, (frame.domain_max - frame.domain_min).norm(), !shows_field(look));
     const float aspect = static_cast<float>(width) / static_cast<float>(height);
     const Layout layout = layout_of(width, height, aspect, look, range);
     const Eigen::Matrix4f camera = camera_matrix(view, aspect, scene.bounds());
-    const Shot shot{look,
-                    view,
-                    studio_of(look.background),
-                    fluid_material(look, (frame.domain_max - frame.domain_min).norm()),
-                    frame.spacing,
-                    ground_height(frame),
-                    shows_field(look) ? beside_words(camera, layout.flow, width, height) : camera,
-                    aspect,
-                    !surface.age.empty()};
+    Shot shot{look,
+              view,
+              fluid_material(look, (frame.domain_max - frame.domain_min).norm()),
+              frame.spacing,
+              ground_height(frame),
+              shows_field(look) ? beside_words(camera, layout.flow, width, height) : camera,
+              aspect,
+              !surface.age.empty(),
+              !surface.crust.empty() && !shows_field(look),
+              {}};
+    if (!shows_field(look)) shot.patches = hot_patches(surface, shot.material);
+    scene.go_to(0);
     glBindVertexArray(no_vertices);
-    ground_light.draw(scene, shot.material, studio_axes(view), frame.spacing, shot.ground, look.ground);
+    ground_light.draw(scene, shot.material, surround.shadow_lamp(view), frame.spacing, shot.ground, look.ground);
 
     glViewport(0, 0, width, height);
     glClearColor(0, 0, 0, 0);
@@ -184,14 +190,37 @@ Image Renderer::Device::draw(const Frame& frame, const Surface& surface, const L
     return image;
 }
 
+/// Each sample has a place in the pixel, one in the lens, and a moment while the shutter is open.
 void Renderer::Device::draw_sample(const Shot& shot, int sample) {
     const int samples = std::max(shot.look.samples, 1);
+    const float turn = 0.618034f * static_cast<float>(sample) + 0.5f, moment = (turn - std::floor(turn) - 0.5f) * shot.view.open;
+    scene.go_to(moment);
+    if (!shot.view.blurs()) return draw_from(shot, sample);
+    Shot from = shot;
+    View& view = from.view;
+    view.position += moment * view.position_velocity, view.target += moment * view.target_velocity;
+    if (!shows_field(shot.look)) from.camera = camera_matrix(view, shot.aspect, scene.bounds());
+    const Vec3f right = studio_axes(view).row(0), up = right.cross(view.target - view.position).normalized();
+    const Eigen::Vector2f place = 0.5f * view.aperture * lens_place(sample, samples);
+    const Vec3f aside = place.x() * right + place.y() * up;
+    if (view.aperture > 0) from.camera = through_lens(from.camera, view, aside);
+    view.position += aside, view.target += aside;
+    draw_from(from, sample);
+}
+
+void Renderer::Device::draw_from(const Shot& shot, int sample) {
+    const int samples = std::max(shot.look.samples, 1);
     const Eigen::Matrix4f matrix = jittered(shot.camera, sample_place(sample, samples), width, height);
-    const PixelBox box = pixels_of(scene.bounds(), shot.camera, width, height);
+    const PixelBox box = shot.view.blurs() ? PixelBox{0, 0, width, height} : pixels_of(scene.bounds(), shot.camera, width, height);
     glEnable(GL_SCISSOR_TEST);
     glScissor(box.x, box.y, box.width, box.height);
 
-    glBindFramebuffer(GL_FRAMEBUFFER, geometry.id());
+    const bool keeps_more = shot.has_crust || shot.keeps_motion();
+    if (keeps_more && crust.id() == 0) {
+        crust = gl::texture_2d(GL_RGBA16F, width, height, false);
+        crusted_geometry = gl::framebuffer({solid.id(), normal.id(), crust.id()}, depth.id());
+    }
+    glBindFramebuffer(GL_FRAMEBUFFER, keeps_more ? crusted_geometry.id() : geometry.id());
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     glEnable(GL_DEPTH_TEST);
     draw_solids(shot, matrix);
@@ -222,6 +251,7 @@ void Renderer::Device::draw_solids(const Shot& shot, const Eigen::Matrix4f& matr
     glDepthFunc(GL_LEQUAL);
     set_studio(solid_colour, shot);
     ground_light.bind_shadow(solid_colour, shadow_unit);
+    bind_patches(solid_colour, shot.patches);
     field.bind(solid_colour, field_unit);
     solid_field.bind(solid_colour, solid_unit);
     solid_colour.set("view_projection", matrix);
@@ -229,7 +259,7 @@ void Renderer::Device::draw_solids(const Shot& shot, const Eigen::Matrix4f& matr
         const SolidMaterial material = solid_material(s.material);
         solid_colour.set("solid_colour", material.colour);
         solid_colour.set("metal", material.metal);
-        solid_colour.set("grain", material.grain);
+        solid_colour.set("pattern", static_cast<int>(material.pattern));
         solid_colour.set("roughness", material.roughness);
         solid_colour.set("box_softness", material.roughness);
     });
@@ -241,6 +271,7 @@ void Renderer::Device::draw_fluid(const Shot& shot, const Eigen::Matrix4f& matri
     fluid_normal.use();
     fluid_normal.set("view_projection", matrix);
     fluid_normal.set("ground_height", shot.look.ground ? shot.ground : -1e6f);
+    fluid_normal.set("keeps_motion", shot.keeps_motion() ? 1 : 0);
     fluid_normal.set("tolerance", 0.5f * shot.spacing);
     scene.draw_fluid(fluid_normal);
     glColorMaski(0, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
@@ -343,6 +374,11 @@ void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matr
     program.texture("depth_buffer", 0, GL_TEXTURE_2D, depth.id());
     program.texture("normal_buffer", 1, GL_TEXTURE_2D, normal.id());
     program.texture("solid_buffer", 2, GL_TEXTURE_2D, solid.id());
+    program.texture("crust_buffer", 3, GL_TEXTURE_2D, crust.id());
+    program.texture("motion_buffer", 3, GL_TEXTURE_2D, crust.id());
+    program.set("has_motion", shot.keeps_motion() ? 1 : 0);
+    program.set("draws_behind", shot.view.blurs() ? 1 : 0);
+    program.set("has_crust", shot.has_crust && material.cooling > 0 ? 1 : 0);
     program.set("to_world", Eigen::Matrix4f(matrix.inverse()));
     program.set("to_clip", matrix);
     program.set("weight", weight);

@@ -7,13 +7,42 @@
 namespace whorl {
 namespace {
 
-/// @param age of each vertex; 0 where it has none
-void fill_vertices(gl::Vertices& vertices, const TriangleMesh& mesh, std::vector<float> age = {}) {
-    if (mesh.triangle.empty()) return vertices.fill({{nullptr, 0}, {nullptr, 0}, {nullptr, 0}}, nullptr, 0);
-    age.resize(mesh.position.size());
-    vertices.fill(
-        {{mesh.position[0].data(), 3 * mesh.position.size()}, {mesh.normal[0].data(), 3 * mesh.normal.size()}, {age.data(), age.size()}},
-        mesh.triangle[0].data(), 3 * mesh.triangle.size());
+void fill_vertices(gl::Vertices& vertices, const TriangleMesh& mesh) {
+    if (mesh.triangle.empty()) return vertices.fill({{nullptr, 0}, {nullptr, 0}}, nullptr, 0);
+    vertices.fill({{mesh.position[0].data(), 3 * mesh.position.size()}, {mesh.normal[0].data(), 3 * mesh.normal.size()}},
+                  mesh.triangle[0].data(), 3 * mesh.triangle.size());
+}
+
+/// With what its vertices carry; 0 where they do not.
+void fill_vertices(gl::Vertices& vertices, const TriangleMesh& mesh, std::vector<float> age, std::vector<CrustPlace> crust,
+                   std::vector<Vec3f> velocity) {
+    if (mesh.triangle.empty()) return vertices.fill({{nullptr, 0}, {nullptr, 0}, {nullptr, 0}, {nullptr, 0}, {nullptr, 0}}, nullptr, 0);
+    const std::size_t n = mesh.position.size();
+    age.resize(n);
+    crust.resize(n);
+    velocity.resize(n, Vec3f::Zero());
+    vertices.fill({{mesh.position[0].data(), 3 * n},
+                   {mesh.normal[0].data(), 3 * n},
+                   {age.data(), n},
+                   {crust[0].data(), 4 * n},
+                   {velocity[0].data(), 3 * n}},
+                  mesh.triangle[0].data(), 3 * mesh.triangle.size());
+}
+
+}  // namespace
+
+namespace {
+
+/// With velocity and spin kept: R' = exp([phi]x) R, T' = T + J(phi) u t, phi = w t, J the left Jacobian of SO(3): exact for a turning about
+/// any fixed axis.
+std::pair<Mat3f, Vec3f> pose_after(const FrameSolid& solid, float t) {
+    const Vec3f phi = t * solid.spin, u = t * solid.velocity;
+    const float angle = phi.norm();
+    if (angle < 1e-6f) return {solid.rotation, solid.translation + u};
+    const Vec3f across = phi.cross(u), along = phi.cross(across);
+    return {Eigen::AngleAxisf(angle, phi / angle).toRotationMatrix() * solid.rotation,
+            solid.translation + u + (1 - std::cos(angle)) / (angle * angle) * across +
+                (angle - std::sin(angle)) / (angle * angle * angle) * along};
 }
 
 }  // namespace
@@ -51,9 +80,10 @@ const gl::Vertices& SceneGeometry::model(const std::shared_ptr<const TriangleMes
     return place->second.vertices;
 }
 
-void SceneGeometry::fill(const Frame& frame, const TriangleMesh& fluid, const std::vector<float>& age) {
-    if (fluid.normal.size() == fluid.position.size()) fill_vertices(fluid_, fluid, age);
-    else fill_vertices(fluid_, with_normals(fluid));
+void SceneGeometry::fill(const Frame& frame, const Surface& surface) {
+    const TriangleMesh& fluid = surface.mesh;
+    if (fluid.normal.size() == fluid.position.size()) fill_vertices(fluid_, fluid, surface.age, surface.crust, surface.velocity);
+    else fill_vertices(fluid_, with_normals(fluid), {}, {}, {});
     shape_ = Shape::surface;
     bounds_ = fluid_bounds_ = bounds_of(fluid.position);
     fill_solids(frame);
@@ -107,6 +137,7 @@ void SceneGeometry::fill_solids(const Frame& frame) {
 }
 
 void SceneGeometry::draw_fluid(gl::Program& program) const {
+    program.set("moment", moment_);
     program.set("rotation", Mat3f(Mat3f::Identity()));
     program.set("translation", Vec3f(Vec3f::Zero()));
     if (shape_ == Shape::particles) particles_.draw(GL_POINTS);
@@ -115,8 +146,9 @@ void SceneGeometry::draw_fluid(gl::Program& program) const {
 
 void SceneGeometry::draw_solids(gl::Program& program, bool containers, const std::function<void(const FrameSolid&)>& prepare) const {
     for (const auto& [solid, vertices] : containers ? containers_ : solids_) {
-        program.set("rotation", solid.rotation);
-        program.set("translation", solid.translation);
+        const auto [rotation, translation] = pose_after(solid, moment_);
+        program.set("rotation", rotation);
+        program.set("translation", translation);
         prepare(solid);
         vertices->draw(GL_TRIANGLES);
     }

@@ -17,13 +17,15 @@ TriangleMesh with_normals(const TriangleMesh& mesh);
 
 class SceneGeometry {
 public:
-    void fill(const Frame& frame, const TriangleMesh& fluid, const std::vector<float>& age = {});
+    void fill(const Frame& frame, const Surface& surface);
     /// The fluid as its particles, each with a colour, and their trails where there are any.
     void fill(const Frame& frame, const std::vector<Vec3f>& colour, const Trails& trails);
     /// The fluid as a slice.
     void fill(const Frame& frame, const FlowSlice& slice);
     /// The fluid as a cloud in the grid: it has bounds, but no geometry of its own.
     void fill(const Frame& frame, const FlowGrid& grid);
+    /// Everything is drawn as it stands so long [s] after the frame's time: what moves goes on as it does.
+    void go_to(float moment) { moment_ = moment; }
     /// Draws with a program of mesh.vert, its view_projection already set; particles as points.
     void draw_fluid(gl::Program& program) const;
     bool are_particles() const { return shape_ == Shape::particles; }
@@ -40,14 +42,15 @@ public:
 private:
     struct Model {
         std::shared_ptr<const TriangleMesh> mesh;  ///< held so that no other mesh gets its address, which is its name here
-        gl::Vertices vertices{{3, 3, 1}};
+        gl::Vertices vertices{{3, 3}};
     };
     void fill_solids(const Frame& frame);
     const gl::Vertices& model(const std::shared_ptr<const TriangleMesh>& mesh);
 
     enum class Shape { surface, particles, slice, grid };
-    gl::Vertices fluid_{{3, 3, 1}}, particles_{{3, 3}}, trails_{{3, 3}}, slice_{{3, 2}};
+    gl::Vertices fluid_{{3, 3, 1, 4, 3}}, particles_{{3, 3}}, trails_{{3, 3}}, slice_{{3, 2}};
     Shape shape_ = Shape::surface;
+    float moment_ = 0;  ///< s
     std::map<const TriangleMesh*, Model> models_;
     std::vector<std::pair<FrameSolid, const gl::Vertices*>> solids_, containers_;
     Bounds fluid_bounds_, bounds_;

@@ -69,6 +69,21 @@ Eigen::Matrix4f camera_matrix(const View& view, float aspect, const Bounds& boun
     return project * look;
 }
 
+Eigen::Matrix4f through_lens(const Eigen::Matrix4f& matrix, const View& view, const Vec3f& offset) {
+    // x' = x - offset (1 - depth/focus): seen from the lens's middle, that is what the place aside sees of x.
+    const Vec3f forward = (view.target - view.position).normalized();
+    Eigen::Matrix4f shear = Eigen::Matrix4f::Identity();
+    shear.topLeftCorner<3, 3>() += offset * forward.transpose() / view.focus;
+    shear.topRightCorner<3, 1>() = -offset * (1 + forward.dot(view.position) / view.focus);
+    return matrix * shear;
+}
+
+Eigen::Vector2f lens_place(int sample, int samples) {
+    const float r = std::sqrt((static_cast<float>(sample) + 0.5f) / static_cast<float>(samples)),
+                angle = 2.399963f * static_cast<float>(sample);
+    return {r * std::cos(angle), r * std::sin(angle)};
+}
+
 Eigen::Matrix4f light_matrix(const Vec3f& direction, const Bounds& bounds) {
     const Vec3f right = direction.cross(std::abs(direction.y()) < 0.95f ? Vec3f::UnitY() : Vec3f::UnitX()).normalized();
     const Vec3f up = direction.cross(right);

@@ -28,6 +28,11 @@ float ground_height(const Frame& frame);
 
 /// World -> clip; the depth range fits the bounds tightly.
 Eigen::Matrix4f camera_matrix(const View& view, float aspect, const Bounds& bounds);
+/// The matrix of a camera that stands aside by `offset` [m], within the lens: what stands `view.focus` ahead stays where it is in the
+/// picture.
+Eigen::Matrix4f through_lens(const Eigen::Matrix4f& matrix, const View& view, const Vec3f& offset);
+/// A place in the lens of a sample: right and up, in radii; evenly spread (Vogel 1979).
+Eigen::Vector2f lens_place(int sample, int samples);
 /// World -> clip of a parallel light from `direction` (unit, towards the light) that sees the bounds.
 Eigen::Matrix4f light_matrix(const Vec3f& direction, const Bounds& bounds);
 /// The matrix with the picture moved by a part of a pixel.

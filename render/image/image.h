@@ -22,6 +22,13 @@ Image plain_image(int width, int height, std::uint8_t grey);
 void write_png(const std::filesystem::path& file, const Image& image);
 /// @throws InputError where the file is missing or no picture
 Image read_png(const std::filesystem::path& file);
+/// Linear light, rows from the top, three numbers a pixel.
+struct FloatImage {
+    int width = 0, height = 0;
+    std::vector<float> rgb;
+};
+/// A Radiance picture (.hdr). @throws InputError where the file is missing, broken or of another kind
+FloatImage read_hdr(const std::filesystem::path& file);
 std::vector<std::uint8_t> encode_png(const Image& image);
 std::vector<std::uint8_t> encode_jpeg(const Image& image, int quality);
 

@@ -60,7 +60,9 @@ View between_keys(const CameraOptions& camera, double time) {
 
 }  // namespace
 
-View view_at(const CameraOptions& camera, double time, const Vec3f& domain_min, const Vec3f& domain_max) {
+namespace {
+
+View standing_at(const CameraOptions& camera, double time, const Vec3f& domain_min, const Vec3f& domain_max) {
     if (camera.kind == "fixed") return {camera.position, camera.target, camera.up, camera.fov};
     if (camera.kind == "keys" && !camera.keys.empty()) return between_keys(camera, time);
     if (camera.kind == "orbit") {
@@ -70,6 +72,21 @@ View view_at(const CameraOptions& camera, double time, const Vec3f& domain_min, 
     }
     View view = domain_min.z() < domain_max.z() ? framed(camera, domain_min, domain_max) : framed_plane(camera, domain_min, domain_max);
     view.flat = true;
+    return view;
+}
+
+}  // namespace
+
+View view_at(const CameraOptions& camera, double time, const Vec3f& domain_min, const Vec3f& domain_max) {
+    View view = standing_at(camera, time, domain_min, domain_max);
+    view.aperture = camera.aperture;
+    view.focus = camera.focus.value_or((view.target - view.position).norm());
+    view.open = static_cast<float>(camera.shutter / 360 * camera.interval);
+    if (view.open <= 0) return view;
+    const View ahead = standing_at(camera, time + 0.5 * static_cast<double>(view.open), domain_min, domain_max);
+    const View back = standing_at(camera, time - 0.5 * static_cast<double>(view.open), domain_min, domain_max);
+    view.position_velocity = (ahead.position - back.position) / view.open;
+    view.target_velocity = (ahead.target - back.target) / view.open;
     return view;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 /// Where a picture is taken from.
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,13 +22,21 @@ struct CameraOptions {
     float fov = 30;  ///< degrees, vertical
     float distance = 0.4f, height = 0.1f, start_angle = 0, degrees_per_second = 20;
     std::vector<CameraKey> keys;
+    float aperture = 0;          ///< m, diameter of the lens; 0: all is sharp
+    std::optional<float> focus;  ///< m ahead, where it is sharp; none: at the target
+    float shutter = 0;           ///< degrees: open for this part of the time between two pictures, 360 for all of it
+    double interval = 0;         ///< s, simulated, between two pictures: follows from the scene's fps and slow motion
 };
 
 /// The camera at one moment.
 struct View {
     Vec3f position, target, up;
-    float fov;          ///< degrees, vertical
-    bool flat = false;  ///< of an auto camera: a slice need not stand in the world, it may fill the picture
+    float fov;                      ///< degrees, vertical
+    bool flat = false;              ///< of an auto camera: a slice need not stand in the world, it may fill the picture
+    float aperture = 0, focus = 0;  ///< m, of the lens
+    float open = 0;                 ///< s, simulated, that the shutter is open, about the frame's time
+    Vec3f position_velocity = Vec3f::Zero(), target_velocity = Vec3f::Zero();  ///< m/s of simulated time; where the shutter opens at all
+    bool blurs() const { return aperture > 0 || open > 0; }
 };
 View view_at(const CameraOptions& camera, double time, const Vec3f& domain_min, const Vec3f& domain_max);
 

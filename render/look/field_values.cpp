@@ -71,7 +71,7 @@ FieldColours field_colours(const Frame& frame, const LookOptions& look, const st
 std::vector<std::string> shown_fields(const LookOptions& look) {
     if (look.style == "slice" && look.streaks) return {look.field, "grain"};
     if (shows_field(look)) return {look.field};
-    if (fluid_material(look, 1).cooling > 0) return {"age", "ink"};
+    if (fluid_material(look, 1).cooling > 0) return {"age", "grain", "ink"};
     return {"ink"};
 }
 

@@ -50,7 +50,14 @@ KeyTable make_camera_keys() {
     t.key("height", &CameraOptions::height, "m", "above the target").only_with("kind", orbit);
     t.key("start_angle", &CameraOptions::start_angle, "degrees", "where the turn begins; 0: along +z").only_with("kind", orbit);
     t.key("degrees_per_second", &CameraOptions::degrees_per_second, "degrees/s", "of simulated time").only_with("kind", orbit);
+    t.key("aperture", &CameraOptions::aperture, "m", "diameter of the lens: what is nearer or further than `focus` blurs; 0: all is sharp")
+        .at_least(0);
+    t.key("focus", &CameraOptions::focus, "m", "distance at which it is sharp; auto: the target's").above(0);
     t.all_live();
+    t.key("shutter", &CameraOptions::shutter, "degrees",
+          "how long it is open, 360 the whole time from picture to picture: what moves blurs; 0: nothing does; films are shot with 180")
+        .at_least(0)
+        .at_most(360);
     t.list("key", &CameraOptions::keys, make_camera_key_keys());
     return t;
 }
@@ -72,6 +79,7 @@ KeyTable make_look_keys() {
         .only_with("style", surface);
     t.key("background", &L::background, "", "what stands behind").one_of(background_names());
     t.key("ground", &L::ground, "", "a ground with shadow under the scene");
+    t.key("table", &L::table, "", "what the ground is: the background's paper (none), or a table of this").one_of(table_names());
     t.key("exposure", &L::exposure, "", "brightness of everything").above(0);
     t.key("samples", &L::samples, "", "a pixel").at_least(1).at_most(256);
     t.key("field", &L::field, "",
@@ -112,6 +120,10 @@ KeyTable make_look_keys() {
     t.key("legend", &L::legend, "", "draw the colour map with its numbers and unit").only_with("style", field);
     t.key("time_stamp", &L::time_stamp, "", "write the time on every picture");
     t.all_live();
+    t.key("environment", &L::environment, "",
+          "a picture of all that stands round the scene (.hdr, found from the scene file's folder): it lights the scene and is mirrored in "
+          "it; "
+          "empty: the background's lamps");
     return t;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 /// What a picture shows and how: style, material, light, colours. Plain data; render/gl draws it.
 #include <array>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,6 +28,8 @@ struct LookOptions {
         -1;  ///< s, lava: in which it loses most of its glow, where its viscosity depends on age; 0: never; negative: the preset's
     std::string background = "studio";  ///< studio | dark | white
     bool ground = true;                 ///< a ground with shadow under the scene
+    std::string table = "none";         ///< what the ground is: none (the backdrop's paper) | plain | wood | stone | cloth
+    std::filesystem::path environment;  ///< a picture of what stands all round, which lights the scene; empty: the studio
     float exposure = 1;
     int samples = 4;              ///< a pixel
     std::string field = "speed";  ///< speed | pressure | density | spin | vorticity | q_criterion | spin_difference | ink

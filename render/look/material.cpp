@@ -1,6 +1,7 @@
 #include "render/look/material.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace whorl {
@@ -48,12 +49,31 @@ const std::vector<std::pair<std::string, Material>>& fluid_presets() {
 
 const std::vector<std::pair<std::string, SolidMaterial>>& solid_presets() {
     static const std::vector<std::pair<std::string, SolidMaterial>> presets{
-        {"ceramic", {{0.72f, 0.70f, 0.66f}, 0.18f, 0, 0}}, {"white", {{0.82f, 0.82f, 0.82f}, 0.5f, 0, 0}},
-        {"metal", {{0.78f, 0.77f, 0.75f}, 0.2f, 1, 0}},    {"wood", {{0.46f, 0.26f, 0.12f}, 0.5f, 0, 1}},
-        {"clay", {{0.42f, 0.17f, 0.09f}, 0.8f, 0, 0}},     {"dark", {{0.05f, 0.05f, 0.055f}, 0.35f, 0, 0}},
-        {"rock", {{0.10f, 0.09f, 0.085f}, 1.0f, 0, 0}},    {"glass", {{0.85f, 0.9f, 0.9f}, 0.05f, 0, 0}},
+        {"ceramic", {{0.72f, 0.70f, 0.66f}, 0.18f, 0, Pattern::plain}}, {"white", {{0.82f, 0.82f, 0.82f}, 0.5f, 0, Pattern::plain}},
+        {"metal", {{0.78f, 0.77f, 0.75f}, 0.2f, 1, Pattern::plain}},    {"wood", {{0.46f, 0.26f, 0.12f}, 0.5f, 0, Pattern::wood_rings}},
+        {"clay", {{0.42f, 0.17f, 0.09f}, 0.8f, 0, Pattern::plain}},     {"dark", {{0.05f, 0.05f, 0.055f}, 0.35f, 0, Pattern::plain}},
+        {"rock", {{0.10f, 0.09f, 0.085f}, 1.0f, 0, Pattern::rock}},     {"glass", {{0.85f, 0.9f, 0.9f}, 0.05f, 0, Pattern::plain}},
+        {"cloth", {{0.72f, 0.68f, 0.60f}, 1.0f, 0, Pattern::cloth}},
     };
     return presets;
+}
+
+const std::vector<std::pair<std::string, SolidMaterial>>& table_presets() {
+    static const std::vector<std::pair<std::string, SolidMaterial>> presets{
+        {"none", {{0, 0, 0}, 1.0f, 0, Pattern::paper}},
+        {"plain", {{0.55f, 0.53f, 0.50f}, 0.5f, 0, Pattern::plain}},
+        {"wood", {{0.40f, 0.23f, 0.12f}, 0.45f, 0, Pattern::planks}},
+        {"stone", {{0.30f, 0.30f, 0.305f}, 0.4f, 0, Pattern::slab}},
+        {"cloth", {{0.72f, 0.68f, 0.60f}, 1.0f, 0, Pattern::cloth}},
+    };
+    return presets;
+}
+
+template <class T>
+const T& named(const std::vector<std::pair<std::string, T>>& presets, const std::string& name) {
+    for (const auto& [known, preset] : presets)
+        if (known == name) return preset;
+    return presets.front().second;
 }
 
 template <class T>
@@ -66,9 +86,7 @@ std::vector<std::string> names_of(const std::vector<std::pair<std::string, T>>& 
 }  // namespace
 
 Material fluid_material(const LookOptions& look, float size) {
-    Material material = fluid_presets().front().second;
-    for (const auto& [name, preset] : fluid_presets())
-        if (name == look.material) material = preset;
+    Material material = named(fluid_presets(), look.material);
     const float scale = std::min(1.0f, table_size / std::max(size, 1e-6f));
     material.absorption *= scale;
     material.haze *= scale;
@@ -81,13 +99,17 @@ Material fluid_material(const LookOptions& look, float size) {
     return material;
 }
 
-SolidMaterial solid_material(const std::string& name) {
-    for (const auto& [known, preset] : solid_presets())
-        if (known == name) return preset;
-    return solid_presets().front().second;
+Vec3f glow_of(const Vec3f& emission, float heat) {
+    return {0.5f * emission.x() * std::pow(heat, 1.2f), emission.y() * std::pow(heat, 2.4f), 2 * emission.z() * std::pow(heat, 4.0f)};
 }
+
+float heat_of_crust(float age) { return std::max(std::exp(-1.2f * age), 0.35f * std::exp(-0.15f * age)); }
+
+SolidMaterial solid_material(const std::string& name) { return named(solid_presets(), name); }
+SolidMaterial table_material(const std::string& name) { return named(table_presets(), name); }
 
 std::vector<std::string> material_names() { return names_of(fluid_presets()); }
 std::vector<std::string> solid_material_names() { return names_of(solid_presets()); }
+std::vector<std::string> table_names() { return names_of(table_presets()); }
 
 }  // namespace whorl

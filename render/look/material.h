@@ -28,15 +28,26 @@ struct Material {
 Material fluid_material(const LookOptions& look, float size);
 std::vector<std::string> material_names();
 
+/// Radiance of a body that glows, from 0 cold to 1 as hot as it comes: the hotter, the yellower. The same stands in opaque.frag.
+Vec3f glow_of(const Vec3f& emission, float heat);
+/// Heat of a crust's outside and what shows through its cracks, of an age over the time of cooling.
+float heat_of_crust(float age);
+
+/// Textures of solids and of the ground, numbered as in textures.glsl; paper: the backdrop goes on.
+enum class Pattern { paper = -1, plain = 0, wood_rings = 1, planks = 2, rock = 3, slab = 4, cloth = 5 };
+
 /// What a solid is made of.
 struct SolidMaterial {
     Vec3f colour = Vec3f::Constant(0.7f);  ///< diffuse, or the tint of the reflection of a metal
     float roughness = 0.3f;
     float metal = 0;  ///< 0 or 1
-    float grain = 0;  ///< strength of wood's rings
+    Pattern pattern = Pattern::plain;
 };
-/// ceramic | white | metal | wood | clay | dark | rock | glass; any other name: ceramic.
+/// ceramic | white | metal | wood | clay | dark | rock | glass | cloth; any other name: ceramic.
 SolidMaterial solid_material(const std::string& name);
 std::vector<std::string> solid_material_names();
+/// Of the ground: none (paper) | plain | wood | stone | cloth; any other name: none.
+SolidMaterial table_material(const std::string& name);
+std::vector<std::string> table_names();
 
 }  // namespace whorl

@@ -4,7 +4,6 @@ uniform sampler2D samples;
 uniform sampler2D glass;     // walls of containers, over everything
 uniform bool has_glass;
 uniform mat4 to_world;
-uniform vec3 eye;
 uniform float exposure;
 uniform float aspect;
 layout(location = 0) out vec4 picture;
@@ -34,12 +33,7 @@ float dither(vec2 pixel) { return fract(52.9829189 * fract(dot(pixel, vec2(0.067
 void main() {
     vec4 front = texture(samples, uv);
     vec3 colour = front.rgb;
-    if (front.a < 0.999) {
-        vec4 h = to_world * vec4(2.0 * uv - 1.0, 1.0, 1.0);
-        vec3 d = normalize(h.xyz / h.w - eye);
-        vec3 behind = d.y < -1e-3 ? surroundings(eye, d) : backdrop(d);
-        colour += (1.0 - front.a) * behind;
-    }
+    if (front.a < 0.999) colour += (1.0 - front.a) * seen_behind(to_world, uv);
     if (has_glass) {
         vec4 wall = texture(glass, uv);
         colour = colour * (1.0 - min(wall.a, 1.0)) + wall.rgb;

@@ -1,7 +1,6 @@
 // A container: only what its walls mirror, so that it never hides the fluid. Walls that lie level are left out: it has no lid.
 in vec3 world;
 in vec3 world_normal;
-uniform vec3 eye;
 uniform float weight;
 layout(location = 0) out vec4 glass;   // light added, and how much of what is behind is held back
 

@@ -5,14 +5,15 @@ uniform sampler2D normal_buffer;
 uniform sampler2D solid_buffer;
 uniform mat4 to_world;       // clip -> world
 uniform mat4 to_clip;
-uniform vec3 eye;
 uniform float weight;        // of this sample in the pixel
+uniform bool draws_behind;   // every sample sees what stands behind from a place of its own
 uniform bool has_solids;
+uniform bool has_motion;     // of the surface since the moment of the distance field
+uniform sampler2D motion_buffer;
 uniform float refraction;    // index
 uniform vec3 absorption;     // 1/voxel
 uniform vec3 scatter;
 uniform float haze;          // 1/voxel
-uniform vec3 sky;            // light that falls on a body from all round
 layout(location = 0) out vec4 colour;
 
 float fresnel(float facing) {
@@ -133,8 +134,8 @@ void main() {
     vec4 g = texture(normal_buffer, uv);
     vec4 solid = texture(solid_buffer, uv);
     if (g.a < 0.5) {
-        if (solid.a == 0.0) discard;
-        colour = weight * vec4(solid.rgb, 1.0);
+        if (solid.a == 0.0 && !draws_behind) discard;
+        colour = weight * vec4(solid.a == 0.0 ? seen_behind(to_world, uv) : solid.rgb, 1.0);
         return;
     }
     float depth = texture(depth_buffer, uv).r;
@@ -143,7 +144,7 @@ void main() {
     vec3 v = normalize(x - eye);
     vec3 n = normalize(g.xyz);
     if (dot(n, v) > -0.02) n = normalize(n - (dot(n, v) + 0.02) * v);
-    vec3 p = place_of(x);
+    vec3 p = place_of(has_motion ? x - texture(motion_buffer, uv).xyz : x);
     vec3 r = reflect(v, n);
     float mirror = fresnel(-dot(n, v));
     float open = openness(p + n, r, 30.0);

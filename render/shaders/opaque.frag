@@ -4,16 +4,12 @@ uniform sampler2D depth_buffer;
 uniform sampler2D normal_buffer;
 uniform sampler2D solid_buffer;
 uniform mat4 to_world;       // clip -> world
-uniform vec3 eye;
 uniform float weight;        // of this sample in the pixel
+uniform bool draws_behind;   // every sample sees what stands behind from a place of its own
 uniform bool has_field;
 uniform vec3 body_colour;
-uniform vec3 emission;
-uniform float cooling;       // s in which what is hot loses most of its glow; 0: the fluid has no age
 uniform float roughness;
 uniform float softness;      // how far light creeps round into shadow
-uniform vec3 sky;
-uniform vec3 key_colour;
 layout(location = 0) out vec4 colour;
 
 // The front light that shapes an opaque body; it stands where its soft box is mirrored.
@@ -33,18 +29,25 @@ float unshadowed(vec3 p, vec3 l) {
 void main() {
     vec4 g = texture(normal_buffer, uv);
     vec4 solid = texture(solid_buffer, uv);
-    if (g.a < 0.5) {
-        if (solid.a == 0.0) discard;
-        colour = weight * vec4(solid.rgb, 1.0);
-        return;
-    }
     vec4 h = to_world * vec4(2.0 * vec3(uv, texture(depth_buffer, uv).r) - 1.0, 1.0);
     vec3 x = h.xyz / h.w;
     vec3 v = normalize(x - eye);
-    vec3 n = normalize(g.xyz);
+    vec3 n = normalize(g.xyz + vec3(0.0, 1e-9, 0.0));
+    Crust crust;
+    if (has_crust) {  // before any pixel turns off: its neighbours take differences to it
+        crust = crust_at(texture(crust_buffer, uv), g.a - 1.0);
+        n = in_relief(n, x, 2.0 * voxel * crust.height);
+    }
+    if (g.a < 0.5) {
+        if (solid.a == 0.0 && !draws_behind) discard;
+        colour = weight * vec4(solid.a == 0.0 ? seen_behind(to_world, uv) : solid.rgb, 1.0);
+        return;
+    }
     if (dot(n, v) > -0.02) n = normalize(n - (dot(n, v) + 0.02) * v);
     vec3 r = reflect(v, n);
     vec3 body = has_inks ? inked(body_colour, inks_at(x)) : body_colour;
+    float matt = roughness;
+    if (has_crust) body *= crust.shade, matt = mix(0.3, 0.98, crust.cold);
     vec3 l = front_light * studio;  // studio's inverse: into the world
     float open = 1.0, seen = 1.0, lit = 1.0;
     if (has_field) {
@@ -56,14 +59,15 @@ void main() {
     // Light wraps round by `softness`, and what comes out of shadow has gone through the body: it takes on more of its colour.
     float wrapped = clamp((dot(n, l) + softness) / (1.0 + softness), 0.0, 1.0);
     vec3 bled = mix(vec3(1.0), body / max(max(body.r, max(body.g, body.b)), 1e-3), softness * (1.0 - wrapped));
-    vec3 around = mix(0.6 * backdrop_low, sky, 0.5 + 0.5 * n.y) * mix(body, vec3(1.0), open) * open;
+    vec3 around = (has_environment ? ambient(n) : mix(0.6 * backdrop_low, sky, 0.5 + 0.5 * n.y)) * mix(body, vec3(1.0), open) * open;
     vec3 diffuse = body * (around + 1.5 * key_colour * wrapped * lit * bled);
     float facing = clamp(-dot(n, v), 0.0, 1.0);
-    float mirror = 0.04 + 0.96 * pow(1.0 - facing, 5.0) * (1.0 - 0.8 * roughness);
+    float mirror = 0.04 + 0.96 * pow(1.0 - facing, 5.0) * (1.0 - 0.8 * matt);
     // A rough body spreads what it mirrors over more directions, so that less comes from each.
-    vec3 mirrored = (surroundings(x, r) + (1.0 - roughness) * strip_light(r)) * seen * (1.0 - 0.75 * roughness) * (1.0 - 0.85 * smoothstep(0.75, 1.0, roughness));
+    vec3 mirrored = (surroundings(x, r) + (1.0 - matt) * strip_light(r)) * seen * (1.0 - 0.75 * matt) * (1.0 - 0.85 * smoothstep(0.75, 1.0, matt));
     // Hot where it is hidden from the cold air, crusted where it is open; and what has come just now is hot all over. The hotter, the yellower.
     vec3 glow = emission * pow(1.0 - 0.9 * open, 2.0);
-    if (cooling > 0.0) glow = glow * exp(-0.5 * (g.a - 1.0) / cooling) + 0.45 * emission * exp(-(g.a - 1.0) / cooling * vec3(1.0, 1.6, 2.4));
+    if (has_crust) glow = glow_of(max(crust.outside, crust.inside * max(crust.crack, pow(1.0 - 0.9 * open, 2.0))));
+    else if (cooling > 0.0) glow = glow * exp(-0.5 * (g.a - 1.0) / cooling) + 0.45 * emission * exp(-(g.a - 1.0) / cooling * vec3(1.0, 1.6, 2.4));
     colour = weight * vec4(diffuse + glow + mirror * mirrored, 1.0);
 }

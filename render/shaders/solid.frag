@@ -2,33 +2,28 @@
 in vec3 world;
 in vec3 world_normal;
 in vec3 own;
-uniform vec3 eye;
+in vec3 own_normal;
 uniform vec3 solid_colour;
 uniform float metal;
 uniform float roughness;
-uniform float grain;
+uniform int pattern;   // texture_of()
 uniform bool has_field;
-uniform vec3 sky;
-uniform vec3 key_colour;
 layout(location = 0) out vec4 solid;
 layout(location = 1) out vec4 normal;
 
-// Rings of a trunk that lies along x, some 6 mm apart, cut by the solid's surface.
-vec3 wood(vec3 colour) {
-    vec3 q = own * 90.0;
-    float r = length(q.yz + vec2(7.0, 2.0) + 0.15 * vec2(sin(3.1 * q.x), cos(2.3 * q.x)));
-    float ring = fract(1.7 * r + 0.12 * sin(9.0 * r) + 0.05 * sin(11.0 * q.z));
-    float late = smoothstep(0.2, 0.95, ring) * (1.0 - smoothstep(0.95, 1.0, ring));
-    return colour * (1.15 - 0.5 * grain * late);
-}
-
 void main() {
-    if (world.y < ground_height - 1e-4) discard;
     vec3 v = normalize(world - eye);
     vec3 n = normalize(world_normal);
     if (dot(n, v) > 0.0) n = -n;
+    vec3 albedo = solid_colour;
+    if (pattern > 0) {
+        Texture t = texture_of(pattern, own, own_normal, max(length(dFdx(own)), length(dFdy(own))));
+        albedo *= t.colour;
+        n = in_relief(n, world, t.height);
+        if (dot(n, v) > -0.02) n = normalize(n - (dot(n, v) + 0.02) * v);
+    }
+    if (world.y < ground_height - 1e-4) discard;
     vec3 r = reflect(v, n);
-    vec3 albedo = grain > 0.0 ? wood(solid_colour) : solid_colour;
     float f0 = mix(0.045, 0.85, metal);
     float mirror = f0 + (1.0 - f0) * pow(clamp(1.0 + dot(n, v), 0.0, 1.0), 5.0) * (1.0 - 0.7 * roughness);
     float open = 1.0, seen = 1.0;
@@ -44,11 +39,12 @@ void main() {
         seen *= solid_openness(world + solid_voxel * n, r);
         if (dot(n, light) > 0.0) key *= past_solids(world, n, light);
     }
-    vec3 around = mix(backdrop_low, sky, 0.5 + 0.5 * n.y);
-    vec3 diffuse = albedo * (1.0 - metal) * (around * open + key);
+    vec3 around = ambient(n);
+    vec3 diffuse = albedo * (1.0 - metal) * (around * open + key + light_of_patches(world, n));
     vec3 mirrored = surroundings(world, r);
     if (metal > 0.0) mirrored = mirrored * (r.y < 0.0 ? mix(1.0, flags(r), 0.6 * metal) : 1.0) + metal * (1.0 - roughness) * strip_light(r);
-    mirrored *= mix(1.0, seen, 0.8);
+    // A rough surface spreads a lamp over more directions than the lamp is wide, so that less comes from each.
+    mirrored *= mix(1.0, seen, 0.8) * mix(1.0, 0.35, smoothstep(0.35, 0.5, roughness)) * mix(1.0, 0.05, smoothstep(0.8, 1.0, roughness));
     vec3 tint = mix(vec3(1.0), albedo, metal);
     solid = vec4(diffuse + mirror * tint * mirrored, length(world - eye));
     normal = vec4(0.0);

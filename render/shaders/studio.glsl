@@ -11,8 +11,31 @@ uniform float box_softness;  // 0 crisp .. 1 very soft: rough materials blur wha
 uniform float ground_height; // m; far below where there is no ground
 uniform vec3 ground_area;    // centre x, z and half-width of the ground's light map [m]
 uniform sampler2D ground_light;
+uniform vec3 eye;            // m
+uniform vec3 sky;            // light that falls on a body from all round
+uniform vec3 key_colour;     // light of the shadow's lamp on a white surface that faces it
+
+// A picture of what stands all round, where the scene has one instead of the studio's boxes.
+uniform bool has_environment;
+uniform sampler2D environment_map;   // from above down, the middle towards -z; averages over ever wider squares
+uniform vec4 environment_light[9];   // irradiance over pi, in spherical harmonics
+
+vec3 pictured(vec3 d, float blur) {
+    vec2 place = vec2(atan(d.x, -d.z) / 6.2831853 + 0.5, acos(clamp(d.y, -1.0, 1.0)) / 3.1415927);
+    float levels = log2(float(textureSize(environment_map, 0).x));
+    return textureLod(environment_map, place, blur > 1e-3 ? max(levels + log2(blur) - 2.0, 0.0) : 0.0).rgb;
+}
+
+// Light on a white surface from all round (Ramamoorthi and Hanrahan, SIGGRAPH 2001).
+vec3 ambient(vec3 n) {
+    if (!has_environment) return mix(backdrop_low, sky, 0.5 + 0.5 * n.y);
+    vec3 sum = environment_light[0].rgb + environment_light[1].rgb * n.y + environment_light[2].rgb * n.z + environment_light[3].rgb * n.x;
+    sum += environment_light[4].rgb * n.x * n.y + environment_light[5].rgb * n.y * n.z + environment_light[6].rgb * (3.0 * n.z * n.z - 1.0);
+    return max(sum + environment_light[7].rgb * n.x * n.z + environment_light[8].rgb * (n.x * n.x - n.y * n.y), vec3(0.0));
+}
 
 vec3 backdrop(vec3 d) {
+    if (has_environment) return pictured(d, 0.0);
     vec3 s = studio * d;
     float up = smoothstep(-0.5, 0.6, s.y);
     float glow = exp(-3.0 * (s.x * s.x + (s.y + 0.05) * (s.y + 0.05))) * smoothstep(0.2, -0.6, s.z);
@@ -40,10 +63,14 @@ vec3 soft_boxes(vec3 d) {
 // Dark flags stand at the sides, out of the picture: they draw the edges of things that light passes through, and of metal.
 float flags(vec3 d) { return 1.0 - 0.8 * smoothstep(0.1, 0.8, abs((studio * d).x)); }
 
-vec3 environment(vec3 d) { return backdrop(d) * flags(d) + soft_boxes(d); }
+vec3 environment(vec3 d) {
+    if (has_environment) return pictured(d, box_softness);
+    return backdrop(d) * flags(d) + soft_boxes(d);
+}
 
 // A narrow tall box near the viewer's left that stands on the floor: the long highlight along an upright thread.
 vec3 strip_light(vec3 d) {
+    if (has_environment) return vec3(0.0);
     vec3 s = studio * d;
     return 0.3 * key_light * soft_box(s, normalize(vec3(-0.80, 0.12, 0.58)), normalize(vec3(0.58, 0.0, 0.80)), vec2(0.075, 0.75), 0.25 + box_softness);
 }
@@ -54,11 +81,4 @@ vec3 light_on_ground(vec2 q) {
     float edge = max(abs(place.x), abs(place.y));
     if (edge >= 1.0) return vec3(1.0);
     return mix(texture(ground_light, 0.5 * place + 0.5).rgb, vec3(1.0), smoothstep(0.7, 1.0, edge));
-}
-
-// What a ray that leaves p sees where no fluid and no solid is in its way. The ground is the backdrop with shadows on it: no horizon.
-vec3 surroundings(vec3 p, vec3 d) {
-    if (d.y > -1e-3 || p.y < ground_height - 1.0) return environment(d);
-    vec3 q = p + d * ((ground_height - p.y) / d.y);
-    return backdrop(d) * light_on_ground(q.xz);
 }

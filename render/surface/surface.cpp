@@ -32,8 +32,14 @@ Surface build_surface(const Frame& frame, const SurfaceOptions& options) {
             if (std::abs(cut.at(sharp[v]).inside) < 0.02f * voxel) surface.mesh.position[v] = sharp[v];
         set_smooth_normals(surface.mesh, options.smoothing * steps);
     }
-    if (const auto age = frame.scalar.find("age"); age != frame.scalar.end())
+    if (const auto age = frame.scalar.find("age"); age != frame.scalar.end()) {
         surface.age = values_at(surface.mesh.position, frame.position, age->second, static_cast<float>(options.radius * frame.spacing));
+        if (const auto grain = frame.scalar.find("grain"); grain != frame.scalar.end())
+            surface.crust = crust_places(surface.mesh.position, frame.position, grain->second, frame.spacing);
+    }
+    if (options.velocity)
+        surface.velocity =
+            values_at(surface.mesh.position, frame.position, frame.velocity, static_cast<float>(options.radius * frame.spacing));
     if (options.distance) surface.distance = distance_volume(surface.mesh, voxel, 8);
     return surface;
 }

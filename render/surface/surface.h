@@ -6,15 +6,17 @@
 
 #include "engine/core/grid_index.h"
 #include "engine/io/frame.h"
+#include "render/surface/crust.h"
 
 namespace whorl {
 
 struct SurfaceOptions {
-    double voxel = 0.5;    ///< edge of a voxel over the spacing
-    double radius = 2.0;   ///< kernel radius over the spacing; up to 1.2 times that where particles have little company
-    double iso = 0.605;    ///< the colour field's value on the surface, near 1 inside; 0.605: unbiased (render/surface/colour_field.h)
-    int smoothing = 1;     ///< rounds of smoothing on the mesh that keep its volume; 0: none
-    bool distance = true;  ///< make the distance volume (refraction needs it)
+    double voxel = 0.5;     ///< edge of a voxel over the spacing
+    double radius = 2.0;    ///< kernel radius over the spacing; up to 1.2 times that where particles have little company
+    double iso = 0.605;     ///< the colour field's value on the surface, near 1 inside; 0.605: unbiased (render/surface/colour_field.h)
+    int smoothing = 1;      ///< rounds of smoothing on the mesh that keep its volume; 0: none
+    bool distance = true;   ///< make the distance volume (refraction needs it)
+    bool velocity = false;  ///< tell the velocity at the vertices; no key: a camera whose shutter opens needs it
 };
 
 /// A dense scalar volume: value at voxel (i,j,k) stands at origin + voxel (i,j,k); i runs fastest.
@@ -31,9 +33,11 @@ struct Volume {
 };
 
 struct Surface {
-    TriangleMesh mesh;       ///< closed, manifold, outward normals
-    std::vector<float> age;  ///< s, one a vertex: how long the fluid there has been about; empty where the frame does not say
-    Volume distance;         ///< signed distance to the surface [m], negative inside, clamped to a band of some voxels
+    TriangleMesh mesh;              ///< closed, manifold, outward normals
+    std::vector<float> age;         ///< s, one a vertex: how long the fluid there has been about; empty where the frame does not say
+    std::vector<Vec3f> velocity;    ///< m/s, one a vertex; empty where nobody asked
+    std::vector<CrustPlace> crust;  ///< one a vertex; empty where the frame has no ages or cannot tell particles apart
+    Volume distance;                ///< signed distance to the surface [m], negative inside, clamped to a band of some voxels
 };
 
 /// Builds the surface of the frame's fluid. The same bits for any number of threads. An empty frame gives an empty surface.

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "engine/core/random.h"
 #include "render/gl/renderer.h"
 #include "render/image/difference.h"
 #include "tests/support/shapes.h"
@@ -101,6 +102,40 @@ TEST_CASE("chocolate on white", "[golden]") {
     picture.surface = coil();
     picture.look.background = "white";
     compare(picture, "chocolate_white");
+}
+
+TEST_CASE("honey on a table of boards, seen through a wide lens", "[golden]") {
+    Picture picture = blank("honey");
+    picture.surface = coil();
+    picture.look.table = "wood";
+    picture.look.samples = 16;
+    picture.view.aperture = 0.02f;
+    picture.view.focus = 0.32f;
+    compare(picture, "table_wood");
+}
+
+TEST_CASE("a cloth of checks on a box, on a slab of stone", "[golden]") {
+    Picture picture = blank("honey");
+    picture.look.table = "stone";
+    add_solid(picture.frame, test::box_mesh(Vec3f(-0.06f, 0, -0.04f), Vec3f(0.06f, 0.04f, 0.04f)), "cloth");
+    picture.view.target = Vec3f(0, 0.02f, 0);
+    compare(picture, "cloth_stone");
+}
+
+TEST_CASE("lava of all ages with a crust on it, over rock that it lights", "[golden]") {
+    Picture picture = blank("lava");
+    picture.look.background = "dark";
+    picture.surface = coil();
+    std::vector<float> grain;
+    std::vector<Vec3f> inside;
+    RandomNumbers random(1);
+    for (Vec3f x(-0.03f, 0, 0); x.x() < 0.03f; x.x() += 0.004f)
+        for (x.y() = 0; x.y() < 0.13f; x.y() += 0.004f)
+            for (x.z() = -0.03f; x.z() < 0.03f; x.z() += 0.004f) inside.push_back(x), grain.push_back(static_cast<float>(random()));
+    for (const Vec3f& x : picture.surface.mesh.position) picture.surface.age.push_back(4 - 40 * x.y());
+    picture.surface.crust = crust_places(picture.surface.mesh.position, inside, grain, 0.004f);
+    add_solid(picture.frame, test::box_mesh(Vec3f(-0.1f, -0.02f, -0.1f), Vec3f(0.1f, 0, 0.1f)), "rock");
+    compare(picture, "lava_crust");
 }
 
 namespace {

@@ -7,6 +7,8 @@
 #include "engine/scene/model_facts.h"
 #include "engine/scene/read.h"
 #include "engine/scene/write.h"
+#include "render/look/environment.h"
+#include "render/look/field_values.h"
 #include "render/look/look_keys.h"
 #include "render/surface/surface_keys.h"
 #include "tools/scene_file/scene_changes.h"
@@ -116,14 +118,40 @@ void check_look(const SceneFile& file) {
     if (shows_field(file.look) && file.look.field == "ink" && !file.scene.any_ink())
         throw InputError(file.scene.place("look.field"), "look.field = \"ink\" needs fluid with ink",
                          "give a [[block]], [[emitter]] or [[stream]] ink");
+    if (file.look.table != "none" && !file.look.ground)
+        throw InputError(file.scene.place("look.table"), "look.table = \"" + file.look.table + "\" needs a ground (look.ground is false)",
+                         "leave one of them out");
 }
 
-/// Streaks of a slice go with the particles, which must be told apart for it.
+/// The picture that stands round the scene is found from the scene file's folder. @throws InputError where it cannot be read, at its key
+void find_environment(SceneFile& file) {
+    std::filesystem::path& picture = file.look.environment;
+    if (picture.empty()) return;
+    if (picture.is_relative()) picture = fs::absolute(fs::path(file.scene.directory) / picture);
+    try {
+        read_environment(picture);
+    } catch (const InputError& e) {
+        throw InputError(file.scene.place("look.environment"),
+                         "look.environment = \"" + picture.string() + "\": " + e.problems().front().what, "",
+                         "allowed: a Radiance picture (.hdr)");
+    }
+}
+
+/// Streaks of a slice and the plates of a crust go with the particles, which must be told apart for it.
 bool tells_particles_apart(const SceneFile& file) {
+    const auto shown = shown_fields(file.look);
     const auto& changes = file.scene.changes;
-    return (file.look.style == "slice" && file.look.streaks) || std::any_of(changes.begin(), changes.end(), [](const ChangeKeys& c) {
-               return c.key == "look.style" || c.key == "look.streaks";
+    return std::find(shown.begin(), shown.end(), "grain") != shown.end() ||
+           std::any_of(changes.begin(), changes.end(), [](const ChangeKeys& c) {
+               return c.key == "look.style" || c.key == "look.streaks" || c.key == "look.material" || c.key == "look.cooling";
            });
+}
+
+/// What has no key but follows from those that there are.
+void follow(SceneFile& file) {
+    file.scene.grains = tells_particles_apart(file);
+    file.surface.velocity = file.camera.shutter > 0;
+    file.camera.interval = 1 / (file.scene.time.fps * file.scene.time.slow_motion);
 }
 
 SceneFile read(const fs::path& path, ReadRequest request) {
@@ -132,7 +160,8 @@ SceneFile read(const fs::path& path, ReadRequest request) {
     file.scene = read_scene(path.string(), request);
     look_at_plane(file);
     check_look(file);
-    file.scene.grains = tells_particles_apart(file);
+    find_environment(file);
+    follow(file);
     if (file.scene.changes.empty()) return file;
     std::vector<KeyChange> beat;
     for (const Change& change : request.changes) beat.push_back(read_change(change));
@@ -189,7 +218,7 @@ SceneFile read_resolved(const std::string& text, const std::string& path) {
     request.sections = sections_of(file);
     file.scene = read_scene_text(text, path, request);
     check_look(file);
-    file.scene.grains = tells_particles_apart(file);
+    follow(file);
     return file;
 }
 

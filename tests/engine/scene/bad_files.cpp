@@ -99,7 +99,7 @@ const std::vector<Case> cases = {
     {"min = [0, 0, 0]", "min = [0, 0, 0]\nspin = [1, 0, 0]", "bad.toml:8:8: block[0].spin needs a micropolar model; set models.micropolar"},
     {"", "[[solid]]\nshape = \"sphere\"\nradius = 0.01\nmaterial = \"wod\"",
      "bad.toml:12:12: solid[0].material = \"wod\" is not known; did you mean \"wood\"?; allowed: ceramic, white, metal, wood, clay, "
-     "dark, rock or glass"},
+     "dark, rock, glass or cloth"},
     {"", "[domain]\nmin = [1, 0, 0]", "bad.toml:10:7: domain.max must lie above domain.min on every axis; on x they are 1.0 and 1.0"},
     {"", "[domain]\nperiodic = [true, false, 0]",
      "bad.toml:10:26: domain.periodic must be a list of 3 times true or false, not the number 0 in place 3"},

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
+#include <numbers>
 #include <sstream>
 
 #include "engine/core/parallel.h"
@@ -172,6 +173,29 @@ TEST_CASE("no particle of a block begins nearer than 0.45 spacings to a solid, o
         }
         CHECK(nearest >= Real(0.4499e-2));
     }
+}
+
+TEST_CASE("a solid that stands still is tilted about its middle, as the scene says", "[sim]") {
+    const Simulation simulation = simulation_of(R"toml([time]
+end = 1
+[fluid]
+spacing = 0.05
+viscosity = 1
+[[block]]
+shape = "box"
+min = [-0.1, 0.6, -0.1]
+max = [0.1, 0.8, 0.1]
+[[solid]]
+shape = "box"
+min = [-0.5, -0.1, -0.5]
+max = [0.5, 0.1, 0.5]
+position = [0.1, 0, 0]
+tilt = [30, 0, 0]
+)toml");
+    const Solid& slab = simulation.world().solids.all[0];
+    const Vec3 up(0, std::cos(Real(std::numbers::pi / 6)), std::sin(Real(std::numbers::pi / 6)));  // of the slab: its +z end goes down
+    CHECK(slab.distance(Vec3(Real(0.1), 0, 0) + Real(0.3) * up) == Approx(0.2).margin(1e-6));
+    CHECK((slab.normal(Vec3(Real(0.1), 0, 0) + Real(0.3) * up) - up).norm() < 1e-6);
 }
 
 TEST_CASE("1, 2 and 4 threads end with the same bits: pressure equation, full viscosity, solids", "[sim][threads]") {

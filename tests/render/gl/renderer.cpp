@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "engine/core/errors.h"
 #include "render/image/difference.h"
 #include "tests/support/shapes.h"
 
@@ -202,4 +203,75 @@ TEST_CASE("trails draw where a particle came from", "[render]") {
     look.trail = 0.3f;
     const Image with = renderer.draw(turning_ball(), Surface{}, look, from_the_front);
     CHECK(difference(with, without).mean > 0.5);
+}
+
+namespace {
+
+/// Steps of brightness between neighbours along the middle row.
+int sharpest_step(const Image& picture) {
+    int most = 0;
+    for (int x = 1; x < picture.width; ++x)
+        most = std::max(most, std::abs(int(picture.pixel(x, picture.height / 2)[1]) - int(picture.pixel(x - 1, picture.height / 2)[1])));
+    return most;
+}
+
+Frame with_dark_post(float z) {
+    Frame frame = empty_frame();
+    FrameSolid post;
+    post.mesh = std::make_shared<const TriangleMesh>(test::box_mesh(Vec3f(-0.02f, 0, z - 0.005f), Vec3f(0.02f, 0.2f, z + 0.005f)));
+    post.material = "dark";
+    frame.solids.push_back(post);
+    return frame;
+}
+
+}  // namespace
+
+TEST_CASE("a wide lens shows what stands at its focus as sharp as a pinhole does, and blurs what stands behind", "[render]") {
+    Renderer renderer(160, 96);
+    LookOptions look;
+    look.samples = 32;
+    View lens = from_the_front;
+    lens.aperture = 0.06f;
+    lens.focus = 0.6f;
+    const int sharp = sharpest_step(renderer.draw(with_dark_post(0), Surface{}, look, from_the_front));
+    CHECK(sharpest_step(renderer.draw(with_dark_post(0), Surface{}, look, lens)) > 0.8 * sharp);
+    CHECK(sharpest_step(renderer.draw(with_dark_post(-0.3f), Surface{}, look, from_the_front)) > 0.7 * sharp);
+    CHECK(sharpest_step(renderer.draw(with_dark_post(-0.3f), Surface{}, look, lens)) < 0.5 * sharp);
+}
+
+TEST_CASE("an open shutter smears a solid that moves across the picture, and leaves one that stands as it is", "[render]") {
+    Renderer renderer(160, 96);
+    LookOptions look;
+    look.samples = 32;
+    View open = from_the_front;
+    open.open = 0.02f;
+    Frame frame = with_dark_post(0);
+    const int sharp = sharpest_step(renderer.draw(frame, Surface{}, look, from_the_front));
+    CHECK(sharpest_step(renderer.draw(frame, Surface{}, look, open)) > 0.9 * sharp);
+    frame.solids[0].velocity = Vec3f(1, 0, 0);  // by half its width
+    CHECK(sharpest_step(renderer.draw(frame, Surface{}, look, open)) < 0.5 * sharp);
+    frame.solids[0].velocity = Vec3f::Zero();
+    frame.solids[0].spin = Vec3f(0, 100, 0);  // by two radians about its own axis
+    CHECK(sharpest_step(renderer.draw(frame, Surface{}, look, open)) < 0.8 * sharp);
+}
+
+TEST_CASE("an open shutter smears a surface by the velocity at its vertices", "[render]") {
+    Renderer renderer(160, 96);
+    LookOptions look;
+    look.samples = 16;
+    look.style = "opaque";
+    look.colour = Vec3f::Constant(0.01f);
+    View open = from_the_front;
+    open.open = 0.02f;
+    Surface ball = test::sphere(Vec3f(0, 0.1f, 0), 0.04f, 0.004f);
+    const int sharp = sharpest_step(renderer.draw(empty_frame(), ball, look, open));
+    ball.velocity.assign(ball.mesh.position.size(), Vec3f(2, 0, 0));
+    CHECK(sharpest_step(renderer.draw(empty_frame(), ball, look, open)) < 0.6 * sharp);
+}
+
+TEST_CASE("a look with a picture that is not there is refused", "[render]") {
+    Renderer renderer(32, 32);
+    LookOptions look = one_sample();
+    look.environment = "/no/such/picture.hdr";
+    CHECK_THROWS_AS(renderer.draw(empty_frame(), Surface{}, look, from_the_front), InputError);
 }

@@ -37,3 +37,23 @@ TEST_CASE("the camera that frames the domain does not move while the fluid does"
     CHECK(first.position == later.position);
     CHECK((first.target - first.position).norm() > 0.3f);
 }
+
+TEST_CASE("a lens is focused on the target unless the scene says where, and a shutter is open for its part of the time between pictures",
+          "[render]") {
+    CameraOptions camera;
+    camera.kind = "fixed";
+    camera.position = Vec3f(0, 0, 0.5f);
+    CHECK_FALSE(view_at(camera, 0, low, high).blurs());
+    camera.aperture = 0.01f;
+    CHECK(view_at(camera, 0, low, high).focus == Approx(0.5));
+    camera.focus = 0.3f;
+    CHECK(view_at(camera, 0, low, high).focus == Approx(0.3));
+    camera.kind = "orbit";
+    camera.shutter = 180;
+    camera.interval = 0.04;
+    const View view = view_at(camera, 1, low, high);
+    CHECK(view.open == Approx(0.02));
+    const double speed = 20 * 3.14159265 / 180 * static_cast<double>(camera.distance);  // degrees a second along its circle
+    CHECK(view.position_velocity.norm() == Approx(speed).epsilon(1e-3));
+    CHECK(view.target_velocity.norm() < 1e-6f);
+}

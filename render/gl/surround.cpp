@@ -1,0 +1,89 @@
+#include "render/gl/surround.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "render/gl/noise.h"
+#include "render/look/environment.h"
+#include "render/look/material.h"
+
+namespace whorl {
+namespace {
+
+constexpr float far_below = -1e6f;      // m, of a ground that is not there
+constexpr float brightest = 1000;       // radiance: the sun itself would make single pixels of every soft reflection white
+constexpr float round_share = 0.7f;     // of the picture's light: that from all round,
+constexpr float directed_share = 0.6f;  // and of what its brightest side has over the opposite one: that of the shadow's lamp
+
+gl::Texture texture_of(const Environment& environment) {
+    std::vector<float> rgba;
+    rgba.reserve(environment.rgb.size() / 3 * 4);
+    for (std::size_t i = 0; i < environment.rgb.size(); ++i) {
+        rgba.push_back(std::clamp(environment.rgb[i], 0.0f, brightest));
+        if (i % 3 == 2) rgba.push_back(1);
+    }
+    gl::Texture texture = gl::texture_2d(GL_RGBA16F, environment.width, environment.height, true);
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, environment.width, environment.height, GL_RGBA, GL_FLOAT, rgba.data());
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+    glGenerateMipmap(GL_TEXTURE_2D);
+    return texture;
+}
+
+}  // namespace
+
+Surround::Surround() : noise_(lattice_noise()), picture_(gl::texture_2d(GL_RGBA16F, 1, 1, true)) { light_.fill(Vec3f::Zero()); }
+
+void Surround::fill(const LookOptions& look) {
+    if (look.environment == file_) return;
+    if (!look.environment.empty()) {
+        const Environment environment = read_environment(look.environment);
+        picture_ = texture_of(environment);
+        light_ = light_of(environment);
+    }
+    file_ = look.environment;
+}
+
+Studio Surround::studio(const LookOptions& look) const {
+    Studio studio = studio_of(look.background);
+    if (file_.empty()) return studio;
+    const Vec3f lamp = brightest_side(light_);
+    studio.sky = light_on(light_, Vec3f::UnitY());
+    studio.sun = directed_share * (light_on(light_, lamp) - light_on(light_, -lamp)).cwiseMax(0.0f);
+    studio.backdrop_low = light_on(light_, -Vec3f::UnitY());
+    return studio;
+}
+
+Vec3f Surround::shadow_lamp(const View& view) const {
+    return file_.empty() ? Vec3f(studio_axes(view).transpose() * shadow_light()) : brightest_side(light_);
+}
+
+void Surround::bind(gl::Program& program, const LookOptions& look, const View& view, float ground, int height, int unit) const {
+    const Studio light = studio(look);
+    program.set("studio", studio_axes(view));
+    program.set("backdrop_low", light.backdrop_low);
+    program.set("backdrop_high", light.backdrop_high);
+    program.set("backdrop_glow", light.backdrop_glow);
+    program.set("key_light", light.key);
+    program.set("window_light", light.window);
+    program.set("rim_light", light.rim);
+    program.set("fill_light", light.fill);
+    program.set("sky", light.sky);
+    program.set("key_colour", light.sun);
+    program.set("ground_height", look.ground ? ground : far_below);
+    program.set("eye", view.position);
+    program.set("pixel_angle", 2 * std::tan(view.fov * std::numbers::pi_v<float> / 360) / static_cast<float>(height));
+    const SolidMaterial table = table_material(look.table);
+    program.set("table", static_cast<int>(table.pattern));
+    program.set("table_colour", table.colour);
+    program.set("table_roughness", table.roughness);
+    std::vector<Eigen::Vector4f> terms;
+    for (const Vec3f& c : light_) terms.emplace_back(round_share * c.x(), round_share * c.y(), round_share * c.z(), 0);
+    program.set("environment_light", terms);
+    program.set("has_environment", file_.empty() ? 0 : 1);
+    program.texture("lattice_noise", unit, GL_TEXTURE_3D, noise_.id());
+    program.texture("environment_map", unit + 1, GL_TEXTURE_2D, picture_.id());
+}
+
+}  // namespace whorl

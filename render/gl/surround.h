@@ -1,0 +1,32 @@
+#pragma once
+/// What stands round a scene and lights it: the studio or a picture, and the ground.
+#include <array>
+#include <filesystem>
+
+#include "render/gl/objects.h"
+#include "render/look/look_options.h"
+#include "render/look/studio.h"
+
+namespace whorl {
+
+class Surround {
+public:
+    Surround();
+    /// Reads the picture of the look, where it has one that is not read yet. @throws InputError where it cannot be read
+    void fill(const LookOptions& look);
+    /// The studio of the look's background, with the picture's light in place of its own.
+    Studio studio(const LookOptions& look) const;
+    /// Towards the lamp that throws the shadow, unit, in the world's axes.
+    Vec3f shadow_lamp(const View& view) const;
+    /// Sets the uniforms of studio.glsl, textures.glsl and table.glsl but those of the ground's light; takes two texture units from `unit`
+    /// on.
+    /// @param ground its height [m] @param height of the picture [pixels]
+    void bind(gl::Program& program, const LookOptions& look, const View& view, float ground, int height, int unit) const;
+
+private:
+    gl::Texture noise_, picture_;
+    std::filesystem::path file_;  ///< of the picture; empty: none
+    std::array<Vec3f, 9> light_;
+};
+
+}  // namespace whorl

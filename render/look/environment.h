@@ -1,0 +1,31 @@
+#pragma once
+/// A picture of all that stands round a scene, and the light that comes from it.
+#include <array>
+#include <filesystem>
+#include <vector>
+
+#include "engine/core/types.h"
+
+namespace whorl {
+
+/// Radiances, linear RGB. Rows from the zenith down, columns round the horizon; the middle column lies towards -z, what is right of it
+/// towards +x.
+struct Environment {
+    int width = 0, height = 0;
+    std::vector<float> rgb;
+    Vec3f at(int x, int y) const;
+    Vec3f direction(int x, int y) const;  ///< unit, of the pixel's middle
+};
+
+/// A Radiance picture (.hdr), as cameras and Poly Haven make them. @throws InputError where it is missing or no such picture
+Environment read_environment(const std::filesystem::path& file);
+
+/// What the picture lights a white matt surface with, over pi, in spherical harmonics up to the second order: within 3 % of the integral
+/// for a picture without a small lamp (Ramamoorthi and Hanrahan, SIGGRAPH 2001). The terms 1, y, z, x, xy, yz, 3z^2 - 1, xz, x^2 - y^2.
+std::array<Vec3f, 9> light_of(const Environment& environment);
+Vec3f light_on(const std::array<Vec3f, 9>& light, const Vec3f& normal);
+
+/// Where most of the light comes from, unit, at least 35 degrees above the horizon: shadows fall away from there.
+Vec3f brightest_side(const std::array<Vec3f, 9>& light);
+
+}  // namespace whorl

@@ -1,0 +1,33 @@
+// The crust of a cooling fluid: plates that part and show what is hot between them (render/surface/crust.h).
+uniform vec3 emission;
+uniform float cooling;       // s in which what is hot loses most of its glow; 0: the fluid has no age
+uniform bool has_crust;      // which says where its plates are
+uniform sampler2D crust_buffer;
+
+struct Crust {
+    float cold;     // 0 liquid .. 1 crust
+    float outside;  // heat
+    float inside;
+    float crack;    // 0 .. 1
+    float shade;    // of its colour
+    float height;   // spacings
+};
+
+// The hotter, the yellower (render/look/material.h).
+vec3 glow_of(float heat) { return emission * vec3(0.5, 1.0, 2.0) * pow(vec3(clamp(heat, 0.0, 1.0)), vec3(1.2, 2.4, 4.0)); }
+
+// @param place distances from the edges of the large and the small plate [spacings], the plate's number, a number that varies
+Crust crust_at(vec4 place, float age) {
+    Crust c;
+    float old = age / cooling, rough = place.w - 0.5;
+    c.cold = smoothstep(0.4, 1.5, old + 1.2 * rough + 0.5 * (place.z - 0.5));
+    c.outside = exp(-1.2 * old) * (1.0 - 0.8 * c.cold);
+    c.inside = (0.5 + 0.5 * place.w) * exp(-0.2 * old);
+    // Ragged, wide here and closed there; old ones close.
+    float wide = 1.0 - smoothstep(0.0, 0.15 + 0.75 * place.w * place.w * exp(-0.1 * old), place.x + 0.5 * rough);
+    float narrow = 1.0 - smoothstep(0.0, 0.1 + 0.4 * place.w, place.y + 0.4 * rough);
+    c.crack = c.cold * max(wide, 0.6 * narrow * smoothstep(0.4, 0.9, place.z));
+    c.shade = (0.6 + 0.8 * place.z) * (0.7 + 0.6 * place.w);
+    c.height = c.cold * (0.4 * smoothstep(0.0, 1.6, place.x) + 0.2 * smoothstep(0.0, 0.9, place.y) + 0.6 * place.w);
+    return c;
+}

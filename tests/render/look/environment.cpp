@@ -1,0 +1,67 @@
+#include "render/look/environment.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <fstream>
+
+#include "engine/core/errors.h"
+#include "render/image/image.h"
+#include "tests/support/scratch.h"
+
+using namespace whorl;
+
+namespace {
+
+/// Radiance by direction.
+template <class F>
+Environment all_round(F&& radiance) {
+    Environment environment{64, 32, {}};
+    environment.rgb.resize(3 * 64 * 32);
+    for (int y = 0; y < 32; ++y)
+        for (int x = 0; x < 64; ++x)
+            for (int c = 0; c < 3; ++c) environment.rgb[3 * (64 * y + x) + c] = radiance(environment.direction(x, y));
+    return environment;
+}
+
+}  // namespace
+
+TEST_CASE("the middle of the picture lies towards -z, right of it is +x, its top is up", "[look]") {
+    const Environment environment{64, 32, {}};
+    CHECK((environment.direction(32, 16) - Vec3f(0, 0, -1)).norm() < 0.08f);
+    CHECK(environment.direction(48, 16).x() > 0.99f);
+    CHECK(environment.direction(5, 0).y() > 0.99f);
+}
+
+TEST_CASE("under an even sky a white surface gives back the sky's radiance, whichever way it faces", "[look]") {
+    const auto light = light_of(all_round([](const Vec3f&) { return 2.0f; }));
+    for (const Vec3f& n : {Vec3f(0, 1, 0), Vec3f(0, -1, 0), Vec3f(0.6f, 0, -0.8f)})
+        CHECK(light_on(light, n).x() == Approx(2).epsilon(2e-3));  // the sum over 32 rows
+}
+
+TEST_CASE("under half a sky a surface gets what it sees of it: all, half or nothing, within 4 %", "[look]") {
+    const auto light = light_of(all_round([](const Vec3f& d) { return d.x() > 0 ? 1.0f : 0.0f; }));
+    CHECK(light_on(light, Vec3f(1, 0, 0)).x() == Approx(1).margin(0.04));  // what the third order and higher would add
+    CHECK(light_on(light, Vec3f(0, 0, 1)).x() == Approx(0.5).margin(0.04));
+    CHECK(light_on(light, Vec3f(-1, 0, 0)).x() == Approx(0).margin(0.04));
+    CHECK(brightest_side(light).x() > 0.8f);
+    CHECK(brightest_side(light).y() > 0.5f);  // at least 35 degrees above the horizon
+}
+
+TEST_CASE("a Radiance picture is read in linear light; a missing one and one of another kind are refused by name", "[look]") {
+    const test::ScratchFolder folder;
+    {
+        std::ofstream out(folder / "two.hdr", std::ios::binary);
+        out << "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n";
+        const unsigned char rgbe[] = {128, 64, 32, 129, 128, 128, 128, 131};  // mantissa/256 times 2^(exponent - 128)
+        out.write(reinterpret_cast<const char*>(rgbe), sizeof rgbe);
+    }
+    const Environment two = read_environment(folder / "two.hdr");
+    REQUIRE(two.width == 2);
+    CHECK((two.at(0, 0) - Vec3f(1, 0.5f, 0.25f)).norm() < 1e-6f);
+    CHECK((two.at(1, 0) - Vec3f::Constant(4)).norm() < 1e-6f);
+    CHECK_THROWS_AS(read_environment(folder / "none.hdr"), InputError);
+    write_png(folder / "a.png", plain_image(4, 4, 9));
+    CHECK_THROWS_AS(read_environment(folder / "a.png"), InputError);
+    std::ofstream(folder / "broken.hdr") << "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X";
+    CHECK_THROWS_AS(read_environment(folder / "broken.hdr"), InputError);
+}
