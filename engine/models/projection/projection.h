@@ -41,7 +41,7 @@ private:
     PressureOnBodies on_bodies_;
     ClosedRegions closed_;
     std::vector<char> touches_surface_, beside_held_;
-    Column<Real> b_, phi_;
+    Column<Real> b_, phi_, of_air_;
 };
 
 /// The end of the step: x = x* + dt/2 (u - u_start), then a shift against uneven spacing that takes the flow's values along:

@@ -1,0 +1,33 @@
+#pragma once
+/// Surface tension of the projection: the pressure on the surface, sigma times its curvature (docs/physics.md 10).
+#include "engine/models/projection/projection_system.h"
+
+namespace whorl {
+
+/// p_s = sigma kappa near a free surface, for the rows of the pressure and its gradient. Stage after ProjectionGeometry.
+///
+///   n = -S/|S|,  S = sum V grad W smoothed twice;   kappa = tr(P G P (P B P)^-1),  P = 1 - n n^T, across the normal,
+///   B_i = sum_j w r r^T,  G_i = sum_j w (n_i - n_j) r^T,  w = V |W'|/r |S_j| d
+///
+/// Neighbours of i stand below the surface, where a sphere's curvature is larger: with e the mean depth of what was fitted, kappa becomes
+/// kappa/(1 + kappa e/(D - 1)). Then it is the mean over particles on the surface, taken `means` times. At solids n has no part along the
+/// wall's normal: the surface stands at 90 degrees.
+class SurfacePressure {
+public:
+    SurfacePressure(std::shared_ptr<ProjectionSystem> system, double tension)
+        : system_(std::move(system)), tension_(static_cast<Real>(tension)) {}
+    void operator()(const Surroundings& around);
+
+private:
+    static constexpr int smoothings = 2, means = 3;
+    template <class Kernel>
+    void find_normals(const Kernel& W, const Surroundings& around);
+    Real curvature(const Surroundings& around, Index i, Span<const Real> weights) const;
+
+    std::shared_ptr<ProjectionSystem> system_;
+    Real tension_;
+    Column<Vec3> normal_, next_normal_;
+    Column<Real> weight_, kappa_, next_kappa_;
+};
+
+}  // namespace whorl
