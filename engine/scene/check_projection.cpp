@@ -151,9 +151,10 @@ void check_weightless(const Scene& scene, const Plan& plan, const SceneShapes& s
     const double grown = scene.time.end * wave_growth(w, radius, nu, scene.fluid.surface_tension / scene.fluid.density, plan.spacing);
     constexpr double most = 3;  // particles start with .03 d of disorder
     if (grown > most)
-        report(fmt::format("this one turns at {:.3g} /s and pulls at its own surface: waves there would grow by exp({:.2g}) until time.end; "
-                           "viscosity or surface tension could hold them",
-                           w, grown));
+        report(
+            fmt::format("this one turns at {:.3g} /s and pulls at its own surface: waves there would grow by exp({:.2g}) until time.end; "
+                        "viscosity or surface tension could hold them",
+                        w, grown));
 }
 
 void check_splashing(const Scene& scene, const Plan& plan, const SceneShapes& shapes, const KeyProblems& problem) {

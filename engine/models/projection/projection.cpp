@@ -88,7 +88,7 @@ void Projection::set_source(const Kernel& W, const Surroundings& around, const V
 void Projection::damp_surface(const Surroundings& around, Read<field::role> role, Update<field::velocity> u) const {
     const ProjectionSystem& s = *system_;
     const StepContext& step = around.step;
-    const Real share = knob("DAMP", 0.4) * step.dt * s.shortest_waves(step) * step.volume;
+    const Real share = Real(0.4) * step.dt * s.shortest_waves(step) * step.volume;
     if (!s.options.free_surface || !(share > 0)) return;
     std::vector<Vec3> change(u.size(), Vec3::Zero());
     with_kernel(step.kernel, step.support, [&](const auto& W) {
@@ -125,9 +125,8 @@ Vec3 Projection::push_of(const Kernel& W, const Surroundings& around, Read<field
     if (system_->options.bare_surface && (system_->surface[i] || touches_surface_[i])) {
         const Column<Mat3>& L = system_->whole.correction;
         Vec3 sum = Vec3::Zero();
-        around.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-            sum += W.slope(distance) * ((phi_[i] * L[i] + phi_[j] * L[j]) * r);
-        });
+        around.pairs.of(i,
+                        [&](Index j, const Vec3& r, Real distance) { sum += W.slope(distance) * ((phi_[i] * L[i] + phi_[j] * L[j]) * r); });
         return step.volume / step.rest_density * sum;
     }
     if (!beside_held_[i])
@@ -227,13 +226,39 @@ Real fastest_of(Span<const Vec3> u) {
     return static_cast<Real>(std::sqrt(parallel_max(n, 0, [&](Index i) { return (u[i] - mean).squaredNorm(); })));
 }
 
+/// No pressure that goes with a smooth curvature holds a particle that stands out of the surface. So
+///   dx_i += .1 dt f n_i sum_j W (n_i + n_j)/2.(x_j - x_i)/sum W of a flat layer,   f the frequency of the shortest waves,
+/// over particles on the surface: 0 on a sphere, and opposite for j.
+void ProjectionMove::level_surface(const Surroundings& around, Read<field::role> role) const {
+    ProjectionSystem& s = *system;
+    const StepContext& step = around.step;
+    with_kernel(step.kernel, step.support, [&](const auto& W) {
+        Real layer = 0;
+        each_lattice_point(step.dimensions() - 1, static_cast<int>(std::ceil(step.support / step.spacing)), [&](int a, int b, int) {
+            if (a != 0 || b != 0) layer += W.value(step.spacing * std::sqrt(static_cast<Real>(a * a + b * b)));
+        });
+        const Real share = std::min(Real(0.5), Real(0.1) * step.dt * s.shortest_waves(step)) / layer, most = step.spacing / 10;
+        parallel_for(s.size(), [&](Index i) {
+            if (role[i] != 0 || !s.surface[i]) return;
+            const Vec3 n = s.surface_normal[i];
+            Real height = 0;
+            around.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
+                const Vec3& other = s.surface_normal[j];
+                if (s.surface[j] && n.dot(other) > Real(0.5)) height -= W.value(distance) * (n + other).dot(r) / 2;
+            });
+            s.shift[i] += std::clamp(share * height, -most, most) * n;
+        });
+    });
+}
+
 void ProjectionMove::operator()(const Surroundings& around, Read<field::role> role, Update<field::position> x,
                                 Update<field::velocity> u) const {
     ProjectionSystem& s = *system;
     const StepContext& step = around.step;
     const Index n = u.size();
     const Real d = step.spacing, dt = step.dt;
-    const Real slowest = s.options.free_surface ? Real(0.25) * std::sqrt(step.gravity.norm() * d + knob("SLOW", 0.01) * static_cast<Real>(s.options.tension) / (step.rest_density * d)) : 0;
+    const Real of_tension = Real(0.01) * static_cast<Real>(s.options.tension) / (step.rest_density * d);
+    const Real slowest = s.options.free_surface ? Real(0.25) * std::sqrt(step.gravity.norm() * d + of_tension) : 0;
     std::vector<Vec3> change(n, Vec3::Zero());
     s.shift.assign(n, Vec3::Zero());
     const Real speed = std::max(slowest, fastest_of(u.values));
@@ -251,6 +276,7 @@ void ProjectionMove::operator()(const Surroundings& around, Read<field::role> ro
         if (length > most) move *= most / length;
         s.shift[i] = move;
     });
+    if (s.options.tension > 0) level_surface(around, role);
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(n, [&](Index i) {
             if (s.shift[i] != Vec3::Zero()) change[i] = carried(W, s.whole, around.pairs, i, step.volume, u.data(), s.shift[i]);

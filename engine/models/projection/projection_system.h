@@ -17,9 +17,7 @@
 #include "engine/particles/surroundings.h"
 #include "engine/sph/gate.h"
 
-#include <cstdlib>
 namespace whorl {
-inline Real knob(const char* name, double otherwise) { const char* v = std::getenv(name); return static_cast<Real>(v ? std::atof(v) : otherwise); }
 
 namespace field {
 struct pressure_acceleration {
@@ -43,7 +41,7 @@ struct ProjectionOptions {
     bool free_surface = false;
     /// Neither weight nor surface tension calms the free surface: particles that see it push each other by both their pressures.
     bool bare_surface = false;
-    double tension = 0;  ///< of a free surface [N/m]
+    double tension = 0;      ///< of a free surface [N/m]
     bool sharp = true;       ///< SharpKernel inside the fluid; with it spins are noisy
     Real shift_rate = 1.25;  ///< more makes energy, with less a lattice melts into clumps
     SolidGate gate;
@@ -101,25 +99,26 @@ void with_viscous_kernels(const StepContext& step, F&& f) {
 }
 
 struct ProjectionSystem {
-    bool expected = false;  ///< ExpectPressure took the last step's whole pressure
     explicit ProjectionSystem(ProjectionOptions o) : options(std::move(o)) {}
     ProjectionOptions options;
 
+    bool expected = false;        ///< ExpectPressure took the whole of the last step's pressure
     Column<Vec3> start_velocity;  ///< at the start of the step
     struct BodyVelocity {
         Vec3d velocity, turning;
     };
     std::vector<BodyVelocity> body_start;  ///< of the free bodies, at the start of the step
 
-    LinearSums whole;          ///< of the kernel
-    LinearSums viscous;        ///< of the SharpKernel for particles inside, of the kernel of one_sided_support for others
-    std::vector<char> inside;  ///< neither beside a wall nor near a free surface, where one-sided sums would be worse for it
-    Column<Vec3> spread;       ///< sum V [1 + 0.2 (W/W(d))^4] W'/r r over fluid and solids [1/m]
-    Column<Vec3> inward;       ///< sum V W'/r r over fluid and solids [1/m]: into the fluid, at a free surface
-    Column<Real> gate;         ///< weight of the solids
-    Column<Vec3> shift;        ///< m, of ProjectionMove
+    LinearSums whole;               ///< of the kernel
+    LinearSums viscous;             ///< of the SharpKernel for particles inside, of the kernel of one_sided_support for others
+    std::vector<char> inside;       ///< neither beside a wall nor near a free surface, where one-sided sums would be worse for it
+    Column<Vec3> spread;            ///< sum V [1 + 0.2 (W/W(d))^4] W'/r r over fluid and solids [1/m]
+    Column<Vec3> inward;            ///< sum V W'/r r over fluid and solids [1/m]: into the fluid, at a free surface
+    Column<Real> gate;              ///< weight of the solids
+    Column<Vec3> shift;             ///< m, of ProjectionMove
     Column<Real> surface_pressure;  ///< of a free surface, near it [Pa]; empty: 0
-    Column<Real> air;          ///< what is missing of a full neighbourhood's sum of -2 V W'/r near a free surface [1/m^2]
+    Column<Vec3> surface_normal;    ///< outwards, where there is a surface_pressure
+    Column<Real> air;               ///< what is missing of a full neighbourhood's sum of -2 V W'/r near a free surface [1/m^2]
     std::vector<char> surface, near_surface;
     std::vector<std::size_t> first_touch;  ///< n + 1, into touches
     std::vector<WallTouch> touches;
@@ -133,7 +132,8 @@ struct ProjectionSystem {
     }
     /// 1/s: how fast the shortest waves of a free surface are, by weight and surface tension.
     Real shortest_waves(const StepContext& step) const {
-        return std::sqrt(step.gravity.norm() / step.spacing + static_cast<Real>(options.tension) / step.mass);
+        const Real d = step.spacing;
+        return std::sqrt(step.gravity.norm() / d + static_cast<Real>(options.tension) / (step.rest_density * d * d * d));
     }
     /// Calls f(touch) for the walls around i.
     template <class F>
@@ -260,8 +260,7 @@ Vec3 carried(const Kernel& W, const LinearSums& sums, const FluidPairs& pairs, I
 /// does anyway, as to keep a body together that turns, it would else take the first part. Projection gives the rest of g back.
 struct ExpectPressure {
     std::shared_ptr<ProjectionSystem> system;
-    void operator()(const StepContext& step, Read<field::role> role, Read<field::pressure_acceleration> a,
-                    Update<field::velocity> u) const;
+    void operator()(const StepContext& step, Read<field::role> role, Read<field::pressure_acceleration> a, Update<field::velocity> u) const;
 };
 
 /// x* = x + dt u: the projection takes the step's forces where the particles come to.

@@ -10,24 +10,27 @@ namespace whorl {
 ///   B_i = sum_j w r r^T,  G_i = sum_j w (n_i - n_j) r^T,  w = V |W'|/r |S_j| d
 ///
 /// Neighbours of i stand below the surface, where a sphere's curvature is larger: with e the mean depth of what was fitted, kappa becomes
-/// kappa/(1 + kappa e/(D - 1)). Then it is the mean over particles on the surface, taken `means` times. At solids n has no part along the
-/// wall's normal: the surface stands at 90 degrees.
+/// kappa/(1 + kappa e/(D - 1)). Particles on the surface stand d/2 under it, where the pressure is higher by -d/2 dp/dn, of the last step.
+/// Then the mean over particles on the surface is taken `means` times. At solids n has no part along the wall's normal: the surface stands
+/// at 90 degrees.
 class SurfacePressure {
 public:
     SurfacePressure(std::shared_ptr<ProjectionSystem> system, double tension)
         : system_(std::move(system)), tension_(static_cast<Real>(tension)) {}
-    void operator()(const Surroundings& around);
+    void operator()(const Surroundings& around, Read<field::pressure_acceleration> before);
 
 private:
     static constexpr int smoothings = 2, means = 3;
     template <class Kernel>
+    void take_means(const Kernel& W, const Surroundings& around);
+    template <class Kernel>
     void find_normals(const Kernel& W, const Surroundings& around);
-    Real curvature(const Surroundings& around, Index i, Span<const Real> weights) const;
+    Real curvature(const Surroundings& around, Index i, Span<const Real> slopes) const;
 
     std::shared_ptr<ProjectionSystem> system_;
     Real tension_;
-    Column<Vec3> normal_, next_normal_;
-    Column<Real> weight_, kappa_, next_kappa_;
+    Column<Vec3> next_normal_;
+    Column<Real> weight_, pressure_, next_pressure_;
 };
 
 }  // namespace whorl
