@@ -102,8 +102,10 @@ void SurfacePressure::operator()(const Surroundings& around, Read<field::pressur
             pressure_[i] = tension_ * curvature(around, i, slopes) + std::clamp(below, -most, most);
         });
         take_means(W, around);
+        s.surface_pressure.assign(pressure_.begin(), pressure_.end());
+        take_means(W, around);
     });
-    s.surface_pressure.assign(pressure_.begin(), pressure_.end());
+    parallel_for(n, [&](Index i) { s.surface_pressure[i] = 2 * s.surface_pressure[i] - pressure_[i]; });
 }
 
 }  // namespace whorl

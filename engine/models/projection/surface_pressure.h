@@ -11,8 +11,8 @@ namespace whorl {
 ///
 /// Neighbours of i stand below the surface, where a sphere's curvature is larger: with e the mean depth of what was fitted, kappa becomes
 /// kappa/(1 + kappa e/(D - 1)). Particles on the surface stand d/2 under it, where the pressure is higher by -d/2 dp/dn, of the last step.
-/// Then the mean over particles on the surface is taken `means` times. At solids n has no part along the wall's normal: the surface stands
-/// at 90 degrees.
+/// Then the mean M over particles on the surface is taken `means` times; 2 M - M M is what counts, for M alone flattens waves that are
+/// resolved. At solids n has no part along the wall's normal: the surface stands at 90 degrees.
 class SurfacePressure {
 public:
     SurfacePressure(std::shared_ptr<ProjectionSystem> system, double tension)
