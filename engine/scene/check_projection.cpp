@@ -139,6 +139,7 @@ void check_weightless(const Scene& scene, const Plan& plan, const SceneShapes& s
         problem("pressure.form", "without weight, pressure.form = \"projection\" holds a single block in open space, and " + what,
                 "take pressure.form = \"constraint\", or \"auto\", which does so");
     };
+    if (!scene.domain.gravity.is_zero()) return report("this scene's weight begins later");
     if (!scene.emitters.empty()) return report("this scene has an emitter");
     if (!scene.solids.empty()) return report("this scene has a solid");
     if (!scene.streams.empty()) return report("this scene has a stream");

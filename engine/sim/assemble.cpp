@@ -186,7 +186,7 @@ private:
         const bool bounded = plan_.free_surface || !scene_.solids.empty();
         options.solves = bounded ? 3 : 2;
         options.tension = plan_.free_surface ? scene_.fluid.surface_tension : 0;
-        const bool weightless = plan_.free_surface && scene_.domain.gravity(0).norm() == 0;
+        const bool weightless = plan_.free_surface && scene_.domain.gravity.is_zero();
         options.bare_surface = weightless && options.tension == 0;
         options.theta = bounded ? 0.55 : 0.5;
         options.gate = gate_;

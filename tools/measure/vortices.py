@@ -357,7 +357,7 @@ def elliptic_drop(m):
 def swinging_drop(m):
     rows, sigma, rho, radius = [], 0.072, 1000, 5e-3
     space = ["domain.dimensions=3", "domain.gravity=[0,0,0]", "domain.min=[-0.01,-0.01,-0.01]", "domain.max=[0.01,0.01,0.01]",
-             "probe.0.min=[0,0,-0.01]", "probe.0.max=[0.01,0.01,0.01]", "probe.1.min=[-2e-3,-2e-3,-2e-3]", "probe.1.max=[2e-3,2e-3,2e-3]", 'block.0.velocity=["1.5*x","-3*y","1.5*z"]']
+             "probe.0.min=[0,0,-0.01]", "probe.0.max=[0.01,0.01,0.01]", "probe.1.at=[0,0,0]", 'block.0.velocity=["1.5*x","-3*y","1.5*z"]']
     for words, ways, spacing, settings in (("plane", 1, 4e-4, []), ("plane", 1, 2e-4, []), ("space", 2, 6.25e-4, space),
                                            ("space", 2, 4.5e-4, space)):
         if not m.wanted(f"{words}-{spacing}"):

@@ -16,9 +16,9 @@ namespace {
 
 constexpr double pi = std::numbers::pi, sigma = 0.072, rho = 1000;
 
-const std::vector<std::string> in_space{
-    "domain.dimensions=3",     "domain.min=[-0.01,-0.01,-0.01]", "domain.max=[0.01,0.01,0.01]",        "domain.gravity=[0,0,0]",
-    "probe.0.min=[0,0,-0.01]", "probe.0.max=[0.01,0.01,0.01]",   "probe.1.min=[-0.002,-0.002,-0.002]", "probe.1.max=[0.002,0.002,0.002]"};
+const std::vector<std::string> in_space{"domain.dimensions=3",    "domain.min=[-0.01,-0.01,-0.01]", "domain.max=[0.01,0.01,0.01]",
+                                        "domain.gravity=[0,0,0]", "probe.0.min=[0,0,-0.01]",        "probe.0.max=[0.01,0.01,0.01]",
+                                        "probe.1.at=[0,0,0]"};
 
 std::vector<std::string> with(std::vector<std::string> changes, bool space) {
     if (space) changes.insert(changes.end(), in_space.begin(), in_space.end());
