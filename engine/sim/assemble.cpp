@@ -177,25 +177,30 @@ private:
         stage("coupled contact", "boundary", CoupledContact{system});
     }
 
-    /// Forces and pressure where the flow takes the particles.
-    void projection() {
+    ProjectionOptions projection_options() const {
         ProjectionOptions options;
         options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
         options.free_surface = plan_.free_surface;
         options.sharp = !facts_.micropolar.spins;
-        const bool bounded = plan_.free_surface || !scene_.solids.empty();
-        options.solves = bounded ? 3 : 2;
+        options.solves = bounded() ? 3 : 2;
         options.tension = plan_.free_surface ? scene_.fluid.surface_tension : 0;
-        const bool weightless = plan_.free_surface && scene_.domain.gravity.is_zero();
-        options.bare_surface = weightless && options.tension == 0;
-        options.theta = bounded ? 0.55 : 0.5;
+        options.bare_surface = weightless() && options.tension == 0;
+        options.theta = bounded() ? 0.55 : 0.5;
         options.gate = gate_;
         const ParticleMultigrid& levels = poisson_levels_in(scene_.domain.dimensions);
         options.preconditioner = preconditioner<PressurePreconditionerSetup>(scene_.pressure.preconditioner, poisson_automatic(levels),
                                                                              poisson_unpreconditioned, jacobi, poisson_multigrid(levels));
+        return options;
+    }
+    bool bounded() const { return plan_.free_surface || !scene_.solids.empty(); }
+    bool weightless() const { return plan_.free_surface && scene_.domain.gravity.is_zero(); }
+
+    /// Forces and pressure where the flow takes the particles.
+    void projection() {
+        const ProjectionOptions options = projection_options();
         auto system = std::make_shared<ProjectionSystem>(options);
         const auto momenta = std::make_shared<Momenta>();
-        if (weightless) stage("momenta before", "move", TakeMomenta{momenta});
+        if (weightless()) stage("momenta before", "move", TakeMomenta{momenta});
         stage("drift", "move", ProjectionDrift{system});
         if (bodies_) stage("drift of bodies", "bodies", ProjectionBodyDrift{system});
         if (!scene_.solids.empty()) made_.stages.push_back(move_solids());
@@ -219,19 +224,19 @@ private:
         kicks();
         force();
         if (facts_.viscosity.implicit) {
-            if (weightless) {
+            if (weightless()) {
                 stage("expected pressure", "pressure", ExpectPressure{system});
                 work_is(&EnergyWork::pressure);
             }
             implicit_viscosity();
         }
         stage("projection", "pressure", Projection{system});
-        if (bounded) pressure_limit();
+        if (bounded()) pressure_limit();
         work_is(&EnergyWork::pressure);
         stage("move", "move", ProjectionMove{system});
         work_is(&EnergyWork::smoothing);
         if (bodies_) stage("motion of bodies", "bodies", ProjectionBodyMove{system});
-        if (weightless) {
+        if (weightless()) {
             stage("momenta", "move", KeepMomenta{momenta, !facts_.micropolar.spins});
             work_is(&EnergyWork::smoothing);
         }
