@@ -496,8 +496,8 @@ TEST_CASE("the projection is refused where fluid splashes, and taken by itself w
                   "[[solid]]\nshape = \"sphere\"\nradius = 0.05\nposition = [0.2, 0.2, 0.1]\ndensity = 900\n")
               .empty());
     CHECK(message("surface_tension = 0.1\n" + projection + tank + block("[0.4, 0.2, 0.2]")).empty());
-    CHECK(message("surface_tension = 0.1\n" + projection + tank + "wetting = 0.75\n" + block("[0.4, 0.2, 0.2]")).find("solid[0].wetting") ==
-          std::string::npos);  // the message has the place, not the key
+    CHECK(message("surface_tension = 0.1\n" + projection + tank + "wetting = 0.75\n" + block("[0.4, 0.2, 0.2]"))
+              .find("a surface stands at 90 degrees on solids") != std::string::npos);
     const auto form = [&](const std::string& text) { return make_plan(scene_with({}, start + text)).facts.pressure.form; };
     CHECK(form(tank + block("[0.4, 0.4, 0.2]")) == PressureForm::projection);
     CHECK(form(tank + block("[0.4, 0.2, 0.2]")) == PressureForm::constraint);
