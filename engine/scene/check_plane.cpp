@@ -12,7 +12,9 @@ void check_plane(const Scene& scene, const Plan& plan, std::vector<Problem>& pro
     if (!plan.facts.pressure.in_plane)
         report("models.pressure", "models.pressure = " + described(plan.facts.pressure) + " does not work" + here,
                "take " + described(pressure_models(), &PressureFacts::in_plane));
-    if (scene.fluid.surface_tension > 0) report("fluid.surface_tension", "there is no surface tension" + here, "take 0", "allowed: 0");
+    if (scene.fluid.surface_tension > 0 && plan.facts.pressure.source != PressureSource::velocity)
+        report("fluid.surface_tension", "particles that pull at each other make no surface tension" + here,
+               "take 0, or pressure.form = \"projection\"", "allowed: 0");
     for (std::size_t k = 0; k < scene.probes.size(); ++k)
         if (scene.probes[k].kind == ProbeKind::coil)
             report(entry_name("probe", k) + ".kind", "nothing coils" + here, "", "allowed: point, line or region");

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "engine/scene/key_problems.h"
 #include "engine/scene/numbers.h"
@@ -97,23 +98,85 @@ double part_under_fluid(const Scene& scene, const SceneShapes& shapes, std::size
     return all > 0 ? static_cast<double>(under) / all : 0;
 }
 
+/// Rate w at which a block turns, where it turns faster than it is strained, else 0 [1/s]: w^2 = -<tr grad u grad u>/2, the source of a
+/// pressure below that of the air.
+double turning_rate(const Scene& scene, const SceneShapes& shapes, std::size_t block) {
+    constexpr int points = 9;  // an axis
+    const bool plane = scene.domain.dimensions == 2;
+    const Extent& e = shapes.block_extent[block];
+    const double h = 1e-4 * (e.max - e.min).maxCoeff();
+    double sum = 0;
+    int inside = 0;
+    for (int i = 0; i < points * points * (plane ? 1 : points); ++i) {
+        const Vec3d part = (Vec3d(i % points, i / points % points, i / (points * points)) + Vec3d::Constant(0.5)) / points;
+        Vec3d x = e.min + part.cwiseProduct(e.max - e.min);
+        if (plane) x[2] = 0;
+        if (shapes.blocks[block]->distance(x.cast<Real>()) > 0) continue;
+        Mat3d G = Mat3d::Zero();
+        for (int k = 0; k < scene.domain.dimensions; ++k) {
+            const Vec3d step = h * Vec3d::Unit(k);
+            G.col(k) = (scene.blocks[block].velocity(0, x + step) - scene.blocks[block].velocity(0, x - step)) / (2 * h);
+        }
+        sum += (G * G).trace(), ++inside;
+    }
+    return inside > 0 ? std::sqrt(std::max(0.0, -sum / inside / 2)) : 0;
+}
+
+/// What viscosity and surface tension leave of the growth of waves on a body of radius a that turns at the rate w: largest rate [1/s] of
+///   s = sqrt(nu^2 k^4 + w^2 (k a - 1) - sigma k^3/rho) - nu k^2,   2/a <= k <= pi/d
+double wave_growth(double w, double a, double nu, double tension_over_density, double spacing) {
+    double most = 0;
+    for (double k = 2 / a; k < std::numbers::pi / spacing; k *= 1.1) {
+        const double damped = nu * k * k, square = damped * damped + w * w * (k * a - 1) - tension_over_density * k * k * k;
+        if (square > 0) most = std::max(most, std::sqrt(square) - damped);
+    }
+    return most;
+}
+
+/// Without weight the projection holds a single body in open space that its own rotation does not tear.
+void check_weightless(const Scene& scene, const Plan& plan, const SceneShapes& shapes, const KeyProblems& problem) {
+    const auto report = [&](const std::string& what) {
+        problem("pressure.form", "without weight, pressure.form = \"projection\" holds a single block in open space, and " + what,
+                "take pressure.form = \"constraint\", or \"auto\", which does so");
+    };
+    if (!scene.domain.gravity.is_zero()) return report("this scene's weight begins later");
+    if (!scene.emitters.empty()) return report("this scene has an emitter");
+    if (!scene.solids.empty()) return report("this scene has a solid");
+    if (!scene.streams.empty()) return report("this scene has a stream");
+    if (!scene.fluid.force.is_zero()) return report("this scene has a fluid.force");
+    if (scene.domain.periodic[0] || scene.domain.periodic[1] || (scene.domain.periodic[2] && scene.domain.dimensions == 3))
+        return report("this scene has a periodic axis");
+    if (scene.blocks.size() != 1) return report(fmt::format("this scene has {}: they may meet", scene.blocks.size()));
+    const double w = turning_rate(scene, shapes, 0), nu = plan.facts.viscous() ? scene.fluid.viscosity(0) / scene.fluid.density : 0;
+    const double radius = (shapes.block_extent[0].max - shapes.block_extent[0].min).head(2).maxCoeff() / 2;
+    const double grown = scene.time.end * wave_growth(w, radius, nu, scene.fluid.surface_tension / scene.fluid.density, plan.spacing);
+    constexpr double most = 3;  // particles start with .03 d of disorder
+    if (grown > most)
+        report(
+            fmt::format("this one turns at {:.3g} /s and pulls at its own surface: waves there would grow by exp({:.2g}) until time.end; "
+                        "viscosity or surface tension could hold them",
+                        w, grown));
+}
+
 void check_splashing(const Scene& scene, const Plan& plan, const SceneShapes& shapes, const KeyProblems& problem) {
     if (plan.facts.viscosity.smooths)
         problem("models.viscosity", "a full box diverges with XSPH under pressure.form = \"projection\"",
                 "take models.viscosity = \"explicit\", or pressure.form = \"constraint\"");
     if (!plan.free_surface) return;
+    if (scene.domain.gravity(0).norm() == 0) return check_weightless(scene, plan, shapes, problem);
     if (scene.fluid.surface_tension > 0)
-        problem("pressure.form",
-                "pressure.form = \"projection\" does not hold surface tension: pulls between the particles tear its surface",
-                "take pressure.form = \"constraint\", or \"auto\", which does so");
+        for (std::size_t k = 0; k < scene.solids.size(); ++k)
+            if (scene.solids[k].wetting != 0.5)
+                problem(entry_name("solid", k) + ".wetting",
+                        "with pressure.form = \"projection\" a surface stands at 90 degrees on solids, wetting = 0.5",
+                        "take 0.5, or pressure.form = \"constraint\"", "allowed: 0.5");
     const auto report = [&](const std::string& what) {
         problem("pressure.form", "pressure.form = \"projection\" does not hold fluid that splashes, and " + what,
                 "take pressure.form = \"constraint\", or \"auto\", which does so");
     };
     for (std::size_t k = 0; k < scene.emitters.size(); ++k)
         if (jet_lands(scene, shapes, scene.emitters[k], plan.spacing)) return report(entry_name("emitter", k) + " pours onto something");
-    if (scene.domain.gravity(0).norm() == 0) report("without weight nothing keeps its surface together");
-    else if (const double open = part_unsupported(scene, shapes, plan.spacing); open > 0.03)
+    if (const double open = part_unsupported(scene, shapes, plan.spacing); open > 0.03)
         return report(fmt::format("nothing holds {:.0f} % of this fluid's sides: it will fall or flow out", 100 * open));
     for (std::size_t k = 0; k < scene.solids.size(); ++k) {
         if (scene.solids[k].density == 0) continue;

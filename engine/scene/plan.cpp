@@ -219,14 +219,14 @@ private:
     void tell_surface_tension() {
         const double tension = scene_.fluid.surface_tension;
         if (tension == 0) return;
-        plan_.choices.push_back(
-            {"fluid.surface_tension", fmt::format("{:g}", tension), false,
-             fmt::format("pulls between particles over {:g} spacings, {}; without viscosity the step must stay below {:.3g} s",
-                         Cohesion::range,
-                         plan_.facts.pressure.solves_viscosity
-                             ? fmt::format("which press the inside with {:.3g} Pa", internal_pressure(tension, d_))
-                             : "of the skin alone",
-                         surface_tension_step(scene_.fluid.density, d_, tension, 0))});
+        const bool curves = plan_.facts.pressure.source == PressureSource::velocity, presses = plan_.facts.pressure.solves_viscosity;
+        const std::string pulls = fmt::format(
+            "pulls between particles over {:g} spacings, {}", Cohesion::range,
+            presses ? fmt::format("which press the inside with {:.3g} Pa", internal_pressure(tension, d_)) : "of the skin alone");
+        plan_.choices.push_back({"fluid.surface_tension", fmt::format("{:g}", tension), false,
+                                 fmt::format("{}; without viscosity the step must stay below {:.3g} s",
+                                             curves ? "the pressure on the surface is that times its curvature" : pulls,
+                                             surface_tension_step(scene_.fluid.density, d_, tension, 0))});
     }
 
     void choose_shifting() {

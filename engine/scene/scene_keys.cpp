@@ -68,7 +68,8 @@ KeyTable fluid_keys() {
         .of("xyza")
         .live();
     t.key("surface_tension", &FluidKeys::surface_tension, "N/m",
-          "surface tension: particles pull at each other over three spacings; 0: none, at no cost")
+          "surface tension: particles pull at each other over three spacings, or with pressure.form = projection the surface's curvature "
+          "makes a pressure; 0: none, at no cost")
         .at_least(0)
         .live();
     t.key("ink_diffusion", &FluidKeys::ink_diffusion, "m^2/s", "how fast inks spread by themselves; 0: each particle keeps its own")
@@ -306,7 +307,7 @@ KeyTable solid_keys() {
         .at_most(1);
     t.key("wetting", &SolidKeys::wetting, "",
           "with surface tension: the solid's pull over the fluid's own; contact angle of cos = 2 wetting - 1: 1 wets, 0.5 stands at 90 "
-          "degrees, 0 repels")
+          "degrees, which the projection has alone, 0 repels")
         .at_least(0)
         .at_most(1)
         .live();

@@ -21,7 +21,9 @@
 #include "engine/models/pressure/wcsph.h"
 #include "engine/models/projection/corrected_micropolar.h"
 #include "engine/models/projection/corrected_viscosity.h"
+#include "engine/models/projection/momenta.h"
 #include "engine/models/projection/projection.h"
+#include "engine/models/projection/surface_pressure.h"
 #include "engine/models/shifting/fickian.h"
 #include "engine/models/strain/curvature.h"
 #include "engine/models/surface_tension/surface_tension.h"
@@ -175,26 +177,40 @@ private:
         stage("coupled contact", "boundary", CoupledContact{system});
     }
 
-    /// Forces and pressure where the flow takes the particles.
-    void projection() {
+    ProjectionOptions projection_options() const {
         ProjectionOptions options;
         options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
         options.free_surface = plan_.free_surface;
         options.sharp = !facts_.micropolar.spins;
-        const bool bounded = plan_.free_surface || !scene_.solids.empty();
-        options.solves = bounded ? 3 : 2;
-        options.theta = bounded ? 0.55 : 0.5;
+        options.solves = bounded() ? 3 : 2;
+        options.tension = plan_.free_surface ? scene_.fluid.surface_tension : 0;
+        options.bare_surface = weightless() && options.tension == 0;
+        options.theta = bounded() ? 0.55 : 0.5;
         options.gate = gate_;
         const ParticleMultigrid& levels = poisson_levels_in(scene_.domain.dimensions);
         options.preconditioner = preconditioner<PressurePreconditionerSetup>(scene_.pressure.preconditioner, poisson_automatic(levels),
                                                                              poisson_unpreconditioned, jacobi, poisson_multigrid(levels));
+        return options;
+    }
+    bool bounded() const { return plan_.free_surface || !scene_.solids.empty(); }
+    bool weightless() const { return plan_.free_surface && scene_.domain.gravity.is_zero(); }
+
+    /// Forces and pressure where the flow takes the particles.
+    void projection() {
+        const ProjectionOptions options = projection_options();
         auto system = std::make_shared<ProjectionSystem>(options);
+        const auto momenta = std::make_shared<Momenta>();
+        if (weightless()) stage("momenta before", "move", TakeMomenta{momenta});
         stage("drift", "move", ProjectionDrift{system});
         if (bodies_) stage("drift of bodies", "bodies", ProjectionBodyDrift{system});
         if (!scene_.solids.empty()) made_.stages.push_back(move_solids());
         made_.stages.push_back(neighbours());
         ink_diffusion();
         stage("geometry", "density", ProjectionGeometry{system});
+        if (options.tension > 0) {
+            stage("surface pressure", "surface tension", SurfacePressure{system, options.tension});
+            tension_limit();
+        }
         weights();
         if (facts_.micropolar.spins) spin(system);
         else if (plan_.viscosity == ViscosityModel::explicit_laplacian) {
@@ -207,14 +223,23 @@ private:
         }
         kicks();
         force();
-        if (scene_.fluid.surface_tension > 0) surface_tension(nullptr);
-        if (facts_.viscosity.implicit) implicit_viscosity();
+        if (facts_.viscosity.implicit) {
+            if (weightless()) {
+                stage("expected pressure", "pressure", ExpectPressure{system});
+                work_is(&EnergyWork::pressure);
+            }
+            implicit_viscosity();
+        }
         stage("projection", "pressure", Projection{system});
-        if (bounded) pressure_limit();
+        if (bounded()) pressure_limit();
         work_is(&EnergyWork::pressure);
         stage("move", "move", ProjectionMove{system});
         work_is(&EnergyWork::smoothing);
         if (bodies_) stage("motion of bodies", "bodies", ProjectionBodyMove{system});
+        if (weightless()) {
+            stage("momenta", "move", KeepMomenta{momenta, !facts_.micropolar.spins});
+            work_is(&EnergyWork::smoothing);
+        }
         if (facts_.micropolar.spins) stage("carry spin", "micropolar", CarrySpin{system});
         if (scene_.any_ink()) stage("carry ink", "ink", CarryInk{system});
         if (!scene_.solids.empty()) {
@@ -362,6 +387,11 @@ private:
         SurfaceTensionOptions options{tension, {}, std::move(internal)};
         for (const SolidKeys& solid : scene_.solids) options.wetting.push_back(static_cast<Real>(solid.wetting));
         stage("surface tension", "surface tension", SurfaceTension(std::move(options)));
+        tension_limit();
+    }
+
+    void tension_limit() {
+        const double tension = scene_.fluid.surface_tension;
         const bool implicit = facts_.viscous_implicitly();
         limit("surface tension", implicit ? "b + sqrt(b^2 + rho d^3/(2 pi sigma)), b = mu d/(2 sigma)" : "sqrt(rho d^3 / (2 pi sigma))",
               [=, rho = scene_.fluid.density, d = plan_.spacing](const World& w, double) {

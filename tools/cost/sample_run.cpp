@@ -124,8 +124,11 @@ SceneFile sample_of(const SceneFile& file, const Plan& plan) {
     else if (closed) shear(scene, plan.expected_speed);
     else if (solids) half_fill_a_tank(scene);
     else turn_a_drop(scene, plan.expected_speed);
-    // The tank and the drop have surfaces, which the projection of velocities refuses.
-    if (!closed && scene.pressure.source == PressureSource::velocity) scene.pressure.form.reset();
+    // The tank and the drop have surfaces that the projection of velocities refuses, and no other form has surface tension in the plane.
+    if (!closed && scene.pressure.source == PressureSource::velocity) {
+        scene.pressure.form.reset();
+        if (scene.domain.dimensions == 2) scene.fluid.surface_tension = 0;
+    }
     if (!solids && !closed) scene.solids.clear(), scene.domain.gravity = constant(Vec3d::Zero());
     if (file.scene.any_ink()) tint(scene);
     if (scene.domain.dimensions == 2) lay_flat(scene);

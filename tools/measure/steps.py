@@ -16,6 +16,7 @@ def by_model_and_step(m, scene, cases, options=()):
     return markdown("model | longest step, ms | steps | energy after 0.5 s | change of angular momentum | CPU s", rows)
 
 
+projection = ["models.pressure=ppe", "models.viscosity=full", "pressure.form=projection"]
 coupled, ppe_and_full = ["models.pressure=coupled"], ["models.pressure=ppe", "models.viscosity=full"]
 
 
@@ -23,6 +24,7 @@ coupled, ppe_and_full = ["models.pressure=coupled"], ["models.pressure=ppe", "mo
 def turning_cylinder(m):
     steps = ("5e-3", "2.5e-3", "1.25e-3")
     return by_model_and_step(m, "studies/turning_cylinder", [("coupled", steps, coupled), ("ppe and full", steps, ppe_and_full),
+                                                             ("projection and full", steps, projection),
                                                              ("wcsph and full", steps[:1], ["models.pressure=wcsph", "models.viscosity=full"])])
 
 

@@ -297,58 +297,6 @@ def rest(m):
     return markdown("case | asked of speed, pressure | largest speed at 2 s | pressure | at 10 s | pressure | steps | CPU s", rows)
 
 
-@table("standing_wave", "a standing wave against linear theory", "1 minute")
-def standing_wave(m):
-    rows, k = [], 2 * pi / 0.4
-    period = 2 * pi / math.sqrt(theory.gravity * k * math.tanh(k * 0.2))
-    for spacing in (0.01, 0.005):
-        if not m.wanted(f"{spacing}"):
-            continue
-        run = flow(m, "standing_wave", f"{spacing}", f"fluid.spacing={spacing}")
-        probe = run.table("probes/crest.csv")
-        zeros = theory.zeros(probe["time"], probe["velocity_y"], period / 4)
-        if len(zeros) < 11:
-            rows.append([f"{spacing} m", "2, 5 %", "no five periods", "", *cost(run)])
-            continue
-        peaks = [np.abs(probe["velocity_y"][(probe["time"] > a) & (probe["time"] < b)]).max() for a, b in zip([-1, *zeros], zeros)]
-        decay = math.exp(-2e-4 * k**2 * 5 * period)
-        rows.append([f"{0.2 / spacing:.0f} layers", "2, 5 %", f"{(zeros[10] - zeros[0]) / 5 / period:.4f}",
-                     f"{peaks[10] / peaks[0] / decay:.3f}", *cost(run)])
-    return markdown("case | asked of period, amplitude | period over theory | amplitude after five periods over theory | steps | CPU s", rows)
-
-
-def ellipse(times, a=0.15, b=0.15, A=1.0, dt=1e-4):
-    """Half-axes of the drop u = (-A x, A y): a' = -A a, b' = A b, A' = A^2 (a^2 - b^2)/(a^2 + b^2)."""
-    found, time = [], 0.0
-
-    def rates(s):
-        a, b, A = s
-        return np.array([-A * a, A * b, A**2 * (a**2 - b**2) / (a**2 + b**2)])
-
-    s = np.array([a, b, A])
-    for until in times:
-        while time < until - dt / 2:
-            s = s + dt * rates(s + dt / 2 * rates(s))
-            time += dt
-        found.append(s[:2])
-    return found
-
-
-@table("elliptic_drop", "half-axes of a drop that is squeezed", "1 minute")
-def elliptic_drop(m):
-    rows, times = [], (0.5, 1, 1.5)
-    for words, spacing in (("1160 particles", 0.0078), ("4600 particles", 0.0039)):
-        run = flow(m, "elliptic_drop", f"{spacing}", f"fluid.spacing={spacing}", options=["--export", "points"])
-        cells = []
-        for t, exact in zip(times, ellipse(times)):
-            if not m.dry:
-                axes = 2 * np.sqrt((run.points(round(20 * t) + 1)[:, :2].astype(float)**2).mean(axis=0))
-                cells.append(", ".join(f"{100 * (axis / e - 1):+.2f} %" for axis, e in zip(axes, exact)))
-        energy = run.table()["kinetic_energy"]
-        rows.append([words, "1.5 %", *cells, f"{energy[-1] / energy[0]:.4f}", *cost(run)])
-    return markdown("case | asked | half-axes off theory at 0.5 s | 1 s | 1.5 s (1 : 9) | energy at the end over the start | steps | CPU s", rows)
-
-
 def median_of_three(values):
     """Of each value and its neighbours: leaves out single values that are far off."""
     return np.median([np.r_[values[:1], values[:-1]], values, np.r_[values[1:], values[-1:]]], axis=0)

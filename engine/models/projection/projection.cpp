@@ -16,6 +16,7 @@ void Projection::build(const Kernel& W, const Surroundings& around, Read<field::
     const ProjectionSystem& s = *system_;
     const FluidPairs& pairs = around.pairs;
     const Index n = pairs.size();
+    of_air_.assign(n, 0);
     matrix_.unknown.resize(n), matrix_.diagonal.resize(n), matrix_.pin.resize(n), touches_surface_.assign(n, 0);
     matrix_.first.assign(static_cast<std::size_t>(n) + 1, 0);
     matrix_.x = pairs.x_own;
@@ -35,18 +36,27 @@ void Projection::build(const Kernel& W, const Surroundings& around, Read<field::
         matrix_.diagonal[i] = 1, matrix_.pin[i] = 0;
         if (!matrix_.unknown[i]) return;
         std::size_t k = matrix_.first[i];
-        Real row = 0, pin = V * s.air[i];
+        Real row = 0, pin = V * s.air[i], of_air = pin * s.pressure_outside(i);
         pairs.groups_of(i, [&](const Pairs::Group& group) {
             Real c[Pairs::Group::most];
             for (Index l = 0; l < group.padded(); ++l) c[l] = -2 * V * V * W.slope(group.distance[l]);
             for (Index l = 0; l < group.count; ++l) {
                 const Index j = group.other[l];
                 if (matrix_.unknown[j]) matrix_.other[k] = j, matrix_.c[k++] = c[l], row += c[l];
-                else if (s.surface[j]) pin += c[l], touches_surface_[i] = 1;
+                else if (s.surface[j]) pin += c[l], of_air += c[l] * s.pressure_outside(j), touches_surface_[i] = 1;
             }
         });
-        matrix_.pin[i] = pin;
+        matrix_.pin[i] = pin, of_air_[i] = of_air;
         matrix_.diagonal[i] = std::max(row + pin, smallest);
+    });
+}
+
+void ExpectPressure::operator()(const StepContext& step, Read<field::role> role, Read<field::pressure_acceleration> a,
+                                Update<field::velocity> u) const {
+    const Real most = system->most_carried(step);
+    system->expected = true;
+    parallel_for(u.size(), [&](Index i) {
+        if (role[i] == 0 && a[i].norm() < most) u[i] -= step.dt * a[i];
     });
 }
 
@@ -74,11 +84,11 @@ void Projection::set_source(const Kernel& W, const Surroundings& around, const V
     });
 }
 
-/// Short waves between the outermost particles, which no pressure resolves, die at .4 sqrt(g/d).
+/// Short waves between the outermost particles, which no pressure resolves, die at .4 of their frequency.
 void Projection::damp_surface(const Surroundings& around, Read<field::role> role, Update<field::velocity> u) const {
     const ProjectionSystem& s = *system_;
     const StepContext& step = around.step;
-    const Real share = Real(0.4) * step.dt * std::sqrt(step.gravity.norm() / step.spacing) * step.volume;
+    const Real share = Real(0.4) * step.dt * s.shortest_waves(step) * step.volume;
     if (!s.options.free_surface || !(share > 0)) return;
     std::vector<Vec3> change(u.size(), Vec3::Zero());
     with_kernel(step.kernel, step.support, [&](const auto& W) {
@@ -97,11 +107,10 @@ void Projection::damp_surface(const Surroundings& around, Read<field::role> role
 void Projection::take_old_share(const Surroundings& around, Real share, Read<field::role> role, Update<field::velocity> u,
                                 Update<field::pressure> p, Read<field::solved_pressure> solved, Update<field::pressure_acceleration> a) {
     const StepContext& step = around.step;
-    const Real most =
-        system_->options.free_surface ? Real(0.04) * step.spacing / (step.dt * step.dt) : std::numeric_limits<Real>::infinity();
+    const Real most = system_->most_carried(step);
     parallel_for(u.size(), [&](Index i) {
         const bool goes_on = role[i] == 0 && a[i].norm() < most;
-        if (goes_on) u[i] -= share * step.dt * a[i];
+        if (goes_on) u[i] -= (system_->expected ? share - 1 : share) * step.dt * a[i];
         phi_[i] = goes_on ? solved[i] : 0;
         p[i] = share * phi_[i];
         a[i].setZero();
@@ -113,6 +122,13 @@ void Projection::take_old_share(const Surroundings& around, Real share, Read<fie
 template <class Kernel>
 Vec3 Projection::push_of(const Kernel& W, const Surroundings& around, Read<field::role> role, Index i) const {
     const StepContext& step = around.step;
+    if (system_->options.bare_surface && (system_->surface[i] || touches_surface_[i])) {
+        const Column<Mat3>& L = system_->whole.correction;
+        Vec3 sum = Vec3::Zero();
+        around.pairs.of(i,
+                        [&](Index j, const Vec3& r, Real distance) { sum += W.slope(distance) * ((phi_[i] * L[i] + phi_[j] * L[j]) * r); });
+        return step.volume / step.rest_density * sum;
+    }
     if (!beside_held_[i])
         return system_->whole.correction[i] * difference_sum(W, around.pairs, i, step.volume, phi_.data()) / step.rest_density;
     Mat3d moment = Mat3d::Zero();
@@ -138,6 +154,7 @@ SolveReport Projection::solve(const Kernel& W, const PressurePreconditioner& M, 
         on_bodies_.add_product(in, out);
     };
     set_source(W, around, u.data(), dt);
+    if (first && !s.surface_pressure.empty()) parallel_for(u.size(), [&](Index i) { b_[i] += of_air_[i]; });
     closed_.take_means_away(b_);
     SolveLimits limits = s.options.limits;
     // A residual that is small beside the fluid's moves a light body.
@@ -147,6 +164,10 @@ SolveReport Projection::solve(const Kernel& W, const PressurePreconditioner& M, 
     SolveReport report = conjugate_gradients<Real>(A, M, Span<const Real>(b_), Span<Real>(phi_), limits);
     report.solve_seconds = wall_seconds() - began;
     closed_.take_means_away(phi_);
+    if (first && !s.surface_pressure.empty())
+        parallel_for(u.size(), [&](Index i) {
+            if (s.surface[i]) phi_[i] = s.surface_pressure[i];
+        });
     parallel_for(u.size(), [&](Index i) {
         solved[i] = (first ? Real(0) : solved[i]) + phi_[i];
         if (role[i] != 0) return;
@@ -205,13 +226,39 @@ Real fastest_of(Span<const Vec3> u) {
     return static_cast<Real>(std::sqrt(parallel_max(n, 0, [&](Index i) { return (u[i] - mean).squaredNorm(); })));
 }
 
+/// No pressure that goes with a smooth curvature holds a particle that stands out of the surface. So
+///   dx_i += .1 dt f n_i sum_j W (n_i + n_j)/2.(x_j - x_i)/sum W of a flat layer,   f the frequency of the shortest waves,
+/// over particles on the surface: 0 on a sphere, and opposite for j.
+void ProjectionMove::level_surface(const Surroundings& around, Read<field::role> role) const {
+    ProjectionSystem& s = *system;
+    const StepContext& step = around.step;
+    with_kernel(step.kernel, step.support, [&](const auto& W) {
+        Real layer = 0;
+        each_lattice_point(step.dimensions() - 1, static_cast<int>(std::ceil(step.support / step.spacing)), [&](int a, int b, int) {
+            if (a != 0 || b != 0) layer += W.value(step.spacing * std::sqrt(static_cast<Real>(a * a + b * b)));
+        });
+        const Real share = std::min(Real(0.5), Real(0.1) * step.dt * s.shortest_waves(step)) / layer, most = step.spacing / 10;
+        parallel_for(s.size(), [&](Index i) {
+            if (role[i] != 0 || !s.surface[i]) return;
+            const Vec3 n = s.surface_normal[i];
+            Real height = 0;
+            around.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
+                const Vec3& other = s.surface_normal[j];
+                if (s.surface[j] && n.dot(other) > Real(0.5)) height -= W.value(distance) * (n + other).dot(r) / 2;
+            });
+            s.shift[i] += std::clamp(share * height, -most, most) * n;
+        });
+    });
+}
+
 void ProjectionMove::operator()(const Surroundings& around, Read<field::role> role, Update<field::position> x,
                                 Update<field::velocity> u) const {
     ProjectionSystem& s = *system;
     const StepContext& step = around.step;
     const Index n = u.size();
     const Real d = step.spacing, dt = step.dt;
-    const Real slowest = s.options.free_surface ? Real(0.25) * std::sqrt(step.gravity.norm() * d) : 0;
+    const Real of_tension = Real(0.01) * static_cast<Real>(s.options.tension) / (step.rest_density * d);
+    const Real slowest = s.options.free_surface ? Real(0.25) * std::sqrt(step.gravity.norm() * d + of_tension) : 0;
     std::vector<Vec3> change(n, Vec3::Zero());
     s.shift.assign(n, Vec3::Zero());
     const Real speed = std::max(slowest, fastest_of(u.values));
@@ -229,6 +276,7 @@ void ProjectionMove::operator()(const Surroundings& around, Read<field::role> ro
         if (length > most) move *= most / length;
         s.shift[i] = move;
     });
+    if (s.options.tension > 0) level_surface(around, role);
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(n, [&](Index i) {
             if (s.shift[i] != Vec3::Zero()) change[i] = carried(W, s.whole, around.pairs, i, step.volume, u.data(), s.shift[i]);

@@ -41,14 +41,15 @@ private:
     PressureOnBodies on_bodies_;
     ClosedRegions closed_;
     std::vector<char> touches_surface_, beside_held_;
-    Column<Real> b_, phi_;
+    Column<Real> b_, phi_, of_air_;
 };
 
 /// The end of the step: x = x* + dt/2 (u - u_start), then a shift against uneven spacing that takes the flow's values along:
 ///   dx = -shift_rate s R/2 dt sum V [1 + 0.2 (W/W(d))^4] grad W,   u += (dx.grad) u + dx^2/(2 D) lap u,   s = max |u_i - mean u|
-/// At a free surface particles shift along it alone.
+/// At a free surface particles shift along it alone; one with tension is levelled.
 struct ProjectionMove {
     std::shared_ptr<ProjectionSystem> system;
+    void level_surface(const Surroundings& around, Read<field::role> role) const;
     void operator()(const Surroundings& around, Read<field::role> role, Update<field::position> x, Update<field::velocity> u) const;
 };
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <type_traits>
 
@@ -38,6 +39,9 @@ struct ProjectionOptions {
     /// Weight of the new pressure in a step; the old one has the rest. 1/2 is of second order and rings beside walls.
     double theta = 0.5;
     bool free_surface = false;
+    /// Neither weight nor surface tension calms the free surface: particles that see it push each other by both their pressures.
+    bool bare_surface = false;
+    double tension = 0;      ///< of a free surface [N/m]
     bool sharp = true;       ///< SharpKernel inside the fluid; with it spins are noisy
     Real shift_rate = 1.25;  ///< more makes energy, with less a lattice melts into clumps
     SolidGate gate;
@@ -98,26 +102,39 @@ struct ProjectionSystem {
     explicit ProjectionSystem(ProjectionOptions o) : options(std::move(o)) {}
     ProjectionOptions options;
 
+    bool expected = false;        ///< ExpectPressure took the whole of the last step's pressure
     Column<Vec3> start_velocity;  ///< at the start of the step
     struct BodyVelocity {
         Vec3d velocity, turning;
     };
     std::vector<BodyVelocity> body_start;  ///< of the free bodies, at the start of the step
 
-    LinearSums whole;          ///< of the kernel
-    LinearSums viscous;        ///< of the SharpKernel for particles inside, of the kernel of one_sided_support for others
-    std::vector<char> inside;  ///< neither beside a wall nor near a free surface, where one-sided sums would be worse for it
-    Column<Vec3> spread;       ///< sum V [1 + 0.2 (W/W(d))^4] W'/r r over fluid and solids [1/m]
-    Column<Vec3> inward;       ///< sum V W'/r r over fluid and solids [1/m]: into the fluid, at a free surface
-    Column<Real> gate;         ///< weight of the solids
-    Column<Vec3> shift;        ///< m, of ProjectionMove
-    Column<Real> air;          ///< what is missing of a full neighbourhood's sum of -2 V W'/r near a free surface [1/m^2]
+    LinearSums whole;               ///< of the kernel
+    LinearSums viscous;             ///< of the SharpKernel for particles inside, of the kernel of one_sided_support for others
+    std::vector<char> inside;       ///< neither beside a wall nor near a free surface, where one-sided sums would be worse for it
+    Column<Vec3> spread;            ///< sum V [1 + 0.2 (W/W(d))^4] W'/r r over fluid and solids [1/m]
+    Column<Vec3> inward;            ///< sum V W'/r r over fluid and solids [1/m]: into the fluid, at a free surface
+    Column<Real> gate;              ///< weight of the solids
+    Column<Vec3> shift;             ///< m, of ProjectionMove
+    Column<Real> surface_pressure;  ///< of a free surface, near it [Pa]; empty: 0
+    Column<Vec3> surface_normal;    ///< outwards, where there is a surface_pressure
+    Column<Real> air;               ///< what is missing of a full neighbourhood's sum of -2 V W'/r near a free surface [1/m^2]
     std::vector<char> surface, near_surface;
     std::vector<std::size_t> first_touch;  ///< n + 1, into touches
     std::vector<WallTouch> touches;
     bool any_walls = false;
 
     Index size() const { return static_cast<Index>(inside.size()); }
+    Real pressure_outside(Index i) const { return surface_pressure.empty() ? Real(0) : surface_pressure[i]; }
+    /// m/s^2: a stronger grad p/rho is an impact's, and must not be done again in the next step.
+    Real most_carried(const StepContext& step) const {
+        return options.free_surface ? Real(0.04) * step.spacing / (step.dt * step.dt) : std::numeric_limits<Real>::infinity();
+    }
+    /// 1/s: how fast the shortest waves of a free surface are, by weight and surface tension.
+    Real shortest_waves(const StepContext& step) const {
+        const Real d = step.spacing;
+        return std::sqrt(step.gravity.norm() / d + static_cast<Real>(options.tension) / (step.rest_density * d * d * d));
+    }
     /// Calls f(touch) for the walls around i.
     template <class F>
     void walls_of(Index i, F&& f) const {
@@ -238,6 +255,13 @@ Vec3 carried(const Kernel& W, const LinearSums& sums, const FluidPairs& pairs, I
     const Mat3 G = of_f.gradient * sums.correction[i];
     return G * move + move.squaredNorm() / std::max(sums.trace[i], Real(0.1)) * (of_f.laplacian - G * sums.imbalance[i]);
 }
+
+/// u -= dt g, g = grad p/rho of the last step, before an implicit viscosity: the viscosity then resists strain alone. Of what the pressure
+/// does anyway, as to keep a body together that turns, it would else take the first part. Projection gives the rest of g back.
+struct ExpectPressure {
+    std::shared_ptr<ProjectionSystem> system;
+    void operator()(const StepContext& step, Read<field::role> role, Read<field::pressure_acceleration> a, Update<field::velocity> u) const;
+};
 
 /// x* = x + dt u: the projection takes the step's forces where the particles come to.
 struct ProjectionDrift {

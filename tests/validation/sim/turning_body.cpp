@@ -33,6 +33,7 @@ spacing = )toml" + std::to_string(spacing) +
 }
 
 const char* const coupled = "[models]\npressure = \"coupled\"\n";
+const char* const projection = "[models]\npressure = \"ppe\"\nviscosity = \"full\"\n[pressure]\nform = \"projection\"\n";
 const char* const full = "[models]\npressure = \"ppe\"\nviscosity = \"full\"\n";
 
 struct Motion {
@@ -93,10 +94,15 @@ TEST_CASE("a free cylinder of 700 Pa s that turns keeps 0.995 of its energy with
     keeps_its_energy(full, 0.985, 5e-3);
 }
 
+TEST_CASE("under the projection the cylinder keeps 0.995 of its energy, and its angular momentum", "[validation][projection]") {
+    keeps_its_energy(projection, 0.995, 5e-3);
+}
+
 TEST_CASE("the same with half and a quarter of the step", "[validation][coupled][pressure][viscosity][long]") {
     for (const double step : {2.5e-3, 1.25e-3}) {
         keeps_its_energy(coupled, 0.995, step);
         keeps_its_energy(full, 0.985, step);
+        keeps_its_energy(projection, 0.995, step);
     }
 }
 
