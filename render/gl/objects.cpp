@@ -14,8 +14,8 @@ GLuint made(void (*generate)(GLsizei, GLuint*)) {
     return id;
 }
 
-GLuint compiled(GLenum stage, std::initializer_list<const char*> files) {
-    std::string source = "#version 330 core\n", names;
+GLuint compiled(GLenum stage, const std::vector<const char*>& files, const std::string& constants) {
+    std::string source = "#version 330 core\n" + constants, names;
     for (const char* file : files) {
         source += shader_source(file) + "\n";
         names += std::string(" ") + file;
@@ -78,9 +78,9 @@ Framebuffer framebuffer(std::initializer_list<GLuint> colours, GLuint depth) {
     return target;
 }
 
-Program::Program(std::initializer_list<const char*> vertex_files, std::initializer_list<const char*> fragment_files)
+Program::Program(const std::vector<const char*>& vertex_files, const std::vector<const char*>& fragment_files, const std::string& constants)
     : name_(glCreateProgram()) {
-    for (const GLuint shader : {compiled(GL_VERTEX_SHADER, vertex_files), compiled(GL_FRAGMENT_SHADER, fragment_files)}) {
+    for (const GLuint shader : {compiled(GL_VERTEX_SHADER, vertex_files, ""), compiled(GL_FRAGMENT_SHADER, fragment_files, constants)}) {
         glAttachShader(name_.id(), shader);
         glDeleteShader(shader);
     }

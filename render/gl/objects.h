@@ -55,7 +55,9 @@ class Program {
 public:
     /// Each stage is made of embedded files, put together in order after the #version line.
     /// @throws std::logic_error with the compiler's words
-    Program(std::initializer_list<const char*> vertex_files, std::initializer_list<const char*> fragment_files);
+    /// @param constants declarations that stand before the files
+    Program(const std::vector<const char*>& vertex_files, const std::vector<const char*>& fragment_files,
+            const std::string& constants = "");
     void use() const { glUseProgram(name_.id()); }
     void set(const char* uniform, int value);
     void set(const char* uniform, float value);
@@ -72,6 +74,21 @@ private:
     GLint location(const char* uniform);
     Name<delete_program> name_;
     std::map<std::string, GLint> locations_;
+};
+
+/// A program in several versions, each with constants of its own and compiled when it is first asked for. The software driver runs both
+/// sides of a branch, whatever its condition; what is behind a constant it leaves out.
+class Programs {
+public:
+    Programs(std::vector<const char*> vertex_files, std::vector<const char*> fragment_files)
+        : vertex_files_(std::move(vertex_files)), fragment_files_(std::move(fragment_files)) {}
+    Program& with(const std::string& constants) {
+        return made_.try_emplace(constants, vertex_files_, fragment_files_, constants).first->second;
+    }
+
+private:
+    std::vector<const char*> vertex_files_, fragment_files_;
+    std::map<std::string, Program> made_;
 };
 
 /// Triangles or points on the device. Attribute i has components[i] floats a vertex.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "render/flow/cloud.h"
 #include "render/flow/flow_grid.h"
@@ -43,6 +44,8 @@ struct Shot {
     bool has_age = false;    ///< of the fluid's surface
     bool has_crust = false;  ///< whose plates are known
     std::vector<HotPatch> patches;
+    std::set<Pattern> patterns;  ///< of the solids
+    std::string constants;       ///< that the programs are compiled with
 
     /// The surface moves while the shutter is open, its distance field does not.
     bool keeps_motion() const { return view.open > 0 && material.refracts; }
@@ -94,18 +97,18 @@ struct Renderer::Device {
 
     gl::Program fluid_normal{{"mesh.vert"}, {"normal.frag"}};
     gl::Program solid_depth{{"mesh.vert"}, {"depth.frag"}};
-    gl::Program solid_colour{
+    gl::Programs solid_colour{
         {"mesh.vert"},
         {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "shadow.glsl", "hot.glsl", "solid.frag"}};
-    gl::Program liquid{{"screen.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "inks.glsl", "liquid.frag"}};
-    gl::Program opaque{{"screen.vert"},
-                       {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "inks.glsl", "crust.glsl", "opaque.frag"}};
+    gl::Programs liquid{{"screen.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "inks.glsl", "liquid.frag"}};
+    gl::Programs opaque{{"screen.vert"},
+                        {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "inks.glsl", "crust.glsl", "opaque.frag"}};
     gl::Program particles{{"particles.vert"}, {"particles.frag"}};
     gl::Program trail{{"trail.vert"}, {"trail.frag"}};
     gl::Program slice_colour{{"slice.vert"}, {"slice.frag"}};
     gl::Program volume{{"screen.vert"}, {"volume.frag"}};
-    gl::Program glass_walls{{"mesh.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "glass.frag"}};
-    gl::Program compose{{"screen.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "compose.frag"}};
+    gl::Programs glass_walls{{"mesh.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "glass.frag"}};
+    gl::Programs compose{{"screen.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "compose.frag"}};
 
     gl::Texture depth = gl::texture_2d(GL_DEPTH_COMPONENT32F, width, height, false);
     gl::Texture solid = gl::texture_2d(GL_RGBA16F, width, height, false);
@@ -168,7 +171,10 @@ Image Renderer::Device::draw(const Frame& frame, const Surface& surface, const L
               aspect,
               !surface.age.empty(),
               !surface.crust.empty() && !shows_field(look),
-              {}};
+              {},
+              {},
+              surround.constants(look) + "const bool draws_behind = " + (view.blurs() ? "true" : "false") + ";\n"};
+    for (const FrameSolid& s : frame.solids) shot.patterns.insert(solid_material(s.material).pattern);
     if (!shows_field(look)) shot.patches = hot_patches(surface, shot.material);
     scene.go_to(0);
     glBindVertexArray(no_vertices);
@@ -249,20 +255,24 @@ void Renderer::Device::draw_solids(const Shot& shot, const Eigen::Matrix4f& matr
     scene.draw_solids(solid_depth, false, [](const FrameSolid&) {});
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glDepthFunc(GL_LEQUAL);
-    set_studio(solid_colour, shot);
-    ground_light.bind_shadow(solid_colour, shadow_unit);
-    bind_patches(solid_colour, shot.patches);
-    field.bind(solid_colour, field_unit);
-    solid_field.bind(solid_colour, solid_unit);
-    solid_colour.set("view_projection", matrix);
-    scene.draw_solids(solid_colour, false, [&](const FrameSolid& s) {
-        const SolidMaterial material = solid_material(s.material);
-        solid_colour.set("solid_colour", material.colour);
-        solid_colour.set("metal", material.metal);
-        solid_colour.set("pattern", static_cast<int>(material.pattern));
-        solid_colour.set("roughness", material.roughness);
-        solid_colour.set("box_softness", material.roughness);
-    });
+    for (const Pattern pattern : shot.patterns) {
+        gl::Program& program =
+            solid_colour.with(shot.constants + "const int pattern = " + std::to_string(static_cast<int>(pattern)) + ";\n");
+        set_studio(program, shot);
+        ground_light.bind_shadow(program, shadow_unit);
+        bind_patches(program, shot.patches);
+        field.bind(program, field_unit);
+        solid_field.bind(program, solid_unit);
+        program.set("view_projection", matrix);
+        const auto prepare = [&](const FrameSolid& s) {
+            const SolidMaterial material = solid_material(s.material);
+            program.set("solid_colour", material.colour);
+            program.set("metal", material.metal);
+            program.set("roughness", material.roughness);
+            program.set("box_softness", material.roughness);
+        };
+        scene.draw_solids(program, false, prepare, [&](const FrameSolid& s) { return solid_material(s.material).pattern == pattern; });
+    }
     glDepthFunc(GL_LESS);
 }
 
@@ -367,7 +377,7 @@ void Renderer::Device::shade_volume(const Shot& shot, const Eigen::Matrix4f& mat
 
 void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matrix, float weight) {
     const Material& material = shot.material;
-    gl::Program& program = material.refracts && !field.empty() ? liquid : opaque;
+    gl::Program& program = (material.refracts && !field.empty() ? liquid : opaque).with(shot.constants);
     set_studio(program, shot);
     field.bind(program, field_unit);
     inks.bind(program, ink_unit, field.voxel());
@@ -377,7 +387,6 @@ void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matr
     program.texture("crust_buffer", 3, GL_TEXTURE_2D, crust.id());
     program.texture("motion_buffer", 3, GL_TEXTURE_2D, crust.id());
     program.set("has_motion", shot.keeps_motion() ? 1 : 0);
-    program.set("draws_behind", shot.view.blurs() ? 1 : 0);
     program.set("has_crust", shot.has_crust && material.cooling > 0 ? 1 : 0);
     program.set("to_world", Eigen::Matrix4f(matrix.inverse()));
     program.set("to_clip", matrix);
@@ -400,24 +409,26 @@ void Renderer::Device::draw_glass(const Shot& shot, const Eigen::Matrix4f& matri
     glBindFramebuffer(GL_FRAMEBUFFER, glass_target.id());
     glEnable(GL_DEPTH_TEST);
     glDepthMask(GL_FALSE);
-    set_studio(glass_walls, shot);
-    glass_walls.set("view_projection", matrix);
-    glass_walls.set("weight", weight);
-    glass_walls.set("box_softness", 0.05f);
-    scene.draw_solids(glass_walls, true, [](const FrameSolid&) {});
+    gl::Program& program = glass_walls.with(shot.constants);
+    set_studio(program, shot);
+    program.set("view_projection", matrix);
+    program.set("weight", weight);
+    program.set("box_softness", 0.05f);
+    scene.draw_solids(program, true, [](const FrameSolid&) {});
     glDepthMask(GL_TRUE);
     glDisable(GL_DEPTH_TEST);
 }
 
 void Renderer::Device::compose_picture(const Shot& shot) {
     glBindFramebuffer(GL_FRAMEBUFFER, output.id());
-    set_studio(compose, shot);
-    compose.texture("samples", 0, GL_TEXTURE_2D, sum.id());
-    compose.texture("glass", 1, GL_TEXTURE_2D, glass.id());
-    compose.set("has_glass", scene.any_containers() ? 1 : 0);
-    compose.set("to_world", Eigen::Matrix4f(shot.camera.inverse()));
-    compose.set("exposure", shot.look.exposure);
-    compose.set("aspect", shot.aspect);
+    gl::Program& program = compose.with(shot.constants);
+    set_studio(program, shot);
+    program.texture("samples", 0, GL_TEXTURE_2D, sum.id());
+    program.texture("glass", 1, GL_TEXTURE_2D, glass.id());
+    program.set("has_glass", scene.any_containers() ? 1 : 0);
+    program.set("to_world", Eigen::Matrix4f(shot.camera.inverse()));
+    program.set("exposure", shot.look.exposure);
+    program.set("aspect", shot.aspect);
     cover_screen();
 }
 

@@ -144,8 +144,10 @@ void SceneGeometry::draw_fluid(gl::Program& program) const {
     if (shape_ == Shape::surface) fluid_.draw(GL_TRIANGLES);  // slices and clouds throw no shadow
 }
 
-void SceneGeometry::draw_solids(gl::Program& program, bool containers, const std::function<void(const FrameSolid&)>& prepare) const {
+void SceneGeometry::draw_solids(gl::Program& program, bool containers, const std::function<void(const FrameSolid&)>& prepare,
+                                const std::function<bool(const FrameSolid&)>& wanted) const {
     for (const auto& [solid, vertices] : containers ? containers_ : solids_) {
+        if (wanted && !wanted(solid)) continue;
         const auto [rotation, translation] = pose_after(solid, moment_);
         program.set("rotation", rotation);
         program.set("translation", translation);

@@ -31,8 +31,9 @@ public:
     bool are_particles() const { return shape_ == Shape::particles; }
     void draw_trails() const { trails_.draw(GL_TRIANGLES); }
     void draw_slice() const { slice_.draw(GL_TRIANGLES); }
-    /// `prepare` sets what the program wants to know of each solid.
-    void draw_solids(gl::Program& program, bool containers, const std::function<void(const FrameSolid&)>& prepare) const;
+    /// `prepare` sets what the program wants to know of each solid that is `wanted`.
+    void draw_solids(gl::Program& program, bool containers, const std::function<void(const FrameSolid&)>& prepare,
+                     const std::function<bool(const FrameSolid&)>& wanted = {}) const;
     bool any_solids() const { return !solids_.empty(); }
     bool any_containers() const { return !containers_.empty(); }
     const Bounds& fluid_bounds() const { return fluid_bounds_; }

@@ -59,6 +59,11 @@ Vec3f Surround::shadow_lamp(const View& view) const {
     return file_.empty() ? Vec3f(studio_axes(view).transpose() * shadow_light()) : brightest_side(light_);
 }
 
+std::string Surround::constants(const LookOptions& look) const {
+    return "const int table = " + std::to_string(static_cast<int>(table_material(look.table).pattern)) +
+           ";\nconst bool has_environment = " + (file_.empty() ? "false" : "true") + ";\n";
+}
+
 void Surround::bind(gl::Program& program, const LookOptions& look, const View& view, float ground, int height, int unit) const {
     const Studio light = studio(look);
     program.set("studio", studio_axes(view));
@@ -75,13 +80,11 @@ void Surround::bind(gl::Program& program, const LookOptions& look, const View& v
     program.set("eye", view.position);
     program.set("pixel_angle", 2 * std::tan(view.fov * std::numbers::pi_v<float> / 360) / static_cast<float>(height));
     const SolidMaterial table = table_material(look.table);
-    program.set("table", static_cast<int>(table.pattern));
     program.set("table_colour", table.colour);
     program.set("table_roughness", table.roughness);
     std::vector<Eigen::Vector4f> terms;
     for (const Vec3f& c : light_) terms.emplace_back(round_share * c.x(), round_share * c.y(), round_share * c.z(), 0);
     program.set("environment_light", terms);
-    program.set("has_environment", file_.empty() ? 0 : 1);
     program.texture("lattice_noise", unit, GL_TEXTURE_3D, noise_.id());
     program.texture("environment_map", unit + 1, GL_TEXTURE_2D, picture_.id());
 }

@@ -18,6 +18,8 @@ public:
     Studio studio(const LookOptions& look) const;
     /// Towards the lamp that throws the shadow, unit, in the world's axes.
     Vec3f shadow_lamp(const View& view) const;
+    /// That the shaders of studio.glsl and table.glsl are compiled with.
+    std::string constants(const LookOptions& look) const;
     /// Sets the uniforms of studio.glsl, textures.glsl and table.glsl but those of the ground's light; takes two texture units from `unit`
     /// on.
     /// @param ground its height [m] @param height of the picture [pixels]

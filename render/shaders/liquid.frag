@@ -6,7 +6,7 @@ uniform sampler2D solid_buffer;
 uniform mat4 to_world;       // clip -> world
 uniform mat4 to_clip;
 uniform float weight;        // of this sample in the pixel
-uniform bool draws_behind;   // every sample sees what stands behind from a place of its own
+// constant: bool draws_behind: every sample sees what stands behind from a place of its own
 uniform bool has_solids;
 uniform bool has_motion;     // of the surface since the moment of the distance field
 uniform sampler2D motion_buffer;

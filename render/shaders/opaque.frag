@@ -5,7 +5,7 @@ uniform sampler2D normal_buffer;
 uniform sampler2D solid_buffer;
 uniform mat4 to_world;       // clip -> world
 uniform float weight;        // of this sample in the pixel
-uniform bool draws_behind;   // every sample sees what stands behind from a place of its own
+// constant: bool draws_behind: every sample sees what stands behind from a place of its own
 uniform bool has_field;
 uniform vec3 body_colour;
 uniform float roughness;

@@ -6,7 +6,7 @@ in vec3 own_normal;
 uniform vec3 solid_colour;
 uniform float metal;
 uniform float roughness;
-uniform int pattern;   // texture_of()
+// constant: int pattern, texture_of()
 uniform bool has_field;
 layout(location = 0) out vec4 solid;
 layout(location = 1) out vec4 normal;

@@ -16,7 +16,7 @@ uniform vec3 sky;            // light that falls on a body from all round
 uniform vec3 key_colour;     // light of the shadow's lamp on a white surface that faces it
 
 // A picture of what stands all round, where the scene has one instead of the studio's boxes.
-uniform bool has_environment;
+// constant: bool has_environment
 uniform sampler2D environment_map;   // from above down, the middle towards -z; averages over ever wider squares
 uniform vec4 environment_light[9];   // irradiance over pi, in spherical harmonics
 

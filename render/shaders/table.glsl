@@ -1,5 +1,5 @@
 // The ground, where it is a table and not the backdrop's paper.
-uniform int table;             // texture_of(); -1: the backdrop
+// constant: int table                texture_of(); -1: the backdrop
 uniform vec3 table_colour;
 uniform float table_roughness;
 uniform float pixel_angle;     // of a pixel
