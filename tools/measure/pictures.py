@@ -72,6 +72,7 @@ def films(m):
             rows[scene] = {"scene": scene, "quality": quality, "minutes": f"{minutes:.2f}"}
             m.write_csv(file, columns, [rows[name] for name in gallery_scenes if name in rows])
     cells = [film(m, scene, rows.get(scene)) for scene in gallery_scenes]
+    cells += [""] * (len(cells) % 2)
     return markdown(" | ", zip(cells[::2], cells[1::2]))
 
 
