@@ -103,7 +103,7 @@ private:
         too_far(name, e.min, e.max);
         const double thinnest = (e.max - e.min).head(plan_.dimensions()).minCoeff();
         if (thinnest < 0.999 * plan_.spacing) too_coarse(name, thinnest);
-        else if (part_inside_solids(shapes_, i, plan_.spacing) == 1)
+        else if (part_inside_solids(shapes_, i, 0.45 * plan_.spacing) == 1)
             report(name, name + " lies wholly inside solids", "move it or the solid");
         const Vec3d middle = 0.5 * (e.min + e.max);
         for (const Vec3d& x : {middle, e.min, e.max}) {
@@ -219,7 +219,7 @@ private:
 
 }  // namespace
 
-double part_inside_solids(const SceneShapes& shapes, std::size_t block, double spacing) {
+double part_inside_solids(const SceneShapes& shapes, std::size_t block, double margin) {
     const Shape& shape = *shapes.blocks[block];
     const Extent& e = shapes.block_extent[block];
     constexpr int points = 17;  // an axis
@@ -232,7 +232,7 @@ double part_inside_solids(const SceneShapes& shapes, std::size_t block, double s
                 if (shape.distance(x) > 0) continue;
                 ++all;
                 Real distance = 0;
-                if (shapes.solids.nearest(x, distance) >= 0 && distance < Real(0.45 * spacing)) ++inside;
+                if (shapes.solids.nearest(x, distance) >= 0 && distance < static_cast<Real>(margin)) ++inside;
             }
     return all > 0 ? static_cast<double>(inside) / all : 0;
 }

@@ -325,7 +325,7 @@ private:
 
     void warn_of_placement() {
         for (std::size_t i = 0; i < scene_.blocks.size(); ++i)
-            if (const double part = part_inside_solids(shapes_, i, d_); part > 0.1)
+            if (const double part = part_inside_solids(shapes_, i, 0); part > 0.1)
                 add_warning(fmt::format("{:.0f} % of block[{}] lies inside solids and is left out", 100 * part, i));
         for (std::size_t i = 0; i < scene_.emitters.size(); ++i)
             if (emitted_volume(scene_.emitters[i], scene_.time.end, scene_.domain.dimensions) == 0)

@@ -175,6 +175,15 @@ TEST_CASE("few particles across the opening are a warning", "[plan]") {
     CHECK(plan.warnings[0] == "only 2.5 particles across emitter[0]: details there are lost, take a smaller fluid.spacing");
 }
 
+TEST_CASE("a block that reaches into a solid is a warning, one that stands on it or fills its container is not", "[plan]") {
+    const auto warnings = [](const std::string& block) { return plan_with({"block[0]={shape=\"box\", " + block + "}"}).warnings; };
+    CHECK(warnings("min=[-0.004,0,-0.004], max=[0.004,0.01,0.004]")
+              .empty());  // a layer of a fifth is nearer to the plane than half a spacing
+    const auto found = warnings("min=[-0.02,-0.005,-0.02], max=[0.02,0.005,0.02]");
+    REQUIRE(found.size() == 1);
+    CHECK(found[0].find("% of block[0] lies inside solids and is left out") != std::string::npos);
+}
+
 TEST_CASE("impossible scenes are told with place and hint", "[plan]") {
     const std::string domain = "; the domain goes from (-0.1, -0.01, -0.1) to (0.1, 0.1, 0.1)";
     CHECK(messages_with({"emitter[0].position=[0,0.2,0]"}) ==
