@@ -3,7 +3,7 @@ import re
 
 from . import drawing
 from .registry import markdown, table, write_file
-from .runs import number, read_rows
+from .runs import number, read_rows, root
 
 
 @table("picture_honey_coil", "the README's first picture: frame 80 of honey_coil", "1 minute", files="docs/pictures/honey_coil.png",
@@ -49,11 +49,13 @@ gallery_scenes = {
 @table("gallery", "a finished moment of every scene", "1 to 4 minutes a scene", files="docs/pictures/gallery", section=False)
 def gallery(m):
     for scene, (_, time, quality) in gallery_scenes.items():
-        if m.wanted(scene):  # two pictures: the start, and the moment
-            run = m.render(scene, f"gallery/{scene}", f"time.fps={1 / time:.9g}", "time.slow_motion=1", "look.samples=4", threads=2,
+        if m.wanted(scene):  # two pictures: the start, and the moment; under a chart as many as its curves need
+            charted = "\nchart = " in (root / f"scenes/{scene}.toml").read_text(encoding="utf-8")
+            pictures = 24 if charted else 1
+            run = m.render(scene, f"gallery/{scene}", f"time.fps={pictures / time:.9g}", "time.slow_motion=1", "look.samples=4", threads=2,
                            images=True, options=["--until", f"{1.0001 * time:g}", "--quality", quality, "--size", "1920x1080",
                                                  "--no-video"])
-            drawing.picture(m, f"docs/pictures/gallery/{scene}.jpg", [run.folder / "frames/000002.png"], 960, ["-q:v", "3"])
+            drawing.picture(m, f"docs/pictures/gallery/{scene}.jpg", [run.folder / f"frames/{pictures + 1:06}.png"], 960, ["-q:v", "3"])
 
 
 # Films keep both cores busy: half of their processor time is what they take, however busy the machine is that measures them.
