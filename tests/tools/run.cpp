@@ -211,6 +211,7 @@ max = [0.12, 0.12, 0.12]
 spacing = 0.0125
 [models]
 pressure = "ppe"
+viscosity = "xsph"
 [pressure]
 form = "constraint"
 [[block]]

@@ -47,7 +47,7 @@ TEST_CASE("under half a sky a surface gets what it sees of it: all, half or noth
     CHECK(brightest_side(light).y() > 0.5f);  // at least 35 degrees above the horizon
 }
 
-TEST_CASE("a Radiance picture is read in linear light; a missing one and one of another kind are refused by name", "[look]") {
+TEST_CASE("a Radiance picture is read in linear light, a missing one and one of another kind are refused by name", "[look]") {
     const test::ScratchFolder folder;
     {
         std::ofstream out(folder / "two.hdr", std::ios::binary);
