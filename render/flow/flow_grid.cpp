@@ -72,7 +72,8 @@ Bins binned(const FlowGrid& grid, const std::vector<Vec3f>& position) {
 
 }  // namespace
 
-FlowGrid flow_grid(const Frame& frame, const std::vector<Eigen::Vector4f>& value, std::size_t most_nodes, float cell_in_spacings) {
+FlowGrid flow_grid(const Frame& frame, const std::vector<Vec3f>& along, const std::vector<Eigen::Vector4f>& value, std::size_t most_nodes,
+                   float cell_in_spacings) {
     // full: sum of the weights in a full lattice, 4 pi (1/3 - 2/5 + 1/7) 1.5^3; in the plane pi/3 1.5^2.
     constexpr float reach_in_spacings = 1.5f;
     const float full = frame.dimensions == 2 ? 2.36f : 3.2f;
@@ -82,7 +83,7 @@ FlowGrid flow_grid(const Frame& frame, const std::vector<Eigen::Vector4f>& value
     const float lattice = full * std::pow(h / (reach_in_spacings * frame.spacing), static_cast<float>(frame.dimensions));
     const Bins bins = binned(grid, frame.position);
     const std::size_t nodes = bins.start.size() - 1;
-    grid.velocity.assign(nodes, Vec3f::Zero());
+    grid.along.assign(nodes, Vec3f::Zero());
     if (!value.empty()) grid.value.assign(nodes, Eigen::Vector4f::Zero());
     grid.cover.assign(nodes, 0);
     int reach[3];
@@ -97,7 +98,7 @@ FlowGrid flow_grid(const Frame& frame, const std::vector<Eigen::Vector4f>& value
         const Vec3f period = grid.extent();
         float weight = 0;
         Eigen::Vector4f values = Eigen::Vector4f::Zero();
-        Vec3f velocities = Vec3f::Zero();
+        Vec3f ways = Vec3f::Zero();
         for (int dk = -reach[2]; dk <= reach[2]; ++dk)
             for (int dj = -reach[1]; dj <= reach[1]; ++dj)
                 for (int di = -reach[0]; di <= reach[0]; ++di) {
@@ -113,21 +114,19 @@ FlowGrid flow_grid(const Frame& frame, const std::vector<Eigen::Vector4f>& value
                         if (q <= 0) continue;
                         const float w = q * q;
                         weight += w;
-                        velocities += w * frame.velocity[p];
+                        ways += w * along[p];
                         if (!value.empty()) values += w * value[p];
                     }
                 }
         if (weight <= 0) return;
-        grid.velocity[node] = velocities / weight;
+        grid.along[node] = ways / weight;
         if (!value.empty()) grid.value[node] = values / weight;
         grid.cover[node] = std::min(1.0f, weight / lattice);
     });
     return grid;
 }
 
-FlowGrid::Sample FlowGrid::at(const Vec3f& x) const {
-    Sample sample;
-    if (empty()) return sample;
+FlowGrid::Corners FlowGrid::corners(const Vec3f& x) const {
     int low[3], high[3];
     float share[3];
     for (int a = 0; a < 3; ++a) {
@@ -136,7 +135,7 @@ FlowGrid::Sample FlowGrid::at(const Vec3f& x) const {
         low[a] = on_axis(*this, a, static_cast<int>(floor));
         high[a] = on_axis(*this, a, static_cast<int>(floor) + 1);
     }
-    float weights = 0;
+    Corners corners{};
     for (int corner = 0; corner < 8; ++corner) {
         float w = 1;
         int c[3];
@@ -145,15 +144,29 @@ FlowGrid::Sample FlowGrid::at(const Vec3f& x) const {
             c[a] = upper ? high[a] : low[a];
             w *= upper ? share[a] : 1 - share[a];
         }
-        if (c[0] < 0 || c[1] < 0 || c[2] < 0 || w <= 0) continue;
-        const std::size_t m = index(c[0], c[1], c[2]);
+        const bool stands = c[0] >= 0 && c[1] >= 0 && c[2] >= 0 && w > 0;
+        corners.node[corner] = stands ? static_cast<std::int64_t>(index(c[0], c[1], c[2])) : -1;
+        corners.weight[corner] = w;
+    }
+    return corners;
+}
+
+FlowGrid::Sample FlowGrid::at(const Vec3f& x) const {
+    Sample sample;
+    if (empty()) return sample;
+    const Corners near = corners(x);
+    float weights = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+        const std::int64_t m = near.node[corner];
+        if (m < 0) continue;
+        const float w = near.weight[corner];
         sample.cover += w * cover[m];
-        if (cover[m] <= 0) continue;  // has no velocity and no value to tell
+        if (cover[m] <= 0) continue;  // has nothing to tell
         weights += w;
-        sample.velocity += w * velocity[m];
+        sample.along += w * along[m];
         if (!value.empty()) sample.value += w * value[m];
     }
-    if (weights > 0) sample.velocity /= weights, sample.value /= weights;
+    if (weights > 0) sample.along /= weights, sample.value /= weights;
     return sample;
 }
 

@@ -23,8 +23,8 @@ Trails trails(const Frame& frame, const std::vector<Vec3f>& colour, const FlowGr
         Vec3f way[pieces + 1];
         way[0] = frame.position[p];
         for (int k = 0; k < pieces; ++k) {
-            const Vec3f first = k == 0 ? frame.velocity[p] : grid.at(way[k]).velocity;
-            way[k + 1] = way[k] - step * grid.at(way[k] - 0.5f * step * first).velocity;
+            const Vec3f first = k == 0 ? frame.velocity[p] : grid.at(way[k]).along;
+            way[k + 1] = way[k] - step * grid.at(way[k] - 0.5f * step * first).along;
         }
         for (int k = 0; k <= pieces; ++k) {
             const Vec3f along = way[std::max(0, k - 1)] - way[std::min(pieces, k + 1)];

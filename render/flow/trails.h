@@ -11,8 +11,8 @@ struct Trails {
     std::vector<std::uint32_t> index;
 };
 
-/// Each particle's way back over `seconds` through the flow of the grid (midpoint rule), in pieces. A moment's flow, not the particle's
-/// history: a resumed film draws the same, and in steady vortices both are the same. @param width at the particle [m]
+/// Each particle's way back over `seconds` through the grid's flow, its velocity (midpoint rule), in pieces. A moment's flow, not the
+/// particle's history: a resumed film draws the same, and in steady vortices both are the same. @param width at the particle [m]
 Trails trails(const Frame& frame, const std::vector<Vec3f>& colour, const FlowGrid& grid, float seconds, float width, const Vec3f& eye);
 
 }  // namespace whorl

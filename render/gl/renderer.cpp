@@ -6,13 +6,10 @@
 #include <numbers>
 #include <set>
 
-#include "render/flow/cloud.h"
-#include "render/flow/flow_grid.h"
 #include "render/flow/plate.h"
-#include "render/flow/slice.h"
-#include "render/flow/trails.h"
 #include "render/gl/context.h"
 #include "render/gl/field_texture.h"
+#include "render/gl/flow_shapes.h"
 #include "render/gl/ground_light.h"
 #include "render/gl/hot_patches.h"
 #include "render/gl/ink_field.h"
@@ -78,12 +75,6 @@ struct Renderer::Device {
     void draw_sample(const Shot& shot, int sample);
     void draw_from(const Shot& shot, int sample);
     void draw_solids(const Shot& shot, const Eigen::Matrix4f& matrix);
-    void draw_particles(const Shot& shot, const Eigen::Matrix4f& matrix);
-    void draw_slice(const Shot& shot, const Eigen::Matrix4f& matrix);
-    void fill_field(const Frame& frame, const LookOptions& look, const View& view, const std::array<float, 2>& range);
-    void fill_slice(const FlowSlice& slice);
-    void fill_cloud(const FlowGrid& grid, const LookOptions& look, const View& view);
-    void shade_volume(const Shot& shot, const Eigen::Matrix4f& matrix, int sample, int samples);
     void draw_fluid(const Shot& shot, const Eigen::Matrix4f& matrix);
     void shade_fluid(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
     void draw_glass(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
@@ -103,10 +94,6 @@ struct Renderer::Device {
     gl::Programs liquid{{"screen.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "inks.glsl", "liquid.frag"}};
     gl::Programs opaque{{"screen.vert"},
                         {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "inks.glsl", "crust.glsl", "opaque.frag"}};
-    gl::Program particles{{"particles.vert"}, {"particles.frag"}};
-    gl::Program trail{{"trail.vert"}, {"trail.frag"}};
-    gl::Program slice_colour{{"slice.vert"}, {"slice.frag"}};
-    gl::Program volume{{"screen.vert"}, {"volume.frag"}};
     gl::Programs glass_walls{{"mesh.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "glass.frag"}};
     gl::Programs compose{{"screen.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "compose.frag"}};
 
@@ -115,11 +102,6 @@ struct Renderer::Device {
     gl::Texture normal = gl::texture_2d(GL_RGBA16F, width, height, false);
     gl::Texture sum = gl::texture_2d(GL_RGBA16F, width, height, false);
     gl::Texture glass = gl::texture_2d(GL_RGBA16F, width, height, false);
-    gl::Texture slice, cloud_light, cloud_blocks;  // of the flow
-    int slice_width = 0, slice_height = 0;
-    Bounds cloud_box;
-    Vec3f cloud_cell = Vec3f::Ones();  // m
-    float cloud_thickness = 0;         // optical depth of a metre of density 1
     gl::Texture picture = gl::texture_2d(GL_RGBA8, width, height, false);
     gl::Framebuffer geometry = gl::framebuffer({solid.id(), normal.id()}, depth.id());
     gl::Texture crust;  // or motion of the surface; made with the first fluid that needs it
@@ -131,6 +113,7 @@ struct Renderer::Device {
     SceneGeometry scene;
     FieldTexture field;
     SolidField solid_field;
+    FlowShapes flow;
     InkField inks;
     GroundLight ground_light{height};
     Surround surround;
@@ -154,7 +137,7 @@ Image Renderer::Device::draw(const Frame& frame, const Surface& surface, const L
     std::array<float, 2> range{0, 1};
     if (shows_field(look)) range = field_range(field_values(frame, look), look);
     if (look.style == "slice" && view.flat) return draw_plate(frame, look, range, width, height);
-    if (shows_field(look)) fill_field(frame, look, view, range);
+    if (shows_field(look)) flow.fill(scene, frame, look, view, range, std::max(width, height));
     else scene.fill(frame, surface);
     field.fill(shows_field(look) ? Volume{} : surface.distance);
     solid_field.fill(frame.solids);
@@ -230,15 +213,16 @@ void Renderer::Device::draw_from(const Shot& shot, int sample) {
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     glEnable(GL_DEPTH_TEST);
     draw_solids(shot, matrix);
-    if (shot.look.style == "particles") draw_particles(shot, matrix);
-    else if (shot.look.style == "slice") draw_slice(shot, matrix);
-    else if (!shows_field(shot.look)) draw_fluid(shot, matrix);
+    if (shows_field(shot.look))
+        flow.draw(scene, {shot.look, shot.view, shot.spacing, width, height, [&](gl::Program& program) { set_studio(program, shot); }},
+                  matrix);
+    else draw_fluid(shot, matrix);
     glDisable(GL_DEPTH_TEST);
 
     glBindFramebuffer(GL_FRAMEBUFFER, accumulate.id());
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE);
-    if (shot.look.style == "volume") shade_volume(shot, matrix, sample, samples);
+    if (shot.look.style == "volume") flow.shade_cloud(shot.look, shot.view, solid, matrix, sample, no_vertices);
     else shade_fluid(shot, matrix, 1.0f / static_cast<float>(samples));
     if (scene.any_containers()) draw_glass(shot, matrix, 1.0f / static_cast<float>(samples));
     glDisable(GL_BLEND);
@@ -285,94 +269,6 @@ void Renderer::Device::draw_fluid(const Shot& shot, const Eigen::Matrix4f& matri
     fluid_normal.set("tolerance", 0.5f * shot.spacing);
     scene.draw_fluid(fluid_normal);
     glColorMaski(0, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-}
-
-void Renderer::Device::fill_field(const Frame& frame, const LookOptions& look, const View& view, const std::array<float, 2>& range) {
-    if (look.style == "slice") {
-        const Vec3f paper = Vec3f::Constant(look.background == "dark" ? 0.02f : 0.9f);
-        const FlowSlice flow = flow_slice(frame, look, range, slice_plane(frame, look, std::max(width, height)), paper);
-        fill_slice(flow);
-        return scene.fill(frame, flow);
-    }
-    const FieldColours colours = field_colours(frame, look, range);
-    if (look.style == "particles") {
-        const bool trailing = look.trail > 0;
-        scene.fill(
-            frame, colours.colour,
-            trailing ? trails(frame, colours.colour, flow_grid(frame, {}), look.trail, 0.5f * frame.spacing, view.position) : Trails{});
-        return;
-    }
-    std::vector<Eigen::Vector4f> glow;  // colours times strengths: nothing weighs nothing in a mean
-    for (std::size_t p = 0; p < colours.colour.size(); ++p) {
-        const Vec3f& c = colours.colour[p];
-        glow.push_back(colours.strength[p] * Eigen::Vector4f(c.x(), c.y(), c.z(), 1));
-    }
-    const FlowGrid grid = flow_grid(frame, glow, 3'000'000, 0.5f);
-    scene.fill(frame, grid);
-    fill_cloud(grid, look, view);
-}
-
-void Renderer::Device::fill_cloud(const FlowGrid& grid, const LookOptions& look, const View& view) {
-    cloud_box = scene.fluid_bounds();
-    if (grid.empty()) return;
-    // So dense that a thickness of the box's least side has the wanted optical depth, four times over: the strong parts are small.
-    cloud_thickness = 4 * look.opacity / std::max((cloud_box.high - cloud_box.low).minCoeff(), 1e-9f);
-    const Studio studio = studio_of(look.background);
-    const Cloud cloud =
-        lit_cloud(grid, cloud_thickness, {studio_axes(view).transpose() * lamp_of_clouds(), 2.2f * studio.sun, 0.9f * studio.sky, 0.12f});
-    gl::fill_3d(cloud_light, grid.n[0], grid.n[1], grid.n[2], cloud.lit[0].data(), 4);
-    gl::fill_3d(cloud_blocks, cloud.blocks[0], cloud.blocks[1], cloud.blocks[2], cloud.most.data());
-    cloud_cell = grid.cell;
-}
-
-void Renderer::Device::draw_particles(const Shot& shot, const Eigen::Matrix4f& matrix) {
-    set_studio(particles, shot);
-    particles.set("view_projection", matrix);
-    particles.set("to_world", Eigen::Matrix4f(matrix.inverse()));
-    particles.set("radius", (shot.look.trail > 0 ? 0.25f : 0.5f) * shot.spacing);  // trails must show between them
-    particles.set("pixels", 0.5f * static_cast<float>(height) / std::tan(shot.view.fov * std::numbers::pi_v<float> / 360));
-    particles.set("picture_size", Eigen::Vector2f(static_cast<float>(width), static_cast<float>(height)));
-    scene.draw_fluid(particles);
-    if (shot.look.trail <= 0) return;
-    trail.use();
-    trail.set("view_projection", matrix);
-    trail.set("eye", shot.view.position);
-    scene.draw_trails();
-}
-
-void Renderer::Device::fill_slice(const FlowSlice& flow) {
-    if (flow.empty()) return;
-    if (flow.plane.width != slice_width || flow.plane.height != slice_height) {
-        slice = gl::texture_2d(GL_RGBA16F, flow.plane.width, flow.plane.height, true);
-        slice_width = flow.plane.width, slice_height = flow.plane.height;
-    }
-    glBindTexture(GL_TEXTURE_2D, slice.id());
-    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, flow.plane.width, flow.plane.height, GL_RGBA, GL_FLOAT, flow.rgba.data());
-}
-
-void Renderer::Device::draw_slice(const Shot& shot, const Eigen::Matrix4f& matrix) {
-    slice_colour.use();
-    slice_colour.texture("slice", 0, GL_TEXTURE_2D, slice.id());
-    slice_colour.set("view_projection", matrix);
-    slice_colour.set("eye", shot.view.position);
-    scene.draw_slice();
-}
-
-void Renderer::Device::shade_volume(const Shot& shot, const Eigen::Matrix4f& matrix, int sample, int samples) {
-    volume.use();
-    volume.texture("solid_buffer", 0, GL_TEXTURE_2D, solid.id());
-    volume.texture("lit", 2, GL_TEXTURE_3D, cloud_light.id());
-    volume.texture("most", 3, GL_TEXTURE_3D, cloud_blocks.id());
-    volume.set("to_world", Eigen::Matrix4f(matrix.inverse()));
-    volume.set("eye", shot.view.position);
-    volume.set("box_low", cloud_box.low);
-    volume.set("box_high", cloud_box.high);
-    volume.set("block_size", Vec3f(static_cast<float>(Cloud::block) * cloud_cell));
-    volume.set("thickness", cloud_thickness);
-    volume.set("march", cloud_cell.minCoeff());
-    volume.set("turn", static_cast<float>(sample) / static_cast<float>(samples));
-    volume.set("weight", 1.0f / static_cast<float>(samples));
-    cover_screen();
 }
 
 void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matrix, float weight) {

@@ -13,6 +13,8 @@ void fill_vertices(gl::Vertices& vertices, const TriangleMesh& mesh) {
                   mesh.triangle[0].data(), 3 * mesh.triangle.size());
 }
 
+std::pair<const float*, std::size_t> numbers(const std::vector<Vec3f>& v) { return {v.empty() ? nullptr : v[0].data(), 3 * v.size()}; }
+
 /// With what its vertices carry; 0 where they do not.
 void fill_vertices(gl::Vertices& vertices, const TriangleMesh& mesh, std::vector<float> age, std::vector<CrustPlace> crust,
                    std::vector<Vec3f> velocity) {
@@ -43,6 +45,13 @@ std::pair<Mat3f, Vec3f> pose_after(const FrameSolid& solid, float t) {
     return {Eigen::AngleAxisf(angle, phi / angle).toRotationMatrix() * solid.rotation,
             solid.translation + u + (1 - std::cos(angle)) / (angle * angle) * across +
                 (angle - std::sin(angle)) / (angle * angle * angle) * along};
+}
+
+Bounds bounds_of_particles(const Frame& frame) {
+    Bounds bounds;
+    const Vec3f radius = Vec3f::Constant(0.5f * frame.spacing);
+    for (const Vec3f& x : frame.position) bounds.add(x - radius), bounds.add(x + radius);
+    return bounds;
 }
 
 }  // namespace
@@ -90,13 +99,21 @@ void SceneGeometry::fill(const Frame& frame, const Surface& surface) {
 }
 
 void SceneGeometry::fill(const Frame& frame, const std::vector<Vec3f>& colour, const Trails& trails) {
-    const auto numbers = [](const std::vector<Vec3f>& v) { return std::pair{v.empty() ? nullptr : v[0].data(), 3 * v.size()}; };
     particles_.fill({numbers(frame.position), numbers(colour)}, nullptr, 0);
     trails_.fill({numbers(trails.position), numbers(trails.colour)}, trails.index.data(), trails.index.size());
     shape_ = Shape::particles;
     bounds_ = bounds_of(trails.position);
-    const Vec3f radius = Vec3f::Constant(0.5f * frame.spacing);
-    for (const Vec3f& x : frame.position) bounds_.add(x - radius), bounds_.add(x + radius);
+    bounds_.add(bounds_of_particles(frame));
+    fluid_bounds_ = bounds_;
+    fill_solids(frame);
+}
+
+void SceneGeometry::fill(const Frame& frame, const VortexLines& lines) {
+    lines_.fill({numbers(lines.position), numbers(lines.normal), numbers(lines.colour), {lines.light.data(), lines.light.size()}},
+                lines.index.data(), lines.index.size());
+    shape_ = Shape::lines;
+    bounds_ = bounds_of(lines.position);
+    bounds_.add(bounds_of_particles(frame));
     fluid_bounds_ = bounds_;
     fill_solids(frame);
 }
@@ -141,7 +158,7 @@ void SceneGeometry::draw_fluid(gl::Program& program) const {
     program.set("rotation", Mat3f(Mat3f::Identity()));
     program.set("translation", Vec3f(Vec3f::Zero()));
     if (shape_ == Shape::particles) particles_.draw(GL_POINTS);
-    if (shape_ == Shape::surface) fluid_.draw(GL_TRIANGLES);  // slices and clouds throw no shadow
+    if (shape_ == Shape::surface) fluid_.draw(GL_TRIANGLES);  // slices, lines and clouds throw no shadow
 }
 
 void SceneGeometry::draw_solids(gl::Program& program, bool containers, const std::function<void(const FrameSolid&)>& prepare,

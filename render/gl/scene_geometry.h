@@ -6,6 +6,7 @@
 
 #include "render/flow/slice.h"
 #include "render/flow/trails.h"
+#include "render/flow/vortex_lines.h"
 #include "render/gl/objects.h"
 #include "render/gl/setup.h"
 
@@ -22,6 +23,8 @@ public:
     void fill(const Frame& frame, const std::vector<Vec3f>& colour, const Trails& trails);
     /// The fluid as a slice.
     void fill(const Frame& frame, const FlowSlice& slice);
+    /// The fluid as lines along its vorticity. The bounds are the fluid's: they do not change as lines come and go.
+    void fill(const Frame& frame, const VortexLines& lines);
     /// The fluid as a cloud in the grid: it has bounds, but no geometry of its own.
     void fill(const Frame& frame, const FlowGrid& grid);
     /// Everything is drawn as it stands so long [s] after the frame's time: what moves goes on as it does.
@@ -30,6 +33,7 @@ public:
     void draw_fluid(gl::Program& program) const;
     bool are_particles() const { return shape_ == Shape::particles; }
     void draw_trails() const { trails_.draw(GL_TRIANGLES); }
+    void draw_lines() const { lines_.draw(GL_TRIANGLES); }
     void draw_slice() const { slice_.draw(GL_TRIANGLES); }
     /// `prepare` sets what the program wants to know of each solid that is `wanted`.
     void draw_solids(gl::Program& program, bool containers, const std::function<void(const FrameSolid&)>& prepare,
@@ -48,8 +52,8 @@ private:
     void fill_solids(const Frame& frame);
     const gl::Vertices& model(const std::shared_ptr<const TriangleMesh>& mesh);
 
-    enum class Shape { surface, particles, slice, grid };
-    gl::Vertices fluid_{{3, 3, 1, 4, 3}}, particles_{{3, 3}}, trails_{{3, 3}}, slice_{{3, 2}};
+    enum class Shape { surface, particles, lines, slice, grid };
+    gl::Vertices fluid_{{3, 3, 1, 4, 3}}, particles_{{3, 3}}, trails_{{3, 3}}, lines_{{3, 3, 3, 1}}, slice_{{3, 2}};
     Shape shape_ = Shape::surface;
     float moment_ = 0;  ///< s
     std::map<const TriangleMesh*, Model> models_;

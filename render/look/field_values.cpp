@@ -70,6 +70,7 @@ FieldColours field_colours(const Frame& frame, const LookOptions& look, const st
 
 std::vector<std::string> shown_fields(const LookOptions& look) {
     if (look.style == "slice" && look.streaks) return {look.field, "grain"};
+    if (draws_lines(look)) return {look.field, "vorticity", "grain"};
     if (shows_field(look)) return {look.field};
     if (fluid_material(look, 1).cooling > 0) return {"age", "grain", "ink"};
     return {"ink"};

@@ -66,10 +66,12 @@ KeyTable make_look_keys() {
     KeyTableOf<LookOptions> t("what the pictures show and how");
     using L = LookOptions;
     const std::string preset = "; negative: the material's";
-    const std::vector<std::string> surface{"liquid", "opaque"}, field{"particles", "slice", "volume"};
+    const std::vector<std::string> surface{"liquid", "opaque"}, field{"particles", "slice", "volume", "tubes", "ribbons"},
+        lines{"tubes", "ribbons"};
     t.key("style", &L::style, "",
-          "refracting surface, painted surface; or coloured by a field: particles, a slice through the flow, a transparent volume")
-        .one_of({"liquid", "opaque", "particles", "slice", "volume"});
+          "refracting surface, painted surface; or coloured by a field: particles, a slice through the flow, a transparent volume, "
+          "tubes or ribbons along vortex lines")
+        .one_of({"liquid", "opaque", "particles", "slice", "volume", "tubes", "ribbons"});
     t.key("material", &L::material, "", "preset that the keys below start from").one_of(material_names());
     t.key("absorption", &L::absorption, "1/m", "Beer-Lambert, red, green, blue" + preset).only_with("style", {"liquid"});
     t.key("colour", &L::colour, "", "linear red, green, blue of an opaque material" + preset).at_most(1).only_with("style", {"opaque"});
@@ -116,6 +118,17 @@ KeyTable make_look_keys() {
         .above(0)
         .at_most(100)
         .only_with("style", {"volume"});
+    t.key("lines", &L::lines, "",
+          "how many particles, spread evenly over the fluid, have a vortex line through them; it shows where the field is strong")
+        .at_least(1)
+        .at_most(100000)
+        .only_with("style", lines);
+    t.key("line_width", &L::line_width, "m", "of a tube where the field is strongest, a ribbon is 2.5 times as wide; 0: the spacing")
+        .at_least(0)
+        .only_with("style", lines);
+    t.key("line_length", &L::line_length, "m", "of a vortex line at most; 0: the domain's longest side")
+        .at_least(0)
+        .only_with("style", lines);
     t.key("title", &L::title, "", "words on every picture; of a panel: its label, unless it has a title of its own");
     t.key("legend", &L::legend, "", "draw the colour map with its numbers and unit").only_with("style", field);
     t.key("time_stamp", &L::time_stamp, "", "write the time on every picture");

@@ -17,7 +17,7 @@ struct InkColours {
 
 struct LookOptions {
     /// liquid (refracting surface) | opaque (paint, lava) | and coloured by a field: particles | slice (a plane through the flow) | volume
-    /// (a cloud)
+    /// (a cloud) | tubes | ribbons (along vortex lines)
     std::string style = "liquid";
     std::string material = "honey";        ///< preset that the keys below start from: honey | water | paint | chocolate | lava | clay
     Vec3f absorption = Vec3f(-1, -1, -1);  ///< 1/m, Beer-Lambert a colour channel (linear RGB); negative: the preset's
@@ -45,12 +45,20 @@ struct LookOptions {
     int isolines = 0;                     ///< slice: how many values have a line
     float relief = 0;                     ///< slice: 1: lit as a landscape whose range is a tenth of the longer side high
     float opacity = 1;                    ///< volume: optical depth over the fluid's mean thickness, of the strongest field
+    int lines = 400;                      ///< tubes and ribbons: so many particles have a line through them
+    float line_width = 0;                 ///< m, of a tube where the field is strongest; 0: the spacing
+    float line_length = 0;                ///< m, at most; 0: the domain's longest side
     std::string title;                    ///< what the picture shows, in words; of a panel: its label
     bool legend = false;
     bool time_stamp = false;
 };
 
+/// Whether the look draws vortex lines.
+inline bool draws_lines(const LookOptions& look) { return look.style == "tubes" || look.style == "ribbons"; }
+
 /// Whether the look colours the fluid by a field instead of drawing its surface.
-inline bool shows_field(const LookOptions& look) { return look.style == "particles" || look.style == "slice" || look.style == "volume"; }
+inline bool shows_field(const LookOptions& look) {
+    return look.style == "particles" || look.style == "slice" || look.style == "volume" || draws_lines(look);
+}
 
 }  // namespace whorl

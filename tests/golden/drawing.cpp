@@ -236,3 +236,22 @@ TEST_CASE("the Q of two linked rings as a lit volume in a dark studio, with its 
     picture.look.legend = true;
     compare(picture, "volume_q");
 }
+
+TEST_CASE("tubes and ribbons along the vorticity of two linked rings", "[golden]") {
+    Picture picture = linked_rings();
+    const auto round = [](const Vec3f& x, const Vec3f& centre, const Vec3f& axis) { return Vec3f(axis.cross(x - centre)); };
+    for (const Vec3f& x : picture.frame.position) {
+        const Vec3f a = round(x, Vec3f(-0.0125f, 0.035f, 0), Vec3f::UnitZ()), b = round(x, Vec3f(0.0125f, 0.035f, 0), Vec3f::UnitY());
+        const Vec3f& share = picture.frame.vector["ink"][picture.frame.vector["vorticity"].size()];
+        picture.frame.vector["vorticity"].push_back(share.x() * a + share.y() * b);
+        picture.frame.scalar["grain"].push_back(std::fmod(0.618034f * static_cast<float>(picture.frame.scalar["grain"].size()), 1.0f));
+    }
+    picture.look.field = "q_criterion";
+    picture.look.range = {0, 90};
+    picture.look.lines = 1000;
+    picture.look.style = "tubes";
+    compare(picture, "tubes");
+    picture.look.style = "ribbons";
+    picture.look.background = "dark";
+    compare(picture, "ribbons");
+}

@@ -169,7 +169,8 @@ TEST_CASE("bad input ends with 2, tells every mistake, and writes nothing", "[to
           "colour, refraction, "
           "roughness, cooling, background, ground, table, exposure, samples, field, colour_map, inks, range, trail, slice_axis, "
           "slice_position, "
-          "streaks, streak_time, arrows, isolines, relief, opacity, title, legend, time_stamp, environment\n");
+          "streaks, streak_time, arrows, isolines, relief, opacity, lines, line_width, line_length, title, legend, time_stamp, "
+          "environment\n");
     CHECK(whorl_in(folder, "plan no_such.toml").code == 2);
     CHECK(std::distance(fs::directory_iterator(folder), fs::directory_iterator()) == 1);
     fs::remove_all(folder);

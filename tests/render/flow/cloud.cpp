@@ -21,7 +21,7 @@ FlowGrid white_cube(int nodes, F&& dense) {
                 grid.value.push_back(dense(i, j, k) ? Eigen::Vector4f::Ones() : Eigen::Vector4f::Zero());
                 grid.cover.push_back(1);
             }
-    grid.velocity.resize(grid.value.size());
+    grid.along.resize(grid.value.size());
     return grid;
 }
 

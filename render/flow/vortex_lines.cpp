@@ -1,0 +1,208 @@
+#include "render/flow/vortex_lines.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "engine/core/parallel.h"
+#include "render/flow/cloud.h"
+
+namespace whorl {
+namespace {
+
+constexpr float weak = 0.1f;  ///< strength below which no line is
+constexpr int around = 8;     ///< corners of a section
+
+struct LinePoint {
+    Vec3f place, tangent, side, colour;
+    float strength = 0, light = 1;
+};
+
+/// What the walk along a line needs.
+struct LineField {
+    const FlowGrid& grid;
+    std::vector<float> depth;  ///< between each node and the lamp
+    float spacing;
+
+    /// False where no line is.
+    bool look(const Vec3f& x, LinePoint& point) const {
+        const FlowGrid::Sample s = grid.at(x);
+        const float turn = s.along.norm();
+        if (s.cover < 0.4f || turn <= 0 || s.value[3] < weak) return false;
+        point.place = x, point.tangent = s.along / turn;
+        point.strength = s.value[3], point.colour = s.value.head<3>() / s.value[3];
+        return true;
+    }
+    float light(const Vec3f& x) const {
+        const FlowGrid::Corners near = grid.corners(x);
+        float sum = 0;
+        for (int c = 0; c < 8; ++c)
+            if (near.node[c] >= 0) sum += near.weight[c] * depth[near.node[c]];
+        return std::exp(-sum);
+    }
+    /// How the line beside this one, `side` away, turns about it along the way: the side a step further on.
+    Vec3f turned(const LinePoint& p, const Vec3f& side, float step) const {
+        const float beside = 0.5f * spacing;
+        const Vec3f here = grid.at(p.place - beside * side).along, there = grid.at(p.place + beside * side).along;
+        const float turn = 0.5f * (here + there).norm();
+        return turn > 0 ? Vec3f(side + step * (there - here) / (2 * beside * turn)) : side;
+    }
+};
+
+Vec3f across(const Vec3f& side, const Vec3f& tangent) {
+    const Vec3f square = side - side.dot(tangent) * tangent;
+    const float length = square.norm();
+    return length > 1e-4f ? Vec3f(square / length) : Vec3f(tangent.unitOrthogonal());
+}
+
+/// One way from the seed, which is not in it. @param closed set where the line came back to the seed
+std::vector<LinePoint> walk(const LineField& field, const LinePoint& seed, float step, int most, bool& closed) {
+    std::vector<LinePoint> line;
+    LinePoint at = seed, half;
+    for (int k = 0; k < most; ++k) {
+        if (!field.look(at.place + 0.5f * step * at.tangent, half)) break;
+        LinePoint next;
+        if (!field.look(at.place + step * half.tangent, next)) break;
+        line.push_back(next);
+        at = next;
+        if (k > 8 && (at.place - seed.place).norm() < 0.7f * std::abs(step)) {
+            closed = true;
+            break;
+        }
+    }
+    return line;
+}
+
+std::vector<LinePoint> line_through(const LineField& field, const LinePoint& seed, const LineShape& shape) {
+    const float step = 0.5f * field.spacing;
+    const int most = std::max(1, static_cast<int>(shape.length / step));
+    bool closed = false;
+    std::vector<LinePoint> ahead = walk(field, seed, step, most, closed), line;
+    if (!closed) {
+        line = walk(field, seed, -step, most, closed);
+        std::reverse(line.begin(), line.end());
+    }
+    line.push_back(seed);
+    const std::size_t middle = line.size() - 1;
+    line.insert(line.end(), ahead.begin(), ahead.end());
+    // The frame is carried from the seed to both ends: the seed's own is the same in every frame.
+    line[middle].side = across(Vec3f(0.3f, 1, 0.2f), line[middle].tangent);
+    const auto carry = [&](std::size_t from, std::size_t to, float way) {
+        const Vec3f side = shape.flat ? field.turned(line[from], line[from].side, way) : line[from].side;
+        line[to].side = across(side, line[to].tangent);
+    };
+    for (std::size_t k = middle; k + 1 < line.size(); ++k) carry(k, k + 1, step);
+    for (std::size_t k = middle; k > 0; --k) carry(k, k - 1, -step);
+    for (LinePoint& p : line) p.light = field.light(p.place);
+    // Thin ends; and nothing pops up where a seed comes into a strong line.
+    const auto fade = [](float x) { return std::clamp(x, 0.0f, 1.0f); };
+    const float whole = fade((seed.strength - weak) / weak);
+    const int taper = std::max(1, most / 5);
+    for (std::size_t k = 0; k < line.size(); ++k) {
+        const auto end = static_cast<float>(std::min(k, line.size() - 1 - k)) / static_cast<float>(taper);
+        line[k].strength = whole * fade(2 * (line[k].strength - weak)) * (closed ? 1 : fade(end));
+    }
+    if (closed) line.push_back(line[middle == 0 ? 0 : middle]);
+    return line;
+}
+
+/// By how many whole periods a place lies outside the periodic domain.
+Vec3f periods_outside(const Frame& frame, const Vec3f& x) {
+    Vec3f shift = Vec3f::Zero();
+    for (int a = 0; a < 3; ++a) {
+        const float length = frame.domain_max[a] - frame.domain_min[a];
+        if (frame.periodic[a]) shift[a] = length * std::floor((x[a] - frame.domain_min[a]) / length);
+    }
+    return shift;
+}
+
+class Skin {
+public:
+    Skin(VortexLines& all, const LineShape& shape) : all_(all), shape_(shape) {}
+
+    /// A piece of a line within one period; where it does not end in a point it is closed by a lid.
+    void piece(const std::vector<LinePoint>& line, std::size_t first, std::size_t last, const Vec3f& shift) {
+        if (last - first < 2) return;
+        lid(line[first], shift, -1);
+        for (std::size_t k = first; k < last; ++k) {
+            ring(line[k], shift);
+            if (k == first) continue;
+            const auto now = static_cast<std::uint32_t>(all_.position.size()) - around, before = now - around;
+            for (std::uint32_t c = 0; c < around; ++c) {
+                const std::uint32_t next = (c + 1) % around;
+                for (const std::uint32_t corner : {before + c, now + c, before + next, before + next, now + c, now + next})
+                    all_.index.push_back(corner);
+            }
+        }
+        lid(line[last - 1], shift, 1);
+    }
+
+private:
+    void ring(const LinePoint& p, const Vec3f& shift) {
+        const float half = 0.5f * shape_.width * p.strength, wide = shape_.flat ? 2.5f * half : half, thick = shape_.flat ? 0.3f * half : half;
+        const Vec3f up = p.tangent.cross(p.side);
+        for (int c = 0; c < around; ++c) {
+            const float angle = 2 * std::numbers::pi_v<float> * static_cast<float>(c) / around, x = std::cos(angle), y = std::sin(angle);
+            // The ellipse's normal, times its half-widths: (x thick, y wide).
+            const Vec3f normal = shape_.flat ? Vec3f(0.12f * x * p.side + y * up) : Vec3f(x * p.side + y * up);
+            add(p.place - shift + wide * x * p.side + thick * y * up, normal.normalized(), p);
+        }
+    }
+    void lid(const LinePoint& p, const Vec3f& shift, float way) {
+        if (p.strength < 0.05f) return;
+        const auto first = static_cast<std::uint32_t>(all_.position.size());
+        ring(p, shift);
+        for (std::uint32_t c = 0; c < around; ++c) all_.normal[first + c] = way * p.tangent;
+        for (std::uint32_t c = 1; c + 1 < around; ++c)
+            for (const std::uint32_t corner : {first, first + c, first + c + 1}) all_.index.push_back(corner);
+    }
+    void add(const Vec3f& place, const Vec3f& normal, const LinePoint& p) {
+        all_.position.push_back(place), all_.normal.push_back(normal), all_.colour.push_back(p.colour), all_.light.push_back(p.light);
+    }
+    VortexLines& all_;
+    const LineShape& shape_;
+};
+
+/// The particles that lines go through, in their order in the frame.
+std::vector<std::size_t> seeds_of(const Frame& frame, int count) {
+    std::vector<std::size_t> chosen(frame.position.size());
+    std::iota(chosen.begin(), chosen.end(), std::size_t{0});
+    const auto grain = frame.scalar.find("grain");
+    const std::size_t few = std::min(chosen.size(), static_cast<std::size_t>(std::max(count, 0)));
+    if (grain != frame.scalar.end() && few < chosen.size())
+        std::nth_element(chosen.begin(), chosen.begin() + static_cast<std::ptrdiff_t>(few), chosen.end(), [&](std::size_t a, std::size_t b) {
+            return std::pair(grain->second[a], a) < std::pair(grain->second[b], b);
+        });
+    chosen.resize(few);
+    return chosen;
+}
+
+}  // namespace
+
+VortexLines vortex_lines(const Frame& frame, const FlowGrid& grid, const LineShape& shape) {
+    VortexLines all;
+    if (grid.empty()) return all;
+    std::vector<float> density(grid.value.size());
+    for (std::size_t m = 0; m < density.size(); ++m) density[m] = grid.cover[m] * grid.value[m][3] * grid.value[m][3];
+    const LineField field{grid, depth_towards(grid, density, shape.thickness, shape.lamp), frame.spacing};
+    const std::vector<std::size_t> seeds = seeds_of(frame, shape.seeds);
+    std::vector<std::vector<LinePoint>> lines(seeds.size());
+    parallel_for(static_cast<Index>(seeds.size()), [&](Index s) {
+        LinePoint seed;
+        if (field.look(frame.position[seeds[s]], seed)) lines[s] = line_through(field, seed, shape);
+    });
+    Skin skin(all, shape);
+    for (const std::vector<LinePoint>& line : lines)
+        for (std::size_t first = 0; first < line.size();) {
+            const Vec3f shift = periods_outside(frame, line[first].place);
+            std::size_t last = first + 1;
+            while (last < line.size() && periods_outside(frame, line[last].place) == shift) ++last;
+            skin.piece(line, first, last, shift);
+            first = last;
+        }
+    return all;
+}
+
+}  // namespace whorl

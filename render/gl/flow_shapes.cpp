@@ -1,0 +1,137 @@
+#include "render/gl/flow_shapes.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "render/flow/cloud.h"
+#include "render/flow/slice.h"
+#include "render/flow/trails.h"
+#include "render/flow/vortex_lines.h"
+#include "render/look/field_values.h"
+#include "render/look/studio.h"
+
+namespace whorl {
+namespace {
+
+/// Colours times strengths, and strengths: nothing weighs nothing in a mean.
+std::vector<Eigen::Vector4f> glow_of(const FieldColours& colours) {
+    std::vector<Eigen::Vector4f> glow;
+    for (std::size_t p = 0; p < colours.colour.size(); ++p) {
+        const Vec3f& c = colours.colour[p];
+        glow.push_back(colours.strength[p] * Eigen::Vector4f(c.x(), c.y(), c.z(), 1));
+    }
+    return glow;
+}
+
+/// Optical depth of a metre of the strongest field: the box's least side has four times the wanted depth, as the strong parts are small.
+float thickness_of(const FlowGrid& grid, float opacity) { return 4 * opacity / std::max(grid.extent().minCoeff(), 1e-9f); }
+
+Vec3f lamp_of(const View& view) { return studio_axes(view).transpose() * lamp_of_clouds(); }
+
+VortexLines lines_of(const Frame& frame, const LookOptions& look, const View& view, const std::vector<Eigen::Vector4f>& glow) {
+    const auto vorticity = frame.vector.find("vorticity");
+    if (vorticity == frame.vector.end()) return {};
+    const FlowGrid grid = flow_grid(frame, vorticity->second, glow, 3'000'000);
+    const float side = (frame.domain_max - frame.domain_min).maxCoeff();
+    return vortex_lines(frame, grid,
+                        {look.lines, look.line_width > 0 ? look.line_width : frame.spacing,
+                         look.line_length > 0 ? 0.5f * look.line_length : 0.5f * side, look.style == "ribbons", thickness_of(grid, 1),
+                         lamp_of(view)});
+}
+
+}  // namespace
+
+void FlowShapes::fill(SceneGeometry& scene, const Frame& frame, const LookOptions& look, const View& view,
+                      const std::array<float, 2>& range, int pixels) {
+    if (look.style == "slice") {
+        const Vec3f paper = Vec3f::Constant(look.background == "dark" ? 0.02f : 0.9f);
+        const FlowSlice flow = flow_slice(frame, look, range, slice_plane(frame, look, pixels), paper);
+        fill_slice(flow);
+        return scene.fill(frame, flow);
+    }
+    const FieldColours colours = field_colours(frame, look, range);
+    if (look.style == "particles") {
+        Trails behind;
+        if (look.trail > 0)
+            behind =
+                trails(frame, colours.colour, flow_grid(frame, frame.velocity, {}), look.trail, 0.5f * frame.spacing, view.position);
+        return scene.fill(frame, colours.colour, behind);
+    }
+    const std::vector<Eigen::Vector4f> glow = glow_of(colours);
+    if (draws_lines(look)) return scene.fill(frame, lines_of(frame, look, view, glow));
+    const FlowGrid grid = flow_grid(frame, frame.velocity, glow, 3'000'000, 0.5f);
+    scene.fill(frame, grid);
+    cloud_box_ = scene.fluid_bounds();
+    fill_cloud(grid, look, view);
+}
+
+void FlowShapes::fill_cloud(const FlowGrid& grid, const LookOptions& look, const View& view) {
+    if (grid.empty()) return;
+    cloud_thickness_ = thickness_of(grid, look.opacity);
+    const Studio studio = studio_of(look.background);
+    const Cloud cloud = lit_cloud(grid, cloud_thickness_, {lamp_of(view), 2.2f * studio.sun, 0.9f * studio.sky, 0.12f});
+    gl::fill_3d(cloud_light_, grid.n[0], grid.n[1], grid.n[2], cloud.lit[0].data(), 4);
+    gl::fill_3d(cloud_blocks_, cloud.blocks[0], cloud.blocks[1], cloud.blocks[2], cloud.most.data());
+    cloud_cell_ = grid.cell;
+}
+
+void FlowShapes::fill_slice(const FlowSlice& flow) {
+    if (flow.empty()) return;
+    if (flow.plane.width != slice_width_ || flow.plane.height != slice_height_) {
+        slice_ = gl::texture_2d(GL_RGBA16F, flow.plane.width, flow.plane.height, true);
+        slice_width_ = flow.plane.width, slice_height_ = flow.plane.height;
+    }
+    glBindTexture(GL_TEXTURE_2D, slice_.id());
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, flow.plane.width, flow.plane.height, GL_RGBA, GL_FLOAT, flow.rgba.data());
+}
+
+void FlowShapes::draw(const SceneGeometry& scene, const FlowView& flow, const Eigen::Matrix4f& matrix) {
+    if (flow.look.style == "particles") {
+        flow.set_studio(particles_);
+        particles_.set("view_projection", matrix);
+        particles_.set("to_world", Eigen::Matrix4f(matrix.inverse()));
+        particles_.set("radius", (flow.look.trail > 0 ? 0.25f : 0.5f) * flow.spacing);  // trails must show between them
+        particles_.set("pixels", 0.5f * static_cast<float>(flow.height) / std::tan(flow.view.fov * std::numbers::pi_v<float> / 360));
+        particles_.set("picture_size", Eigen::Vector2f(static_cast<float>(flow.width), static_cast<float>(flow.height)));
+        scene.draw_fluid(particles_);
+        if (flow.look.trail <= 0) return;
+        trail_.use();
+        trail_.set("view_projection", matrix);
+        trail_.set("eye", flow.view.position);
+        scene.draw_trails();
+    } else if (draws_lines(flow.look)) {
+        flow.set_studio(lines_);
+        lines_.set("view_projection", matrix);
+        scene.draw_lines();
+    } else if (flow.look.style == "slice") {
+        slice_colour_.use();
+        slice_colour_.texture("slice", 0, GL_TEXTURE_2D, slice_.id());
+        slice_colour_.set("view_projection", matrix);
+        slice_colour_.set("eye", flow.view.position);
+        scene.draw_slice();
+    }
+}
+
+void FlowShapes::shade_cloud(const LookOptions& look, const View& view, const gl::Texture& solids, const Eigen::Matrix4f& matrix,
+                             int sample, GLuint no_vertices) {
+    const auto samples = static_cast<float>(std::max(look.samples, 1));
+    volume_.use();
+    volume_.texture("solid_buffer", 0, GL_TEXTURE_2D, solids.id());
+    volume_.texture("lit", 2, GL_TEXTURE_3D, cloud_light_.id());
+    volume_.texture("most", 3, GL_TEXTURE_3D, cloud_blocks_.id());
+    volume_.set("to_world", Eigen::Matrix4f(matrix.inverse()));
+    volume_.set("eye", view.position);
+    volume_.set("box_low", cloud_box_.low);
+    volume_.set("box_high", cloud_box_.high);
+    volume_.set("block_size", Vec3f(static_cast<float>(Cloud::block) * cloud_cell_));
+    volume_.set("thickness", cloud_thickness_);
+    volume_.set("march", cloud_cell_.minCoeff());
+    volume_.set("turn", static_cast<float>(sample) / samples);
+    volume_.set("weight", 1 / samples);
+    glBindVertexArray(no_vertices);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+}  // namespace whorl
