@@ -45,30 +45,58 @@ FlowGrid laid_out(const Frame& frame, float reach, std::size_t most_nodes, float
     return grid;
 }
 
-/// Particles by the grid's cells, in their own order within each.
-struct Bins {
-    std::vector<std::uint32_t> start, particle;
-};
-Bins binned(const FlowGrid& grid, const std::vector<Vec3f>& position) {
-    const std::size_t cells = grid_count(grid.n[0], grid.n[1], grid.n[2]);
-    std::vector<std::int64_t> bin(position.size(), -1);
-    parallel_for(static_cast<Index>(position.size()), [&](Index p) {
-        const Vec3f& x = position[p];
-        if (!finite(x)) return;
-        int at[3];
-        for (int a = 0; a < 3; ++a) at[a] = on_axis(grid, a, static_cast<int>(std::floor((x[a] - grid.origin[a]) / grid.cell[a])));
-        if (at[0] >= 0 && at[1] >= 0 && at[2] >= 0) bin[p] = static_cast<std::int64_t>(grid.index(at[0], at[1], at[2]));
-    });
-    Bins bins{std::vector<std::uint32_t>(cells + 1), {}};
-    for (const std::int64_t b : bin)
-        if (b >= 0) ++bins.start[b + 1];
-    for (std::size_t c = 0; c < cells; ++c) bins.start[c + 1] += bins.start[c];
-    bins.particle.resize(bins.start[cells]);
-    std::vector<std::uint32_t> next(bins.start.begin(), bins.start.end() - 1);
-    for (std::size_t p = 0; p < bin.size(); ++p)
-        if (bin[p] >= 0) bins.particle[next[bin[p]]++] = static_cast<std::uint32_t>(p);
-    return bins;
+/// Particles by the layer of nodes below them, in their own order within each. The last list has those that stand in no layer.
+std::vector<std::vector<std::uint32_t>> by_layer(const FlowGrid& grid, const std::vector<Vec3f>& position) {
+    std::vector<std::vector<std::uint32_t>> layers(grid.n[2] + 1);
+    for (std::size_t p = 0; p < position.size(); ++p) {
+        const int layer =
+            finite(position[p]) ? on_axis(grid, 2, static_cast<int>(std::floor((position[p].z() - grid.origin.z()) / grid.cell.z()))) : -1;
+        layers[layer < 0 ? grid.n[2] : layer].push_back(static_cast<std::uint32_t>(p));
+    }
+    return layers;
 }
+
+/// Sums over particles, at the nodes.
+struct Sums {
+    const Frame& frame;
+    const std::vector<Vec3f>& along;
+    const std::vector<Eigen::Vector4f>& value;
+    FlowGrid& grid;
+    float h;  // m
+    int reach[3];
+
+    /// Adds a particle to a row of nodes along x, `away` [m^2] off it. @param j, k of the row
+    void add_to_row(std::uint32_t p, float away, int j, int k) {
+        const float room = h * h - away;
+        if (room <= 0) return;
+        const float half = std::sqrt(room), x = frame.position[p].x() - grid.origin.x(), cell = grid.cell.x();
+        int low = static_cast<int>(std::ceil((x - half) / cell)), high = static_cast<int>(std::floor((x + half) / cell));
+        const int middle = static_cast<int>(std::floor(x / cell));
+        low = std::max(low, middle - reach[0]), high = std::min(high, middle + reach[0]);
+        for (int i = low; i <= high; ++i) {
+            const int on = on_axis(grid, 0, i);
+            if (on < 0) continue;
+            const float dx = static_cast<float>(i) * cell - x, q = 1 - (away + dx * dx) / (h * h);
+            if (q <= 0) continue;
+            const float w = q * q;
+            const std::size_t node = grid.index(on, j, k);
+            grid.cover[node] += w;
+            grid.along[node] += w * along[p];
+            if (!value.empty()) grid.value[node] += w * value[p];
+        }
+    }
+    /// Adds a particle to the layer of nodes k, which lies dz [m] above it.
+    void add_to_layer(std::uint32_t p, float dz, int k) {
+        const float y = frame.position[p].y() - grid.origin.y(), cell = grid.cell.y();
+        const int middle = static_cast<int>(std::floor(y / cell));
+        for (int j = middle - reach[1]; j <= middle + reach[1]; ++j) {
+            const int on = on_axis(grid, 1, j);
+            if (on < 0) continue;
+            const float dy = static_cast<float>(j) * cell - y;
+            add_to_row(p, dz * dz + dy * dy, on, k);
+        }
+    }
+};
 
 }  // namespace
 
@@ -81,47 +109,36 @@ FlowGrid flow_grid(const Frame& frame, const std::vector<Vec3f>& along, const st
     if (grid.n[0] == 0) return grid;
     const float h = std::max(reach_in_spacings * frame.spacing, 1.2f * grid.cell.maxCoeff());
     const float lattice = full * std::pow(h / (reach_in_spacings * frame.spacing), static_cast<float>(frame.dimensions));
-    const Bins bins = binned(grid, frame.position);
-    const std::size_t nodes = bins.start.size() - 1;
+    const std::size_t nodes = grid_count(grid.n[0], grid.n[1], grid.n[2]);
     grid.along.assign(nodes, Vec3f::Zero());
     if (!value.empty()) grid.value.assign(nodes, Eigen::Vector4f::Zero());
     grid.cover.assign(nodes, 0);
-    int reach[3];
-    // A periodic axis shorter than the reach would meet the same cell twice.
+    Sums sums{frame, along, value, grid, h, {}};
+    // A periodic axis shorter than the reach would meet the same node twice.
     for (int a = 0; a < 3; ++a) {
-        reach[a] = static_cast<int>(std::ceil(h / grid.cell[a]));
-        if (grid.periodic[a]) reach[a] = std::min(reach[a], (grid.n[a] - 1) / 2);
+        sums.reach[a] = static_cast<int>(std::ceil(h / grid.cell[a]));
+        if (grid.periodic[a]) sums.reach[a] = std::min(sums.reach[a], (grid.n[a] - 1) / 2);
     }
-    parallel_for(static_cast<Index>(nodes), [&](Index node) {
-        const int i = node % grid.n[0], j = node / grid.n[0] % grid.n[1], k = node / grid.n[0] / grid.n[1];
-        const Vec3f x = grid.origin + grid.cell.cwiseProduct(Vec3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k)));
-        const Vec3f period = grid.extent();
-        float weight = 0;
-        Eigen::Vector4f values = Eigen::Vector4f::Zero();
-        Vec3f ways = Vec3f::Zero();
-        for (int dk = -reach[2]; dk <= reach[2]; ++dk)
-            for (int dj = -reach[1]; dj <= reach[1]; ++dj)
-                for (int di = -reach[0]; di <= reach[0]; ++di) {
-                    const int a = on_axis(grid, 0, i + di), b = on_axis(grid, 1, j + dj), c = on_axis(grid, 2, k + dk);
-                    if (a < 0 || b < 0 || c < 0) continue;
-                    const std::size_t cell = grid.index(a, b, c);
-                    for (std::uint32_t s = bins.start[cell]; s < bins.start[cell + 1]; ++s) {
-                        const std::uint32_t p = bins.particle[s];
-                        Vec3f r = x - frame.position[p];
-                        for (int axis = 0; axis < 3; ++axis)
-                            if (grid.periodic[axis]) r[axis] -= period[axis] * std::nearbyint(r[axis] / period[axis]);
-                        const float q = 1 - r.squaredNorm() / (h * h);
-                        if (q <= 0) continue;
-                        const float w = q * q;
-                        weight += w;
-                        ways += w * along[p];
-                        if (!value.empty()) values += w * value[p];
-                    }
-                }
-        if (weight <= 0) return;
-        grid.along[node] = ways / weight;
-        if (!value.empty()) grid.value[node] = values / weight;
-        grid.cover[node] = std::min(1.0f, weight / lattice);
+    const std::vector<std::vector<std::uint32_t>> layers = by_layer(grid, frame.position);
+    const std::size_t row = grid_count(grid.n[0], grid.n[1]);
+    // Each layer of nodes collects from the layers of particles round it, from below upward.
+    parallel_for(grid.n[2], [&](Index k) {
+        for (int below = sums.reach[2]; below >= -sums.reach[2]; --below) {
+            const int layer = on_axis(grid, 2, k - below);
+            if (layer < 0) continue;
+            for (const std::uint32_t p : layers[layer]) {
+                float dz = static_cast<float>(k) * grid.cell.z() - (frame.position[p].z() - grid.origin.z());
+                if (grid.periodic[2]) dz -= grid.extent().z() * std::nearbyint(dz / grid.extent().z());
+                if (std::abs(dz) < h) sums.add_to_layer(p, dz, k);
+            }
+        }
+        for (std::size_t m = k * row; m < (k + 1) * row; ++m) {
+            const float weight = grid.cover[m];
+            if (weight <= 0) continue;
+            grid.along[m] /= weight;
+            if (!value.empty()) grid.value[m] /= weight;
+            grid.cover[m] = std::min(1.0f, weight / lattice);
+        }
     });
     return grid;
 }

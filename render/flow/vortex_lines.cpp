@@ -141,7 +141,8 @@ public:
 
 private:
     void ring(const LinePoint& p, const Vec3f& shift) {
-        const float half = 0.5f * shape_.width * p.strength, wide = shape_.flat ? 2.5f * half : half, thick = shape_.flat ? 0.3f * half : half;
+        const float half = 0.5f * shape_.width * p.strength, wide = shape_.flat ? 2.5f * half : half,
+                    thick = shape_.flat ? 0.3f * half : half;
         const Vec3f up = p.tangent.cross(p.side);
         for (int c = 0; c < around; ++c) {
             const float angle = 2 * std::numbers::pi_v<float> * static_cast<float>(c) / around, x = std::cos(angle), y = std::sin(angle);
@@ -172,9 +173,8 @@ std::vector<std::size_t> seeds_of(const Frame& frame, int count) {
     const auto grain = frame.scalar.find("grain");
     const std::size_t few = std::min(chosen.size(), static_cast<std::size_t>(std::max(count, 0)));
     if (grain != frame.scalar.end() && few < chosen.size())
-        std::nth_element(chosen.begin(), chosen.begin() + static_cast<std::ptrdiff_t>(few), chosen.end(), [&](std::size_t a, std::size_t b) {
-            return std::pair(grain->second[a], a) < std::pair(grain->second[b], b);
-        });
+        std::nth_element(chosen.begin(), chosen.begin() + static_cast<std::ptrdiff_t>(few), chosen.end(),
+                         [&](std::size_t a, std::size_t b) { return std::pair(grain->second[a], a) < std::pair(grain->second[b], b); });
     chosen.resize(few);
     return chosen;
 }

@@ -35,10 +35,10 @@ VortexLines lines_of(const Frame& frame, const LookOptions& look, const View& vi
     if (vorticity == frame.vector.end()) return {};
     const FlowGrid grid = flow_grid(frame, vorticity->second, glow, 3'000'000);
     const float side = (frame.domain_max - frame.domain_min).maxCoeff();
-    return vortex_lines(frame, grid,
-                        {look.lines, look.line_width > 0 ? look.line_width : frame.spacing,
-                         look.line_length > 0 ? 0.5f * look.line_length : 0.5f * side, look.style == "ribbons", thickness_of(grid, 1),
-                         lamp_of(view)});
+    return vortex_lines(
+        frame, grid,
+        {look.lines, look.line_width > 0 ? look.line_width : frame.spacing, look.line_length > 0 ? 0.5f * look.line_length : 0.5f * side,
+         look.style == "ribbons", thickness_of(grid, 1), lamp_of(view)});
 }
 
 }  // namespace
@@ -55,8 +55,7 @@ void FlowShapes::fill(SceneGeometry& scene, const Frame& frame, const LookOption
     if (look.style == "particles") {
         Trails behind;
         if (look.trail > 0)
-            behind =
-                trails(frame, colours.colour, flow_grid(frame, frame.velocity, {}), look.trail, 0.5f * frame.spacing, view.position);
+            behind = trails(frame, colours.colour, flow_grid(frame, frame.velocity, {}), look.trail, 0.5f * frame.spacing, view.position);
         return scene.fill(frame, colours.colour, behind);
     }
     const std::vector<Eigen::Vector4f> glow = glow_of(colours);
@@ -127,7 +126,8 @@ void FlowShapes::shade_cloud(const LookOptions& look, const View& view, const gl
     volume_.set("box_high", cloud_box_.high);
     volume_.set("block_size", Vec3f(static_cast<float>(Cloud::block) * cloud_cell_));
     volume_.set("thickness", cloud_thickness_);
-    volume_.set("march", cloud_cell_.minCoeff());
+    // Each sample of a pixel has places of its own along the ray: together they are as close as one ray's would be.
+    volume_.set("march", std::min(2.0f, std::sqrt(samples)) * cloud_cell_.minCoeff());
     volume_.set("turn", static_cast<float>(sample) / samples);
     volume_.set("weight", 1 / samples);
     glBindVertexArray(no_vertices);

@@ -34,7 +34,8 @@ Vortex box(const Vec3f& seed, Vorticity&& vorticity, Strength&& strength, bool p
     for (int k = 0; k < 20; ++k)
         for (int j = 0; j < 40; ++j)
             for (int i = 0; i < 40; ++i)
-                add(Vec3f(-1, -1, 0) + 0.05f * Vec3f(static_cast<float>(i) + 0.5f, static_cast<float>(j) + 0.5f, static_cast<float>(k) + 0.5f));
+                add(Vec3f(-1, -1, 0) +
+                    0.05f * Vec3f(static_cast<float>(i) + 0.5f, static_cast<float>(j) + 0.5f, static_cast<float>(k) + 0.5f));
     v.grid = flow_grid(v.frame, omega, value);
     return v;
 }
