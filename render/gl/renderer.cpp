@@ -95,6 +95,7 @@ struct Renderer::Device {
     gl::Programs opaque{{"screen.vert"},
                         {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "inks.glsl", "crust.glsl", "opaque.frag"}};
     gl::Programs glass_walls{{"mesh.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "glass.frag"}};
+    gl::Programs glass_edges{{"edge.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "edge.frag"}};
     gl::Programs compose{{"screen.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "compose.frag"}};
 
     gl::Texture depth = gl::texture_2d(GL_DEPTH_COMPONENT32F, width, height, false);
@@ -311,6 +312,12 @@ void Renderer::Device::draw_glass(const Shot& shot, const Eigen::Matrix4f& matri
     program.set("weight", weight);
     program.set("box_softness", 0.05f);
     scene.draw_solids(program, true, [](const FrameSolid&) {});
+    gl::Program& edges = glass_edges.with(shot.constants);
+    set_studio(edges, shot);
+    edges.set("view_projection", matrix);
+    edges.set("weight", weight);
+    edges.set("box_softness", 0.05f);
+    scene.draw_edges(edges);
     glDepthMask(GL_TRUE);
     glDisable(GL_DEPTH_TEST);
 }

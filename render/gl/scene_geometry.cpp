@@ -1,6 +1,8 @@
 #include "render/gl/scene_geometry.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -80,13 +82,50 @@ TriangleMesh with_normals(const TriangleMesh& mesh) {
     return split;
 }
 
-const gl::Vertices& SceneGeometry::model(const std::shared_ptr<const TriangleMesh>& mesh) {
+std::vector<std::pair<Vec3f, Vec3f>> sharp_edges(const TriangleMesh& mesh) {
+    using Corner = std::array<float, 3>;
+    const auto place = [&](std::uint32_t v) { return Corner{mesh.position[v].x(), mesh.position[v].y(), mesh.position[v].z()}; };
+    std::map<std::pair<Corner, Corner>, std::vector<Vec3f>> normals;  // of the faces at each edge; corners that stand in one place are one
+    for (const auto& t : mesh.triangle) {
+        const Vec3f across = (mesh.position[t[1]] - mesh.position[t[0]]).cross(mesh.position[t[2]] - mesh.position[t[0]]);
+        if (across.norm() <= 0) continue;
+        for (int c = 0; c < 3; ++c) normals[std::minmax(place(t[c]), place(t[(c + 1) % 3]))].push_back(across.normalized());
+    }
+    const float crease = std::cos(40 * std::numbers::pi_v<float> / 180);
+    std::vector<std::pair<Vec3f, Vec3f>> edges;
+    for (const auto& [ends, faces] : normals)
+        if (faces.size() == 1 || (faces.size() == 2 && faces[0].dot(faces[1]) < crease))
+            edges.emplace_back(Vec3f(ends.first[0], ends.first[1], ends.first[2]), Vec3f(ends.second[0], ends.second[1], ends.second[2]));
+    return edges;
+}
+
+namespace {
+
+/// A strip an edge: both ends twice, to the left and to the right.
+void fill_edges(gl::Vertices& vertices, const std::vector<std::pair<Vec3f, Vec3f>>& edges) {
+    std::vector<Vec3f> position, along;
+    std::vector<float> side;
+    std::vector<std::uint32_t> index;
+    for (const auto& [from, to] : edges) {
+        const auto first = static_cast<std::uint32_t>(position.size());
+        for (const Vec3f& end : {from, to})
+            for (const float s : {-1.0f, 1.0f}) position.push_back(end), along.push_back(to - from), side.push_back(s);
+        for (const std::uint32_t corner : {0, 1, 2, 2, 1, 3}) index.push_back(first + corner);
+    }
+    vertices.fill({numbers(position), numbers(along), {side.data(), side.size()}}, index.data(), index.size());
+}
+
+}  // namespace
+
+const SceneGeometry::Model& SceneGeometry::model(const std::shared_ptr<const TriangleMesh>& mesh) {
     const auto [place, is_new] = models_.try_emplace(mesh.get());
     if (is_new) {
         place->second.mesh = mesh;
         fill_vertices(place->second.vertices, with_normals(*mesh));
+        const Bounds bounds = bounds_of(mesh->position);
+        place->second.size = bounds.empty() ? 0 : 2 * bounds.radius();
     }
-    return place->second.vertices;
+    return place->second;
 }
 
 void SceneGeometry::fill(const Frame& frame, const Surface& surface) {
@@ -146,7 +185,9 @@ void SceneGeometry::fill_solids(const Frame& frame) {
     containers_.clear();
     for (const FrameSolid& solid : frame.solids) {
         if (!solid.mesh || is_level_ground(solid)) continue;
-        (solid.container ? containers_ : solids_).emplace_back(solid, &model(solid.mesh));
+        (solid.container ? containers_ : solids_).push_back({solid, &model(solid.mesh)});
+        if (solid.container && containers_.back().model->edges.count() == 0)
+            fill_edges(models_.at(solid.mesh.get()).edges, sharp_edges(*solid.mesh));
         bounds_.add(bounds_of(solid));
     }
     std::erase_if(models_, [](const auto& entry) { return entry.second.mesh.use_count() == 1; });
@@ -163,13 +204,23 @@ void SceneGeometry::draw_fluid(gl::Program& program) const {
 
 void SceneGeometry::draw_solids(gl::Program& program, bool containers, const std::function<void(const FrameSolid&)>& prepare,
                                 const std::function<bool(const FrameSolid&)>& wanted) const {
-    for (const auto& [solid, vertices] : containers ? containers_ : solids_) {
+    for (const auto& [solid, model] : containers ? containers_ : solids_) {
         if (wanted && !wanted(solid)) continue;
         const auto [rotation, translation] = pose_after(solid, moment_);
         program.set("rotation", rotation);
         program.set("translation", translation);
         prepare(solid);
-        vertices->draw(GL_TRIANGLES);
+        model->vertices.draw(GL_TRIANGLES);
+    }
+}
+
+void SceneGeometry::draw_edges(gl::Program& program) const {
+    for (const auto& [solid, model] : containers_) {
+        const auto [rotation, translation] = pose_after(solid, moment_);
+        program.set("rotation", rotation);
+        program.set("translation", translation);
+        program.set("size", model->size);
+        model->edges.draw(GL_TRIANGLES);
     }
 }
 

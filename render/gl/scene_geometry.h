@@ -16,6 +16,9 @@ namespace whorl {
 /// are.
 TriangleMesh with_normals(const TriangleMesh& mesh);
 
+/// Edges of a mesh where its faces meet at more than 40 degrees, or that only one face has: pairs of ends.
+std::vector<std::pair<Vec3f, Vec3f>> sharp_edges(const TriangleMesh& mesh);
+
 class SceneGeometry {
 public:
     void fill(const Frame& frame, const Surface& surface);
@@ -38,6 +41,8 @@ public:
     /// `prepare` sets what the program wants to know of each solid that is `wanted`.
     void draw_solids(gl::Program& program, bool containers, const std::function<void(const FrameSolid&)>& prepare,
                      const std::function<bool(const FrameSolid&)>& wanted = {}) const;
+    /// The edges of containers, as strips as wide as the program of edge.vert makes them.
+    void draw_edges(gl::Program& program) const;
     bool any_solids() const { return !solids_.empty(); }
     bool any_containers() const { return !containers_.empty(); }
     const Bounds& fluid_bounds() const { return fluid_bounds_; }
@@ -47,17 +52,22 @@ public:
 private:
     struct Model {
         std::shared_ptr<const TriangleMesh> mesh;  ///< held so that no other mesh gets its address, which is its name here
-        gl::Vertices vertices{{3, 3}};
+        gl::Vertices vertices{{3, 3}}, edges{{3, 3, 1}};
+        float size = 0;  ///< m, of its bounds
+    };
+    struct Placed {
+        FrameSolid solid;
+        const Model* model;
     };
     void fill_solids(const Frame& frame);
-    const gl::Vertices& model(const std::shared_ptr<const TriangleMesh>& mesh);
+    const Model& model(const std::shared_ptr<const TriangleMesh>& mesh);
 
     enum class Shape { surface, particles, lines, slice, grid };
     gl::Vertices fluid_{{3, 3, 1, 4, 3}}, particles_{{3, 3}}, trails_{{3, 3}}, lines_{{3, 3, 3, 1}}, slice_{{3, 2}};
     Shape shape_ = Shape::surface;
     float moment_ = 0;  ///< s
     std::map<const TriangleMesh*, Model> models_;
-    std::vector<std::pair<FrameSolid, const gl::Vertices*>> solids_, containers_;
+    std::vector<Placed> solids_, containers_;
     Bounds fluid_bounds_, bounds_;
 };
 

@@ -1,6 +1,7 @@
 #include "render/surface/colour_field.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "engine/core/parallel.h"
 
@@ -25,6 +26,21 @@ constexpr float lone_factor = 1.2f;
 // and above which it is not.
 constexpr float few = 3.0f, many = 4.7f;
 
+// With its wide kernel a lone particle looks 3.5 times as large as its volume. Further than `apart` kernels from every other it is drawn
+// smaller, at `alone` kernels as large as it is: by `spray_factor`. Nearer than `apart` it may be one of a thread.
+constexpr float apart = 1.04f, alone = 1.9f, spray_factor = 0.66f;
+
+// The distance to the nearest other particle, or `most` where none is as near.
+float nearest_other(const ParticleRows& p, Index i, float most) {
+    float nearest2 = most * most;
+    const Vec3f x(p.x[i], p.y[i], p.z[i]);
+    p.runs(x.array() - most, x.array() + most, [&](Index begin, Index end) {
+        for (Index k = begin; k < end; ++k)
+            if (k != i) nearest2 = std::min(nearest2, (Vec3f(p.x[k], p.y[k], p.z[k]) - x).squaredNorm());
+    });
+    return std::sqrt(nearest2);
+}
+
 }  // namespace
 
 ColourField::ColourField(Span<const Vec3f> position, double spacing, double radius)
@@ -40,6 +56,10 @@ ColourField::ColourField(Span<const Vec3f> position, double spacing, double radi
         };
         const float company = around(reach_), s = std::clamp((many - company) / (many - few), 0.0f, 1.0f);
         radius_[i] = reach_ * (1 + s * s * (3 - 2 * s) * (lone_factor - 1)) / lone_factor;
+        if (company < 1.001f) {
+            const float away = (nearest_other(rows_, i, alone * reach_) / reach_ - apart) / (alone - apart);
+            radius_[i] *= 1 - (1 - spray_factor) * std::clamp(away, 0.0f, 1.0f);
+        }
         height_[i] = 1 / around(radius_[i]);
     });
 }

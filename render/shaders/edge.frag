@@ -1,0 +1,17 @@
+// The edge of a container: what a rod of glass mirrors; it is darker where one looks through more of it.
+in vec3 world;
+in vec3 way;
+in float place;
+uniform float weight;
+layout(location = 0) out vec4 glass;   // light added, and how much of what is behind is held back
+
+void main() {
+    if (world.y < ground_height) discard;
+    vec3 v = normalize(world - eye);
+    float facing = sqrt(max(1.0 - place * place, 0.0));
+    vec3 n = normalize(place * way - facing * v);
+    float x = 1.0 - facing;
+    float mirror = 0.05 + 0.95 * x * x * x * x * x;
+    vec3 light = min(surroundings(world, reflect(v, n)), vec3(1.3));
+    glass = weight * vec4(mirror * light, 0.22 * facing + 0.9 * mirror);
+}
