@@ -91,7 +91,7 @@ struct Renderer::Device {
     gl::Programs solid_colour{
         {"mesh.vert"},
         {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "shadow.glsl", "hot.glsl", "solid.frag"}};
-    gl::Programs liquid{{"screen.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "inks.glsl", "liquid.frag"}};
+    gl::Programs liquid{{"screen.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "inks.glsl", "liquid.frag"}};
     gl::Programs opaque{{"screen.vert"},
                         {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "inks.glsl", "crust.glsl", "opaque.frag"}};
     gl::Programs glass_walls{{"mesh.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "glass.frag"}};
@@ -278,6 +278,7 @@ void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matr
     set_studio(program, shot);
     field.bind(program, field_unit);
     inks.bind(program, ink_unit, field.voxel());
+    solid_field.bind(program, solid_unit);
     program.texture("depth_buffer", 0, GL_TEXTURE_2D, depth.id());
     program.texture("normal_buffer", 1, GL_TEXTURE_2D, normal.id());
     program.texture("solid_buffer", 2, GL_TEXTURE_2D, solid.id());

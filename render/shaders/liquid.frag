@@ -112,7 +112,9 @@ vec3 light_through(vec3 p, vec3 d, vec3 lamp) {
         // What can still come is less than a step of 8 bits.
         if (way >= to_floor || max(through.r, max(through.g, through.b)) < 0.003) break;
         vec3 n = field_normal(p);
-        if (n.y < -0.7 && p.y < floor_place + 1.5) break;   // it lies on the ground: no air between
+        // It lies on the ground or on a solid: no air between.
+        if (n.y < -0.7 && p.y < floor_place + 1.5) break;
+        if (has_solids && solid_distance(world_of(p + n)) < 0.5 * voxel) break;
         vec3 out_d = refract(d, -n, refraction);
         if (dot(out_d, out_d) < 0.5) {   // total reflection
             d = reflect(d, -n);
