@@ -262,7 +262,7 @@ private:
     void warn_of_viscosity() {
         if (n_.viscosity > 0 && plan_.viscosity == ViscosityModel::none && !plan_.facts.viscous())
             add_warning(fmt::format("fluid.viscosity = {:.3g} Pa s has no effect: models.viscosity is none", n_.viscosity));
-        if (plan_.viscosity == ViscosityModel::explicit_laplacian && n_.explicit_step < 0.2 * n_.step)
+        if (plan_.viscosity == ViscosityModel::explicit_laplacian && n_.explicit_step < 0.15 * n_.step)
             add_warning(fmt::format(
                 "explicit viscosity needs steps of {:.3g} s where the flow allows {:.3g} s: models.viscosity = \"full\" may be faster",
                 n_.explicit_step, n_.step));
