@@ -91,7 +91,8 @@ struct Renderer::Device {
     gl::Programs solid_colour{
         {"mesh.vert"},
         {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "shadow.glsl", "hot.glsl", "solid.frag"}};
-    gl::Programs liquid{{"screen.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "inks.glsl", "liquid.frag"}};
+    gl::Programs liquid{{"screen.vert"},
+                        {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "inks.glsl", "liquid.frag"}};
     gl::Programs opaque{{"screen.vert"},
                         {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "inks.glsl", "crust.glsl", "opaque.frag"}};
     gl::Programs glass_walls{{"mesh.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "glass.frag"}};

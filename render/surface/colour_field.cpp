@@ -26,9 +26,10 @@ constexpr float lone_factor = 1.2f;
 // and above which it is not.
 constexpr float few = 3.0f, many = 4.7f;
 
-// With its wide kernel a lone particle looks 3.5 times as large as its volume. Further than `apart` kernels from every other it is drawn
-// smaller, at `alone` kernels as large as it is: by `spray_factor`. Nearer than `apart` it may be one of a thread.
-constexpr float apart = 1.04f, alone = 1.9f, spray_factor = 0.66f;
+// With its wide kernel a lone particle is a drop of 1.8 d^3. Spray is finer than the spacing: further than `apart` kernels from every other
+// particle the drop is drawn smaller, from `alone` kernels on with a kernel smaller by `spray_factor`, 0.6 d^3 after the mesh's
+// smoothing. Nearer than `apart` it may be one of a thread.
+constexpr float apart = 1.04f, alone = 1.9f, spray_factor = 0.85f;
 
 // The distance to the nearest other particle, or `most` where none is as near.
 float nearest_other(const ParticleRows& p, Index i, float most) {

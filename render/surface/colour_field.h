@@ -11,7 +11,7 @@
 /// A wide kernel makes bumps smaller and holds a thin thread together, but bridges gaps: with R = 2.25 d two threads merge at a distance of
 /// 1.1 d. So R_j is 2 d where a particle has company, and grows to 2.4 d where it has little: a single file of particles stays in one piece
 /// up to distances of 2.5 d, droplets of a few particles keep their size, and thick threads stay apart down to 1 d. Drops of a single
-/// particle shrink the further they are from all others, at 4.6 d to the size of their volume.
+/// particle shrink the further they are from all others, as spray is finer than the spacing.
 #include "render/surface/particle_rows.h"
 
 namespace whorl {
