@@ -108,7 +108,7 @@ TEST_CASE("import makes a scene of SPlisHSPlasH's that plans, and tells line by 
     CHECK((high - Vec3f(1.4f, 0.5f, 0)).norm() < 1e-5f);
 
     const ConvertedScene made = convert_splishsplash(scratch / "scene.json");
-    CHECK(told(made, 7, "simulationMethod is taken as models.pressure"));
+    CHECK(told(made, 6, "simulationMethod is taken as models.pressure"));
     CHECK(told(made, 15, "Materials[0].dragMethod has no equivalent"));
     CHECK(told(made, 14, "Materials[0].viscosity is taken as a kinematic viscosity in m^2/s: 450.0 Pa s"));
     CHECK(told(made, 28, "RigidBodies[0].mapResolution has no equivalent"));

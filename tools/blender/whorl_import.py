@@ -375,6 +375,7 @@ def set_cycles(scene, samples):
     scene.render.engine = "CYCLES"
     scene.cycles.samples = samples
     scene.cycles.use_denoising = False  # not built into every Blender
+    scene.cycles.sample_clamp_indirect, scene.cycles.blur_glossy = 2, 1  # else the light through the fluid leaves bright grains
     scene.cycles.max_bounces = scene.cycles.transmission_bounces = 16
 
 
