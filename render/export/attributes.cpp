@@ -35,17 +35,15 @@ void Attributes::add(const std::string& name, int components, bool integer, cons
 
 void Attributes::add(const std::string& name, const std::vector<Vec3f>& values) { add(name, 3, false, values.data(), values.size()); }
 void Attributes::add(const std::string& name, const std::vector<float>& values) { add(name, 1, false, values.data(), values.size()); }
-void Attributes::add(const std::string& name, const std::vector<std::int32_t>& values) {
-    add(name, 1, true, values.data(), values.size());
-}
+void Attributes::add(const std::string& name, const std::vector<std::int32_t>& values) { add(name, 1, true, values.data(), values.size()); }
 
 void Attributes::add_constant(const std::string& name, float value) { add(name, owned_.emplace_back(rows_, value)); }
 
 std::string unit_of(const std::string& attribute) {
-    static const std::map<std::string, std::string> units{{"position", "m"},       {"velocity", "m/s"},     {"density", "kg/m^3"},
-                                                          {"pressure", "Pa"},      {"viscosity", "Pa s"},   {"spin", "1/s"},
-                                                          {"vorticity", "1/s"},    {"q_criterion", "1/s^2"}, {"spin_difference", "1/s"},
-                                                          {"age", "s"},            {"radius", "m"}};
+    static const std::map<std::string, std::string> units{{"position", "m"},    {"velocity", "m/s"},      {"density", "kg/m^3"},
+                                                          {"pressure", "Pa"},   {"viscosity", "Pa s"},    {"spin", "1/s"},
+                                                          {"vorticity", "1/s"}, {"q_criterion", "1/s^2"}, {"spin_difference", "1/s"},
+                                                          {"age", "s"},         {"radius", "m"}};
     const auto found = units.find(attribute);
     return found == units.end() ? "" : found->second;
 }

@@ -46,7 +46,9 @@ TriangleMesh indexed(const TriangleMesh& mesh) {
 
 /// A soft box of the studio as studio.glsl has it: towards `axis`, half-widths as tangents of angles.
 Json soft_box(const Vec3f& axis, const Vec3f& right, float width, float height, const Vec3f& radiance) {
-    return {{"direction", numbers(axis.normalized())}, {"right", numbers(right.normalized())}, {"size", {width, height}},
+    return {{"direction", numbers(axis.normalized())},
+            {"right", numbers(right.normalized())},
+            {"size", {width, height}},
             {"radiance", numbers(radiance)}};
 }
 
@@ -137,7 +139,7 @@ struct SceneExport::Document {
     const SceneExport& of;
     Json root;
     std::string binary;
-    int time_accessor = -1;  ///< of the key frames
+    int time_accessor = -1;                                             ///< of the key frames
     std::map<std::pair<const TriangleMesh*, std::string>, int> meshes;  ///< by their material
     std::map<std::string, int> materials;
     Json channels = Json::array(), samplers = Json::array();
@@ -155,7 +157,8 @@ struct SceneExport::Document {
         if (target != 0) view["target"] = target;
         binary.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
         root["bufferViews"].push_back(view);
-        Json accessor{{"bufferView", root["bufferViews"].size() - 1}, {"componentType", component_type}, {"count", values.size()}, {"type", type}};
+        Json accessor{
+            {"bufferView", root["bufferViews"].size() - 1}, {"componentType", component_type}, {"count", values.size()}, {"type", type}};
         accessor.update(bounds);
         root["accessors"].push_back(accessor);
         return static_cast<int>(root["accessors"].size()) - 1;
@@ -214,17 +217,15 @@ struct SceneExport::Document {
         const TriangleMesh mesh = indexed(with_normals(*solid.mesh));
         Vec3f low = mesh.position[0], high = low;
         for (const Vec3f& x : mesh.position) low = low.cwiseMin(x), high = high.cwiseMax(x);
-        const int position =
-            accessor(mesh.position, type_float, "VEC3", array_buffer, {{"min", numbers(low)}, {"max", numbers(high)}});
+        const int position = accessor(mesh.position, type_float, "VEC3", array_buffer, {{"min", numbers(low)}, {"max", numbers(high)}});
         const int normal = accessor(mesh.normal, type_float, "VEC3", array_buffer);
         std::vector<std::uint32_t> corners;
         for (const auto& t : mesh.triangle) corners.insert(corners.end(), t.begin(), t.end());
         const int index = accessor(corners, type_uint32, "SCALAR", element_array_buffer);
-        root["meshes"].push_back({{"name", name},
-                                  {"primitives",
-                                   {{{"attributes", {{"POSITION", position}, {"NORMAL", normal}}},
-                                     {"indices", index},
-                                     {"material", material(solid)}}}}});
+        root["meshes"].push_back(
+            {{"name", name},
+             {"primitives",
+              {{{"attributes", {{"POSITION", position}, {"NORMAL", normal}}}, {"indices", index}, {"material", material(solid)}}}}});
         return known->second;
     }
 
@@ -263,7 +264,7 @@ struct SceneExport::Document {
     void add_lights() {
         const int studio = node({{"name", "studio"}});
         place(studio, of.studio_);
-        if (!of.look_.environment.empty()) return;  // the picture lights the scene
+        if (!of.look_.environment.empty()) return;                                         // the picture lights the scene
         const Vec3f sun = std::numbers::pi_v<float> * studio_of(of.look_.background).sun;  // W/m^2 on what faces it
         const Json light{{"type", "directional"},
                          {"name", "lamp"},
@@ -309,7 +310,8 @@ struct SceneExport::Document {
     }
 
     std::string bytes() {
-        if (!channels.empty()) root["animations"] = Json::array({{{"name", of.options_.name}, {"channels", channels}, {"samplers", samplers}}});
+        if (!channels.empty())
+            root["animations"] = Json::array({{{"name", of.options_.name}, {"channels", channels}, {"samplers", samplers}}});
         for (const char* list : {"meshes", "materials", "accessors", "bufferViews"})
             if (root[list].empty()) root.erase(list);
         if (!binary.empty()) root["buffers"] = Json::array({{{"byteLength", binary.size()}}});
@@ -361,7 +363,8 @@ std::vector<SceneExport::Track> SceneExport::tracks_of(const std::filesystem::pa
         if (accessor.at("count").get<std::size_t>() < frames || offset + size * frames > parts.binary.size())
             not_ours(file, "key frames are missing");
         for (std::size_t k = 0; k < frames; ++k)
-            std::memcpy(turns ? track.rotation[k].coeffs().data() : track.translation[k].data(), parts.binary.data() + offset + size * k, size);
+            std::memcpy(turns ? track.rotation[k].coeffs().data() : track.translation[k].data(), parts.binary.data() + offset + size * k,
+                        size);
     }
     return tracks;
 }

@@ -1,6 +1,6 @@
 #pragma once
-/// What stands around the fluid, over a film, as one glTF 2.0 file (.glb): solids and nozzles as meshes that move, emitters as nodes without
-/// a mesh, the camera, and the studio's lamp (KHR_lights_punctual).
+/// What stands around the fluid, over a film, as one glTF 2.0 file (.glb): solids and nozzles as meshes that move, emitters as nodes
+/// without a mesh, the camera, and the studio's lamp (KHR_lights_punctual).
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -14,8 +14,8 @@ namespace whorl {
 
 struct SceneExportOptions {
     std::string name;
-    double fps = 24;      ///< of the film: frame n stands at n/fps s
-    double interval = 0;  ///< s, simulated, from frame to frame
+    double fps = 24;             ///< of the film: frame n stands at n/fps s
+    double interval = 0;         ///< s, simulated, from frame to frame
     int width = 16, height = 9;  ///< of the pictures
 };
 
@@ -49,7 +49,7 @@ private:
     int first_frame_ = 0;
     std::vector<Track> solids_;  ///< and nozzles
     Track camera_, studio_;
-    std::vector<float> fov_;  ///< degrees, vertical
+    std::vector<float> fov_;      ///< degrees, vertical
     std::optional<Frame> stage_;  ///< the first frame without its fluid
     LookOptions look_;            ///< the first
 };

@@ -15,8 +15,9 @@ class Appended {
 public:
     /// @return the element that stands for the array
     std::string array(const std::string& name, const char* type, int components, const void* data, std::size_t bytes) {
-        const std::string element = fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n",
-                                                type, name, components, bytes_.size());
+        const std::string element =
+            fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n", type, name,
+                        components, bytes_.size());
         const auto size = static_cast<std::uint64_t>(bytes);
         bytes_.append(reinterpret_cast<const char*>(&size), sizeof size);
         bytes_.append(static_cast<const char*>(data), bytes);
@@ -162,8 +163,8 @@ void write_vti(const std::filesystem::path& file, const Frame& frame, const Attr
         content += data.array(name_with_unit(array.name), "Float32", array.components, values.data(), values.size() * sizeof(float));
     }
     content += "</PointData>\n</Piece>\n";
-    const std::string attributes = fmt::format(" WholeExtent=\"{}\" Origin=\"{:.9g} {:.9g} {:.9g}\" Spacing=\"{:.9g} {:.9g} {:.9g}\"", extent,
-                                               origin.x(), origin.y(), origin.z(), grid.cell.x(), grid.cell.y(), grid.cell.z());
+    const std::string attributes = fmt::format(" WholeExtent=\"{}\" Origin=\"{:.9g} {:.9g} {:.9g}\" Spacing=\"{:.9g} {:.9g} {:.9g}\"",
+                                               extent, origin.x(), origin.y(), origin.z(), grid.cell.x(), grid.cell.y(), grid.cell.z());
     write_text(file, document("ImageData", attributes, frame.time, content, data));
 }
 
@@ -173,8 +174,8 @@ void write_pvd(const std::filesystem::path& file, const std::vector<TimedFile>& 
     for (const TimedFile& one : files) {
         auto part = std::find(parts.begin(), parts.end(), one.part);
         if (part == parts.end()) part = parts.insert(parts.end(), one.part);
-        text += fmt::format("<DataSet timestep=\"{:.17g}\" part=\"{}\" name=\"{}\" file=\"{}\"/>\n", one.time, part - parts.begin(), one.part,
-                            escaped(one.file));
+        text += fmt::format("<DataSet timestep=\"{:.17g}\" part=\"{}\" name=\"{}\" file=\"{}\"/>\n", one.time, part - parts.begin(),
+                            one.part, escaped(one.file));
     }
     write_text(file, text + "</Collection>\n</VTKFile>\n");
 }

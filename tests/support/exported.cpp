@@ -61,7 +61,8 @@ Vtk read_vtk(const std::filesystem::path& file) {
     Vtk vtk;
     const std::size_t data = bytes.find(start) + start.size();
     vtk.text = bytes.substr(0, data);
-    static const std::regex array("<DataArray type=\"(\\w+)\" Name=\"([^\"]+)\" NumberOfComponents=\"\\d\" format=\"appended\" offset=\"(\\d+)\"/>");
+    static const std::regex array(
+        "<DataArray type=\"(\\w+)\" Name=\"([^\"]+)\" NumberOfComponents=\"\\d\" format=\"appended\" offset=\"(\\d+)\"/>");
     std::size_t end = data;
     for (std::sregex_iterator found(vtk.text.begin(), vtk.text.end(), array), none; found != none; ++found) {
         const std::size_t at = data + std::stoul((*found)[3]), size = number_at<std::uint64_t>(bytes, at);
@@ -89,7 +90,8 @@ std::vector<float> Glb::floats(std::size_t number) const {
     const nlohmann::json& view = json.at("bufferViews").at(accessor.at("bufferView").get<std::size_t>());
     static const std::map<std::string, std::size_t> components{{"SCALAR", 1}, {"VEC3", 3}, {"VEC4", 4}};
     const std::size_t count = accessor.at("count").get<std::size_t>() * components.at(accessor.at("type").get<std::string>());
-    if (accessor.at("componentType") != 5126 || view.at("byteLength") != 4 * count) throw std::runtime_error("an accessor does not fit its bytes");
+    if (accessor.at("componentType") != 5126 || view.at("byteLength") != 4 * count)
+        throw std::runtime_error("an accessor does not fit its bytes");
     return numbers_at<float>(binary, view.at("byteOffset").get<std::size_t>(), count);
 }
 

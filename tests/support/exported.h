@@ -11,8 +11,8 @@ namespace whorl::test {
 /// A PLY file whose numbers all have four bytes. @throws std::runtime_error where it is none
 struct Ply {
     std::string header;
-    std::vector<std::string> properties;                ///< in the file's order
-    std::map<std::string, std::vector<float>> number;   ///< float properties
+    std::vector<std::string> properties;                     ///< in the file's order
+    std::map<std::string, std::vector<float>> number;        ///< float properties
     std::map<std::string, std::vector<std::int32_t>> whole;  ///< int properties
     std::vector<std::array<std::uint32_t, 3>> face;
     bool has_faces = false;

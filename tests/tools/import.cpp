@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 #include <fstream>
 
-#include "engine/io/files.h"
 #include "engine/geometry/mesh_file.h"
+#include "engine/io/files.h"
 #include "engine/scene/plan.h"
 #include "tests/support/program.h"
 #include "tests/support/scratch.h"
@@ -70,7 +70,8 @@ TEST_CASE("import makes a scene of SPlisHSPlasH's that plans, and tells line by 
     INFO(outcome.err << outcome.out);
     REQUIRE(outcome.code == 0);
     CHECK(outcome.out.find("before it runs") == std::string::npos);
-    CHECK(outcome.out.find((scratch / "scene.json").string() + ":4:5: Configuration.pause has no equivalent: left out\n") != std::string::npos);
+    CHECK(outcome.out.find((scratch / "scene.json").string() + ":4:5: Configuration.pause has no equivalent: left out\n") !=
+          std::string::npos);
 
     const Scene scene = read_scene_file(out).scene;
     CHECK_NOTHROW(make_plan(scene));
@@ -122,8 +123,7 @@ TEST_CASE("import makes a scene of SPlisHSPlasH's that plans, and tells line by 
 TEST_CASE("import names file, line and column of what is broken, and writes nothing then", "[tools][import]") {
     const auto refused = [](const std::string& text, const std::string& why) {
         const Scratch scratch(text);
-        const test::Outcome outcome =
-            test::whorl({"import", (scratch / "scene.json").string(), "--out", (scratch / "made.toml").string()});
+        const test::Outcome outcome = test::whorl({"import", (scratch / "scene.json").string(), "--out", (scratch / "made.toml").string()});
         INFO(outcome.err);
         CHECK(outcome.code == 2);
         CHECK_THAT(outcome.err, Catch::Contains((scratch / "scene.json").string() + why));
@@ -132,7 +132,8 @@ TEST_CASE("import names file, line and column of what is broken, and writes noth
     refused("{\n  \"Configuration\": {\"particleRadius\": 0.02,, }\n}", ":2:");
     refused("{\n  \"Configuration\": {\"particleRadius\": 0.02", ":2:");
     refused("{\n  \"Configuration\": {\"particleRadius\": \"small\"}\n}", ":2:21: Configuration.particleRadius is not a number");
-    refused("{\n \"FluidBlocks\": [\n  {\"start\": [0, 0], \"end\": [1, 1, 1]}]\n}", ":3:4: FluidBlocks[0].start is not a list of three numbers");
+    refused("{\n \"FluidBlocks\": [\n  {\"start\": [0, 0], \"end\": [1, 1, 1]}]\n}",
+            ":3:4: FluidBlocks[0].start is not a list of three numbers");
     refused("{\n \"FluidBlocks\": [\n  {\"start\": [0, 0, 0]}]\n}", ":3:3: FluidBlocks[0] has no end");
     refused("{\n \"RigidBodies\": [\n  {\"geometryFile\": \"gone.obj\"}]\n}", ":3:4: RigidBodies[0].geometryFile: ");
     refused("[1, 2]", ":1:1: is no scene");

@@ -32,7 +32,8 @@ struct JsonNode {
     std::vector<const JsonNode*> objects_of(const std::string& key) const;
     /// The member; null where it is absent.
     const JsonNode* find(const std::string& key) const;
-    /// Calls f(node) for the values that nobody asked for, in the file's order; of a whole list or object that nobody opened, for that alone.
+    /// Calls f(node) for the values that nobody asked for, in the file's order; of a whole list or object that nobody opened, for that
+    /// alone.
     template <class F>
     void each_unused(F&& f) const {
         if (!used) return f(*this);

@@ -39,7 +39,8 @@ TriangleMesh unit_box() {
     TriangleMesh box;
     for (int corner = 0; corner < 8; ++corner)
         box.position.push_back(Vec3f(corner & 1 ? 0.5f : -0.5f, corner & 2 ? 0.5f : -0.5f, corner & 4 ? 0.5f : -0.5f));
-    box.triangle = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4}, {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+    box.triangle = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                    {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
     return box;
 }
 
@@ -127,7 +128,8 @@ void Converter::configuration() {
     if (!end || *end <= 0) end = of.number_of("pauseAt");
     if (!end || *end <= 0) {
         end = 5;
-        made_.notes.push_back({{file_.string(), found ? found->place.line : 1, 1}, "the scene never ends (no stopAt): time.end is 5 s", "", ""});
+        made_.notes.push_back(
+            {{file_.string(), found ? found->place.line : 1, 1}, "the scene never ends (no stopAt): time.end is 5 s", "", ""});
     }
     line(time_, "end", number(*end));
     const auto fps = of.number_of("dataExportFPS");
@@ -148,8 +150,10 @@ void Converter::configuration() {
     for (const char* key : {"enablePartioExport", "enableVTKExport"})
         if (of.truth_of(key).value_or(false)) note(of, key, "is --export points or --export vtk of whorl render");
     const auto from = of.vector_of("cameraPosition"), to = of.vector_of("cameraLookat");
-    if (from) camera_ = fmt::format("\n[camera]\nkind = \"fixed\"\nposition = [{}, {}, {}]\ntarget = [{}, {}, {}]\n", number(from->x()), number(from->y()),
-                                    number(from->z()), number(to ? to->x() : 0), number(to ? to->y() : 0), number(to ? to->z() : 0));
+    if (from)
+        camera_ =
+            fmt::format("\n[camera]\nkind = \"fixed\"\nposition = [{}, {}, {}]\ntarget = [{}, {}, {}]\n", number(from->x()),
+                        number(from->y()), number(from->z()), number(to ? to->x() : 0), number(to ? to->y() : 0), number(to ? to->z() : 0));
 }
 
 void Converter::pressure(const JsonNode& of) {
@@ -176,7 +180,8 @@ void Converter::materials() {
     }
     if (fluids_.empty()) fluids_.emplace_back();
     const Fluid& first = fluids_[0];
-    fluid_ = fmt::format("\n[fluid]\nspacing = {}\ndensity = {}\nviscosity = {}\n", number(spacing_), number(first.density), number(first.viscosity));
+    fluid_ = fmt::format("\n[fluid]\nspacing = {}\ndensity = {}\nviscosity = {}\n", number(spacing_), number(first.density),
+                         number(first.viscosity));
     if (!first.node) return;
     const auto method = first.node->number_of("surfaceTensionMethod"), tension = first.node->number_of("surfaceTension");
     if (!method || *method == 0 || !tension) return;
@@ -202,7 +207,8 @@ void Converter::viscosity(Fluid& fluid, bool is_scene) {
     if (!is_scene || of.number_of("vorticityMethod").value_or(0) != 1) return;
     models_ += "micropolar = \"bender\"\n";
     micropolar_ = "\n[micropolar]\n";
-    if (const auto inverse = of.number_of("inertiaInverse"); inverse && *inverse > 0) line(micropolar_, "micro_inertia", number(1 / *inverse));
+    if (const auto inverse = of.number_of("inertiaInverse"); inverse && *inverse > 0)
+        line(micropolar_, "micro_inertia", number(1 / *inverse));
     if (const auto nu = of.number_of("vorticity")) {
         line(micropolar_, "transfer_viscosity", number(*nu * fluid.density));
         note(of, "vorticity", "is taken as a kinematic transfer viscosity in m^2/s");
@@ -220,7 +226,8 @@ const Converter::Fluid& Converter::fluid_of(const JsonNode& user, bool can_diffe
             note(user, "has a density of its own, and there is one here: that of \"" + fluids_[0].id + "\"");
         return fluid;
     }
-    if (fluids_[0].node) note(user, "has the material \"" + id + "\", which the file does not describe: it has that of \"" + fluids_[0].id + "\"");
+    if (fluids_[0].node)
+        note(user, "has the material \"" + id + "\", which the file does not describe: it has that of \"" + fluids_[0].id + "\"");
     return fluids_[0];
 }
 
@@ -228,7 +235,8 @@ void Converter::blocks() {
     for (const JsonNode* node : root_.objects_of("FluidBlocks")) {
         const Placement at = placement_of(*node);
         const auto start = node->vector_of("start"), end = node->vector_of("end");
-        if (!start || !end) throw InputError(node->place, node->path + " has no " + (start ? "end" : "start"), "", "start and end, corners of the block");
+        if (!start || !end)
+            throw InputError(node->place, node->path + " has no " + (start ? "end" : "start"), "", "start and end, corners of the block");
         fluid_of(*node, false);
         Extent3 box;
         box.extend(at.scale.cwiseProduct(*start) + at.translation), box.extend(at.scale.cwiseProduct(*end) + at.translation);
@@ -236,7 +244,8 @@ void Converter::blocks() {
         fluid_places_.push_back(box.center());
         shapes_ += fmt::format("\n[[block]]\nshape = \"box\"\nmin = {}\nmax = {}\n", vector(box.min()), vector(box.max()));
         if (const auto u = node->vector_of("initialVelocity"); u && !u->isZero()) line(shapes_, "velocity", vector(*u));
-        if (node->number_of("denseMode").value_or(0) != 0) note(*node, "denseMode", "packs particles denser: here they stand on a lattice of their own spacing");
+        if (node->number_of("denseMode").value_or(0) != 0)
+            note(*node, "denseMode", "packs particles denser: here they stand on a lattice of their own spacing");
     }
 }
 
@@ -344,7 +353,8 @@ std::string Converter::head() const {
     const Vec3d margin = Vec3d::Constant(std::max(4 * spacing_, 0.05 * room.sizes().maxCoeff()));
     std::string text = fmt::format("# From {} by whorl import.\n\n[time]\n{}\n[domain]\n", file_.filename().string(), time_);
     if (plane_) text += "dimensions = 2\n";
-    return text + fmt::format("min = {}\nmax = {}\ngravity = {}\n", vector(room.min() - margin), vector(room.max() + margin), vector(gravity_));
+    return text +
+           fmt::format("min = {}\nmax = {}\ngravity = {}\n", vector(room.min() - margin), vector(room.max() + margin), vector(gravity_));
 }
 
 }  // namespace

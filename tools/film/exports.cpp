@@ -44,7 +44,9 @@ Exports::Exports(ExportOptions options)
                 timed_.push_back({(frame - 1) * options_.interval, part, made.filename().string()});
 }
 
-bool Exports::wants(const char* kind) const { return std::find(options_.kinds.begin(), options_.kinds.end(), kind) != options_.kinds.end(); }
+bool Exports::wants(const char* kind) const {
+    return std::find(options_.kinds.begin(), options_.kinds.end(), kind) != options_.kinds.end();
+}
 
 std::filesystem::path Exports::file(const char* kind, int frame, const char* suffix) const {
     return options_.folder / kind / fmt::format("{}.{:04}.{}", options_.name, frame, suffix);

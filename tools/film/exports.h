@@ -17,9 +17,9 @@ struct ExportOptions {
     std::string name;                ///< the scene's: files are KIND/NAME.0001.SUFFIX
     std::vector<std::string> kinds;  ///< points, mesh, obj, vdb, scene, vtk, raw
     double fps = 24;
-    double interval = 0;           ///< s, simulated, from frame to frame
+    double interval = 0;             ///< s, simulated, from frame to frame
     int width = 1280, height = 720;  ///< pixels of a picture
-    int frames_before = 0;         ///< frames whose files stand there already (a resumed run)
+    int frames_before = 0;           ///< frames whose files stand there already (a resumed run)
 };
 
 class Exports {

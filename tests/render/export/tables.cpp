@@ -56,8 +56,8 @@ TEST_CASE("a PLY of particles holds what other programs are told, to the bit, wi
     const Frame frame = some_frame();
     write_ply(folder / "a.ply", note_of(frame), particle_attributes(frame));
     const test::Ply ply = test::read_ply(folder / "a.ply");
-    CHECK(ply.properties == std::vector<std::string>{"x",      "y",      "z",      "velocity_x", "velocity_y", "velocity_z", "density", "age", "spin_x",
-                                                     "spin_y", "spin_z", "ink_1",  "ink_2",      "ink_3",      "radius",     "id",      "source"});
+    CHECK(ply.properties == std::vector<std::string>{"x", "y", "z", "velocity_x", "velocity_y", "velocity_z", "density", "age", "spin_x",
+                                                     "spin_y", "spin_z", "ink_1", "ink_2", "ink_3", "radius", "id", "source"});
     for (int c = 0; c < 3; ++c) {
         const std::string axis(1, static_cast<char>('x' + c));
         CHECK(ply.number.at(axis) == component(frame.position, c));
@@ -74,7 +74,8 @@ TEST_CASE("a PLY of particles holds what other programs are told, to the bit, wi
     CHECK_THROWS_AS(write_ply(folder / "missing" / "a.ply", note_of(frame), particle_attributes(frame)), EnvironmentError);
 }
 
-TEST_CASE("a PLY of a mesh holds normals, what the fluid carries and the triangles, and an empty one has no faces but says so", "[export]") {
+TEST_CASE("a PLY of a mesh holds normals, what the fluid carries and the triangles, and an empty one has no faces but says so",
+          "[export]") {
     const test::ScratchFolder folder;
     TriangleMesh mesh;
     mesh.position = {{0, 0, 0}, {1, 0, 0}, {0, 1.25f, 0}, {0, 0, 1e-3f}};
@@ -122,7 +123,8 @@ TEST_CASE("VTK files hold points and meshes to the bit, with units in the arrays
     CHECK(surface.whole.at("offsets") == std::vector<std::int32_t>{3, 6, 9, 12});
 
     write_pvd(folder / "a.pvd", {{0, "points", "a.1.vtp"}, {0, "mesh", "b.1.vtp"}, {0.1, "points", "a & b.vtp"}});
-    CHECK(read_whole(folder / "a.pvd").find("<DataSet timestep=\"0.10000000000000001\" part=\"0\" name=\"points\" file=\"a &amp; b.vtp\"/>\n") !=
+    CHECK(read_whole(folder / "a.pvd")
+              .find("<DataSet timestep=\"0.10000000000000001\" part=\"0\" name=\"points\" file=\"a &amp; b.vtp\"/>\n") !=
           std::string::npos);
 }
 
@@ -143,9 +145,9 @@ TEST_CASE("a VTK grid holds the flow at its nodes, and a periodic axis ends on t
     write_vti(folder / "a.vti", frame, particle_attributes(frame));
     const test::Vtk grid = test::read_vtk(folder / "a.vti");
     CHECK(grid.text.find("WholeExtent=\"0 20 0 ") != std::string::npos);  // half a spacing from node to node, and one node more
-    CHECK(grid.text.find(" 0 0\" Origin=\"0 ") != std::string::npos);      // one layer
+    CHECK(grid.text.find(" 0 0\" Origin=\"0 ") != std::string::npos);     // one layer
     const std::vector<float>&velocity = grid.number.at("velocity [m/s]"), &pressure = grid.number.at("pressure [Pa]"),
-    &cover = grid.number.at("cover"), &vorticity = grid.number.at("vorticity [1/s]");
+          &cover = grid.number.at("cover"), &vorticity = grid.number.at("vorticity [1/s]");
     REQUIRE(velocity.size() == 3 * cover.size());
     const std::size_t row = 21, middle = cover.size() / row / 2;
     for (std::size_t i = 0; i < row; ++i) {
