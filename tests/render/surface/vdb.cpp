@@ -64,5 +64,5 @@ TEST_CASE("a VDB file opens with a level set, a velocity and a cloud's density, 
     CHECK_FALSE(flow->tree().isValueOn(openvdb::Coord(9, 3, 3)));  // no fluid there
     CHECK(fog->tree().getValue(openvdb::Coord(5, 2, 0)) == 5.0f / 16);
     REQUIRE_FALSE(std::filesystem::exists(folder / ".a.vdb.part"));
-    REQUIRE_THROWS_AS(write_vdb(folder / "missing" / "a.vdb", {}, surface, fields), EnvironmentError);
+    REQUIRE_THROWS_AS(write_vdb(folder / "missing" / "a.vdb", {7, 0.25, 0.5f}, surface, fields), EnvironmentError);
 }
