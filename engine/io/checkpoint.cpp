@@ -15,7 +15,7 @@
 namespace whorl {
 namespace {
 
-constexpr std::string_view magic = "WHORLCP1";
+constexpr std::string_view magic = "WHORLCP2";
 
 struct CheckpointPacker : Packer {
     using Packer::operator();

@@ -21,6 +21,15 @@ struct FrameSolid {
     bool ground = false;                       ///< an unbounded plane
 };
 
+/// An opening that fluid comes from; it stands still.
+struct FrameEmitter {
+    Vec3f position = Vec3f::Zero();     ///< m, its middle
+    Vec3f direction = -Vec3f::UnitY();  ///< unit, the way the fluid goes
+    Vec3f width_axis = Vec3f::UnitX();  ///< unit, across `direction`
+    float width = 0, thickness = 0;     ///< m; of a disc twice the radius
+    bool slot = false;                  ///< a rectangle, not a disc
+};
+
 struct Frame {
     int number = 0;               ///< 1, 2, ... as in frames/000001.png
     double time = 0;              ///< s, simulated
@@ -29,8 +38,10 @@ struct Frame {
     std::vector<Vec3f> velocity;  ///< m/s
     /// Other fields that the look or the export asks for, by their names in files (DESIGN names: "density", "pressure", "viscosity", ...).
     std::map<std::string, std::vector<float>> scalar;
-    std::map<std::string, std::vector<Vec3f>> vector;  ///< "spin", "vorticity", ...
+    std::map<std::string, std::vector<Vec3f>> vector;        ///< "spin", "vorticity", ...
+    std::map<std::string, std::vector<std::int32_t>> whole;  ///< "id", "source": 0 the start's, k emitter k - 1's
     std::vector<FrameSolid> solids;
+    std::vector<FrameEmitter> emitters;
     Vec3f domain_min = Vec3f::Zero(), domain_max = Vec3f::Zero();  ///< m
     std::array<bool, 3> periodic{false, false, false};
     int dimensions = 3;  ///< 2: all particles stand in the plane z = 0

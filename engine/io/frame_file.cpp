@@ -7,7 +7,7 @@
 namespace whorl {
 namespace {
 
-constexpr std::string_view kind = "WHORLFR1";
+constexpr std::string_view kind = "WHORLFR2";
 
 template <class Archive, class V>
 void each_number(Archive& a, V& values) {
@@ -21,13 +21,20 @@ void mesh_members(Archive& a, M& mesh) {
 
 template <class Archive, class S>
 void solid_members(Archive& a, S& solid) {
-    each_number(a, solid.rotation), each_number(a, solid.translation);
+    each_number(a, solid.rotation), each_number(a, solid.translation), each_number(a, solid.velocity), each_number(a, solid.spin);
     a(solid.material), a(solid.container), a(solid.ground);
+}
+
+template <class Archive, class E>
+void emitter_members(Archive& a, E& emitter) {
+    each_number(a, emitter.position), each_number(a, emitter.direction), each_number(a, emitter.width_axis);
+    a(emitter.width), a(emitter.thickness), a(emitter.slot);
 }
 
 template <class Archive, class F>
 void frame_members(Archive& a, F& frame) {
-    a(frame.number), a(frame.time), a(frame.spacing), a(frame.position), a(frame.velocity), a(frame.scalar), a(frame.vector);
+    a(frame.number), a(frame.time), a(frame.spacing), a(frame.position), a(frame.velocity), a(frame.scalar), a(frame.vector),
+        a(frame.whole);
     each_number(a, frame.domain_min), each_number(a, frame.domain_max);
     for (auto& periodic : frame.periodic) a(periodic);
     a(frame.dimensions);
@@ -44,6 +51,8 @@ void write_frame(const std::filesystem::path& file, const Frame& frame) {
         pack(solid.mesh != nullptr);
         if (solid.mesh) mesh_members(pack, *solid.mesh);
     }
+    pack(static_cast<std::uint64_t>(frame.emitters.size()));
+    for (const FrameEmitter& emitter : frame.emitters) emitter_members(pack, emitter);
     write_text(file, sealed(kind, pack.bytes));
 }
 
@@ -65,6 +74,8 @@ Frame read_frame(const std::filesystem::path& file) try {
         }
         frame.solids.push_back(std::move(solid));
     }
+    std::uint64_t emitters = 0;
+    for (in(emitters); emitters > 0; --emitters) emitter_members(in, frame.emitters.emplace_back());
     return frame;
 } catch (const EnvironmentError& error) {
     throw InputError({file.string(), 0, 0}, std::string("is no whole frame: ") + error.what(), "export the frames anew");

@@ -26,6 +26,12 @@ Snapshots::Snapshots(const Simulation& simulation, std::vector<std::string> fiel
         nozzle.mesh = std::make_shared<TriangleMesh>(nozzle_mesh(opening, spacing, std::max(4 * spacing, 4 * bore)));
         nozzle.material = "metal";
         solids_.push_back(std::move(nozzle));
+        Vec3 width, thickness;
+        opening_axes(opening, width, thickness);
+        const bool disc = !opening.slot && !opening.plane;
+        const Real wide = disc ? 2 * opening.radius : opening.width, thick = disc ? wide : opening.thickness;
+        emitters_.push_back({opening.centre.cast<float>(), opening.direction.cast<float>(), width.cast<float>(), static_cast<float>(wide),
+                             static_cast<float>(thick), opening.slot});
     }
 }
 
@@ -36,6 +42,7 @@ Frame Snapshots::take(const Simulation& simulation, int number) const {
     frame.number = number;
     frame.time = simulation.time();
     frame.solids = solids_;
+    frame.emitters = emitters_;
     for (std::size_t k = 0; k < world.solids.all.size(); ++k) {
         frame.solids[k].rotation = world.solids.all[k].pose.rotation.cast<float>();
         frame.solids[k].translation = world.solids.all[k].pose.translation.cast<float>();
@@ -69,6 +76,10 @@ Frame particles_of(const World& world, const std::vector<std::string>& fields) {
             parallel_for(world.fluid.size(), [&](Index i) {
                 for (int c = 0; c < 3; ++c) values[i][c] = static_cast<float>(column.value(i, c));
             });
+        } else if (column.components == 1 && column.integer) {
+            std::vector<std::int32_t>& values = frame.whole[column.name];
+            values.resize(n);
+            parallel_for(world.fluid.size(), [&](Index i) { values[i] = static_cast<std::int32_t>(column.value(i)); });
         } else if (column.components == 1) {
             std::vector<float>& values = frame.scalar[column.name];
             values.resize(n);

@@ -18,6 +18,7 @@ public:
 private:
     std::vector<std::string> fields_;
     std::vector<FrameSolid> solids_;  ///< the nozzles behind the solids; poses are filled in by take()
+    std::vector<FrameEmitter> emitters_;
 };
 
 /// The particles' part of a frame.

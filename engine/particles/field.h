@@ -41,6 +41,11 @@ struct role {
     using type = std::int16_t;
     static constexpr std::string_view name = "role", unit = "", meaning = "free, stuck to a solid, or inside a nozzle";
 };
+/// Counts from 0 over the run's whole fluid, those that are gone too. Only where an export asks for it.
+struct id {
+    using type = std::int32_t;
+    static constexpr std::string_view name = "id", unit = "", meaning = "the particle's number, the same all its life";
+};
 struct acceleration {
     using type = Vec3;
     static constexpr std::string_view name = "acceleration", unit = "m/s^2", meaning = "forces that act explicitly, over the mass";

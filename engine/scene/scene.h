@@ -212,7 +212,7 @@ struct PanelKeys {
 struct OutputKeys {
     bool frames = true, video = true;
     double checkpoint_every = 5;         ///< s of wall time
-    std::vector<std::string> exports;    ///< points, mesh, vdb, raw
+    std::vector<std::string> exports;    ///< points, mesh, obj, vdb, scene, vtk, raw
     std::array<int, 2> size{1280, 720};  ///< pixels, width and height, even
     std::string chart;                   ///< of a film of panels: "probe.column", drawn under it; empty: none
     std::optional<int> panel_columns;    ///< of a film of panels; none: as many as there are, in a square from four on
@@ -239,7 +239,9 @@ struct Scene {
     OutputKeys output;
     BudgetKeys budget;
     std::uint64_t seed = 1;
-    bool grains = false;  ///< particles carry a random number for the picture; not a key, it follows from the look
+    bool grains = false;      ///< particles carry a random number for the picture; not a key, it follows from the look
+    bool identities = false;  ///< particles know who they are and where they came from; not a key, it follows from output.export
+    bool ages = false;        ///< particles know how long they have been about; the same
 
     std::string directory;                ///< of the scene file: mesh files are found from here
     std::map<std::string, Place> places;  ///< where each given key stands: "emitter[0].position" -> file:line:column
@@ -250,6 +252,10 @@ struct Scene {
     /// Whether forces move a solid.
     bool any_free_solid() const {
         return std::any_of(solids.begin(), solids.end(), [](const SolidKeys& s) { return s.density > 0; });
+    }
+    /// Whether the run writes these files for other programs.
+    bool exported(const std::string& kind) const {
+        return std::find(output.exports.begin(), output.exports.end(), kind) != output.exports.end();
     }
     /// Whether any particle carries ink.
     bool any_ink() const {

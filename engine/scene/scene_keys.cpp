@@ -394,8 +394,8 @@ KeyTable output_keys() {
         .at_most(16);
     t.key("chart", &OutputKeys::chart, "", "PROBE.COLUMN: its curve in every panel, over time, under a film of panels");
     t.key("checkpoint_every", &OutputKeys::checkpoint_every, "s", "of wall time").above(0);
-    t.key("export", &OutputKeys::exports, "", "files for other programs, a set a frame; raw: what whorl draw makes pictures from again")
-        .one_of({"points", "mesh", "vdb", "raw"});
+    t.key("export", &OutputKeys::exports, "", "files for other programs; raw: what whorl draw makes pictures from again")
+        .one_of({"points", "mesh", "obj", "vdb", "scene", "vtk", "raw"});
     return t;
 }
 

@@ -99,7 +99,7 @@ public:
     Assembly assemble() {
         limit("max_step", number(scene_.time.max_step) + " s", [most = scene_.time.max_step](const World&, double) { return most; });
         flow_limits();
-        if (facts_.viscous() || facts_.viscosity.smooths || facts_.micropolar.spins) ageing();
+        ageing();
         if (facts_.pressure.solves_viscosity) coupled();
         else if (facts_.pressure.source == PressureSource::velocity) projection();
         else separate();
@@ -407,7 +407,11 @@ private:
     }
 
     void ageing() {
-        if (!scene_.viscosity_ages()) return;
+        const bool viscous = facts_.viscous() || facts_.viscosity.smooths || facts_.micropolar.spins;
+        if (!viscous || !scene_.viscosity_ages()) {
+            if (scene_.ages) stage("age", "move", GrowOlder{});
+            return;
+        }
         std::vector<Expression> of_source;
         for (std::size_t k = 0; k <= scene_.emitters.size(); ++k) of_source.push_back(scene_.viscosity_of_source(k));
         if (scene_.viscosity_ages_by_place()) stage("ageing", "viscosity", AgeingViscosityByPlace{std::move(of_source)});

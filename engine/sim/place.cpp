@@ -65,6 +65,11 @@ void set_colours(const Scene& scene, World& world, Index first, const Inks& inks
     for (std::size_t i = from; i < grain.size(); ++i) grain[i] = static_cast<Real>(random());
 }
 
+void set_ids(World& world, Index first, std::int32_t& next) {
+    if (!world.fluid.has<field::id>()) return;
+    for (std::int32_t& id : world.fluid.column<field::id>().subspan(static_cast<std::size_t>(first))) id = next++;
+}
+
 void change_viscosity(const Scene& scene, World& world) {
     ParticleStore& fluid = world.fluid;
     if (!fluid.has<field::viscosity>()) return;

@@ -19,6 +19,9 @@ void place_blocks(const Scene& scene, const Plan& plan, World& world);
 void set_viscosity(const Scene& scene, World& world, Index first, int source);
 /// Inks and grains of the particles from `first` on, which have just come in; nothing where the scene has none.
 void set_colours(const Scene& scene, World& world, Index first, const Inks& inks, double time);
+/// Numbers of the particles from `first` on, which have just come in; nothing where no export asks for them.
+/// @param next of the next particle; counts on
+void set_ids(World& world, Index first, std::int32_t& next);
 /// What a live change of fluid.viscosity does: the particles whose viscosity that key gives have the new one, of their age and of the place
 /// where they are now; those of emitters with a viscosity of their own keep it.
 void change_viscosity(const Scene& scene, World& world);

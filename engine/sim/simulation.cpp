@@ -59,6 +59,7 @@ struct Simulation::State {
     CurveSort curve;
     double time = 0;
     long steps_since_frame = 0;
+    std::int32_t next_id = 0;  ///< of the next particle that comes in
     std::optional<Sleep> sleep;
     double since_look = 0;  ///< s, since the last look at who sleeps
     RunTotals totals;
@@ -76,9 +77,14 @@ struct Simulation::State {
         if (own_viscosity && world.fluid.has<field::viscosity>()) world.fluid.declare(field_info<field::source>(), true);
         if (scene.any_ink()) world.fluid.declare(field_info<field::ink>(), true);
         if (scene.grains) world.fluid.declare(field_info<field::grain>(), true);
+        if (scene.identities) {
+            world.fluid.declare(field_info<field::id>(), true);
+            world.fluid.declare(field_info<field::source>(), true);
+        }
         place_constants(scene, plan, world);
         place_solids(scene, plan, world);
         place_blocks(scene, plan, world);
+        set_ids(world, 0, next_id);
         if (scene.time.sleep > 0) {
             SleepOptions options;
             options.tolerance = static_cast<Real>(scene.time.sleep);
@@ -142,6 +148,7 @@ struct Simulation::State {
             emitter.enter(world.fluid, time, world.step.dt);
             set_viscosity(scene, world, first, ++source);
             set_colours(scene, world, first, scene.emitters[static_cast<std::size_t>(source) - 1].ink, time);
+            set_ids(world, first, next_id);
         }
     }
 
@@ -291,7 +298,7 @@ void Simulation::changed_before(const Scene& scene, const Plan& plan, double tim
 void Simulation::save(std::ostream& out) const {
     const State& s = *state_;
     WHORL_ASSERT(s.steps_since_frame == 0, "save() between frame times");
-    put(out, s.time);
+    put(out, s.time), put(out, s.next_id);
     each_number(s.totals, [&](const auto& number) { put(out, number); });
     put(out, s.totals.binding.size());
     for (const auto& [limit, times] : s.totals.binding) {
@@ -311,7 +318,7 @@ void Simulation::save(std::ostream& out) const {
 
 void Simulation::load(std::istream& in) {
     State& s = *state_;
-    s.time = take<double>(in);
+    s.time = take<double>(in), s.next_id = take<std::int32_t>(in);
     s.totals = {};
     each_number(s.totals, [&](auto& number) { number = take<std::remove_reference_t<decltype(number)>>(in); });
     for (auto limits = take<std::size_t>(in); limits > 0; --limits) {

@@ -69,7 +69,7 @@ void LocalField::gather(const ColourField& field, const Vec3f& low, const Vec3f&
     const ParticleRows& p = field.particles();
     reach = field.reach();
     const Vec3f from = low.array() - reach, to = high.array() + reach;
-    x.clear(), y.clear(), z.clear(), height.clear(), inverse_R2.clear(), original.clear();
+    x.clear(), y.clear(), z.clear(), height.clear(), inverse_R2.clear();
     p.runs(from, to, [&](Index begin, Index end) {
         for (Index j = begin; j < end; ++j) {
             if (p.y[j] < from.y() || p.y[j] > to.y() || p.z[j] < from.z() || p.z[j] > to.z()) continue;
@@ -78,7 +78,6 @@ void LocalField::gather(const ColourField& field, const Vec3f& low, const Vec3f&
             z.push_back(p.z[j]);
             height.push_back(field.height()[j]);
             inverse_R2.push_back(1 / (field.radius()[j] * field.radius()[j]));
-            original.push_back(p.original[j]);
         }
     });
 }
@@ -97,18 +96,6 @@ LocalField::Sample LocalField::at(const Vec3f& at) const {
         gz += slope * dz;
     }
     return {c, -6 * Vec3f(gx, gy, gz)};
-}
-
-Vec3f LocalField::mean(const Vec3f& at, const std::vector<Vec3f>& v) const {
-    Vec3f sum = Vec3f::Zero();
-    float weight = 0;
-    for (std::size_t j = 0; j < x.size(); ++j) {
-        const float t = std::max(0.0f, 1 - inverse_R2[j] * (at - Vec3f(x[j], y[j], z[j])).squaredNorm());
-        const float w = height[j] * t * t * t;
-        weight += w;
-        sum += w * v[original[j]];
-    }
-    return sum / std::max(weight, 1e-6f);
 }
 
 }  // namespace whorl

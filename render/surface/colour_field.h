@@ -44,11 +44,8 @@ public:
         Vec3f gradient;  ///< 1/m
     };
     Sample at(const Vec3f& x) const;
-    /// Mean of the particles' vectors, weighted by their bumps: sum_j V_j W_j(x) v_j / sum_j V_j W_j(x).
-    Vec3f mean(const Vec3f& x, const std::vector<Vec3f>& v) const;
 
     std::vector<float> x, y, z, height, inverse_R2;
-    std::vector<Index> original;  ///< index in the frame
     float reach = 0;
 };
 

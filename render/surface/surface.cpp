@@ -32,7 +32,7 @@ Surface build_surface(const Frame& frame, const SurfaceOptions& options) {
             if (std::abs(cut.at(sharp[v]).inside) < 0.02f * voxel) surface.mesh.position[v] = sharp[v];
         set_smooth_normals(surface.mesh, options.smoothing * steps);
     }
-    if (const auto age = frame.scalar.find("age"); age != frame.scalar.end()) {
+    if (const auto age = frame.scalar.find("age"); options.ages && age != frame.scalar.end()) {
         surface.age = values_at(surface.mesh.position, frame.position, age->second, static_cast<float>(options.radius * frame.spacing));
         if (const auto grain = frame.scalar.find("grain"); grain != frame.scalar.end())
             surface.crust = crust_places(surface.mesh.position, frame.position, grain->second, frame.spacing);

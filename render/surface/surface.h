@@ -17,6 +17,7 @@ struct SurfaceOptions {
     int smoothing = 1;      ///< rounds of smoothing on the mesh that keep its volume; 0: none
     bool distance = true;   ///< make the distance volume (refraction needs it)
     bool velocity = false;  ///< tell the velocity at the vertices; no key: a camera whose shutter opens needs it
+    bool ages = true;       ///< tell ages and crust where the frame has ages; no key: false where nothing changes with age
 };
 
 /// A dense scalar volume: value at voxel (i,j,k) stands at origin + voxel (i,j,k); i runs fastest.

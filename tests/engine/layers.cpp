@@ -29,7 +29,7 @@ std::map<std::string, Folders> arrows() {
                                        sim = scene + Folders{"engine/sim"};
     const Folders frame = core + Folders{"engine/io/frame.h"};
     const Folders engine = sim + Folders{"engine/io", "engine/theory", "engine/probes"};
-    const Folders render{"render/image", "render/video", "render/surface", "render/look", "render/flow", "render/gl"};
+    const Folders render{"render/image", "render/video", "render/surface", "render/look", "render/flow", "render/export", "render/gl"};
     const Folders scene_file = engine + render + Folders{"tools/process", "tools/scene_file"};
     const Folders film = scene_file + Folders{"tools/cost", "tools/film"};
     return {
@@ -49,14 +49,16 @@ std::map<std::string, Folders> arrows() {
         {"render/surface", frame},
         {"render/look", frame + Folders{"render/image"}},
         {"render/flow", frame + Folders{"render/image", "render/look"}},
+        {"render/export", frame + Folders{"render/flow", "render/look", "render/surface"}},
         {"render/gl", frame + Folders{"render/flow", "render/image", "render/look", "render/surface"}},
         {"tools/process", core},
         {"tools/scene_file", sim + Folders{"render/surface", "render/look"}},
         {"tools/cost", scene_file},
+        {"tools/convert", geometry + Folders{"engine/io/files.h"}},
         {"tools/film", scene_file + Folders{"tools/cost"}},
         {"tools/live", film},
         {"tools/study", scene_file},
-        {"tools/program", film + Folders{"tools/live", "tools/study"}},
+        {"tools/program", film + Folders{"tools/convert", "tools/live", "tools/study"}},
         {"tools/bench", engine + render + Folders{"tests/support"}},
         {"tools/measure", engine + Folders{"tests/support"}},
     };

@@ -146,7 +146,8 @@ TEST_CASE("an option that makes no sense is told as the user typed it", "[tools]
     o.quality = "standard";
     o.exports = {"mehs"};
     CHECK_THROWS_WITH(read_scene_file(o),
-                      "--export mehs: output.export[0] = \"mehs\" is not known; did you mean \"mesh\"?; allowed: points, mesh, vdb, raw");
+                      "--export mehs: output.export[0] = \"mehs\" is not known; did you mean \"mesh\"?; allowed: points, mesh, obj, vdb, "
+                      "scene, vtk, raw");
     o.exports = {};
     o.until = -1;
     CHECK_THROWS_WITH(read_scene_file(o), "--until -1.0: time.end = -1 is out of range; allowed: more than 0");

@@ -1,36 +1,25 @@
 #include "tools/film/film.h"
 
-#include <fmt/format.h>
-
 #include "engine/core/errors.h"
 #include "engine/core/parallel.h"
-#include "engine/io/frame_file.h"
-#include "engine/io/points.h"
 #include "render/gl/renderer.h"
-#include "render/surface/mesh_export.h"
-#include "render/surface/vdb.h"
 #include "render/video/encoder.h"
 #include "tools/film/contact_sheet.h"
 #include "tools/process/usage.h"
 
 namespace whorl {
-namespace {
-
-std::filesystem::path numbered(const std::filesystem::path& folder, const char* kind, int frame, const char* extension) {
-    return folder / kind / fmt::format("{:06}.{}", frame, extension);
-}
-
-}  // namespace
-
-Film::Film(FilmOptions options) : options_(std::move(options)) {
+Film::Film(FilmOptions options)
+    : options_(std::move(options)), exports_({options_.folder, options_.name, options_.exports, options_.fps, options_.interval,
+                                              options_.width, options_.height, options_.frames_before}) {
     share_threads_with_software_driver();
     start("surface", &Film::make_surfaces);
     start("draw", &Film::draw);
+    start("export", &Film::export_files);
     start("write", &Film::write);
 }
 
 Film::~Film() {
-    for (Queue* queue : {&to_surface_, &to_draw_, &to_write_}) queue->abort();
+    for (Queue* queue : {&to_surface_, &to_draw_, &to_export_, &to_write_}) queue->abort();
     join();
 }
 
@@ -43,30 +32,36 @@ void Film::start(const char* name, void (Film::*work)()) {
         } catch (...) {
             const std::lock_guard lock(mutex_);
             if (!error_) error_ = std::current_exception();
-            for (Queue* queue : {&to_surface_, &to_draw_, &to_write_}) queue->abort();
+            for (Queue* queue : {&to_surface_, &to_draw_, &to_export_, &to_write_}) queue->abort();
         }
     });
 }
 
-bool Film::exports(const char* what) const {
-    return std::find(options_.exports.begin(), options_.exports.end(), what) != options_.exports.end();
-}
-
-void Film::timed(const char* stage, const std::function<void()>& work) {
-    const double wall = wall_seconds();
+/// @param stage the thread's name, or that and what it does
+void Film::timed(const std::string& stage, const std::function<void()>& work) {
+    const std::string thread = stage.substr(0, stage.find(' '));
+    const auto cpu_so_far = [&] {
+        const auto cpu = cpu_by_thread_name();
+        const auto own = cpu.find(thread);
+        return own == cpu.end() ? 0.0 : own->second;
+    };
+    const double wall = wall_seconds(), cpu = cpu_so_far();
     work();
-    const auto cpu = cpu_by_thread_name();
+    const double cpu_now = cpu_so_far();
     const std::lock_guard lock(mutex_);
     StageTime& spent = times_[stage];
     spent.wall += wall_seconds() - wall;
-    if (const auto own = cpu.find(stage); own != cpu.end()) spent.cpu = own->second;
+    spent.cpu = thread == stage ? cpu_now : spent.cpu + cpu_now - cpu;  // what a thread does besides counts for its only stage
     ++spent.calls;
 }
 
 void Film::make_surfaces() {
     while (auto shot = to_surface_.pop()) {
-        if ((options_.images && !shows_field((*shot)->how->look)) || exports("mesh"))
-            timed("surface", [&] { (*shot)->surface = build_surface(*(*shot)->frame, (*shot)->how->surface); });
+        const bool drawn = options_.images && !shows_field((*shot)->how->look);
+        SurfaceOptions how = (*shot)->how->surface;
+        how.distance = how.distance && (drawn || exports_.wants_distance());
+        const bool wanted = drawn || (exports_.wants_surface() && (*shot)->frame->dimensions == 3);
+        if (wanted) timed("surface", [&] { (*shot)->surface = build_surface(*(*shot)->frame, how); });
         if (!to_draw_.push(std::move(*shot))) return;
     }
     to_draw_.close();
@@ -84,8 +79,18 @@ void Film::draw() {
                 const std::lock_guard lock(mutex_);
                 device_ = renderer->device();
             });
+        if (!to_export_.push(std::move(*shot))) return;
+    }
+    to_export_.close();
+}
+
+void Film::export_files() {
+    while (auto shot = to_export_.pop()) {
+        exports_.write(*(*shot)->frame, (*shot)->surface, *(*shot)->how, (*shot)->write_state,
+                       [&](const std::string& kind, const std::function<void()>& work) { timed("export " + kind, work); });
         if (!to_write_.push(std::move(*shot))) return;
     }
+    exports_.finish();
     to_write_.close();
 }
 
@@ -97,7 +102,7 @@ void Film::write() {
     }
     while (auto shot = to_write_.pop()) {
         timed("write", [&] {
-            write_files(**shot);
+            if (options_.images) write_png(picture_file(options_.folder, (*shot)->frame->number), (*shot)->image);
             if (encoder) encoder->add((*shot)->image);
             if ((*shot)->write_state) write_checkpoint(options_.folder, *(*shot)->state);
         });
@@ -116,15 +121,6 @@ void Film::write() {
     encoder.reset();
     const std::lock_guard lock(mutex_);
     if (!options_.video.empty()) times_["encode"] = {wall_seconds() - wall, children_cpu_seconds() - cpu, 1};
-}
-
-void Film::write_files(const Shot& shot) {
-    const Frame& frame = *shot.frame;
-    if (options_.images) write_png(picture_file(options_.folder, frame.number), shot.image);
-    if (exports("points")) write_points(numbered(options_.folder, "points", frame.number, "ply"), frame);
-    if (exports("raw")) write_frame(frame_file(options_.folder, frame.number), frame);
-    if (exports("mesh")) write_ply_mesh(numbered(options_.folder, "mesh", frame.number, "ply"), shot.surface.mesh);
-    if (exports("vdb")) write_vdb(numbered(options_.folder, "vdb", frame.number, "vdb"), frame, shot.how->surface);
 }
 
 void Film::rethrow() const {

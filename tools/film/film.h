@@ -1,10 +1,11 @@
 #pragma once
-/// From frames to pictures and files: surface -> draw -> write, each on its own thread, with a bounded queue before each.
+/// From frames to pictures and files: surface -> draw -> export -> write, each on its own thread, with a bounded queue before each.
 ///
-///   add(frame) --> [queue] --> surface --> [queue] --> draw --> [queue] --> write: PNG, video, exports, checkpoint
+///   add(frame) --> [queue] --> surface --> [queue] --> draw --> [queue] --> export --> [queue] --> write: PNG, video, checkpoint
 ///
-/// A full queue makes the caller of add() wait; nothing is dropped. A frame's checkpoint travels with it and is written after its picture,
-/// so a checkpoint never promises pictures that do not exist. What a stage throws stops all stages and comes out of add() or finish().
+/// A full queue makes the caller of add() wait; nothing is dropped. A frame's checkpoint travels with it and is written after its picture
+/// and exports, so a checkpoint never promises files that do not exist. What a stage throws stops all stages and comes out of add() or
+/// finish().
 #include <atomic>
 #include <exception>
 #include <filesystem>
@@ -17,27 +18,20 @@
 #include "engine/io/checkpoint.h"
 #include "engine/io/frame.h"
 #include "render/image/image.h"
-#include "render/look/camera.h"
-#include "render/look/look_options.h"
-#include "render/surface/surface.h"
 #include "tools/film/bounded_queue.h"
+#include "tools/film/exports.h"
 
 namespace whorl {
-
-/// How a picture is made; a scene may change it from frame to frame.
-struct PictureOptions {
-    SurfaceOptions surface;
-    CameraOptions camera;
-    LookOptions look;
-};
 
 struct FilmOptions {
     std::filesystem::path folder;      ///< the run folder
     std::filesystem::path video;       ///< empty: none
     bool images = true;                ///< false: no surface is drawn, EGL is not touched
-    std::vector<std::string> exports;  ///< points, mesh, vdb, raw
+    std::string name;                  ///< the scene's, in the names of exported files
+    std::vector<std::string> exports;  ///< points, mesh, obj, vdb, scene, vtk, raw
     int width = 1280, height = 720;
     double fps = 24;
+    double interval = 0;    ///< s, simulated, from frame to frame
     int frames_before = 0;  ///< pictures that stand in the folder already (a resumed run): they begin the video
 };
 
@@ -60,8 +54,8 @@ public:
     int frames_written() const { return written_; }
     /// When the first picture was on disk (wall_seconds()); 0 before.
     double first_picture() const { return first_picture_; }
-    /// Wall and CPU seconds of surface, draw, write (threads that these start included) and encode (the encoder's process, once it has
-    /// ended).
+    /// Wall and CPU seconds of surface, draw, export, write (threads that these start included) and encode (the encoder's process, once it
+    /// has ended).
     StageTimes times() const;
     /// Renderer and version of the GL in use; "" before the first picture or without pictures.
     std::string device() const;
@@ -77,18 +71,18 @@ private:
     };
     using Queue = BoundedQueue<std::unique_ptr<Shot>>;
 
-    bool exports(const char* what) const;
     void start(const char* name, void (Film::*work)());
     void make_surfaces();
     void draw();
+    void export_files();
     void write();
-    void write_files(const Shot& shot);
-    void timed(const char* stage, const std::function<void()>& work);
+    void timed(const std::string& stage, const std::function<void()>& work);
     void join();
     void rethrow() const;
 
     FilmOptions options_;
-    Queue to_surface_{1}, to_draw_{1}, to_write_{1};
+    Exports exports_;  ///< the thread "export" has it
+    Queue to_surface_{1}, to_draw_{1}, to_export_{1}, to_write_{1};
     std::vector<std::thread> threads_;
     mutable std::mutex mutex_;  ///< of what follows
     std::exception_ptr error_;

@@ -19,12 +19,12 @@ namespace fs = std::filesystem;
 FilmOptions film_options(const RedrawRequest& request, bool whole) {
     const Scene& scene = request.file.scene;
     FilmOptions options;
-    options.folder = request.out;
+    options.folder = request.out, options.name = scene.name;
     if (whole && scene.output.video) options.video = request.out / (scene.name + ".mp4");
     for (const std::string& what : scene.output.exports)
         if (what != "raw" || request.out != request.run) options.exports.push_back(what);
     options.width = scene.output.size[0], options.height = scene.output.size[1];
-    options.fps = scene.time.fps;
+    options.fps = scene.time.fps, options.interval = scene.time.frame_interval();
     return options;
 }
 
@@ -57,7 +57,6 @@ int redraw(const RedrawRequest& request) {
     };
     const FilmOptions options = film_options(request, whole);
     fs::create_directories(request.out / "frames");
-    for (const std::string& what : options.exports) fs::create_directories(request.out / what);
     Film film(options);
     auto how = options_now();
     for (const int number : numbers) {

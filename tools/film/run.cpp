@@ -9,7 +9,6 @@
 #include <sstream>
 
 #include "engine/core/whole_file.h"
-#include "engine/io/columns.h"
 #include "engine/io/snapshot.h"
 #include "engine/scene/frame_times.h"
 #include "render/look/field_values.h"
@@ -40,10 +39,12 @@ FilmOptions film_options(const RunRequest& request, const SceneFile& file, int f
     options.folder = request.folder;
     options.images = scene.output.frames;
     if (scene.output.frames && scene.output.video) options.video = request.folder / (scene.name + ".mp4");
+    options.name = scene.name;
     options.exports = scene.output.exports;
     options.width = scene.output.size[0];
     options.height = scene.output.size[1];
     options.fps = scene.time.fps;
+    options.interval = scene.time.frame_interval();
     options.frames_before = frames_before;
     return options;
 }
@@ -51,12 +52,7 @@ FilmOptions film_options(const RunRequest& request, const SceneFile& file, int f
 /// What a frame needs besides positions and velocities.
 std::vector<std::string> snapshot_fields(const SceneFile& file, const World& world) {
     std::vector<std::string> fields = shown_fields(file.look);
-    const auto& exports = file.scene.output.exports;
-    const auto wants = [&](const char* what) { return std::find(exports.begin(), exports.end(), what) != exports.end(); };
-    std::vector<std::string> more;
-    if (wants("points") || wants("raw")) more = live_fields(world.fluid);
-    if (wants("raw")) more.insert(more.end(), {"vorticity", "q_criterion", "spin_difference"});  // so that any look can be drawn
-    for (const std::string& name : more)
+    for (const std::string& name : exported_fields(file.scene, world.fluid))
         if (std::find(fields.begin(), fields.end(), name) == fields.end()) fields.push_back(name);
     return fields;
 }
@@ -154,8 +150,7 @@ SceneFile Run::with_colour_range() const {
 }
 
 void Run::make_folders() {
-    const auto& exports = scene_.output.exports;
-    std::vector<std::string> names(exports.begin(), exports.end());
+    std::vector<std::string> names;
     if (scene_.output.frames) names.emplace_back("frames");
     if (!scene_.probes.empty()) names.emplace_back("probes");
     for (const std::string& name : names) fs::create_directories(folder_.path() / name);

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/core/errors.h"
+#include "tools/film/exports.h"
 
 namespace whorl {
 
@@ -45,8 +46,9 @@ RunFolder RunFolder::fresh(const fs::path& path) {
     RunFolder folder(path);
     if (!used) return folder;
     for (const char* name : {"scene.resolved.toml", "run.json", "diagnostics.csv", "bodies.csv", "contact.png", "log.txt", "probes",
-                             "frames", "points", "mesh", "vdb", "raw", "checkpoints", "panels"})
+                             "frames", "checkpoints", "panels"})
         fs::remove_all(path / name);
+    for (const std::string& kind : export_kinds()) fs::remove_all(path / kind);
     for (const auto& entry : fs::directory_iterator(path))
         if (entry.path().extension() == ".mp4") fs::remove(entry.path());
     return folder;

@@ -18,7 +18,7 @@ import numpy as np
 from .registry import MeasureError, write_file
 
 root = Path(__file__).resolve().parents[2]
-drawing_stages = ("surface", "draw", "write", "encode")
+drawing_stages = ("surface", "draw", "export", "write", "encode")  # and "export mesh", ...
 
 
 class RunFailed(MeasureError):
@@ -95,9 +95,9 @@ class Run:
         return Unknown() if self.dry else {column: values[-1] for column, values in self.table(name).items()}
 
     def points(self, frame):
-        """Positions of an exported frame, whose properties are all floats."""
-        header, _, body = (self.folder / f"points/{frame:06d}.ply").read_bytes().partition(b"end_header\n")
-        return np.frombuffer(body, "<f4").reshape(-1, header.count(b"\nproperty float "))[:, :3]
+        """Positions of an exported frame, whose properties all have four bytes."""
+        header, _, body = next((self.folder / "points").glob(f"*.{frame:04d}.ply")).read_bytes().partition(b"end_header\n")
+        return np.frombuffer(body, "<f4").reshape(-1, header.count(b"\nproperty "))[:, :3]
 
     @property
     def scene(self):
@@ -121,7 +121,7 @@ class Run:
     @property
     def drawing_seconds(self):
         """CPU, of all panels."""
-        return sum(stage["cpu_seconds"] for panel in self.panels for name, stage in panel["stages"].items() if name in drawing_stages)
+        return sum(stage["cpu_seconds"] for panel in self.panels for name, stage in panel["stages"].items() if name.split()[0] in drawing_stages)
 
 
 class Measurement:

@@ -55,7 +55,7 @@ double process_cpu_seconds() { return cpu_seconds() + children_cpu_seconds(); }
 double simulation_cpu_seconds() {
     double sum = 0;
     for (const auto& [name, seconds] : cpu_by_thread_name())
-        if (name != "surface" && name != "draw" && name != "write") sum += seconds;
+        if (name != "surface" && name != "draw" && name != "export" && name != "write") sum += seconds;
     return sum;
 }
 

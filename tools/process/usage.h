@@ -14,7 +14,7 @@ std::map<std::string, double> cpu_by_thread_name();
 /// CPU seconds of the child processes that have ended (the encoder).
 double children_cpu_seconds();
 /// CPU seconds so far: of the program with the encoders it ran; and of its threads but those that make pictures ("surface", "draw",
-/// "write").
+/// "export", "write").
 double process_cpu_seconds();
 double simulation_cpu_seconds();
 /// The process's largest resident memory so far [bytes].

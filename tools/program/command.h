@@ -23,6 +23,7 @@ void add_resume(CLI::App& program, Job& chosen);
 void add_draw(CLI::App& program, Job& chosen);
 void add_video(CLI::App& program, Job& chosen);
 void add_doctor(CLI::App& program, Job& chosen);
+void add_import(CLI::App& program, Job& chosen);
 void add_tradeoff(CLI::App& program, Job& chosen);
 void add_stability(CLI::App& program, Job& chosen);
 void add_schema(CLI::App& program, Job& chosen);

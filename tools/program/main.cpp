@@ -63,6 +63,7 @@ int main(int argc, char** argv) {
     whorl::add_resume(program, chosen);
     whorl::add_draw(program, chosen);
     whorl::add_video(program, chosen);
+    whorl::add_import(program, chosen);
     whorl::add_tradeoff(program, chosen);
     whorl::add_stability(program, chosen);
     whorl::add_schema(program, chosen);

@@ -39,7 +39,8 @@ void add_options(CLI::App& app, Options& o, std::initializer_list<Option> which)
             case Option::no_video: app.add_flag("--no-video", o.no_video, "pictures only"); break;
             case Option::no_images: app.add_flag("--no-images", o.no_images, "simulate and diagnose only"); break;
             case Option::exports:
-                app.add_option("--export", o.exports, "write points, mesh, vdb for other programs, raw for whorl draw (a list with commas)")
+                app.add_option("--export", o.exports,
+                               "write points, mesh, obj, vdb, scene, vtk for other programs, raw for whorl draw (a list with commas)")
                     ->type_name("KINDS")
                     ->delimiter(',')
                     ->allow_extra_args(false);

@@ -150,6 +150,10 @@ bool tells_particles_apart(const SceneFile& file) {
 /// What has no key but follows from those that there are.
 void follow(SceneFile& file) {
     file.scene.grains = tells_particles_apart(file);
+    const Scene& scene = file.scene;
+    file.scene.identities = scene.exported("points") || scene.exported("vtk");
+    file.scene.ages = file.scene.identities || scene.exported("mesh");
+    file.surface.ages = scene.viscosity_ages();
     file.surface.velocity = file.camera.shutter > 0;
     file.camera.interval = 1 / (file.scene.time.fps * file.scene.time.slow_motion);
 }

@@ -1,5 +1,7 @@
 #include "engine/models/viscosity/ageing_viscosity.h"
 
+#include "engine/core/parallel.h"
+
 namespace whorl {
 namespace {
 
@@ -26,6 +28,12 @@ void AgeingViscosityByPlace::operator()(const StepContext& step, Read<field::rol
                                         Read<field::birthplace> start, Update<field::age> age, Write<field::viscosity> mu) const {
     grow_older(
         of_source, step.dt, role, source, [&](Index i) { return Vec3d(start[i].cast<double>()); }, age, mu);
+}
+
+void GrowOlder::operator()(const StepContext& step, Read<field::role> role, Update<field::age> age) const {
+    parallel_for(age.size(), [&](Index i) {
+        if (role[i] >= 0) age[i] += step.dt;
+    });
 }
 
 }  // namespace whorl

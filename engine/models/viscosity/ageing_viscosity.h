@@ -43,4 +43,9 @@ struct AgeingViscosityByPlace {
                     Update<field::age> age, Write<field::viscosity> mu) const;
 };
 
+/// age_i += dt as above, where no viscosity asks for the age but an export does.
+struct GrowOlder {
+    void operator()(const StepContext& step, Read<field::role> role, Update<field::age> age) const;
+};
+
 }  // namespace whorl

@@ -9,7 +9,6 @@
 #include "engine/io/csv.h"
 #include "engine/io/files.h"
 #include "engine/io/nozzle.h"
-#include "engine/io/points.h"
 #include "engine/io/snapshot.h"
 #include "engine/probes/probes.h"
 #include "tests/support/scratch.h"
@@ -137,26 +136,6 @@ TEST_CASE("a line probe writes its points from end to end, a profile a frame", "
     CHECK(std::count(rows.begin(), rows.end(), '\n') == 3);
     CHECK(rows.find("\n1,1,0,0,1,") != std::string::npos);
     CHECK(rows.find("\n1,2,0,0,2,") != std::string::npos);
-}
-
-TEST_CASE("exported points hold every field of the frame, byte for byte", "[io][points]") {
-    const World world = some_fluid(1000);
-    const test::ScratchFolder folder;
-    const Frame frame = particles_of(world, {"density", "spin", "role"});
-    write_points(folder / "000001.ply", frame);
-    const std::string file = read_whole(folder / "000001.ply");
-    const std::string end = "end_header\n";
-    const std::size_t data = file.find(end) + end.size();
-    CHECK(file.substr(0, data).find(
-              "element vertex 1000\nproperty float x\nproperty float y\nproperty float z\nproperty float velocity_x\nproperty float "
-              "velocity_y\nproperty float velocity_z\nproperty float density\nproperty float role\nproperty float spin_x\n") !=
-          std::string::npos);
-    REQUIRE(file.size() == data + 1000 * 11 * sizeof(float));
-    float row[11];
-    std::memcpy(row, file.data() + data + 999 * sizeof row, sizeof row);
-    CHECK(row[0] == frame.position[999].x());
-    CHECK(row[6] == 900.f);
-    CHECK(row[10] == 3.f);
 }
 
 TEST_CASE("a nozzle is a closed tube whose wall encloses a volume, for a round opening and a slot in any direction", "[io][snapshot]") {

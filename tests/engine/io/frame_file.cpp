@@ -19,6 +19,7 @@ TEST_CASE("a frame comes back from its file to the bit, and a damaged file is na
     frame.velocity = {{0, 0, 1}, {1, 0, 0}};
     frame.scalar["density"] = {1000, 999.5f};
     frame.vector["ink"] = {{1, 0, 0}, {0, 1, 0.5f}};
+    frame.whole["id"] = {5, 1 << 30};
     frame.domain_max = {1, 2, 3};
     frame.periodic = {true, false, true};
     FrameSolid solid;
@@ -28,8 +29,10 @@ TEST_CASE("a frame comes back from its file to the bit, and a damaged file is na
     solid.mesh = std::make_shared<const TriangleMesh>(mesh);
     solid.rotation << 0, 1, 0, -1, 0, 0, 0, 0, 1;
     solid.translation = {0.1f, 0.2f, 0.3f};
+    solid.velocity = {1, 2, 3}, solid.spin = {0, 0, -4};
     solid.material = "wood", solid.container = true;
     frame.solids = {solid, FrameSolid{}};
+    frame.emitters = {{Vec3f(0, 1, 0), Vec3f(1, 0, 0), Vec3f(0, 0, 1), 0.02f, 0.01f, true}};
 
     const test::ScratchFolder folder;
     const std::filesystem::path file = folder / "000007.frame";
@@ -43,16 +46,24 @@ TEST_CASE("a frame comes back from its file to the bit, and a damaged file is na
     CHECK(back.velocity == frame.velocity);
     CHECK(back.scalar == frame.scalar);
     CHECK(back.vector == frame.vector);
+    CHECK(back.whole == frame.whole);
     CHECK(back.domain_max == frame.domain_max);
     CHECK(back.periodic == frame.periodic);
     REQUIRE(back.solids.size() == 2);
     CHECK(back.solids[0].rotation == solid.rotation);
     CHECK(back.solids[0].translation == solid.translation);
+    CHECK(back.solids[0].velocity == solid.velocity);
+    CHECK(back.solids[0].spin == solid.spin);
     CHECK(back.solids[0].material == "wood");
     CHECK(back.solids[0].container);
     CHECK(back.solids[0].mesh->position == mesh.position);
     CHECK(back.solids[0].mesh->triangle == mesh.triangle);
     CHECK(back.solids[1].mesh == nullptr);
+    REQUIRE(back.emitters.size() == 1);
+    CHECK(back.emitters[0].position == Vec3f(0, 1, 0));
+    CHECK(back.emitters[0].width_axis == Vec3f(0, 0, 1));
+    CHECK(back.emitters[0].thickness == 0.01f);
+    CHECK(back.emitters[0].slot);
 
     std::string bytes = read_whole(file);
     const auto refused = [&](const std::string& content, const std::string& why) {

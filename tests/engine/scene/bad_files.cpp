@@ -143,10 +143,11 @@ const std::vector<Case> cases = {
      "bad.toml:10:8: probe[0].name = \"a/b\" cannot name a file; allowed: letters, digits, _ - ."},
     {"", "[output]\nsize = [1280, 721]\nexport = [\"mesh\", \"pionts\"]",
      "bad.toml:10:8: output.size has the odd number 721; video needs even sizes\n"
-     "bad.toml:11:19: output.export[1] = \"pionts\" is not known; did you mean \"points\"?; allowed: points, mesh, vdb, raw"},
+     "bad.toml:11:19: output.export[1] = \"pionts\" is not known; did you mean \"points\"?; allowed: points, mesh, obj, vdb, scene, vtk, "
+     "raw"},
     {"", "[output]\nsize = \"big\"\nexport = \"mesh\"",
      "bad.toml:10:8: output.size must be a list of 2 whole numbers [pixels], not the text \"big\"\n"
-     "bad.toml:11:10: output.export must be a list of texts, not the text \"mesh\"; allowed: points, mesh, vdb, raw"},
+     "bad.toml:11:10: output.export must be a list of texts, not the text \"mesh\"; allowed: points, mesh, obj, vdb, scene, vtk, raw"},
     {"", "[outptu]\nframes = true",
      "bad.toml:9:2: unknown key \"outptu\"; did you mean \"output\"?; allowed: name, seed, time, domain, fluid, models, pressure, "
      "viscosity, micropolar, boundary, block, emitter, solid, drain, stream, probe, change, panel, output, budget, quality"},

@@ -1,4 +1,4 @@
-#include "render/surface/mesh_export.h"
+#include "render/export/obj.h"
 
 #include <catch2/catch.hpp>
 #include <fstream>
@@ -20,32 +20,7 @@ TriangleMesh tetrahedron() {
 
 }  // namespace
 
-TEST_CASE("a PLY mesh holds the vertices, normals and triangles", "[surface]") {
-    test::ScratchFolder folder;
-    const TriangleMesh mesh = tetrahedron();
-    write_ply_mesh(folder / "a.ply", mesh);
-    std::ifstream in(folder / "a.ply", std::ios::binary);
-    std::string line, header;
-    while (std::getline(in, line) && line != "end_header") header += line + "\n";
-    REQUIRE(header.find("format binary_little_endian 1.0\n") != std::string::npos);
-    REQUIRE(header.find("element vertex 4\n") != std::string::npos);
-    REQUIRE(header.find("element face 4\nproperty list uchar uint vertex_indices\n") != std::string::npos);
-    for (std::size_t v = 0; v < 4; ++v) {
-        float row[6];
-        in.read(reinterpret_cast<char*>(row), sizeof row);
-        REQUIRE(Vec3f(row[0], row[1], row[2]) == mesh.position[v]);
-        REQUIRE(Vec3f(row[3], row[4], row[5]) == mesh.normal[v]);
-    }
-    for (const auto& t : mesh.triangle) {
-        std::array<std::uint32_t, 3> corner{};
-        REQUIRE(in.get() == 3);
-        in.read(reinterpret_cast<char*>(corner.data()), sizeof corner);
-        REQUIRE(corner == t);
-    }
-    REQUIRE(in.get() == std::ifstream::traits_type::eof());
-}
-
-TEST_CASE("an OBJ mesh reads back to the same numbers", "[surface]") {
+TEST_CASE("an OBJ mesh reads back to the same numbers", "[export]") {
     test::ScratchFolder folder;
     const TriangleMesh mesh = tetrahedron();
     write_obj_mesh(folder / "a.obj", mesh);

@@ -1,0 +1,57 @@
+#pragma once
+/// What stands around the fluid, over a film, as one glTF 2.0 file (.glb): solids and nozzles as meshes that move, emitters as nodes
+/// without a mesh, the camera, and the studio's lamp (KHR_lights_punctual).
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/io/frame.h"
+#include "render/look/camera.h"
+#include "render/look/look_options.h"
+
+namespace whorl {
+
+struct SceneExportOptions {
+    std::string name;
+    double fps = 24;             ///< of the film: frame n stands at n/fps s
+    double interval = 0;         ///< s, simulated, from frame to frame
+    int width = 16, height = 9;  ///< of the pictures
+};
+
+/// Collects a film's frames. Nodes: "solid[0]", "nozzle[0]", "emitter[0]" (its -z axis is the way of the flow), "camera", "studio" (which
+/// turns with the camera) with "lamp". What never moves has no animation. The format knows no field of view that changes, no soft boxes and
+/// no fluid: these stand in the scene's extras, under "whorl".
+class SceneExport {
+public:
+    explicit SceneExport(SceneExportOptions options) : options_(std::move(options)) {}
+
+    /// The next frame. The first one gives meshes, materials and lights.
+    void add(const Frame& frame, const View& view, const LookOptions& look);
+    /// Goes on with a film's file: takes its key frames up to `last_frame`; nothing where there is no such file.
+    /// @throws InputError where it is not one that write() made
+    void go_on_from(const std::filesystem::path& file, int last_frame);
+    /// Whole or not at all. @throws EnvironmentError
+    void write(const std::filesystem::path& file) const;
+
+private:
+    /// Where a node is in every frame.
+    struct Track {
+        std::vector<Vec3f> translation;
+        std::vector<Eigen::Quaternionf> rotation;
+        void add(const Vec3f& place, const Mat3f& axes);
+        bool moves() const;
+    };
+    struct Document;
+    static std::vector<Track> tracks_of(const std::filesystem::path& file, const struct GlbParts& parts, std::size_t frames);
+
+    SceneExportOptions options_;
+    int first_frame_ = 0;
+    std::vector<Track> solids_;  ///< and nozzles
+    Track camera_, studio_;
+    std::vector<float> fov_;      ///< degrees, vertical
+    std::optional<Frame> stage_;  ///< the first frame without its fluid
+    LookOptions look_;            ///< the first
+};
+
+}  // namespace whorl

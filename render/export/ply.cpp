@@ -1,0 +1,55 @@
+#include "render/export/ply.h"
+
+#include <fmt/format.h>
+
+#include <cstring>
+#include <string>
+
+#include "engine/core/parallel.h"
+#include "engine/core/whole_file.h"
+
+namespace whorl {
+namespace {
+
+using Triangles = std::vector<std::array<std::uint32_t, 3>>;
+
+constexpr std::size_t four = 4;  // bytes of every number
+
+std::string header_of(const FrameNote& note, const Attributes& vertices, const Triangles* triangles) {
+    std::string header = fmt::format("ply\nformat binary_little_endian 1.0\ncomment Whorl frame {} time {:.9g} s spacing {:.9g} m\n",
+                                     note.number, note.time, note.spacing);
+    for (const Attribute& a : vertices.all())
+        if (!unit_of(a.name).empty()) header += fmt::format("comment unit of {}: {}\n", a.name, unit_of(a.name));
+    header += fmt::format("element vertex {}\n", vertices.rows());
+    for (const Attribute& a : vertices.all())
+        for (const std::string& name : component_names(a)) header += fmt::format("property {} {}\n", a.integer ? "int" : "float", name);
+    if (triangles) header += fmt::format("element face {}\nproperty list uchar uint vertex_indices\n", triangles->size());
+    return header + "end_header\n";
+}
+
+}  // namespace
+
+void write_ply(const std::filesystem::path& file, const FrameNote& note, const Attributes& vertices, const Triangles* triangles) {
+    std::string bytes = header_of(note, vertices, triangles);
+    std::size_t row = 0;
+    for (const Attribute& a : vertices.all()) row += four * static_cast<std::size_t>(a.components);
+    const std::size_t first = bytes.size(), faces = first + row * vertices.rows(), face = 1 + sizeof(Triangles::value_type),
+                      face_count = triangles ? triangles->size() : 0;
+    bytes.resize(faces + face * face_count);
+    parallel_for(static_cast<Index>(vertices.rows()), [&](Index i) {
+        char* out = bytes.data() + first + row * static_cast<std::size_t>(i);
+        for (const Attribute& a : vertices.all()) {
+            const std::size_t size = four * static_cast<std::size_t>(a.components);
+            std::memcpy(out, static_cast<const char*>(a.data) + size * static_cast<std::size_t>(i), size);
+            out += size;
+        }
+    });
+    parallel_for(static_cast<Index>(face_count), [&](Index t) {
+        char* out = bytes.data() + faces + face * static_cast<std::size_t>(t);
+        *out = 3;
+        std::memcpy(out + 1, (*triangles)[t].data(), face - 1);
+    });
+    write_text(file, bytes);
+}
+
+}  // namespace whorl

@@ -1,0 +1,119 @@
+// The scene around the fluid as glTF 2.0.
+#include "render/export/gltf.h"
+
+#include <catch2/catch.hpp>
+#include <fstream>
+
+#include "engine/core/errors.h"
+#include "engine/io/files.h"
+#include "tests/support/exported.h"
+#include "tests/support/scratch.h"
+
+using namespace whorl;
+
+namespace gltf_test {
+
+namespace {
+
+/// A plate that turns about y and sinks, a block that stands, a nozzle with its emitter.
+Frame frame_at(int number) {
+    static const auto mesh = [] {
+        TriangleMesh tetrahedron;
+        tetrahedron.position = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+        tetrahedron.triangle = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+        return std::make_shared<const TriangleMesh>(tetrahedron);
+    }();
+    Frame frame;
+    frame.number = number, frame.time = 0.02 * (number - 1);
+    frame.domain_max = Vec3f::Constant(1);
+    const auto k = static_cast<float>(number - 1);
+    FrameSolid plate, block, nozzle;
+    plate.mesh = block.mesh = nozzle.mesh = mesh;
+    plate.material = "wood", block.container = true, nozzle.material = "metal";
+    plate.rotation = Eigen::AngleAxisf(0.7f * k, Vec3f::UnitY()).toRotationMatrix();
+    plate.translation = Vec3f(0, -0.1f * k, 0);
+    frame.solids = {plate, block, nozzle};
+    frame.emitters = {{Vec3f(0, 2, 0), Vec3f(0, -1, 0), Vec3f(1, 0, 0), 0.02f, 0.02f, false}};
+    return frame;
+}
+
+View view_at_frame(int number) {
+    const auto k = static_cast<float>(number - 1);
+    return {Vec3f(3 + k, 0, 0), Vec3f::Zero(), Vec3f::UnitY(), 30 + k};
+}
+
+}  // namespace
+
+TEST_CASE("a glTF scene has solids that move, emitters, a camera that looks and the lamp", "[export]") {
+    const test::ScratchFolder folder;
+    SceneExport scene({"two", 25, 0.02, 160, 90});
+    for (int number = 1; number <= 12; ++number) scene.add(frame_at(number), view_at_frame(number), {});
+    scene.write(folder / "a.glb");
+    const test::Glb glb = test::read_glb(folder / "a.glb");
+    CHECK(glb.json["asset"]["version"] == "2.0");
+    CHECK(glb.json["buffers"][0]["byteLength"] == glb.binary.size());
+
+    // One key a frame at number/fps s; what does not move has none.
+    const auto& animation = glb.json["animations"][0];
+    const std::vector<float> times = glb.floats(animation["samplers"][0]["input"].get<std::size_t>());
+    REQUIRE(times.size() == 12);
+    CHECK(times[0] == 1 / 25.0f);
+    CHECK(times[11] == 12 / 25.0f);
+    const std::vector<float> place = glb.keys("solid[0]", "translation"), turn = glb.keys("solid[0]", "rotation");
+    REQUIRE(turn.size() == 4 * 12);
+    for (int k = 0; k < 12; ++k) {
+        CHECK(place[3 * k + 1] == frame_at(k + 1).solids[0].translation.y());
+        // Half the angle, and no jump to the opposite sign on the way past a whole turn.
+        CHECK(turn[4 * k + 3] == Approx(std::cos(0.35 * k)).margin(1e-5));
+        CHECK(turn[4 * k + 1] == Approx(std::sin(0.35 * k)).margin(1e-5));
+    }
+    CHECK(glb.keys("solid[1]", "translation").empty());
+    CHECK(glb.keys("nozzle[0]", "translation").empty());
+
+    const auto camera = glb.node("camera");
+    CHECK(camera["translation"] == nlohmann::json{3.0, 0.0, 0.0});
+    const Eigen::Quaternionf q(camera["rotation"][3], camera["rotation"][0], camera["rotation"][1], camera["rotation"][2]);
+    CHECK((q * Vec3f(0, 0, -1) - Vec3f(-1, 0, 0)).norm() < 1e-6f);  // it looks along -z: from x = 3 to the origin
+    CHECK((q * Vec3f::UnitY() - Vec3f::UnitY()).norm() < 1e-6f);
+    CHECK(glb.json["cameras"][0]["perspective"]["yfov"].get<float>() == Approx(30 * 3.14159265 / 180));
+    CHECK(glb.json["scenes"][0]["extras"]["whorl"]["fov_degrees"][11] == 41.0);
+
+    const auto emitter = glb.node("emitter[0]");
+    CHECK_FALSE(emitter.contains("mesh"));
+    CHECK(emitter["extras"]["width"].get<float>() == 0.02f);
+    const Eigen::Quaternionf e(emitter["rotation"][3], emitter["rotation"][0], emitter["rotation"][1], emitter["rotation"][2]);
+    CHECK((e * Vec3f(0, 0, -1) - Vec3f(0, -1, 0)).norm() < 1e-6f);  // the flow goes along -z
+
+    // All three solids have one shape, each in a material of its own.
+    REQUIRE(glb.json["meshes"].size() == 3);
+    const auto& primitive = glb.json["meshes"][0]["primitives"][0];
+    const std::size_t position = primitive["attributes"]["POSITION"].get<std::size_t>();
+    CHECK(glb.floats(position).size() == 12 * 3);  // four corners, each with three creases
+    CHECK(glb.json["accessors"][position]["max"] == nlohmann::json{1.0, 1.0, 1.0});
+    CHECK(glb.json["accessors"][primitive["indices"].get<std::size_t>()]["count"] == 12);
+    CHECK(glb.json["extensionsUsed"] == nlohmann::json{"KHR_lights_punctual"});
+    CHECK(glb.node("lamp")["extensions"]["KHR_lights_punctual"]["light"] == 0);
+}
+
+TEST_CASE("a glTF scene goes on from the frame that a run is resumed at, to the same file, and a damaged one is named", "[export]") {
+    const test::ScratchFolder folder;
+    SceneExport whole({"two", 25, 0.02, 160, 90}), first = whole, second = whole;
+    for (int number = 1; number <= 9; ++number) whole.add(frame_at(number), view_at_frame(number), {});
+    for (int number = 1; number <= 6; ++number) first.add(frame_at(number), view_at_frame(number), {});
+    whole.write(folder / "whole.glb"), first.write(folder / "part.glb");
+    second.go_on_from(folder / "part.glb", 4);  // frames after the checkpoint are made again
+    for (int number = 5; number <= 9; ++number) second.add(frame_at(number), view_at_frame(number), {});
+    second.write(folder / "part.glb");
+    const test::Glb a = test::read_glb(folder / "whole.glb"), b = test::read_glb(folder / "part.glb");
+    for (const char* node : {"solid[0]", "camera"})
+        for (const char* path : {"translation", "rotation"}) CHECK(a.keys(node, path) == b.keys(node, path));
+    CHECK(a.json["scenes"] == b.json["scenes"]);
+    CHECK(a.json["cameras"] == b.json["cameras"]);
+
+    SceneExport none({"two", 25, 0.02, 160, 90});
+    CHECK_NOTHROW(none.go_on_from(folder / "nowhere.glb", 4));
+    std::ofstream(folder / "part.glb", std::ios::app) << "x";
+    CHECK_THROWS_WITH(none.go_on_from(folder / "part.glb", 4), Catch::Contains("part.glb") && Catch::Contains("no whole glTF 2.0 file"));
+}
+
+}  // namespace gltf_test

@@ -1,0 +1,43 @@
+#pragma once
+/// Readers of the files that a film exports.
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace whorl::test {
+
+/// A PLY file whose numbers all have four bytes. @throws std::runtime_error where it is none
+struct Ply {
+    std::string header;
+    std::vector<std::string> properties;                     ///< in the file's order
+    std::map<std::string, std::vector<float>> number;        ///< float properties
+    std::map<std::string, std::vector<std::int32_t>> whole;  ///< int properties
+    std::vector<std::array<std::uint32_t, 3>> face;
+    bool has_faces = false;
+};
+Ply read_ply(const std::filesystem::path& file);
+
+/// A .vtp or .vti file with appended arrays: each array's bytes as floats (whole numbers as they lie there), and what stands before them.
+struct Vtk {
+    std::string text;
+    std::map<std::string, std::vector<float>> number;
+    std::map<std::string, std::vector<std::int32_t>> whole;
+};
+Vtk read_vtk(const std::filesystem::path& file);
+
+/// A binary glTF file. @throws std::runtime_error where its parts are not as the format wants them
+struct Glb {
+    nlohmann::json json;
+    std::string binary;
+    /// The floats of an accessor.
+    std::vector<float> floats(std::size_t accessor) const;
+    /// The node of this name; null where there is none.
+    nlohmann::json node(const std::string& name) const;
+    /// Values of a node's animation, "translation" or "rotation"; empty where it does not move.
+    std::vector<float> keys(const std::string& node, const std::string& path) const;
+};
+Glb read_glb(const std::filesystem::path& file);
+
+}  // namespace whorl::test

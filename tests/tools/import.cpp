@@ -1,0 +1,160 @@
+// Scenes of SPlisHSPlasH, written for these tests from that program's page on its format.
+#include <catch2/catch.hpp>
+#include <fstream>
+
+#include "engine/geometry/mesh_file.h"
+#include "engine/io/files.h"
+#include "engine/scene/plan.h"
+#include "tests/support/program.h"
+#include "tests/support/scratch.h"
+#include "tools/convert/splishsplash.h"
+#include "tools/scene_file/scene_file.h"
+
+using namespace whorl;
+
+namespace import_test {
+
+namespace {
+
+const std::string tank = R"({
+  // a tank, a block that falls into it, a jet
+  "Configuration": {
+    "pause": true,
+    "particleRadius": 0.02,
+    "simulationMethod": 4,
+    "gravitation": [0, -10, 0],
+    "cflMethod": 1, "cflFactor": 0.5, "cflMaxTimeStepSize": 0.004,
+    "maxError": 0.05, "maxIterations": 80,
+    "stopAt": 2.5,
+    "cameraPosition": [0, 3, 8], "cameraLookat": [0, 1, 0]
+  },
+  "Materials": [
+    {"id": "Fluid", "density0": 900, "viscosityMethod": 7, "viscosity": 0.5,
+     "dragMethod": 2, "drag": 0.3},
+    {"id": "Thick", "density0": 900, "viscosityMethod": 1, "viscosity": 2}
+  ],
+  "FluidBlocks": [
+    {"start": [-0.5, 0, -0.5], "end": [0.5, 1, 0.5], "translation": [0, 0.25, 0], "scale": [1, 2, 1], "initialVelocity": [0, -1, 0]}
+  ],
+  "Emitters": [
+    {"id": "Thick", "width": 5, "height": 3, "translation": [-0.9, 1.5, 0], "velocity": 2,
+     "rotationAxis": [0, 1, 0], "rotationAngle": 3.14159265358979, "emitEndTime": 1.5},
+    {"type": 1, "width": 4, "translation": [0, 2.5, 0], "rotationAxis": [0, 0, 1], "rotationAngle": -1.5707963267948966}
+  ],
+  "RigidBodies": [
+    {"geometryFile": "../models/UnitBox.obj", "translation": [0, 1.5, 0], "scale": [2, 3, 2], "isWall": true, "mapInvert": true,
+     "mapResolution": [20, 20, 20], "color": [0.1, 0.4, 0.6, 1]},
+    {"geometryFile": "wedge.obj", "translation": [0.4, 0, 0], "scale": [1, 0.5, 1], "rotationAxis": [0, 1, 0], "rotationAngle": 1.5707963267948966},
+    {"geometryFile": "../models/UnitBox.obj", "translation": [0.6, 2.6, 0.6], "scale": [0.2, 0.2, 0.2], "isDynamic": true, "density": 400}
+  ]
+})";
+
+struct Scratch : test::ScratchFolder {
+    explicit Scratch(const std::string& text = tank) {
+        std::ofstream(*this / "scene.json") << text;
+        std::ofstream(*this / "wedge.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+    }
+};
+
+bool told(const ConvertedScene& made, int line, const std::string& what) {
+    return std::any_of(made.notes.begin(), made.notes.end(),
+                       [&](const Problem& note) { return note.place.line == line && note.what.find(what) != std::string::npos; });
+}
+
+}  // namespace
+
+TEST_CASE("import makes a scene of SPlisHSPlasH's that plans, and tells line by line what has no equivalent", "[tools][import]") {
+    const Scratch scratch;
+    const std::string out = (scratch / "tank.toml").string();
+    const test::Outcome outcome = test::whorl({"import", (scratch / "scene.json").string(), "--out", out});
+    INFO(outcome.err << outcome.out);
+    REQUIRE(outcome.code == 0);
+    CHECK(outcome.out.find("before it runs") == std::string::npos);
+    CHECK(outcome.out.find((scratch / "scene.json").string() + ":4:5: Configuration.pause has no equivalent: left out\n") !=
+          std::string::npos);
+
+    const Scene scene = read_scene_file(out).scene;
+    CHECK_NOTHROW(make_plan(scene));
+    CHECK(scene.time.end == 2.5);
+    CHECK(scene.time.max_step == 0.004);
+    CHECK(scene.time.cfl == Approx(0.2));
+    CHECK(scene.fluid.spacing == 0.04);
+    CHECK(scene.fluid.density == 900);
+    CHECK(scene.fluid.viscosity(0) == 450);  // kinematic, times the density
+    CHECK(scene.models.pressure == PressureModel::ppe);
+    CHECK(scene.pressure.tolerance == Approx(5e-4));  // per cent
+    CHECK(scene.domain.gravity(0) == Vec3d(0, -10, 0));
+    REQUIRE(scene.blocks.size() == 1);
+    CHECK(scene.blocks[0].shape.min == Vec3d(-0.5, 0.25, -0.5));
+    CHECK(scene.blocks[0].shape.max == Vec3d(0.5, 2.25, 0.5));
+    CHECK(scene.blocks[0].velocity(0, Vec3d::Zero()) == Vec3d(0, -1, 0));
+    REQUIRE(scene.emitters.size() == 2);
+    CHECK((scene.emitters[0].direction - Vec3d(-1, 0, 0)).norm() < 1e-8);
+    CHECK(scene.emitters[0].width == Approx(0.2));
+    CHECK(scene.emitters[0].thickness == Approx(0.12));
+    CHECK(scene.emitters[0].stop == 1.5);
+    REQUIRE(scene.emitters[0].viscosity.has_value());
+    CHECK((*scene.emitters[0].viscosity)(0) == 1800);
+    CHECK(scene.emitters[1].radius == Approx(0.16));
+    CHECK((scene.emitters[1].direction - Vec3d(0, -1, 0)).norm() < 1e-8);
+    REQUIRE(scene.solids.size() == 3);
+    CHECK(scene.solids[0].inside);
+    CHECK(scene.solids[0].shape.max == Vec3d(1, 3, 1));
+    CHECK(scene.solids[2].density == 400);
+    // The mesh's own file holds it turned about y and half as high.
+    const TriangleMesh wedge = read_mesh(scratch / scene.solids[1].shape.file.filename());
+    Vec3f low = wedge.position[0], high = low;
+    for (const Vec3f& x : wedge.position) low = low.cwiseMin(x), high = high.cwiseMax(x);
+    CHECK((low - Vec3f(0.4f, 0, -1)).norm() < 1e-5f);
+    CHECK((high - Vec3f(1.4f, 0.5f, 0)).norm() < 1e-5f);
+
+    const ConvertedScene made = convert_splishsplash(scratch / "scene.json");
+    CHECK(told(made, 6, "simulationMethod is taken as models.pressure"));
+    CHECK(told(made, 15, "Materials[0].dragMethod has no equivalent"));
+    CHECK(told(made, 14, "Materials[0].viscosity is taken as a kinematic viscosity in m^2/s: 450.0 Pa s"));
+    CHECK(told(made, 28, "RigidBodies[0].mapResolution has no equivalent"));
+    CHECK_FALSE(told(made, 28, "scale"));
+
+    const test::Outcome again = test::whorl({"import", (scratch / "scene.json").string(), "--out", out});
+    CHECK(again.code == 2);
+    CHECK(again.err.find("tank.toml: stands there already") != std::string::npos);
+}
+
+TEST_CASE("import names file, line and column of what is broken, and writes nothing then", "[tools][import]") {
+    const auto refused = [](const std::string& text, const std::string& why) {
+        const Scratch scratch(text);
+        const test::Outcome outcome = test::whorl({"import", (scratch / "scene.json").string(), "--out", (scratch / "made.toml").string()});
+        INFO(outcome.err);
+        CHECK(outcome.code == 2);
+        CHECK_THAT(outcome.err, Catch::Contains((scratch / "scene.json").string() + why));
+        CHECK_FALSE(std::filesystem::exists(scratch / "made.toml"));
+    };
+    refused("{\n  \"Configuration\": {\"particleRadius\": 0.02,, }\n}", ":2:");
+    refused("{\n  \"Configuration\": {\"particleRadius\": 0.02", ":2:");
+    refused("{\n  \"Configuration\": {\"particleRadius\": \"small\"}\n}", ":2:21: Configuration.particleRadius is not a number");
+    refused("{\n \"FluidBlocks\": [\n  {\"start\": [0, 0], \"end\": [1, 1, 1]}]\n}",
+            ":3:4: FluidBlocks[0].start is not a list of three numbers");
+    refused("{\n \"FluidBlocks\": [\n  {\"start\": [0, 0, 0]}]\n}", ":3:3: FluidBlocks[0] has no end");
+    refused("{\n \"RigidBodies\": [\n  {\"geometryFile\": \"gone.obj\"}]\n}", ":3:4: RigidBodies[0].geometryFile: ");
+    refused("[1, 2]", ":1:1: is no scene");
+    CHECK(test::whorl({"import", "nowhere.json"}).code == 2);
+}
+
+TEST_CASE("an imported scene in the plane has two numbers a place, and one that never ends says so", "[tools][import]") {
+    const Scratch scratch(R"({"Configuration": {"sim2D": true, "particleRadius": 0.025, "cflMethod": 0, "timeStepSize": 0.002},
+ "FluidBlocks": [{"start": [-1, 0, -1], "end": [0, 1, 1]}],
+ "RigidBodies": [{"geometryFile": "UnitBox.obj", "translation": [0, 1, 0], "scale": [2, 2, 1], "isWall": true}]})");
+    const std::string out = (scratch / "plane.toml").string();
+    const test::Outcome outcome = test::whorl({"import", (scratch / "scene.json").string(), "--out", out});
+    INFO(outcome.err << outcome.out);
+    REQUIRE(outcome.code == 0);
+    CHECK(outcome.out.find("the scene never ends (no stopAt): time.end is 5 s") != std::string::npos);
+    CHECK(outcome.out.find("taken as a container") != std::string::npos);
+    CHECK(outcome.out.find("before it runs") == std::string::npos);
+    const Scene scene = read_scene_file(out).scene;
+    CHECK(scene.domain.dimensions == 2);
+    CHECK(scene.time.fixed_step == 0.002);
+    CHECK(scene.solids[0].inside);
+}
+
+}  // namespace import_test

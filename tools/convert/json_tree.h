@@ -1,0 +1,48 @@
+#pragma once
+/// JSON whose every value knows where it stands in its file, and whether anybody asked for it.
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/core/errors.h"
+#include "engine/core/types.h"
+
+namespace whorl {
+
+struct JsonNode {
+    enum class Kind { nothing, truth, number, text, list, object };
+    Kind kind = Kind::nothing;
+    bool truth = false;
+    double number = 0;
+    std::string text;
+    std::vector<JsonNode> list;
+    std::vector<std::pair<std::string, JsonNode>> members;
+    std::string path;           ///< "Materials[0].viscosity"
+    Place place;                ///< of a member its key's
+    mutable bool used = false;  ///< somebody asked for it
+
+    /// Of the member: nothing where it is absent. @throws InputError at its place where it is of another kind
+    std::optional<double> number_of(const std::string& key) const;
+    std::optional<bool> truth_of(const std::string& key) const;
+    std::optional<std::string> text_of(const std::string& key) const;
+    std::optional<Vec3d> vector_of(const std::string& key) const;
+    /// Of the member that is a list of objects: the objects; none where it is absent.
+    std::vector<const JsonNode*> objects_of(const std::string& key) const;
+    /// The member; null where it is absent.
+    const JsonNode* find(const std::string& key) const;
+    /// Calls f(node) for the values that nobody asked for, in the file's order; of a whole list or object that nobody opened, for that
+    /// alone.
+    template <class F>
+    void each_unused(F&& f) const {
+        if (!used) return f(*this);
+        for (const JsonNode& one : list) one.each_unused(f);
+        for (const auto& [key, one] : members) one.each_unused(f);
+    }
+};
+
+/// @throws InputError with file, line and column where it cannot be read or is no JSON; comments are passed over
+JsonNode read_json(const std::filesystem::path& file);
+
+}  // namespace whorl

@@ -1,0 +1,364 @@
+#include "tools/convert/splishsplash.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "engine/geometry/mesh_file.h"
+#include "tools/convert/json_tree.h"
+
+namespace whorl {
+namespace {
+
+/// Bounds of what the scene holds [m].
+using Extent3 = Eigen::AlignedBox3d;
+
+/// Where an object of theirs stands: x = rotation (scale x_own) + translation.
+struct Placement {
+    Vec3d scale = Vec3d::Ones(), translation = Vec3d::Zero();
+    Mat3d rotation = Mat3d::Identity();
+    Vec3d operator()(const Vec3d& x) const { return rotation * scale.cwiseProduct(x) + translation; }
+    bool turned() const { return !rotation.isIdentity(1e-9); }
+};
+
+Placement placement_of(const JsonNode& node) {
+    Placement at;
+    at.scale = node.vector_of("scale").value_or(at.scale);
+    at.translation = node.vector_of("translation").value_or(at.translation);
+    const Vec3d axis = node.vector_of("rotationAxis").value_or(Vec3d::UnitZ());
+    const double angle = node.number_of("rotationAngle").value_or(0);
+    if (angle != 0 && axis.norm() > 0) at.rotation = Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
+    return at;
+}
+
+/// The program's box of edge 1 about the origin, which its scenes are walled with.
+TriangleMesh unit_box() {
+    TriangleMesh box;
+    for (int corner = 0; corner < 8; ++corner)
+        box.position.push_back(Vec3f(corner & 1 ? 0.5f : -0.5f, corner & 2 ? 0.5f : -0.5f, corner & 4 ? 0.5f : -0.5f));
+    box.triangle = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                    {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+    return box;
+}
+
+class Converter {
+public:
+    explicit Converter(const std::filesystem::path& file) : file_(file), root_(read_json(file)) {}
+
+    ConvertedScene convert() {
+        configuration();
+        materials();
+        blocks();
+        models();
+        emitters();
+        bodies();
+        if (!pressure_.empty()) pressure_ = "\n[pressure]\n" + pressure_;
+        made_.toml = head() + fluid_ + models_ + pressure_ + viscosity_ + micropolar_ + shapes_ + camera_;
+        root_.each_unused([&](const JsonNode& node) {
+            if (!node.path.empty()) note(node, "has no equivalent: left out");
+        });
+        std::stable_sort(made_.notes.begin(), made_.notes.end(), [](const Problem& a, const Problem& b) {
+            return std::pair(a.place.line, a.place.column) < std::pair(b.place.line, b.place.column);
+        });
+        return std::move(made_);
+    }
+
+private:
+    struct Fluid {
+        std::string id = "Fluid";
+        double density = 1000, viscosity = 0;  // kg/m^3, Pa s
+        const JsonNode* node = nullptr;
+    };
+
+    void note(const JsonNode& node, const std::string& what) { made_.notes.push_back({node.place, node.path + " " + what, "", ""}); }
+    void note(const JsonNode& object, const char* key, const std::string& what) {
+        if (const JsonNode* node = object.find(key)) note(*node, what);
+    }
+    void line(std::string& to, const std::string& key, const std::string& value) { to += key + " = " + value + "\n"; }
+    static std::string number(double value) {
+        const std::string text = fmt::format("{:.9g}", value);
+        return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
+    }
+    std::string vector(const Vec3d& v) const {
+        return plane_ ? fmt::format("[{}, {}]", number(v.x()), number(v.y()))
+                      : fmt::format("[{}, {}, {}]", number(v.x()), number(v.y()), number(v.z()));
+    }
+
+    void configuration();
+    void pressure(const JsonNode& of);
+    void materials();
+    void viscosity(Fluid& fluid, bool is_scene);
+    const Fluid& fluid_of(const JsonNode& user, bool can_differ);
+    void blocks();
+    void models();
+    void emitters();
+    void bodies();
+    void body(const JsonNode& node);
+    bool holds_fluid(const Extent3& extent) const;
+    void mesh_shape(const TriangleMesh& mesh, const Placement& at, const std::string& name);
+    TriangleMesh mesh_at(const JsonNode& node, const char* key) const;
+    std::string head() const;
+
+    std::filesystem::path file_;
+    JsonNode root_;
+    ConvertedScene made_;
+    std::string time_, fluid_, models_, pressure_, viscosity_, micropolar_, shapes_, camera_;  // of the scene file
+    bool plane_ = false;
+    double spacing_ = 0.05;  // m
+    Vec3d gravity_{0, -9.81, 0};
+    std::vector<Fluid> fluids_;  // the first one is the scene's
+    std::vector<Vec3d> fluid_places_;
+    Extent3 extent_;
+};
+
+void Converter::configuration() {
+    static const JsonNode none;
+    const JsonNode* found = root_.find("Configuration");
+    if (found && found->kind != JsonNode::Kind::object) throw InputError(found->place, "Configuration is not an object");
+    const JsonNode& of = found ? *found : none;
+    plane_ = of.truth_of("sim2D").value_or(false);
+    spacing_ = 2 * of.number_of("particleRadius").value_or(0.025);
+    if (!(spacing_ > 0)) throw InputError(of.find("particleRadius")->place, "Configuration.particleRadius is not above 0");
+    gravity_ = of.vector_of("gravitation").value_or(gravity_);
+
+    std::optional<double> end = of.number_of("stopAt");
+    if (!end || *end <= 0) end = of.number_of("pauseAt");
+    if (!end || *end <= 0) {
+        end = 5;
+        made_.notes.push_back(
+            {{file_.string(), found ? found->place.line : 1, 1}, "the scene never ends (no stopAt): time.end is 5 s", "", ""});
+    }
+    line(time_, "end", number(*end));
+    const auto fps = of.number_of("dataExportFPS");
+    line(time_, "fps", number(fps.value_or(25)));
+    const double step = of.number_of("timeStepSize").value_or(0.001);
+    if (of.number_of("cflMethod").value_or(1) == 0) {
+        line(time_, "fixed_step", number(step));
+    } else {
+        line(time_, "max_step", number(of.number_of("cflMaxTimeStepSize").value_or(0.005)));
+        if (const auto factor = of.number_of("cflFactor")) {
+            // Theirs: 0.4 factor 2r/|u|.
+            line(time_, "cfl", number(0.4 * *factor));
+            note(of, "cflFactor", fmt::format("is taken as time.cfl = {}: 0.4 of it", number(0.4 * *factor)));
+        }
+        note(of, "timeStepSize", "is where steps begin: here each step is chosen anew, up to time.max_step");
+    }
+    pressure(of);
+    for (const char* key : {"enablePartioExport", "enableVTKExport"})
+        if (of.truth_of(key).value_or(false)) note(of, key, "is --export points or --export vtk of whorl render");
+    const auto from = of.vector_of("cameraPosition"), to = of.vector_of("cameraLookat");
+    if (from)
+        camera_ =
+            fmt::format("\n[camera]\nkind = \"fixed\"\nposition = [{}, {}, {}]\ntarget = [{}, {}, {}]\n", number(from->x()),
+                        number(from->y()), number(from->z()), number(to ? to->x() : 0), number(to ? to->y() : 0), number(to ? to->z() : 0));
+}
+
+void Converter::pressure(const JsonNode& of) {
+    const bool weakly = of.number_of("simulationMethod").value_or(4) == 0;
+    models_ = fmt::format("\n[models]\npressure = \"{}\"\n", weakly ? "wcsph" : "ppe");
+    if (!weakly) note(of, "simulationMethod", "is taken as models.pressure = \"ppe\", our solver of incompressible fluids");
+    if (weakly) {
+        if (const auto exponent = of.number_of("exponent")) line(pressure_, "gamma", number(*exponent));
+    } else {
+        if (const auto error = of.number_of("maxError")) line(pressure_, "tolerance", number(*error / 100));  // per cent
+        if (const auto most = of.number_of("maxIterations")) line(pressure_, "max_iterations", fmt::format("{:.0f}", *most));
+    }
+}
+
+/// Densities and viscosities of the materials; the rest of the first one.
+void Converter::materials() {
+    for (const JsonNode* node : root_.objects_of("Materials")) {
+        Fluid fluid;
+        fluid.node = node;
+        fluid.id = node->text_of("id").value_or("Fluid");
+        fluid.density = node->number_of("density0").value_or(1000);
+        viscosity(fluid, fluids_.empty());
+        fluids_.push_back(fluid);
+    }
+    if (fluids_.empty()) fluids_.emplace_back();
+    const Fluid& first = fluids_[0];
+    fluid_ = fmt::format("\n[fluid]\nspacing = {}\ndensity = {}\nviscosity = {}\n", number(spacing_), number(first.density),
+                         number(first.viscosity));
+    if (!first.node) return;
+    const auto method = first.node->number_of("surfaceTensionMethod"), tension = first.node->number_of("surfaceTension");
+    if (!method || *method == 0 || !tension) return;
+    line(fluid_, "surface_tension", number(*tension));
+    note(*first.node, "surfaceTension", "is a coefficient of their model: taken as fluid.surface_tension in N/m; check it");
+}
+
+/// @param is_scene it is the scene's fluid: its model is the scene's
+void Converter::viscosity(Fluid& fluid, bool is_scene) {
+    const JsonNode& of = *fluid.node;
+    const int method = static_cast<int>(of.number_of("viscosityMethod").value_or(0));
+    const double value = of.number_of("viscosity").value_or(0);
+    if (method == 2 && is_scene) {
+        models_ += "viscosity = \"xsph\"\n";
+        viscosity_ = fmt::format("\n[viscosity]\nalpha = {}\n", number(value));
+        note(of, "viscosity", "is the share of XSPH: taken as viscosity.alpha");
+    } else if (method == 1 || method == 6 || method == 7) {
+        fluid.viscosity = value * fluid.density;
+        note(of, "viscosity", fmt::format("is taken as a kinematic viscosity in m^2/s: {} Pa s", number(fluid.viscosity)));
+    } else if (method != 0) {
+        note(of, "viscosity", "is a coefficient without unit of their model: fluid.viscosity is 0; choose one in Pa s");
+    }
+    if (!is_scene || of.number_of("vorticityMethod").value_or(0) != 1) return;
+    models_ += "micropolar = \"bender\"\n";
+    micropolar_ = "\n[micropolar]\n";
+    if (const auto inverse = of.number_of("inertiaInverse"); inverse && *inverse > 0)
+        line(micropolar_, "micro_inertia", number(1 / *inverse));
+    if (const auto nu = of.number_of("vorticity")) {
+        line(micropolar_, "transfer_viscosity", number(*nu * fluid.density));
+        note(of, "vorticity", "is taken as a kinematic transfer viscosity in m^2/s");
+    }
+}
+
+/// The material that a block or an emitter names. @param can_differ it may have a viscosity of its own
+const Converter::Fluid& Converter::fluid_of(const JsonNode& user, bool can_differ) {
+    const std::string id = user.text_of("id").value_or("Fluid");
+    for (const Fluid& fluid : fluids_) {
+        if (fluid.id != id) continue;
+        if (&fluid != &fluids_[0] && !can_differ)
+            note(user, "has the material \"" + id + "\", and there is one fluid here: it has that of \"" + fluids_[0].id + "\"");
+        if (&fluid != &fluids_[0] && can_differ && fluid.density != fluids_[0].density)
+            note(user, "has a density of its own, and there is one here: that of \"" + fluids_[0].id + "\"");
+        return fluid;
+    }
+    if (fluids_[0].node)
+        note(user, "has the material \"" + id + "\", which the file does not describe: it has that of \"" + fluids_[0].id + "\"");
+    return fluids_[0];
+}
+
+void Converter::blocks() {
+    for (const JsonNode* node : root_.objects_of("FluidBlocks")) {
+        const Placement at = placement_of(*node);
+        const auto start = node->vector_of("start"), end = node->vector_of("end");
+        if (!start || !end)
+            throw InputError(node->place, node->path + " has no " + (start ? "end" : "start"), "", "start and end, corners of the block");
+        fluid_of(*node, false);
+        Extent3 box;
+        box.extend(at.scale.cwiseProduct(*start) + at.translation), box.extend(at.scale.cwiseProduct(*end) + at.translation);
+        extent_.extend(box);
+        fluid_places_.push_back(box.center());
+        shapes_ += fmt::format("\n[[block]]\nshape = \"box\"\nmin = {}\nmax = {}\n", vector(box.min()), vector(box.max()));
+        if (const auto u = node->vector_of("initialVelocity"); u && !u->isZero()) line(shapes_, "velocity", vector(*u));
+        if (node->number_of("denseMode").value_or(0) != 0)
+            note(*node, "denseMode", "packs particles denser: here they stand on a lattice of their own spacing");
+    }
+}
+
+void Converter::models() {
+    for (const JsonNode* node : root_.objects_of("FluidModels")) {
+        const std::string file = node->text_of("particleFile").value_or("");
+        const std::string suffix = std::filesystem::path(file).extension().string();
+        if (suffix != ".obj" && suffix != ".ply" && suffix != ".stl") {
+            note(*node, "particleFile", "holds particles, and fluid here begins as a shape: left out");
+            placement_of(*node), fluid_of(*node, false);
+            continue;
+        }
+        const TriangleMesh mesh = mesh_at(*node, "particleFile");
+        fluid_of(*node, false);
+        shapes_ += "\n[[block]]\n";
+        mesh_shape(mesh, placement_of(*node), fmt::format("fluid_{}", made_.meshes.size() + 1));
+        if (const auto u = node->vector_of("initialVelocity"); u && !u->isZero()) line(shapes_, "velocity", vector(*u));
+    }
+}
+
+void Converter::emitters() {
+    for (const JsonNode* node : root_.objects_of("Emitters")) {
+        const Placement at = placement_of(*node);
+        const Vec3d direction = at.rotation.col(0);  // along their own x axis
+        const double width = node->number_of("width").value_or(5) * spacing_, height = node->number_of("height").value_or(5) * spacing_;
+        extent_.extend(at.translation), fluid_places_.push_back(at.translation);
+        shapes_ += fmt::format("\n[[emitter]]\nposition = {}\ndirection = {}\nspeed = {}\n", vector(at.translation), vector(direction),
+                               number(node->number_of("velocity").value_or(1)));
+        if (node->number_of("type").value_or(0) == 1) {
+            line(shapes_, "radius", number(width));
+            note(*node, "width", fmt::format("counts particles: the radius is {} m", number(width)));
+        } else {
+            line(shapes_, "shape", "\"box\"");
+            line(shapes_, "width", number(plane_ ? height : width));
+            if (!plane_) line(shapes_, "thickness", number(height));
+            // Here a slot's width is horizontal.
+            if (!plane_ && width != height && std::abs(at.rotation.col(2).y()) > 1e-3)
+                note(*node, "rotationAngle", "turns the opening about its direction: here its width lies horizontally");
+        }
+        if (const auto start = node->number_of("emitStartTime"); start && *start > 0) line(shapes_, "start", number(*start));
+        if (const auto stop = node->number_of("emitEndTime"); stop && *stop < 1e30) line(shapes_, "stop", number(*stop));
+        const Fluid& fluid = fluid_of(*node, true);
+        if (&fluid != &fluids_[0]) line(shapes_, "viscosity", number(fluid.viscosity));
+    }
+}
+
+void Converter::bodies() {
+    for (const JsonNode* node : root_.objects_of("RigidBodies")) body(*node);
+}
+
+bool Converter::holds_fluid(const Extent3& extent) const {
+    return std::any_of(fluid_places_.begin(), fluid_places_.end(), [&](const Vec3d& x) { return extent.contains(x); });
+}
+
+void Converter::body(const JsonNode& node) {
+    const Placement at = placement_of(node);
+    const TriangleMesh mesh = mesh_at(node, "geometryFile");
+    Extent3 extent;
+    for (const Vec3f& x : mesh.position) extent.extend(at(x.cast<double>()));
+    const bool wall = node.truth_of("isWall").value_or(false), inverted = node.truth_of("mapInvert").value_or(false),
+               dynamic = node.truth_of("isDynamic").value_or(false);
+    const bool inside = !dynamic && (inverted || (wall && holds_fluid(extent)));
+    if (!dynamic) extent_.extend(extent);
+    shapes_ += "\n[[solid]]\n";
+    if (std::filesystem::path(*node.text_of("geometryFile")).stem() == "UnitBox" && !at.turned())
+        shapes_ += fmt::format("shape = \"box\"\nmin = {}\nmax = {}\n", vector(extent.min()), vector(extent.max()));
+    else mesh_shape(mesh, at, fmt::format("body_{}", made_.meshes.size() + 1));
+    if (inside) line(shapes_, "inside", "true");
+    if (inside && !inverted) note(node, "isWall", "and fluid is inside: taken as a container (inside = true)");
+    if (!dynamic) return;
+    const auto density = node.number_of("density");
+    line(shapes_, "density", number(density.value_or(1000)));
+    if (!density) note(node, "isDynamic", "without a density: 1000 kg/m^3, as water has");
+    if (const auto friction = node.number_of("friction")) line(shapes_, "friction", number(*friction));
+    if (const auto bounce = node.number_of("restitution")) line(shapes_, "bounce", number(*bounce));
+    if (const auto u = node.vector_of("velocity"); u && !u->isZero()) line(shapes_, "velocity", vector(*u));
+}
+
+TriangleMesh Converter::mesh_at(const JsonNode& node, const char* key) const {
+    const auto name = node.text_of(key);
+    if (!name) throw InputError(node.place, node.path + " has no " + key, "", "a mesh: OBJ, PLY or STL");
+    const std::filesystem::path file = file_.parent_path() / *name;
+    if (!std::filesystem::exists(file) && file.stem() == "UnitBox") return unit_box();
+    try {
+        return read_mesh(file);
+    } catch (const InputError& error) { throw InputError(node.find(key)->place, node.path + "." + key + ": " + error.what()); }
+}
+
+/// Turned and scaled as theirs, in a file of its own.
+void Converter::mesh_shape(const TriangleMesh& mesh, const Placement& at, const std::string& name) {
+    TriangleMesh placed = mesh;
+    for (Vec3f& x : placed.position) {
+        const Vec3d there = at(x.cast<double>());
+        extent_.extend(there);
+        x = there.cast<float>();
+    }
+    if (at.scale.prod() < 0)
+        for (auto& triangle : placed.triangle) std::swap(triangle[1], triangle[2]);
+    made_.meshes.emplace_back(name + ".obj", std::move(placed));
+    shapes_ += fmt::format("shape = \"mesh\"\nfile = \"{}.obj\"\n", name);
+}
+
+std::string Converter::head() const {
+    Extent3 room = extent_.isEmpty() ? Extent3(Vec3d(-1, -1, -1), Vec3d(1, 1, 1)) : extent_;
+    const Vec3d margin = Vec3d::Constant(std::max(4 * spacing_, 0.05 * room.sizes().maxCoeff()));
+    std::string text = fmt::format("# From {} by whorl import.\n\n[time]\n{}\n[domain]\n", file_.filename().string(), time_);
+    if (plane_) text += "dimensions = 2\n";
+    return text +
+           fmt::format("min = {}\nmax = {}\ngravity = {}\n", vector(room.min() - margin), vector(room.max() + margin), vector(gravity_));
+}
+
+}  // namespace
+
+ConvertedScene convert_splishsplash(const std::filesystem::path& file) { return Converter(file).convert(); }
+
+}  // namespace whorl

@@ -1,0 +1,136 @@
+#include "tools/film/exports.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "engine/io/columns.h"
+#include "engine/io/frame_file.h"
+#include "engine/scene/model_facts.h"
+#include "render/export/obj.h"
+#include "render/export/ply.h"
+#include "render/look/field_values.h"
+#include "render/surface/vdb.h"
+
+namespace whorl {
+namespace {
+
+float reach_of(const Frame& frame, const PictureOptions& how) { return static_cast<float>(how.surface.radius) * frame.spacing; }
+
+VertexFields fields_on(const Frame& frame, const Surface& surface, const PictureOptions& how) {
+    return carried_at(surface.mesh.position, frame, reach_of(frame, how));
+}
+
+/// What a volume's picture is made of: the square of the field's strength, as far as there is fluid (lit_cloud()).
+std::vector<float> cloud_density(const Frame& frame, const LookOptions& look, FlowGrid& grid) {
+    const FieldColours field = field_colours(frame, look, field_range(field_values(frame, look), look));
+    std::vector<Eigen::Vector4f> strength(field.strength.size(), Eigen::Vector4f::Zero());
+    for (std::size_t p = 0; p < strength.size(); ++p) strength[p][3] = field.strength[p];
+    grid = flow_grid(frame, frame.velocity, strength);
+    std::vector<float> density(grid.cover.size());
+    for (std::size_t node = 0; node < density.size(); ++node) density[node] = grid.cover[node] * grid.value[node][3] * grid.value[node][3];
+    return density;
+}
+
+}  // namespace
+
+Exports::Exports(ExportOptions options)
+    : options_(std::move(options)), scene_({options_.name, options_.fps, options_.interval, options_.width, options_.height}) {
+    for (const std::string& kind : options_.kinds) std::filesystem::create_directories(options_.folder / kind);
+    if (wants("scene") && options_.frames_before > 0) scene_.go_on_from(scene_file(), options_.frames_before);
+    for (int frame = 1; wants("vtk") && frame <= options_.frames_before; ++frame)
+        for (const auto& [part, suffix] : {std::pair{"points", "vtp"}, {"mesh", "vtp"}, {"flow", "vti"}})
+            if (const std::filesystem::path made = vtk_file(part, frame, suffix); std::filesystem::exists(made))
+                timed_.push_back({(frame - 1) * options_.interval, part, made.filename().string()});
+}
+
+bool Exports::wants(const char* kind) const {
+    return std::find(options_.kinds.begin(), options_.kinds.end(), kind) != options_.kinds.end();
+}
+
+std::filesystem::path Exports::file(const char* kind, int frame, const char* suffix) const {
+    return options_.folder / kind / fmt::format("{}.{:04}.{}", options_.name, frame, suffix);
+}
+
+std::filesystem::path Exports::vtk_file(const char* part, int frame, const char* suffix) const {
+    return options_.folder / "vtk" / fmt::format("{}_{}.{:04}.{}", options_.name, part, frame, suffix);
+}
+
+void Exports::write(const Frame& frame, const Surface& surface, const PictureOptions& how, bool whole_film, const Timer& timed) {
+    const auto made = [&](const char* kind, const auto& make) {
+        if (wants(kind)) timed(kind, make);
+    };
+    made("points", [&] { write_ply(file("points", frame.number, "ply"), note_of(frame), particle_attributes(frame)); });
+    made("mesh", [&] { write_mesh(frame, surface, how); });
+    made("obj", [&] { write_obj_mesh(file("obj", frame.number, "obj"), surface.mesh); });
+    made("vdb", [&] { write_grids(frame, surface, how); });
+    made("vtk", [&] { write_vtk(frame, surface, how); });
+    made("raw", [&] { write_frame(frame_file(options_.folder, frame.number), frame); });
+    made("scene", [&] { add_to_scene(frame, how, whole_film); });
+}
+
+void Exports::write_mesh(const Frame& frame, const Surface& surface, const PictureOptions& how) const {
+    const VertexFields fields = fields_on(frame, surface, how);
+    write_ply(file("mesh", frame.number, "ply"), note_of(frame), vertex_attributes(surface.mesh, fields), &surface.mesh.triangle);
+}
+
+void Exports::add_to_scene(const Frame& frame, const PictureOptions& how, bool whole_film) {
+    const bool first = !std::filesystem::exists(scene_file());
+    scene_.add(frame, view_at(how.camera, frame.time, frame.domain_min, frame.domain_max), how.look);
+    if (first || whole_film) scene_.write(scene_file());
+}
+
+void Exports::write_grids(const Frame& frame, const Surface& surface, const PictureOptions& how) const {
+    FlowGrid grid;
+    std::vector<float> density;
+    if (how.look.style == "volume") density = cloud_density(frame, how.look, grid);
+    else grid = flow_grid(frame, frame.velocity, {});
+    const GridFields fields{grid.origin, grid.cell, grid.n, grid.cover, grid.along, density};
+    write_vdb(file("vdb", frame.number, "vdb"), {frame.number, frame.time, static_cast<float>(how.surface.voxel) * frame.spacing}, surface,
+              fields);
+}
+
+void Exports::write_vtk(const Frame& frame, const Surface& surface, const PictureOptions& how) {
+    const auto made = [&](const char* part, const char* suffix) {
+        const std::filesystem::path path = vtk_file(part, frame.number, suffix);
+        timed_.push_back({frame.time, part, path.filename().string()});
+        return path;
+    };
+    const Attributes particles = particle_attributes(frame);
+    write_vtp(made("points", "vtp"), frame.time, particles);
+    if (frame.dimensions == 3) {
+        const VertexFields fields = fields_on(frame, surface, how);
+        write_vtp(made("mesh", "vtp"), frame.time, vertex_attributes(surface.mesh, fields), &surface.mesh.triangle);
+    }
+    write_vti(made("flow", "vti"), frame, particles);
+    write_pvd(options_.folder / "vtk" / (options_.name + ".pvd"), timed_);
+}
+
+void Exports::finish() const {
+    if (wants("scene")) scene_.write(scene_file());
+}
+
+const std::vector<std::string>& export_kinds() {
+    static const std::vector<std::string> kinds{"points", "mesh", "obj", "vdb", "scene", "vtk", "raw"};
+    return kinds;
+}
+
+std::vector<std::string> exported_fields(const Scene& scene, const ParticleStore& fluid) {
+    std::vector<std::string> fields;
+    const auto add = [&](const std::vector<std::string>& more) {
+        for (const std::string& name : more)
+            if (std::find(fields.begin(), fields.end(), name) == fields.end()) fields.push_back(name);
+    };
+    if (scene.exported("points") || scene.exported("vtk")) {
+        add(fields_of_particles());
+        if (facts_of(scene.models.micropolar).spins) add({"vorticity"});
+    }
+    if (scene.exported("mesh")) add(fields_of_surface());
+    if (scene.exported("raw")) {  // so that any look can be drawn
+        add(live_fields(fluid));
+        add({"vorticity", "q_criterion", "spin_difference"});
+    }
+    return fields;
+}
+
+}  // namespace whorl

@@ -1,0 +1,60 @@
+#pragma once
+/// A film's files for other programs: what --export and output.export ask for.
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "engine/scene/scene.h"
+#include "render/export/gltf.h"
+#include "render/export/vtk.h"
+#include "tools/film/picture_options.h"
+
+namespace whorl {
+
+struct ExportOptions {
+    std::filesystem::path folder;    ///< the run folder
+    std::string name;                ///< the scene's: files are KIND/NAME.0001.SUFFIX
+    std::vector<std::string> kinds;  ///< points, mesh, obj, vdb, scene, vtk, raw
+    double fps = 24;
+    double interval = 0;             ///< s, simulated, from frame to frame
+    int width = 1280, height = 720;  ///< pixels of a picture
+    int frames_before = 0;           ///< frames whose files stand there already (a resumed run)
+};
+
+class Exports {
+public:
+    /// Calls its second argument and notes the time that this kind of file took.
+    using Timer = std::function<void(const std::string& kind, const std::function<void()>& write)>;
+
+    explicit Exports(ExportOptions options);
+    bool wants(const char* kind) const;
+    /// Whether a frame's surface is needed, and the distance to it.
+    bool wants_surface() const { return wants("mesh") || wants("obj") || wants("vdb") || wants("vtk"); }
+    bool wants_distance() const { return wants("vdb"); }
+
+    /// Writes a frame's files. @param whole_film also what holds the film so far: a checkpoint follows @throws EnvironmentError
+    void write(const Frame& frame, const Surface& surface, const PictureOptions& how, bool whole_film, const Timer& timed);
+    /// What holds the whole film, at its end.
+    void finish() const;
+
+private:
+    std::filesystem::path file(const char* kind, int frame, const char* suffix) const;
+    std::filesystem::path vtk_file(const char* part, int frame, const char* suffix) const;
+    void write_mesh(const Frame& frame, const Surface& surface, const PictureOptions& how) const;
+    void add_to_scene(const Frame& frame, const PictureOptions& how, bool whole_film);
+    void write_grids(const Frame& frame, const Surface& surface, const PictureOptions& how) const;
+    void write_vtk(const Frame& frame, const Surface& surface, const PictureOptions& how);
+    std::filesystem::path scene_file() const { return options_.folder / "scene" / (options_.name + ".glb"); }
+
+    ExportOptions options_;
+    SceneExport scene_;
+    std::vector<TimedFile> timed_;  ///< of the .pvd
+};
+
+/// The folders in a run folder that exports fill.
+const std::vector<std::string>& export_kinds();
+/// What a frame has to carry for the scene's exports, besides positions and velocities.
+std::vector<std::string> exported_fields(const Scene& scene, const ParticleStore& fluid);
+
+}  // namespace whorl

@@ -1,0 +1,61 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "engine/core/whole_file.h"
+#include "engine/scene/plan.h"
+#include "render/export/obj.h"
+#include "tools/convert/splishsplash.h"
+#include "tools/program/command.h"
+#include "tools/scene_file/scene_file.h"
+
+namespace whorl {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ImportOptions {
+    fs::path file, out;
+};
+
+/// What the scene lacks before it can be planned; nothing where it is whole.
+std::vector<Problem> problems_of(const fs::path& scene) try {
+    make_plan(read_scene_file(scene).scene);
+    return {};
+} catch (const InputError& error) { return error.problems(); }
+
+int import_scene(const ImportOptions& options) {
+    const ConvertedScene made = convert_splishsplash(options.file);
+    const fs::path out = options.out.empty() ? fs::path(options.file.stem().string() + ".toml") : options.out;
+    std::vector<fs::path> files{out};
+    for (const auto& [name, mesh] : made.meshes) files.push_back(out.parent_path() / name);
+    for (const fs::path& file : files)
+        if (fs::exists(file))
+            throw InputError({file.string(), 0, 0}, "stands there already", "move it away, or choose another name with --out");
+    for (const auto& [name, mesh] : made.meshes) write_obj_mesh(out.parent_path() / name, mesh);
+    write_text(out, made.toml);
+
+    for (const Problem& note : made.notes) fmt::print("{}\n", note.message());
+    for (const Problem& problem : problems_of(out)) fmt::print("before it runs: {}\n", problem.message());
+    fmt::print("{} lines to look at; the scene: {}\n", made.notes.size(), out.string());
+    return exit_done;
+}
+
+}  // namespace
+
+void add_import(CLI::App& program, Job& chosen) {
+    const auto options = std::make_shared<ImportOptions>();
+    CLI::App* app = program.add_subcommand("import", "make a scene of one for SPlisHSPlasH (JSON), and say what has no equivalent");
+    app->add_option("file", options->file, "the other program's scene")->required()->type_name("FILE.json");
+    app->add_option("--out", options->out, "the scene file (default: FILE.toml in this folder); meshes go beside it")
+        ->type_name("FILE.toml");
+    app->footer(
+        "Every line that it prints names a place in the other program's file.\n"
+        "Examples:\n"
+        "  whorl import DamBreak.json\n"
+        "  whorl import scenes/DamBreak.json --out my_scenes/dam.toml");
+    app->callback([options, &chosen] { chosen = [options] { return import_scene(*options); }; });
+}
+
+}  // namespace whorl
