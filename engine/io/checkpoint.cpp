@@ -69,7 +69,8 @@ std::string build_id() {
 void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& checkpoint) {
     CheckpointPacker file;
     each_member(file, checkpoint);
-    std::filesystem::create_directories(folder / "checkpoints");
+    std::error_code gone;  // a run folder that was taken away is not made again: the write below says so
+    std::filesystem::create_directory(folder / "checkpoints", gone);
     write_text(folder / "checkpoints" / fmt::format("{:06}.whorl", checkpoint.frame), sealed(magic, file.bytes), true);
     for (const auto& entry : std::filesystem::directory_iterator(folder / "checkpoints"))
         if (!entry.path().stem().extension().empty()) std::filesystem::remove(entry.path());  // half written when a run was killed

@@ -1,6 +1,7 @@
 #include "engine/scene/check_placement.h"
 
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <cmath>
@@ -18,14 +19,27 @@ namespace {
 
 std::string point(const Vec3d& x) { return fmt::format("({:.4g}, {:.4g}, {:.4g})", x.x(), x.y(), x.z()); }
 
-/// What the system can still give [bytes]; infinite where it does not say.
+/// The first number in a file; infinite where there is none.
+double number_in(const char* file) {
+    std::ifstream in(file);
+    double number = 0;
+    return in >> number ? number : std::numeric_limits<double>::infinity();
+}
+
+/// What the system can still give [bytes]: the machine, the container or job that this runs in, and the limit of the process (ulimit -v).
+/// Infinite where none of them says.
 double free_memory() {
+    double least = std::numeric_limits<double>::infinity();
     std::ifstream in("/proc/meminfo");
     std::string word;
     double kilobytes = 0;
     while (in >> word)
-        if (word == "MemAvailable:" && in >> kilobytes) return 1024 * kilobytes;
-    return std::numeric_limits<double>::infinity();
+        if (word == "MemAvailable:" && in >> kilobytes) least = 1024 * kilobytes;
+    if (const double most = number_in("/sys/fs/cgroup/memory.max"); std::isfinite(most))
+        least = std::min(least, most - number_in("/sys/fs/cgroup/memory.current"));
+    rlimit limit{};
+    if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) least = std::min(least, static_cast<double>(limit.rlim_cur));
+    return least;
 }
 
 /// Bytes a particle: the neighbour rows (4 bytes a neighbour, and as much again for what goes with them), and what the model holds besides.
@@ -149,9 +163,25 @@ private:
         too_far(name, e.position, e.position);
         Real distance = 0;
         const int k = shapes_.solids.nearest(e.position.cast<Real>(), distance);
-        if (k >= 0 && distance < 0)
+        if (k >= 0 && distance < 0) {
+            const Extent& solid = shapes_.solid_extent[static_cast<std::size_t>(k)];
+            const double least = (solid.max - solid.min).minCoeff(), room = (high_ - low_).maxCoeff();
+            const bool huge = least > room && least < 1e6 * room;  // a plane has no end, and no wrong one
             report(name + ".position", fmt::format("{} at {} lies {:.3g} m inside solid[{}]", name, point(e.position), -distance, k),
-                   "move one of them");
+                   huge ? fmt::format("solid[{}] is {:.4g} m across, larger than the whole domain: its size is in metres", k,
+                                      (solid.max - solid.min).maxCoeff())
+                        : "move one of them");
+        }
+        const double widest = e.shape == "disc" ? 2 * e.radius : std::max(e.width, plan_.dimensions() == 2 ? 0 : e.thickness);
+        const double room = (high_ - low_).head(plan_.dimensions()).maxCoeff();
+        if (widest > room) {
+            oversized_ = true;
+            report(name + (e.shape == "disc"   ? ".radius"
+                           : e.width == widest ? ".width"
+                                               : ".thickness"),
+                   fmt::format("the opening of {} is {:.4g} m across, wider than the whole domain ({:.4g} m)", name, widest, room),
+                   fmt::format("lengths are in metres: for millimetres take a thousandth, {:.3g} m across", widest / 1000));
+        }
         const double thinnest = narrowest_of(e, plan_.dimensions());
         if (thinnest < plan_.spacing) too_coarse(name, thinnest);
         for (const double t : sample_times(e.start, std::max(e.start, std::min(e.stop, scene_.time.end))))
@@ -203,9 +233,16 @@ private:
             report("fluid.spacing", "the blocks are too small for a single particle", "take a smaller fluid.spacing");
         const double each = bytes_a_particle(plan_), need = each * n_.particles, have = free_memory();
         const double most = std::min(have, each * std::numeric_limits<Index>::max());
-        if (need <= most) return;
+        if (need <= most || oversized_) return;
+        std::string source;
+        for (std::size_t i = 0; i < scene_.emitters.size(); ++i)
+            if (const double volume = emitted_volume(scene_.emitters[i], scene_.time.end, plan_.dimensions());
+                volume > 0.5 * n_.particles * plan_.particle_volume())
+                source =
+                    fmt::format("; most of them come from {}, which lets {:.3g} m^3 out until the end", entry_name("emitter", i), volume);
         report("fluid.spacing",
-               fmt::format("about {:.2g} particles need {:.2g} GB of memory, and {:.2g} GB are free", n_.particles, need / 1e9, have / 1e9),
+               fmt::format("about {:.2g} particles need {:.2g} GB of memory, and {:.2g} GB are free{}", n_.particles, need / 1e9,
+                           have / 1e9, source),
                fmt::format("fluid.spacing = {:.2g} would fit", plan_.spacing * std::pow(1.2 * need / most, 1.0 / plan_.dimensions())));
     }
 
@@ -215,6 +252,7 @@ private:
     const SceneShapes& shapes_;
     KeyProblems report;
     Vec3d low_, high_;
+    bool oversized_ = false;  ///< an opening is wider than the domain: its particles need not be counted
 };
 
 }  // namespace

@@ -16,6 +16,7 @@
 #include "engine/scene/check_unread.h"
 #include "engine/scene/names.h"
 #include "engine/scene/numbers.h"
+#include "engine/scene/warn_scale.h"
 
 namespace whorl {
 namespace {
@@ -256,6 +257,7 @@ private:
         warn_of_viscosity();
         warn_of_pressure();
         warn_of_placement();
+        for (std::string& warning : warnings_of_scale(scene_, shapes_)) add_warning(std::move(warning));
         if (plan_.facts.micropolar.spins) warn_micropolar(plan_, scene_);
     }
 

@@ -1,5 +1,7 @@
 #include "engine/scene/read.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -31,6 +33,7 @@ public:
     Consistency(Scene& scene, Reader& reader) : scene_(scene), reader_(reader) {}
 
     void check() {
+        frames();
         if (!file_name(scene_.name))
             reader_.disagree({"name"}, "name = \"" + scene_.name + "\" cannot name a folder", "", "allowed: letters, digits, _ - .");
         ordered("domain.min", scene_.domain.min, "domain.max", scene_.domain.max, scene_.domain.dimensions);
@@ -58,6 +61,14 @@ public:
     }
 
 private:
+    void frames() {
+        constexpr double most = 1e6;
+        if (const double pictures = scene_.time.end / scene_.time.frame_interval(); pictures > most)
+            reader_.disagree({"time.fps", "time.slow_motion", "time.end"},
+                             fmt::format("{:.3g} pictures until time.end = {:g} s: one every {:.3g} s", pictures, scene_.time.end,
+                                         scene_.time.frame_interval()),
+                             "take a smaller time.fps or time.slow_motion, or an earlier time.end", "allowed: at most a million pictures");
+    }
     void ordered(const std::string& low, const Vec3d& a, const std::string& high, const Vec3d& b, int dimensions = 3) {
         for (int axis = 0; axis < dimensions; ++axis)
             if (!(a[axis] < b[axis])) {

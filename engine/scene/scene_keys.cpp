@@ -30,7 +30,7 @@ void add_shape_keys(KeyTableOf<S>& t, const std::vector<std::string>& kinds, boo
 KeyTable time_keys() {
     KeyTableOf<TimeKeys> t("when the run ends and how often a picture is taken");
     t.key("end", &TimeKeys::end, "s", "when the run ends").required().above(0).not_deciding().live();
-    t.key("fps", &TimeKeys::fps, "1/s", "frames a second of film").above(0).at_most(1000);
+    t.key("fps", &TimeKeys::fps, "1/s", "frames a second of film; to see what is over in a moment, take slow_motion").above(0);
     t.key("slow_motion", &TimeKeys::slow_motion, "", "the film plays this many times slower than life").above(0);
     t.key("max_step", &TimeKeys::max_step, "s", "longest time step").above(0).live();
     t.key("cfl", &TimeKeys::cfl, "", "a step moves no particle further than this part of a spacing").above(0).at_most(2).live();
@@ -61,7 +61,7 @@ KeyTable domain_keys() {
 
 KeyTable fluid_keys() {
     KeyTableOf<FluidKeys> t("the fluid and its particles");
-    t.key("spacing", &FluidKeys::spacing, "m", "initial distance between particles").required().above(0);
+    t.key("spacing", &FluidKeys::spacing, "m", "initial distance between particles").required().at_least(1e-9);
     t.key("density", &FluidKeys::density, "kg/m^3", "density at rest").above(0);
     t.key("viscosity", &FluidKeys::viscosity, "Pa s", "dynamic viscosity, of the particle's place at the start and of its age in s")
         .at_least(0)

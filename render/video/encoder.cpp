@@ -33,7 +33,7 @@ std::vector<std::string> tagged_bt709() {
 // look ahead, a keyframe a second, fragments of a quarter of a second. One thread: the simulation needs the others, and "veryfast" takes
 // 10 ms for a frame of 1280x720 ("medium" 24 ms for the same size and 0.7 dB).
 std::vector<std::string> mp4(const VideoOptions& options) {
-    const std::string keyframe = std::to_string(std::max(1L, std::lround(options.fps)));
+    const std::string keyframe = std::to_string(std::clamp(std::lround(options.fps), 1L, 250L));
     std::vector<std::string> words{"-vf",          std::string(even) + to_bt709 + "format=yuv420p",
                                    "-c:v",         "libx264",
                                    "-preset",      "veryfast",

@@ -58,7 +58,8 @@ std::map<std::string, Folders> arrows() {
         {"tools/film", scene_file + Folders{"tools/cost"}},
         {"tools/live", film},
         {"tools/study", scene_file},
-        {"tools/program", film + Folders{"tools/convert", "tools/live", "tools/study"}},
+        {"tools/farm", film},
+        {"tools/program", film + Folders{"tools/convert", "tools/live", "tools/study", "tools/farm"}},
         {"tools/bench", engine + render + Folders{"tests/support"}},
         {"tools/measure", engine + Folders{"tests/support"}},
     };

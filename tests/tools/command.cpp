@@ -162,7 +162,7 @@ TEST_CASE("bad input ends with 2, tells every mistake, and writes nothing", "[to
     CHECK(bad.text ==
           "s.toml: the scene has no fluid; add a [[block]] or an [[emitter]]\n"
           "s.toml:2:7: time.end must be a number [s], not the text \"x\"\n"
-          "s.toml:3:1: fluid.spacing is missing; initial distance between particles [m]; allowed: more than 0\n"
+          "s.toml:3:1: fluid.spacing is missing; initial distance between particles [m]; allowed: at least 1e-09\n"
           "s.toml:4:1: unknown key \"spacng\" in [fluid]; did you mean \"spacing\"?; allowed: spacing, density, viscosity, "
           "surface_tension, ink_diffusion, force, kernel, "
           "support\n"

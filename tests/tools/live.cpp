@@ -130,6 +130,47 @@ TEST_CASE("changes are made as a whole or not at all, and the answer says why", 
     CHECK(live.wait_for([](const json& s) { return s.at("particles") < 120; }));
 }
 
+TEST_CASE("who asks with the wrong method is told the right one", "[tools][live]") {
+    LiveProgram live(honey);
+    const Reply set = live.get("/set");
+    CHECK(set.status == 405);
+    CHECK(set.headers.at("allow") == "POST");
+    CHECK(set.json().at("error").get<std::string>().find("/set takes POST with a JSON body, and this is GET") == 0);
+    CHECK(live.post("/state", "{}").json().at("error").get<std::string>().find("/state takes GET") == 0);
+    CHECK(live.get("/stae").json().at("error").get<std::string>().find("GET /state") != std::string::npos);
+}
+
+TEST_CASE("who comes late to a live run gets the frames before, and a restart forgets them", "[tools][live]") {
+    LiveProgram live(honey);
+    for (int k = 0; k < 4; ++k) live.step();
+    const json frames = live.get("/history").json();
+    REQUIRE(frames.size() == 5);
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+        CHECK(frames[k].at("frame") == k + 1);
+        CHECK(frames[k].at("time").get<double>() == Approx(0.02 * static_cast<double>(k)).margin(1e-12));
+    }
+    const json now = live.state();
+    for (const char* name : {"energy", "probes", "iterations", "steps"}) CHECK(frames.back().at(name) == now.at(name));
+    CHECK(live.order("restart").status == 200);
+    CHECK(live.wait_for([](const json& s) { return s.at("frame") == 1; }));
+    CHECK(live.get("/history").json().size() == 1);
+}
+
+TEST_CASE("the page is told how people write a key's variables, and which films there are, each once", "[tools][live]") {
+    LiveProgram live(honey);
+    const json keys = live.get("/keys").json();
+    std::map<std::string, std::string> variables;
+    for (const json& key : keys.at("keys")) variables[key.at("path")] = key.at("variables");
+    CHECK(variables.at("fluid.viscosity") == "x, y, z, age");
+    CHECK(variables.at("emitter[0].speed") == "t");
+    std::multiset<std::string> films;
+    for (const json& name : keys.at("scenes")) films.insert(name.get<std::string>());
+    CHECK(films.count("honey_coil") == 1);
+    CHECK(films.count("taylor_green") == 1);  // a study of that name ships, too
+    for (const char* study : {"lid_driven_cavity", "column", "shear_decay"}) CHECK(films.count(study) == 0);
+    for (const std::string& name : films) CHECK(films.count(name) == 1);
+}
+
 TEST_CASE("a change acts from the next frame on, and a film of the recording is the same run", "[tools][live]") {
     LiveProgram live(honey);
     live.post("/set", R"({"look.exposure": 1.5, "emitter[0].speed": 0.25})");  // before anything moved
@@ -274,7 +315,8 @@ TEST_CASE("nonsense at every endpoint changes nothing and kills nothing", "[tool
     }
     CHECK(live.post("/set", "{\"fluid.viscosity\": " + std::string(30000, '[')).status == 400);
     CHECK(live.post("/set", "{\"emitter[0].speed\": \"" + std::string(2000, '(') + "1\"}").status == 400);
-    for (const char* path : {"/set", "/control", "/nothing", "/state/x", "/stream/../set"}) CHECK(live.get(path).status >= 400);
+    for (const char* path : {"/nothing", "/state/x"}) CHECK(live.get(path).status == 404);
+    for (const char* path : {"/set", "/control", "/stream/../set"}) CHECK(live.get(path).status >= 400);
     for (const std::string& raw : {std::string("\r\n\r\n"), bytes(500), std::string("GET / HTTP/1.1\r\nHost: "),
                                    std::string("POST /set HTTP/1.1\r\nContent-Length: -5\r\n\r\n"),
                                    std::string("POST /set HTTP/1.1\r\nHost: localhost:1\r\nTransfer-Encoding: chunked\r\n\r\nzz\r\n"),

@@ -133,10 +133,11 @@ TEST_CASE("a scene with panels is one film of runs side by side, each whole in i
     CHECK(left.width == 160);
     // Below the label, the left half is the first panel.
     CHECK(std::equal(left.pixel(0, 100), left.pixel(0, 101), whole.pixel(0, 100)));
-    // Rendered again the folder begins anew.
+    // Rendered again the folder begins anew, and the film before is kept.
     CHECK(test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--quiet", "--frames", "2"}).code == 0);
     CHECK(run_json(run).at("frames") == 2);
     CHECK_FALSE(fs::exists(run / "frames/000003.png"));
+    CHECK(fs::exists(scratch.run("run.1") + "/two_drops.mp4"));
 }
 
 TEST_CASE("panels that were interrupted go on to the same film") {
@@ -156,6 +157,25 @@ TEST_CASE("panels that were interrupted go on to the same film") {
     }
     CHECK(run_json(parts).at("status") == "done");
     CHECK(difference(read_png(parts / "frames/000005.png"), read_png(fs::path(scratch.run("whole")) / "frames/000005.png")).max < 1);
+}
+
+TEST_CASE("a film of panels is made longer, with the colours that it began with, and its settings make the same film again") {
+    // The speed's range goes by the whole film, so that of a longer one would be another.
+    const Scratch scratch;
+    const std::vector<std::string> shown{"--set", "look.style=particles", "--set", "look.field=speed", "--no-video", "--quiet"};
+    std::vector<std::string> arguments{"render", scratch.scene(), "--until", "0.05", "--out", scratch.run()};
+    arguments.insert(arguments.end(), shown.begin(), shown.end());
+    REQUIRE(test::whorl(arguments).code == 0);
+    const fs::path run = scratch.run();
+    const std::string second = read_whole(run / "frames/000002.png");
+    const Outcome longer = test::whorl({"resume", scratch.run(), "--until", "0.1", "--quiet"});
+    INFO(longer.err);
+    REQUIRE(longer.code == 0);
+    CHECK(run_json(run).at("frames") == 5);
+    CHECK((read_whole(run / "frames/000002.png") == second));
+    REQUIRE(test::whorl({"render", (run / "scene.resolved.toml").string(), "--quiet", "--out", scratch.run("again")}).code == 0);
+    for (const char* picture : {"frames/000002.png", "frames/000005.png"})
+        CHECK(difference(read_png(run / picture), read_png(fs::path(scratch.run("again")) / picture)).max < 1);
 }
 
 TEST_CASE("a panel's wrong key is told with its place, before anything is written") {

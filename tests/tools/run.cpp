@@ -271,6 +271,46 @@ TEST_CASE("an export that cannot be written ends the run with its reason, and le
     CHECK(files_in(scratch / "run/points").empty());
 }
 
+TEST_CASE("a film that is done goes on to a later end, its settings say so, and rendering them makes the same film", "[tools][resume]") {
+    const Scratch scratch;
+    REQUIRE(
+        test::whorl({"render", scratch.scene(), "--no-images", "--export", "points", "--until", "0.1", "--quiet", "--out", scratch.run()})
+            .code == 0);
+    const auto [option, value, rows] =
+        GENERATE(table<std::string, std::string, std::size_t>({{"--until", "0.2", 9}, {"--frames", "8", 8}}));
+    const Outcome longer = test::whorl({"resume", scratch.run(), option, value, "--quiet"});
+    INFO(longer.err);
+    REQUIRE(longer.code == 0);
+    CHECK(lines(scratch / "run/diagnostics.csv").size() == 1 + rows);
+    const std::string used = read_whole(scratch / "run/scene.resolved.toml");
+    CHECK(used.find(option == "--until" ? "\nend = 0.2 " : "\nend = 0.175 ") != std::string::npos);
+
+    REQUIRE(test::whorl({"render", scratch.run() + "/scene.resolved.toml", "--quiet", "--out", scratch.run("again")}).code == 0);
+    check_same_particles(scratch / "run", scratch / "again");
+    CHECK(reproducible(lines(scratch / "run/diagnostics.csv")) == reproducible(lines(scratch / "again/diagnostics.csv")));
+    // It stays so when it goes on once more, and what is made already is not taken back.
+    CHECK(test::whorl({"resume", scratch.run(), "--quiet"}).code == 0);
+    CHECK(lines(scratch / "run/diagnostics.csv").size() == 1 + rows);
+    const Outcome shorter = test::whorl({"resume", scratch.run(), "--until", "0.05"});
+    CHECK(shorter.code == 2);
+    CHECK(shorter.err.find("s, already") != std::string::npos);
+    CHECK(test::whorl({"resume", scratch.run(), "--until", "1", "--frames", "9"}).err.find("give one of them") != std::string::npos);
+}
+
+TEST_CASE("a longer film that would take other constants is refused, with these", "[tools][resume]") {
+    // Ten times the largest speed that the plan sees until the end: the jet gets faster.
+    std::string text = honey;
+    text.replace(text.find("speed = \"0.3\""), 13, "speed = \"0.3+40*t\"");
+    const Scratch scratch(text);
+    REQUIRE(test::whorl({"render", scratch.scene(), "--no-images", "--set", "models.pressure=wcsph", "--set", "fluid.viscosity=0.1",
+                         "--until", "0.03", "--quiet", "--out", scratch.run()})
+                .code == 0);
+    const Outcome refused = test::whorl({"resume", scratch.run(), "--until", "0.1"});
+    CHECK(refused.code == 2);
+    CHECK(refused.err.find("until 0.1 s this scene takes other models or constants than until 0.03 s") != std::string::npos);
+    CHECK(refused.err.find("pressure.sound_speed") != std::string::npos);
+}
+
 TEST_CASE("resume refuses other settings and names them, and takes settings that only change the picture", "[tools][resume]") {
     const Scratch scratch;
     REQUIRE(test::whorl({"render", scratch.scene(), "--no-images", "--until", "0.05", "--quiet", "--out", scratch.run()}).code == 0);
@@ -290,10 +330,10 @@ TEST_CASE("resume refuses other settings and names them, and takes settings that
     CHECK(refused.err.find("fluid.spacing: 0.0025, now 0.0026") != std::string::npos);
 }
 
-TEST_CASE("a folder that is not a run's is left alone, a run's is replaced", "[tools][render]") {
+TEST_CASE("a folder that is not a run's is left alone; a run's is kept under another name, or replaced where that is asked for",
+          "[tools][render]") {
     const Scratch scratch;
-    const std::vector<std::string> arguments{"render", scratch.scene(), "--no-images", "--until",
-                                             "0.03",   "--quiet",       "--out",       scratch.run()};
+    std::vector<std::string> arguments{"render", scratch.scene(), "--no-images", "--until", "0.03", "--out", scratch.run() + "/"};
     fs::create_directories(scratch / "run");
     std::ofstream(scratch / "run/thesis.txt") << "years of work";
     const Outcome refused = test::whorl(arguments);
@@ -303,9 +343,23 @@ TEST_CASE("a folder that is not a run's is left alone, a run's is replaced", "[t
 
     fs::remove(scratch / "run/thesis.txt");
     REQUIRE(test::whorl(arguments).code == 0);
-    std::ofstream(scratch / "run/notes.txt") << "keep";
+    std::ofstream(scratch / "run/notes.txt") << "of the first";
+    const std::string first = read_whole(scratch / "run/diagnostics.csv");
+    const Outcome second = test::whorl(arguments);
+    CHECK(second.code == 0);
+    CHECK(second.err.find("is now in " + scratch.run() + ".1\n") != std::string::npos);
     CHECK(test::whorl(arguments).code == 0);
+    CHECK(read_whole(scratch / "run.1/notes.txt") == "of the first");
+    CHECK(read_whole(scratch / "run.1/diagnostics.csv") == first);
+    CHECK(fs::exists(scratch / "run.2/diagnostics.csv"));
+    CHECK_FALSE(fs::exists(scratch / "run/notes.txt"));
+
+    std::ofstream(scratch / "run/notes.txt") << "keep";
+    arguments.emplace_back("--overwrite");
+    const Outcome replaced = test::whorl(arguments);
+    CHECK(replaced.err.find("is replaced\n") != std::string::npos);
     CHECK(fs::exists(scratch / "run/notes.txt"));
+    CHECK_FALSE(fs::exists(scratch / "run.3"));
     CHECK(test::whorl({"resume", (scratch / "nowhere").string()}).code == 2);
     CHECK(test::whorl({"video", scratch.run()}).code == 2);
 }

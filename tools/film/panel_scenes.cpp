@@ -141,4 +141,19 @@ std::vector<SceneFile> panel_scenes(const SceneFile& file, const RangeOf& range_
     return scenes;
 }
 
+SceneFile with_ranges(SceneFile file, const std::vector<SceneFile>& runs) {
+    if (file.look.range[0] != file.look.range[1]) return file;
+    std::size_t run = 0;
+    for (PanelKeys& panel : file.scene.panels) {
+        if (!panel.difference.empty()) continue;
+        const LookOptions& look = runs.at(run++).look;
+        const bool given =
+            std::any_of(panel.set.begin(), panel.set.end(), [](const std::string& s) { return s.rfind("look.range", 0) == 0; });
+        if (given || !shows_field(look)) continue;
+        const Value::List range{Value(static_cast<double>(look.range[0])), Value(static_cast<double>(look.range[1]))};
+        panel.set.push_back("look.range=" + Value(range).toml());
+    }
+    return file;
+}
+
 }  // namespace whorl

@@ -32,4 +32,8 @@ int chart_height(const Scene& scene);
 
 constexpr int panel_gap = 4;  ///< pixels between panels
 
+/// The file with the ranges of colours that its panels' runs were given, so that it makes the same pictures again. @param runs of
+/// panel_scenes()
+SceneFile with_ranges(SceneFile file, const std::vector<SceneFile>& runs);
+
 }  // namespace whorl

@@ -10,6 +10,7 @@
 #include "engine/core/whole_file.h"
 #include "engine/io/csv.h"
 #include "engine/io/files.h"
+#include "engine/io/frame_file.h"
 #include "engine/scene/frame_times.h"
 #include "render/image/arrange.h"
 #include "render/video/encoder.h"
@@ -41,8 +42,10 @@ class PanelFilm {
 public:
     PanelFilm(const RunRequest& request, PanelRuns how)
         : request_(request), scene_(request.file.scene), scenes_(panel_scenes(request.file, ranges())), cells_(panel_cells(request.file)),
-          folder_(how == PanelRuns::fresh ? RunFolder::fresh(request.folder) : RunFolder::existing(request.folder)) {
-        if (how == PanelRuns::fresh) write_text(folder_.path() / "scene.resolved.toml", resolved_toml(request.file));
+          folder_(how == PanelRuns::fresh ? RunFolder::fresh(request.folder, request.earlier) : RunFolder::existing(request.folder)) {
+        if (how == PanelRuns::resumed) check_longer_differences();
+        write_text(folder_.path() / "scene.resolved.toml", resolved_toml(with_ranges(request.file, scenes_)));
+        if (!folder_.note().empty() && !request.quiet && !request.json) std::fprintf(stderr, "%s\n", folder_.note().c_str());
     }
 
     int go() {
@@ -69,10 +72,28 @@ public:
 private:
     RangeOf ranges() const {
         if (!scene_.output.frames) return {};
-        const int frames = request_.frames.value_or(frame_count(scene_));
-        return [this, frames](const SceneFile& run, const Simulation& start) {
+        return [this, frames = frames_wanted()](const SceneFile& run, const Simulation& start) {
             return first_pass_range(run, start, frames, request_.quiet || request_.json);
         };
+    }
+
+    int frames_wanted() const { return request_.frames.value_or(frame_count(scene_)); }
+
+    /// Whether the panel stands there, all of it.
+    bool is_done(std::size_t k) const {
+        const Json run = state_of(panel_folder(folder_.path(), k));
+        return run.value("status", "") == "done" && run.value("frames", 0) >= frames_wanted();
+    }
+
+    /// The colours of a difference go by all frames of both runs. @throws InputError where a longer film would need frames that are gone
+    void check_longer_differences() const {
+        if (!has_differences() || !scene_.output.frames) return;
+        for (std::size_t k = 0; k < scenes_.size(); ++k) {
+            const fs::path panel = panel_folder(folder_.path(), k);
+            if (state_of(panel).value("status", "") == "done" && !is_done(k) && !fs::exists(frame_file(panel, 1)))
+                throw InputError({folder_.path().string(), 0, 0}, "the difference of panels is of frames that are not there any more",
+                                 "render the longer scene anew; a film with --export raw can be made longer");
+        }
     }
 
     /// What the run's panel is called.
@@ -100,7 +121,7 @@ private:
         panel.frames = request_.frames;
         panel.quiet = request_.quiet, panel.json = request_.json;
         const std::string status = state_of(panel.folder).value("status", "");
-        if (status == "done") return exit_done;
+        if (is_done(k)) return exit_done;
         if (status == "diverged") return exit_failed;
         if (!request_.quiet && !request_.json) std::fprintf(stderr, "panel %zu of %zu: %s\n", k + 1, scenes_.size(), name_of(k).c_str());
         std::vector<std::string> damaged;
@@ -179,11 +200,9 @@ private:
                               {"status", run.value("status", "waiting")},
                               {"frames", run.value("frames", 0)}});
         }
-        const Json report{{"whorl", WHORL_VERSION},   {"build", build_id()},
-                          {"scene", scene_.name},     {"status", status},
-                          {"message", message},       {"panels", panels},
-                          {"frames", least_frames()}, {"frames_planned", request_.frames.value_or(frame_count(scene_))},
-                          {"wall_seconds", wall},     {"cpu_seconds", cpu}};
+        const Json report{{"whorl", WHORL_VERSION}, {"build", build_id()}, {"scene", scene_.name},     {"status", status},
+                          {"message", message},     {"panels", panels},    {"frames", least_frames()}, {"frames_planned", frames_wanted()},
+                          {"wall_seconds", wall},   {"cpu_seconds", cpu}};
         write_text(folder_.path() / "run.json", report.dump(2) + "\n");
     }
 

@@ -4,6 +4,7 @@
 
 #include "engine/core/errors.h"
 #include "engine/scene/frame_times.h"
+#include "engine/scene/plan.h"
 #include "engine/scene/read.h"
 #include "engine/scene/scene_difference.h"
 #include "engine/scene/write.h"
@@ -29,6 +30,32 @@ void check_settings(const Checkpoint& checkpoint, const Scene& now, const std::f
     throw InputError(problems);
 }
 
+/// What the plan takes for this scene, where the simulation goes by it.
+NamedTexts decisions(const Plan& plan) {
+    NamedTexts all;
+    for (const Choice& c : plan.choices)
+        if (c.key != "viscosity matrix") all.emplace_back(c.key, c.value);
+    all.emplace_back("speed of sound", fmt::format("{}", plan.sound_speed));
+    all.emplace_back("artificial viscosity", fmt::format("{}", plan.artificial_viscosity));
+    all.emplace_back("largest viscosity", fmt::format("{}", plan.largest_viscosity));
+    return all;
+}
+
+/// A film that is made longer must be the film that the longer scene would have been. @throws InputError where the plan would be another
+void check_plan(const Scene& before, const Scene& now, const std::filesystem::path& scene_file) {
+    if (before.time.end == now.time.end) return;
+    std::vector<Problem> problems;
+    for (const Difference& d : differences(decisions(make_plan(before)), decisions(make_plan(now))))
+        problems.push_back({{scene_file.string(), 0, 0}, d.text(), "", ""});
+    if (problems.empty()) return;
+    problems.insert(problems.begin(), {{scene_file.string(), 0, 0},
+                                       fmt::format("until {:g} s this scene takes other models or constants than until {:g} s",
+                                                   now.time.end, before.time.end),
+                                       "set these keys in the scene and render it anew",
+                                       ""});
+    throw InputError(problems);
+}
+
 }  // namespace
 
 void resume_from_newest(RunRequest& request) {
@@ -47,10 +74,15 @@ void resume_from_newest(RunRequest& request) {
 
     const std::filesystem::path scene_file = request.folder / "scene.resolved.toml";
     check_settings(*checkpoint, request.file.scene, scene_file);
-    // A run that --frames had cut short keeps its end; one that was to reach time.end goes there, also where time.end has moved.
-    const int whole = frame_count(read_resolved(checkpoint->scene, scene_file.string()).scene);
-    const int last = checkpoint->frames < whole ? checkpoint->frames : frame_count(request.file.scene);
-    request.frames = request.frames.value_or(last);
+    const Scene before = read_resolved(checkpoint->scene, scene_file.string()).scene;
+    check_plan(before, request.file.scene, scene_file);
+    // A run that --frames had cut short keeps its end, unless time.end has moved.
+    const bool cut = checkpoint->frames < frame_count(before) && before.time.end == request.file.scene.time.end;
+    request.frames = request.frames.value_or(cut ? checkpoint->frames : frame_count(request.file.scene));
+    if (*request.frames < checkpoint->frame)
+        throw InputError({request.folder.string(), 0, 0},
+                         fmt::format("the run is at frame {}, {:g} s, already", checkpoint->frame, frame_time(before, checkpoint->frame)),
+                         "", "an end after that; render the scene anew for a shorter film");
     request.from = std::move(checkpoint);
 }
 

@@ -26,6 +26,7 @@
 #include "tools/film/tables.h"
 #include "tools/process/exit_codes.h"
 #include "tools/process/interrupt.h"
+#include "tools/scene_file/camera_warnings.h"
 #include "tools/scene_file/scene_changes.h"
 
 namespace whorl {
@@ -37,8 +38,8 @@ FilmOptions film_options(const RunRequest& request, const SceneFile& file, int f
     const Scene& scene = file.scene;
     FilmOptions options;
     options.folder = request.folder;
-    options.images = scene.output.frames;
-    if (scene.output.frames && scene.output.video) options.video = request.folder / (scene.name + ".mp4");
+    options.images = scene.output.frames && !request.no_draw;
+    if (options.images && scene.output.video) options.video = request.folder / (scene.name + ".mp4");
     options.name = scene.name;
     options.exports = scene.output.exports;
     options.width = scene.output.size[0];
@@ -114,7 +115,8 @@ private:
 Run::Run(const RunRequest& request, const Plan& plan)
     : request_(request), scene_(request.file.scene), last_(request.frames.value_or(frame_count(scene_))), simulation_(scene_, plan),
       file_(with_colour_range()), replay_(file_),
-      folder_(request.from ? RunFolder::existing(request.folder) : RunFolder::fresh(request.folder)), scene_text_(resolved_toml(file_)) {
+      folder_(request.from ? RunFolder::existing(request.folder) : RunFolder::fresh(request.folder, request.earlier)),
+      scene_text_(resolved_toml(file_)) {
     make_folders();
     if (request.from) resume();
     loop_.emplace(*this, simulation_, replay_.now(), last_, TheorySearch::wait);
@@ -132,6 +134,7 @@ void Run::greet(const Plan& plan) {
     for (const Choice& c : plan.choices) log_->info("{} = {}{}: {}", c.key, c.value, c.automatic ? " (auto)" : "", c.reason);
     for (const std::string& warning : plan.warnings) log_->warn("{}", warning);
     progress_.emplace(first_, last_, request_.quiet, request_.json);
+    if (!folder_.note().empty()) progress_->say(folder_.note());
     for (const std::string& warning : plan.warnings) progress_->say("warning: " + warning);
     if (const auto costs = find_calibration(request_.file, plan); costs && !request_.from && !request_.frames) {
         predicted_ = estimate(request_.file, plan, simulation_, *costs).film;
@@ -261,7 +264,7 @@ void Run::predict_late() try {
 }
 
 void Run::say_done(double wall) {
-    const bool video = scene_.output.frames && scene_.output.video;
+    const bool video = scene_.output.frames && scene_.output.video && !request_.no_draw;
     const std::string folder = folder_.path().string();
     const std::string expected = predicted_ > 0 ? fmt::format(" ({} expected)", duration(predicted_)) : "";
     progress_->say(fmt::format("{} frames, done in {}{}: {}", frames_written(), duration(wall), expected,
@@ -281,7 +284,7 @@ void Run::print_result(const std::string& status, const std::string& message, do
 }
 
 int Run::conclude(const std::string& status, const std::string& message) {
-    if (scene_.output.frames) write_contact_sheet(folder_.path(), frames_written());
+    if (film_options(request_, file_, 0).images) write_contact_sheet(folder_.path(), frames_written());
     write_report(status, message);
     const double wall = times_.wall();
     if (status == "done") predict_late();
@@ -327,8 +330,13 @@ int Run::run() try { return finish(simulate()); } catch (const std::exception& e
 
 }  // namespace
 
+void export_raw(Scene& scene) {
+    auto& exports = scene.output.exports;
+    if (std::find(exports.begin(), exports.end(), "raw") == exports.end()) exports.emplace_back("raw");
+}
+
 int run_scene(const RunRequest& request) {
-    const Plan plan = make_plan(request.file.scene);
+    const Plan plan = make_plan(request.file);
     return Run(request, plan).run();
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "engine/io/checkpoint.h"
+#include "tools/film/run_folder.h"
 #include "tools/scene_file/scene_file.h"
 
 namespace whorl {
@@ -12,9 +13,14 @@ struct RunRequest {
     SceneFile file;
     std::filesystem::path folder;
     std::optional<int> frames;  ///< end with this frame, whatever time.end says
+    bool no_draw = false;       ///< frames are exported (raw) and drawn later, by whorl draw
     bool quiet = false, json = false;
-    std::optional<Checkpoint> from;  ///< where to resume; nothing: a new run
+    RunFolder::Earlier earlier = RunFolder::Earlier::kept;  ///< a run that stands in the folder
+    std::optional<Checkpoint> from;                         ///< where to resume; nothing: a new run
 };
+
+/// Adds raw frames to what the scene exports.
+void export_raw(Scene& scene);
 
 /// Simulates, measures, draws, writes; the scene's panels are left out (panels.h runs them). Interrupted by SIGINT or SIGTERM it completes
 /// the frames that are on their way, saves the state of the newest one and says how to resume.

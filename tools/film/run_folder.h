@@ -1,30 +1,37 @@
 #pragma once
 /// The folder of a run: out/<scene>/ or --out.
 #include <filesystem>
+#include <string>
 
 namespace whorl {
 
 /// Holds the folder for one process at a time.
 class RunFolder {
 public:
-    /// A new run: makes the folder. One that stands already is taken only where it is empty or a run folder (it has a run.json of Whorl's):
-    /// then the files of the run before it go, others stay.
-    /// @throws InputError where it is something else, or another process is at work in it; EnvironmentError where it cannot be made
-    static RunFolder fresh(const std::filesystem::path& path);
-    /// A run to go on with. @throws InputError where there is none, or another process is at work in it
-    static RunFolder existing(const std::filesystem::path& path);
+    enum class Earlier { kept, replaced };
+    /// A new run: makes the folder. A run that stands there already is kept under the name NAME.1, or the first number that is free. Where
+    /// it is to be replaced its files go, and others stay.
+    /// @throws InputError where it holds something that is no run, or another process is at work in it; EnvironmentError where it cannot
+    /// be made
+    static RunFolder fresh(const std::filesystem::path& path, Earlier earlier = Earlier::kept);
+    enum class Hold { alone, shared };
+    /// A run to go on with. @throws InputError where there is none, or another process is at work in it (that does not share it, too)
+    static RunFolder existing(const std::filesystem::path& path, Hold hold = Hold::alone);
     ~RunFolder();
     RunFolder(RunFolder&& other) noexcept;
 
     const std::filesystem::path& path() const { return path_; }
+    /// What became of the run that stood there, as a sentence; "" where there was none.
+    const std::string& note() const { return note_; }
 
 private:
-    explicit RunFolder(std::filesystem::path path);
+    explicit RunFolder(std::filesystem::path path, Hold hold = Hold::alone);
     std::filesystem::path path_;
+    std::string note_;
     int lock_ = -1;
 };
 
-/// Whether the folder holds a run of Whorl's.
+/// Whether the folder holds a run of Whorl's, or what is left of one that was killed as it began.
 bool is_run_folder(const std::filesystem::path& path);
 
 }  // namespace whorl

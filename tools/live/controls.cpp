@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "engine/core/clock.h"
+#include "tools/scene_file/camera_warnings.h"
 
 namespace whorl {
 namespace {
@@ -146,7 +147,7 @@ bool Controls::try_restart(const Restart& how) {
             }
     if (!how.set.empty()) next->file = changed(next->file, how.set);
     for (const KeyChange& c : how.set) kept.insert_or_assign(c.path, c.value);
-    next->plan = make_plan(next->file.scene);
+    next->plan = make_plan(next->file);
     next->simulation = std::make_unique<Simulation>(next->file.scene, next->plan);
 
     lock.lock();

@@ -14,6 +14,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// As many as a page's curves have points.
+constexpr std::size_t kept_frames = 600;
+
 Json finite(double v) { return std::isfinite(v) ? Json(v) : Json(); }
 
 /// The newest row of a probe's table as {"frequency": 2.1, ...}; null where a value is not known.
@@ -32,10 +35,23 @@ void smooth(double& mean, double value) { mean = mean > 0 ? 0.8 * mean + 0.2 * v
 void Status::set(Json json) {
     const std::lock_guard lock(mutex_);
     json_ = std::move(json);
+    if (!history_.empty() && json_.at("frame") <= history_.back().at("frame")) {
+        if (json_.at("frame") == history_.back().at("frame")) return;  // told again between two frames
+        history_.clear();                                              // begun anew
+    }
+    Json row = Json::object();
+    for (const char* name : {"frame", "time", "ms", "frames_per_second", "iterations", "steps", "energy", "probes"})
+        row[name] = json_.at(name);
+    history_.push_back(std::move(row));
+    if (history_.size() > kept_frames) history_.pop_front();
 }
 Json Status::get() const {
     const std::lock_guard lock(mutex_);
     return json_;
+}
+Json Status::history() const {
+    const std::lock_guard lock(mutex_);
+    return Json(history_);
 }
 
 LiveLoop::LiveLoop(Controls& controls, Screen& screen, Journal& journal, Status& status, bool real_time)
@@ -165,6 +181,7 @@ Json LiveLoop::status_json(const Measures& m) const {
     const Scene& scene = simulation_->scene();
     Json ms = Json::object();
     for (const auto& [name, t] : frame_times_) ms[name] = 1e3 * t.wall;
+    for (const auto& [name, t] : screen_.times()) ms[name] = 1e3 * t.wall;
     const RunTotals& totals = simulation_->totals();
     const Governor& governor = loop_->governor();
     const Sacrifice s = governor.now();

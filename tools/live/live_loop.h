@@ -1,5 +1,6 @@
 #pragma once
 /// The simulation's side of a live run: steps to the next frame time, does what people ask for, shows the frame, tells how it goes.
+#include <deque>
 #include <functional>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -19,10 +20,13 @@ class Status {
 public:
     void set(nlohmann::ordered_json json);
     nlohmann::ordered_json get() const;
+    /// What a page plots of the newest frames of this run, oldest first.
+    nlohmann::ordered_json history() const;
 
 private:
     mutable std::mutex mutex_;
     nlohmann::ordered_json json_ = nlohmann::ordered_json::object();
+    std::deque<nlohmann::ordered_json> history_;
 };
 
 class LiveLoop : public FrameLoopHost {

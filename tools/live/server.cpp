@@ -87,6 +87,7 @@ struct LiveServer::Http {
     Viewers pictures, events;
     std::mutex recorder_mutex;  ///< starting and stopping
     std::thread thread;
+    std::map<std::string, std::string> methods;  ///< GET or POST, by path
 
     Http(ServerOptions o, Controls& c, Screen& s, Status& t) : options(std::move(o)), controls(c), screen(s), status(t) {}
 
@@ -121,6 +122,7 @@ struct LiveServer::Http {
 
     void get_state(const Request&, Response& response) { answer(response, 200, state()); }
     void get_keys(const Request&, Response& response) { answer(response, 200, keys()); }
+    void get_history(const Request&, Response& response) { answer(response, 200, status.history()); }
     void get_stream(const Request&, Response& response);
     void get_events(const Request&, Response& response);
     void get_picture(const Request&, Response& response);
@@ -166,7 +168,7 @@ Json LiveServer::Http::keys() const {
     Json models = Json::array(), scenes = Json::array();
     for (const Choice& c : plan.choices)
         models.push_back({{"key", c.key}, {"value", c.value}, {"automatic", c.automatic}, {"reason", c.reason}});
-    for (const auto& [name, path] : shipped_scenes()) scenes.push_back(name);
+    for (const std::string& name : film_names()) scenes.push_back(name);
     return {{"scene", controls.file().scene.name},
             {"quality", controls.options().quality},
             {"revision", controls.revision()},
@@ -330,6 +332,7 @@ void LiveServer::Http::add_routes() {
     serve_page();
     get("/state", &Http::get_state);
     get("/keys", &Http::get_keys);
+    get("/history", &Http::get_history);
     get("/stream", &Http::get_stream);
     get("/events", &Http::get_events);
     get("/frame.png", &Http::get_picture);
@@ -340,11 +343,13 @@ void LiveServer::Http::add_routes() {
 }
 
 void LiveServer::Http::get(const char* path, Handler handler) {
+    methods[path] = "GET";
     server.Get(path, [this, handler](const Request& request, Response& response) { (this->*handler)(request, response); });
 }
 
 /// The user's mistakes are answered with what is wrong and what is allowed.
 void LiveServer::Http::post(const char* path, JsonHandler handler) {
+    methods[path] = "POST";
     server.Post(path, [this, handler](const Request& request, Response& response) {
         omp_set_num_threads(1);  // of this thread: the cores are the simulation's
         const auto json = nlohmann::json::parse(request.body, nullptr, false);
@@ -373,13 +378,19 @@ void LiveServer::Http::check_every_request() {
 }
 
 void LiveServer::Http::answer_errors() {
-    server.set_error_handler([](const Request&, Response& response) {
+    server.set_error_handler([this](const Request& request, Response& response) {
         if (!response.body.empty()) return;
-        refuse(response, response.status,
-               response.status == 404   ? "there is nothing of that name; GET / /state /keys /stream /frame.png /events /scene.toml "
-                                          "/recording.toml, POST /set /control"
-               : response.status == 413 ? "the body is too long"
-                                        : "the request cannot be understood");
+        if (response.status != 404)
+            return refuse(response, response.status, response.status == 413 ? "the body is too long" : "the request cannot be understood");
+        if (const auto known = methods.find(request.path); known != methods.end()) {
+            response.set_header("Allow", known->second);
+            return refuse(response, 405,
+                          request.path + " takes " + known->second + (known->second == "POST" ? " with a JSON body" : "") +
+                              ", and this is " + request.method + "; see whorl live --help");
+        }
+        std::string all;
+        for (const auto& [path, method] : methods) all += (all.empty() ? "" : ", ") + method + " " + path;
+        refuse(response, 404, "there is nothing of that name; there are GET /, " + all);
     });
     server.set_exception_handler([](const Request&, Response& response, std::exception_ptr error) {
         try {

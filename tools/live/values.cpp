@@ -3,6 +3,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "engine/core/variables.h"
+
 namespace whorl {
 namespace {
 
@@ -85,7 +87,7 @@ Json described_keys(const SceneFile& file) {
                        {"most", bound(key.most)},
                        {"choices", key.choices},
                        {"auto", key.may_be_auto},
-                       {"variables", key.variables},
+                       {"variables", variable_names(key.variables)},
                        {"live", key.may_change},
                        {"value", json_of(k.value())}});
     }

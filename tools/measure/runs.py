@@ -187,7 +187,7 @@ class Measurement:
         """A run of a scene into out/measure/NAME. @param settings "key=value" @param options of whorl render"""
         folder = self.out / name
         log = folder.with_name(folder.name + ".log")
-        command = ["render", scene, *["--no-images"] * (not images), "--quiet", "--threads", threads, "--out", folder, *options,
+        command = ["render", scene, *["--no-images"] * (not images), "--quiet", "--threads", threads, "--out", folder, "--overwrite", *options,
                    *self.sets(settings)]
         if not self.kept(folder / "run.json", log, [self.program, *command]):
             self.whorl(*command, log=log)

@@ -21,11 +21,13 @@ void add_live(CLI::App& program, Job& chosen);
 void add_plan(CLI::App& program, Job& chosen);
 void add_resume(CLI::App& program, Job& chosen);
 void add_draw(CLI::App& program, Job& chosen);
+void add_farm(CLI::App& program, Job& chosen);
 void add_video(CLI::App& program, Job& chosen);
 void add_doctor(CLI::App& program, Job& chosen);
 void add_import(CLI::App& program, Job& chosen);
 void add_tradeoff(CLI::App& program, Job& chosen);
 void add_stability(CLI::App& program, Job& chosen);
+void add_manual(CLI::App& program, Job& chosen);
 void add_schema(CLI::App& program, Job& chosen);
 
 }  // namespace whorl

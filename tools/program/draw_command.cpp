@@ -31,7 +31,8 @@ void read_frames(const std::string& text, RedrawRequest& request) {
 
 int draw(const DrawOptions& options) {
     set_threads(options.shared.threads);
-    const RunFolder held = RunFolder::existing(options.folder);
+    // Ranges may be drawn at the same time.
+    const RunFolder held = RunFolder::existing(options.folder, options.frames.empty() ? RunFolder::Hold::alone : RunFolder::Hold::shared);
     Options own = options.shared;
     own.scene = (options.folder / "scene.resolved.toml").string();
     const SceneFile before = read_scene_file(own.scene);

@@ -111,6 +111,7 @@ const char* const endpoints =
     "  POST /control         {\"do\": \"pause\"}, play, step, undo, record, stop_recording, restart\n"
     "                        {\"do\": \"restart\", \"scene\": \"dam_break\", \"quality\": \"draft\", \"set\": {...}, \"forget\": true}: "
     "all but \"do\" optional\n"
+    "  GET  /history         time, frame, ms by stage, energies, iterations and probes of the newest 600 frames, oldest first\n"
     "  GET  /frame.png       the newest picture (X-Time, X-Frame)\n"
     "  GET  /stream          MJPEG; a slow viewer misses pictures, nobody waits for it\n"
     "  GET  /events          server-sent events: the state whenever it changes\n"

@@ -5,6 +5,8 @@
 #include "engine/core/errors.h"
 #include "engine/core/parallel.h"
 #include "engine/core/version.h"
+#include "engine/io/checkpoint.h"
+#include "render/gl/renderer.h"
 #include "tools/program/command.h"
 
 namespace {
@@ -27,6 +29,17 @@ std::string meant(const CLI::App& at, const std::string& word) {
         for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
     const std::string near = whorl::nearest_name(word.substr(0, word.find('=')), names);
     return near.empty() ? "" : "; did you mean \"" + near + "\"?";
+}
+
+std::string version_text() {
+    std::string gl = "none that works; whorl doctor tells why";
+    for (const whorl::DeviceAttempt& device : whorl::probe_devices())
+        if (device.works) {
+            gl = device.outcome;
+            break;
+        }
+    return fmt::format("whorl {}\nbuild      {}\nprecision  {}\nGL         {}", WHORL_VERSION, whorl::build_id(),
+                       sizeof(whorl::Real) == 4 ? "float" : "double", gl);
 }
 
 /// Bad input of any kind ends with 2.
@@ -52,7 +65,7 @@ int end_of_parsing(CLI::App& program, const CLI::ParseError& e, const std::vecto
 int main(int argc, char** argv) {
     whorl::wait_passively(argv);
     CLI::App program("Whorl: viscous coils and micropolar vortices, from a scene file to a video", "whorl");
-    program.set_version_flag("--version", std::string("whorl ") + WHORL_VERSION, "print the version");
+    program.set_version_flag("--version", version_text, "print version, build, precision and what draws");
     program.footer(examples);
     program.require_subcommand(1);
 
@@ -64,10 +77,12 @@ int main(int argc, char** argv) {
     whorl::add_draw(program, chosen);
     whorl::add_video(program, chosen);
     whorl::add_import(program, chosen);
+    whorl::add_farm(program, chosen);
     whorl::add_tradeoff(program, chosen);
     whorl::add_stability(program, chosen);
     whorl::add_schema(program, chosen);
     whorl::add_doctor(program, chosen);
+    whorl::add_manual(program, chosen);
     try {
         program.parse(argc, argv);
     } catch (const CLI::ParseError& e) { return end_of_parsing(program, e, {argv + 1, argv + argc}); }

@@ -7,6 +7,7 @@
 #include "tools/film/panel_scenes.h"
 #include "tools/program/command.h"
 #include "tools/program/preview.h"
+#include "tools/scene_file/camera_warnings.h"
 
 namespace whorl {
 namespace {
@@ -25,7 +26,7 @@ double film_seconds(const SceneFile& file, const Estimate& alone) {
 int plan(const Options& options) {
     set_threads(options.threads);
     const SceneFile file = read_scene_file(options);
-    const Plan plan = make_plan(file.scene);
+    const Plan plan = make_plan(file);
     const Simulation simulation(file.scene, plan);
     const Calibration calibration = calibrate(file, plan);
     const Estimate cost = estimate(file, plan, simulation, calibration);

@@ -8,6 +8,7 @@
 #include "tools/film/run.h"
 #include "tools/program/command.h"
 #include "tools/program/preview.h"
+#include "tools/scene_file/camera_warnings.h"
 #include "tools/scene_file/scene_file.h"
 
 namespace whorl {
@@ -15,7 +16,7 @@ namespace {
 
 /// What would be run, without running it.
 int dry_run(const RunRequest& request) {
-    const Plan plan = make_plan(request.file.scene);
+    const Plan plan = make_plan(request.file);
     const Simulation simulation(request.file.scene, plan);
     const PreviewRun run{request.frames.value_or(frame_count(request.file.scene)), request.folder};
     const Preview preview{.file = request.file, .plan = plan, .simulation = simulation, .run = run};
@@ -30,6 +31,9 @@ int render(const Options& options) {
     request.folder = options.out.empty() ? std::filesystem::path("out") / request.file.scene.name : options.out;
     request.frames = options.frames;
     if (request.frames) request.frames = std::min(*request.frames, frame_count(request.file.scene));
+    if (options.overwrite) request.earlier = RunFolder::Earlier::replaced;
+    request.no_draw = options.no_draw;
+    if (request.no_draw) export_raw(request.file.scene);
     request.quiet = options.quiet;
     request.json = options.json;
     if (options.dry_run) return dry_run(request);
@@ -42,11 +46,12 @@ void add_render(CLI::App& program, Job& chosen) {
     const auto options = std::make_shared<Options>();
     CLI::App* app = program.add_subcommand("render", "simulate a scene and film it: frames, video and diagnostics in a run folder");
     add_options(*app, *options,
-                {Option::scene, Option::set, Option::with, Option::out, Option::until, Option::frames, Option::size, Option::fps,
-                 Option::quality, Option::no_video, Option::no_images, Option::exports, Option::threads, Option::seed, Option::dry_run,
-                 Option::quiet, Option::json});
+                {Option::scene, Option::set, Option::with, Option::out, Option::overwrite, Option::until, Option::frames, Option::size,
+                 Option::fps, Option::quality, Option::no_video, Option::no_images, Option::no_draw, Option::exports, Option::threads,
+                 Option::seed, Option::dry_run, Option::quiet, Option::json});
     app->footer(
-        "A run folder that stands already is replaced; a folder that is none is refused. Ctrl-C saves the state.\n"
+        "A run that stands in the folder already is kept as FOLDER.1, .2, ...; a folder of other files is refused. Ctrl-C saves the "
+        "state.\n"
         "Examples:\n"
         "  whorl render honey_coil\n"
         "  whorl render honey_coil --quality draft --until 1 --size 640x360 --out runs/try\n"

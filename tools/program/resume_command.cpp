@@ -1,7 +1,9 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "engine/core/errors.h"
 #include "engine/core/parallel.h"
+#include "engine/scene/frame_times.h"
 #include "tools/film/panels.h"
 #include "tools/film/resume_run.h"
 #include "tools/film/run_folder.h"
@@ -15,13 +17,30 @@ struct ResumeOptions {
     std::filesystem::path folder;
 };
 
+/// When the run is to end now [s]; nothing where it keeps its end. @throws InputError
+std::optional<double> wanted_end(const Options& options, const Scene& scene) {
+    if (options.until && options.frames)
+        throw InputError({"--frames", 0, 0}, "--until and --frames both say when the run ends", "give one of them");
+    if (!options.frames) return options.until;
+    if (*options.frames < 2) throw InputError({"--frames", 0, 0}, "a run that goes on has a second frame", "", "allowed: at least 2");
+    return frame_time(scene, *options.frames);
+}
+
 int resume(const ResumeOptions& options) {
     set_threads(options.shared.threads);
-    if (!is_run_folder(options.folder)) RunFolder::existing(options.folder);  // throws, saying what is missing
+    RunFolder::existing(options.folder);  // throws where there is no run, or somebody is at work in it
     RunRequest request;
     request.file = read_scene_file(options.folder / "scene.resolved.toml");
+    if (const auto until = wanted_end(options.shared, request.file.scene)) {
+        Options with_end;
+        with_end.scene = (options.folder / "scene.resolved.toml").string();
+        with_end.until = until;
+        request.file = read_scene_file(with_end);
+        request.frames = frame_count(request.file.scene);
+    }
     request.folder = options.folder;
-    request.frames = options.shared.frames;
+    request.no_draw = options.shared.no_draw;
+    if (request.no_draw) export_raw(request.file.scene);
     request.quiet = options.shared.quiet;
     request.json = options.shared.json;
     if (!request.file.scene.panels.empty()) return run_panels(request, PanelRuns::resumed);
@@ -35,8 +54,14 @@ void add_resume(CLI::App& program, Job& chosen) {
     const auto options = std::make_shared<ResumeOptions>();
     CLI::App* app = program.add_subcommand("resume", "go on from a run's newest checkpoint, to the same result as if it had never stopped");
     app->add_option("folder", options->folder, "the run folder, as in out/honey_coil")->required()->type_name("RUN_FOLDER");
-    add_options(*app, options->shared, {Option::frames, Option::threads, Option::quiet, Option::json});
-    app->footer("Example:\n  whorl resume out/honey_coil");
+    add_options(*app, options->shared, {Option::until, Option::frames, Option::no_draw, Option::threads, Option::quiet, Option::json});
+    app->footer(
+        "With --until or --frames a run ends later (or earlier) than it was to, also one that is done. scene.resolved.toml says so then, "
+        "and\n"
+        "rendering that file makes the same film.\n"
+        "Examples:\n"
+        "  whorl resume out/honey_coil\n"
+        "  whorl resume out/honey_coil --until 8         a longer film");
     app->callback([options, &chosen] { chosen = [options] { return resume(*options); }; });
 }
 

@@ -9,6 +9,7 @@
 #include "engine/core/errors.h"
 #include "render/image/image.h"
 #include "render/video/encoder.h"
+#include "tools/film/contact_sheet.h"
 #include "tools/program/command.h"
 #include "tools/scene_file/scene_file.h"
 
@@ -47,6 +48,7 @@ int encode(const EncodeOptions& options) {
         encoder.add(image);
     }
     encoder.finish();
+    if (options.out.empty()) write_contact_sheet(options.folder, static_cast<int>(pictures.size()));
     fmt::print("{}\n", video.string());
     return exit_done;
 }

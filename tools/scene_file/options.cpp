@@ -23,6 +23,10 @@ void add_options(CLI::App& app, Options& o, std::initializer_list<Option> which)
                     ->allow_extra_args(false);
                 break;
             case Option::out: app.add_option("--out", o.out, "run folder (default: out/<scene name>)")->type_name("DIR"); break;
+            case Option::overwrite:
+                app.add_flag("--overwrite", o.overwrite,
+                             "replace a run that stands in the folder (default: it is kept as FOLDER.1, .2, ...)");
+                break;
             case Option::until: app.add_option("--until", o.until, "end of the run [s] (time.end)")->type_name("T"); break;
             case Option::frames:
                 app.add_option("--frames", o.frames, "stop after so many frames")->type_name("N")->check(CLI::PositiveNumber);
@@ -38,6 +42,9 @@ void add_options(CLI::App& app, Options& o, std::initializer_list<Option> which)
                 break;
             case Option::no_video: app.add_flag("--no-video", o.no_video, "pictures only"); break;
             case Option::no_images: app.add_flag("--no-images", o.no_images, "simulate and diagnose only"); break;
+            case Option::no_draw:
+                app.add_flag("--no-draw", o.no_draw, "simulate and export raw frames; whorl draw makes the pictures from them later");
+                break;
             case Option::exports:
                 app.add_option("--export", o.exports,
                                "write points, mesh, obj, vdb, scene, vtk for other programs, raw for whorl draw (a list with commas)")

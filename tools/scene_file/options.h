@@ -25,9 +25,11 @@ struct Options {
     std::optional<double> fps;                 ///< time.fps
     std::string quality = "standard";          ///< draft | standard | fine: the [quality.*] table that is laid over the scene
     bool no_video = false, no_images = false;  ///< output.video, output.frames
+    bool no_draw = false;                      ///< the pictures are drawn later, from raw frames (whorl draw)
     std::vector<std::string> exports;          ///< output.export
     int threads = 0;                           ///< 0: all cores
     std::optional<std::uint64_t> seed;         ///< seed
+    bool overwrite = false;                    ///< replace a run that stands in the folder
     bool dry_run = false, quiet = false, json = false;
 };
 
@@ -36,6 +38,7 @@ enum class Option {
     set,
     with,
     out,
+    overwrite,
     until,
     frames,
     size,
@@ -43,6 +46,7 @@ enum class Option {
     quality,
     no_video,
     no_images,
+    no_draw,
     exports,
     threads,
     seed,

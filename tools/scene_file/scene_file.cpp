@@ -187,7 +187,7 @@ fs::path find_file(const std::string& name, bool study) {
     if (fs::is_directory(name, ignored)) throw InputError({name, 0, 0}, fmt::format("is a folder, not a {} file", kind));
     const std::string near = nearest_name(bare ? stem : "", names);
     throw InputError({name, 0, 0}, fmt::format("no such {} file", kind), near.empty() ? "" : "did you mean \"" + near + "\"?",
-                     names.empty() ? "" : "allowed: a path, or one of " + joined(names));
+                     names.empty() ? "" : "allowed: a path, or one of " + joined(study ? names : film_names()));
 }
 
 }  // namespace
@@ -232,6 +232,13 @@ std::string resolved_toml(const SceneFile& file) {
 }
 
 std::vector<std::pair<std::string, fs::path>> shipped_scenes() { return shipped(false); }
+
+std::vector<std::string> film_names() {
+    std::vector<std::string> names;
+    for (const auto& [name, path] : shipped(false))
+        if (path.parent_path().filename() == "scenes") names.push_back(name);
+    return names;
+}
 
 fs::path find_scene(const std::string& name) { return find_file(name, false); }
 fs::path find_study(const std::string& name) { return find_file(name, true); }

@@ -34,6 +34,8 @@ std::string resolved_toml(const SceneFile& file);
 
 /// The scenes that ship, by name.
 std::vector<std::pair<std::string, std::filesystem::path>> shipped_scenes();
+/// Those of them that are made to be looked at: not the ones that studies run.
+std::vector<std::string> film_names();
 /// The file that `name` means: itself where it exists, else <name>.toml among the scenes that ship (installed share folder, or the source
 /// tree).
 /// @throws InputError with the nearest name

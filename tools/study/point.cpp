@@ -141,7 +141,7 @@ std::string PointRunner::identity_of(const Call& call, bool pictures) {
 }
 
 std::vector<std::string> PointRunner::arguments_of(const Call& call, bool pictures, const fs::path& folder) {
-    std::vector<std::string> arguments{call.program, "render",    call.scene,   "--out",     folder.string(),
+    std::vector<std::string> arguments{call.program, "render",    call.scene,   "--out",     folder.string(), "--overwrite",
                                        "--quiet",    "--threads", call.threads, "--quality", call.quality};
     arguments.emplace_back(pictures ? "--no-video" : "--no-images");
     for (const std::string& key : call.keys) arguments.emplace_back("--set"), arguments.push_back(key);

@@ -25,12 +25,13 @@ struct Case {
 
 const std::vector<Case> cases = {
     {"spacing = 0.01", "spacng = 0.01",
-     "bad.toml:3:1: fluid.spacing is missing; initial distance between particles [m]; allowed: more than 0\n"
+     "bad.toml:3:1: fluid.spacing is missing; initial distance between particles [m]; allowed: at least 1e-09\n"
      "bad.toml:4:1: unknown key \"spacng\" in [fluid]; did you mean \"spacing\"?; allowed: spacing, density, viscosity, surface_tension, "
      "ink_diffusion, force, kernel, support"},
     {"spacing = 0.01", "spacing = \"fine\"", "bad.toml:4:11: fluid.spacing must be a number [m], not the text \"fine\""},
-    {"spacing = 0.01", "spacing = -0.01", "bad.toml:4:11: fluid.spacing = -0.01 is out of range; allowed: more than 0"},
-    {"spacing = 0.01", "spacing = 0", "bad.toml:4:11: fluid.spacing = 0 is out of range; allowed: more than 0"},
+    {"spacing = 0.01", "spacing = -0.01", "bad.toml:4:11: fluid.spacing = -0.01 is out of range; allowed: at least 1e-09"},
+    {"spacing = 0.01", "spacing = 0", "bad.toml:4:11: fluid.spacing = 0 is out of range; allowed: at least 1e-09"},
+    {"spacing = 0.01", "spacing = 1e-320", "bad.toml:4:11: fluid.spacing = 1e-320 is out of range; allowed: at least 1e-09"},
     {"spacing = 0.01", "spacing = nan", "bad.toml:4:11: fluid.spacing = nan is not a finite number"},
     {"spacing = 0.01", "spacing = [0.01]", "bad.toml:4:11: fluid.spacing must be a number [m], not a list of 1"},
     {"spacing = 0.01", "spacing = 0.01\nsupport = 9", "bad.toml:5:11: fluid.support = 9 is out of range; allowed: at least 1.2, at most 6"},
@@ -64,9 +65,12 @@ const std::vector<Case> cases = {
     {"max = [0.1, 0.1, 0.1]", "max = [0.1, 0.1, 0.1]\nink = [2]",
      "bad.toml:9:8: block[0].ink[0] = 2 is out of range; allowed: at least 0, at most 1"},
     {"spacing = 0.01", "density = 900",
-     "bad.toml:3:1: fluid.spacing is missing; initial distance between particles [m]; allowed: more than 0"},
-    {"[fluid]\nspacing = 0.01", "", "bad.toml: fluid.spacing is missing; initial distance between particles [m]; allowed: more than 0"},
-    {"end = 1", "end = 1\nfps = 0", "bad.toml:3:7: time.fps = 0 is out of range; allowed: more than 0, at most 1000"},
+     "bad.toml:3:1: fluid.spacing is missing; initial distance between particles [m]; allowed: at least 1e-09"},
+    {"[fluid]\nspacing = 0.01", "", "bad.toml: fluid.spacing is missing; initial distance between particles [m]; allowed: at least 1e-09"},
+    {"end = 1", "end = 1\nfps = 0", "bad.toml:3:7: time.fps = 0 is out of range; allowed: more than 0"},
+    {"end = 1", "end = 1\nfps = 1e9",
+     "bad.toml:3:7: 1e+09 pictures until time.end = 1 s: one every 1e-09 s; take a smaller time.fps or time.slow_motion, or an earlier "
+     "time.end; allowed: at most a million pictures"},
     {"end = 1", "end = 1\nperiodic = true",
      "bad.toml:3:1: unknown key \"periodic\" in [time]; [domain] has a key of this name; allowed: end, fps, slow_motion, max_step, cfl, "
      "fixed_step, sleep"},
@@ -238,7 +242,7 @@ TEST_CASE("several mistakes are told in one go, in the order of their places, th
     const std::string text = "[time]\nend = \"x\"\n[fluid]\nspacing = 0\n[[block]]\nshape = 3\n";
     CHECK(messages_of(text, request) ==
           "bad.toml:2:7: time.end must be a number [s], not the text \"x\"\n"
-          "bad.toml:4:11: fluid.spacing = 0 is out of range; allowed: more than 0\n"
+          "bad.toml:4:11: fluid.spacing = 0 is out of range; allowed: at least 1e-09\n"
           "bad.toml:6:9: block[0].shape must be a text, not the number 3; allowed: box, sphere, cylinder or mesh\n"
           "--set seed: a change needs a value; allowed: key=value, as in fluid.viscosity=100\n"
           "--set block[7].min=[0,0,0]: there is no block[7]; block has the entries 0 to 0\n"

@@ -52,7 +52,7 @@ function say(text, bad) {
 function connect() {
   if (events) events.close();
   events = new EventSource(address('/events'));
-  events.onopen = () => { $('picture').src = address('/stream?' + Date.now()); };
+  events.onopen = () => { $('picture').src = address('/stream?' + Date.now()); loadHistory(); };
   events.onerror = () => { $('pill').textContent = 'no connection, trying again'; $('pill').className = 'pill bad'; };
   events.onmessage = message => show(JSON.parse(message.data));
 }
@@ -85,7 +85,7 @@ function show(now) {
   } else if (noticed === null) noticed = now.notice ? now.notice.number : 0;
   facts(now);
   for (const [path, knob] of knobs) if (path in now.values) knob.show(now.values[path], false);
-  if (now.frame !== plotted) plot(now), plotted = now.frame;
+  if (now.frame !== plotted) plot(now), Plots.draw(), plotted = now.frame;
 }
 // Which keys there are: another kind of camera or look has others.
 const structure = s => Object.keys(s.values).join();
@@ -121,7 +121,17 @@ function plot(s) {
   if (s.energy.spin) energy.spin = s.energy.spin;
   Plots.add(where, 'energy of motion [J]', s.time, energy);
   Plots.add(where, 'energy of height [J]', s.time, {potential: s.energy.potential});
-  Plots.draw();
+}
+// Who comes late sees the curves from their beginning.
+async function loadHistory() {
+  try {
+    const frames = await (await fetch(address('/history'))).json();
+    if (frames.length === 0) return;
+    Plots.clear();
+    frames.forEach(plot);
+    plotted = frames[frames.length - 1].frame;
+    Plots.draw();
+  } catch (error) { /* the next frame is plotted as it comes */ }
 }
 window.addEventListener('resize', () => Plots.draw());
 
@@ -192,7 +202,7 @@ function makeKnob(key) {
   name.textContent = key.path.slice(key.path.lastIndexOf('.') + 1).replace(/_/g, ' ');
   unit.textContent = key.unit;
   name.append(unit);
-  why.textContent = key.meaning + (key.variables ? ' (a number, or of ' + [...key.variables].join(', ') + ')' : '');
+  why.textContent = key.meaning + (key.variables ? ' (a number, or of ' + key.variables + ')' : '');
   const id = 'k_' + key.path.replace(/[^a-z0-9]+/gi, '_');
   name.htmlFor = id;
   row.append(name, fields, wrong, why);

@@ -98,5 +98,6 @@ const Plots = (() => {
     for (const plot of plots.values()) plot.canvas.parentElement.remove();
     plots.clear();
   }
-  return {add, draw, clear, short};
+  const points = title => plots.has(title) ? plots.get(title).times.length : 0;
+  return {add, draw, clear, short, points};
 })();

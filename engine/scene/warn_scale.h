@@ -1,0 +1,11 @@
+#pragma once
+/// Sizes that no scene of fluids has, as they come from a wrong unit: each is told with its key, what it means, and the likely slip.
+#include "engine/scene/numbers.h"
+#include "engine/scene/plan.h"
+
+namespace whorl {
+
+/// A warning for each opening, domain, speed, density, gravity or mesh that is out of proportion.
+std::vector<std::string> warnings_of_scale(const Scene& scene, const SceneShapes& shapes);
+
+}  // namespace whorl

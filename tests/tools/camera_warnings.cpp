@@ -1,0 +1,43 @@
+#include "tools/scene_file/camera_warnings.h"
+
+#include <catch2/catch.hpp>
+
+using namespace whorl;
+
+TEST_CASE("a camera that shows nothing of the scene is told, with its key", "[tools][scene]") {
+    bool orbits = false;
+    const auto warnings = [&](const std::vector<std::string>& set) {
+        Options options;
+        options.scene = "honey_coil";
+        options.set = set;
+        SceneFile file = read_scene_file(options);
+        if (orbits) file.camera.kind = "orbit", file.camera.target = Vec3f(0, 9, 0);
+        return camera_warnings(file);
+    };
+    const auto one = [&](const std::vector<std::string>& set) {
+        const auto all = warnings(set);
+        return all.empty() ? "none" : all[0];
+    };
+    const std::string fixed = "camera.kind=fixed", ahead = "camera.position=[0, 0.1, 0.4]";
+    CHECK(one({fixed, ahead, "camera.target=[0, 0.05, 0]"}) == "none");
+    CHECK(one({fixed, ahead, "camera.target=[0, 0.1, 0.4]"}) ==
+          "camera.position: the camera sits in its target, [0, 0.1, 0.4], and looks nowhere");
+    CHECK(one({fixed, ahead, "camera.target=[0, 0.1, 5]"}).find("camera.target: the camera at [0, 0.1, 0.4] looks past the whole domain") ==
+          0);
+    CHECK(one({fixed, "camera.position=[0, 100, 400]", "camera.target=[0, 0, 0]"})
+              .find("of the picture's height, the camera is 412 m away") != std::string::npos);
+    CHECK(one({fixed, "camera.position=[0, 1, 0]", "camera.target=[0, 0, 0]"}).find("camera.up: the camera looks along what is up") == 0);
+    orbits = true;
+    CHECK(one({}).find("looks past the whole domain at 0 s") != std::string::npos);
+}
+
+TEST_CASE("no shipped scene has a camera or a size that is told as a slip", "[tools][scene]") {
+    for (const auto& [name, path] : shipped_scenes())
+        for (const char* quality : {"draft", "standard", "fine"}) {
+            Options options;
+            options.scene = path.string();
+            options.quality = quality;
+            CAPTURE(name, quality);
+            CHECK(camera_warnings(read_scene_file(options)).empty());
+        }
+}

@@ -1,0 +1,128 @@
+#include "tools/farm/film_stages.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "engine/core/whole_file.h"
+#include "engine/scene/frame_times.h"
+#include "tools/cost/estimate.h"
+#include "tools/film/first_pass.h"
+#include "tools/film/panel_scenes.h"
+#include "tools/film/run_folder.h"
+#include "tools/scene_file/camera_warnings.h"
+
+namespace whorl {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A task may take three times as long as foreseen and half as much memory again, and what it takes to begin.
+constexpr double slack = 3, to_begin = 600, memory_slack = 1.5, memory_to_begin = 400e6;
+
+std::string program() { return fs::read_symlink("/proc/self/exe").string(); }
+
+Estimate foreseen(const SceneFile& file) {
+    const Plan plan = make_plan(file);
+    return estimate(file, plan, Simulation(file.scene, plan), calibrate(file, plan));
+}
+
+void allow(FarmStage& stage, double seconds, double bytes) {
+    stage.seconds = std::max(stage.seconds, slack * seconds + to_begin);
+    stage.bytes = std::max(stage.bytes, memory_slack * bytes + memory_to_begin);
+}
+
+/// @param scene a file that holds the whole of it
+FarmTask run_task(const std::string& name, const fs::path& scene, const fs::path& folder, int threads,
+                  const std::vector<std::string>& more) {
+    const std::vector<std::string> common{"--quiet", "--threads", std::to_string(threads)};
+    FarmTask task{name,
+                  {program(), "render", scene.string(), "--out", folder.string(), "--overwrite"},
+                  folder / "run.json",
+                  {program(), "resume", folder.string()}};
+    for (std::vector<std::string>* words : {&task.command, &task.go_on}) {
+        words->insert(words->end(), common.begin(), common.end());
+        words->insert(words->end(), more.begin(), more.end());
+    }
+    return task;
+}
+
+std::vector<FarmStage> stages_of_panels(const FarmFilm& film, const fs::path& folder) {
+    const int frames = frame_count(film.file.scene);
+    const RangeOf range = [&](const SceneFile& run, const Simulation& start) { return first_pass_range(run, start, frames, true); };
+    const std::vector<SceneFile> runs = panel_scenes(film.file, film.file.scene.output.frames ? range : RangeOf{});
+    write_text(folder / "scene.resolved.toml", resolved_toml(with_ranges(film.file, runs)));
+    FarmStage panels{"panels", {}};
+    fs::create_directories(folder / "panels");
+    const bool differences = std::any_of(film.file.scene.panels.begin(), film.file.scene.panels.end(),
+                                         [](const PanelKeys& panel) { return !panel.difference.empty(); });
+    for (std::size_t k = 0; k < runs.size(); ++k) {
+        SceneFile run = runs[k];
+        auto& exports = run.scene.output.exports;
+        if (differences && std::find(exports.begin(), exports.end(), "raw") == exports.end()) exports.emplace_back("raw");
+        const fs::path file = folder / "farm" / fmt::format("panel{}.toml", k + 1);
+        write_text(file, resolved_toml(run));
+        panels.tasks.push_back(run_task(fmt::format("panel {} of {}", k + 1, run.scene.name), file,
+                                        folder / "panels" / std::to_string(k + 1), film.threads, {}));
+        const Estimate e = foreseen(run);
+        allow(panels, e.film, e.memory);
+    }
+    FarmStage gather{"gather", {{film.file.scene.name, {program(), "resume", folder.string(), "--quiet"}, {}, {}}}};
+    allow(gather, 0.1 * frames, 200e6);
+    return {panels, gather};
+}
+
+std::vector<FarmStage> stages_of_film(const FarmFilm& film, const fs::path& folder) {
+    const SceneFile& file = film.file;
+    const fs::path scene = folder / "farm" / "scene.toml";
+    write_text(scene, resolved_toml(file));
+    const std::string name = file.scene.name;
+    const Estimate e = foreseen(file);
+    if (!file.scene.output.frames) {
+        FarmStage simulate{"simulate", {run_task(name, scene, folder, film.threads, {})}};
+        allow(simulate, e.film, e.memory);
+        return {simulate};
+    }
+    FarmStage simulate{"simulate", {run_task(name, scene, folder, film.threads, {"--no-draw"})}}, draw{"draw", {}}, encode{"encode", {}};
+    allow(simulate, e.film, e.memory);
+    const int frames = frame_count(file.scene), most = film.pieces > 0 ? film.pieces : std::max(1, std::min(8, frames / 10));
+    const int pieces = std::min(most, frames);
+    for (int k = 0; k < pieces; ++k) {
+        const std::string range = fmt::format("{}-{}", 1 + k * frames / pieces, (k + 1) * frames / pieces);
+        draw.tasks.push_back(
+            {fmt::format("frames {} of {}", range, name),
+             {program(), "draw", folder.string(), "--frames", range, "--no-video", "--quiet", "--threads", std::to_string(film.threads)},
+             {},
+             {}});
+    }
+    allow(draw, (e.surface + e.draw + e.write) * (frames / pieces + 1), e.memory);
+    encode.tasks.push_back({name, {program(), "video", folder.string()}, {}, {}});
+    allow(encode, 0.1 * frames, 200e6);
+    if (!file.scene.output.video) return {simulate, draw};
+    return {simulate, draw, encode};
+}
+
+}  // namespace
+
+std::vector<FarmStage> stages_of(const FarmFilm& film, std::string& note) {
+    make_plan(film.file);  // an impossible scene ends here, before anything is written
+    const RunFolder folder = RunFolder::fresh(fs::absolute(film.folder));
+    note = folder.note();
+    fs::create_directories(folder.path() / "farm");
+    write_text(folder.path() / "scene.resolved.toml", resolved_toml(film.file));
+    return film.file.scene.panels.empty() ? stages_of_film(film, folder.path()) : stages_of_panels(film, folder.path());
+}
+
+std::vector<FarmStage> together(const std::vector<std::vector<FarmStage>>& films) {
+    std::vector<FarmStage> all;
+    for (const std::vector<FarmStage>& film : films)
+        for (const FarmStage& stage : film) {
+            auto found = std::find_if(all.begin(), all.end(), [&](const FarmStage& s) { return s.name == stage.name; });
+            if (found == all.end()) all.push_back({stage.name, {}}), found = all.end() - 1;
+            found->tasks.insert(found->tasks.end(), stage.tasks.begin(), stage.tasks.end());
+            found->seconds = std::max(found->seconds, stage.seconds), found->bytes = std::max(found->bytes, stage.bytes);
+        }
+    return all;
+}
+
+}  // namespace whorl

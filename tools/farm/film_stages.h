@@ -1,0 +1,23 @@
+#pragma once
+/// A film as stages: independent runs, or one simulation whose frames are drawn in pieces.
+#include "tools/farm/stages.h"
+#include "tools/scene_file/scene_file.h"
+
+namespace whorl {
+
+struct FarmFilm {
+    SceneFile file;
+    std::filesystem::path folder;  ///< of the run
+    int pieces = 0;                ///< of a film that is drawn in pieces; 0: eight, and none shorter than ten frames
+    int threads = 1;               ///< of each task
+};
+
+/// A film of panels: `panels` (a run each) and `gather`. Any other: `simulate`, `draw` (a range of frames each) and `encode`; without
+/// pictures `simulate` alone. Makes the run's folder, with what the tasks read; a run that stands there is kept under another name.
+/// @param note what became of it @throws InputError where the scene is impossible
+std::vector<FarmStage> stages_of(const FarmFilm& film, std::string& note);
+
+/// Those of several films, run together: first with first, second with second.
+std::vector<FarmStage> together(const std::vector<std::vector<FarmStage>>& films);
+
+}  // namespace whorl
