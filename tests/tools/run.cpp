@@ -330,7 +330,7 @@ TEST_CASE("resume refuses other settings and names them, and takes settings that
     CHECK(refused.err.find("fluid.spacing: 0.0025, now 0.0026") != std::string::npos);
 }
 
-TEST_CASE("a folder that is not a run's is left alone; a run's is kept under another name, or replaced where that is asked for",
+TEST_CASE("a folder that is not a run's is left alone, a run's is kept under another name, or replaced where that is asked for",
           "[tools][render]") {
     const Scratch scratch;
     std::vector<std::string> arguments{"render", scratch.scene(), "--no-images", "--until", "0.03", "--out", scratch.run() + "/"};
