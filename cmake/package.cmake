@@ -1,10 +1,9 @@
 # A Debian package: cmake --build build/portable --target package. Manual page and completion are what the program prints of itself.
 add_custom_command(OUTPUT whorl.1.gz whorl.bash
-                   COMMAND whorl manual >whorl.1
-                   COMMAND gzip -9nf whorl.1
-                   COMMAND whorl manual --bash >whorl.bash
+                   COMMAND sh -c "$<TARGET_FILE:whorl> manual | gzip -9nc > whorl.1.gz"
+                   COMMAND sh -c "$<TARGET_FILE:whorl> manual --bash > whorl.bash"
                    DEPENDS whorl VERBATIM)
-add_custom_command(OUTPUT changelog.gz COMMAND gzip -9nc ${PROJECT_SOURCE_DIR}/CHANGELOG.md >changelog.gz DEPENDS CHANGELOG.md VERBATIM)
+add_custom_command(OUTPUT changelog.gz COMMAND sh -c "gzip -9nc ${PROJECT_SOURCE_DIR}/CHANGELOG.md > changelog.gz" DEPENDS CHANGELOG.md VERBATIM)
 add_custom_target(manual ALL DEPENDS whorl.1.gz whorl.bash changelog.gz)
 
 set(doc ${CMAKE_INSTALL_DATADIR}/doc/whorl)
