@@ -395,7 +395,7 @@ KeyTable output_keys() {
     t.key("chart", &OutputKeys::chart, "", "PROBE.COLUMN: its curve in every panel, over time, under a film of panels");
     t.key("checkpoint_every", &OutputKeys::checkpoint_every, "s", "of wall time").above(0);
     t.key("export", &OutputKeys::exports, "", "files for other programs; raw: what whorl draw makes pictures from again")
-        .one_of({"points", "mesh", "obj", "vdb", "scene", "vtk", "raw"});
+        .one_of(export_kinds());
     return t;
 }
 
@@ -439,6 +439,11 @@ KeyTable root_keys() {
 }
 
 }  // namespace
+
+const std::vector<std::string>& export_kinds() {
+    static const std::vector<std::string> kinds{"points", "mesh", "obj", "vdb", "scene", "vtk", "raw"};
+    return kinds;
+}
 
 const KeyTable& scene_keys() {
     static const KeyTable table = root_keys();

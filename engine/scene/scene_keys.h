@@ -5,5 +5,7 @@
 namespace whorl {
 
 const KeyTable& scene_keys();
+/// What output.export may ask for; each is the name of a folder in the run folder, too.
+const std::vector<std::string>& export_kinds();
 
 }  // namespace whorl

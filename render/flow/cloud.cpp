@@ -70,15 +70,22 @@ std::vector<float> depth_towards(const FlowGrid& grid, const std::vector<float>&
     return depth;
 }
 
+std::vector<float> cloud_density(const FlowGrid& grid) {
+    std::vector<float> density(grid.value.size());
+    parallel_for(static_cast<Index>(density.size()), [&](Index m) {
+        const float strength = grid.value[m][3];
+        density[m] = grid.cover[m] * strength * strength;
+    });
+    return density;
+}
+
 Cloud lit_cloud(const FlowGrid& grid, float thickness, const CloudLight& light) {
     Cloud cloud;
     const auto nodes = static_cast<Index>(grid.value.size());
     if (nodes == 0) return cloud;
-    std::vector<float> density(nodes);
-    parallel_for(nodes, [&](Index m) {
-        const float strength = grid.value[m][3], dense = grid.cover[m] * strength * strength;
-        density[m] = dense < least_density ? 0 : dense;
-    });
+    std::vector<float> density = cloud_density(grid);
+    for (float& dense : density)
+        if (dense < least_density) dense = 0;
     find_blocks(grid, density, cloud);
     const std::vector<float> to_lamp = depth_towards(grid, density, thickness, light.towards);
     // The sky: the lamp's direction and the three that make a regular tetrahedron with it.

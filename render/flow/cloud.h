@@ -23,7 +23,10 @@ struct Cloud {
     std::vector<float> most;             ///< largest density in a block and a node around it; 0: empty
 };
 
-/// @param grid with colour times strength, and strength, as its values; the density is the strength's square
+/// The square of the strength, as far as there is fluid. @param grid with the strength as the fourth of its values
+std::vector<float> cloud_density(const FlowGrid& grid);
+
+/// @param grid with colour times strength, and strength, as its values; the density is cloud_density()
 /// @param thickness optical depth of a metre of density 1
 Cloud lit_cloud(const FlowGrid& grid, float thickness, const CloudLight& light);
 

@@ -81,7 +81,7 @@ struct Sums {
             const float w = q * q;
             const std::size_t node = grid.index(on, j, k);
             grid.cover[node] += w;
-            grid.along[node] += w * along[p];
+            if (!along.empty()) grid.along[node] += w * along[p];
             if (!value.empty()) grid.value[node] += w * value[p];
         }
     }
@@ -110,7 +110,7 @@ FlowGrid flow_grid(const Frame& frame, const std::vector<Vec3f>& along, const st
     const float h = std::max(reach_in_spacings * frame.spacing, 1.2f * grid.cell.maxCoeff());
     const float lattice = full * std::pow(h / (reach_in_spacings * frame.spacing), static_cast<float>(frame.dimensions));
     const std::size_t nodes = grid_count(grid.n[0], grid.n[1], grid.n[2]);
-    grid.along.assign(nodes, Vec3f::Zero());
+    if (!along.empty()) grid.along.assign(nodes, Vec3f::Zero());
     if (!value.empty()) grid.value.assign(nodes, Eigen::Vector4f::Zero());
     grid.cover.assign(nodes, 0);
     Sums sums{frame, along, value, grid, h, {}};
@@ -135,7 +135,7 @@ FlowGrid flow_grid(const Frame& frame, const std::vector<Vec3f>& along, const st
         for (std::size_t m = k * row; m < (k + 1) * row; ++m) {
             const float weight = grid.cover[m];
             if (weight <= 0) continue;
-            grid.along[m] /= weight;
+            if (!along.empty()) grid.along[m] /= weight;
             if (!value.empty()) grid.value[m] /= weight;
             grid.cover[m] = std::min(1.0f, weight / lattice);
         }
@@ -180,7 +180,7 @@ FlowGrid::Sample FlowGrid::at(const Vec3f& x) const {
         sample.cover += w * cover[m];
         if (cover[m] <= 0) continue;  // has nothing to tell
         weights += w;
-        sample.along += w * along[m];
+        if (!along.empty()) sample.along += w * along[m];
         if (!value.empty()) sample.value += w * value[m];
     }
     if (weights > 0) sample.along /= weights, sample.value /= weights;

@@ -16,12 +16,12 @@ struct FlowGrid {
     Vec3f cell = Vec3f::Ones();    ///< m
     std::array<int, 3> n{0, 0, 0};
     std::array<bool, 3> periodic{false, false, false};
-    std::vector<Vec3f> along;            ///< what lines follow: velocity [m/s] or vorticity [1/s]; 0 where there is no fluid
+    std::vector<Vec3f> along;  ///< what lines follow: velocity [m/s] or vorticity [1/s]; 0 where there is no fluid; may be left out
     std::vector<Eigen::Vector4f> value;  ///< of what is shown
     std::vector<float> cover;            ///< 0 no fluid near .. 1 full of it
 
     std::size_t index(int i, int j, int k) const { return grid_index(i, j, k, n[0], n[1]); }
-    bool empty() const { return along.empty(); }
+    bool empty() const { return cover.empty(); }
     Vec3f extent() const { return cell.cwiseProduct(Vec3f(static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2]))); }
 
     struct Sample {
@@ -42,7 +42,7 @@ struct FlowGrid {
 
 /// Means over the particles within 1.5 spacings of each node, weighted (1 - r^2/h^2)^2. Nodes are about `cell_in_spacings` spacings apart,
 /// or further where the grid would have more than `most_nodes`. The same bits for any number of threads.
-/// @param along of each particle: its velocity or vorticity
+/// @param along of each particle: its velocity or vorticity; none: the grid has none either
 /// @param value of each particle, up to four numbers; none: the grid has none either
 FlowGrid flow_grid(const Frame& frame, const std::vector<Vec3f>& along, const std::vector<Eigen::Vector4f>& value,
                    std::size_t most_nodes = 8'000'000, float cell_in_spacings = 1);

@@ -184,9 +184,7 @@ std::vector<std::size_t> seeds_of(const Frame& frame, int count) {
 VortexLines vortex_lines(const Frame& frame, const FlowGrid& grid, const LineShape& shape) {
     VortexLines all;
     if (grid.empty()) return all;
-    std::vector<float> density(grid.value.size());
-    for (std::size_t m = 0; m < density.size(); ++m) density[m] = grid.cover[m] * grid.value[m][3] * grid.value[m][3];
-    const LineField field{grid, depth_towards(grid, density, shape.thickness, shape.lamp), frame.spacing};
+    const LineField field{grid, depth_towards(grid, cloud_density(grid), shape.thickness, shape.lamp), frame.spacing};
     const std::vector<std::size_t> seeds = seeds_of(frame, shape.seeds);
     std::vector<std::vector<LinePoint>> lines(seeds.size());
     parallel_for(static_cast<Index>(seeds.size()), [&](Index s) {

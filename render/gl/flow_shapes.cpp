@@ -60,7 +60,7 @@ void FlowShapes::fill(SceneGeometry& scene, const Frame& frame, const LookOption
     }
     const std::vector<Eigen::Vector4f> glow = glow_of(colours);
     if (draws_lines(look)) return scene.fill(frame, lines_of(frame, look, view, glow));
-    const FlowGrid grid = flow_grid(frame, frame.velocity, glow, 3'000'000, 0.5f);
+    const FlowGrid grid = flow_grid(frame, {}, glow, 3'000'000, 0.5f);
     scene.fill(frame, grid);
     cloud_box_ = scene.fluid_bounds();
     fill_cloud(grid, look, view);

@@ -20,7 +20,7 @@ void InkField::fill(const Frame& frame, const LookOptions& look, float size, boo
     if (!any_) return;
     std::vector<Eigen::Vector4f> value;
     for (const Vec3f& c : ink->second) value.emplace_back(c.x(), c.y(), c.z(), 1.0f);
-    const FlowGrid grid = flow_grid(frame, frame.velocity, value, 2'000'000);
+    const FlowGrid grid = flow_grid(frame, {}, value, 2'000'000);
     any_ = !grid.empty();
     if (!any_) return;
     gl::fill_3d(texture_, grid.n[0], grid.n[1], grid.n[2], grid.value[0].data(), 4);

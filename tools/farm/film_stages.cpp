@@ -54,12 +54,8 @@ std::vector<FarmStage> stages_of_panels(const FarmFilm& film, const fs::path& fo
     write_text(folder / "scene.resolved.toml", resolved_toml(with_ranges(film.file, runs)));
     FarmStage panels{"panels", {}};
     fs::create_directories(folder / "panels");
-    const bool differences = std::any_of(film.file.scene.panels.begin(), film.file.scene.panels.end(),
-                                         [](const PanelKeys& panel) { return !panel.difference.empty(); });
     for (std::size_t k = 0; k < runs.size(); ++k) {
-        SceneFile run = runs[k];
-        auto& exports = run.scene.output.exports;
-        if (differences && std::find(exports.begin(), exports.end(), "raw") == exports.end()) exports.emplace_back("raw");
+        const SceneFile& run = runs[k];
         const fs::path file = folder / "farm" / fmt::format("panel{}.toml", k + 1);
         write_text(file, resolved_toml(run));
         panels.tasks.push_back(run_task(fmt::format("panel {} of {}", k + 1, run.scene.name), file,

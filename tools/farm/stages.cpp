@@ -195,7 +195,7 @@ bool run_on_slurm(const std::vector<FarmStage>& stages, const fs::path& folder, 
     for (int polls = 0, gone = 0; !all_ended() && gone < 3; ++polls) {
         progress.show();
         if (interrupt.interrupted()) {
-            fmt::print(stderr, "\nwhorl: the jobs {0} go on; scancel {1} ends them\n", jobs, fmt::format("{}", jobs));
+            fmt::print(stderr, "\nwhorl: the jobs {0} go on; scancel {0} ends them\n", jobs);
             return false;
         }
         // Files may come later than the end of their job; Slurm is asked seldom.

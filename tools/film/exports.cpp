@@ -3,33 +3,26 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "engine/io/columns.h"
 #include "engine/io/frame_file.h"
 #include "engine/scene/model_facts.h"
 #include "render/export/obj.h"
 #include "render/export/ply.h"
+#include "render/flow/cloud.h"
 #include "render/look/field_values.h"
 #include "render/surface/vdb.h"
 
 namespace whorl {
 namespace {
 
-float reach_of(const Frame& frame, const PictureOptions& how) { return static_cast<float>(how.surface.radius) * frame.spacing; }
-
-VertexFields fields_on(const Frame& frame, const Surface& surface, const PictureOptions& how) {
-    return carried_at(surface.mesh.position, frame, reach_of(frame, how));
-}
-
-/// What a volume's picture is made of: the square of the field's strength, as far as there is fluid (lit_cloud()).
-std::vector<float> cloud_density(const Frame& frame, const LookOptions& look, FlowGrid& grid) {
+/// The strength of what a volume shows, on the nodes, and the flow.
+FlowGrid volume_grid(const Frame& frame, const LookOptions& look) {
     const FieldColours field = field_colours(frame, look, field_range(field_values(frame, look), look));
     std::vector<Eigen::Vector4f> strength(field.strength.size(), Eigen::Vector4f::Zero());
     for (std::size_t p = 0; p < strength.size(); ++p) strength[p][3] = field.strength[p];
-    grid = flow_grid(frame, frame.velocity, strength);
-    std::vector<float> density(grid.cover.size());
-    for (std::size_t node = 0; node < density.size(); ++node) density[node] = grid.cover[node] * grid.value[node][3] * grid.value[node][3];
-    return density;
+    return flow_grid(frame, frame.velocity, strength);
 }
 
 }  // namespace
@@ -60,18 +53,20 @@ void Exports::write(const Frame& frame, const Surface& surface, const PictureOpt
     const auto made = [&](const char* kind, const auto& make) {
         if (wants(kind)) timed(kind, make);
     };
+    std::optional<VertexFields> fields;
+    const auto carried = [&]() -> const VertexFields& {
+        if (!fields) fields = carried_at(surface.mesh.position, frame, static_cast<float>(how.surface.radius) * frame.spacing);
+        return *fields;
+    };
     made("points", [&] { write_ply(file("points", frame.number, "ply"), note_of(frame), particle_attributes(frame)); });
-    made("mesh", [&] { write_mesh(frame, surface, how); });
+    made("mesh", [&] {
+        write_ply(file("mesh", frame.number, "ply"), note_of(frame), vertex_attributes(surface.mesh, carried()), &surface.mesh.triangle);
+    });
     made("obj", [&] { write_obj_mesh(file("obj", frame.number, "obj"), surface.mesh); });
     made("vdb", [&] { write_grids(frame, surface, how); });
-    made("vtk", [&] { write_vtk(frame, surface, how); });
+    made("vtk", [&] { write_vtk(frame, surface, carried); });
     made("raw", [&] { write_frame(frame_file(options_.folder, frame.number), frame); });
     made("scene", [&] { add_to_scene(frame, how, whole_film); });
-}
-
-void Exports::write_mesh(const Frame& frame, const Surface& surface, const PictureOptions& how) const {
-    const VertexFields fields = fields_on(frame, surface, how);
-    write_ply(file("mesh", frame.number, "ply"), note_of(frame), vertex_attributes(surface.mesh, fields), &surface.mesh.triangle);
 }
 
 void Exports::add_to_scene(const Frame& frame, const PictureOptions& how, bool whole_film) {
@@ -81,16 +76,15 @@ void Exports::add_to_scene(const Frame& frame, const PictureOptions& how, bool w
 }
 
 void Exports::write_grids(const Frame& frame, const Surface& surface, const PictureOptions& how) const {
-    FlowGrid grid;
-    std::vector<float> density;
-    if (how.look.style == "volume") density = cloud_density(frame, how.look, grid);
-    else grid = flow_grid(frame, frame.velocity, {});
+    const bool cloud = how.look.style == "volume";
+    const FlowGrid grid = cloud ? volume_grid(frame, how.look) : flow_grid(frame, frame.velocity, {});
+    const std::vector<float> density = cloud ? cloud_density(grid) : std::vector<float>();
     const GridFields fields{grid.origin, grid.cell, grid.n, grid.cover, grid.along, density};
     write_vdb(file("vdb", frame.number, "vdb"), {frame.number, frame.time, static_cast<float>(how.surface.voxel) * frame.spacing}, surface,
               fields);
 }
 
-void Exports::write_vtk(const Frame& frame, const Surface& surface, const PictureOptions& how) {
+void Exports::write_vtk(const Frame& frame, const Surface& surface, const std::function<const VertexFields&()>& carried) {
     const auto made = [&](const char* part, const char* suffix) {
         const std::filesystem::path path = vtk_file(part, frame.number, suffix);
         timed_.push_back({frame.time, part, path.filename().string()});
@@ -98,10 +92,8 @@ void Exports::write_vtk(const Frame& frame, const Surface& surface, const Pictur
     };
     const Attributes particles = particle_attributes(frame);
     write_vtp(made("points", "vtp"), frame.time, particles);
-    if (frame.dimensions == 3) {
-        const VertexFields fields = fields_on(frame, surface, how);
-        write_vtp(made("mesh", "vtp"), frame.time, vertex_attributes(surface.mesh, fields), &surface.mesh.triangle);
-    }
+    if (frame.dimensions == 3)
+        write_vtp(made("mesh", "vtp"), frame.time, vertex_attributes(surface.mesh, carried()), &surface.mesh.triangle);
     write_vti(made("flow", "vti"), frame, particles);
     write_pvd(options_.folder / "vtk" / (options_.name + ".pvd"), timed_);
 }
@@ -110,9 +102,8 @@ void Exports::finish() const {
     if (wants("scene")) scene_.write(scene_file());
 }
 
-const std::vector<std::string>& export_kinds() {
-    static const std::vector<std::string> kinds{"points", "mesh", "obj", "vdb", "scene", "vtk", "raw"};
-    return kinds;
+void export_raw(Scene& scene) {
+    if (!scene.exported("raw")) scene.output.exports.emplace_back("raw");
 }
 
 std::vector<std::string> exported_fields(const Scene& scene, const ParticleStore& fluid) {

@@ -41,10 +41,10 @@ public:
 private:
     std::filesystem::path file(const char* kind, int frame, const char* suffix) const;
     std::filesystem::path vtk_file(const char* part, int frame, const char* suffix) const;
-    void write_mesh(const Frame& frame, const Surface& surface, const PictureOptions& how) const;
     void add_to_scene(const Frame& frame, const PictureOptions& how, bool whole_film);
     void write_grids(const Frame& frame, const Surface& surface, const PictureOptions& how) const;
-    void write_vtk(const Frame& frame, const Surface& surface, const PictureOptions& how);
+    /// @param carried what the fluid carries on the surface, made when it is first asked for
+    void write_vtk(const Frame& frame, const Surface& surface, const std::function<const VertexFields&()>& carried);
     std::filesystem::path scene_file() const { return options_.folder / "scene" / (options_.name + ".glb"); }
 
     ExportOptions options_;
@@ -52,8 +52,8 @@ private:
     std::vector<TimedFile> timed_;  ///< of the .pvd
 };
 
-/// The folders in a run folder that exports fill.
-const std::vector<std::string>& export_kinds();
+/// Adds raw frames to what the scene exports.
+void export_raw(Scene& scene);
 /// What a frame has to carry for the scene's exports, besides positions and velocities.
 std::vector<std::string> exported_fields(const Scene& scene, const ParticleStore& fluid);
 

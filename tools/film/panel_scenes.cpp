@@ -6,6 +6,7 @@
 
 #include "engine/probes/probes.h"
 #include "tools/film/colour_range.h"
+#include "tools/film/exports.h"
 #include "tools/process/usage.h"
 #include "tools/scene_file/scene_changes.h"
 
@@ -109,6 +110,9 @@ std::vector<SceneFile> panel_scenes(const SceneFile& file, const RangeOf& range_
     // Even sizes, so that each could be a video of its own.
     alone.scene.output.size = {(file.scene.output.size[0] - (columns - 1) * panel_gap) / columns / 2 * 2,
                                (file.scene.output.size[1] - chart_height(file.scene) - (rows - 1) * panel_gap) / rows / 2 * 2};
+    const std::vector<PanelKeys>& panels = file.scene.panels;
+    const bool differences = std::any_of(panels.begin(), panels.end(), [](const PanelKeys& panel) { return !panel.difference.empty(); });
+    if (differences && file.scene.output.frames) export_raw(alone.scene);  // what a difference is drawn from
     std::vector<SceneFile> scenes;
     std::vector<Problem> problems;
     for (int k = 0; k < count; ++k) {

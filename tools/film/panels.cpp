@@ -108,15 +108,10 @@ private:
     bool has_differences() const {
         return std::any_of(cells_.begin(), cells_.end(), [](const PanelCell& cell) { return cell.run < 0; });
     }
-    bool wants_raw() const {
-        const auto& exports = scene_.output.exports;
-        return std::find(exports.begin(), exports.end(), "raw") != exports.end();
-    }
 
     int run(std::size_t k) const {
         RunRequest panel;
         panel.file = scenes_[k];
-        if (has_differences() && scene_.output.frames && !wants_raw()) panel.file.scene.output.exports.emplace_back("raw");
         panel.folder = panel_folder(folder_.path(), k);
         panel.frames = request_.frames;
         panel.quiet = request_.quiet, panel.json = request_.json;
@@ -185,7 +180,7 @@ private:
         }
         if (encoder) encoder->finish();
         write_contact_sheet(folder_.path(), frames);
-        for (std::size_t k = 0; has_differences() && !wants_raw() && k < scenes_.size(); ++k)
+        for (std::size_t k = 0; has_differences() && !scene_.exported("raw") && k < scenes_.size(); ++k)
             fs::remove_all(panel_folder(folder_.path(), k) / "raw");
     }
 

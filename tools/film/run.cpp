@@ -330,11 +330,6 @@ int Run::run() try { return finish(simulate()); } catch (const std::exception& e
 
 }  // namespace
 
-void export_raw(Scene& scene) {
-    auto& exports = scene.output.exports;
-    if (std::find(exports.begin(), exports.end(), "raw") == exports.end()) exports.emplace_back("raw");
-}
-
 int run_scene(const RunRequest& request) {
     const Plan plan = make_plan(request.file);
     return Run(request, plan).run();

@@ -19,9 +19,6 @@ struct RunRequest {
     std::optional<Checkpoint> from;                         ///< where to resume; nothing: a new run
 };
 
-/// Adds raw frames to what the scene exports.
-void export_raw(Scene& scene);
-
 /// Simulates, measures, draws, writes; the scene's panels are left out (panels.h runs them). Interrupted by SIGINT or SIGTERM it completes
 /// the frames that are on their way, saves the state of the newest one and says how to resume.
 /// @return exit_done, exit_failed (diverged) or exit_interrupted

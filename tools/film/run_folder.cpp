@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/core/errors.h"
-#include "tools/film/exports.h"
+#include "engine/scene/scene_keys.h"
 
 namespace whorl {
 

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include "engine/core/version.h"
+#include "engine/scene/scene_keys.h"
 #include "tools/program/command.h"
 #include "tools/scene_file/scene_file.h"
 
@@ -40,8 +41,7 @@ std::string options_of(const CLI::App& app) {
 }
 
 std::vector<const CLI::App*> commands_of(const CLI::App& program) {
-    std::vector<const CLI::App*> all = program.get_subcommands([](const CLI::App* sub) { return !sub->get_group().empty(); });
-    return all;
+    return program.get_subcommands([](const CLI::App* sub) { return !sub->get_group().empty(); });
 }
 
 std::string footer_of(const CLI::App& app) { return app.get_footer().empty() ? "" : ".PP\n.nf\n" + roff(app.get_footer()) + "\n.fi\n"; }
@@ -83,7 +83,7 @@ _whorl() {{
     fi
     case $before in
         --quality) mapfile -t COMPREPLY < <(compgen -W "draft standard fine" -- "$word"); return ;;
-        --export) mapfile -t COMPREPLY < <(compgen -W "points mesh vdb raw" -- "$word"); return ;;
+        --export) mapfile -t COMPREPLY < <(compgen -W "{}" -- "$word"); return ;;
         --on) mapfile -t COMPREPLY < <(compgen -W "local slurm" -- "$word"); return ;;
         --out) mapfile -t COMPREPLY < <(compgen -d -- "$word"); return ;;
     esac
@@ -96,7 +96,7 @@ _whorl() {{
 }}
 complete -o filenames -F _whorl whorl
 )",
-                       commands, cases, scenes);
+                       commands, fmt::join(export_kinds(), " "), cases, scenes);
 }
 
 void add_manual(CLI::App& program, Job& chosen) {
