@@ -60,23 +60,6 @@ Bounds bounds_of_particles(const Frame& frame) {
 
 }  // namespace
 
-std::vector<std::pair<Vec3f, Vec3f>> sharp_edges(const TriangleMesh& mesh) {
-    using Corner = std::array<float, 3>;
-    const auto place = [&](std::uint32_t v) { return Corner{mesh.position[v].x(), mesh.position[v].y(), mesh.position[v].z()}; };
-    std::map<std::pair<Corner, Corner>, std::vector<Vec3f>> normals;  // of the faces at each edge; corners that stand in one place are one
-    for (const auto& t : mesh.triangle) {
-        const Vec3f across = (mesh.position[t[1]] - mesh.position[t[0]]).cross(mesh.position[t[2]] - mesh.position[t[0]]);
-        if (across.norm() <= 0) continue;
-        for (int c = 0; c < 3; ++c) normals[std::minmax(place(t[c]), place(t[(c + 1) % 3]))].push_back(across.normalized());
-    }
-    const float crease = std::cos(40 * std::numbers::pi_v<float> / 180);
-    std::vector<std::pair<Vec3f, Vec3f>> edges;
-    for (const auto& [ends, faces] : normals)
-        if (faces.size() == 1 || (faces.size() == 2 && faces[0].dot(faces[1]) < crease))
-            edges.emplace_back(Vec3f(ends.first[0], ends.first[1], ends.first[2]), Vec3f(ends.second[0], ends.second[1], ends.second[2]));
-    return edges;
-}
-
 namespace {
 
 /// A strip an edge: both ends twice, to the left and to the right.

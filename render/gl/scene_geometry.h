@@ -12,9 +12,6 @@
 
 namespace whorl {
 
-/// Edges of a mesh where its faces meet at more than 40 degrees, or that only one face has: pairs of ends.
-std::vector<std::pair<Vec3f, Vec3f>> sharp_edges(const TriangleMesh& mesh);
-
 class SceneGeometry {
 public:
     void fill(const Frame& frame, const Surface& surface);

@@ -3,7 +3,6 @@
 #include <catch2/catch.hpp>
 
 #include "engine/core/errors.h"
-#include "render/gl/scene_geometry.h"
 #include "render/image/difference.h"
 #include "tests/support/shapes.h"
 
@@ -275,12 +274,4 @@ TEST_CASE("a look with a picture that is not there is refused", "[render]") {
     LookOptions look = one_sample();
     look.environment = "/no/such/picture.hdr";
     CHECK_THROWS_AS(renderer.draw(empty_frame(), Surface{}, look, from_the_front), InputError);
-}
-
-TEST_CASE("the sharp edges of a box are its twelve, of a cylinder its two rims", "[render]") {
-    // The corners of the box's faces stand in the same places, each face with its own: they are one.
-    CHECK(sharp_edges(test::box_mesh(Vec3f(0, 0, 0), Vec3f(1, 2, 3))).size() == 12);
-    const auto rims = sharp_edges(test::cylinder_mesh(Vec3f(0, 1, 0), 0.5f, 2));
-    CHECK(rims.size() == 2 * 96);
-    for (const auto& [a, b] : rims) CHECK(a.y() == b.y());
 }
