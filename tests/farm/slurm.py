@@ -16,32 +16,10 @@ import tempfile
 import time
 from pathlib import Path
 
-FILM = """
-[time]
-end = 0.5
-fps = 40
-[domain]
-min = [-0.05, -0.01, -0.05]
-max = [0.05, 0.06, 0.05]
-[fluid]
-spacing = 3e-3
-viscosity = 50
-[[block]]
-shape = "box"
-min = [-0.012, 0.0, -0.012]
-max = [0.012, 0.024, 0.012]
-[[emitter]]
-position = [0, 0.045, 0]
-radius = 6e-3
-speed = 0.3
-[[solid]]
-shape = "plane"
-[output]
-size = [132, 64]
-checkpoint_every = 0.001
-[look]
-samples = 1
-"""
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from small_film import film, rows  # noqa: E402
+
+FILM = film(0.5, 3e-3, "132, 64")
 PANELS = FILM + """
 style = "particles"
 field = "speed"
@@ -80,13 +58,6 @@ SlurmdSpoolDir={folder}/spool
 NodeName={name} NodeAddr=127.0.0.1 CPUs=2 RealMemory=4000 State=UNKNOWN
 PartitionName=films Nodes={name} Default=YES MaxTime=INFINITE State=UP
 """
-TIMES = ("wall_seconds", "cpu_seconds")
-
-
-def rows(file):
-    lines = [line.split(",") for line in file.read_text().splitlines()]
-    kept = [k for k, name in enumerate(lines[0]) if name not in TIMES]
-    return [[line[k] for k in kept] for line in lines]
 
 
 def check(condition, what):

@@ -18,49 +18,19 @@ import tempfile
 import time
 from pathlib import Path
 
-SCENE = """
-[time]
-end = 0.3
-fps = 40
-[domain]
-min = [-0.05, -0.01, -0.05]
-max = [0.05, 0.06, 0.05]
-[fluid]
-spacing = 4e-3
-viscosity = 50
-[[block]]
-shape = "box"
-min = [-0.012, 0.0, -0.012]
-max = [0.012, 0.024, 0.012]
-[[emitter]]
-position = [0, 0.045, 0]
-radius = 6e-3
-speed = 0.3
-[[solid]]
-shape = "plane"
-[[probe]]
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from small_film import film, rows  # noqa: E402
+
+SCENE = film(0.3, 4e-3, "64, 36", """[[probe]]
 name = "all"
 kind = "region"
 min = [-1, -1, -1]
 max = [1, 1, 1]
-[output]
-size = [64, 36]
-checkpoint_every = 0.001
-[look]
-samples = 1
-"""
-TIMES = ("wall_seconds", "cpu_seconds")  # of a row: no two runs share them
+""")
 
 
 class Lost(Exception):
     pass
-
-
-def rows(file):
-    """The table without the columns of times."""
-    lines = [line.split(",") for line in file.read_text().splitlines()]
-    kept = [k for k, name in enumerate(lines[0]) if name not in TIMES]
-    return [[line[k] for k in kept] for line in lines]
 
 
 class Faults:

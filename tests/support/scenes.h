@@ -17,4 +17,15 @@ std::string scene_of(const WaterColumn& column, const std::string& more);
 /// plate, probes
 std::string little_honey(const std::string& time, double spacing, const std::string& more);
 
+/// A lump on the floor and a thread that runs onto it, for little_honey().
+inline constexpr const char* lump_and_thread = R"([[block]]
+shape = "box"
+min = [-0.013, 0.0, -0.013]
+max = [0.013, 0.02, 0.013]
+[[emitter]]
+position = [0, 0.045, 0]
+radius = 5e-3
+speed = 0.3
+)";
+
 }  // namespace whorl::test

@@ -19,15 +19,8 @@ namespace {
 
 struct Scratch : test::ScratchFolder {
     explicit Scratch(const std::string& panels = "") {
-        std::ofstream(*this / "scene.toml") << test::little_honey("end = 0.2\nfps = 40", 4e-3, R"([[block]]
-shape = "box"
-min = [-0.013, 0.0, -0.013]
-max = [0.013, 0.02, 0.013]
-[[emitter]]
-position = [0, 0.045, 0]
-radius = 5e-3
-speed = 0.3
-[[solid]]
+        std::ofstream(*this / "scene.toml") << test::little_honey("end = 0.2\nfps = 40", 4e-3,
+                                                                  test::lump_and_thread + std::string(R"([[solid]]
 shape = "plane"
 [output]
 size = [132, 64]
@@ -35,7 +28,7 @@ size = [132, 64]
 samples = 1
 style = "particles"
 field = "speed"
-)") << panels;
+)")) << panels;
     }
     Outcome whorl(std::vector<std::string> words, const std::string& out) const {
         words.insert(words.begin() + 1, (*this / "scene.toml").string());

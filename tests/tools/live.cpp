@@ -23,15 +23,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// A short thread of honey on a plate that can be moved: a few hundred particles.
-const std::string honey = test::little_honey("end = 2.0\nfps = 50", 4e-3, R"([[block]]
-shape = "box"
-min = [-0.013, 0.0, -0.013]
-max = [0.013, 0.02, 0.013]
-[[emitter]]
-position = [0, 0.045, 0]
-radius = 5e-3
-speed = 0.3
-[[solid]]
+const std::string honey = test::little_honey("end = 2.0\nfps = 50", 4e-3, test::lump_and_thread + std::string(R"([[solid]]
 shape = "box"
 min = [-0.03, -0.008, -0.03]
 max = [0.03, 0.0, 0.03]
@@ -40,7 +32,7 @@ name = "pile"
 kind = "coil"
 [quality.draft]
 pressure.tolerance = 2e-3
-)");
+)"));
 
 /// Everything that a request could change.
 std::string wanted(LiveProgram& live) {

@@ -6,10 +6,8 @@
 
 #include "engine/io/files.h"
 #include "render/image/image.h"
-#include "tests/support/exported.h"
+#include "tests/support/film_runs.h"
 #include "tests/support/program.h"
-#include "tests/support/scenes.h"
-#include "tests/support/scratch.h"
 
 using namespace whorl;
 using test::Outcome;
@@ -18,59 +16,14 @@ namespace fs = std::filesystem;
 
 namespace run_test {
 
+using test::files_in;
+using test::honey;
+using test::lines;
+using test::report;
+using test::reproducible;
+using Scratch = test::FilmScratch;
+
 namespace {
-
-/// A short thread of honey and a lump of it, enough particles (> 512) that parallel loops do run in parallel.
-const std::string honey = test::little_honey("end = 0.3\nfps = 40", 2.5e-3, R"([[block]]
-shape = "box"
-min = [-0.013, 0.0, -0.013]
-max = [0.013, 0.025, 0.013]
-[[emitter]]
-shape = "disc"
-position = [0, 0.045, 0]
-radius = 4e-3
-speed = "0.3"
-[[solid]]
-shape = "plane"
-[[probe]]
-name = "pile"
-kind = "coil"
-[[probe]]
-name = "all"
-kind = "region"
-min = [-1, -1, -1]
-max = [1, 1, 1]
-)");
-
-struct Scratch : test::ScratchFolder {
-    explicit Scratch(const std::string& text = honey) { std::ofstream(*this / "scene.toml") << text; }
-    std::string scene() const { return (*this / "scene.toml").string(); }
-    std::string run(const std::string& name = "run") const { return (*this / name).string(); }
-};
-
-std::vector<std::string> lines(const fs::path& file) {
-    std::vector<std::string> all;
-    std::ifstream in(file);
-    for (std::string line; std::getline(in, line);) all.push_back(line);
-    return all;
-}
-
-/// Without the wall and CPU seconds (columns 21 and 22), which no two runs share.
-std::vector<std::string> reproducible(std::vector<std::string> rows) {
-    for (std::string& row : rows) {
-        std::size_t from = 0;
-        for (int column = 1; column < 21; ++column) from = row.find(',', from) + 1;
-        row.erase(from, row.find(',', row.find(',', from) + 1) - from);
-    }
-    return rows;
-}
-
-std::vector<fs::path> files_in(const fs::path& folder) {
-    std::vector<fs::path> all;
-    for (const auto& entry : fs::directory_iterator(folder)) all.push_back(entry.path());
-    std::sort(all.begin(), all.end());
-    return all;
-}
 
 void check_same_particles(const fs::path& a, const fs::path& b) {
     const auto first = files_in(a / "points"), second = files_in(b / "points");
@@ -81,8 +34,6 @@ void check_same_particles(const fs::path& a, const fs::path& b) {
         CHECK((read_whole(first[k]) == read_whole(second[k])));
     }
 }
-
-nlohmann::json report(const fs::path& run) { return nlohmann::json::parse(read_whole(run / "run.json")); }
 
 }  // namespace
 
@@ -158,117 +109,6 @@ TEST_CASE("an interrupted run says how to go on, and goes on to the same bits as
     const auto run = report(scratch / "run");
     CHECK(run["status"] == "done");
     CHECK(run["resumed"] == 1);
-}
-
-TEST_CASE("exported particles keep their number all their life, through sorting, an emitter, a drain and a resume, and grow older",
-          "[tools][export]") {
-    const Scratch scratch(honey + R"(
-[[drain]]
-shape = "box"
-min = [-0.02, -0.01, -0.02]
-max = [0.02, 0.004, 0.02]
-after = 0.1
-)");
-    const auto render = [&](const std::string& until) {
-        return test::whorl(
-            {"render", scratch.scene(), "--no-images", "--export", "points", "--until", until, "--quiet", "--out", scratch.run()});
-    };
-    REQUIRE(render("0.15").code == 0);
-    std::string text = read_whole(scratch / "run/scene.resolved.toml");
-    const std::size_t end = text.find("end = 0.15");
-    REQUIRE(end != std::string::npos);
-    std::ofstream(scratch / "run/scene.resolved.toml") << text.replace(end, 10, "end = 0.3");
-    const Outcome resumed = test::whorl({"resume", scratch.run(), "--quiet"});
-    INFO(resumed.err);
-    REQUIRE(resumed.code == 0);
-
-    struct Seen {
-        Vec3f place;
-        float age;
-        std::int32_t source;
-    };
-    std::map<std::int32_t, Seen> before;
-    std::int32_t highest = -1;
-    bool some_left = false, some_came = false;
-    for (int frame = 1; frame <= 13; ++frame) {
-        const test::Ply ply = test::read_ply(scratch / ("run/points/little_honey.00" + std::to_string(100 + frame).substr(1) + ".ply"));
-        const std::vector<std::int32_t>&id = ply.whole.at("id"), &source = ply.whole.at("source");
-        std::map<std::int32_t, Seen> now;
-        for (std::size_t i = 0; i < id.size(); ++i)
-            now[id[i]] = {Vec3f(ply.number.at("x")[i], ply.number.at("y")[i], ply.number.at("z")[i]), ply.number.at("age")[i], source[i]};
-        REQUIRE(now.size() == id.size());  // no number twice
-        for (const auto& [number, seen] : now) {
-            const auto known = before.find(number);
-            if (known == before.end()) {
-                REQUIRE(number > highest);  // nobody gets the number of one that is gone
-                some_came = some_came || frame > 1;
-                continue;
-            }
-            REQUIRE(seen.source == known->second.source);
-            REQUIRE((seen.place - known->second.place).norm() < 0.025f);  // 1 m/s for a frame of 1/40 s
-            if (seen.source == 0) REQUIRE(seen.age == Approx(0.025 * (frame - 1)).margin(1e-5));
-            else REQUIRE(seen.age <= known->second.age + 0.02501f);
-        }
-        for (const auto& [number, seen] : before) some_left = some_left || now.count(number) == 0;
-        highest = std::max(highest, now.rbegin()->first);
-        before = std::move(now);
-    }
-    CHECK(some_came);
-    CHECK(some_left);
-
-    // Files that tell of particles cannot begin half-way.
-    REQUIRE(test::whorl({"render", scratch.scene(), "--no-images", "--until", "0.05", "--quiet", "--out", scratch.run()}).code == 0);
-    text = read_whole(scratch / "run/scene.resolved.toml");
-    std::ofstream(scratch / "run/scene.resolved.toml") << text.replace(text.find("export = []"), 11, "export = [\"vtk\"]");
-    const Outcome refused = test::whorl({"resume", scratch.run()});
-    CHECK(refused.code == 2);
-    CHECK(refused.err.find("know their number and age") != std::string::npos);
-}
-
-TEST_CASE("every export writes its files under the scene's name, changes no particle, and is the same after a resume", "[tools][export]") {
-    const Scratch scratch;
-    const auto render = [&](const std::string& kinds, const std::string& until, const std::string& folder) {
-        std::vector<std::string> words{"render", scratch.scene(), "--no-images", "--until", until, "--quiet", "--out", scratch.run(folder)};
-        if (!kinds.empty()) words.insert(words.end(), {"--export", kinds});
-        const Outcome done = test::whorl(words);
-        INFO(done.err);
-        REQUIRE(done.code == 0);
-    };
-    const std::string all = "points,mesh,obj,vdb,scene,vtk";
-    render(all, "0.1", "whole"), render("", "0.1", "none"), render(all, "0.05", "run");
-    CHECK(reproducible(lines(scratch / "whole/diagnostics.csv")) == reproducible(lines(scratch / "none/diagnostics.csv")));
-    std::string text = read_whole(scratch / "run/scene.resolved.toml");
-    std::ofstream(scratch / "run/scene.resolved.toml") << text.replace(text.find("end = 0.05"), 10, "end = 0.1");
-    REQUIRE(test::whorl({"resume", scratch.run(), "--quiet"}).code == 0);
-    for (const char* file : {"points/little_honey.0005.ply", "mesh/little_honey.0005.ply", "obj/little_honey.0005.obj",
-                             "vdb/little_honey.0005.vdb", "scene/little_honey.glb", "vtk/little_honey_points.0005.vtp",
-                             "vtk/little_honey_mesh.0005.vtp", "vtk/little_honey_flow.0005.vti", "vtk/little_honey.pvd"}) {
-        INFO(file);
-        REQUIRE(fs::exists(scratch / "whole" / file));
-        // A VDB file begins with a random number of its own.
-        if (std::string(file).find("vdb") == std::string::npos)
-            CHECK((read_whole(scratch / "whole" / file) == read_whole(scratch / "run" / file)));
-        for (const fs::path& written : files_in((scratch / "whole" / file).parent_path())) CHECK(written.filename().string()[0] != '.');
-    }
-    CHECK(test::read_ply(scratch / "whole/mesh/little_honey.0005.ply").properties ==
-          std::vector<std::string>{"x", "y", "z", "nx", "ny", "nz", "velocity_x", "velocity_y", "velocity_z", "age", "viscosity"});
-    const auto spent = report(scratch / "whole")["stages"]["export mesh"];
-    CHECK(spent["cpu_seconds"].get<double>() > 0);
-}
-
-TEST_CASE("an export that cannot be written ends the run with its reason, and leaves nothing half written", "[tools][export]") {
-    const Scratch scratch;
-    fs::create_directories(scratch / "run");
-    const std::vector<std::string> words{"render",       scratch.scene(), "--no-images", "--export",
-                                         "points,scene", "--quiet",       "--out",       scratch.run()};
-    // No file is to be larger than some kilobytes: the disk is full, as far as the program can tell.
-    std::string command = "ulimit -f 24; trap '' XFSZ; exec " WHORL_PROGRAM;
-    for (const std::string& word : words) command += " '" + word + "'";
-    const Outcome full = Program({"-c", command}, "bash").wait();
-    INFO(full.err);
-    CHECK(full.code == 1);
-    CHECK(full.err.find("cannot write " + scratch.run() + "/points/little_honey.0001.ply: File too large") != std::string::npos);
-    CHECK(files_in(scratch / "run/points").empty());
 }
 
 TEST_CASE("a film that is done goes on to a later end, its settings say so, and rendering them makes the same film", "[tools][resume]") {

@@ -1,0 +1,56 @@
+#include "engine/scene/warn_scale.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <fstream>
+
+#include "tests/support/poured_honey.h"
+#include "tests/support/scratch.h"
+
+using namespace whorl;
+using test::messages_with;
+using test::plan_with;
+
+TEST_CASE("a size that comes from a wrong unit is told with its key, what it means and the likely slip", "[plan]") {
+    const auto warned = [](const std::vector<std::string>& changes, const std::string& text) {
+        const std::vector<std::string> all = plan_with(changes).warnings;
+        INFO(text);
+        for (const std::string& w : all) UNSCOPED_INFO(w);
+        return std::find(all.begin(), all.end(), text) != all.end();
+    };
+    const std::string large = "domain.max=[120,240,120]";
+    CHECK(warned({large, "domain.min=[-120,0,-120]", "fluid.spacing=0.5", "emitter[0].radius=5", "emitter[0].position=[0,100,0]"},
+                 "domain.max: the domain is 240 m long; lengths are in metres, and 240 mm would be 0.24"));
+    CHECK(warned({large, "domain.min=[-120,0,-120]", "fluid.spacing=0.5", "emitter[0].radius=5", "emitter[0].position=[0,100,0]"},
+                 "emitter[0].radius = 5: the nozzle is 10 m across; lengths are in metres, and 5 mm would be 0.005"));
+    CHECK(warned({"emitter[0].speed=300", "time.end=0.01"},
+                 "emitter[0].speed: the fluid moves with 300 m/s, 1080 km/h; speeds are in m/s, and 300 mm/s would be 0.3"));
+    CHECK(warned({"fluid.density=1.3"}, "fluid.density = 1.3 kg/m^3 is that of a gas (air has 1.2, water 1000): 1.3 g/cm^3 would be 1300"));
+    CHECK(
+        warned({"domain.gravity=[0,-9810,0]"}, "domain.gravity = 9810 m/s^2 is 1e+03 times that of the earth; it is in m/s^2, not mm/s^2"));
+    CHECK(
+        warned({"time.end=1e-5", "time.fps=1e7"},
+               "time.fps = 1e+07: no player shows so many pictures a second; time.fps = 24 and time.slow_motion = 4.167e+05 take the same "
+               "pictures, and show them slowly"));
+    CHECK(
+        messages_with({"emitter[0].radius=5"}) ==
+        "--set emitter[0].radius=5: the opening of emitter[0] is 10 m across, wider than the whole domain (0.2 m); lengths are in metres: "
+        "for millimetres take a thousandth, 0.01 m across");
+    CHECK(messages_with({"solid[0]={shape=\"sphere\", radius=5}"}).find("solid[0] is 10 m across, larger than the whole domain") !=
+          std::string::npos);
+}
+
+TEST_CASE("a mesh that is a thousand times too large or too small is told", "[plan]") {
+    const test::ScratchFolder folder;
+    std::ofstream(folder / "bowl.obj") << "v 0 0 0\nv 30 0 0\nv 0 30 0\nv 0 0 30\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    const auto warnings = [&](const std::string& scale) {
+        return plan_with({"solid[0]={shape=\"mesh\", file=\"" + (folder / "bowl.obj").string() +
+                          "\", position=[0.02, -0.008, 0.02], scale=" + scale + "}"})
+            .warnings;
+    };
+    CHECK(warnings("1e-3").empty());
+    REQUIRE(warnings("1").size() == 1);
+    CHECK(warnings("1")[0] == "solid[0].scale: the mesh is 30 m across in a domain of 0.2 m; a mesh in millimetres needs scale = 1e-3");
+    REQUIRE(warnings("1e-6").size() == 1);
+    CHECK(warnings("1e-6")[0].find("less than two particles of 2 mm") != std::string::npos);
+}

@@ -1,0 +1,30 @@
+#pragma once
+/// Films of a little honey that a test makes in a folder of its own, and how two of them are compared.
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/support/scratch.h"
+
+namespace whorl::test {
+
+/// A short thread of honey and a lump of it, enough particles (> 512) that parallel loops do run in parallel.
+extern const std::string honey;
+
+/// A folder with a scene file, and runs beside it.
+struct FilmScratch : ScratchFolder {
+    explicit FilmScratch(const std::string& text = honey);
+    std::string scene() const { return (*this / "scene.toml").string(); }
+    std::string run(const std::string& name = "run") const { return (*this / name).string(); }
+};
+
+std::vector<std::string> lines(const std::filesystem::path& file);
+/// Rows of diagnostics.csv without the wall and CPU seconds (columns 21 and 22), which no two runs share.
+std::vector<std::string> reproducible(std::vector<std::string> rows);
+/// In the order of their names.
+std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder);
+/// run.json
+nlohmann::json report(const std::filesystem::path& run);
+
+}  // namespace whorl::test

@@ -1,0 +1,38 @@
+#include "tests/support/poured_honey.h"
+
+#include "engine/core/errors.h"
+#include "engine/scene/read.h"
+
+namespace whorl::test {
+
+const std::string poured_honey = R"toml([time]
+end = 4
+[domain]
+min = [-0.1, -0.01, -0.1]
+max = [0.1, 0.1, 0.1]
+[fluid]
+spacing = 2e-3
+viscosity = 1000
+[[emitter]]
+position = [0, 0.08, 0]
+radius = 5e-3
+speed = 0.25
+[[solid]]
+shape = "plane"
+)toml";
+
+Scene scene_with(const std::vector<std::string>& changes, const std::string& text) {
+    ReadRequest request;
+    for (const std::string& c : changes) request.changes.push_back(parse_change(c));
+    return read_scene_text(text, "honey.toml", request);
+}
+Plan plan_with(const std::vector<std::string>& changes) { return make_plan(scene_with(changes)); }
+
+std::string messages_with(const std::vector<std::string>& changes) {
+    try {
+        plan_with(changes);
+    } catch (const InputError& e) { return e.what(); }
+    return "no error";
+}
+
+}  // namespace whorl::test

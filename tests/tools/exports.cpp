@@ -1,0 +1,135 @@
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <map>
+
+#include "engine/io/files.h"
+#include "tests/support/exported.h"
+#include "tests/support/film_runs.h"
+#include "tests/support/program.h"
+
+using namespace whorl;
+using test::Outcome;
+using test::Program;
+namespace fs = std::filesystem;
+
+namespace exports_test {
+
+using test::files_in;
+using test::honey;
+using test::lines;
+using test::report;
+using test::reproducible;
+using Scratch = test::FilmScratch;
+
+TEST_CASE("exported particles keep their number all their life, through sorting, an emitter, a drain and a resume, and grow older",
+          "[tools][export]") {
+    const Scratch scratch(honey + R"(
+[[drain]]
+shape = "box"
+min = [-0.02, -0.01, -0.02]
+max = [0.02, 0.004, 0.02]
+after = 0.1
+)");
+    const auto render = [&](const std::string& until) {
+        return test::whorl(
+            {"render", scratch.scene(), "--no-images", "--export", "points", "--until", until, "--quiet", "--out", scratch.run()});
+    };
+    REQUIRE(render("0.15").code == 0);
+    std::string text = read_whole(scratch / "run/scene.resolved.toml");
+    const std::size_t end = text.find("end = 0.15");
+    REQUIRE(end != std::string::npos);
+    std::ofstream(scratch / "run/scene.resolved.toml") << text.replace(end, 10, "end = 0.3");
+    const Outcome resumed = test::whorl({"resume", scratch.run(), "--quiet"});
+    INFO(resumed.err);
+    REQUIRE(resumed.code == 0);
+
+    struct Seen {
+        Vec3f place;
+        float age;
+        std::int32_t source;
+    };
+    std::map<std::int32_t, Seen> before;
+    std::int32_t highest = -1;
+    bool some_left = false, some_came = false;
+    for (int frame = 1; frame <= 13; ++frame) {
+        const test::Ply ply = test::read_ply(scratch / ("run/points/little_honey.00" + std::to_string(100 + frame).substr(1) + ".ply"));
+        const std::vector<std::int32_t>&id = ply.whole.at("id"), &source = ply.whole.at("source");
+        std::map<std::int32_t, Seen> now;
+        for (std::size_t i = 0; i < id.size(); ++i)
+            now[id[i]] = {Vec3f(ply.number.at("x")[i], ply.number.at("y")[i], ply.number.at("z")[i]), ply.number.at("age")[i], source[i]};
+        REQUIRE(now.size() == id.size());  // no number twice
+        for (const auto& [number, seen] : now) {
+            const auto known = before.find(number);
+            if (known == before.end()) {
+                REQUIRE(number > highest);  // nobody gets the number of one that is gone
+                some_came = some_came || frame > 1;
+                continue;
+            }
+            REQUIRE(seen.source == known->second.source);
+            REQUIRE((seen.place - known->second.place).norm() < 0.025f);  // 1 m/s for a frame of 1/40 s
+            if (seen.source == 0) REQUIRE(seen.age == Approx(0.025 * (frame - 1)).margin(1e-5));
+            else REQUIRE(seen.age <= known->second.age + 0.02501f);
+        }
+        for (const auto& [number, seen] : before) some_left = some_left || now.count(number) == 0;
+        highest = std::max(highest, now.rbegin()->first);
+        before = std::move(now);
+    }
+    CHECK(some_came);
+    CHECK(some_left);
+
+    // Files that tell of particles cannot begin half-way.
+    REQUIRE(test::whorl({"render", scratch.scene(), "--no-images", "--until", "0.05", "--quiet", "--out", scratch.run()}).code == 0);
+    text = read_whole(scratch / "run/scene.resolved.toml");
+    std::ofstream(scratch / "run/scene.resolved.toml") << text.replace(text.find("export = []"), 11, "export = [\"vtk\"]");
+    const Outcome refused = test::whorl({"resume", scratch.run()});
+    CHECK(refused.code == 2);
+    CHECK(refused.err.find("know their number and age") != std::string::npos);
+}
+
+TEST_CASE("every export writes its files under the scene's name, changes no particle, and is the same after a resume", "[tools][export]") {
+    const Scratch scratch;
+    const auto render = [&](const std::string& kinds, const std::string& until, const std::string& folder) {
+        std::vector<std::string> words{"render", scratch.scene(), "--no-images", "--until", until, "--quiet", "--out", scratch.run(folder)};
+        if (!kinds.empty()) words.insert(words.end(), {"--export", kinds});
+        const Outcome done = test::whorl(words);
+        INFO(done.err);
+        REQUIRE(done.code == 0);
+    };
+    const std::string all = "points,mesh,obj,vdb,scene,vtk";
+    render(all, "0.1", "whole"), render("", "0.1", "none"), render(all, "0.05", "run");
+    CHECK(reproducible(lines(scratch / "whole/diagnostics.csv")) == reproducible(lines(scratch / "none/diagnostics.csv")));
+    std::string text = read_whole(scratch / "run/scene.resolved.toml");
+    std::ofstream(scratch / "run/scene.resolved.toml") << text.replace(text.find("end = 0.05"), 10, "end = 0.1");
+    REQUIRE(test::whorl({"resume", scratch.run(), "--quiet"}).code == 0);
+    for (const char* file : {"points/little_honey.0005.ply", "mesh/little_honey.0005.ply", "obj/little_honey.0005.obj",
+                             "vdb/little_honey.0005.vdb", "scene/little_honey.glb", "vtk/little_honey_points.0005.vtp",
+                             "vtk/little_honey_mesh.0005.vtp", "vtk/little_honey_flow.0005.vti", "vtk/little_honey.pvd"}) {
+        INFO(file);
+        REQUIRE(fs::exists(scratch / "whole" / file));
+        // A VDB file begins with a random number of its own.
+        if (std::string(file).find("vdb") == std::string::npos)
+            CHECK((read_whole(scratch / "whole" / file) == read_whole(scratch / "run" / file)));
+        for (const fs::path& written : files_in((scratch / "whole" / file).parent_path())) CHECK(written.filename().string()[0] != '.');
+    }
+    CHECK(test::read_ply(scratch / "whole/mesh/little_honey.0005.ply").properties ==
+          std::vector<std::string>{"x", "y", "z", "nx", "ny", "nz", "velocity_x", "velocity_y", "velocity_z", "age", "viscosity"});
+    const auto spent = report(scratch / "whole")["stages"]["export mesh"];
+    CHECK(spent["cpu_seconds"].get<double>() > 0);
+}
+
+TEST_CASE("an export that cannot be written ends the run with its reason, and leaves nothing half written", "[tools][export]") {
+    const Scratch scratch;
+    fs::create_directories(scratch / "run");
+    const std::vector<std::string> words{"render",       scratch.scene(), "--no-images", "--export",
+                                         "points,scene", "--quiet",       "--out",       scratch.run()};
+    // No file is to be larger than some kilobytes: the disk is full, as far as the program can tell.
+    std::string command = "ulimit -f 24; trap '' XFSZ; exec " WHORL_PROGRAM;
+    for (const std::string& word : words) command += " '" + word + "'";
+    const Outcome full = Program({"-c", command}, "bash").wait();
+    INFO(full.err);
+    CHECK(full.code == 1);
+    CHECK(full.err.find("cannot write " + scratch.run() + "/points/little_honey.0001.ply: File too large") != std::string::npos);
+    CHECK(files_in(scratch / "run/points").empty());
+}
+
+}  // namespace exports_test
