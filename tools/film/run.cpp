@@ -153,11 +153,12 @@ SceneFile Run::with_colour_range() const {
 }
 
 void Run::make_folders() {
+    // First what tells that this is the folder of a run: where not even that has room, the folder stays empty, and a next run takes it.
+    write_text(folder_.path() / "scene.resolved.toml", scene_text_);
     std::vector<std::string> names;
     if (scene_.output.frames) names.emplace_back("frames");
     if (!scene_.probes.empty()) names.emplace_back("probes");
     for (const std::string& name : names) fs::create_directories(folder_.path() / name);
-    write_text(folder_.path() / "scene.resolved.toml", scene_text_);
     spdlog::drop("run");
     log_ = spdlog::basic_logger_mt("run", (folder_.path() / "log.txt").string());
     log_->flush_on(spdlog::level::info);
