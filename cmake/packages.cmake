@@ -19,6 +19,9 @@ add_library(muparser::muparser ALIAS PkgConfig::muparser)
 pkg_check_modules(cairo REQUIRED IMPORTED_TARGET cairo-ft cairo-svg freetype2)
 find_file(WHORL_FONT DejaVuSans.ttf PATHS /usr/share/fonts/truetype/dejavu REQUIRED)
 
+# What compositors take.
+pkg_check_modules(openexr REQUIRED IMPORTED_TARGET OpenEXR)
+
 # stb writes PNG through zlib, ten times faster than through its own deflate.
 find_package(ZLIB REQUIRED)
 find_path(STB_INCLUDE_DIR stb_image_write.h PATH_SUFFIXES stb REQUIRED)

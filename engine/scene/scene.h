@@ -211,6 +211,7 @@ struct PanelKeys {
 
 struct OutputKeys {
     bool frames = true, video = true;
+    std::string format = "png";          ///< of the pictures: png | exr
     double checkpoint_every = 5;         ///< s of wall time
     std::vector<std::string> exports;    ///< points, mesh, obj, vdb, scene, vtk, raw
     std::array<int, 2> size{1280, 720};  ///< pixels, width and height, even

@@ -386,6 +386,8 @@ KeyTable panel_keys() {
 KeyTable output_keys() {
     KeyTableOf<OutputKeys> t("what is written into the run folder");
     t.key("frames", &OutputKeys::frames, "", "pictures: frames/000001.png ...");
+    t.key("format", &OutputKeys::format, "", "of the pictures; exr: linear light, depth, normals, motion, ids and shadow, for compositors")
+        .one_of({"png", "exr"});
     t.key("video", &OutputKeys::video, "", "<name>.mp4");
     t.key("size", &OutputKeys::size, "pixels", "width and height of the pictures, even numbers").at_least(16).at_most(8192);
     t.key("panel_columns", &OutputKeys::panel_columns, "",

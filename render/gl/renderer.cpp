@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <set>
 
 #include "render/flow/plate.h"
@@ -13,6 +14,7 @@
 #include "render/gl/ground_light.h"
 #include "render/gl/hot_patches.h"
 #include "render/gl/ink_field.h"
+#include "render/gl/layer_pass.h"
 #include "render/gl/objects.h"
 #include "render/gl/scene_geometry.h"
 #include "render/gl/setup.h"
@@ -72,13 +74,18 @@ struct Renderer::Device {
     ~Device() { glDeleteVertexArrays(1, &no_vertices); }
 
     Image draw(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view);
+    PictureLayers draw_layers(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view, const NextView& next);
+    std::array<float, 2> begin(const Frame& frame, const LookOptions& look);
+    Shot sum_samples(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view,
+                     const std::array<float, 2>& range, const PictureBox& box);
     void draw_sample(const Shot& shot, int sample);
     void draw_from(const Shot& shot, int sample);
     void draw_solids(const Shot& shot, const Eigen::Matrix4f& matrix);
     void draw_fluid(const Shot& shot, const Eigen::Matrix4f& matrix);
     void shade_fluid(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
     void draw_glass(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
-    void compose_picture(const Shot& shot);
+    void compose_picture(const Shot& shot, const gl::Framebuffer& target, bool linear);
+    PictureLayers light_of(const Shot& shot);
     Image read_back() const;
     void set_studio(gl::Program& program, const Shot& shot) const;
     void cover_screen() const;
@@ -111,6 +118,7 @@ struct Renderer::Device {
     gl::Framebuffer accumulate = gl::framebuffer({sum.id()}, 0);
     gl::Framebuffer glass_target = gl::framebuffer({glass.id()}, depth.id());
     gl::Framebuffer output = gl::framebuffer({picture.id()}, 0);
+    std::optional<LayerPass> layer_pass;  // made when it is first asked for
 
     SceneGeometry scene;
     FieldTexture field;
@@ -133,32 +141,69 @@ void Renderer::Device::cover_screen() const {
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-Image Renderer::Device::draw(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view) {
+/// @return the range of the colours
+std::array<float, 2> Renderer::Device::begin(const Frame& frame, const LookOptions& look) {
     context.make_current();
     surround.fill(look);
-    std::array<float, 2> range{0, 1};
-    if (shows_field(look)) range = field_range(field_values(frame, look), look);
+    return shows_field(look) ? field_range(field_values(frame, look), look) : std::array<float, 2>{0, 1};
+}
+
+Image Renderer::Device::draw(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view) {
+    const std::array<float, 2> range = begin(frame, look);
     if (look.style == "slice" && view.flat) return draw_plate(frame, look, range, width, height);
+    const Layout layout = layout_of(width, height, static_cast<float>(width) / static_cast<float>(height), look, range);
+    const Shot shot = sum_samples(frame, surface, look, view, range, layout.flow);
+    Image image;
+    if (is_transparent(look)) image = shown(light_of(shot));
+    else compose_picture(shot, output, false), image = read_back();
+    if (shows_field(look)) draw_words(image, layout, look, range, frame.time);
+    else draw_words_over(image, look, frame.time);
+    return image;
+}
+
+PictureLayers Renderer::Device::draw_layers(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view,
+                                            const NextView& next) {
+    const Shot shot = sum_samples(frame, surface, look, view, begin(frame, look), {0, 0, width, height});
+    PictureLayers layers = light_of(shot);
+    if (shows_field(look)) return layers;
+    const float ground = look.ground ? shot.ground : -1e6f;
+    const LayerView places{shot.camera,
+                           camera_matrix(next.view, shot.aspect, scene.bounds()),
+                           view.position,
+                           (view.target - view.position).normalized(),
+                           next.interval,
+                           ground,
+                           is_transparent(look) ? -1e6f : ground,
+                           0.5f * frame.spacing,
+                           !look.environment.empty()};
+    scene.go_to(0);
+    layer_pass->add_places(layers, scene, places, no_vertices);
+    return layers;
+}
+
+/// All samples of the picture, added up. @param box of the picture that the flow is seen in
+Shot Renderer::Device::sum_samples(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view,
+                                   const std::array<float, 2>& range, const PictureBox& box) {
     if (shows_field(look)) flow.fill(scene, frame, look, view, range, std::max(width, height));
     else scene.fill(frame, surface);
     field.fill(shows_field(look) ? Volume{} : surface.distance);
     solid_field.fill(frame.solids);
     inks.fill(frame, look, (frame.domain_max - frame.domain_min).norm(), !shows_field(look));
     const float aspect = static_cast<float>(width) / static_cast<float>(height);
-    const Layout layout = layout_of(width, height, aspect, look, range);
     const Eigen::Matrix4f camera = camera_matrix(view, aspect, scene.bounds());
     Shot shot{look,
               view,
               fluid_material(look, (frame.domain_max - frame.domain_min).norm()),
               frame.spacing,
               ground_height(frame),
-              shows_field(look) ? beside_words(camera, layout.flow, width, height) : camera,
+              shows_field(look) ? beside_words(camera, box, width, height) : camera,
               aspect,
               !surface.age.empty(),
               !surface.crust.empty() && !shows_field(look),
               {},
               {},
-              surround.constants(look) + "const bool draws_behind = " + (view.blurs() ? "true" : "false") + ";\n"};
+              surround.constants(look) + "const bool draws_behind = " + (view.blurs() ? "true" : "false") +
+                  ";\nconst bool transparent = " + (is_transparent(look) ? "true" : "false") + ";\n"};
     for (const FrameSolid& s : frame.solids) shot.patterns.insert(solid_material(s.material).pattern);
     if (!shows_field(look)) shot.patches = hot_patches(surface, shot.material);
     scene.go_to(0);
@@ -174,11 +219,7 @@ Image Renderer::Device::draw(const Frame& frame, const Surface& surface, const L
         glClear(GL_COLOR_BUFFER_BIT);
     }
     for (int i = 0; i < std::max(look.samples, 1); ++i) draw_sample(shot, i);
-    compose_picture(shot);
-    Image image = read_back();
-    if (shows_field(look)) draw_words(image, layout, look, range, frame.time);
-    else draw_words_over(image, look, frame.time);
-    return image;
+    return shot;
 }
 
 /// Each sample has a place in the pixel, one in the lens, and a moment while the shutter is open.
@@ -324,9 +365,10 @@ void Renderer::Device::draw_glass(const Shot& shot, const Eigen::Matrix4f& matri
     glDisable(GL_DEPTH_TEST);
 }
 
-void Renderer::Device::compose_picture(const Shot& shot) {
-    glBindFramebuffer(GL_FRAMEBUFFER, output.id());
-    gl::Program& program = compose.with(shot.constants);
+/// @param linear light for compositors, and the shadow, instead of a picture for screens
+void Renderer::Device::compose_picture(const Shot& shot, const gl::Framebuffer& target, bool linear) {
+    glBindFramebuffer(GL_FRAMEBUFFER, target.id());
+    gl::Program& program = compose.with(shot.constants + "const bool linear = " + (linear ? "true" : "false") + ";\n");
     set_studio(program, shot);
     program.texture("samples", 0, GL_TEXTURE_2D, sum.id());
     program.texture("glass", 1, GL_TEXTURE_2D, glass.id());
@@ -335,6 +377,12 @@ void Renderer::Device::compose_picture(const Shot& shot) {
     program.set("exposure", shot.look.exposure);
     program.set("aspect", shot.aspect);
     cover_screen();
+}
+
+PictureLayers Renderer::Device::light_of(const Shot& shot) {
+    if (!layer_pass) layer_pass.emplace(width, height, depth);
+    compose_picture(shot, layer_pass->light_target(), true);
+    return layer_pass->read_light(is_transparent(shot.look));
 }
 
 Image Renderer::Device::read_back() const {
@@ -356,6 +404,10 @@ Renderer::Renderer(Renderer&&) noexcept = default;
 std::string Renderer::device() const { return device_->context.device(); }
 Image Renderer::draw(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view) {
     return device_->draw(frame, surface, look, view);
+}
+PictureLayers Renderer::draw_layers(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view,
+                                    const NextView& next) {
+    return device_->draw_layers(frame, surface, look, view, next);
 }
 
 }  // namespace whorl

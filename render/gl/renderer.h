@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/io/frame.h"
-#include "render/image/image.h"
+#include "render/image/layers.h"
 #include "render/look/camera.h"
 #include "render/look/look_options.h"
 #include "render/surface/surface.h"
@@ -26,6 +26,12 @@ std::vector<DeviceAttempt> probe_devices();
 /// nothing may change the environment while another thread starts a process.
 void share_threads_with_software_driver();
 
+/// Where the camera stands at the next picture.
+struct NextView {
+    View view;
+    float interval;  ///< s, simulated, until then
+};
+
 /// Draws frames into images. Belongs to the thread that made it.
 class Renderer {
 public:
@@ -34,8 +40,11 @@ public:
     ~Renderer();
     Renderer(Renderer&&) noexcept;
 
-    /// Draws the fluid's surface (or its particles, after the look), the solids, and the ground.
+    /// Draws the fluid's surface (or its particles, after the look), the solids, and the ground. With alpha where the background is
+    /// transparent.
     Image draw(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view);
+    /// The same picture for compositors, without words. Where the look colours the fluid by a field, only its light (and shadow).
+    PictureLayers draw_layers(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view, const NextView& next);
     /// Renderer and version of the GL in use.
     std::string device() const;
 

@@ -11,6 +11,8 @@
 namespace whorl {
 namespace {
 
+constexpr float solid_tolerance = 1e-4f;  // m, as depth.frag cuts solids at the ground
+
 void fill_vertices(gl::Vertices& vertices, const TriangleMesh& mesh) {
     if (mesh.triangle.empty()) return vertices.fill({{nullptr, 0}, {nullptr, 0}}, nullptr, 0);
     vertices.fill({{mesh.position[0].data(), 3 * mesh.position.size()}, {mesh.normal[0].data(), 3 * mesh.normal.size()}},
@@ -144,9 +146,11 @@ void SceneGeometry::fill(const Frame& frame, const FlowGrid& grid) {
 void SceneGeometry::fill_solids(const Frame& frame) {
     solids_.clear();
     containers_.clear();
+    int number = -1;
     for (const FrameSolid& solid : frame.solids) {
+        ++number;
         if (!solid.mesh || is_level_ground(solid)) continue;
-        (solid.container ? containers_ : solids_).push_back({solid, &model(solid.mesh)});
+        (solid.container ? containers_ : solids_).push_back({solid, &model(solid.mesh), number});
         if (solid.container && containers_.back().model->edges.count() == 0)
             fill_edges(models_.at(solid.mesh.get()).edges, sharp_edges(*solid.mesh));
         bounds_.add(bounds_of(solid));
@@ -165,7 +169,7 @@ void SceneGeometry::draw_fluid(gl::Program& program) const {
 
 void SceneGeometry::draw_solids(gl::Program& program, bool containers, const std::function<void(const FrameSolid&)>& prepare,
                                 const std::function<bool(const FrameSolid&)>& wanted) const {
-    for (const auto& [solid, model] : containers ? containers_ : solids_) {
+    for (const auto& [solid, model, number] : containers ? containers_ : solids_) {
         if (wanted && !wanted(solid)) continue;
         const auto [rotation, translation] = pose_after(solid, moment_);
         program.set("rotation", rotation);
@@ -175,8 +179,28 @@ void SceneGeometry::draw_solids(gl::Program& program, bool containers, const std
     }
 }
 
+void SceneGeometry::draw_numbered(gl::Program& program, float interval, float tolerance) const {
+    const auto place = [&](const std::pair<Mat3f, Vec3f>& now, const std::pair<Mat3f, Vec3f>& next) {
+        program.set("rotation", now.first);
+        program.set("translation", now.second);
+        program.set("next_rotation", next.first);
+        program.set("next_translation", next.second);
+    };
+    const std::pair<Mat3f, Vec3f> still{Mat3f::Identity(), Vec3f::Zero()};
+    place(still, still);
+    program.set("number", 1.0f);
+    program.set("tolerance", tolerance);
+    if (shape_ == Shape::surface) fluid_.draw(GL_TRIANGLES);
+    program.set("tolerance", solid_tolerance);
+    for (const Placed& placed : solids_) {
+        place(pose_after(placed.solid, 0), pose_after(placed.solid, interval));
+        program.set("number", static_cast<float>(2 + placed.number));
+        placed.model->vertices.draw(GL_TRIANGLES);
+    }
+}
+
 void SceneGeometry::draw_edges(gl::Program& program) const {
-    for (const auto& [solid, model] : containers_) {
+    for (const auto& [solid, model, number] : containers_) {
         const auto [rotation, translation] = pose_after(solid, moment_);
         program.set("rotation", rotation);
         program.set("translation", translation);

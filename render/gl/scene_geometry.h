@@ -36,6 +36,9 @@ public:
                      const std::function<bool(const FrameSolid&)>& wanted = {}) const;
     /// The edges of containers, as strips as wide as the program of edge.vert makes them.
     void draw_edges(gl::Program& program) const;
+    /// Draws the surface and the solids with a program of layers.vert, each with its number (render/image/layers.h).
+    /// @param interval s, until the next picture @param tolerance m, of the fluid's cut at the ground
+    void draw_numbered(gl::Program& program, float interval, float tolerance) const;
     bool any_solids() const { return !solids_.empty(); }
     bool any_containers() const { return !containers_.empty(); }
     const Bounds& fluid_bounds() const { return fluid_bounds_; }
@@ -51,6 +54,7 @@ private:
     struct Placed {
         FrameSolid solid;
         const Model* model;
+        int number;  ///< its place in the frame, from 0
     };
     void fill_solids(const Frame& frame);
     const Model& model(const std::shared_ptr<const TriangleMesh>& mesh);

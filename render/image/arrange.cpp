@@ -30,6 +30,7 @@ std::vector<Cover> covers(int from, int to) {
 }
 
 void paste(Image& onto, const Image& image, int x, int y) {
+    if (!image.alpha.empty()) return paste(onto, over_grey(image), x, y);
     for (int row = 0; row < image.height; ++row) std::copy_n(image.pixel(0, row), 3 * image.width, onto.pixel(x, y + row));
 }
 
@@ -63,7 +64,8 @@ Image contact_sheet(const std::vector<Image>& images, int columns, int cell_widt
     for (const Image& image : images) {
         const int width = std::min(cell_width, image.width);
         const int height = std::max(1, static_cast<int>(std::lround(static_cast<double>(image.height) * width / image.width)));
-        cells.push_back(width == image.width ? image : downscaled(image, width, height));
+        const Image whole = over_grey(image);
+        cells.push_back(width == image.width ? whole : downscaled(whole, width, height));
         cell_height = std::max(cell_height, height);
         widest = std::max(widest, width);
     }

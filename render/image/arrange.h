@@ -1,5 +1,5 @@
 #pragma once
-/// Pictures made smaller and laid side by side.
+/// Pictures made smaller and laid side by side. What comes out is opaque: transparent pictures are laid over grey.
 #include "render/image/image.h"
 
 namespace whorl {

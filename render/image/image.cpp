@@ -57,16 +57,43 @@ Image plain_image(int width, int height, std::uint8_t grey) {
     return {width, height, std::vector<std::uint8_t>(3 * grid_count(width, height), grey)};
 }
 
+std::vector<std::uint8_t> with_alpha(const Image& image) {
+    std::vector<std::uint8_t> rgba;
+    rgba.reserve(4 * image.rgb.size() / 3);
+    for (std::size_t i = 0; i < image.rgb.size() / 3; ++i) {
+        rgba.insert(rgba.end(), &image.rgb[3 * i], &image.rgb[3 * i] + 3);
+        rgba.push_back(image.alpha.empty() ? 255 : image.alpha[i]);
+    }
+    return rgba;
+}
+
+Image over_grey(Image image) {
+    constexpr int grey = 118;  // 18 % of the light of white
+    for (std::size_t i = 0; i < image.alpha.size(); ++i)
+        for (int c = 0; c < 3; ++c) {
+            std::uint8_t& value = image.rgb[3 * i + c];
+            value = static_cast<std::uint8_t>((value * image.alpha[i] + grey * (255 - image.alpha[i]) + 127) / 255);
+        }
+    image.alpha.clear();
+    return image;
+}
+
 std::vector<std::uint8_t> encode_png(const Image& image) {
     std::vector<std::uint8_t> bytes;
-    stbi_write_png_to_func(append, &bytes, image.width, image.height, 3, image.rgb.data(), 3 * image.width);
+    if (image.alpha.empty()) {
+        stbi_write_png_to_func(append, &bytes, image.width, image.height, 3, image.rgb.data(), 3 * image.width);
+    } else {
+        const std::vector<std::uint8_t> rgba = with_alpha(image);
+        stbi_write_png_to_func(append, &bytes, image.width, image.height, 4, rgba.data(), 4 * image.width);
+    }
     WHORL_ASSERT(configured && !bytes.empty(), +std::to_string(image.width) + "x" + std::to_string(image.height));
     return bytes;
 }
 
 std::vector<std::uint8_t> encode_jpeg(const Image& image, int quality) {
     std::vector<std::uint8_t> bytes;
-    stbi_write_jpg_to_func(append, &bytes, image.width, image.height, 3, image.rgb.data(), quality);
+    const std::vector<std::uint8_t> rgb = image.alpha.empty() ? image.rgb : over_grey(image).rgb;
+    stbi_write_jpg_to_func(append, &bytes, image.width, image.height, 3, rgb.data(), quality);
     WHORL_ASSERT(!bytes.empty(), +std::to_string(image.width) + "x" + std::to_string(image.height));
     return bytes;
 }
@@ -79,10 +106,17 @@ void write_png(const std::filesystem::path& file, const Image& image) {
 Image read_png(const std::filesystem::path& file) {
     Image image;
     int channels = 0;
-    stbi_uc* pixels = stbi_load(file.c_str(), &image.width, &image.height, &channels, 3);
+    stbi_info(file.c_str(), &image.width, &image.height, &channels);
+    const bool has_alpha = channels == 2 || channels == 4;
+    stbi_uc* pixels = stbi_load(file.c_str(), &image.width, &image.height, &channels, has_alpha ? 4 : 3);
     if (pixels == nullptr)
         throw InputError({file.string()}, std::string("cannot read the picture: ") + stbi_failure_reason(), "", "a PNG file");
-    image.rgb.assign(pixels, pixels + 3 * grid_count(image.width, image.height));
+    const std::size_t count = grid_count(image.width, image.height);
+    if (!has_alpha) image.rgb.assign(pixels, pixels + 3 * count);
+    for (std::size_t i = 0; has_alpha && i < count; ++i) {
+        image.rgb.insert(image.rgb.end(), pixels + 4 * i, pixels + 4 * i + 3);
+        image.alpha.push_back(pixels[4 * i + 3]);
+    }
     stbi_image_free(pixels);
     return image;
 }

@@ -12,10 +12,15 @@ namespace whorl {
 struct Image {
     int width = 0, height = 0;
     std::vector<std::uint8_t> rgb;
+    std::vector<std::uint8_t> alpha = {};  ///< one byte a pixel, straight: `rgb` is as if nothing shone through; empty: opaque
     std::uint8_t* pixel(int x, int y) { return &rgb[3 * grid_index(x, y, width)]; }
     const std::uint8_t* pixel(int x, int y) const { return &rgb[3 * grid_index(x, y, width)]; }
 };
 
+/// Four bytes a pixel, as other programs take them.
+std::vector<std::uint8_t> with_alpha(const Image& image);
+/// Laid over a middle grey, for what knows no alpha.
+Image over_grey(Image image);
 /// Of one grey everywhere.
 Image plain_image(int width, int height, std::uint8_t grey);
 /// Writes under a temporary name and renames when whole. @throws EnvironmentError (disk full, no such folder)
@@ -30,6 +35,7 @@ struct FloatImage {
 /// A Radiance picture (.hdr). @throws InputError where the file is missing, broken or of another kind
 FloatImage read_hdr(const std::filesystem::path& file);
 std::vector<std::uint8_t> encode_png(const Image& image);
+/// JPEG has no alpha: a transparent picture is laid over grey.
 std::vector<std::uint8_t> encode_jpeg(const Image& image, int quality);
 
 }  // namespace whorl

@@ -9,7 +9,14 @@
 namespace whorl {
 namespace {
 
-void mix(std::uint8_t* pixel, const Vec3f& colour, float share) {
+void mix(Image& image, int x, int y, const Vec3f& colour, float share) {
+    std::uint8_t* pixel = image.pixel(x, y);
+    if (!image.alpha.empty()) {  // what was there shows through the colour only as far as there was anything
+        std::uint8_t& alpha = image.alpha[grid_index(x, y, image.width)];
+        const float before = static_cast<float>(alpha) / 255, after = share + before * (1 - share);
+        alpha = static_cast<std::uint8_t>(std::lround(255 * after));
+        share = after > 0 ? share / after : 0;
+    }
     for (int c = 0; c < 3; ++c) {
         const float there = linear_light(pixel[c]), wanted = linear_light(static_cast<std::uint8_t>(std::lround(255 * colour[c])));
         pixel[c] = srgb_byte(there + share * (wanted - there));
@@ -33,7 +40,7 @@ public:
         for (int y = 0; y < height_; ++y)
             for (int x = 0; x < width_; ++x)
                 if (const int share = covered[y * stride + x]; share > 0)
-                    mix(image.pixel(x_ + x, y_ + y), colour, strength * static_cast<float>(share) / 255);
+                    mix(image, x_ + x, y_ + y, colour, strength * static_cast<float>(share) / 255);
     }
 
 private:
@@ -67,7 +74,7 @@ float text_width(const std::string& text, float height) { return static_cast<flo
 
 void tint_box(Image& image, int x, int y, int width, int height, const Vec3f& colour, float share) {
     for (int row = std::max(0, y); row < std::min(image.height, y + height); ++row)
-        for (int column = std::max(0, x); column < std::min(image.width, x + width); ++column) mix(image.pixel(column, row), colour, share);
+        for (int column = std::max(0, x); column < std::min(image.width, x + width); ++column) mix(image, column, row, colour, share);
 }
 
 }  // namespace whorl

@@ -79,7 +79,9 @@ KeyTable make_look_keys() {
     t.key("roughness", &L::roughness, "", "0 mirror, 1 matt" + preset).at_most(1).only_with("style", surface);
     t.key("cooling", &L::cooling, "s", "lava: time in which it loses most of its glow, where a viscosity depends on age; 0: never" + preset)
         .only_with("style", surface);
-    t.key("background", &L::background, "", "what stands behind").one_of(background_names());
+    t.key("background", &L::background, "",
+          "what stands behind; transparent: nothing, so that the picture can be laid over another (the studio still lights it)")
+        .one_of(background_names());
     t.key("ground", &L::ground, "", "a ground with shadow under the scene");
     t.key("table", &L::table, "", "what the ground is: the background's paper (none), or a table of this").one_of(table_names());
     t.key("exposure", &L::exposure, "", "brightness of everything").above(0);

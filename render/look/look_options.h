@@ -26,7 +26,7 @@ struct LookOptions {
     float roughness = -1;                  ///< 0 mirror .. 1 matt; negative: the preset's
     float cooling =
         -1;  ///< s, lava: in which it loses most of its glow, where its viscosity depends on age; 0: never; negative: the preset's
-    std::string background = "studio";  ///< studio | dark | white
+    std::string background = "studio";  ///< studio | dark | white | transparent (lit by the studio)
     bool ground = true;                 ///< a ground with shadow under the scene
     std::string table = "none";         ///< what the ground is: none (the backdrop's paper) | plain | wood | stone | cloth
     std::filesystem::path environment;  ///< a picture of what stands all round, which lights the scene; empty: the studio
@@ -52,6 +52,9 @@ struct LookOptions {
     bool legend = false;
     bool time_stamp = false;
 };
+
+/// Whether the look draws nothing behind the fluid and the solids.
+inline bool is_transparent(const LookOptions& look) { return look.background == "transparent"; }
 
 /// Whether the look draws vortex lines.
 inline bool draws_lines(const LookOptions& look) { return look.style == "tubes" || look.style == "ribbons"; }

@@ -82,6 +82,7 @@ void draw_bar(Image& image, const std::string& map, const Bar& bar) {
             const int x = static_cast<int>(bar.x) + (bar.upright ? m : n), y = static_cast<int>(bar.y) + (bar.upright ? n : m);
             if (x < 0 || y < 0 || x >= image.width || y >= image.height) continue;
             for (int c = 0; c < 3; ++c) image.pixel(x, y)[c] = byte(colour[c]);
+            if (!image.alpha.empty()) image.alpha[grid_index(x, y, image.width)] = 255;
         }
     }
 }

@@ -28,7 +28,7 @@ Studio studio_of(const std::string& background) {
     return studio;
 }
 
-std::vector<std::string> background_names() { return {"studio", "dark", "white"}; }
+std::vector<std::string> background_names() { return {"studio", "dark", "white", "transparent"}; }
 
 Mat3f studio_axes(const View& view) {
     const Vec3f forward = (view.target - view.position).normalized();

@@ -16,7 +16,7 @@ struct Studio {
     Vec3f sky;                     ///< the light that falls on a body from all round
     Vec3f sun;                     ///< what the shadow light adds on a white surface that faces it
 };
-/// studio | dark | white; any other name: studio.
+/// studio | dark | white; transparent and any other name: studio.
 Studio studio_of(const std::string& background);
 std::vector<std::string> background_names();
 

@@ -1,4 +1,5 @@
-// Puts the samples over the background and turns linear light into a picture.
+// Puts the samples over the background and turns linear light into a picture; or leaves it linear, for compositors.
+// constants: bool linear; bool transparent: there is no background, only what its ground is darkened by
 in vec2 uv;
 uniform sampler2D samples;
 uniform sampler2D glass;     // walls of containers, over everything
@@ -7,6 +8,9 @@ uniform mat4 to_world;
 uniform float exposure;
 uniform float aspect;
 layout(location = 0) out vec4 picture;
+layout(location = 1) out vec4 shadow;
+
+// What follows is the same in render/image/layers.cpp.
 
 // Khronos PBR Neutral tone mapper (Khronos Group, 2024): base colours come through as they are, highlights are compressed and desaturated.
 vec3 tone(vec3 colour) {
@@ -33,12 +37,19 @@ float dither(vec2 pixel) { return fract(52.9829189 * fract(dot(pixel, vec2(0.067
 void main() {
     vec4 front = texture(samples, uv);
     vec3 colour = front.rgb;
-    if (front.a < 0.999) colour += (1.0 - front.a) * seen_behind(to_world, uv);
+    float alpha = transparent && front.a < 0.999 ? front.a : 1.0;
+    if (!transparent && front.a < 0.999) colour += (1.0 - front.a) * seen_behind(to_world, uv);
     if (has_glass) {
         vec4 wall = texture(glass, uv);
         colour = colour * (1.0 - min(wall.a, 1.0)) + wall.rgb;
+        alpha += (1.0 - alpha) * min(wall.a, 1.0);
     }
     vec2 off = (uv - 0.5) * vec2(min(aspect, 1.0), 1.0);
-    colour *= exposure * (1.0 - 0.35 * dot(off, off));
+    colour *= exposure * (transparent ? 1.0 : 1.0 - 0.35 * dot(off, off));  // a plate of film is darker at its corners of itself
+    if (linear) {
+        picture = vec4(colour, alpha);
+        shadow = vec4(shadow_behind(to_world, uv), 1.0);
+        return;
+    }
     picture = vec4(srgb(clamp(tone(colour), 0.0, 1.0)) + dither(gl_FragCoord.xy) / 255.0, 1.0);
 }

@@ -6,7 +6,7 @@ uniform sampler2D solid_buffer;
 uniform mat4 to_world;       // clip -> world
 uniform mat4 to_clip;
 uniform float weight;        // of this sample in the pixel
-// constant: bool draws_behind: every sample sees what stands behind from a place of its own
+// constants: bool transparent: nothing is drawn behind; bool draws_behind: every sample sees what stands behind from a place of its own
 uniform bool has_solids;
 uniform bool has_motion;     // of the surface since the moment of the distance field
 uniform sampler2D motion_buffer;
@@ -66,10 +66,13 @@ vec4 solid_behind(vec3 p, vec3 d) {
     return vec4(0.0);
 }
 
-vec3 seen_from(vec3 p, vec3 d) {
+// @param through light that is let through @param clear what of it a plate of film behind is to send instead, of all colours alike: the
+// studio goes on sending the colour
+vec3 seen_through(vec3 p, vec3 d, vec3 through, out float clear) {
     vec4 s = has_solids ? solid_behind(p, d) : vec4(0.0);
+    clear = transparent && s.a < 0.5 ? min(through.r, min(through.g, through.b)) : 0.0;
     // Lights seen through the body are held back: far above white they would wash its colour out.
-    return min(s.a > 0.5 ? s.rgb : surroundings(p, d), vec3(1.8));
+    return (through - clear) * min(s.a > 0.5 ? s.rgb : surroundings(p, d), vec3(1.8));
 }
 
 // What inks along a way give back of the lamp's light, and in `through` what they leave of the light from behind. They take the fluid's place:
@@ -91,8 +94,8 @@ vec3 through_inks(vec3 p, vec3 d, float way, vec3 lamp, inout vec3 through) {
     return light;
 }
 
-// @param lamp light that falls on the body
-vec3 light_through(vec3 p, vec3 d, vec3 lamp) {
+// @param lamp light that falls on the body @param clear as of seen_through
+vec3 light_through(vec3 p, vec3 d, vec3 lamp, out float clear) {
     vec3 through = vec3(1.0), light = vec3(0.0);
     float floor_place = (ground_height - field_origin.y) / voxel;
     for (int turn = 0; turn < 4; ++turn) {
@@ -130,14 +133,14 @@ vec3 light_through(vec3 p, vec3 d, vec3 lamp) {
         n = field_normal(p);
         d = refract(d, dot(n, d) < 0.0 ? n : -n, 1.0 / refraction);
     }
-    return light + through * seen_from(world_of(p), d);
+    return light + seen_through(world_of(p), d, through, clear);
 }
 
 void main() {
     vec4 g = texture(normal_buffer, uv);
     vec4 solid = texture(solid_buffer, uv);
     if (g.a < 0.5) {
-        if (solid.a == 0.0 && !draws_behind) discard;
+        if (solid.a == 0.0 && (transparent || !draws_behind)) discard;
         colour = weight * vec4(solid.a == 0.0 ? seen_behind(to_world, uv) : solid.rgb, 1.0);
         return;
     }
@@ -154,6 +157,7 @@ void main() {
     vec3 mirrored = mix(scatter * sky * 0.5, surroundings(x, r) + strip_light(r), open);
     // The body glows more on the side of the window behind the scene and from above.
     vec3 lamp = sky * (0.9 + 0.4 * dot(studio * n, vec3(-0.48, 0.77, -0.42)));
-    vec3 body = light_through(p, refract(v, n, 1.0 / refraction), lamp);
-    colour = weight * vec4(mix(body, mirrored, mirror), 1.0);
+    float clear;
+    vec3 body = light_through(p, refract(v, n, 1.0 / refraction), lamp, clear);
+    colour = weight * vec4(mix(body, mirrored, mirror), 1.0 - clear * (1.0 - mirror));
 }

@@ -5,7 +5,7 @@ uniform sampler2D normal_buffer;
 uniform sampler2D solid_buffer;
 uniform mat4 to_world;       // clip -> world
 uniform float weight;        // of this sample in the pixel
-// constant: bool draws_behind: every sample sees what stands behind from a place of its own
+// constants: bool transparent: nothing is drawn behind; bool draws_behind: every sample sees what stands behind from a place of its own
 uniform bool has_field;
 uniform vec3 body_colour;
 uniform float roughness;
@@ -39,7 +39,7 @@ void main() {
         n = in_relief(n, x, 2.0 * voxel * crust.height);
     }
     if (g.a < 0.5) {
-        if (solid.a == 0.0 && !draws_behind) discard;
+        if (solid.a == 0.0 && (transparent || !draws_behind)) discard;
         colour = weight * vec4(solid.a == 0.0 ? seen_behind(to_world, uv) : solid.rgb, 1.0);
         return;
     }

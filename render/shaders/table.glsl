@@ -24,9 +24,20 @@ vec3 surroundings(vec3 p, vec3 d) {
     return ground_seen(q, d, light_on_ground(q.xz));
 }
 
+vec3 ray_behind(mat4 to_world, vec2 uv) {
+    vec4 h = to_world * vec4(2.0 * uv - 1.0, 1.0, 1.0);
+    return normalize(h.xyz / h.w - eye);
+}
+
+// Light on the ground over what it would get alone, at this place of the picture; 1 where there is no ground.
+vec3 shadow_behind(mat4 to_world, vec2 uv) {
+    vec3 d = ray_behind(to_world, uv);
+    if (d.y > -1e-3 || eye.y < ground_height || ground_height < -1e5) return vec3(1.0);
+    return light_on_ground((eye + d * ((ground_height - eye.y) / d.y)).xz);
+}
+
 // What the camera sees at this place of the picture where nothing stands.
 vec3 seen_behind(mat4 to_world, vec2 uv) {
-    vec4 h = to_world * vec4(2.0 * uv - 1.0, 1.0, 1.0);
-    vec3 d = normalize(h.xyz / h.w - eye);
+    vec3 d = ray_behind(to_world, uv);
     return d.y < -1e-3 ? surroundings(eye, d) : backdrop(d);
 }

@@ -16,7 +16,7 @@ struct SurfaceOptions {
     double iso = 0.605;     ///< the colour field's value on the surface, near 1 inside; 0.605: unbiased (render/surface/colour_field.h)
     int smoothing = 1;      ///< rounds of smoothing on the mesh that keep its volume; 0: none
     bool distance = true;   ///< make the distance volume (refraction needs it)
-    bool velocity = false;  ///< tell the velocity at the vertices; no key: a camera whose shutter opens needs it
+    bool velocity = false;  ///< tell the velocity at the vertices; no key: a camera whose shutter opens and EXR pictures need it
     bool ages = true;       ///< tell ages and crust where the frame has ages; no key: false where nothing changes with age
 };
 

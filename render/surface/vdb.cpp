@@ -8,6 +8,7 @@
 
 #include <sstream>
 
+#include "engine/core/errors.h"
 #include "engine/core/parallel.h"
 #include "engine/core/whole_file.h"
 #include "render/surface/distance.h"
@@ -95,6 +96,7 @@ struct VdbInMemory : openvdb::io::Archive {
 }  // namespace
 
 void write_vdb(const std::filesystem::path& file, const VdbFile& about, const Surface& surface, const GridFields& fields) {
+    WHORL_ASSERT(about.voxel > 0, +std::to_string(about.voxel));
     openvdb::initialize();
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads()));
     openvdb::GridCPtrVec grids{level_set(surface, about.voxel)};

@@ -47,10 +47,12 @@ std::vector<std::string> mp4(const VideoOptions& options) {
     return words;
 }
 
-/// ProRes 422 HQ, for cutting programs.
-std::vector<std::string> mov(const VideoOptions&) {
+/// ProRes 422 HQ, or 4444 with alpha: for cutting programs.
+std::vector<std::string> mov(const VideoOptions& options) {
+    const std::string format = options.alpha ? "format=yuva444p10le" : "format=yuv422p10le";
     std::vector<std::string> words{
-        "-vf", std::string(even) + to_bt709 + "format=yuv422p10le", "-c:v", "prores_ks", "-profile:v", "3", "-threads", "1"};
+        "-vf", std::string(even) + to_bt709 + format, "-c:v", "prores_ks", "-profile:v", options.alpha ? "4" : "3", "-threads", "1"};
+    if (options.alpha) words.insert(words.end(), {"-alpha_bits", "16"});
     for (const std::string& word : tagged_bt709()) words.push_back(word);
     words.insert(words.end(), {"-f", "mov"});
     return words;
@@ -58,7 +60,7 @@ std::vector<std::string> mov(const VideoOptions&) {
 
 /// VP9 needs a larger number for the same quality.
 std::vector<std::string> webm(const VideoOptions& options) {
-    std::vector<std::string> words{"-vf",       std::string(even) + to_bt709 + "format=yuv420p",
+    std::vector<std::string> words{"-vf",       std::string(even) + to_bt709 + (options.alpha ? "format=yuva420p" : "format=yuv420p"),
                                    "-c:v",      "libvpx-vp9",
                                    "-b:v",      "0",
                                    "-crf",      std::to_string(std::min(63, options.crf + 12)),
@@ -66,6 +68,7 @@ std::vector<std::string> webm(const VideoOptions& options) {
                                    "-cpu-used", "5",
                                    "-threads",  "1"};
     for (const std::string& word : tagged_bt709()) words.push_back(word);
+    if (options.alpha) words.insert(words.end(), {"-auto-alt-ref", "0"});  // libvpx can do only one of both
     words.insert(words.end(), {"-f", "webm"});
     return words;
 }
@@ -84,9 +87,11 @@ std::vector<std::string> gif(const VideoOptions& options) {
 struct Format {
     const char* suffix;
     std::vector<std::string> (*encode)(const VideoOptions&);
+    bool has_alpha;
     const char* container;  ///< to be rewritten so that it starts fast; null: the file is as it should be when encoded
 };
-constexpr Format formats[] = {{".mp4", mp4, "mp4"}, {".mov", mov, "mov"}, {".webm", webm, nullptr}, {".gif", gif, nullptr}};
+constexpr Format formats[] = {
+    {".mp4", mp4, false, "mp4"}, {".mov", mov, true, "mov"}, {".webm", webm, true, nullptr}, {".gif", gif, false, nullptr}};
 
 const Format& format_of(const std::filesystem::path& file) {
     const auto found = std::find_if(std::begin(formats), std::end(formats), [&](const Format& f) { return file.extension() == f.suffix; });
@@ -104,7 +109,7 @@ std::vector<std::string> encode_arguments(const std::filesystem::path& file, int
                                    "-f",
                                    "rawvideo",
                                    "-pixel_format",
-                                   "rgb24",
+                                   options.alpha ? "rgba" : "rgb24",
                                    "-video_size",
                                    std::to_string(width) + "x" + std::to_string(height),
                                    "-framerate",
@@ -125,6 +130,8 @@ std::vector<std::string> rewrite_arguments(const std::filesystem::path& from, co
 
 }  // namespace
 
+bool video_has_alpha(const std::filesystem::path& file) { return format_of(file).has_alpha; }
+
 const std::vector<std::string>& video_suffixes() {
     static const std::vector<std::string> all = [] {
         std::vector<std::string> names;
@@ -137,13 +144,15 @@ const std::vector<std::string>& video_suffixes() {
 struct VideoEncoder::Process {
     std::filesystem::path file;
     int width, height;
+    bool alpha;
     ChildProcess ffmpeg;
 };
 
 VideoEncoder::VideoEncoder(std::filesystem::path file, int width, int height, VideoOptions options) {
     WHORL_ASSERT(width >= 2 && height >= 2, +std::to_string(width) + "x" + std::to_string(height));
+    options.alpha = options.alpha && video_has_alpha(file);
     ChildProcess ffmpeg = start(encode_arguments(partial_video(file), width, height, options));
-    process_ = std::make_unique<Process>(Process{std::move(file), width, height, std::move(ffmpeg)});
+    process_ = std::make_unique<Process>(Process{std::move(file), width, height, options.alpha, std::move(ffmpeg)});
 }
 
 VideoEncoder::~VideoEncoder() = default;
@@ -152,7 +161,8 @@ VideoEncoder::VideoEncoder(VideoEncoder&&) noexcept = default;
 void VideoEncoder::add(const Image& image) {
     WHORL_ASSERT(process_ != nullptr && image.width == process_->width && image.height == process_->height,
                  +std::to_string(image.width) + "x" + std::to_string(image.height));
-    if (process_->ffmpeg.write(image.rgb)) return;
+    const bool plain = !process_->alpha && image.alpha.empty();
+    if (process_->ffmpeg.write(plain ? image.rgb : process_->alpha ? with_alpha(image) : over_grey(image).rgb)) return;
     process_->ffmpeg.wait();
     throw EnvironmentError("the video encoder ended early: " + last_lines(process_->ffmpeg.output()), "", remedy);
 }

@@ -72,6 +72,7 @@ const std::map<std::string, std::set<std::string>> kept_in = {
     {"epoxy/", {"render/gl"}},        {"stb_", {"render/image"}},  {"toml++/", {"engine/scene"}},
     {"muParser", {"engine/math"}},    {"httplib", {"tools"}},      {"CLI/", {"tools"}},
     {"tbb/", {"render/surface"}},     {"cairo", {"render/image"}}, {"ft2build", {"render/image"}},
+    {"OpenEXR/", {"render/image"}},
 };
 
 std::string layer_of(const std::string& path) {

@@ -32,6 +32,8 @@ def outside(whorl):
             run("draw", folder / "honey", "--frames", HONEY_FRAME, "--size", f"{WIDTH}x{HEIGHT}", "--set", "look.style=opaque", "--set", "look.roughness=1",
                 "--set", f"look.colour=[{colour}, {colour}, {colour}]", "--out", folder / f"colour_{colour}")
         run("render", "paddle", "--frames", PADDLE_FRAME, "--set", "fluid.spacing=0.02", "--no-images", "--export", "mesh,scene", "--out", folder / "paddle")
+        run("render", "cake_batter", "--quality", "draft", "--frames", PADDLE_FRAME, "--no-images", "--export", "mesh,scene", "--out", folder / "inks", "--set", "emitter[0].ink=[0, 1, 0]",
+            "--set", "look.style=opaque", "--set", "look.colour=[0.9, 0.9, 0.9]")
         done = subprocess.run([blender, "--background", "--factory-startup", "--python-exit-code", "1", "--python", __file__, "--", folder], text=True,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         print(done.stdout if done.returncode else "\n".join(line for line in done.stdout.splitlines() if line.startswith("ok")))
@@ -123,6 +125,15 @@ def inside(folder):
     missing, beyond = (ours & ~widened(theirs, 2)).sum(), (theirs & ~widened(ours, 2)).sum()
     assert missing == 0 and beyond == 0, f"{missing} pixels of ours and {beyond} of theirs lie further than 2 pixels off"
     print(f"ok: silhouettes of {ours.sum()} and {theirs.sum()} pixels within 2 pixels of each other, {(ours != theirs).sum()} differ")
+
+    # A fluid that is all of the second ink has that ink's colour, and is drawn in it: blue.
+    scene, fluid = opened("inks", PADDLE_FRAME)
+    colour = numpy.empty(4 * len(fluid.data.vertices), dtype=numpy.float32)
+    fluid.data.attributes["colour"].data.foreach_get("color", colour)
+    blue = whorl_import.linear("#1e50a0")
+    assert numpy.abs(colour.reshape(-1, 4)[:, :3] - blue).max() < 0.01, colour[:4]
+    assert fluid.active_material.node_tree.nodes["Principled BSDF"].inputs["Base Color"].is_linked
+    print("ok: the ink is", blue.round(3))
 
     # The paddle: turned by the integral of its rotation, -5 min(1, t/0.5), about the middle of its first blade.
     scene, _ = opened("paddle", PADDLE_FRAME)

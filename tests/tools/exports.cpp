@@ -117,19 +117,27 @@ TEST_CASE("every export writes its files under the scene's name, changes no part
     CHECK(spent["cpu_seconds"].get<double>() > 0);
 }
 
-TEST_CASE("an export that cannot be written ends the run with its reason, and leaves nothing half written", "[tools][export]") {
+TEST_CASE("a file that cannot be written ends the run with its reason, and leaves nothing half written", "[tools][export]") {
     const Scratch scratch;
-    fs::create_directories(scratch / "run");
-    const std::vector<std::string> words{"render",       scratch.scene(), "--no-images", "--export",
-                                         "points,scene", "--quiet",       "--out",       scratch.run()};
     // No file is to be larger than some kilobytes: the disk is full, as far as the program can tell.
-    std::string command = "ulimit -f 24; trap '' XFSZ; exec " WHORL_PROGRAM;
-    for (const std::string& word : words) command += " '" + word + "'";
-    const Outcome full = Program({"-c", command}, "bash").wait();
-    INFO(full.err);
-    CHECK(full.code == 1);
-    CHECK(full.err.find("cannot write " + scratch.run() + "/points/little_honey.0001.ply: File too large") != std::string::npos);
-    CHECK(files_in(scratch / "run/points").empty());
+    const auto refused = [&](const std::string& options, const std::string& file) {
+        fs::remove_all(scratch / "run");
+        const std::string words = " render '" + scratch.scene() + "' --quiet --frames 1 --out '" + scratch.run() + "' " + options;
+        const Outcome full = Program({"-c", "ulimit -f 24; trap '' XFSZ; exec " WHORL_PROGRAM + words}, "bash").wait();
+        INFO(full.err);
+        CHECK(full.code == 1);
+        CHECK(full.err.find("cannot write " + scratch.run() + "/" + file + ": File too large") != std::string::npos);
+        CHECK(files_in((scratch / "run" / file).parent_path()).empty());
+    };
+    for (const auto& [kind, file] : {std::pair{"points,scene", "points/little_honey.0001.ply"},
+                                     {"mesh", "mesh/little_honey.0001.ply"},
+                                     {"obj", "obj/little_honey.0001.obj"},
+                                     {"vdb", "vdb/little_honey.0001.vdb"},
+                                     {"vtk", "vtk/little_honey_points.0001.vtp"},
+                                     {"raw", "raw/000001.frame"}})
+        refused("--no-images --export " + std::string(kind), file);
+    for (const char* format : {"png", "exr"})
+        refused("--no-video --size 320x180 --set output.format=" + std::string(format), "frames/000001." + std::string(format));
 }
 
 }  // namespace exports_test

@@ -134,7 +134,9 @@ TEST_CASE("a scene with panels is one film of runs side by side, each whole in i
     // Below the label, the left half is the first panel.
     CHECK(std::equal(left.pixel(0, 100), left.pixel(0, 101), whole.pixel(0, 100)));
     // Rendered again the folder begins anew, and the film before is kept.
-    CHECK(test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--quiet", "--frames", "2"}).code == 0);
+    const Outcome again = test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--frames", "2"});
+    CHECK(again.code == 0);
+    CHECK_THAT(again.err, Catch::Contains("2 frames of 2 panels: " + scratch.run() + "/two_drops.mp4"));
     CHECK(run_json(run).at("frames") == 2);
     CHECK_FALSE(fs::exists(run / "frames/000003.png"));
     CHECK(fs::exists(scratch.run("run.1") + "/two_drops.mp4"));

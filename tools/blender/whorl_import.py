@@ -84,8 +84,27 @@ def sequence(folder, kind, name, suffix):
 # The fluid follows the timeline --------------------------------------------------------------------------------------------------------
 
 
-def fill(mesh, path, slow):
-    """Puts a frame's file into a mesh. slow: simulated seconds in a second of film, for motion blur."""
+def linear(colour):
+    """"#rrggbb" as linear light."""
+    value = numpy.array([int(colour[i:i + 2], 16) for i in (1, 3, 5)]) / 255
+    return numpy.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055)**2.4)
+
+
+def inked(body, inks, amounts):
+    """Linear colours of a body with inks in it, amounts n x 3, mixed as pigments: K/S = (1 - R)^2/(2 R) adds up (Kubelka and Munk)."""
+
+    def ratio(reflected):
+        kept = numpy.clip(reflected, 0.005, 0.98)
+        return (1 - kept)**2 / (2 * kept)
+
+    total = numpy.clip(1 - amounts.sum(axis=1), 0, 1)[:, None] * ratio(numpy.array(body))
+    for amount, ink in zip(amounts.T, inks):
+        total += amount[:, None] * ratio(linear(ink))
+    return 1 + total - numpy.sqrt(total * (2 + total))
+
+
+def fill(mesh, path, about):
+    """Puts a frame's file into a mesh. about: the fluid object's "whorl"."""
     columns, triangles = read_ply(path)
     count = len(columns["x"])
     mesh.clear_geometry()
@@ -106,9 +125,11 @@ def fill(mesh, path, slow):
 
     velocity, ink = vectors(columns, ("_x", "_y", "_z"), "velocity"), vectors(columns, ("_1", "_2", "_3"), "ink")
     if velocity is not None:
-        attribute("velocity", "FLOAT_VECTOR", "vector", velocity * slow)  # Cycles blurs by this name, m a second of film
+        attribute("velocity", "FLOAT_VECTOR", "vector", velocity * about["slow"])  # Cycles blurs by this name, m a second of film
     if ink is not None:
         attribute("ink", "FLOAT_VECTOR", "vector", ink)
+        colour = inked(about["body"], about["inks"].split(), ink)
+        attribute("colour", "FLOAT_COLOR", "color", numpy.column_stack([colour, numpy.ones(count)]))
     for name in ("age", "viscosity", "density", "pressure", "radius"):
         if name in columns:
             attribute(name, "FLOAT", "value", columns[name])
@@ -125,7 +146,7 @@ def show_frame(thing, frame):
     number = min(max(frame, about["first"]), about["last"])
     path = folder / about["kind"] / f"{about['name']}.{number:04d}.ply"
     if path.exists():
-        fill(thing.data, path, about["slow"])
+        fill(thing.data, path, about)
     else:
         print(f"Whorl: {path} is missing")
 
@@ -156,17 +177,27 @@ def put(node, values):
                 break
 
 
-def fluid_material(fluid):
+def body_of(fluid):
+    """The colour of the surface itself: what light goes through has none."""
+    return [1.0, 1.0, 1.0] if fluid["refracts"] else list(fluid["colour"])
+
+
+def fluid_material(fluid, has_ink):
     material = bpy.data.materials.new("Whorl " + fluid["material"])
     material.use_nodes = True
     nodes, links = material.node_tree.nodes, material.node_tree.links
     surface = next(node for node in nodes if node.type == "BSDF_PRINCIPLED")
     put(surface, [(("Roughness",), fluid["roughness"]), (("IOR",), fluid["refraction"])])
+    put(surface, [(("Base Color",), (*body_of(fluid), 1))])
+    if has_ink:
+        colour = nodes.new("ShaderNodeAttribute")
+        colour.attribute_name = "colour"
+        links.new(colour.outputs["Color"], surface.inputs["Base Color"])
     if not fluid["refracts"]:
-        put(surface, [(("Base Color",), (*fluid["colour"], 1)), (("Emission Color", "Emission"), (*fluid["emission"], 1)),
+        put(surface, [(("Emission Color", "Emission"), (*fluid["emission"], 1)),
                       (("Emission Strength",), 1.0 if max(fluid["emission"]) > 0 else 0.0)])
         return material
-    put(surface, [(("Base Color",), (1, 1, 1, 1)), (("Transmission Weight", "Transmission"), 1.0)])
+    put(surface, [(("Transmission Weight", "Transmission"), 1.0)])
     # Beer-Lambert: the node takes away density (1 - colour) a metre.
     most = max(max(fluid["absorption_per_m"]), 1e-6)
     absorption = nodes.new("ShaderNodeVolumeAbsorption")
@@ -262,9 +293,9 @@ def add_fluid(scene, folder, name, about):
             continue
         fluid = bpy.data.objects.new(f"{name} fluid", bpy.data.meshes.new(f"{name} fluid"))
         fluid["whorl"] = {"folder": str(folder), "kind": kind, "name": name, "first": min(files), "last": max(files),
-                          "slow": about["seconds_a_frame"] * about["fps"]}
+                          "slow": about["seconds_a_frame"] * about["fps"], "body": body_of(about["fluid"]), "inks": " ".join(about["fluid"]["inks"])}
         fluid.matrix_world = Y_UP
-        fluid.data.materials.append(fluid_material(about["fluid"]))
+        fluid.data.materials.append(fluid_material(about["fluid"], "ink_1" in read_ply(files[min(files)])[0]))
         scene.collection.objects.link(fluid)
         return fluid
     return None

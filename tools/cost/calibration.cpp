@@ -14,7 +14,7 @@
 #include "engine/io/snapshot.h"
 #include "engine/scene/names.h"
 #include "render/gl/renderer.h"
-#include "render/image/image.h"
+#include "render/image/exr.h"
 #include "render/look/camera.h"
 #include "render/look/field_values.h"
 #include "tools/cost/sample_run.h"
@@ -44,8 +44,8 @@ std::string key_of(const SceneFile& file, const Plan& plan) {
                        name_of(s.pressure.preconditioner), name_of(s.viscosity.preconditioner));
     if (plan.facts.pressure.form) key += fmt::format(" | {}", name_of(*plan.facts.pressure.form));
     if (plan.facts.pressure.source) key += fmt::format(" | {}", name_of(*plan.facts.pressure.source));
-    key += fmt::format(" | {}x{} {} {} samples, voxel {:g}", s.output.size[0], s.output.size[1], file.look.style, file.look.samples,
-                       file.surface.voxel);
+    key += fmt::format(" | {}x{} {} {} {} samples, voxel {:g}", s.output.size[0], s.output.size[1], s.output.format, file.look.style,
+                       file.look.samples, file.surface.voxel);
     return key;
 }
 
@@ -85,13 +85,21 @@ void measure_picture(const SceneFile& sample, const Frame& frame, Calibration& c
     try {
         Renderer renderer(sample.scene.output.size[0], sample.scene.output.size[1]);
         const View view = view_at(sample.camera, frame.time, frame.domain_min, frame.domain_max);
-        Image image = renderer.draw(frame, surface, sample.look, view);  // the first picture compiles the shaders
+        const bool exr = sample.scene.output.format == "exr";
+        Image image;
+        PictureLayers layers;
+        const auto draw = [&] {
+            if (exr) layers = renderer.draw_layers(frame, surface, sample.look, view, {view, 0});
+            else image = renderer.draw(frame, surface, sample.look, view);
+        };
+        draw();  // the first picture compiles the shaders
         cpu = cpu_seconds();
-        image = renderer.draw(frame, surface, sample.look, view);
+        draw();
         c.draw = cpu_seconds() - cpu;
-        const fs::path file = fs::temp_directory_path() / fmt::format("whorl-{}.png", getpid());
+        const fs::path file = fs::temp_directory_path() / fmt::format("whorl-{}.{}", getpid(), sample.scene.output.format);
         cpu = cpu_seconds();
-        write_png(file, image);
+        if (exr) write_exr(file, layers, {});
+        else write_png(file, image);
         c.write = cpu_seconds() - cpu;
         fs::remove(file);
     } catch (const EnvironmentError&) {  // no EGL device: `whorl doctor` tells

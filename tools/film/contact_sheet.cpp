@@ -6,13 +6,20 @@
 #include <cmath>
 
 #include "render/image/arrange.h"
-#include "render/image/image.h"
+#include "render/image/exr.h"
 
 namespace whorl {
 
-std::filesystem::path picture_file(const std::filesystem::path& run_folder, int frame) {
-    return run_folder / "frames" / fmt::format("{:06}.png", frame);
+std::filesystem::path picture_file(const std::filesystem::path& run_folder, int frame, const std::string& format) {
+    return run_folder / "frames" / fmt::format("{:06}.{}", frame, format);
 }
+
+Image read_picture(const std::filesystem::path& run_folder, int frame) {
+    const std::filesystem::path layers = picture_file(run_folder, frame, "exr");
+    return read_picture(std::filesystem::exists(layers) ? layers : picture_file(run_folder, frame));
+}
+
+Image read_picture(const std::filesystem::path& file) { return file.extension() == ".exr" ? shown(read_exr(file)) : read_png(file); }
 
 std::filesystem::path frame_file(const std::filesystem::path& run_folder, int frame) {
     return run_folder / "raw" / fmt::format("{:06}.frame", frame);
@@ -23,7 +30,7 @@ void write_contact_sheet(const std::filesystem::path& run_folder, int frames) {
     std::vector<Image> images;
     for (int k = 0; k < pictures; ++k) {
         const int frame = pictures > 1 ? 1 + static_cast<int>(std::lround(k * (frames - 1.0) / (pictures - 1))) : 1;
-        images.push_back(read_png(picture_file(run_folder, frame)));
+        images.push_back(read_picture(run_folder, frame));
     }
     if (!images.empty()) write_png(run_folder / "contact.png", contact_sheet(images, 4, 480));
 }

@@ -1,11 +1,18 @@
 #pragma once
 /// The pictures of a run folder: their names, and twelve of them on one sheet.
 #include <filesystem>
+#include <string>
+
+#include "render/image/image.h"
 
 namespace whorl {
 
-/// frames/000012.png
-std::filesystem::path picture_file(const std::filesystem::path& run_folder, int frame);
+/// frames/000012.png @param format as output.format says it
+std::filesystem::path picture_file(const std::filesystem::path& run_folder, int frame, const std::string& format = "png");
+/// The frame's picture as screens show it, of whatever format it is. @throws InputError where there is none
+Image read_picture(const std::filesystem::path& run_folder, int frame);
+/// @param file .png or .exr
+Image read_picture(const std::filesystem::path& file);
 /// raw/000012.frame
 std::filesystem::path frame_file(const std::filesystem::path& run_folder, int frame);
 /// contact.png: twelve frames from the first to the last of `frames`, evenly. @throws InputError where one is missing

@@ -3,6 +3,7 @@
 #include "engine/core/errors.h"
 #include "engine/core/parallel.h"
 #include "render/gl/renderer.h"
+#include "render/image/exr.h"
 #include "render/video/encoder.h"
 #include "tools/film/contact_sheet.h"
 #include "tools/process/usage.h"
@@ -75,7 +76,11 @@ void Film::draw() {
         if (renderer)
             timed("draw", [&] {
                 const View view = view_at((*shot)->how->camera, frame.time, frame.domain_min, frame.domain_max);
-                (*shot)->image = renderer->draw(frame, (*shot)->surface, (*shot)->how->look, view);
+                if (options_.format == "exr") {
+                    const View next = view_at((*shot)->how->camera, frame.time + options_.interval, frame.domain_min, frame.domain_max);
+                    (*shot)->layers = renderer->draw_layers(frame, (*shot)->surface, (*shot)->how->look, view,
+                                                            {next, static_cast<float>(options_.interval)});
+                } else (*shot)->image = renderer->draw(frame, (*shot)->surface, (*shot)->how->look, view);
                 const std::lock_guard lock(mutex_);
                 device_ = renderer->device();
             });
@@ -94,16 +99,25 @@ void Film::export_files() {
     to_write_.close();
 }
 
+/// In the place of one of another format.
+void Film::write_picture(const Shot& shot) const {
+    const bool exr = options_.format == "exr";
+    const std::filesystem::path file = picture_file(options_.folder, shot.frame->number, options_.format);
+    if (exr) write_exr(file, shot.layers, {options_.fps, shot.frame->time});
+    else write_png(file, shot.image);
+    std::filesystem::remove(picture_file(options_.folder, shot.frame->number, exr ? "png" : "exr"));
+}
+
 void Film::write() {
     std::optional<VideoEncoder> encoder;
     if (!options_.video.empty()) {
         encoder.emplace(options_.video, options_.width, options_.height, VideoOptions{options_.fps, 18});
-        for (int frame = 1; frame <= options_.frames_before; ++frame) encoder->add(read_png(picture_file(options_.folder, frame)));
+        for (int frame = 1; frame <= options_.frames_before; ++frame) encoder->add(read_picture(options_.folder, frame));
     }
     while (auto shot = to_write_.pop()) {
         timed("write", [&] {
-            if (options_.images) write_png(picture_file(options_.folder, (*shot)->frame->number), (*shot)->image);
-            if (encoder) encoder->add((*shot)->image);
+            if (options_.images) write_picture(**shot);
+            if (encoder) encoder->add(options_.format == "exr" ? shown((*shot)->layers) : (*shot)->image);
             if ((*shot)->write_state) write_checkpoint(options_.folder, *(*shot)->state);
         });
         if (options_.images && first_picture_ == 0) first_picture_ = wall_seconds();

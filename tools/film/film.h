@@ -17,7 +17,7 @@
 #include "engine/core/clock.h"
 #include "engine/io/checkpoint.h"
 #include "engine/io/frame.h"
-#include "render/image/image.h"
+#include "render/image/layers.h"
 #include "tools/film/bounded_queue.h"
 #include "tools/film/exports.h"
 
@@ -29,6 +29,7 @@ struct FilmOptions {
     bool images = true;                ///< false: no surface is drawn, EGL is not touched
     std::string name;                  ///< the scene's, in the names of exported files
     std::vector<std::string> exports;  ///< points, mesh, obj, vdb, scene, vtk, raw
+    std::string format = "png";        ///< of the pictures: png | exr
     int width = 1280, height = 720;
     double fps = 24;
     double interval = 0;    ///< s, simulated, from frame to frame
@@ -67,7 +68,8 @@ private:
         std::shared_ptr<const Checkpoint> state;
         bool write_state = false;
         Surface surface;
-        Image image;
+        Image image;           ///< of the format png
+        PictureLayers layers;  ///< of the format exr
     };
     using Queue = BoundedQueue<std::unique_ptr<Shot>>;
 
@@ -76,6 +78,7 @@ private:
     void draw();
     void export_files();
     void write();
+    void write_picture(const Shot& shot) const;
     void timed(const std::string& stage, const std::function<void()>& work);
     void join();
     void rethrow() const;

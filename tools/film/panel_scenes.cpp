@@ -103,6 +103,12 @@ std::vector<PanelCell> panel_cells(const SceneFile& file) {
 std::vector<SceneFile> panel_scenes(const SceneFile& file, const RangeOf& range_of) {
     const int count = static_cast<int>(file.scene.panels.size()), columns = panel_columns(file.scene);
     const int rows = (count + columns - 1) / columns;
+    const auto check_format = [](const Scene& scene, const Place& place) {
+        if (scene.output.format != "png")
+            throw InputError(place, "output.format = \"" + scene.output.format + "\" has no words, and panels need their labels",
+                             "leave it out, or render the scene of one panel alone", "allowed: png");
+    };
+    check_format(file.scene, file.scene.place("output.format"));
     SceneFile alone = file;
     alone.scene.panels.clear();
     alone.scene.output.video = false;
@@ -125,6 +131,7 @@ std::vector<SceneFile> panel_scenes(const SceneFile& file, const RangeOf& range_
                 changes.back().source = file.scene.place(name);
             }
             scenes.push_back(changed(alone, changes));
+            check_format(scenes.back().scene, {});
             if (scenes.back().look.title.empty()) scenes.back().look.title = file.scene.panels[k].label;
             scenes.back().scene.places = file.scene.places;  // what is wrong with it is told by the places in the file
         } catch (const InputError& error) {

@@ -61,11 +61,13 @@ public:
             if (code != exit_done) failed_ = k;
         }
         const int frames = least_frames();
-        if (scene_.output.frames && frames > 0) film(frames);
+        const bool filmed = scene_.output.frames && frames > 0;
+        if (filmed) film(frames);
         const std::string status = failed_ ? "diverged" : "done";
         write_report(status, failed_ ? "panel " + name_of(*failed_) + " diverged" : "");
         if (!request_.quiet && !request_.json)
-            std::fprintf(stderr, "%d frames of %zu panels: %s\n", frames, scenes_.size(), folder_.path().c_str());
+            std::fprintf(stderr, "%d frames of %zu panels: %s\n", frames, scenes_.size(),
+                         (filmed && scene_.output.video ? video() : folder_.path()).c_str());
         return failed_ ? exit_failed : exit_done;
     }
 
@@ -77,6 +79,7 @@ private:
         };
     }
 
+    fs::path video() const { return folder_.path() / (scene_.name + ".mp4"); }
     int frames_wanted() const { return request_.frames.value_or(frame_count(scene_)); }
 
     /// Whether the panel stands there, all of it.
@@ -169,7 +172,7 @@ private:
         for (std::size_t k = 0; k < cells_.size(); ++k) folders.push_back(pictures_of(k, frames));
         const PanelChart chart = this->chart();
         std::optional<VideoEncoder> encoder;
-        if (scene_.output.video) encoder.emplace(folder_.path() / (scene_.name + ".mp4"), width, height, VideoOptions{scene_.time.fps, 18});
+        if (scene_.output.video) encoder.emplace(video(), width, height, VideoOptions{scene_.time.fps, 18});
         for (int frame = 1; frame <= frames; ++frame) {
             std::vector<Image> images;
             for (const fs::path& folder : folders) images.push_back(read_png(picture_file(folder, frame)));

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 FilmOptions film_options(const RedrawRequest& request, bool whole) {
     const Scene& scene = request.file.scene;
     FilmOptions options;
-    options.folder = request.out, options.name = scene.name;
+    options.folder = request.out, options.name = scene.name, options.format = scene.output.format;
     if (whole && scene.output.video) options.video = request.out / (scene.name + ".mp4");
     for (const std::string& what : scene.output.exports)
         if (what != "raw" || request.out != request.run) options.exports.push_back(what);

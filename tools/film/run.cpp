@@ -42,6 +42,7 @@ FilmOptions film_options(const RunRequest& request, const SceneFile& file, int f
     if (options.images && scene.output.video) options.video = request.folder / (scene.name + ".mp4");
     options.name = scene.name;
     options.exports = scene.output.exports;
+    options.format = scene.output.format;
     options.width = scene.output.size[0];
     options.height = scene.output.size[1];
     options.fps = scene.time.fps;

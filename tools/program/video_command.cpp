@@ -3,11 +3,10 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <map>
 #include <memory>
-#include <set>
 
 #include "engine/core/errors.h"
-#include "render/image/image.h"
 #include "render/video/encoder.h"
 #include "tools/film/contact_sheet.h"
 #include "tools/program/command.h"
@@ -25,10 +24,11 @@ struct EncodeOptions {
 /// Encodes every picture of frames/, in the order of their names.
 int encode(const EncodeOptions& options) {
     const std::filesystem::path frames = options.folder / "frames", scene_file = options.folder / "scene.resolved.toml";
-    std::set<std::filesystem::path> pictures;
+    std::map<std::filesystem::path, std::filesystem::path> pictures;  // by their names without suffix
     std::error_code missing;
     for (const auto& entry : std::filesystem::directory_iterator(frames, missing))
-        if (entry.path().extension() == ".png" && entry.path().stem().extension().empty()) pictures.insert(entry.path());
+        if ((entry.path().extension() == ".png" || entry.path().extension() == ".exr") && entry.path().stem().extension().empty())
+            pictures[entry.path().stem()] = entry.path();
     if (pictures.empty())
         throw InputError({frames.string(), 0, 0}, "there are no pictures to encode", "", "the folder of a run, as in out/honey_coil");
 
@@ -38,10 +38,13 @@ int encode(const EncodeOptions& options) {
     if (std::find(known.begin(), known.end(), video.extension().string()) == known.end())
         throw InputError({"--out", 0, 0}, "\"" + video.string() + "\" has the suffix of no video that this program writes", "",
                          fmt::format("{}", fmt::join(known, ", ")));
-    const Image first = read_png(*pictures.begin());
-    VideoEncoder encoder(video, first.width, first.height, {options.fps.value_or(scene.time.fps), options.crf});
-    for (const auto& picture : pictures) {
-        const Image image = read_png(picture);
+    const Image first = read_picture(pictures.begin()->second);
+    const bool alpha = !first.alpha.empty();
+    if (alpha && !video_has_alpha(video))
+        fmt::print(stderr, "{} has no alpha: the pictures are laid over grey (.mov and .webm have it)\n", video.extension().string());
+    VideoEncoder encoder(video, first.width, first.height, {options.fps.value_or(scene.time.fps), options.crf, alpha});
+    for (const auto& [name, picture] : pictures) {
+        const Image image = read_picture(picture);
         if (image.width != first.width || image.height != first.height)
             throw InputError({picture.string(), 0, 0},
                              fmt::format("is {}x{}, the pictures before it {}x{}", image.width, image.height, first.width, first.height));
@@ -64,7 +67,8 @@ void add_video(CLI::App& program, Job& chosen) {
         ->capture_default_str()
         ->check(CLI::Range(0, 51));
     app->add_option("--out", options->out,
-                    "the video's name, ending in .mp4, .mov (ProRes), .webm or .gif (default: <scene>.mp4 in the run folder)")
+                    "the video's name, ending in .mp4, .mov (ProRes), .webm or .gif (default: <scene>.mp4 in the run folder); .mov and "
+                    ".webm keep alpha")
         ->type_name("FILE");
     app->footer("Example:\n  whorl video out/honey_coil --fps 60 --crf 12\n  whorl video out/honey_coil --out honey.gif");
     app->callback([options, &chosen] { chosen = [options] { return encode(*options); }; });

@@ -118,6 +118,17 @@ void check_look(const SceneFile& file) {
     if (shows_field(file.look) && file.look.field == "ink" && !file.scene.any_ink())
         throw InputError(file.scene.place("look.field"), "look.field = \"ink\" needs fluid with ink",
                          "give a [[block]], [[emitter]] or [[stream]] ink");
+    const bool exr = file.scene.output.format == "exr";
+    if (file.look.style == "slice" && file.camera.kind == "auto" && (exr || is_transparent(file.look)))
+        throw InputError(file.scene.place(exr ? "output.format" : "look.background"),
+                         exr ? "output.format = \"exr\": a slice that fills the picture is a diagram, which has colours of screens only"
+                             : "look.background = \"transparent\": a slice that fills the picture has nothing behind it",
+                         "give a [camera] that looks at the slice from somewhere");
+    if (file.look.table != "none" && is_transparent(file.look))
+        throw InputError(
+            file.scene.place("look.table"),
+            "look.table = \"" + file.look.table + "\": a transparent look.background leaves the ground out, but for its shadow",
+            "leave one of them out");
     if (file.look.table != "none" && !file.look.ground)
         throw InputError(file.scene.place("look.table"), "look.table = \"" + file.look.table + "\" needs a ground (look.ground is false)",
                          "leave one of them out");
@@ -154,7 +165,7 @@ void follow(SceneFile& file) {
     file.scene.identities = scene.exported("points") || scene.exported("vtk");
     file.scene.ages = file.scene.identities || scene.exported("mesh");
     file.surface.ages = scene.viscosity_ages();
-    file.surface.velocity = file.camera.shutter > 0;
+    file.surface.velocity = file.camera.shutter > 0 || scene.output.format == "exr";
     file.camera.interval = 1 / (file.scene.time.fps * file.scene.time.slow_motion);
 }
 

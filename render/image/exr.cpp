@@ -1,0 +1,140 @@
+#include "render/image/exr.h"
+
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfDoubleAttribute.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfIO.h>
+#include <OpenEXR/ImfInputFile.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStandardAttributes.h>
+
+#include <cmath>
+#include <cstring>
+#include <exception>
+#include <span>
+#include <string>
+
+#include "engine/core/errors.h"
+#include "engine/core/whole_file.h"
+
+namespace whorl {
+namespace {
+
+/// A file in memory: the library's own does not tell when the disk is full.
+class Memory : public Imf::OStream {
+public:
+    Memory() : OStream("memory") {}
+    void write(const char from[], int count) override {
+        const std::size_t end = at_ + static_cast<std::size_t>(count);
+        if (bytes.size() < end) bytes.resize(end);
+        std::memcpy(&bytes[at_], from, static_cast<std::size_t>(count));
+        at_ = end;
+    }
+    std::uint64_t tellp() override { return at_; }
+    void seekp(std::uint64_t to) override { at_ = to; }
+    std::vector<char> bytes;
+
+private:
+    std::size_t at_ = 0;
+};
+
+/// The channels of a layer, a letter or word each, in the order of its numbers.
+struct Group {
+    std::vector<const char*> names;
+    Imf::PixelType type;
+    std::vector<float> PictureLayers::* values;
+};
+const std::vector<Group>& groups() {
+    static const std::vector<Group> all{{{"R", "G", "B", "A"}, Imf::HALF, &PictureLayers::light},
+                                        {{"shadow.R", "shadow.G", "shadow.B"}, Imf::HALF, &PictureLayers::shadow},
+                                        {{"Z"}, Imf::FLOAT, &PictureLayers::depth},
+                                        {{"N.X", "N.Y", "N.Z"}, Imf::HALF, &PictureLayers::normal},
+                                        {{"forward.u", "forward.v"}, Imf::HALF, &PictureLayers::motion}};
+    return all;
+}
+
+/// Channel c of `channels` numbers a pixel.
+template <class T>
+Imf::Slice slice(Imf::PixelType type, const std::vector<T>& values, std::size_t c, std::size_t channels, int width) {
+    const std::size_t step = channels * sizeof(T);
+    char* base = const_cast<char*>(reinterpret_cast<const char*>(values.data() + c));  // the library takes no const, and writes nothing here
+    return {type, base, step, step * static_cast<std::size_t>(width)};
+}
+
+}  // namespace
+
+void write_exr(const std::filesystem::path& file, const PictureLayers& layers, const ExrNotes& notes) {
+    Imf::Header header(layers.width, layers.height);
+    header.compression() = Imf::ZIP_COMPRESSION;
+    Imf::addChromaticities(header, Imf::Chromaticities());  // Rec. 709 primaries, white D65
+    Imf::addComments(header, "Whorl. Linear light, Rec. 709 primaries, RGB multiplied by A. Z: m along the view axis. N: normal, world, y up. "
+                             "forward: pixels to the right and up until the next frame. id: 1 fluid, 2 first solid, ... "
+                             "shadow: what a plate behind is multiplied by.");
+    Imf::addFramesPerSecond(header, Imf::Rational(notes.fps));
+    header.insert("whorl/time", Imf::DoubleAttribute(notes.time));
+
+    Imf::FrameBuffer buffer;
+    std::vector<std::vector<Imath::half>> halves;
+    halves.reserve(groups().size());
+    for (const Group& group : groups()) {
+        const std::vector<float>& values = layers.*group.values;
+        if (values.empty()) continue;
+        const std::size_t channels = group.names.size();
+        WHORL_ASSERT(values.size() == channels * grid_count(layers.width, layers.height), +std::string(group.names[0]));
+        if (group.type == Imf::HALF) halves.emplace_back(values.begin(), values.end());
+        for (std::size_t c = 0; c < channels; ++c) {
+            header.channels().insert(group.names[c], Imf::Channel(group.type));
+            buffer.insert(group.names[c], group.type == Imf::HALF ? slice(group.type, halves.back(), c, channels, layers.width)
+                                                                  : slice(group.type, values, c, channels, layers.width));
+        }
+    }
+    if (!layers.id.empty()) {
+        header.channels().insert("id", Imf::Channel(Imf::UINT));
+        buffer.insert("id", slice(Imf::UINT, layers.id, 0, 1, layers.width));
+    }
+    Memory memory;
+    {
+        Imf::OutputFile out(memory, header, 0);
+        out.setFrameBuffer(buffer);
+        out.writePixels(layers.height);
+    }  // writes its table of lines
+    write_whole(file, std::as_bytes(std::span(memory.bytes)));
+}
+
+PictureLayers read_exr(const std::filesystem::path& file) try {
+    Imf::InputFile in(file.c_str(), 0);
+    const Imath::Box2i window = in.header().dataWindow();
+    PictureLayers layers;
+    layers.width = window.max.x - window.min.x + 1, layers.height = window.max.y - window.min.y + 1;
+    const Imf::ChannelList& there = in.header().channels();
+    const std::size_t pixels = grid_count(layers.width, layers.height);
+    if (there.findChannel("A") == nullptr || there.findChannel("R") == nullptr)
+        throw InputError({file.string()}, "has no channels R, G, B and A", "", "a picture of a run");
+    Imf::FrameBuffer buffer;
+    // The library reads into the place of the file's first pixel, wherever its window lies.
+    const auto placed = [&](Imf::Slice s) {
+        s.base -= static_cast<std::ptrdiff_t>(window.min.x) * static_cast<std::ptrdiff_t>(s.xStride) +
+                  static_cast<std::ptrdiff_t>(window.min.y) * static_cast<std::ptrdiff_t>(s.yStride);
+        return s;
+    };
+    for (const Group& group : groups()) {
+        if (there.findChannel(group.names[0]) == nullptr) continue;
+        const std::size_t channels = group.names.size();
+        std::vector<float>& values = layers.*group.values;
+        values.resize(channels * pixels);
+        for (std::size_t c = 0; c < channels; ++c)
+            buffer.insert(group.names[c], placed(slice(Imf::FLOAT, values, c, channels, layers.width)));
+    }
+    if (there.findChannel("id") != nullptr) {
+        layers.id.resize(pixels);
+        buffer.insert("id", placed(slice(Imf::UINT, layers.id, 0, 1, layers.width)));
+    }
+    in.setFrameBuffer(buffer);
+    in.readPixels(window.min.y, window.max.y);
+    return layers;
+} catch (const InputError&) { throw; } catch (const std::exception& error) {
+    throw InputError({file.string()}, std::string("cannot read the picture: ") + error.what(), "", "an EXR file of a run");
+}
+
+}  // namespace whorl

@@ -1,0 +1,18 @@
+// What compositors get of what stands in the middle of a pixel (render/image/layers.h).
+in vec3 world;
+in vec3 world_normal;
+in vec4 clip, next_clip;
+uniform vec3 eye, forward;
+uniform float ground_height;
+uniform float tolerance;     // m: as the picture's own passes cut at the ground
+uniform float number;
+uniform vec2 half_size;      // of the picture [pixels]
+layout(location = 0) out vec4 normal_and_number;
+layout(location = 1) out vec4 motion_and_depth;
+
+void main() {
+    if (world.y < ground_height - tolerance) discard;
+    vec3 n = normalize(world_normal);
+    normal_and_number = vec4(dot(n, world - eye) > 0.0 ? -n : n, number);
+    motion_and_depth = vec4(half_size * (next_clip.xy / max(next_clip.w, 1e-6) - clip.xy / clip.w), dot(world - eye, forward), 0.0);
+}
