@@ -76,7 +76,8 @@ void LayerPass::add_places(PictureLayers& layers, const SceneGeometry& scene, co
     layers.motion = some_of(motion_and_depth, 0, 2);
     layers.depth = some_of(motion_and_depth, 2, 1);
     layers.id.reserve(layers.depth.size());
-    for (std::size_t i = 3; i < normal_and_number.size(); i += 4) layers.id.push_back(static_cast<std::uint32_t>(std::lround(normal_and_number[i])));
+    for (std::size_t i = 3; i < normal_and_number.size(); i += 4)
+        layers.id.push_back(static_cast<std::uint32_t>(std::lround(normal_and_number[i])));
 }
 
 }  // namespace whorl

@@ -42,7 +42,7 @@ void add_solid(Frame& frame, TriangleMesh mesh, const std::string& material, boo
 
 void compare(const Picture& picture, const std::string& name) {
     Renderer renderer(320, 240);
-    const Image drawn = renderer.draw(picture.frame, picture.surface, picture.look, picture.view);
+    const Image drawn = over_grey(renderer.draw(picture.frame, picture.surface, picture.look, picture.view));
     const std::filesystem::path file = std::filesystem::path(WHORL_SOURCE_DIR) / "tests/golden/pictures" / (name + ".png");
     if (std::getenv("WHORL_UPDATE_GOLDEN") != nullptr) write_png(file, drawn);
     const PictureDifference d = difference(drawn, read_png(file));
@@ -112,6 +112,14 @@ TEST_CASE("honey on a table of boards, seen through a wide lens", "[golden]") {
     picture.view.aperture = 0.02f;
     picture.view.focus = 0.32f;
     compare(picture, "table_wood");
+}
+
+TEST_CASE("honey and a glass without a background but for their shadow", "[golden]") {
+    Picture picture = blank("honey");
+    picture.surface = coil();
+    picture.look.background = "transparent";
+    add_solid(picture.frame, test::box_mesh(Vec3f(0.03f, 0, -0.02f), Vec3f(0.07f, 0.04f, 0.02f)), "glass", true);
+    compare(picture, "honey_transparent");
 }
 
 TEST_CASE("a cloth of checks on a box, on a slab of stone", "[golden]") {

@@ -63,7 +63,8 @@ TEST_CASE("layers come back from an EXR file to the bit, and another program rea
     const int plane_of[] = {2, 0, 1, 3};  // ffmpeg's planes are green, blue, red, alpha
     std::size_t same = 0;
     for (std::size_t i = 0; i < pixels; ++i)
-        for (std::size_t c = 0; c < 4; ++c) same += planes[static_cast<std::size_t>(plane_of[c]) * pixels + i] == layers.light[4 * i + c] ? 1 : 0;
+        for (std::size_t c = 0; c < 4; ++c)
+            same += planes[static_cast<std::size_t>(plane_of[c]) * pixels + i] == layers.light[4 * i + c] ? 1 : 0;
     CHECK(same == 4 * pixels);
 }
 
