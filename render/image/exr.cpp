@@ -93,8 +93,8 @@ void write_exr(const std::filesystem::path& file, const PictureLayers& layers, c
         }
     }
     if (!layers.id.empty()) {
-        header.channels().insert("id", Imf::Channel(Imf::UINT));
-        buffer.insert("id", slice(Imf::UINT, layers.id, 0, 1, layers.width));
+        header.channels().insert("id.X", Imf::Channel(Imf::UINT));
+        buffer.insert("id.X", slice(Imf::UINT, layers.id, 0, 1, layers.width));
     }
     Memory memory;
     {
@@ -129,9 +129,9 @@ PictureLayers read_exr(const std::filesystem::path& file) try {
         for (std::size_t c = 0; c < channels; ++c)
             buffer.insert(group.names[c], placed(slice(Imf::FLOAT, values, c, channels, layers.width)));
     }
-    if (there.findChannel("id") != nullptr) {
+    if (there.findChannel("id.X") != nullptr) {
         layers.id.resize(pixels);
-        buffer.insert("id", placed(slice(Imf::UINT, layers.id, 0, 1, layers.width)));
+        buffer.insert("id.X", placed(slice(Imf::UINT, layers.id, 0, 1, layers.width)));
     }
     in.setFrameBuffer(buffer);
     in.readPixels(window.min.y, window.max.y);

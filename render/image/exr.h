@@ -11,7 +11,7 @@ struct ExrNotes {
 };
 
 /// Channels R G B A (half), and those of the layers that are there: Z (float), N.X N.Y N.Z (half), forward.u forward.v (half),
-/// id (unsigned), shadow.R shadow.G shadow.B (half). Compressed without loss. Whole or not at all.
+/// id.X (unsigned), shadow.R shadow.G shadow.B (half). Compressed without loss. Whole or not at all.
 /// @throws EnvironmentError (disk full, no such folder)
 void write_exr(const std::filesystem::path& file, const PictureLayers& layers, const ExrNotes& notes);
 /// The layers of a file that write_exr() wrote. @throws InputError where it is missing, broken, or has no R G B A

@@ -8,6 +8,7 @@
 #include "engine/core/random.h"
 #include "engine/io/files.h"
 #include "render/image/exr.h"
+#include "render/image/text.h"
 #include "render/video/process.h"
 #include "tests/support/scratch.h"
 
@@ -68,7 +69,7 @@ TEST_CASE("layers come back from an EXR file to the bit, and another program rea
     CHECK(same == 4 * pixels);
 }
 
-TEST_CASE("an EXR file has only the layers that were asked for; a broken one is the user's mistake", "[image][exr]") {
+TEST_CASE("an EXR file has only the layers that were asked for, and a broken one is the mistake of the user", "[image][exr]") {
     const test::ScratchFolder folder;
     PictureLayers plain = noise();
     plain.shadow.clear(), plain.depth.clear(), plain.normal.clear(), plain.motion.clear(), plain.id.clear();
@@ -106,6 +107,21 @@ TEST_CASE("a PNG keeps its alpha, and what knows none gets the picture over grey
     CHECK(back.alpha == image.alpha);
     CHECK(over_grey(image).rgb == std::vector<std::uint8_t>{200, 100, 0, 118, 118, 118});
     CHECK(over_grey(image).alpha.empty());
+}
+
+TEST_CASE("words on a transparent picture are opaque, in their own colour", "[image][exr]") {
+    Image image = plain_image(60, 30, 0);
+    image.alpha.assign(1800, 0);
+    TextStyle white;
+    white.height = 20, white.colour = Vec3f::Ones(), white.halo_strength = 0;
+    draw_text(image, 5, 25, "I", white);
+    bool any = false;
+    for (std::size_t i = 0; i < 1800; ++i) {
+        any = any || image.alpha[i] == 255;
+        if (image.alpha[i] > 0) REQUIRE(image.rgb[3 * i] == 255);
+    }
+    CHECK(any);
+    CHECK(image.alpha[0] == 0);
 }
 
 }  // namespace layers_test
