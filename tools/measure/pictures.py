@@ -13,6 +13,29 @@ def picture_honey_coil(m):
     drawing.picture(m, "docs/pictures/honey_coil.png", [run.folder / "frames/000080.png"], 720)
 
 
+@table("picture_over_plate", "honey_coil without a background, laid over a picture of a cloth with a box and a ball", "2 minutes",
+       files="docs/pictures/guide/over_plate.jpg", section=False)
+def picture_over_plate(m):
+    camera = {"kind": "fixed", "position": [0, 0.12, 0.42], "target": [0, 0.008, 0], "fov": 25}  # honey_coil's
+    plate = m.toml_file("pictures/plate", {
+        "time": {"end": 0.01},
+        "domain": {"min": [-0.3, -0.1, -0.3], "max": [0.3, 0.2, 0.7]},
+        "fluid": {"spacing": 5e-3, "viscosity": 10},
+        "emitter": [{"position": [0, 0.05, 0.6], "radius": 0.02, "speed": 0.2, "start": 5}],  # behind the camera, and not yet open
+        "solid": [{"shape": "plane", "position": ["0", "-0.068", "0"], "normal": [0, 1, 0]},
+                  {"shape": "sphere", "position": ["0.13", "-0.033", "-0.12"], "radius": 0.035, "material": "wood"},
+                  {"shape": "box", "min": [-0.19, -0.068, -0.16], "max": [-0.12, 0.002, -0.09], "material": "rock"}],
+        "camera": camera,
+        "look": {"table": "cloth", "samples": 8}})
+    pictures = [m.render(scene, f"pictures/{name}", *settings, threads=2, images=True, options=["--frames", frame, "--no-video"]).folder
+                / f"frames/{frame:06}.png"
+                for scene, name, frame, settings in ((plate, "plate_run", 1, ()),
+                                                     ("honey_coil", "over_plate", 80, ["look.background=transparent"]))]
+    laid = m.out / "pictures/laid.png"
+    m.call(["ffmpeg", "-v", "error", "-y", "-i", pictures[0], "-i", pictures[1], "-filter_complex", "overlay", laid])
+    drawing.picture(m, "docs/pictures/guide/over_plate.jpg", [laid], 800, ["-q:v", "4"])
+
+
 @table("picture_live", "the page of a live run, as Chromium shows it", "1 minute", files="docs/pictures/live.png", section=False)
 def picture_live(m):
     m.call(["bash", "tools/setup.sh", "chromium"])

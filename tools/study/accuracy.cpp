@@ -59,7 +59,7 @@ fs::path last_picture(const fs::path& folder) {
     std::error_code none;
     for (const auto& entry : fs::directory_iterator(folder / "frames", none))
         if (entry.path().extension() == ".png") all.push_back(entry.path());
-    if (all.empty()) throw InputError({folder.string(), 0, 0}, "the run has no pictures to compare");
+    if (all.empty()) throw InputError({folder.string(), 0, 0}, "the run has no PNG pictures to compare");
     return *std::max_element(all.begin(), all.end());
 }
 

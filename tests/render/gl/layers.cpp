@@ -134,6 +134,14 @@ TEST_CASE("a transparent picture has alpha 1 within a solid and 0 where nothing 
     CHECK(picture.alpha[grid_index(width / 2, height / 2, width)] == 255);
     CHECK(picture.alpha[0] < 4);
     CHECK(*std::max_element(picture.alpha.begin(), picture.alpha.end() - 40 * width) == 255);
+
+    // What honey lets through falls on the ground in its colour.
+    frame.solids.clear();
+    const Surface drop = test::sphere(Vec3f(0, 0.022f, 0), 0.02f, 0.001f);
+    const PictureLayers honey = renderer.draw_layers(frame, drop, transparent(), from_above, {from_above, 0.04f});
+    float reddest = 0;
+    for (std::size_t i = 0; i < honey.shadow.size(); i += 3) reddest = std::max(reddest, honey.shadow[i] - honey.shadow[i + 2]);
+    CHECK(reddest > 0.1f);
 }
 
 TEST_CASE("a transparent solid laid over a plate looks as the opaque picture does, and honey over the studio as honey in the studio",
