@@ -13,7 +13,8 @@ namespace {
 
 std::vector<Vec3d> points(const VectorExpression& path, std::size_t count) {
     std::vector<Vec3d> line;
-    for (std::size_t s = 0; s < count; ++s) line.push_back(path(2 * std::numbers::pi * static_cast<double>(s) / static_cast<double>(count)));
+    for (std::size_t s = 0; s < count; ++s)
+        line.push_back(path(2 * std::numbers::pi * static_cast<double>(s) / static_cast<double>(count)));
     return line;
 }
 

@@ -28,5 +28,7 @@ vec3 surroundings(vec3 p, vec3 d) {
 vec3 seen_behind(mat4 to_world, vec2 uv) {
     vec4 h = to_world * vec4(2.0 * uv - 1.0, 1.0, 1.0);
     vec3 d = normalize(h.xyz / h.w - eye);
-    return d.y < -1e-3 ? surroundings(eye, d) : backdrop(d);
+    if (d.y > -1e-3 || eye.y < ground_height) return backdrop(d);
+    vec3 q = eye + d * ((ground_height - eye.y) / d.y);
+    return ground_seen(q, d, light_on_ground(q.xz));
 }
