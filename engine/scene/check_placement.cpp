@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <numbers>
 
 #include "engine/models/surface_tension/surface_tension.h"
 #include "engine/models/viscosity/ageing_viscosity.h"
@@ -64,6 +65,7 @@ public:
         for (std::size_t i = 0; i < scene_.streams.size(); ++i)
             if (outside(scene_.streams[i].min, scene_.streams[i].max))
                 report(entry_name("stream", i), entry_name("stream", i) + " lies outside of the domain", "", domain_text());
+        for (std::size_t i = 0; i < scene_.vortices.size(); ++i) vortex(entry_name("vortex", i), scene_.vortices[i]);
         for (std::size_t i = 0; i < scene_.probes.size(); ++i) probe(entry_name("probe", i), scene_.probes[i]);
         memory();
     }
@@ -132,6 +134,23 @@ private:
                 break;
             }
         }
+    }
+
+    void vortex(const std::string& name, const VortexKeys& v) {
+        const double round = 2 * std::numbers::pi;
+        for (const double t : sample_times(0, round)) {
+            const Vec3d x = v.path(t);
+            if (!x.allFinite()) return report(name + ".path", fmt::format("{}.path is not finite at t = {:.4g}", name, t));
+            if (outside(x, x)) return report(name + ".path", fmt::format("{} leaves the domain at {}", name, point(x)), "", domain_text());
+        }
+        if (const double gap = (v.path(round) - v.path(0)).norm(); gap > v.core)
+            report(name + ".path", fmt::format("{} is not closed: from t = 2 pi to t = 0 it is {:.3g} m", name, gap),
+                   "t goes once round from 0 to 2 pi");
+        if (v.core < plan_.spacing)
+            report(name + ".core",
+                   fmt::format("{}.core = {:.3g} m is thinner than a spacing of {:.3g} m: particles cannot hold it", name, v.core,
+                               plan_.spacing),
+                   "make it thicker, two spacings or more, or fluid.spacing smaller");
     }
 
     /// Single precision knows a place to a part of its distance from the origin; with a hundredth of a spacing weakly compressible water is

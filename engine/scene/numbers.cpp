@@ -78,6 +78,7 @@ public:
         for (std::size_t i = 0; i < scene_.blocks.size(); ++i) block(i);
         for (std::size_t i = 0; i < scene_.emitters.size(); ++i) emitter(i);
         for (std::size_t i = 0; i < scene_.solids.size(); ++i) solid(i);
+        for (const VortexKeys& v : scene_.vortices) faster(std::abs(v.circulation) / (4 * std::numbers::pi * v.core));
         steps(support);
         return n_;
     }

@@ -172,6 +172,14 @@ struct StreamKeys {
     Inks ink;                                        ///< of t, x, y, z; none: the fluid keeps its own
 };
 
+/// A closed vortex line that the fluid has at the start.
+struct VortexKeys {
+    VectorExpression path;   ///< m, of t, which goes once round from 0 to 2 pi
+    double circulation = 0;  ///< m^2/s, right-handed about the way that t goes
+    double core = 0;         ///< m
+    Inks ink;                ///< of t, in the core
+};
+
 struct ProbeKeys {
     std::string name;
     ProbeKind kind = ProbeKind::point;
@@ -234,6 +242,7 @@ struct Scene {
     std::vector<SolidKeys> solids;
     std::vector<DrainKeys> drains;
     std::vector<StreamKeys> streams;
+    std::vector<VortexKeys> vortices;
     std::vector<ProbeKeys> probes;
     std::vector<ChangeKeys> changes;
     std::vector<PanelKeys> panels;  ///< side by side in one film; none: the scene itself
@@ -262,7 +271,7 @@ struct Scene {
     bool any_ink() const {
         const auto inked = [](const auto& one) { return one.ink.any(); };
         return std::any_of(blocks.begin(), blocks.end(), inked) || std::any_of(emitters.begin(), emitters.end(), inked) ||
-               std::any_of(streams.begin(), streams.end(), inked);
+               std::any_of(streams.begin(), streams.end(), inked) || std::any_of(vortices.begin(), vortices.end(), inked);
     }
     /// Whether any of them changes with age; and whether any depends on the place, too.
     bool viscosity_ages() const;

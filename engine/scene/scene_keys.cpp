@@ -339,6 +339,20 @@ KeyTable stream_keys() {
     return t;
 }
 
+KeyTable vortex_keys() {
+    KeyTableOf<VortexKeys> t("a closed vortex line that the fluid has at the start; its velocity adds to the blocks'");
+    t.key("path", &VortexKeys::path, "m", "of t, which goes once round from 0 to 2 pi").required().of("t");
+    t.key("circulation", &VortexKeys::circulation, "m^2/s", "right-handed about the way that t goes").required();
+    t.key("core", &VortexKeys::core, "m", "radius of the core: a straight line turns fluid at r by circulation/(2 pi) r/(r^2 + core^2)")
+        .required()
+        .above(0);
+    t.key("ink", &VortexKeys::ink, "", "concentrations of up to three inks, 0 to 1, in the core; beside it they fall as exp(-(r/core)^4)")
+        .at_least(0)
+        .at_most(1)
+        .of("t");
+    return t;
+}
+
 KeyTable probe_keys() {
     KeyTableOf<ProbeKeys> t("a measurement at every frame, in probes/<name>.csv");
     t.key("name", &ProbeKeys::name, "", "of the file").required();
@@ -432,6 +446,7 @@ KeyTable root_keys() {
     t.list("solid", &Scene::solids, solid_keys());
     t.list("drain", &Scene::drains, drain_keys());
     t.list("stream", &Scene::streams, stream_keys());
+    t.list("vortex", &Scene::vortices, vortex_keys());
     t.list("probe", &Scene::probes, probe_keys()).not_deciding();
     t.list("change", &Scene::changes, change_keys());
     t.list("panel", &Scene::panels, panel_keys()).not_deciding();

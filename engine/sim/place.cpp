@@ -14,6 +14,7 @@
 #include "engine/particles/solid_sampling.h"
 #include "engine/scene/scene_shapes.h"
 #include "engine/scene/tree.h"
+#include "engine/sim/vortex_loops.h"
 
 namespace whorl {
 
@@ -228,6 +229,7 @@ void place_blocks(const Scene& scene, const Plan& plan, World& world) {
         add_particles(world.fluid, points, scene.blocks[b]);
         set_colours(scene, world, first, scene.blocks[b].ink, 0);
     }
+    add_vortices(scene, world);
     if (!problems.empty()) throw InputError(std::move(problems));
     set_viscosity(scene, world, 0, 0);
     if (world.fluid.has<field::density>())

@@ -39,8 +39,9 @@ GLuint compiled(GLenum stage, const std::vector<const char*>& files, const std::
 Texture texture_2d(GLenum format, int width, int height, bool linear) {
     Texture texture(made(glGenTextures));
     glBindTexture(GL_TEXTURE_2D, texture.id());
-    const bool depth = format == GL_DEPTH_COMPONENT32F;
-    glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(format), width, height, 0, depth ? GL_DEPTH_COMPONENT : GL_RGBA, GL_FLOAT, nullptr);
+    const bool depth = format == GL_DEPTH24_STENCIL8;
+    glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(format), width, height, 0, depth ? GL_DEPTH_STENCIL : GL_RGBA,
+                 depth ? GL_UNSIGNED_INT_24_8 : GL_FLOAT, nullptr);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, linear ? GL_LINEAR : GL_NEAREST);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, linear ? GL_LINEAR : GL_NEAREST);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
@@ -71,7 +72,7 @@ Framebuffer framebuffer(std::initializer_list<GLuint> colours, GLuint depth) {
         attachments.push_back(GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(attachments.size()));
         glFramebufferTexture2D(GL_FRAMEBUFFER, attachments.back(), GL_TEXTURE_2D, colour, 0);
     }
-    if (depth != 0) glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth, 0);
+    if (depth != 0) glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_TEXTURE_2D, depth, 0);
     glDrawBuffers(static_cast<GLsizei>(attachments.size()), attachments.data());
     const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
     WHORL_ASSERT(status == GL_FRAMEBUFFER_COMPLETE, "status " + std::to_string(status));

@@ -47,7 +47,7 @@ using Framebuffer = Name<delete_framebuffer>;
 Texture texture_2d(GLenum format, int width, int height, bool linear);
 /// (Re)fills a volume of one or four floats a texel, sampled linearly, clamped at its edges; makes the texture where there is none yet.
 void fill_3d(Texture& texture, int nx, int ny, int nz, const float* value, int channels = 1);
-/// A framebuffer with these colour textures and, where not 0, this depth texture.
+/// A framebuffer with these colour textures and, where not 0, this texture of depth and stencil.
 Framebuffer framebuffer(std::initializer_list<GLuint> colours, GLuint depth);
 
 /// A linked program; uniforms are set by name, and a name that the compiler threw away is ignored.

@@ -46,6 +46,8 @@ struct Shot {
     std::set<Pattern> patterns;  ///< of the solids
     std::string constants;       ///< that the programs are compiled with
 
+    /// Whether every pixel needs all samples: else those that differ little from the pixels around them keep the first.
+    bool needs_all_samples() const { return look.samples < 2 || view.blurs() || shows_field(look); }
     /// The surface moves while the shutter is open, its distance field does not.
     bool keeps_motion() const { return view.open > 0 && material.refracts; }
 };
@@ -80,8 +82,10 @@ struct Renderer::Device {
                      const std::array<float, 2>& range, const PictureBox& box);
     void draw_sample(const Shot& shot, int sample);
     void draw_from(const Shot& shot, int sample);
+    void settle(const Shot& shot);
     void draw_solids(const Shot& shot, const Eigen::Matrix4f& matrix);
     void draw_fluid(const Shot& shot, const Eigen::Matrix4f& matrix);
+    void shade_sample(const Shot& shot, const Eigen::Matrix4f& matrix, int sample, float weight);
     void shade_fluid(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
     void draw_glass(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
     void compose_picture(const Shot& shot, const gl::Framebuffer& target, bool linear);
@@ -104,9 +108,12 @@ struct Renderer::Device {
                         {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "inks.glsl", "crust.glsl", "opaque.frag"}};
     gl::Programs glass_walls{{"mesh.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "glass.frag"}};
     gl::Programs glass_edges{{"edge.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "edge.frag"}};
+    gl::Programs behind{{"screen.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "behind.frag"}};
+    gl::Programs settling{{"screen.vert"}, {"settle.frag"}};
+    gl::Program wipe{{"screen.vert"}, {"wipe.frag"}};
     gl::Programs compose{{"screen.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "compose.frag"}};
 
-    gl::Texture depth = gl::texture_2d(GL_DEPTH_COMPONENT32F, width, height, false);
+    gl::Texture depth = gl::texture_2d(GL_DEPTH24_STENCIL8, width, height, false);
     gl::Texture solid = gl::texture_2d(GL_RGBA16F, width, height, false);
     gl::Texture normal = gl::texture_2d(GL_RGBA16F, width, height, false);
     gl::Texture sum = gl::texture_2d(GL_RGBA16F, width, height, false);
@@ -115,7 +122,11 @@ struct Renderer::Device {
     gl::Framebuffer geometry = gl::framebuffer({solid.id(), normal.id()}, depth.id());
     gl::Texture crust;  // or motion of the surface; made with the first fluid that needs it
     gl::Framebuffer crusted_geometry;
-    gl::Framebuffer accumulate = gl::framebuffer({sum.id()}, 0);
+    // Depth 0 where a pixel has all that it needs; the stencil tells where no fluid is seen.
+    gl::Texture settled = gl::texture_2d(GL_DEPTH24_STENCIL8, width, height, false);
+    gl::Framebuffer accumulate = gl::framebuffer({sum.id()}, settled.id());
+    gl::Texture first;  // sample of all, where pixels may settle
+    gl::Framebuffer first_target;
     gl::Framebuffer glass_target = gl::framebuffer({glass.id()}, depth.id());
     gl::Framebuffer output = gl::framebuffer({picture.id()}, 0);
     std::optional<LayerPass> layer_pass;  // made when it is first asked for
@@ -212,8 +223,15 @@ Shot Renderer::Device::sum_samples(const Frame& frame, const Surface& surface, c
 
     glViewport(0, 0, width, height);
     glClearColor(0, 0, 0, 0);
-    glBindFramebuffer(GL_FRAMEBUFFER, accumulate.id());
-    glClear(GL_COLOR_BUFFER_BIT);
+    if (!shot.needs_all_samples() && first.id() == 0) {
+        first = gl::texture_2d(GL_RGBA16F, width, height, false);
+        first_target = gl::framebuffer({first.id()}, settled.id());
+    }
+    for (const GLuint target : {accumulate.id(), first_target.id()}) {
+        if (target == 0) continue;
+        glBindFramebuffer(GL_FRAMEBUFFER, target);
+        glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
+    }
     if (scene.any_containers()) {
         glBindFramebuffer(GL_FRAMEBUFFER, glass_target.id());
         glClear(GL_COLOR_BUFFER_BIT);
@@ -253,8 +271,28 @@ void Renderer::Device::draw_from(const Shot& shot, int sample) {
         crusted_geometry = gl::framebuffer({solid.id(), normal.id(), crust.id()}, depth.id());
     }
     glBindFramebuffer(GL_FRAMEBUFFER, keeps_more ? crusted_geometry.id() : geometry.id());
-    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     glEnable(GL_DEPTH_TEST);
+    if (sample == 0 || shot.needs_all_samples()) {
+        glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    } else {  // what has settled is nearer than all that comes: it is drawn no more
+        glCopyImageSubData(settled.id(), GL_TEXTURE_2D, 0, 0, 0, 0, depth.id(), GL_TEXTURE_2D, 0, 0, 0, 0, width, height, 1);
+        glDepthMask(GL_FALSE);
+        wipe.use();
+        cover_screen();
+        if (sample == 1 && scene.any_containers()) {  // what has settled has all of its glass from the first sample
+            glBindFramebuffer(GL_FRAMEBUFFER, glass_target.id());
+            glEnable(GL_BLEND);
+            const auto all = static_cast<float>(samples);
+            glBlendColor(all, all, all, all);
+            glBlendFunc(GL_ZERO, GL_CONSTANT_COLOR);
+            glDepthFunc(GL_GREATER);
+            cover_screen();
+            glDepthFunc(GL_LESS);
+            glDisable(GL_BLEND);
+            glBindFramebuffer(GL_FRAMEBUFFER, keeps_more ? crusted_geometry.id() : geometry.id());
+        }
+        glDepthMask(GL_TRUE);
+    }
     draw_solids(shot, matrix);
     if (shows_field(shot.look))
         flow.draw(scene, {shot.look, shot.view, shot.spacing, width, height, [&](gl::Program& program) { set_studio(program, shot); }},
@@ -262,14 +300,37 @@ void Renderer::Device::draw_from(const Shot& shot, int sample) {
     else draw_fluid(shot, matrix);
     glDisable(GL_DEPTH_TEST);
 
-    glBindFramebuffer(GL_FRAMEBUFFER, accumulate.id());
+    const bool alone = sample == 0 && !shot.needs_all_samples();
+    const float weight = 1.0f / static_cast<float>(samples);
+    glBindFramebuffer(GL_FRAMEBUFFER, alone ? first_target.id() : accumulate.id());
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE);
     if (shot.look.style == "volume") flow.shade_cloud(shot.look, shot.view, solid, matrix, sample, no_vertices);
-    else shade_fluid(shot, matrix, 1.0f / static_cast<float>(samples));
-    if (scene.any_containers()) draw_glass(shot, matrix, 1.0f / static_cast<float>(samples));
+    else shade_sample(shot, matrix, sample, alone ? 1.0f : weight);
+    if (scene.any_containers()) draw_glass(shot, matrix, weight);
     glDisable(GL_BLEND);
+    if (alone) settle(shot);
     glDisable(GL_SCISSOR_TEST);
+}
+
+/// Puts the first sample into the sum, and marks the pixels that need no other.
+void Renderer::Device::settle(const Shot& shot) {
+    glBindFramebuffer(GL_FRAMEBUFFER, accumulate.id());
+    glEnable(GL_DEPTH_TEST);
+    for (const bool settles : {true, false}) {
+        gl::Program& program = settling.with(settles ? "const bool settles = true;\n" : "const bool settles = false;\n");
+        program.use();
+        program.texture("first", 0, GL_TEXTURE_2D, first.id());
+        program.texture("glass", 1, GL_TEXTURE_2D, glass.id());
+        program.set("has_glass", scene.any_containers() ? 1 : 0);
+        program.set("weight", 1.0f / static_cast<float>(shot.look.samples));
+        glDepthMask(settles ? GL_TRUE : GL_FALSE);
+        if (settles) glDepthRangef(0, 0);
+        cover_screen();
+        glDepthRangef(0, 1);
+    }
+    glDepthMask(GL_TRUE);
+    glDisable(GL_DEPTH_TEST);
 }
 
 void Renderer::Device::draw_solids(const Shot& shot, const Eigen::Matrix4f& matrix) {
@@ -310,8 +371,33 @@ void Renderer::Device::draw_fluid(const Shot& shot, const Eigen::Matrix4f& matri
     fluid_normal.set("ground_height", shot.look.ground ? shot.ground : -1e6f);
     fluid_normal.set("keeps_motion", shot.keeps_motion() ? 1 : 0);
     fluid_normal.set("tolerance", 0.5f * shot.spacing);
+    glEnable(GL_CULL_FACE);
     scene.draw_fluid(fluid_normal);
+    glDisable(GL_CULL_FACE);
     glColorMaski(0, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+}
+
+/// First what is not fluid, which the stencil remembers: the software driver computes the fluid's light in every pixel that it is asked
+/// for.
+void Renderer::Device::shade_sample(const Shot& shot, const Eigen::Matrix4f& matrix, int sample, float weight) {
+    glEnable(GL_DEPTH_TEST);
+    glDepthMask(GL_FALSE);
+    glEnable(GL_STENCIL_TEST);
+    glStencilFunc(GL_ALWAYS, sample % 255 + 1, 0xff);
+    glStencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
+    gl::Program& program = behind.with(shot.constants);
+    set_studio(program, shot);
+    program.texture("normal_buffer", 1, GL_TEXTURE_2D, normal.id());
+    program.texture("solid_buffer", 2, GL_TEXTURE_2D, solid.id());
+    program.set("to_world", Eigen::Matrix4f(matrix.inverse()));
+    program.set("weight", weight);
+    cover_screen();
+    glStencilFunc(GL_NOTEQUAL, sample % 255 + 1, 0xff);
+    glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
+    shade_fluid(shot, matrix, weight);
+    glDisable(GL_STENCIL_TEST);
+    glDepthMask(GL_TRUE);
+    glDisable(GL_DEPTH_TEST);
 }
 
 void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matrix, float weight) {

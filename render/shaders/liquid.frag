@@ -6,7 +6,6 @@ uniform sampler2D solid_buffer;
 uniform mat4 to_world;       // clip -> world
 uniform mat4 to_clip;
 uniform float weight;        // of this sample in the pixel
-// constants: bool transparent: nothing is drawn behind; bool draws_behind: every sample sees what stands behind from a place of its own
 uniform bool has_solids;
 uniform bool has_motion;     // of the surface since the moment of the distance field
 uniform sampler2D motion_buffer;
@@ -138,12 +137,6 @@ vec3 light_through(vec3 p, vec3 d, vec3 lamp, out float clear) {
 
 void main() {
     vec4 g = texture(normal_buffer, uv);
-    vec4 solid = texture(solid_buffer, uv);
-    if (g.a < 0.5) {
-        if (solid.a == 0.0 && (transparent || !draws_behind)) discard;
-        colour = weight * vec4(solid.a == 0.0 ? seen_behind(to_world, uv) : solid.rgb, 1.0);
-        return;
-    }
     float depth = texture(depth_buffer, uv).r;
     vec4 h = to_world * vec4(2.0 * vec3(uv, depth) - 1.0, 1.0);
     vec3 x = h.xyz / h.w;

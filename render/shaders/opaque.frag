@@ -5,7 +5,6 @@ uniform sampler2D normal_buffer;
 uniform sampler2D solid_buffer;
 uniform mat4 to_world;       // clip -> world
 uniform float weight;        // of this sample in the pixel
-// constants: bool transparent: nothing is drawn behind; bool draws_behind: every sample sees what stands behind from a place of its own
 uniform bool has_field;
 uniform vec3 body_colour;
 uniform float roughness;
@@ -28,20 +27,14 @@ float unshadowed(vec3 p, vec3 l) {
 
 void main() {
     vec4 g = texture(normal_buffer, uv);
-    vec4 solid = texture(solid_buffer, uv);
     vec4 h = to_world * vec4(2.0 * vec3(uv, texture(depth_buffer, uv).r) - 1.0, 1.0);
     vec3 x = h.xyz / h.w;
     vec3 v = normalize(x - eye);
     vec3 n = normalize(g.xyz + vec3(0.0, 1e-9, 0.0));
     Crust crust;
-    if (has_crust) {  // before any pixel turns off: its neighbours take differences to it
+    if (has_crust) {
         crust = crust_at(texture(crust_buffer, uv), g.a - 1.0);
         n = in_relief(n, x, 2.0 * voxel * crust.height);
-    }
-    if (g.a < 0.5) {
-        if (solid.a == 0.0 && (transparent || !draws_behind)) discard;
-        colour = weight * vec4(solid.a == 0.0 ? seen_behind(to_world, uv) : solid.rgb, 1.0);
-        return;
     }
     if (dot(n, v) > -0.02) n = normalize(n - (dot(n, v) + 0.02) * v);
     vec3 r = reflect(v, n);

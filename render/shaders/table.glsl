@@ -29,15 +29,22 @@ vec3 ray_behind(mat4 to_world, vec2 uv) {
     return normalize(h.xyz / h.w - eye);
 }
 
+// Where a ray from the eye meets the ground; found: whether it does.
+vec3 ground_behind(vec3 d, out bool found) {
+    found = d.y <= -1e-3 && eye.y >= ground_height;
+    return eye + d * ((ground_height - eye.y) / min(d.y, -1e-3));
+}
+
 // Light on the ground over what it would get alone, at this place of the picture; 1 where there is no ground.
 vec3 shadow_behind(mat4 to_world, vec2 uv) {
-    vec3 d = ray_behind(to_world, uv);
-    if (d.y > -1e-3 || eye.y < ground_height || ground_height < -1e5) return vec3(1.0);
-    return light_on_ground((eye + d * ((ground_height - eye.y) / d.y)).xz);
+    bool found;
+    vec3 q = ground_behind(ray_behind(to_world, uv), found);
+    return found ? light_on_ground(q.xz) : vec3(1.0);
 }
 
 // What the camera sees at this place of the picture where nothing stands.
 vec3 seen_behind(mat4 to_world, vec2 uv) {
-    vec3 d = ray_behind(to_world, uv);
-    return d.y < -1e-3 ? surroundings(eye, d) : backdrop(d);
+    bool found;
+    vec3 d = ray_behind(to_world, uv), q = ground_behind(d, found);
+    return found ? ground_seen(q, d, light_on_ground(q.xz)) : backdrop(d);
 }

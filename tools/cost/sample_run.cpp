@@ -115,7 +115,8 @@ SceneFile sample_of(const SceneFile& file, const Plan& plan) {
     scene.fluid.kernel = plan.kernel.kind;
     scene.fluid.support = plan.support / scene.fluid.spacing;
     scene.fluid.viscosity = Expression(plan.largest_viscosity);
-    scene.emitters.clear(), scene.probes.clear(), scene.solids.clear(), scene.drains.clear(), scene.streams.clear(), scene.places.clear();
+    scene.emitters.clear(), scene.probes.clear(), scene.solids.clear(), scene.drains.clear(), scene.streams.clear(), scene.vortices.clear(),
+        scene.places.clear();
     scene.domain.gravity = constant({0, -pull, 0});
     sample.camera = {};
 

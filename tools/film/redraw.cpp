@@ -28,6 +28,14 @@ FilmOptions film_options(const RedrawRequest& request, bool whole) {
     return options;
 }
 
+/// Solids keep their shape: one that the frame before has, too, is the same mesh, whose distance field is known.
+void share_meshes(std::vector<FrameSolid>& solids, const std::vector<FrameSolid>& before) {
+    for (std::size_t k = 0; k < std::min(solids.size(), before.size()); ++k)
+        if (solids[k].mesh && before[k].mesh && solids[k].mesh->position == before[k].mesh->position &&
+            solids[k].mesh->triangle == before[k].mesh->triangle)
+            solids[k].mesh = before[k].mesh;
+}
+
 }  // namespace
 
 std::vector<int> exported_frames(const fs::path& run_folder) {
@@ -59,8 +67,11 @@ int redraw(const RedrawRequest& request) {
     fs::create_directories(request.out / "frames");
     Film film(options);
     auto how = options_now();
+    std::vector<FrameSolid> before;
     for (const int number : numbers) {
         Frame frame = read_frame(frame_file(request.run, number));
+        share_meshes(frame.solids, before);
+        before = frame.solids;
         if (replay.apply_until(frame.time, [](const Scene&, const Plan&, double) {})) how = options_now();
         film.add(std::move(frame), how, nullptr, false);
         if (!request.quiet) fmt::print(stderr, "\r{} of {} frames ", film.frames_written(), numbers.size()), std::fflush(stderr);

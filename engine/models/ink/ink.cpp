@@ -17,15 +17,26 @@ void InkDiffusion::operator()(const Surroundings& around, Write<field::ink_chang
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(c.size(), [&](Index i) {
             Real moment = 0;
-            around.pairs.of(i, [&](Index, const Vec3&, Real r) { moment -= V * W.slope(r) * r * r; });
+            around.pairs.groups_of(i, [&](const Pairs::Group& group) {
+                for (Index l = 0; l < group.padded(); ++l) moment -= W.slope(group.distance[l]) * group.distance[l] * group.distance[l];
+            });
             // A particle that is all but alone has nearly no moment: it must not give more than it has.
-            n[i] = static_cast<Real>(step.dimensions()) / std::max(moment, Real(0.5));
+            n[i] = static_cast<Real>(step.dimensions()) / std::max(V * moment, Real(0.5));
         });
         for (int part = 0; part < parts; ++part) {
             parallel_for(c.size(), [&](Index i) {
-                Vec3 sum = Vec3::Zero();
-                around.pairs.of(i, [&](Index j, const Vec3&, Real r) { sum -= W.slope(r) * (n[i] + n[j]) * (c[j] - c[i]); });
-                change[i] = share * V * sum;
+                Real sum[3] = {0, 0, 0};
+                const Vec3 own = c[i];
+                const Real of_own = n[i];
+                around.pairs.groups_of(i, [&](const Pairs::Group& group) {
+                    Real other[3][Pairs::Group::most], of_other[Pairs::Group::most];
+                    group.gather(c.data(), other), group.gather(n.data(), of_other);
+                    for (Index l = 0; l < group.padded(); ++l) {
+                        const Real F = W.slope(group.distance[l]) * (of_own + of_other[l]);
+                        for (int a = 0; a < 3; ++a) sum[a] -= F * (other[a][l] - own[a]);
+                    }
+                });
+                change[i] = share * V * Vec3(sum[0], sum[1], sum[2]);
             });
             parallel_for(c.size(), [&](Index i) { c[i] += change[i]; });
         }
@@ -51,21 +62,21 @@ struct InkRange {
 
 /// Of particle i and its neighbours within `reach`.
 InkRange range_around(const FluidPairs& pairs, Index i, Real reach, const Vec3* c) {
-    Real low[3][lanes], high[3][lanes];  // side by side, as the loop over neighbours runs
-    for (int a = 0; a < 3; ++a) std::fill_n(low[a], lanes, c[i][a]), std::fill_n(high[a], lanes, c[i][a]);
+    InkRange range{c[i], c[i]};
     pairs.groups_of(i, [&](const Pairs::Group& group) {
         Real other[3][Pairs::Group::most];
         group.gather(c, other);
-        for (int a = 0; a < 3; ++a)
-            for (Index from = 0; from < group.padded(); from += lanes)
-                for (Index l = 0; l < lanes; ++l) {
-                    const Real v = group.distance[from + l] < reach ? other[a][from + l] : c[i][a];
-                    low[a][l] = v < low[a][l] ? v : low[a][l], high[a][l] = v > high[a][l] ? v : high[a][l];
-                }
+        for (int a = 0; a < 3; ++a) {
+            const Real own = c[i][a];
+            Real least = own, most = own;
+#pragma omp simd reduction(min : least) reduction(max : most)
+            for (Index l = 0; l < group.padded(); ++l) {
+                const Real v = group.distance[l] < reach ? other[a][l] : own;
+                least = std::min(least, v), most = std::max(most, v);
+            }
+            range.least[a] = std::min(range.least[a], least), range.most[a] = std::max(range.most[a], most);
+        }
     });
-    InkRange range;
-    for (int a = 0; a < 3; ++a)
-        range.least[a] = *std::min_element(low[a], low[a] + lanes), range.most[a] = *std::max_element(high[a], high[a] + lanes);
     return range;
 }
 
@@ -79,7 +90,7 @@ void CarryInk::operator()(const Surroundings& around, Write<field::ink_change> c
             change[i].setZero();
             if (s.shift[i] == Vec3::Zero()) return;
             const auto [least, most] = range_around(around.pairs, i, 2 * step.spacing, c.data());
-            if (least == most) return;
+            if ((most - least).maxCoeff() < Real(1e-6)) return;  // the pictures show steps of 1/255
             const Vec3 there = c[i] + carried(W, s.whole, around.pairs, i, step.volume, c.data(), s.shift[i]);
             change[i] = there.cwiseMax(least).cwiseMin(most) - c[i];
         });

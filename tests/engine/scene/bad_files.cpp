@@ -77,7 +77,7 @@ const std::vector<Case> cases = {
     {"[time]", "[tme]",
      "bad.toml: time.end is missing; when the run ends [s]; allowed: more than 0\n"
      "bad.toml:1:2: unknown key \"tme\"; did you mean \"time\"?; allowed: name, seed, time, domain, fluid, models, pressure, viscosity, "
-     "micropolar, boundary, block, emitter, solid, drain, stream, probe, change, panel, output, budget, quality"},
+     "micropolar, boundary, block, emitter, solid, drain, stream, vortex, probe, change, panel, output, budget, quality"},
     {"[time]", "[[time]]", "bad.toml:1:3: time must be one table, [time]"},
     {"[[block]]", "[block]", "bad.toml:5:2: block must be a list of tables, [[block]]"},
     {"[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]", "",
@@ -154,7 +154,7 @@ const std::vector<Case> cases = {
      "bad.toml:11:10: output.export must be a list of texts, not the text \"mesh\"; allowed: points, mesh, obj, vdb, scene, vtk, raw"},
     {"", "[outptu]\nframes = true",
      "bad.toml:9:2: unknown key \"outptu\"; did you mean \"output\"?; allowed: name, seed, time, domain, fluid, models, pressure, "
-     "viscosity, micropolar, boundary, block, emitter, solid, drain, stream, probe, change, panel, output, budget, quality"},
+     "viscosity, micropolar, boundary, block, emitter, solid, drain, stream, vortex, probe, change, panel, output, budget, quality"},
     {"", "[quality.draft]\nfluid.spacng = 1\n[quality.coarse]\n[quality.standard]",
      "bad.toml:10:7: unknown key \"spacng\" in [fluid]; did you mean \"spacing\"?; allowed: spacing, density, viscosity, surface_tension, "
      "ink_diffusion, force, kernel, support\n"

@@ -129,7 +129,7 @@ void presses_and_swings(std::initializer_list<double> radii) {
 }  // namespace
 
 TEST_CASE("the pressure in a drop is 2 sigma/R, and it swings between long and flat with Rayleigh's period, within 12 % and 5 %",
-          "[validation][surface_tension][regression]") {
+          "[validation][surface_tension][regression][long]") {
     presses_and_swings({6, 8});
 }
 

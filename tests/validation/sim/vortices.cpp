@@ -57,7 +57,7 @@ TEST_CASE("Taylor-Green vortices, 32 a side, keep energy and velocity within 1.5
         }
 }
 
-TEST_CASE("Taylor-Green vortices, 64 a side, keep energy and velocity within .5 % of theory", "[validation][projection]") {
+TEST_CASE("Taylor-Green vortices, 64 a side, keep energy and velocity within .5 % of theory", "[validation][projection][long]") {
     hold_to_theory(taylor_green(64, 100, "lattice"), {0.005, 0.005});
     hold_to_theory(taylor_green(64, 1000, "jittered"), {0.005, 0.005});
 }
@@ -215,7 +215,7 @@ double cavity_error(int reynolds, int a_side, double end) {
 }  // namespace
 
 // The grid's own error is 2e-4 of the lid's speed (docs/reports/vortices.md).
-TEST_CASE("the cavity at Re 100, 64 a side, is within 2 % of the lid's speed of a grid's solution", "[validation][projection]") {
+TEST_CASE("the cavity at Re 100, 64 a side, is within 2 % of the lid's speed of a grid's solution", "[validation][projection][long]") {
     CHECK(cavity_error(100, 64, 15) < 0.02);
 }
 

@@ -1,0 +1,16 @@
+// Where a sample sees no fluid: the solid, or what is behind all.
+in vec2 uv;
+uniform sampler2D normal_buffer;
+uniform sampler2D solid_buffer;
+uniform mat4 to_world;   // clip -> world
+uniform float weight;    // of this sample in the pixel
+// constants: bool transparent: nothing is drawn behind; bool draws_behind: every sample sees what stands behind from a place of its own
+layout(location = 0) out vec4 colour;
+
+void main() {
+    if (texelFetch(normal_buffer, ivec2(gl_FragCoord.xy), 0).a >= 0.5) discard;
+    vec4 solid = texelFetch(solid_buffer, ivec2(gl_FragCoord.xy), 0);
+    colour = vec4(0.0);
+    if (solid.a > 0.0) colour = weight * vec4(solid.rgb, 1.0);
+    else if (draws_behind && !transparent) colour = weight * vec4(seen_behind(to_world, uv), 1.0);
+}
