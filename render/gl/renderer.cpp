@@ -83,6 +83,9 @@ struct Renderer::Device {
     void draw_sample(const Shot& shot, int sample);
     void draw_from(const Shot& shot, int sample);
     void settle(const Shot& shot);
+    void leave_settled(int sample, int samples);
+    void wipe_open();
+    void draw_solid_depth(const Shot& shot, const Eigen::Matrix4f& matrix);
     void draw_solids(const Shot& shot, const Eigen::Matrix4f& matrix);
     void draw_fluid(const Shot& shot, const Eigen::Matrix4f& matrix);
     void shade_sample(const Shot& shot, const Eigen::Matrix4f& matrix, int sample, float weight);
@@ -272,32 +275,25 @@ void Renderer::Device::draw_from(const Shot& shot, int sample) {
     }
     glBindFramebuffer(GL_FRAMEBUFFER, keeps_more ? crusted_geometry.id() : geometry.id());
     glEnable(GL_DEPTH_TEST);
+    const auto draw_front = [&] {
+        if (shows_field(shot.look))
+            flow.draw(scene, {shot.look, shot.view, shot.spacing, width, height, [&](gl::Program& program) { set_studio(program, shot); }},
+                      matrix);
+        else draw_fluid(shot, matrix);
+    };
     if (sample == 0 || shot.needs_all_samples()) {
         glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    } else {  // what has settled is nearer than all that comes: it is drawn no more
-        glCopyImageSubData(settled.id(), GL_TEXTURE_2D, 0, 0, 0, 0, depth.id(), GL_TEXTURE_2D, 0, 0, 0, 0, width, height, 1);
-        glDepthMask(GL_FALSE);
-        wipe.use();
-        cover_screen();
-        if (sample == 1 && scene.any_containers()) {  // what has settled has all of its glass from the first sample
-            glBindFramebuffer(GL_FRAMEBUFFER, glass_target.id());
-            glEnable(GL_BLEND);
-            const auto all = static_cast<float>(samples);
-            glBlendColor(all, all, all, all);
-            glBlendFunc(GL_ZERO, GL_CONSTANT_COLOR);
-            glDepthFunc(GL_GREATER);
-            cover_screen();
-            glDepthFunc(GL_LESS);
-            glDisable(GL_BLEND);
-            glBindFramebuffer(GL_FRAMEBUFFER, keeps_more ? crusted_geometry.id() : geometry.id());
-        }
-        glDepthMask(GL_TRUE);
+        draw_solid_depth(shot, matrix);
+        draw_solids(shot, matrix);
+        draw_front();
+    } else {
+        leave_settled(sample, samples);
+        glBindFramebuffer(GL_FRAMEBUFFER, keeps_more ? crusted_geometry.id() : geometry.id());
+        draw_solid_depth(shot, matrix);
+        draw_front();
+        draw_solids(shot, matrix);  // those that the fluid hides keep the first sample's light, which only refraction shows
+        wipe_open();
     }
-    draw_solids(shot, matrix);
-    if (shows_field(shot.look))
-        flow.draw(scene, {shot.look, shot.view, shot.spacing, width, height, [&](gl::Program& program) { set_studio(program, shot); }},
-                  matrix);
-    else draw_fluid(shot, matrix);
     glDisable(GL_DEPTH_TEST);
 
     const bool alone = sample == 0 && !shot.needs_all_samples();
@@ -333,15 +329,50 @@ void Renderer::Device::settle(const Shot& shot) {
     glDisable(GL_DEPTH_TEST);
 }
 
-void Renderer::Device::draw_solids(const Shot& shot, const Eigen::Matrix4f& matrix) {
+/// The depth buffer of a later sample: what has settled is nearer than all that comes, and is drawn no more.
+void Renderer::Device::leave_settled(int sample, int samples) {
+    glCopyImageSubData(settled.id(), GL_TEXTURE_2D, 0, 0, 0, 0, depth.id(), GL_TEXTURE_2D, 0, 0, 0, 0, width, height, 1);
+    if (sample > 1 || !scene.any_containers()) return;
+    // It has all of its glass from the first sample.
+    glBindFramebuffer(GL_FRAMEBUFFER, glass_target.id());
+    glEnable(GL_BLEND);
+    const auto all = static_cast<float>(samples);
+    glBlendColor(all, all, all, all);
+    glBlendFunc(GL_ZERO, GL_CONSTANT_COLOR);
+    glDepthMask(GL_FALSE);
+    glDepthFunc(GL_GREATER);
+    wipe.use();
+    cover_screen();
+    glDepthFunc(GL_LESS);
+    glDepthMask(GL_TRUE);
+    glDisable(GL_BLEND);
+}
+
+/// Nothing where a later sample sees nothing.
+void Renderer::Device::wipe_open() {
+    glDepthMask(GL_FALSE);
+    glDepthFunc(GL_LEQUAL);
+    glDepthRangef(1, 1);
+    wipe.use();
+    cover_screen();
+    glDepthRangef(0, 1);
+    glDepthFunc(GL_LESS);
+    glDepthMask(GL_TRUE);
+}
+
+/// The colour of solids is the dearest of all: depth comes first, so that only what is seen gets one.
+void Renderer::Device::draw_solid_depth(const Shot& shot, const Eigen::Matrix4f& matrix) {
     if (!scene.any_solids()) return;
-    // Their colour is the dearest of all: depth comes first, so that only what is seen gets one.
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     solid_depth.use();
     solid_depth.set("view_projection", matrix);
     solid_depth.set("ground_height", shot.look.ground ? shot.ground : -1e6f);
     scene.draw_solids(solid_depth, false, [](const FrameSolid&) {});
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+}
+
+void Renderer::Device::draw_solids(const Shot& shot, const Eigen::Matrix4f& matrix) {
+    if (!scene.any_solids()) return;
     glDepthFunc(GL_LEQUAL);
     for (const Pattern pattern : shot.patterns) {
         gl::Program& program =

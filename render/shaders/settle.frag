@@ -23,8 +23,8 @@ void main() {
     }
     // How far it is from the straight line between two opposite neighbours: a smooth shade is no edge.
     vec4 own = seen(pixel), apart = vec4(0.0);
-    for (int i = 0; i < 4; ++i) {
-        ivec2 way = ivec2(i % 3 - 1, i == 3 ? 0 : -1);
+    for (int axis = 0; axis < 2; ++axis) {
+        ivec2 way = ivec2(1 - axis, axis);
         vec4 before = seen(clamp(pixel - way, ivec2(0), last)), after = seen(clamp(pixel + way, ivec2(0), last));
         apart = max(apart, abs(own - 0.5 * (before + after)));
     }

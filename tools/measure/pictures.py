@@ -64,7 +64,7 @@ gallery_scenes = {
     "karman_street": ("A cylinder in a stream sheds vortices in turn.", 2.5, "draft"),
     "shear_layer": ("Two streams roll up into billows.", 1.5, "draft"),
     "taylor_green": ("Vortices that fill a cube break up into tubes.", 0.8, "draft"),
-    "vortex_rings": ("One ring slips through the other; two meet head on.", 0.9, "draft"),
+    "vortex_rings": ("One ring slips through the other; two meet head on and break into five.", 1.75, "standard"),
     "stirred_tank": ("A paddle stirs ink in a glass.", 1.1, "draft"),
 }
 
