@@ -16,6 +16,7 @@
 #include "render/gl/ink_field.h"
 #include "render/gl/layer_pass.h"
 #include "render/gl/objects.h"
+#include "render/gl/samples.h"
 #include "render/gl/scene_geometry.h"
 #include "render/gl/setup.h"
 #include "render/gl/solid_field.h"
@@ -82,9 +83,6 @@ struct Renderer::Device {
                      const std::array<float, 2>& range, const PictureBox& box);
     void draw_sample(const Shot& shot, int sample);
     void draw_from(const Shot& shot, int sample);
-    void settle(const Shot& shot);
-    void leave_settled(int sample, int samples);
-    void wipe_open();
     void draw_solid_depth(const Shot& shot, const Eigen::Matrix4f& matrix);
     void draw_solids(const Shot& shot, const Eigen::Matrix4f& matrix);
     void draw_fluid(const Shot& shot, const Eigen::Matrix4f& matrix);
@@ -112,28 +110,21 @@ struct Renderer::Device {
     gl::Programs glass_walls{{"mesh.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "glass.frag"}};
     gl::Programs glass_edges{{"edge.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "edge.frag"}};
     gl::Programs behind{{"screen.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "behind.frag"}};
-    gl::Programs settling{{"screen.vert"}, {"settle.frag"}};
-    gl::Program wipe{{"screen.vert"}, {"wipe.frag"}};
     gl::Programs compose{{"screen.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "compose.frag"}};
 
     gl::Texture depth = gl::texture_2d(GL_DEPTH24_STENCIL8, width, height, false);
     gl::Texture solid = gl::texture_2d(GL_RGBA16F, width, height, false);
     gl::Texture normal = gl::texture_2d(GL_RGBA16F, width, height, false);
-    gl::Texture sum = gl::texture_2d(GL_RGBA16F, width, height, false);
     gl::Texture glass = gl::texture_2d(GL_RGBA16F, width, height, false);
     gl::Texture picture = gl::texture_2d(GL_RGBA8, width, height, false);
     gl::Framebuffer geometry = gl::framebuffer({solid.id(), normal.id()}, depth.id());
     gl::Texture crust;  // or motion of the surface; made with the first fluid that needs it
     gl::Framebuffer crusted_geometry;
-    // Depth 0 where a pixel has all that it needs; the stencil tells where no fluid is seen.
-    gl::Texture settled = gl::texture_2d(GL_DEPTH24_STENCIL8, width, height, false);
-    gl::Framebuffer accumulate = gl::framebuffer({sum.id()}, settled.id());
-    gl::Texture first;  // sample of all, where pixels may settle
-    gl::Framebuffer first_target;
     gl::Framebuffer glass_target = gl::framebuffer({glass.id()}, depth.id());
     gl::Framebuffer output = gl::framebuffer({picture.id()}, 0);
     std::optional<LayerPass> layer_pass;  // made when it is first asked for
 
+    Samples samples{width, height};
     SceneGeometry scene;
     FieldTexture field;
     SolidField solid_field;
@@ -225,27 +216,17 @@ Shot Renderer::Device::sum_samples(const Frame& frame, const Surface& surface, c
     ground_light.draw(scene, shot.material, surround.shadow_lamp(view), frame.spacing, shot.ground, look.ground);
 
     glViewport(0, 0, width, height);
-    glClearColor(0, 0, 0, 0);
-    if (!shot.needs_all_samples() && first.id() == 0) {
-        first = gl::texture_2d(GL_RGBA16F, width, height, false);
-        first_target = gl::framebuffer({first.id()}, settled.id());
-    }
-    for (const GLuint target : {accumulate.id(), first_target.id()}) {
-        if (target == 0) continue;
-        glBindFramebuffer(GL_FRAMEBUFFER, target);
-        glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
-    }
+    samples.begin(look.samples, shot.needs_all_samples());
     if (scene.any_containers()) {
         glBindFramebuffer(GL_FRAMEBUFFER, glass_target.id());
         glClear(GL_COLOR_BUFFER_BIT);
     }
-    for (int i = 0; i < std::max(look.samples, 1); ++i) draw_sample(shot, i);
+    for (int i = 0; i < samples.count(); ++i) draw_sample(shot, i);
     return shot;
 }
 
 /// Each sample has a place in the pixel, one in the lens, and a moment while the shutter is open.
 void Renderer::Device::draw_sample(const Shot& shot, int sample) {
-    const int samples = std::max(shot.look.samples, 1);
     const float turn = 0.618034f * static_cast<float>(sample) + 0.5f, moment = (turn - std::floor(turn) - 0.5f) * shot.view.open;
     scene.go_to(moment);
     if (!shot.view.blurs()) return draw_from(shot, sample);
@@ -254,7 +235,7 @@ void Renderer::Device::draw_sample(const Shot& shot, int sample) {
     view.position += moment * view.position_velocity, view.target += moment * view.target_velocity;
     if (!shows_field(shot.look)) from.camera = camera_matrix(view, shot.aspect, scene.bounds());
     const Vec3f right = studio_axes(view).row(0), up = right.cross(view.target - view.position).normalized();
-    const Eigen::Vector2f place = 0.5f * view.aperture * lens_place(sample, samples);
+    const Eigen::Vector2f place = 0.5f * view.aperture * lens_place(sample, samples.count());
     const Vec3f aside = place.x() * right + place.y() * up;
     if (view.aperture > 0) from.camera = through_lens(from.camera, view, aside);
     view.position += aside, view.target += aside;
@@ -262,8 +243,7 @@ void Renderer::Device::draw_sample(const Shot& shot, int sample) {
 }
 
 void Renderer::Device::draw_from(const Shot& shot, int sample) {
-    const int samples = std::max(shot.look.samples, 1);
-    const Eigen::Matrix4f matrix = jittered(shot.camera, sample_place(sample, samples), width, height);
+    const Eigen::Matrix4f matrix = jittered(shot.camera, sample_place(sample, samples.count()), width, height);
     const PixelBox box = shot.view.blurs() ? PixelBox{0, 0, width, height} : pixels_of(scene.bounds(), shot.camera, width, height);
     glEnable(GL_SCISSOR_TEST);
     glScissor(box.x, box.y, box.width, box.height);
@@ -273,91 +253,40 @@ void Renderer::Device::draw_from(const Shot& shot, int sample) {
         crust = gl::texture_2d(GL_RGBA16F, width, height, false);
         crusted_geometry = gl::framebuffer({solid.id(), normal.id(), crust.id()}, depth.id());
     }
-    glBindFramebuffer(GL_FRAMEBUFFER, keeps_more ? crusted_geometry.id() : geometry.id());
-    glEnable(GL_DEPTH_TEST);
+    const gl::Framebuffer& things = keeps_more ? crusted_geometry : geometry;
     const auto draw_front = [&] {
         if (shows_field(shot.look))
             flow.draw(scene, {shot.look, shot.view, shot.spacing, width, height, [&](gl::Program& program) { set_studio(program, shot); }},
                       matrix);
         else draw_fluid(shot, matrix);
     };
-    if (sample == 0 || shot.needs_all_samples()) {
+    glEnable(GL_DEPTH_TEST);
+    if (!samples.leaves_out(sample)) {
+        glBindFramebuffer(GL_FRAMEBUFFER, things.id());
         glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
         draw_solid_depth(shot, matrix);
         draw_solids(shot, matrix);
         draw_front();
     } else {
-        leave_settled(sample, samples);
-        glBindFramebuffer(GL_FRAMEBUFFER, keeps_more ? crusted_geometry.id() : geometry.id());
+        samples.leave_settled(depth);
+        if (sample == 1 && scene.any_containers()) samples.complete_glass(glass_target, no_vertices);
+        glBindFramebuffer(GL_FRAMEBUFFER, things.id());
         draw_solid_depth(shot, matrix);
         draw_front();
         draw_solids(shot, matrix);  // those that the fluid hides keep the first sample's light, which only refraction shows
-        wipe_open();
+        samples.wipe_open(no_vertices);
     }
     glDisable(GL_DEPTH_TEST);
 
-    const bool alone = sample == 0 && !shot.needs_all_samples();
-    const float weight = 1.0f / static_cast<float>(samples);
-    glBindFramebuffer(GL_FRAMEBUFFER, alone ? first_target.id() : accumulate.id());
+    glBindFramebuffer(GL_FRAMEBUFFER, samples.target(sample));
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE);
     if (shot.look.style == "volume") flow.shade_cloud(shot.look, shot.view, solid, matrix, sample, no_vertices);
-    else shade_sample(shot, matrix, sample, alone ? 1.0f : weight);
-    if (scene.any_containers()) draw_glass(shot, matrix, weight);
+    else shade_sample(shot, matrix, sample, samples.weight(sample));
+    if (scene.any_containers()) draw_glass(shot, matrix, samples.weight());
     glDisable(GL_BLEND);
-    if (alone) settle(shot);
+    if (samples.settles(sample)) samples.settle(scene.any_containers() ? glass.id() : 0, no_vertices);
     glDisable(GL_SCISSOR_TEST);
-}
-
-/// Puts the first sample into the sum, and marks the pixels that need no other.
-void Renderer::Device::settle(const Shot& shot) {
-    glBindFramebuffer(GL_FRAMEBUFFER, accumulate.id());
-    glEnable(GL_DEPTH_TEST);
-    for (const bool settles : {true, false}) {
-        gl::Program& program = settling.with(settles ? "const bool settles = true;\n" : "const bool settles = false;\n");
-        program.use();
-        program.texture("first", 0, GL_TEXTURE_2D, first.id());
-        program.texture("glass", 1, GL_TEXTURE_2D, glass.id());
-        program.set("has_glass", scene.any_containers() ? 1 : 0);
-        program.set("weight", 1.0f / static_cast<float>(shot.look.samples));
-        glDepthMask(settles ? GL_TRUE : GL_FALSE);
-        if (settles) glDepthRangef(0, 0);
-        cover_screen();
-        glDepthRangef(0, 1);
-    }
-    glDepthMask(GL_TRUE);
-    glDisable(GL_DEPTH_TEST);
-}
-
-/// The depth buffer of a later sample: what has settled is nearer than all that comes, and is drawn no more.
-void Renderer::Device::leave_settled(int sample, int samples) {
-    glCopyImageSubData(settled.id(), GL_TEXTURE_2D, 0, 0, 0, 0, depth.id(), GL_TEXTURE_2D, 0, 0, 0, 0, width, height, 1);
-    if (sample > 1 || !scene.any_containers()) return;
-    // It has all of its glass from the first sample.
-    glBindFramebuffer(GL_FRAMEBUFFER, glass_target.id());
-    glEnable(GL_BLEND);
-    const auto all = static_cast<float>(samples);
-    glBlendColor(all, all, all, all);
-    glBlendFunc(GL_ZERO, GL_CONSTANT_COLOR);
-    glDepthMask(GL_FALSE);
-    glDepthFunc(GL_GREATER);
-    wipe.use();
-    cover_screen();
-    glDepthFunc(GL_LESS);
-    glDepthMask(GL_TRUE);
-    glDisable(GL_BLEND);
-}
-
-/// Nothing where a later sample sees nothing.
-void Renderer::Device::wipe_open() {
-    glDepthMask(GL_FALSE);
-    glDepthFunc(GL_LEQUAL);
-    glDepthRangef(1, 1);
-    wipe.use();
-    cover_screen();
-    glDepthRangef(0, 1);
-    glDepthFunc(GL_LESS);
-    glDepthMask(GL_TRUE);
 }
 
 /// The colour of solids is the dearest of all: depth comes first, so that only what is seen gets one.
@@ -487,7 +416,7 @@ void Renderer::Device::compose_picture(const Shot& shot, const gl::Framebuffer& 
     glBindFramebuffer(GL_FRAMEBUFFER, target.id());
     gl::Program& program = compose.with(shot.constants + "const bool linear = " + (linear ? "true" : "false") + ";\n");
     set_studio(program, shot);
-    program.texture("samples", 0, GL_TEXTURE_2D, sum.id());
+    program.texture("samples", 0, GL_TEXTURE_2D, samples.sum());
     program.texture("glass", 1, GL_TEXTURE_2D, glass.id());
     program.set("has_glass", scene.any_containers() ? 1 : 0);
     program.set("to_world", Eigen::Matrix4f(shot.camera.inverse()));
