@@ -59,13 +59,13 @@ gallery_scenes = {
     "paddle": ("Two crossed blades turn in a box of water.", 2.9, "standard"),
     "floating_boxes": ("A wave carries off crates, a cask and a ball.", 1.05, "standard"),
     "turbulence": ("A crowd of vortices merges into a few. With spin they stay strong.", 1.4, "standard"),
-    "towed_post": ("A post is towed and stops: spin keeps its vortices.", 1.5, "draft"),
+    "towed_post": ("A post is towed and stops: spin keeps its vortices.", 1.5, "standard"),
     "spin_up": ("A torque on the particles' spin turns fluid, if the wall holds the spin.", 1.4, "standard"),
-    "karman_street": ("A cylinder in a stream sheds vortices in turn.", 2.5, "draft"),
-    "shear_layer": ("Two streams roll up into billows.", 1.5, "draft"),
-    "taylor_green": ("Vortices that fill a cube break up into tubes.", 0.8, "draft"),
+    "karman_street": ("A cylinder in a stream sheds vortices in turn.", 2.5, "standard"),
+    "shear_layer": ("Two streams roll up into billows.", 1.5, "standard"),
+    "taylor_green": ("Vortices that fill a cube break up into tubes.", 0.8, "standard"),
     "vortex_rings": ("One ring slips through the other; two meet head on and break into five.", 1.75, "standard"),
-    "stirred_tank": ("A paddle stirs ink in a glass.", 1.1, "draft"),
+    "stirred_tank": ("A paddle stirs ink in a glass.", 1.1, "standard"),
 }
 
 
