@@ -108,32 +108,96 @@ void near_surface(const TriangleMesh& mesh, const Volume& e, float margin, std::
     });
 }
 
-// Carries closest points and sides from plane to plane along one axis, forwards and backwards; each voxel beyond the exact margin asks the
-// nine voxels next to it in the plane before. Six such sweeps reach every voxel along a path that hardly leaves the straight one.
-void sweep_closest_points(const Volume& e, int axis, float margin, float limit, std::vector<Closest>& closest,
-                          std::vector<std::int8_t>& side) {
+// Blocks of voxels that the band may reach: those with a voxel near the surface, and what is within the band of these.
+class Band {
+public:
+    static constexpr int edge = 8;
+    Band(const Volume& e, const std::vector<Closest>& closest, int band) {
+        for (int a = 0; a < 3; ++a) count_[a] = (std::array<int, 3>{e.nx, e.ny, e.nz}[a] + edge - 1) / edge;
+        inside_.assign(grid_count(count_[0], count_[1], count_[2]), 0);
+        parallel_tasks(count_[2], [&](Index c) {
+            for (int k = c * edge; k < std::min(e.nz, (c + 1) * edge); ++k)
+                for (int j = 0; j < e.ny; ++j)
+                    for (int i = 0; i < e.nx; ++i)
+                        if (std::isfinite(closest[e.index(i, j, k)].distance2)) inside_[at({i / edge, j / edge, c})] = 1;
+        });
+        for (int axis : {0, 1, 2}) widen(axis, (band + edge - 1) / edge);
+    }
+    int count(int axis) const { return count_[axis]; }
+    bool holds(const std::array<int, 3>& block) const { return inside_[at(block)] != 0; }
+
+private:
+    std::size_t at(const std::array<int, 3>& b) const { return grid_index(b[0], b[1], b[2], count_[0], count_[1]); }
+    void widen(int axis, int by) {
+        const std::vector<std::int8_t> before = inside_;
+        std::array<int, 3> b{};
+        for (b[2] = 0; b[2] < count_[2]; ++b[2])
+            for (b[1] = 0; b[1] < count_[1]; ++b[1])
+                for (b[0] = 0; b[0] < count_[0]; ++b[0]) {
+                    if (before[at(b)] == 0) continue;
+                    std::array<int, 3> to = b;
+                    for (to[axis] = std::max(0, b[axis] - by); to[axis] <= std::min(count_[axis] - 1, b[axis] + by); ++to[axis])
+                        inside_[at(to)] = 1;
+                }
+    }
+
+    std::array<int, 3> count_{};
+    std::vector<std::int8_t> inside_;
+};
+
+// Carries closest points from plane to plane along one axis, forwards and backwards; each voxel beyond the exact margin asks the nine
+// voxels next to it in the plane before. Six such sweeps reach every voxel along a path that hardly leaves the straight one.
+void sweep_closest_points(const Volume& e, const Band& band, int axis, float margin, float limit, std::vector<Closest>& closest) {
     const std::array<int, 3> size{e.nx, e.ny, e.nz};
     const std::array<std::size_t, 3> stride{1, grid_index(0, 1, e.nx), grid_index(0, 0, 1, e.nx, e.ny)};
     const int u = (axis + 1) % 3, v = (axis + 2) % 3, n = size[axis];
+    std::vector<std::vector<std::array<int, 2>>> blocks(band.count(axis));  // that the band holds, by plane of blocks
+    for (int c = 0; c < band.count(axis); ++c)
+        for (int bv = 0; bv < band.count(v); ++bv)
+            for (int bu = 0; bu < band.count(u); ++bu) {
+                std::array<int, 3> block{};
+                block[axis] = c, block[u] = bu, block[v] = bv;
+                if (band.holds(block)) blocks[c].push_back({bu, bv});
+            }
+    const auto ask = [&](const std::array<int, 3>& at, std::size_t here, std::size_t before) {
+        Closest& best = closest[here];
+        if (best.distance2 <= margin * margin || !(closest[before].distance2 < limit * limit)) return;
+        const Vec3f x = e.at(at[0], at[1], at[2]);
+        for (int dv = at[v] > 0 ? -1 : 0; dv <= (at[v] + 1 < size[v] ? 1 : 0); ++dv)
+            for (int du = at[u] > 0 ? -1 : 0; du <= (at[u] + 1 < size[u] ? 1 : 0); ++du) {
+                const Closest& other = closest[before + du * stride[u] + dv * stride[v]];
+                const float distance2 = (x - other.point).squaredNorm();
+                if (distance2 < best.distance2) best = {other.point, distance2};
+            }
+    };
+    constexpr Index together = 16;
     for (int direction : {1, -1})
-        for (int s = 1; s < n; ++s)
-            parallel_for(static_cast<Index>(size[u]) * size[v], [&](Index m) {
-                std::array<int, 3> at{};
-                at[axis] = direction > 0 ? s : n - 1 - s;
-                at[u] = m % size[u];
-                at[v] = m / size[u];
-                const std::size_t here = e.index(at[0], at[1], at[2]), before = direction > 0 ? here - stride[axis] : here + stride[axis];
-                if (side[here] == 0) side[here] = side[before];
-                Closest& best = closest[here];
-                if (best.distance2 <= margin * margin || !(closest[before].distance2 < limit * limit)) return;
-                const Vec3f x = e.at(at[0], at[1], at[2]);
-                for (int dv = at[v] > 0 ? -1 : 0; dv <= (at[v] + 1 < size[v] ? 1 : 0); ++dv)
-                    for (int du = at[u] > 0 ? -1 : 0; du <= (at[u] + 1 < size[u] ? 1 : 0); ++du) {
-                        const Closest& other = closest[before + du * stride[u] + dv * stride[v]];
-                        const float distance2 = (x - other.point).squaredNorm();
-                        if (distance2 < best.distance2) best = {other.point, distance2};
-                    }
+        for (int s = 1; s < n; ++s) {
+            std::array<int, 3> plane{};
+            plane[axis] = direction > 0 ? s : n - 1 - s;
+            const std::vector<std::array<int, 2>>& held = blocks[plane[axis] / Band::edge];
+            const auto count = static_cast<Index>(held.size());
+            parallel_tasks((count + together - 1) / together, [&](Index task) {
+                std::array<int, 3> at = plane;
+                for (Index m = task * together; m < std::min(count, (task + 1) * together); ++m)
+                    for (at[v] = held[m][1] * Band::edge; at[v] < std::min(size[v], (held[m][1] + 1) * Band::edge); ++at[v])
+                        for (at[u] = held[m][0] * Band::edge; at[u] < std::min(size[u], (held[m][0] + 1) * Band::edge); ++at[u]) {
+                            const std::size_t here = e.index(at[0], at[1], at[2]);
+                            ask(at, here, direction > 0 ? here - stride[axis] : here + stride[axis]);
+                        }
             });
+        }
+}
+
+// Voxels that no triangle is near are on the side of those before them. All rows begin outside.
+void spread_sides(const Volume& e, std::vector<std::int8_t>& side) {
+    parallel_for(static_cast<Index>(e.ny) * e.nz, [&](Index row) {
+        std::int8_t* const of_row = side.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(e.nx);
+        std::int8_t last = 1;
+        for (int i = 0; i < e.nx; ++i)
+            if (of_row[i] == 0) of_row[i] = last;
+            else last = of_row[i];
+    });
 }
 
 }  // namespace
@@ -146,7 +210,9 @@ Volume distance_volume(const TriangleMesh& mesh, float voxel, int band) {
     // Each cell that the surface crosses has all its corners within sqrt(3) voxels of it: sides never leak through.
     const float margin = 1.75f * volume.voxel, limit = static_cast<float>(band) * volume.voxel;
     near_surface(mesh, volume, margin, closest, side);
-    for (int axis : {0, 1, 2}) sweep_closest_points(volume, axis, margin, limit + 2 * volume.voxel, closest, side);
+    const Band held(volume, closest, band);
+    for (int axis : {0, 1, 2}) sweep_closest_points(volume, held, axis, margin, limit + 2 * volume.voxel, closest);
+    spread_sides(volume, side);
 
     volume.value.resize(volume.count());
     parallel_for(static_cast<Index>(volume.count()),
