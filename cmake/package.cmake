@@ -33,7 +33,8 @@ set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_DEPENDS "libegl1, libegl-mesa0, libgl1-mesa-dri")
+# Opened at run time by name (libepoxy, and libegl1 for its drivers), so shlibdeps does not see them.
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "libegl1, libgl1, libegl-mesa0, libgl1-mesa-dri")
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS ffmpeg)
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "films of viscous fluids and vortices")
 set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "Whorl simulates honey, lava and paint that coil, fold and pile up, water that

@@ -60,7 +60,9 @@ def main():
         machine = Path(folder) / "machine"
         run("mmdebstrap", "--variant=apt", "--aptopt=Apt::Install-Recommends false", f"--customize-hook=copy-in {package} /tmp",
             f'--customize-hook=chroot "$1" apt-get install -y /tmp/{package.name}', suite(), machine)
-        print(run("chroot", machine, "sh", "-c", FILM, env={"PATH": "/usr/bin:/bin:/usr/sbin:/sbin", "HOME": "/root", "LANG": "C.UTF-8"}), end="")
+        # With /proc, as on any machine: the program finds its scenes by where it lies. The mount goes with the process.
+        inside = 'mount -t proc proc "$0/proc" && exec chroot "$0" sh -c "$1"'
+        print(run("unshare", "--mount", "sh", "-c", inside, machine, FILM, env={"PATH": "/usr/bin:/bin:/usr/sbin:/sbin", "HOME": "/root", "LANG": "C.UTF-8"}), end="")
     print("the package installs and films")
 
 
