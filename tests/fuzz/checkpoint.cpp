@@ -1,5 +1,6 @@
 // Checkpoints.
 #include "engine/io/checkpoint.h"
+
 #include "tests/fuzz/sealed.h"
 
 using namespace whorl;
