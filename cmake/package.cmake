@@ -4,12 +4,23 @@ add_custom_command(OUTPUT whorl.1.gz whorl.bash
                    COMMAND sh -c "$<TARGET_FILE:whorl> manual --bash > whorl.bash"
                    DEPENDS whorl VERBATIM)
 add_custom_command(OUTPUT changelog.gz COMMAND sh -c "gzip -9nc ${PROJECT_SOURCE_DIR}/CHANGELOG.md > changelog.gz" DEPENDS CHANGELOG.md VERBATIM)
-add_custom_target(manual ALL DEPENDS whorl.1.gz whorl.bash changelog.gz)
+# Debian's own changelog tells of the packaging only.
+set(maintainer "Whorl <whorl@example.org>")
+string(TIMESTAMP today "%a, %d %b %Y %H:%M:%S +0000" UTC)
+file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/changelog.Debian "whorl (${PROJECT_VERSION}-1) unstable; urgency=medium
+
+  * Whorl ${PROJECT_VERSION}; what is new stands in its own changelog.
+
+ -- ${maintainer}  ${today}
+")
+add_custom_command(OUTPUT changelog.Debian.gz COMMAND sh -c "gzip -9nc changelog.Debian > changelog.Debian.gz" VERBATIM)
+add_custom_target(manual ALL DEPENDS whorl.1.gz whorl.bash changelog.gz changelog.Debian.gz)
 
 set(doc ${CMAKE_INSTALL_DATADIR}/doc/whorl)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/whorl.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/whorl.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME whorl)
-install(FILES ${CMAKE_CURRENT_BINARY_DIR}/changelog.gz LICENSE DESTINATION ${doc})
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/changelog.gz ${CMAKE_CURRENT_BINARY_DIR}/changelog.Debian.gz LICENSE
+        DESTINATION ${doc})
 install(FILES LICENSE DESTINATION ${doc} RENAME copyright)
 install(FILES README.md docs/scene_keys.md DESTINATION ${doc})
 install(DIRECTORY docs/guide DESTINATION ${doc} FILES_MATCHING PATTERN *.md)
@@ -17,15 +28,17 @@ install(DIRECTORY docs/guide DESTINATION ${doc} FILES_MATCHING PATTERN *.md)
 set(CPACK_GENERATOR DEB)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
-set(CPACK_PACKAGE_CONTACT "Whorl <whorl@localhost>")
+set(CPACK_PACKAGE_CONTACT "${maintainer}")
+set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_DEPENDS "libegl1, libegl-mesa0, libgl1-mesa-dri")
+# Opened at run time by name (libepoxy, and libegl1 for its drivers), so shlibdeps does not see them.
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "libegl1, libgl1, libegl-mesa0, libgl1-mesa-dri")
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS ffmpeg)
-set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "films of viscous fluids and vortices
- Whorl simulates honey, lava and paint that coil, fold and pile up, water that
- splashes, and vortices, with smoothed particle hydrodynamics. A scene is one
- text file; whorl computes it, draws it and writes a video. It needs no
- graphics card.")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "films of viscous fluids and vortices")
+set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "Whorl simulates honey, lava and paint that coil, fold and pile up, water that
+splashes, and vortices, with smoothed particle hydrodynamics. A scene is one
+text file; whorl computes it, draws it and writes a video. It needs no
+graphics card.")
 include(CPack)

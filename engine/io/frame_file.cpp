@@ -40,6 +40,25 @@ void frame_members(Archive& a, F& frame) {
     a(frame.dimensions);
 }
 
+/// @throws EnvironmentError where a field has more or fewer values than there are particles, or a triangle a corner that is no vertex
+void check(const Frame& frame) {
+    const std::size_t n = frame.position.size();
+    bool sound = frame.velocity.size() == n;
+    const auto one_each = [&](const auto& fields) {
+        for (const auto& [name, values] : fields) sound = sound && values.size() == n;
+    };
+    one_each(frame.scalar), one_each(frame.vector), one_each(frame.whole);
+    for (const FrameSolid& solid : frame.solids) {
+        if (!solid.mesh) continue;
+        const std::size_t vertices = solid.mesh->position.size();
+        sound = sound && (solid.mesh->normal.empty() || solid.mesh->normal.size() == vertices);
+        sound = sound && (solid.mesh->scalar.empty() || solid.mesh->scalar.size() == vertices);
+        for (const auto& corners : solid.mesh->triangle)
+            for (const auto corner : corners) sound = sound && corner < vertices;
+    }
+    if (!sound) throw EnvironmentError("its parts do not fit together");
+}
+
 }  // namespace
 
 void write_frame(const std::filesystem::path& file, const Frame& frame) {
@@ -76,6 +95,7 @@ Frame read_frame(const std::filesystem::path& file) try {
     }
     std::uint64_t emitters = 0;
     for (in(emitters); emitters > 0; --emitters) emitter_members(in, frame.emitters.emplace_back());
+    check(frame);
     return frame;
 } catch (const EnvironmentError& error) {
     throw InputError({file.string(), 0, 0}, std::string("is no whole frame: ") + error.what(), "export the frames anew");

@@ -62,7 +62,7 @@ struct Unpacker {
     void operator()(long& value) { number(value); }
     void operator()(float& value) { number(value); }
     void operator()(double& value) { number(value); }
-    void operator()(bool& value) { number(value); }
+    void operator()(bool& value) { value = next(sizeof value)[0] != 0; }  // a byte that is neither 0 nor 1 is no bool
     void operator()(std::uint64_t& value) { number(value); }
     void operator()(std::string& text) {
         std::uint64_t size = 0;

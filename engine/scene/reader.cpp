@@ -126,8 +126,8 @@ void Reader::read_table(const Described& here, void* object, const Value& v, con
         } else if (const KeyTable::Part* part = here.table->find_part(name)) {
             read_part(*part, object, value, full);
         } else {
-            const auto section =
-                std::find_if(sections_.begin(), sections_.end(), [&](const Section& s) { return path.empty() && s.name == name; });
+            const auto section = std::find_if(sections_.begin(), sections_.end(),
+                                              [&, &wanted = name](const Section& s) { return path.empty() && s.name == wanted; });
             if (section == sections_.end()) {
                 unknown(value, name, *here.table, path);
             } else if (!value.as<Value::Table>()) {

@@ -12,8 +12,6 @@
 #include "engine/models/viscosity/ageing_viscosity.h"
 #include "engine/particles/largest_speed.h"
 #include "engine/particles/sort.h"
-#include "engine/scene/names.h"
-#include "engine/scene/scene_difference.h"
 #include "engine/scene/scene_shapes.h"
 #include "engine/sim/check.h"
 #include "engine/sim/place.h"
@@ -342,23 +340,6 @@ void Simulation::load(std::istream& in) {
     s.world.step.time = s.time;
     s.world.solids.set_time(s.time, scene().time.max_step);
     s.world.solid_particles.follow(s.world.solids);
-}
-
-namespace {
-
-/// What cannot change while a run goes on, as a scene file would have it.
-NamedTexts models_of(const Plan& plan) {
-    const auto number = [](double value) { return Expression(value).text(); };
-    return {{"models.pressure", name_of(plan.pressure)},     {"models.viscosity", name_of(plan.viscosity)},
-            {"models.micropolar", name_of(plan.micropolar)}, {"models.boundary", name_of(plan.boundary)},
-            {"models.shifting", name_of(plan.shifting)},     {"fluid.kernel", name_of(plan.kernel.kind)},
-            {"fluid.spacing", number(plan.spacing)},         {"fluid.support", number(plan.support)}};
-}
-
-}  // namespace
-
-std::vector<std::string> changes_of_models(const Plan& running, const Plan& wanted) {
-    return texts_of(differences(models_of(running), models_of(wanted)));
 }
 
 }  // namespace whorl

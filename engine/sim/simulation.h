@@ -5,6 +5,7 @@
 #include "engine/core/clock.h"
 #include "engine/particles/emitter.h"
 #include "engine/sim/assemble.h"
+#include "engine/sim/model_changes.h"
 
 namespace whorl {
 
@@ -66,8 +67,5 @@ private:
     struct State;
     std::unique_ptr<State> state_;
 };
-
-/// What a running simulation cannot follow, a line each: "models.viscosity: none, now full".
-std::vector<std::string> changes_of_models(const Plan& running, const Plan& wanted);
 
 }  // namespace whorl

@@ -60,7 +60,8 @@ struct TreeBuilder {
         }
         node.path = parent.path.empty() ? newest_key : parent.path + "." + newest_key;
         node.place = key_place;
-        return parent.members.emplace_back(newest_key, std::move(node)).second;
+        node.name = newest_key;
+        return parent.members.emplace_back(std::move(node));
     }
     bool add_number(double value) { return add(JsonNode::Kind::number).number = value, true; }
 
@@ -96,8 +97,8 @@ struct TreeBuilder {
 
 const JsonNode* JsonNode::find(const std::string& key) const {
     used = true;
-    for (const auto& [name, node] : members)
-        if (name == key) {
+    for (const JsonNode& node : members)
+        if (node.name == key) {
             node.used = true;
             return &node;
         }

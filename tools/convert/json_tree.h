@@ -18,10 +18,11 @@ struct JsonNode {
     double number = 0;
     std::string text;
     std::vector<JsonNode> list;
-    std::vector<std::pair<std::string, JsonNode>> members;
-    std::string path;           ///< "Materials[0].viscosity"
-    Place place;                ///< of a member its key's
-    mutable bool used = false;  ///< somebody asked for it
+    std::vector<JsonNode> members;  ///< of an object, by their names
+    std::string name;               ///< of a member, its key
+    std::string path;               ///< "Materials[0].viscosity"
+    Place place;                    ///< of a member its key's
+    mutable bool used = false;      ///< somebody asked for it
 
     /// Of the member: nothing where it is absent. @throws InputError at its place where it is of another kind
     std::optional<double> number_of(const std::string& key) const;
@@ -38,7 +39,7 @@ struct JsonNode {
     void each_unused(F&& f) const {
         if (!used) return f(*this);
         for (const JsonNode& one : list) one.each_unused(f);
-        for (const auto& [key, one] : members) one.each_unused(f);
+        for (const JsonNode& one : members) one.each_unused(f);
     }
 };
 

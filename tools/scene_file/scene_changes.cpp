@@ -6,7 +6,7 @@
 #include "engine/scene/scene_keys.h"
 #include "engine/scene/tree.h"
 #include "engine/scene/write.h"
-#include "engine/sim/simulation.h"
+#include "engine/sim/model_changes.h"
 #include "render/look/look_keys.h"
 #include "render/surface/surface_keys.h"
 

@@ -80,6 +80,24 @@ TEST_CASE("a damaged checkpoint is named and the one before it is taken", "[io][
     CHECK(damaged[0].find(message) != std::string::npos);
 }
 
+TEST_CASE("a checkpoint with any one byte changed is refused", "[io][checkpoint]") {
+    const test::ScratchFolder folder;
+    write_checkpoint(folder.path(), at_frame(3));
+    const fs::path file = folder / "checkpoints" / "000003.whorl";
+    const std::string sound = read_whole(file);
+    std::vector<std::size_t> taken;
+    for (std::size_t at = 0; at < sound.size(); ++at) {
+        std::string changed = sound;
+        changed[at] = static_cast<char>(changed[at] ^ (1 << at % 8));
+        std::ofstream(file, std::ios::binary) << changed;
+        try {
+            read_checkpoint(file);
+            taken.push_back(at);
+        } catch (const EnvironmentError&) {}
+    }
+    CHECK(taken.empty());
+}
+
 TEST_CASE("a table that goes on from a checkpoint is cut back to it", "[io][checkpoint]") {
     const test::ScratchFolder folder;
     const fs::path file = folder / "rows.csv";

@@ -76,4 +76,21 @@ TEST_CASE("a frame comes back from its file to the bit, and a damaged file is na
     refused(bytes, "checksum");
 }
 
+TEST_CASE("a frame whose parts do not fit together is refused", "[io]") {
+    const test::ScratchFolder folder;
+    const std::filesystem::path file = folder / "000001.frame";
+    Frame frame;
+    frame.position = frame.velocity = {{1, 2, 3}, {4, 5, 6}};
+    TriangleMesh mesh;
+    mesh.position = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    SECTION("a field with fewer values than particles") { frame.scalar["density"] = {1000}; }
+    SECTION("fewer velocities") { frame.velocity.pop_back(); }
+    SECTION("a triangle with a corner that is no vertex") {
+        mesh.triangle = {{0, 1, 3}};
+        frame.solids.emplace_back().mesh = std::make_shared<const TriangleMesh>(mesh);
+    }
+    write_frame(file, frame);
+    CHECK_THROWS_WITH(read_frame(file), Catch::Contains("its parts do not fit together"));
+}
+
 }  // namespace frame_file_test

@@ -1,0 +1,19 @@
+// What `whorl import` reads: JSON of another program. The scene that comes of it is one that the scene reader has words for.
+#include "engine/scene/plan.h"
+#include "tests/fuzz/target.h"
+#include "tools/convert/splishsplash.h"
+#include "tools/scene_file/scene_file.h"
+
+using namespace whorl;
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    try {
+        const ConvertedScene made = convert_splishsplash(fuzz::as_file(fuzz::text_of(data, size), ".json"));
+        for (const Problem& note : made.notes) fuzz::expect(!note.message().empty(), "a note has words");
+        try {
+            parse_toml(made.toml, "scene.toml");
+        } catch (const InputError& error) { fuzz::expect(false, "what import writes is TOML", made.toml + "\n--- " + error.what()); }
+        make_plan(read_resolved(made.toml, "scene.toml").scene);
+    } catch (const InputError& error) { fuzz::expect(*error.what() != 0, "a mistake has words"); }
+    return 0;
+}
