@@ -108,7 +108,7 @@ struct Renderer::Device {
     gl::Programs solid_colour{{"mesh.vert"},
                               {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "shadow.glsl", "solid_light.glsl",
                                "hot.glsl", "solid.frag"}};
-    gl::Programs solid_half{
+    gl::Programs solid_light_program{
         {"mesh.vert"},
         {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "shadow.glsl", "solid_light.glsl", "solid_light.frag"}};
     gl::Programs liquid{{"screen.vert"},
@@ -305,7 +305,7 @@ void Renderer::Device::find_solid_light(const Shot& shot) {
     glEnable(GL_DEPTH_TEST);
     draw_solid_depth(shot, shot.camera);
     glDepthFunc(GL_LEQUAL);
-    gl::Program& program = solid_half.with(shot.constants + "const bool finds_light = true;\n");
+    gl::Program& program = solid_light_program.with(shot.constants + "const bool finds_light = true;\n");
     set_solid_light(program, shot, shot.camera);
     scene.draw_solids(program, false, [](const FrameSolid&) {});
     glDepthFunc(GL_LESS);

@@ -1,10 +1,16 @@
 #include "render/gl/solid_light.h"
 
 namespace whorl {
+namespace {
+
+constexpr int coarser = 3;
+
+}  // namespace
 
 SolidLight::SolidLight(int width, int height)
-    : width_((width + 1) / 2), height_((height + 1) / 2), light_(gl::texture_2d(GL_RGBA16F, width_, height_, false)),
-      place_(gl::texture_2d(GL_RGBA16F, width_, height_, false)), depth_(gl::texture_2d(GL_DEPTH24_STENCIL8, width_, height_, false)),
+    : width_((width + coarser - 1) / coarser), height_((height + coarser - 1) / coarser),
+      light_(gl::texture_2d(GL_RGBA16F, width_, height_, false)), place_(gl::texture_2d(GL_RGBA16F, width_, height_, false)),
+      depth_(gl::texture_2d(GL_DEPTH24_STENCIL8, width_, height_, false)),
       target_(gl::framebuffer({light_.id(), place_.id()}, depth_.id())) {}
 
 void SolidLight::begin(const Eigen::Matrix4f& camera) {

@@ -1,5 +1,5 @@
 #pragma once
-/// How much of the light from round about comes to the solids that are seen, in a picture of half the resolution (solid_light.glsl).
+/// How much of the light from round about comes to the solids that are seen, in a picture of a third of the resolution (solid_light.glsl).
 #include "render/gl/objects.h"
 
 namespace whorl {

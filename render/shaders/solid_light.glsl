@@ -1,5 +1,5 @@
-// How much of the light from round about comes to a solid. Smooth along its surface, and dear: a pass of half the picture's resolution finds
-// it, and what is drawn takes it from there.
+// How much of the light from round about comes to a solid. Smooth along its surface, and dear: a pass of a third of the picture's resolution
+// finds it, and what is drawn takes it from there.
 // constant: bool finds_light: by itself in every pixel
 uniform bool has_field;
 uniform sampler2D light_kept;    // key's light, and what is open to the sky
@@ -32,7 +32,7 @@ SolidLight find_light(vec3 x, vec3 n, vec3 r) {
 // Two numbers that tell normals apart well enough.
 vec2 seen_along(vec3 n) { return vec2(dot(n, vec3(0.36, 0.48, 0.80)), dot(n, vec3(-0.80, 0.60, 0.17))); }
 
-// Between the four texels about the place: those that show the same face. Where there is none: found anew.
+// Between the four texels about the place: those that show the same face; all, where none does.
 SolidLight light_of_solid(vec3 x, vec3 n, vec3 r) {
     if (finds_light) return find_light(x, n, r);
     vec4 h = to_kept * vec4(x, 1.0);
@@ -46,11 +46,10 @@ SolidLight light_of_solid(vec3 x, vec3 n, vec3 r) {
         ivec2 texel = clamp(ivec2(whole + corner), ivec2(0), ivec2(size) - 1);
         vec4 there = texelFetch(place_kept, texel, 0);
         vec2 near = mix(1.0 - part, part, corner), turned = abs(there.zw - along);
-        float w = near.x * near.y * step(abs(there.y - far), tolerance * far) * step(max(turned.x, turned.y), 0.25);
+        float same = step(abs(there.y - far), tolerance * far) * step(max(turned.x, turned.y), 0.25), w = near.x * near.y * (1e-3 + same);
         kept += w * texelFetch(light_kept, texel, 0);
         seen += w * there.x;
         sum += w;
     }
-    if (sum < 0.05) return find_light(x, n, r);
     return SolidLight(kept.rgb / sum, kept.a / sum, seen / sum);
 }
