@@ -62,7 +62,7 @@ gallery_scenes = {
     "towed_post": ("A post is towed and stops: spin keeps its vortices.", 1.5, "standard"),
     "spin_up": ("A torque on the particles' spin turns fluid, if the wall holds the spin.", 1.4, "standard"),
     "karman_street": ("A cylinder in a stream sheds vortices in turn.", 2.5, "standard"),
-    "shear_layer": ("Two streams roll up into billows.", 1.5, "standard"),
+    "shear_layer": ("Two streams roll up into billows, which pair.", 1.2, "standard"),
     "taylor_green": ("Vortices that fill a cube break up into tubes.", 0.8, "standard"),
     "vortex_rings": ("One ring slips through the other; two meet head on and break into five.", 1.75, "standard"),
     "stirred_tank": ("A paddle stirs ink in a glass.", 1.1, "standard"),
