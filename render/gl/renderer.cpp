@@ -48,8 +48,9 @@ struct Shot {
     std::set<Pattern> patterns;  ///< of the solids
     std::string constants;       ///< that the programs are compiled with
 
-    /// Whether every pixel needs all samples: else those that differ little from the pixels around them keep the first.
-    bool needs_all_samples() const { return look.samples < 2 || view.blurs() || shows_field(look); }
+    /// Whether every pixel needs all samples: else those that differ little from the pixels around them keep the first. A crust's relief
+    /// comes from the pixels beside it, which a later sample would not have.
+    bool needs_all_samples() const { return look.samples < 2 || view.blurs() || shows_field(look) || has_crust; }
     /// All samples see the solids from about the same place.
     bool keeps_solid_light() const { return !view.blurs(); }
     /// The surface moves while the shutter is open, its distance field does not.
