@@ -38,6 +38,7 @@ struct Shot {
     const LookOptions& look;
     View view;
     Material material;
+    float hides = 1;    ///< what stands in the fluid, from light
     float spacing = 0;  ///< m
     float ground = 0;   ///< m
     Eigen::Matrix4f camera;
@@ -203,12 +204,15 @@ Shot Renderer::Device::sum_samples(const Frame& frame, const Surface& surface, c
     else scene.fill(frame, surface);
     field.fill(shows_field(look) ? Volume{} : surface.distance);
     solid_field.fill(frame.solids);
-    inks.fill(frame, look, (frame.domain_max - frame.domain_min).norm(), !shows_field(look));
+    const float size = (frame.domain_max - frame.domain_min).norm();
+    inks.fill(frame, look, size, !shows_field(look));
+    const Material material = fluid_material(look, size);
     const float aspect = static_cast<float>(width) / static_cast<float>(height);
     const Eigen::Matrix4f camera = camera_matrix(view, aspect, scene.bounds());
     Shot shot{look,
               view,
-              fluid_material(look, (frame.domain_max - frame.domain_min).norm()),
+              material,
+              hides(material, size),
               frame.spacing,
               ground_height(frame),
               shows_field(look) ? beside_words(camera, box, width, height) : camera,
@@ -319,6 +323,7 @@ void Renderer::Device::set_solid_light(gl::Program& program, const Shot& shot, c
     ground_light.bind_shadow(program, shadow_unit);
     field.bind(program, field_unit);
     solid_field.bind(program, solid_unit);
+    program.set("fluid_hides", shot.hides);
     program.set("view_projection", matrix);
 }
 
@@ -427,13 +432,15 @@ void Renderer::Device::draw_glass(const Shot& shot, const Eigen::Matrix4f& matri
     glDepthMask(GL_FALSE);
     gl::Program& program = glass_walls.with(shot.constants);
     set_studio(program, shot);
-    program.set("view_projection", matrix);
+    // What the fluid touches lies where its surface does, or a little behind it: glass is before the fluid that it holds.
+    const Eigen::Matrix4f before = nearer(matrix, std::min(shot.spacing / (shot.view.target - shot.view.position).norm(), 0.1f));
+    program.set("view_projection", before);
     program.set("weight", weight);
     program.set("box_softness", 0.05f);
     scene.draw_solids(program, true, [](const FrameSolid&) {});
     gl::Program& edges = glass_edges.with(shot.constants);
     set_studio(edges, shot);
-    edges.set("view_projection", matrix);
+    edges.set("view_projection", before);
     edges.set("weight", weight);
     edges.set("box_softness", 0.05f);
     scene.draw_edges(edges);

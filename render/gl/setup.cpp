@@ -104,6 +104,15 @@ Eigen::Matrix4f jittered(const Eigen::Matrix4f& matrix, const Eigen::Vector2f& p
     return shift * matrix;
 }
 
+Eigen::Matrix4f nearer(const Eigen::Matrix4f& matrix, float part) {
+    // z = a w + b: the depth z/w = a + b/w of a point at the distance w(1 - part).
+    const Eigen::Vector3f z = matrix.block<1, 3>(2, 0).transpose(), w = matrix.block<1, 3>(3, 0).transpose();
+    const float b = matrix(2, 3) - z.dot(w) / w.squaredNorm() * matrix(3, 3);
+    Eigen::Matrix4f moved = matrix;
+    moved(2, 3) += b * part / (1 - part);
+    return moved;
+}
+
 Eigen::Vector2f sample_place(int sample, int samples) {
     if (samples == 1) return Eigen::Vector2f::Zero();
     if (samples == 4) {  // the rotated grid: no two samples share a row or a column

@@ -99,6 +99,10 @@ Material fluid_material(const LookOptions& look, float size) {
     return material;
 }
 
+float hides(const Material& material, float size) {
+    return material.refracts ? 1 - std::exp(-(material.absorption.mean() + material.haze) * size / 8) : 1;
+}
+
 Vec3f glow_of(const Vec3f& emission, float heat) {
     return {0.5f * emission.x() * std::pow(heat, 1.2f), emission.y() * std::pow(heat, 2.4f), 2 * emission.z() * std::pow(heat, 4.0f)};
 }

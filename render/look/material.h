@@ -26,6 +26,9 @@ struct Material {
 /// Absorption that the user gives is taken as it is.
 /// @param size diagonal of the scene [m]
 Material fluid_material(const LookOptions& look, float size);
+/// How much of the light from round about a body of the fluid keeps from what stands in it: 1 paint and honey, near 0 clear water.
+/// @param size diagonal of the scene [m], of which a body is taken to be an eighth thick
+float hides(const Material& material, float size);
 std::vector<std::string> material_names();
 
 /// Radiance of a body that glows, from 0 cold to 1 as hot as it comes: the hotter, the yellower. The same stands in opaque.frag.

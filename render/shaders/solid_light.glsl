@@ -2,6 +2,7 @@
 // finds it, and what is drawn takes it from there.
 // constant: bool finds_light: by itself in every pixel
 uniform bool has_field;
+uniform float fluid_hides;       // how much of the light from round about the fluid keeps: 1 honey and paint, 0 clear water
 uniform sampler2D light_kept;    // key's light, and what is open to the sky
 uniform sampler2D place_kept;    // what is open to the mirrored direction, distance from the eye (0: nothing), normal along two ways
 uniform mat4 to_kept;            // world -> clip of the pass
@@ -17,8 +18,8 @@ SolidLight find_light(vec3 x, vec3 n, vec3 r) {
     SolidLight found = SolidLight(vec3(1.0), 1.0, 1.0);
     if (has_field) {
         vec3 p = place_of(x);
-        found.open = openness(p + n, n, 40.0);
-        found.seen = openness(p + n, r, 40.0);
+        found.open = mix(1.0, openness(p + n, n, 40.0), fluid_hides);
+        found.seen = mix(1.0, openness(p + n, r, 40.0), fluid_hides);
         found.key = key_at(x, false);
     }
     if (has_solid_field) {

@@ -81,7 +81,7 @@ bool is_deep(const LocalField& local, const Vec3f& low, float voxel) {
 void cut_off(const Cut& cut, const Vec3f& low, float voxel, float iso, float reach, ColourBlock& block) {
     for (int n = 0; n < block_nodes; ++n) {
         const Vec3f x = low + voxel * ColourBlock::node(n);
-        block.value[n] = std::min(block.value[n], cut_colour(cut.at(x).inside, iso, reach));
+        block.value[n] = std::min(block.value[n], cut_colour(cut.at(x).inside(x), iso, reach));
     }
     block.least = *std::min_element(block.value, block.value + block_nodes);
     block.most = *std::max_element(block.value, block.value + block_nodes);
@@ -121,7 +121,14 @@ ColourGrid::ColourGrid(const ColourField& field, float voxel, const Cut& cut, fl
             block.ahead[n] = found == index.end() ? -1 : found->second;
         }
         thread_local LocalField local;
-        const Vec3f low = block.low(voxel);
+        const Vec3f low = block.low(voxel), middle = low.array() + 0.5f * voxel * (block_edge - 1);
+        const float radius = 0.87f * voxel * block_edge;
+        const Cut near = cut.near(middle, radius + field.reach());
+        if (near.any() && near.at(middle).inside(middle) < -radius - voxel) {  // wholly beyond it, and no cell of the surface's ends here
+            std::fill(block.value, block.value + block_nodes, 0.0f);
+            block.least = block.most = 0;
+            return;
+        }
         local.gather(field, low, low.array() + voxel * (block_edge - 1));
         if (voxel * 2 < 0.6f * local.reach && is_deep(local, low, voxel)) {
             std::fill(block.value, block.value + block_nodes, 1.0f);
@@ -129,7 +136,7 @@ ColourGrid::ColourGrid(const ColourField& field, float voxel, const Cut& cut, fl
         } else {
             fill(local, voxel, block);
         }
-        if (cut.any()) cut_off(cut, low, voxel, iso, field.reach(), block);
+        if (near.any()) cut_off(near, low, voxel, iso, field.reach(), block);
     });
 }
 

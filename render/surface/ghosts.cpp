@@ -1,6 +1,34 @@
 #include "render/surface/ghosts.h"
 
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
 namespace whorl {
+namespace {
+
+/// The planes of a convex mesh's triangles; none where it is not convex.
+std::vector<Cut::Side> walls_of(const TriangleMesh& mesh) {
+    std::vector<Cut::Side> walls;
+    float size = 0;
+    for (const Vec3f& x : mesh.position) size = std::max(size, (x - mesh.position.front()).norm());
+    const float tolerance = 1e-4f * size;
+    for (const auto& t : mesh.triangle) {
+        const Vec3f a = mesh.position[t[0]], b = mesh.position[t[1]], c = mesh.position[t[2]], normal = (b - a).cross(c - a);
+        if (normal.norm() < tolerance * tolerance) continue;
+        const Vec3f inward = -normal.normalized();
+        const Cut::Side wall{inward, inward.dot(a), true};
+        const bool is_known = std::any_of(walls.begin(), walls.end(), [&](const Cut::Side& w) {
+            return w.inward.dot(inward) > 1 - 1e-6f && std::abs(w.offset - wall.offset) < tolerance;
+        });
+        if (is_known) continue;
+        if (std::any_of(mesh.position.begin(), mesh.position.end(), [&](const Vec3f& x) { return wall.inside(x) < -tolerance; })) return {};
+        walls.push_back(wall);
+    }
+    return walls;
+}
+
+}  // namespace
 
 Ghosted with_ghosts(const Frame& frame, float margin) {
     Ghosted all;
@@ -27,11 +55,87 @@ Ghosted with_ghosts(const Frame& frame, float margin) {
     return all;
 }
 
-Cut cut_of(const Frame& frame) {
-    Cut cut;
+Cut::Cut(const Frame& frame) {
     for (int a = 0; a < 3; ++a)
-        if (frame.periodic[a]) cut.low[a] = frame.domain_min[a], cut.high[a] = frame.domain_max[a];
-    return cut;
+        if (frame.periodic[a])
+            for (const float way : {1.0f, -1.0f})
+                sides_.push_back({way * Vec3f::Unit(a), way > 0 ? frame.domain_min[a] : -frame.domain_max[a], false});
+    for (const FrameSolid& solid : frame.solids) {
+        if (!solid.container || !solid.mesh) continue;
+        for (Side side : walls_of(*solid.mesh)) {
+            side.inward = solid.rotation * side.inward;
+            side.offset += side.inward.dot(solid.translation);
+            sides_.push_back(side);
+        }
+    }
+}
+
+const Cut::Side& Cut::at(const Vec3f& x) const {
+    const Side* nearest = &sides_.front();
+    float least = nearest->inside(x);
+    for (const Side& side : sides_)
+        if (const float inside = side.inside(x); inside < least) nearest = &side, least = inside;
+    return *nearest;
+}
+
+Cut Cut::near(const Vec3f& x, float distance) const {
+    Cut some;
+    for (const Side& side : sides_)
+        if (side.inside(x) < distance) some.sides_.push_back(side);
+    return some;
+}
+
+Cut::Corner Cut::corner_at(const Vec3f& x, float reach) const {
+    Corner corner;
+    while (corner.count < 3) {
+        const Side* nearest = nullptr;
+        float least = reach;
+        for (const Side& side : sides_) {
+            const float inside = side.inside(x);
+            if (inside >= least) continue;
+            const bool across = std::all_of(corner.side.begin(), corner.side.begin() + corner.count,
+                                            [&](const Side* other) { return std::abs(other->inward.dot(side.inward)) < 0.7f; });
+            if (across) nearest = &side, least = inside;
+        }
+        if (nearest == nullptr) break;
+        corner.side[corner.count++] = nearest;
+    }
+    return corner;
+}
+
+std::vector<Vec3f> Cut::images(const std::vector<Vec3f>& position, float margin) const {
+    Cut walls;
+    std::copy_if(sides_.begin(), sides_.end(), std::back_inserter(walls.sides_), [](const Side& side) { return side.is_wall; });
+    std::vector<Vec3f> image;
+    if (!walls.any()) return image;
+    for (const Vec3f& x : position) {
+        const Corner corner = walls.corner_at(x, margin);
+        for (int some = 1; some < 1 << corner.count; ++some) {
+            Vec3f copy = x;
+            for (int k = 0; k < corner.count; ++k)
+                if ((some >> k & 1) != 0) copy -= 2 * corner.side[k]->inside(x) * corner.side[k]->inward;
+            image.push_back(copy);
+        }
+    }
+    return image;
+}
+
+Vec3f Cut::onto_walls(const Vec3f& x, float reach) const {
+    Vec3f moved = x;
+    const Corner corner = corner_at(x, reach);
+    for (int k = 0; k < corner.count; ++k)
+        if (corner.side[k]->is_wall) moved -= corner.side[k]->inside(moved) * corner.side[k]->inward;
+    return moved;
+}
+
+Vec3f Cut::held(const Vec3f& stood, const Vec3f& moved, float tolerance) const {
+    Vec3f x = moved;
+    const Corner corner = corner_at(stood, tolerance);
+    for (int k = 0; k < corner.count; ++k) {
+        if (!corner.side[k]->is_wall) return stood;
+        x -= corner.side[k]->inside(x) * corner.side[k]->inward;
+    }
+    return x;
 }
 
 }  // namespace whorl

@@ -1,6 +1,7 @@
 #pragma once
-/// Periodic domains: the copies of the particles just beyond each periodic side, and the cut at that side.
-#include <limits>
+/// What the fluid goes on as beyond the sides of a periodic domain and the walls of containers, and the cut at those sides.
+#include <array>
+#include <vector>
 
 #include "engine/io/frame.h"
 
@@ -13,25 +14,42 @@ struct Ghosted {
 };
 Ghosted with_ghosts(const Frame& frame, float margin);
 
-/// The sides of the domain at which a periodic fluid is cut off; infinitely far on axes that are not periodic.
-struct Cut {
-    Vec3f low = Vec3f::Constant(-std::numeric_limits<float>::infinity()), high = -low;
-    bool any() const { return (low.array() > -std::numeric_limits<float>::infinity()).any(); }
-
+/// The planes at which the fluid is cut off: the sides of a periodic domain and the walls of convex containers. (A container with a hollow
+/// or a bulge in its wall has none: the fluid ends there as the particles do.)
+class Cut {
+public:
     struct Side {
-        float inside;  ///< m from the nearest side, negative beyond it
-        Vec3f inward;  ///< its normal
+        Vec3f inward;                                                          ///< its normal
+        float offset;                                                          ///< m: inward.x of its points
+        bool is_wall;                                                          ///< of a container
+        float inside(const Vec3f& x) const { return inward.dot(x) - offset; }  ///< m from the side, negative beyond it
     };
-    Side at(const Vec3f& x) const {
-        Side side{std::numeric_limits<float>::infinity(), Vec3f::Zero()};
-        for (int a = 0; a < 3; ++a) {
-            if (x[a] - low[a] < side.inside) side = {x[a] - low[a], Vec3f::Unit(a)};
-            if (high[a] - x[a] < side.inside) side = {high[a] - x[a], -Vec3f::Unit(a)};
-        }
-        return side;
-    }
+    Cut() = default;
+    explicit Cut(const Frame& frame);
+
+    bool any() const { return !sides_.empty(); }
+    /// Side with the least inside(x). Only where there is any.
+    const Side& at(const Vec3f& x) const;
+    /// The sides that come within `distance` of x, or have it beyond them.
+    Cut near(const Vec3f& x, float distance) const;
+    /// The images in the walls that particles within `margin` of them have there, corners too: water fills its glass.
+    std::vector<Vec3f> images(const std::vector<Vec3f>& position, float margin) const;
+    /// x, moved onto the walls that are nearer than `reach`: so that the edge between two of them is sharp.
+    Vec3f onto_walls(const Vec3f& x, float reach) const;
+    /// Where a vertex that stood on sides goes when smoothing has moved it: back on periodic sides, so that both ends of a period fit
+    /// together; along walls.
+    Vec3f held(const Vec3f& stood, const Vec3f& moved, float tolerance) const;
+
+private:
+    /// The side that is nearest to a place, and those across it: of the facets of a round wall only the nearest counts.
+    struct Corner {
+        std::array<const Side*, 3> side;
+        int count = 0;
+    };
+    Corner corner_at(const Vec3f& x, float reach) const;
+
+    std::vector<Side> sides_;
 };
-Cut cut_of(const Frame& frame);
 /// The colour that the fluid has at most where it is `inside` of the cut: iso on it.
 inline float cut_colour(float inside, float iso, float reach) { return iso + inside / reach; }
 

@@ -175,11 +175,12 @@ void project(const ColourField& field, float iso, float voxel, const ColourGrid&
         const auto& o = grid.blocks()[marched.block[n]].origin;
         const Vec3f low = voxel * Vec3f(static_cast<float>(o[0]), static_cast<float>(o[1]), static_cast<float>(o[2]));
         local.gather(field, low, low.array() + voxel * block_edge);
+        const Cut near = cut.near(low.array() + 0.5f * voxel * block_edge, 0.87f * voxel * block_edge + field.reach());
         for (Index v = marched.block_begin[n]; v < marched.block_begin[n + 1]; ++v) {
             LocalField::Sample sample = local.at(mesh.position[v]);
-            if (cut.any()) {
-                const Cut::Side side = cut.at(mesh.position[v]);
-                const float most = cut_colour(side.inside, iso, field.reach());
+            if (near.any()) {
+                const Cut::Side& side = near.at(mesh.position[v]);
+                const float most = cut_colour(side.inside(mesh.position[v]), iso, field.reach());
                 if (most < sample.colour) sample = {most, side.inward / field.reach()};
             }
             const float slope = sample.gradient.norm();
@@ -190,6 +191,7 @@ void project(const ColourField& field, float iso, float voxel, const ColourGrid&
             const Vec3f outward = -sample.gradient / slope;
             mesh.position[v] += std::clamp((sample.colour - iso) / slope, -0.4f * voxel, 0.4f * voxel) * outward;
             mesh.normal[v] = outward;
+            mesh.position[v] = near.onto_walls(mesh.position[v], 0.5f * voxel);
         }
     });
 }

@@ -14,10 +14,17 @@ Surface build_surface(const Frame& frame, const SurfaceOptions& options) {
     if (frame.position.empty()) return {};
     WHORL_ASSERT(frame.spacing > 0 && options.voxel > 0 && options.radius > options.voxel);
     const auto voxel = static_cast<float>(options.voxel * frame.spacing), iso = static_cast<float>(options.iso);
-    const Cut cut = cut_of(frame);
+    const Cut cut(frame);
     // Wide enough that the field is whole up to the cut and a block of nodes beyond it.
-    const Ghosted ghosted = with_ghosts(frame, static_cast<float>(2 * options.radius * frame.spacing));
-    const ColourField field(cut.any() ? ghosted.position : frame.position, frame.spacing, options.radius);
+    const auto margin = static_cast<float>(2 * options.radius * frame.spacing);
+    Ghosted ghosted = with_ghosts(frame, margin);
+    std::vector<Vec3f>& all = ghosted.position;
+    if (cut.any()) {
+        if (all.empty()) all = frame.position;
+        const std::vector<Vec3f> images = cut.images(all, margin);
+        all.insert(all.end(), images.begin(), images.end());
+    }
+    const ColourField field(cut.any() ? all : frame.position, frame.spacing, options.radius);
     const ColourGrid grid(field, voxel, cut, iso);
     MarchedMesh marched = march(grid, iso);
     project(field, iso, voxel, grid, cut, marched);
@@ -27,9 +34,8 @@ Surface build_surface(const Frame& frame, const SurfaceOptions& options) {
         const std::vector<Vec3f> sharp = cut.any() ? surface.mesh.position : std::vector<Vec3f>();
         const int steps = static_cast<int>(std::lround(2.5 / (options.voxel * options.voxel)));
         smooth(surface.mesh, options.smoothing, steps);
-        // The cut stays plane and its rim in place: both sides of a period fit together.
         for (std::size_t v = 0; v < sharp.size(); ++v)
-            if (std::abs(cut.at(sharp[v]).inside) < 0.02f * voxel) surface.mesh.position[v] = sharp[v];
+            surface.mesh.position[v] = cut.held(sharp[v], surface.mesh.position[v], 0.02f * voxel);
         set_smooth_normals(surface.mesh, options.smoothing * steps);
     }
     if (const auto age = frame.scalar.find("age"); options.ages && age != frame.scalar.end()) {

@@ -90,6 +90,25 @@ TEST_CASE("water waves in a glass box", "[golden]") {
     compare(picture, "water_box");
 }
 
+TEST_CASE("a wooden bar in a glass half full of water with a drop of ink", "[golden]") {
+    Picture picture = blank("water");
+    picture.look.background = "white";
+    Frame& frame = picture.frame;
+    frame.spacing = 0.004f;
+    for (Vec3f x(-0.038f, 0, 0); x.x() < 0.04f; x.x() += frame.spacing)
+        for (x.y() = 0.002f; x.y() < 0.04f; x.y() += frame.spacing)
+            for (x.z() = -0.038f; x.z() < 0.04f; x.z() += frame.spacing)
+                if (std::hypot(x.x(), x.z()) < 0.0385f) {
+                    frame.position.push_back(x);
+                    frame.vector["ink"].emplace_back(0.5f * std::exp(-(x - Vec3f(0.02f, 0.02f, 0.02f)).squaredNorm() / 1.5e-4f), 0, 0);
+                }
+    frame.velocity.resize(frame.position.size(), Vec3f::Zero());
+    add_solid(frame, test::cylinder_mesh(Vec3f::Zero(), 0.04f, 0.06f), "glass", true);
+    add_solid(frame, test::box_mesh(Vec3f(-0.03f, 0.01f, -0.004f), Vec3f(0.005f, 0.055f, 0.004f)), "wood");
+    picture.surface = build_surface(frame, {});
+    compare(picture, "water_glass");
+}
+
 TEST_CASE("paint is opaque and glossy, in a dark studio", "[golden]") {
     Picture picture = blank("paint");
     picture.surface = coil();

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <memory>
 
 #include "engine/core/parallel.h"
 #include "engine/core/random.h"
@@ -218,6 +219,52 @@ TEST_CASE("a periodic fluid is cut off flat at the sides of its period, and both
     REQUIRE(left.size() > 50);
     REQUIRE(*std::max_element(left.begin(), left.end()) == Approx(*std::max_element(right.begin(), right.end())).margin(0.02));
     REQUIRE(volume(mesh) == Approx(static_cast<double>(period.position.size())).epsilon(0.03));
+}
+
+TEST_CASE("water fills its glass: a surface runs along the walls of a box and of a cylinder, turned as they may stand", "[surface]") {
+    // A lattice half a spacing from the walls of the lower half of a vessel: the volume is that of the vessel's lower half.
+    const bool round = GENERATE(false, true);
+    const Mat3f turn = GENERATE(Mat3f::Identity().eval(), Eigen::AngleAxisf(0.7f, Vec3f(1, 2, 3).normalized()).toRotationMatrix());
+    const Vec3f low(-8, 0, -8), high(8, 16, 8);
+    FrameSolid vessel;
+    vessel.container = true;
+    vessel.rotation = turn, vessel.translation = Vec3f(3, -2, 5);
+    vessel.mesh = std::make_shared<TriangleMesh>(round ? cylinder_mesh(Vec3f::Zero(), 8, 16) : box_mesh(low, high));
+    Frame frame;
+    frame.spacing = 1;
+    frame.solids = {vessel};
+    for (float y = 0.5f; y < 8; ++y) {
+        if (round) {  // rings, each with as many particles as its length has room for
+            for (float r = 0.5f; r < 8; ++r) {
+                const int count = static_cast<int>(std::lround(6.2832f * r));
+                for (int k = 0; k < count; ++k) {
+                    const float angle = 6.2832f * static_cast<float>(k) / static_cast<float>(count);
+                    frame.position.emplace_back(r * std::cos(angle), y, r * std::sin(angle));
+                }
+            }
+        } else {
+            for (float x = -7.5f; x < 8; ++x)
+                for (float z = -7.5f; z < 8; ++z) frame.position.emplace_back(x, y, z);
+        }
+    }
+    for (Vec3f& x : frame.position) x = turn * x + vessel.translation;
+    TriangleMesh mesh = mesh_of(frame);
+    REQUIRE(topology(mesh).manifold);
+    const double floor_area = round ? 3.14159 * 64 : 256;
+    CHECK(volume(mesh) == Approx(8 * floor_area).epsilon(0.02));
+    int on_floor = 0, on_wall = 0;
+    float beyond = 0;
+    for (const Vec3f& x : mesh.position) {
+        const Vec3f own = turn.transpose() * (x - vessel.translation);
+        const float out = round ? std::hypot(own.x(), own.z()) - 8 : std::max(std::abs(own.x()), std::abs(own.z())) - 8;
+        beyond = std::max({beyond, out, -own.y()});
+        on_floor += std::abs(own.y()) < 1e-3f ? 1 : 0;
+        // The mesh of the cylinder has flat facets, which lie within it.
+        on_wall += std::abs(out) < (round ? 0.05f : 1e-3f) ? 1 : 0;
+    }
+    CHECK(beyond < (round ? 0.02f : 1e-3f));  // a facet's plane goes on a little beyond the next facet
+    CHECK(on_floor > 3.5 * floor_area);       // voxels are half a spacing wide
+    CHECK(on_wall > 3 * (round ? 50 * 8 : 64 * 8));
 }
 
 TEST_CASE("a ball's rough mesh keeps its place and gets smooth normals", "[surface]") {
