@@ -30,6 +30,9 @@ public:
     bool any() const { return !sides_.empty(); }
     /// Side with the least inside(x). Only where there is any.
     const Side& at(const Vec3f& x) const;
+    /// Whether a wall is so near, and whether it meets another side there.
+    bool touches_wall(const Vec3f& x, float tolerance) const { return at(x).is_wall && at(x).inside(x) < tolerance; }
+    bool is_edge(const Vec3f& x, float reach) const { return corner_at(x, reach).count > 1; }
     /// The sides that come within `distance` of x, or have it beyond them.
     Cut near(const Vec3f& x, float distance) const;
     /// The images in the walls that particles within `margin` of them have there, corners too: water fills its glass.

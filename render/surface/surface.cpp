@@ -1,5 +1,6 @@
 #include "render/surface/surface.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "engine/core/errors.h"
@@ -9,6 +10,20 @@
 #include "render/surface/vertex_values.h"
 
 namespace whorl {
+namespace {
+
+constexpr float touch = 0.02f;  // voxels, from the cut, of vertices that are on it
+
+/// Smooth normals round off the edge between two walls, where water would bend light that it does not. What differs little stays: the
+/// facets of a round wall must not show.
+void set_wall_normal(const Cut& cut, const Vec3f& x, float voxel, Vec3f& normal) {
+    if (!cut.touches_wall(x, touch * voxel) || !cut.is_edge(x, 6 * voxel)) return;
+    const Vec3f outward = -cut.at(x).inward;
+    const float kept = std::clamp((outward.dot(normal) - 0.95f) / 0.04f, 0.0f, 1.0f);  // from 18 to 8 degrees
+    normal = (kept * normal + (1 - kept) * outward).normalized();
+}
+
+}  // namespace
 
 Surface build_surface(const Frame& frame, const SurfaceOptions& options) {
     if (frame.position.empty()) return {};
@@ -35,8 +50,9 @@ Surface build_surface(const Frame& frame, const SurfaceOptions& options) {
         const int steps = static_cast<int>(std::lround(2.5 / (options.voxel * options.voxel)));
         smooth(surface.mesh, options.smoothing, steps);
         for (std::size_t v = 0; v < sharp.size(); ++v)
-            surface.mesh.position[v] = cut.held(sharp[v], surface.mesh.position[v], 0.02f * voxel);
+            surface.mesh.position[v] = cut.held(sharp[v], surface.mesh.position[v], touch * voxel);
         set_smooth_normals(surface.mesh, options.smoothing * steps);
+        for (std::size_t v = 0; v < sharp.size(); ++v) set_wall_normal(cut, surface.mesh.position[v], voxel, surface.mesh.normal[v]);
     }
     if (const auto age = frame.scalar.find("age"); options.ages && age != frame.scalar.end()) {
         surface.age = values_at(surface.mesh.position, frame.position, age->second, static_cast<float>(options.radius * frame.spacing));
