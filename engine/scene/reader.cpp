@@ -140,6 +140,14 @@ void Reader::read_table(const Described& here, void* object, const Value& v, con
     }
 }
 
+bool Reader::chosen_by_option(const std::string& selector, const std::string& full) const {
+    const auto is_option = [&](const std::string& name) {
+        const auto it = places.find(name);
+        return it != places.end() && it->second.line == 0;
+    };
+    return !is_option(full) && (is_option(selector) || left_out_.count(selector) > 0);
+}
+
 /// Keys that belong to another shape or model than the chosen one, and required keys that are missing.
 void Reader::check_selected(const Described& here, const std::string& path) {
     for (const Key& key : here.table->keys) {
@@ -147,7 +155,10 @@ void Reader::check_selected(const Described& here, const std::string& path) {
         const std::string selector = key.selector.empty() ? "" : selector_name(key, path);
         if (failed_.count(selector)) continue;
         const bool given = places.count(full) > 0, counted = counts(key, here, root_);
-        if (given && !counted && !failed_.count(full)) {
+        if (given && !counted && chosen_by_option(selector, full)) {
+            left_out_.insert(full);
+            places.erase(full);
+        } else if (given && !counted && !failed_.count(full)) {
             const std::string value = selector_value(key, here, root_);
             std::vector<std::string> valid;
             for (const Key& k : here.table->keys)

@@ -30,12 +30,15 @@ private:
     void check_in_plane(const Key& key, const Value& v, const std::string& path);
     void read_part(const KeyTable::Part& part, void* object, const Value& v, const std::string& path);
     void unknown(const Value& v, const std::string& name, const KeyTable& table, const std::string& path);
+    /// Whether an option (--set) chose what the key `full`, which a file gives, does not belong to: then it is left out, as nobody who asks
+    /// for another style wants to edit the file first.
+    bool chosen_by_option(const std::string& selector, const std::string& full) const;
     void check_selected(const Described& here, const std::string& path);
 
     Described root_;
     std::vector<Section> sections_;
     bool plane_;
-    std::set<std::string> failed_;
+    std::set<std::string> failed_, left_out_;
 };
 
 }  // namespace whorl

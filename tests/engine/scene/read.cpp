@@ -109,6 +109,40 @@ TEST_CASE("a scene remembers where each key stands, and the nearest table of one
     CHECK(scene.place("emitter[2].speed").line == 0);
 }
 
+TEST_CASE("a model that an option chooses leaves out the file's keys of another model, but not the option's own", "[scene]") {
+    const std::string text = R"(
+[fluid]
+spacing = 0.01
+viscosity = 1
+[models]
+pressure = "ppe"
+viscosity = "full"
+micropolar = "seed"
+[viscosity]
+tolerance = 1e-4
+[micropolar]
+transfer_viscosity = 0.1
+[time]
+end = 1
+[domain]
+min = [0, 0, 0]
+max = [1, 1, 1]
+[[block]]
+shape = "box"
+min = [0, 0, 0]
+max = [0.5, 0.5, 0.5]
+)";
+    ReadRequest request;
+    request.changes = {parse_change("models.viscosity=explicit"), parse_change("models.micropolar=none")};
+    const Scene scene = read_scene_text(text, "spin.toml", request);
+    CHECK(scene.models.micropolar == MicropolarModel::none);
+    CHECK(resolved_toml(scene).find("tolerance = 1e-4") == std::string::npos);
+    CHECK(resolved_toml(scene).find("transfer_viscosity") == std::string::npos);
+    request.changes.push_back(parse_change("micropolar.transfer_viscosity=0.2"));
+    CHECK_THROWS_WITH(read_scene_text(text, "spin.toml", request),
+                      Catch::StartsWith("--set micropolar.transfer_viscosity=0.2: micropolar.transfer_viscosity belongs to"));
+}
+
 TEST_CASE("changes of the command line beat the quality, and the quality beats the file", "[scene]") {
     ReadRequest request;
     CHECK(read_scene_text(text, "s.toml", request).fluid.spacing == 2e-3);
