@@ -49,9 +49,9 @@ FarmTask run_task(const std::string& name, const fs::path& scene, const fs::path
 
 std::vector<FarmStage> stages_of_panels(const FarmFilm& film, const fs::path& folder) {
     const int frames = frame_count(film.file.scene);
-    const RangeOf range = [&](const SceneFile& run, const Simulation& start) { return first_pass_range(run, start, frames, true); };
-    const std::vector<SceneFile> runs = panel_scenes(film.file, film.file.scene.output.frames ? range : RangeOf{});
-    write_text(folder / "scene.resolved.toml", resolved_toml(with_ranges(film.file, runs)));
+    const Choose choose = [&](const SceneFile& run, const Simulation& start) { return with_first_pass(run, start, frames, true); };
+    const std::vector<SceneFile> runs = panel_scenes(film.file, film.file.scene.output.frames ? choose : Choose{});
+    write_text(folder / "scene.resolved.toml", resolved_toml(with_choices_of(film.file, runs)));
     FarmStage panels{"panels", {}};
     fs::create_directories(folder / "panels");
     for (std::size_t k = 0; k < runs.size(); ++k) {

@@ -109,8 +109,15 @@ void look_at_plane(SceneFile& file) {
                          "look.slice_axis: a flow of two dimensions (domain.dimensions) is the slice z = 0", "", "allowed: z");
 }
 
-/// @throws InputError where the picture asks for a field that the run will not have
+/// @throws InputError where the picture asks for a field that the run will not have, or for what cannot be shown
 void check_look(const SceneFile& file) {
+    if (file.camera.kind == "auto" && file.camera.min && file.camera.max)
+        for (int a = 0; a < file.scene.domain.dimensions; ++a)
+            if (!((*file.camera.min)[a] < (*file.camera.max)[a]))
+                throw InputError(file.scene.place("camera.max"),
+                                 fmt::format("camera.max: {:g} along {} is not above camera.min, {:g}", (*file.camera.max)[a], "xyz"[a],
+                                             (*file.camera.min)[a]),
+                                 "", "corners of a box: each number of max above that of min");
     const bool of_spin = file.look.field == "spin" || file.look.field == "spin_difference";
     if (shows_field(file.look) && of_spin && !facts_of(file.scene.models.micropolar).spins)
         throw InputError(file.scene.place("look.field"), "look.field = \"" + file.look.field + "\" needs particles that spin",
@@ -166,6 +173,7 @@ void follow(SceneFile& file) {
     file.scene.ages = file.scene.identities || scene.exported("mesh");
     file.surface.ages = scene.viscosity_ages();
     file.surface.velocity = file.camera.shutter > 0 || scene.output.format == "exr";
+    file.camera.aspect = static_cast<float>(scene.output.size[0]) / static_cast<float>(scene.output.size[1]);
     file.camera.interval = 1 / (file.scene.time.fps * file.scene.time.slow_motion);
 }
 
