@@ -41,8 +41,7 @@ size = [64, 36]
 const std::string flying = R"(
 [[solid]]
 shape = "sphere"
-position = ["0.5*t", 0, 0]
-center = [0.2, 0.1, 0]
+position = ["0.2 + 0.5*t", "0.1", "0"]
 radius = 0.02
 )";
 
@@ -115,8 +114,8 @@ TEST_CASE("what moves by itself counts with its whole way, and what the domain c
 
 TEST_CASE("a jet counts as far as it flies, and without gravity as far as it gets") {
     // From 1 m up, 2 m/s to the side: it lands 2 sqrt(2/9.81) = .903 m away.
-    const std::vector<std::string> jet{"emitter[0].position=[0, 1, 0]", "emitter[0].direction=[1, 0, 0]", "emitter[0].speed=2", "time.end=2",
-                                       "domain.min=[-4, 0, -4]"};
+    const std::vector<std::string> jet{"emitter[0].position=[0, 1, 0]", "emitter[0].direction=[1, 0, 0]", "emitter[0].speed=2",
+                                       "time.end=2", "domain.min=[-4, 0, -4]"};
     const Extent fall = foreseen(hall, jet);
     CHECK(fall.max().x() > 0.85f);
     CHECK(fall.max().x() < 1.2f);
@@ -142,7 +141,8 @@ TEST_CASE("a few drops far away do not widen the picture") {
 }
 
 TEST_CASE("panels side by side share one box") {
-    const SceneFile file = read(std::string(hall) + "[[panel]]\nlabel = \"low\"\n[[panel]]\nlabel = \"high\"\nset = [\"emitter[0].position=[0, 0.2, 0]\"]\n");
+    const SceneFile file =
+        read(std::string(hall) + "[[panel]]\nlabel = \"low\"\n[[panel]]\nlabel = \"high\"\nset = [\"emitter[0].position=[0, 0.2, 0]\"]\n");
     const auto runs = panel_scenes(file);
     REQUIRE(runs.size() == 2);
     CHECK(*runs[0].camera.min == *runs[1].camera.min);

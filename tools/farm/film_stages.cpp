@@ -10,6 +10,7 @@
 #include "tools/film/first_pass.h"
 #include "tools/film/panel_scenes.h"
 #include "tools/film/run_folder.h"
+#include "tools/process/program_path.h"
 #include "tools/scene_file/camera_warnings.h"
 
 namespace whorl {
@@ -20,7 +21,7 @@ namespace fs = std::filesystem;
 /// A task may take three times as long as foreseen and half as much memory again, and what it takes to begin.
 constexpr double slack = 3, to_begin = 600, memory_slack = 1.5, memory_to_begin = 400e6;
 
-std::string program() { return fs::read_symlink("/proc/self/exe").string(); }
+std::string program() { return program_path().string(); }
 
 Estimate foreseen(const SceneFile& file) {
     const Plan plan = make_plan(file);

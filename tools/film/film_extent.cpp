@@ -47,18 +47,21 @@ Extent of_solid(const TriangleMesh& mesh, const Mat3f& rotation, const Vec3f& tr
 Vec3d landing(const Simulation& start, Vec3d x, Vec3d u) {
     const Scene& scene = start.scene();
     const Vec3d g = scene.domain.gravity(0);
-    const double reach = (scene.domain.max - scene.domain.min).maxCoeff() / 100;
+    const double far = (scene.domain.max - scene.domain.min).maxCoeff() / 100, near = std::min(far, start.plan().spacing);
+    double reach = near;  // of the next step: never beyond the nearest solid
     for (double left = scene.time.end; left > 0;) {
         const double speed = std::max(u.norm(), std::sqrt(g.norm() * reach));
         if (!(speed > 0)) break;
-        const double dt = std::min(left, reach / speed);
+        const double dt = std::min(left, 0.5 * reach / speed);  // with what g adds: at most 3/4 of the reach
         u += dt * g;
         const Vec3d next = x + dt * u;
         left -= dt;
         if ((next.array() < scene.domain.min.array()).any() || (next.array() > scene.domain.max.array()).any()) break;
         x = next;
-        Real clear = 1;
-        if (start.world().solids.nearest(x.cast<Real>(), clear) >= 0 && clear < 0) break;
+        Real clear = 0;
+        const bool any = start.world().solids.nearest(x.cast<Real>(), clear) >= 0;
+        if (any && clear < 0) break;
+        reach = any ? std::clamp(static_cast<double>(clear), near, far) : far;
     }
     return x;
 }

@@ -17,9 +17,9 @@ void add_seen(Extent& extent, const Frame& frame, const Frame& start);
 /// @param frame the start
 void add_still_solids(Extent& extent, const Frame& frame);
 
-/// All of this for a whole film, from its scene alone: the fluid at the start and in the openings, where it lands when it falls or flies freely
-/// until a solid or the domain stops it, and the way of solids with a motion of their own. Fluid that lands spreads about as far as the edge
-/// of a cube that holds all of it.
+/// All of this for a whole film, from its scene alone: the fluid at the start and in the openings, where it lands when it falls or flies
+/// freely until a solid or the domain stops it, and the way of solids with a motion of their own. Fluid that lands spreads about as far as
+/// the edge of a cube that holds all of it.
 Extent foreseen_extent(const Simulation& start);
 
 /// Whether the film has an automatic camera that still wants its box. A slice that fills the picture has no camera.

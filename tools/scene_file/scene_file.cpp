@@ -11,6 +11,7 @@
 #include "render/look/field_values.h"
 #include "render/look/look_keys.h"
 #include "render/surface/surface_keys.h"
+#include "tools/process/program_path.h"
 #include "tools/scene_file/scene_changes.h"
 
 namespace whorl {
@@ -22,15 +23,12 @@ std::vector<Section> sections_of(SceneFile& file) {
     return {{"surface", &surface_keys(), &file.surface}, {"camera", &camera_keys(), &file.camera}, {"look", &look_keys(), &file.look}};
 }
 
-/// Folders of scenes that ship: beside an installed program, or the source tree of a build.
-std::vector<fs::path> scene_folders() {
-    std::vector<fs::path> folders;
-    std::error_code ignored;
-    const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
-    if (!program.empty()) folders.push_back(program.parent_path().parent_path() / "share" / "whorl" / "scenes");
-    folders.emplace_back(WHORL_BUILD_SCENES);
-    return folders;
-}
+/// Folders of scenes that ship: share/whorl/scenes beside the folder of an installed program, or in it. A build folder has a link there to
+/// those of the sources.
+std::vector<fs::path> scene_folders() try {
+    const fs::path folder = program_path().parent_path(), scenes = fs::path("share") / "whorl" / "scenes";
+    return {folder.parent_path() / scenes, folder / scenes};
+} catch (const EnvironmentError&) { return {}; }
 
 /// Sweeps over scenes lie in folders of their own: they are no scenes.
 bool is_study(const fs::path& file) {
@@ -43,7 +41,7 @@ std::vector<std::pair<std::string, fs::path>> shipped(bool studies) {
     std::vector<std::pair<std::string, fs::path>> found;
     for (const fs::path& folder : scene_folders()) {
         std::error_code ignored;
-        for (const auto& entry : fs::recursive_directory_iterator(folder, ignored))
+        for (const auto& entry : fs::recursive_directory_iterator(fs::canonical(folder, ignored), ignored))
             if (entry.path().extension() == ".toml" && is_study(entry.path()) == studies)
                 found.emplace_back(entry.path().stem().string(), entry.path());
         if (!found.empty()) break;

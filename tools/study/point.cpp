@@ -19,6 +19,7 @@
 #include "engine/core/whole_file.h"
 #include "engine/io/checkpoint.h"
 #include "tools/process/exit_codes.h"
+#include "tools/process/program_path.h"
 
 namespace whorl {
 namespace {
@@ -118,7 +119,7 @@ struct PointRunner::Call {
 };
 
 PointRunner::Call PointRunner::call_of(const Study& study, int threads, const std::string& scene, std::vector<std::string> settings) {
-    Call call{fs::read_symlink("/proc/self/exe").string(), scene, study.quality, std::to_string(threads), std::move(settings), {}};
+    Call call{program_path().string(), scene, study.quality, std::to_string(threads), std::move(settings), {}};
     for (const std::string& s : call.all) {
         const std::string value = s.substr(s.find('=') + 1);
         if (is_option(s, "program")) call.program = (study.directory / value).string();
