@@ -1,9 +1,10 @@
 #include "tools/process/program_path.h"
 
+#include <unistd.h>
+
 #include <cerrno>
 #include <cstdlib>
 #include <sstream>
-#include <unistd.h>
 
 #include "engine/core/errors.h"
 
