@@ -76,16 +76,11 @@ TEST_CASE("an automatic camera shows where fluid pours and lands, in however lar
     const Outcome again = test::whorl({"render", scratch.scene(), "--out", scratch.run("two"), "--no-video", "--threads", "2"});
     REQUIRE(again.code == 0);
     CHECK(shown_by(scratch.run("two")).isApprox(seen, 0));
-    // A try of one frame runs nothing beforehand and looks from about there.
-    const Outcome one = test::whorl({"render", scratch.scene(), "--frames", "1", "--out", scratch.run("one"), "--no-video"});
-    REQUIRE(one.code == 0);
-    CHECK(one.err.find("first pass") == std::string::npos);
-    const Extent tried = shown_by(scratch.run("one"));
-    CHECK(tried.contains(Vec3f(0.006f, 0.04f, 0)));
-    CHECK(tried.sizes().maxCoeff() < 0.2f);
-    // What the box is stays over a resume, where the fluid would now give another.
+    // A try of one frame looks from where the film does, and so does a film that goes on from it.
+    REQUIRE(test::whorl({"render", scratch.scene(), "--frames", "1", "--out", scratch.run("one"), "--no-video"}).code == 0);
+    CHECK(shown_by(scratch.run("one")).isApprox(seen, 0));
     REQUIRE(test::whorl({"resume", scratch.run("one"), "--frames", "4"}).code == 0);
-    CHECK(shown_by(scratch.run("one")).isApprox(tried, 0));
+    CHECK(shown_by(scratch.run("one")).isApprox(seen, 0));
 }
 
 TEST_CASE("a camera of the scene's own stays, and so does the box that it gives an automatic one") {

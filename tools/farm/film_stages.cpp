@@ -50,7 +50,7 @@ FarmTask run_task(const std::string& name, const fs::path& scene, const fs::path
 
 std::vector<FarmStage> stages_of_panels(const FarmFilm& film, const fs::path& folder) {
     const int frames = frame_count(film.file.scene);
-    const Choose choose = [&](const SceneFile& run, const Simulation& start) { return with_first_pass(run, start, frames, true); };
+    const Choose choose = [&](const SceneFile& run, const Simulation& start) { return with_first_pass(run, start, true); };
     const std::vector<SceneFile> runs = panel_scenes(film.file, film.file.scene.output.frames ? choose : Choose{});
     write_text(folder / "scene.resolved.toml", resolved_toml(with_choices_of(film.file, runs)));
     FarmStage panels{"panels", {}};

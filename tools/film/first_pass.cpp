@@ -33,13 +33,14 @@ struct Seen {
 };
 
 /// @return nothing where the coarse scene is impossible or diverges
-std::optional<Seen> seen_in_a_coarse_run(const SceneFile& file, int frames) try {
+std::optional<Seen> seen_in_a_coarse_run(const SceneFile& file) try {
     constexpr int moments = 24;
     const SceneFile coarse = changed(file, {read_change(parse_change(fmt::format("fluid.spacing={:.9g}", 2 * file.scene.fluid.spacing)))});
     Simulation simulation(coarse.scene, make_plan(coarse.scene));
     const bool field = shows_field(file.look);
     const Snapshots snapshots(simulation, field ? std::vector{file.look.field} : std::vector<std::string>{});
     const Frame start = snapshots.take(simulation, 1);
+    const double first = frame_time(file.scene, 1), last = frame_time(file.scene, frame_count(file.scene));
     Seen seen;
     const auto look = [&](const Frame& frame) {
         if (field) seen.size = std::max(seen.size, usual_size(field_values(frame, file.look)));
@@ -47,7 +48,7 @@ std::optional<Seen> seen_in_a_coarse_run(const SceneFile& file, int frames) try 
     };
     look(start);
     for (int k = 1; k <= moments; ++k) {
-        const double time = frame_time(file.scene, 1) + k * (frame_time(file.scene, frames) - frame_time(file.scene, 1)) / moments;
+        const double time = first + k * (last - first) / moments;
         while (simulation.time() < time)
             if (simulation.step(time).diverged) return {};
         look(snapshots.take(simulation, 1));
@@ -64,16 +65,16 @@ SceneFile with_estimates(SceneFile file, const Simulation& start) {
     return file;
 }
 
-SceneFile with_first_pass(SceneFile file, const Simulation& start, int frames, bool quiet) {
+SceneFile with_first_pass(SceneFile file, const Simulation& start, bool quiet) {
     const LookOptions& look = file.look;
     const bool may_run = file.scene.output.frames && file.scene.changes.empty();
     const bool measure = may_run && wants_range(look) && look.field != "density" && look.field != "ink";
-    const bool watch = may_run && wants_extent(file) && frames >= frame_count(file.scene);
+    const bool watch = may_run && wants_extent(file);
     std::optional<Seen> seen;
     if (measure || watch) {
         const char* what = measure && watch ? "colours' range and the camera" : measure ? "colours' range" : "camera";
         if (!quiet) fmt::print(stderr, "first pass at twice the spacing, for the {}\n", what);
-        seen = seen_in_a_coarse_run(file, frames);
+        seen = seen_in_a_coarse_run(file);
     }
     if (watch && seen) look_at(file.camera, seen->extent);
     if (measure && seen && seen->size > 0) {

@@ -9,11 +9,10 @@ namespace whorl {
 /// the scene alone lets them be estimated (film_range(), foreseen_extent()). @param start the run at its beginning
 SceneFile with_estimates(SceneFile file, const Simulation& start);
 
-/// The same from the flow itself: the scene is run at twice its spacing (an eighth of the time in the plane, a sixteenth in space). The
-/// range then holds 99 % of the particles at each of 24 moments, the box what is seen at them (add_seen()). Where that cannot be run, where
-/// the scene changes on its way and where there are no pictures, both are estimates. So is the range of density, and the box of a film that
-/// is cut short.
-/// @param start the run at its beginning @param frames of the film @param quiet say nothing on the terminal
-SceneFile with_first_pass(SceneFile file, const Simulation& start, int frames, bool quiet);
+/// The same from the flow itself: the scene is run to its end at twice its spacing (an eighth of the time in the plane, a sixteenth in
+/// space). The range then holds 99 % of the particles at each of 24 moments, the box what is seen at them (add_seen()). Where that cannot
+/// be run, where the scene changes on its way and where there are no pictures, both are estimates. So is the range of density.
+/// @param start the run at its beginning @param quiet say nothing on the terminal
+SceneFile with_first_pass(SceneFile file, const Simulation& start, bool quiet);
 
 }  // namespace whorl

@@ -74,9 +74,8 @@ public:
 private:
     Choose choice() const {
         if (!scene_.output.frames) return {};
-        return [this, frames = frames_wanted()](const SceneFile& run, const Simulation& start) {
-            return with_first_pass(run, start, frames, request_.quiet || request_.json);
-        };
+        return
+            [this](const SceneFile& run, const Simulation& start) { return with_first_pass(run, start, request_.quiet || request_.json); };
     }
 
     fs::path video() const { return folder_.path() / (scene_.name + ".mp4"); }

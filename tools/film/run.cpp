@@ -145,7 +145,7 @@ void Run::greet(const Plan& plan) {
 
 /// What is chosen for the whole film stands in scene.resolved.toml and thereby in every checkpoint: a resumed film keeps it.
 SceneFile Run::with_choices() const {
-    SceneFile file = with_first_pass(request_.file, simulation_, last_, request_.quiet || request_.json);
+    SceneFile file = with_first_pass(request_.file, simulation_, request_.quiet || request_.json);
     file.look.streak_time = film_streak_time(file.look, simulation_);
     return file;
 }
