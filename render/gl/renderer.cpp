@@ -20,6 +20,7 @@
 #include "render/gl/scene_geometry.h"
 #include "render/gl/setup.h"
 #include "render/gl/solid_field.h"
+#include "render/gl/solid_light.h"
 #include "render/gl/surround.h"
 #include "render/look/field_values.h"
 #include "render/look/material.h"
@@ -47,8 +48,11 @@ struct Shot {
     std::set<Pattern> patterns;  ///< of the solids
     std::string constants;       ///< that the programs are compiled with
 
-    /// Whether every pixel needs all samples: else those that differ little from the pixels around them keep the first.
-    bool needs_all_samples() const { return look.samples < 2 || view.blurs() || shows_field(look); }
+    /// Whether every pixel needs all samples: else those that differ little from the pixels around them keep the first. A crust's relief
+    /// comes from the pixels beside it, which a later sample would not have.
+    bool needs_all_samples() const { return look.samples < 2 || view.blurs() || shows_field(look) || has_crust; }
+    /// All samples see the solids from about the same place.
+    bool keeps_solid_light() const { return !view.blurs(); }
     /// The surface moves while the shutter is open, its distance field does not.
     bool keeps_motion() const { return view.open > 0 && material.refracts; }
 };
@@ -83,6 +87,7 @@ struct Renderer::Device {
                      const std::array<float, 2>& range, const PictureBox& box);
     void draw_sample(const Shot& shot, int sample);
     void draw_from(const Shot& shot, int sample);
+    void find_solid_light(const Shot& shot);
     void draw_solid_depth(const Shot& shot, const Eigen::Matrix4f& matrix);
     void draw_solids(const Shot& shot, const Eigen::Matrix4f& matrix);
     void draw_fluid(const Shot& shot, const Eigen::Matrix4f& matrix);
@@ -93,6 +98,7 @@ struct Renderer::Device {
     PictureLayers light_of(const Shot& shot);
     Image read_back() const;
     void set_studio(gl::Program& program, const Shot& shot) const;
+    void set_solid_light(gl::Program& program, const Shot& shot, const Eigen::Matrix4f& matrix) const;
     void cover_screen() const;
 
     GlContext context;  // first: everything below is freed while it is still current
@@ -100,9 +106,12 @@ struct Renderer::Device {
 
     gl::Program fluid_normal{{"mesh.vert"}, {"normal.frag"}};
     gl::Program solid_depth{{"mesh.vert"}, {"depth.frag"}};
-    gl::Programs solid_colour{
+    gl::Programs solid_colour{{"mesh.vert"},
+                              {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "shadow.glsl", "solid_light.glsl",
+                               "hot.glsl", "solid.frag"}};
+    gl::Programs solid_light_program{
         {"mesh.vert"},
-        {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "shadow.glsl", "hot.glsl", "solid.frag"}};
+        {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "shadow.glsl", "solid_light.glsl", "solid_light.frag"}};
     gl::Programs liquid{{"screen.vert"},
                         {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "inks.glsl", "liquid.frag"}};
     gl::Programs opaque{{"screen.vert"},
@@ -128,6 +137,7 @@ struct Renderer::Device {
     SceneGeometry scene;
     FieldTexture field;
     SolidField solid_field;
+    SolidLight solid_light{width, height};
     FlowShapes flow;
     InkField inks;
     GroundLight ground_light{height};
@@ -215,6 +225,7 @@ Shot Renderer::Device::sum_samples(const Frame& frame, const Surface& surface, c
     glBindVertexArray(no_vertices);
     ground_light.draw(scene, shot.material, surround.shadow_lamp(view), frame.spacing, shot.ground, look.ground);
 
+    if (shot.keeps_solid_light()) find_solid_light(shot);
     glViewport(0, 0, width, height);
     samples.begin(look.samples, shot.needs_all_samples());
     if (scene.any_containers()) {
@@ -289,6 +300,28 @@ void Renderer::Device::draw_from(const Shot& shot, int sample) {
     glDisable(GL_SCISSOR_TEST);
 }
 
+void Renderer::Device::find_solid_light(const Shot& shot) {
+    if (!scene.any_solids()) return;
+    solid_light.begin(shot.camera);
+    glEnable(GL_DEPTH_TEST);
+    draw_solid_depth(shot, shot.camera);
+    glDepthFunc(GL_LEQUAL);
+    gl::Program& program = solid_light_program.with(shot.constants + "const bool finds_light = true;\n");
+    set_solid_light(program, shot, shot.camera);
+    scene.draw_solids(program, false, [](const FrameSolid&) {});
+    glDepthFunc(GL_LESS);
+    glDisable(GL_DEPTH_TEST);
+}
+
+/// What solids hide from each other, and the fluid from them.
+void Renderer::Device::set_solid_light(gl::Program& program, const Shot& shot, const Eigen::Matrix4f& matrix) const {
+    set_studio(program, shot);
+    ground_light.bind_shadow(program, shadow_unit);
+    field.bind(program, field_unit);
+    solid_field.bind(program, solid_unit);
+    program.set("view_projection", matrix);
+}
+
 /// The colour of solids is the dearest of all: depth comes first, so that only what is seen gets one.
 void Renderer::Device::draw_solid_depth(const Shot& shot, const Eigen::Matrix4f& matrix) {
     if (!scene.any_solids()) return;
@@ -304,14 +337,11 @@ void Renderer::Device::draw_solids(const Shot& shot, const Eigen::Matrix4f& matr
     if (!scene.any_solids()) return;
     glDepthFunc(GL_LEQUAL);
     for (const Pattern pattern : shot.patterns) {
-        gl::Program& program =
-            solid_colour.with(shot.constants + "const int pattern = " + std::to_string(static_cast<int>(pattern)) + ";\n");
-        set_studio(program, shot);
-        ground_light.bind_shadow(program, shadow_unit);
+        gl::Program& program = solid_colour.with(shot.constants + "const int pattern = " + std::to_string(static_cast<int>(pattern)) +
+                                                 ";\nconst bool finds_light = " + (shot.keeps_solid_light() ? "false" : "true") + ";\n");
+        set_solid_light(program, shot, matrix);
+        solid_light.bind(program, 0);
         bind_patches(program, shot.patches);
-        field.bind(program, field_unit);
-        solid_field.bind(program, solid_unit);
-        program.set("view_projection", matrix);
         const auto prepare = [&](const FrameSolid& s) {
             const SolidMaterial material = solid_material(s.material);
             program.set("solid_colour", material.colour);

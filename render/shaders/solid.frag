@@ -7,7 +7,6 @@ uniform vec3 solid_colour;
 uniform float metal;
 uniform float roughness;
 // constant: int pattern, texture_of()
-uniform bool has_field;
 layout(location = 0) out vec4 solid;
 layout(location = 1) out vec4 normal;
 
@@ -15,7 +14,7 @@ void main() {
     vec3 v = normalize(world - eye);
     vec3 n = normalize(world_normal);
     if (dot(n, v) > 0.0) n = -n;
-    vec3 albedo = solid_colour;
+    vec3 face = n, albedo = solid_colour;
     if (pattern > 0) {
         Texture t = texture_of(pattern, own, own_normal, max(length(dFdx(own)), length(dFdy(own))));
         albedo *= t.colour;
@@ -26,25 +25,14 @@ void main() {
     vec3 r = reflect(v, n);
     float f0 = mix(0.045, 0.85, metal);
     float mirror = f0 + (1.0 - f0) * pow(clamp(1.0 + dot(n, v), 0.0, 1.0), 5.0) * (1.0 - 0.7 * roughness);
-    float open = 1.0, seen = 1.0;
-    vec3 key = key_colour * clamp(dot(n, light), 0.0, 1.0);
-    if (has_field) {
-        vec3 p = place_of(world);
-        open = openness(p + n, n, 40.0);
-        seen = openness(p + n, r, 40.0);
-        key *= key_at(world, false);
-    }
-    if (has_solid_field) {
-        open *= solid_openness(world, n);
-        seen *= solid_openness(world + solid_voxel * n, r);
-        if (dot(n, light) > 0.0) key *= past_solids(world, n, light);
-    }
+    SolidLight from = light_of_solid(world, face, reflect(v, face));
+    vec3 key = key_colour * clamp(dot(n, light), 0.0, 1.0) * from.key;
     vec3 around = ambient(n);
-    vec3 diffuse = albedo * (1.0 - metal) * (around * open + key + light_of_patches(world, n));
+    vec3 diffuse = albedo * (1.0 - metal) * (around * from.open + key + light_of_patches(world, n));
     vec3 mirrored = surroundings(world, r);
     if (metal > 0.0) mirrored = mirrored * (r.y < 0.0 ? mix(1.0, flags(r), 0.6 * metal) : 1.0) + metal * (1.0 - roughness) * strip_light(r);
     // A rough surface spreads a lamp over more directions than the lamp is wide, so that less comes from each.
-    mirrored *= mix(1.0, seen, 0.8) * mix(1.0, 0.35, smoothstep(0.35, 0.5, roughness)) * mix(1.0, 0.05, smoothstep(0.8, 1.0, roughness));
+    mirrored *= mix(1.0, from.seen, 0.8) * mix(1.0, 0.35, smoothstep(0.35, 0.5, roughness)) * mix(1.0, 0.05, smoothstep(0.8, 1.0, roughness));
     vec3 tint = mix(vec3(1.0), albedo, metal);
     solid = vec4(diffuse + mirror * tint * mirrored, length(world - eye));
     normal = vec4(0.0);

@@ -43,7 +43,7 @@ def picture_live(m):
     m.call([folder / "tests/whorl_validation", "[page_picture]"], environment={"WHORL_PICTURE": str(m.into / "docs/pictures/live.png")})
 
 
-# What to see, the time of the picture [s], quality of the picture and of the whole film
+# What to see, the time of the picture [s], quality of the film
 gallery_scenes = {
     "honey_coil": ("A thread of honey coils on a plate.", 3.3, "standard"),
     "honey_ball": ("Honey over a wooden ball.", 2.6, "standard"),
@@ -62,23 +62,11 @@ gallery_scenes = {
     "towed_post": ("A post is towed and stops: spin keeps its vortices.", 1.5, "standard"),
     "spin_up": ("A torque on the particles' spin turns fluid, if the wall holds the spin.", 1.4, "standard"),
     "karman_street": ("A cylinder in a stream sheds vortices in turn.", 2.5, "standard"),
-    "shear_layer": ("Two streams roll up into billows.", 1.5, "standard"),
+    "shear_layer": ("Two streams roll up into billows, which pair.", 1.2, "standard"),
     "taylor_green": ("Vortices that fill a cube break up into tubes.", 0.8, "standard"),
     "vortex_rings": ("One ring slips through the other; two meet head on and break into five.", 1.75, "standard"),
     "stirred_tank": ("A paddle stirs ink in a glass.", 1.1, "standard"),
 }
-
-
-@table("gallery", "a finished moment of every scene", "1 to 4 minutes a scene", files="docs/pictures/gallery", section=False)
-def gallery(m):
-    for scene, (_, time, quality) in gallery_scenes.items():
-        if m.wanted(scene):  # two pictures: the start, and the moment; under a chart as many as its curves need
-            charted = "\nchart = " in (root / f"scenes/{scene}.toml").read_text(encoding="utf-8")
-            pictures = 24 if charted else 1
-            run = m.render(scene, f"gallery/{scene}", f"time.fps={pictures / time:.9g}", "time.slow_motion=1", "look.samples=4", threads=2,
-                           images=True, options=["--until", f"{1.0001 * time:g}", "--quality", quality, "--size", "1920x1080",
-                                                 "--no-video"])
-            drawing.picture(m, f"docs/pictures/gallery/{scene}.jpg", [run.folder / f"frames/{pictures + 1:06}.png"], 960, ["-q:v", "3"])
 
 
 # Films keep both cores busy: half of their processor time is what they take, however busy the machine is that measures them.
@@ -90,15 +78,30 @@ cores = 2
 def films(m):
     file, columns = "docs/studies/films.csv", ["scene", "quality", "minutes"]
     rows = {r["scene"]: r for r in read_rows(m.into / file)} if (m.into / file).exists() else {}
-    for scene, (_, _, quality) in gallery_scenes.items():
+    for scene in gallery_scenes:
         if m.wanted(scene):
-            run = m.render(scene, f"films/{scene}", threads=cores, images=True, options=["--quality", quality])
+            run, quality = whole_film(m, scene), gallery_scenes[scene][2]
             minutes = run.cpu_seconds / cores / 60
             rows[scene] = {"scene": scene, "quality": quality, "minutes": f"{minutes:.2f}"}
             m.write_csv(file, columns, [rows[name] for name in gallery_scenes if name in rows])
     cells = [film(m, scene, rows.get(scene)) for scene in gallery_scenes]
     cells += [""] * (len(cells) % 2)
     return markdown(" | ", zip(cells[::2], cells[1::2]))
+
+
+def whole_film(m, scene):
+    return m.render(scene, f"films/{scene}", threads=cores, images=True, options=["--quality", gallery_scenes[scene][2]])
+
+
+@table("gallery", "a moment of every scene's film", "1 to 5 minutes a scene, unless films is measured already", files="docs/pictures/gallery",
+       section=False)
+def gallery(m):
+    for scene, (_, moment, _) in gallery_scenes.items():
+        if m.wanted(scene):
+            run = whole_film(m, scene)
+            time = run.scene["time"]
+            frame = 0 if m.dry else 1 + round(moment * time["fps"] * time["slow_motion"])
+            drawing.picture(m, f"docs/pictures/gallery/{scene}.jpg", [run.folder / f"frames/{frame:06}.png"], 960, ["-q:v", "3"])
 
 
 def film(m, scene, row):

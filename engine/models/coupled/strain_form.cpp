@@ -40,13 +40,25 @@ struct RowView {
     }
 };
 
+using Quad = Real __attribute__((vector_size(4 * sizeof(Real))));
+
+const Quad& quad(const Real* from) { return *reinterpret_cast<const Quad*>(from); }
+Quad& quad(Real* to) { return *reinterpret_cast<Quad*>(to); }
+
 /// u_j - u_i of each pair, and A = sum w (u_j - u_i) r^T.
 Mat3 differences(const RowView& row, const Vec4* __restrict u, Index own, RowScratch& s) {
-    const Real u0 = u[own].v[0], u1 = u[own].v[1], u2 = u[own].v[2];
     Real* __restrict du = s.du.data(), * __restrict dv = s.dv.data(), * __restrict dw = s.dw.data();
-    for (Index e = 0; e < row.count; ++e) {
-        const Real* uj = u[row.other[e]].v;
-        du[e] = uj[0] - u0, dv[e] = uj[1] - u1, dw[e] = uj[2] - u2;
+    const Quad of_own = quad(u[own].v);
+    static_assert(CoupledRows::lanes % 4 == 0);
+    for (Index e = 0; e < row.count; e += 4) {
+        // Four pairs' (x, y, z, 0) become four pairs' x, y, z.
+        const Quad a = quad(u[row.other[e]].v) - of_own, b = quad(u[row.other[e + 1]].v) - of_own;
+        const Quad c = quad(u[row.other[e + 2]].v) - of_own, d = quad(u[row.other[e + 3]].v) - of_own;
+        const Quad xy0 = __builtin_shufflevector(a, b, 0, 4, 1, 5), xy1 = __builtin_shufflevector(c, d, 0, 4, 1, 5);
+        quad(du + e) = __builtin_shufflevector(xy0, xy1, 0, 1, 4, 5);
+        quad(dv + e) = __builtin_shufflevector(xy0, xy1, 2, 3, 6, 7);
+        quad(dw + e) =
+            __builtin_shufflevector(__builtin_shufflevector(a, b, 2, 6, 2, 6), __builtin_shufflevector(c, d, 2, 6, 2, 6), 0, 1, 4, 5);
     }
     Real a00 = 0, a01 = 0, a02 = 0, a10 = 0, a11 = 0, a12 = 0, a20 = 0, a21 = 0, a22 = 0;
     for (Index e = 0; e < row.count; ++e) {
@@ -106,31 +118,24 @@ void pair_forces(const RowView row, const Mat3& Q, Real* __restrict fx, Real* __
     }
 }
 
-using Quad = Real __attribute__((vector_size(4 * sizeof(Real))));
-
 /// Adds the row's forces on its neighbours, s.f of each pair, to out, and their opposite to the row's own particle.
 void scatter(const RowView row, Index own, const RowScratch& s, Vec4* __restrict out) {
     const Real* __restrict fx = s.fx.data(), * __restrict fy = s.fy.data(), * __restrict fz = s.fz.data();
     const Quad none = {0, 0, 0, 0};
-    Quad sum = none;
-    const auto add = [&](Index j, const Quad& f) {
-        Quad& to = *reinterpret_cast<Quad*>(out[j].v);
-        to += f;
-        sum += f;
-    };
-    static_assert(CoupledRows::lanes % 4 == 0);
+    Quad sum_x = none, sum_y = none, sum_z = none;
     for (Index e = 0; e < row.count; e += 4) {
         // Four pairs' x, y, z become four pairs' (x, y, z, 0).
-        const Quad x = *reinterpret_cast<const Quad*>(fx + e), y = *reinterpret_cast<const Quad*>(fy + e);
-        const Quad z = *reinterpret_cast<const Quad*>(fz + e);
+        const Quad x = quad(fx + e), y = quad(fy + e), z = quad(fz + e);
         const Quad xy0 = __builtin_shufflevector(x, y, 0, 4, 1, 5), xy1 = __builtin_shufflevector(x, y, 2, 6, 3, 7);
         const Quad z0 = __builtin_shufflevector(z, none, 0, 4, 1, 5), z1 = __builtin_shufflevector(z, none, 2, 6, 3, 7);
-        add(row.other[e], __builtin_shufflevector(xy0, z0, 0, 1, 4, 5));
-        add(row.other[e + 1], __builtin_shufflevector(xy0, z0, 2, 3, 6, 7));
-        add(row.other[e + 2], __builtin_shufflevector(xy1, z1, 0, 1, 4, 5));
-        add(row.other[e + 3], __builtin_shufflevector(xy1, z1, 2, 3, 6, 7));
+        quad(out[row.other[e]].v) += __builtin_shufflevector(xy0, z0, 0, 1, 4, 5);
+        quad(out[row.other[e + 1]].v) += __builtin_shufflevector(xy0, z0, 2, 3, 6, 7);
+        quad(out[row.other[e + 2]].v) += __builtin_shufflevector(xy1, z1, 0, 1, 4, 5);
+        quad(out[row.other[e + 3]].v) += __builtin_shufflevector(xy1, z1, 2, 3, 6, 7);
+        sum_x += x, sum_y += y, sum_z += z;
     }
-    *reinterpret_cast<Quad*>(out[own].v) -= sum;
+    const auto all = [](const Quad& q) { return (q[0] + q[2]) + (q[1] + q[3]); };
+    quad(out[own].v) -= Quad{all(sum_x), all(sum_y), all(sum_z), 0};
 }
 
 Mat3 symmetric(const Mat3& A) { return Real(0.5) * (A + A.transpose()); }

@@ -1,0 +1,55 @@
+// How much of the light from round about comes to a solid. Smooth along its surface, and dear: a pass of a third of the picture's resolution
+// finds it, and what is drawn takes it from there.
+// constant: bool finds_light: by itself in every pixel
+uniform bool has_field;
+uniform sampler2D light_kept;    // key's light, and what is open to the sky
+uniform sampler2D place_kept;    // what is open to the mirrored direction, distance from the eye (0: nothing), normal along two ways
+uniform mat4 to_kept;            // world -> clip of the pass
+
+struct SolidLight {
+    vec3 key;     // of the lamp that throws the shadow
+    float open;   // of the half space about the normal
+    float seen;   // of a cone about the mirrored direction
+};
+
+// @param n the surface's normal without relief @param r the mirrored direction
+SolidLight find_light(vec3 x, vec3 n, vec3 r) {
+    SolidLight found = SolidLight(vec3(1.0), 1.0, 1.0);
+    if (has_field) {
+        vec3 p = place_of(x);
+        found.open = openness(p + n, n, 40.0);
+        found.seen = openness(p + n, r, 40.0);
+        found.key = key_at(x, false);
+    }
+    if (has_solid_field) {
+        found.open *= solid_openness(x, n);
+        found.seen *= solid_openness(x + solid_voxel * n, r);
+        if (dot(n, light) > 0.0) found.key *= past_solids(x, n, light);
+    }
+    return found;
+}
+
+// Two numbers that tell normals apart well enough.
+vec2 seen_along(vec3 n) { return vec2(dot(n, vec3(0.36, 0.48, 0.80)), dot(n, vec3(-0.80, 0.60, 0.17))); }
+
+// Between the four texels about the place: those that show the same face; all, where none does.
+SolidLight light_of_solid(vec3 x, vec3 n, vec3 r) {
+    if (finds_light) return find_light(x, n, r);
+    vec4 h = to_kept * vec4(x, 1.0);
+    vec2 size = vec2(textureSize(place_kept, 0)), place = (0.5 * h.xy / h.w + 0.5) * size - 0.5;
+    vec2 whole = floor(place), part = place - whole, along = seen_along(n);
+    float far = distance(x, eye), tolerance = 0.01 + 4.0 / size.y, sum = 0.0;
+    vec4 kept = vec4(0.0);
+    float seen = 0.0;
+    for (int i = 0; i < 4; ++i) {
+        vec2 corner = vec2(i & 1, i >> 1);
+        ivec2 texel = clamp(ivec2(whole + corner), ivec2(0), ivec2(size) - 1);
+        vec4 there = texelFetch(place_kept, texel, 0);
+        vec2 near = mix(1.0 - part, part, corner), turned = abs(there.zw - along);
+        float same = step(abs(there.y - far), tolerance * far) * step(max(turned.x, turned.y), 0.25), w = near.x * near.y * (1e-3 + same);
+        kept += w * texelFetch(light_kept, texel, 0);
+        seen += w * there.x;
+        sum += w;
+    }
+    return SolidLight(kept.rgb / sum, kept.a / sum, seen / sum);
+}
