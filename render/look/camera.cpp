@@ -1,6 +1,7 @@
 #include "render/look/camera.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -9,25 +10,26 @@ namespace {
 
 float radians(float degrees) { return degrees * std::numbers::pi_v<float> / 180; }
 
-/// The whole of a domain without depth, from ahead.
-View framed_plane(const CameraOptions& camera, const Vec3f& low, const Vec3f& high) {
-    const Vec3f size = high - low, target = 0.5f * (low + high);
-    const float distance = 0.5f * 1.06f * std::max(size.y(), size.x() * 9.0f / 16.0f) / std::tan(0.5f * radians(camera.fov));
-    return {target + Vec3f(0, 0, distance), target, camera.up, camera.fov};
-}
-
-/// Frames the domain, and nothing that moves in it: the picture must not jump. The whole height is seen; sides may be cut, for a domain is
-/// mostly air at its sides.
-View framed(const CameraOptions& camera, const Vec3f& low, const Vec3f& high) {
-    const Vec3f size = high - low;
-    const float azimuth = radians(25), elevation = radians(14);
-    const Vec3f away(std::sin(azimuth) * std::cos(elevation), std::sin(elevation), std::cos(azimuth) * std::cos(elevation));
-    const float depth = std::hypot(size.x(), size.z());
-    const float tall = size.y() * std::cos(elevation) + depth * std::sin(elevation) * 0.5f;
-    const float wide = depth * 9.0f / 16.0f;  // a film is wider than high
-    const float distance = 0.5f * 1.06f * std::max(tall, 0.8f * wide) / std::tan(0.5f * radians(camera.fov)) + 0.25f * depth;
-    const Vec3f target = 0.5f * (low + high) - Vec3f(0, 0.02f * size.y(), 0);
-    return {target + distance * away, target, camera.up, camera.fov};
+/// All of a box, from the direction `away` [unit], as near as its corners allow.
+View framed(const CameraOptions& camera, const Vec3f& low, const Vec3f& high, const Vec3f& away) {
+    constexpr float margin = 1.12f;
+    const Vec3f side = camera.up.cross(away).normalized(), above = away.cross(side), middle = 0.5f * (low + high);
+    // A corner at (h, v, z) along side, above and away lies in a picture from (H, V, Z) where |h - H| <= wide (Z - z), |v - V| <= tall (Z -
+    // z).
+    const float tall = std::tan(0.5f * radians(camera.fov)) / margin, wide = camera.aspect * tall;
+    const auto fit = [&](const Vec3f& axis, float slope) {
+        float from = 1e30f, to = -1e30f;
+        for (int corner = 0; corner < 8; ++corner) {
+            Vec3f x = -middle;
+            for (int a = 0; a < 3; ++a) x[a] += (corner >> a) & 1 ? high[a] : low[a];
+            from = std::min(from, x.dot(axis) - slope * x.dot(away)), to = std::max(to, x.dot(axis) + slope * x.dot(away));
+        }
+        return std::array<float, 2>{0.5f * (from + to), 0.5f * (to - from) / slope};
+    };
+    const auto [h, far_for_width] = fit(side, wide);
+    const auto [v, far_for_height] = fit(above, tall);
+    const Vec3f target = middle + h * side + v * above;
+    return {target + std::max(far_for_width, far_for_height) * away, target, camera.up, camera.fov};
 }
 
 /// Catmull-Rom through b (at 0) and c (at 1), with tangents for keys that are not evenly spaced in time.
@@ -70,7 +72,10 @@ View standing_at(const CameraOptions& camera, double time, const Vec3f& domain_m
         const Vec3f offset(camera.distance * std::sin(angle), camera.height, camera.distance * std::cos(angle));
         return {camera.target + offset, camera.target, camera.up, camera.fov};
     }
-    View view = domain_min.z() < domain_max.z() ? framed(camera, domain_min, domain_max) : framed_plane(camera, domain_min, domain_max);
+    const float azimuth = radians(25), elevation = radians(14);
+    const Vec3f from_above(std::sin(azimuth) * std::cos(elevation), std::sin(elevation), std::cos(azimuth) * std::cos(elevation));
+    const bool plane = !(domain_min.z() < domain_max.z());
+    View view = framed(camera, camera.min.value_or(domain_min), camera.max.value_or(domain_max), plane ? Vec3f::UnitZ() : from_above);
     view.flat = true;
     return view;
 }

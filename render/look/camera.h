@@ -15,17 +15,20 @@ struct CameraKey {
 };
 
 /// kind "fixed": position, target. "orbit": turns about `target` at `distance`, `height`, `degrees_per_second`, from `start_angle`.
-/// "keys": smooth (Catmull-Rom) through `keys`. "auto" (default): frames the domain from a pleasing angle, one without depth from ahead.
+/// "keys": smooth (Catmull-Rom) through `keys`. "auto" (default): all of the box from `min` to `max`, from a pleasing angle; what has no
+/// depth from ahead.
 struct CameraOptions {
     std::string kind = "auto";
     Vec3f position = Vec3f(0, 0.1f, 0.4f), target = Vec3f::Zero(), up = Vec3f(0, 1, 0);
     float fov = 30;  ///< degrees, vertical
     float distance = 0.4f, height = 0.1f, start_angle = 0, degrees_per_second = 20;
     std::vector<CameraKey> keys;
-    float aperture = 0;          ///< m, diameter of the lens; 0: all is sharp
-    std::optional<float> focus;  ///< m ahead, where it is sharp; none: at the target
-    float shutter = 0;           ///< degrees: open for this part of the time between two pictures, 360 for all of it
-    double interval = 0;         ///< s, simulated, between two pictures: follows from the scene's fps and slow motion
+    std::optional<Vec3f> min, max;  ///< m, corners of what "auto" shows; none: the domain's
+    float aspect = 16.0f / 9;       ///< of the picture, width over height: follows from the scene's output
+    float aperture = 0;             ///< m, diameter of the lens; 0: all is sharp
+    std::optional<float> focus;     ///< m ahead, where it is sharp; none: at the target
+    float shutter = 0;              ///< degrees: open for this part of the time between two pictures, 360 for all of it
+    double interval = 0;            ///< s, simulated, between two pictures: follows from the scene's fps and slow motion
 };
 
 /// The camera at one moment.

@@ -41,7 +41,8 @@ KeyTable make_camera_key_keys() {
 KeyTable make_camera_keys() {
     KeyTableOf<CameraOptions> t("from where the pictures are taken");
     const std::vector<std::string> orbit{"orbit"};
-    t.key("kind", &CameraOptions::kind, "", "auto: frames the domain").one_of({"auto", "fixed", "orbit", "keys"});
+    t.key("kind", &CameraOptions::kind, "", "auto: shows where fluid and moving solids are over the film")
+        .one_of({"auto", "fixed", "orbit", "keys"});
     t.key("position", &CameraOptions::position, "m", "where it stands").required().only_with("kind", {"fixed"});
     t.key("target", &CameraOptions::target, "m", "where it looks").only_with("kind", {"fixed", "orbit"});
     t.key("up", &CameraOptions::up, "", "what is up in the picture").only_with("kind", {"fixed", "orbit", "keys"});
@@ -50,6 +51,9 @@ KeyTable make_camera_keys() {
     t.key("height", &CameraOptions::height, "m", "above the target").only_with("kind", orbit);
     t.key("start_angle", &CameraOptions::start_angle, "degrees", "where the turn begins; 0: along +z").only_with("kind", orbit);
     t.key("degrees_per_second", &CameraOptions::degrees_per_second, "degrees/s", "of simulated time").only_with("kind", orbit);
+    t.key("min", &CameraOptions::min, "m", "corner of the box that the camera shows; auto: found before the film")
+        .only_with("kind", {"auto"});
+    t.key("max", &CameraOptions::max, "m", "opposite corner of the box").only_with("kind", {"auto"});
     t.key("aperture", &CameraOptions::aperture, "m", "diameter of the lens: what is nearer or further than `focus` blurs; 0: all is sharp")
         .at_least(0);
     t.key("focus", &CameraOptions::focus, "m", "distance at which it is sharp; auto: the target's").above(0);

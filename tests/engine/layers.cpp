@@ -52,7 +52,7 @@ std::map<std::string, Folders> arrows() {
         {"render/export", frame + Folders{"render/flow", "render/look", "render/surface"}},
         {"render/gl", frame + Folders{"render/flow", "render/image", "render/look", "render/surface"}},
         {"tools/process", core},
-        {"tools/scene_file", sim + Folders{"render/surface", "render/look"}},
+        {"tools/scene_file", sim + Folders{"render/surface", "render/look", "tools/process"}},
         {"tools/cost", scene_file},
         {"tools/convert", geometry + Folders{"engine/io/files.h"}},
         {"tools/film", scene_file + Folders{"tools/cost"}},

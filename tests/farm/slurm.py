@@ -7,6 +7,7 @@ run, also where a job is taken from its node half-way and begun again.
 Needs root, and Debian's slurm-wlm and munge (apt-get install slurm-wlm munge); without them it says so and passes. Nothing but the
 processes that it started is ended.
 """
+import csv
 import os
 import shutil
 import signal
@@ -28,6 +29,17 @@ label = "thick"
 [[panel]]
 label = "thin"
 set = ["fluid.viscosity=2"]
+"""
+STUDY = """
+scenes = ["film.toml"]
+set = ["time.end=0.1"]
+[[knob]]
+key = "time.cfl"
+values = [0.2, 0.4]
+[accuracy]
+of = "conserved"
+column = "kinetic_energy"
+at = "last"
 """
 CONFIG = """
 ClusterName=whorl
@@ -148,6 +160,19 @@ def main():
         print(done.stderr)
         check(done.returncode == 0, "a film of panels: a job each, and one that gathers")
         same_film(folder / "local_panels", folder / "farmed_panels", ("panels/1/diagnostics.csv", "panels/2/diagnostics.csv"))
+
+        # A study, whose runs are jobs one by one. Figures that are times differ from run to run.
+        (folder / "study.toml").write_text(STUDY)
+        for command in ("tradeoff", "stability"):
+            tables = []
+            for place in ("local", "slurm"):
+                out = f"{command}_{place}"
+                done = whorl(command, "study.toml", "--on", place, "--jobs", "2", "--threads", "1", "--out", out, *(["--all"] if command == "tradeoff" else []))
+                check(done.returncode == 0, f"{command} on {place} {done.stderr}")
+                with open(folder / out / f"{command}.csv") as file:
+                    own = ("time.cfl", "error", "status", "state", "largest_stable", "first_bad_step", "why")
+                    tables.append(sorted(tuple(row.get(name) for name in own) for row in csv.DictReader(file)))
+            check(len(tables[0]) == 2 and tables[0] == tables[1], f"the table of {command} is that of a local run")
 
         # A job is taken from its node half-way; Slurm begins it again, and it goes on from its checkpoint.
         farm = subprocess.Popen([program, "farm", "film.toml", "--on", "slurm", "--out", "taken", "--pieces", "2"], env=slurm.environment, cwd=folder,

@@ -255,7 +255,7 @@ def main():
     parser.add_argument("faults", nargs="*")
     parser.add_argument("--kills", type=int, default=20)
     parser.add_argument("--seed", type=int, default=1)
-    options = parser.parse_args()
+    options = parser.parse_intermixed_args()
     with tempfile.TemporaryDirectory() as folder:
         faults = Faults(options.program, options.kills, options.seed, Path(folder))
         for name in options.faults or ("two", "ffmpeg", "removed", "full", "nan", "memory", "kill"):

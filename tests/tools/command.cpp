@@ -53,6 +53,8 @@ TEST_CASE("the program tells its version, and its help has examples", "[tools]")
     const Outcome version = whorl_in(".", "--version");
     CHECK(version.code == 0);
     CHECK(version.text.rfind("whorl 0.", 0) == 0);
+    CHECK(version.text.find("\nprocessor  ") != std::string::npos);
+    CHECK(version.text.find("; uses SSE2") != std::string::npos);
     const Outcome help = whorl_in(".", "--help");
     CHECK(help.code == 0);
     CHECK(help.text.find("Examples:\n  whorl render honey_coil") != std::string::npos);

@@ -144,6 +144,60 @@ TEST_CASE("a stability map tells stable from unstable steps, with the limit that
     CHECK(fs::file_size(folder / "out" / "stability.png") > 1000);
 }
 
+TEST_CASE("runs of a study go to Slurm as jobs, with the table of a run without it", "[study][farm]") {
+    // What stands for sbatch runs the job at once; the long test asks a real one.
+    const ScratchFolder folder;
+    write(folder / "bin/sbatch",
+          "#!/bin/sh\n[ \"$1\" = --version ] && exit 0\necho \"$@\" >> " + (folder / "asked").string() +
+              "\necho 7\nfor word; do case $word in --output=*) out=${word#--output=};; --*) ;; *) break;; esac; shift; done\n"
+              "exec sh \"$@\" > \"$out\" 2>&1\n");
+    fs::permissions(folder / "bin/sbatch", fs::perms::owner_all);
+    write(folder / "falling.toml", falling);
+    write(folder / "study.toml",
+          "scenes = [\"falling.toml\"]\nlimit = 100\n[[knob]]\nkey = \"time.max_step\"\nvalues = [0.02, 0.01]\n[accuracy]\n"
+          "table = \"probes/all.csv\"\ncolumn = \"centroid_y\"\nexpected = \"0.5-9.81*t^2/2\"\n");
+    const std::string path = std::getenv("PATH");
+    setenv("PATH", ((folder / "bin").string() + ":" + path).c_str(), 1);
+    const auto table = [&](const std::string& command, const std::string& name, std::vector<std::string> more) {
+        std::vector<std::string> words{command, (folder / "study.toml").string(), "--out", (folder / name).string(), "--threads", "1"};
+        words.insert(words.end(), more.begin(), more.end());
+        const Outcome done = test::whorl(words);
+        INFO(done.err << done.out);
+        REQUIRE(done.code == 0);
+        return read_csv(folder / name / (command + ".csv"));
+    };
+    const std::vector<std::string> on_slurm{"--on", "slurm", "--jobs", "1", "--sbatch=--partition=short"};
+    const CsvTable here = table("tradeoff", "here", {"--all", "--on", "local"}), there = [&] {
+        auto more = on_slurm;
+        more.emplace_back("--all");
+        return table("tradeoff", "there", more);
+    }();
+    table("stability", "map", on_slurm);
+    setenv("PATH", path.c_str(), 1);
+    REQUIRE(there.rows.size() == 2);
+    for (std::size_t k = 0; k < 2; ++k) {
+        CHECK(there.rows[k][there.index("time.max_step")] == here.rows[k][here.index("time.max_step")]);
+        CHECK(there.rows[k][there.index("error")] == here.rows[k][here.index("error")]);
+        CHECK(there.rows[k][there.index("cost")] > 0);
+        CHECK(there.rows[k][there.index("memory_bytes")] > 1e6);
+    }
+    std::ifstream in(folder / "asked");
+    std::string first;
+    std::getline(in, first);
+    CHECK(first.find("--wait --requeue") != std::string::npos);
+    CHECK(first.find("--cpus-per-task=1") != std::string::npos);
+    CHECK(first.find("--time=7 --partition=short") != std::string::npos);  // 100 s, 5 minutes to begin, rounded up
+    CHECK(first.find("timeout 100 ") != std::string::npos);
+
+    const std::string study = (folder / "study.toml").string();
+    const Outcome nowhere = test::whorl({"stability", study, "--on", "slrum"});
+    CHECK(nowhere.code == 2);
+    CHECK(nowhere.err.find("did you mean \"slurm\"?") != std::string::npos);
+    const Outcome local = test::whorl({"tradeoff", study, "--sbatch=--partition=short"});
+    CHECK(local.code == 2);
+    CHECK(local.err.find("--sbatch: means nothing on this machine") != std::string::npos);
+}
+
 TEST_CASE("whether a scene is refused is for the program of the point to say", "[study]") {
     // So far from the origin that a program of single precision refuses it; this one says something of its own.
     const ScratchFolder folder;

@@ -10,6 +10,7 @@
 #include "tools/film/first_pass.h"
 #include "tools/film/panel_scenes.h"
 #include "tools/film/run_folder.h"
+#include "tools/process/program_path.h"
 #include "tools/scene_file/camera_warnings.h"
 
 namespace whorl {
@@ -20,7 +21,7 @@ namespace fs = std::filesystem;
 /// A task may take three times as long as foreseen and half as much memory again, and what it takes to begin.
 constexpr double slack = 3, to_begin = 600, memory_slack = 1.5, memory_to_begin = 400e6;
 
-std::string program() { return fs::read_symlink("/proc/self/exe").string(); }
+std::string program() { return program_path().string(); }
 
 Estimate foreseen(const SceneFile& file) {
     const Plan plan = make_plan(file);
@@ -49,9 +50,9 @@ FarmTask run_task(const std::string& name, const fs::path& scene, const fs::path
 
 std::vector<FarmStage> stages_of_panels(const FarmFilm& film, const fs::path& folder) {
     const int frames = frame_count(film.file.scene);
-    const RangeOf range = [&](const SceneFile& run, const Simulation& start) { return first_pass_range(run, start, frames, true); };
-    const std::vector<SceneFile> runs = panel_scenes(film.file, film.file.scene.output.frames ? range : RangeOf{});
-    write_text(folder / "scene.resolved.toml", resolved_toml(with_ranges(film.file, runs)));
+    const Choose choose = [&](const SceneFile& run, const Simulation& start) { return with_first_pass(run, start, true); };
+    const std::vector<SceneFile> runs = panel_scenes(film.file, film.file.scene.output.frames ? choose : Choose{});
+    write_text(folder / "scene.resolved.toml", resolved_toml(with_choices_of(film.file, runs)));
     FarmStage panels{"panels", {}};
     fs::create_directories(folder / "panels");
     for (std::size_t k = 0; k < runs.size(); ++k) {

@@ -216,6 +216,8 @@ void check_farm(const FarmOptions& options) {
         throw InputError({"--on " + options.on, 0, 0}, "there is no such place", near.empty() ? "" : "did you mean \"" + near + "\"?",
                          "allowed: local or slurm");
     }
+    if (options.on == "local" && !options.sbatch.empty())
+        throw InputError({"--sbatch", 0, 0}, "means nothing on this machine, where no sbatch is asked", "add --on slurm, or leave it out");
     if (options.on == "slurm") said_by({"sbatch", "--version"});
 }
 

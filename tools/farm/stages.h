@@ -34,7 +34,7 @@ struct FarmOptions {
     bool quiet = false;
 };
 
-/// @throws InputError where `on` is unknown; EnvironmentError where Slurm is not there
+/// @throws InputError where `on` is unknown, or options of sbatch go to this machine; EnvironmentError where Slurm is not there
 void check_farm(const FarmOptions& options);
 /// Fills in jobs and threads. @param tasks of the largest stage
 void share_cores(FarmOptions& options, std::size_t tasks);

@@ -69,6 +69,8 @@ double round_number_above(double value) {
     return 10 * magnitude;
 }
 
+bool wants_range(const LookOptions& look) { return shows_field(look) && look.range[0] == look.range[1]; }
+
 float film_streak_time(const LookOptions& look, const Simulation& simulation) {
     const Scene& scene = simulation.scene();
     if (look.style != "slice" || (!look.streaks && look.arrows == 0) || look.streak_time > 0) return look.streak_time;

@@ -8,6 +8,9 @@
 
 namespace whorl {
 
+/// Whether the look shows a field and leaves the range of its colours open.
+bool wants_range(const LookOptions& look);
+
 /// The look's own range where it has one. Else an estimate from the scene, the same for every frame of the film and rounded to a number
 /// that is easy to read: of speed the largest that the start, the emitters, the solids or a free fall through the domain give; of pressure
 /// that of the domain's height full of fluid and of a stop from the largest speed; of density 3 % about rest; of spin and vorticity what

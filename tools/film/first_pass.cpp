@@ -11,6 +11,7 @@
 #include "render/look/colour_map.h"
 #include "render/look/field_values.h"
 #include "tools/film/colour_range.h"
+#include "tools/film/film_extent.h"
 #include "tools/scene_file/scene_changes.h"
 
 namespace whorl {
@@ -26,33 +27,61 @@ float usual_size(std::vector<float> values) {
     return *usual;
 }
 
+struct Seen {
+    float size = 0;  ///< of the look's field
+    Extent extent;
+};
+
 /// @return nothing where the coarse scene is impossible or diverges
-std::optional<float> largest_in_a_coarse_run(const SceneFile& file, int frames) try {
+std::optional<Seen> seen_in_a_coarse_run(const SceneFile& file) try {
     constexpr int moments = 24;
     const SceneFile coarse = changed(file, {read_change(parse_change(fmt::format("fluid.spacing={:.9g}", 2 * file.scene.fluid.spacing)))});
     Simulation simulation(coarse.scene, make_plan(coarse.scene));
-    const Snapshots snapshots(simulation, {file.look.field});
-    float most = usual_size(field_values(snapshots.take(simulation, 1), file.look));
+    const bool field = shows_field(file.look);
+    const Snapshots snapshots(simulation, field ? std::vector{file.look.field} : std::vector<std::string>{});
+    const Frame start = snapshots.take(simulation, 1);
+    const double first = frame_time(file.scene, 1), last = frame_time(file.scene, frame_count(file.scene));
+    Seen seen;
+    const auto look = [&](const Frame& frame) {
+        if (field) seen.size = std::max(seen.size, usual_size(field_values(frame, file.look)));
+        add_seen(seen.extent, frame, start);
+    };
+    look(start);
     for (int k = 1; k <= moments; ++k) {
-        const double time = frame_time(file.scene, 1) + k * (frame_time(file.scene, frames) - frame_time(file.scene, 1)) / moments;
+        const double time = first + k * (last - first) / moments;
         while (simulation.time() < time)
             if (simulation.step(time).diverged) return {};
-        most = std::max(most, usual_size(field_values(snapshots.take(simulation, 1), file.look)));
+        look(snapshots.take(simulation, 1));
     }
-    return most;
+    add_still_solids(seen.extent, start);
+    return seen;
 } catch (const InputError&) { return {}; }
 
 }  // namespace
 
-std::array<float, 2> first_pass_range(const SceneFile& file, const Simulation& start, int frames, bool quiet) {
+SceneFile with_estimates(SceneFile file, const Simulation& start) {
+    if (wants_range(file.look)) file.look.range = film_range(file.look, start);
+    if (wants_extent(file)) look_at(file.camera, foreseen_extent(start));
+    return file;
+}
+
+SceneFile with_first_pass(SceneFile file, const Simulation& start, bool quiet) {
     const LookOptions& look = file.look;
-    const std::array<float, 2> estimate = film_range(look, start);
-    if (look.range[0] != look.range[1] || look.field == "density" || look.field == "ink" || !file.scene.changes.empty()) return estimate;
-    if (!quiet) fmt::print(stderr, "first pass at twice the spacing, for the colours' range\n");
-    const std::optional<float> most = largest_in_a_coarse_run(file, frames);
-    if (!most || !(*most > 0)) return estimate;
-    const auto high = static_cast<float>(round_number_above(*most));
-    return {is_diverging(look.colour_map) ? -high : 0.0f, high};
+    const bool may_run = file.scene.output.frames && file.scene.changes.empty();
+    const bool measure = may_run && wants_range(look) && look.field != "density" && look.field != "ink";
+    const bool watch = may_run && wants_extent(file);
+    std::optional<Seen> seen;
+    if (measure || watch) {
+        const char* what = measure && watch ? "colours' range and the camera" : measure ? "colours' range" : "camera";
+        if (!quiet) fmt::print(stderr, "first pass at twice the spacing, for the {}\n", what);
+        seen = seen_in_a_coarse_run(file);
+    }
+    if (watch && seen) look_at(file.camera, seen->extent);
+    if (measure && seen && seen->size > 0) {
+        const auto high = static_cast<float>(round_number_above(seen->size));
+        file.look.range = {is_diverging(look.colour_map) ? -high : 0.0f, high};
+    }
+    return with_estimates(std::move(file), start);
 }
 
 }  // namespace whorl

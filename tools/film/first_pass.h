@@ -1,16 +1,18 @@
 #pragma once
 /// What only the flow itself can tell, found before the film by running it coarsely.
-#include <array>
-
 #include "engine/sim/simulation.h"
 #include "tools/scene_file/scene_file.h"
 
 namespace whorl {
 
-/// The colour map's range for a film: the look's own where it has one. Else the scene is run at twice its spacing (an eighth of the time in
-/// the plane, a sixteenth in space), and the range holds 99 % of the particles at each of 24 moments. Where that cannot be run, where the
-/// scene changes on its way, and for density, the estimate of film_range().
-/// @param start the run at its beginning @param frames of the film @param quiet say nothing on the terminal
-std::array<float, 2> first_pass_range(const SceneFile& file, const Simulation& start, int frames, bool quiet);
+/// The scene with what it leaves open for a whole film to have: the range of its colour map, and the box that an automatic camera shows, as
+/// the scene alone lets them be estimated (film_range(), foreseen_extent()). @param start the run at its beginning
+SceneFile with_estimates(SceneFile file, const Simulation& start);
+
+/// The same from the flow itself: the scene is run to its end at twice its spacing (an eighth of the time in the plane, a sixteenth in
+/// space). The range then holds 99 % of the particles at each of 24 moments, the box what is seen at them (add_seen()). Where that cannot
+/// be run, where the scene changes on its way and where there are no pictures, both are estimates. So is the range of density.
+/// @param start the run at its beginning @param quiet say nothing on the terminal
+SceneFile with_first_pass(SceneFile file, const Simulation& start, bool quiet);
 
 }  // namespace whorl

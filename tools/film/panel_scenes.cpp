@@ -7,6 +7,8 @@
 #include "engine/probes/probes.h"
 #include "tools/film/colour_range.h"
 #include "tools/film/exports.h"
+#include "tools/film/film_extent.h"
+#include "tools/film/first_pass.h"
 #include "tools/process/usage.h"
 #include "tools/scene_file/scene_changes.h"
 
@@ -24,20 +26,27 @@ void check_chart(const std::string& chart, const Place& place, const Simulation&
                      "the name of a [[probe]], a point, and one of its columns");
 }
 
-/// The range of each map that several panels draw with: one that holds them all. Places the fluid of every panel for it.
-/// @throws InputError where a panel's scene is impossible
-void share_ranges(std::vector<SceneFile>& panels, const RangeOf& range_of) {
+/// One range for each map that several panels draw with, and one box for all automatic cameras, that hold what each panel needs. Places the
+/// fluid of every panel for it. @throws InputError where a panel's scene is impossible
+void share_choices(std::vector<SceneFile>& panels, const Choose& choose) {
     std::map<std::pair<std::string, std::string>, std::array<float, 2>> shared;
-    const auto wants = [](const LookOptions& look) { return shows_field(look) && look.range[0] == look.range[1]; };
+    Extent extent;
     for (const SceneFile& panel : panels) {
         const Simulation start(panel.scene, make_plan(panel.scene));  // an impossible scene ends here, before anything is written
-        if (!wants(panel.look)) continue;
-        const auto range = range_of ? range_of(panel, start) : film_range(panel.look, start);
-        const auto [it, first] = shared.try_emplace({panel.look.field, panel.look.colour_map}, range);
-        it->second = {std::min(it->second[0], range[0]), std::max(it->second[1], range[1])};
+        if (!wants_range(panel.look) && !wants_extent(panel)) continue;
+        const SceneFile chosen = choose ? choose(panel, start) : with_estimates(panel, start);
+        const auto range = chosen.look.range;
+        if (wants_range(panel.look)) {
+            const auto [it, first] = shared.try_emplace({panel.look.field, panel.look.colour_map}, range);
+            it->second = {std::min(it->second[0], range[0]), std::max(it->second[1], range[1])};
+        }
+        if (wants_extent(panel) && chosen.camera.min && chosen.camera.max)
+            extent.extend(*chosen.camera.min), extent.extend(*chosen.camera.max);
     }
-    for (SceneFile& panel : panels)
-        if (wants(panel.look)) panel.look.range = shared.at({panel.look.field, panel.look.colour_map});
+    for (SceneFile& panel : panels) {
+        if (wants_range(panel.look)) panel.look.range = shared.at({panel.look.field, panel.look.colour_map});
+        if (wants_extent(panel)) look_at(panel.camera, extent);
+    }
 }
 
 /// The place of the label among the panels that are runs. @throws InputError
@@ -100,7 +109,7 @@ std::vector<PanelCell> panel_cells(const SceneFile& file) {
     return cells;
 }
 
-std::vector<SceneFile> panel_scenes(const SceneFile& file, const RangeOf& range_of) {
+std::vector<SceneFile> panel_scenes(const SceneFile& file, const Choose& choose) {
     const int count = static_cast<int>(file.scene.panels.size()), columns = panel_columns(file.scene);
     const int rows = (count + columns - 1) / columns;
     const auto check_format = [](const Scene& scene, const Place& place) {
@@ -148,21 +157,26 @@ std::vector<SceneFile> panel_scenes(const SceneFile& file, const RangeOf& range_
     for (const SceneFile& run : scenes)
         if (!file.scene.output.chart.empty())
             check_chart(file.scene.output.chart, file.scene.place("output.chart"), Simulation(run.scene, make_plan(run.scene)));
-    share_ranges(scenes, range_of);
+    share_choices(scenes, choose);
     return scenes;
 }
 
-SceneFile with_ranges(SceneFile file, const std::vector<SceneFile>& runs) {
-    if (file.look.range[0] != file.look.range[1]) return file;
-    std::size_t run = 0;
+SceneFile with_choices_of(SceneFile file, const std::vector<SceneFile>& runs) {
+    const bool coloured = file.look.range[0] == file.look.range[1], framed = wants_extent(file);
+    std::size_t k = 0;
     for (PanelKeys& panel : file.scene.panels) {
         if (!panel.difference.empty()) continue;
-        const LookOptions& look = runs.at(run++).look;
-        const bool given =
-            std::any_of(panel.set.begin(), panel.set.end(), [](const std::string& s) { return s.rfind("look.range", 0) == 0; });
-        if (given || !shows_field(look)) continue;
-        const Value::List range{Value(static_cast<double>(look.range[0])), Value(static_cast<double>(look.range[1]))};
-        panel.set.push_back("look.range=" + Value(range).toml());
+        const SceneFile& run = runs.at(k++);
+        const auto give = [&](const std::string& key, std::initializer_list<float> numbers) {
+            const bool given = std::any_of(panel.set.begin(), panel.set.end(), [&](const std::string& s) { return s.rfind(key, 0) == 0; });
+            Value::List list;
+            for (const float x : numbers) list.emplace_back(static_cast<double>(x));
+            if (!given) panel.set.push_back(key + "=" + Value(list).toml());
+        };
+        const auto& [min, max] = std::pair(run.camera.min, run.camera.max);
+        if (coloured && shows_field(run.look)) give("look.range", {run.look.range[0], run.look.range[1]});
+        if (framed && min) give("camera.min", {min->x(), min->y(), min->z()});
+        if (framed && max) give("camera.max", {max->x(), max->y(), max->z()});
     }
     return file;
 }

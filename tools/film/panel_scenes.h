@@ -10,10 +10,11 @@
 namespace whorl {
 
 /// The scenes of those panels that are runs: their keys put in, pictures as large as their place. Panels that show the same field through
-/// the same map share its range, so that equal colours mean equal values. @throws InputError with what is wrong with a panel's keys
-/// @param range_of a run's range; by default an estimate, which is enough for a plan
-using RangeOf = std::function<std::array<float, 2>(const SceneFile& run, const Simulation& start)>;
-std::vector<SceneFile> panel_scenes(const SceneFile& file, const RangeOf& range_of = {});
+/// the same map share its range, so that equal colours mean equal values, and automatic cameras share their box.
+/// @throws InputError with what is wrong with a panel's keys
+/// @param choose gives a run its range and its box; by default an estimate, which is enough for a plan
+using Choose = std::function<SceneFile(const SceneFile& run, const Simulation& start)>;
+std::vector<SceneFile> panel_scenes(const SceneFile& file, const Choose& choose = {});
 
 /// A place in the film.
 struct PanelCell {
@@ -32,8 +33,8 @@ int chart_height(const Scene& scene);
 
 constexpr int panel_gap = 4;  ///< pixels between panels
 
-/// The file with the ranges of colours that its panels' runs were given, so that it makes the same pictures again. @param runs of
-/// panel_scenes()
-SceneFile with_ranges(SceneFile file, const std::vector<SceneFile>& runs);
+/// The file with what its panels' runs were given, ranges of colours and boxes of cameras, so that it makes the same pictures again.
+/// @param runs of panel_scenes()
+SceneFile with_choices_of(SceneFile file, const std::vector<SceneFile>& runs);
 
 }  // namespace whorl

@@ -41,10 +41,10 @@ Json state_of(const fs::path& panel) {
 class PanelFilm {
 public:
     PanelFilm(const RunRequest& request, PanelRuns how)
-        : request_(request), scene_(request.file.scene), scenes_(panel_scenes(request.file, ranges())), cells_(panel_cells(request.file)),
+        : request_(request), scene_(request.file.scene), scenes_(panel_scenes(request.file, choice())), cells_(panel_cells(request.file)),
           folder_(how == PanelRuns::fresh ? RunFolder::fresh(request.folder, request.earlier) : RunFolder::existing(request.folder)) {
         if (how == PanelRuns::resumed) check_longer_differences();
-        write_text(folder_.path() / "scene.resolved.toml", resolved_toml(with_ranges(request.file, scenes_)));
+        write_text(folder_.path() / "scene.resolved.toml", resolved_toml(with_choices_of(request.file, scenes_)));
         if (!folder_.note().empty() && !request.quiet && !request.json) std::fprintf(stderr, "%s\n", folder_.note().c_str());
     }
 
@@ -72,11 +72,10 @@ public:
     }
 
 private:
-    RangeOf ranges() const {
+    Choose choice() const {
         if (!scene_.output.frames) return {};
-        return [this, frames = frames_wanted()](const SceneFile& run, const Simulation& start) {
-            return first_pass_range(run, start, frames, request_.quiet || request_.json);
-        };
+        return
+            [this](const SceneFile& run, const Simulation& start) { return with_first_pass(run, start, request_.quiet || request_.json); };
     }
 
     fs::path video() const { return folder_.path() / (scene_.name + ".mp4"); }

@@ -65,7 +65,7 @@ public:
     int run();
 
 private:
-    SceneFile with_colour_range() const;
+    SceneFile with_choices() const;
     void make_folders();
     void resume();
     void greet(const Plan& plan);
@@ -115,7 +115,7 @@ private:
 
 Run::Run(const RunRequest& request, const Plan& plan)
     : request_(request), scene_(request.file.scene), last_(request.frames.value_or(frame_count(scene_))), simulation_(scene_, plan),
-      file_(with_colour_range()), replay_(file_),
+      file_(with_choices()), replay_(file_),
       folder_(request.from ? RunFolder::existing(request.folder) : RunFolder::fresh(request.folder, request.earlier)),
       scene_text_(resolved_toml(file_)) {
     make_folders();
@@ -143,12 +143,9 @@ void Run::greet(const Plan& plan) {
     }
 }
 
-/// The range of the colour map stands in scene.resolved.toml and thereby in every checkpoint: a resumed film keeps it.
-SceneFile Run::with_colour_range() const {
-    SceneFile file = request_.file;
-    if (shows_field(file.look))
-        file.look.range = scene_.output.frames ? first_pass_range(file, simulation_, last_, request_.quiet || request_.json)
-                                               : film_range(file.look, simulation_);
+/// What is chosen for the whole film stands in scene.resolved.toml and thereby in every checkpoint: a resumed film keeps it.
+SceneFile Run::with_choices() const {
+    SceneFile file = with_first_pass(request_.file, simulation_, request_.quiet || request_.json);
     file.look.streak_time = film_streak_time(file.look, simulation_);
     return file;
 }

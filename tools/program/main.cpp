@@ -31,6 +31,22 @@ std::string meant(const CLI::App& at, const std::string& word) {
     return near.empty() ? "" : "; did you mean \"" + near + "\"?";
 }
 
+/// What the build needs of a processor, which is also what it uses: it chooses nothing at run time.
+std::string processor_text() {
+    std::string uses = "SSE2";
+#ifdef __AVX2__
+    uses += ", AVX2";
+#endif
+#ifdef __FMA__
+    uses += ", FMA";
+#endif
+#ifdef __AVX512F__
+    uses += ", AVX-512";
+#endif
+    if (WHORL_NATIVE) return "made for the one it was built on and those that can do the same; uses " + uses;
+    return "any x86-64; uses " + uses;
+}
+
 std::string version_text() {
     std::string gl = "none that works; whorl doctor tells why";
     for (const whorl::DeviceAttempt& device : whorl::probe_devices())
@@ -38,8 +54,13 @@ std::string version_text() {
             gl = device.outcome;
             break;
         }
-    return fmt::format("whorl {}\nbuild      {}\nprecision  {}\nGL         {}", WHORL_VERSION, whorl::build_id(),
-                       sizeof(whorl::Real) == 4 ? "float" : "double", gl);
+    return fmt::format("whorl {}\nbuild      gcc {}{}\nprocessor  {}\nprecision  {}\nGL         {}", WHORL_VERSION, __VERSION__,
+#ifdef __OPTIMIZE__
+                       "",
+#else
+                       ", not optimised",
+#endif
+                       processor_text(), sizeof(whorl::Real) == 4 ? "float" : "double", gl);
 }
 
 /// Bad input of any kind ends with 2.
@@ -65,7 +86,7 @@ int end_of_parsing(CLI::App& program, const CLI::ParseError& e, const std::vecto
 int main(int argc, char** argv) {
     whorl::wait_passively(argv);
     CLI::App program("Whorl: viscous coils and micropolar vortices, from a scene file to a video", "whorl");
-    program.set_version_flag("--version", version_text, "print version, build, precision and what draws");
+    program.set_version_flag("--version", version_text, "print version, build, what processor it needs, precision and what draws");
     program.footer(examples);
     program.require_subcommand(1);
 

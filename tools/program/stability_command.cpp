@@ -11,6 +11,7 @@
 #include "engine/core/whole_file.h"
 #include "engine/io/csv.h"
 #include "engine/sim/simulation.h"
+#include "tools/farm/stages.h"
 #include "tools/film/progress.h"
 #include "tools/program/command.h"
 #include "tools/scene_file/scene_file.h"
@@ -37,9 +38,9 @@ struct Cell {
 class StabilityMap {
 public:
     StabilityMap(const Study& study, const SweepOptions& options, std::string scene, fs::path folder)
-        : study_(study), options_(options), scene_(std::move(scene)), folder_(std::move(folder)), runner_(study, folder_, options.threads),
-          nx_(values(0).size()), ny_(values(1).size()), panels_(values(2).size()), cells_(nx_ * ny_ * panels_),
-          was_run_(cells_.size(), false) {}
+        : study_(study), options_(options), scene_(std::move(scene)), folder_(std::move(folder)),
+          runner_(study, folder_, options.threads, point_place(options)), nx_(values(0).size()), ny_(values(1).size()),
+          panels_(values(2).size()), cells_(nx_ * ny_ * panels_), was_run_(cells_.size(), false) {}
 
     void run() {
         const double began = wall_seconds(), budget = seconds_of(options_.budget);
@@ -278,6 +279,7 @@ int stability(SweepOptions options) {
             fmt::format("a map has one knob or two, and may be drawn for each value of a third; this study has {}", study.knobs.size()),
             "a further one can be searched for: stability.bisect");
     seconds_of(options.budget);
+    check_farm({.on = options.on, .sbatch = options.sbatch});
     share_cores(options, false);
     const fs::path folder = folder_of(study, options);
     try {
@@ -305,7 +307,8 @@ void add_stability(CLI::App& program, Job& chosen) {
         "time.fixed_step sets the time step and ignores what the models allow: the map shows whether they are right.\n"
         "Examples:\n"
         "  whorl stability viscous_steps\n"
-        "  whorl stability my_map.toml --budget 20min --out maps/mine");
+        "  whorl stability my_map.toml --budget 20min --out maps/mine\n"
+        "  whorl stability viscous_steps --on slurm --jobs 20");
     app->callback([options, &chosen] { chosen = [options] { return stability(*options); }; });
 }
 

@@ -10,6 +10,7 @@
 #include "engine/core/clock.h"
 #include "engine/core/whole_file.h"
 #include "engine/io/csv.h"
+#include "tools/farm/stages.h"
 #include "tools/film/progress.h"
 #include "tools/program/command.h"
 #include "tools/study/accuracy.h"
@@ -34,8 +35,8 @@ struct Row {
 class Tradeoff {
 public:
     Tradeoff(const Study& study, const SweepOptions& options, std::string scene, fs::path folder)
-        : study_(study), options_(options), scene_(std::move(scene)), folder_(std::move(folder)), runner_(study, folder_, options.threads) {
-    }
+        : study_(study), options_(options), scene_(std::move(scene)), folder_(std::move(folder)),
+          runner_(study, folder_, options.threads, point_place(options)) {}
 
     void run() {
         const double began = wall_seconds(), budget = seconds_of(options_.budget);
@@ -298,6 +299,7 @@ int tradeoff(SweepOptions options) {
         throw InputError({options.study, 0, 0}, "accuracy.column is missing", "it names a column of accuracy.table");
     if (!options.recommend.empty()) parse_goal(options.recommend);
     seconds_of(options.budget);
+    check_farm({.on = options.on, .sbatch = options.sbatch});
     const fs::path folder = folder_of(study, options);
     try {
         for (const std::string& scene : study.scenes) {
@@ -328,6 +330,7 @@ void add_tradeoff(CLI::App& program, Job& chosen) {
         "Examples:\n"
         "  whorl tradeoff coil_frequency --budget 10min\n"
         "  whorl tradeoff coil_frequency --recommend \"error<5%\"\n"
+        "  whorl tradeoff coil_frequency --on slurm --jobs 20 --sbatch=--partition=short\n"
         "  whorl render honey_coil --with out/coil_frequency/recommended.toml");
     app->callback([options, &chosen] { chosen = [options] { return tradeoff(*options); }; });
 }

@@ -11,6 +11,7 @@
 #include "render/look/field_values.h"
 #include "render/look/look_keys.h"
 #include "render/surface/surface_keys.h"
+#include "tools/process/program_path.h"
 #include "tools/scene_file/scene_changes.h"
 
 namespace whorl {
@@ -22,15 +23,12 @@ std::vector<Section> sections_of(SceneFile& file) {
     return {{"surface", &surface_keys(), &file.surface}, {"camera", &camera_keys(), &file.camera}, {"look", &look_keys(), &file.look}};
 }
 
-/// Folders of scenes that ship: beside an installed program, or the source tree of a build.
-std::vector<fs::path> scene_folders() {
-    std::vector<fs::path> folders;
-    std::error_code ignored;
-    const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
-    if (!program.empty()) folders.push_back(program.parent_path().parent_path() / "share" / "whorl" / "scenes");
-    folders.emplace_back(WHORL_BUILD_SCENES);
-    return folders;
-}
+/// Folders of scenes that ship: share/whorl/scenes beside the folder of an installed program, or in it. A build folder has a link there to
+/// those of the sources.
+std::vector<fs::path> scene_folders() try {
+    const fs::path folder = program_path().parent_path(), scenes = fs::path("share") / "whorl" / "scenes";
+    return {folder.parent_path() / scenes, folder / scenes};
+} catch (const EnvironmentError&) { return {}; }
 
 /// Sweeps over scenes lie in folders of their own: they are no scenes.
 bool is_study(const fs::path& file) {
@@ -43,7 +41,7 @@ std::vector<std::pair<std::string, fs::path>> shipped(bool studies) {
     std::vector<std::pair<std::string, fs::path>> found;
     for (const fs::path& folder : scene_folders()) {
         std::error_code ignored;
-        for (const auto& entry : fs::recursive_directory_iterator(folder, ignored))
+        for (const auto& entry : fs::recursive_directory_iterator(fs::canonical(folder, ignored), ignored))
             if (entry.path().extension() == ".toml" && is_study(entry.path()) == studies)
                 found.emplace_back(entry.path().stem().string(), entry.path());
         if (!found.empty()) break;
@@ -109,8 +107,15 @@ void look_at_plane(SceneFile& file) {
                          "look.slice_axis: a flow of two dimensions (domain.dimensions) is the slice z = 0", "", "allowed: z");
 }
 
-/// @throws InputError where the picture asks for a field that the run will not have
+/// @throws InputError where the picture asks for a field that the run will not have, or for what cannot be shown
 void check_look(const SceneFile& file) {
+    if (file.camera.kind == "auto" && file.camera.min && file.camera.max)
+        for (int a = 0; a < file.scene.domain.dimensions; ++a)
+            if (!((*file.camera.min)[a] < (*file.camera.max)[a]))
+                throw InputError(file.scene.place("camera.max"),
+                                 fmt::format("camera.max: {:g} along {} is not above camera.min, {:g}", (*file.camera.max)[a], "xyz"[a],
+                                             (*file.camera.min)[a]),
+                                 "", "corners of a box: each number of max above that of min");
     const bool of_spin = file.look.field == "spin" || file.look.field == "spin_difference";
     if (shows_field(file.look) && of_spin && !facts_of(file.scene.models.micropolar).spins)
         throw InputError(file.scene.place("look.field"), "look.field = \"" + file.look.field + "\" needs particles that spin",
@@ -166,6 +171,7 @@ void follow(SceneFile& file) {
     file.scene.ages = file.scene.identities || scene.exported("mesh");
     file.surface.ages = scene.viscosity_ages();
     file.surface.velocity = file.camera.shutter > 0 || scene.output.format == "exr";
+    file.camera.aspect = static_cast<float>(scene.output.size[0]) / static_cast<float>(scene.output.size[1]);
     file.camera.interval = 1 / (file.scene.time.fps * file.scene.time.slow_motion);
 }
 

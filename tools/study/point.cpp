@@ -10,15 +10,19 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <functional>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "engine/core/clock.h"
 #include "engine/core/whole_file.h"
 #include "engine/io/checkpoint.h"
+#include "render/video/process.h"
 #include "tools/process/exit_codes.h"
+#include "tools/process/program_path.h"
 
 namespace whorl {
 namespace {
@@ -118,7 +122,7 @@ struct PointRunner::Call {
 };
 
 PointRunner::Call PointRunner::call_of(const Study& study, int threads, const std::string& scene, std::vector<std::string> settings) {
-    Call call{fs::read_symlink("/proc/self/exe").string(), scene, study.quality, std::to_string(threads), std::move(settings), {}};
+    Call call{program_path().string(), scene, study.quality, std::to_string(threads), std::move(settings), {}};
     for (const std::string& s : call.all) {
         const std::string value = s.substr(s.find('=') + 1);
         if (is_option(s, "program")) call.program = (study.directory / value).string();
@@ -154,7 +158,12 @@ bool name_a_program(const std::vector<std::string>& settings) {
 
 std::string joined_settings(const std::vector<std::string>& settings) { return fmt::format("{}", fmt::join(settings, ", ")); }
 
-PointRunner::PointRunner(const Study& study, fs::path folder, int threads) : study_(study), folder_(std::move(folder)), threads_(threads) {}
+PointRunner::PointRunner(const Study& study, fs::path folder, int threads, PointPlace place)
+    : study_(study), folder_(std::move(folder)), threads_(threads), place_(std::move(place)) {
+    if (!place_.slurm) return;
+    fs::create_directories(folder_ / "points");
+    write_text(folder_ / "points" / "job.sh", "#!/bin/sh\n# What sbatch runs for a point: the words behind it.\nexec \"$@\"\n");
+}
 
 PointResult PointRunner::run(const std::string& scene, const std::vector<std::string>& settings, int repeat, bool pictures) const {
     const Call call = call_of(study_, threads_, scene, run_settings(study_, settings));
@@ -173,13 +182,51 @@ PointResult PointRunner::run(const std::string& scene, const std::vector<std::st
     return result;
 }
 
+/// Runs the program as a job and waits for its end. The point's limit counts from its start on a machine, not from when it is queued.
+/// @return exit status; -1: it took too long @throws EnvironmentError where Slurm does not take it
+int PointRunner::run_job(const Call& call, const std::vector<std::string>& arguments, const fs::path& output) const {
+    constexpr double to_begin = 300;  // s: before Slurm itself ends the job
+    const fs::path said = output.string() + ".job";
+    std::vector<std::string> words{"sbatch",
+                                   "--wait",
+                                   "--requeue",
+                                   "--parsable",
+                                   "--job-name=whorl-" + study_.name,
+                                   "--cpus-per-task=" + call.threads,
+                                   "--output=" + fs::absolute(output).string(),
+                                   fmt::format("--time={:.0f}", std::ceil((study_.limit + to_begin) / 60))};
+    words.insert(words.end(), place_.sbatch.begin(), place_.sbatch.end());
+    words.push_back((folder_ / "points" / "job.sh").string());
+    for (const std::string& word : {std::string("timeout"), fmt::format("{:g}", study_.limit)}) words.push_back(word);
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    const auto number = [&] {
+        const std::string text = text_of(said);
+        return text.substr(0, text.find_first_not_of("0123456789"));
+    };
+    try {
+        const int code = run_child(words, said, std::numeric_limits<double>::infinity(), interrupt_).code;
+        if (number().empty()) throw EnvironmentError("sbatch failed: " + text_of(said), "", "is Slurm up? sinfo tells");
+        constexpr int timeout_ended_it = 124;
+        return code == timeout_ended_it ? -1 : code;
+    } catch (const StudyInterrupted&) {
+        if (const std::string job = number(); !job.empty()) ChildProcess({"scancel", job}).wait();
+        throw;
+    }
+}
+
 /// Runs the point, and adds what it took to the result. @param words the point's name in messages
 void PointRunner::run_once(const Call& call, bool pictures, const std::string& words, PointResult& result) const {
     const fs::path output = result.folder.string() + ".txt";
-    const ChildUse use = run_child(arguments_of(call, pictures, result.folder), output, study_.limit, interrupt_);
+    const std::vector<std::string> arguments = arguments_of(call, pictures, result.folder);
+    ChildUse use;
+    if (place_.slurm) use.code = run_job(call, arguments, output);
+    else use = run_child(arguments, output, study_.limit, interrupt_);
     if (use.code == exit_bad_input)
         throw InputError({study_.name, 0, 0}, fmt::format("the point {} cannot run: {}", words, text_of(output)));
     const Json run = json_of(result.folder / "run.json");
+    if (place_.slurm && run.is_object())  // it ran on another machine: as it measured itself
+        use.cpu = run.value("cpu_seconds", 0.0), use.wall = run.value("wall_seconds", 0.0),
+        use.memory = run.value("peak_memory_bytes", 0.0);
     const bool late = use.code == -1;
     result.status = late ? "timeout" : use.code == exit_done ? "done" : run.is_object() ? run.value("status", "failed") : "failed";
     if (use.code > exit_failed) result.status = "failed";

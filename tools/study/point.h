@@ -21,6 +21,12 @@ struct PointResult {
     double fps() const { return frames / wall.front(); }
 };
 
+/// Where points run.
+struct PointPlace {
+    bool slurm = false;  ///< each as a job of Slurm's, which finds it a machine and begins it again where that one fails; else here
+    std::vector<std::string> sbatch;  ///< more options of sbatch
+};
+
 /// Thrown where SIGINT or SIGTERM ended a point: the study stands as far as it was and goes on when it is called again.
 struct StudyInterrupted {};
 
@@ -28,7 +34,7 @@ struct StudyInterrupted {};
 class PointRunner {
 public:
     /// @param folder of the study's results; points go into its folder "points" @param threads of each run; 0: all cores
-    PointRunner(const Study& study, std::filesystem::path folder, int threads);
+    PointRunner(const Study& study, std::filesystem::path folder, int threads, PointPlace place = {});
 
     /// @param settings on top of the study's own @param repeat timings @param pictures draw
     /// @throws InputError where the scene or a setting cannot work, StudyInterrupted
@@ -39,11 +45,13 @@ private:
     static Call call_of(const Study& study, int threads, const std::string& scene, std::vector<std::string> settings);
     static std::string identity_of(const Call& call, bool pictures);
     static std::vector<std::string> arguments_of(const Call& call, bool pictures, const std::filesystem::path& folder);
+    int run_job(const Call& call, const std::vector<std::string>& arguments, const std::filesystem::path& output) const;
     void run_once(const Call& call, bool pictures, const std::string& words, PointResult& result) const;
 
     const Study& study_;
     std::filesystem::path folder_;
     int threads_;
+    PointPlace place_;
     InterruptGuard interrupt_;
 };
 

@@ -38,6 +38,25 @@ TEST_CASE("the camera that frames the domain does not move while the fluid does"
     CHECK((first.target - first.position).norm() > 0.3f);
 }
 
+TEST_CASE("an automatic camera shows all of its box, as near as the picture's sides allow", "[render]") {
+    CameraOptions camera;
+    camera.aspect = GENERATE(16.0f / 9, 1.0f, 0.5f);
+    const Vec3f size = GENERATE(Vec3f(1, 1, 1), Vec3f(0.1f, 3, 0.1f), Vec3f(4, 0.1f, 1), Vec3f(0.1f, 0.1f, 5), Vec3f(2, 1, 0));
+    const Vec3f from(0.3f, -2, 0.7f);
+    const bool plane = size.z() == 0;
+    camera.min = from, camera.max = from + size;
+    const View view = view_at(camera, 0, Vec3f(-50, -50, plane ? 0 : -50), Vec3f(50, 50, plane ? 0 : 50));
+    const Vec3f ahead = (view.target - view.position).normalized(), side = ahead.cross(view.up).normalized(), above = side.cross(ahead);
+    float h = 0, v = 0;  // the furthest corner, 1 at the picture's edge
+    for (int corner = 0; corner < 8; ++corner) {
+        const Vec3f way(corner & 1 ? size.x() : 0, corner & 2 ? size.y() : 0, corner & 4 ? size.z() : 0), x = from + way - view.position;
+        const float half = x.dot(ahead) * std::tan(15 * 3.14159265f / 180);
+        REQUIRE(half > 0);
+        h = std::max(h, std::abs(x.dot(side)) / (half * camera.aspect)), v = std::max(v, std::abs(x.dot(above)) / half);
+    }
+    CHECK(std::max(h, v) == Approx(1 / 1.12).epsilon(1e-3));  // an eighth of margin; rounding of floats is below 1e-3
+}
+
 TEST_CASE("a lens is focused on the target unless the scene says where, and a shutter is open for its part of the time between pictures",
           "[render]") {
     CameraOptions camera;

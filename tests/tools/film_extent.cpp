@@ -1,0 +1,150 @@
+#include "tools/film/film_extent.h"
+
+#include <catch2/catch.hpp>
+#include <fstream>
+
+#include "tests/support/film_runs.h"
+#include "tests/support/program.h"
+#include "tools/film/panel_scenes.h"
+
+using namespace whorl;
+using test::Outcome;
+
+namespace film_extent_test {
+
+namespace {
+
+/// Honey from a nozzle 40 mm up in the middle of a hall of 8 m, onto a board.
+const char* const hall = R"(
+name = "hall"
+[time]
+end = 0.2
+fps = 40
+[domain]
+min = [-4, -1, -4]
+max = [4, 3, 4]
+[fluid]
+spacing = 3e-3
+viscosity = 50
+[[emitter]]
+position = [0, 0.04, 0]
+radius = 6e-3
+speed = 0.4
+[[solid]]
+shape = "box"
+min = [-0.03, -0.006, -0.03]
+max = [0.03, 0, 0.03]
+[output]
+size = [64, 36]
+)";
+
+const std::string flying = R"(
+[[solid]]
+shape = "sphere"
+position = ["0.2 + 0.5*t", "0.1", "0"]
+radius = 0.02
+)";
+
+SceneFile read(const std::string& text, const std::vector<std::string>& set = {}) {
+    const test::FilmScratch scratch(text);
+    return read_scene_file(scratch.scene(), set);
+}
+Extent foreseen(const std::string& text, const std::vector<std::string>& set = {}) {
+    const SceneFile file = read(text, set);
+    return foreseen_extent(Simulation(file.scene, make_plan(file.scene)));
+}
+Extent shown_by(const std::filesystem::path& run) {
+    const CameraOptions camera = read_scene_file(run / "scene.resolved.toml").camera;
+    REQUIRE(camera.min.has_value());
+    return {*camera.min, *camera.max};
+}
+
+}  // namespace
+
+TEST_CASE("an automatic camera shows where fluid pours and lands, in however large a domain, as a coarse run sees it") {
+    const test::FilmScratch scratch(hall);
+    const Outcome done = test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--no-video", "--threads", "1"});
+    INFO(done.err);
+    REQUIRE(done.code == 0);
+    CHECK(done.err.find("first pass at twice the spacing, for the camera") != std::string::npos);
+    const Extent seen = shown_by(scratch.run());
+    // The opening, and the board, which is little larger than the thread is long; nothing of the hall.
+    CHECK(seen.contains(Vec3f(0.006f, 0.04f, 0)));
+    CHECK(seen.contains(Vec3f(0.029f, -0.005f, -0.029f)));
+    CHECK(seen.sizes().maxCoeff() < 0.1f);
+
+    const Outcome again = test::whorl({"render", scratch.scene(), "--out", scratch.run("two"), "--no-video", "--threads", "2"});
+    REQUIRE(again.code == 0);
+    CHECK(shown_by(scratch.run("two")).isApprox(seen, 0));
+    // A try of one frame looks from where the film does, and so does a film that goes on from it.
+    REQUIRE(test::whorl({"render", scratch.scene(), "--frames", "1", "--out", scratch.run("one"), "--no-video"}).code == 0);
+    CHECK(shown_by(scratch.run("one")).isApprox(seen, 0));
+    REQUIRE(test::whorl({"resume", scratch.run("one"), "--frames", "4"}).code == 0);
+    CHECK(shown_by(scratch.run("one")).isApprox(seen, 0));
+}
+
+TEST_CASE("a camera of the scene's own stays, and so does the box that it gives an automatic one") {
+    const test::FilmScratch scratch(std::string(hall) + "[camera]\nkind = \"fixed\"\nposition = [0, 0.1, 0.5]\n");
+    const Outcome done = test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--no-video", "--until", "0.05"});
+    REQUIRE(done.code == 0);
+    CHECK(done.err.find("first pass") == std::string::npos);
+    const CameraOptions used = read_scene_file(std::filesystem::path(scratch.run()) / "scene.resolved.toml").camera;
+    CHECK(used.position == Vec3f(0, 0.1f, 0.5f));
+    CHECK_FALSE(used.min.has_value());
+
+    CameraOptions given = read(hall, {"camera.min=[-1, 0, -1]"}).camera;
+    look_at(given, Extent(Vec3f(0, 0, 0), Vec3f(0.1234f, 0.5f, 0.5f)));
+    CHECK(*given.min == Vec3f(-1, 0, -1));
+    CHECK(*given.max == Vec3f(0.124f, 0.5f, 0.5f));  // rounded to a hundredth of the size's power of ten, outwards
+    CHECK_THROWS_WITH(read(hall, {"camera.min=[0, 0, 0]", "camera.max=[1, -1, 1]"}), Catch::Contains("is not above camera.min"));
+}
+
+TEST_CASE("what moves by itself counts with its whole way, and what the domain cuts off does not count") {
+    CHECK(foreseen(hall).sizes().maxCoeff() < 0.2f);
+    const Extent wide = foreseen(hall + flying);  // from x = .2 to .3, with its radius
+    CHECK(wide.max().x() == Approx(0.32).margin(2e-3));
+    const Extent cut = foreseen(hall + flying, {"domain.max=[0.25, 3, 4]"});
+    CHECK(cut.max().x() == 0.25f);
+}
+
+TEST_CASE("a jet counts as far as it flies, and without gravity as far as it gets") {
+    // From 1 m up, 2 m/s to the side: it lands 2 sqrt(2/9.81) = .903 m away.
+    const std::vector<std::string> jet{"emitter[0].position=[0, 1, 0]", "emitter[0].direction=[1, 0, 0]", "emitter[0].speed=2",
+                                       "time.end=2", "domain.min=[-4, 0, -4]"};
+    const Extent fall = foreseen(hall, jet);
+    CHECK(fall.max().x() > 0.85f);
+    CHECK(fall.max().x() < 1.2f);
+    CHECK(fall.min().y() < 0.05f);
+    std::vector<std::string> weightless = jet;
+    weightless.emplace_back("domain.gravity=[0, 0, 0]");
+    const Extent flight = foreseen(hall, weightless);
+    CHECK(flight.max().x() == Approx(4).margin(0.1));
+    CHECK(flight.min().y() > 0.95f);
+}
+
+TEST_CASE("a few drops far away do not widen the picture") {
+    Frame frame;
+    frame.spacing = 0.01f;
+    frame.domain_min = Vec3f(-5, -5, -5), frame.domain_max = Vec3f(5, 5, 5);
+    for (int n = 0; n < 1000; ++n) frame.position.emplace_back(0.001f * float(n), 0.5f, 0.5f);
+    for (int n = 0; n < 4; ++n) frame.position.emplace_back(4.0f, 4.0f, 4.0f);
+    Extent extent;
+    add_seen(extent, frame, frame);
+    CHECK(extent.max().x() <= 1.01f);
+    CHECK(extent.max().y() == Approx(0.505));
+    CHECK(extent.min().x() >= -0.01f);
+}
+
+TEST_CASE("panels side by side share one box") {
+    const SceneFile file =
+        read(std::string(hall) + "[[panel]]\nlabel = \"low\"\n[[panel]]\nlabel = \"high\"\nset = [\"emitter[0].position=[0, 0.2, 0]\"]\n");
+    const auto runs = panel_scenes(file);
+    REQUIRE(runs.size() == 2);
+    CHECK(*runs[0].camera.min == *runs[1].camera.min);
+    CHECK(*runs[0].camera.max == *runs[1].camera.max);
+    CHECK((*runs[0].camera.max).y() >= 0.2f);
+    const SceneFile same = with_choices_of(file, runs);
+    CHECK(panel_scenes(same)[0].camera.max == runs[0].camera.max);
+}
+
+}  // namespace film_extent_test
