@@ -1,10 +1,12 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
 
+#include "engine/core/clock.h"
 #include "engine/theory/falling_thread.h"
 #include "tools/cost/estimate.h"
 #include "tools/cost/pace.h"
 #include "tools/cost/sample_run.h"
+#include "tools/film/progress.h"
 
 using namespace whorl;
 
@@ -29,7 +31,7 @@ Calibration costs() {
     Calibration c;
     c.particles = 3000, c.iterations = 10, c.bytes_a_particle = 1000;
     c.stages = {{"neighbours", 1e-6}, {"pressure", 4e-6}};
-    c.surface = 4e-6, c.draw = 0.1, c.write = 0.02;
+    c.pictures = {{1, 0.04, 0.1}}, c.write = 0.02;
     return c;
 }
 
@@ -80,6 +82,32 @@ TEST_CASE("a finer spacing costs more steps and particles, a film that is poured
     CHECK(fine.memory > coarse.memory);
     CHECK(coarse.film < coarse.frames * coarse.frame);
     CHECK(coarse.film > 0.3 * coarse.frames * coarse.frame);
+}
+
+TEST_CASE("pictures cost what they do at their moment of the film, the time left goes by that and by the pace of now", "[cost]") {
+    const SceneFile file = shipped("honey_coil");
+    const Plan plan = make_plan(file.scene);
+    const Simulation simulation(file.scene, plan);
+    Calibration c = costs();
+    c.stages.clear(), c.write = 0;
+    c.pictures = {{0.5, 0, 0.1}, {1, 0, 0.3}};
+    const Estimate e = estimate(file, plan, simulation, c);
+    REQUIRE(static_cast<int>(e.frames_seconds.size()) == e.frames);
+    CHECK(e.frames_seconds.front() == Approx(e.frames_seconds[e.frames / 4]));
+    CHECK(e.frames_seconds.back() == Approx(3 * e.frames_seconds.front()));
+    CHECK(e.frames_seconds[3 * e.frames / 4] == Approx(2 * e.frames_seconds.front()).epsilon(0.05));
+    CHECK(e.film_draw == Approx(1.2 * e.frames * 0.15).epsilon(0.02));  // 1.2: beside the simulation
+
+    Progress progress(1, 4, true, false);
+    progress.foresee({0, 1, 2, 3});
+    progress.frame_done(simulation, 1, 0);
+    const double began = wall_seconds();
+    while (wall_seconds() < began + 0.02) {}
+    progress.frame_done(simulation, 2, 0);
+    const double took = wall_seconds() - began;
+    CHECK(progress.seconds_left(2) > 5 * 0.019);  // two frames of two and three times as much
+    CHECK(progress.seconds_left(2) < 5 * 1.1 * took);
+    CHECK(progress.seconds_left(4) == 0);
 }
 
 TEST_CASE("the plan's drop hangs on until it outweighs surface tension, then draws its neck out and falls", "[cost]") {

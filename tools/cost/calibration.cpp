@@ -17,6 +17,8 @@
 #include "render/image/exr.h"
 #include "render/look/camera.h"
 #include "render/look/field_values.h"
+#include "tools/cost/coarse_run.h"
+#include "tools/cost/estimate.h"
 #include "tools/cost/sample_run.h"
 #include "tools/process/usage.h"
 
@@ -26,7 +28,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// Everything that a particle-step or a picture may cost differently for.
+/// Everything that a particle-step may cost differently for.
 std::string key_of(const SceneFile& file, const Plan& plan) {
     std::string key = fmt::format("{} | {} | {} threads", build_id(), processor_name(), threads());
     for (const Choice& c : plan.choices)
@@ -44,9 +46,12 @@ std::string key_of(const SceneFile& file, const Plan& plan) {
                        name_of(s.pressure.preconditioner), name_of(s.viscosity.preconditioner));
     if (plan.facts.pressure.form) key += fmt::format(" | {}", name_of(*plan.facts.pressure.form));
     if (plan.facts.pressure.source) key += fmt::format(" | {}", name_of(*plan.facts.pressure.source));
-    key += fmt::format(" | {}x{} {} {} {} samples, voxel {:g}", s.output.size[0], s.output.size[1], s.output.format, file.look.style,
-                       file.look.samples, file.surface.voxel);
     return key;
+}
+
+std::string key_of_pictures(const SceneFile& file) {
+    return fmt::format("pictures | {} | {} | {} threads | {:x}", build_id(), processor_name(), threads(),
+                       std::hash<std::string>()(resolved_toml(file)));
 }
 
 Json read_cache() {
@@ -78,32 +83,80 @@ void measure_steps(Simulation& simulation, double until, Calibration& c) {
     c.iterations = iterations / static_cast<double>(std::max(1L, now.steps - totals.steps));
 }
 
-void measure_picture(const SceneFile& sample, const Frame& frame, Calibration& c) {
-    double cpu = cpu_seconds();
-    const Surface surface = build_surface(frame, sample.surface);
-    c.surface = (cpu_seconds() - cpu) / c.particles;
-    try {
-        Renderer renderer(sample.scene.output.size[0], sample.scene.output.size[1]);
-        const View view = view_at(sample.camera, frame.time, frame.domain_min, frame.domain_max);
-        const bool exr = sample.scene.output.format == "exr";
+/// Draws moments of a coarse run of the whole film, with its camera, solids and size: what a picture costs hangs on how much of it
+/// the fluid covers. A surface has as many more vertices as its particles are smaller.
+class PictureCosts {
+public:
+    PictureCosts(const SceneFile& file, double coarser) : file_(file), coarser_(coarser) {}
+
+    void measure(const Frame& frame, double part, Calibration& c) {
+        const SceneFile& f = file_;
+        if (!renderer_) renderer_.emplace(f.scene.output.size[0], f.scene.output.size[1]);
+        double cpu = cpu_seconds();
+        Surface surface;
+        if (!shows_field(f.look)) surface = build_surface(frame, f.surface);
+        Calibration::Picture picture{part, coarser_ * coarser_ * (cpu_seconds() - cpu), 0};
+        const View view = view_at(f.camera, frame.time, frame.domain_min, frame.domain_max);
+        const bool exr = f.scene.output.format == "exr";
         Image image;
         PictureLayers layers;
-        const auto draw = [&] {
-            if (exr) layers = renderer.draw_layers(frame, surface, sample.look, view, {view, 0});
-            else image = renderer.draw(frame, surface, sample.look, view);
-        };
-        draw();  // the first picture compiles the shaders
+        // The first picture compiles the shaders.
+        for (int times = c.pictures.empty() ? 2 : 1; times > 0; --times) {
+            cpu = cpu_seconds();
+            if (exr) layers = renderer_->draw_layers(frame, surface, f.look, view, {view, 0});
+            else image = renderer_->draw(frame, surface, f.look, view);
+            picture.draw = cpu_seconds() - cpu;
+        }
+        c.pictures.push_back(picture);
+        const fs::path packed = fs::temp_directory_path() / fmt::format("whorl-{}.{}", getpid(), f.scene.output.format);
         cpu = cpu_seconds();
-        draw();
-        c.draw = cpu_seconds() - cpu;
-        const fs::path file = fs::temp_directory_path() / fmt::format("whorl-{}.{}", getpid(), sample.scene.output.format);
-        cpu = cpu_seconds();
-        if (exr) write_exr(file, layers, {});
-        else write_png(file, image);
+        if (exr) write_exr(packed, layers, {});
+        else write_png(packed, image);
         c.write = cpu_seconds() - cpu;
-        fs::remove(file);
-    } catch (const EnvironmentError&) {  // no EGL device: `whorl doctor` tells
+        fs::remove(packed);
     }
+
+private:
+    const SceneFile& file_;
+    double coarser_;
+    std::optional<Renderer> renderer_;
+};
+
+/// @return whether the coarse film could be run
+bool measure_film(const SceneFile& file, double coarser, Calibration& c) {
+    constexpr int moments = 4;
+    c.pictures.clear();
+    PictureCosts costs(file, coarser);
+    int moment = 0;
+    const auto measure = [&](const Frame& frame, const Simulation& simulation) {
+        const double part = static_cast<double>(moment++) / moments;
+        if (part > 0) costs.measure(frame, part, c);
+        if (part < 1 || simulation.plan().pressure != PressureModel::ppe) return;
+        const RunTotals& totals = simulation.totals();
+        for (const auto& [name, t] : simulation.times()) c.film_stages[name] = t.cpu / std::max(1.0, totals.particle_steps);
+        c.film_iterations = (totals.pressure_iterations + totals.viscosity_iterations) / static_cast<double>(std::max(1L, totals.steps));
+    };
+    return run_coarsely(file, coarser, moments, shown_fields(file.look), measure);
+}
+
+/// @param seconds CPU, that simulating the whole film takes
+void measure_pictures(const SceneFile& file, const Plan& plan, double seconds, Calibration& c) try {
+    if (!file.scene.output.frames) return;
+    constexpr double enough = 2;  // s, for the coarse run
+    // Whole numbers, which a period can be divided by.
+    const double most = std::clamp(std::ceil(std::pow(seconds / enough, 1.0 / (1 + file.scene.domain.dimensions))), 2.0, 8.0);
+    SceneFile alone = file;
+    alone.scene.changes.clear();
+    for (double coarser = most; coarser >= 2; --coarser)
+        if (measure_film(alone, coarser, c)) return;
+    // A scene that larger particles cannot show: a picture of the small scene.
+    const SceneFile sample = sample_of(file, plan);
+    const Simulation simulation(sample.scene, make_plan(sample.scene));
+    c.pictures.clear();
+    PictureCosts(sample, 1).measure(Snapshots(simulation, shown_fields(sample.look)).take(simulation, 1), 1, c);
+    c.pictures.back().surface *= plan.estimated_particles / static_cast<double>(simulation.world().fluid.size());
+} catch (const EnvironmentError&) {  // no EGL device: `whorl doctor` tells
+    c.pictures.clear();
 }
 
 Calibration measure(const SceneFile& file, const Plan& plan) {
@@ -115,28 +168,37 @@ Calibration measure(const SceneFile& file, const Plan& plan) {
     measure_steps(simulation, sample.scene.time.end, c);
     c.particles = static_cast<double>(simulation.world().fluid.size());
     c.bytes_a_particle = (bytes_in_use() - before) / c.particles;
-    const Snapshots snapshots(simulation, shown_fields(sample.look));
-    measure_picture(sample, snapshots.take(simulation, 1), c);
     return c;
 }
 
 Json to_json(const Calibration& c) {
-    Json json = {{"particles", c.particles}, {"iterations", c.iterations},
-                 {"stages", c.stages},       {"bytes_a_particle", c.bytes_a_particle},
-                 {"surface", c.surface},     {"write", c.write}};
-    json["draw"] = c.draw ? Json(*c.draw) : Json();
-    return json;
+    return {{"particles", c.particles}, {"iterations", c.iterations}, {"stages", c.stages}, {"bytes_a_particle", c.bytes_a_particle}};
+}
+
+Json pictures_to_json(const Calibration& c) {
+    Json list = Json::array();
+    for (const Calibration::Picture& p : c.pictures) list.push_back({p.part, p.surface, p.draw});
+    return {{"write", c.write}, {"pictures", list}, {"stages", c.film_stages}, {"iterations", c.film_iterations}};
 }
 
 /// @throws nlohmann's exceptions where the cache holds something else
-Calibration from_json(const Json& json) {
+Calibration from_json(const Json& steps) {
     Calibration c;
-    c.particles = json.at("particles"), c.iterations = json.at("iterations"), c.bytes_a_particle = json.at("bytes_a_particle");
-    c.surface = json.at("surface"), c.write = json.at("write");
-    for (const auto& [name, value] : json.at("stages").items()) c.stages[name] = value;
-    if (!json.at("draw").is_null()) c.draw = json.at("draw").get<double>();
+    c.particles = steps.at("particles"), c.iterations = steps.at("iterations"), c.bytes_a_particle = steps.at("bytes_a_particle");
+    for (const auto& [name, value] : steps.at("stages").items()) c.stages[name] = value;
     c.kept = true;
     return c;
+}
+
+void pictures_from_json(const Json& pictures, Calibration& c) {
+    c.write = pictures.at("write"), c.film_iterations = pictures.at("iterations");
+    for (const auto& [name, value] : pictures.at("stages").items()) c.film_stages[name] = value;
+    for (const Json& p : pictures.at("pictures")) c.pictures.push_back({p.at(0), p.at(1), p.at(2)});
+}
+
+/// CPU seconds that simulating the whole film takes.
+double cpu_of_steps(const SceneFile& file, const Plan& plan, const Calibration& c) {
+    return estimate(file, plan, Simulation(file.scene, plan), c).film_simulate;
 }
 
 }  // namespace
@@ -150,18 +212,25 @@ fs::path calibration_file() {
 std::optional<Calibration> find_calibration(const SceneFile& file, const Plan& plan) try {
     const Json all = read_cache();
     if (!all.is_object()) return std::nullopt;
-    const auto found = all.find(key_of(file, plan));
-    if (found == all.end()) return std::nullopt;
-    return from_json(*found);
+    const auto steps = all.find(key_of(file, plan)), pictures = all.find(key_of_pictures(file));
+    if (steps == all.end() || pictures == all.end()) return std::nullopt;
+    Calibration c = from_json(*steps);
+    pictures_from_json(*pictures, c);
+    return c;
 } catch (const Json::exception&) { return std::nullopt; }
 
 Calibration calibrate(const SceneFile& file, const Plan& plan) {
     if (auto known = find_calibration(file, plan)) return *known;
-    Calibration c = measure(file, plan);
+    Json all = read_cache();
+    if (!all.is_object() || all.size() > 400) all = Json::object();
+    Calibration c;
+    const std::string key = key_of(file, plan);
     try {
-        Json all = read_cache();
-        if (!all.is_object() || all.size() > 200) all = Json::object();
-        all[key_of(file, plan)] = to_json(c);
+        c = from_json(all.at(key));
+    } catch (const Json::exception&) { c = measure(file, plan); }
+    measure_pictures(file, plan, cpu_of_steps(file, plan, c), c);
+    try {
+        all[key] = to_json(c), all[key_of_pictures(file)] = pictures_to_json(c);
         fs::create_directories(calibration_file().parent_path());
         write_text(calibration_file(), all.dump(1) + "\n");
     } catch (const std::exception&) {  // it is measured again next time

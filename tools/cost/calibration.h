@@ -1,8 +1,10 @@
 #pragma once
-/// What one particle-step and one picture cost on this machine: measured once for each set of models, then kept in the user's cache folder.
+/// What one particle-step costs on this machine, measured once for each set of models, and what the pictures of a scene cost, measured once
+/// for each scene; then kept in the user's cache folder.
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "engine/scene/plan.h"
 #include "tools/scene_file/scene_file.h"
@@ -14,15 +16,22 @@ struct Calibration {
     double iterations = 0;                 ///< a step, there
     std::map<std::string, double> stages;  ///< CPU seconds a particle-step by stage group (density, pressure, ...)
     double bytes_a_particle = 0;           ///< of everything that the simulation holds
-    double surface = 0;                    ///< CPU seconds a particle
-    std::optional<double> draw;            ///< CPU seconds a picture; nothing: no EGL device
-    double write = 0;                      ///< CPU seconds to pack a picture as PNG; nothing is written
-    bool kept = false;                     ///< read from the cache rather than measured now
+    /// The same of a coarse run of the whole film, where its solver is one whose pace hangs on the flow (models.pressure = "ppe"); else
+    /// empty.
+    std::map<std::string, double> film_stages;
+    double film_iterations = 0;
+    struct Picture {
+        double part = 0;               ///< of the film's time that has passed
+        double surface = 0, draw = 0;  ///< CPU seconds of the one picture
+    };
+    std::vector<Picture> pictures;  ///< in the order of their times; empty: no EGL device, or no pictures wanted
+    double write = 0;               ///< CPU seconds to pack a picture as PNG; nothing is written
+    bool kept = false;              ///< read from the cache rather than measured now
 };
 
-/// What was measured earlier for this program, machine, number of threads and set of models; nothing where that was never done.
+/// What was measured earlier for this program, machine, number of threads, set of models and scene; nothing where that was never done.
 std::optional<Calibration> find_calibration(const SceneFile& file, const Plan& plan);
-/// The same, measured now where it is not known (a second or two) and kept for the next time (a cache that cannot be written is no error).
+/// The same, measured now where it is not known (some seconds) and kept for the next time (a cache that cannot be written is no error).
 Calibration calibrate(const SceneFile& file, const Plan& plan);
 
 /// The file that measurements are kept in: $XDG_CACHE_HOME/whorl/costs.json, else ~/.cache/whorl/costs.json; empty where there is no home.

@@ -2,6 +2,7 @@
 /// What a run will take, before it is run.
 #include <map>
 #include <string>
+#include <vector>
 
 #include "engine/sim/simulation.h"
 #include "tools/cost/calibration.h"
@@ -17,7 +18,9 @@ struct Estimate {
     double surface = 0, draw = 0, write = 0;  ///< CPU seconds of the last frame
     double frame = 0;                         ///< wall seconds of the last frame, everything overlapping on the cores there are
     double film = 0;                          ///< wall seconds from the first frame to the last
-    double memory = 0;                        ///< bytes at the end
+    double film_simulate = 0, film_surface = 0, film_draw = 0;  ///< CPU seconds of the whole film
+    std::vector<double> frames_seconds;                         ///< wall seconds of each frame, their parts
+    double memory = 0;                                          ///< bytes at the end
     int frames = 0;
     bool drawn = true;  ///< false: no pictures wanted, or no EGL device to measure them on
 };

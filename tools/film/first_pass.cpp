@@ -10,6 +10,7 @@
 #include "engine/scene/frame_times.h"
 #include "render/look/colour_map.h"
 #include "render/look/field_values.h"
+#include "tools/cost/coarse_run.h"
 #include "tools/film/colour_range.h"
 #include "tools/film/film_extent.h"
 #include "tools/scene_file/scene_changes.h"
@@ -33,29 +34,20 @@ struct Seen {
 };
 
 /// @return nothing where the coarse scene is impossible or diverges
-std::optional<Seen> seen_in_a_coarse_run(const SceneFile& file) try {
+std::optional<Seen> seen_in_a_coarse_run(const SceneFile& file) {
     constexpr int moments = 24;
-    const SceneFile coarse = changed(file, {read_change(parse_change(fmt::format("fluid.spacing={:.9g}", 2 * file.scene.fluid.spacing)))});
-    Simulation simulation(coarse.scene, make_plan(coarse.scene));
     const bool field = shows_field(file.look);
-    const Snapshots snapshots(simulation, field ? std::vector{file.look.field} : std::vector<std::string>{});
-    const Frame start = snapshots.take(simulation, 1);
-    const double first = frame_time(file.scene, 1), last = frame_time(file.scene, frame_count(file.scene));
     Seen seen;
-    const auto look = [&](const Frame& frame) {
+    std::optional<Frame> start;
+    const auto look = [&](const Frame& frame, const Simulation&) {
+        if (!start) start = frame;
         if (field) seen.size = std::max(seen.size, usual_size(field_values(frame, file.look)));
-        add_seen(seen.extent, frame, start);
+        add_seen(seen.extent, frame, *start);
     };
-    look(start);
-    for (int k = 1; k <= moments; ++k) {
-        const double time = first + k * (last - first) / moments;
-        while (simulation.time() < time)
-            if (simulation.step(time).diverged) return {};
-        look(snapshots.take(simulation, 1));
-    }
-    add_still_solids(seen.extent, start);
+    if (!run_coarsely(file, 2, moments, field ? std::vector{file.look.field} : std::vector<std::string>{}, look)) return {};
+    add_still_solids(seen.extent, *start);
     return seen;
-} catch (const InputError&) { return {}; }
+}
 
 }  // namespace
 

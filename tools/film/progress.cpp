@@ -40,13 +40,29 @@ void Progress::say(const std::string& text) {
     if (!quiet_) std::fprintf(stderr, "%s\n", text.c_str());
 }
 
+double Progress::foreseen_at(int frame) const {
+    return frame >= 1 && frame <= static_cast<int>(foreseen_.size()) ? foreseen_[frame - 1] : 0;
+}
+
+double Progress::seconds_left(int frame) const {
+    double rest = 0;
+    for (int k = frame + 1; k <= last_; ++k) rest += foreseen_at(k);
+    return rest > 0 && foreseen_seconds_ > 0 ? frame_seconds_ * rest / foreseen_seconds_ : frame_seconds_ * (last_ - frame);
+}
+
 void Progress::step(const Simulation& simulation, int frame) { show(simulation, frame, false); }
 
 void Progress::frame_done(const Simulation& simulation, int frame, double iterations) {
     const double now = wall_seconds(), spent = now - frame_done_at_;
     frame_done_at_ = now;
     iterations_ = iterations;
-    if (frame > first_) frame_seconds_ = frame_seconds_ > 0 ? 0.8 * frame_seconds_ + 0.2 * spent : spent;
+    if (frame > first_) {
+        const auto newest_most = [&](double before, double now_spent) {
+            return frame_seconds_ > 0 ? 0.8 * before + 0.2 * now_spent : now_spent;
+        };
+        foreseen_seconds_ = newest_most(foreseen_seconds_, foreseen_at(frame));
+        frame_seconds_ = newest_most(frame_seconds_, spent);
+    }
     if (json_) {
         const nlohmann::ordered_json line{{"event", "frame"},
                                           {"frame", frame},
@@ -56,7 +72,7 @@ void Progress::frame_done(const Simulation& simulation, int frame, double iterat
                                           {"steps", simulation.totals().steps},
                                           {"iterations", iterations},
                                           {"wall_seconds", now - began_},
-                                          {"seconds_left", frame_seconds_ * (last_ - frame)}};
+                                          {"seconds_left", seconds_left(frame)}};
         std::printf("%s\n", line.dump().c_str());
         std::fflush(stdout);
     }
@@ -70,8 +86,7 @@ void Progress::show(const Simulation& simulation, int frame, bool must) {
     std::string line =
         fmt::format("frame {}/{}  t {:.3g} s  {} particles", frame, last_, simulation.time(), grouped(simulation.world().fluid.size()));
     if (iterations_ > 0) line += fmt::format("  {:.0f} it", iterations_);
-    if (frame_seconds_ > 0)
-        line += fmt::format("  {:.0f} ms/frame  {} left", 1000 * frame_seconds_, duration(frame_seconds_ * (last_ - frame)));
+    if (frame_seconds_ > 0) line += fmt::format("  {:.0f} ms/frame  {} left", 1000 * frame_seconds_, duration(seconds_left(frame)));
     if (terminal_) {
         std::fprintf(stderr, "\r\033[K%s", line.c_str());
         std::fflush(stderr);

@@ -1,6 +1,7 @@
 #pragma once
 /// What a run says while it runs.
 #include <string>
+#include <vector>
 
 #include "engine/sim/simulation.h"
 
@@ -13,6 +14,11 @@ public:
     Progress(int first_frame, int last_frame, bool quiet, bool json);
     ~Progress();
 
+    /// How the frames' shares of the time are expected to be [s], from the first on: the time left goes by them and by the pace of now.
+    void foresee(std::vector<double> frames_seconds) { foreseen_ = std::move(frames_seconds); }
+    /// s, after a frame.
+    double seconds_left(int frame) const;
+
     /// After every step.
     void step(const Simulation& simulation, int frame);
     /// When a frame's time is reached. @param iterations a step, over the steps since the last frame
@@ -21,6 +27,7 @@ public:
     void say(const std::string& text);
 
 private:
+    double foreseen_at(int frame) const;
     void show(const Simulation& simulation, int frame, bool now);
     void clear();
 
@@ -28,6 +35,8 @@ private:
     bool quiet_, json_, terminal_, line_open_ = false;
     double began_, shown_ = 0;
     double frame_seconds_ = 0;  ///< wall, newest frames counting most
+    std::vector<double> foreseen_;
+    double foreseen_seconds_ = 0;  ///< of the same frames with the same weights
     double frame_done_at_;
     double iterations_ = 0;
 };

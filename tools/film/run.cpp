@@ -138,7 +138,9 @@ void Run::greet(const Plan& plan) {
     if (!folder_.note().empty()) progress_->say(folder_.note());
     for (const std::string& warning : plan.warnings) progress_->say("warning: " + warning);
     if (const auto costs = find_calibration(request_.file, plan); costs && !request_.from && !request_.frames) {
-        predicted_ = estimate(request_.file, plan, simulation_, *costs).film;
+        const Estimate foreseen = estimate(request_.file, plan, simulation_, *costs);
+        predicted_ = foreseen.film;
+        progress_->foresee(foreseen.frames_seconds);
         progress_->say(fmt::format("about {} expected", duration(predicted_)));
     }
 }
@@ -247,10 +249,10 @@ void Run::save_newest() {
 }
 
 /// What the run was expected to take, where costs had not been measured when it began: then it began at once, and a run that took long
-/// enough can spare the second that measuring takes.
+/// enough can spare the seconds that measuring takes.
 void Run::predict_late() try {
-    constexpr double spares_a_second = 30;
-    if (predicted_ > 0 || request_.from || request_.frames || times_.wall() < spares_a_second) return;
+    constexpr double spares_seconds = 120;
+    if (predicted_ > 0 || request_.from || request_.frames || times_.wall() < spares_seconds) return;
     const Plan plan = make_plan(request_.file.scene);
     predicted_ = estimate(request_.file, plan, Simulation(request_.file.scene, plan), calibrate(request_.file, plan)).film;
     // The rest of the report stands: the run took neither the time nor the memory of this.

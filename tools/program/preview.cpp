@@ -66,6 +66,7 @@ Json cost_json(const PreviewCost& p) {
             {"last_frame_simulate_stages", e.stages},
             {"last_frame_cpu_seconds", e.drawn ? Json{{"surface", e.surface}, {"draw", e.draw}, {"write", e.write}} : Json()},
             {"film_seconds", p.film},
+            {"film_cpu_seconds", Json{{"simulate", e.film_simulate}, {"surface", e.film_surface}, {"draw", e.film_draw}}},
             {"frames", e.frames},
             {"memory_bytes", e.memory},
             {"bytes_a_particle", p.calibration.bytes_a_particle}};
