@@ -2,6 +2,8 @@
 /// Scenes that several tests run, as text.
 #include <string>
 
+#include "engine/core/types.h"
+
 namespace whorl::test {
 
 /// Water on the plane y = 0, periodic sideways, under gravity; lengths in m, times in s.
@@ -27,5 +29,8 @@ position = [0, 0.045, 0]
 radius = 5e-3
 speed = 0.3
 )";
+
+/// A viscosity that the numbers of this build cannot reckon with once fluid is 0.06 s old.
+inline const char* const diverging_viscosity = sizeof(Real) == 4 ? "age > 0.06 ? 1e38 : 200" : "age > 0.06 ? 1e307 : 200";
 
 }  // namespace whorl::test

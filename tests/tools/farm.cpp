@@ -81,7 +81,8 @@ TEST_CASE("the panels of a film are runs of their own, put side by side at the e
 
 TEST_CASE("a farm tells which task failed and what it said, and refuses a place that there is not", "[tools][farm]") {
     const Scratch scratch;
-    const Outcome diverged = scratch.whorl({"farm", "--no-images", "--set", "fluid.viscosity=age > 0.06 ? 1e38 : 200"}, "diverged");
+    const Outcome diverged =
+        scratch.whorl({"farm", "--no-images", "--set", std::string("fluid.viscosity=") + test::diverging_viscosity}, "diverged");
     CHECK(diverged.code == 1);
     CHECK(diverged.err.find("simulate, little_honey: ended with 1: ") != std::string::npos);
     CHECK(diverged.err.find("diverged at 0.") != std::string::npos);

@@ -8,6 +8,7 @@
 #include "render/image/image.h"
 #include "tests/support/film_runs.h"
 #include "tests/support/program.h"
+#include "tests/support/scenes.h"
 
 using namespace whorl;
 using test::Outcome;
@@ -246,7 +247,7 @@ inside = true
 TEST_CASE("a run that diverges says where and when, ends with 1 and keeps what was made", "[tools][render]") {
     std::string text = honey;
     const std::size_t viscosity = text.find("viscosity");
-    text.replace(viscosity, text.find('\n', viscosity) - viscosity, "viscosity = \"age > 0.06 ? 1e38 : 200\"");
+    text.replace(viscosity, text.find('\n', viscosity) - viscosity, std::string("viscosity = \"") + test::diverging_viscosity + "\"");
     const Scratch scratch(text);
     const Outcome diverged = test::whorl({"render", scratch.scene(), "--no-images", "--quiet", "--out", scratch.run()});
     CHECK(diverged.code == 1);
