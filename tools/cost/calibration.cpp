@@ -142,13 +142,15 @@ bool measure_film(const SceneFile& file, double coarser, Calibration& c) {
 /// @param seconds CPU, that simulating the whole film takes
 void measure_pictures(const SceneFile& file, const Plan& plan, double seconds, Calibration& c) try {
     if (!file.scene.output.frames) return;
-    constexpr double enough = 2;  // s, for the coarse run
+    constexpr double enough = 2, too_much = 10, coarsest = 8;  // CPU s of the coarse run, and of all tries
+    const double power = 1 + file.scene.domain.dimensions, began = cpu_seconds();
     // Whole numbers, which a period can be divided by.
-    const double most = std::clamp(std::ceil(std::pow(seconds / enough, 1.0 / (1 + file.scene.domain.dimensions))), 2.0, 8.0);
+    const double most = std::clamp(std::ceil(std::pow(seconds / enough, 1 / power)), 2.0, coarsest);
     SceneFile alone = file;
     alone.scene.changes.clear();
     for (double coarser = most; coarser >= 2; --coarser)
-        if (measure_film(alone, coarser, c)) return;
+        if (cpu_seconds() - began + seconds / std::pow(coarser, power) > too_much) break;
+        else if (measure_film(alone, coarser, c)) return;
     // A scene that larger particles cannot show: a picture of the small scene.
     const SceneFile sample = sample_of(file, plan);
     const Simulation simulation(sample.scene, make_plan(sample.scene));
