@@ -14,8 +14,8 @@ float radians(float degrees) { return degrees * std::numbers::pi_v<float> / 180;
 View framed(const CameraOptions& camera, const Vec3f& low, const Vec3f& high, const Vec3f& away) {
     constexpr float margin = 1.12f;
     const Vec3f side = camera.up.cross(away).normalized(), above = away.cross(side), middle = 0.5f * (low + high);
-    // A corner at (h, v, z) along side, above and away lies in a picture from (H, V, Z) where |h - H| <= wide (Z - z), |v - V| <= tall (Z -
-    // z).
+    // A corner at (h, v, z) along side, above and away lies in a picture from (H, V, Z) where
+    // |h - H| <= wide (Z - z) and |v - V| <= tall (Z - z).
     const float tall = std::tan(0.5f * radians(camera.fov)) / margin, wide = camera.aspect * tall;
     const auto fit = [&](const Vec3f& axis, float slope) {
         float from = 1e30f, to = -1e30f;

@@ -29,6 +29,9 @@ TEST_CASE("a camera that shows nothing of the scene is told, with its key", "[to
     CHECK(one({fixed, "camera.position=[0, 100, 400]", "camera.target=[0, 0, 0]"})
               .find("of the picture's height, the camera is 412 m away") != std::string::npos);
     CHECK(one({fixed, "camera.position=[0, 1, 0]", "camera.target=[0, 0, 0]"}).find("camera.up: the camera looks along what is up") == 0);
+    CHECK(one({"camera.kind=auto", "camera.min=[-0.1, 0, -0.1]", "camera.max=[0.1, 0.2, 0.1]"}) == "none");
+    CHECK(one({"camera.kind=auto", "camera.min=[9, 0, 0]", "camera.max=[9.1, 0.1, 0.1]"}).find("camera.min: the camera at") == 0);
+    CHECK(one({"camera.kind=auto", "camera.min=[-100, 0, -100]", "camera.max=[100, 200, 100]"}).find("camera.min: the domain is") == 0);
     orbits = true;
     CHECK(one({}).find("looks past the whole domain at 0 s") != std::string::npos);
 }

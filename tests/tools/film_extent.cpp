@@ -92,11 +92,18 @@ TEST_CASE("a camera of the scene's own stays, and so does the box that it gives 
     CHECK(used.position == Vec3f(0, 0.1f, 0.5f));
     CHECK_FALSE(used.min.has_value());
 
-    CameraOptions given = read(hall, {"camera.min=[-1, 0, -1]"}).camera;
-    look_at(given, Extent(Vec3f(0, 0, 0), Vec3f(0.1234f, 0.5f, 0.5f)));
-    CHECK(*given.min == Vec3f(-1, 0, -1));
-    CHECK(*given.max == Vec3f(0.124f, 0.5f, 0.5f));  // rounded to a hundredth of the size's power of ten, outwards
+    CHECK_FALSE(wants_extent(read(hall, {"camera.min=[-1, 0, -1]", "camera.max=[1, 1, 1]"})));
+    CHECK_THROWS_WITH(read(hall, {"camera.min=[-1, 0, -1]"}), Catch::Contains("camera.max is missing"));
     CHECK_THROWS_WITH(read(hall, {"camera.min=[0, 0, 0]", "camera.max=[1, -1, 1]"}), Catch::Contains("is not above camera.min"));
+}
+
+TEST_CASE("a box is written in round numbers that hold what was found") {
+    CameraOptions camera;
+    look_at(camera, Extent());
+    CHECK_FALSE(camera.min.has_value());
+    look_at(camera, Extent(Vec3f(-0.1, 0, 0), Vec3f(0.1234f, 0.5f, 0.5f)));
+    CHECK(*camera.min == Vec3f(-0.1f, 0, 0));
+    CHECK(*camera.max == Vec3f(0.124f, 0.5f, 0.5f));  // to a hundredth of the size's power of ten, outwards
 }
 
 TEST_CASE("what moves by itself counts with its whole way, and what the domain cuts off does not count") {
@@ -145,6 +152,15 @@ TEST_CASE("panels side by side share one box") {
     CHECK((*runs[0].camera.max).y() >= 0.2f);
     const SceneFile same = with_choices_of(file, runs);
     CHECK(panel_scenes(same)[0].camera.max == runs[0].camera.max);
+
+    // Where only a panel's camera is automatic, the file written for the film says its box, too.
+    const std::string fixed = "[camera]\nkind = \"fixed\"\nposition = [0, 0.1, 0.5]\n";
+    const SceneFile one =
+        read(std::string(hall) + fixed + "[[panel]]\nlabel = \"fixed\"\n[[panel]]\nlabel = \"auto\"\nset = [\"camera.kind=auto\"]\n");
+    const auto two = panel_scenes(one);
+    const SceneFile written = with_choices_of(one, two);
+    CHECK(written.scene.panels[0].set.empty());
+    CHECK(written.scene.panels[1].set.size() == 3);
 }
 
 }  // namespace film_extent_test

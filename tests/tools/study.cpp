@@ -147,10 +147,10 @@ TEST_CASE("a stability map tells stable from unstable steps, with the limit that
 TEST_CASE("runs of a study go to Slurm as jobs, with the table of a run without it", "[study][farm]") {
     // What stands for sbatch runs the job at once; the long test asks a real one.
     const ScratchFolder folder;
-    write(folder / "bin/sbatch",
-          "#!/bin/sh\n[ \"$1\" = --version ] && exit 0\necho \"$@\" >> " + (folder / "asked").string() +
-              "\necho 7\nfor word; do case $word in --output=*) out=${word#--output=};; --*) ;; *) break;; esac; shift; done\n"
-              "exec sh \"$@\" > \"$out\" 2>&1\n");
+    write(folder / "bin/sbatch", "#!/bin/sh\n[ \"$1\" = --version ] && exit 0\necho \"$@\" >> " + (folder / "asked").string() +
+                                     "\necho sbatch: 12 hours are left of your account >&2\necho '7;north'\nfor word; do case $word in "
+                                     "--output=*) out=${word#--output=};; --*) ;; *) break;; esac; shift; done\n"
+                                     "exec sh \"$@\" > \"$out\" 2>&1\n");
     fs::permissions(folder / "bin/sbatch", fs::perms::owner_all);
     write(folder / "falling.toml", falling);
     write(folder / "study.toml",

@@ -17,6 +17,7 @@
 #include "engine/core/errors.h"
 #include "engine/core/whole_file.h"
 #include "render/video/process.h"
+#include "tools/process/slurm_job.h"
 
 namespace whorl {
 namespace {
@@ -176,9 +177,9 @@ std::string submit(const FarmStage& stage, const fs::path& folder, const FarmOpt
     if (!after.empty()) words.push_back("--dependency=afterok:" + after), words.emplace_back("--kill-on-invalid-dep=yes");
     words.insert(words.end(), options.sbatch.begin(), options.sbatch.end());
     words.push_back((folder / (stage.name + ".sh")).string());
-    const std::string said = said_by(words);
-    const std::string last = said.substr(said.rfind('\n') + 1);
-    return last.substr(0, last.find(';'));
+    const std::string said = said_by(words), job = slurm_job(said);
+    if (job.empty()) throw EnvironmentError("sbatch names no job: " + said, "", "is Slurm up? sinfo tells");
+    return job;
 }
 
 bool run_on_slurm(const std::vector<FarmStage>& stages, const fs::path& folder, const FarmOptions& options, const InterruptGuard& interrupt,

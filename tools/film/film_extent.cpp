@@ -10,6 +10,12 @@ namespace {
 
 Extent domain_of(const Frame& frame) { return {frame.domain_min, frame.domain_max}; }
 
+/// Grows by the part that lies in the domain.
+void extend_inside(Extent& extent, const Extent& part, const Extent& domain) {
+    const Extent inside = part.intersection(domain);
+    if (!inside.isEmpty()) extent.extend(inside);
+}
+
 /// What lies between the lowest and the highest half per cent along each axis, with the room of a particle.
 Extent usual_extent(const std::vector<Vec3f>& position, float spacing) {
     std::vector<float> along;
@@ -83,11 +89,7 @@ void add_still_solids(Extent& extent, const Frame& frame) {
 }
 
 void add_seen(Extent& extent, const Frame& frame, const Frame& start) {
-    const Extent domain = domain_of(frame);
-    const auto add = [&](const Extent& part) {
-        const Extent inside = part.intersection(domain);
-        if (!inside.isEmpty()) extent.extend(inside);
-    };
+    const auto add = [&](const Extent& part) { extend_inside(extent, part, domain_of(frame)); };
     add(usual_extent(frame.position, frame.spacing));
     for (const FrameEmitter& e : frame.emitters) add(opening(e));
     for (std::size_t k = 0; k < frame.solids.size(); ++k) {
@@ -102,12 +104,8 @@ Extent foreseen_extent(const Simulation& start) {
     const Scene& scene = start.scene();
     const World& world = start.world();
     const Frame frame = Snapshots(start, {}).take(start, 1);
-    const Extent domain = domain_of(frame);
     Extent extent;
-    const auto add = [&](const Extent& part) {
-        const Extent inside = part.intersection(domain);
-        if (!inside.isEmpty()) extent.extend(inside);
-    };
+    const auto add = [&](const Extent& part) { extend_inside(extent, part, domain_of(frame)); };
     add_seen(extent, frame, frame);
 
     const Vec3d g = scene.domain.gravity(0), down = g.norm() > 0 ? Vec3d(g / g.norm()) : Vec3d::Zero();
@@ -137,9 +135,7 @@ Extent foreseen_extent(const Simulation& start) {
     return extent;
 }
 
-bool wants_extent(const SceneFile& file) {
-    return file.camera.kind == "auto" && !(file.camera.min && file.camera.max) && file.look.style != "slice";
-}
+bool wants_extent(const SceneFile& file) { return file.camera.kind == "auto" && !file.camera.min && file.look.style != "slice"; }
 
 void look_at(CameraOptions& camera, const Extent& extent) {
     if (extent.isEmpty()) return;
@@ -149,7 +145,7 @@ void look_at(CameraOptions& camera, const Extent& extent) {
         low[a] = static_cast<float>(std::floor(static_cast<double>(extent.min()[a]) / step + 1e-3) * step);
         high[a] = static_cast<float>(std::ceil(static_cast<double>(extent.max()[a]) / step - 1e-3) * step);
     }
-    camera.min = camera.min.value_or(low), camera.max = camera.max.value_or(high);
+    camera.min = low, camera.max = high;
 }
 
 }  // namespace whorl

@@ -25,7 +25,7 @@ Extent foreseen_extent(const Simulation& start);
 /// Whether the film has an automatic camera that still wants its box. A slice that fills the picture has no camera.
 bool wants_extent(const SceneFile& file);
 
-/// Gives an automatic camera the extent, in rounded numbers. What the scene says of the box stays.
+/// Gives an automatic camera the extent as its box, in numbers rounded outwards. An empty one changes nothing.
 void look_at(CameraOptions& camera, const Extent& extent);
 
 }  // namespace whorl

@@ -162,7 +162,7 @@ std::vector<SceneFile> panel_scenes(const SceneFile& file, const Choose& choose)
 }
 
 SceneFile with_choices_of(SceneFile file, const std::vector<SceneFile>& runs) {
-    const bool coloured = file.look.range[0] == file.look.range[1], framed = wants_extent(file);
+    const bool coloured = file.look.range[0] == file.look.range[1];
     std::size_t k = 0;
     for (PanelKeys& panel : file.scene.panels) {
         if (!panel.difference.empty()) continue;
@@ -173,10 +173,11 @@ SceneFile with_choices_of(SceneFile file, const std::vector<SceneFile>& runs) {
             for (const float x : numbers) list.emplace_back(static_cast<double>(x));
             if (!given) panel.set.push_back(key + "=" + Value(list).toml());
         };
-        const auto& [min, max] = std::pair(run.camera.min, run.camera.max);
+        const auto &min = run.camera.min, &max = run.camera.max;
         if (coloured && shows_field(run.look)) give("look.range", {run.look.range[0], run.look.range[1]});
-        if (framed && min) give("camera.min", {min->x(), min->y(), min->z()});
-        if (framed && max) give("camera.max", {max->x(), max->y(), max->z()});
+        if (!min || min == file.camera.min) continue;
+        give("camera.min", {min->x(), min->y(), min->z()});
+        give("camera.max", {max->x(), max->y(), max->z()});
     }
     return file;
 }

@@ -150,7 +150,7 @@ bool Controls::try_restart(const Restart& how) {
     for (const KeyChange& c : how.set) kept.insert_or_assign(c.path, c.value);
     next->plan = make_plan(next->file);
     next->simulation = std::make_unique<Simulation>(next->file.scene, next->plan);
-    look_at(next->file.camera, foreseen_extent(*next->simulation));
+    if (wants_extent(next->file)) look_at(next->file.camera, foreseen_extent(*next->simulation));
 
     lock.lock();
     if (revision != revision_) return false;

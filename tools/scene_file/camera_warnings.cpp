@@ -52,31 +52,33 @@ std::string key_of(const CameraOptions& camera, double time) {
 std::vector<std::string> camera_warnings(const SceneFile& file) {
     const CameraOptions& camera = file.camera;
     const Scene& scene = file.scene;
-    if (!scene.output.frames || camera.kind == "auto") return {};
+    if (!scene.output.frames || (camera.kind == "auto" && !camera.min)) return {};
     std::vector<double> times{0, 0.5 * scene.time.end, scene.time.end};
-    if (camera.kind == "fixed") times = {0};
+    const bool still = camera.kind == "fixed" || camera.kind == "auto";
+    if (still) times = {0};
     for (const CameraKey& key : camera.keys)
         if (camera.kind == "keys" && key.time <= scene.time.end) times.push_back(key.time);
     const Vec3f low = scene.domain.min.cast<float>(), high = scene.domain.max.cast<float>(), middle = 0.5f * (low + high);
     const float aspect = static_cast<float>(scene.output.size[0]) / static_cast<float>(scene.output.size[1]);
     for (const double time : times) {
         const View view = view_at(camera, time, low, high);
-        const std::string key = key_of(camera, time), when = camera.kind == "fixed" ? "" : fmt::format(" at {:g} s", time);
+        const std::string key = key_of(camera, time), when = still ? "" : fmt::format(" at {:g} s", time);
         const Vec3f ahead = view.target - view.position;
         if (ahead.norm() <= 1e-6f * (high - low).norm())
             return {fmt::format("{}.position: the camera sits in its target, {}{}, and looks nowhere", key, point(view.target), when)};
         if (ahead.normalized().cross(view.up.normalized()).norm() < 1e-4f)
             return {fmt::format("{}.up: the camera looks along what is up in the picture, {}{}: take another direction", key,
                                 point(view.up), when)};
+        const std::string target = key + (camera.kind == "auto" ? ".min" : ".target");
+        const std::string position = key + (camera.kind == "auto" ? ".min" : ".position");
         const Seen seen = seen_from(view, aspect, low, high);
         const float away = (middle - view.position).norm();
         if (!seen.any)
-            return {fmt::format("{}.target: the camera at {} looks past the whole domain{}; {} is its middle", key, point(view.position),
-                                when, point(middle))};
+            return {fmt::format("{}: the camera at {} looks past the whole domain{}; {} is its middle", target, point(view.position), when,
+                                point(middle))};
         if (seen.part < least_part)
-            return {fmt::format(
-                "{}.position: the domain is {:.2g} % of the picture's height, the camera is {:.3g} m away{}; lengths are in metres", key,
-                100 * seen.part, away, when)};
+            return {fmt::format("{}: the domain is {:.2g} % of the picture's height, the camera is {:.3g} m away{}; lengths are in metres",
+                                position, 100 * seen.part, away, when)};
     }
     return {};
 }

@@ -109,7 +109,12 @@ void look_at_plane(SceneFile& file) {
 
 /// @throws InputError where the picture asks for a field that the run will not have, or for what cannot be shown
 void check_look(const SceneFile& file) {
-    if (file.camera.kind == "auto" && file.camera.min && file.camera.max)
+    if (file.camera.min.has_value() != file.camera.max.has_value()) {
+        const auto [given, missing] = file.camera.min ? std::pair("camera.min", "camera.max") : std::pair("camera.max", "camera.min");
+        throw InputError(file.scene.place(given), fmt::format("{} is missing, the corner opposite to {}", missing, given),
+                         "give both corners of the box, or neither: then the film's first pass finds it");
+    }
+    if (file.camera.kind == "auto" && file.camera.min)
         for (int a = 0; a < file.scene.domain.dimensions; ++a)
             if (!((*file.camera.min)[a] < (*file.camera.max)[a]))
                 throw InputError(file.scene.place("camera.max"),

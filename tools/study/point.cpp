@@ -23,6 +23,7 @@
 #include "render/video/process.h"
 #include "tools/process/exit_codes.h"
 #include "tools/process/program_path.h"
+#include "tools/process/slurm_job.h"
 
 namespace whorl {
 namespace {
@@ -199,17 +200,13 @@ int PointRunner::run_job(const Call& call, const std::vector<std::string>& argum
     words.push_back((folder_ / "points" / "job.sh").string());
     for (const std::string& word : {std::string("timeout"), fmt::format("{:g}", study_.limit)}) words.push_back(word);
     words.insert(words.end(), arguments.begin(), arguments.end());
-    const auto number = [&] {
-        const std::string text = text_of(said);
-        return text.substr(0, text.find_first_not_of("0123456789"));
-    };
     try {
         const int code = run_child(words, said, std::numeric_limits<double>::infinity(), interrupt_).code;
-        if (number().empty()) throw EnvironmentError("sbatch failed: " + text_of(said), "", "is Slurm up? sinfo tells");
+        if (slurm_job(text_of(said)).empty()) throw EnvironmentError("sbatch failed: " + text_of(said), "", "is Slurm up? sinfo tells");
         constexpr int timeout_ended_it = 124;
         return code == timeout_ended_it ? -1 : code;
     } catch (const StudyInterrupted&) {
-        if (const std::string job = number(); !job.empty()) ChildProcess({"scancel", job}).wait();
+        if (const std::string job = slurm_job(text_of(said)); !job.empty()) ChildProcess({"scancel", job}).wait();
         throw;
     }
 }

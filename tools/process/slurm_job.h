@@ -1,0 +1,11 @@
+#pragma once
+/// Jobs of Slurm.
+#include <string>
+
+namespace whorl {
+
+/// The number of the job that sbatch made. @param said what `sbatch --parsable` wrote: the number, in some places with the cluster's name
+/// ("7;north"), among notices of the place's own @return "" where it made none
+std::string slurm_job(const std::string& said);
+
+}  // namespace whorl
