@@ -143,7 +143,7 @@ void Reader::read_table(const Described& here, void* object, const Value& v, con
 bool Reader::chosen_by_option(const std::string& selector, const std::string& full) const {
     const auto is_option = [&](const std::string& name) {
         const auto it = places.find(name);
-        return it != places.end() && it->second.line == 0;
+        return it != places.end() && it->second.line == 0;  // a key from a file stands in a line of it
     };
     return !is_option(full) && (is_option(selector) || left_out_.count(selector) > 0);
 }

@@ -121,9 +121,9 @@ ColourGrid::ColourGrid(const ColourField& field, float voxel, const Cut& cut, fl
             block.ahead[n] = found == index.end() ? -1 : found->second;
         }
         thread_local LocalField local;
-        const Vec3f low = block.low(voxel), middle = low.array() + 0.5f * voxel * (block_edge - 1);
-        const float radius = 0.87f * voxel * block_edge;
-        const Cut near = cut.near(middle, radius + field.reach());
+        const Vec3f low = block.low(voxel), middle = block.middle(voxel);
+        const float radius = ColourBlock::radius(voxel);
+        const Cut near = cut.near(middle, radius, field.reach());
         if (near.any() && near.at(middle).inside(middle) < -radius - voxel) {  // wholly beyond it, and no cell of the surface's ends here
             std::fill(block.value, block.value + block_nodes, 0.0f);
             block.least = block.most = 0;

@@ -22,6 +22,9 @@ struct ColourBlock {
     Vec3f low(float voxel) const {
         return voxel * Vec3f(static_cast<float>(origin[0]), static_cast<float>(origin[1]), static_cast<float>(origin[2]));
     }
+    /// The middle of its cells, and how far from there the furthest of them reach [m].
+    Vec3f middle(float voxel) const { return low(voxel).array() + 0.5f * voxel * block_edge; }
+    static float radius(float voxel) { return 0.87f * voxel * block_edge; }
     /// Place of value[n] from the first node [voxels].
     static Vec3f node(int n) { return Vec3f(static_cast<float>(n >> 6), static_cast<float>(n >> 3 & 7), static_cast<float>(n & 7)); }
     std::array<Index, 8> ahead;  ///< the blocks at origin + 8 (a, b, c), at 4 a + 2 b + c (itself first); -1: no block, all zero

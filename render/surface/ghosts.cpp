@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/core/parallel.h"
+
 namespace whorl {
 namespace {
 
 /// The planes of a convex mesh's triangles; none where it is not convex.
-std::vector<Cut::Side> walls_of(const TriangleMesh& mesh) {
+/// @param flat m: facets of a round wall that a plane follows as closely are one side
+std::vector<Cut::Side> walls_of(const TriangleMesh& mesh, float flat) {
     std::vector<Cut::Side> walls;
     float size = 0;
     for (const Vec3f& x : mesh.position) size = std::max(size, (x - mesh.position.front()).norm());
@@ -19,7 +22,8 @@ std::vector<Cut::Side> walls_of(const TriangleMesh& mesh) {
         const Vec3f inward = -normal.normalized();
         const Cut::Side wall{inward, inward.dot(a), true};
         const bool is_known = std::any_of(walls.begin(), walls.end(), [&](const Cut::Side& w) {
-            return w.inward.dot(inward) > 1 - 1e-6f && std::abs(w.offset - wall.offset) < tolerance;
+            const auto is_on = [&](const Vec3f& x) { return std::abs(w.inside(x)) < flat; };
+            return is_on(a) && is_on(b) && is_on(c) && w.inward.dot(inward) > 0.7f;
         });
         if (is_known) continue;
         if (std::any_of(mesh.position.begin(), mesh.position.end(), [&](const Vec3f& x) { return wall.inside(x) < -tolerance; })) return {};
@@ -62,7 +66,7 @@ Cut::Cut(const Frame& frame) {
                 sides_.push_back({way * Vec3f::Unit(a), way > 0 ? frame.domain_min[a] : -frame.domain_max[a], false});
     for (const FrameSolid& solid : frame.solids) {
         if (!solid.container || !solid.mesh) continue;
-        for (Side side : walls_of(*solid.mesh)) {
+        for (Side side : walls_of(*solid.mesh, 0.05f * static_cast<float>(frame.spacing))) {
             side.inward = solid.rotation * side.inward;
             side.offset += side.inward.dot(solid.translation);
             sides_.push_back(side);
@@ -78,10 +82,19 @@ const Cut::Side& Cut::at(const Vec3f& x) const {
     return *nearest;
 }
 
-Cut Cut::near(const Vec3f& x, float distance) const {
-    Cut some;
+Cut Cut::near(const Vec3f& x, float radius, float reach) const {
+    std::vector<std::pair<float, const Side*>> found;
     for (const Side& side : sides_)
-        if (side.inside(x) < distance) some.sides_.push_back(side);
+        if (const float inside = side.inside(x); inside < radius + reach) found.emplace_back(inside, &side);
+    std::sort(found.begin(), found.end());
+    Cut some;
+    for (const auto& [inside, side] : found) {
+        // How much further one side is than another changes by no more than their normals differ.
+        const bool is_hidden = std::any_of(some.sides_.begin(), some.sides_.end(), [&, way = inside, far = side](const Side& nearer) {
+            return !are_across(nearer, *far) && way - nearer.inside(x) > radius * (far->inward - nearer.inward).norm();
+        });
+        if (!is_hidden) some.sides_.push_back(*side);
+    }
     return some;
 }
 
@@ -94,7 +107,7 @@ Cut::Corner Cut::corner_at(const Vec3f& x, float reach) const {
             const float inside = side.inside(x);
             if (inside >= least) continue;
             const bool across = std::all_of(corner.side.begin(), corner.side.begin() + corner.count,
-                                            [&](const Side* other) { return std::abs(other->inward.dot(side.inward)) < 0.7f; });
+                                            [&](const Side* other) { return are_across(*other, side); });
             if (across) nearest = &side, least = inside;
         }
         if (nearest == nullptr) break;
@@ -108,15 +121,22 @@ std::vector<Vec3f> Cut::images(const std::vector<Vec3f>& position, float margin)
     std::copy_if(sides_.begin(), sides_.end(), std::back_inserter(walls.sides_), [](const Side& side) { return side.is_wall; });
     std::vector<Vec3f> image;
     if (!walls.any()) return image;
-    for (const Vec3f& x : position) {
-        const Corner corner = walls.corner_at(x, margin);
-        for (int some = 1; some < 1 << corner.count; ++some) {
-            Vec3f copy = x;
-            for (int k = 0; k < corner.count; ++k)
-                if ((some >> k & 1) != 0) copy -= 2 * corner.side[k]->inside(x) * corner.side[k]->inward;
-            image.push_back(copy);
+    const auto count = static_cast<Index>(position.size());
+    constexpr Index block = 1024;
+    std::vector<std::vector<Vec3f>> part((count + block - 1) / block);
+    parallel_blocks(count, block, [&](Index begin, Index end) {
+        for (Index i = begin; i < end; ++i) {
+            const Vec3f& x = position[i];
+            const Corner corner = walls.corner_at(x, margin);
+            for (int some = 1; some < 1 << corner.count; ++some) {
+                Vec3f copy = x;
+                for (int k = 0; k < corner.count; ++k)
+                    if ((some >> k & 1) != 0) copy -= 2 * corner.side[k]->inside(x) * corner.side[k]->inward;
+                part[begin / block].push_back(copy);
+            }
         }
-    }
+    });
+    for (const std::vector<Vec3f>& some : part) image.insert(image.end(), some.begin(), some.end());
     return image;
 }
 

@@ -30,11 +30,11 @@ public:
     bool any() const { return !sides_.empty(); }
     /// Side with the least inside(x). Only where there is any.
     const Side& at(const Vec3f& x) const;
-    /// Whether a wall is so near, and whether it meets another side there.
-    bool touches_wall(const Vec3f& x, float tolerance) const { return at(x).is_wall && at(x).inside(x) < tolerance; }
+    /// Whether two sides meet so near.
     bool is_edge(const Vec3f& x, float reach) const { return corner_at(x, reach).count > 1; }
-    /// The sides that come within `distance` of x, or have it beyond them.
-    Cut near(const Vec3f& x, float distance) const;
+    /// The sides that places no further than `radius` from x have within `reach`, or have them beyond: those of all that the others do not
+    /// hide there, as the facets of a round wall do.
+    Cut near(const Vec3f& x, float radius, float reach) const;
     /// The images in the walls that particles within `margin` of them have there, corners too: water fills its glass.
     std::vector<Vec3f> images(const std::vector<Vec3f>& position, float margin) const;
     /// x, moved onto the walls that are nearer than `reach`: so that the edge between two of them is sharp.
@@ -50,6 +50,8 @@ private:
         int count = 0;
     };
     Corner corner_at(const Vec3f& x, float reach) const;
+    /// Whether they stand so steeply to each other that they meet in an edge, and are not facets of one wall.
+    static bool are_across(const Side& a, const Side& b) { return std::abs(a.inward.dot(b.inward)) < 0.7f; }
 
     std::vector<Side> sides_;
 };

@@ -172,10 +172,10 @@ void project(const ColourField& field, float iso, float voxel, const ColourGrid&
     mesh.normal.resize(mesh.position.size());
     parallel_tasks(static_cast<Index>(marched.block.size()), [&](Index n) {
         thread_local LocalField local;
-        const auto& o = grid.blocks()[marched.block[n]].origin;
-        const Vec3f low = voxel * Vec3f(static_cast<float>(o[0]), static_cast<float>(o[1]), static_cast<float>(o[2]));
+        const ColourBlock& block = grid.blocks()[marched.block[n]];
+        const Vec3f low = block.low(voxel);
         local.gather(field, low, low.array() + voxel * block_edge);
-        const Cut near = cut.near(low.array() + 0.5f * voxel * block_edge, 0.87f * voxel * block_edge + field.reach());
+        const Cut near = cut.near(block.middle(voxel), ColourBlock::radius(voxel), field.reach());
         for (Index v = marched.block_begin[n]; v < marched.block_begin[n + 1]; ++v) {
             LocalField::Sample sample = local.at(mesh.position[v]);
             if (near.any()) {

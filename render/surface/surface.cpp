@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/core/errors.h"
+#include "engine/core/parallel.h"
 #include "render/surface/distance.h"
 #include "render/surface/march.h"
 #include "render/surface/smooth.h"
@@ -12,15 +13,28 @@
 namespace whorl {
 namespace {
 
-constexpr float touch = 0.02f;  // voxels, from the cut, of vertices that are on it
+constexpr float touch = 0.02f;   // voxels, from the cut, of vertices that are on it
+constexpr float edge_reach = 6;  // voxels, from an edge between walls, of normals that it turns
 
 /// Smooth normals round off the edge between two walls, where water would bend light that it does not. What differs little stays: the
 /// facets of a round wall must not show.
 void set_wall_normal(const Cut& cut, const Vec3f& x, float voxel, Vec3f& normal) {
-    if (!cut.touches_wall(x, touch * voxel) || !cut.is_edge(x, 6 * voxel)) return;
-    const Vec3f outward = -cut.at(x).inward;
+    const Cut::Side& side = cut.at(x);
+    if (!side.is_wall || side.inside(x) > touch * voxel || !cut.is_edge(x, edge_reach * voxel)) return;
+    const Vec3f outward = -side.inward;
     const float kept = std::clamp((outward.dot(normal) - 0.95f) / 0.04f, 0.0f, 1.0f);  // from 18 to 8 degrees
     normal = (kept * normal + (1 - kept) * outward).normalized();
+}
+
+/// Calls f(v, sides near v) for the vertices that have sides within the reach of an edge.
+template <class F>
+void for_vertices_at(const Cut& cut, const ColourGrid& grid, const MarchedMesh& marched, F&& f) {
+    const float voxel = grid.voxel(), radius = ColourBlock::radius(voxel) + voxel;  // with what smoothing moves
+    parallel_tasks(static_cast<Index>(marched.block.size()), [&](Index n) {
+        const Cut near = cut.near(grid.blocks()[marched.block[n]].middle(voxel), radius, edge_reach * voxel);
+        if (!near.any()) return;
+        for (Index v = marched.block_begin[n]; v < marched.block_begin[n + 1]; ++v) f(v, near);
+    });
 }
 
 }  // namespace
@@ -49,10 +63,12 @@ Surface build_surface(const Frame& frame, const SurfaceOptions& options) {
         const std::vector<Vec3f> sharp = cut.any() ? surface.mesh.position : std::vector<Vec3f>();
         const int steps = static_cast<int>(std::lround(2.5 / (options.voxel * options.voxel)));
         smooth(surface.mesh, options.smoothing, steps);
-        for (std::size_t v = 0; v < sharp.size(); ++v)
-            surface.mesh.position[v] = cut.held(sharp[v], surface.mesh.position[v], touch * voxel);
+        for_vertices_at(cut, grid, marched, [&](Index v, const Cut& near) {
+            surface.mesh.position[v] = near.held(sharp[v], surface.mesh.position[v], touch * voxel);
+        });
         set_smooth_normals(surface.mesh, options.smoothing * steps);
-        for (std::size_t v = 0; v < sharp.size(); ++v) set_wall_normal(cut, surface.mesh.position[v], voxel, surface.mesh.normal[v]);
+        for_vertices_at(cut, grid, marched,
+                        [&](Index v, const Cut& near) { set_wall_normal(near, surface.mesh.position[v], voxel, surface.mesh.normal[v]); });
     }
     if (const auto age = frame.scalar.find("age"); options.ages && age != frame.scalar.end()) {
         surface.age = values_at(surface.mesh.position, frame.position, age->second, static_cast<float>(options.radius * frame.spacing));

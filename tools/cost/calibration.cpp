@@ -142,7 +142,8 @@ bool measure_film(const SceneFile& file, double coarser, Calibration& c) {
 /// @param seconds CPU, that simulating the whole film takes
 void measure_pictures(const SceneFile& file, const Plan& plan, double seconds, Calibration& c) try {
     if (!file.scene.output.frames) return;
-    constexpr double enough = 2, too_much = 10, coarsest = 8;  // CPU s of the coarse run, and of all tries
+    constexpr double enough = 2, too_much = 10;  // CPU s that the coarse run aims at, and that all tries together may take
+    constexpr double coarsest = 8;               // times the scene's spacing
     const double power = 1 + file.scene.domain.dimensions, began = cpu_seconds();
     // Whole numbers, which a period can be divided by.
     const double most = std::clamp(std::ceil(std::pow(seconds / enough, 1 / power)), 2.0, coarsest);
@@ -198,11 +199,6 @@ void pictures_from_json(const Json& pictures, Calibration& c) {
     for (const Json& p : pictures.at("pictures")) c.pictures.push_back({p.at(0), p.at(1), p.at(2)});
 }
 
-/// CPU seconds that simulating the whole film takes.
-double cpu_of_steps(const SceneFile& file, const Plan& plan, const Calibration& c) {
-    return estimate(file, plan, Simulation(file.scene, plan), c).film_simulate;
-}
-
 }  // namespace
 
 fs::path calibration_file() {
@@ -221,7 +217,7 @@ std::optional<Calibration> find_calibration(const SceneFile& file, const Plan& p
     return c;
 } catch (const Json::exception&) { return std::nullopt; }
 
-Calibration calibrate(const SceneFile& file, const Plan& plan) {
+Calibration calibrate(const SceneFile& file, const Plan& plan, const Simulation& simulation) {
     if (auto known = find_calibration(file, plan)) return *known;
     Json all = read_cache();
     if (!all.is_object() || all.size() > 400) all = Json::object();
@@ -230,7 +226,7 @@ Calibration calibrate(const SceneFile& file, const Plan& plan) {
     try {
         c = from_json(all.at(key));
     } catch (const Json::exception&) { c = measure(file, plan); }
-    measure_pictures(file, plan, cpu_of_steps(file, plan, c), c);
+    measure_pictures(file, plan, estimate(file, plan, simulation, c).film_simulate, c);
     try {
         all[key] = to_json(c), all[key_of_pictures(file)] = pictures_to_json(c);
         fs::create_directories(calibration_file().parent_path());

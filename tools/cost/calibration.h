@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/scene/plan.h"
+#include "engine/sim/simulation.h"
 #include "tools/scene_file/scene_file.h"
 
 namespace whorl {
@@ -32,7 +33,8 @@ struct Calibration {
 /// What was measured earlier for this program, machine, number of threads, set of models and scene; nothing where that was never done.
 std::optional<Calibration> find_calibration(const SceneFile& file, const Plan& plan);
 /// The same, measured now where it is not known (some seconds) and kept for the next time (a cache that cannot be written is no error).
-Calibration calibrate(const SceneFile& file, const Plan& plan);
+/// @param simulation of the scene, at its start
+Calibration calibrate(const SceneFile& file, const Plan& plan, const Simulation& simulation);
 
 /// The file that measurements are kept in: $XDG_CACHE_HOME/whorl/costs.json, else ~/.cache/whorl/costs.json; empty where there is no home.
 std::filesystem::path calibration_file();

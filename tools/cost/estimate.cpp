@@ -101,8 +101,8 @@ Estimate estimate(const SceneFile& file, const Plan& plan, const Simulation& sim
         const double time = frame_time(scene, k);
         const Estimate at = frame(time, particles_at(scene, plan, at_start, time), steps);
         e.frames_seconds.push_back(at.frame);
+        e.film += at.frame;
         e.film_simulate += at.simulate / wall_over_cpu(), e.film_surface += at.surface, e.film_draw += at.draw;
-        e.film += e.frames_seconds.back();
     }
     e.steps_a_frame = all_steps / std::max(1, e.frames - 1);
     e.step = all_steps > 0 ? interval / e.steps_a_frame : pace.step(0);
@@ -112,6 +112,12 @@ Estimate estimate(const SceneFile& file, const Plan& plan, const Simulation& sim
     const double pixels = static_cast<double>(scene.output.size[0]) * scene.output.size[1];
     e.memory = c.bytes_a_particle * most + (scene.output.frames ? bytes_with_pictures + bytes_a_pixel * pixels : bytes_without_pictures);
     return e;
+}
+
+Estimate estimate(const SceneFile& file) {
+    const Plan plan = make_plan(file.scene);
+    const Simulation simulation(file.scene, plan);
+    return estimate(file, plan, simulation, calibrate(file, plan, simulation));
 }
 
 }  // namespace whorl

@@ -27,5 +27,7 @@ struct Estimate {
 
 /// @param simulation of the scene, at its start
 Estimate estimate(const SceneFile& file, const Plan& plan, const Simulation& simulation, const Calibration& calibration);
+/// The same, with costs that are measured now where they are not known.
+Estimate estimate(const SceneFile& file);
 
 }  // namespace whorl

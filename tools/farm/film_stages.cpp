@@ -23,11 +23,6 @@ constexpr double slack = 3, to_begin = 600, memory_slack = 1.5, memory_to_begin 
 
 std::string program() { return program_path().string(); }
 
-Estimate foreseen(const SceneFile& file) {
-    const Plan plan = make_plan(file);
-    return estimate(file, plan, Simulation(file.scene, plan), calibrate(file, plan));
-}
-
 void allow(FarmStage& stage, double seconds, double bytes) {
     stage.seconds = std::max(stage.seconds, slack * seconds + to_begin);
     stage.bytes = std::max(stage.bytes, memory_slack * bytes + memory_to_begin);
@@ -61,7 +56,7 @@ std::vector<FarmStage> stages_of_panels(const FarmFilm& film, const fs::path& fo
         write_text(file, resolved_toml(run));
         panels.tasks.push_back(run_task(fmt::format("panel {} of {}", k + 1, run.scene.name), file,
                                         folder / "panels" / std::to_string(k + 1), film.threads, {}));
-        const Estimate e = foreseen(run);
+        const Estimate e = estimate(run);
         allow(panels, e.film, e.memory);
     }
     FarmStage gather{"gather", {{film.file.scene.name, {program(), "resume", folder.string(), "--quiet"}, {}, {}}}};
@@ -74,7 +69,7 @@ std::vector<FarmStage> stages_of_film(const FarmFilm& film, const fs::path& fold
     const fs::path scene = folder / "farm" / "scene.toml";
     write_text(scene, resolved_toml(file));
     const std::string name = file.scene.name;
-    const Estimate e = foreseen(file);
+    const Estimate e = estimate(file);
     if (!file.scene.output.frames) {
         FarmStage simulate{"simulate", {run_task(name, scene, folder, film.threads, {})}};
         allow(simulate, e.film, e.memory);

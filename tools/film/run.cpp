@@ -253,8 +253,7 @@ void Run::save_newest() {
 void Run::predict_late() try {
     constexpr double spares_seconds = 120;
     if (predicted_ > 0 || request_.from || request_.frames || times_.wall() < spares_seconds) return;
-    const Plan plan = make_plan(request_.file.scene);
-    predicted_ = estimate(request_.file, plan, Simulation(request_.file.scene, plan), calibrate(request_.file, plan)).film;
+    predicted_ = estimate(request_.file).film;
     // The rest of the report stands: the run took neither the time nor the memory of this.
     const std::filesystem::path file = folder_.path() / "run.json";
     auto report = nlohmann::ordered_json::parse(std::ifstream(file));

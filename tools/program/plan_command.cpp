@@ -16,10 +16,7 @@ namespace {
 double film_seconds(const SceneFile& file, const Estimate& alone) {
     if (file.scene.panels.empty()) return alone.film;
     double sum = 0;
-    for (const SceneFile& panel : panel_scenes(file)) {
-        const Plan plan = make_plan(panel.scene);
-        sum += estimate(panel, plan, Simulation(panel.scene, plan), calibrate(panel, plan)).film;
-    }
+    for (const SceneFile& panel : panel_scenes(file)) sum += estimate(panel).film;
     return sum;
 }
 
@@ -28,7 +25,7 @@ int plan(const Options& options) {
     const SceneFile file = read_scene_file(options);
     const Plan plan = make_plan(file);
     const Simulation simulation(file.scene, plan);
-    const Calibration calibration = calibrate(file, plan);
+    const Calibration calibration = calibrate(file, plan, simulation);
     const Estimate cost = estimate(file, plan, simulation, calibration);
     const Preview preview{file, plan, simulation, PreviewCost{calibration, cost, film_seconds(file, cost)}};
     options.json ? print_json(preview) : print_text(preview);
