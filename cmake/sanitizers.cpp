@@ -22,7 +22,9 @@ const char* __tsan_default_suppressions() {
            "called_from_lib:libtbb.so\n"
            "called_from_lib:libopenvdb.so\n"
            "mutex:libGLdispatch.so\n"
-           "mutex:whorl::prepare_openvdb\n";  // OpenVDB's own lock, taken and given back inside it
+           "mutex:whorl::write_vdb\n"      // OpenVDB's own lock, taken and given back inside its initialize()
+           "mutex:_Unwind_Find_FDE\n"      // what libgcc holds while an exception is thrown
+           "deadlock:_Unwind_Find_FDE\n";
 }
 
 #ifdef __SANITIZE_THREAD__

@@ -66,7 +66,7 @@ Cut::Cut(const Frame& frame) {
                 sides_.push_back({way * Vec3f::Unit(a), way > 0 ? frame.domain_min[a] : -frame.domain_max[a], false});
     for (const FrameSolid& solid : frame.solids) {
         if (!solid.container || !solid.mesh) continue;
-        for (Side side : walls_of(*solid.mesh, 0.05f * static_cast<float>(frame.spacing))) {
+        for (Side side : walls_of(*solid.mesh, 0.03f * static_cast<float>(frame.spacing))) {
             side.inward = solid.rotation * side.inward;
             side.offset += side.inward.dot(solid.translation);
             sides_.push_back(side);
