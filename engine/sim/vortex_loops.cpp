@@ -27,6 +27,7 @@ VortexLoop::VortexLoop(const VortexKeys& keys, const Domain& domain)
     for (std::size_t s = 0; s < rough.size(); ++s) length += (rough[(s + 1) % rough.size()] - rough[s]).norm();
     segments_ = static_cast<std::size_t>(std::clamp(std::ceil(4 * length / core_), 64.0, 4096.0));
     const auto line = points(keys.path, segments_);
+    for (std::size_t s = 0; s < segments_; ++s) longest_ = std::max(longest_, (line[(s + 1) % segments_] - line[s]).norm());
     const Vec3d period = domain.period().cast<double>();
     const auto images = [&](int a) { return period[a] > 0 ? 1 : 0; };
     for (int i = -images(0); i <= images(0); ++i)
@@ -54,10 +55,12 @@ Vec3d VortexLoop::velocity(const Vec3d& x) const {
     return strength_ * Vec3d(u, v, w);
 }
 
-VortexLoop::Nearest VortexLoop::nearest(const Vec3d& x) const {
+VortexLoop::Nearest VortexLoop::nearest(const Vec3d& x, double reach) const {
     double least = std::numeric_limits<double>::infinity(), where = 0;
+    const double far = reach + 0.5 * longest_;
     for (std::size_t s = 0; s < middle_[0].size(); ++s) {
         const Vec3d along(along_[0][s], along_[1][s], along_[2][s]), to = x - Vec3d(middle_[0][s], middle_[1][s], middle_[2][s]);
+        if (to.squaredNorm() > far * far) continue;
         const double part = std::clamp(to.dot(along) / along.squaredNorm(), -0.5, 0.5), square = (to - part * along).squaredNorm();
         if (square < least) least = square, where = static_cast<double>(s % segments_) + 0.5 + part;
     }
@@ -73,8 +76,12 @@ void add_vortices(const Scene& scene, World& world) {
         if (!keys.ink.any()) continue;
         const VectorExpression concentration = keys.ink.vector();
         const auto ink = world.fluid.column<field::ink>();
-        for (std::size_t i = 0; i < ink.size(); ++i) {
-            const VortexLoop::Nearest line = loop.nearest(x[i].cast<double>());
+        const double reach = 2.2 * keys.core;  // beyond it there is less than 1e-10 of the ink
+        std::vector<VortexLoop::Nearest> lines(ink.size());
+        parallel_for(static_cast<Index>(ink.size()), [&](Index i) { lines[i] = loop.nearest(x[i].cast<double>(), reach); });
+        for (std::size_t i = 0; i < ink.size(); ++i) {  // not in parallel: an expression has one parser
+            const VortexLoop::Nearest& line = lines[i];
+            if (line.distance > reach) continue;
             const double inside = std::exp(-std::pow(line.distance / keys.core, 4));
             ink[i] = ink[i].cwiseMax((inside * concentration(line.t)).cwiseMax(0.0).cwiseMin(1.0).cast<Real>());
         }

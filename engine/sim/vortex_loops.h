@@ -19,11 +19,12 @@ public:
         double t;         ///< of the path
     };
     Vec3d velocity(const Vec3d& x) const;  ///< m/s
-    Nearest nearest(const Vec3d& x) const;
+    /// The line's nearest point, where one is nearer than `reach` [m]; else at an infinite distance.
+    Nearest nearest(const Vec3d& x, double reach) const;
 
 private:
-    std::size_t segments_;  ///< of one image; a quarter of the core long
-    double strength_, core_;
+    std::size_t segments_;                      ///< of one image; a quarter of the core long
+    double strength_, core_, longest_ = 0;      ///< longest_: m, of the segments
     std::vector<double> middle_[3], along_[3];  ///< m, of each segment of each image
 };
 

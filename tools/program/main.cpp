@@ -54,7 +54,12 @@ std::string version_text() {
             gl = device.outcome;
             break;
         }
-    return fmt::format("whorl {}\nbuild      gcc {}{}\nprocessor  {}\nprecision  {}\nGL         {}", WHORL_VERSION, __VERSION__,
+#ifdef __clang__
+    const std::string compiler = __VERSION__;
+#else
+    const std::string compiler = fmt::format("gcc {}", __VERSION__);
+#endif
+    return fmt::format("whorl {}\nbuild      {}{}\nprocessor  {}\nprecision  {}\nGL         {}", WHORL_VERSION, compiler,
 #ifdef __OPTIMIZE__
                        "",
 #else
