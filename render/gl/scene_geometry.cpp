@@ -93,7 +93,12 @@ const SceneGeometry::Model& SceneGeometry::model(const std::shared_ptr<const Tri
 
 void SceneGeometry::fill(const Frame& frame, const Surface& surface) {
     const TriangleMesh& fluid = surface.mesh;
-    if (fluid.normal.size() == fluid.position.size()) fill_vertices(fluid_, fluid, surface.age, surface.crust, surface.velocity);
+    if (!surface.edge.empty()) {
+        // Short normals hardly count between the vertices of a triangle: each side of an edge keeps its own.
+        TriangleMesh sided = fluid;
+        for (const Index v : surface.edge) sided.normal[v] *= 0.02f;
+        fill_vertices(fluid_, sided, surface.age, surface.crust, surface.velocity);
+    } else if (fluid.normal.size() == fluid.position.size()) fill_vertices(fluid_, fluid, surface.age, surface.crust, surface.velocity);
     else fill_vertices(fluid_, with_normals(fluid), {}, {}, {});
     shape_ = Shape::surface;
     bounds_ = fluid_bounds_ = bounds_of(fluid.position);

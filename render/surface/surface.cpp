@@ -18,12 +18,31 @@ constexpr float edge_reach = 6;  // voxels, from an edge between walls, of norma
 
 /// Smooth normals round off the edge between two walls, where water would bend light that it does not. What differs little stays: the
 /// facets of a round wall must not show.
-void set_wall_normal(const Cut& cut, const Vec3f& x, float voxel, Vec3f& normal) {
+/// @return whether the vertex is on a wall and near such an edge
+bool set_wall_normal(const Cut& cut, const Vec3f& x, float voxel, Vec3f& normal) {
     const Cut::Side& side = cut.at(x);
-    if (!side.is_wall || side.inside(x) > touch * voxel || !cut.is_edge(x, edge_reach * voxel)) return;
+    if (!side.is_wall || side.inside(x) > touch * voxel || !cut.is_edge(x, edge_reach * voxel)) return false;
     const Vec3f outward = -side.inward;
     const float kept = std::clamp((outward.dot(normal) - 0.95f) / 0.04f, 0.0f, 1.0f);  // from 18 to 8 degrees
     normal = (kept * normal + (1 - kept) * outward).normalized();
+    return true;
+}
+
+/// Vertices on edges between walls: triangles of both are there.
+/// @param on_wall of each vertex, whether set_wall_normal() found it so
+std::vector<Index> wall_edges(const TriangleMesh& mesh, const std::vector<char>& on_wall) {
+    std::vector<char> is_edge(mesh.position.size(), 0);
+    for (const auto& t : mesh.triangle) {
+        if (on_wall[t[0]] == 0 && on_wall[t[1]] == 0 && on_wall[t[2]] == 0) continue;
+        const Vec3f& a = mesh.position[t[0]];
+        const Vec3f area = (mesh.position[t[1]] - a).cross(mesh.position[t[2]] - a);
+        for (const std::uint32_t v : t)
+            if (on_wall[v] != 0 && area.dot(mesh.normal[v]) < 0.7f * area.norm()) is_edge[v] = 1;
+    }
+    std::vector<Index> edge;
+    for (std::size_t v = 0; v < is_edge.size(); ++v)
+        if (is_edge[v] != 0) edge.push_back(static_cast<Index>(v));
+    return edge;
 }
 
 /// Calls f(v, sides near v) for the vertices that have sides within the reach of an edge.
@@ -67,8 +86,11 @@ Surface build_surface(const Frame& frame, const SurfaceOptions& options) {
             surface.mesh.position[v] = near.held(sharp[v], surface.mesh.position[v], touch * voxel);
         });
         set_smooth_normals(surface.mesh, options.smoothing * steps);
-        for_vertices_at(cut, grid, marched,
-                        [&](Index v, const Cut& near) { set_wall_normal(near, surface.mesh.position[v], voxel, surface.mesh.normal[v]); });
+        std::vector<char> on_wall(sharp.size(), 0);
+        for_vertices_at(cut, grid, marched, [&](Index v, const Cut& near) {
+            on_wall[v] = set_wall_normal(near, surface.mesh.position[v], voxel, surface.mesh.normal[v]) ? 1 : 0;
+        });
+        if (cut.any()) surface.edge = wall_edges(surface.mesh, on_wall);
     }
     if (const auto age = frame.scalar.find("age"); options.ages && age != frame.scalar.end()) {
         surface.age = values_at(surface.mesh.position, frame.position, age->second, static_cast<float>(options.radius * frame.spacing));

@@ -35,6 +35,7 @@ struct Volume {
 
 struct Surface {
     TriangleMesh mesh;              ///< closed, manifold, outward normals
+    std::vector<Index> edge;        ///< vertices where two walls meet, and the surface has no one normal; rising
     std::vector<float> age;         ///< s, one a vertex: how long the fluid there has been about; empty where the frame does not say
     std::vector<Vec3f> velocity;    ///< m/s, one a vertex; empty where nobody asked
     std::vector<CrustPlace> crust;  ///< one a vertex; empty where the frame has no ages or cannot tell particles apart
