@@ -23,8 +23,8 @@ const char* __tsan_default_suppressions() {
            "called_from_lib:libopenvdb.so\n"
            "mutex:libGLdispatch.so\n"
            "mutex:whorl::write_vdb\n"  // OpenVDB's own lock, taken and given back inside its initialize()
-           "mutex:_Unwind_Find_FDE\n"  // what libgcc holds while an exception is thrown
-           "deadlock:_Unwind_Find_FDE\n";
+           "mutex:libgcc_s.so\n"       // what libgcc holds while code is made or an exception thrown
+           "deadlock:libgcc_s.so\n";
 }
 
 #ifdef __SANITIZE_THREAD__

@@ -75,7 +75,7 @@ vec3 seen_through(vec3 p, vec3 d, vec3 through, out float clear) {
 }
 
 // What inks along a way give back of the lamp's light, and in `through` what they leave of the light from behind. They take the fluid's place:
-// where they are thick they look as paint does.
+// where they are thick they look as paint does. Each, and the fluid, has a share in the colour by what it scatters: clear water has none.
 vec3 through_inks(vec3 p, vec3 d, float way, vec3 lamp, inout vec3 through) {
     const int parts = 8;
     vec3 light = vec3(0.0);
@@ -84,9 +84,9 @@ vec3 through_inks(vec3 p, vec3 d, float way, vec3 lamp, inout vec3 through) {
         // Finer where the light comes out.
         float to = way * pow(float(i + 1) / float(parts), 2.0), length_of = to - from;
         vec3 at = p + 0.5 * (from + to) * d, c = inks_at(world_of(at));
-        float amount = min(c.r + c.g + c.b, 1.0), milk = 1.0 - exp(-(haze * (1.0 - amount) + ink_haze * amount) * length_of);
+        float amount = min(c.r + c.g + c.b, 1.0), cloud = haze * (1.0 - amount) + ink_haze * amount, milk = 1.0 - exp(-cloud * length_of);
         vec3 clear = absorption * (1.0 - amount);
-        light += through * milk * lamp * inked(scatter, c) * exp(-clear * 1.2 * max(-far_distance(at), 0.0));
+        light += through * milk * lamp * inked(scatter, ink_haze / max(cloud, 1e-9) * c) * exp(-clear * 1.2 * max(-far_distance(at), 0.0));
         through *= exp(-(clear + 0.3 * ink_absorption * c) * length_of) * (1.0 - milk);
         from = to;
     }
