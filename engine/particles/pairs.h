@@ -14,9 +14,10 @@ class Pairs {
 public:
     std::vector<std::size_t> first;  ///< n + 1 offsets into other
     Column<Index> other;
-    Span<const Vec3> x_own, x_other;  ///< positions as they were found; must outlive the pairs' use
-    Vec3 period = Vec3::Zero();       ///< Domain::period()
-    Real support = 0;                 ///< m
+    Span<const Vec3> x_own, x_other;      ///< positions as they were found; must outlive the pairs' use
+    Vec3 period = Vec3::Zero();           ///< Domain::period()
+    Real support = 0;                     ///< m
+    Column<Vec3> found_own, found_other;  ///< where they were found, if the search went farther than it had to (NeighbourSearch::narrow)
 
     Index size() const { return first.empty() ? 0 : static_cast<Index>(first.size()) - 1; }
     Index count(Index i) const { return static_cast<Index>(first[i + 1] - first[i]); }

@@ -28,6 +28,18 @@ struct Test {
     Index self;
 };
 
+/// For rows of pairs; without x and self.
+Test test_for(Real support, const Domain& domain) {
+    Test test{};
+    test.support2 = support * support;
+    const Vec3 period = domain.period();
+    for (int a = 0; a < 3; ++a) {
+        test.period[a] = period[a];
+        test.inverse_period[a] = period[a] > 0 ? 1 / period[a] : 0;
+    }
+    return test;
+}
+
 /// Appends those of the candidates [begin, end) that are nearer than the support to out; returns the new end. Writes up to `lanes` past it.
 #if defined(__AVX512F__) && !defined(WHORL_DOUBLE)
 template <bool periodic>
@@ -236,15 +248,9 @@ void NeighbourSearch::append_row(const Vec3& x, Index self, const Reach& reach, 
 
 template <bool periodic>
 void NeighbourSearch::fill_rows(Span<const Vec3> own, bool among_themselves, Real support, const Domain& domain, Pairs& pairs) {
-    Reach reach{double(support) * (1 + 1e-5), {}};
-    reach.test.support2 = support * support;
-    const Vec3 period = domain.period();
-    for (int a = 0; a < 3; ++a) {
-        reach.test.period[a] = period[a];
-        reach.test.inverse_period[a] = period[a] > 0 ? 1 / period[a] : 0;
-    }
+    const Reach reach{double(support) * (1 + 1e-5), test_for(support, domain)};
     // Blocks of rows are found side by side and then joined; a batch of blocks at a time, so that the copies stay small and in the cache.
-    constexpr Index block = 256, batch = 128 * block;
+    constexpr Index block = 256, batch = 32 * block;
     const Index n = static_cast<Index>(own.size());
     pairs.first.resize(own.size() + 1);
     pairs.first[0] = 0;
@@ -286,6 +292,7 @@ void NeighbourSearch::find(Span<const Vec3> x_own, Span<const Vec3> x_other, Rea
     pairs.x_other = x_other;
     pairs.period = domain.period();
     pairs.support = support;
+    pairs.found_own.clear(), pairs.found_other.clear();
     if (x_other.empty()) {
         pairs.first.assign(x_own.size() + 1, 0);
         pairs.other.clear();
@@ -296,6 +303,96 @@ void NeighbourSearch::find(Span<const Vec3> x_own, Span<const Vec3> x_other, Rea
     const bool among_themselves = x_own.data() == x_other.data() && x_own.size() == x_other.size();
     if (domain.any_periodic()) fill_rows<true>(x_own, among_themselves, support, domain, pairs);
     else fill_rows<false>(x_own, among_themselves, support, domain, pairs);
+}
+
+namespace {
+
+/// Of who moved farthest [m], the short way round where the domain is periodic.
+double farthest_move(Span<const Vec3> from, Span<const Vec3> to, const Domain& domain) {
+    const Vec3 period = domain.period();
+    return std::sqrt(parallel_max(static_cast<Index>(to.size()), 0, [&](Index i) {
+        Vec3 move = to[i] - from[i];
+        for (int a = 0; a < 3; ++a)
+            if (period[a] > 0) move[a] -= period[a] * std::nearbyint(move[a] / period[a]);
+        const double squared = static_cast<double>(move.squaredNorm());
+        return std::isfinite(squared) ? squared : std::numeric_limits<double>::infinity();
+    }));
+}
+
+/// Moves the near ones of row `other` to `out`, which is not behind it. @returns their number
+template <bool periodic>
+Index keep_near(const Test& test, Span<const Vec3> x, const Index* other, Index count, Index* out) {
+    constexpr Index most = 64;
+    alignas(64) Index index[most + 2 * lanes], near[most + 4 * lanes];
+    alignas(64) Real at[3][most + 2 * lanes];
+    const Real* const p[3] = {at[0], at[1], at[2]};
+    Index kept = 0;
+    for (Index k = 0; k < count; k += most) {
+        const Index group = std::min(most, count - k), padded = (group + 2 * lanes - 1) & -(2 * lanes);
+        for (Index l = 0; l < padded; ++l) index[l] = other[k + (l < group ? l : 0)];
+        gather(x.data(), index, padded, at);
+        const Index found = static_cast<Index>(append_near<periodic>(test, p, index, 0, group, near) - near);
+        std::copy_n(near, found, out + kept);
+        kept += found;
+    }
+    return kept;
+}
+
+}  // namespace
+
+void NeighbourSearch::find_wide(Span<const Vec3> x_own, Span<const Vec3> x_other, Real reach, const Domain& domain, Pairs& pairs) {
+    find(x_own, x_other, reach, domain, pairs);
+    pairs.found_own.assign(x_own.begin(), x_own.end());
+    if (x_own.data() != x_other.data()) pairs.found_other.assign(x_other.begin(), x_other.end());
+}
+
+bool NeighbourSearch::narrow(Span<const Vec3> x_own, Span<const Vec3> x_other, Real support, const Domain& domain, Pairs& pairs) {
+    const bool among_themselves = x_own.data() == x_other.data();
+    Column<Vec3>&found_own = pairs.found_own, &found_other = among_themselves ? pairs.found_own : pairs.found_other;
+    if (found_own.size() != x_own.size() || found_other.size() != x_other.size() || x_own.empty() || x_other.empty()) return false;
+    const double spare = 0.99 * static_cast<double>(pairs.support - support);  // less what rounding may cost
+    const double own = farthest_move(found_own, x_own, domain);
+    if (!(own + (among_themselves ? own : farthest_move(found_other, x_other, domain)) <= spare)) return false;
+    found_own.clear(), found_other.clear();
+    pairs.x_own = x_own, pairs.x_other = x_other;
+    pairs.support = support;
+
+    const Test test = test_for(support, domain);
+    constexpr Index block = 256;
+    const auto n = static_cast<Index>(x_own.size());
+    std::vector<std::size_t> begins;
+    for (Index begin = 0; begin < n; begin += block) begins.push_back(pairs.first[begin]);
+    begins.push_back(pairs.first[n]);
+    const auto run = [&]<bool periodic>() {
+        parallel_blocks(n, block, [&](Index begin, Index end) {  // each block within its own part of `other`
+            Index* const row = pairs.other.data() + begins[begin / block];
+            std::size_t from = 0, kept = 0;
+            for (Index i = begin; i < end; ++i) {
+                const std::size_t next = (i + 1 < end ? pairs.first[i + 1] : begins[begin / block + 1]) - begins[begin / block];
+                Test of_row = test;
+                for (int a = 0; a < 3; ++a) of_row.x[a] = x_own[i][a];
+                of_row.self = -1;
+                kept +=
+                    static_cast<std::size_t>(keep_near<periodic>(of_row, x_other, row + from, static_cast<Index>(next - from), row + kept));
+                from = next;
+                pairs.first[i + 1] = kept;  // within the block; shifted below
+            }
+        });
+    };
+    if (domain.any_periodic()) run.template operator()<true>();
+    else run.template operator()<false>();
+    std::size_t total = 0;
+    pairs.first[0] = 0;
+    for (Index begin = 0; begin < n; begin += block) {
+        const Index end = std::min(begin + block, n);
+        const auto first = pairs.other.begin() + static_cast<std::ptrdiff_t>(begins[begin / block]);
+        const std::size_t kept = pairs.first[end];
+        std::copy_n(first, kept, pairs.other.begin() + static_cast<std::ptrdiff_t>(total));
+        for (Index i = begin; i < end; ++i) pairs.first[i + 1] += total;
+        total += kept;
+    }
+    pairs.other.resize(total);
+    return true;
 }
 
 std::size_t NeighbourSearch::capacity_bytes() const {

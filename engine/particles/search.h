@@ -21,6 +21,12 @@ public:
     /// For each x_own its neighbours among x_other.
     void find(Span<const Vec3> x_own, Span<const Vec3> x_other, Real support, const Domain& domain, Pairs& pairs);
 
+    /// find() that goes farther than the models need, so that narrow() can make the rows of a next step of it.
+    void find_wide(Span<const Vec3> x_own, Span<const Vec3> x_other, Real reach, const Domain& domain, Pairs& pairs);
+    /// Where `pairs` hold what find_wide() found for positions so near these that no pair within the support can be missing: drops the
+    /// pairs beyond the support. The rows are those of find(), in another order. @returns false, and leaves them alone, elsewhere
+    static bool narrow(Span<const Vec3> x_own, Span<const Vec3> x_other, Real support, const Domain& domain, Pairs& pairs);
+
     std::size_t capacity_bytes() const;
 
 private:

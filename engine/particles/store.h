@@ -33,20 +33,20 @@ struct ColumnBase {
 namespace detail {
 template <class T>
 struct TypedColumn : ColumnBase {
-    Column<T> values, old;
+    Column<T> values;
     static T zero() {
         if constexpr (std::is_arithmetic_v<T>) return T(0);
         else return T(T::Zero());
     }
     void resize(std::size_t n) override { values.resize(n, zero()); }
     void gather(Span<const Index> order) override {
-        old.swap(values);
-        values.resize(order.size(), zero());
-        for (std::size_t k = 0; k < order.size(); ++k) values[k] = old[order[k]];
+        Column<T> sorted(order.size(), zero());
+        for (std::size_t k = 0; k < order.size(); ++k) sorted[k] = values[order[k]];
+        values.swap(sorted);
     }
     const void* data() const override { return values.data(); }
     void* data() override { return values.data(); }
-    std::size_t capacity_bytes() const override { return (values.capacity() + old.capacity()) * sizeof(T); }
+    std::size_t capacity_bytes() const override { return values.capacity() * sizeof(T); }
 };
 template <class T>
 constexpr int components() {

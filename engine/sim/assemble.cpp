@@ -51,15 +51,17 @@ double free_kinetic_energy(const World& w) {
 
 /// Fluid and solid neighbours of the models with one support radius.
 Stage neighbours() {
-    struct Searches {
-        NeighbourSearch fluid, solid;
-    };
     Stage stage{"neighbours", "neighbours", {{&field_info<field::position>(), Access::read}}, {}};
-    auto searches = std::make_shared<Searches>();
-    stage.run = [searches](World& w) {
+    stage.run = [](World& w) {
         const auto x = std::as_const(w.fluid).column<field::position>();
-        searches->fluid.find(x, w.step.support, w.step.domain, w.fluid_pairs);
-        searches->solid.find(x, w.solid_particles.position, w.step.support, w.step.domain, w.solid_pairs);
+        const Real support = w.step.support;
+        // A step may begin with what the last one found where it ended. A resumed run has nothing of that kind.
+        const bool fresh = w.step.at_frame_time;
+        if (fresh || !NeighbourSearch::narrow(x, x, support, w.step.domain, w.fluid_pairs))
+            w.search.find(x, support, w.step.domain, w.fluid_pairs);
+        const Span<const Vec3> layer = w.solid_particles.position;
+        if (fresh || !NeighbourSearch::narrow(x, layer, support, w.step.domain, w.solid_pairs))
+            w.search.find(x, layer, support, w.step.domain, w.solid_pairs);
     };
     return stage;
 }

@@ -55,6 +55,7 @@ struct Argument<Update<F>> {
 WHORL_SHARED_ARGUMENT(const Surroundings&, surroundings())
 WHORL_SHARED_ARGUMENT(FluidPairs&, fluid_pairs)
 WHORL_SHARED_ARGUMENT(SolidPairs&, solid_pairs)
+WHORL_SHARED_ARGUMENT(NeighbourSearch&, search)
 WHORL_SHARED_ARGUMENT(const Solids&, solids)
 WHORL_SHARED_ARGUMENT(const StepContext&, step)
 WHORL_SHARED_ARGUMENT(StepReport&, report)

@@ -1,5 +1,6 @@
 #pragma once
 /// Everything that the stages of a run share. A stage gets from here what its operator() names, nothing else.
+#include "engine/particles/search.h"
 #include "engine/particles/surroundings.h"
 
 namespace whorl {
@@ -10,6 +11,7 @@ struct World {
     SolidParticles solid_particles;
     FluidPairs fluid_pairs;
     SolidPairs solid_pairs;
+    NeighbourSearch search;  ///< that fills them; its memory serves whoever searches next
     StepContext step;
     StepReport report;
 

@@ -73,6 +73,9 @@ struct Thread {
 void report(benchmark::State& state, const Thread& t) {
     state.counters["ns/particle"] = benchmark::Counter(static_cast<double>(t.size()) * 1e-9 * static_cast<double>(state.iterations()),
                                                        benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+    state.counters["ns/pair"] =
+        benchmark::Counter(static_cast<double>(t.system->rows.pairs) * 1e-9 * static_cast<double>(state.iterations()),
+                           benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
     state.counters["pairs/particle"] = static_cast<double>(t.system->rows.pairs) / static_cast<double>(t.size());
 }
 

@@ -6,6 +6,7 @@
 #include "engine/core/random.h"
 #include "engine/models/boundary/wall.h"
 #include "engine/models/motion/motion.h"
+#include "engine/models/pressure/density_rate.h"
 #include "engine/models/pressure/poisson.h"
 #include "engine/models/viscosity/full_viscosity.h"
 #include "engine/particles/sort.h"
@@ -47,7 +48,10 @@ void per_particle(benchmark::State& state, Block& block) {
     const auto particles = static_cast<double>(block.world.fluid.size());
     state.counters["ns/particle"] = benchmark::Counter(particles * 1e-9 * static_cast<double>(state.iterations()),
                                                        benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
-    state.counters["neighbours"] = static_cast<double>(block.world.fluid_pairs.other.size()) / particles;
+    const auto pairs = static_cast<double>(block.world.fluid_pairs.other.size());
+    state.counters["ns/pair"] = benchmark::Counter(pairs * 1e-9 * static_cast<double>(state.iterations()),
+                                                   benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+    state.counters["neighbours"] = pairs / particles;
     state.counters["threads"] = threads();
 }
 
@@ -117,10 +121,31 @@ void pressure_product(benchmark::State& state) {
     per_particle(state, block);
 }
 
+/// A product with D and with its transpose: an iteration of the constraint.
+void constraint_product(benchmark::State& state) {
+    set_threads(static_cast<int>(state.range(1)));
+    Block block(static_cast<Index>(state.range(0)));
+    World& w = block.world;
+    DensityRate D;
+    const std::size_t n = static_cast<std::size_t>(w.fluid.size());
+    Column<Real> rho(n), rate(n), q(n, 1);
+    D.build(WallImage(w.step.kernel, w.step.support, w.step.spacing), w.surroundings(), block.read<field::role>(),
+            block.read<field::velocity>(), rho, rate);
+    Column<Padded> force(n);
+    const std::vector<char> all(n, 1);
+    for (auto _ : state) {
+        D.transposed(q, force);
+        D.apply(force, all, rate);
+        benchmark::ClobberMemory();
+    }
+    per_particle(state, block);
+}
+
 }  // namespace
 
 // Particles, threads.
 BENCHMARK(viscous_set_up)->ArgsProduct({{3000, 30000}, {1, 2}})->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(viscous_product)->ArgsProduct({{3000, 30000}, {1, 2}})->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(pressure_set_up)->ArgsProduct({{3000, 30000}, {1, 2}})->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(constraint_product)->ArgsProduct({{3000, 30000, 200000}, {1, 2}})->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(pressure_product)->ArgsProduct({{3000, 30000}, {1, 2}})->UseRealTime()->Unit(benchmark::kMillisecond);

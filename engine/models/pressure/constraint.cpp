@@ -186,11 +186,12 @@ void ConstraintPressure::add_bend(const WallImage& wall, const Surroundings& aro
     constexpr Real most = Real(0.02);  // of the rest density: beyond it a step moves by more than the densities tell
     const StepContext& step = around.step;
     const Index n = D_.size();
-    bend_.resize(n), expected_.resize(n);
+    Column<Real> bend(static_cast<std::size_t>(n));
+    Column<Vec3> expected(static_cast<std::size_t>(n));  // velocities after the step, by the last pressure
     D_.transposed(q, force);
-    parallel_for(n, [&](Index i) { expected_[i] = u[i] - force[i].head<3>(); });
-    D_.bend(wall, around, rho, expected_, bodies_.poses_after(q, around.solids), bend_);
-    parallel_for(n, [&](Index i) { b_[i] += std::clamp(bend_[i], -most * step.rest_density, most * step.rest_density) / step.dt; });
+    parallel_for(n, [&](Index i) { expected[i] = u[i] - force[i].head<3>(); });
+    D_.bend(wall, around, rho, expected, bodies_.poses_after(q, around.solids), bend);
+    parallel_for(n, [&](Index i) { b_[i] += std::clamp(bend[i], -most * step.rest_density, most * step.rest_density) / step.dt; });
 }
 
 void ConstraintPressure::operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Write<field::density> rho,
@@ -222,6 +223,7 @@ void ConstraintPressure::operator()(const Surroundings& around, StepReport& repo
         u[i] -= matrix.force[i].head<3>();
         p[i] *= D_.virial[i] * rho[i] * rho[i] / step.dt;
     });
+    Column<Real>().swap(D_.slope);  // a fifth of a step's memory, and nobody needs it any longer
 }
 
 double pressure_step(double cfl, double spacing, double rest_density, Span<const Real> pressure) {

@@ -60,8 +60,6 @@ public:
     void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Write<field::density> rho,
                     Update<field::velocity> u, Update<field::pressure> p);
 
-    const DensityRate& density_rate() const { return D_; }
-
 private:
     /// A q <= b as complementarity.
     SolveReport solve(ConstraintMatrix& A, const StepContext& step, Span<Real> q);
@@ -94,8 +92,7 @@ private:
     ConstraintOptions options_;
     DensityRate D_;
     BodyRows bodies_;
-    Column<Real> b_, residual_, bend_;
-    Column<Vec3> expected_;  ///< velocities after the step, by the last pressure
+    Column<Real> b_, residual_;
 };
 
 /// Nothing can give way: every axis is periodic, and the volumes of particles and free bodies fill the domain.

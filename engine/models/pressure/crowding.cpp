@@ -38,18 +38,21 @@ std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, con
             wall, W, around, i, [](const Pairs::Group&, const Real*) {}, [](Index, const Vec3&, const WallImage::Share&) {});
     };
     const Index n = static_cast<Index>(x.size());
-    parallel_for(n, [&](Index i) { rho[i] = row(i).density; });
-    touched_.resize(n);
-    for (Index i = 0; i < n; ++i) touched_[i] = i;
+    const auto density = [&](Index i) { return density_at(wall, W, around, i); };
+    parallel_for(n, [&](Index i) { rho[i] = density(i); });
     Real moved = 0;  // at most, since the neighbours were found
     for (int sweep = 0;; ++sweep) {
         crowded_.clear();
         Real densest = 0;
-        for (const Index i : touched_) {
-            if (!(rho[i] > crowded) || role[i] != 0) continue;
+        const auto look = [&](Index i) {
+            if (!(rho[i] > crowded) || role[i] != 0) return;
             crowded_.push_back(i);
             densest = std::max(densest, rho[i]);
-        }
+        };
+        if (sweep == 0)
+            for (Index i = 0; i < n; ++i) look(i);
+        else
+            for (const Index i : touched_) look(i);
         if (!(densest > rho_0 * (1 + Real(0.9) * most_))) return "";
         if (sweep == most_sweeps)
             return fmt::format("{} particles are still crowded, one by {:.2g} %, after {} sweeps", crowded_.size(),
@@ -63,6 +66,7 @@ std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, con
             share_[i] = l * at_i.fill;
         });
         with_neighbours(around.pairs, crowded_, movers_);
+        moves_.resize(movers_.size()), kicks_.resize(movers_.size());
         parallel_for(static_cast<Index>(movers_.size()), [&](Index c) {
             const Index i = movers_[c];
             Vec3 move = share_[i] > 0 ? push_[i] : Vec3(Vec3::Zero()), slower = Vec3::Zero();
@@ -93,12 +97,13 @@ std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, con
             parallel_max(static_cast<Index>(movers_.size()), 0, [&](Index c) { return static_cast<double>(moves_[c].squaredNorm()); })));
         if (2 * moved > step.spacing / 5) find(), moved = 0;
         with_neighbours(around.pairs, movers_, touched_);
-        parallel_for(static_cast<Index>(touched_.size()), [&](Index c) { rho[touched_[c]] = row(touched_[c]).density; });
+        parallel_for(static_cast<Index>(touched_.size()), [&](Index c) { rho[touched_[c]] = density(touched_[c]); });
     }
 }
 
-void RelieveCrowding::operator()(const Surroundings& around, FluidPairs& pairs, SolidPairs& solid_pairs, StepReport& report,
-                                 Read<field::role> role, Update<field::density> rho, Update<field::position> x, Update<field::velocity> u) {
+void RelieveCrowding::operator()(const Surroundings& around, FluidPairs& pairs, SolidPairs& solid_pairs, NeighbourSearch& search,
+                                 StepReport& report, Read<field::role> role, Update<field::density> rho, Update<field::position> x,
+                                 Update<field::velocity> u) {
     const StepContext& step = around.step;
     const Index n = x.size();
     if (fills_periodic_domain(around, n)) return;  // there densities are held equal, not below rho_0
@@ -108,11 +113,11 @@ void RelieveCrowding::operator()(const Surroundings& around, FluidPairs& pairs, 
     for (const Real length : step.domain.period())
         if (length > 0) reach = std::min(reach, length / 2);
     const auto find = [&] {
-        search_.find(x.values, reach, step.domain, pairs);
-        solid_search_.find(x.values, around.layer.position, reach, step.domain, solid_pairs);
+        search.find_wide(x.values, x.values, reach, step.domain, pairs);
+        search.find_wide(x.values, around.layer.position, reach, step.domain, solid_pairs);
     };
     find();
-    seen_.resize(n, 0), push_.resize(n), moves_.resize(n), kicks_.resize(n);
+    seen_.resize(n, 0), push_.resize(n);
     share_.assign(n, 0);
     const WallImage wall(step.kernel, step.support, step.spacing, gate_);
     with_kernel(step.kernel, step.support, [&](const auto& W) {

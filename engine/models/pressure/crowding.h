@@ -23,10 +23,10 @@ public:
     static constexpr std::string_view name = "crowding";  ///< of the solve that is reported; not counted with the linear ones
     /// @param most relative density error that is left
     RelieveCrowding(double most, SolidGate gate) : most_(static_cast<Real>(most)), gate_(gate) {}
-    /// @param pairs, solid_pairs those of `around`, whose last use this is: their memory holds the neighbours of the places where the step
-    /// ends
-    void operator()(const Surroundings& around, FluidPairs& pairs, SolidPairs& solid_pairs, StepReport& report, Read<field::role> role,
-                    Update<field::density> rho, Update<field::position> x, Update<field::velocity> u);
+    /// @param pairs, solid_pairs those of `around`, which become the neighbours of the places where the step ends, found with `search` a
+    /// fifth of a spacing farther than the models need
+    void operator()(const Surroundings& around, FluidPairs& pairs, SolidPairs& solid_pairs, NeighbourSearch& search, StepReport& report,
+                    Read<field::role> role, Update<field::density> rho, Update<field::position> x, Update<field::velocity> u);
 
 private:
     /// @returns what is left too dense, in words; empty: nothing
@@ -38,7 +38,6 @@ private:
 
     Real most_;
     SolidGate gate_;
-    NeighbourSearch search_, solid_search_;
     std::vector<Index> crowded_, movers_, touched_;
     std::vector<int> seen_;  ///< by particle: the last list that it is in
     int lists_ = 0;

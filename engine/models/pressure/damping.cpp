@@ -12,19 +12,20 @@ void DampUnresolved::operator()(const Surroundings& around, Read<field::role> ro
     const double fall = std::sqrt(static_cast<double>(step.gravity.norm() / step.spacing) + tension_ / static_cast<double>(step.mass));
     const auto c = static_cast<Real>(std::min(0.3, rate_ * static_cast<double>(step.dt) * fall));
     if (!(c > 0)) return;
-    with_kernel(step.kernel, step.support, [&](const auto& W) {
-        find_gradients(W, around.pairs, step, u);
-        find_changes(W, around.pairs, step, u, c);
+    const Column<Vec3> change = with_kernel(step.kernel, step.support, [&](const auto& W) {
+        return find_changes(W, around.pairs, step, u, find_gradients(W, around.pairs, step, u), c);
     });
     parallel_for(u.size(), [&](Index i) {
-        if (role[i] == 0) u[i] += change_[i];
+        if (role[i] == 0) u[i] += change[i];
     });
 }
 
 /// G_i = (sum_j w (u_i - u_j) r^T) (sum_j w r r^T)^-1,   w = V W/r^2
 template <class Kernel>
-void DampUnresolved::find_gradients(const Kernel& W, const FluidPairs& pairs, const StepContext& step, Update<field::velocity> u) {
-    gradient_.resize(u.size());
+DampUnresolved::Stretching DampUnresolved::find_gradients(const Kernel& W, const FluidPairs& pairs, const StepContext& step,
+                                                          Update<field::velocity> u) {
+    Stretching stretching;
+    stretching.along.resize(u.size()), stretching.across.resize(u.size());
     parallel_for(u.size(), [&](Index i) {
         Mat3 moment = Mat3::Zero(), product = Mat3::Zero();
         pairs.groups_of(i, [&](const Pairs::Group& group) {
@@ -49,29 +50,27 @@ void DampUnresolved::find_gradients(const Kernel& W, const FluidPairs& pairs, co
         const int dimensions = step.dimensions();
         const Real size = moment.trace() / static_cast<Real>(dimensions);
         const bool spans = determinant_in(dimensions, moment) > Real(0.05) * power_of(size, dimensions);
-        gradient_[i] = spans ? Mat3(product * inverse_in(dimensions, moment)) : Mat3(Mat3::Zero());
+        const Mat3 G = spans ? Mat3(product * inverse_in(dimensions, moment)) : Mat3(Mat3::Zero());
+        // The pull along a pair takes (G r).r of both: r_a r_b (G_ab + G_ba)/2, six numbers a particle.
+        stretching.along[i] = G.diagonal();
+        stretching.across[i] = Vec3(G(0, 1) + G(1, 0), G(1, 2) + G(2, 1), G(2, 0) + G(0, 2));
     });
-    // The pull along a pair takes (G r).r of both: r_a r_b (G_ab + G_ba)/2, six numbers a particle.
-    for (int part = 0; part < 2; ++part) stretching_[part].resize(u.size());
-    parallel_for(u.size(), [&](Index i) {
-        const Mat3& G = gradient_[i];
-        stretching_[0][i] = G.diagonal();
-        stretching_[1][i] = Vec3(G(0, 1) + G(1, 0), G(1, 2) + G(2, 1), G(2, 0) + G(0, 2));
-    });
+    return stretching;
 }
 
 /// D c sum_j V W_ij (e_ij.r_ij) r_ij/|r_ij|^2
 template <class Kernel>
-void DampUnresolved::find_changes(const Kernel& W, const FluidPairs& pairs, const StepContext& step, Update<field::velocity> u, Real c) {
-    change_.resize(u.size());
+Column<Vec3> DampUnresolved::find_changes(const Kernel& W, const FluidPairs& pairs, const StepContext& step, Update<field::velocity> u,
+                                          const Stretching& stretching, Real c) {
+    Column<Vec3> change(static_cast<std::size_t>(u.size()));
     parallel_for(u.size(), [&](Index i) {
         Vec3 sum = Vec3::Zero();
         pairs.groups_of(i, [&](const Pairs::Group& group) {
             alignas(64) Real v[3][most], along[3][most], across[3][most], pull[most];
             group.gather(u.values.data(), v);
-            group.gather(stretching_[0].data(), along);
-            group.gather(stretching_[1].data(), across);
-            const Vec3 &d = stretching_[0][i], &o = stretching_[1][i];
+            group.gather(stretching.along.data(), along);
+            group.gather(stretching.across.data(), across);
+            const Vec3 &d = stretching.along[i], &o = stretching.across[i];
             for (Index l = 0; l < group.padded(); ++l) {
                 const Real x = group.r[0][l], y = group.r[1][l], z = group.r[2][l], r = group.distance[l];
                 const Real stretched = (d[0] + along[0][l]) * x * x + (d[1] + along[1][l]) * y * y + (d[2] + along[2][l]) * z * z +
@@ -85,8 +84,9 @@ void DampUnresolved::find_changes(const Kernel& W, const FluidPairs& pairs, cons
                 sum[a] += part;
             }
         });
-        change_[i] = static_cast<Real>(W.dimensions) * c * sum;
+        change[i] = static_cast<Real>(W.dimensions) * c * sum;
     });
+    return change;
 }
 
 }  // namespace whorl

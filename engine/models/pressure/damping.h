@@ -18,16 +18,19 @@ public:
     void operator()(const Surroundings& around, Read<field::role> role, Update<field::velocity> u);
 
 private:
+    /// Of the symmetric part of the velocity's gradients the diagonal, and twice what stands beside it [1/s].
+    struct Stretching {
+        Column<Vec3> along, across;
+    };
     static constexpr Index most = Pairs::Group::most;
     template <class Kernel>
-    void find_gradients(const Kernel& W, const FluidPairs& pairs, const StepContext& step, Update<field::velocity> u);
+    static Stretching find_gradients(const Kernel& W, const FluidPairs& pairs, const StepContext& step, Update<field::velocity> u);
+    /// @returns the changes of the velocities [m/s]
     template <class Kernel>
-    void find_changes(const Kernel& W, const FluidPairs& pairs, const StepContext& step, Update<field::velocity> u, Real c);
+    static Column<Vec3> find_changes(const Kernel& W, const FluidPairs& pairs, const StepContext& step, Update<field::velocity> u,
+                                     const Stretching& stretching, Real c);
 
     double rate_, tension_;
-    Column<Mat3> gradient_;
-    Column<Vec3> stretching_[2];  ///< of the symmetric part of the gradients the diagonal, and twice what stands beside it
-    Column<Vec3> change_;
 };
 
 }  // namespace whorl

@@ -62,7 +62,7 @@ void DensityRate::build(const WallImage& wall, const Surroundings& around, Read<
     first = around.pairs.first;
     other = around.pairs.other;
     const Index n = around.pairs.size();
-    resize_tightly(slope, other.size());
+    resize_tightly(slope, other.size() + lanes);  // bend() reads whole groups
     period = around.pairs.period;
     x.resize(n), fill.resize(n), own.resize(n), diagonal.resize(n), free.resize(n), virial.resize(n);
     with_kernel(step.kernel, step.support, [&](const auto& W) {
@@ -106,22 +106,27 @@ void DensityRate::bend(const WallImage& wall, const Surroundings& around, Span<c
     const Real dt = step.dt, mass = step.mass;
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(size(), [&](Index i) {
-            Real linear = 0, bent = 0;  // of the fluid's own sum
+            // Of the fluid's own sum, which was rho_i/f_i.
+            Real linear = 0, moved = mass * W.value(0);
+            const Real* c = slope.data() + first[i];
             around.pairs.groups_of(i, [&](const Pairs::Group& group) {
                 alignas(64) Real u[3][Pairs::Group::most];
                 group.gather(v.data(), u);
                 for (int a = 0; a < 3; ++a)
                     for (Index l = group.count; l < group.padded(); ++l) u[a][l] = v[i][a];
+                Real along = 0, values = 0;
                 for (Index l = 0; l < group.padded(); ++l) {
                     const Real dx = dt * (v[i][0] - u[0][l]), dy = dt * (v[i][1] - u[1][l]), dz = dt * (v[i][2] - u[2][l]);
-                    const Real rx = group.r[0][l], ry = group.r[1][l], rz = group.r[2][l], r = group.distance[l];
-                    const Real along = W.slope(r) * (rx * dx + ry * dy + rz * dz);
-                    const Real moved = std::sqrt((rx + dx) * (rx + dx) + (ry + dy) * (ry + dy) + (rz + dz) * (rz + dz));
-                    linear += along;
-                    bent += W.value(moved) - W.value(r) - along;
+                    const Real rx = group.r[0][l], ry = group.r[1][l], rz = group.r[2][l];
+                    along += c[l] * (rx * dx + ry * dy + rz * dz);
+                    values += W.value(std::sqrt((rx + dx) * (rx + dx) + (ry + dy) * (ry + dy) + (rz + dz) * (rz + dz)));
                 }
+                linear += along;
+                moved += mass * values;
+                c += group.count;
             });
-            change[i] = fill[i] * mass * bent;
+            const Real bent = moved - rho[i] / fill[i] - linear;
+            change[i] = fill[i] * bent;
             if (around.layer.size() == 0 || around.solid_pairs.count(i) == 0) return;
             Real w = 0, w_moved = 0, w_linear = 0;
             around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
@@ -134,7 +139,7 @@ void DensityRate::bend(const WallImage& wall, const Surroundings& around, Span<c
             });
             const SolidGate::Gated gated = wall.gate.gated(w);
             const Real fluid = rho[i] / fill[i], f = 1 / WallImage::free_volume(wall.gate.gated(w_moved).sum).left;
-            change[i] += (f - fill[i]) * (fluid + mass * (linear + bent)) -
+            change[i] += (f - fill[i]) * (fluid + linear + bent) -
                          fill[i] * rho[i] * gated.slope * WallImage::free_volume(gated.sum).slope * w_linear;
         });
     });
@@ -165,14 +170,15 @@ Padded DensityRate::sum_over_row(Index i, const F& term) const {
 }
 
 void DensityRate::transposed(Span<const Real> q, Span<Padded> v) const {
-    share_.resize(size());
-    parallel_for(size(), [&](Index i) { share_[i] = fill[i] * q[i]; });
+    // Beside the positions, so that a neighbour is in one line of the cache.
+    parallel_for(size(), [&](Index i) { x[i][3] = fill[i] * q[i]; });
     const auto run = [&]<bool periodic>() {
         parallel_for(size(), [&](Index i) {
             v[i].setZero();
             if (!free[i]) return;
             v[i] = padded(q[i] * own[i]) +
-                   sum_over_row<periodic>(i, [&](std::size_t k, Index j, const Padded& r) { return (slope[k] * share_[j]) * r; });
+                   sum_over_row<periodic>(i, [&](std::size_t k, Index j, const Padded& r) { return (slope[k] * x[j][3]) * r; });
+            v[i][3] = 0;
         });
     };
     if (period != Vec3::Zero()) run.template operator()<true>();

@@ -113,6 +113,22 @@ DensityRow density_row(const WallImage& wall, const Kernel& W, const Surrounding
     return {rho, f, f * (fluid + rho * slope * walls), slope, squares, pull + rho * slope * wall_pull};
 }
 
+/// The density of density_row() alone.
+template <class Kernel>
+Real density_at(const WallImage& wall, const Kernel& W, const Surroundings& around, Index i) {
+    Real sum = W.value(0), w = 0;
+    around.pairs.groups_of(i, [&](const Pairs::Group& group) {
+        Real part = 0;
+        for (Index l = 0; l < group.padded(); ++l) part += W.value(group.distance[l]);
+        sum += part;
+    });
+    if (around.layer.size() > 0)
+        around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+            w += wall.share(W, r, distance, around.layer.normal[s], around.layer.volume[s]).value;
+        });
+    return around.step.mass * sum / WallImage::free_volume(wall.gate.gated(w).sum).left;
+}
+
 /// Three components and a zero: one vector register.
 using Padded = Eigen::Matrix<Real, 4, 1>;
 inline Padded padded(const Vec3& v) { return {v[0], v[1], v[2], 0}; }
@@ -123,8 +139,8 @@ inline Padded padded(const Vec3& v) { return {v[0], v[1], v[2], 0}; }
 struct DensityRate {
     Span<const std::size_t> first;  ///< rows of the pairs that it was built from
     Span<const Index> other;
-    Column<Real> slope;  ///< c_ij, a pair [kg/m^5]: with the positions a third of the memory of g_ij, and as little to read a product
-    Column<Padded> x;    ///< m
+    Column<Real> slope;        ///< c_ij, a pair [kg/m^5]: with the positions a third of the memory of g_ij, and as little to read a product
+    mutable Column<Padded> x;  ///< m; the last component is f_i q_i in a product
     Vec3 period = Vec3::Zero();  ///< Domain::period()
     Column<Real> fill;           ///< f_i
     Column<Vec3> own;            ///< own_i [kg/m^4]
@@ -158,7 +174,6 @@ struct DensityRate {
 private:
     template <bool periodic, class F>
     Padded sum_over_row(Index i, const F& term) const;
-    mutable Column<Real> share_;  ///< f_j q_j
 };
 
 }  // namespace whorl

@@ -16,7 +16,17 @@ void XsphViscosity::operator()(const Surroundings& around, Read<field::role> rol
         parallel_for(u.size(), [&](Index i) {
             Vec3 sum = Vec3::Zero();
             const Vec3 own = u[i];
-            pairs.of(i, [&](Index j, const Vec3&, Real r) { sum += kernel.value(r) / (rho[i] + rho[j]) * (u[j] - own); });
+            const Real own_density = rho[i];
+            pairs.groups_of(i, [&](const Pairs::Group& group) {
+                alignas(64) Real v[3][Pairs::Group::most], density[Pairs::Group::most];
+                group.gather(u.data(), v), group.gather(rho.data(), density);
+                Real x = 0, y = 0, z = 0;
+                for (Index l = 0; l < group.padded(); ++l) {
+                    const Real share = kernel.value(group.distance[l]) / (own_density + density[l]);
+                    x += share * (v[0][l] - own[0]), y += share * (v[1][l] - own[1]), z += share * (v[2][l] - own[2]);
+                }
+                sum += Vec3(x, y, z);
+            });
             change[i] = role[i] == 0 ? Vec3(alpha * 2 * step.mass * sum) : Vec3::Zero();
         });
     });

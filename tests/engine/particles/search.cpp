@@ -228,3 +228,54 @@ TEST_CASE("the rows are the same for 1, 2 and 4 threads and for a search that wa
     }
     set_threads(0);
 }
+
+TEST_CASE("pairs that were found with reach to spare are narrowed to those of a search at the new places, unless somebody went too far",
+          "[particles]") {
+    const Real support = Real(1.1), spare = Real(0.2);
+    for (int axes = 0; axes < 8; ++axes) {
+        const Domain domain = box(10, axes);
+        auto x = cloud(1500, 10, 5);
+        const auto solid = cloud(400, 10, 77);
+        NeighbourSearch search;
+        Pairs pairs, solid_pairs;
+        search.find_wide(x, x, support + spare, domain, pairs);
+        search.find_wide(x, solid, support + spare, domain, solid_pairs);
+        std::mt19937 random(9);
+        for (Vec3& p : x) {  // half of what is spare at most, and round the corner where the domain is periodic
+            Vec3 move;
+            for (int a = 0; a < 3; ++a) move[a] = Real(random()) / Real(4294967296.0) - Real(0.5);
+            p = domain.wrapped(p + Real(0.49) * spare * move / std::max(Real(1e-3), move.norm()));
+        }
+        REQUIRE(NeighbourSearch::narrow(x, x, support, domain, pairs));
+        require_as_brute_force(pairs, x, x, support, domain, true);
+        require_symmetric(pairs);
+        REQUIRE(NeighbourSearch::narrow(x, solid, support, domain, solid_pairs));
+        require_as_brute_force(solid_pairs, x, solid, support, domain, false);
+        REQUIRE_FALSE(NeighbourSearch::narrow(x, x, support, domain, pairs));  // nothing is spare any longer
+
+        search.find_wide(x, x, support + spare, domain, pairs);
+        const auto before = pairs.other;
+        x[700][1] += Real(0.6) * spare;
+        REQUIRE_FALSE(NeighbourSearch::narrow(x, x, support, domain, pairs));
+        REQUIRE(pairs.other == before);
+        x.pop_back();
+        REQUIRE_FALSE(NeighbourSearch::narrow(x, x, support, domain, pairs));
+    }
+}
+
+TEST_CASE("narrowed rows have the same bits with 1, 2 and 4 threads", "[particles]") {
+    const Domain domain = box(10, 1);
+    const auto x = cloud(3000, 10, 5);
+    std::vector<Column<Index>> rows;
+    for (const int count : {1, 2, 4}) {
+        set_threads(count);
+        NeighbourSearch search;
+        Pairs pairs;
+        search.find_wide(x, x, Real(1.3), domain, pairs);
+        REQUIRE(NeighbourSearch::narrow(x, x, Real(1.1), domain, pairs));
+        rows.push_back(pairs.other);
+    }
+    set_threads(0);
+    REQUIRE(rows[0] == rows[1]);
+    REQUIRE(rows[0] == rows[2]);
+}
