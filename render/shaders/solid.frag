@@ -30,7 +30,7 @@ void main() {
     vec3 around = ambient(n);
     vec3 diffuse = albedo * (1.0 - metal) * (around * from.open + key + light_of_patches(world, n));
     vec3 mirrored = surroundings(world, r);
-    if (metal > 0.0) mirrored = mirrored * (r.y < 0.0 ? mix(1.0, flags(r), 0.6 * metal) : 1.0) + metal * (1.0 - roughness) * strip_light(r);
+    if (metal > 0.0) mirrored = mirrored * mix(1.0, flags(r), 0.6 * metal * below_horizon(r)) + metal * (1.0 - roughness) * strip_light(r);
     // A rough surface spreads a lamp over more directions than the lamp is wide, so that less comes from each.
     mirrored *= mix(1.0, from.seen, 0.8) * mix(1.0, 0.35, smoothstep(0.35, 0.5, roughness)) * mix(1.0, 0.05, smoothstep(0.8, 1.0, roughness));
     vec3 tint = mix(vec3(1.0), albedo, metal);

@@ -63,6 +63,9 @@ vec3 soft_boxes(vec3 d) {
 // Dark flags stand at the sides, out of the picture: they draw the edges of things that light passes through, and of metal.
 float flags(vec3 d) { return 1.0 - 0.8 * smoothstep(0.1, 0.8, abs((studio * d).x)); }
 
+// 0 from the horizon up, 1 where a ray meets the ground before it comes to the flags.
+float below_horizon(vec3 d) { return smoothstep(0.0, 0.3, -d.y); }
+
 vec3 environment(vec3 d) {
     if (has_environment) return pictured(d, box_softness);
     return backdrop(d) * flags(d) + soft_boxes(d);

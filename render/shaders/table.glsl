@@ -17,11 +17,12 @@ vec3 ground_seen(vec3 q, vec3 d, vec3 light) {
     return mix(mix(top, backdrop(vec3(d.x, -d.y, d.z)) * light, mirror), paper, far);
 }
 
-// What a ray that leaves p sees where no fluid and no solid is in its way. The backdrop goes on as the ground: no horizon.
+// What a ray that leaves p sees where no fluid and no solid is in its way. The backdrop goes on as the ground, and its flags end softly there:
+// no horizon.
 vec3 surroundings(vec3 p, vec3 d) {
     if (d.y > -1e-3 || p.y < ground_height - 1.0) return environment(d);
     vec3 q = p + d * ((ground_height - p.y) / d.y);
-    return ground_seen(q, d, light_on_ground(q.xz));
+    return ground_seen(q, d, light_on_ground(q.xz)) * (has_environment ? 1.0 : mix(flags(d), 1.0, below_horizon(d)));
 }
 
 vec3 ray_behind(mat4 to_world, vec2 uv) {

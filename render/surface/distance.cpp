@@ -143,7 +143,8 @@ private:
 // several share the nearest point (an edge, a corner), the one that faces the voxel most squarely does.
 void near_surface(const TriangleMesh& mesh, const Volume& e, float margin, Closest& closest, std::vector<std::int8_t>& side) {
     const Slabs slabs(mesh, e, margin);
-    const float tie = 1e-5f * e.voxel * e.voxel;
+    // Squares of distances that differ by less are equal but for rounding, which large triangles make larger.
+    const float tie = 1e-6f * e.voxel * (e.at(e.nx, e.ny, e.nz) - e.origin).norm();
     parallel_tasks(slabs.count(), [&](Index slab) {
         const int k_begin = slab * Slabs::thickness, k_end = std::min(e.nz, k_begin + Slabs::thickness);
         std::vector<float> squareness(grid_count(e.nx, e.ny, Slabs::thickness), 0.0f);

@@ -89,8 +89,39 @@ def films(m):
     return markdown(" | ", zip(cells[::2], cells[1::2]))
 
 
-def whole_film(m, scene):
-    return m.render(scene, f"films/{scene}", threads=cores, images=True, options=["--quality", gallery_scenes[scene][2]])
+def whole_film(m, scene, quality=None):
+    name = f"films/{scene}" + (f"_{quality}" if quality else "")
+    return m.render(scene, name, threads=cores, images=True, options=["--quality", quality or gallery_scenes[scene][2]])
+
+
+# Whole films at fine that hold the plan against what they take.
+fine_films_run = ("dripping_syrup", "spin_up", "honey_ball")
+
+
+@table("fine_films", "what each scene's film takes at fine, as the plan foresees it, and three of them as they do",
+       "10 minutes and 15 for the three films", files="docs/studies/fine_films.csv", keeps_rows=True)
+def fine_films(m):
+    file, columns = "docs/studies/fine_films.csv", ["scene", "how", "simulation", "surface", "drawing"]
+    rows = {(r["scene"], r["how"]): r for r in read_rows(m.into / file)} if (m.into / file).exists() else {}
+
+    def keep(scene, how, seconds):
+        rows[scene, how] = dict(zip(columns, [scene, how, *(f"{part:.0f}" for part in seconds)]))
+        order = list(gallery_scenes)
+        m.write_csv(file, columns, sorted(rows.values(), key=lambda row: (order.index(row["scene"]), row["how"])))
+
+    for scene in filter(m.wanted, gallery_scenes):
+        seconds = m.plan(scene, options=["--quality", "fine"], threads=cores, images=True)["cost"]["film_cpu_seconds"]
+        keep(scene, "foreseen", (seconds["simulate"], seconds["surface"], seconds["draw"]))
+        if scene in fine_films_run:
+            run = whole_film(m, scene, "fine")
+            surface, drawing = run.stage_seconds("surface"), run.drawing_seconds
+            keep(scene, "measured", (run.cpu_seconds - drawing, surface, drawing - surface))
+    columns = "scene | | simulation [CPU s] | surface [CPU s] | drawing [CPU s] | minutes of two cores"
+    cells = []
+    for (scene, how), row in sorted(rows.items(), key=lambda item: (list(gallery_scenes).index(item[0][0]), item[0][1])):
+        parts = [row[name] for name in ("simulation", "surface", "drawing")]
+        cells.append([f"`{scene}`", how, *parts, f"{sum(map(number, parts)) / cores / 60:.1f}"])
+    return markdown(columns, cells)
 
 
 @table("gallery", "a moment of every scene's film", "1 to 5 minutes a scene, unless films is measured already", files="docs/pictures/gallery",

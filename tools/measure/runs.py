@@ -121,7 +121,11 @@ class Run:
     @property
     def drawing_seconds(self):
         """CPU, of all panels."""
-        return sum(stage["cpu_seconds"] for panel in self.panels for name, stage in panel["stages"].items() if name.split()[0] in drawing_stages)
+        return self.stage_seconds(*drawing_stages)
+
+    def stage_seconds(self, *stages):
+        """CPU, of all panels."""
+        return sum(stage["cpu_seconds"] for panel in self.panels for name, stage in panel["stages"].items() if name.split()[0] in stages)
 
 
 class Measurement:

@@ -12,11 +12,14 @@
 namespace whorl {
 namespace {
 
-/// Wall seconds of the whole film: a scene with panels is run once for each.
-double film_seconds(const SceneFile& file, const Estimate& alone) {
-    if (file.scene.panels.empty()) return alone.film;
-    double sum = 0;
-    for (const SceneFile& panel : panel_scenes(file)) sum += estimate(panel).film;
+/// A scene with panels is run once for each.
+FilmCost film_cost(const SceneFile& file, const Estimate& alone) {
+    if (file.scene.panels.empty()) return {alone.film, alone.film_simulate, alone.film_surface, alone.film_draw};
+    FilmCost sum;
+    for (const SceneFile& panel : panel_scenes(file)) {
+        const Estimate e = estimate(panel);
+        sum.wall += e.film, sum.simulate += e.film_simulate, sum.surface += e.film_surface, sum.draw += e.film_draw;
+    }
     return sum;
 }
 
@@ -27,7 +30,7 @@ int plan(const Options& options) {
     const Simulation simulation(file.scene, plan);
     const Calibration calibration = calibrate(file, plan, simulation);
     const Estimate cost = estimate(file, plan, simulation, calibration);
-    const Preview preview{file, plan, simulation, PreviewCost{calibration, cost, film_seconds(file, cost)}};
+    const Preview preview{file, plan, simulation, PreviewCost{calibration, cost, film_cost(file, cost)}};
     options.json ? print_json(preview) : print_text(preview);
     return exit_done;
 }

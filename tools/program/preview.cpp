@@ -48,8 +48,8 @@ void print_cost(const PreviewCost& p) {
         if (seconds > 0.02 * e.simulate) parts += fmt::format("{}{} {:.0f}", parts.empty() ? "" : ", ", name, 1e3 * seconds);
     fmt::print(" ({})", parts);
     if (e.drawn) fmt::print("; CPU ms of surface {:.0f}, draw {:.0f}, write {:.0f}", 1e3 * e.surface, 1e3 * e.draw, 1e3 * e.write);
-    fmt::print("\n  the whole film         {} for {} frames{}{}\n", duration(p.film), e.frames, p.film > e.film ? " of every panel" : "",
-               e.drawn ? "" : ", without pictures");
+    fmt::print("\n  the whole film         {} for {} frames{}{}\n", duration(p.film.wall), e.frames,
+               p.film.wall > e.film ? " of every panel" : "", e.drawn ? "" : ", without pictures");
     fmt::print("  memory                 {:.0f} MB, {:.0f} bytes a particle with neighbours and matrices\n", 1e-6 * e.memory,
                p.calibration.bytes_a_particle);
 }
@@ -65,8 +65,8 @@ Json cost_json(const PreviewCost& p) {
             {"last_frame_simulate_seconds", e.simulate},
             {"last_frame_simulate_stages", e.stages},
             {"last_frame_cpu_seconds", e.drawn ? Json{{"surface", e.surface}, {"draw", e.draw}, {"write", e.write}} : Json()},
-            {"film_seconds", p.film},
-            {"film_cpu_seconds", Json{{"simulate", e.film_simulate}, {"surface", e.film_surface}, {"draw", e.film_draw}}},
+            {"film_seconds", p.film.wall},
+            {"film_cpu_seconds", Json{{"simulate", p.film.simulate}, {"surface", p.film.surface}, {"draw", p.film.draw}}},
             {"frames", e.frames},
             {"memory_bytes", e.memory},
             {"bytes_a_particle", p.calibration.bytes_a_particle}};

@@ -9,10 +9,16 @@
 
 namespace whorl {
 
+/// Of all panels, one after the other.
+struct FilmCost {
+    double wall = 0;                             ///< s
+    double simulate = 0, surface = 0, draw = 0;  ///< CPU seconds
+};
+
 struct PreviewCost {
     Calibration calibration;
     Estimate estimate;
-    double film = 0;  ///< s, wall: of all panels, one after the other
+    FilmCost film;
 };
 
 /// What a run would write.

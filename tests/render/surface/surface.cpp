@@ -10,6 +10,8 @@
 
 #include "engine/core/parallel.h"
 #include "engine/core/random.h"
+#include "engine/geometry/cylinder.h"
+#include "render/surface/distance.h"
 #include "render/surface/smooth.h"
 #include "tests/support/shapes.h"
 #include "tests/support/surface_measures.h"
@@ -186,6 +188,24 @@ TEST_CASE("the distance volume is zero on the mesh, negative inside and grows by
                     REQUIRE(false);
                 }
             }
+}
+
+TEST_CASE("beyond the sharp edge of a flat body no voxel counts as inside", "[surface]") {
+    // Planes of voxels lie in its ends: where the side's triangles and an end's are as near, rounding must not choose between them.
+    const Vec3d from(0, -0.006, 0), to(0, 0, 0);
+    for (const double radius : {0.05, 0.06, 0.07, 0.075, 0.08}) {
+        const Volume v = distance_volume(make_cylinder(from, to, radius)->mesh(0, 0), 1.5e-3f, 64);
+        for (int k = 0; k < v.nz; ++k)
+            for (int j = 0; j < v.ny; ++j)
+                for (int i = 0; i < v.nx; ++i) {
+                    const Vec3f at = v.at(i, j, k);
+                    const bool outside = at.y() < -0.0061f || at.y() > 1e-4f || std::hypot(at.x(), at.z()) > radius + 1e-4;
+                    if (outside && v.value[v.index(i, j, k)] < 0) {
+                        INFO("radius " << radius << ", at " << at.transpose());
+                        REQUIRE(false);
+                    }
+                }
+    }
 }
 
 TEST_CASE("a periodic fluid is cut off flat at the sides of its period, and both sides fit together", "[surface]") {
