@@ -222,7 +222,7 @@ TriangleMesh read_ply(const std::string& file, std::string_view text) {
                 corners.clear();
                 for (int l = 0; l < static_cast<int>(length); ++l) {
                     const double value = next(property.type);
-                    if (list) corners.push_back(value >= 0 ? static_cast<Corner>(value) : ~Corner(0));
+                    if (list) corners.push_back(value >= 0 && value < ~Corner(0) ? static_cast<Corner>(value) : ~Corner(0));
                     else if (property.name == "x") x[0] = static_cast<float>(value);
                     else if (property.name == "y") x[1] = static_cast<float>(value);
                     else if (property.name == "z") x[2] = static_cast<float>(value);
@@ -238,8 +238,8 @@ TriangleMesh read_ply(const std::string& file, std::string_view text) {
     for (const auto& t : mesh.triangle)
         for (Corner c : t)
             if (c >= mesh.position.size())
-                throw InputError({file}, fmt::format("a face refers to vertex {}, the vertices are 0 to {}", static_cast<int>(c),
-                                                     int(mesh.position.size()) - 1));
+                throw InputError(
+                    {file}, fmt::format("a face refers to a vertex that is not there: there are {}, counted from 0", mesh.position.size()));
     return mesh;
 }
 

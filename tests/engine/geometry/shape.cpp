@@ -182,6 +182,13 @@ TEST_CASE("a broken mesh file is named with its line and what is wrong", "[geome
                Contains("g.ply:2") && Contains("binary_little_endian"));
     CHECK_THAT(message_of(temporary("h.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nend_header\n1\n2\n")),
                Contains("ends at vertex 3 of 3"));
+    const std::string triangle =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n";
+    for (const char* corner : {"3", "-1", "4294967296", "1e30"}) {
+        CAPTURE(corner);
+        CHECK_THAT(message_of(temporary("k.ply", triangle + "3 0 1 " + corner + "\n")), Contains("there are 3, counted from 0"));
+    }
     std::string cut(80, 'x');
     cut += std::string("\x08\0\0\0", 4) + std::string(70, '\0');
     CHECK_THAT(message_of(temporary("i.stl", cut)), Contains("8 triangles announced, 1 there"));
