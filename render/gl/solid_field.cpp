@@ -20,9 +20,33 @@ float voxel_edge(const Vec3f& size, float thinnest, int usual) {
     return std::min(longest / static_cast<float>(usual), std::max(fine, std::cbrt(size.prod() / most_in_all)));
 }
 
+/// lower_row() along the volume's own rows: one row between four of the volume's is made first.
+void lower_row_along(const Volume& v, const Vec3f& place, float step, std::vector<float>& least) {
+    const float last_x = static_cast<float>(v.nx - 1), y = std::clamp(place.y(), 0.0f, static_cast<float>(v.ny - 1)),
+                z = std::clamp(place.z(), 0.0f, static_cast<float>(v.nz - 1));
+    const int j = std::min(static_cast<int>(y), v.ny - 2), k = std::min(static_cast<int>(z), v.nz - 2);
+    const float sy = y - static_cast<float>(j), sz = z - static_cast<float>(k), oy = place.y() - y, oz = place.z() - z;
+    const float* from = v.value.data() + v.index(0, j, k);
+    const float *above = from + v.nx, *behind = from + v.nx * v.ny, *beyond = behind + v.nx;
+    std::vector<float> row(v.nx);
+    for (int i = 0; i < v.nx; ++i) {
+        const float low = from[i] + sy * (above[i] - from[i]), high = behind[i] + sy * (beyond[i] - behind[i]);
+        row[i] = low + sz * (high - low);
+    }
+    const float aside = oy * oy + oz * oz, *value = row.data();
+    const auto count = static_cast<int>(least.size());
+    for (int n = 0; n < count; ++n) {
+        const float px = place.x() + static_cast<float>(n) * step, x = std::min(std::max(px, 0.0f), last_x), ox = px - x;
+        const int i = static_cast<int>(std::min(x, last_x - 1));
+        const float there = value[i] + (x - static_cast<float>(i)) * (value[i + 1] - value[i]);
+        least[n] = std::min(least[n], there + v.voxel * std::sqrt(ox * ox + aside));
+    }
+}
+
 /// least[n] = min(least[n], distance at place + n*step): a row of samples, place and step in voxels of v; metres. Outside the volume the
 /// distance to its edge is added.
 void lower_row(const Volume& v, const Vec3f& place, const Vec3f& step, std::vector<float>& least) {
+    if (step.y() == 0 && step.z() == 0 && step.x() > 0) return lower_row_along(v, place, step.x(), least);
     const float* value = v.value.data();
     const int along_y = v.nx, along_z = v.nx * v.ny;
     const float last_x = static_cast<float>(v.nx - 1), last_y = static_cast<float>(v.ny - 1), last_z = static_cast<float>(v.nz - 1);
@@ -77,6 +101,23 @@ const Volume& SolidField::own_field(const std::shared_ptr<const TriangleMesh>& m
     return own_.back().second;
 }
 
+/// Whether the solids stand as they did when the field was made but for one motion of all, which is kept.
+bool SolidField::has_moved_as_one(const std::vector<Placed>& now) {
+    if (now.size() != placed_.size()) return false;
+    if (now.empty()) return true;
+    const Mat3f turn = now[0].rotation * placed_[0].rotation.transpose();
+    const Vec3f move = now[0].translation - turn * placed_[0].translation;
+    const float tolerance = 0.01f * voxel_;
+    const auto as_one = [&](const Placed& a, const Placed& b) {
+        const float size = bounds_of(b.mesh->position).radius();
+        return a.mesh == b.mesh && size * (a.rotation - turn * b.rotation).norm() < tolerance &&
+               (a.translation - turn * b.translation - move).norm() < tolerance;
+    };
+    if (!std::equal(now.begin(), now.end(), placed_.begin(), as_one)) return false;
+    turn_ = turn, move_ = move;
+    return true;
+}
+
 void SolidField::fill(const std::vector<FrameSolid>& solids) {
     std::vector<Placed> now;
     Bounds bounds;
@@ -88,11 +129,9 @@ void SolidField::fill(const std::vector<FrameSolid>& solids) {
         const Bounds own = bounds_of(solid.mesh->position);
         thinnest = std::min(thinnest, (own.high - own.low).minCoeff());
     }
-    const auto same = [](const Placed& a, const Placed& b) {
-        return a.mesh == b.mesh && a.rotation == b.rotation && a.translation == b.translation;
-    };
-    if (std::equal(now.begin(), now.end(), placed_.begin(), placed_.end(), same)) return;
+    if (has_moved_as_one(now)) return;
     placed_ = std::move(now);
+    turn_ = Mat3f::Identity(), move_ = Vec3f::Zero();
     empty_ = placed_.empty();
     if (empty_) return;
 
@@ -116,7 +155,9 @@ void SolidField::fill(const std::vector<FrameSolid>& solids) {
 void SolidField::bind(gl::Program& program, int unit) const {
     program.set("has_solid_field", empty_ ? 0 : 1);
     program.texture("solid_field", unit, GL_TEXTURE_3D, texture_.id());
-    program.set("solid_origin", origin_);
+    // A place x is a voxel (solid_turn x + solid_move) of the field.
+    program.set("solid_turn", Mat3f(turn_.transpose() / voxel_));
+    program.set("solid_move", Vec3f(-(turn_.transpose() * move_ + origin_) / voxel_));
     program.set("solid_voxel", voxel_);
     program.set("solid_size", size_);
 }

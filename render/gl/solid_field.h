@@ -8,7 +8,8 @@ namespace whorl {
 
 class SolidField {
 public:
-    /// Containers and the level ground are left out. Made anew only where a solid has moved.
+    /// Containers and the level ground are left out. Made anew only where a solid has moved against another: solids that move together take
+    /// their field along.
     void fill(const std::vector<FrameSolid>& solids);
     /// Sets the uniforms of solids.glsl; takes one texture unit.
     void bind(gl::Program& program, int unit) const;
@@ -19,9 +20,12 @@ private:
         Mat3f rotation;
         Vec3f translation;
     };
+    bool has_moved_as_one(const std::vector<Placed>& now);
     const Volume& own_field(const std::shared_ptr<const TriangleMesh>& mesh);
 
-    std::vector<Placed> placed_;
+    std::vector<Placed> placed_;  ///< when the field was made
+    Mat3f turn_ = Mat3f::Identity();  ///< of all since then, and how far they went
+    Vec3f move_ = Vec3f::Zero();
     std::vector<std::pair<std::shared_ptr<const TriangleMesh>, Volume>>
         own_;  ///< signed distance in each mesh's own coordinates, everywhere
     gl::Texture texture_;

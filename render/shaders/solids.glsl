@@ -1,22 +1,26 @@
-// The solids as one distance field in metres: how they shade each other.
+// The solids as one distance field in metres: how they shade each other. A place x in the world is the field's voxel solid_turn x + solid_move.
 uniform sampler3D solid_field;
 uniform bool has_solid_field;
-uniform vec3 solid_origin;     // m
+uniform mat3 solid_turn;       // 1/m
+uniform vec3 solid_move;       // voxels
 uniform float solid_voxel;     // m
 uniform vec3 solid_size;       // voxels
 
-float solid_distance(vec3 x) {
-    vec3 place = (x - solid_origin) / solid_voxel, half_size = 0.5 * (solid_size - 1.0);
+float distance_of_solid(vec3 place) {
+    vec3 half_size = 0.5 * (solid_size - 1.0);
     vec3 outside = max(abs(place - half_size) - half_size, 0.0);
     return textureLod(solid_field, (place + 0.5) / solid_size, 0.0).r + solid_voxel * length(outside);
 }
 
+float solid_distance(vec3 x) { return distance_of_solid(solid_turn * x + solid_move); }
+
 // How much of the half space about n is free of solids, near by and far; 1 on a lone convex body.
 float solid_openness(vec3 x, vec3 n) {
     float open = 0.0, total = 0.0, step = 1.5 * solid_voxel;
+    vec3 from = solid_turn * x + solid_move, way = solid_turn * n;
     for (int i = 0; i < 5; ++i) {
         float w = 1.0 / float(2 + i);
-        open += w * clamp(solid_distance(x + n * step) / step, 0.0, 1.0);
+        open += w * clamp(distance_of_solid(from + step * way) / step, 0.0, 1.0);
         total += w;
         step *= 1.7;
     }
@@ -26,12 +30,12 @@ float solid_openness(vec3 x, vec3 n) {
 // Soft shadow towards l: how narrow the gap to a solid gets along the way, against the light's width.
 float past_solids(vec3 x, vec3 n, vec3 l) {
     float open = 1.0, t = 2.0 * solid_voxel;
-    vec3 from = x + n * solid_voxel;
+    vec3 from = solid_turn * (x + n * solid_voxel) + solid_move, way = solid_turn * l;
     // Beyond the field's box there is nothing in the way.
-    vec3 walls = (step(0.0, l) * (solid_size - 1.0) * solid_voxel + solid_origin - from) / (l + vec3(1e-9));
+    vec3 walls = (step(0.0, way) * (solid_size - 1.0) - from) / (way + vec3(1e-9));
     float leaves = min(walls.x, min(walls.y, walls.z));
     for (int i = 0; i < 16; ++i) {
-        float d = solid_distance(from + t * l);
+        float d = distance_of_solid(from + t * way);
         open = min(open, 0.5 + 0.5 * d / (0.16 * t + 0.5 * solid_voxel));
         t += clamp(d, 1.2 * solid_voxel, 12.0 * solid_voxel);
         if (open < 0.0) return 0.0;
