@@ -1,4 +1,5 @@
-/// What the machine itself can do, beside which the kernels' times are read: bytes a second from memory, multiply-adds a second in registers.
+/// What the machine itself can do, beside which the kernels' times are read: bytes a second from memory, multiply-adds a second in
+/// registers.
 #include <benchmark/benchmark.h>
 
 #include "engine/core/column.h"
@@ -48,8 +49,7 @@ void multiply_add(benchmark::State& state) {
         benchmark::DoNotOptimize(results.data());
     }
     const double operations = 2.0 * sums * rounds * lanes_of * blocks;
-    state.counters["Gop/s"] =
-        benchmark::Counter(1e-9 * operations * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
+    state.counters["Gop/s"] = benchmark::Counter(1e-9 * operations * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
 }
 
 }  // namespace

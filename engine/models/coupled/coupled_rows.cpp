@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "engine/core/parallel.h"
+#include "engine/core/resize_tightly.h"
 #include "engine/models/strain/moment.h"
 
 namespace whorl {
@@ -153,6 +154,7 @@ void CoupledRows::build(Span<const Vec3> x, Span<const std::int16_t> role, const
         block.end = end;
         build_block(block, x, role, spacing, options);
     });
+    Column<Index>().swap(near_.other);  // nobody needs them any longer
     number_slots();
     pairs = 0;
     longest_row = 0;
@@ -231,8 +233,8 @@ std::size_t CoupledRows::append_row(RowBlock& block, Index i, Real h, Span<const
     std::size_t end = block.first.back();
     const std::size_t most = end + s.index.size() + lanes;
     for (Column<Real>* column : {&block.x, &block.y, &block.z, &block.w})
-        if (column->size() < most) column->resize(2 * most);
-    if (block.other.size() < block.x.size()) block.other.resize(block.x.size());
+        if (column->size() < most) resize_tightly(*column, most);
+    if (block.other.size() < block.x.size()) resize_tightly(block.other, block.x.size());
     const Real usual = static_cast<Real>(o.support), scale = h / usual;
     const Real gate = static_cast<Real>(o.gate) * scale, reach = static_cast<Real>(o.bridge) * scale;
     for (std::size_t k = 0; k < s.index.size(); ++k) {
