@@ -23,7 +23,7 @@ private:
     bool has_moved_as_one(const std::vector<Placed>& now);
     const Volume& own_field(const std::shared_ptr<const TriangleMesh>& mesh);
 
-    std::vector<Placed> placed_;  ///< when the field was made
+    std::vector<Placed> placed_;      ///< when the field was made
     Mat3f turn_ = Mat3f::Identity();  ///< of all since then, and how far they went
     Vec3f move_ = Vec3f::Zero();
     std::vector<std::pair<std::shared_ptr<const TriangleMesh>, Volume>>
