@@ -75,19 +75,9 @@ void GroundLight::draw_layers(const SceneGeometry& scene, float spacing) {
     layers_program_.set("light_centre", centre_);
     layers_program_.set("is_solid", scene.are_particles() ? 1 : 0);
     layers_program_.set("point_size", 0.5f * spacing * static_cast<float>(light_size) / radius_);
-    // Nothing is blended into the other's layers.
-    const auto keep = [](bool solid) {
-        for (const int target : {0, 1}) {
-            const GLboolean kept = (target == 1) == solid ? GL_TRUE : GL_FALSE;
-            glColorMaski(target, kept, kept, kept, kept);
-        }
-    };
-    keep(scene.are_particles());
     scene.draw_fluid(layers_program_);
-    keep(true);
     layers_program_.set("is_solid", 1);
     scene.draw_solids(layers_program_, false, [](const FrameSolid&) {});
-    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glDisable(GL_BLEND);
 }
 
