@@ -7,9 +7,11 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "engine/core/clock.h"
 #include "engine/core/parallel.h"
 #include "engine/core/version.h"
 #include "render/gl/renderer.h"
+#include "render/surface/surface.h"
 #include "render/video/encoder.h"
 #include "tools/program/command.h"
 
@@ -22,15 +24,41 @@ struct Findings {
     unsigned cores = 0;
     int threads = 0;
     double memory = 0, free = 0;        ///< bytes
+    double picture = 0;                 ///< s, wall
     std::vector<std::string> packages;  ///< to install
     bool draws() const {
         return std::any_of(devices.begin(), devices.end(), [](const DeviceAttempt& d) { return d.works; });
     }
 };
 
+/// Seconds that a picture of 1280x720 takes, of a ball of honey that is about a fifth of it high. The first one, which compiles, is not
+/// counted.
+double seconds_of_picture() {
+    Frame frame;
+    frame.spacing = 0.002f;
+    frame.domain_min = Vec3f::Constant(-0.1f), frame.domain_max = Vec3f::Constant(0.1f);
+    constexpr int across = 10;  // spacings from its middle
+    for (int k = -across; k <= across; ++k)
+        for (int j = -across; j <= across; ++j)
+            for (int i = -across; i <= across; ++i)
+                if (i * i + j * j + k * k <= across * across)
+                    frame.position.push_back(frame.spacing * Vec3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k)));
+    frame.velocity.resize(frame.position.size(), Vec3f::Zero());
+    const Surface surface = build_surface(frame, {});
+    Renderer renderer(1280, 720);
+    const View view{Vec3f(0, 0.12f, 0.42f), Vec3f::Zero(), Vec3f::UnitY(), 25};
+    double began = 0;
+    for (int picture = 0; picture < 2; ++picture) {
+        began = wall_seconds();
+        renderer.draw(frame, surface, {}, view);
+    }
+    return wall_seconds() - began;
+}
+
 Findings look_around() {
     Findings f;
     f.devices = probe_devices();
+    if (f.draws()) f.picture = seconds_of_picture();
     f.encoder = encoder_version();
     f.cores = std::thread::hardware_concurrency();
     f.threads = threads();
@@ -51,6 +79,7 @@ void print_text(const Findings& f) {
     fmt::print("drawing   {}\n", f.draws() ? "works, with the first that does of:" : "does not work; tried:");
     for (const DeviceAttempt& d : f.devices)
         fmt::print("          {:<6} {}{}: {}\n", d.works ? "works" : "fails", d.name, d.hardware ? " (hardware)" : "", d.outcome);
+    if (f.draws()) fmt::print("          a picture of honey, 1280x720, takes {:.2g} s\n", f.picture);
     fmt::print("video     {}\n", f.encoder.empty() ? "does not work: no ffmpeg program found" : f.encoder);
     fmt::print("threads   {} of {} cores\n", f.threads, f.cores);
     fmt::print("memory    {:.1f} of {:.1f} GB free\n", f.free / 1e9, f.memory / 1e9);
@@ -64,7 +93,7 @@ void print_json(const Findings& f) {
         devices.push_back({{"name", d.name}, {"hardware", d.hardware}, {"works", d.works}, {"outcome", d.outcome}});
     const nlohmann::ordered_json all = {{"version", WHORL_VERSION},
                                         {"precision", sizeof(Real) == 4 ? "float" : "double"},
-                                        {"drawing", {{"works", f.draws()}, {"devices", devices}}},
+                                        {"drawing", {{"works", f.draws()}, {"picture_seconds", f.picture}, {"devices", devices}}},
                                         {"video", {{"works", !f.encoder.empty()}, {"encoder", f.encoder}}},
                                         {"threads", f.threads},
                                         {"cores", f.cores},
