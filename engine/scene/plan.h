@@ -18,7 +18,8 @@ struct Plan {
     MicropolarModel micropolar = MicropolarModel::none;
     BoundaryModel boundary = BoundaryModel::none;
     ShiftingModel shifting = ShiftingModel::none;
-    ModelFacts facts;  ///< of these models; facts.pressure.form and .source are those chosen
+    Preconditioner preconditioner = Preconditioner::none;  ///< of the pressure equation, once all fluid is there
+    ModelFacts facts;                                      ///< of these models; facts.pressure.form and .source are those chosen
 
     bool free_surface = true;  ///< fluid does not fill all that solids and periodic axes leave
 

@@ -87,9 +87,19 @@ void measure_steps(Simulation& simulation, double until, Calibration& c) {
 /// the fluid covers. A surface has as many more vertices as its particles are smaller.
 class PictureCosts {
 public:
-    PictureCosts(const SceneFile& file, double coarser) : file_(file), coarser_(coarser) {}
+    PictureCosts(const SceneFile& file, double coarser) : file_(file), coarser_(coarser), draws_(file.scene.output.frames) {}
 
     void measure(const Frame& frame, double part, Calibration& c) {
+        if (!draws_) return;
+        try {
+            draw(frame, part, c);
+        } catch (const EnvironmentError&) {  // no EGL device: `whorl doctor` tells
+            draws_ = false, c.pictures.clear();
+        }
+    }
+
+private:
+    void draw(const Frame& frame, double part, Calibration& c) {
         const SceneFile& f = file_;
         if (!renderer_) renderer_.emplace(f.scene.output.size[0], f.scene.output.size[1]);
         double cpu = cpu_seconds();
@@ -116,50 +126,67 @@ public:
         fs::remove(packed);
     }
 
-private:
     const SceneFile& file_;
     double coarser_;
+    bool draws_;
     std::optional<Renderer> renderer_;
 };
 
-/// @return whether the coarse film could be run
-bool measure_film(const SceneFile& file, double coarser, Calibration& c) {
-    constexpr int moments = 4;
-    c.pictures.clear();
+/// The steps that a film takes each second in the flow of a coarse run of it.
+double steps_a_second(const Simulation& film, const World& flow) {
+    const double fastest = largest_speed(flow);
+    double step = film.scene().time.frame_interval();
+    if (film.scene().time.fixed_step > 0) step = std::min(step, film.scene().time.fixed_step);
+    else
+        for (const StepLimit& limit : film.assembly().limits)
+            if (const double dt = limit.dt(flow, fastest); dt > 0) step = std::min(step, dt);
+    return 1 / step;
+}
+
+/// @param film at its start @return whether the coarse film could be run
+bool measure_coarse_film(const SceneFile& file, const Simulation& film, int coarser, Calibration& c) {
+    constexpr int moments = 64, moments_a_picture = 16;
+    c.pictures.clear(), c.film_pace.clear();
     PictureCosts costs(file, coarser);
+    const bool creeps = film.plan().facts.pressure.solves_viscosity, solves = creeps || film.plan().pressure == PressureModel::ppe;
     int moment = 0;
     const auto measure = [&](const Frame& frame, const Simulation& simulation) {
-        const double part = static_cast<double>(moment++) / moments;
-        if (part > 0) costs.measure(frame, part, c);
-        if (part < 1 || simulation.plan().pressure != PressureModel::ppe) return;
+        // Larger particles slow down a flow that has inertia, so its speeds say little; what viscosity rules they leave as it is.
+        if (creeps) c.film_pace.push_back(steps_a_second(film, simulation.world()));
+        if (moment > 0 && moment % moments_a_picture == 0) costs.measure(frame, static_cast<double>(moment) / moments, c);
+        if (moment++ < moments || !solves) return;
         const RunTotals& totals = simulation.totals();
         for (const auto& [name, t] : simulation.times()) c.film_stages[name] = t.cpu / std::max(1.0, totals.particle_steps);
-        c.film_iterations = (totals.pressure_iterations + totals.viscosity_iterations) / static_cast<double>(std::max(1L, totals.steps));
+        const double iterations = totals.pressure_iterations + totals.viscosity_iterations;
+        c.film_iterations = iterations / static_cast<double>(std::max(1L, totals.steps));
+        // A thread has as many particles less across, and the coupled solve needs as many more iterations.
+        if (creeps) c.film_iterations /= coarser;
     };
     return run_coarsely(file, coarser, moments, shown_fields(file.look), measure);
 }
 
-/// @param seconds CPU, that simulating the whole film takes
-void measure_pictures(const SceneFile& file, const Plan& plan, double seconds, Calibration& c) try {
-    if (!file.scene.output.frames) return;
-    constexpr double enough = 2, too_much = 10;  // CPU s that the coarse run aims at, and that all tries together may take
-    constexpr double coarsest = 8;               // times the scene's spacing
+/// What the flow of the whole film makes of its steps and pictures.
+/// @param film at its start @param seconds CPU, that simulating it takes
+void measure_film(const SceneFile& file, const Simulation& film, double seconds, Calibration& c) {
+    constexpr double enough = 4, too_much = 10;  // CPU s that the coarse run aims at, and that all tries together may take
+    constexpr int coarsest = 8;                  // times the scene's spacing
     const double power = 1 + file.scene.domain.dimensions, began = cpu_seconds();
     // Whole numbers, which a period can be divided by.
-    const double most = std::clamp(std::ceil(std::pow(seconds / enough, 1 / power)), 2.0, coarsest);
+    const int most = std::clamp(static_cast<int>(std::ceil(std::pow(seconds / enough, 1 / power))), 2, coarsest);
     SceneFile alone = file;
     alone.scene.changes.clear();
-    for (double coarser = most; coarser >= 2; --coarser)
+    alone.scene.models = film.plan().chosen_models(alone.scene.models);
+    if (film.plan().preconditioner == Preconditioner::multigrid) alone.scene.pressure.preconditioner = Preconditioner::multigrid;
+    for (int coarser = most; coarser >= 2; --coarser)
         if (cpu_seconds() - began + seconds / std::pow(coarser, power) > too_much) break;
-        else if (measure_film(alone, coarser, c)) return;
+        else if (measure_coarse_film(alone, film, coarser, c)) return;
     // A scene that larger particles cannot show: a picture of the small scene.
-    const SceneFile sample = sample_of(file, plan);
+    c.pictures.clear(), c.film_pace.clear();
+    const SceneFile sample = sample_of(file, film.plan());
     const Simulation simulation(sample.scene, make_plan(sample.scene));
-    c.pictures.clear();
     PictureCosts(sample, 1).measure(Snapshots(simulation, shown_fields(sample.look)).take(simulation, 1), 1, c);
-    c.pictures.back().surface *= plan.estimated_particles / static_cast<double>(simulation.world().fluid.size());
-} catch (const EnvironmentError&) {  // no EGL device: `whorl doctor` tells
-    c.pictures.clear();
+    for (Calibration::Picture& picture : c.pictures)
+        picture.surface *= film.plan().estimated_particles / static_cast<double>(simulation.world().fluid.size());
 }
 
 Calibration measure(const SceneFile& file, const Plan& plan) {
@@ -181,7 +208,7 @@ Json to_json(const Calibration& c) {
 Json pictures_to_json(const Calibration& c) {
     Json list = Json::array();
     for (const Calibration::Picture& p : c.pictures) list.push_back({p.part, p.surface, p.draw});
-    return {{"write", c.write}, {"pictures", list}, {"stages", c.film_stages}, {"iterations", c.film_iterations}};
+    return {{"write", c.write}, {"pictures", list}, {"stages", c.film_stages}, {"iterations", c.film_iterations}, {"pace", c.film_pace}};
 }
 
 /// @throws nlohmann's exceptions where the cache holds something else
@@ -196,6 +223,7 @@ Calibration from_json(const Json& steps) {
 void pictures_from_json(const Json& pictures, Calibration& c) {
     c.write = pictures.at("write"), c.film_iterations = pictures.at("iterations");
     for (const auto& [name, value] : pictures.at("stages").items()) c.film_stages[name] = value;
+    for (const Json& steps : pictures.at("pace")) c.film_pace.push_back(steps);
     for (const Json& p : pictures.at("pictures")) c.pictures.push_back({p.at(0), p.at(1), p.at(2)});
 }
 
@@ -226,7 +254,7 @@ Calibration calibrate(const SceneFile& file, const Plan& plan, const Simulation&
     try {
         c = from_json(all.at(key));
     } catch (const Json::exception&) { c = measure(file, plan); }
-    measure_pictures(file, plan, estimate(file, plan, simulation, c).film_simulate, c);
+    measure_film(file, simulation, estimate(file, plan, simulation, c).film_simulate, c);
     try {
         all[key] = to_json(c), all[key_of_pictures(file)] = pictures_to_json(c);
         fs::create_directories(calibration_file().parent_path());

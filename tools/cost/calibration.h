@@ -17,10 +17,13 @@ struct Calibration {
     double iterations = 0;                 ///< a step, there
     std::map<std::string, double> stages;  ///< CPU seconds a particle-step by stage group (density, pressure, ...)
     double bytes_a_particle = 0;           ///< of everything that the simulation holds
-    /// The same of a coarse run of the whole film, where its solver is one whose pace hangs on the flow (models.pressure = "ppe"); else
-    /// empty.
+    /// The same of a coarse run of the whole film, where its solver is one whose pace hangs on the flow (models.pressure = "ppe",
+    /// "coupled"); else empty.
     std::map<std::string, double> film_stages;
     double film_iterations = 0;
+    /// Steps a second that the film takes in the flow of its coarse run, at even parts of its time, where viscosity rules that flow
+    /// ("coupled"); else empty.
+    std::vector<double> film_pace;
     struct Picture {
         double part = 0;               ///< of the film's time that has passed
         double surface = 0, draw = 0;  ///< CPU seconds of the one picture

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "engine/core/parallel.h"
-#include "engine/models/pressure/pressure_multigrid.h"
 #include "engine/scene/frame_times.h"
 #include "engine/scene/numbers.h"
 #include "tools/cost/pace.h"
@@ -48,6 +46,14 @@ Calibration::Picture picture_at(const std::vector<Calibration::Picture>& picture
     return {part, (1 - w) * a.surface + w * b.surface, (1 - w) * a.draw + w * b.draw};
 }
 
+/// Between two of the moments that a coarse run was looked at.
+double pace_at(const std::vector<double>& paces, double part) {
+    const double at = std::clamp(part, 0.0, 1.0) * static_cast<double>(paces.size() - 1);
+    const std::size_t k = std::min(static_cast<std::size_t>(at), paces.size() - 2);
+    const double w = at - static_cast<double>(k);
+    return (1 - w) * paces[k] + w * paces[k + 1];
+}
+
 }  // namespace
 
 Estimate estimate(const SceneFile& file, const Plan& plan, const Simulation& simulation, const Calibration& c) {
@@ -63,16 +69,9 @@ Estimate estimate(const SceneFile& file, const Plan& plan, const Simulation& sim
     // Without a coarse level, the iterations of the pressure equation grow with the number of particles across; those of the constraint,
     // which starts from the last step's pressures and from what pressed, hardly do (dam breaks of 2,000 to 49,000 particles over 1 to 4
     // s: 8.6 to 11.2 a step; more in the first tenths of a second).
-    const Preconditioner M = scene.pressure.preconditioner;
-    const bool constraint = plan.facts.pressure.form == PressureForm::constraint,
-               grows = plan.pressure == PressureModel::ppe && M != Preconditioner::multigrid;
-    const double growth = constraint ? 1.0 / 12 : 1.0 / 3;
-    const double grows_to = M != Preconditioner::automatic ? std::numeric_limits<double>::infinity()
-                            : constraint                   ? constraint_multigrid_above
-                                                           : poisson_multigrid_above;
-    const auto more_iterations = [&](double n) {
-        return grows ? std::pow(std::max(1.0, std::min(n, grows_to) / c.particles), growth) : 1.0;
-    };
+    const bool grows = plan.pressure == PressureModel::ppe && plan.preconditioner != Preconditioner::multigrid;
+    const double growth = plan.facts.pressure.form == PressureForm::constraint ? 1.0 / 12 : 1.0 / 3;
+    const auto more_iterations = [&](double n) { return grows ? std::pow(std::max(1.0, n / c.particles), growth) : 1.0; };
     const bool film = !c.film_stages.empty();  // a coarse run knows the flow, and its iterations
     const std::map<std::string, double>& costs = film ? c.film_stages : c.stages;
     e.iterations = film ? c.film_iterations : c.iterations * more_iterations(most);
@@ -96,9 +95,10 @@ Estimate estimate(const SceneFile& file, const Plan& plan, const Simulation& sim
     };
     double steps = 0, all_steps = 0;
     for (int k = 1; k <= e.frames; ++k) {
-        steps = k == 1 ? 0 : std::ceil(interval / pace.step(frame_time(scene, k)) - 1e-9);  // the first frame is the start itself
-        all_steps += steps;
         const double time = frame_time(scene, k);
+        const double a_second = c.film_pace.empty() ? 1 / pace.step(time) : pace_at(c.film_pace, time / frame_time(scene, e.frames));
+        steps = k == 1 ? 0 : std::ceil(interval * a_second - 1e-9);  // the first frame is the start itself
+        all_steps += steps;
         const Estimate at = frame(time, particles_at(scene, plan, at_start, time), steps);
         e.frames_seconds.push_back(at.frame);
         e.film += at.frame;

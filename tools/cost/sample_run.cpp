@@ -111,6 +111,7 @@ SceneFile sample_of(const SceneFile& file, const Plan& plan) {
     scene.models.pressure = plan.pressure;
     scene.models.viscosity = plan.viscosity;
     scene.models.shifting = plan.shifting;
+    if (plan.preconditioner == Preconditioner::multigrid) scene.pressure.preconditioner = plan.preconditioner;
     if (plan.sound_speed > 0) scene.pressure.sound_speed = plan.sound_speed;
     scene.fluid.kernel = plan.kernel.kind;
     scene.fluid.support = plan.support / scene.fluid.spacing;
