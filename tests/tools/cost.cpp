@@ -110,6 +110,15 @@ TEST_CASE("pictures cost what they do at their moment of the film, the time left
     CHECK(progress.seconds_left(4) == 0);
 }
 
+TEST_CASE("a film takes as many steps as the flow of its coarse run asks for, moment by moment", "[cost]") {
+    const SceneFile file = shipped("honey_coil");
+    const Plan plan = make_plan(file.scene);
+    Calibration c = costs();
+    c.film_pace = {24, 240};  // a step a frame at first, ten at the end
+    const Estimate e = estimate(file, plan, Simulation(file.scene, plan), c);
+    CHECK(e.steps_a_frame == Approx(6).epsilon(0.02));  // rounded up a frame
+}
+
 TEST_CASE("the plan's drop hangs on until it outweighs surface tension, then draws its neck out and falls", "[cost]") {
     const SceneFile file =
         shipped("dripping_syrup", {"time.end=0.8", "fluid.viscosity=0.8", "fluid.spacing=4e-4", "domain.min=[-0.035, -0.05, -0.035]",

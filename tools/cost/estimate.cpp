@@ -96,7 +96,7 @@ Estimate estimate(const SceneFile& file, const Plan& plan, const Simulation& sim
     double steps = 0, all_steps = 0;
     for (int k = 1; k <= e.frames; ++k) {
         const double time = frame_time(scene, k);
-        const double a_second = c.film_pace.empty() ? 1 / pace.step(time) : pace_at(c.film_pace, time / frame_time(scene, e.frames));
+        const double a_second = c.film_pace.size() < 2 ? 1 / pace.step(time) : pace_at(c.film_pace, time / frame_time(scene, e.frames));
         steps = k == 1 ? 0 : std::ceil(interval * a_second - 1e-9);  // the first frame is the start itself
         all_steps += steps;
         const Estimate at = frame(time, particles_at(scene, plan, at_start, time), steps);
