@@ -199,6 +199,8 @@ TriangleMesh read_ply(const std::string& file, std::string_view text) {
         }
     }
     if (!ended) words.fail("the header has no end");
+    for (const PlyElement& element : elements)
+        if (element.count > 0 && element.properties.empty()) words.fail("element " + element.name + " has no property");
 
     std::string_view bytes = words.rest();
     const auto next = [&](const std::string& type) {

@@ -189,6 +189,8 @@ TEST_CASE("a broken mesh file is named with its line and what is wrong", "[geome
         CAPTURE(corner);
         CHECK_THAT(message_of(temporary("k.ply", triangle + "3 0 1 " + corner + "\n")), Contains("there are 3, counted from 0"));
     }
+    CHECK_THAT(message_of(temporary("l.ply", "ply\nformat binary_little_endian 1.0\nelement thing 666666666666666666\nend_header\n")),
+               Contains("element thing has no property"));
     std::string cut(80, 'x');
     cut += std::string("\x08\0\0\0", 4) + std::string(70, '\0');
     CHECK_THAT(message_of(temporary("i.stl", cut)), Contains("8 triangles announced, 1 there"));
