@@ -35,14 +35,15 @@ constexpr int cube[3][6] = {{0, 3, 5, 1, 2, 4}, {1, 6, 8, 3, 4, 7}, {2, 7, 9, 4,
 constexpr int fourth[6][6] = {{0, 3, 5, 1, 2, 4}, {3, 10, 12, 6, 7, 11}, {5, 12, 14, 8, 9, 13},
                               {1, 6, 8, 3, 4, 7}, {2, 7, 9, 4, 5, 8},    {4, 11, 13, 7, 8, 12}};
 
-void find_monomials(const RowBlock& block, std::size_t begin, std::size_t end, const StrainCoefficients& c, std::vector<Monomials>& pairs) {
-    if (pairs.size() < end - begin) pairs.resize(end - begin);
-    for (std::size_t e = begin; e < end; ++e) {
+void find_monomials(const RowBlock& block, Index row, const StrainCoefficients& c, std::vector<Monomials>& pairs) {
+    pairs.resize(static_cast<std::size_t>(block.count[row]));
+    Monomials* to = pairs.data();
+    block.each_pair(row, [&](std::size_t e) {
         const Real x = block.x[e], y = block.y[e], z = block.z[e], w = block.w[e];
         const Real xx = x * x, yy = y * y, zz = z * z, xy = x * y, xz = x * z, yz = y * z;
         const Real wi = w / (xx + yy + zz), cw = c.smooth * w, pw = c.pair * wi;
         const Real wxx = wi * xx, wyy = wi * yy, wzz = wi * zz, wyz = wi * yz;
-        Real* m = pairs[e - begin].v;
+        Real* m = (to++)->v;
         m[0] = w * x, m[1] = w * y, m[2] = w * z;
         m[3] = wxx * x, m[4] = wxx * y, m[5] = wxx * z, m[6] = wyy * x, m[7] = wyz * x, m[8] = wzz * x;
         m[9] = wyy * y, m[10] = wyy * z, m[11] = wzz * y, m[12] = wzz * z;
@@ -53,7 +54,7 @@ void find_monomials(const RowBlock& block, std::size_t begin, std::size_t end, c
         m[30] = wyy * xy, m[31] = wyy * xz, m[32] = wzz * xy, m[33] = wzz * xz;
         m[34] = wyy * yy, m[35] = wyy * yz, m[36] = wyy * zz, m[37] = wzz * yz, m[38] = wzz * zz;
         m[39] = 0;
-    }
+    });
 }
 
 /// sum += m for `count` numbers.
@@ -214,7 +215,7 @@ void CoarseRows::add(int a, int b, const Mat6& m) {
 }
 
 void CoarseRows::add_row(Index row) {
-    if (block_.row_begin(row) == block_.row_end(row)) return;
+    if (block_.count[row] == 0) return;
     const Index i = block_.begin + row;
     const Mat6 C4 = find_shares(row);
     if (number_[row] >= 0) add_coupling(row);
@@ -223,18 +224,18 @@ void CoarseRows::add_row(Index row) {
 
 /// @returns sum w/r^2 q q^T
 Mat6 CoarseRows::find_shares(Index row) {
-    const std::size_t begin = block_.row_begin(row), end = block_.row_end(row);
     shares_.clear();
     share_of(number_[row]);
-    find_monomials(block_, begin, end, form_.coefficients(block_.begin + row), pairs_);
+    find_monomials(block_, row, form_.coefficients(block_.begin + row), pairs_);
     alignas(8 * sizeof(Real)) Real quartic[Monomials::count - Monomials::levered] = {};
-    for (std::size_t e = begin; e < end; ++e) {
+    const Monomials* pair = pairs_.data();
+    block_.each_pair(row, [&](std::size_t e) {
         const Index place = block_.other[e];
-        const Real* m = pairs_[e - begin].v;
+        const Real* m = (pair++)->v;
         share_of(number_[place]).sums.add(m, aggregates_.arm(block_.touched[place]));
         add_to<8>(springs_[place].v, m + Monomials::springs);
         add_to<Monomials::count - Monomials::levered>(quartic, m + Monomials::levered);
-    }
+    });
     Mat6 C4;
     for (int k = 0; k < 6; ++k)
         for (int l = 0; l < 6; ++l) C4(k, l) = quartic[fourth[k][l]];

@@ -49,9 +49,9 @@ struct Shifting {
         const Real thin = around.thin;
         Vec3 dx = Vec3::Zero();
         Real along = 0;
-        for (std::size_t e = block.row_begin(i - block.begin); e < block.row_end(i - block.begin); ++e) {
+        block.each_pair(i - block.begin, [&](std::size_t e) {
             const Real before2 = block.x[e] * block.x[e] + block.y[e] * block.y[e] + block.z[e] * block.z[e];
-            if (block.w[e] == 0 || (before2 > 4 && thin == 0)) continue;  // too far to come within the range in one step
+            if (before2 > 4 && thin == 0) return;  // too far to come within the range in one step
             const Index j = block.touched[block.other[e]];
             const Vec3 r = step.domain.minimum_image(x[j] - x[i]) / step.spacing;
             const Real distance = r.norm(), strained = strain[i] + strain[j];
@@ -59,7 +59,7 @@ struct Shifting {
             const Real s = around.along.dot(r), away = std::abs(s);
             if (thin > 0 && away < evening_range)
                 along -= std::min(evening_rate * strained, strongest_evening) * (evening_range - away) * s / (away + Real(0.2));
-        }
+        });
         dx += thin * along * around.along;
         const Real length = dx.norm(), longest = static_cast<Real>(o.longest_shift);
         if (length > longest) dx *= longest / length;
@@ -98,15 +98,14 @@ void CoupledShift::operator()(Update<field::position> x, Update<field::velocity>
         for (Index i = begin; i < end; ++i) {
             if (shift[i] == Vec3::Zero()) continue;
             const Vec3 du = G[i] * shift[i];
-            const std::size_t e0 = block.row_begin(i - begin), e1 = block.row_end(i - begin);
             Real weights = 1;
-            for (std::size_t e = e0; e < e1; ++e) weights += block.w[e];
+            block.each_pair(i - begin, [&](std::size_t e) { weights += block.w[e]; });
             const Vec3 share = du / weights;
             const auto give = [&](std::size_t place, const Vec3& v) {
                 for (int a = 0; a < 3; ++a) out[place].v[a] += v[a];
             };
             give(i - begin, du - share);
-            for (std::size_t e = e0; e < e1; ++e) give(block.other[e], -block.w[e] * share);
+            block.each_pair(i - begin, [&](std::size_t e) { give(block.other[e], -block.w[e] * share); });
         }
     });
     s.rows.gather<Vec4>(spread, [&](Index i, const Vec4& v) {

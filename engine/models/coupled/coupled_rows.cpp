@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 
 #include "engine/core/parallel.h"
 #include "engine/core/resize_tightly.h"
@@ -47,6 +48,9 @@ struct CoupledRows::Scratch {
     std::vector<Index> index;
     std::vector<Real> order;
     std::vector<std::size_t> bridges;
+    Column<Real> row_x, row_y, row_z, row_w;  ///< pairs of the block's rows, one row after the other
+    Column<Index> row_other;
+    std::vector<std::size_t> row_first;
     std::vector<Index> place;    ///< of each particle in the block's touched list, -1: not in it. All -1 between two blocks
     std::vector<Index> reached;  ///< the particle whose close neighbours' close neighbours were marked last, this one among them
 
@@ -89,25 +93,6 @@ Real weigh(Index count, const Real* __restrict r2, Real h0, Real h, Real* __rest
     return density * static_cast<Real>(21 / (2 * std::numbers::pi)) / (h0 * h0 * h0);
 }
 
-/// Sums over a finished row: M, and what tells a surface.
-Mat3 moments(Index count, const Real* __restrict x, const Real* __restrict y, const Real* __restrict z, const Real* __restrict w,
-             Neighbourhood& n) {
-    Real xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0, sx = 0, sy = 0, sz = 0, distances = 0;
-    for (Index e = 0; e < count; ++e) {
-        const Real wx = w[e] * x[e], wy = w[e] * y[e], wz = w[e] * z[e];
-        xx += wx * x[e], yy += wy * y[e], zz += wz * z[e], xy += wx * y[e], xz += wx * z[e], yz += wy * z[e];
-        sx += wx, sy += wy, sz += wz;
-        distances += w[e] * std::sqrt(x[e] * x[e] + y[e] * y[e] + z[e] * z[e]);
-    }
-    const Vec3 centre(sx, sy, sz);
-    n.spread = xx + yy + zz;
-    if (distances > 0) n.surface = centre.norm() / distances;
-    if (n.surface > 0) n.outward = -centre.normalized();
-    Mat3 M;
-    M << xx, xy, xz, xy, yy, yz, xz, yz, zz;
-    return M;
-}
-
 }  // namespace
 
 void CoupledRows::build(Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real spacing,
@@ -147,7 +132,6 @@ void CoupledRows::build(Span<const Vec3> x, Span<const std::int16_t> role, const
 
     neighbourhood.assign(x.size(), {});
     blocks.resize((n + block_size - 1) / block_size);
-    row_pairs_.assign(blocks.size(), 0);
     parallel_blocks(n, block_size, [&](Index begin, Index end) {
         RowBlock& block = blocks[begin / block_size];
         block.begin = begin;
@@ -156,12 +140,13 @@ void CoupledRows::build(Span<const Vec3> x, Span<const std::int16_t> role, const
     });
     Column<Index>().swap(near_.other);  // nobody needs them any longer
     number_slots();
-    pairs = 0;
-    longest_row = 0;
-    for (std::size_t b = 0; b < blocks.size(); ++b) {
-        pairs += row_pairs_[b];
-        for (Index row = 0; row < blocks[b].size(); ++row)
-            longest_row = std::max(longest_row, blocks[b].row_end(row) - blocks[b].row_begin(row));
+    pairs = slices = 0;
+    widest_slice = 0;
+    for (RowBlock& block : blocks) {
+        block.first_slice = slices;
+        slices += block.slices.size();
+        for (const Index in_row : block.count) pairs += static_cast<std::size_t>(in_row);
+        for (const RowSlice& slice : block.slices) widest_slice = std::max(widest_slice, slice.width);
     }
 }
 
@@ -170,25 +155,20 @@ void CoupledRows::build_block(RowBlock& block, Span<const Vec3> x, Span<const st
     s.place.resize(x.size(), -1);
     if (s.reached.size() != x.size() || s.build != builds_) s.reached.assign(x.size(), -1), s.build = builds_;
     block.touched.clear();
-    block.first.assign(1, 0);
+    block.count.clear();
+    s.row_first.assign(1, 0);
     for (Index i = block.begin; i < block.end; ++i) s.place_of(i, block);
-    std::size_t counted = 0;
     for (Index i = block.begin; i < block.end; ++i) {
         const Real h = find_candidates(i, spacing, o, s);
-        Neighbourhood& here = neighbourhood[i];
         s.w.resize(s.index.size());
-        here.density = weigh(static_cast<Index>(s.index.size()), s.r2.data(), static_cast<Real>(o.support), h, s.w.data());
+        neighbourhood[i].density = weigh(static_cast<Index>(s.index.size()), s.r2.data(), static_cast<Real>(o.support), h, s.w.data());
         find_bridges(i, h, o, s);
-        const std::size_t begin = block.first.back(), end = append_row(block, i, h, role, o, s);
-        counted += end - begin;
-        block.pad(i - block.begin, end);
-        const std::size_t padded = block.first.back();
-        const Mat3 M = moments(static_cast<Index>(padded - begin), block.x.data() + begin, block.y.data() + begin, block.z.data() + begin,
-                               block.w.data() + begin, here);
-        if (here.spread > 0) set_moment(M, o, here);
+        block.count.push_back(append_row(block, i, h, role, o, s));
+        s.row_first.push_back(s.row_first.back() + static_cast<std::size_t>(block.count.back()));
     }
-    row_pairs_[block.begin / block_size] = counted;
     for (Index j : block.touched) s.place[j] = -1;
+    arrange(block, s);
+    find_moments(block, o);
 }
 
 /// @returns the kernel radius in spacings: 1.15 times the distance of the 16th neighbour where few are near
@@ -227,16 +207,15 @@ void CoupledRows::find_bridges(Index i, Real h, const CoupledOptions& o, Scratch
         if (s.r2[k] < reach * reach) s.bridges.push_back(k);
 }
 
-/// Those candidates that count. @returns the row's end
-std::size_t CoupledRows::append_row(RowBlock& block, Index i, Real h, Span<const std::int16_t> role, const CoupledOptions& o,
-                                    Scratch& s) const {
-    std::size_t end = block.first.back();
-    const std::size_t most = end + s.index.size() + lanes;
-    for (Column<Real>* column : {&block.x, &block.y, &block.z, &block.w})
-        if (column->size() < most) resize_tightly(*column, most);
-    if (block.other.size() < block.x.size()) resize_tightly(block.other, block.x.size());
+/// Those candidates that count. @returns how many
+Index CoupledRows::append_row(RowBlock& block, Index i, Real h, Span<const std::int16_t> role, const CoupledOptions& o, Scratch& s) const {
+    const std::size_t begin = s.row_first.back(), most = begin + s.index.size();
+    for (Column<Real>* column : {&s.row_x, &s.row_y, &s.row_z, &s.row_w})
+        if (column->size() < most) column->resize(most);
+    if (s.row_other.size() < most) s.row_other.resize(most);
     const Real usual = static_cast<Real>(o.support), scale = h / usual;
     const Real gate = static_cast<Real>(o.gate) * scale, reach = static_cast<Real>(o.bridge) * scale;
+    std::size_t end = begin;
     for (std::size_t k = 0; k < s.index.size(); ++k) {
         if (s.w[k] == 0) continue;
         const Index j = s.index[k];
@@ -244,19 +223,88 @@ std::size_t CoupledRows::append_row(RowBlock& block, Index i, Real h, Span<const
             const bool counts = h == usual ? s.reached[j] == i : s.bridged(k, reach * reach);
             if (!counts) continue;
         }
-        block.x[end] = s.x[k], block.y[end] = s.y[k], block.z[end] = s.z[k], block.w[end] = s.w[k];
-        block.other[end] = s.place_of(j, block);
+        s.row_x[end] = s.x[k], s.row_y[end] = s.y[k], s.row_z[end] = s.z[k], s.row_w[end] = s.w[k];
+        s.row_other[end] = s.place_of(j, block);
         ++end;
     }
-    return end;
+    return static_cast<Index>(end - begin);
 }
 
-void RowBlock::pad(Index row, std::size_t from) {
-    for (; (from - first.back()) % CoupledRows::lanes != 0; ++from) {
-        x[from] = 1, y[from] = 0, z[from] = 0, w[from] = 0;
-        other[from] = row;
+/// Puts rows of about the same length side by side.
+void CoupledRows::arrange(RowBlock& block, const Scratch& s) {
+    const Index rows = block.size();
+    std::vector<Index> order(rows);
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return block.count[a] > block.count[b]; });
+    block.slices.assign(static_cast<std::size_t>((rows + lane_count - 1) / lane_count), RowSlice());
+    std::size_t end = 0;
+    for (std::size_t k = 0; k < block.slices.size(); ++k) {
+        RowSlice& slice = block.slices[k];
+        slice.begin = end;
+        slice.width = block.count[order[k * lane_count]];
+        end += static_cast<std::size_t>(slice.width) * lane_count;
     }
-    first.push_back(from);
+    for (Column<Real>* column : {&block.x, &block.y, &block.z, &block.w}) resize_tightly(*column, end);
+    resize_tightly(block.other, end);
+    block.first.resize(rows);
+    for (std::size_t k = 0; k < block.slices.size(); ++k) {
+        RowSlice& slice = block.slices[k];
+        slice.rows = std::min<Index>(lane_count, rows - static_cast<Index>(k) * lane_count);
+        for (Index lane = 0; lane < lane_count; ++lane) {
+            const Index row = order[k * lane_count + static_cast<std::size_t>(lane < slice.rows ? lane : 0)];
+            const Index count = lane < slice.rows ? block.count[row] : 0;
+            slice.row[lane] = row;
+            std::size_t to = slice.begin + static_cast<std::size_t>(lane), from = s.row_first[row];
+            if (lane < slice.rows) block.first[row] = to;
+            for (Index e = 0; e < count; ++e, ++from, to += lane_count) {
+                block.x[to] = s.row_x[from], block.y[to] = s.row_y[from], block.z[to] = s.row_z[from], block.w[to] = s.row_w[from];
+                block.other[to] = s.row_other[from];
+            }
+            for (Index e = count; e < slice.width; ++e, to += lane_count) {
+                block.x[to] = 1, block.y[to] = block.z[to] = block.w[to] = 0;
+                block.other[to] = row;
+            }
+        }
+    }
+}
+
+/// Sums over the finished rows: M, its inverse, what tells a surface, and the fourth moment.
+void CoupledRows::find_moments(RowBlock& block, const CoupledOptions& o) {
+    for (RowSlice& slice : block.slices) {
+        SymmetricLanes M{};
+        Lanes3 centre{};
+        Lanes distances{};
+        FourthMoment& fourth = slice.fourth;
+        for (Lanes& v : fourth.v) v = Lanes{};
+        for (std::size_t e = slice.begin, last = e + static_cast<std::size_t>(slice.width) * lane_count; e < last; e += lane_count) {
+            const Lanes x = lanes_at(&block.x[e]), y = lanes_at(&block.y[e]), z = lanes_at(&block.z[e]), w = lanes_at(&block.w[e]);
+            const Lanes xx = x * x, yy = y * y, zz = z * z, xy = x * y, xz = x * z, yz = y * z, r2 = xx + yy + zz;
+            M.xx += w * xx, M.yy += w * yy, M.zz += w * zz, M.xy += w * xy, M.xz += w * xz, M.yz += w * yz;
+            centre.x += w * x, centre.y += w * y, centre.z += w * z;
+            const Lanes wi = w / r2;
+            distances += w * square_root(r2);
+            const Lanes wxx = wi * xx, wyy = wi * yy, wzz = wi * zz;
+            Lanes* f = fourth.v;
+            f[0] += wxx * xx, f[1] += wxx * xy, f[2] += wxx * xz, f[3] += wxx * yy, f[4] += wxx * yz, f[5] += wxx * zz;
+            f[6] += wyy * xy, f[7] += wyy * xz, f[8] += wzz * xy, f[9] += wzz * xz;
+            f[10] += wyy * yy, f[11] += wyy * yz, f[12] += wyy * zz, f[13] += wzz * yz, f[14] += wzz * zz;
+        }
+        slice.inverse_moment = SymmetricLanes();
+        for (Index lane = 0; lane < slice.rows; ++lane) {
+            Neighbourhood& n = neighbourhood[block.begin + slice.row[lane]];
+            const Vec3 middle(centre.x[lane], centre.y[lane], centre.z[lane]);
+            n.spread = M.xx[lane] + M.yy[lane] + M.zz[lane];
+            if (distances[lane] > 0) n.surface = middle.norm() / distances[lane];
+            if (n.surface > 0) n.outward = -middle.normalized();
+            if (n.spread > 0) {
+                Mat3 moment;
+                moment << M.xx[lane], M.xy[lane], M.xz[lane], M.xy[lane], M.yy[lane], M.yz[lane], M.xz[lane], M.yz[lane], M.zz[lane];
+                set_moment(moment, o, n);
+            }
+            slice.resolved = slice.resolved && n.unresolved == 0;
+            set_lane(slice.inverse_moment, lane, n.inverse_moment);
+        }
+    }
 }
 
 /// Lists for every particle the places, in the blocks' order, at which blocks hold something for it.

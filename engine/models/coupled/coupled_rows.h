@@ -1,15 +1,11 @@
 #pragma once
 /// Rows of neighbours as the coupled solve wants them: support that grows in thin places, no pairs through the air between two turns of a
 /// coil, and a layout that the products run through at the speed of memory.
+#include "engine/math/lanes.h"
 #include "engine/models/coupled/coupled_options.h"
 #include "engine/particles/search.h"
 
 namespace whorl {
-
-/// Four numbers in one aligned piece: a vector and a spare.
-struct alignas(4 * sizeof(Real)) Vec4 {
-    Real v[4];
-};
 
 /// Moments of a particle's neighbourhood. Lengths in spacings, r = (x_j - x_i)/d.
 struct Neighbourhood {
@@ -24,27 +20,51 @@ struct Neighbourhood {
     Real surface = 0;                    ///< |sum w r| / sum w |r|: 0 inside, about 0.4 on a flat surface
 };
 
+/// sum w/r^2 r r r r of a row a lane. A symmetric matrix counts as the six numbers (xx, yy, zz, xy, xz, yz); the sum takes one to another.
+struct FourthMoment {
+    Lanes v[15];  ///< xxxx xxxy xxxz xxyy xxyz xxzz xyyy xyyz xyzz xzzz yyyy yyyz yyzz yzzz zzzz
+    /// Of numbers k and l of the six.
+    static constexpr int place[6][6] = {{0, 3, 5, 1, 2, 4}, {3, 10, 12, 6, 7, 11}, {5, 12, 14, 8, 9, 13},
+                                        {1, 6, 8, 3, 4, 7}, {2, 7, 9, 4, 5, 8},    {4, 11, 13, 7, 8, 12}};
+    Lanes of(int k, int l) const { return v[place[k][l]]; }
+};
+
+/// As many rows as there are lanes, side by side: pair k of the row in lane l stands at begin + lane_count k + l of the block's columns.
+/// Shorter rows, and lanes without a row, end in pairs of weight 0 with themselves.
+struct RowSlice {
+    std::size_t begin = 0;
+    Index width = 0;                ///< pairs of the longest row
+    Index row[lane_count] = {};     ///< of each lane; without one, that of the first
+    Index rows = 0;                 ///< lanes that have one
+    bool resolved = true;           ///< all directions of all its rows
+    SymmetricLanes inverse_moment;  ///< M+
+    FourthMoment fourth;
+};
+
 /// The rows of `block_size` particles that are near each other in the store. Neighbours are named by their place in `touched`, so that a
 /// product gathers each velocity once a block and adds up forces in memory of its own: no thread waits, and the sums' order is fixed.
 struct RowBlock {
-    Index begin = 0, end = 0;        ///< particles whose rows these are
-    std::vector<Index> touched;      ///< the particles named; the first end - begin are the rows' own
-    std::size_t place = 0;           ///< where the block's entries begin in arrays over all blocks' touched particles
-    std::vector<std::size_t> first;  ///< end - begin + 1 offsets; rows are padded to whole vectors with pairs of weight 0
-    Column<Real> x, y, z, w;         ///< r and the Wendland weight of each pair
+    Index begin = 0, end = 0;     ///< particles whose rows these are
+    std::vector<Index> touched;   ///< the particles named; the first end - begin are the rows' own
+    std::size_t place = 0;        ///< where the block's entries begin in arrays over all blocks' touched particles
+    std::size_t first_slice = 0;  ///< where its slices begin in arrays over all blocks' slices
+    std::vector<RowSlice> slices;
+    std::vector<std::size_t> first;  ///< pair of each row
+    std::vector<Index> count;        ///< pairs of each row
+    Column<Real> x, y, z, w;         ///< r and the weight of each pair
     Column<Index> other;             ///< place of j in touched
 
     Index size() const { return end - begin; }
-    std::size_t row_begin(Index row) const { return first[row]; }
-    std::size_t row_end(Index row) const { return first[row + 1]; }
-    /// Ends a row: fills the last vector of its pairs, which reach up to `from`, with pairs of no weight.
-    void pad(Index row, std::size_t from);
+    /// Calls f(place in the columns) for each pair of a row.
+    template <class F>
+    void each_pair(Index row, const F& f) const {
+        for (std::size_t e = first[row], last = e + static_cast<std::size_t>(count[row]) * lane_count; e < last; e += lane_count) f(e);
+    }
 };
 
 class CoupledRows {
 public:
     static constexpr Index block_size = 256;
-    static constexpr Index lanes = 64 / sizeof(Real);  ///< rows are padded to this many pairs
 
     /// @param spacing d [m] @param role field::role: pairs of two prescribed particles pass the gate
     void build(Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real spacing, const CoupledOptions& options);
@@ -53,7 +73,8 @@ public:
     std::vector<RowBlock> blocks;
     std::vector<Neighbourhood> neighbourhood;  ///< one a particle
     std::size_t pairs = 0;                     ///< in all rows, without padding
-    std::size_t longest_row = 0;               ///< padded
+    std::size_t slices = 0;                    ///< of all blocks
+    Index widest_slice = 0;
 
     /// y_i = sum of what the blocks hold for particle i, in the order of the blocks; entries: one a touched particle of each block.
     template <class T, class F>
@@ -72,8 +93,9 @@ private:
     void build_block(RowBlock& block, Span<const Vec3> x, Span<const std::int16_t> role, Real spacing, const CoupledOptions& options);
     Real find_candidates(Index i, Real spacing, const CoupledOptions& options, Scratch& s) const;
     void find_bridges(Index i, Real h, const CoupledOptions& options, Scratch& s) const;
-    std::size_t append_row(RowBlock& block, Index i, Real h, Span<const std::int16_t> role, const CoupledOptions& options,
-                           Scratch& s) const;
+    Index append_row(RowBlock& block, Index i, Real h, Span<const std::int16_t> role, const CoupledOptions& options, Scratch& s) const;
+    static void arrange(RowBlock& block, const Scratch& s);
+    void find_moments(RowBlock& block, const CoupledOptions& options);
     void number_slots();
 
     NeighbourSearch near_search_, far_search_;
@@ -84,7 +106,6 @@ private:
     unsigned long builds_ = 0;                ///< number of this build among all
     std::vector<Index> sparse_place_;         ///< of each particle in sparse_, -1: enough neighbours
     std::vector<std::size_t> first_slot_, slot_;
-    std::vector<std::size_t> row_pairs_;  ///< of each block
 };
 
 }  // namespace whorl

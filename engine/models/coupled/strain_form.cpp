@@ -1,7 +1,5 @@
 #include "engine/models/coupled/strain_form.h"
 
-#include <array>
-
 #include "engine/core/parallel.h"
 
 namespace whorl {
@@ -10,147 +8,143 @@ namespace {
 /// Memory of one block while its rows are run through.
 struct RowScratch {
     Column<Vec4> u;           ///< velocities of the touched particles
-    Column<Real> du, dv, dw;  ///< u_j - u_i of each pair of a row
-    Column<Real> t;           ///< 2 c' w/r^2 (u_ij.r - r.G r)
-    Column<Real> fx, fy, fz;  ///< force on j
-    void resize(std::size_t touched, std::size_t longest_row) {
-        if (u.size() < touched) u.resize(touched);
-        if (du.size() < longest_row) {
-            for (Column<Real>* c : {&du, &dv, &dw, &t, &fx, &fy, &fz}) c->resize(longest_row);
-        }
-    }
+    Column<Lanes3> velocity;  ///< u_j - u_i of each pair of a slice
+    Column<Lanes> stiffness;  ///< w/r^2 of each pair
 };
 
 RowScratch& scratch(const RowBlock& block, const CoupledRows& rows) {
     thread_local RowScratch memory;
-    memory.resize(block.touched.size(), rows.longest_row);
+    const auto width = static_cast<std::size_t>(rows.widest_slice);
+    if (memory.u.size() < block.touched.size()) memory.u.resize(block.touched.size());
+    if (memory.velocity.size() < width) memory.velocity.resize(width), memory.stiffness.resize(width);
     return memory;
 }
 
-/// The pairs of one row, as pointers that the compiler may assume to be distinct.
-struct RowView {
-    const Real* __restrict x, * __restrict y, * __restrict z, * __restrict w;
-    const Index* __restrict other;
-    Index count;
-    RowView(const RowBlock& b, Index row) {
-        const std::size_t at = b.row_begin(row);
-        x = b.x.data() + at, y = b.y.data() + at, z = b.z.data() + at, w = b.w.data() + at;
-        other = b.other.data() + at;
-        count = static_cast<Index>(b.row_end(row) - at);
+/// The velocities of the particles that a block touches.
+void take_velocities(const RowBlock& block, Span<const Vec3> u, RowScratch& s) {
+    for (std::size_t l = 0; l < block.touched.size(); ++l) {
+        const Vec3& v = u[block.touched[l]];
+        s.u[l] = {{v[0], v[1], v[2], 0}};
+    }
+}
+
+/// The pairs of a slice.
+struct SliceView {
+    const Real *x, *y, *z, *w;
+    const Index* other;
+    std::size_t width;
+    SliceView(const RowBlock& b, const RowSlice& slice)
+        : x(b.x.data() + slice.begin), y(b.y.data() + slice.begin), z(b.z.data() + slice.begin), w(b.w.data() + slice.begin),
+          other(b.other.data() + slice.begin), width(static_cast<std::size_t>(slice.width)) {}
+    /// Calls f(k, r, w, places of j) for the k-th pairs of all lanes.
+    template <class F>
+    void each(const F& f) const {
+        for (std::size_t k = 0, e = 0; k < width; ++k, e += lane_count)
+            f(k, Lanes3{lanes_at(x + e), lanes_at(y + e), lanes_at(z + e)}, lanes_at(w + e), other + e);
     }
 };
 
-using Quad = Real __attribute__((vector_size(4 * sizeof(Real))));
-
-const Quad& quad(const Real* from) { return *reinterpret_cast<const Quad*>(from); }
-Quad& quad(Real* to) { return *reinterpret_cast<Quad*>(to); }
-
-/// u_j - u_i of each pair, and A = sum w (u_j - u_i) r^T.
-Mat3 differences(const RowView& row, const Vec4* __restrict u, Index own, RowScratch& s) {
-    Real* __restrict du = s.du.data(), * __restrict dv = s.dv.data(), * __restrict dw = s.dw.data();
-    const Quad of_own = quad(u[own].v);
-    static_assert(CoupledRows::lanes % 4 == 0);
-    for (Index e = 0; e < row.count; e += 4) {
-        // Four pairs' (x, y, z, 0) become four pairs' x, y, z.
-        const Quad a = quad(u[row.other[e]].v) - of_own, b = quad(u[row.other[e + 1]].v) - of_own;
-        const Quad c = quad(u[row.other[e + 2]].v) - of_own, d = quad(u[row.other[e + 3]].v) - of_own;
-        const Quad xy0 = __builtin_shufflevector(a, b, 0, 4, 1, 5), xy1 = __builtin_shufflevector(c, d, 0, 4, 1, 5);
-        quad(du + e) = __builtin_shufflevector(xy0, xy1, 0, 1, 4, 5);
-        quad(dv + e) = __builtin_shufflevector(xy0, xy1, 2, 3, 6, 7);
-        quad(dw + e) =
-            __builtin_shufflevector(__builtin_shufflevector(a, b, 2, 6, 2, 6), __builtin_shufflevector(c, d, 2, 6, 2, 6), 0, 1, 4, 5);
+Lanes dot(const Lanes3& a, const Lanes3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+Lanes3 operator+(const Lanes3& a, const Lanes3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+Lanes3 operator-(const Lanes3& a, const Lanes3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+Lanes3 operator*(const Lanes& a, const Lanes3& b) { return {a * b.x, a * b.y, a * b.z}; }
+Lanes3 operator*(const SymmetricLanes& m, const Lanes3& v) {
+    return {m.xx * v.x + m.xy * v.y + m.xz * v.z, m.xy * v.x + m.yy * v.y + m.yz * v.z, m.xz * v.x + m.yz * v.y + m.zz * v.z};
+}
+Lanes3 operator*(const Lanes33& a, const Lanes3& v) {
+    const auto row = [&](int k) { return a.m[k][0] * v.x + a.m[k][1] * v.y + a.m[k][2] * v.z; };
+    return {row(0), row(1), row(2)};
+}
+Lanes33 operator*(const Lanes33& a, const SymmetricLanes& b) {
+    Lanes33 p;
+    for (int k = 0; k < 3; ++k) {
+        const Lanes *from = a.m[k], x = from[0], y = from[1], z = from[2];
+        p.m[k][0] = x * b.xx + y * b.xy + z * b.xz;
+        p.m[k][1] = x * b.xy + y * b.yy + z * b.yz;
+        p.m[k][2] = x * b.xz + y * b.yz + z * b.zz;
     }
-    Real a00 = 0, a01 = 0, a02 = 0, a10 = 0, a11 = 0, a12 = 0, a20 = 0, a21 = 0, a22 = 0;
-    for (Index e = 0; e < row.count; ++e) {
-        const Real wx = row.w[e] * row.x[e], wy = row.w[e] * row.y[e], wz = row.w[e] * row.z[e];
-        a00 += du[e] * wx, a01 += du[e] * wy, a02 += du[e] * wz;
-        a10 += dv[e] * wx, a11 += dv[e] * wy, a12 += dv[e] * wz;
-        a20 += dw[e] * wx, a21 += dw[e] * wy, a22 += dw[e] * wz;
-    }
-    Mat3 A;
-    A << a00, a01, a02, a10, a11, a12, a20, a21, a22;
-    return A;
+    return p;
+}
+SymmetricLanes symmetric(const Lanes33& a) {
+    const Lanes half = lanes_of(Real(0.5));
+    return {
+        a.m[0][0], a.m[1][1], a.m[2][2], half * (a.m[0][1] + a.m[1][0]), half * (a.m[0][2] + a.m[2][0]), half * (a.m[1][2] + a.m[2][1])};
+}
+Lanes33 whole(const SymmetricLanes& s) { return {{{s.xx, s.xy, s.xz}, {s.xy, s.yy, s.yz}, {s.xz, s.yz, s.zz}}}; }
+Mat3 lane_of(const Lanes33& a, Index lane) {
+    Mat3 m;
+    for (int k = 0; k < 3; ++k)
+        for (int l = 0; l < 3; ++l) m(k, l) = a.m[k][l][lane];
+    return m;
+}
+void set_lane(Lanes33& a, Index lane, const Mat3& m) {
+    for (int k = 0; k < 3; ++k)
+        for (int l = 0; l < 3; ++l) a.m[k][l][lane] = m(k, l);
 }
 
-/// t = pair w/r^2 ((u_j - u_i).r - r.D r) of each pair, and H = sum t r r^T. These loops are functions of their own so that the compiler
-/// believes their pointers to be distinct.
-Mat3 along_pairs(const RowView row, const Mat3& D, Real pair, const Real* __restrict du, const Real* __restrict dv,
-                 const Real* __restrict dw, Real* __restrict ts) {
-    const Real d00 = D(0, 0), d11 = D(1, 1), d22 = D(2, 2), d01 = 2 * D(0, 1), d02 = 2 * D(0, 2), d12 = 2 * D(1, 2);
-    Real h00 = 0, h11 = 0, h22 = 0, h01 = 0, h02 = 0, h12 = 0;
-    for (Index e = 0; e < row.count; ++e) {
-        const Real rx = row.x[e], ry = row.y[e], rz = row.z[e];
-        const Real xx = rx * rx, yy = ry * ry, zz = rz * rz, xy = rx * ry, xz = rx * rz, yz = ry * rz;
-        const Real along = du[e] * rx + dv[e] * ry + dw[e] * rz;
-        const Real linear = d00 * xx + d11 * yy + d22 * zz + d01 * xy + d02 * xz + d12 * yz;
-        const Real t = pair * row.w[e] / (xx + yy + zz) * (along - linear);
-        ts[e] = t;
-        h00 += t * xx, h11 += t * yy, h22 += t * zz, h01 += t * xy, h02 += t * xz, h12 += t * yz;
-    }
-    Mat3 H;
-    H << h00, h01, h02, h01, h11, h12, h02, h12, h22;
-    return H;
+/// What a row's pairs sum up to.
+struct PairSums {
+    Lanes33 A{};             ///< sum w (u_j - u_i) r^T
+    SymmetricLanes along{};  ///< sum w/r^2 ((u_j - u_i).r) r r^T
+};
+
+/// Keeps u_j - u_i and w/r^2 of each pair in the scratch.
+PairSums sum_pairs(const SliceView& pairs, const Lanes3& own, RowScratch& s) {
+    PairSums sum;
+    const Vec4* u = s.u.data();
+    pairs.each([&](std::size_t k, const Lanes3& r, const Lanes& w, const Index* other) {
+        const Lanes3 v = gather(u, other) - own;
+        s.velocity[k] = v;
+        const Lanes3 wr = w * r;
+        auto& A = sum.A.m;
+        A[0][0] += v.x * wr.x, A[0][1] += v.x * wr.y, A[0][2] += v.x * wr.z;
+        A[1][0] += v.y * wr.x, A[1][1] += v.y * wr.y, A[1][2] += v.y * wr.z;
+        A[2][0] += v.z * wr.x, A[2][1] += v.z * wr.y, A[2][2] += v.z * wr.z;
+        const Lanes xx = r.x * r.x, yy = r.y * r.y, zz = r.z * r.z;
+        const Lanes stiffness = w / (xx + yy + zz);
+        s.stiffness[k] = stiffness;
+        const Lanes t = stiffness * dot(v, r), tx = t * r.x, ty = t * r.y;
+        SymmetricLanes& B = sum.along;
+        B.xx += t * xx, B.yy += t * yy, B.zz += t * zz, B.xy += tx * r.y, B.xz += tx * r.z, B.yz += ty * r.z;
+    });
+    return sum;
 }
 
-/// f = Q w r + smooth w (u_j - u_i) + t r of each pair.
-void pair_forces(const RowView row, const Mat3& Q, Real smooth, const Real* __restrict du, const Real* __restrict dv,
-                 const Real* __restrict dw, const Real* __restrict ts, Real* __restrict fx, Real* __restrict fy, Real* __restrict fz) {
-    const Real q00 = Q(0, 0), q01 = Q(0, 1), q02 = Q(0, 2), q10 = Q(1, 0), q11 = Q(1, 1), q12 = Q(1, 2);
-    const Real q20 = Q(2, 0), q21 = Q(2, 1), q22 = Q(2, 2);
-    for (Index e = 0; e < row.count; ++e) {
-        const Real w = row.w[e], cw = smooth * w, t = ts[e];
-        const Real rx = row.x[e], ry = row.y[e], rz = row.z[e];
-        fx[e] = w * (q00 * rx + q01 * ry + q02 * rz) + cw * du[e] + t * rx;
-        fy[e] = w * (q10 * rx + q11 * ry + q12 * rz) + cw * dv[e] + t * ry;
-        fz[e] = w * (q20 * rx + q21 * ry + q22 * rz) + cw * dw[e] + t * rz;
-    }
+/// A alone.
+Lanes33 sum_differences(const SliceView& pairs, const Lanes3& own, const Vec4* u) {
+    Lanes33 sum{};
+    pairs.each([&](std::size_t, const Lanes3& r, const Lanes& w, const Index* other) {
+        const Lanes3 v = gather(u, other) - own, wr = w * r;
+        auto& A = sum.m;
+        A[0][0] += v.x * wr.x, A[0][1] += v.x * wr.y, A[0][2] += v.x * wr.z;
+        A[1][0] += v.y * wr.x, A[1][1] += v.y * wr.y, A[1][2] += v.y * wr.z;
+        A[2][0] += v.z * wr.x, A[2][1] += v.z * wr.y, A[2][2] += v.z * wr.z;
+    });
+    return sum;
 }
 
-/// f = Q w r of each pair.
-void pair_forces(const RowView row, const Mat3& Q, Real* __restrict fx, Real* __restrict fy, Real* __restrict fz) {
-    const Real q00 = Q(0, 0), q01 = Q(0, 1), q02 = Q(0, 2), q10 = Q(1, 0), q11 = Q(1, 1), q12 = Q(1, 2);
-    const Real q20 = Q(2, 0), q21 = Q(2, 1), q22 = Q(2, 2);
-    for (Index e = 0; e < row.count; ++e) {
-        const Real wx = row.w[e] * row.x[e], wy = row.w[e] * row.y[e], wz = row.w[e] * row.z[e];
-        fx[e] = q00 * wx + q01 * wy + q02 * wz;
-        fy[e] = q10 * wx + q11 * wy + q12 * wz;
-        fz[e] = q20 * wx + q21 * wy + q22 * wz;
-    }
+/// sum w/r^2 (r.D r) r r^T
+SymmetricLanes contract(const FourthMoment& f, const SymmetricLanes& D) {
+    const Lanes g[6] = {D.xx, D.yy, D.zz, D.xy + D.xy, D.xz + D.xz, D.yz + D.yz};
+    const auto number = [&](int k) {
+        Lanes sum = f.of(k, 0) * g[0];
+        for (int l = 1; l < 6; ++l) sum += f.of(k, l) * g[l];
+        return sum;
+    };
+    return {number(0), number(1), number(2), number(3), number(4), number(5)};
 }
 
-/// Adds the row's forces on its neighbours, s.f of each pair, to out, and their opposite to the row's own particle.
-void scatter(const RowView row, Index own, const RowScratch& s, Vec4* __restrict out) {
-    const Real* __restrict fx = s.fx.data(), * __restrict fy = s.fy.data(), * __restrict fz = s.fz.data();
-    const Quad none = {0, 0, 0, 0};
-    Quad sum_x = none, sum_y = none, sum_z = none;
-    for (Index e = 0; e < row.count; e += 4) {
-        // Four pairs' x, y, z become four pairs' (x, y, z, 0).
-        const Quad x = quad(fx + e), y = quad(fy + e), z = quad(fz + e);
-        const Quad xy0 = __builtin_shufflevector(x, y, 0, 4, 1, 5), xy1 = __builtin_shufflevector(x, y, 2, 6, 3, 7);
-        const Quad z0 = __builtin_shufflevector(z, none, 0, 4, 1, 5), z1 = __builtin_shufflevector(z, none, 2, 6, 3, 7);
-        quad(out[row.other[e]].v) += __builtin_shufflevector(xy0, z0, 0, 1, 4, 5);
-        quad(out[row.other[e + 1]].v) += __builtin_shufflevector(xy0, z0, 2, 3, 6, 7);
-        quad(out[row.other[e + 2]].v) += __builtin_shufflevector(xy1, z1, 0, 1, 4, 5);
-        quad(out[row.other[e + 3]].v) += __builtin_shufflevector(xy1, z1, 2, 3, 6, 7);
-        sum_x += x, sum_y += y, sum_z += z;
-    }
-    const auto all = [](const Quad& q) { return (q[0] + q[2]) + (q[1] + q[3]); };
-    quad(out[own].v) -= Quad{all(sum_x), all(sum_y), all(sum_z), 0};
-}
-
-Mat3 symmetric(const Mat3& A) { return Real(0.5) * (A + A.transpose()); }
-
-/// dE/dG of the strain and bulk terms.
-Mat3 stress(const Mat3& G, const Neighbourhood& n, const StrainCoefficients& c) {
-    if (n.unresolved == 0) {
-        Mat3 S = c.shear * symmetric(G);
-        S.diagonal().array() += c.bulk * G.trace();
-        return S;
-    }
-    const Mat3 D = symmetric(n.resolved * G);
-    Mat3 S = c.shear * D;
-    S.diagonal().array() += c.bulk * D.trace();
-    return n.resolved * S;
+/// P (2 K D + K Lambda tr D), D of the resolved directions: dE/dG of the strain and bulk terms. `where` names each lane's P.
+template <class Resolved>
+Lanes33 stress(const Lanes33& G, const CoefficientLanes& c, bool resolved, const Resolved& resolved_of) {
+    const auto of = [&](const SymmetricLanes& D) {
+        const Lanes volume = c.bulk * (D.xx + D.yy + D.zz);
+        return whole(
+            {c.shear * D.xx + volume, c.shear * D.yy + volume, c.shear * D.zz + volume, c.shear * D.xy, c.shear * D.xz, c.shear * D.yz});
+    };
+    if (resolved) return of(symmetric(G));
+    Lanes33 S = of(symmetric(resolved_of(G)));
+    return resolved_of(S);
 }
 
 }  // namespace
@@ -173,6 +167,16 @@ void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Span<c
         c.pair = static_cast<Real>(base * (sheared * o.pair_smoothing));
     });
     forces_.resize(rows.entries());
+    by_slice_.resize(rows.slices);
+    parallel_for(static_cast<Index>(rows.blocks.size()), [&](Index b) {
+        const RowBlock& block = rows.blocks[b];
+        for (std::size_t k = 0; k < block.slices.size(); ++k)
+            for (Index lane = 0; lane < lane_count; ++lane) {
+                const StrainCoefficients& c = coefficients_[block.begin + block.slices[k].row[lane]];
+                CoefficientLanes& to = by_slice_[block.first_slice + k];
+                to.shear[lane] = c.shear, to.bulk[lane] = c.bulk, to.smooth[lane] = c.smooth, to.pair[lane] = c.pair;
+            }
+    });
 }
 
 void StrainForm::apply(Span<const Vec3> u, Span<Vec3> y) const {
@@ -181,27 +185,38 @@ void StrainForm::apply(Span<const Vec3> u, Span<Vec3> y) const {
         const RowBlock& block = rows.blocks[begin / CoupledRows::block_size];
         RowScratch& s = scratch(block, rows);
         Vec4* out = forces_.data() + block.place;
-        for (std::size_t l = 0; l < block.touched.size(); ++l) {
-            const Vec3& v = u[block.touched[l]];
-            s.u[l] = {{v[0], v[1], v[2], 0}};
-            out[l] = {{0, 0, 0, 0}};
-        }
-        for (Index own = 0; own < block.size(); ++own) {
-            const RowView row(block, own);
-            if (row.count == 0) continue;
-            const auto i = static_cast<std::size_t>(block.begin + own);
-            const Neighbourhood& n = rows.neighbourhood[i];
-            const StrainCoefficients& c = coefficients_[i];
-            const Mat3 A = differences(row, s.u.data(), own, s);
-            const Mat3 G = A * n.inverse_moment;
-            const Mat3 D = symmetric(G);
+        take_velocities(block, u, s);
+        std::fill(out, out + block.touched.size(), Vec4{{0, 0, 0, 0}});
+        for (std::size_t k = 0; k < block.slices.size(); ++k) {
+            const RowSlice& slice = block.slices[k];
+            const CoefficientLanes& c = by_slice_[block.first_slice + k];
+            const SliceView pairs(block, slice);
+            const PairSums sum = sum_pairs(pairs, gather(s.u.data(), slice.row), s);
+            const Lanes33 G = sum.A * slice.inverse_moment;
+            const SymmetricLanes D = symmetric(G);
 
-            const Mat3 H = along_pairs(row, D, c.pair, s.du.data(), s.dv.data(), s.dw.data(), s.t.data());
+            // H = sum t r r^T, t = 2 c' w/r^2 ((u_j - u_i).r - r.D r)
+            const SymmetricLanes linear = contract(slice.fourth, D), &all = sum.along;
+            const SymmetricLanes H{c.pair * (all.xx - linear.xx), c.pair * (all.yy - linear.yy), c.pair * (all.zz - linear.zz),
+                                   c.pair * (all.xy - linear.xy), c.pair * (all.xz - linear.xz), c.pair * (all.yz - linear.yz)};
 
             // Force on j: Q w r + 2 c w (u_j - u_i) + t r,  Q = (P S - H) M+ - 2 c G
-            const Mat3 Q = (stress(G, n, c) - H) * n.inverse_moment - c.smooth * G;
-            pair_forces(row, Q, c.smooth, s.du.data(), s.dv.data(), s.dw.data(), s.t.data(), s.fx.data(), s.fy.data(), s.fz.data());
-            scatter(row, own, s, out);
+            Lanes33 Q = stress(G, c, slice.resolved, [&](const Lanes33& m) { return resolved_part(block, slice, m); });
+            const Lanes33 along = whole(H);
+            for (int a = 0; a < 3; ++a)
+                for (int b = 0; b < 3; ++b) Q.m[a][b] -= along.m[a][b];
+            Q = Q * slice.inverse_moment;
+            for (int a = 0; a < 3; ++a)
+                for (int b = 0; b < 3; ++b) Q.m[a][b] -= c.smooth * G.m[a][b];
+            Lanes3 total{};
+            pairs.each([&](std::size_t e, const Lanes3& r, const Lanes& w, const Index* other) {
+                const Lanes3& v = s.velocity[e];
+                const Lanes t = c.pair * s.stiffness[e] * (dot(v, r) - dot(r, D * r));
+                const Lanes3 f = w * (Q * r + c.smooth * v) + t * r;
+                total = total + f;
+                scatter(f, other, out);
+            });
+            scatter(Lanes3{-total.x, -total.y, -total.z}, slice.row, out);
         }
     });
     rows.gather<Vec4>(forces_, [&](Index i, const Vec4& f) {
@@ -210,23 +225,36 @@ void StrainForm::apply(Span<const Vec3> u, Span<Vec3> y) const {
     });
 }
 
+/// P m of each lane.
+Lanes33 StrainForm::resolved_part(const RowBlock& block, const RowSlice& slice, const Lanes33& m) const {
+    Lanes33 product;
+    for (Index lane = 0; lane < lane_count; ++lane)
+        set_lane(product, lane, rows_->neighbourhood[block.begin + slice.row[lane]].resolved * lane_of(m, lane));
+    return product;
+}
+
 void StrainForm::add_stress(Span<const Real> q, Span<const Mat3> T, Span<Vec3> y) const {
     const CoupledRows& rows = *rows_;
     parallel_blocks(rows.size(), CoupledRows::block_size, [&](Index begin, Index) {
         const RowBlock& block = rows.blocks[begin / CoupledRows::block_size];
-        RowScratch& s = scratch(block, rows);
         Vec4* out = forces_.data() + block.place;
         std::fill(out, out + block.touched.size(), Vec4{{0, 0, 0, 0}});
-        for (Index own = 0; own < block.size(); ++own) {
-            const RowView row(block, own);
-            const auto i = static_cast<std::size_t>(block.begin + own);
-            if (row.count == 0) continue;
-            const Neighbourhood& n = rows.neighbourhood[i];
-            Mat3 stress = q[i] * Mat3::Identity();
-            if (!T.empty()) stress += coefficients_[i].shear * spacing_ * T[i];
-            const Mat3 Q = n.resolved * stress * n.inverse_moment;
-            pair_forces(row, Q, s.fx.data(), s.fy.data(), s.fz.data());
-            scatter(row, own, s, out);
+        for (const RowSlice& slice : block.slices) {
+            Lanes33 Q;
+            for (Index lane = 0; lane < lane_count; ++lane) {
+                const auto i = static_cast<std::size_t>(block.begin + slice.row[lane]);
+                const Neighbourhood& n = rows.neighbourhood[i];
+                Mat3 stress = q[i] * Mat3::Identity();
+                if (!T.empty()) stress += coefficients_[i].shear * spacing_ * T[i];
+                set_lane(Q, lane, n.resolved * stress * n.inverse_moment);
+            }
+            Lanes3 total{};
+            SliceView(block, slice).each([&](std::size_t, const Lanes3& r, const Lanes& w, const Index* other) {
+                const Lanes3 f = w * (Q * r);
+                total = total + f;
+                scatter(f, other, out);
+            });
+            scatter(Lanes3{-total.x, -total.y, -total.z}, slice.row, out);
         }
     });
     rows.gather<Vec4>(forces_, [&](Index i, const Vec4& f) { y[i] += Vec3(f.v[0], f.v[1], f.v[2]); });
@@ -236,13 +264,14 @@ void velocity_gradients(const CoupledRows& rows, Real spacing, Span<const Vec3> 
     parallel_blocks(rows.size(), CoupledRows::block_size, [&](Index begin, Index) {
         const RowBlock& block = rows.blocks[begin / CoupledRows::block_size];
         RowScratch& s = scratch(block, rows);
-        for (std::size_t l = 0; l < block.touched.size(); ++l) {
-            const Vec3& v = u[block.touched[l]];
-            s.u[l] = {{v[0], v[1], v[2], 0}};
-        }
-        for (Index own = 0; own < block.size(); ++own) {
-            const auto i = static_cast<std::size_t>(block.begin + own);
-            G[i] = differences(RowView(block, own), s.u.data(), own, s) * rows.neighbourhood[i].inverse_moment / spacing;
+        take_velocities(block, u, s);
+        const Lanes per_metre = lanes_of(1 / spacing);
+        for (const RowSlice& slice : block.slices) {
+            Lanes33 A = sum_differences(SliceView(block, slice), gather(s.u.data(), slice.row), s.u.data());
+            for (auto& row : A.m)
+                for (Lanes& v : row) v *= per_metre;
+            const Lanes33 gradient = A * slice.inverse_moment;
+            for (Index lane = 0; lane < slice.rows; ++lane) G[block.begin + slice.row[lane]] = lane_of(gradient, lane);
         }
     });
 }
@@ -252,86 +281,55 @@ Real StrainForm::divergence(Index i, const Mat3& G) const {
     return n.unresolved == 0 ? G.trace() : (n.resolved * G).trace();
 }
 
-namespace {
-
-/// The blocks (xx, yy, zz, xy, xz, yz) that a row adds to its neighbours, and sum g.
-Vec3 neighbour_blocks(const RowView row, const Mat3& M, const StrainCoefficients& c, std::array<Column<Real>, 6>& p) {
-    const Real K = c.shear / 2, outer = K + c.bulk;
-    Real* __restrict p0 = p[0].data(), * __restrict p1 = p[1].data(), * __restrict p2 = p[2].data();
-    Real* __restrict p3 = p[3].data(), * __restrict p4 = p[4].data(), * __restrict p5 = p[5].data();
-    const Real m00 = M(0, 0), m11 = M(1, 1), m22 = M(2, 2), m01 = M(0, 1), m02 = M(0, 2), m12 = M(1, 2);
-    const Real smooth = c.smooth, pair = c.pair;
-    Real s0 = 0, s1 = 0, s2 = 0;
-    for (Index e = 0; e < row.count; ++e) {
-        const Real x = row.x[e], y = row.y[e], z = row.z[e], w = row.w[e];
-        const Real g0 = w * (m00 * x + m01 * y + m02 * z), g1 = w * (m01 * x + m11 * y + m12 * z), g2 = w * (m02 * x + m12 * y + m22 * z);
-        const Real left = std::max(Real(0), 1 - (g0 * x + g1 * y + g2 * z));
-        const Real pw = left * pair * w / (x * x + y * y + z * z);
-        const Real round = K * (g0 * g0 + g1 * g1 + g2 * g2) + left * smooth * w;
-        p0[e] = outer * g0 * g0 + round + pw * x * x;
-        p1[e] = outer * g1 * g1 + round + pw * y * y;
-        p2[e] = outer * g2 * g2 + round + pw * z * z;
-        p3[e] = outer * g0 * g1 + pw * x * y;
-        p4[e] = outer * g0 * g2 + pw * x * z;
-        p5[e] = outer * g1 * g2 + pw * y * z;
-        s0 += g0, s1 += g1, s2 += g2;
-    }
-    return Vec3(s0, s1, s2);
-}
-
-}  // namespace
-
 // With g = M+ w r the block of j gets from row i  K (1 + Lambda) g g^T + K |g|^2  and the penalties' 2 w (1 - g.r)(c + c' r r^T / r^2),
 // where the last r r^T stands for a fourth moment. The block of i gets the first with -h for g, h = sum g, and 2 w ((1 - h.r) c + (1 -
 // h.r)^2 c' r r^T / r^2).
 void StrainForm::diagonal(Span<Mat3> B) const {
     const CoupledRows& rows = *rows_;
-    struct alignas(8 * sizeof(Real)) Symmetric {
-        Real v[8] = {};  ///< xx yy zz xy xz yz
+    // xx yy zz in the first, xy xz yz in the second
+    struct alignas(2 * sizeof(Vec4)) Symmetric {
+        Real v[8] = {};
     };
-    static_assert(sizeof(Symmetric) == 8 * sizeof(Real));
+    static_assert(sizeof(Symmetric) == 2 * sizeof(Vec4));
     Column<Symmetric> parts(rows.entries());
     parallel_blocks(rows.size(), CoupledRows::block_size, [&](Index begin, Index) {
         const RowBlock& block = rows.blocks[begin / CoupledRows::block_size];
-        Symmetric* out = parts.data() + block.place;
-        thread_local struct { std::array<Column<Real>, 6> p; } block_scratch;
-        for (Column<Real>& p : block_scratch.p) p.resize(std::max(p.size(), rows.longest_row));
-        for (Index own = 0; own < block.size(); ++own) {
-            const RowView row(block, own);
-            if (row.count == 0) continue;
-            const auto i = static_cast<std::size_t>(block.begin + own);
-            const Mat3& M = rows.neighbourhood[i].inverse_moment;
-            const StrainCoefficients& c = coefficients_[i];
-            const Real K = c.shear / 2, outer = K + c.bulk;
-            const Vec3 sum = neighbour_blocks(row, M, c, block_scratch.p);
-            const Real* __restrict p0 = block_scratch.p[0].data(), * __restrict p1 = block_scratch.p[1].data();
-            const Real* __restrict p2 = block_scratch.p[2].data(), * __restrict p3 = block_scratch.p[3].data();
-            const Real* __restrict p4 = block_scratch.p[4].data(), * __restrict p5 = block_scratch.p[5].data();
-            for (Index e = 0; e < row.count; ++e) {
-                Real* o = out[row.other[e]].v;
-                o[0] += p0[e], o[1] += p1[e], o[2] += p2[e], o[3] += p3[e], o[4] += p4[e], o[5] += p5[e];
-            }
-            Real self[6] = {0, 0, 0, 0, 0, 0};
-            for (Index e = 0; e < row.count; ++e) {
-                const Real x = row.x[e], y = row.y[e], z = row.z[e], w = row.w[e];
-                const Real left = 1 - (sum[0] * x + sum[1] * y + sum[2] * z);
-                const Real cw = c.smooth * w * left, pw = c.pair * w * left * left / (x * x + y * y + z * z);
-                self[0] += cw + pw * x * x, self[1] += cw + pw * y * y, self[2] += cw + pw * z * z;
-                self[3] += pw * x * y, self[4] += pw * x * z, self[5] += pw * y * z;
-            }
-            const Real round = K * (sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
-            Real* o = out[own].v;
-            o[0] += outer * sum[0] * sum[0] + round + self[0];
-            o[1] += outer * sum[1] * sum[1] + round + self[1];
-            o[2] += outer * sum[2] * sum[2] + round + self[2];
-            o[3] += outer * sum[0] * sum[1] + self[3];
-            o[4] += outer * sum[0] * sum[2] + self[4];
-            o[5] += outer * sum[1] * sum[2] + self[5];
+        Vec4* out = reinterpret_cast<Vec4*>(parts.data() + block.place);
+        const auto add = [&](const SymmetricLanes& b, const Index* place) {
+            scatter<2>(Lanes3{b.xx, b.yy, b.zz}, place, out);
+            scatter<2>(Lanes3{b.xy, b.xz, b.yz}, place, out + 1);
+        };
+        const Lanes one = lanes_of(1);
+        for (std::size_t k = 0; k < block.slices.size(); ++k) {
+            const RowSlice& slice = block.slices[k];
+            const CoefficientLanes& c = by_slice_[block.first_slice + k];
+            const SliceView pairs(block, slice);
+            const Lanes K = Real(0.5) * c.shear, outer = K + c.bulk;
+            Lanes3 sum{};
+            pairs.each([&](std::size_t, const Lanes3& r, const Lanes& w, const Index* other) {
+                const Lanes3 g = w * (slice.inverse_moment * r);
+                const Lanes left = at_least(one - dot(g, r), 0);
+                const Lanes round = K * dot(g, g) + left * c.smooth * w, along = left * c.pair * w / dot(r, r);
+                add({outer * g.x * g.x + round + along * r.x * r.x, outer * g.y * g.y + round + along * r.y * r.y,
+                     outer * g.z * g.z + round + along * r.z * r.z, outer * g.x * g.y + along * r.x * r.y,
+                     outer * g.x * g.z + along * r.x * r.z, outer * g.y * g.z + along * r.y * r.z},
+                    other);
+                sum = sum + g;
+            });
+            const Lanes round = K * dot(sum, sum);
+            SymmetricLanes self{outer * sum.x * sum.x + round, outer * sum.y * sum.y + round, outer * sum.z * sum.z + round,
+                                outer * sum.x * sum.y,         outer * sum.x * sum.z,         outer * sum.y * sum.z};
+            pairs.each([&](std::size_t, const Lanes3& r, const Lanes& w, const Index*) {
+                const Lanes left = one - dot(sum, r), even = c.smooth * w * left, along = c.pair * w * left * left / dot(r, r);
+                self.xx += even + along * r.x * r.x, self.yy += even + along * r.y * r.y, self.zz += even + along * r.z * r.z;
+                self.xy += along * r.x * r.y, self.xz += along * r.x * r.z, self.yz += along * r.y * r.z;
+            });
+            add(self, slice.row);
         }
     });
     rows.gather<Symmetric>(parts, [&](Index i, const Symmetric& p) {
         Mat3& b = B[i];
-        b << 1 + p.v[0], p.v[3], p.v[4], p.v[3], 1 + p.v[1], p.v[5], p.v[4], p.v[5], 1 + p.v[2];
+        b << 1 + p.v[0], p.v[4], p.v[5], p.v[4], 1 + p.v[1], p.v[6], p.v[5], p.v[6], 1 + p.v[2];
         b += friction(i);
     });
 }

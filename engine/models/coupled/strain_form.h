@@ -28,6 +28,11 @@ struct StrainCoefficients {
     Real pair = 0;    ///< 2 c'
 };
 
+/// Those of a slice's rows.
+struct CoefficientLanes {
+    Lanes shear, bulk, smooth, pair;
+};
+
 class StrainForm {
 public:
     /// @param viscosity mu [Pa s] of each particle @param dt [s] @param density rho [kg/m^3] @param spacing d [m]
@@ -55,11 +60,11 @@ public:
     const CoupledRows& rows() const { return *rows_; }
 
 private:
-    template <class F>
-    void each_row(Span<const Vec3> u, const F& f) const;
+    Lanes33 resolved_part(const RowBlock& block, const RowSlice& slice, const Lanes33& m) const;
 
     const CoupledRows* rows_ = nullptr;
     std::vector<StrainCoefficients> coefficients_;
+    Column<CoefficientLanes> by_slice_;
     Span<const Mat3> friction_;
     Real spacing_ = 1;
     mutable Column<Vec4> forces_;  ///< one a touched particle of each block

@@ -13,8 +13,7 @@ void TwoLevel::refresh(const StrainForm& form, Span<const Vec3> x, Span<const st
     const CoupledRows& rows = form.rows();
     const auto neighbours = [&](Index i, const auto& visit) {
         const RowBlock& block = rows.blocks[i / CoupledRows::block_size];
-        for (std::size_t e = block.row_begin(i - block.begin); e < block.row_end(i - block.begin); ++e)
-            visit(block.touched[block.other[e]]);
+        block.each_pair(i - block.begin, [&](std::size_t e) { visit(block.touched[block.other[e]]); });
     };
     // The factor's entries grow faster than the particles.
     const double growth = std::cbrt(static_cast<double>(x.size()) / options.many);

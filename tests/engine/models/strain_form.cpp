@@ -112,8 +112,7 @@ TEST_CASE("the coarse matrix is R^T A R of the rigid motions of its aggregates t
     f.form.set_friction(friction);
     const auto neighbours = [&](Index i, const auto& visit) {
         const RowBlock& block = f.rows.blocks[i / CoupledRows::block_size];
-        for (std::size_t e = block.row_begin(i - block.begin); e < block.row_end(i - block.begin); ++e)
-            visit(block.touched[block.other[e]]);
+        block.each_pair(i - block.begin, [&](std::size_t e) { visit(block.touched[block.other[e]]); });
     };
     std::vector<std::int32_t> group(x.size());
     aggregate_by(neighbours, x, f.role, Domain{}, d / 2, 24, group);

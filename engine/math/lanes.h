@@ -1,0 +1,132 @@
+#pragma once
+/// As many numbers as a vector register of the machine holds, one a lane, and their way from and to points in memory.
+#include <cmath>
+
+#include "engine/core/types.h"
+
+namespace whorl {
+
+#if defined(__AVX512F__)
+inline constexpr Index lane_count = 64 / sizeof(Real);
+#elif defined(__AVX__)
+inline constexpr Index lane_count = 32 / sizeof(Real);
+#else
+inline constexpr Index lane_count = 4;
+#endif
+
+using Lanes = Real __attribute__((vector_size(lane_count * sizeof(Real))));
+static_assert(lane_count == 4 || lane_count == 8 || lane_count == 16);
+
+/// Four numbers in one aligned piece: a vector and a spare.
+struct alignas(4 * sizeof(Real)) Vec4 {
+    Real v[4];
+};
+
+/// A vector a lane.
+struct Lanes3 {
+    Lanes x{}, y{}, z{};
+};
+
+/// A symmetric matrix a lane.
+struct SymmetricLanes {
+    Lanes xx{}, yy{}, zz{}, xy{}, xz{}, yz{};
+};
+
+/// A matrix a lane.
+struct Lanes33 {
+    Lanes m[3][3];
+};
+
+inline Lanes lanes_of(Real v) { return v - Lanes{}; }
+inline Lanes at_least(Lanes v, Real least) { return v > least ? v : lanes_of(least); }
+
+inline Lanes square_root(Lanes v) {
+    for (Index lane = 0; lane < lane_count; ++lane) v[lane] = std::sqrt(v[lane]);
+    return v;
+}
+inline void set_lane(SymmetricLanes& to, Index lane, const Mat3& m) {
+    to.xx[lane] = m(0, 0), to.yy[lane] = m(1, 1), to.zz[lane] = m(2, 2), to.xy[lane] = m(0, 1), to.xz[lane] = m(0, 2), to.yz[lane] = m(1, 2);
+}
+
+/// Of aligned memory.
+inline const Lanes& lanes_at(const Real* from) { return *reinterpret_cast<const Lanes*>(from); }
+inline Lanes& lanes_at(Real* to) { return *reinterpret_cast<Lanes*>(to); }
+
+namespace detail {
+
+using Quad = Real __attribute__((vector_size(4 * sizeof(Real))));
+
+inline const Quad& quad(const Vec4& from) { return *reinterpret_cast<const Quad*>(from.v); }
+inline Quad& quad(Vec4& to) { return *reinterpret_cast<Quad*>(to.v); }
+
+/// Place of an element in a pair of Lanes that are seen as fours: k < 4 in the first's, else in the second's.
+constexpr int in_four(int k, int four) { return k < 4 ? 4 * four + k : lane_count + 4 * four + k - 4; }
+
+/// Each four of the result has the elements a, b, c, d of the fours of p (0 to 3) and q (4 to 7).
+template <int a, int b, int c, int d>
+Lanes fours(Lanes p, Lanes q) {
+    if constexpr (lane_count == 16)
+        return __builtin_shufflevector(p, q, in_four(a, 0), in_four(b, 0), in_four(c, 0), in_four(d, 0), in_four(a, 1), in_four(b, 1),
+                                       in_four(c, 1), in_four(d, 1), in_four(a, 2), in_four(b, 2), in_four(c, 2), in_four(d, 2),
+                                       in_four(a, 3), in_four(b, 3), in_four(c, 3), in_four(d, 3));
+    else if constexpr (lane_count == 8)
+        return __builtin_shufflevector(p, q, in_four(a, 0), in_four(b, 0), in_four(c, 0), in_four(d, 0), in_four(a, 1), in_four(b, 1),
+                                       in_four(c, 1), in_four(d, 1));
+    else return __builtin_shufflevector(p, q, in_four(a, 0), in_four(b, 0), in_four(c, 0), in_four(d, 0));
+}
+
+/// The pieces at place[0], place[4], place[8] ... side by side.
+template <Index count = lane_count>
+auto every_fourth(const Vec4* from, const Index* place) {
+    if constexpr (count == 16) {
+        const auto low = __builtin_shufflevector(quad(from[place[0]]), quad(from[place[4]]), 0, 1, 2, 3, 4, 5, 6, 7);
+        const auto high = __builtin_shufflevector(quad(from[place[8]]), quad(from[place[12]]), 0, 1, 2, 3, 4, 5, 6, 7);
+        return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    } else if constexpr (count == 8) {
+        return __builtin_shufflevector(quad(from[place[0]]), quad(from[place[4]]), 0, 1, 2, 3, 4, 5, 6, 7);
+    } else {
+        return Quad(quad(from[place[0]]));
+    }
+}
+
+template <int four>
+Quad four_of(Lanes v) {
+    return __builtin_shufflevector(v, v, 4 * four, 4 * four + 1, 4 * four + 2, 4 * four + 3);
+}
+
+/// Adds the fours of v to the pieces at place[0], place[4], place[8] ...
+template <int stride>
+void add_to_every_fourth(Lanes v, const Index* place, Vec4* to) {
+    quad(to[stride * place[0]]) += four_of<0>(v);
+    if constexpr (lane_count > 4) quad(to[stride * place[4]]) += four_of<1>(v);
+    if constexpr (lane_count > 8) {
+        quad(to[stride * place[8]]) += four_of<2>(v);
+        quad(to[stride * place[12]]) += four_of<3>(v);
+    }
+}
+
+}  // namespace detail
+
+/// The vectors from[place[lane]].
+inline Lanes3 gather(const Vec4* from, const Index* place) {
+    using detail::fours;
+    const Lanes a = detail::every_fourth(from, place), b = detail::every_fourth(from, place + 1);
+    const Lanes c = detail::every_fourth(from, place + 2), d = detail::every_fourth(from, place + 3);
+    const Lanes xy0 = fours<0, 4, 1, 5>(a, b), xy1 = fours<0, 4, 1, 5>(c, d);
+    return {fours<0, 1, 4, 5>(xy0, xy1), fours<2, 3, 6, 7>(xy0, xy1), fours<0, 1, 4, 5>(fours<2, 6, 3, 7>(a, b), fours<2, 6, 3, 7>(c, d))};
+}
+
+/// to[stride place[lane]] += the lane's vector, in a fixed order: places may repeat.
+template <int stride = 1>
+void scatter(const Lanes3& v, const Index* place, Vec4* to) {
+    using detail::fours;
+    const Lanes none{};
+    const Lanes xy0 = fours<0, 4, 1, 5>(v.x, v.y), xy1 = fours<2, 6, 3, 7>(v.x, v.y);
+    const Lanes z0 = fours<0, 4, 1, 5>(v.z, none), z1 = fours<2, 6, 3, 7>(v.z, none);
+    detail::add_to_every_fourth<stride>(fours<0, 1, 4, 5>(xy0, z0), place, to);
+    detail::add_to_every_fourth<stride>(fours<2, 3, 6, 7>(xy0, z0), place + 1, to);
+    detail::add_to_every_fourth<stride>(fours<0, 1, 4, 5>(xy1, z1), place + 2, to);
+    detail::add_to_every_fourth<stride>(fours<2, 3, 6, 7>(xy1, z1), place + 3, to);
+}
+
+}  // namespace whorl
