@@ -129,4 +129,42 @@ void scatter(const Lanes3& v, const Index* place, Vec4* to) {
     detail::add_to_every_fourth<stride>(fours<2, 3, 6, 7>(xy1, z1), place + 3, to);
 }
 
+inline Lanes dot(const Lanes3& a, const Lanes3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline Lanes3 operator+(const Lanes3& a, const Lanes3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+inline Lanes3 operator-(const Lanes3& a, const Lanes3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+inline Lanes3 operator*(const Lanes& a, const Lanes3& b) { return {a * b.x, a * b.y, a * b.z}; }
+inline Lanes3 operator*(const SymmetricLanes& m, const Lanes3& v) {
+    return {m.xx * v.x + m.xy * v.y + m.xz * v.z, m.xy * v.x + m.yy * v.y + m.yz * v.z, m.xz * v.x + m.yz * v.y + m.zz * v.z};
+}
+inline Lanes3 operator*(const Lanes33& a, const Lanes3& v) {
+    const auto row = [&](int k) { return a.m[k][0] * v.x + a.m[k][1] * v.y + a.m[k][2] * v.z; };
+    return {row(0), row(1), row(2)};
+}
+inline Lanes33 operator*(const Lanes33& a, const SymmetricLanes& b) {
+    Lanes33 p;
+    for (int k = 0; k < 3; ++k) {
+        const Lanes *from = a.m[k], x = from[0], y = from[1], z = from[2];
+        p.m[k][0] = x * b.xx + y * b.xy + z * b.xz;
+        p.m[k][1] = x * b.xy + y * b.yy + z * b.yz;
+        p.m[k][2] = x * b.xz + y * b.yz + z * b.zz;
+    }
+    return p;
+}
+inline SymmetricLanes symmetric(const Lanes33& a) {
+    const Lanes half = lanes_of(Real(0.5));
+    return {
+        a.m[0][0], a.m[1][1], a.m[2][2], half * (a.m[0][1] + a.m[1][0]), half * (a.m[0][2] + a.m[2][0]), half * (a.m[1][2] + a.m[2][1])};
+}
+inline Lanes33 whole(const SymmetricLanes& s) { return {{{s.xx, s.xy, s.xz}, {s.xy, s.yy, s.yz}, {s.xz, s.yz, s.zz}}}; }
+inline Mat3 lane_of(const Lanes33& a, Index lane) {
+    Mat3 m;
+    for (int k = 0; k < 3; ++k)
+        for (int l = 0; l < 3; ++l) m(k, l) = a.m[k][l][lane];
+    return m;
+}
+inline void set_lane(Lanes33& a, Index lane, const Mat3& m) {
+    for (int k = 0; k < 3; ++k)
+        for (int l = 0; l < 3; ++l) a.m[k][l][lane] = m(k, l);
+}
+
 }  // namespace whorl

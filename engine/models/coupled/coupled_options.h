@@ -9,7 +9,7 @@ struct CoupledOptions {
     /// step in which the fastest fluid moves by 0.4 d; shorter steps get their share.
     SolveLimits limits{1e-3, 300};
 
-    double support = 2.4, widest_support = 5;  ///< kernel radius; it grows where a particle has fewer than `enough_neighbours`
+    double support = 2.4, widest_support = 4.0;  ///< kernel radius; it grows where a particle has fewer than `enough_neighbours`
     int enough_neighbours = 16;
 
     double bulk = 10;           ///< lambda over mu: resistance to a change of volume within one step (the multiplier does the rest)
