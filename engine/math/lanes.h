@@ -150,6 +150,16 @@ inline Lanes33 operator*(const Lanes33& a, const SymmetricLanes& b) {
     }
     return p;
 }
+inline Lanes33 operator*(const SymmetricLanes& a, const Lanes33& b) {
+    Lanes33 p;
+    for (int k = 0; k < 3; ++k) {
+        const Lanes x = b.m[0][k], y = b.m[1][k], z = b.m[2][k];
+        p.m[0][k] = a.xx * x + a.xy * y + a.xz * z;
+        p.m[1][k] = a.xy * x + a.yy * y + a.yz * z;
+        p.m[2][k] = a.xz * x + a.yz * y + a.zz * z;
+    }
+    return p;
+}
 inline SymmetricLanes symmetric(const Lanes33& a) {
     const Lanes half = lanes_of(Real(0.5));
     return {

@@ -10,8 +10,6 @@ namespace {
 
 using Mat6 = Eigen::Matrix<Real, 6, 6>;
 using Mat36 = Eigen::Matrix<Real, 3, 6>;
-using Mat15x6 = Eigen::Matrix<Real, 15, 6>;
-using Vec6 = Eigen::Matrix<Real, 6, 1>;
 
 /// E with v + omega x arm = E (v, omega).
 Mat36 motion(const Vec3& a) {
@@ -22,143 +20,154 @@ Mat36 motion(const Vec3& a) {
     return E;
 }
 
-/// The numbers that all sums over a row's pairs are made of. With q = (xx, yy, zz, xy, xz, yz) of r and u = v + omega x arm every sum of
-/// the form below is one of (1, arm) times one of these, so that a pair costs a few vector operations.
-struct alignas(8 * sizeof(Real)) Monomials {
-    static constexpr int count = 40, levered = 24, springs = 16;
-    Real v[count];  ///< w r; w/r^2 times the ten cubes; three spare; W (xx, yy, zz, xy, xz, yz) from `springs` on; two spare; from
-                    ///< `levered` on w/r^2 times the fifteen fourth powers
+/// The numbers of a pair that all sums over a row's pairs are made of: w, w r, w r r^T, w/r^2 r r^T, and w/r^2 times the ten cubes of r.
+struct alignas(64) Monomials {
+    static constexpr int count = 32, first = 1, second = 4, along = 10, cubes = 16;
+    Real v[count] = {};
 };
 
-/// The cube x_a q_k, and the fourth power q_k q_l, by their place among the distinct ones.
+/// The cube x_a q_k by its place among the distinct ones, with q = (xx, yy, zz, xy, xz, yz).
 constexpr int cube[3][6] = {{0, 3, 5, 1, 2, 4}, {1, 6, 8, 3, 4, 7}, {2, 7, 9, 4, 5, 8}};
-constexpr int fourth[6][6] = {{0, 3, 5, 1, 2, 4}, {3, 10, 12, 6, 7, 11}, {5, 12, 14, 8, 9, 13},
-                              {1, 6, 8, 3, 4, 7}, {2, 7, 9, 4, 5, 8},    {4, 11, 13, 7, 8, 12}};
 
-void find_monomials(const RowBlock& block, Index row, const StrainCoefficients& c, std::vector<Monomials>& pairs) {
-    pairs.resize(static_cast<std::size_t>(block.count[row]));
-    Monomials* to = pairs.data();
-    block.each_pair(row, [&](std::size_t e) {
-        const Real x = block.x[e], y = block.y[e], z = block.z[e], w = block.w[e];
-        const Real xx = x * x, yy = y * y, zz = z * z, xy = x * y, xz = x * z, yz = y * z;
-        const Real wi = w / (xx + yy + zz), cw = c.smooth * w, pw = c.pair * wi;
-        const Real wxx = wi * xx, wyy = wi * yy, wzz = wi * zz, wyz = wi * yz;
-        Real* m = (to++)->v;
-        m[0] = w * x, m[1] = w * y, m[2] = w * z;
-        m[3] = wxx * x, m[4] = wxx * y, m[5] = wxx * z, m[6] = wyy * x, m[7] = wyz * x, m[8] = wzz * x;
-        m[9] = wyy * y, m[10] = wyy * z, m[11] = wzz * y, m[12] = wzz * z;
-        m[13] = m[14] = m[15] = 0;
-        m[16] = cw + pw * xx, m[17] = cw + pw * yy, m[18] = cw + pw * zz, m[19] = pw * xy, m[20] = pw * xz, m[21] = pw * yz;
-        m[22] = m[23] = 0;
-        m[24] = wxx * xx, m[25] = wxx * xy, m[26] = wxx * xz, m[27] = wxx * yy, m[28] = wxx * yz, m[29] = wxx * zz;
-        m[30] = wyy * xy, m[31] = wyy * xz, m[32] = wzz * xy, m[33] = wzz * xz;
-        m[34] = wyy * yy, m[35] = wyy * yz, m[36] = wyy * zz, m[37] = wzz * yz, m[38] = wzz * zz;
-        m[39] = 0;
-    });
+void add_monomials(Real x, Real y, Real z, Real w, Real* __restrict sum) {
+    Real m[Monomials::count] = {};
+    const Real wx = w * x, wy = w * y, wz = w * z, of_r2 = 1 / (x * x + y * y + z * z);
+    m[0] = w, m[1] = wx, m[2] = wy, m[3] = wz;
+    m[4] = wx * x, m[5] = wy * y, m[6] = wz * z, m[7] = wx * y, m[8] = wx * z, m[9] = wy * z;
+    for (int k = 0; k < 6; ++k) m[10 + k] = of_r2 * m[4 + k];
+    m[16] = m[10] * x, m[17] = m[10] * y, m[18] = m[10] * z, m[19] = m[11] * x, m[20] = m[13] * z, m[21] = m[12] * x;
+    m[22] = m[11] * y, m[23] = m[11] * z, m[24] = m[12] * y, m[25] = m[12] * z;
+    for (int k = 0; k < Monomials::count; ++k) sum[k] += m[k];
 }
 
-/// sum += m for `count` numbers.
-template <int count>
-void add_to(Real* __restrict sum, const Real* __restrict m) {
-    for (int k = 0; k < count; ++k) sum[k] += m[k];
-}
-
-Mat3 springs_of(const Real* m) {
+Mat3 symmetric_of(const Real* m) {
     Mat3 W;
     W << m[0], m[3], m[4], m[3], m[1], m[5], m[4], m[5], m[2];
     return W;
 }
 
-/// Sums of the monomials times 1 and the three components of the arm.
-struct alignas(8 * sizeof(Real)) LeveredSums {
-    Real v[4][Monomials::levered] = {};
-    void add(const Real* __restrict m, const Vec3& arm) {
-        const Real ax = arm[0], ay = arm[1], az = arm[2];
-        for (int k = 0; k < Monomials::levered; ++k) {
-            const Real one = m[k];
-            v[0][k] += one, v[1][k] += ax * one, v[2][k] += ay * one, v[3][k] += az * one;
-        }
-    }
-    Vec3 s() const { return Vec3(v[0][0], v[0][1], v[0][2]); }
-    Mat36 b() const {
-        Mat36 b;
-        for (int a = 0; a < 3; ++a)
-            for (int k = 0; k < 6; ++k) b(a, k) = v[0][3 + cube[a][k]];
-        return b;
-    }
-    Mat3 springs() const { return springs_of(v[0] + Monomials::springs); }
-};
+/// a with b in its columns: a x b.
+Mat3 crossing(const Vec3& a) {
+    Mat3 m;
+    m << 0, -a[2], a[1], a[2], 0, -a[0], -a[1], a[0], 0;
+    return m;
+}
 
-/// What the members of one aggregate add to the sums of one row, by unit rigid motion.
+/// What the members of one aggregate add to the sums of one row, by unit rigid motion. A member's arm is that of the row's own particle, as
+/// if it were a member too, and r.
 struct Share {
-    int aggregate = -1;  ///< its number in GroupSums; -1: those in none
-    LeveredSums sums;
-    Vec3 s;        ///< sum w r
-    Mat3 arm_s;    ///< sum w arm r^T
-    Mat36 b;       ///< sum w/r^2 r q^T
-    Mat36 arm_b;   ///< sum w/r^2 (arm x r) q^T
-    Mat36 spring;  ///< sum W E, W = 2 c w + 2 c' w/r^2 r r^T
-    explicit Share(int a) : aggregate(a) {}
-    void unpack() {
-        s = sums.s(), b = sums.b();
-        for (int p = 0; p < 3; ++p) {
-            const int q = (p + 1) % 3, r = (p + 2) % 3;
-            for (int k = 0; k < 3; ++k) arm_s(p, k) = sums.v[1 + p][k];
-            for (int k = 0; k < 6; ++k) arm_b(p, k) = sums.v[1 + q][3 + cube[r][k]] - sums.v[1 + r][3 + cube[q][k]];
-        }
-        const Mat3 x = springs_of(sums.v[1] + Monomials::springs), y = springs_of(sums.v[2] + Monomials::springs),
-                   z = springs_of(sums.v[3] + Monomials::springs);
-        spring.leftCols<3>() = sums.springs();
-        spring.col(3) = y.col(2) - z.col(1), spring.col(4) = z.col(0) - x.col(2), spring.col(5) = x.col(1) - y.col(0);
+    int aggregate;  ///< its number in GroupSums; -1: those in none
+    Vec3 arm;       ///< of the row's own particle from this aggregate's centre
+    Monomials sums{};
+    Vec3 s = Vec3::Zero();           ///< sum w r
+    Mat3 arm_s = Mat3::Zero();       ///< sum w arm r^T
+    Mat36 b = Mat36::Zero();         ///< sum w/r^2 r q^T
+    Mat36 arm_b = Mat36::Zero();     ///< sum w/r^2 (arm x r) q^T
+    Mat36 spring = Mat36::Zero();    ///< sum W E, W = 2 c w + 2 c' w/r^2 r r^T
+
+    void unpack(const StrainCoefficients& c) {
+        const Real* m = sums.v;
+        s = Vec3(m[Monomials::first], m[Monomials::first + 1], m[Monomials::first + 2]);
+        arm_s = arm * s.transpose() + symmetric_of(m + Monomials::second);
+        for (int a = 0; a < 3; ++a)
+            for (int k = 0; k < 6; ++k) b(a, k) = m[Monomials::cubes + cube[a][k]];
+        arm_b = crossing(arm).lazyProduct(b);  // r x r is zero
+        const Mat3 W = c.smooth * m[0] * Mat3::Identity() + c.pair * symmetric_of(m + Monomials::along);
+        spring.leftCols<3>() = W;
+        spring.rightCols<3>() = -W * crossing(arm) - c.smooth * crossing(s);
     }
 };
 
-/// Rows 0 to 8: A = sum w u r^T (row by row) for each of the six motions; rows 9 to 14: sum w/r^2 (u.r) q.
-Mat15x6 features(const Share& share) {
-    Mat15x6 F;
-    for (int mode = 0; mode < 3; ++mode) {
-        // v = e_mode: A = e_mode s^T.   omega = e_mode: u = e_mode x arm, A = [e_mode]x sum w arm r^T.
-        Mat3 A = Mat3::Zero(), turned = Mat3::Zero();
-        A.row(mode) = share.s.transpose();
-        const int p = (mode + 1) % 3, q = (mode + 2) % 3;
-        turned.row(p) = -share.arm_s.row(q);
-        turned.row(q) = share.arm_s.row(p);
-        for (int row = 0; row < 3; ++row)
-            for (int col = 0; col < 3; ++col) {
-                F(3 * row + col, mode) = A(row, col);
-                F(3 * row + col, 3 + mode) = turned(row, col);
+/// For each of the six motions of each share a column. Rows 0 to 8: A = sum w u r^T, row by row; rows 9 to 14: sum w/r^2 (u.r) q.
+class Features {
+public:
+    static constexpr int rows = 15;
+    void resize(std::size_t shares) {
+        columns_ = 6 * shares;
+        vectors_ = (columns_ + lane_count - 1) / lane_count;
+        for (Column<Lanes>* c : {&value_, &derivative_})
+            if (c->size() < rows * vectors_) c->resize(rows * vectors_);
+        if (product_.size() < columns_ * vectors_) product_.resize(columns_ * vectors_);
+        for (int k = 0; k < rows; ++k) value_[at(k, vectors_ - 1)] = Lanes{};
+    }
+    void set(std::size_t share, const Share& of) {
+        Real* F = reinterpret_cast<Real*>(value_.data()) + 6 * share;
+        const std::size_t step = vectors_ * lane_count;
+        for (std::size_t k = 0; k < 9; ++k)
+            for (std::size_t c = 0; c < 6; ++c) F[k * step + c] = 0;
+        for (int mode = 0; mode < 3; ++mode) {
+            // v = e_mode: A = e_mode s^T.   omega = e_mode: u = e_mode x arm, A = [e_mode]x sum w arm r^T.
+            const int p = (mode + 1) % 3, q = (mode + 2) % 3;
+            for (int k = 0; k < 3; ++k) {
+                F[(3 * mode + k) * step + mode] = of.s[k];
+                F[(3 * p + k) * step + 3 + mode] = -of.arm_s(q, k);
+                F[(3 * q + k) * step + 3 + mode] = of.arm_s(p, k);
             }
-        F.block<6, 1>(9, mode) = share.b.row(mode).transpose();
-        F.block<6, 1>(9, 3 + mode) = share.arm_b.row(mode).transpose();
+            for (int k = 0; k < 6; ++k) {
+                F[(9 + k) * step + mode] = of.b(mode, k);
+                F[(9 + k) * step + 3 + mode] = of.arm_b(mode, k);
+            }
+        }
     }
-    return F;
-}
-
-Mat3 from_six(const Vec6& h) {
-    Mat3 H;
-    H << h[0], h[3], h[4], h[3], h[1], h[5], h[4], h[5], h[2];
-    return H;
-}
-
-/// The derivative of the row's energy by its features, without the springs' own sum w |u_ij|^2 parts.
-Mat15x6 derivative(const Mat15x6& F, const Neighbourhood& n, const StrainCoefficients& c, const Eigen::Matrix<Real, 6, 6>& C4) {
-    Mat15x6 out;
-    for (int mode = 0; mode < 6; ++mode) {
-        Mat3 A;
-        for (int k = 0; k < 9; ++k) A(k / 3, k % 3) = F(k, mode);
-        const Mat3 G = A * n.inverse_moment;
-        const Mat3 D = n.resolved * G;
-        const Mat3 sym = Real(0.5) * (D + D.transpose());
-        Mat3 S = c.shear * sym;
-        S.diagonal().array() += c.bulk * sym.trace();
-        Vec6 g;
-        g << G(0, 0), G(1, 1), G(2, 2), G(0, 1) + G(1, 0), G(0, 2) + G(2, 0), G(1, 2) + G(2, 1);
-        const Vec6 h = C4 * g - F.block<6, 1>(9, mode);
-        const Mat3 Q = (n.resolved * S + c.pair * from_six(h)) * n.inverse_moment - c.smooth * G;
-        for (int k = 0; k < 9; ++k) out(k, mode) = Q(k / 3, k % 3);
-        out.block<6, 1>(9, mode) = -c.pair * g;
+    /// F^T dE/dF, E the row's energy without the springs' own sum w |u_ij|^2 parts.
+    void multiply(const Neighbourhood& n, const StrainCoefficients& c, const FourthMoment& fourth, Index lane);
+    /// Of two shares.
+    Mat6 product(std::size_t k, std::size_t l) const {
+        const Real* P = reinterpret_cast<const Real*>(product_.data()) + 6 * k * vectors_ * lane_count + 6 * l;
+        Mat6 m;
+        for (int r = 0; r < 6; ++r)
+            for (int col = 0; col < 6; ++col) m(r, col) = P[static_cast<std::size_t>(r) * vectors_ * lane_count + col];
+        return m;
     }
-    return out;
+
+private:
+    std::size_t at(int row, std::size_t vector) const { return static_cast<std::size_t>(row) * vectors_ + vector; }
+    std::size_t columns_ = 0, vectors_ = 0;
+    Column<Lanes> value_, derivative_, product_;
+};
+
+void Features::multiply(const Neighbourhood& n, const StrainCoefficients& c, const FourthMoment& fourth, Index lane) {
+    const Mat3& M = n.inverse_moment;
+    const SymmetricLanes inverse{lanes_of(M(0, 0)), lanes_of(M(1, 1)), lanes_of(M(2, 2)),
+                                 lanes_of(M(0, 1)), lanes_of(M(0, 2)), lanes_of(M(1, 2))};
+    const Mat3& P = n.resolved;
+    const SymmetricLanes resolved{lanes_of(P(0, 0)), lanes_of(P(1, 1)), lanes_of(P(2, 2)),
+                                  lanes_of(P(0, 1)), lanes_of(P(0, 2)), lanes_of(P(1, 2))};
+    Real C4[6][6];
+    for (int k = 0; k < 6; ++k)
+        for (int l = 0; l < 6; ++l) C4[k][l] = fourth.of(k, l)[lane];
+    for (std::size_t v = 0; v < vectors_; ++v) {
+        Lanes33 A;
+        for (int k = 0; k < 9; ++k) A.m[k / 3][k % 3] = value_[at(k, v)];
+        const Lanes33 G = A * inverse;
+        const Lanes33 D = n.unresolved > 0 ? resolved * G : G;
+        SymmetricLanes S = symmetric(D);
+        const Lanes volume = c.bulk * (S.xx + S.yy + S.zz);
+        S = {c.shear * S.xx + volume, c.shear * S.yy + volume, c.shear * S.zz + volume, c.shear * S.xy, c.shear * S.xz, c.shear * S.yz};
+        const Lanes g[6] = {G.m[0][0],           G.m[1][1],           G.m[2][2], G.m[0][1] + G.m[1][0], G.m[0][2] + G.m[2][0],
+                            G.m[1][2] + G.m[2][1]};
+        Lanes h[6];
+        for (int k = 0; k < 6; ++k) {
+            h[k] = C4[k][0] * g[0] - value_[at(9 + k, v)];
+            for (int l = 1; l < 6; ++l) h[k] += C4[k][l] * g[l];
+            h[k] *= c.pair;
+        }
+        Lanes33 T = whole(S);
+        if (n.unresolved > 0) T = resolved * T;
+        const Lanes33 along = whole({h[0], h[1], h[2], h[3], h[4], h[5]});
+        for (int a = 0; a < 3; ++a)
+            for (int b = 0; b < 3; ++b) T.m[a][b] += along.m[a][b];
+        const Lanes33 Q = T * inverse;
+        for (int k = 0; k < 9; ++k) derivative_[at(k, v)] = Q.m[k / 3][k % 3] - c.smooth * G.m[k / 3][k % 3];
+        for (int k = 0; k < 6; ++k) derivative_[at(9 + k, v)] = -c.pair * g[k];
+    }
+    const Real* F = reinterpret_cast<const Real*>(value_.data());
+    for (std::size_t r = 0; r < columns_; ++r)
+        for (std::size_t v = 0; v < vectors_; ++v) {
+            Lanes sum{};
+            for (int k = 0; k < rows; ++k) sum += F[at(k, 0) * lane_count + r] * derivative_[at(k, v)];
+            product_[r * vectors_ + v] = sum;
+        }
 }
 
 struct BlockSum {
@@ -169,43 +178,55 @@ struct BlockSum {
 class CoarseRows {
 public:
     CoarseRows(const StrainForm& form, const RigidAggregates& aggregates, const RowBlock& block, GroupSums<BlockSum>& sums);
-    void add_row(Index row);
+    void add_row(const RowSlice& slice, Index lane);
     /// The springs' part of u_j.u_j, once all rows are added; with it mass and friction.
     void add_springs();
 
 private:
-    struct alignas(8 * sizeof(Real)) Springs {
-        Real v[8] = {};
-    };
-    Share& share_of(int aggregate);
-    Mat6 find_shares(Index row);
+    void find_springs();
+    void find_shares(Index row);
     void add_coupling(Index row);
-    void add_strains(const Neighbourhood& n, const StrainCoefficients& c, const Mat6& C4);
+    void add_strains(Index row, const FourthMoment& fourth, Index lane);
     void add(int a, int b, const Mat6& m);
 
     const StrainForm& form_;
     const RigidAggregates& aggregates_;
     const RowBlock& block_;
     GroupSums<BlockSum>& sums_;
-    std::vector<Springs> springs_;  ///< sum of W over all pairs of a particle that the block touches
-    std::vector<int> number_;       ///< of its aggregate in sums_, -1: in none
-    std::vector<Monomials> pairs_;  ///< of one row
-    std::vector<Share> shares_;     ///< of one row, that of the row's own particle first
-    std::vector<Mat15x6> F_, dF_;
+    Column<Vec4> springs_;              ///< sum of W over all pairs of a particle that the block touches: xx yy zz, xy xz yz
+    std::vector<int> number_;           ///< of its aggregate in sums_, -1: in none
+    std::vector<Share> shares_;         ///< of one row, that of the row's own particle first
+    std::vector<std::size_t> counted_;  ///< those of an aggregate
+    Features features_;
 };
 
 CoarseRows::CoarseRows(const StrainForm& form, const RigidAggregates& aggregates, const RowBlock& block, GroupSums<BlockSum>& sums)
-    : form_(form), aggregates_(aggregates), block_(block), sums_(sums), springs_(block.touched.size()), number_(block.touched.size()) {
+    : form_(form), aggregates_(aggregates), block_(block), sums_(sums), springs_(2 * block.touched.size(), Vec4{}),
+      number_(block.touched.size()) {
     for (std::size_t place = 0; place < number_.size(); ++place) {
         const std::int32_t a = aggregates.of(block.touched[place]);
         number_[place] = a < 0 ? -1 : sums.number(a);
     }
 }
 
-Share& CoarseRows::share_of(int aggregate) {
-    for (Share& s : shares_)
-        if (s.aggregate == aggregate) return s;
-    return shares_.emplace_back(aggregate);
+void CoarseRows::find_springs() {
+    for (std::size_t k = 0; k < block_.slices.size(); ++k) {
+        const RowSlice& slice = block_.slices[k];
+        const CoefficientLanes& c = form_.coefficients(block_, k);
+        SymmetricLanes own;
+        const auto add = [&](const SymmetricLanes& W, const Index* place) {
+            scatter<2>(Lanes3{W.xx, W.yy, W.zz}, place, springs_.data());
+            scatter<2>(Lanes3{W.xy, W.xz, W.yz}, place, springs_.data() + 1);
+        };
+        SliceView(block_, slice).each([&](std::size_t, const Lanes3& r, const Lanes& w, const Index* other) {
+            const Lanes even = c.smooth * w, along = c.pair * w / dot(r, r);
+            const Lanes3 t = along * r;
+            const SymmetricLanes W{even + t.x * r.x, even + t.y * r.y, even + t.z * r.z, t.x * r.y, t.x * r.z, t.y * r.z};
+            own.xx += W.xx, own.yy += W.yy, own.zz += W.zz, own.xy += W.xy, own.xz += W.xz, own.yz += W.yz;
+            add(W, other);
+        });
+        add(own, slice.row);
+    }
 }
 
 void CoarseRows::add(int a, int b, const Mat6& m) {
@@ -214,36 +235,27 @@ void CoarseRows::add(int a, int b, const Mat6& m) {
     else to += m.transpose().cast<double>();
 }
 
-void CoarseRows::add_row(Index row) {
+void CoarseRows::add_row(const RowSlice& slice, Index lane) {
+    const Index row = slice.row[lane];
     if (block_.count[row] == 0) return;
-    const Index i = block_.begin + row;
-    const Mat6 C4 = find_shares(row);
+    find_shares(row);
     if (number_[row] >= 0) add_coupling(row);
-    add_strains(form_.rows().neighbourhood[i], form_.coefficients(i), C4);
+    add_strains(row, slice.fourth, lane);
 }
 
-/// @returns sum w/r^2 q q^T
-Mat6 CoarseRows::find_shares(Index row) {
+void CoarseRows::find_shares(Index row) {
+    const StrainCoefficients& c = form_.coefficients(block_.begin + row);
     shares_.clear();
-    share_of(number_[row]);
-    find_monomials(block_, row, form_.coefficients(block_.begin + row), pairs_);
-    alignas(8 * sizeof(Real)) Real quartic[Monomials::count - Monomials::levered] = {};
-    const Monomials* pair = pairs_.data();
+    shares_.push_back(Share{number_[row], aggregates_.arm(block_.begin + row)});
     block_.each_pair(row, [&](std::size_t e) {
-        const Index place = block_.other[e];
-        const Real* m = (pair++)->v;
-        share_of(number_[place]).sums.add(m, aggregates_.arm(block_.touched[place]));
-        add_to<8>(springs_[place].v, m + Monomials::springs);
-        add_to<Monomials::count - Monomials::levered>(quartic, m + Monomials::levered);
+        const int number = number_[block_.other[e]];
+        std::size_t k = 0;
+        while (k < shares_.size() && shares_[k].aggregate != number) ++k;
+        const Vec3 r(block_.x[e], block_.y[e], block_.z[e]);
+        if (k == shares_.size()) shares_.push_back(Share{number, aggregates_.arm(block_.touched[block_.other[e]]) - r});
+        add_monomials(r[0], r[1], r[2], block_.w[e], shares_[k].sums.v);
     });
-    Mat6 C4;
-    for (int k = 0; k < 6; ++k)
-        for (int l = 0; l < 6; ++l) C4(k, l) = quartic[fourth[k][l]];
-    for (Share& share : shares_) {
-        share.unpack();
-        add_to<8>(springs_[row].v, share.sums.v[0] + Monomials::springs);
-    }
-    return C4;
+    for (Share& share : shares_) share.unpack(c);
 }
 
 /// The row's own particle is in each of its pairs: the springs' part of u_i.u_j, and its share of the sums.
@@ -264,29 +276,33 @@ void CoarseRows::add_coupling(Index row) {
     share.s -= s_sum;
     share.arm_s -= a * s_sum.transpose();
     share.b -= b_sum;
-    for (int k = 0; k < 6; ++k) share.arm_b.col(k) -= a.cross(Vec3(b_sum.col(k)));
+    share.arm_b -= crossing(a).lazyProduct(b_sum);
 }
 
-void CoarseRows::add_strains(const Neighbourhood& n, const StrainCoefficients& c, const Mat6& C4) {
-    F_.resize(shares_.size()), dF_.resize(shares_.size());
-    for (std::size_t k = 0; k < shares_.size(); ++k) {
-        if (shares_[k].aggregate < 0) continue;
-        F_[k] = features(shares_[k]);
-        dF_[k] = derivative(F_[k], n, c, C4);
-    }
+void CoarseRows::add_strains(Index row, const FourthMoment& fourth, Index lane) {
+    counted_.clear();
     for (std::size_t k = 0; k < shares_.size(); ++k)
-        for (std::size_t l = 0; l < shares_.size(); ++l)
-            if (shares_[l].aggregate >= 0 && shares_[k].aggregate >= shares_[l].aggregate)
-                add(shares_[k].aggregate, shares_[l].aggregate, Mat6(F_[k].transpose().lazyProduct(dF_[l])));
+        if (shares_[k].aggregate >= 0) counted_.push_back(k);
+    if (counted_.empty()) return;
+    features_.resize(counted_.size());
+    for (std::size_t k = 0; k < counted_.size(); ++k) features_.set(k, shares_[counted_[k]]);
+    const Index i = block_.begin + row;
+    features_.multiply(form_.rows().neighbourhood[i], form_.coefficients(i), fourth, lane);
+    for (std::size_t k = 0; k < counted_.size(); ++k)
+        for (std::size_t l = 0; l < counted_.size(); ++l)
+            if (const int a = shares_[counted_[k]].aggregate, b = shares_[counted_[l]].aggregate; a >= b) add(a, b, features_.product(k, l));
 }
 
 void CoarseRows::add_springs() {
-    for (std::size_t place = 0; place < springs_.size(); ++place) {
+    find_springs();
+    for (std::size_t place = 0; place < number_.size(); ++place) {
         const Index j = block_.touched[place];
         if (number_[place] < 0) continue;
         const Mat36 E = motion(aggregates_.arm(j));
         const bool own_row = static_cast<Index>(place) < block_.size();
-        const Mat3 W = springs_of(springs_[place].v) + (own_row ? Mat3(Mat3::Identity() + form_.friction(j)) : Mat3(Mat3::Zero()));
+        const Real *even = springs_[2 * place].v, *mixed = springs_[2 * place + 1].v;
+        const Real six[6] = {even[0], even[1], even[2], mixed[0], mixed[1], mixed[2]};
+        const Mat3 W = symmetric_of(six) + (own_row ? Mat3(Mat3::Identity() + form_.friction(j)) : Mat3(Mat3::Zero()));
         add(number_[place], number_[place], Mat6(E.transpose().lazyProduct(Mat36(W * E))));
     }
 }
@@ -299,7 +315,8 @@ SymmetricBlocks coarse_matrix(const StrainForm& form, const RigidAggregates& agg
     parallel_tasks(static_cast<Index>(rows.blocks.size()), [&](Index k) {
         const RowBlock& block = rows.blocks[k];
         CoarseRows coarse(form, aggregates, block, parts[k]);
-        for (Index row = 0; row < block.size(); ++row) coarse.add_row(row);
+        for (const RowSlice& slice : block.slices)
+            for (Index lane = 0; lane < slice.rows; ++lane) coarse.add_row(slice, lane);
         coarse.add_springs();
     });
     return coarse_blocks(aggregates.groups(), parts, [](const BlockSum& sum) { return sum.value; });

@@ -62,6 +62,22 @@ struct RowBlock {
     }
 };
 
+/// The pairs of a slice.
+struct SliceView {
+    const Real *x, *y, *z, *w;
+    const Index* other;
+    std::size_t width;
+    SliceView(const RowBlock& b, const RowSlice& slice)
+        : x(b.x.data() + slice.begin), y(b.y.data() + slice.begin), z(b.z.data() + slice.begin), w(b.w.data() + slice.begin),
+          other(b.other.data() + slice.begin), width(static_cast<std::size_t>(slice.width)) {}
+    /// Calls f(k, r, w, places of j) for the k-th pairs of all lanes.
+    template <class F>
+    void each(const F& f) const {
+        for (std::size_t k = 0, e = 0; k < width; ++k, e += lane_count)
+            f(k, Lanes3{lanes_at(x + e), lanes_at(y + e), lanes_at(z + e)}, lanes_at(w + e), other + e);
+    }
+};
+
 class CoupledRows {
 public:
     static constexpr Index block_size = 256;

@@ -28,22 +28,6 @@ void take_velocities(const RowBlock& block, Span<const Vec3> u, RowScratch& s) {
     }
 }
 
-/// The pairs of a slice.
-struct SliceView {
-    const Real *x, *y, *z, *w;
-    const Index* other;
-    std::size_t width;
-    SliceView(const RowBlock& b, const RowSlice& slice)
-        : x(b.x.data() + slice.begin), y(b.y.data() + slice.begin), z(b.z.data() + slice.begin), w(b.w.data() + slice.begin),
-          other(b.other.data() + slice.begin), width(static_cast<std::size_t>(slice.width)) {}
-    /// Calls f(k, r, w, places of j) for the k-th pairs of all lanes.
-    template <class F>
-    void each(const F& f) const {
-        for (std::size_t k = 0, e = 0; k < width; ++k, e += lane_count)
-            f(k, Lanes3{lanes_at(x + e), lanes_at(y + e), lanes_at(z + e)}, lanes_at(w + e), other + e);
-    }
-};
-
 /// What a row's pairs sum up to.
 struct PairSums {
     Lanes33 A{};             ///< sum w (u_j - u_i) r^T
@@ -151,7 +135,7 @@ void StrainForm::apply(Span<const Vec3> u, Span<Vec3> y) const {
         std::fill(out, out + block.touched.size(), Vec4{{0, 0, 0, 0}});
         for (std::size_t k = 0; k < block.slices.size(); ++k) {
             const RowSlice& slice = block.slices[k];
-            const CoefficientLanes& c = by_slice_[block.first_slice + k];
+            const CoefficientLanes& c = coefficients(block, k);
             const SliceView pairs(block, slice);
             const PairSums sum = sum_pairs(pairs, gather(s.u.data(), slice.row), s);
             const Lanes33 G = sum.A * slice.inverse_moment;
@@ -264,7 +248,7 @@ void StrainForm::diagonal(Span<Mat3> B) const {
         const Lanes one = lanes_of(1);
         for (std::size_t k = 0; k < block.slices.size(); ++k) {
             const RowSlice& slice = block.slices[k];
-            const CoefficientLanes& c = by_slice_[block.first_slice + k];
+            const CoefficientLanes& c = coefficients(block, k);
             const SliceView pairs(block, slice);
             const Lanes K = Real(0.5) * c.shear, outer = K + c.bulk;
             Lanes3 sum{};

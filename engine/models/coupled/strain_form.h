@@ -57,6 +57,8 @@ public:
     /// tr D of the particle, given its gradient [1/s].
     Real divergence(Index i, const Mat3& G) const;
     const StrainCoefficients& coefficients(Index i) const { return coefficients_[i]; }
+    /// Of a block's k-th slice.
+    const CoefficientLanes& coefficients(const RowBlock& block, std::size_t k) const { return by_slice_[block.first_slice + k]; }
     const CoupledRows& rows() const { return *rows_; }
 
 private:
