@@ -39,7 +39,13 @@ struct Lanes33 {
 
 inline Lanes lanes_of(Real v) { return v - Lanes{}; }
 inline Lanes at_least(Lanes v, Real least) { return v > least ? v : lanes_of(least); }
+inline Lanes at_most(Lanes v, Real most) { return v < most ? v : lanes_of(most); }
 
+inline bool any_above(Lanes v, Real limit) {
+    bool any = false;
+    for (Index lane = 0; lane < lane_count; ++lane) any |= v[lane] > limit;
+    return any;
+}
 inline Lanes square_root(Lanes v) {
     for (Index lane = 0; lane < lane_count; ++lane) v[lane] = std::sqrt(v[lane]);
     return v;
@@ -107,13 +113,15 @@ void add_to_every_fourth(Lanes v, const Index* place, Vec4* to) {
 
 }  // namespace detail
 
-/// The vectors from[place[lane]].
-inline Lanes3 gather(const Vec4* from, const Index* place) {
+/// The vectors from[place[lane]]. @param fourth the spare numbers with them, where it is not null
+inline Lanes3 gather(const Vec4* from, const Index* place, Lanes* fourth = nullptr) {
     using detail::fours;
     const Lanes a = detail::every_fourth(from, place), b = detail::every_fourth(from, place + 1);
     const Lanes c = detail::every_fourth(from, place + 2), d = detail::every_fourth(from, place + 3);
     const Lanes xy0 = fours<0, 4, 1, 5>(a, b), xy1 = fours<0, 4, 1, 5>(c, d);
-    return {fours<0, 1, 4, 5>(xy0, xy1), fours<2, 3, 6, 7>(xy0, xy1), fours<0, 1, 4, 5>(fours<2, 6, 3, 7>(a, b), fours<2, 6, 3, 7>(c, d))};
+    const Lanes zw0 = fours<2, 6, 3, 7>(a, b), zw1 = fours<2, 6, 3, 7>(c, d);
+    if (fourth != nullptr) *fourth = fours<2, 3, 6, 7>(zw0, zw1);
+    return {fours<0, 1, 4, 5>(xy0, xy1), fours<2, 3, 6, 7>(xy0, xy1), fours<0, 1, 4, 5>(zw0, zw1)};
 }
 
 /// to[stride place[lane]] += the lane's vector, in a fixed order: places may repeat.

@@ -25,48 +25,60 @@ void CoupledMove::operator()(Update<field::position> x, Read<field::velocity> u,
 
 namespace {
 
-/// In spacings, over the stages of CoupledShift.
+/// In spacings. With r_ij = x_j - x_i here:
+/// dx_i = -sum_j rate_ij (range - r) r_ij/r - thin_i e_i sum_j rate'_ij (range' - |s|) s/(|s| + 0.2),   s = e_i.r_ij,   rate = shift_rate
+/// (strain_i + strain_j)
+///
+/// The first keeps particles apart; repulsion only, any attraction clumps. A stretched thread widens every gap along its axis e in
+/// proportion, and once it is thin nobody is close enough to be pushed into it: the second fills gaps along the axis, and along the axis
+/// alone, so that a longer range does not fatten the thread.
 struct Shifting {
     const CoupledSystem& system;
-    Span<const Vec3> x;
-    Span<const Real> strain;  ///< dt |D - T|/2 of each particle
-    const StepContext& step;
 
-    /// With r_ij = x_j - x_i here:
-    /// dx_i = -sum_j rate_ij (range - r) r_ij/r - thin_i e_i sum_j rate'_ij (range' - |s|) s/(|s| + 0.2),   s = e_i.r_ij,   rate =
-    /// shift_rate dt (|D_i| + |D_j|)/2
-    ///
-    /// The first keeps particles apart; repulsion only, any attraction clumps. A stretched thread widens every gap along its axis e in
-    /// proportion, and once it is thin nobody is close enough to be pushed into it: the second fills gaps along the axis, and along the
-    /// axis alone, so that a longer range does not fatten the thread.
-    Vec3 of(Index i) const {
+    /// @param moved of each particle that the block touches, how far it has moved in this step, and dt |D - T|/2
+    Lanes3 of(const RowBlock& block, const RowSlice& slice, const Vec4* moved) const {
         const CoupledOptions& o = system.options;
         const Real range = static_cast<Real>(o.shift_range), rate = static_cast<Real>(o.shift_rate), strongest = Real(0.15);
+        Lanes own_strain, strain;
+        const Lanes3 own = gather(moved, slice.row, &own_strain);
+        const auto moved_pair = [&](const Lanes3& before, const Index* other) { return before + (gather(moved, other, &strain) - own); };
+        Lanes3 dx;
+        SliceView(block, slice).each([&](std::size_t, const Lanes3& before, const Lanes& w, const Index* other) {
+            const Lanes3 r = moved_pair(before, other);
+            const Lanes distance = at_least(square_root(dot(r, r)), Real(1e-6));
+            const Lanes push = at_most(rate * (own_strain + strain), strongest) * at_least(range - distance, 0) / distance;
+            dx = dx - (w > 0 ? push : Lanes{}) * r;
+        });
+        const Lanes thin = lanes_from(block, slice, [](const Neighbourhood& n) { return n.thin; });
+        if (!any_above(thin, 0)) return dx;
         const Real evening_range = static_cast<Real>(o.evening_range), evening_rate = static_cast<Real>(o.evening_rate),
                    strongest_evening = Real(0.05);
-        const RowBlock& block = system.rows.blocks[i / CoupledRows::block_size];
-        const Neighbourhood& around = system.rows.neighbourhood[i];
-        const Real thin = around.thin;
-        Vec3 dx = Vec3::Zero();
-        Real along = 0;
-        block.each_pair(i - block.begin, [&](std::size_t e) {
-            const Real before2 = block.x[e] * block.x[e] + block.y[e] * block.y[e] + block.z[e] * block.z[e];
-            if (before2 > 4 && thin == 0) return;  // too far to come within the range in one step
-            const Index j = block.touched[block.other[e]];
-            const Vec3 r = step.domain.minimum_image(x[j] - x[i]) / step.spacing;
-            const Real distance = r.norm(), strained = strain[i] + strain[j];
-            if (distance < range && distance > Real(1e-6)) dx -= std::min(rate * strained, strongest) * (range - distance) / distance * r;
-            const Real s = around.along.dot(r), away = std::abs(s);
-            if (thin > 0 && away < evening_range)
-                along -= std::min(evening_rate * strained, strongest_evening) * (evening_range - away) * s / (away + Real(0.2));
+        const Lanes3 axis{lanes_from(block, slice, [](const Neighbourhood& n) { return n.along[0]; }),
+                          lanes_from(block, slice, [](const Neighbourhood& n) { return n.along[1]; }),
+                          lanes_from(block, slice, [](const Neighbourhood& n) { return n.along[2]; })};
+        Lanes along{};
+        SliceView(block, slice).each([&](std::size_t, const Lanes3& before, const Lanes& w, const Index* other) {
+            const Lanes s = dot(axis, moved_pair(before, other)), away = s > 0 ? s : -s;
+            const Lanes fill = at_most(evening_rate * (own_strain + strain), strongest_evening) * at_least(evening_range - away, 0);
+            along -= (w > 0 ? fill : Lanes{}) * s / (away + Real(0.2));
         });
-        dx += thin * along * around.along;
-        const Real length = dx.norm(), longest = static_cast<Real>(o.longest_shift);
+        return dx + thin * along * axis;
+    }
+
+    /// No longer than allowed, and at the surface without its outward part, which nothing balances there: it would fatten the thread.
+    Vec3 bounded(Vec3 dx, const Neighbourhood& around) const {
+        const Real length = dx.norm(), longest = static_cast<Real>(system.options.longest_shift);
         if (length > longest) dx *= longest / length;
-        // At the surface the repulsion has nothing to balance it: its outward part would fatten the thread.
         const Real on_surface = std::clamp((around.surface - Real(0.12)) / Real(0.18), Real(0), Real(1));
         const Real outward = dx.dot(around.outward);
         return outward > 0 ? Vec3(dx - on_surface * outward * around.outward) : dx;
+    }
+
+    template <class F>
+    Lanes lanes_from(const RowBlock& block, const RowSlice& slice, const F& f) const {
+        Lanes v;
+        for (Index lane = 0; lane < lane_count; ++lane) v[lane] = f(system.rows.neighbourhood[block.begin + slice.row[lane]]);
+        return v;
     }
 };
 
@@ -76,36 +88,42 @@ void CoupledShift::operator()(Update<field::position> x, Update<field::velocity>
                               Read<field::role> role, const StepContext& step) const {
     const CoupledSystem& s = *system;
     const Real d = step.spacing;
-    std::vector<Real> strain(x.size());
-    parallel_for(x.size(), [&](Index i) {  // in the middle of the move: a rigid rotation has none
+    Column<Vec4> moved(x.size());
+    parallel_for(x.size(), [&](Index i) {  // the strain in the middle of the move: a rigid rotation has none
         const Mat3 D = Real(0.5) * (G[i] + G[i].transpose());
-        strain[i] = step.dt * Real(0.5) * (D - curvature_strain(G[i], step.dt)).norm();
-    });
-
-    const Shifting shifting{s, x.values, strain, step};
-    std::vector<Vec3> shift(x.size(), Vec3::Zero());
-    parallel_for(x.size(), [&](Index i) {
-        if (role[i] == 0) shift[i] = d * shifting.of(i);
+        const Vec3 path = (x[i] - s.x_before[i]) / d;
+        moved[i] = {{path[0], path[1], path[2], step.dt * Real(0.5) * (D - curvature_strain(G[i], step.dt)).norm()}};
     });
 
     // The velocity of the place that a particle comes to: u += G dx. The sum of these changes goes back to the neighbours, so that the
     // linear momentum stays.
+    const Shifting shifting{s};
+    std::vector<Vec3> shift(x.size(), Vec3::Zero());
     Column<Vec4> spread(s.rows.entries());
-    parallel_blocks(x.size(), CoupledRows::block_size, [&](Index begin, Index end) {
+    parallel_blocks(x.size(), CoupledRows::block_size, [&](Index begin, Index) {
         const RowBlock& block = s.rows.blocks[begin / CoupledRows::block_size];
+        thread_local Column<Vec4> moved_here;
+        if (moved_here.size() < block.touched.size()) moved_here.resize(block.touched.size());
+        for (std::size_t l = 0; l < block.touched.size(); ++l) moved_here[l] = moved[block.touched[l]];
         Vec4* out = spread.data() + block.place;
         std::fill(out, out + block.touched.size(), Vec4{{0, 0, 0, 0}});
-        for (Index i = begin; i < end; ++i) {
-            if (shift[i] == Vec3::Zero()) continue;
-            const Vec3 du = G[i] * shift[i];
-            Real weights = 1;
-            block.each_pair(i - begin, [&](std::size_t e) { weights += block.w[e]; });
-            const Vec3 share = du / weights;
-            const auto give = [&](std::size_t place, const Vec3& v) {
-                for (int a = 0; a < 3; ++a) out[place].v[a] += v[a];
-            };
-            give(i - begin, du - share);
-            block.each_pair(i - begin, [&](std::size_t e) { give(block.other[e], -block.w[e] * share); });
+        for (const RowSlice& slice : block.slices) {
+            const Lanes3 dx = shifting.of(block, slice, moved_here.data());
+            Lanes3 du, share;
+            for (Index lane = 0; lane < slice.rows; ++lane) {
+                const Index i = begin + slice.row[lane];
+                if (role[i] != 0) continue;
+                const Neighbourhood& n = s.rows.neighbourhood[i];
+                shift[i] = d * shifting.bounded(Vec3(dx.x[lane], dx.y[lane], dx.z[lane]), n);
+                const Vec3 change = G[i] * shift[i], part = change / (1 + n.weights);
+                du.x[lane] = change[0], du.y[lane] = change[1], du.z[lane] = change[2];
+                share.x[lane] = part[0], share.y[lane] = part[1], share.z[lane] = part[2];
+            }
+            scatter(du - share, slice.row, out);
+            SliceView(block, slice).each([&](std::size_t, const Lanes3&, const Lanes& w, const Index* other) {
+                const Lanes less = -w;
+                scatter(less * share, other, out);
+            });
         }
     });
     s.rows.gather<Vec4>(spread, [&](Index i, const Vec4& v) {

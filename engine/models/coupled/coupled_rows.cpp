@@ -272,13 +272,14 @@ void CoupledRows::find_moments(RowBlock& block, const CoupledOptions& o) {
     for (RowSlice& slice : block.slices) {
         SymmetricLanes M{};
         Lanes3 centre{};
-        Lanes distances{};
+        Lanes distances{}, weights{};
         FourthMoment& fourth = slice.fourth;
         for (Lanes& v : fourth.v) v = Lanes{};
         for (std::size_t e = slice.begin, last = e + static_cast<std::size_t>(slice.width) * lane_count; e < last; e += lane_count) {
             const Lanes x = lanes_at(&block.x[e]), y = lanes_at(&block.y[e]), z = lanes_at(&block.z[e]), w = lanes_at(&block.w[e]);
             const Lanes xx = x * x, yy = y * y, zz = z * z, xy = x * y, xz = x * z, yz = y * z, r2 = xx + yy + zz;
             M.xx += w * xx, M.yy += w * yy, M.zz += w * zz, M.xy += w * xy, M.xz += w * xz, M.yz += w * yz;
+            weights += w;
             centre.x += w * x, centre.y += w * y, centre.z += w * z;
             const Lanes wi = w / r2;
             distances += w * square_root(r2);
@@ -292,6 +293,7 @@ void CoupledRows::find_moments(RowBlock& block, const CoupledOptions& o) {
         for (Index lane = 0; lane < slice.rows; ++lane) {
             Neighbourhood& n = neighbourhood[block.begin + slice.row[lane]];
             const Vec3 middle(centre.x[lane], centre.y[lane], centre.z[lane]);
+            n.weights = weights[lane];
             n.spread = M.xx[lane] + M.yy[lane] + M.zz[lane];
             if (distances[lane] > 0) n.surface = middle.norm() / distances[lane];
             if (n.surface > 0) n.outward = -middle.normalized();

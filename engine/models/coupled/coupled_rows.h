@@ -14,6 +14,7 @@ struct Neighbourhood {
     Real unresolved = 0;                 ///< k = sum (1 - pi^2): 0 in a volume, 1 in a sheet, 2 in a single file
     Real thin = 0;                       ///< 0 in a thick thread, 1 in a thin one
     Vec3 along = Vec3::Zero();           ///< unit, the thread's direction; zero in a thick one
+    Real weights = 0;                    ///< sum w
     Real spread = 0;                     ///< sum w r^2
     Real density = 0;                    ///< n/n0, kernel of radius `support`, all neighbours
     Vec3 outward = Vec3::Zero();         ///< unit, away from the neighbours' centre
