@@ -1,6 +1,7 @@
 #pragma once
 /// Preconditioned conjugate gradients over particles: one Real (pressure) or one Vec3 (velocity) an entry.
 #include <cmath>
+#include <type_traits>
 
 #include "engine/core/parallel.h"
 #include "engine/math/solve.h"
@@ -43,6 +44,16 @@ struct NoPreconditioner {
     }
 };
 
+/// Calls f(v, y), which sets y. @returns v.y, which f may return itself: a sum in the loop that sets y saves one over both
+template <class T, class F>
+double apply_and_dot(const F& f, Span<const T> v, Span<T> y) {
+    if constexpr (std::is_same_v<decltype(f(v, y)), double>) return f(v, y);
+    else {
+        f(v, y);
+        return dot<T>(v, y);
+    }
+}
+
 /// Goes on from a first guess whose residual is known, which saves a product with A (see conjugate_gradients for the rest).
 /// @param r b - A x; then the last residual
 /// @param reference > 0, what the residual is measured against in the chosen norm
@@ -56,9 +67,9 @@ SolveReport conjugate_gradients_from(const Operator& A, const Preconditioner& M,
     SolveReport report;
     const bool euclidean = norm == ResidualNorm::euclidean;
     const auto relative_residual = [&](double rr, double residual_z) { return std::sqrt(euclidean ? rr : residual_z) / reference; };
-    if (Mr.empty()) M(Span<const T>(r), Span<T>(z));
-    else std::copy(Mr.begin(), Mr.end(), z.begin());
-    double rz = dot<T>(r, z);
+    double rz = 0;
+    if (Mr.empty()) rz = apply_and_dot<T>(M, Span<const T>(r), Span<T>(z));
+    else std::copy(Mr.begin(), Mr.end(), z.begin()), rz = dot<T>(r, z);
     std::vector<T> p = z;
     report.first_residual = report.last_residual = relative_residual(euclidean ? dot<T>(r, r) : 0, rz);
 
@@ -73,8 +84,7 @@ SolveReport conjugate_gradients_from(const Operator& A, const Preconditioner& M,
                              std::to_string(limits.max_iterations) + " iterations";
             return report;
         }
-        A(Span<const T>(p), Span<T>(q));
-        const double pAp = dot<T>(p, q);
+        const double pAp = apply_and_dot<T>(A, Span<const T>(p), Span<T>(q));
         if (!(pAp > 0) || !std::isfinite(pAp)) {
             report.why_not = "the operator is not positive definite (p.A p = " + std::to_string(pAp) + ")";
             return report;
@@ -85,8 +95,7 @@ SolveReport conjugate_gradients_from(const Operator& A, const Preconditioner& M,
             r[i] -= alpha * q[i];
             return euclidean ? detail::dot_entry(r[i], r[i]) : 0.0;
         });
-        M(Span<const T>(r), Span<T>(z));
-        const double rz_new = dot<T>(r, z);
+        const double rz_new = apply_and_dot<T>(M, Span<const T>(r), Span<T>(z));
         const Real beta = static_cast<Real>(rz_new / rz);
         rz = rz_new;
         parallel_for(count, [&](Index i) { p[i] = z[i] + beta * p[i]; });
@@ -99,8 +108,8 @@ SolveReport conjugate_gradients_from(const Operator& A, const Preconditioner& M,
 
 /// Solves A x = b. A and M must be symmetric and positive definite on the entries that b and x use: entries that a mask excludes must be
 /// zero in b and x and left at zero by A and M.
-/// @param A called as A(Span<const T> x, Span<T> y): y = A x
-/// @param M called as M(Span<const T> r, Span<T> z): z is near A^-1 r
+/// @param A called as A(Span<const T> x, Span<T> y): y = A x; it may return x.y
+/// @param M called as M(Span<const T> r, Span<T> z): z is near A^-1 r; it may return r.z
 /// @param x the first guess, then the solution; where the solver stops early, its last iterate
 /// @param reference what the residual is measured against in the chosen norm; 0: the norm of b itself
 /// @returns iterations and relative residuals; converged is false with a reason where a limit was reached or A or M are not definite

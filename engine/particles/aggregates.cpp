@@ -90,12 +90,4 @@ void RigidAggregates::restrict_to_groups(Span<const Vec3> r, Span<Real> load) co
     });
 }
 
-void RigidAggregates::add_motion(Span<const Real> motion, Span<Vec3> z) const {
-    parallel_for(static_cast<Index>(of_.size()), [&](Index i) {
-        if (of_[i] < 0) return;
-        const Real* m = motion.data() + 6 * static_cast<std::size_t>(of_[i]);
-        z[i] += Vec3(m[0], m[1], m[2]) + Vec3(m[3], m[4], m[5]).cross(arm_[i]);
-    });
-}
-
 }  // namespace whorl

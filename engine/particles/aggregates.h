@@ -109,8 +109,12 @@ public:
 
     /// load = R^T r: six sums a group.
     void restrict_to_groups(Span<const Vec3> r, Span<Real> load) const;
-    /// z += R motion.
-    void add_motion(Span<const Real> motion, Span<Vec3> z) const;
+    /// R motion of particle i.
+    Vec3 motion_of(Span<const Real> motion, Index i) const {
+        if (of_[i] < 0) return Vec3::Zero();
+        const Real* m = motion.data() + 6 * static_cast<std::size_t>(of_[i]);
+        return Vec3(m[0], m[1], m[2]) + Vec3(m[3], m[4], m[5]).cross(arm_[i]);
+    }
 
 private:
     std::vector<std::int32_t> of_;

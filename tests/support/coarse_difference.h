@@ -21,8 +21,7 @@ CoarseDifference coarse_difference(const Operator& A, const RigidAggregates& R, 
     for (int k = 0; k < 6 * coarse.nodes(); ++k) {
         std::fill(motion.begin(), motion.end(), Real(0));
         motion[k] = 1;
-        std::fill(u.begin(), u.end(), Vec3::Zero());
-        R.add_motion(motion, u);
+        for (std::size_t i = 0; i < particles; ++i) u[i] = R.motion_of(motion, static_cast<Index>(i));
         A(u, Au);
         R.restrict_to_groups(Au, column);
         for (int row = k / 6; row < coarse.nodes(); ++row) {

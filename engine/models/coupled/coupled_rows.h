@@ -93,15 +93,13 @@ public:
     std::size_t slices = 0;                    ///< of all blocks
     Index widest_slice = 0;
 
-    /// y_i = sum of what the blocks hold for particle i, in the order of the blocks; entries: one a touched particle of each block.
-    template <class T, class F>
-    void gather(Span<const T> entries, const F& f) const {
-        parallel_for(size(), [&](Index i) {
-            T sum = entries[slot_[first_slot_[i]]];
-            for (std::size_t k = first_slot_[i] + 1; k < first_slot_[i + 1]; ++k)
-                for (std::size_t a = 0; a < sizeof(T) / sizeof(Real); ++a) sum.v[a] += entries[slot_[k]].v[a];
-            f(i, sum);
-        });
+    /// The sum of what the blocks hold for particle i, in the order of the blocks; entries: one a touched particle of each block.
+    template <class T>
+    T gathered(Span<const T> entries, Index i) const {
+        T sum = entries[slot_[first_slot_[i]]];
+        for (std::size_t k = first_slot_[i] + 1; k < first_slot_[i + 1]; ++k)
+            for (std::size_t a = 0; a < sizeof(T) / sizeof(Real); ++a) sum.v[a] += entries[slot_[k]].v[a];
+        return sum;
     }
     std::size_t entries() const { return slot_.size(); }
 

@@ -130,7 +130,7 @@ struct CoupledStep {
     void release_slipping();
 
     Vec3 loaded(Index i, const Vec3& before) const;
-    void multiply(Span<const Vec3> v, Span<Vec3> y) const;
+    double multiply(Span<const Vec3> v, Span<Vec3> y) const;
     double preconditioned_norm(Span<const Vec3> r);
 };
 
@@ -226,15 +226,14 @@ double CoupledStep::set_load() {
     return std::max(reference, 0.03 * preconditioned_norm(load));
 }
 
-void CoupledStep::multiply(Span<const Vec3> v, Span<Vec3> y) const {
-    form.apply(v, y);
-    unknowns.restrict_to(y);
+/// @returns v.y
+double CoupledStep::multiply(Span<const Vec3> v, Span<Vec3> y) const {
+    return form.apply(v, y, [this](Index i, const Vec3& product) { return unknowns.part(i, product); });
 }
 
 /// sqrt(r.M r), which leaves M r in work.
 double CoupledStep::preconditioned_norm(Span<const Vec3> r) {
-    system.preconditioner(r, work);
-    return std::sqrt(std::max(0.0, dot<Vec3>(r, work)));
+    return std::sqrt(std::max(0.0, system.preconditioner(r, work)));
 }
 
 /// Errors of slow motions stay from step to step and add up. So the tolerance is for the time in which the fastest fluid moves by 0.4 d,
@@ -246,7 +245,7 @@ SolveLimits CoupledStep::limits() const {
 
 /// By conjugate gradients, from the last velocity plus most of its last change.
 SolveReport CoupledStep::solve(double reference) {
-    const auto A = [this](Span<const Vec3> v, Span<Vec3> y) { multiply(v, y); };
+    const auto A = [this](Span<const Vec3> v, Span<Vec3> y) { return multiply(v, y); };
     const TwoLevel& M = system.preconditioner;
     parallel_for(n, [&](Index i) { solved[i] = unknowns.part(i, u[i] + Real(0.9) * change[i]); });
     if (!(reference > 0)) return conjugate_gradients<Vec3>(A, M, load, solved, limits(), ResidualNorm::preconditioned);
@@ -263,8 +262,7 @@ SolveReport CoupledStep::solve(double reference) {
 void CoupledStep::descend_along_last_change() {
     Column<Vec3> way(change.values.begin(), change.values.end()), bent(way.size());
     unknowns.restrict_to(way);
-    multiply(way, bent);
-    const double stiffness = dot<Vec3>(way, bent);
+    const double stiffness = multiply(way, bent);
     if (!(stiffness > 0) || !std::isfinite(stiffness)) return;
     const Real far = static_cast<Real>(dot<Vec3>(way, load) / stiffness);
     parallel_for(n, [&](Index i) {

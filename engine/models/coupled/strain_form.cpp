@@ -125,7 +125,7 @@ void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Span<c
     });
 }
 
-void StrainForm::apply(Span<const Vec3> u, Span<Vec3> y) const {
+void StrainForm::find_forces(Span<const Vec3> u) const {
     const CoupledRows& rows = *rows_;
     parallel_blocks(rows.size(), CoupledRows::block_size, [&](Index begin, Index) {
         const RowBlock& block = rows.blocks[begin / CoupledRows::block_size];
@@ -165,10 +165,11 @@ void StrainForm::apply(Span<const Vec3> u, Span<Vec3> y) const {
             scatter(Lanes3{-total.x, -total.y, -total.z}, slice.row, out);
         }
     });
-    rows.gather<Vec4>(forces_, [&](Index i, const Vec4& f) {
-        y[i] = u[i] + Vec3(f.v[0], f.v[1], f.v[2]);
-        if (!friction_.empty()) y[i] += friction_[i] * u[i];
-    });
+}
+
+void StrainForm::apply(Span<const Vec3> u, Span<Vec3> y) const {
+    find_forces(u);
+    parallel_for(rows_->size(), [&](Index i) { y[i] = applied(u, i); });
 }
 
 /// P m of each lane.
@@ -203,7 +204,10 @@ void StrainForm::add_stress(Span<const Real> q, Span<const Mat3> T, Span<Vec3> y
             scatter(Lanes3{-total.x, -total.y, -total.z}, slice.row, out);
         }
     });
-    rows.gather<Vec4>(forces_, [&](Index i, const Vec4& f) { y[i] += Vec3(f.v[0], f.v[1], f.v[2]); });
+    parallel_for(rows.size(), [&](Index i) {
+        const Vec4 f = rows.gathered<Vec4>(forces_, i);
+        y[i] += Vec3(f.v[0], f.v[1], f.v[2]);
+    });
 }
 
 void velocity_gradients(const CoupledRows& rows, Real spacing, Span<const Vec3> u, Span<Mat3> G) {
@@ -273,7 +277,8 @@ void StrainForm::diagonal(Span<Mat3> B) const {
             add(self, slice.row);
         }
     });
-    rows.gather<Symmetric>(parts, [&](Index i, const Symmetric& p) {
+    parallel_for(rows.size(), [&](Index i) {
+        const Symmetric p = rows.gathered<Symmetric>(parts, i);
         Mat3& b = B[i];
         b << 1 + p.v[0], p.v[4], p.v[5], p.v[4], 1 + p.v[1], p.v[6], p.v[5], p.v[6], 1 + p.v[2];
         b += friction(i);

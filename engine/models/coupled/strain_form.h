@@ -12,6 +12,7 @@
 /// T_i is the curvature of the move (models/strain/curvature.h), s_i the change of volume that is asked for.
 /// D is exact where all directions are resolved and zero for a rigid rotation even in a single file of particles. The forces are the exact
 /// derivative of E, pair by pair opposite: momentum is conserved to round-off.
+#include "engine/math/conjugate_gradients.h"
 #include "engine/models/coupled/coupled_rows.h"
 
 namespace whorl {
@@ -46,6 +47,15 @@ public:
 
     /// y = (1 + K) u: mass, strain and friction, over the mass [m/s].
     void apply(Span<const Vec3> u, Span<Vec3> y) const;
+    /// The same, of which y_i = free(i, y_i) stays. @returns u.y
+    template <class F>
+    double apply(Span<const Vec3> u, Span<Vec3> y, const F& free) const {
+        find_forces(u);
+        return parallel_sum(rows_->size(), [&](Index i) {
+            y[i] = free(i, applied(u, i));
+            return detail::dot_entry(u[i], y[i]);
+        });
+    }
     /// y_i += sum over rows of P (q + 2 K d T) M+ (w r): the forces of -q tr D - 2 K d T:D [m/s].
     /// @param T symmetric [1/s]; empty: none
     void add_stress(Span<const Real> q, Span<const Mat3> T, Span<Vec3> y) const;
@@ -62,6 +72,14 @@ public:
     const CoupledRows& rows() const { return *rows_; }
 
 private:
+    void find_forces(Span<const Vec3> u) const;
+    /// (1 + K) u of particle i, given the forces.
+    Vec3 applied(Span<const Vec3> u, Index i) const {
+        const Vec4 f = rows_->gathered<Vec4>(forces_, i);
+        Vec3 y = u[i] + Vec3(f.v[0], f.v[1], f.v[2]);
+        if (!friction_.empty()) y += friction_[i] * u[i];
+        return y;
+    }
     Lanes33 resolved_part(const RowBlock& block, const RowSlice& slice, const Lanes33& m) const;
 
     const CoupledRows* rows_ = nullptr;

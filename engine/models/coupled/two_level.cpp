@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/core/parallel.h"
+#include "engine/math/conjugate_gradients.h"
 #include "engine/models/coupled/coarse_matrix.h"
 
 namespace whorl {
@@ -51,12 +52,13 @@ void TwoLevel::set(const StrainForm& form, Span<const Vec3> x, Span<const std::i
     });
 }
 
-void TwoLevel::operator()(Span<const Vec3> r, Span<Vec3> z) const {
-    parallel_for(static_cast<Index>(r.size()), [&](Index i) { z[i] = inverse_diagonal_[i] * r[i]; });
-    coarse_.add(r, z);
-    if (coarse_.groups() == 0 || slip_.empty()) return;
-    parallel_for(static_cast<Index>(z.size()), [&](Index i) {
-        z[i] -= slip_[i] * slip_[i].dot(z[i]);  // the diagonal's part has none along it
+double TwoLevel::operator()(Span<const Vec3> r, Span<Vec3> z) const {
+    coarse_.solve(r);
+    return parallel_sum(static_cast<Index>(r.size()), [&](Index i) {
+        Vec3 sum = inverse_diagonal_[i] * r[i] + coarse_.correction(i);
+        if (!slip_.empty()) sum -= slip_[i] * slip_[i].dot(sum);
+        z[i] = sum;
+        return detail::dot_entry(r[i], z[i]);
     });
 }
 

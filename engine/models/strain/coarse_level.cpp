@@ -12,12 +12,17 @@ void CoarseLevel::factor(const SymmetricBlocks& Ac) {
     if (!factor_.factor(Ac, motions_.centres())) groups_ = 0;
 }
 
-void CoarseLevel::add(Span<const Vec3> r, Span<Vec3> z) const {
+void CoarseLevel::solve(Span<const Vec3> r) const {
     if (groups_ == 0) return;
     load_.resize(6 * groups_);
     motions_.restrict_to_groups(r, load_);
     factor_.solve(load_);
-    motions_.add_motion(load_, z);
+}
+
+void CoarseLevel::add(Span<const Vec3> r, Span<Vec3> z) const {
+    if (groups_ == 0) return;
+    solve(r);
+    parallel_for(static_cast<Index>(z.size()), [&](Index i) { z[i] += correction(i); });
 }
 
 void keep_definite(SymmetricBlocks& Ac) {

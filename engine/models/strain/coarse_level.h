@@ -18,6 +18,10 @@ public:
     void factor(const SymmetricBlocks& Ac);
     /// z += R Ac^-1 R^T r
     void add(Span<const Vec3> r, Span<Vec3> z) const;
+    /// Solves Ac m = R^T r for correction().
+    void solve(Span<const Vec3> r) const;
+    /// R m of particle i.
+    Vec3 correction(Index i) const { return groups_ > 0 ? motions_.motion_of(load_, i) : Vec3(Vec3::Zero()); }
 
 private:
     int groups_ = 0;
