@@ -64,11 +64,28 @@ struct CoupledRows::Scratch {
         }
         return place[j];
     }
-    void clear() { x.clear(), y.clear(), z.clear(), r2.clear(), index.clear(); }
-    void add(Index j, const Vec3& r) {
-        x.push_back(r[0]), y.push_back(r[1]), z.push_back(r[2]);
-        r2.push_back(r.squaredNorm());
-        index.push_back(j);
+    void resize(std::size_t n) {
+        for (Column<Real>* c : {&x, &y, &z, &r2, &w}) c->resize(n);
+        index.resize(n);
+    }
+    /// All neighbours of i, r = (x_j - x_i)/d. @param itself its own number among them, which is left out
+    void take(const Pairs& pairs, Index i, Real inverse_spacing, Index itself) {
+        resize(static_cast<std::size_t>(pairs.count(i)));
+        Index end = 0;
+        pairs.groups_of(i, [&](const Pairs::Group& group) {
+            Real* const to[4] = {x.data() + end, y.data() + end, z.data() + end, r2.data() + end};
+            for (int a = 0; a < 3; ++a)
+                for (Index l = 0; l < group.count; ++l) to[a][l] = group.r[a][l] * -inverse_spacing;
+            for (Index l = 0; l < group.count; ++l) to[3][l] = to[0][l] * to[0][l] + to[1][l] * to[1][l] + to[2][l] * to[2][l];
+            std::copy(group.other, group.other + group.count, index.begin() + end);
+            end += group.count;
+        });
+        const auto self = std::find(index.begin(), index.end(), itself);
+        if (self == index.end()) return;
+        const auto at = static_cast<std::size_t>(self - index.begin()), last = index.size() - 1;
+        for (Column<Real>* c : {&x, &y, &z, &r2}) (*c)[at] = (*c)[last];
+        index[at] = index[last];
+        resize(last);
     }
     /// Is there a candidate closer than `reach` to both the particle and candidate k? `bridges` lists those close to the particle.
     bool bridged(std::size_t k, Real reach2) const {
@@ -113,13 +130,14 @@ void CoupledRows::build(Span<const Vec3> x, Span<const std::int16_t> role, const
         const auto at = static_cast<std::size_t>(i);
         Index* list = close_.data() + at * most_close;
         Index listed = 0;
-        int dense = 0;
-        near_.of(i, [&](Index j, const Vec3&, Real r) {
-            dense += r < support;
-            if (r < bridge && listed < most_close) list[listed++] = j;
+        near_.groups_of(i, [&](const Pairs::Group& group) {
+            for (Index l = 0; l < group.count && listed < most_close; ++l) {
+                list[listed] = group.other[l];
+                listed += group.distance[l] < bridge;
+            }
         });
         close_count_[at] = listed;
-        if (dense < options.enough_neighbours) sparse_place_[at] = 0;
+        if (near_.count(i) < options.enough_neighbours) sparse_place_[at] = 0;
     });
     sparse_.clear();
     for (std::size_t i = 0; i < x.size(); ++i)
@@ -159,7 +177,6 @@ void CoupledRows::build_block(RowBlock& block, Span<const Vec3> x, Span<const st
     for (Index i = block.begin; i < block.end; ++i) s.place_of(i, block);
     for (Index i = block.begin; i < block.end; ++i) {
         const Real h = find_candidates(i, spacing, o, s);
-        s.w.resize(s.index.size());
         neighbourhood[i].density = weigh(static_cast<Index>(s.index.size()), s.r2.data(), static_cast<Real>(o.support), h, s.w.data());
         find_bridges(i, h, o, s);
         block.count.push_back(append_row(block, i, h, role, o, s));
@@ -174,16 +191,12 @@ void CoupledRows::build_block(RowBlock& block, Span<const Vec3> x, Span<const st
 Real CoupledRows::find_candidates(Index i, Real spacing, const CoupledOptions& o, Scratch& s) const {
     const Real inverse_spacing = 1 / spacing;
     const Index sparse = sparse_place_[i];
-    s.clear();
-    const auto take = [&](Index j, const Vec3& r, Real) {
-        if (j != i) s.add(j, r * -inverse_spacing);
-    };
     const Real usual = static_cast<Real>(o.support), widest = static_cast<Real>(o.widest_support);
     if (sparse < 0) {
-        near_.of(i, take);
+        s.take(near_, i, inverse_spacing, -1);
         return usual;
     }
-    far_.of(sparse, take);
+    s.take(far_, sparse, inverse_spacing, i);
     if (static_cast<int>(s.index.size()) < o.enough_neighbours) return widest;
     s.order.assign(s.r2.begin(), s.r2.end());
     const auto enough = s.order.begin() + (o.enough_neighbours - 1);
@@ -195,7 +208,6 @@ Real CoupledRows::find_candidates(Index i, Real spacing, const CoupledOptions& o
 void CoupledRows::find_bridges(Index i, Real h, const CoupledOptions& o, Scratch& s) const {
     const Real usual = static_cast<Real>(o.support);
     if (h == usual) {
-        const auto close = [&](Index j) { return Span<const Index>(close_).subspan(std::size_t(j) * most_close, close_count_[j]); };
         for (const Index bridge : close(i))
             for (const Index j : close(bridge)) s.reached[j] = i;
         return;

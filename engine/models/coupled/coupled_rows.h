@@ -102,6 +102,11 @@ public:
         return sum;
     }
     std::size_t entries() const { return slot_.size(); }
+    /// Neighbours within the bridge's reach, at most most_close; gate or not.
+    Span<const Index> close(Index i) const {
+        const auto at = static_cast<std::size_t>(i);
+        return Span<const Index>(close_).subspan(at * most_close, static_cast<std::size_t>(close_count_[at]));
+    }
 
 private:
     struct Scratch;

@@ -13,6 +13,10 @@ void TwoLevel::refresh(const StrainForm& form, Span<const Vec3> x, Span<const st
                        const Domain& domain, Real spacing, Span<std::int32_t> aggregate) {
     const CoupledRows& rows = form.rows();
     const auto neighbours = [&](Index i, const auto& visit) {
+        if (const Span<const Index> close = rows.close(i); !close.empty()) {
+            for (const Index j : close) visit(j);
+            return;
+        }
         const RowBlock& block = rows.blocks[i / CoupledRows::block_size];
         block.each_pair(i - block.begin, [&](std::size_t e) { visit(block.touched[block.other[e]]); });
     };
