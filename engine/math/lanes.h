@@ -51,7 +51,8 @@ inline Lanes square_root(Lanes v) {
     return v;
 }
 inline void set_lane(SymmetricLanes& to, Index lane, const Mat3& m) {
-    to.xx[lane] = m(0, 0), to.yy[lane] = m(1, 1), to.zz[lane] = m(2, 2), to.xy[lane] = m(0, 1), to.xz[lane] = m(0, 2), to.yz[lane] = m(1, 2);
+    to.xx[lane] = m(0, 0), to.yy[lane] = m(1, 1), to.zz[lane] = m(2, 2), to.xy[lane] = m(0, 1), to.xz[lane] = m(0, 2),
+    to.yz[lane] = m(1, 2);
 }
 
 /// Of aligned memory.

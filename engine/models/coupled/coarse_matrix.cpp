@@ -59,11 +59,11 @@ struct Share {
     int aggregate;  ///< its number in GroupSums; -1: those in none
     Vec3 arm;       ///< of the row's own particle from this aggregate's centre
     Monomials sums{};
-    Vec3 s = Vec3::Zero();           ///< sum w r
-    Mat3 arm_s = Mat3::Zero();       ///< sum w arm r^T
-    Mat36 b = Mat36::Zero();         ///< sum w/r^2 r q^T
-    Mat36 arm_b = Mat36::Zero();     ///< sum w/r^2 (arm x r) q^T
-    Mat36 spring = Mat36::Zero();    ///< sum W E, W = 2 c w + 2 c' w/r^2 r r^T
+    Vec3 s = Vec3::Zero();         ///< sum w r
+    Mat3 arm_s = Mat3::Zero();     ///< sum w arm r^T
+    Mat36 b = Mat36::Zero();       ///< sum w/r^2 r q^T
+    Mat36 arm_b = Mat36::Zero();   ///< sum w/r^2 (arm x r) q^T
+    Mat36 spring = Mat36::Zero();  ///< sum W E, W = 2 c w + 2 c' w/r^2 r r^T
 
     void unpack(const StrainCoefficients& c) {
         const Real* m = sums.v;
@@ -144,8 +144,7 @@ void Features::multiply(const Neighbourhood& n, const StrainCoefficients& c, con
         SymmetricLanes S = symmetric(D);
         const Lanes volume = c.bulk * (S.xx + S.yy + S.zz);
         S = {c.shear * S.xx + volume, c.shear * S.yy + volume, c.shear * S.zz + volume, c.shear * S.xy, c.shear * S.xz, c.shear * S.yz};
-        const Lanes g[6] = {G.m[0][0],           G.m[1][1],           G.m[2][2], G.m[0][1] + G.m[1][0], G.m[0][2] + G.m[2][0],
-                            G.m[1][2] + G.m[2][1]};
+        const Lanes g[6] = {G.m[0][0], G.m[1][1], G.m[2][2], G.m[0][1] + G.m[1][0], G.m[0][2] + G.m[2][0], G.m[1][2] + G.m[2][1]};
         Lanes h[6];
         for (int k = 0; k < 6; ++k) {
             h[k] = C4[k][0] * g[0] - value_[at(9 + k, v)];
@@ -290,7 +289,8 @@ void CoarseRows::add_strains(Index row, const FourthMoment& fourth, Index lane) 
     features_.multiply(form_.rows().neighbourhood[i], form_.coefficients(i), fourth, lane);
     for (std::size_t k = 0; k < counted_.size(); ++k)
         for (std::size_t l = 0; l < counted_.size(); ++l)
-            if (const int a = shares_[counted_[k]].aggregate, b = shares_[counted_[l]].aggregate; a >= b) add(a, b, features_.product(k, l));
+            if (const int a = shares_[counted_[k]].aggregate, b = shares_[counted_[l]].aggregate; a >= b)
+                add(a, b, features_.product(k, l));
 }
 
 void CoarseRows::add_springs() {

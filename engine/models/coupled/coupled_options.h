@@ -1,5 +1,7 @@
 #pragma once
 /// What can be chosen about the coupled solve. Lengths in spacings d.
+#include <algorithm>
+
 #include "engine/math/solve.h"
 
 namespace whorl {
@@ -9,7 +11,8 @@ struct CoupledOptions {
     /// step in which the fastest fluid moves by 0.4 d; shorter steps get their share.
     SolveLimits limits{1e-3, 300};
 
-    double support = 2.4, widest_support = 4.0;  ///< kernel radius; it grows where a particle has fewer than `enough_neighbours`
+    double support = 2.4, widest_support = 4;  ///< kernel radius; it grows where a particle has fewer than `enough_neighbours`
+    double widest() const { return std::max(support, widest_support); }
     int enough_neighbours = 16;
 
     double bulk = 10;           ///< lambda over mu: resistance to a change of volume within one step (the multiplier does the rest)

@@ -145,7 +145,7 @@ void CoupledRows::build(Span<const Vec3> x, Span<const std::int16_t> role, const
             sparse_place_[i] = static_cast<Index>(sparse_.size());
             sparse_.push_back(x[i]);
         }
-    if (!sparse_.empty()) far_search_.find(sparse_, x, static_cast<Real>(options.widest_support) * spacing, domain, far_);
+    if (!sparse_.empty()) far_search_.find(sparse_, x, static_cast<Real>(options.widest()) * spacing, domain, far_);
 
     neighbourhood.assign(x.size(), {});
     blocks.resize((n + block_size - 1) / block_size);
@@ -191,7 +191,7 @@ void CoupledRows::build_block(RowBlock& block, Span<const Vec3> x, Span<const st
 Real CoupledRows::find_candidates(Index i, Real spacing, const CoupledOptions& o, Scratch& s) const {
     const Real inverse_spacing = 1 / spacing;
     const Index sparse = sparse_place_[i];
-    const Real usual = static_cast<Real>(o.support), widest = static_cast<Real>(o.widest_support);
+    const Real usual = static_cast<Real>(o.support), widest = static_cast<Real>(o.widest());
     if (sparse < 0) {
         s.take(near_, i, inverse_spacing, -1);
         return usual;

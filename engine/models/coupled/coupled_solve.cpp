@@ -232,9 +232,7 @@ double CoupledStep::multiply(Span<const Vec3> v, Span<Vec3> y) const {
 }
 
 /// sqrt(r.M r), which leaves M r in work.
-double CoupledStep::preconditioned_norm(Span<const Vec3> r) {
-    return std::sqrt(std::max(0.0, system.preconditioner(r, work)));
-}
+double CoupledStep::preconditioned_norm(Span<const Vec3> r) { return std::sqrt(std::max(0.0, system.preconditioner(r, work))); }
 
 /// Errors of slow motions stay from step to step and add up. So the tolerance is for the time in which the fastest fluid moves by 0.4 d,
 /// and shorter steps get their share of it. In slow fluid errors die out: its share is at least 0.03.

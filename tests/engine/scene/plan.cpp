@@ -29,7 +29,7 @@ TEST_CASE("thick honey with a free surface is solved with its pressure, and the 
     CHECK(plan.boundary == BoundaryModel::none);
     CHECK(plan.shifting == ShiftingModel::fickian);
     CHECK(plan.kernel == KernelKind::wendland_c2);
-    CHECK(plan.support == Approx(6e-3));
+    CHECK(plan.support == Approx(4.8e-3));
     CHECK(choice(plan, "models.pressure").automatic);
     CHECK(choice(plan, "models.pressure").reason.find("nu dt/d^2 = ") != std::string::npos);
     // pi (5 mm)^2 0.25 m/s 4 s / (2 mm)^3
@@ -177,7 +177,7 @@ TEST_CASE("impossible scenes are told with place and hint", "[plan]") {
     CHECK(messages_with({"probe[0]={name=\"a\", kind=\"point\", at=[0,9,0]}"}).find("probe[0] measures outside of the domain") !=
           std::string::npos);
     CHECK(messages_with({"domain.periodic=[true,false,false]", "domain.min=[-0.004,-0.01,-0.1]", "domain.max=[0.004,0.1,0.1]"})
-              .find("the periodic axis x is 0.008 m long, shorter than two support radii of 0.006 m") != std::string::npos);
+              .find("the periodic axis x is 0.008 m long, shorter than two support radii of 0.0048 m") != std::string::npos);
     CHECK(messages_with({"fluid.spacing=1e-8"}).find("particles need") != std::string::npos);
     if (sizeof(Real) == 4)
         CHECK(messages_with({"domain.max=[300,0.1,0.1]", "emitter[0].position=[200,0.05,0]"})
