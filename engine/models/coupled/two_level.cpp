@@ -21,9 +21,7 @@ void TwoLevel::refresh(const StrainForm& form, Span<const Vec3> x, Span<const st
         block.each_pair(i - block.begin, [&](std::size_t e) { visit(block.touched[block.other[e]]); });
     };
     // The factor's entries grow faster than the particles.
-    const double growth = std::cbrt(static_cast<double>(x.size()) / options.many);
-    const int size =
-        static_cast<int>(std::clamp(options.aggregate * growth, static_cast<double>(options.aggregate), 1.5 * options.aggregate));
+    const int size = static_cast<int>(options.aggregate * std::max(1.0, std::cbrt(static_cast<double>(x.size()) / options.many)));
     aggregate_by(neighbours, x, role, domain, spacing / 2, size, aggregate);
     const int groups = split_unconnected(neighbours, aggregate);
     coarse_.place(x, role, aggregate, groups, domain, spacing);
