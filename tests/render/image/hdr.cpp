@@ -28,7 +28,8 @@ private:
 
 /// Two rows of nine pixels: reds in a run, greens one by one, blues in two runs, exponents of 1 and then 4.
 std::string packed() {
-    const std::string row{2, 2, 0, 9, '\x89', '\x80', 9, 0, 16, 32, 48, 64, 80, 96, 112, '\x7f', '\x84', 0, '\x85', '\x40', '\x88', '\x81', 1, '\x83'};
+    const std::string row{2,  2,  0,   9,      '\x89', '\x80', 9,      0,      16,     32,     48, 64,
+                          80, 96, 112, '\x7f', '\x84', 0,      '\x85', '\x40', '\x88', '\x81', 1,  '\x83'};
     return head + "-Y 2 +X 9\n" + row + row;
 }
 /// The same as single pixels, in a row too short to be packed.
