@@ -14,6 +14,7 @@
 #include "engine/scene/key_problems.h"
 #include "engine/scene/names.h"
 #include "engine/scene/tree.h"
+#include "engine/scene/warn_scale.h"
 
 namespace whorl {
 namespace {
@@ -254,11 +255,19 @@ private:
         const double most = std::min(have, each * std::numeric_limits<Index>::max());
         if (need <= most || oversized_) return;
         std::string source;
-        for (std::size_t i = 0; i < scene_.emitters.size(); ++i)
-            if (const double volume = emitted_volume(scene_.emitters[i], scene_.time.end, plan_.dimensions());
-                volume > 0.5 * n_.particles * plan_.particle_volume())
-                source =
-                    fmt::format("; most of them come from {}, which lets {:.3g} m^3 out until the end", entry_name("emitter", i), volume);
+        for (std::size_t i = 0; i < scene_.emitters.size(); ++i) {
+            const double volume = emitted_volume(scene_.emitters[i], scene_.time.end, plan_.dimensions());
+            if (volume <= 0.5 * n_.particles * plan_.particle_volume()) continue;
+            const std::string name = entry_name("emitter", i);
+            if (const double u = scene_.emitters[i].speed(std::max(0.0, scene_.emitters[i].start)); u > fastest_fluid)
+                return report(
+                    name + ".speed",
+                    fmt::format("{} lets {:.3g} m^3 out until the end at {:g} m/s: about {:.2g} particles, which need {:.2g} GB of "
+                                "memory, and {:.2g} GB are free",
+                                name, volume, u, n_.particles, need / 1e9, have / 1e9),
+                    fmt::format("speeds are in m/s: for mm/s take a thousandth, {:.3g}", u / 1000));
+            source = fmt::format("; most of them come from {}, which lets {:.3g} m^3 out until the end", name, volume);
+        }
         report("fluid.spacing",
                fmt::format("about {:.2g} particles need {:.2g} GB of memory, and {:.2g} GB are free{}", n_.particles, need / 1e9,
                            have / 1e9, source),

@@ -12,7 +12,6 @@ namespace {
 
 constexpr double most_fps = 1000;
 constexpr double widest_opening = 1, longest_domain = 100;  // m
-constexpr double fastest = 100;                             // m/s; a free fall of 500 m
 constexpr double lightest = 100, heaviest = 25'000;         // kg/m^3; liquids have 70 (hydrogen) to 13,500 (mercury)
 constexpr double strongest_gravity = 300;                   // m/s^2; the sun's is 274
 
@@ -36,9 +35,9 @@ public:
         for (std::size_t i = 0; i < scene_.blocks.size(); ++i)
             speed(entry_name("block", i) + ".velocity", scene_.blocks[i].velocity(0, middle(shapes_.block_extent[i])).norm());
         for (std::size_t i = 0; i < scene_.solids.size(); ++i)
-            mesh(entry_name("solid", i), scene_.solids[i].shape, shapes_.solid_extent[i]);
+            size(entry_name("solid", i), scene_.solids[i].shape, shapes_.solid_extent[i]);
         for (std::size_t i = 0; i < scene_.blocks.size(); ++i)
-            mesh(entry_name("block", i), scene_.blocks[i].shape, shapes_.block_extent[i]);
+            size(entry_name("block", i), scene_.blocks[i].shape, shapes_.block_extent[i]);
         return std::move(found_);
     }
 
@@ -88,21 +87,30 @@ private:
     }
 
     void speed(const std::string& key, double u) {
-        if (u > fastest)
+        if (u > fastest_fluid)
             found_.push_back(fmt::format("{}: the fluid moves with {:g} m/s, {:.0f} km/h; speeds are in m/s, and {:g} mm/s would be {:g}",
                                          key, u, 3.6 * u, u, u / 1000));
     }
 
-    void mesh(const std::string& name, const ShapeKeys& shape, const Extent& e) {
-        if (shape.kind != "mesh") return;
-        const double across = (e.max - e.min).maxCoeff(), room = largest_side();
-        if (across > 20 * room)
-            found_.push_back(fmt::format("{}.scale: the mesh is {} across in a domain of {}; a mesh in millimetres needs scale = 1e-3",
-                                         name, length(across), length(room)));
-        else if (across < 2 * scene_.fluid.spacing)
+    /// A floor may be much wider than what flows on it.
+    void size(const std::string& name, const ShapeKeys& shape, const Extent& e) {
+        if (shape.kind == "plane") return;  // it has no end, and no wrong one
+        const bool mesh = shape.kind == "mesh";
+        const double across = (e.max - e.min).head(scene_.domain.dimensions).maxCoeff(), room = largest_side();
+        if (across > (mesh ? 20 : 100) * room)
+            found_.push_back(
+                mesh ? fmt::format("{}.scale: the mesh is {} across in a domain of {}; a mesh in millimetres needs scale = 1e-3", name,
+                                   length(across), length(room))
+                     : fmt::format("{}.{}: the {} is {} across in a domain of {}; lengths are in metres, and {:g} mm would be {:g}", name,
+                                   largest_key(shape), shape.kind, length(across), length(room), across, across / 1000));
+        else if (mesh && across < 2 * scene_.fluid.spacing)
             found_.push_back(
                 fmt::format("{}.scale: the mesh is {} across, less than two particles of {}; scale is in metres per unit of the file", name,
                             length(across), length(scene_.fluid.spacing)));
+    }
+    static const char* largest_key(const ShapeKeys& shape) {
+        if (shape.kind == "box") return "max";
+        return shape.kind == "cylinder" && (shape.to - shape.from).norm() > 2 * shape.radius ? "to" : "radius";
     }
 
     const Scene& scene_;

@@ -5,7 +5,9 @@
 
 namespace whorl {
 
-/// A warning for each opening, domain, speed, density, gravity or mesh that is out of proportion.
+constexpr double fastest_fluid = 100;  ///< m/s that anybody means; a free fall of 500 m
+
+/// A warning for each opening, domain, speed, density, gravity or solid that is out of proportion.
 std::vector<std::string> warnings_of_scale(const Scene& scene, const SceneShapes& shapes);
 
 }  // namespace whorl

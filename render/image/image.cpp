@@ -121,18 +121,4 @@ Image read_png(const std::filesystem::path& file) {
     return image;
 }
 
-FloatImage read_hdr(const std::filesystem::path& file) {
-    const auto refuse = [&](const std::string& why) { throw InputError({file.string()}, why, "", "a Radiance picture (.hdr)"); };
-    std::error_code ignored;
-    if (!std::filesystem::is_regular_file(file, ignored)) refuse("no such file");
-    if (stbi_is_hdr(file.c_str()) == 0) refuse("is no Radiance picture");
-    FloatImage image;
-    int channels = 0;
-    float* pixels = stbi_loadf(file.c_str(), &image.width, &image.height, &channels, 3);
-    if (pixels == nullptr) refuse(std::string("cannot read the picture: ") + stbi_failure_reason());
-    image.rgb.assign(pixels, pixels + 3 * grid_count(image.width, image.height));
-    stbi_image_free(pixels);
-    return image;
-}
-
 }  // namespace whorl

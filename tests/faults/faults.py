@@ -28,6 +28,35 @@ min = [-1, -1, -1]
 max = [1, 1, 1]
 """)
 
+JUMPING_CLOCK = r"""
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <sys/time.h>
+#include <time.h>
+static long jump(void) {
+    static long calls;
+    return 86400 * (__atomic_add_fetch(&calls, 1, __ATOMIC_RELAXED) / 20 % 3 - 1);
+}
+int clock_gettime(clockid_t id, struct timespec* t) {
+    static int (*real)(clockid_t, struct timespec*);
+    if (!real) real = dlsym(RTLD_NEXT, "clock_gettime");
+    const int result = real(id, t);
+    if (id == CLOCK_REALTIME) t->tv_sec += jump();
+    return result;
+}
+int gettimeofday(struct timeval* restrict t, void* restrict zone) {
+    struct timespec now;
+    clock_gettime(CLOCK_REALTIME, &now);
+    t->tv_sec = now.tv_sec, t->tv_usec = now.tv_nsec / 1000;
+    return 0;
+}
+time_t time(time_t* to) {
+    struct timespec now;
+    clock_gettime(CLOCK_REALTIME, &now);
+    return to ? (*to = now.tv_sec) : now.tv_sec;
+}
+"""
+
 
 class Lost(Exception):
     pass
@@ -211,6 +240,27 @@ class Faults:
 
             self.case(f"a disk with room for {kilobytes} kB of {size // 1024}", work)
 
+    def clock(self):
+        """The time of day jumps to and fro by a day while the film is made, and the program stands still for some seconds."""
+        out, jumping = self.folder / "clock", self.folder / "jumping.so"
+
+        def work():
+            built = self.run("cc", "-shared", "-fPIC", "-o", jumping, "-x", "c", "-", "-ldl", input=JUMPING_CLOCK)
+            if built.returncode:
+                raise Lost(f"no clock that jumps could be built: {built.stderr[-300:]}")
+            child = subprocess.Popen([str(w) for w in self.command(out)], env=dict(self.environment, LD_PRELOAD=str(jumping)), stderr=subprocess.PIPE, text=True)
+            while not (out / "frames/000003.png").exists() and child.poll() is None:
+                time.sleep(0.01)
+            child.send_signal(signal.SIGSTOP)
+            time.sleep(3)
+            child.send_signal(signal.SIGCONT)
+            text = child.communicate(timeout=120)[1]
+            if child.returncode != 0:
+                raise Lost(f"code {child.returncode}, said: {text[-500:]}")
+            self.same(out)
+
+        self.case("a clock that jumps", work)
+
     def nan(self):
         """Expressions that are no number from a moment on: told, and what was made stays."""
         narrow = "abs(t-0.15037)<0.0002 ? sqrt(-1) : "
@@ -258,7 +308,7 @@ def main():
     options = parser.parse_intermixed_args()
     with tempfile.TemporaryDirectory() as folder:
         faults = Faults(options.program, options.kills, options.seed, Path(folder))
-        for name in options.faults or ("two", "ffmpeg", "removed", "full", "nan", "memory", "kill"):
+        for name in options.faults or ("two", "ffmpeg", "removed", "full", "clock", "nan", "memory", "kill"):
             getattr(faults, name)()
         print(f"tried {faults.tried}, survived {faults.survived}, lost {faults.tried - faults.survived}")
         sys.exit(faults.tried != faults.survived)

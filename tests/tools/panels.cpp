@@ -178,6 +178,11 @@ TEST_CASE("a film of panels is made longer, with the colours that it began with,
     REQUIRE(test::whorl({"render", (run / "scene.resolved.toml").string(), "--quiet", "--out", scratch.run("again")}).code == 0);
     for (const char* picture : {"frames/000002.png", "frames/000005.png"})
         CHECK(difference(read_png(run / picture), read_png(fs::path(scratch.run("again")) / picture)).max < 1);
+    const std::string settings = read_whole(run / "scene.resolved.toml");
+    const Outcome shorter = test::whorl({"resume", scratch.run(), "--until", "0.05", "--quiet"});
+    CHECK(shorter.code == 2);
+    CHECK_THAT(shorter.err, Catch::Contains("the run is at frame 5, 0.1 s, already"));
+    CHECK((read_whole(run / "scene.resolved.toml") == settings));
 }
 
 TEST_CASE("a panel's wrong key is told with its place, before anything is written") {

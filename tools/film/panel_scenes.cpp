@@ -170,7 +170,7 @@ SceneFile with_choices_of(SceneFile file, const std::vector<SceneFile>& runs) {
         const auto give = [&](const std::string& key, std::initializer_list<float> numbers) {
             const bool given = std::any_of(panel.set.begin(), panel.set.end(), [&](const std::string& s) { return s.rfind(key, 0) == 0; });
             Value::List list;
-            for (const float x : numbers) list.emplace_back(static_cast<double>(x));
+            for (const float x : numbers) list.emplace_back(shortest_decimal(x));
             if (!given) panel.set.push_back(key + "=" + Value(list).toml());
         };
         const auto &min = run.camera.min, &max = run.camera.max;

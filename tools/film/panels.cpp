@@ -43,7 +43,10 @@ public:
     PanelFilm(const RunRequest& request, PanelRuns how)
         : request_(request), scene_(request.file.scene), scenes_(panel_scenes(request.file, choice())), cells_(panel_cells(request.file)),
           folder_(how == PanelRuns::fresh ? RunFolder::fresh(request.folder, request.earlier) : RunFolder::existing(request.folder)) {
-        if (how == PanelRuns::resumed) check_longer_differences();
+        if (how == PanelRuns::resumed) {
+            for (std::size_t k = 0; k < scenes_.size(); ++k) check_end(folder_.path(), scene_, frames_of(k), frames_wanted());
+            check_longer_differences();
+        }
         write_text(folder_.path() / "scene.resolved.toml", resolved_toml(with_choices_of(request.file, scenes_)));
         if (!folder_.note().empty() && !request.quiet && !request.json) std::fprintf(stderr, "%s\n", folder_.note().c_str());
     }
@@ -79,6 +82,7 @@ private:
     }
 
     fs::path video() const { return folder_.path() / (scene_.name + ".mp4"); }
+    int frames_of(std::size_t k) const { return state_of(panel_folder(folder_.path(), k)).value("frames", 0); }
     int frames_wanted() const { return request_.frames.value_or(frame_count(scene_)); }
 
     /// Whether the panel stands there, all of it.
@@ -129,8 +133,7 @@ private:
     /// Frames that every panel has.
     int least_frames() const {
         int least = 1 << 30;
-        for (std::size_t k = 0; k < scenes_.size(); ++k)
-            least = std::min(least, state_of(panel_folder(folder_.path(), k)).value("frames", 0));
+        for (std::size_t k = 0; k < scenes_.size(); ++k) least = std::min(least, frames_of(k));
         return least;
     }
 

@@ -58,6 +58,12 @@ void check_plan(const Scene& before, const Scene& now, const std::filesystem::pa
 
 }  // namespace
 
+void check_end(const std::filesystem::path& folder, const Scene& scene, int made, int wanted) {
+    if (wanted < made)
+        throw InputError({folder.string(), 0, 0}, fmt::format("the run is at frame {}, {:g} s, already", made, frame_time(scene, made)), "",
+                         "an end after that; render the scene anew for a shorter film");
+}
+
 void resume_from_newest(RunRequest& request) {
     std::vector<std::string> damaged;
     std::optional<Checkpoint> checkpoint = newest_checkpoint(request.folder, damaged);
@@ -79,10 +85,7 @@ void resume_from_newest(RunRequest& request) {
     // A run that --frames had cut short keeps its end, unless time.end has moved.
     const bool cut = checkpoint->frames < frame_count(before) && before.time.end == request.file.scene.time.end;
     request.frames = request.frames.value_or(cut ? checkpoint->frames : frame_count(request.file.scene));
-    if (*request.frames < checkpoint->frame)
-        throw InputError({request.folder.string(), 0, 0},
-                         fmt::format("the run is at frame {}, {:g} s, already", checkpoint->frame, frame_time(before, checkpoint->frame)),
-                         "", "an end after that; render the scene anew for a shorter film");
+    check_end(request.folder, before, checkpoint->frame, *request.frames);
     request.from = std::move(checkpoint);
 }
 

@@ -9,4 +9,7 @@ namespace whorl {
 /// @throws InputError where there is no sound checkpoint, or it is another build's or of other settings (with each of them)
 void resume_from_newest(RunRequest& request);
 
+/// @param made frames that the run has @throws InputError where it is wanted to end before them
+void check_end(const std::filesystem::path& folder, const Scene& scene, int made, int wanted);
+
 }  // namespace whorl

@@ -38,6 +38,26 @@ TEST_CASE("a size that comes from a wrong unit is told with its key, what it mea
         "for millimetres take a thousandth, 0.01 m across");
     CHECK(messages_with({"solid[0]={shape=\"sphere\", radius=5}"}).find("solid[0] is 10 m across, larger than the whole domain") !=
           std::string::npos);
+    // A whole film of it would be more particles than any memory holds.
+    CHECK_THAT(messages_with({"emitter[0].speed=300", "time.end=1000", "fluid.spacing=0.001"}),
+               Catch::StartsWith("--set emitter[0].speed=300: emitter[0] lets ") &&
+                   Catch::Contains(" m^3 out until the end at 300 m/s: about ") &&
+                   Catch::EndsWith("; speeds are in m/s: for mm/s take a thousandth, 0.3"));
+}
+
+TEST_CASE("a solid that is a thousand times too large is told with the key that makes it so", "[plan]") {
+    const auto warnings = [](const std::string& shape) { return plan_with({"solid[0]={" + shape + "}"}).warnings; };
+    const std::string plate = "shape=\"cylinder\", from=[0,-0.004,0], to=[0,0,0], radius=";
+    CHECK(warnings(plate + "0.06").empty());
+    CHECK(warnings(plate + "2").empty());  // a table
+    CHECK(warnings(plate + "60") ==
+          std::vector<std::string>{"solid[0].radius: the cylinder is 120 m across in a domain of 0.2 m; lengths are in "
+                                   "metres, and 120 mm would be 0.12"});
+    CHECK(warnings("shape=\"box\", min=[-60,-4,-60], max=[60,0,60]") ==
+          std::vector<std::string>{
+              "solid[0].max: the box is 120 m across in a domain of 0.2 m; lengths are in metres, and 120 mm would be 0.12"});
+    CHECK(warnings("shape=\"cylinder\", from=[0,-80,0], to=[0,0,0], radius=0.05").size() == 1);
+    CHECK(warnings("shape=\"plane\"").empty());
 }
 
 TEST_CASE("a mesh that is a thousand times too large or too small is told", "[plan]") {

@@ -62,6 +62,4 @@ TEST_CASE("a Radiance picture is read in linear light, a missing one and one of 
     CHECK_THROWS_AS(read_environment(folder / "none.hdr"), InputError);
     write_png(folder / "a.png", plain_image(4, 4, 9));
     CHECK_THROWS_AS(read_environment(folder / "a.png"), InputError);
-    std::ofstream(folder / "broken.hdr") << "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X";
-    CHECK_THROWS_AS(read_environment(folder / "broken.hdr"), InputError);
 }
