@@ -137,7 +137,7 @@ struct Renderer::Device {
     Samples samples{width, height};
     SceneGeometry scene;
     FieldTexture field;
-    SolidField solid_field;
+    SolidField solid_field{height};
     SolidLight solid_light{width, height};
     FlowShapes flow;
     InkField inks;

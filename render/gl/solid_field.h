@@ -8,6 +8,8 @@ namespace whorl {
 
 class SolidField {
 public:
+    /// @param height of the pictures [pixels]: a small one shows no more than two thirds of the resolution
+    explicit SolidField(int height);
     /// Containers and the level ground are left out. Made anew only where a solid has moved against another: solids that move together take
     /// their field along.
     void fill(const std::vector<FrameSolid>& solids);
@@ -23,6 +25,7 @@ private:
     bool has_moved_as_one(const std::vector<Placed>& now);
     const Volume& own_field(const std::shared_ptr<const TriangleMesh>& mesh);
 
+    int voxels_;  ///< along a side of a cube
     std::vector<Placed> placed_;      ///< when the field was made
     Mat3f turn_ = Mat3f::Identity();  ///< of all since then, and how far they went
     Vec3f move_ = Vec3f::Zero();
