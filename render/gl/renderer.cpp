@@ -8,6 +8,7 @@
 #include <set>
 
 #include "render/flow/plate.h"
+#include "render/gl/backdrop.h"
 #include "render/gl/context.h"
 #include "render/gl/field_texture.h"
 #include "render/gl/flow_shapes.h"
@@ -42,6 +43,7 @@ struct Shot {
     float spacing = 0;  ///< m
     float ground = 0;   ///< m
     Eigen::Matrix4f camera;
+    Mat3f to_ray;  ///< place in the picture (-1 .. 1, -1 .. 1, 1) -> direction
     float aspect = 1;
     bool has_age = false;    ///< of the fluid's surface
     bool has_crust = false;  ///< whose plates are known
@@ -62,14 +64,22 @@ struct Shot {
 
 namespace {
 
-/// The matrix with all that it shows in this box of the picture; the backdrop goes on round it.
-Eigen::Matrix4f beside_words(const Eigen::Matrix4f& matrix, const PictureBox& box, int width, int height) {
+/// Whole picture -> this box of it, in places of -1 .. 1: the backdrop goes on round it.
+Eigen::Matrix3f into_box(const PictureBox& box, int width, int height) {
     const float w = static_cast<float>(width), h = static_cast<float>(height);
-    Eigen::Matrix4f into = Eigen::Matrix4f::Identity();
+    Eigen::Matrix3f into = Eigen::Matrix3f::Identity();
     into(0, 0) = static_cast<float>(box.width) / w, into(1, 1) = static_cast<float>(box.height) / h;
-    into(0, 3) = (2 * static_cast<float>(box.x) + static_cast<float>(box.width)) / w - 1;
-    into(1, 3) = 1 - (2 * static_cast<float>(box.y) + static_cast<float>(box.height)) / h;
-    return into * matrix;
+    into(0, 2) = (2 * static_cast<float>(box.x) + static_cast<float>(box.width)) / w - 1;
+    into(1, 2) = 1 - (2 * static_cast<float>(box.y) + static_cast<float>(box.height)) / h;
+    return into;
+}
+
+/// The same of clip coordinates.
+Eigen::Matrix4f clip_into(const Eigen::Matrix3f& into) {
+    Eigen::Matrix4f clip = Eigen::Matrix4f::Identity();
+    clip.topLeftCorner<2, 2>() = into.topLeftCorner<2, 2>();
+    clip.topRightCorner<2, 1>() = into.topRightCorner<2, 1>();
+    return clip;
 }
 
 }  // namespace
@@ -135,6 +145,7 @@ struct Renderer::Device {
     std::optional<LayerPass> layer_pass;  // made when it is first asked for
 
     Samples samples{width, height};
+    Backdrop backdrop{width, height};
     SceneGeometry scene;
     FieldTexture field;
     SolidField solid_field{height};
@@ -209,13 +220,15 @@ Shot Renderer::Device::sum_samples(const Frame& frame, const Surface& surface, c
     const Material material = fluid_material(look, size);
     const float aspect = static_cast<float>(width) / static_cast<float>(height);
     const Eigen::Matrix4f camera = camera_matrix(view, aspect, scene.bounds());
+    const Mat3f into = into_box(shows_field(look) ? box : PictureBox{0, 0, width, height}, width, height);
     Shot shot{look,
               view,
               material,
               hides(material, size),
               frame.spacing,
               ground_height(frame),
-              shows_field(look) ? beside_words(camera, box, width, height) : camera,
+              clip_into(into) * camera,
+              rays(view, aspect) * into.inverse(),
               aspect,
               !surface.age.empty(),
               !surface.crust.empty() && !shows_field(look),
@@ -450,12 +463,19 @@ void Renderer::Device::draw_glass(const Shot& shot, const Eigen::Matrix4f& matri
 
 /// @param linear light for compositors, and the shadow, instead of a picture for screens
 void Renderer::Device::compose_picture(const Shot& shot, const gl::Framebuffer& target, bool linear) {
+    if (!is_transparent(shot.look)) {
+        const Backdrop::Key key{shot.to_ray, studio_axes(shot.view), shot.view.position, shot.view.fov, shot.look.background,
+                                shot.look.table, shot.look.environment.string(), shot.look.ground ? shot.ground : -1e6f,
+                                shot.look.table == "none" ? Vec3f::UnitZ() : ground_light.area()};
+        backdrop.draw(key, shot.constants, [&](gl::Program& program) { set_studio(program, shot); }, no_vertices);
+    }
     glBindFramebuffer(GL_FRAMEBUFFER, target.id());
-    gl::Program& program = compose.with(shot.constants + "const bool linear = " + (linear ? "true" : "false") + ";\n");
+    gl::Program& program = compose.with(shot.constants + "const bool linear = " + (linear ? "true" : "false") +
+                                        ";\nconst bool has_glass = " + (scene.any_containers() ? "true" : "false") + ";\n");
     set_studio(program, shot);
+    if (!is_transparent(shot.look)) backdrop.bind(program, 2);
     program.texture("samples", 0, GL_TEXTURE_2D, samples.sum());
     program.texture("glass", 1, GL_TEXTURE_2D, glass.id());
-    program.set("has_glass", scene.any_containers() ? 1 : 0);
     program.set("to_world", Eigen::Matrix4f(shot.camera.inverse()));
     program.set("exposure", shot.look.exposure);
     program.set("aspect", shot.aspect);
