@@ -32,7 +32,7 @@ namespace whorl {
 namespace {
 
 /// Texture units: 0 .. 3 are a pass's own.
-constexpr int ground_unit = 4, shadow_unit = 5, field_unit = 7, solid_unit = 9, ink_unit = 12, surround_unit = 13;
+constexpr int ground_unit = 4, shadow_unit = 5, field_unit = 7, solid_unit = 9, solid_light_unit = 10, ink_unit = 12, surround_unit = 13;
 
 /// All that one picture is made of.
 struct Shot {
@@ -84,6 +84,26 @@ Eigen::Matrix4f clip_into(const Eigen::Matrix3f& into) {
 
 }  // namespace
 
+namespace {
+
+/// The stencil's bit of pixels that show a solid; the others number the samples.
+constexpr GLuint solid_seen = 0x80;
+
+/// What is drawn from here on sets that bit, or takes it away (0).
+void write_stencil(GLuint seen) {
+    glEnable(GL_STENCIL_TEST);
+    glStencilMask(solid_seen);
+    glStencilFunc(GL_ALWAYS, static_cast<GLint>(seen), solid_seen);
+    glStencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
+}
+
+void leave_stencil() {
+    glStencilMask(0xff);
+    glDisable(GL_STENCIL_TEST);
+}
+
+}  // namespace
+
 struct Renderer::Device {
     Device(int w, int h) : width(w), height(h) {
         glGenVertexArrays(1, &no_vertices);
@@ -98,9 +118,9 @@ struct Renderer::Device {
                      const std::array<float, 2>& range, const PictureBox& box);
     void draw_sample(const Shot& shot, int sample);
     void draw_from(const Shot& shot, int sample);
-    void find_solid_light(const Shot& shot);
-    void draw_solid_depth(const Shot& shot, const Eigen::Matrix4f& matrix);
-    void draw_solids(const Shot& shot, const Eigen::Matrix4f& matrix);
+    void draw_faces(const Shot& shot, const Eigen::Matrix4f& matrix);
+    void find_solid_light(const Shot& shot, const Eigen::Matrix4f& matrix);
+    void shade_solids(const Shot& shot, const Eigen::Matrix4f& matrix, GLuint target);
     void draw_fluid(const Shot& shot, const Eigen::Matrix4f& matrix);
     void shade_sample(const Shot& shot, const Eigen::Matrix4f& matrix, int sample, float weight);
     void shade_fluid(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
@@ -110,6 +130,7 @@ struct Renderer::Device {
     Image read_back() const;
     void set_studio(gl::Program& program, const Shot& shot) const;
     void set_solid_light(gl::Program& program, const Shot& shot, const Eigen::Matrix4f& matrix) const;
+    void bind_faces(gl::Program& program) const;
     void cover_screen() const;
 
     GlContext context;  // first: everything below is freed while it is still current
@@ -117,12 +138,13 @@ struct Renderer::Device {
 
     gl::Program fluid_normal{{"mesh.vert"}, {"normal.frag"}};
     gl::Program solid_depth{{"mesh.vert"}, {"depth.frag"}};
-    gl::Programs solid_colour{{"mesh.vert"},
+    gl::Programs solid_faces{{"mesh.vert"}, {"studio.glsl", "textures.glsl", "faces.glsl", "face.frag"}};
+    gl::Programs solid_colour{{"screen.vert"},
                               {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "shadow.glsl", "solid_light.glsl",
-                               "hot.glsl", "solid.frag"}};
-    gl::Programs solid_light_program{
-        {"mesh.vert"},
-        {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "shadow.glsl", "solid_light.glsl", "solid_light.frag"}};
+                               "hot.glsl", "faces.glsl", "solid.frag"}};
+    gl::Programs solid_light_program{{"screen.vert"},
+                                     {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "shadow.glsl",
+                                      "solid_light.glsl", "faces.glsl", "solid_light.frag"}};
     gl::Programs liquid{{"screen.vert"},
                         {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "inks.glsl", "liquid.frag"}};
     gl::Programs opaque{{"screen.vert"},
@@ -137,6 +159,10 @@ struct Renderer::Device {
     gl::Texture normal = gl::texture_2d(GL_RGBA16F, width, height, false);
     gl::Texture glass = gl::texture_2d(GL_RGBA16F, width, height, false);
     gl::Texture picture = gl::texture_2d(GL_RGBA8, width, height, false);
+    gl::Texture face_colour = gl::texture_2d(GL_RGBA16F, width, height, false);
+    gl::Texture face_normals = gl::texture_2d(GL_RGBA16F, width, height, false);
+    gl::Texture face_distance = gl::texture_2d(GL_R32F, width, height, false);
+    gl::Framebuffer faces = gl::framebuffer({face_colour.id(), face_normals.id(), face_distance.id()}, depth.id());
     gl::Framebuffer geometry = gl::framebuffer({solid.id(), normal.id()}, depth.id());
     gl::Texture crust;  // or motion of the surface; made with the first fluid that needs it
     gl::Framebuffer crusted_geometry;
@@ -242,7 +268,6 @@ Shot Renderer::Device::sum_samples(const Frame& frame, const Surface& surface, c
     glBindVertexArray(no_vertices);
     ground_light.draw(scene, shot.material, surround.shadow_lamp(view), frame.spacing, shot.ground, look.ground);
 
-    if (shot.keeps_solid_light()) find_solid_light(shot);
     glViewport(0, 0, width, height);
     samples.begin(look.samples, shot.needs_all_samples());
     if (scene.any_containers()) {
@@ -291,17 +316,18 @@ void Renderer::Device::draw_from(const Shot& shot, int sample) {
     glEnable(GL_DEPTH_TEST);
     if (!samples.leaves_out(sample)) {
         glBindFramebuffer(GL_FRAMEBUFFER, things.id());
-        glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-        draw_solid_depth(shot, matrix);
-        draw_solids(shot, matrix);
+        glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
+        draw_faces(shot, matrix);
+        if (sample == 0 && shot.keeps_solid_light()) find_solid_light(shot, matrix);
+        shade_solids(shot, matrix, things.id());
         draw_front();
     } else {
         samples.leave_settled(depth);
         if (sample == 1 && scene.any_containers()) samples.complete_glass(glass_target, no_vertices);
+        draw_faces(shot, matrix);
         glBindFramebuffer(GL_FRAMEBUFFER, things.id());
-        draw_solid_depth(shot, matrix);
         draw_front();
-        draw_solids(shot, matrix);  // those that the fluid hides keep the first sample's light, which only refraction shows
+        shade_solids(shot, matrix, things.id());  // those that the fluid hides keep the first sample's light, which only refraction shows
         samples.wipe_open(no_vertices);
     }
     glDisable(GL_DEPTH_TEST);
@@ -317,17 +343,22 @@ void Renderer::Device::draw_from(const Shot& shot, int sample) {
     glDisable(GL_SCISSOR_TEST);
 }
 
-void Renderer::Device::find_solid_light(const Shot& shot) {
+void Renderer::Device::find_solid_light(const Shot& shot, const Eigen::Matrix4f& matrix) {
     if (!scene.any_solids()) return;
-    solid_light.begin(shot.camera);
-    glEnable(GL_DEPTH_TEST);
-    draw_solid_depth(shot, shot.camera);
-    glDepthFunc(GL_LEQUAL);
+    glDisable(GL_SCISSOR_TEST);
+    solid_light.begin(shot.camera, [&](gl::Program& program) { bind_faces(program); }, no_vertices);
     gl::Program& program = solid_light_program.with(shot.constants + "const bool finds_light = true;\n");
-    set_solid_light(program, shot, shot.camera);
-    scene.draw_solids(program, false, [](const FrameSolid&) {});
-    glDepthFunc(GL_LESS);
-    glDisable(GL_DEPTH_TEST);
+    set_solid_light(program, shot, matrix);
+    cover_screen();
+    solid_light.end();
+    glViewport(0, 0, width, height);
+    glEnable(GL_SCISSOR_TEST);
+}
+
+void Renderer::Device::bind_faces(gl::Program& program) const {
+    program.texture("face_colour", 1, GL_TEXTURE_2D, face_colour.id());
+    program.texture("face_normals", 2, GL_TEXTURE_2D, face_normals.id());
+    program.texture("face_distance", 3, GL_TEXTURE_2D, face_distance.id());
 }
 
 /// What solids hide from each other, and the fluid from them.
@@ -337,39 +368,60 @@ void Renderer::Device::set_solid_light(gl::Program& program, const Shot& shot, c
     field.bind(program, field_unit);
     solid_field.bind(program, solid_unit);
     program.set("fluid_hides", shot.hides);
-    program.set("view_projection", matrix);
+    program.set("to_world", Eigen::Matrix4f(matrix.inverse()));
+    bind_faces(program);
 }
 
-/// The colour of solids is the dearest of all: depth comes first, so that only what is seen gets one.
-void Renderer::Device::draw_solid_depth(const Shot& shot, const Eigen::Matrix4f& matrix) {
+/// What of solids a sample shows; the stencil remembers where. Small triangles share a block of pixels, so that light, which is dear, comes
+/// after. Where they have patterns, depth comes first.
+void Renderer::Device::draw_faces(const Shot& shot, const Eigen::Matrix4f& matrix) {
     if (!scene.any_solids()) return;
-    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-    solid_depth.use();
-    solid_depth.set("view_projection", matrix);
-    solid_depth.set("ground_height", shot.look.ground ? shot.ground : -1e6f);
-    scene.draw_solids(solid_depth, false, [](const FrameSolid&) {});
-    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-}
-
-void Renderer::Device::draw_solids(const Shot& shot, const Eigen::Matrix4f& matrix) {
-    if (!scene.any_solids()) return;
+    glBindFramebuffer(GL_FRAMEBUFFER, faces.id());
+    glDisable(GL_SCISSOR_TEST);
+    const std::array<float, 4> none{};
+    glClearBufferfv(GL_COLOR, 2, none.data());
+    glEnable(GL_SCISSOR_TEST);
+    if (shot.patterns != std::set{Pattern::plain}) {
+        glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+        solid_depth.use();
+        solid_depth.set("view_projection", matrix);
+        solid_depth.set("ground_height", shot.look.ground ? shot.ground : -1e6f);
+        scene.draw_solids(solid_depth, false, [](const FrameSolid&) {});
+        glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    }
     glDepthFunc(GL_LEQUAL);
+    write_stencil(solid_seen);
     for (const Pattern pattern : shot.patterns) {
-        gl::Program& program = solid_colour.with(shot.constants + "const int pattern = " + std::to_string(static_cast<int>(pattern)) +
-                                                 ";\nconst bool finds_light = " + (shot.keeps_solid_light() ? "false" : "true") + ";\n");
-        set_solid_light(program, shot, matrix);
-        solid_light.bind(program, 0);
-        bind_patches(program, shot.patches);
+        gl::Program& program = solid_faces.with(shot.constants + "const int pattern = " + std::to_string(static_cast<int>(pattern)) + ";\n");
+        set_studio(program, shot);
+        program.set("view_projection", matrix);
         const auto prepare = [&](const FrameSolid& s) {
             const SolidMaterial material = solid_material(s.material);
             program.set("solid_colour", material.colour);
             program.set("metal", material.metal);
             program.set("roughness", material.roughness);
-            program.set("box_softness", material.roughness);
         };
         scene.draw_solids(program, false, prepare, [&](const FrameSolid& s) { return solid_material(s.material).pattern == pattern; });
     }
+    leave_stencil();
     glDepthFunc(GL_LESS);
+}
+
+void Renderer::Device::shade_solids(const Shot& shot, const Eigen::Matrix4f& matrix, GLuint target) {
+    glBindFramebuffer(GL_FRAMEBUFFER, target);
+    if (!scene.any_solids()) return;
+    glDisable(GL_DEPTH_TEST);
+    glEnable(GL_STENCIL_TEST);
+    glStencilFunc(GL_EQUAL, solid_seen, solid_seen);
+    glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
+    gl::Program& program =
+        solid_colour.with(shot.constants + "const bool finds_light = " + (shot.keeps_solid_light() ? "false" : "true") + ";\n");
+    set_solid_light(program, shot, matrix);
+    solid_light.bind(program, solid_light_unit);
+    bind_patches(program, shot.patches);
+    cover_screen();
+    glDisable(GL_STENCIL_TEST);
+    glEnable(GL_DEPTH_TEST);
 }
 
 void Renderer::Device::draw_fluid(const Shot& shot, const Eigen::Matrix4f& matrix) {
@@ -380,7 +432,9 @@ void Renderer::Device::draw_fluid(const Shot& shot, const Eigen::Matrix4f& matri
     fluid_normal.set("keeps_motion", shot.keeps_motion() ? 1 : 0);
     fluid_normal.set("tolerance", 0.5f * shot.spacing);
     glEnable(GL_CULL_FACE);
+    write_stencil(0);
     scene.draw_fluid(fluid_normal);
+    leave_stencil();
     glDisable(GL_CULL_FACE);
     glColorMaski(0, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
 }
@@ -391,7 +445,7 @@ void Renderer::Device::shade_sample(const Shot& shot, const Eigen::Matrix4f& mat
     glEnable(GL_DEPTH_TEST);
     glDepthMask(GL_FALSE);
     glEnable(GL_STENCIL_TEST);
-    glStencilFunc(GL_ALWAYS, sample % 255 + 1, 0xff);
+    glStencilFunc(GL_ALWAYS, sample % 127 + 1, 0xff);
     glStencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
     gl::Program& program = behind.with(shot.constants);
     set_studio(program, shot);
@@ -400,7 +454,7 @@ void Renderer::Device::shade_sample(const Shot& shot, const Eigen::Matrix4f& mat
     program.set("to_world", Eigen::Matrix4f(matrix.inverse()));
     program.set("weight", weight);
     cover_screen();
-    glStencilFunc(GL_NOTEQUAL, sample % 255 + 1, 0xff);
+    glStencilFunc(GL_NOTEQUAL, sample % 127 + 1, 0xff);
     glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
     shade_fluid(shot, matrix, weight);
     glDisable(GL_STENCIL_TEST);
@@ -426,7 +480,6 @@ void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matr
     program.set("to_clip", matrix);
     program.set("weight", weight);
     program.set("has_solids", scene.any_solids() ? 1 : 0);
-    program.set("box_softness", material.roughness);
     program.set("roughness", material.roughness);
     program.set("refraction", material.refraction);
     program.set("absorption", Vec3f(material.absorption * field.voxel()));
@@ -449,13 +502,11 @@ void Renderer::Device::draw_glass(const Shot& shot, const Eigen::Matrix4f& matri
     const Eigen::Matrix4f before = nearer(matrix, std::min(shot.spacing / (shot.view.target - shot.view.position).norm(), 0.1f));
     program.set("view_projection", before);
     program.set("weight", weight);
-    program.set("box_softness", 0.05f);
     scene.draw_solids(program, true, [](const FrameSolid&) {});
     gl::Program& edges = glass_edges.with(shot.constants);
     set_studio(edges, shot);
     edges.set("view_projection", before);
     edges.set("weight", weight);
-    edges.set("box_softness", 0.05f);
     scene.draw_edges(edges);
     glDepthMask(GL_TRUE);
     glDisable(GL_DEPTH_TEST);

@@ -57,7 +57,7 @@ void main() {
     float facing = clamp(-dot(n, v), 0.0, 1.0);
     float mirror = 0.04 + 0.96 * pow(1.0 - facing, 5.0) * (1.0 - 0.8 * matt);
     // A rough body spreads what it mirrors over more directions, so that less comes from each.
-    vec3 mirrored = (surroundings(x, r) + (1.0 - matt) * strip_light(r)) * seen * (1.0 - 0.75 * matt) * (1.0 - 0.85 * smoothstep(0.75, 1.0, matt));
+    vec3 mirrored = (surroundings(x, r, roughness) + (1.0 - matt) * strip_light(r, roughness)) * seen * (1.0 - 0.75 * matt) * (1.0 - 0.85 * smoothstep(0.75, 1.0, matt));
     // Hot where it is hidden from the cold air, crusted where it is open; and what has come just now is hot all over. The hotter, the yellower.
     vec3 glow = emission * pow(1.0 - 0.9 * open, 2.0);
     if (has_crust) glow = glow_of(max(crust.outside, crust.inside * max(crust.crack, pow(1.0 - 0.9 * open, 2.0))));
