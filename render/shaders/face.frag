@@ -12,17 +12,20 @@ layout(location = 1) out vec4 normals;
 layout(location = 2) out float away;
 
 void main() {
-    vec3 v = normalize(world - eye), n = normalize(world_normal);
-    if (dot(n, v) > 0.0) n = -n;
-    vec3 face = n, albedo = solid_colour;
+    vec3 way = world - eye, n = normalize(world_normal);
+    away = length(way);
+    if (dot(n, way) > 0.0) n = -n;
+    vec3 albedo = solid_colour;
+    vec2 face = folded(n), relief = face;
     if (pattern > 0) {
         Texture t = texture_of(pattern, own, own_normal, max(length(dFdx(own)), length(dFdy(own))));
         albedo *= t.colour;
         n = in_relief(n, world, t.height);
+        vec3 v = way / away;
         if (dot(n, v) > -0.02) n = normalize(n - (dot(n, v) + 0.02) * v);
+        relief = folded(n);
     }
     if (world.y < ground_height - 1e-4) discard;
     colour = vec4(albedo, roughness - 2.0 * metal);
-    normals = vec4(folded(n), folded(face));
-    away = distance(world, eye);
+    normals = vec4(relief, face);
 }
