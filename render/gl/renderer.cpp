@@ -54,6 +54,8 @@ struct Shot {
     /// Whether every pixel needs all samples: else those that differ little from the pixels around them keep the first. A crust's relief
     /// comes from the pixels beside it, which a later sample would not have.
     bool needs_all_samples() const { return look.samples < 2 || view.blurs() || shows_field(look) || has_crust; }
+    /// What is below is not seen [m].
+    float lowest() const { return look.ground ? ground : -1e6f; }
     /// All samples see the solids from about the same place.
     bool keeps_solid_light() const { return !view.blurs(); }
     /// The surface moves while the shutter is open, its distance field does not.
@@ -86,20 +88,29 @@ Eigen::Matrix4f clip_into(const Eigen::Matrix3f& into) {
 
 namespace {
 
-/// The stencil's bit of pixels that show a solid; the others number the samples.
-constexpr GLuint solid_seen = 0x80;
+/// The stencil's bits of pixels that show a solid, and the fluid.
+constexpr GLint solid_seen = 1, fluid_seen = 2;
 
-/// What is drawn from here on sets that bit, or takes it away (0).
-void write_stencil(GLuint seen) {
+/// What is drawn from here on is one of the two, down to the ground.
+void begin_geometry(gl::Program& program, GLint seen, float lowest) {
+    program.set("cuts", 1);
+    program.set("lowest", lowest);
+    glEnable(GL_CLIP_DISTANCE0);
     glEnable(GL_STENCIL_TEST);
-    glStencilMask(solid_seen);
-    glStencilFunc(GL_ALWAYS, static_cast<GLint>(seen), solid_seen);
+    glStencilFunc(GL_ALWAYS, seen, 0xff);
     glStencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
 }
 
-void leave_stencil() {
-    glStencilMask(0xff);
+void end_geometry() {
+    glDisable(GL_CLIP_DISTANCE0);
     glDisable(GL_STENCIL_TEST);
+}
+
+/// Pixels whose stencil compares so are shaded: the others cost the software driver nothing.
+void shade_where(GLenum comparison, GLint seen) {
+    glEnable(GL_STENCIL_TEST);
+    glStencilFunc(comparison, seen, 0xff);
+    glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
 }
 
 }  // namespace
@@ -122,7 +133,7 @@ struct Renderer::Device {
     void find_solid_light(const Shot& shot, const Eigen::Matrix4f& matrix);
     void shade_solids(const Shot& shot, const Eigen::Matrix4f& matrix, GLuint target);
     void draw_fluid(const Shot& shot, const Eigen::Matrix4f& matrix);
-    void shade_sample(const Shot& shot, const Eigen::Matrix4f& matrix, int sample, float weight);
+    void shade_sample(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
     void shade_fluid(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
     void draw_glass(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
     void compose_picture(const Shot& shot, const gl::Framebuffer& target, bool linear);
@@ -136,19 +147,19 @@ struct Renderer::Device {
     GlContext context;  // first: everything below is freed while it is still current
     int width, height;
 
-    gl::Program fluid_normal{{"mesh.vert"}, {"normal.frag"}};
+    gl::Program fluid_normal{{"mesh.vert"}, {"folded.glsl", "normal.frag"}};
     gl::Program solid_depth{{"mesh.vert"}, {"depth.frag"}};
-    gl::Programs solid_faces{{"mesh.vert"}, {"studio.glsl", "textures.glsl", "faces.glsl", "face.frag"}};
+    gl::Programs solid_faces{{"mesh.vert"}, {"studio.glsl", "textures.glsl", "folded.glsl", "face.frag"}};
     gl::Programs solid_colour{{"screen.vert"},
                               {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "shadow.glsl", "solid_light.glsl",
-                               "hot.glsl", "faces.glsl", "solid.frag"}};
+                               "hot.glsl", "folded.glsl", "faces.glsl", "solid.frag"}};
     gl::Programs solid_light_program{{"screen.vert"},
                                      {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "shadow.glsl",
-                                      "solid_light.glsl", "faces.glsl", "solid_light.frag"}};
+                                      "solid_light.glsl", "folded.glsl", "faces.glsl", "solid_light.frag"}};
     gl::Programs liquid{{"screen.vert"},
-                        {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "inks.glsl", "liquid.frag"}};
+                        {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "inks.glsl", "folded.glsl", "liquid.frag"}};
     gl::Programs opaque{{"screen.vert"},
-                        {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "inks.glsl", "crust.glsl", "opaque.frag"}};
+                        {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "inks.glsl", "crust.glsl", "folded.glsl", "opaque.frag"}};
     gl::Programs glass_walls{{"mesh.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "glass.frag"}};
     gl::Programs glass_edges{{"edge.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "edge.frag"}};
     gl::Programs behind{{"screen.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "behind.frag"}};
@@ -156,7 +167,7 @@ struct Renderer::Device {
 
     gl::Texture depth = gl::texture_2d(GL_DEPTH24_STENCIL8, width, height, false);
     gl::Texture solid = gl::texture_2d(GL_RGBA16F, width, height, false);
-    gl::Texture normal = gl::texture_2d(GL_RGBA16F, width, height, false);
+    gl::Texture normal = gl::texture_2d(GL_RGBA32F, width, height, false);
     gl::Texture glass = gl::texture_2d(GL_RGBA16F, width, height, false);
     gl::Texture picture = gl::texture_2d(GL_RGBA8, width, height, false);
     gl::Texture face_colour = gl::texture_2d(GL_RGBA16F, width, height, false);
@@ -170,7 +181,7 @@ struct Renderer::Device {
     gl::Framebuffer output = gl::framebuffer({picture.id()}, 0);
     std::optional<LayerPass> layer_pass;  // made when it is first asked for
 
-    Samples samples{width, height};
+    Samples samples{width, height, depth};
     Backdrop backdrop{width, height};
     SceneGeometry scene;
     FieldTexture field;
@@ -336,7 +347,7 @@ void Renderer::Device::draw_from(const Shot& shot, int sample) {
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE);
     if (shot.look.style == "volume") flow.shade_cloud(shot.look, shot.view, solid, matrix, sample, no_vertices);
-    else shade_sample(shot, matrix, sample, samples.weight(sample));
+    else shade_sample(shot, matrix, samples.weight(sample));
     if (scene.any_containers()) draw_glass(shot, matrix, samples.weight());
     glDisable(GL_BLEND);
     if (samples.settles(sample)) samples.settle(scene.any_containers() ? glass.id() : 0, no_vertices);
@@ -381,20 +392,21 @@ void Renderer::Device::draw_faces(const Shot& shot, const Eigen::Matrix4f& matri
     const std::array<float, 4> none{};
     glClearBufferfv(GL_COLOR, 2, none.data());
     glEnable(GL_SCISSOR_TEST);
+    const float lowest = shot.lowest() - 1e-4f;  // m: what lies on the ground is not cut to rags by rounding
     if (shot.patterns != std::set{Pattern::plain}) {
         glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
         solid_depth.use();
         solid_depth.set("view_projection", matrix);
-        solid_depth.set("ground_height", shot.look.ground ? shot.ground : -1e6f);
+        begin_geometry(solid_depth, 0, lowest);
         scene.draw_solids(solid_depth, false, [](const FrameSolid&) {});
         glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     }
     glDepthFunc(GL_LEQUAL);
-    write_stencil(solid_seen);
     for (const Pattern pattern : shot.patterns) {
         gl::Program& program = solid_faces.with(shot.constants + "const int pattern = " + std::to_string(static_cast<int>(pattern)) + ";\n");
         set_studio(program, shot);
         program.set("view_projection", matrix);
+        begin_geometry(program, solid_seen, lowest);
         const auto prepare = [&](const FrameSolid& s) {
             const SolidMaterial material = solid_material(s.material);
             program.set("solid_colour", material.colour);
@@ -403,7 +415,7 @@ void Renderer::Device::draw_faces(const Shot& shot, const Eigen::Matrix4f& matri
         };
         scene.draw_solids(program, false, prepare, [&](const FrameSolid& s) { return solid_material(s.material).pattern == pattern; });
     }
-    leave_stencil();
+    end_geometry();
     glDepthFunc(GL_LESS);
 }
 
@@ -411,9 +423,7 @@ void Renderer::Device::shade_solids(const Shot& shot, const Eigen::Matrix4f& mat
     glBindFramebuffer(GL_FRAMEBUFFER, target);
     if (!scene.any_solids()) return;
     glDisable(GL_DEPTH_TEST);
-    glEnable(GL_STENCIL_TEST);
-    glStencilFunc(GL_EQUAL, solid_seen, solid_seen);
-    glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
+    shade_where(GL_EQUAL, solid_seen);
     gl::Program& program =
         solid_colour.with(shot.constants + "const bool finds_light = " + (shot.keeps_solid_light() ? "false" : "true") + ";\n");
     set_solid_light(program, shot, matrix);
@@ -428,38 +438,29 @@ void Renderer::Device::draw_fluid(const Shot& shot, const Eigen::Matrix4f& matri
     glColorMaski(0, GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     fluid_normal.use();
     fluid_normal.set("view_projection", matrix);
-    fluid_normal.set("ground_height", shot.look.ground ? shot.ground : -1e6f);
+    fluid_normal.set("eye", shot.view.position);
     fluid_normal.set("keeps_motion", shot.keeps_motion() ? 1 : 0);
-    fluid_normal.set("tolerance", 0.5f * shot.spacing);
     glEnable(GL_CULL_FACE);
-    write_stencil(0);
+    begin_geometry(fluid_normal, fluid_seen, shot.lowest() - 0.5f * shot.spacing);
     scene.draw_fluid(fluid_normal);
-    leave_stencil();
+    end_geometry();
     glDisable(GL_CULL_FACE);
     glColorMaski(0, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
 }
 
-/// First what is not fluid, which the stencil remembers: the software driver computes the fluid's light in every pixel that it is asked
-/// for.
-void Renderer::Device::shade_sample(const Shot& shot, const Eigen::Matrix4f& matrix, int sample, float weight) {
-    glEnable(GL_DEPTH_TEST);
-    glDepthMask(GL_FALSE);
-    glEnable(GL_STENCIL_TEST);
-    glStencilFunc(GL_ALWAYS, sample % 127 + 1, 0xff);
-    glStencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
+void Renderer::Device::shade_sample(const Shot& shot, const Eigen::Matrix4f& matrix, float weight) {
+    // Where nothing stands there is light only if each sample draws its own backdrop, or a flow that the stencil does not tell.
+    if (shot.view.blurs() || shows_field(shot.look)) shade_where(GL_NOTEQUAL, fluid_seen);
+    else shade_where(GL_EQUAL, solid_seen);
     gl::Program& program = behind.with(shot.constants);
     set_studio(program, shot);
-    program.texture("normal_buffer", 1, GL_TEXTURE_2D, normal.id());
     program.texture("solid_buffer", 2, GL_TEXTURE_2D, solid.id());
     program.set("to_world", Eigen::Matrix4f(matrix.inverse()));
     program.set("weight", weight);
     cover_screen();
-    glStencilFunc(GL_NOTEQUAL, sample % 127 + 1, 0xff);
-    glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
+    shade_where(GL_EQUAL, fluid_seen);
     shade_fluid(shot, matrix, weight);
     glDisable(GL_STENCIL_TEST);
-    glDepthMask(GL_TRUE);
-    glDisable(GL_DEPTH_TEST);
 }
 
 void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matrix, float weight) {
@@ -469,7 +470,6 @@ void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matr
     field.bind(program, field_unit);
     inks.bind(program, ink_unit, field.voxel());
     solid_field.bind(program, solid_unit);
-    program.texture("depth_buffer", 0, GL_TEXTURE_2D, depth.id());
     program.texture("normal_buffer", 1, GL_TEXTURE_2D, normal.id());
     program.texture("solid_buffer", 2, GL_TEXTURE_2D, solid.id());
     program.texture("crust_buffer", 3, GL_TEXTURE_2D, crust.id());

@@ -25,7 +25,6 @@ void main() {
         if (dot(n, v) > -0.02) n = normalize(n - (dot(n, v) + 0.02) * v);
         relief = folded(n);
     }
-    if (world.y < ground_height - 1e-4) discard;
     colour = vec4(albedo, roughness - 2.0 * metal);
     normals = vec4(relief, face);
 }

@@ -1,6 +1,5 @@
 // The fluid seen in one sample a pixel: first hit from the mesh, then light's way through it.
 in vec2 uv;
-uniform sampler2D depth_buffer;
 uniform sampler2D normal_buffer;
 uniform sampler2D solid_buffer;
 uniform mat4 to_world;       // clip -> world
@@ -137,12 +136,8 @@ vec3 light_through(vec3 p, vec3 d, vec3 lamp, out float clear) {
 }
 
 void main() {
-    vec4 g = texture(normal_buffer, uv);
-    float depth = texture(depth_buffer, uv).r;
-    vec4 h = to_world * vec4(2.0 * vec3(uv, depth) - 1.0, 1.0);
-    vec3 x = h.xyz / h.w;
-    vec3 v = normalize(x - eye);
-    vec3 n = normalize(g.xyz);
+    vec4 g = texelFetch(normal_buffer, ivec2(gl_FragCoord.xy), 0);
+    vec3 v = ray_behind(to_world, uv), x = eye + g.a * v, n = unfolded(g.xy);
     if (dot(n, v) > -0.02) n = normalize(n - (dot(n, v) + 0.02) * v);
     vec3 p = place_of(has_motion ? x - texture(motion_buffer, uv).xyz : x);
     vec3 r = reflect(v, n);
