@@ -91,6 +91,9 @@ namespace {
 /// The stencil's bits of pixels that show a solid, and the fluid.
 constexpr GLint solid_seen = 1, fluid_seen = 2;
 
+/// Of a shader.
+std::string constant(const char* name, bool value) { return std::string("const bool ") + name + " = " + (value ? "true" : "false") + ";\n"; }
+
 /// What is drawn from here on is one of the two, down to the ground.
 void begin_geometry(gl::Program& program, GLint seen, float lowest) {
     program.set("cuts", 1);
@@ -271,8 +274,7 @@ Shot Renderer::Device::sum_samples(const Frame& frame, const Surface& surface, c
               !surface.crust.empty() && !shows_field(look),
               {},
               {},
-              surround.constants(look) + "const bool draws_behind = " + (view.blurs() ? "true" : "false") +
-                  ";\nconst bool transparent = " + (is_transparent(look) ? "true" : "false") + ";\n"};
+              surround.constants(look) + constant("draws_behind", view.blurs()) + constant("transparent", is_transparent(look))};
     for (const FrameSolid& s : frame.solids) shot.patterns.insert(solid_material(s.material).pattern);
     if (!shows_field(look)) shot.patches = hot_patches(surface, shot.material);
     scene.go_to(0);
@@ -358,7 +360,7 @@ void Renderer::Device::find_solid_light(const Shot& shot, const Eigen::Matrix4f&
     if (!scene.any_solids()) return;
     glDisable(GL_SCISSOR_TEST);
     solid_light.begin(shot.camera, [&](gl::Program& program) { bind_faces(program); }, no_vertices);
-    gl::Program& program = solid_light_program.with(shot.constants + "const bool finds_light = true;\n");
+    gl::Program& program = solid_light_program.with(shot.constants + constant("finds_light", true));
     set_solid_light(program, shot, matrix);
     cover_screen();
     solid_light.end();
@@ -425,7 +427,7 @@ void Renderer::Device::shade_solids(const Shot& shot, const Eigen::Matrix4f& mat
     glDisable(GL_DEPTH_TEST);
     shade_where(GL_EQUAL, solid_seen);
     gl::Program& program =
-        solid_colour.with(shot.constants + "const bool finds_light = " + (shot.keeps_solid_light() ? "false" : "true") + ";\n");
+        solid_colour.with(shot.constants + constant("finds_light", !shot.keeps_solid_light()));
     set_solid_light(program, shot, matrix);
     solid_light.bind(program, solid_light_unit);
     bind_patches(program, shot.patches);
@@ -521,16 +523,27 @@ void Renderer::Device::compose_picture(const Shot& shot, const gl::Framebuffer& 
         backdrop.draw(key, shot.constants, [&](gl::Program& program) { set_studio(program, shot); }, no_vertices);
     }
     glBindFramebuffer(GL_FRAMEBUFFER, target.id());
-    gl::Program& program = compose.with(shot.constants + "const bool linear = " + (linear ? "true" : "false") +
-                                        ";\nconst bool has_glass = " + (scene.any_containers() ? "true" : "false") + ";\n");
-    set_studio(program, shot);
-    if (!is_transparent(shot.look)) backdrop.bind(program, 2);
-    program.texture("samples", 0, GL_TEXTURE_2D, samples.sum());
-    program.texture("glass", 1, GL_TEXTURE_2D, glass.id());
-    program.set("to_world", Eigen::Matrix4f(shot.camera.inverse()));
-    program.set("exposure", shot.look.exposure);
-    program.set("aspect", shot.aspect);
-    cover_screen();
+    // Above the ground that has a light map there is nothing to look up.
+    Bounds area;
+    const Vec3f middle = ground_light.area(), corner(middle.z(), 0, middle.z());
+    area.add(Vec3f(middle.x(), shot.ground, middle.y()) - corner), area.add(Vec3f(middle.x(), shot.ground, middle.y()) + corner);
+    const PixelBox box = pixels_of(area, shot.camera, width, height);
+    const int lit = linear ? height : box.y + box.height;
+    glEnable(GL_SCISSOR_TEST);
+    for (const bool has_light : {true, false}) {
+        glScissor(0, has_light ? 0 : lit, width, has_light ? lit : height - lit);
+        gl::Program& program =
+            compose.with(shot.constants + constant("linear", linear) + constant("has_glass", scene.any_containers()) + constant("has_light", has_light));
+        set_studio(program, shot);
+        if (!is_transparent(shot.look)) backdrop.bind(program, 2);
+        program.texture("samples", 0, GL_TEXTURE_2D, samples.sum());
+        program.texture("glass", 1, GL_TEXTURE_2D, glass.id());
+        program.set("to_world", Eigen::Matrix4f(shot.camera.inverse()));
+        program.set("exposure", shot.look.exposure);
+        program.set("aspect", shot.aspect);
+        cover_screen();
+    }
+    glDisable(GL_SCISSOR_TEST);
 }
 
 PictureLayers Renderer::Device::light_of(const Shot& shot) {

@@ -8,7 +8,7 @@ namespace whorl {
 
 class SolidField {
 public:
-    /// @param height of the pictures [pixels]: a small one shows no more than two thirds of the resolution
+    /// @param height of the pictures [pixels]: a small one shows no more than half the resolution
     explicit SolidField(int height);
     /// Containers and the level ground are left out. Made anew only where a solid has moved against another: solids that move together take
     /// their field along.

@@ -1,5 +1,6 @@
 // Puts the samples over the background and turns linear light into a picture; or leaves it linear, for compositors.
-// constants: bool linear; bool transparent: there is no background, only what its ground is darkened by; bool has_glass
+// constants: bool linear; bool transparent: there is no background, only what its ground is darkened by; bool has_glass;
+// bool has_light: the ground has a light map here
 in vec2 uv;
 uniform sampler2D samples;
 uniform sampler2D glass;     // walls of containers, over everything
@@ -38,7 +39,7 @@ float dither(vec2 pixel) { return fract(52.9829189 * fract(dot(pixel, vec2(0.067
 vec3 seen_behind_all(ivec2 pixel) {
     vec4 kept = texelFetch(paper, pixel, 0);
     vec3 place = to_ground * vec3(2.0 * uv - 1.0, 1.0);
-    return kept.rgb * (kept.a > 0.5 ? light_on_ground(place.xy / place.z) : vec3(1.0));
+    return kept.rgb * (has_light && kept.a > 0.5 ? light_on_ground(place.xy / place.z) : vec3(1.0));
 }
 
 void main() {

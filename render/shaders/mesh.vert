@@ -8,7 +8,7 @@ uniform float moment;       // s after the frame's time
 uniform mat4 view_projection;
 uniform mat3 rotation;
 uniform vec3 translation;
-uniform bool cuts;         // off what is below
+uniform bool cuts;         // off what is below; there are drivers that cut without being asked to
 uniform float lowest;      // m
 uniform float point_size;   // pixels, where particles are drawn as points
 out vec3 world;
