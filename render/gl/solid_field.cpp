@@ -103,37 +103,23 @@ const Volume& SolidField::own_field(const std::shared_ptr<const TriangleMesh>& m
     return own_.back().second;
 }
 
-/// Whether the solids stand as they did when the field was made but for one motion of all, which is kept.
-bool SolidField::has_moved_as_one(const std::vector<Placed>& now) {
-    if (now.size() != placed_.size()) return false;
-    if (now.empty()) return true;
-    const Mat3f turn = now[0].rotation * placed_[0].rotation.transpose();
-    const Vec3f move = now[0].translation - turn * placed_[0].translation;
-    const float tolerance = 0.01f * voxel_;
-    const auto as_one = [&](const Placed& a, const Placed& b) {
-        const float size = bounds_of(b.mesh->position).radius();
-        return a.mesh == b.mesh && size * (a.rotation - turn * b.rotation).norm() < tolerance &&
-               (a.translation - turn * b.translation - move).norm() < tolerance;
-    };
-    if (!std::equal(now.begin(), now.end(), placed_.begin(), as_one)) return false;
-    turn_ = turn, move_ = move;
-    return true;
-}
-
 void SolidField::fill(const std::vector<FrameSolid>& solids) {
     std::vector<Placed> now;
     Bounds bounds;
     float thinnest = std::numeric_limits<float>::max();
     for (const FrameSolid& solid : solids) {
         if (!solid.mesh || solid.mesh->triangle.empty() || solid.container || is_level_ground(solid)) continue;
-        now.push_back({solid.mesh, solid.rotation, solid.translation});
-        bounds.add(bounds_of(solid));
+        if (now.empty()) turn_ = solid.rotation, move_ = solid.translation;
+        FrameSolid seen = solid;  // from the first
+        if (now.empty()) seen.rotation = Mat3f::Identity(), seen.translation = Vec3f::Zero();
+        else seen.rotation = turn_.transpose() * solid.rotation, seen.translation = turn_.transpose() * (solid.translation - move_);
+        now.push_back({seen.mesh, seen.rotation, seen.translation});
+        bounds.add(bounds_of(seen));
         const Bounds own = bounds_of(solid.mesh->position);
         thinnest = std::min(thinnest, (own.high - own.low).minCoeff());
     }
-    if (has_moved_as_one(now)) return;
+    if (now == placed_) return;
     placed_ = std::move(now);
-    turn_ = Mat3f::Identity(), move_ = Vec3f::Zero();
     empty_ = placed_.empty();
     if (empty_) return;
 
