@@ -62,18 +62,14 @@ public:
                 m.normal.push_back(side * n);
             }
         }
-        const std::uint32_t centres = static_cast<std::uint32_t>(m.position.size());
-        for (float side : {-1.f, 1.f}) {
-            m.position.push_back(c + side * h * n);
-            m.normal.push_back(side * n);
-        }
-        for (std::uint32_t l = 0; l < static_cast<std::uint32_t>(around); ++l) {
+        const auto last = static_cast<std::uint32_t>(around);
+        for (std::uint32_t l = 0; l < last; ++l) {
             const std::uint32_t a = 4 * l, b = 4 * (l + 1);  // wall below, end below, wall above, end above
             m.triangle.push_back({a, b, b + 2});
             m.triangle.push_back({a, b + 2, a + 2});
-            m.triangle.push_back({centres, b + 1, a + 1});
-            m.triangle.push_back({centres + 1, a + 3, b + 3});
         }
+        add_ends(0, last / 3, 2 * last / 3, m);
+        fill_ends(0, last / 3, m), fill_ends(last / 3, 2 * last / 3, m), fill_ends(2 * last / 3, last, m);
         return m;
     }
 
@@ -115,6 +111,18 @@ public:
     }
 
 private:
+    /// A triangle of places on the rim in both ends.
+    static void add_ends(std::uint32_t a, std::uint32_t b, std::uint32_t c, TriangleMesh& m) {
+        m.triangle.push_back({4 * c + 1, 4 * b + 1, 4 * a + 1});
+        m.triangle.push_back({4 * a + 3, 4 * b + 3, 4 * c + 3});
+    }
+    /// What lies between the rim from `a` to `b` and the line between the two. Large triangles are drawn faster than a fan of thin ones.
+    static void fill_ends(std::uint32_t a, std::uint32_t b, TriangleMesh& m) {
+        if (b - a < 2) return;
+        const std::uint32_t middle = (a + b) / 2;
+        add_ends(a, middle, b, m);
+        fill_ends(a, middle, m), fill_ends(middle, b, m);
+    }
     /// x - middle = along axis + out radial
     void split(const Vec3& x, Real& along, Real& out, Vec3& radial) const {
         const Vec3 r = x - middle_;

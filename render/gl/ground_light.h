@@ -13,6 +13,8 @@ public:
     /// @param lamp unit, towards the one that throws the shadow @param spacing of the particles [m] @param ground its height [m] @param
     /// has_ground else only the solids are lit
     void draw(const SceneGeometry& scene, const Material& material, const Vec3f& lamp, float spacing, float ground, bool has_ground);
+    /// That has a map of its light: centre x, z, half-width [m].
+    const Vec3f& area() const { return area_; }
     /// Sets the uniforms of shadow.glsl; takes two texture units from `unit` on.
     void bind_shadow(gl::Program& program, int unit) const;
     /// Sets the uniforms of studio.glsl about the ground; takes one texture unit.

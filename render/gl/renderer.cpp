@@ -8,6 +8,7 @@
 #include <set>
 
 #include "render/flow/plate.h"
+#include "render/gl/backdrop.h"
 #include "render/gl/context.h"
 #include "render/gl/field_texture.h"
 #include "render/gl/flow_shapes.h"
@@ -31,7 +32,7 @@ namespace whorl {
 namespace {
 
 /// Texture units: 0 .. 3 are a pass's own.
-constexpr int ground_unit = 4, shadow_unit = 5, field_unit = 7, solid_unit = 9, ink_unit = 12, surround_unit = 13;
+constexpr int ground_unit = 4, shadow_unit = 5, field_unit = 7, solid_unit = 9, solid_light_unit = 10, ink_unit = 12, surround_unit = 13;
 
 /// All that one picture is made of.
 struct Shot {
@@ -42,6 +43,7 @@ struct Shot {
     float spacing = 0;  ///< m
     float ground = 0;   ///< m
     Eigen::Matrix4f camera;
+    Mat3f to_ray;  ///< place in the picture (-1 .. 1, -1 .. 1, 1) -> direction
     float aspect = 1;
     bool has_age = false;    ///< of the fluid's surface
     bool has_crust = false;  ///< whose plates are known
@@ -52,6 +54,8 @@ struct Shot {
     /// Whether every pixel needs all samples: else those that differ little from the pixels around them keep the first. A crust's relief
     /// comes from the pixels beside it, which a later sample would not have.
     bool needs_all_samples() const { return look.samples < 2 || view.blurs() || shows_field(look) || has_crust; }
+    /// What is below is not seen [m].
+    float lowest() const { return look.ground ? ground : -1e6f; }
     /// All samples see the solids from about the same place.
     bool keeps_solid_light() const { return !view.blurs(); }
     /// The surface moves while the shutter is open, its distance field does not.
@@ -62,14 +66,54 @@ struct Shot {
 
 namespace {
 
-/// The matrix with all that it shows in this box of the picture; the backdrop goes on round it.
-Eigen::Matrix4f beside_words(const Eigen::Matrix4f& matrix, const PictureBox& box, int width, int height) {
+/// Whole picture -> this box of it, in places of -1 .. 1: the backdrop goes on round it.
+Eigen::Matrix3f into_box(const PictureBox& box, int width, int height) {
     const float w = static_cast<float>(width), h = static_cast<float>(height);
-    Eigen::Matrix4f into = Eigen::Matrix4f::Identity();
+    Eigen::Matrix3f into = Eigen::Matrix3f::Identity();
     into(0, 0) = static_cast<float>(box.width) / w, into(1, 1) = static_cast<float>(box.height) / h;
-    into(0, 3) = (2 * static_cast<float>(box.x) + static_cast<float>(box.width)) / w - 1;
-    into(1, 3) = 1 - (2 * static_cast<float>(box.y) + static_cast<float>(box.height)) / h;
-    return into * matrix;
+    into(0, 2) = (2 * static_cast<float>(box.x) + static_cast<float>(box.width)) / w - 1;
+    into(1, 2) = 1 - (2 * static_cast<float>(box.y) + static_cast<float>(box.height)) / h;
+    return into;
+}
+
+/// The same of clip coordinates.
+Eigen::Matrix4f clip_into(const Eigen::Matrix3f& into) {
+    Eigen::Matrix4f clip = Eigen::Matrix4f::Identity();
+    clip.topLeftCorner<2, 2>() = into.topLeftCorner<2, 2>();
+    clip.topRightCorner<2, 1>() = into.topRightCorner<2, 1>();
+    return clip;
+}
+
+}  // namespace
+
+namespace {
+
+/// The stencil's bits of pixels that show a solid, and the fluid.
+constexpr GLint solid_seen = 1, fluid_seen = 2;
+
+/// Of a shader.
+std::string constant(const char* name, bool value) { return std::string("const bool ") + name + " = " + (value ? "true" : "false") + ";\n"; }
+
+/// What is drawn from here on is one of the two, down to the ground.
+void begin_geometry(gl::Program& program, GLint seen, float lowest) {
+    program.set("cuts", 1);
+    program.set("lowest", lowest);
+    glEnable(GL_CLIP_DISTANCE0);
+    glEnable(GL_STENCIL_TEST);
+    glStencilFunc(GL_ALWAYS, seen, 0xff);
+    glStencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
+}
+
+void end_geometry() {
+    glDisable(GL_CLIP_DISTANCE0);
+    glDisable(GL_STENCIL_TEST);
+}
+
+/// Pixels whose stencil compares so are shaded: the others cost the software driver nothing.
+void shade_where(GLenum comparison, GLint seen) {
+    glEnable(GL_STENCIL_TEST);
+    glStencilFunc(comparison, seen, 0xff);
+    glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
 }
 
 }  // namespace
@@ -88,11 +132,11 @@ struct Renderer::Device {
                      const std::array<float, 2>& range, const PictureBox& box);
     void draw_sample(const Shot& shot, int sample);
     void draw_from(const Shot& shot, int sample);
-    void find_solid_light(const Shot& shot);
-    void draw_solid_depth(const Shot& shot, const Eigen::Matrix4f& matrix);
-    void draw_solids(const Shot& shot, const Eigen::Matrix4f& matrix);
+    void draw_faces(const Shot& shot, const Eigen::Matrix4f& matrix);
+    void find_solid_light(const Shot& shot, const Eigen::Matrix4f& matrix);
+    void shade_solids(const Shot& shot, const Eigen::Matrix4f& matrix, GLuint target);
     void draw_fluid(const Shot& shot, const Eigen::Matrix4f& matrix);
-    void shade_sample(const Shot& shot, const Eigen::Matrix4f& matrix, int sample, float weight);
+    void shade_sample(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
     void shade_fluid(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
     void draw_glass(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
     void compose_picture(const Shot& shot, const gl::Framebuffer& target, bool linear);
@@ -100,23 +144,25 @@ struct Renderer::Device {
     Image read_back() const;
     void set_studio(gl::Program& program, const Shot& shot) const;
     void set_solid_light(gl::Program& program, const Shot& shot, const Eigen::Matrix4f& matrix) const;
+    void bind_faces(gl::Program& program) const;
     void cover_screen() const;
 
     GlContext context;  // first: everything below is freed while it is still current
     int width, height;
 
-    gl::Program fluid_normal{{"mesh.vert"}, {"normal.frag"}};
+    gl::Program fluid_normal{{"mesh.vert"}, {"folded.glsl", "normal.frag"}};
     gl::Program solid_depth{{"mesh.vert"}, {"depth.frag"}};
-    gl::Programs solid_colour{{"mesh.vert"},
+    gl::Programs solid_faces{{"mesh.vert"}, {"studio.glsl", "textures.glsl", "folded.glsl", "face.frag"}};
+    gl::Programs solid_colour{{"screen.vert"},
                               {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "shadow.glsl", "solid_light.glsl",
-                               "hot.glsl", "solid.frag"}};
-    gl::Programs solid_light_program{
-        {"mesh.vert"},
-        {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "shadow.glsl", "solid_light.glsl", "solid_light.frag"}};
+                               "hot.glsl", "folded.glsl", "faces.glsl", "solid.frag"}};
+    gl::Programs solid_light_program{{"screen.vert"},
+                                     {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "shadow.glsl",
+                                      "solid_light.glsl", "folded.glsl", "faces.glsl", "solid_light.frag"}};
     gl::Programs liquid{{"screen.vert"},
-                        {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "inks.glsl", "liquid.frag"}};
+                        {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "inks.glsl", "folded.glsl", "liquid.frag"}};
     gl::Programs opaque{{"screen.vert"},
-                        {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "inks.glsl", "crust.glsl", "opaque.frag"}};
+                        {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "inks.glsl", "crust.glsl", "folded.glsl", "opaque.frag"}};
     gl::Programs glass_walls{{"mesh.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "glass.frag"}};
     gl::Programs glass_edges{{"edge.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "edge.frag"}};
     gl::Programs behind{{"screen.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "behind.frag"}};
@@ -124,9 +170,13 @@ struct Renderer::Device {
 
     gl::Texture depth = gl::texture_2d(GL_DEPTH24_STENCIL8, width, height, false);
     gl::Texture solid = gl::texture_2d(GL_RGBA16F, width, height, false);
-    gl::Texture normal = gl::texture_2d(GL_RGBA16F, width, height, false);
+    gl::Texture normal = gl::texture_2d(GL_RGBA32F, width, height, false);
     gl::Texture glass = gl::texture_2d(GL_RGBA16F, width, height, false);
     gl::Texture picture = gl::texture_2d(GL_RGBA8, width, height, false);
+    gl::Texture face_colour = gl::texture_2d(GL_RGBA16F, width, height, false);
+    gl::Texture face_normals = gl::texture_2d(GL_RGBA16F, width, height, false);
+    gl::Texture face_distance = gl::texture_2d(GL_R32F, width, height, false);
+    gl::Framebuffer faces = gl::framebuffer({face_colour.id(), face_normals.id(), face_distance.id()}, depth.id());
     gl::Framebuffer geometry = gl::framebuffer({solid.id(), normal.id()}, depth.id());
     gl::Texture crust;  // or motion of the surface; made with the first fluid that needs it
     gl::Framebuffer crusted_geometry;
@@ -134,10 +184,11 @@ struct Renderer::Device {
     gl::Framebuffer output = gl::framebuffer({picture.id()}, 0);
     std::optional<LayerPass> layer_pass;  // made when it is first asked for
 
-    Samples samples{width, height};
+    Samples samples{width, height, depth};
+    Backdrop backdrop{width, height};
     SceneGeometry scene;
     FieldTexture field;
-    SolidField solid_field;
+    SolidField solid_field{height};
     SolidLight solid_light{width, height};
     FlowShapes flow;
     InkField inks;
@@ -209,27 +260,27 @@ Shot Renderer::Device::sum_samples(const Frame& frame, const Surface& surface, c
     const Material material = fluid_material(look, size);
     const float aspect = static_cast<float>(width) / static_cast<float>(height);
     const Eigen::Matrix4f camera = camera_matrix(view, aspect, scene.bounds());
+    const Mat3f into = into_box(shows_field(look) ? box : PictureBox{0, 0, width, height}, width, height);
     Shot shot{look,
               view,
               material,
               hides(material, size),
               frame.spacing,
               ground_height(frame),
-              shows_field(look) ? beside_words(camera, box, width, height) : camera,
+              clip_into(into) * camera,
+              rays(view, aspect) * into.inverse(),
               aspect,
               !surface.age.empty(),
               !surface.crust.empty() && !shows_field(look),
               {},
               {},
-              surround.constants(look) + "const bool draws_behind = " + (view.blurs() ? "true" : "false") +
-                  ";\nconst bool transparent = " + (is_transparent(look) ? "true" : "false") + ";\n"};
+              surround.constants(look) + constant("draws_behind", view.blurs()) + constant("transparent", is_transparent(look))};
     for (const FrameSolid& s : frame.solids) shot.patterns.insert(solid_material(s.material).pattern);
     if (!shows_field(look)) shot.patches = hot_patches(surface, shot.material);
     scene.go_to(0);
     glBindVertexArray(no_vertices);
     ground_light.draw(scene, shot.material, surround.shadow_lamp(view), frame.spacing, shot.ground, look.ground);
 
-    if (shot.keeps_solid_light()) find_solid_light(shot);
     glViewport(0, 0, width, height);
     samples.begin(look.samples, shot.needs_all_samples());
     if (scene.any_containers()) {
@@ -278,17 +329,18 @@ void Renderer::Device::draw_from(const Shot& shot, int sample) {
     glEnable(GL_DEPTH_TEST);
     if (!samples.leaves_out(sample)) {
         glBindFramebuffer(GL_FRAMEBUFFER, things.id());
-        glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-        draw_solid_depth(shot, matrix);
-        draw_solids(shot, matrix);
+        glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
+        draw_faces(shot, matrix);
+        if (sample == 0 && shot.keeps_solid_light()) find_solid_light(shot, matrix);
+        shade_solids(shot, matrix, things.id());
         draw_front();
     } else {
         samples.leave_settled(depth);
         if (sample == 1 && scene.any_containers()) samples.complete_glass(glass_target, no_vertices);
+        draw_faces(shot, matrix);
         glBindFramebuffer(GL_FRAMEBUFFER, things.id());
-        draw_solid_depth(shot, matrix);
         draw_front();
-        draw_solids(shot, matrix);  // those that the fluid hides keep the first sample's light, which only refraction shows
+        shade_solids(shot, matrix, things.id());  // those that the fluid hides keep the first sample's light, which only refraction shows
         samples.wipe_open(no_vertices);
     }
     glDisable(GL_DEPTH_TEST);
@@ -297,24 +349,29 @@ void Renderer::Device::draw_from(const Shot& shot, int sample) {
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE);
     if (shot.look.style == "volume") flow.shade_cloud(shot.look, shot.view, solid, matrix, sample, no_vertices);
-    else shade_sample(shot, matrix, sample, samples.weight(sample));
+    else shade_sample(shot, matrix, samples.weight(sample));
     if (scene.any_containers()) draw_glass(shot, matrix, samples.weight());
     glDisable(GL_BLEND);
     if (samples.settles(sample)) samples.settle(scene.any_containers() ? glass.id() : 0, no_vertices);
     glDisable(GL_SCISSOR_TEST);
 }
 
-void Renderer::Device::find_solid_light(const Shot& shot) {
+void Renderer::Device::find_solid_light(const Shot& shot, const Eigen::Matrix4f& matrix) {
     if (!scene.any_solids()) return;
-    solid_light.begin(shot.camera);
-    glEnable(GL_DEPTH_TEST);
-    draw_solid_depth(shot, shot.camera);
-    glDepthFunc(GL_LEQUAL);
-    gl::Program& program = solid_light_program.with(shot.constants + "const bool finds_light = true;\n");
-    set_solid_light(program, shot, shot.camera);
-    scene.draw_solids(program, false, [](const FrameSolid&) {});
-    glDepthFunc(GL_LESS);
-    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_SCISSOR_TEST);
+    solid_light.begin(shot.camera, [&](gl::Program& program) { bind_faces(program); }, no_vertices);
+    gl::Program& program = solid_light_program.with(shot.constants + constant("finds_light", true));
+    set_solid_light(program, shot, matrix);
+    cover_screen();
+    solid_light.end();
+    glViewport(0, 0, width, height);
+    glEnable(GL_SCISSOR_TEST);
+}
+
+void Renderer::Device::bind_faces(gl::Program& program) const {
+    program.texture("face_colour", 1, GL_TEXTURE_2D, face_colour.id());
+    program.texture("face_normals", 2, GL_TEXTURE_2D, face_normals.id());
+    program.texture("face_distance", 3, GL_TEXTURE_2D, face_distance.id());
 }
 
 /// What solids hide from each other, and the fluid from them.
@@ -324,75 +381,88 @@ void Renderer::Device::set_solid_light(gl::Program& program, const Shot& shot, c
     field.bind(program, field_unit);
     solid_field.bind(program, solid_unit);
     program.set("fluid_hides", shot.hides);
-    program.set("view_projection", matrix);
+    program.set("to_world", Eigen::Matrix4f(matrix.inverse()));
+    bind_faces(program);
 }
 
-/// The colour of solids is the dearest of all: depth comes first, so that only what is seen gets one.
-void Renderer::Device::draw_solid_depth(const Shot& shot, const Eigen::Matrix4f& matrix) {
+/// What of solids a sample shows; the stencil remembers where. Small triangles share a block of pixels, so that light, which is dear, comes
+/// after. Where they have patterns, depth comes first.
+void Renderer::Device::draw_faces(const Shot& shot, const Eigen::Matrix4f& matrix) {
     if (!scene.any_solids()) return;
-    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-    solid_depth.use();
-    solid_depth.set("view_projection", matrix);
-    solid_depth.set("ground_height", shot.look.ground ? shot.ground : -1e6f);
-    scene.draw_solids(solid_depth, false, [](const FrameSolid&) {});
-    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-}
-
-void Renderer::Device::draw_solids(const Shot& shot, const Eigen::Matrix4f& matrix) {
-    if (!scene.any_solids()) return;
+    glBindFramebuffer(GL_FRAMEBUFFER, faces.id());
+    glDisable(GL_SCISSOR_TEST);
+    const std::array<float, 4> none{};
+    glClearBufferfv(GL_COLOR, 2, none.data());
+    glEnable(GL_SCISSOR_TEST);
+    const float lowest = shot.lowest() - 1e-4f;  // m: what lies on the ground is not cut to rags by rounding
+    if (shot.patterns != std::set{Pattern::plain}) {
+        glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+        solid_depth.use();
+        solid_depth.set("view_projection", matrix);
+        begin_geometry(solid_depth, 0, lowest);
+        scene.draw_solids(solid_depth, false, [](const FrameSolid&) {});
+        glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    }
     glDepthFunc(GL_LEQUAL);
     for (const Pattern pattern : shot.patterns) {
-        gl::Program& program = solid_colour.with(shot.constants + "const int pattern = " + std::to_string(static_cast<int>(pattern)) +
-                                                 ";\nconst bool finds_light = " + (shot.keeps_solid_light() ? "false" : "true") + ";\n");
-        set_solid_light(program, shot, matrix);
-        solid_light.bind(program, 0);
-        bind_patches(program, shot.patches);
+        gl::Program& program = solid_faces.with(shot.constants + "const int pattern = " + std::to_string(static_cast<int>(pattern)) + ";\n");
+        set_studio(program, shot);
+        program.set("view_projection", matrix);
+        begin_geometry(program, solid_seen, lowest);
         const auto prepare = [&](const FrameSolid& s) {
             const SolidMaterial material = solid_material(s.material);
             program.set("solid_colour", material.colour);
             program.set("metal", material.metal);
             program.set("roughness", material.roughness);
-            program.set("box_softness", material.roughness);
         };
         scene.draw_solids(program, false, prepare, [&](const FrameSolid& s) { return solid_material(s.material).pattern == pattern; });
     }
+    end_geometry();
     glDepthFunc(GL_LESS);
+}
+
+void Renderer::Device::shade_solids(const Shot& shot, const Eigen::Matrix4f& matrix, GLuint target) {
+    glBindFramebuffer(GL_FRAMEBUFFER, target);
+    if (!scene.any_solids()) return;
+    glDisable(GL_DEPTH_TEST);
+    shade_where(GL_EQUAL, solid_seen);
+    gl::Program& program =
+        solid_colour.with(shot.constants + constant("finds_light", !shot.keeps_solid_light()));
+    set_solid_light(program, shot, matrix);
+    solid_light.bind(program, solid_light_unit);
+    bind_patches(program, shot.patches);
+    cover_screen();
+    glDisable(GL_STENCIL_TEST);
+    glEnable(GL_DEPTH_TEST);
 }
 
 void Renderer::Device::draw_fluid(const Shot& shot, const Eigen::Matrix4f& matrix) {
     glColorMaski(0, GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     fluid_normal.use();
     fluid_normal.set("view_projection", matrix);
-    fluid_normal.set("ground_height", shot.look.ground ? shot.ground : -1e6f);
+    fluid_normal.set("eye", shot.view.position);
     fluid_normal.set("keeps_motion", shot.keeps_motion() ? 1 : 0);
-    fluid_normal.set("tolerance", 0.5f * shot.spacing);
     glEnable(GL_CULL_FACE);
+    begin_geometry(fluid_normal, fluid_seen, shot.lowest() - 0.5f * shot.spacing);
     scene.draw_fluid(fluid_normal);
+    end_geometry();
     glDisable(GL_CULL_FACE);
     glColorMaski(0, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
 }
 
-/// First what is not fluid, which the stencil remembers: the software driver computes the fluid's light in every pixel that it is asked
-/// for.
-void Renderer::Device::shade_sample(const Shot& shot, const Eigen::Matrix4f& matrix, int sample, float weight) {
-    glEnable(GL_DEPTH_TEST);
-    glDepthMask(GL_FALSE);
-    glEnable(GL_STENCIL_TEST);
-    glStencilFunc(GL_ALWAYS, sample % 255 + 1, 0xff);
-    glStencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
+void Renderer::Device::shade_sample(const Shot& shot, const Eigen::Matrix4f& matrix, float weight) {
+    // Where nothing stands there is light only if each sample draws its own backdrop, or a flow that the stencil does not tell.
+    if (shot.view.blurs() || shows_field(shot.look)) shade_where(GL_NOTEQUAL, fluid_seen);
+    else shade_where(GL_EQUAL, solid_seen);
     gl::Program& program = behind.with(shot.constants);
     set_studio(program, shot);
-    program.texture("normal_buffer", 1, GL_TEXTURE_2D, normal.id());
     program.texture("solid_buffer", 2, GL_TEXTURE_2D, solid.id());
     program.set("to_world", Eigen::Matrix4f(matrix.inverse()));
     program.set("weight", weight);
     cover_screen();
-    glStencilFunc(GL_NOTEQUAL, sample % 255 + 1, 0xff);
-    glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
+    shade_where(GL_EQUAL, fluid_seen);
     shade_fluid(shot, matrix, weight);
     glDisable(GL_STENCIL_TEST);
-    glDepthMask(GL_TRUE);
-    glDisable(GL_DEPTH_TEST);
 }
 
 void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matrix, float weight) {
@@ -402,7 +472,6 @@ void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matr
     field.bind(program, field_unit);
     inks.bind(program, ink_unit, field.voxel());
     solid_field.bind(program, solid_unit);
-    program.texture("depth_buffer", 0, GL_TEXTURE_2D, depth.id());
     program.texture("normal_buffer", 1, GL_TEXTURE_2D, normal.id());
     program.texture("solid_buffer", 2, GL_TEXTURE_2D, solid.id());
     program.texture("crust_buffer", 3, GL_TEXTURE_2D, crust.id());
@@ -413,7 +482,6 @@ void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matr
     program.set("to_clip", matrix);
     program.set("weight", weight);
     program.set("has_solids", scene.any_solids() ? 1 : 0);
-    program.set("box_softness", material.roughness);
     program.set("roughness", material.roughness);
     program.set("refraction", material.refraction);
     program.set("absorption", Vec3f(material.absorption * field.voxel()));
@@ -436,13 +504,11 @@ void Renderer::Device::draw_glass(const Shot& shot, const Eigen::Matrix4f& matri
     const Eigen::Matrix4f before = nearer(matrix, std::min(shot.spacing / (shot.view.target - shot.view.position).norm(), 0.1f));
     program.set("view_projection", before);
     program.set("weight", weight);
-    program.set("box_softness", 0.05f);
     scene.draw_solids(program, true, [](const FrameSolid&) {});
     gl::Program& edges = glass_edges.with(shot.constants);
     set_studio(edges, shot);
     edges.set("view_projection", before);
     edges.set("weight", weight);
-    edges.set("box_softness", 0.05f);
     scene.draw_edges(edges);
     glDepthMask(GL_TRUE);
     glDisable(GL_DEPTH_TEST);
@@ -450,16 +516,34 @@ void Renderer::Device::draw_glass(const Shot& shot, const Eigen::Matrix4f& matri
 
 /// @param linear light for compositors, and the shadow, instead of a picture for screens
 void Renderer::Device::compose_picture(const Shot& shot, const gl::Framebuffer& target, bool linear) {
+    if (!is_transparent(shot.look)) {
+        const Backdrop::Key key{shot.to_ray, studio_axes(shot.view), shot.view.position, shot.view.fov, shot.look.background,
+                                shot.look.table, shot.look.environment.string(), shot.look.ground ? shot.ground : -1e6f,
+                                shot.look.table == "none" ? Vec3f::UnitZ() : ground_light.area()};
+        backdrop.draw(key, shot.constants, [&](gl::Program& program) { set_studio(program, shot); }, no_vertices);
+    }
     glBindFramebuffer(GL_FRAMEBUFFER, target.id());
-    gl::Program& program = compose.with(shot.constants + "const bool linear = " + (linear ? "true" : "false") + ";\n");
-    set_studio(program, shot);
-    program.texture("samples", 0, GL_TEXTURE_2D, samples.sum());
-    program.texture("glass", 1, GL_TEXTURE_2D, glass.id());
-    program.set("has_glass", scene.any_containers() ? 1 : 0);
-    program.set("to_world", Eigen::Matrix4f(shot.camera.inverse()));
-    program.set("exposure", shot.look.exposure);
-    program.set("aspect", shot.aspect);
-    cover_screen();
+    // Above the ground that has a light map there is nothing to look up.
+    Bounds area;
+    const Vec3f middle = ground_light.area(), corner(middle.z(), 0, middle.z());
+    area.add(Vec3f(middle.x(), shot.ground, middle.y()) - corner), area.add(Vec3f(middle.x(), shot.ground, middle.y()) + corner);
+    const PixelBox box = pixels_of(area, shot.camera, width, height);
+    const int lit = linear ? height : box.y + box.height;
+    glEnable(GL_SCISSOR_TEST);
+    for (const bool has_light : {true, false}) {
+        glScissor(0, has_light ? 0 : lit, width, has_light ? lit : height - lit);
+        gl::Program& program =
+            compose.with(shot.constants + constant("linear", linear) + constant("has_glass", scene.any_containers()) + constant("has_light", has_light));
+        set_studio(program, shot);
+        if (!is_transparent(shot.look)) backdrop.bind(program, 2);
+        program.texture("samples", 0, GL_TEXTURE_2D, samples.sum());
+        program.texture("glass", 1, GL_TEXTURE_2D, glass.id());
+        program.set("to_world", Eigen::Matrix4f(shot.camera.inverse()));
+        program.set("exposure", shot.look.exposure);
+        program.set("aspect", shot.aspect);
+        cover_screen();
+    }
+    glDisable(GL_SCISSOR_TEST);
 }
 
 PictureLayers Renderer::Device::light_of(const Shot& shot) {

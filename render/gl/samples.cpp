@@ -4,9 +4,10 @@
 
 namespace whorl {
 
-Samples::Samples(int width, int height)
-    : width_(width), height_(height), settled_(gl::texture_2d(GL_DEPTH24_STENCIL8, width, height, false)),
-      sum_(gl::texture_2d(GL_RGBA16F, width, height, false)), sum_target_(gl::framebuffer({sum_.id()}, settled_.id())) {}
+Samples::Samples(int width, int height, const gl::Texture& depth)
+    : width_(width), height_(height), depth_(depth.id()), settled_(gl::texture_2d(GL_DEPTH24_STENCIL8, width, height, false)),
+      sum_(gl::texture_2d(GL_RGBA16F, width, height, false)), sum_target_(gl::framebuffer({sum_.id()}, settled_.id())),
+      shaded_sum_(gl::framebuffer({sum_.id()}, depth_)) {}
 
 void Samples::cover(GLuint no_vertices) const {
     glBindVertexArray(no_vertices);
@@ -17,25 +18,25 @@ void Samples::begin(int count, bool all) {
     count_ = std::max(count, 1), all_ = all;
     if (!all && first_.id() == 0) {
         first_ = gl::texture_2d(GL_RGBA16F, width_, height_, false);
-        first_target_ = gl::framebuffer({first_.id()}, settled_.id());
+        shaded_first_ = gl::framebuffer({first_.id()}, depth_);
     }
     glClearColor(0, 0, 0, 0);
-    for (const GLuint target : {sum_target_.id(), first_target_.id()}) {
-        if (target == 0) continue;
-        glBindFramebuffer(GL_FRAMEBUFFER, target);
-        glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
-    }
+    glBindFramebuffer(GL_FRAMEBUFFER, sum_target_.id());
+    glClear(GL_COLOR_BUFFER_BIT | (all ? 0 : GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT));
+    if (all) return;
+    glBindFramebuffer(GL_FRAMEBUFFER, shaded_first_.id());
+    glClear(GL_COLOR_BUFFER_BIT);
 }
 
 void Samples::settle(GLuint glass, GLuint no_vertices) {
     glBindFramebuffer(GL_FRAMEBUFFER, sum_target_.id());
     glEnable(GL_DEPTH_TEST);
     for (const bool settles : {true, false}) {
-        gl::Program& program = settling_.with(settles ? "const bool settles = true;\n" : "const bool settles = false;\n");
+        gl::Program& program = settling_.with(std::string("const bool settles = ") + (settles ? "true" : "false") +
+                                             ";\nconst bool has_glass = " + (glass != 0 ? "true" : "false") + ";\n");
         program.use();
         program.texture("first", 0, GL_TEXTURE_2D, first_.id());
         program.texture("glass", 1, GL_TEXTURE_2D, glass);
-        program.set("has_glass", glass != 0 ? 1 : 0);
         program.set("weight", weight());
         glDepthMask(settles ? GL_TRUE : GL_FALSE);
         if (settles) glDepthRangef(0, 0);

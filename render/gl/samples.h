@@ -6,7 +6,8 @@ namespace whorl {
 
 class Samples {
 public:
-    Samples(int width, int height);
+    /// @param depth with the stencil by which whoever draws a sample tells its pixels
+    Samples(int width, int height, const gl::Texture& depth);
     /// Before the first of `count`. @param all every pixel needs all of them
     void begin(int count, bool all);
     int count() const { return count_; }
@@ -14,8 +15,8 @@ public:
     bool settles(int sample) const { return sample == 0 && !all_; }
     bool leaves_out(int sample) const { return sample > 0 && !all_; }
     float weight() const { return 1.0f / static_cast<float>(count_); }
-    /// Where a sample is drawn to, with depth test and stencil for whoever draws, and what it is multiplied with there.
-    GLuint target(int sample) const { return settles(sample) ? first_target_.id() : sum_target_.id(); }
+    /// Where a sample is drawn to, with that stencil, and what it is multiplied with there.
+    GLuint target(int sample) const { return settles(sample) ? shaded_first_.id() : shaded_sum_.id(); }
     float weight(int sample) const { return settles(sample) ? 1 : weight(); }
 
     /// Puts the first sample into the sum, and marks the pixels that need no other.
@@ -34,12 +35,13 @@ private:
     void cover(GLuint no_vertices) const;
 
     int width_, height_, count_ = 1;
+    GLuint depth_;
     bool all_ = true;
     gl::Programs settling_{{"screen.vert"}, {"settle.frag"}};
     gl::Program wipe_{{"screen.vert"}, {"wipe.frag"}};
     // Depth 0 where a pixel has all that it needs.
     gl::Texture settled_, sum_, first_;
-    gl::Framebuffer sum_target_, first_target_;
+    gl::Framebuffer sum_target_, shaded_sum_, shaded_first_;
 };
 
 }  // namespace whorl

@@ -45,21 +45,38 @@ float ground_height(const Frame& frame) {
     return near ? std::max(lowest, height) : height;
 }
 
-Eigen::Matrix4f camera_matrix(const View& view, float aspect, const Bounds& bounds) {
+namespace {
+
+/// Rows: to the right, up, and back to the eye.
+Mat3f axes_of(const View& view) {
     const Vec3f forward = (view.target - view.position).normalized();
     Vec3f right = forward.cross(view.up);
     if (right.norm() < 1e-3f) right = forward.cross(std::abs(view.up.x()) < 0.9f ? Vec3f::UnitX() : Vec3f::UnitZ());
     right.normalize();
-    const Vec3f up = right.cross(forward);
+    Mat3f axes;
+    axes << right.transpose(), right.cross(forward).transpose(), -forward.transpose();
+    return axes;
+}
+
+/// Of the picture's height over twice the distance.
+float half_height(const View& view) { return std::tan(view.fov * std::numbers::pi_v<float> / 360); }
+
+}  // namespace
+
+Mat3f rays(const View& view, float aspect) {
+    return axes_of(view).transpose() * Vec3f(half_height(view) * aspect, half_height(view), -1).asDiagonal();
+}
+
+Eigen::Matrix4f camera_matrix(const View& view, float aspect, const Bounds& bounds) {
+    const Mat3f axes = axes_of(view);
+    const Vec3f forward = -axes.row(2).transpose();
     Eigen::Matrix4f look = Eigen::Matrix4f::Identity();
-    look.block<1, 3>(0, 0) = right.transpose();
-    look.block<1, 3>(1, 0) = up.transpose();
-    look.block<1, 3>(2, 0) = -forward.transpose();
+    look.topLeftCorner<3, 3>() = axes;
     look.block<3, 1>(0, 3) = -look.block<3, 3>(0, 0) * view.position;
 
     const float middle = forward.dot(bounds.centre() - view.position), radius = std::max(bounds.radius(), 1e-4f);
     const float far = std::max(middle + 1.05f * radius, 1e-3f), near = std::max(middle - 1.05f * radius, 0.01f * far);
-    const float scale = 1 / std::tan(view.fov * std::numbers::pi_v<float> / 360);
+    const float scale = 1 / half_height(view);
     Eigen::Matrix4f project = Eigen::Matrix4f::Zero();
     project(0, 0) = scale / aspect;
     project(1, 1) = scale;

@@ -28,6 +28,8 @@ float ground_height(const Frame& frame);
 
 /// World -> clip; the depth range fits the bounds tightly.
 Eigen::Matrix4f camera_matrix(const View& view, float aspect, const Bounds& bounds);
+/// Place in the picture (-1 .. 1, -1 .. 1, 1) -> the direction that the camera sees there.
+Mat3f rays(const View& view, float aspect);
 /// The matrix of a camera that stands aside by `offset` [m], within the lens: what stands `view.focus` ahead stays where it is in the
 /// picture.
 Eigen::Matrix4f through_lens(const Eigen::Matrix4f& matrix, const View& view, const Vec3f& offset);

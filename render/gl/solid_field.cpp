@@ -11,13 +11,13 @@
 namespace whorl {
 namespace {
 
-constexpr int own_voxels = 64, world_voxels = 96;
+constexpr int own_voxels = 64, world_voxels = 96, small_world_voxels = 48;
 
-/// Edge of a voxel: `usual` along the longest side, and four or more across the thinnest body where 96 x 96 x 96 allow it.
-float voxel_edge(const Vec3f& size, float thinnest, int usual) {
-    constexpr float most_in_all = 96 * 96 * 96;
+/// Edge of a voxel: `usual` along the longest side, and four or more across the thinnest body where `most` in a cube allow it.
+float voxel_edge(const Vec3f& size, float thinnest, int usual, int most) {
+    const auto in_all = static_cast<float>(most * most * most);
     const float longest = std::max(size.maxCoeff(), 1e-6f), fine = std::max(thinnest / 4, longest / 512);
-    return std::min(longest / static_cast<float>(usual), std::max(fine, std::cbrt(size.prod() / most_in_all)));
+    return std::min(longest / static_cast<float>(usual), std::max(fine, std::cbrt(size.prod() / in_all)));
 }
 
 /// lower_row() along the volume's own rows: one row between four of the volume's is made first.
@@ -91,31 +91,16 @@ Volume union_of(const std::vector<const Volume*>& own, const std::vector<Mat3f>&
     return all;
 }
 
+SolidField::SolidField(int height) : voxels_(height < 480 ? small_world_voxels : world_voxels) {}
+
 const Volume& SolidField::own_field(const std::shared_ptr<const TriangleMesh>& mesh) {
     for (const auto& [known, volume] : own_)
         if (known == mesh) return volume;
     const Bounds bounds = bounds_of(mesh->position);
     const Vec3f size = bounds.high - bounds.low;
-    const float voxel = voxel_edge(size, size.minCoeff(), own_voxels);
+    const float voxel = voxel_edge(size, size.minCoeff(), own_voxels, world_voxels);
     own_.emplace_back(mesh, distance_volume(*mesh, voxel, static_cast<int>(4 * size.maxCoeff() / voxel) + 1));
     return own_.back().second;
-}
-
-/// Whether the solids stand as they did when the field was made but for one motion of all, which is kept.
-bool SolidField::has_moved_as_one(const std::vector<Placed>& now) {
-    if (now.size() != placed_.size()) return false;
-    if (now.empty()) return true;
-    const Mat3f turn = now[0].rotation * placed_[0].rotation.transpose();
-    const Vec3f move = now[0].translation - turn * placed_[0].translation;
-    const float tolerance = 0.01f * voxel_;
-    const auto as_one = [&](const Placed& a, const Placed& b) {
-        const float size = bounds_of(b.mesh->position).radius();
-        return a.mesh == b.mesh && size * (a.rotation - turn * b.rotation).norm() < tolerance &&
-               (a.translation - turn * b.translation - move).norm() < tolerance;
-    };
-    if (!std::equal(now.begin(), now.end(), placed_.begin(), as_one)) return false;
-    turn_ = turn, move_ = move;
-    return true;
 }
 
 void SolidField::fill(const std::vector<FrameSolid>& solids) {
@@ -124,14 +109,17 @@ void SolidField::fill(const std::vector<FrameSolid>& solids) {
     float thinnest = std::numeric_limits<float>::max();
     for (const FrameSolid& solid : solids) {
         if (!solid.mesh || solid.mesh->triangle.empty() || solid.container || is_level_ground(solid)) continue;
-        now.push_back({solid.mesh, solid.rotation, solid.translation});
-        bounds.add(bounds_of(solid));
+        if (now.empty()) turn_ = solid.rotation, move_ = solid.translation;
+        FrameSolid seen = solid;  // from the first
+        if (now.empty()) seen.rotation = Mat3f::Identity(), seen.translation = Vec3f::Zero();
+        else seen.rotation = turn_.transpose() * solid.rotation, seen.translation = turn_.transpose() * (solid.translation - move_);
+        now.push_back({seen.mesh, seen.rotation, seen.translation});
+        bounds.add(bounds_of(seen));
         const Bounds own = bounds_of(solid.mesh->position);
         thinnest = std::min(thinnest, (own.high - own.low).minCoeff());
     }
-    if (has_moved_as_one(now)) return;
+    if (now == placed_) return;
     placed_ = std::move(now);
-    turn_ = Mat3f::Identity(), move_ = Vec3f::Zero();
     empty_ = placed_.empty();
     if (empty_) return;
 
@@ -144,7 +132,7 @@ void SolidField::fill(const std::vector<FrameSolid>& solids) {
     std::vector<Vec3f> translation;
     for (const Placed& p : placed_) own.push_back(&own_field(p.mesh)), rotation.push_back(p.rotation), translation.push_back(p.translation);
     const Vec3f size = bounds.high - bounds.low;
-    const float voxel = voxel_edge(size, thinnest, world_voxels - 5);
+    const float voxel = voxel_edge(size, thinnest, voxels_ - 5, voxels_);
     const Volume all =
         union_of(own, rotation, translation, bounds.low, bounds.high, static_cast<int>(std::lround(size.maxCoeff() / voxel)) + 5);
     origin_ = all.origin, voxel_ = all.voxel;

@@ -8,8 +8,10 @@ namespace whorl {
 
 class SolidField {
 public:
-    /// Containers and the level ground are left out. Made anew only where a solid has moved against another: solids that move together take
-    /// their field along.
+    /// @param height of the pictures [pixels]: a small one shows no more than half the resolution
+    explicit SolidField(int height);
+    /// Containers and the level ground are left out. The field stands in the axes of the first solid, and goes with it: it is made anew only
+    /// where another has moved against that one.
     void fill(const std::vector<FrameSolid>& solids);
     /// Sets the uniforms of solids.glsl; takes one texture unit.
     void bind(gl::Program& program, int unit) const;
@@ -19,12 +21,13 @@ private:
         std::shared_ptr<const TriangleMesh> mesh;
         Mat3f rotation;
         Vec3f translation;
+        bool operator==(const Placed&) const = default;
     };
-    bool has_moved_as_one(const std::vector<Placed>& now);
     const Volume& own_field(const std::shared_ptr<const TriangleMesh>& mesh);
 
-    std::vector<Placed> placed_;      ///< when the field was made
-    Mat3f turn_ = Mat3f::Identity();  ///< of all since then, and how far they went
+    int voxels_;  ///< along a side of a cube
+    std::vector<Placed> placed_;      ///< seen from the first: of equal ones the field is the same
+    Mat3f turn_ = Mat3f::Identity();  ///< of the first, and where it is
     Vec3f move_ = Vec3f::Zero();
     std::vector<std::pair<std::shared_ptr<const TriangleMesh>, Volume>>
         own_;  ///< signed distance in each mesh's own coordinates, everywhere

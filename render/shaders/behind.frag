@@ -1,6 +1,5 @@
 // Where a sample sees no fluid: the solid, or what is behind all.
 in vec2 uv;
-uniform sampler2D normal_buffer;
 uniform sampler2D solid_buffer;
 uniform mat4 to_world;   // clip -> world
 uniform float weight;    // of this sample in the pixel
@@ -8,7 +7,6 @@ uniform float weight;    // of this sample in the pixel
 layout(location = 0) out vec4 colour;
 
 void main() {
-    if (texelFetch(normal_buffer, ivec2(gl_FragCoord.xy), 0).a >= 0.5) discard;
     vec4 solid = texelFetch(solid_buffer, ivec2(gl_FragCoord.xy), 0);
     colour = vec4(0.0);
     if (solid.a > 0.0) colour = weight * vec4(solid.rgb, 1.0);

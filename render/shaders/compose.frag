@@ -1,9 +1,11 @@
 // Puts the samples over the background and turns linear light into a picture; or leaves it linear, for compositors.
-// constants: bool linear; bool transparent: there is no background, only what its ground is darkened by
+// constants: bool linear; bool transparent: there is no background, only what its ground is darkened by; bool has_glass;
+// bool has_light: the ground has a light map here
 in vec2 uv;
 uniform sampler2D samples;
 uniform sampler2D glass;     // walls of containers, over everything
-uniform bool has_glass;
+uniform sampler2D paper;     // backdrop.frag
+uniform mat3 to_ground;      // place in the picture -> x, z of the ground, both times what follows
 uniform mat4 to_world;
 uniform float exposure;
 uniform float aspect;
@@ -34,13 +36,20 @@ vec3 srgb(vec3 linear) {
 // Half a step of noise hides the steps of 8 bits in smooth gradients. The same in every frame: it must not flicker.
 float dither(vec2 pixel) { return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715)))) - 0.5; }
 
+vec3 seen_behind_all(ivec2 pixel) {
+    vec4 kept = texelFetch(paper, pixel, 0);
+    vec3 place = to_ground * vec3(2.0 * uv - 1.0, 1.0);
+    return kept.rgb * (has_light && kept.a > 0.5 ? light_on_ground(place.xy / place.z) : vec3(1.0));
+}
+
 void main() {
-    vec4 front = texture(samples, uv);
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec4 front = texelFetch(samples, pixel, 0);
     vec3 colour = front.rgb;
     float alpha = transparent && front.a < 0.999 ? front.a : 1.0;
-    if (!transparent && front.a < 0.999) colour += (1.0 - front.a) * seen_behind(to_world, uv);
+    if (!transparent && front.a < 0.999) colour += (1.0 - front.a) * seen_behind_all(pixel);
     if (has_glass) {
-        vec4 wall = texture(glass, uv);
+        vec4 wall = texelFetch(glass, pixel, 0);
         colour = colour * (1.0 - min(wall.a, 1.0)) + wall.rgb;
         alpha += (1.0 - alpha) * min(wall.a, 1.0);
     }

@@ -12,6 +12,6 @@ void main() {
     vec3 n = normalize(place * way - facing * v);
     float x = 1.0 - facing;
     float mirror = 0.05 + 0.95 * x * x * x * x * x;
-    vec3 light = min(surroundings(world, reflect(v, n)), vec3(1.3));
+    vec3 light = min(surroundings(world, reflect(v, n), 0.05), vec3(1.3));
     glass = weight * vec4(mirror * light, 0.22 * facing + 0.9 * mirror);
 }

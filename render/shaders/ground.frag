@@ -8,10 +8,10 @@ uniform vec3 shadow_tint;      // light that comes out of the fluid where it hid
 uniform float key_share;       // of the light on open ground
 layout(location = 0) out vec4 light_map;
 
-// What is near within a reach, averaged over a disc of that reach.
+// What is near within a reach, averaged over a disc of that reach. Of a whole level the software driver reads no second one.
 float hidden(int channel) {
     float radius = reach[channel], texels = radius * float(textureSize(nearness, 0).x);
-    float level = max(log2(texels) - 0.5, 0.0), sum = 0.0;
+    float level = max(floor(log2(texels)), 0.0), sum = 0.0;
     for (int i = 0; i < 6; ++i) {
         float r = radius * sqrt((float(i) + 0.5) / 6.0), angle = 2.39996 * float(i);
         sum += textureLod(nearness, uv + r * vec2(cos(angle), sin(angle)), level)[channel];

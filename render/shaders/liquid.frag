@@ -1,6 +1,5 @@
 // The fluid seen in one sample a pixel: first hit from the mesh, then light's way through it.
 in vec2 uv;
-uniform sampler2D depth_buffer;
 uniform sampler2D normal_buffer;
 uniform sampler2D solid_buffer;
 uniform mat4 to_world;       // clip -> world
@@ -10,6 +9,7 @@ uniform bool has_solids;
 uniform bool has_motion;     // of the surface since the moment of the distance field
 uniform sampler2D motion_buffer;
 uniform float refraction;    // index
+uniform float roughness;
 uniform vec3 absorption;     // 1/voxel
 uniform vec3 scatter;
 uniform float haze;          // 1/voxel
@@ -71,7 +71,7 @@ vec3 seen_through(vec3 p, vec3 d, vec3 through, out float clear) {
     vec4 s = has_solids ? solid_behind(p, d) : vec4(0.0);
     clear = transparent && s.a < 0.5 ? min(through.r, min(through.g, through.b)) : 0.0;
     // Lights seen through the body are held back: far above white they would wash its colour out.
-    return (through - clear) * min(s.a > 0.5 ? s.rgb : surroundings(p, d), vec3(1.8));
+    return (through - clear) * min(s.a > 0.5 ? s.rgb : surroundings(p, d, roughness), vec3(1.8));
 }
 
 // What inks along a way give back of the lamp's light, and in `through` what they leave of the light from behind. They take the fluid's place:
@@ -136,18 +136,14 @@ vec3 light_through(vec3 p, vec3 d, vec3 lamp, out float clear) {
 }
 
 void main() {
-    vec4 g = texture(normal_buffer, uv);
-    float depth = texture(depth_buffer, uv).r;
-    vec4 h = to_world * vec4(2.0 * vec3(uv, depth) - 1.0, 1.0);
-    vec3 x = h.xyz / h.w;
-    vec3 v = normalize(x - eye);
-    vec3 n = normalize(g.xyz);
+    vec4 g = texelFetch(normal_buffer, ivec2(gl_FragCoord.xy), 0);
+    vec3 v = ray_behind(to_world, uv), x = eye + g.a * v, n = unfolded(g.xy);
     if (dot(n, v) > -0.02) n = normalize(n - (dot(n, v) + 0.02) * v);
     vec3 p = place_of(has_motion ? x - texture(motion_buffer, uv).xyz : x);
     vec3 r = reflect(v, n);
     float mirror = fresnel(-dot(n, v));
     float open = openness(p + n, r, 30.0);
-    vec3 mirrored = mix(scatter * sky * 0.5, surroundings(x, r) + strip_light(r), open);
+    vec3 mirrored = mix(scatter * sky * 0.5, surroundings(x, r, roughness) + strip_light(r, roughness), open);
     // The body glows more on the side of the window behind the scene and from above.
     vec3 lamp = sky * (0.9 + 0.4 * dot(studio * n, vec3(-0.48, 0.77, -0.42)));
     float clear;

@@ -8,6 +8,8 @@ uniform float moment;       // s after the frame's time
 uniform mat4 view_projection;
 uniform mat3 rotation;
 uniform vec3 translation;
+uniform bool cuts;         // off what is below; there are drivers that cut without being asked to
+uniform float lowest;      // m
 uniform float point_size;   // pixels, where particles are drawn as points
 out vec3 world;
 out vec3 world_normal;
@@ -16,6 +18,7 @@ out vec3 own_normal;
 out float fluid_age;
 out vec4 fluid_crust;
 out vec3 moved;             // m, since the frame's time
+out float gl_ClipDistance[1];
 invariant gl_Position;  // passes compare depths
 
 void main() {
@@ -27,5 +30,6 @@ void main() {
     world = rotation * position + translation + moved;
     world_normal = rotation * normal;
     gl_PointSize = point_size;
+    gl_ClipDistance[0] = cuts ? world.y - lowest : 1.0;
     gl_Position = view_projection * vec4(world, 1.0);
 }

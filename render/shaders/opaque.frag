@@ -1,6 +1,5 @@
 // An opaque fluid (paint, chocolate, lava, clay), or any fluid where no distance field was made.
 in vec2 uv;
-uniform sampler2D depth_buffer;
 uniform sampler2D normal_buffer;
 uniform sampler2D solid_buffer;
 uniform mat4 to_world;       // clip -> world
@@ -26,14 +25,11 @@ float unshadowed(vec3 p, vec3 l) {
 }
 
 void main() {
-    vec4 g = texture(normal_buffer, uv);
-    vec4 h = to_world * vec4(2.0 * vec3(uv, texture(depth_buffer, uv).r) - 1.0, 1.0);
-    vec3 x = h.xyz / h.w;
-    vec3 v = normalize(x - eye);
-    vec3 n = normalize(g.xyz + vec3(0.0, 1e-9, 0.0));
+    vec4 g = texelFetch(normal_buffer, ivec2(gl_FragCoord.xy), 0);
+    vec3 v = ray_behind(to_world, uv), x = eye + g.a * v, n = unfolded(g.xy);
     Crust crust;
     if (has_crust) {
-        crust = crust_at(texture(crust_buffer, uv), g.a - 1.0);
+        crust = crust_at(texture(crust_buffer, uv), g.z);
         n = in_relief(n, x, 2.0 * voxel * crust.height);
     }
     if (dot(n, v) > -0.02) n = normalize(n - (dot(n, v) + 0.02) * v);
@@ -57,10 +53,10 @@ void main() {
     float facing = clamp(-dot(n, v), 0.0, 1.0);
     float mirror = 0.04 + 0.96 * pow(1.0 - facing, 5.0) * (1.0 - 0.8 * matt);
     // A rough body spreads what it mirrors over more directions, so that less comes from each.
-    vec3 mirrored = (surroundings(x, r) + (1.0 - matt) * strip_light(r)) * seen * (1.0 - 0.75 * matt) * (1.0 - 0.85 * smoothstep(0.75, 1.0, matt));
+    vec3 mirrored = (surroundings(x, r, roughness) + (1.0 - matt) * strip_light(r, roughness)) * seen * (1.0 - 0.75 * matt) * (1.0 - 0.85 * smoothstep(0.75, 1.0, matt));
     // Hot where it is hidden from the cold air, crusted where it is open; and what has come just now is hot all over. The hotter, the yellower.
     vec3 glow = emission * pow(1.0 - 0.9 * open, 2.0);
     if (has_crust) glow = glow_of(max(crust.outside, crust.inside * max(crust.crack, pow(1.0 - 0.9 * open, 2.0))));
-    else if (cooling > 0.0) glow = glow * exp(-0.5 * (g.a - 1.0) / cooling) + 0.45 * emission * exp(-(g.a - 1.0) / cooling * vec3(1.0, 1.6, 2.4));
+    else if (cooling > 0.0) glow = glow * exp(-0.5 * (g.z) / cooling) + 0.45 * emission * exp(-(g.z) / cooling * vec3(1.0, 1.6, 2.4));
     colour = weight * vec4(diffuse + glow + mirror * mirrored, 1.0);
 }

@@ -2,16 +2,14 @@
 in vec2 uv;
 uniform sampler2D first;
 uniform sampler2D glass;  // its walls of containers, with the weight of one of several
-uniform bool has_glass;
 uniform float weight;   // of one sample
-// constant: bool settles: only the pixels that need no more, else the others
+// constants: bool settles: only the pixels that need no more, else the others; bool has_glass
 layout(location = 0) out vec4 colour;
 
-// Differences of it are those that the eye sees, roughly.
 vec4 seen(ivec2 pixel) {
     vec4 light = texelFetch(first, pixel, 0);
     if (has_glass) light += texelFetch(glass, pixel, 0) / weight;
-    return sqrt(clamp(light, 0.0, 1.5));
+    return clamp(light, 0.0, 1.5);
 }
 
 void main() {
@@ -21,12 +19,14 @@ void main() {
         colour *= weight;
         return;
     }
-    // How far it is from the straight line between two opposite neighbours: a smooth shade is no edge.
+    // How far it is from the straight line between two opposite neighbours, of the root of light, which is what the eye sees, roughly: a smooth
+    // shade is no edge. The root's difference is that of the light over twice the root, both squared here.
     vec4 own = seen(pixel), apart = vec4(0.0);
     for (int axis = 0; axis < 2; ++axis) {
         ivec2 way = ivec2(1 - axis, axis);
         vec4 before = seen(clamp(pixel - way, ivec2(0), last)), after = seen(clamp(pixel + way, ivec2(0), last));
-        apart = max(apart, abs(own - 0.5 * (before + after)));
+        vec4 middle = 0.5 * (before + after), off = own - middle;
+        apart = max(apart, off * off / max(min(own, middle), 1e-4));
     }
-    if (max(max(apart.r, apart.g), max(apart.b, apart.a)) > 0.015) discard;
+    if (max(max(apart.r, apart.g), max(apart.b, apart.a)) > 4.0 * 0.015 * 0.015) discard;
 }

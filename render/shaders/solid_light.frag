@@ -1,15 +1,15 @@
-// The light that comes to solids, for light_of_solid().
-in vec3 world;
-in vec3 world_normal;
+// The light that comes to solids, for light_of_solid(), at a pixel in the middle of each texel.
+in vec2 uv;
+uniform mat4 to_world;   // clip -> world
 layout(location = 0) out vec4 light_here;
 layout(location = 1) out vec4 place_here;
 
 void main() {
-    vec3 v = normalize(world - eye);
-    vec3 n = normalize(world_normal);
-    if (dot(n, v) > 0.0) n = -n;
-    if (world.y < ground_height - 1e-4) discard;
+    vec2 size = vec2(textureSize(face_distance, 0));
+    ivec2 pixel = ivec2(uv * size);
+    float away = texelFetch(face_distance, pixel, 0).r;
+    vec3 v = ray_behind(to_world, (vec2(pixel) + 0.5) / size), world = eye + away * v, n = unfolded(texelFetch(face_normals, pixel, 0).zw);
     SolidLight found = find_light(world, n, reflect(v, n));
     light_here = vec4(found.key, found.open);
-    place_here = vec4(found.seen, length(world - eye), seen_along(n));
+    place_here = vec4(found.seen, away, seen_along(n));
 }

@@ -7,7 +7,6 @@ uniform vec3 key_light;      // radiance of the soft boxes
 uniform vec3 window_light;    // of the box that throws the shadow, behind the scene
 uniform vec3 rim_light;
 uniform vec3 fill_light;
-uniform float box_softness;  // 0 crisp .. 1 very soft: rough materials blur what they mirror
 uniform float ground_height; // m; far below where there is no ground
 uniform vec3 ground_area;    // centre x, z and half-width of the ground's light map [m]
 uniform sampler2D ground_light;
@@ -50,9 +49,10 @@ float soft_box(vec3 s, vec3 axis, vec3 right, vec2 size, float soft) {
     return ahead > 0.0 ? inside.x * inside.y : 0.0;
 }
 
-vec3 soft_boxes(vec3 d) {
+// @param blur 0 crisp .. 1 very soft: rough materials blur what they mirror
+vec3 soft_boxes(vec3 d, float blur) {
     vec3 s = studio * d;
-    float soft = 0.12 + 0.9 * box_softness;
+    float soft = 0.12 + 0.9 * blur;
     vec3 light = key_light * soft_box(s, normalize(vec3(-0.62, 0.68, 0.38)), normalize(vec3(0.52, 0.0, 0.85)), vec2(0.17, 0.30), soft);
     light += rim_light * soft_box(s, normalize(vec3(0.75, 0.45, -0.55)), normalize(vec3(0.55, 0.0, 0.75)), vec2(0.22, 0.6), soft);
     light += window_light * soft_box(s, normalize(vec3(-0.50, 0.62, -0.60)), normalize(vec3(0.77, 0.0, -0.64)), vec2(0.45, 0.35), soft);
@@ -66,16 +66,16 @@ float flags(vec3 d) { return 1.0 - 0.8 * smoothstep(0.1, 0.8, abs((studio * d).x
 // 0 from the horizon up, 1 where a ray meets the ground before it comes to the flags.
 float below_horizon(vec3 d) { return smoothstep(0.0, 0.3, -d.y); }
 
-vec3 environment(vec3 d) {
-    if (has_environment) return pictured(d, box_softness);
-    return backdrop(d) * flags(d) + soft_boxes(d);
+vec3 environment(vec3 d, float blur) {
+    if (has_environment) return pictured(d, blur);
+    return backdrop(d) * flags(d) + soft_boxes(d, blur);
 }
 
 // A narrow tall box near the viewer's left that stands on the floor: the long highlight along an upright thread.
-vec3 strip_light(vec3 d) {
+vec3 strip_light(vec3 d, float blur) {
     if (has_environment) return vec3(0.0);
     vec3 s = studio * d;
-    return 0.3 * key_light * soft_box(s, normalize(vec3(-0.80, 0.12, 0.58)), normalize(vec3(0.58, 0.0, 0.80)), vec2(0.075, 0.75), 0.25 + box_softness);
+    return 0.3 * key_light * soft_box(s, normalize(vec3(-0.80, 0.12, 0.58)), normalize(vec3(0.58, 0.0, 0.80)), vec2(0.075, 0.75), 0.25 + blur);
 }
 
 // Light that reaches the ground at q over the light it would get alone: shadow, contact, colour, caustic.

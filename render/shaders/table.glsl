@@ -19,8 +19,8 @@ vec3 ground_seen(vec3 q, vec3 d, vec3 light) {
 
 // What a ray that leaves p sees where no fluid and no solid is in its way. The backdrop goes on as the ground, and its flags end softly there:
 // no horizon.
-vec3 surroundings(vec3 p, vec3 d) {
-    if (d.y > -1e-3 || p.y < ground_height - 1.0) return environment(d);
+vec3 surroundings(vec3 p, vec3 d, float blur) {
+    if (d.y > -1e-3 || p.y < ground_height - 1.0) return environment(d, blur);
     vec3 q = p + d * ((ground_height - p.y) / d.y);
     return ground_seen(q, d, light_on_ground(q.xz)) * (has_environment ? 1.0 : mix(flags(d), 1.0, below_horizon(d)));
 }

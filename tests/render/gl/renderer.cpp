@@ -1,5 +1,6 @@
 #include "render/gl/renderer.h"
 
+#include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 
 #include "engine/core/errors.h"
@@ -298,4 +299,38 @@ TEST_CASE("pixels that keep their first sample look as they do with all samples,
     INFO("mean " << d.mean << ", 99th percentile " << d.p99);
     CHECK(d.mean < 0.2);
     CHECK(d.p99 < 1.5);
+}
+
+TEST_CASE("what a renderer drew before does not change a picture, whatever it keeps", "[render]") {
+    Frame frame = empty_frame();
+    frame.solids.push_back(solid(test::box_mesh(Vec3f(-0.08f, 0, -0.08f), Vec3f(0.08f, 0.02f, 0.08f))));
+    frame.solids.push_back(solid(test::box_mesh(Vec3f(-0.02f, 0, -0.02f), Vec3f(0.02f, 0.06f, 0.02f))));
+    frame.solids[1].translation = Vec3f(0.04f, 0.02f, 0);
+    const Surface ball = test::sphere(Vec3f(-0.03f, 0.06f, 0), 0.03f, 0.005f);
+    LookOptions look;
+    look.samples = GENERATE(1, 4);
+    View view = from_the_front;
+    Renderer used(96, 64);
+    const Image before = used.draw(frame, ball, look, view);
+    // Each changes one thing that something kept depends on.
+    SECTION("the camera moves") { view.position += Vec3f(0.1f, 0.05f, 0); }
+    SECTION("the camera looks elsewhere") { view.target += Vec3f(0.02f, 0, 0); }
+    SECTION("the camera zooms") { view.fov = 24; }
+    SECTION("the camera rolls") { view.up = Vec3f(0.2f, 1, 0).normalized(); }
+    SECTION("another background") { look.background = "dark"; }
+    SECTION("another table") { look.table = "wood"; }
+    SECTION("no ground") { look.ground = false; }
+    SECTION("the ground sinks") { frame.domain_min.y() = -0.02f; }
+    SECTION("a lone solid moves") { frame.solids[1].translation += Vec3f(0, 0.03f, 0); }
+    SECTION("all solids turn together") {
+        const Mat3f turn = Eigen::AngleAxisf(0.7f, Vec3f::UnitY()).toRotationMatrix();
+        for (FrameSolid& s : frame.solids) s.rotation = turn * s.rotation, s.translation = turn * s.translation + Vec3f(0, 0.01f, 0);
+    }
+    SECTION("a solid is of another material") { frame.solids[0].material = "wood"; }
+    SECTION("a solid less") { frame.solids.pop_back(); }
+    SECTION("words in the picture") { look.style = "particles", look.legend = true, frame.position = {Vec3f(0, 0.1f, 0)}, frame.velocity = {Vec3f::UnitX()}; }
+    Renderer fresh(96, 64);
+    const Image picture = fresh.draw(frame, ball, look, view), again = used.draw(frame, ball, look, view);
+    CHECK((picture.rgb != before.rgb));
+    CHECK((again.rgb == picture.rgb));  // to the bit: a film that is resumed is the film that was not disturbed
 }

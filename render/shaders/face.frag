@@ -1,0 +1,30 @@
+// The solid that a pixel shows: where it is and what it is made of. Its light comes later, once a pixel.
+// constant: int pattern, texture_of()
+in vec3 world;
+in vec3 world_normal;
+in vec3 own;
+in vec3 own_normal;
+uniform vec3 solid_colour;
+uniform float metal;         // 0 or 1
+uniform float roughness;
+layout(location = 0) out vec4 colour;
+layout(location = 1) out vec4 normals;
+layout(location = 2) out float away;
+
+void main() {
+    vec3 way = world - eye, n = normalize(world_normal);
+    away = length(way);
+    if (dot(n, way) > 0.0) n = -n;
+    vec3 albedo = solid_colour;
+    vec2 face = folded(n), relief = face;
+    if (pattern > 0) {
+        Texture t = texture_of(pattern, own, own_normal, max(length(dFdx(own)), length(dFdy(own))));
+        albedo *= t.colour;
+        n = in_relief(n, world, t.height);
+        vec3 v = way / away;
+        if (dot(n, v) > -0.02) n = normalize(n - (dot(n, v) + 0.02) * v);
+        relief = folded(n);
+    }
+    colour = vec4(albedo, roughness - 2.0 * metal);
+    normals = vec4(relief, face);
+}

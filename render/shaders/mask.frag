@@ -1,0 +1,6 @@
+// Where a pixel in the middle of a texel shows a solid.
+in vec2 uv;
+
+void main() {
+    if (texelFetch(face_distance, ivec2(uv * vec2(textureSize(face_distance, 0))), 0).r <= 0.0) discard;
+}
