@@ -14,19 +14,18 @@ enum class ResidualNorm {
     preconditioned,  ///< sqrt(r.M r) / sqrt(b.M b): with a good M close to the error's energy norm, which |r| overstates for stiff systems
 };
 
-namespace detail {
+/// a.b of one entry, in double.
 inline double dot_entry(float a, float b) { return static_cast<double>(a) * b; }
 inline double dot_entry(double a, double b) { return a * b; }
 template <class T>
 double dot_entry(const Eigen::Matrix<T, 3, 1>& a, const Eigen::Matrix<T, 3, 1>& b) {
     return static_cast<double>(a[0]) * b[0] + static_cast<double>(a[1]) * b[1] + static_cast<double>(a[2]) * b[2];
 }
-}  // namespace detail
 
 /// a.b in double, the same bits for any number of threads.
 template <class T>
 double dot(Span<const T> a, Span<const T> b) {
-    return parallel_sum(static_cast<Index>(a.size()), [&](Index i) { return detail::dot_entry(a[i], b[i]); });
+    return parallel_sum(static_cast<Index>(a.size()), [&](Index i) { return dot_entry(a[i], b[i]); });
 }
 
 /// 0 of an entry.
@@ -93,7 +92,7 @@ SolveReport conjugate_gradients_from(const Operator& A, const Preconditioner& M,
         const double rr = parallel_sum(count, [&](Index i) {  // in one loop: threads that wait have to be woken for each
             x[i] += alpha * p[i];
             r[i] -= alpha * q[i];
-            return euclidean ? detail::dot_entry(r[i], r[i]) : 0.0;
+            return euclidean ? dot_entry(r[i], r[i]) : 0.0;
         });
         const double rz_new = apply_and_dot<T>(M, Span<const T>(r), Span<T>(z));
         const Real beta = static_cast<Real>(rz_new / rz);

@@ -6,6 +6,8 @@
 
 namespace whorl {
 
+#pragma GCC diagnostic ignored "-Wpsabi"  // all functions on lanes are inline
+
 #if defined(__AVX512F__)
 inline constexpr Index lane_count = 64 / sizeof(Real);
 #elif defined(__AVX__)
@@ -32,12 +34,16 @@ struct SymmetricLanes {
     Lanes xx{}, yy{}, zz{}, xy{}, xz{}, yz{};
 };
 
-/// A matrix a lane.
+/// A matrix in each lane: m[row][column].
 struct Lanes33 {
     Lanes m[3][3];
 };
 
+/// v in every lane.
 inline Lanes lanes_of(Real v) { return v - Lanes{}; }
+inline SymmetricLanes lanes_of(const Mat3& m) {
+    return {lanes_of(m(0, 0)), lanes_of(m(1, 1)), lanes_of(m(2, 2)), lanes_of(m(0, 1)), lanes_of(m(0, 2)), lanes_of(m(1, 2))};
+}
 inline Lanes at_least(Lanes v, Real least) { return v > least ? v : lanes_of(least); }
 inline Lanes at_most(Lanes v, Real most) { return v < most ? v : lanes_of(most); }
 
@@ -55,7 +61,7 @@ inline void set_lane(SymmetricLanes& to, Index lane, const Mat3& m) {
     to.yz[lane] = m(1, 2);
 }
 
-/// Of aligned memory.
+/// The lane_count numbers from `from` on, which must be aligned to sizeof(Lanes).
 inline const Lanes& lanes_at(const Real* from) { return *reinterpret_cast<const Lanes*>(from); }
 inline Lanes& lanes_at(Real* to) { return *reinterpret_cast<Lanes*>(to); }
 
@@ -136,6 +142,12 @@ void scatter(const Lanes3& v, const Index* place, Vec4* to) {
     detail::add_to_every_fourth<stride>(fours<2, 3, 6, 7>(xy0, z0), place + 1, to);
     detail::add_to_every_fourth<stride>(fours<0, 1, 4, 5>(xy1, z1), place + 2, to);
     detail::add_to_every_fourth<stride>(fours<2, 3, 6, 7>(xy1, z1), place + 3, to);
+}
+
+/// A symmetric matrix of each lane to two pieces at its place: (xx, yy, zz) and (xy, xz, yz).
+inline void scatter(const SymmetricLanes& m, const Index* place, Vec4* to) {
+    scatter<2>(Lanes3{m.xx, m.yy, m.zz}, place, to);
+    scatter<2>(Lanes3{m.xy, m.xz, m.yz}, place, to + 1);
 }
 
 inline Lanes dot(const Lanes3& a, const Lanes3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }

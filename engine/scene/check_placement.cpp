@@ -90,7 +90,8 @@ private:
     void domain() {
         for (int a = 0; a < 3; ++a) {
             const double length = high_[a] - low_[a];
-            const double reach = std::max(plan_.support, scene_.fluid.surface_tension > 0 ? Cohesion::range * plan_.spacing : 0.0);
+            const double reach = std::max({plan_.support, plan_.facts.pressure.widest_support * plan_.spacing,
+                                           scene_.fluid.surface_tension > 0 ? Cohesion::range * plan_.spacing : 0.0});
             if (scene_.domain.periodic[a] && length < 2 * reach)
                 report("domain.periodic",
                        fmt::format("the periodic axis {} is {:.4g} m long, shorter than two support radii of {:.4g} m", "xyz"[a], length,

@@ -74,6 +74,7 @@ const std::vector<PressureFacts>& pressure_models() {
          .in_plane = false,
          .kernel = KernelKind::wendland_c2,
          .support = 2.4,
+         .widest_support = 4,
          .kernel_reason = "what the coupled pressure was measured with",
          .boundary_reason = "the coupled pressure touches solids by distance: stick or slide",
          .shifting = ShiftingModel::fickian,

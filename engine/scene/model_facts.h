@@ -28,6 +28,7 @@ struct PressureFacts {
     bool moves_bodies = false;
     KernelKind kernel = KernelKind::cubic;  ///< its own
     double support = 2;                     ///< its own [spacings]
+    double widest_support = 0;              ///< of particles with few neighbours [spacings]
     const char* kernel_reason = "usual";
     double loosens_lattice = 0;                    ///< spacings by which the particles of a lattice are moved at random at the start
     BoundaryModel boundary = BoundaryModel::none;  ///< how solids act on it; besides, only "none" goes with it

@@ -80,7 +80,8 @@ KeyTable fluid_keys() {
         .of("txyz")
         .live();
     t.key("kernel", &FluidKeys::kernel, "",
-          "smoothing kernel; auto: wendland_c2 with pressure \"coupled\" and with the projection, else cubic");
+          "smoothing kernel; auto: wendland_c2 with pressure \"coupled\" (whose solve has a weight of its own) and with the projection, "
+          "else cubic");
     t.key("support", &FluidKeys::support, "spacings", "kernel radius; auto: 2.4 with pressure \"coupled\", 3 with the projection, else 2")
         .at_least(1.2)
         .at_most(6);

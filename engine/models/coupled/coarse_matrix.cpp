@@ -21,6 +21,7 @@ Mat36 motion(const Vec3& a) {
 }
 
 /// The numbers of a pair that all sums over a row's pairs are made of: w, w r, w r r^T, w/r^2 r r^T, and w/r^2 times the ten cubes of r.
+/// The last six are spare.
 struct alignas(64) Monomials {
     static constexpr int count = 32, first = 1, second = 4, along = 10, cubes = 16;
     Real v[count] = {};
@@ -34,7 +35,7 @@ void add_monomials(Real x, Real y, Real z, Real w, Real* __restrict sum) {
     const Real wx = w * x, wy = w * y, wz = w * z, of_r2 = 1 / (x * x + y * y + z * z);
     m[0] = w, m[1] = wx, m[2] = wy, m[3] = wz;
     m[4] = wx * x, m[5] = wy * y, m[6] = wz * z, m[7] = wx * y, m[8] = wx * z, m[9] = wy * z;
-    for (int k = 0; k < 6; ++k) m[10 + k] = of_r2 * m[4 + k];
+    for (int k = 0; k < 6; ++k) m[Monomials::along + k] = of_r2 * m[Monomials::second + k];
     m[16] = m[10] * x, m[17] = m[10] * y, m[18] = m[10] * z, m[19] = m[11] * x, m[20] = m[13] * z, m[21] = m[12] * x;
     m[22] = m[11] * y, m[23] = m[11] * z, m[24] = m[12] * y, m[25] = m[12] * z;
     for (int k = 0; k < Monomials::count; ++k) sum[k] += m[k];
@@ -53,11 +54,11 @@ Mat3 crossing(const Vec3& a) {
     return m;
 }
 
-/// What the members of one aggregate add to the sums of one row, by unit rigid motion. A member's arm is that of the row's own particle, as
-/// if it were a member too, and r.
+/// What the members of one aggregate add to the sums of one row, by unit rigid motion. A member's arm is `arm` + r: `arm` is where the
+/// row's own particle stands, seen from the aggregate's centre.
 struct Share {
     int aggregate;  ///< its number in GroupSums; -1: those in none
-    Vec3 arm;       ///< of the row's own particle from this aggregate's centre
+    Vec3 arm;
     Monomials sums{};
     Vec3 s = Vec3::Zero();         ///< sum w r
     Mat3 arm_s = Mat3::Zero();     ///< sum w arm r^T
@@ -127,12 +128,7 @@ private:
 };
 
 void Features::multiply(const Neighbourhood& n, const StrainCoefficients& c, const FourthMoment& fourth, Index lane) {
-    const Mat3& M = n.inverse_moment;
-    const SymmetricLanes inverse{lanes_of(M(0, 0)), lanes_of(M(1, 1)), lanes_of(M(2, 2)),
-                                 lanes_of(M(0, 1)), lanes_of(M(0, 2)), lanes_of(M(1, 2))};
-    const Mat3& P = n.resolved;
-    const SymmetricLanes resolved{lanes_of(P(0, 0)), lanes_of(P(1, 1)), lanes_of(P(2, 2)),
-                                  lanes_of(P(0, 1)), lanes_of(P(0, 2)), lanes_of(P(1, 2))};
+    const SymmetricLanes inverse = lanes_of(n.inverse_moment), resolved = lanes_of(n.resolved);
     Real C4[6][6];
     for (int k = 0; k < 6; ++k)
         for (int l = 0; l < 6; ++l) C4[k][l] = fourth.of(k, l)[lane];
@@ -213,18 +209,14 @@ void CoarseRows::find_springs() {
         const RowSlice& slice = block_.slices[k];
         const CoefficientLanes& c = form_.coefficients(block_, k);
         SymmetricLanes own;
-        const auto add = [&](const SymmetricLanes& W, const Index* place) {
-            scatter<2>(Lanes3{W.xx, W.yy, W.zz}, place, springs_.data());
-            scatter<2>(Lanes3{W.xy, W.xz, W.yz}, place, springs_.data() + 1);
-        };
         SliceView(block_, slice).each([&](std::size_t, const Lanes3& r, const Lanes& w, const Index* other) {
             const Lanes even = c.smooth * w, along = c.pair * w / dot(r, r);
             const Lanes3 t = along * r;
             const SymmetricLanes W{even + t.x * r.x, even + t.y * r.y, even + t.z * r.z, t.x * r.y, t.x * r.z, t.y * r.z};
             own.xx += W.xx, own.yy += W.yy, own.zz += W.zz, own.xy += W.xy, own.xz += W.xz, own.yz += W.yz;
-            add(W, other);
+            scatter(W, other, springs_.data());
         });
-        add(own, slice.row);
+        scatter(own, slice.row, springs_.data());
     }
 }
 
@@ -248,10 +240,12 @@ void CoarseRows::find_shares(Index row) {
     shares_.push_back(Share{number_[row], aggregates_.arm(block_.begin + row)});
     block_.each_pair(row, [&](std::size_t e) {
         const int number = number_[block_.other[e]];
+        const Vec3 r(block_.x[e], block_.y[e], block_.z[e]), arm = aggregates_.arm(block_.touched[block_.other[e]]) - r;
+        // An aggregate's image beyond a periodic border is a share of its own.
+        const auto same = [&](const Share& s) { return s.aggregate == number && (number < 0 || (s.arm - arm).squaredNorm() < 1); };
         std::size_t k = 0;
-        while (k < shares_.size() && shares_[k].aggregate != number) ++k;
-        const Vec3 r(block_.x[e], block_.y[e], block_.z[e]);
-        if (k == shares_.size()) shares_.push_back(Share{number, aggregates_.arm(block_.touched[block_.other[e]]) - r});
+        while (k < shares_.size() && !same(shares_[k])) ++k;
+        if (k == shares_.size()) shares_.push_back(Share{number, arm});
         add_monomials(r[0], r[1], r[2], block_.w[e], shares_[k].sums.v);
     });
     for (Share& share : shares_) share.unpack(c);

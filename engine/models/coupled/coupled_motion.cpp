@@ -127,8 +127,8 @@ void CoupledShift::operator()(Update<field::position> x, Update<field::velocity>
         }
     });
     parallel_for(x.size(), [&](Index i) {
-        const Vec4 v = s.rows.gathered<Vec4>(spread, i);
         if (role[i] != 0) return;
+        const Vec4 v = s.rows.gathered<Vec4>(spread, i);
         u[i] += Vec3(v.v[0], v.v[1], v.v[2]);
         x[i] += shift[i];
     });

@@ -16,7 +16,7 @@ struct Neighbourhood {
     Vec3 along = Vec3::Zero();           ///< unit, the thread's direction; zero in a thick one
     Real weights = 0;                    ///< sum w
     Real spread = 0;                     ///< sum w r^2
-    Real density = 0;                    ///< n/n0, kernel of radius `support`, all neighbours
+    Real density = 0;                    ///< n/n0 with the weight of radius `support`, all neighbours
     Vec3 outward = Vec3::Zero();         ///< unit, away from the neighbours' centre
     Real surface = 0;                    ///< |sum w r| / sum w |r|: 0 inside, about 0.4 on a flat surface
 };
@@ -35,7 +35,7 @@ struct FourthMoment {
 struct RowSlice {
     std::size_t begin = 0;
     Index width = 0;                ///< pairs of the longest row
-    Index row[lane_count] = {};     ///< of each lane; without one, that of the first
+    Index row[lane_count] = {};     ///< the row in each lane; a lane without one names the first lane's row
     Index rows = 0;                 ///< lanes that have one
     bool resolved = true;           ///< all directions of all its rows
     SymmetricLanes inverse_moment;  ///< M+

@@ -80,7 +80,8 @@ SymmetricLanes contract(const FourthMoment& f, const SymmetricLanes& D) {
     return {number(0), number(1), number(2), number(3), number(4), number(5)};
 }
 
-/// P (2 K D + K Lambda tr D), D of the resolved directions: dE/dG of the strain and bulk terms. `where` names each lane's P.
+/// P (2 K D + K Lambda tr D), D of the resolved directions: dE/dG of the strain and bulk terms. @param resolved_of resolved_of(m) is P m of
+/// each lane
 template <class Resolved>
 Lanes33 stress(const Lanes33& G, const CoefficientLanes& c, bool resolved, const Resolved& resolved_of) {
     const auto of = [&](const SymmetricLanes& D) {
@@ -245,10 +246,6 @@ void StrainForm::diagonal(Span<Mat3> B) const {
     parallel_blocks(rows.size(), CoupledRows::block_size, [&](Index begin, Index) {
         const RowBlock& block = rows.blocks[begin / CoupledRows::block_size];
         Vec4* out = reinterpret_cast<Vec4*>(parts.data() + block.place);
-        const auto add = [&](const SymmetricLanes& b, const Index* place) {
-            scatter<2>(Lanes3{b.xx, b.yy, b.zz}, place, out);
-            scatter<2>(Lanes3{b.xy, b.xz, b.yz}, place, out + 1);
-        };
         const Lanes one = lanes_of(1);
         for (std::size_t k = 0; k < block.slices.size(); ++k) {
             const RowSlice& slice = block.slices[k];
@@ -260,10 +257,10 @@ void StrainForm::diagonal(Span<Mat3> B) const {
                 const Lanes3 g = w * (slice.inverse_moment * r);
                 const Lanes left = at_least(one - dot(g, r), 0);
                 const Lanes round = K * dot(g, g) + left * c.smooth * w, along = left * c.pair * w / dot(r, r);
-                add({outer * g.x * g.x + round + along * r.x * r.x, outer * g.y * g.y + round + along * r.y * r.y,
-                     outer * g.z * g.z + round + along * r.z * r.z, outer * g.x * g.y + along * r.x * r.y,
-                     outer * g.x * g.z + along * r.x * r.z, outer * g.y * g.z + along * r.y * r.z},
-                    other);
+                scatter(SymmetricLanes{outer * g.x * g.x + round + along * r.x * r.x, outer * g.y * g.y + round + along * r.y * r.y,
+                                       outer * g.z * g.z + round + along * r.z * r.z, outer * g.x * g.y + along * r.x * r.y,
+                                       outer * g.x * g.z + along * r.x * r.z, outer * g.y * g.z + along * r.y * r.z},
+                        other, out);
                 sum = sum + g;
             });
             const Lanes round = K * dot(sum, sum);
@@ -274,7 +271,7 @@ void StrainForm::diagonal(Span<Mat3> B) const {
                 self.xx += even + along * r.x * r.x, self.yy += even + along * r.y * r.y, self.zz += even + along * r.z * r.z;
                 self.xy += along * r.x * r.y, self.xz += along * r.x * r.z, self.yz += along * r.y * r.z;
             });
-            add(self, slice.row);
+            scatter(self, slice.row, out);
         }
     });
     parallel_for(rows.size(), [&](Index i) {

@@ -29,7 +29,7 @@ struct StrainCoefficients {
     Real pair = 0;    ///< 2 c'
 };
 
-/// Those of a slice's rows.
+/// The coefficients of a slice's rows, one row a lane.
 struct CoefficientLanes {
     Lanes shear, bulk, smooth, pair;
 };
@@ -47,13 +47,13 @@ public:
 
     /// y = (1 + K) u: mass, strain and friction, over the mass [m/s].
     void apply(Span<const Vec3> u, Span<Vec3> y) const;
-    /// The same, of which y_i = free(i, y_i) stays. @returns u.y
+    /// y_i = free(i, ((1 + K) u)_i): free takes out what is prescribed. @param y not u itself @returns u.y
     template <class F>
     double apply(Span<const Vec3> u, Span<Vec3> y, const F& free) const {
         find_forces(u);
         return parallel_sum(rows_->size(), [&](Index i) {
             y[i] = free(i, applied(u, i));
-            return detail::dot_entry(u[i], y[i]);
+            return dot_entry(u[i], y[i]);
         });
     }
     /// y_i += sum over rows of P (q + 2 K d T) M+ (w r): the forces of -q tr D - 2 K d T:D [m/s].
@@ -67,7 +67,7 @@ public:
     /// tr D of the particle, given its gradient [1/s].
     Real divergence(Index i, const Mat3& G) const;
     const StrainCoefficients& coefficients(Index i) const { return coefficients_[i]; }
-    /// Of a block's k-th slice.
+    /// Of the k-th slice of a block.
     const CoefficientLanes& coefficients(const RowBlock& block, std::size_t k) const { return by_slice_[block.first_slice + k]; }
     const CoupledRows& rows() const { return *rows_; }
 

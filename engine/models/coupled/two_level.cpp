@@ -13,6 +13,7 @@ void TwoLevel::refresh(const StrainForm& form, Span<const Vec3> x, Span<const st
                        const Domain& domain, Real spacing, Span<std::int32_t> aggregate) {
     const CoupledRows& rows = form.rows();
     const auto neighbours = [&](Index i, const auto& visit) {
+        // Enough to find the nearest centre, and fewer than all.
         if (const Span<const Index> close = rows.close(i); !close.empty()) {
             for (const Index j : close) visit(j);
             return;
@@ -60,7 +61,7 @@ double TwoLevel::operator()(Span<const Vec3> r, Span<Vec3> z) const {
         Vec3 sum = inverse_diagonal_[i] * r[i] + coarse_.correction(i);
         if (!slip_.empty()) sum -= slip_[i] * slip_[i].dot(sum);
         z[i] = sum;
-        return detail::dot_entry(r[i], z[i]);
+        return dot_entry(r[i], z[i]);
     });
 }
 

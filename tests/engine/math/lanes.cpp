@@ -13,7 +13,7 @@ TEST_CASE("vectors go into lanes and back to their places, those that share a pl
     Column<Vec4> from(pieces), to(2 * pieces, Vec4{});
     for (Index i = 0; i < pieces; ++i) from[i] = {{Real(i), Real(100 + i), Real(200 + i), Real(300 + i)}};
     Index place[lane_count];
-    for (Index lane = 0; lane < lane_count; ++lane) place[lane] = (5 * lane + 1) % pieces / 2;  // some twice
+    for (Index lane = 0; lane < lane_count; ++lane) place[lane] = (5 * lane + 1) % (lane_count / 2);  // each twice, some within one four
     Lanes fourth;
     const Lanes3 v = gather(from.data(), place, &fourth);
     for (Index lane = 0; lane < lane_count; ++lane) {

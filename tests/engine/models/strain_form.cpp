@@ -31,8 +31,8 @@ struct Form {
     StrainForm form;
     std::vector<Real> mu;
     std::vector<std::int16_t> role;
-    Form(const std::vector<Vec3>& x, Real K) : mu(x.size(), 1000 * K * d * d), role(x.size(), 0) {
-        rows.build(x, role, Domain{}, d, options);
+    Form(const std::vector<Vec3>& x, Real K, const Domain& domain = {}) : mu(x.size(), 1000 * K * d * d), role(x.size(), 0) {
+        rows.build(x, role, domain, d, options);
         form.set(rows, mu, {}, 1, 1000, d, options);
     }
 };
@@ -123,6 +123,46 @@ TEST_CASE("the coarse matrix is R^T A R of the rigid motions of its aggregates t
     const SymmetricBlocks coarse = coarse_matrix(f.form, R);
     const CoarseDifference found = coarse_difference([&](Span<const Vec3> u, Span<Vec3> Au) { f.form.apply(u, Au); }, R, coarse, x.size());
     CHECK(found.difference < 1e-5 * found.largest);
+}
+
+TEST_CASE("the coarse matrix is R^T A R in a periodic slab of 5 and 8 spacings, where a row meets both sides of an aggregate",
+          "[models][coupled]") {
+    for (const int width : {5, 8}) {
+        RandomNumbers random(3);
+        std::vector<Vec3> x;
+        for (int i = 0; i < width; ++i)
+            for (int j = 0; j < 8; ++j)
+                for (int k = 0; k < 8; ++k)
+                    x.push_back(d * (Vec3(Real(i) + Real(0.5), Real(j), Real(k)) + Real(0.1) * random_vector(random)));
+        Domain domain;
+        domain.min = Vec3::Zero(), domain.max = Vec3(Real(width) * d, 1, 1), domain.periodic[0] = true;
+        Form f(x, 10, domain);
+        std::vector<std::int32_t> group(x.size());
+        const auto neighbours = [&](Index i, const auto& visit) {
+            const RowBlock& block = f.rows.blocks[i / CoupledRows::block_size];
+            block.each_pair(i - block.begin, [&](std::size_t e) { visit(block.touched[block.other[e]]); });
+        };
+        const int groups = aggregate_by(neighbours, x, f.role, domain, d / 2, 64, group);
+        RigidAggregates R;
+        R.place(x, f.role, group, groups, domain, d);
+        const SymmetricBlocks coarse = coarse_matrix(f.form, R);
+        const auto A = [&](Span<const Vec3> u, Span<Vec3> Au) { f.form.apply(u, Au); };
+        const CoarseDifference found = coarse_difference(A, R, coarse, x.size());
+        CHECK(found.difference < 1e-5 * found.largest);  // round-off
+    }
+}
+
+TEST_CASE("the strain form returns the product u.y of what stays free", "[models][coupled]") {
+    const std::vector<Vec3> x = blue_noise_cylinder(Real(2.5) * d, 12 * d, d);
+    const Form f(x, 10);
+    RandomNumbers random(2);
+    std::vector<Vec3> u(x.size()), all(x.size()), y(x.size());
+    for (Vec3& v : u) v = random_vector(random);
+    f.form.apply(u, all);
+    const auto free = [](Index i, const Vec3& v) { return i % 3 == 0 ? Vec3(Vec3::Zero()) : v; };
+    const double product = f.form.apply(u, y, free);
+    for (std::size_t i = 0; i < x.size(); ++i) CHECK(y[i] == free(static_cast<Index>(i), all[i]));
+    CHECK(product == dot_all(u, y));
 }
 
 }  // namespace strain_form_test

@@ -177,7 +177,7 @@ TEST_CASE("impossible scenes are told with place and hint", "[plan]") {
     CHECK(messages_with({"probe[0]={name=\"a\", kind=\"point\", at=[0,9,0]}"}).find("probe[0] measures outside of the domain") !=
           std::string::npos);
     CHECK(messages_with({"domain.periodic=[true,false,false]", "domain.min=[-0.004,-0.01,-0.1]", "domain.max=[0.004,0.1,0.1]"})
-              .find("the periodic axis x is 0.008 m long, shorter than two support radii of 0.0048 m") != std::string::npos);
+              .find("the periodic axis x is 0.008 m long, shorter than two support radii of 0.008 m") != std::string::npos);
     CHECK(messages_with({"fluid.spacing=1e-8"}).find("particles need") != std::string::npos);
     if (sizeof(Real) == 4)
         CHECK(messages_with({"domain.max=[300,0.1,0.1]", "emitter[0].position=[200,0.05,0]"})
