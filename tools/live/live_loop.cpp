@@ -283,6 +283,7 @@ void LiveLoop::run(const std::function<bool()>& stop) {
     stop_ = stop;
     while (!stop()) {
         screen_.check();
+        if (!screen_.after(0, 0.1)) continue;  // people see it from its beginning: the first picture takes long
         const Orders orders = controls_.take(0.1);
         follow(orders);
         if (state_ != State::running || !(orders.playing || orders.step)) {

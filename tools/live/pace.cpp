@@ -16,16 +16,17 @@ void PicturePace::began(double now) {
 
 void PicturePace::took(double seconds) {
     newest_[static_cast<std::size_t>(pictures_++) % newest_.size()] = seconds;
-    const auto known = static_cast<std::size_t>(std::min<int>(pictures_, static_cast<int>(newest_.size())));
+    if (pictures_ < static_cast<int>(newest_.size())) return;  // the first ones wait for the driver to compile
     auto sorted = newest_;
-    std::sort(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(known));
-    const double usual = sorted[known / 2];
-    constexpr double room = 1.1, room_to_quicken = 1.3;
-    constexpr int slowest = 48, many = 12;
-    const auto needed = [&](double factor) { return std::clamp(static_cast<int>(std::ceil(factor * usual / frame_)), 1, slowest); };
-    quick_ = needed(room_to_quicken) < frames_ ? quick_ + 1 : 0;
-    if (quick_ >= many) frames_ = needed(room_to_quicken), quick_ = 0;
-    frames_ = std::max(frames_, needed(room));
+    std::sort(sorted.begin(), sorted.end());
+    const double usual = sorted[sorted.size() / 2];
+    constexpr double room = 1.1, room_to_quicken = 1.3, slowest = 48;
+    constexpr int many = 9;
+    needed_ = std::min(room * usual / frame_, slowest);
+    const int quicker = std::max(1, static_cast<int>(std::ceil(std::min(room_to_quicken * usual / frame_, slowest))));
+    quick_ = quicker < frames_ ? quick_ + 1 : 0;
+    if (quick_ >= many) frames_ = quicker, quick_ = 0;
+    frames_ = std::max(frames_, static_cast<int>(std::ceil(needed_)));
 }
 
 void PictureOrder::frame_came(std::uint64_t revision) {
@@ -81,18 +82,19 @@ void ThreadShare::begin(Stretch stretch, int threads) {
 void ThreadShare::step(double wall, double work) {
     if (cores_ < 2) return;
     wall_ += wall, work_ += work, ++steps_;
-    constexpr double trial = 1, shortest = 2, longest = 60, worth = 0.97;
+    constexpr double trial = 1, shortest = 4, longest = 60, worth = 0.95;
     constexpr int few = 8;
     if (steps_ < few || wall_ < (stretch_ == Stretch::settled ? patience_ : trial)) return;
     const double now = wall_ / work_;
-    if (stretch_ == Stretch::settled) return begin(Stretch::before, threads_);
-    if (stretch_ == Stretch::before) {
-        before_ = now;
-        return begin(Stretch::trial, other());
+    switch (stretch_) {
+        case Stretch::settled: return begin(Stretch::before, threads_);
+        case Stretch::before: best_ = now; return begin(Stretch::trial, other());
+        case Stretch::trial: tried_ = now; return begin(Stretch::after, other());
+        case Stretch::after: break;
     }
-    const bool quicker = now < worth * before_;
+    const bool quicker = tried_ < worth * std::min(best_, now);
     patience_ = quicker ? shortest : std::min(2 * patience_, longest);
-    begin(Stretch::settled, quicker ? threads_ : other());
+    begin(Stretch::settled, quicker ? other() : threads_);
 }
 
 }  // namespace whorl

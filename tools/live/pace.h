@@ -1,13 +1,14 @@
 #pragma once
 /// How a live run shares its cores between the simulation and its pictures, and when pictures begin. All go by what the run measures of
 /// itself; none has a clock of its own.
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
 namespace whorl {
 
-/// Pictures begin at even intervals: a whole number of the film's frame intervals, as many as a picture takes, and at least two while the
-/// simulation is short of time.
+/// Pictures begin at even intervals, no shorter than a picture takes: a whole number of the film's frame intervals, so that the same number
+/// of frames lies between any two. While the simulation is short of time, its frames come as they come; then any interval of two or more.
 class PicturePace {
 public:
     /// @param frame s, the film's frame interval as it plays
@@ -21,12 +22,11 @@ public:
     void took(double seconds);
     /// When the next one is to begin [s, wall].
     double due() const { return due_; }
-    double interval() const { return frames() * frame_; }
+    double interval() const { return frame_ * (short_of_time_ ? std::max(2.0, needed_) : frames_); }
 
 private:
-    int frames() const { return short_of_time_ && frames_ < 2 ? 2 : frames_; }
-
     double frame_, due_ = 0;
+    double needed_ = 1;               ///< frame intervals that a picture takes, with some room
     std::array<double, 9> newest_{};  ///< s, what the newest pictures took
     int pictures_ = 0, frames_ = 1, quick_ = 0;
     bool short_of_time_ = false;
@@ -80,7 +80,8 @@ private:
 };
 
 /// With how many threads the simulation is quickest beside the pictures: on all cores, or on all but one. Where threads wait for each other,
-/// one that is held up by other work holds up all. It tries both in turn and keeps the quicker one.
+/// one that is held up by other work holds up all. It tries the other number now and then, and takes it where that was quicker than before
+/// and after.
 class ThreadShare {
 public:
     explicit ThreadShare(int cores) : cores_(cores), threads_(cores > 1 ? cores - 1 : 1) {}
@@ -90,14 +91,14 @@ public:
 
 private:
     int other() const { return threads_ == cores_ ? cores_ - 1 : cores_; }
-    enum class Stretch { settled, before, trial };
+    enum class Stretch { settled, before, trial, after };
     void begin(Stretch stretch, int threads);
 
     int cores_, threads_, steps_ = 0;
     Stretch stretch_ = Stretch::settled;
     double wall_ = 0, work_ = 0;  ///< of this stretch
-    double before_ = 0;           ///< s a unit of work, in the stretch before the trial
-    double patience_ = 2;         ///< s, between trials
+    double best_ = 0, tried_ = 0;  ///< s a unit of work: around the trial, and in it
+    double patience_ = 4;          ///< s, between trials
 };
 
 }  // namespace whorl

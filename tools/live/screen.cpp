@@ -22,7 +22,6 @@ Screen::Screen(int width, int height, double frame) : width_(width), height_(hei
     share_threads_with_software_driver();
     thread_ = std::thread([this] {
         name_thread("draw");
-        lower_priority();  // the simulation's threads wait for each other: who holds up one of them holds up all
         adopt_threads();
         try {
             work();

@@ -29,12 +29,6 @@ std::string value_after(const char* file, const std::string& key) {
 
 void name_thread(const char* name) { pthread_setname_np(pthread_self(), name); }
 
-void lower_priority() {
-    constexpr int by = 10;
-    const auto self = static_cast<id_t>(gettid());  // on Linux a thread has a niceness of its own
-    setpriority(PRIO_PROCESS, self, getpriority(PRIO_PROCESS, self) + by);  // beyond the lowest it is the lowest
-}
-
 std::map<std::string, double> cpu_by_thread_name() {
     std::map<std::string, double> seconds;
     std::error_code gone;  // threads may end while we look

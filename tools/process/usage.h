@@ -9,8 +9,6 @@ namespace whorl {
 /// Gives the calling thread a name. Threads that it starts from then on (OpenMP's, TBB's) inherit it, so that their CPU time counts with
 /// it.
 void name_thread(const char* name);
-/// The calling thread, and those that it starts from then on, leave the cores to others where these want them.
-void lower_priority();
 /// CPU seconds so far of the threads that live, by thread name. Mesa's own ("llvmpipe-0", ...) count as "draw".
 std::map<std::string, double> cpu_by_thread_name();
 /// CPU seconds of the child processes that have ended (the encoder).
