@@ -51,8 +51,8 @@ public:
     const StepReport& step(double until);
 
     /// From now on the run goes by another scene: the same fluid, solids and models with other values of the keys that may change
-    /// (Key::may_change). Solids go on from where they stood at `when` [s], which is not later than time(); the viscosity is that of `scene`
-    /// where each particle now is. The next step refreshes every lagged set-up, as at a frame time.
+    /// (Key::may_change). Solids go on from where they stood at `when` [s], which is not later than time(); the viscosity is that of
+    /// `scene` where each particle now is. The next step refreshes every lagged set-up, as at a frame time.
     /// @param plan of `scene`; changes_of_models(plan(), plan) must be empty
     void change(const Scene& scene, const Plan& plan, double when);
     void change(const Scene& scene, const Plan& plan) { change(scene, plan, time()); }

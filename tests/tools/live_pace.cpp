@@ -1,7 +1,7 @@
 /// How a live run shares its cores and when its pictures begin, on a clock of the test's own.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <set>
 #include <vector>
 
 #include "tools/live/pace.h"
@@ -18,24 +18,18 @@ constexpr double frame = 1.0 / 24;
 std::vector<double> begins(PictureOrder& order, const std::vector<double>& arrivals, double seconds) {
     using What = PictureOrder::What;
     std::vector<double> all;
-    double now = 0, free = 0;
-    std::size_t next = 0;
-    while (next < arrivals.size()) {
-        const PictureOrder::Next step = order.next(std::max(now, free));
-        const double begin = std::max({now, free, step.until});
-        if (step.what == What::nothing || begin > arrivals[next]) {
-            const bool drawn_first = step.what != What::nothing && begin <= arrivals[next];
-            if (!drawn_first) {
-                now = arrivals[next++];
-                order.frame_came(1);
-                continue;
-            }
+    double now = 0;
+    for (std::size_t next = 0; next < arrivals.size();) {
+        for (; next < arrivals.size() && arrivals[next] <= now; ++next) order.frame_came(1);
+        const PictureOrder::Next step = order.next(now);
+        if (step.what == What::nothing) {
+            now = next < arrivals.size() ? std::min(step.until, arrivals[next]) : step.until;
+            continue;
         }
-        now = begin;
         order.began(step.what, now);
         order.pace.took(seconds);
-        free = now + seconds;
         all.push_back(now);
+        now += seconds;
     }
     return all;
 }

@@ -255,9 +255,10 @@ std::string LiveLoop::pace_text() const {
     for (const auto& [name, t] : screen_.times())
         if (name != "encode") picture += t.wall;
     const TimeKeys& time = simulation_->scene().time;
-    return fmt::format("{:.2f} of {}: a frame of {:.0f} ms takes the simulation {:.0f} ms; a picture takes {:.0f} ms and comes every {:.0f} ms",
-                       pace_.factor(), time.slow_motion == 1 ? "real time" : "the film's pace", 1e3 / time.fps, 1e3 * simulate_wall_,
-                       1e3 * picture, 1e3 * screen_.interval());
+    return fmt::format(
+        "{:.2f} of {}: a frame of {:.0f} ms takes the simulation {:.0f} ms; a picture takes {:.0f} ms and comes every {:.0f} ms",
+        pace_.factor(), time.slow_motion == 1 ? "real time" : "the film's pace", 1e3 / time.fps, 1e3 * simulate_wall_, 1e3 * picture,
+        1e3 * screen_.interval());
 }
 
 /// Tells people when it begins to fall behind and when it keeps up again; and now and then how far.

@@ -32,7 +32,8 @@ private:
 class LiveLoop : public FrameLoopHost {
 public:
     /// @param real_time never faster than the film would play @param say tells people how it keeps up
-    LiveLoop(Controls& controls, Screen& screen, Journal& journal, Status& status, bool real_time, std::function<void(const std::string&)> say);
+    LiveLoop(Controls& controls, Screen& screen, Journal& journal, Status& status, bool real_time,
+             std::function<void(const std::string&)> say);
     /// Until `stop` says so. @throws EnvironmentError
     void run(const std::function<bool()>& stop);
     /// Writes the recording as it stands, and returns it; any thread. @throws EnvironmentError (disk full)
@@ -70,7 +71,7 @@ private:
     std::optional<FrameLoop> loop_;
     std::optional<Snapshots> snapshots_;
     int frame_ = 1;
-    std::shared_ptr<PlannedScene> followed_;  ///< the scene as people want it, as far as the loop knows
+    std::shared_ptr<PlannedScene> followed_;                ///< the scene as people want it, as far as the loop knows
     std::uint64_t look_ = 0;                                ///< revision of the look
     std::uint64_t revision_ = 0, stepped_ = 0, shown_ = 0;  ///< revisions that the simulation, its newest step and its newest picture go by
     enum class State { running, ended, diverged } state_ = State::running;

@@ -32,8 +32,8 @@ private:
     bool short_of_time_ = false;
 };
 
-/// What is drawn next, and when: frames at the pace of pictures, but at once the first one of a fluid that goes by other values, and another
-/// look of the frame that is shown.
+/// What is drawn next, and when: frames at the pace of pictures, but at once the first one of a fluid that goes by other values, and
+/// another look of the frame that is shown.
 class PictureOrder {
 public:
     explicit PictureOrder(double frame) : pace(frame) {}
@@ -58,9 +58,9 @@ public:
     bool wants_frame_within(double seconds, double now) const;
 
 private:
-    bool frame_ = false, look_ = false;               ///< is to be drawn
+    bool frame_ = false, look_ = false;                      ///< is to be drawn
     std::uint64_t revision_ = 0, shown_ = 0, expected_ = 0;  ///< of the frame that came, of the one that was drawn, of the one to come
-    double expected_until_ = 0;                       ///< s, wall
+    double expected_until_ = 0;                              ///< s, wall
 };
 
 /// How near the simulation comes to real time, over about a second.
@@ -79,9 +79,9 @@ private:
     bool short_ = false;
 };
 
-/// With how many threads the simulation is quickest beside the pictures: on all cores, or on all but one. Where threads wait for each other,
-/// one that is held up by other work holds up all. It tries the other number now and then, and takes it where that was quicker than before
-/// and after.
+/// With how many threads the simulation is quickest beside the pictures: on all cores, or on all but one. Where threads wait for each
+/// other, one that is held up by other work holds up all. It tries the other number now and then, and takes it where that was quicker than
+/// before and after.
 class ThreadShare {
 public:
     explicit ThreadShare(int cores) : cores_(cores), threads_(cores > 1 ? cores - 1 : 1) {}
@@ -96,7 +96,7 @@ private:
 
     int cores_, threads_, steps_ = 0;
     Stretch stretch_ = Stretch::settled;
-    double wall_ = 0, work_ = 0;  ///< of this stretch
+    double wall_ = 0, work_ = 0;   ///< of this stretch
     double best_ = 0, tried_ = 0;  ///< s a unit of work: around the trial, and in it
     double patience_ = 4;          ///< s, between trials
 };

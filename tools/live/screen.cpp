@@ -149,7 +149,8 @@ void Screen::draw(std::optional<Renderer>& renderer, std::shared_ptr<const State
     std::unique_lock lock(mutex_);
     drawn_ = state;
     if (look == look_) order_.look_drawn();
-    newest_ = std::make_shared<const Picture>(++pictures_, frame.number, frame.time, Revisions{state->revision, look->revision}, std::move(image));
+    newest_ = std::make_shared<const Picture>(++pictures_, frame.number, frame.time, Revisions{state->revision, look->revision},
+                                              std::move(image));
     times_["surface"] = {surfaced - began, 0, 1};
     times_["draw"] = {drawn - surfaced, 0, 1};
     if (is_new) order_.pace.took(drawn - began);

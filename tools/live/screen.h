@@ -1,7 +1,7 @@
 #pragma once
 /// From frames to pictures, on a thread of its own: surface -> draw -> newest picture. Pictures begin at even intervals (PicturePace), each
-/// of the newest frame; one that came before is dropped, and the simulation never waits. At once come pictures of another look, and the first
-/// one of a fluid that goes by other values. While pictures are recorded, each frame is drawn, and the simulation waits for it.
+/// of the newest frame; one that came before is dropped, and the simulation never waits. At once come pictures of another look, and the
+/// first one of a fluid that goes by other values. While pictures are recorded, each frame is drawn, and the simulation waits for it.
 #include <condition_variable>
 #include <exception>
 #include <optional>

@@ -203,10 +203,10 @@ void LiveServer::Http::get_stream(const Request& request, Response& response) {
                 if (!picture && wait) continue;
                 if (picture) last->picture = std::move(picture);
                 const std::string& jpeg = last->picture->jpeg();
-                const std::string head =
-                    fmt::format("--picture\r\nContent-Type: image/jpeg\r\nContent-Length: {}\r\nX-Time: {}\r\nX-Frame: {}\r\n"
-                                "X-Revision: {}\r\nX-Look-Revision: {}\r\n\r\n",
-                                jpeg.size(), last->picture->time, last->picture->frame, last->picture->revisions.fluid, last->picture->revisions.look);
+                const std::string head = fmt::format(
+                    "--picture\r\nContent-Type: image/jpeg\r\nContent-Length: {}\r\nX-Time: {}\r\nX-Frame: {}\r\n"
+                    "X-Revision: {}\r\nX-Look-Revision: {}\r\n\r\n",
+                    jpeg.size(), last->picture->time, last->picture->frame, last->picture->revisions.fluid, last->picture->revisions.look);
                 return sink.write(head.data(), head.size()) && sink.write(jpeg.data(), jpeg.size()) && sink.write("\r\n", 2);
             }
         },
@@ -223,7 +223,8 @@ void LiveServer::Http::get_events(const Request&, Response& response) {
     };
     const auto orders = [this] {
         const auto notice = controls.newest_notice();
-        return std::array<std::uint64_t, 4>{controls.revision(), controls.playing(), notice ? notice->number : 0, screen.recording() ? 1u : 0u};
+        return std::array<std::uint64_t, 4>{controls.revision(), controls.playing(), notice ? notice->number : 0,
+                                            screen.recording() ? 1u : 0u};
     };
     auto sent = std::make_shared<Sent>();
     response.set_chunked_content_provider(
