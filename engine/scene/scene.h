@@ -206,7 +206,7 @@ struct BudgetKeys {
 
 /// One key that takes another value while the run goes on: what a live run records, and a film of it repeats.
 struct ChangeKeys {
-    double time = 0;  ///< s; a step ends exactly then
+    double time = 0;  ///< s; the first step that begins then or later goes by it
     std::string key;  ///< "emitter[0].speed"; one that may change
     Value value;
 };

@@ -382,7 +382,7 @@ KeyTable probe_keys() {
 KeyTable change_keys() {
     KeyTableOf<ChangeKeys> t(
         "a key that takes another value while the run goes on, as whorl live records it; at time 0 any key, then those that may change");
-    t.key("time", &ChangeKeys::time, "s", "when; a step ends exactly then").required().at_least(0);
+    t.key("time", &ChangeKeys::time, "s", "when; the first step that begins then or later goes by it").required().at_least(0);
     t.key("key", &ChangeKeys::key, "", "as in emitter[0].speed").required();
     t.key("value", &ChangeKeys::value, "", "what it is from then on").required();
     return t;

@@ -96,9 +96,8 @@ struct Simulation::State {
 
     void set_gravity() { world.step.gravity = scene.domain.gravity(time).cast<Real>(); }
 
-    /// @param at s, when the change is or was made
-    void change(const Scene& now, const Plan& new_plan, double at) {
-        WHORL_ASSERT(steps_since_frame == 0, "change() between frame times");
+    void change(const Scene& now, const Plan& new_plan, double when) {
+        steps_since_frame = 0;
         for (std::size_t k = 0; k < now.solids.size(); ++k) {
             Solid& solid = world.solids.all[k];
             solid.contact = {now.solids[k].friction, now.solids[k].bounce};
@@ -106,7 +105,7 @@ struct Simulation::State {
                 solid.body->centre += now.solids[k].position(0) - scene.solids[k].position(0);
             } else if (text_of(scene.solids[k].position) != text_of(now.solids[k].position) ||
                        text_of(scene.solids[k].rotation) != text_of(now.solids[k].rotation))
-                solid.go_on_as(now.solids[k].position, now.solids[k].rotation, at);
+                solid.go_on_as(now.solids[k].position, now.solids[k].rotation, when);
             solid.slip_length = slip_length_of(now.solids[k]);
             solid.material = now.solids[k].material;
         }
@@ -286,12 +285,12 @@ const World& Simulation::world() const { return state_->world; }
 const std::vector<Emitter>& Simulation::emitters() const { return state_->emitters; }
 const StepReport& Simulation::step(double until) { return state_->step(until); }
 
-void Simulation::change(const Scene& scene, const Plan& plan) {
+void Simulation::change(const Scene& scene, const Plan& plan, double when) {
     const bool other_viscosity = state_->scene.fluid.viscosity.text() != scene.fluid.viscosity.text();
-    state_->change(scene, plan, state_->time);
+    state_->change(scene, plan, when);
     if (other_viscosity) change_viscosity(state_->scene, state_->world);
 }
-void Simulation::changed_before(const Scene& scene, const Plan& plan, double time) { state_->change(scene, plan, time); }
+void Simulation::changed_before(const Scene& scene, const Plan& plan, double when) { state_->change(scene, plan, when); }
 
 void Simulation::save(std::ostream& out) const {
     const State& s = *state_;

@@ -51,12 +51,13 @@ public:
     const StepReport& step(double until);
 
     /// From now on the run goes by another scene: the same fluid, solids and models with other values of the keys that may change
-    /// (Key::may_change). Only at a frame time. Solids go on from where they stand; the viscosity is that of `scene` where each particle
-    /// now is.
+    /// (Key::may_change). Solids go on from where they stood at `when` [s], which is not later than time(); the viscosity is that of
+    /// `scene` where each particle now is. The next step refreshes every lagged set-up, as at a frame time.
     /// @param plan of `scene`; changes_of_models(plan(), plan) must be empty
-    void change(const Scene& scene, const Plan& plan);
-    /// For a run that was resumed with load(): that change was made at `time` [s], before the state was saved.
-    void changed_before(const Scene& scene, const Plan& plan, double time);
+    void change(const Scene& scene, const Plan& plan, double when);
+    void change(const Scene& scene, const Plan& plan) { change(scene, plan, time()); }
+    /// For a run that was resumed with load(): that change was made, for `when` [s], before the state was saved.
+    void changed_before(const Scene& scene, const Plan& plan, double when);
 
     /// All state that lives from step to step. Only at a frame time; bit-exact; the same build reads it back.
     void save(std::ostream& out) const;

@@ -213,6 +213,34 @@ TEST_CASE("a change acts from the next frame on, and a film of the recording is 
           values.at(std::find(names.begin(), names.end(), "kinetic_energy") - names.begin()));
 }
 
+TEST_CASE("changes while the run plays act between frames, and a film of the recording has the same bits", "[tools][live]") {
+    LiveProgram live(honey);
+    live.order("play");
+    int number = 0;
+    for (const int frame : {3, 5, 8, 11}) {
+        REQUIRE(live.wait_for([&](const json& s) { return s.at("frame") >= frame; }));
+        ++number;
+        CHECK(live.post("/set", "{\"fluid.viscosity\": " + std::to_string(100 + 40 * number) +
+                                    ", \"camera.fov\": " + std::to_string(20 + number) + "}")
+                  .status == 200);
+        CHECK(live.post("/set", R"({"look.exposure": 1.)" + std::to_string(number) + "}").status == 200);  // of the picture alone
+    }
+    REQUIRE(live.wait_for([&](const json& s) { return s.at("frame") >= 14; }));
+    const json last = live.state();
+    CHECK(live.end().code == 0);
+
+    const std::string film = (live.folder() / "film").string(), recording = (live.run() / "recording.toml").string();
+    const test::Outcome render = test::whorl({"render", recording, "--quality", "draft", "--no-images", "--quiet", "--out", film});
+    INFO(render.err);
+    REQUIRE(render.code == 0);
+    const CsvTable table = read_csv(fs::path(film) / "diagnostics.csv");
+    const auto frame = last.at("frame").get<std::size_t>();  // the run may have gone on until it ended
+    REQUIRE(table.rows.size() >= frame);
+    const auto column = [&](const std::string& name) { return table.rows[frame - 1].at(table.index(name)); };
+    CHECK(column("kinetic_energy") == Approx(last.at("energy").at("kinetic").get<double>()).epsilon(1e-8));  // the table's nine digits
+    CHECK(column("potential_energy") == Approx(last.at("energy").at("potential").get<double>()).epsilon(1e-8));
+}
+
 TEST_CASE("a saved scene file acts while the run goes on, a broken one is told with its place and changes nothing", "[tools][live]") {
     LiveProgram live(honey);
     const auto save = [&](const std::string& from, const std::string& to) {

@@ -1,12 +1,9 @@
 #include "tools/film/frame_loop.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 namespace whorl {
-
-double FrameLoopHost::next_change() const { return std::numeric_limits<double>::infinity(); }
 
 FrameLoop::FrameLoop(FrameLoopHost& host, Simulation& simulation, const SceneFile& file, int frames, TheorySearch search)
     : host_(host), simulation_(simulation), probes_(make_probes(simulation, search)), governor_(file, frames),
@@ -17,7 +14,7 @@ bool FrameLoop::step_to(double time) {
     while (simulation_.time() < time) {
         if (host_.stop_wanted()) return false;
         const double began = simulation_.time();
-        const StepReport& report = simulation_.step(std::min(time, host_.next_change()));
+        const StepReport& report = simulation_.step(time);
         const bool diverged = report.diverged.has_value();
         for (const StepReport::Solve& solve : report.solves) largest_residual_ = std::max(largest_residual_, solve.report.last_residual);
         if (!diverged)

@@ -13,9 +13,7 @@ public:
     virtual ~FrameLoopHost() = default;
     /// Asked before every step: whether to stop on the way.
     virtual bool stop_wanted() = 0;
-    /// s; no step goes past it.
-    virtual double next_change() const;
-    /// @param began s, at the step's start
+    /// May change the scene: the next step goes by it. @param began s, at the step's start
     virtual void after_step(const StepReport& /*report*/, double /*began*/) {}
     /// The row of budget.csv for the frame that was reached.
     virtual void add_budget(const BudgetRow& row) = 0;

@@ -71,7 +71,6 @@ private:
     void greet(const Plan& plan);
 
     bool stop_wanted() override { return interrupt_.interrupted(); }
-    double next_change() const override { return replay_.next(); }
     void after_step(const StepReport& report, double began) override;
     void add_budget(const BudgetRow& row) override { tables_->add_budget(row); }
     void set_pictures(const SceneFile& file) override;
@@ -199,7 +198,7 @@ void Run::after_step(const StepReport& report, double began) {
     incidents_.add(report, began, simulation_.totals().steps + (report.diverged ? 1 : 0));
     if (report.diverged) return;
     progress_->step(simulation_, frame_);
-    if (replay_.apply_until(simulation_.time(), [&](const Scene& s, const Plan& p, double) { simulation_.change(s, p); }))
+    if (replay_.apply_until(simulation_.time(), [&](const Scene& s, const Plan& p, double when) { simulation_.change(s, p, when); }))
         loop_->scene_changed(replay_.now());
 }
 

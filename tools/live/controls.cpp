@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
 #include "engine/core/clock.h"
 #include "tools/film/film_extent.h"
@@ -202,11 +203,29 @@ std::optional<Notice> Controls::newest_notice() const {
 Orders Controls::take(double seconds) {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, std::chrono::duration<double>(seconds), [&] { return orders_.playing || orders_.step || orders_.scene; });
+    Orders taken = take_changes_locked();
+    taken.step = std::exchange(orders_.step, false);
+    return taken;
+}
+
+Orders Controls::take_changes_locked() {
     Orders taken = orders_;
-    orders_.step = false;
+    taken.step = false;
+    taken.revision = revision_;
     orders_.scene.reset();
     orders_.changes.clear();
     return taken;
+}
+
+Orders Controls::take_changes() {
+    const std::lock_guard lock(mutex_);
+    if (!orders_.scene || orders_.scene->simulation) return {};
+    return take_changes_locked();
+}
+
+void Controls::wait_for_change(double seconds) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, std::chrono::duration<double>(seconds), [&] { return !orders_.playing || orders_.scene; });
 }
 
 bool Controls::restart_wanted() const {
@@ -222,9 +241,9 @@ Plan Controls::plan() const {
     const std::lock_guard lock(mutex_);
     return plan_;
 }
-PictureOptions Controls::picture() const {
+Controls::WantedPicture Controls::picture() const {
     const std::lock_guard lock(mutex_);
-    return {wanted_.surface, wanted_.camera, wanted_.look};
+    return {{wanted_.surface, wanted_.camera, wanted_.look}, revision_};
 }
 Options Controls::options() const {
     const std::lock_guard lock(mutex_);

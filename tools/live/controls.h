@@ -36,6 +36,7 @@ struct Orders {
     bool step = false;                    ///< one frame, although it does not play
     std::shared_ptr<PlannedScene> scene;  ///< where something changed
     std::vector<KeyChange> changes;       ///< what leads from the scene before to this one
+    std::uint64_t revision = 0;           ///< of the scene
 };
 
 class Controls {
@@ -65,13 +66,21 @@ public:
 
     /// For the loop. Waits until there is something to do or `seconds` have passed.
     Orders take(double seconds);
+    /// For the loop, between two steps: what changed, where the run need not begin anew for it.
+    Orders take_changes();
+    /// Waits until take() would return a scene or the run is paused, at most `seconds`.
+    void wait_for_change(double seconds);
     /// Whether take() would return a run to begin anew, which need not wait for the end of the frame.
     bool restart_wanted() const;
 
     // What is wanted now.
     SceneFile file() const;
     Plan plan() const;
-    PictureOptions picture() const;
+    struct WantedPicture {
+        PictureOptions how;
+        std::uint64_t revision;
+    };
+    WantedPicture picture() const;
     Options options() const;
     bool playing() const;
     bool can_undo() const;
@@ -81,6 +90,7 @@ public:
 
 private:
     void remember(const std::vector<KeyDifference>& back);
+    Orders take_changes_locked();
     void set_locked(const std::vector<KeyChange>& changes, bool may_undo);
     bool try_restart(const Restart& how);
     void tell_locked(bool error, std::string text);

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <thread>
 #include <utility>
 
+#include "engine/core/parallel.h"
 #include "engine/scene/frame_times.h"
 #include "render/look/field_values.h"
 
@@ -54,9 +54,11 @@ Json Status::history() const {
     return Json(history_);
 }
 
-LiveLoop::LiveLoop(Controls& controls, Screen& screen, Journal& journal, Status& status, bool real_time)
-    : controls_(controls), screen_(screen), journal_(journal), status_(status), real_time_(real_time) {
-    begin(*controls_.take(0).scene);
+LiveLoop::LiveLoop(Controls& controls, Screen& screen, Journal& journal, Status& status, bool real_time,
+                   std::function<void(const std::string&)> say)
+    : controls_(controls), screen_(screen), journal_(journal), status_(status), real_time_(real_time), say_(std::move(say)),
+      share_(whorl::threads()) {
+    follow(controls_.take(0));
 }
 
 void LiveLoop::begin(PlannedScene& scene) {
@@ -67,7 +69,8 @@ void LiveLoop::begin(PlannedScene& scene) {
     why_.clear();
     probed_ = Json::object();
     times_before_ = {}, frame_times_ = {};
-    frame_steps_ = 0, frame_iterations_ = frame_wall_ = simulate_wall_ = pace_ = frames_a_second_ = 0;
+    frame_steps_ = 0, frame_iterations_ = frame_wall_ = simulate_wall_ = frames_a_second_ = 0;
+    pace_ = {};
     {
         const std::lock_guard lock(recording_mutex_);
         journal_.begin(scene.file, controls_.scene_path(), controls_.options().quality);
@@ -76,6 +79,7 @@ void LiveLoop::begin(PlannedScene& scene) {
     }
     loop_.emplace(*this, *simulation_, scene.file, frame_count(scene.file.scene), TheorySearch::in_background);
     snapshots_.emplace(*simulation_, shown_fields(scene.file.look));
+    stepped_ = revision_;
     set_pictures(scene.file);
     budget_.reset();
     std::filesystem::remove(journal_.folder() / "budget.csv");  // of the run before
@@ -84,12 +88,16 @@ void LiveLoop::begin(PlannedScene& scene) {
     show_frame();
 }
 
-void LiveLoop::set_pictures(const SceneFile& file) { screen_.look({file.surface, file.camera, file.look}); }
+void LiveLoop::set_pictures(const SceneFile& file) { screen_.look({file.surface, file.camera, file.look}, look_); }
 
 void LiveLoop::follow(const Orders& orders) {
     if (!orders.scene) return;
     PlannedScene& wanted = *orders.scene;
-    if (!wanted.simulation && simulation_->totals().steps == 0) try {
+    const auto before = std::exchange(followed_, orders.scene);
+    const bool physics = !before || wanted.simulation || decides(before->file, wanted.file);
+    look_ = orders.revision;
+    if (physics) revision_ = orders.revision;
+    if (!wanted.simulation && simulation_->totals().steps == 0 && physics) try {
             // Nothing has moved yet: a scene that begins with these values, which is what a recording will say.
             wanted.simulation = std::make_unique<Simulation>(wanted.file.scene, wanted.plan);
         } catch (const InputError&) {  // a solid moved over the fluid: from where it stands, then
@@ -97,8 +105,10 @@ void LiveLoop::follow(const Orders& orders) {
     if (wanted.simulation) return begin(wanted);
     if (state_ == State::diverged) return;  // stopped between two frames: only a restart helps, and has these values
     const double time = simulation_->time();
-    simulation_->change(wanted.file.scene, wanted.plan);
-    snapshots_.emplace(*simulation_, shown_fields(wanted.file.look));
+    if (physics) simulation_->change(wanted.file.scene, wanted.plan);
+    const bool other_fields = shown_fields(before->file.look) != shown_fields(wanted.file.look);
+    if (physics || other_fields) snapshots_.emplace(*simulation_, shown_fields(wanted.file.look));
+    if (other_fields) show_state();
     {
         const std::lock_guard lock(recording_mutex_);
         journal_.add(time, orders.changes);
@@ -122,16 +132,33 @@ void LiveLoop::add_budget(const BudgetRow& row) {
 }
 
 void LiveLoop::after_step(const StepReport& report, double) {
-    if (!report.diverged) return;
-    const Divergence& d = *report.diverged;
-    state_ = State::diverged;
-    why_ = fmt::format("diverged at {:.4g} s in \"{}\", {}: {}; undo what led there and restart", d.time, d.stage, d.field, d.what);
-    controls_.tell(true, why_);
+    if (report.diverged) {
+        const Divergence& d = *report.diverged;
+        state_ = State::diverged;
+        why_ = fmt::format("diverged at {:.4g} s in \"{}\", {}: {}; undo what led there and restart", d.time, d.stage, d.field, d.what);
+        controls_.tell(true, why_);
+        return;
+    }
+    const double now = wall_seconds();
+    step_wall_ = now - std::exchange(step_began_, now);
+    if (pace_.short_of_time() || !real_time_) share_.step(step_wall_, static_cast<double>(simulation_->world().fluid.size()));
+    omp_set_num_threads(share_.threads());
+    stepped_ = revision_;
+    const bool reached = simulation_->time() >= frame_time(simulation_->scene(), frame_ + 1);
+    if (!reached && (stepped_ > shown_ || screen_.wants_state_within(step_wall_))) show_state();
+    follow(controls_.take_changes());
+    if (revision_ > stepped_ && !reached) screen_.expect(revision_);
+}
+
+void LiveLoop::show_state() {
+    screen_.show(snapshots_->take(*simulation_, frame_), stepped_);
+    shown_ = stepped_;
 }
 
 /// @return false where it was broken off, to end or to begin anew
 bool LiveLoop::step_to_next_frame() {
-    const double began = wall_seconds();
+    const double began = step_began_ = wall_seconds();
+    if (revision_ > stepped_) screen_.expect(revision_);
     if (!loop_->step_to(frame_time(simulation_->scene(), frame_ + 1))) return false;
     simulate_wall_ = wall_seconds() - began;
     ++frame_;
@@ -150,11 +177,16 @@ void LiveLoop::show_frame() {
         const std::lock_guard lock(recording_mutex_);
         time_ = simulation_->time();
     }
-    screen_.show(snapshots_->take(*simulation_, frame_));
+    show_state();
     const double now = wall_seconds();
     frame_wall_ = now - std::exchange(shown_at_, now);
-    const double interval = simulation_->scene().time.frame_interval();
-    if (frame_steps_ > 0 && frame_wall_ > 0) smooth(pace_, interval / frame_wall_), smooth(frames_a_second_, 1 / frame_wall_);
+    if (frame_steps_ > 0 && frame_wall_ > 0) {
+        const double played = 1 / simulation_->scene().time.fps;
+        pace_.frame(played, std::exchange(waited_, 0), frame_wall_);
+        smooth(frames_a_second_, 1 / frame_wall_);
+        screen_.set_pace(played, real_time_ && pace_.short_of_time());
+        say_pace();
+    }
     end_if_over();
     if (summary.steps > 0) {
         const double seconds = frame_seconds();
@@ -199,7 +231,10 @@ Json LiveLoop::status_json(const Measures& m) const {
             {"simulate_ms", 1e3 * simulate_wall_},
             {"frame_ms", 1e3 * frame_wall_},
             {"frames_per_second", frames_a_second_},
-            {"simulated_per_wall_second", pace_},
+            {"simulated_per_wall_second", pace_.factor() / scene.time.slow_motion},
+            {"pace", pace_text()},
+            {"simulation_threads", share_.threads()},
+            {"picture_interval_ms", 1e3 * screen_.interval()},
             {"steps", frame_steps_},
             {"time_step", totals.last_step},
             {"iterations", frame_iterations_},
@@ -213,18 +248,43 @@ Json LiveLoop::status_json(const Measures& m) const {
             {"probes", probed_}};
 }
 
-/// A film's frames do not come faster than it plays.
-void LiveLoop::wait_for_real_time() {
-    if (!real_time_) return;
+/// How far the run falls behind, and on what it spends its time; empty where it keeps up.
+std::string LiveLoop::pace_text() const {
+    if (!real_time_ || pace_.factor() == 0 || pace_.factor() >= 0.97) return "";
+    double picture = 0;
+    for (const auto& [name, t] : screen_.times())
+        if (name != "encode") picture += t.wall;
+    const TimeKeys& time = simulation_->scene().time;
+    return fmt::format(
+        "{:.2f} of {}: a frame of {:.0f} ms takes the simulation {:.0f} ms; a picture takes {:.0f} ms and comes every {:.0f} ms",
+        pace_.factor(), time.slow_motion == 1 ? "real time" : "the film's pace", 1e3 / time.fps, 1e3 * simulate_wall_, 1e3 * picture,
+        1e3 * screen_.interval());
+}
+
+/// Tells people when it begins to fall behind and when it keeps up again; and now and then how far.
+void LiveLoop::say_pace() {
+    constexpr double often = 10, much = 0.1;  // s; of real time
+    const double factor = std::min(1.0, pace_.factor()), now = wall_seconds();
+    if (!say_ || !real_time_ || now - said_at_ < often || std::abs(factor - said_) < much) return;
+    const std::string text = pace_text();
+    say_(text.empty() ? "in real time" : text);
+    said_ = factor, said_at_ = now;
+}
+
+/// A film's frames do not come faster than it plays; what changes need not wait. @return s that it waited
+double LiveLoop::wait_for_real_time() {
+    if (!real_time_) return 0;
     const double frame = 1 / simulation_->scene().time.fps, now = wall_seconds();
     due_ = std::max(due_ + frame, now - 0.1);  // what was missed is not made up for
-    if (due_ > now) std::this_thread::sleep_for(std::chrono::duration<double>(due_ - now));
+    if (due_ > now) controls_.wait_for_change(due_ - now);
+    return wall_seconds() - now;
 }
 
 void LiveLoop::run(const std::function<bool()>& stop) {
     stop_ = stop;
     while (!stop()) {
         screen_.check();
+        if (!screen_.after(0, 0.1)) continue;  // people see it from its beginning: the first picture takes long
         const Orders orders = controls_.take(0.1);
         follow(orders);
         if (state_ != State::running || !(orders.playing || orders.step)) {
@@ -233,7 +293,7 @@ void LiveLoop::run(const std::function<bool()>& stop) {
         }
         if (step_to_next_frame()) {
             show_frame();
-            wait_for_real_time();
+            waited_ = wait_for_real_time();
         } else if (state_ == State::diverged) {
             tell();
         }

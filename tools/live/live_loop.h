@@ -31,8 +31,9 @@ private:
 
 class LiveLoop : public FrameLoopHost {
 public:
-    /// @param real_time never faster than the film would play
-    LiveLoop(Controls& controls, Screen& screen, Journal& journal, Status& status, bool real_time);
+    /// @param real_time never faster than the film would play @param say tells people how it keeps up
+    LiveLoop(Controls& controls, Screen& screen, Journal& journal, Status& status, bool real_time,
+             std::function<void(const std::string&)> say);
     /// Until `stop` says so. @throws EnvironmentError
     void run(const std::function<bool()>& stop);
     /// Writes the recording as it stands, and returns it; any thread. @throws EnvironmentError (disk full)
@@ -43,12 +44,15 @@ private:
     void begin(PlannedScene& scene);
     void follow(const Orders& orders);
     bool step_to_next_frame();
+    void show_state();
     void show_frame();
     double frame_seconds() const;
     void end_if_over();
     void tell();
     nlohmann::ordered_json status_json(const Measures& measures) const;
-    void wait_for_real_time();
+    double wait_for_real_time();
+    std::string pace_text() const;
+    void say_pace();
 
     bool stop_wanted() override { return stop_() || controls_.restart_wanted(); }
     void after_step(const StepReport& report, double began) override;
@@ -60,12 +64,16 @@ private:
     Journal& journal_;
     Status& status_;
     bool real_time_;
+    std::function<void(const std::string&)> say_;
 
     std::function<bool()> stop_;  ///< the run is to end
     std::unique_ptr<Simulation> simulation_;
     std::optional<FrameLoop> loop_;
     std::optional<Snapshots> snapshots_;
     int frame_ = 1;
+    std::shared_ptr<PlannedScene> followed_;                ///< the scene as people want it, as far as the loop knows
+    std::uint64_t look_ = 0;                                ///< revision of the look
+    std::uint64_t revision_ = 0, stepped_ = 0, shown_ = 0;  ///< revisions that the simulation, its newest step and its newest picture go by
     enum class State { running, ended, diverged } state_ = State::running;
     std::string why_;  ///< it diverged
 
@@ -77,8 +85,11 @@ private:
     long frame_steps_ = 0;
     double frame_iterations_ = 0, frame_wall_ = 0, simulate_wall_ = 0;
     double shown_at_ = 0, due_ = 0;  ///< wall s
-    double pace_ = 0;                ///< simulated over wall seconds, over the newest frames
-    double frames_a_second_ = 0;
+    double frames_a_second_ = 0, step_wall_ = 0, step_began_ = 0;
+    RealTime pace_;  ///< of the film as it plays, over the newest frames
+    ThreadShare share_;
+    double waited_ = 0;              ///< s, for real time, since the newest frame
+    double said_at_ = 0, said_ = 1;  ///< wall s; factor of real time
     nlohmann::ordered_json probed_ = nlohmann::ordered_json::object();
 
     mutable std::mutex recording_mutex_;  ///< of journal_ and time_

@@ -10,13 +10,19 @@
 
 namespace whorl {
 
+/// The newest change of the scene (Controls::revision) that a picture shows: of the fluid, and of how it is drawn.
+struct Revisions {
+    std::uint64_t fluid = 0, look = 0;
+};
+
 class Picture {
 public:
-    Picture(std::uint64_t its_number, int of_frame, double at_time, Image its_image)
-        : number(its_number), frame(of_frame), time(at_time), image(std::move(its_image)) {}
+    Picture(std::uint64_t its_number, int of_frame, double at_time, Revisions shown, Image its_image)
+        : number(its_number), frame(of_frame), time(at_time), revisions(shown), image(std::move(its_image)) {}
     const std::uint64_t number;  ///< grows with every picture of this process
     const int frame;
     const double time;  ///< s, simulated
+    const Revisions revisions;
     const Image image;
     const std::string& jpeg() const;
     const std::string& png() const;

@@ -1,6 +1,8 @@
 #include "tools/live/screen.h"
 
+#include <algorithm>
 #include <chrono>
+#include <utility>
 
 #include "engine/core/parallel.h"
 #include "render/gl/renderer.h"
@@ -16,7 +18,7 @@ bool same(const SurfaceOptions& a, const SurfaceOptions& b) {
 
 }  // namespace
 
-Screen::Screen(int width, int height) : width_(width), height_(height) {
+Screen::Screen(int width, int height, double frame) : width_(width), height_(height), order_(frame) {
     share_threads_with_software_driver();
     thread_ = std::thread([this] {
         name_thread("draw");
@@ -43,18 +45,41 @@ void Screen::close() {
     changed_.notify_all();
 }
 
-void Screen::show(Frame frame) {
-    auto shared = std::make_shared<const Frame>(std::move(frame));
+void Screen::show(Frame frame, std::uint64_t revision) {
+    auto shared = std::make_shared<const State>(std::move(frame), revision);
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return closed_ || !recorder_ || (!waiting_ && !busy_); });
     waiting_ = std::move(shared);
+    order_.frame_came(revision);
     changed_.notify_all();
 }
 
-void Screen::look(PictureOptions how) {
+bool Screen::wants_state_within(double seconds) const {
     const std::lock_guard lock(mutex_);
-    how_ = std::make_shared<const PictureOptions>(std::move(how));
-    look_again_ = true;
+    return !recorder_ && order_.wants_frame_within(seconds, wall_seconds());
+}
+
+void Screen::expect(std::uint64_t revision) {
+    const std::lock_guard lock(mutex_);
+    order_.expect(revision, wall_seconds());
+}
+
+void Screen::set_pace(double frame, bool short_of_time) {
+    const std::lock_guard lock(mutex_);
+    order_.pace.set_frame(frame);
+    order_.pace.set_short_of_time(short_of_time);
+}
+
+double Screen::interval() const {
+    const std::lock_guard lock(mutex_);
+    return order_.pace.interval();
+}
+
+void Screen::look(PictureOptions how, std::uint64_t revision) {
+    const std::lock_guard lock(mutex_);
+    if (look_ && revision < look_->revision) return;  // the loop is a little behind those who ask for a look
+    if (!look_ || revision > look_->revision) order_.look_came();
+    look_ = std::make_shared<const Look>(std::move(how), revision);
     changed_.notify_all();
 }
 
@@ -76,46 +101,59 @@ void Screen::work() {
         const std::lock_guard lock(mutex_);
         device_ = renderer->device();
     }
+    bool is_new = false;
+    while (const auto state = next(is_new)) draw(renderer, state, is_new);
+}
+
+/// Waits for what is to be drawn next. @return null where the screen was closed
+std::shared_ptr<const Screen::State> Screen::next(bool& is_new) {
+    using What = PictureOrder::What;
+    std::unique_lock lock(mutex_);
     for (;;) {
-        std::shared_ptr<const Frame> frame;
-        bool is_new = false;
-        {
-            std::unique_lock lock(mutex_);
-            changed_.wait(lock, [&] { return closed_ || (how_ && (waiting_ || (look_again_ && drawn_))); });
-            if (closed_) return;
-            is_new = waiting_ != nullptr;
-            frame = is_new ? std::move(waiting_) : drawn_;
-            waiting_.reset();
-            look_again_ = false;
+        if (closed_) return nullptr;
+        constexpr double longest = 3600;  // s
+        const double now = wall_seconds();
+        PictureOrder::Next next = order_.next(now);
+        if (recorder_ && waiting_) next.what = What::frame;
+        is_new = next.what == What::frame;
+        if (look_ && (is_new || (next.what == What::look && drawn_))) {
             busy_ = true;
+            order_.began(next.what, now);
+            return is_new ? std::exchange(waiting_, nullptr) : drawn_;
         }
-        draw(renderer, std::move(frame), is_new);
+        const double seconds = next.what == What::nothing ? std::min(next.until - now, longest) : longest;
+        changed_.wait_for(lock, std::chrono::duration<double>(seconds));
     }
 }
 
-void Screen::draw(std::optional<Renderer>& renderer, std::shared_ptr<const Frame> frame, bool is_new) {
-    std::shared_ptr<const PictureOptions> how;
-    {
+void Screen::draw(std::optional<Renderer>& renderer, std::shared_ptr<const State> state, bool is_new) {
+    const auto newest_look = [&] {
         const std::lock_guard lock(mutex_);
-        how = how_;
-    }
+        return look_;
+    };
+    auto look = newest_look();
+    const Frame& frame = state->frame;
     const double began = wall_seconds();
-    if (is_new || !same(how->surface, surface_of_)) {
-        surface_ = shows_field(how->look) ? Surface{} : build_surface(*frame, how->surface);
-        surface_of_ = how->surface;
-    } else if (surface_.mesh.triangle.empty() && !shows_field(how->look)) {
-        surface_ = build_surface(*frame, how->surface);
-    }
+    const SurfaceOptions surface = look->how.surface;
+    const bool field = shows_field(look->how.look);
+    if (is_new || !same(surface, surface_of_) || (surface_.mesh.triangle.empty() && !field))
+        surface_ = field ? Surface{} : build_surface(frame, surface);
+    surface_of_ = surface;
     const double surfaced = wall_seconds();
-    const View view = view_at(how->camera, frame->time, frame->domain_min, frame->domain_max);
-    Image image = renderer->draw(*frame, surface_, how->look, view);
+    // What was asked for meanwhile is seen now rather than a picture later.
+    if (const auto now = newest_look(); same(now->how.surface, surface) && shows_field(now->how.look) == field) look = now;
+    const View view = view_at(look->how.camera, frame.time, frame.domain_min, frame.domain_max);
+    Image image = renderer->draw(frame, surface_, look->how.look, view);
     const double drawn = wall_seconds();
 
     std::unique_lock lock(mutex_);
-    drawn_ = frame;
-    newest_ = std::make_shared<const Picture>(++pictures_, frame->number, frame->time, std::move(image));
+    drawn_ = state;
+    if (look == look_) order_.look_drawn();
+    newest_ = std::make_shared<const Picture>(++pictures_, frame.number, frame.time, Revisions{state->revision, look->revision},
+                                              std::move(image));
     times_["surface"] = {surfaced - began, 0, 1};
     times_["draw"] = {drawn - surfaced, 0, 1};
+    if (is_new) order_.pace.took(drawn - began);
     changed_.notify_all();
     if (is_new && recorder_) recorder_->add(newest_->image);  // show() and stop_recording() wait meanwhile, which is meant
     busy_ = false;

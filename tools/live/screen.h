@@ -1,12 +1,14 @@
 #pragma once
-/// From frames to pictures, on a thread of its own: surface -> draw -> newest picture. A frame that comes before the last one was drawn
-/// takes its place: stale frames are dropped, and the simulation never waits (but while pictures are recorded).
+/// From frames to pictures, on a thread of its own: surface -> draw -> newest picture. Pictures begin at even intervals (PicturePace), each
+/// of the newest frame; one that came before is dropped, and the simulation never waits. At once come pictures of another look, and the
+/// first one of a fluid that goes by other values. While pictures are recorded, each frame is drawn, and the simulation waits for it.
 #include <condition_variable>
 #include <exception>
 #include <optional>
 #include <thread>
 
 #include "tools/film/film.h"
+#include "tools/live/pace.h"
 #include "tools/live/picture.h"
 #include "tools/live/recorder.h"
 
@@ -14,14 +16,24 @@ namespace whorl {
 
 class Screen {
 public:
-    Screen(int width, int height);
+    /// @param frame s, the film's frame interval as it plays
+    Screen(int width, int height, double frame);
     ~Screen();
     Screen(const Screen&) = delete;
     Screen& operator=(const Screen&) = delete;
 
-    void show(Frame frame);
-    /// How pictures are made from now on; the newest frame is drawn again.
-    void look(PictureOptions how);
+    /// @param revision of the scene that the simulation went by
+    void show(Frame frame, std::uint64_t revision);
+    /// Whether a picture begins within `seconds`, so that a state between two frames is of use.
+    bool wants_state_within(double seconds) const;
+    /// A frame of that revision is to come shortly: no picture of an older one is begun before, so that it is drawn at once.
+    void expect(std::uint64_t revision);
+    /// The simulation is behind real time, and the cores are its own first.
+    void set_pace(double frame, bool short_of_time);
+    /// s, wall, between two pictures as they are begun.
+    double interval() const;
+    /// How pictures are made from now on, which is what the scene's `revision` says; the newest frame is drawn again.
+    void look(PictureOptions how, std::uint64_t revision);
 
     /// The newest picture; null before the first.
     std::shared_ptr<const Picture> newest() const;
@@ -44,15 +56,25 @@ public:
     void check() const;
 
 private:
+    struct State {
+        Frame frame;
+        std::uint64_t revision;
+    };
+    struct Look {
+        PictureOptions how;
+        std::uint64_t revision;
+    };
     void work();
-    void draw(std::optional<class Renderer>& renderer, std::shared_ptr<const Frame> frame, bool is_new);
+    std::shared_ptr<const State> next(bool& is_new);
+    void draw(std::optional<class Renderer>& renderer, std::shared_ptr<const State> state, bool is_new);
 
     int width_, height_;
     mutable std::mutex mutex_;
     mutable std::condition_variable changed_;
-    std::shared_ptr<const Frame> waiting_, drawn_;
-    std::shared_ptr<const PictureOptions> how_;
-    bool look_again_ = false, closed_ = false, busy_ = false;
+    std::shared_ptr<const State> waiting_, drawn_;
+    std::shared_ptr<const Look> look_;
+    bool closed_ = false, busy_ = false;
+    PictureOrder order_;
     std::shared_ptr<const Picture> newest_;
     std::uint64_t pictures_ = 0;
     StageTimes times_;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <httplib.h>
 
+#include <array>
 #include <atomic>
 #include <thread>
 
@@ -133,6 +134,7 @@ struct LiveServer::Http {
 
     Json state() const;
     Json keys() const;
+    void show_look();
     void restart(const nlohmann::json& order, Response& response);
     void record(Response& response);
     void stop_recording(Response& response);
@@ -179,59 +181,71 @@ Json LiveServer::Http::keys() const {
 }
 
 /// MJPEG: each viewer gets the newest picture when the one before has gone out; what it misses is dropped. Browsers show a picture when
-/// they see the next one's head, so one that has no successor at once (a run that pauses) is sent again.
-void LiveServer::Http::get_stream(const Request&, Response& response) {
+/// they see the next one's head, so one that has no successor at once (a run that pauses) is sent again; not with ?once=1.
+void LiveServer::Http::get_stream(const Request& request, Response& response) {
     const auto place = pictures.add();
     if (!place) return refuse(response, 503, "too many viewers");
     struct Sent {
         std::shared_ptr<const Picture> picture;
         bool again = false;
     };
+    const bool once = request.has_param("once");
     auto last = std::make_shared<Sent>();
     response.set_content_provider(
         "multipart/x-mixed-replace; boundary=picture",
-        [this, place, last](std::size_t, httplib::DataSink& sink) {
+        [this, place, last, once](std::size_t, httplib::DataSink& sink) {
             constexpr double at_once = 0.02;  // s
             for (;;) {
                 if (ending || !sink.is_writable()) return false;
-                const bool wait = !last->picture || last->again;
+                const bool wait = !last->picture || last->again || once;
                 auto picture = screen.after(last->picture ? last->picture->number : 0, wait ? wake_up : at_once);
                 last->again = picture == nullptr;
                 if (!picture && wait) continue;
                 if (picture) last->picture = std::move(picture);
                 const std::string& jpeg = last->picture->jpeg();
-                const std::string head =
-                    fmt::format("--picture\r\nContent-Type: image/jpeg\r\nContent-Length: {}\r\nX-Time: {}\r\nX-Frame: {}\r\n\r\n",
-                                jpeg.size(), last->picture->time, last->picture->frame);
+                const std::string head = fmt::format(
+                    "--picture\r\nContent-Type: image/jpeg\r\nContent-Length: {}\r\nX-Time: {}\r\nX-Frame: {}\r\n"
+                    "X-Revision: {}\r\nX-Look-Revision: {}\r\n\r\n",
+                    jpeg.size(), last->picture->time, last->picture->frame, last->picture->revisions.fluid, last->picture->revisions.look);
                 return sink.write(head.data(), head.size()) && sink.write(jpeg.data(), jpeg.size()) && sink.write("\r\n", 2);
             }
         },
         [place](bool) {});
 }
 
-/// Server-sent events: the state, whenever it has changed, at most ten times a second.
+/// Server-sent events: the state, at once where people changed something, and four times a second where it went on.
 void LiveServer::Http::get_events(const Request&, Response& response) {
     const auto place = events.add();
     if (!place) return refuse(response, 503, "too many viewers");
-    auto sent = std::make_shared<std::string>();
+    struct Sent {
+        std::string state;
+        std::array<std::uint64_t, 4> orders{};
+    };
+    const auto orders = [this] {
+        const auto notice = controls.newest_notice();
+        return std::array<std::uint64_t, 4>{controls.revision(), controls.playing(), notice ? notice->number : 0,
+                                            screen.recording() ? 1u : 0u};
+    };
+    auto sent = std::make_shared<Sent>();
     response.set_chunked_content_provider(
         "text/event-stream",
-        [this, place, sent](std::size_t, httplib::DataSink& sink) {
-            for (int quiet = 0;; ++quiet) {
+        [this, place, sent, orders](std::size_t, httplib::DataSink& sink) {
+            constexpr auto look = std::chrono::milliseconds(80);
+            constexpr int looks = 3, many = 60;  // between two states; until the connection is tried
+            for (int quiet = 1;; ++quiet) {
+                if (!sent->state.empty()) std::this_thread::sleep_for(look);
                 if (ending || !sink.is_writable()) return false;
+                const auto now = orders();
+                if (now == sent->orders && quiet % looks != 0) continue;
                 Json json = state();
-                const std::string memory = json["memory_bytes"].dump();
+                const Json memory = json["memory_bytes"];
                 json.erase("memory_bytes");
                 const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
-                if (text != *sent || quiet > 50) {
-                    *sent = text;
-                    json["memory_bytes"] = nlohmann::json::parse(memory);
-                    const std::string event = "data: " + json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n\n";
-                    const bool went = sink.write(event.data(), event.size());
-                    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-                    return went;
-                }
-                std::this_thread::sleep_for(std::chrono::milliseconds(100));
+                if (text == sent->state && quiet < many) continue;
+                *sent = {text, now};
+                json["memory_bytes"] = memory;
+                const std::string event = "data: " + json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n\n";
+                return sink.write(event.data(), event.size());
             }
         },
         [place](bool) {});
@@ -297,14 +311,20 @@ void LiveServer::Http::post_control(const nlohmann::json& order, Response& respo
     else if (what == "step") controls.step();
     else if (what == "undo") {
         if (!controls.undo()) return refuse(response, 400, "there is nothing to undo");
-        screen.look(controls.picture());
+        show_look();
     } else return refuse(response, 400, "cannot do \"" + what.substr(0, 40) + "\"; " + allowed);
     done(response);
 }
 
+/// A look needs no new frame: it is drawn at once.
+void LiveServer::Http::show_look() {
+    const auto wanted = controls.picture();
+    screen.look(wanted.how, wanted.revision);
+}
+
 void LiveServer::Http::post_set(const nlohmann::json& changes, Response& response) {
     controls.set(changes_of(changes));
-    screen.look(controls.picture());
+    show_look();
     done(response, {{"revision", controls.revision()}});
 }
 

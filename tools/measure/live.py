@@ -1,12 +1,16 @@
-"""The pace of a live run with its page open."""
+"""The pace of a live run with its page open, and how long a change takes to be seen."""
+import collections
 import http.client
 import json
+import os
+import random
 import re
 import shutil
 import signal
 import subprocess
 import threading
 import time
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,11 +18,21 @@ from .registry import MeasureError, markdown, table
 from .runs import words_of
 
 counts = (2500, 5000)  # particles; each row is measured from .8 to 1.2 of its own
-columns = "particles | real time | pictures a second | between two, median and 95 of 100, ms | CPU, ms a frame"
+columns = "particles | real time | pictures a second | between two, median and 95 of 100, ms | CPU of simulation, pictures and browser, ms a second"
+changes = {"look.exposure": (1.3, 1.0), "fluid.viscosity": (1200, 1000)}  # to and fro
+tries = 24  # of each
+change_columns = "change | until a picture shows it, median and 95 of 100, ms"
+
+
+@dataclass
+class Picture:
+    came: float
+    time: float  # simulated
+    revision: dict  # "fluid", "look"
 
 
 class Viewer(threading.Thread):
-    """Takes the pictures as a page does: when each came, and of which frame."""
+    """Takes the pictures as a page does."""
 
     def __init__(self, port):
         super().__init__(daemon=True)
@@ -26,7 +40,7 @@ class Viewer(threading.Thread):
 
     def run(self):
         connection = http.client.HTTPConnection("127.0.0.1", self.port)
-        connection.request("GET", "/stream")
+        connection.request("GET", "/stream?once=1")
         stream, head = connection.getresponse(), {}
         while line := stream.readline():
             name, colon, value = line.decode().strip().partition(":")
@@ -34,64 +48,141 @@ class Viewer(threading.Thread):
                 head[name] = value.strip()
             elif head:
                 stream.read(int(head["Content-Length"]) + 2)
-                if not self.pictures or self.pictures[-1][1] != int(head["X-Frame"]):
-                    self.pictures.append((time.monotonic(), int(head["X-Frame"])))
+                self.pictures.append(Picture(time.monotonic(), float(head["X-Time"]), {"fluid": int(head["X-Revision"]), "look": int(head["X-Look-Revision"])}))
                 head = {}
 
 
-def cpu_seconds(process):
-    with open(f"/proc/{process.pid}/stat", encoding="utf-8") as stat:
-        return sum(map(int, stat.read().rpartition(")")[2].split()[11:13])) / 100
+def ask(port, path, body=None):
+    connection = http.client.HTTPConnection("127.0.0.1", port)
+    connection.request("POST" if body else "GET", path, body and json.dumps(body))
+    return json.loads(connection.getresponse().read())
 
 
-def states(port, process):
-    """(wall time, CPU seconds, state), ten times a second, until there are enough particles."""
-    rows, connection, began = [], http.client.HTTPConnection("127.0.0.1", port), time.monotonic()
-    while time.monotonic() - began < 240:
-        connection.request("GET", "/state")
-        rows.append((time.monotonic(), cpu_seconds(process), json.loads(connection.getresponse().read())))
-        if rows[-1][2]["particles"] > 1.2 * counts[-1]:
-            return rows
-        time.sleep(0.1)
-    raise MeasureError("the live run did not come to its last particles within 240 s")
+def process_cpu(process):
+    """CPU seconds so far of a process and all that it started."""
+    children, own, total, left = collections.defaultdict(list), {}, 0, [process.pid]
+    for name in filter(str.isdigit, os.listdir("/proc")):
+        try:
+            with open(f"/proc/{name}/stat", encoding="utf-8", errors="replace") as stat:
+                values = stat.read().rpartition(")")[2].split()
+        except OSError:  # it ended
+            continue
+        children[int(values[1])].append(int(name))
+        own[int(name)] = sum(map(int, values[11:13])) / os.sysconf("SC_CLK_TCK")
+    while left:
+        pid = left.pop()
+        total += own.get(pid, 0)
+        left += children[pid]
+    return total
+
+
+def thread_cpu(process):
+    """CPU seconds so far of the threads that simulate, and of those that make and send pictures."""
+    simulation = pictures = 0
+    for task in os.listdir(f"/proc/{process.pid}/task"):
+        try:
+            with open(f"/proc/{process.pid}/task/{task}/comm", encoding="utf-8") as comm, open(f"/proc/{process.pid}/task/{task}/schedstat", encoding="utf-8") as times:
+                name, seconds = comm.read().strip(), int(times.read().split()[0]) / 1e9
+        except OSError:
+            continue
+        if name.startswith(("draw", "llvmpipe", "server")):
+            pictures += seconds
+        else:
+            simulation += seconds
+    return simulation, pictures
+
+
+class Session:
+    """A live run of honey_coil with its page open in a browser, if there is one."""
+
+    def __init__(self, m, command):
+        self.browser = shutil.which("chromium") or shutil.which("google-chrome")
+        self.program, self.page = subprocess.Popen(command, stdout=subprocess.PIPE, text=True), None
+        address = self.program.stdout.readline().strip()
+        found = re.search(r":(\d+)/", address)
+        if not found:
+            raise MeasureError("whorl live gave no address")
+        self.port = int(found[1])
+        if self.browser:
+            self.page = subprocess.Popen([self.browser, "--headless=new", "--no-sandbox", "--disable-gpu", "--window-size=1280,900",
+                                          f"--user-data-dir={m.out / 'live_browser'}", address], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        else:
+            m.say("no chromium: only a viewer of its own takes the pictures")
+        self.viewer = Viewer(self.port)
+        self.viewer.start()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        for process in filter(None, (self.page, self.program)):
+            process.send_signal(signal.SIGINT)
+        self.program.wait(30)
+        if self.page:
+            self.page.terminate(), self.page.wait(30)
+
+    def cpu(self):
+        return np.array([*thread_cpu(self.program), process_cpu(self.page) if self.page else 0])
+
+    def states(self, particles):
+        """(wall time, CPU seconds, state), five times a second, until there are so many particles."""
+        rows, began = [], time.monotonic()
+        while time.monotonic() - began < 240:
+            rows.append((time.monotonic(), self.cpu(), ask(self.port, "/state")))
+            if rows[-1][2]["particles"] > particles:
+                return rows
+            time.sleep(0.2)
+        raise MeasureError(f"the live run did not come to {particles:.0f} particles within 240 s")
+
+    def seconds_until_seen(self, key, value):
+        kind = "look" if key.startswith(("look.", "camera.")) else "fluid"
+        began = time.monotonic()
+        revision = ask(self.port, "/set", {key: value})["revision"]
+        while time.monotonic() - began < 10:
+            for picture in self.viewer.pictures[-50:]:
+                if picture.revision[kind] >= revision:
+                    return picture.came - began
+            time.sleep(0.002)
+        raise MeasureError(f"no picture showed {key} = {value} within 10 s")
 
 
 def row_of(count, rows, pictures):
     near = [row for row in rows if 0.8 * count <= row[2]["particles"] <= 1.2 * count]
     (began, cpu, first), (ended, cpu_after, last) = near[0], near[-1]
-    came = np.array([at for at, _ in pictures if began <= at <= ended])
-    gaps, frames = 1e3 * np.diff(came), last["frame"] - first["frame"]
-    return [count, f"{(last['time'] - first['time']) / (ended - began):.2f}", f"{len(came) / (ended - began):.1f}",
-            f"{np.median(gaps):.0f}, {np.percentile(gaps, 95):.0f}", f"{1e3 * (cpu_after - cpu) / frames:.0f}"]
+    seen = [p for p in pictures if began <= p.came <= ended]
+    gaps, wall = 1e3 * np.diff([p.came for p in seen]), ended - began
+    return [count, f"{(last['time'] - first['time']) / wall:.2f}", f"{len(seen) / wall:.1f}",
+            f"{np.median(gaps):.0f}, {np.percentile(gaps, 95):.0f}", ", ".join(f"{1e3 * c / wall:.0f}" for c in cpu_after - cpu)]
 
 
-@table("live", "pace of a live run of honey_coil with its page open", "1 min")
+def changes_of(session):
+    """Rows of the second table: changes at moments that know nothing of the pictures'."""
+    moments, rows = random.Random(1), []
+    for key, values in changes.items():
+        taken = []
+        for k in range(tries):
+            time.sleep(moments.uniform(0.25, 0.5))
+            taken.append(1e3 * session.seconds_until_seen(key, values[k % 2]))
+        rows.append([key, f"{np.median(taken):.0f}, {np.percentile(taken, 95):.0f}"])
+    return rows
+
+
+@table("live", "pace of a live run of honey_coil with its page open, and how soon a change is seen", "2 min")
 def live(m):
-    folder, browser = m.out / "live", shutil.which("chromium") or shutil.which("google-chrome")
-    command = [m.program, "live", "honey_coil", "--port", "0", "--quiet", "--out", folder, *m.sets(["emitter[0].stop=9", "time.end=9"])]
-    m.say(words_of(command))
+    folder = m.out / "live"
+    start = [m.program, "live", "honey_coil", "--port", "0", "--quiet", "--out", folder]
+    growing, changing = ([*start, *m.sets([f"emitter[0].stop={stop}", f"time.end={end}"])] for stop, end in ((9, 9), (2, 99)))
+    for command in (growing, changing):
+        m.say(words_of(command))
     if m.dry:
         return markdown(columns, [[count] for count in counts])
     shutil.rmtree(folder, ignore_errors=True)
-    program, page = subprocess.Popen(command, stdout=subprocess.PIPE, text=True), None
-    try:
-        address = program.stdout.readline().strip()
-        found = re.search(r":(\d+)/", address)
-        if not found:
-            raise MeasureError("whorl live gave no address")
-        port = int(found[1])
-        if browser:
-            page = subprocess.Popen([browser, "--headless=new", "--no-sandbox", "--disable-gpu", "--window-size=1280,900",
-                                     f"--user-data-dir={m.out / 'live_browser'}", address], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        else:
-            m.say("no chromium: only a viewer of its own takes the pictures")
-        viewer = Viewer(port)
-        viewer.start()
-        rows = states(port, program)
-    finally:
-        for process in filter(None, (page, program)):
-            process.send_signal(signal.SIGINT)
-        program.wait(30)
-        if page:
-            page.terminate(), page.wait(30)
-    return markdown(columns, [row_of(count, rows, viewer.pictures) for count in counts])
+    with Session(m, growing) as session:
+        rows = session.states(1.2 * counts[-1])
+        m.say(f"at the end it said: {rows[-1][2].get('pace') or 'nothing'}")
+    pace = markdown(columns, [row_of(count, rows, session.viewer.pictures) for count in counts])
+    shutil.rmtree(folder, ignore_errors=True)
+    with Session(m, changing) as session:
+        session.states(0.95 * counts[0])
+        seen = changes_of(session)
+    return f"{pace}\n\nWith {counts[0]} particles:\n\n{markdown(change_columns, seen)}"

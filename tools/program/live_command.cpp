@@ -69,12 +69,15 @@ int live(LiveOptions options) {
     if (recorded > 0) controls.tell(false, fmt::format("{} recorded changes are left out: whorl render repeats them", recorded));
 
     InterruptGuard interrupt;
-    Screen screen(size.width, size.height);
+    Screen screen(size.width, size.height, 1 / controls.file().scene.time.fps);
     Status status;
     LiveServer server(options.server, controls, screen, status);  // a port that is taken is told before anything is written
     const RunFolder folder = RunFolder::fresh(options.shared.out.empty() ? free_folder(controls.file().scene.name) : options.shared.out);
     Journal journal(folder.path());
-    LiveLoop loop(controls, screen, journal, status, !options.unpaced);
+    const auto say = [&](const std::string& text) {
+        if (!options.shared.quiet) fmt::print(stderr, "whorl: {}\n", text);
+    };
+    LiveLoop loop(controls, screen, journal, status, !options.unpaced, say);
     write_report(folder.path(), loop.simulation(), "running");
     struct Serving {  // ends before what it answers from does
         LiveServer& server;
@@ -113,7 +116,8 @@ const char* const endpoints =
     "all but \"do\" optional\n"
     "  GET  /history         time, frame, ms by stage, energies, iterations and probes of the newest 600 frames, oldest first\n"
     "  GET  /frame.png       the newest picture (X-Time, X-Frame)\n"
-    "  GET  /stream          MJPEG; a slow viewer misses pictures, nobody waits for it\n"
+    "  GET  /stream          MJPEG; a slow viewer misses pictures, nobody waits for it; each comes twice, as browsers need it, but with "
+    "?once=1\n"
     "  GET  /events          server-sent events: the state whenever it changes\n"
     "  GET  /scene.toml      the scene with the present values\n"
     "  GET  /recording.toml  the scene and every change so far\n"

@@ -106,4 +106,28 @@ TEST_CASE("a run resumed after a change is the run that went on", "[sim][change]
     CHECK(state_of(resumed) == state_of(whole));
 }
 
+TEST_CASE("a change between two frame times begins anew what lags, and a run resumed at the next one is the run that went on",
+          "[sim][change]") {
+    const Scene before = scene_of(), after = scene_of({{"fluid.viscosity", "40"}, {"solid[0].position", "[0, 0, \"0.2*t\"]"}});
+    const auto half_way = [&](Simulation& simulation) {
+        run_until(simulation, 0.1);
+        simulation.step(0.15);
+        simulation.change(after, make_plan(after), 0.101);  // asked for while the step was on its way
+        run_until(simulation, 0.15);
+    };
+    Simulation whole(before, make_plan(before)), again(before, make_plan(before));
+    half_way(whole), half_way(again);
+    const std::string saved = state_of(whole);
+    CHECK(state_of(again) == saved);
+    CHECK(whole.world().solids.all[0].pose.translation.x() == Approx(0.0101).epsilon(1e-5));  // it went on from where it stood then
+    run_until(whole, 0.2);
+
+    Simulation resumed(before, make_plan(before));
+    std::istringstream in(saved);
+    resumed.load(in);
+    resumed.changed_before(after, make_plan(after), 0.101);
+    run_until(resumed, 0.2);
+    CHECK(state_of(resumed) == state_of(whole));
+}
+
 }  // namespace change_test

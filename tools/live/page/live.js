@@ -3,7 +3,7 @@
 const $ = id => document.getElementById(id);
 const token = new URLSearchParams(location.search).get('token');
 const address = path => token ? path + (path.includes('?') ? '&' : '?') + 'token=' + encodeURIComponent(token) : path;
-let state = null, keys = null, revision = -1, plotted = -1, noticed = null, events = null;
+let state = null, keys = null, revision = -1, plotted = -1, noticed = null, events = null, watching = new AbortController();
 const knobs = new Map();
 
 // --- talking ---------------------------------------------------------------------------------------------------------------------------
@@ -48,19 +48,55 @@ function say(text, bad) {
   $('notice').className = bad ? 'bad' : '';
 }
 
+// --- the picture -----------------------------------------------------------------------------------------------------------------------
+// The page reads the stream itself: an image element shows a picture only when it sees the next one's head, and does not know its time.
+async function watch() {
+  watching.abort();
+  watching = new AbortController();
+  const ours = watching.signal, text = new TextDecoder('latin1');
+  try {
+    const reader = (await fetch(address('/stream?once=1'), {signal: ours})).body.getReader();
+    for (let data = new Uint8Array(0);;) {
+      const {done, value} = await reader.read();
+      if (done) return;
+      const more = new Uint8Array(data.length + value.length);
+      more.set(data), more.set(value, data.length);
+      data = more;
+      let newest = null;
+      for (;;) {
+        const head = text.decode(data.subarray(0, 400)), end = head.indexOf('\r\n\r\n') + 4, size = Number(/Content-Length: (\d+)/.exec(head)?.[1]);
+        if (end < 4 || data.length < end + size + 2) break;
+        newest = {jpeg: data.slice(end, end + size), time: Number(/X-Time: (\S+)/.exec(head)[1]), frame: /X-Frame: (\d+)/.exec(head)[1]};
+        data = data.slice(end + size + 2);
+      }
+      if (newest) await paint(newest, ours);
+    }
+  } catch (error) { /* its end, or no connection, which the pill tells */ }
+}
+async function paint(picture, ours) {
+  const image = await createImageBitmap(new Blob([picture.jpeg], {type: 'image/jpeg'})), canvas = $('picture');
+  if (ours.aborted) return;
+  if (canvas.width !== image.width || canvas.height !== image.height) canvas.width = image.width, canvas.height = image.height;
+  canvas.getContext('2d', {alpha: false}).drawImage(image, 0, 0);
+  image.close();
+  $('clock').textContent = fixed(picture.time, 2) + ' s of ' + (state ? Plots.short(state.end) : '–') + ' s · frame ' + picture.frame;
+}
+
 // --- the state, as it comes ------------------------------------------------------------------------------------------------------------
 function connect() {
   if (events) events.close();
   events = new EventSource(address('/events'));
-  events.onopen = () => { $('picture').src = address('/stream?' + Date.now()); loadHistory(); };
+  events.onopen = () => { watch(); loadHistory(); };
   events.onerror = () => { $('pill').textContent = 'no connection, trying again'; $('pill').className = 'pill bad'; };
   events.onmessage = message => show(JSON.parse(message.data));
 }
 document.addEventListener('visibilitychange', () => {
   // A page that nobody sees holds no connection: browsers allow six to one address.
-  if (document.hidden) { events.close(); $('picture').removeAttribute('src'); } else connect();
+  if (document.hidden) { events.close(); watching.abort(); } else connect();
 });
 
+// What stays as it is costs nothing.
+const write = (element, text) => { if (element.textContent !== String(text)) element.textContent = text; };
 const fixed = (v, digits) => v === null || v === undefined ? '–' : Number(v).toFixed(digits);
 const grouped = v => v === null || v === undefined ? '–' : Number(v).toLocaleString('en');
 
@@ -78,14 +114,15 @@ function show(now) {
   const recording = now.recorded_pictures !== null;
   $('record').textContent = recording ? 'Stop (' + now.recorded_pictures + ')' : 'Record';
   $('record').classList.toggle('on', recording);
-  $('clock').textContent = fixed(now.time, 2) + ' s of ' + Plots.short(now.end) + ' s · frame ' + now.frame;
+  $('pace').hidden = !playing || !now.pace;
+  $('pace').textContent = now.pace + '.';
   if (now.notice && now.notice.number !== noticed) {
     if (noticed !== null || now.notice.error) say(now.notice.text, now.notice.error);
     noticed = now.notice.number;
   } else if (noticed === null) noticed = now.notice ? now.notice.number : 0;
   facts(now);
   for (const [path, knob] of knobs) if (path in now.values) knob.show(now.values[path], false);
-  if (now.frame !== plotted) plot(now), Plots.draw(), plotted = now.frame;
+  if (now.frame !== plotted) plot(now), Plots.drawSoon(), plotted = now.frame;
 }
 // Which keys there are: another kind of camera or look has others.
 const structure = s => Object.keys(s.values).join();
@@ -96,12 +133,13 @@ function facts(s) {
     ['frames a second', fixed(s.frames_per_second, 1)], ['frame', fixed(s.frame_ms, 0) + ' ms'], ['steps a frame', s.steps],
     ['iterations a step', fixed(s.iterations, 1)], ['fastest', Plots.short(s.max_speed) + ' m/s'], ['memory', grouped(Math.round(s.memory_bytes / 1e6)) + ' MB'],
     ['viewers', s.viewers], ['drawn by', (s.device || '').split(/[,(]/)[0]]];
-  $('facts').replaceChildren(...list.map(([name, value]) => {
+  if ($('facts').children.length === 0) $('facts').replaceChildren(...list.map(([name]) => {
     const box = document.createElement('div'), dt = document.createElement('dt'), dd = document.createElement('dd');
-    dt.textContent = name, dd.textContent = value;
+    dt.textContent = name;
     box.append(dt, dd);
     return box;
   }));
+  list.forEach(([, value], i) => write($('facts').children[i].lastChild, value));
 }
 
 function plot(s) {

@@ -4,6 +4,15 @@ const Plots = (() => {
   const kept = 600;
   const colours = ['#d9822b', '#2f8fd0', '#3fa45b', '#b565c9', '#d14c4c', '#7b8a97', '#c2a516', '#26a59a'];
   const plots = new Map();
+  // Curves are drawn where people see them, twice a second.
+  const seen = new IntersectionObserver(changes => {
+    for (const change of changes) for (const plot of plots.values()) if (plot.canvas === change.target) plot.seen = change.isIntersecting;
+    drawSoon();
+  });
+  let waits = 0;
+  function drawSoon() {
+    if (!waits) waits = setTimeout(() => { waits = 0; draw(); }, 500);
+  }
 
   function short(v) {
     if (v === null || v === undefined || !isFinite(v)) return '–';
@@ -24,7 +33,9 @@ const Plots = (() => {
     legend.className = 'legend';
     figure.append(caption, canvas, legend);
     parent.append(figure);
-    return {canvas, legend, times: [], lines: new Map()};
+    const plot = {canvas, legend, times: [], lines: new Map(), seen: false};
+    seen.observe(canvas);
+    return plot;
   }
 
   function add(parent, title, time, values) {
@@ -44,6 +55,7 @@ const Plots = (() => {
 
   function draw() {
     for (const plot of plots.values()) {
+      if (!plot.seen) continue;
       const {canvas, times, lines} = plot;
       const scale = window.devicePixelRatio || 1, w = canvas.clientWidth, h = canvas.clientHeight;
       if (w === 0) continue;
@@ -84,20 +96,21 @@ const Plots = (() => {
         g.stroke();
       }
       g.setLineDash([]);
-      plot.legend.replaceChildren(...[...lines].map(([name, line]) => {
+      if (plot.legend.children.length !== lines.size) plot.legend.replaceChildren(...[...lines.values()].map(line => {
         const entry = document.createElement('span'), mark = document.createElement('i');
         mark.style.color = line.colour;
         mark.className = line.dashed ? 'dashed' : '';
-        entry.append(mark, name + ' ' + short(line.points[line.points.length - 1]));
+        entry.append(mark, '');
         return entry;
       }));
+      [...lines].forEach(([name, line], i) => { plot.legend.children[i].lastChild.data = name + ' ' + short(line.points[line.points.length - 1]); });
     }
   }
 
   function clear() {
-    for (const plot of plots.values()) plot.canvas.parentElement.remove();
+    for (const plot of plots.values()) seen.unobserve(plot.canvas), plot.canvas.parentElement.remove();
     plots.clear();
   }
   const points = title => plots.has(title) ? plots.get(title).times.length : 0;
-  return {add, draw, clear, short, points};
+  return {add, draw, drawSoon, clear, short, points};
 })();
