@@ -98,8 +98,8 @@ std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, con
                 x[i] -= distance * around.solids.all[k].normal(x[i]);
             of.moves[c] = x[i] - before;
         });
-        moved += static_cast<Real>(std::sqrt(
-            parallel_max(static_cast<Index>(of.movers.size()), 0, [&](Index c) { return static_cast<double>(of.moves[c].squaredNorm()); })));
+        moved += static_cast<Real>(std::sqrt(parallel_max(static_cast<Index>(of.movers.size()), 0,
+                                                          [&](Index c) { return static_cast<double>(of.moves[c].squaredNorm()); })));
         if (2 * moved > step.spacing / 5) find(), moved = 0;
         of.with_neighbours(around.pairs, of.movers, of.touched);
         parallel_for(static_cast<Index>(of.touched.size()), [&](Index c) { rho[of.touched[c]] = density(of.touched[c]); });

@@ -9,8 +9,8 @@
 namespace whorl {
 
 /// The constraint holds rho_i + dt (D u)_i; where a particle hits a wall or another one within a step, the density itself has gone far
-/// beyond that line. While any density exceeds rho_0 by `most`, those that do, and their neighbours that exceed it by half of that share, move their
-/// surroundings and themselves,
+/// beyond that line. While any density exceeds rho_0 by `most`, those that do, and their neighbours that exceed it by half of that share,
+/// move their surroundings and themselves,
 ///   x -= D^T l,   l_i = (rho_i - rho_0)/(2 (D D^T)_ii),   at most a fifth of a spacing,
 /// with the densities and their derivative of the positions reached. Two that are moved apart turn about each other as much more slowly: a
 /// pair that moves by -a r_ij and a r_ij takes +a and -a of its relative velocity across r_ij, so that the angular momentum stays and no

@@ -108,12 +108,13 @@ TEST_CASE("a looser pressure.tolerance takes iterations from a dam break, and le
     const auto [loose, loose_error] = iterations_and_error("[pressure]\ntolerance = 4e-3\n");
     INFO("iterations " << usual << " and " << loose << ", mean " << usual_error.mean << " and " << loose_error.mean);
     CHECK(loose < 0.8 * usual);
-    CHECK(loose_error.largest < 0.01);      // 4 % if it grew with the tolerance
-    CHECK(loose_error.mean < 4e-3 * 0.5);   // what a step may add
+    CHECK(loose_error.largest < 0.01);     // 4 % if it grew with the tolerance
+    CHECK(loose_error.mean < 4e-3 * 0.5);  // what a step may add
 }
 
 TEST_CASE("at any time.cfl, the weight of water shortens a step to what a column at rest bears", "[validation][pressure]") {
-    Simulation simulation = simulation_of(std::string("[time]\nend = 1\ncfl = 1.6\nmax_step = 1\n") + (dam + std::string(dam).find("[domain]")));
+    Simulation simulation =
+        simulation_of(std::string("[time]\nend = 1\ncfl = 1.6\nmax_step = 1\n") + (dam + std::string(dam).find("[domain]")));
     int bound = 0;
     while (simulation.time() < 0.2) {
         const World& w = simulation.world();
