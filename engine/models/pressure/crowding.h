@@ -9,8 +9,8 @@
 namespace whorl {
 
 /// The constraint holds rho_i + dt (D u)_i; where a particle hits a wall or another one within a step, the density itself has gone far
-/// beyond that line. While any density exceeds rho_0 by `most`, all that exceed it by half of that share move their surroundings and
-/// themselves,
+/// beyond that line. While any density exceeds rho_0 by `most`, those that do, and their neighbours that exceed it by half of that share,
+/// move their surroundings and themselves,
 ///   x -= D^T l,   l_i = (rho_i - rho_0)/(2 (D D^T)_ii),   at most a fifth of a spacing,
 /// with the densities and their derivative of the positions reached. Two that are moved apart turn about each other as much more slowly: a
 /// pair that moves by -a r_ij and a r_ij takes +a and -a of its relative velocity across r_ij, so that the angular momentum stays and no
@@ -29,20 +29,24 @@ public:
                     Read<field::role> role, Update<field::density> rho, Update<field::position> x, Update<field::velocity> u);
 
 private:
+    /// What a step needs, and not the solve before it.
+    struct Scratch {
+        std::vector<Index> dense, crowded, movers, touched;
+        std::vector<int> seen;  ///< by particle: the last list that it is in
+        int lists = 0;
+        Column<Vec3> push, moves, kicks;  ///< l_i own_i; and what a mover does [m] and takes up [m/s]
+        Column<Real> share;               ///< l_i f_i, 0 where not crowded
+        explicit Scratch(Index n) : seen(n, 0), push(n), share(n, 0) {}
+        /// The particles of `from` and their neighbours.
+        void with_neighbours(const Pairs& pairs, const std::vector<Index>& from, std::vector<Index>& all);
+    };
     /// @returns what is left too dense, in words; empty: nothing
     template <class Kernel>
     std::string relieve(const WallImage& wall, const Kernel& W, const Surroundings& around, Read<field::role> role, Span<Real> rho,
-                        Span<Vec3> x, Span<Vec3> u, const std::function<void()>& find);
-    /// The particles of `from` and their neighbours.
-    void with_neighbours(const Pairs& pairs, const std::vector<Index>& from, std::vector<Index>& all);
+                        Span<Vec3> x, Span<Vec3> u, const std::function<void()>& find) const;
 
     Real most_;
     SolidGate gate_;
-    std::vector<Index> crowded_, movers_, touched_;
-    std::vector<int> seen_;  ///< by particle: the last list that it is in
-    int lists_ = 0;
-    Column<Vec3> push_, moves_, kicks_;  ///< l_i own_i; and what a mover does [m] and takes up [m/s]
-    Column<Real> share_;                 ///< l_i f_i, 0 where not crowded
 };
 
 }  // namespace whorl
