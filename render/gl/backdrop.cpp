@@ -3,8 +3,8 @@
 namespace whorl {
 
 Backdrop::Backdrop(int width, int height)
-    : width_(width), height_(height), paper_(gl::texture_2d(GL_RGBA16F, width, height, false)),
-      target_(gl::framebuffer({paper_.id()}, 0)) {}
+    : width_(width), height_(height), paper_(gl::texture_2d(GL_RGBA16F, width, height, false)), target_(gl::framebuffer({paper_.id()}, 0)) {
+}
 
 void Backdrop::draw(const Key& key, const std::string& constants, const std::function<void(gl::Program&)>& prepare, GLuint no_vertices) {
     if (key_ == key) return;

@@ -92,7 +92,9 @@ namespace {
 constexpr GLint solid_seen = 1, fluid_seen = 2;
 
 /// Of a shader.
-std::string constant(const char* name, bool value) { return std::string("const bool ") + name + " = " + (value ? "true" : "false") + ";\n"; }
+std::string constant(const char* name, bool value) {
+    return std::string("const bool ") + name + " = " + (value ? "true" : "false") + ";\n";
+}
 
 /// What is drawn from here on is one of the two, down to the ground.
 void begin_geometry(gl::Program& program, GLint seen, float lowest) {
@@ -159,10 +161,12 @@ struct Renderer::Device {
     gl::Programs solid_light_program{{"screen.vert"},
                                      {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "shadow.glsl",
                                       "solid_light.glsl", "folded.glsl", "faces.glsl", "solid_light.frag"}};
-    gl::Programs liquid{{"screen.vert"},
-                        {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "inks.glsl", "folded.glsl", "liquid.frag"}};
-    gl::Programs opaque{{"screen.vert"},
-                        {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "inks.glsl", "crust.glsl", "folded.glsl", "opaque.frag"}};
+    gl::Programs liquid{
+        {"screen.vert"},
+        {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "inks.glsl", "folded.glsl", "liquid.frag"}};
+    gl::Programs opaque{
+        {"screen.vert"},
+        {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "inks.glsl", "crust.glsl", "folded.glsl", "opaque.frag"}};
     gl::Programs glass_walls{{"mesh.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "glass.frag"}};
     gl::Programs glass_edges{{"edge.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "edge.frag"}};
     gl::Programs behind{{"screen.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "behind.frag"}};
@@ -359,7 +363,8 @@ void Renderer::Device::draw_from(const Shot& shot, int sample) {
 void Renderer::Device::find_solid_light(const Shot& shot, const Eigen::Matrix4f& matrix) {
     if (!scene.any_solids()) return;
     glDisable(GL_SCISSOR_TEST);
-    solid_light.begin(shot.camera, [&](gl::Program& program) { bind_faces(program); }, no_vertices);
+    solid_light.begin(
+        shot.camera, [&](gl::Program& program) { bind_faces(program); }, no_vertices);
     gl::Program& program = solid_light_program.with(shot.constants + constant("finds_light", true));
     set_solid_light(program, shot, matrix);
     cover_screen();
@@ -405,7 +410,8 @@ void Renderer::Device::draw_faces(const Shot& shot, const Eigen::Matrix4f& matri
     }
     glDepthFunc(GL_LEQUAL);
     for (const Pattern pattern : shot.patterns) {
-        gl::Program& program = solid_faces.with(shot.constants + "const int pattern = " + std::to_string(static_cast<int>(pattern)) + ";\n");
+        gl::Program& program =
+            solid_faces.with(shot.constants + "const int pattern = " + std::to_string(static_cast<int>(pattern)) + ";\n");
         set_studio(program, shot);
         program.set("view_projection", matrix);
         begin_geometry(program, solid_seen, lowest);
@@ -426,8 +432,7 @@ void Renderer::Device::shade_solids(const Shot& shot, const Eigen::Matrix4f& mat
     if (!scene.any_solids()) return;
     glDisable(GL_DEPTH_TEST);
     shade_where(GL_EQUAL, solid_seen);
-    gl::Program& program =
-        solid_colour.with(shot.constants + constant("finds_light", !shot.keeps_solid_light()));
+    gl::Program& program = solid_colour.with(shot.constants + constant("finds_light", !shot.keeps_solid_light()));
     set_solid_light(program, shot, matrix);
     solid_light.bind(program, solid_light_unit);
     bind_patches(program, shot.patches);
@@ -517,10 +522,17 @@ void Renderer::Device::draw_glass(const Shot& shot, const Eigen::Matrix4f& matri
 /// @param linear light for compositors, and the shadow, instead of a picture for screens
 void Renderer::Device::compose_picture(const Shot& shot, const gl::Framebuffer& target, bool linear) {
     if (!is_transparent(shot.look)) {
-        const Backdrop::Key key{shot.to_ray, studio_axes(shot.view), shot.view.position, shot.view.fov, shot.look.background,
-                                shot.look.table, shot.look.environment.string(), shot.look.ground ? shot.ground : -1e6f,
+        const Backdrop::Key key{shot.to_ray,
+                                studio_axes(shot.view),
+                                shot.view.position,
+                                shot.view.fov,
+                                shot.look.background,
+                                shot.look.table,
+                                shot.look.environment.string(),
+                                shot.look.ground ? shot.ground : -1e6f,
                                 shot.look.table == "none" ? Vec3f::UnitZ() : ground_light.area()};
-        backdrop.draw(key, shot.constants, [&](gl::Program& program) { set_studio(program, shot); }, no_vertices);
+        backdrop.draw(
+            key, shot.constants, [&](gl::Program& program) { set_studio(program, shot); }, no_vertices);
     }
     glBindFramebuffer(GL_FRAMEBUFFER, target.id());
     // Above the ground that has a light map there is nothing to look up.
@@ -532,8 +544,8 @@ void Renderer::Device::compose_picture(const Shot& shot, const gl::Framebuffer& 
     glEnable(GL_SCISSOR_TEST);
     for (const bool has_light : {true, false}) {
         glScissor(0, has_light ? 0 : lit, width, has_light ? lit : height - lit);
-        gl::Program& program =
-            compose.with(shot.constants + constant("linear", linear) + constant("has_glass", scene.any_containers()) + constant("has_light", has_light));
+        gl::Program& program = compose.with(shot.constants + constant("linear", linear) + constant("has_glass", scene.any_containers()) +
+                                            constant("has_light", has_light));
         set_studio(program, shot);
         if (!is_transparent(shot.look)) backdrop.bind(program, 2);
         program.texture("samples", 0, GL_TEXTURE_2D, samples.sum());

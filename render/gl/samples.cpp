@@ -33,7 +33,7 @@ void Samples::settle(GLuint glass, GLuint no_vertices) {
     glEnable(GL_DEPTH_TEST);
     for (const bool settles : {true, false}) {
         gl::Program& program = settling_.with(std::string("const bool settles = ") + (settles ? "true" : "false") +
-                                             ";\nconst bool has_glass = " + (glass != 0 ? "true" : "false") + ";\n");
+                                              ";\nconst bool has_glass = " + (glass != 0 ? "true" : "false") + ";\n");
         program.use();
         program.texture("first", 0, GL_TEXTURE_2D, first_.id());
         program.texture("glass", 1, GL_TEXTURE_2D, glass);

@@ -8,10 +8,10 @@ namespace whorl {
 
 class SolidField {
 public:
-    /// @param height of the pictures [pixels]: a small one shows no more than half the resolution
+    /// @param height of the pictures [pixels]: a small one shows no more than two thirds of the resolution
     explicit SolidField(int height);
-    /// Containers and the level ground are left out. The field stands in the axes of the first solid, and goes with it: it is made anew only
-    /// where another has moved against that one.
+    /// Containers and the level ground are left out. The field stands in the axes of the first solid, and goes with it: it is made anew
+    /// only where another has moved against that one.
     void fill(const std::vector<FrameSolid>& solids);
     /// Sets the uniforms of solids.glsl; takes one texture unit.
     void bind(gl::Program& program, int unit) const;
@@ -25,7 +25,7 @@ private:
     };
     const Volume& own_field(const std::shared_ptr<const TriangleMesh>& mesh);
 
-    int voxels_;  ///< along a side of a cube
+    int voxels_;                      ///< along a side of a cube
     std::vector<Placed> placed_;      ///< seen from the first: of equal ones the field is the same
     Mat3f turn_ = Mat3f::Identity();  ///< of the first, and where it is
     Vec3f move_ = Vec3f::Zero();

@@ -328,7 +328,9 @@ TEST_CASE("what a renderer drew before does not change a picture, whatever it ke
     }
     SECTION("a solid is of another material") { frame.solids[0].material = "wood"; }
     SECTION("a solid less") { frame.solids.pop_back(); }
-    SECTION("words in the picture") { look.style = "particles", look.legend = true, frame.position = {Vec3f(0, 0.1f, 0)}, frame.velocity = {Vec3f::UnitX()}; }
+    SECTION("words in the picture") {
+        look.style = "particles", look.legend = true, frame.position = {Vec3f(0, 0.1f, 0)}, frame.velocity = {Vec3f::UnitX()};
+    }
     Renderer fresh(96, 64);
     const Image picture = fresh.draw(frame, ball, look, view), again = used.draw(frame, ball, look, view);
     CHECK((picture.rgb != before.rgb));
