@@ -11,7 +11,7 @@
 namespace whorl {
 namespace {
 
-constexpr int own_voxels = 64, world_voxels = 96, small_world_voxels = 48;
+constexpr int own_voxels = 64, world_voxels = 96, small_world_voxels = 64;
 
 /// Edge of a voxel: `usual` along the longest side, and four or more across the thinnest body where `most` in a cube allow it.
 float voxel_edge(const Vec3f& size, float thinnest, int usual, int most) {

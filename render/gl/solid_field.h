@@ -8,7 +8,7 @@ namespace whorl {
 
 class SolidField {
 public:
-    /// @param height of the pictures [pixels]: a small one shows no more than half the resolution
+    /// @param height of the pictures [pixels]: a small one shows no more than two thirds of the resolution
     explicit SolidField(int height);
     /// Containers and the level ground are left out. The field stands in the axes of the first solid, and goes with it: it is made anew
     /// only where another has moved against that one.

@@ -33,7 +33,7 @@ SolidLight find_light(vec3 x, vec3 n, vec3 r) {
 // Two numbers that tell normals apart well enough.
 vec2 seen_along(vec3 n) { return vec2(dot(n, vec3(0.36, 0.48, 0.80)), dot(n, vec3(-0.80, 0.60, 0.17))); }
 
-// Between the four texels about the place: those that show the same face; all, where none does.
+// Between the four texels about the place: those that show the same face; where none does, those that show a solid.
 SolidLight light_of_solid(vec3 x, vec3 n, vec3 r) {
     if (finds_light) return find_light(x, n, r);
     vec4 h = to_kept * vec4(x, 1.0);
@@ -47,7 +47,8 @@ SolidLight light_of_solid(vec3 x, vec3 n, vec3 r) {
         ivec2 texel = clamp(ivec2(whole + corner), ivec2(0), ivec2(size) - 1);
         vec4 there = texelFetch(place_kept, texel, 0);
         vec2 near = mix(1.0 - part, part, corner), turned = abs(there.zw - along);
-        float same = step(abs(there.y - far), tolerance * far) * step(max(turned.x, turned.y), 0.25), w = near.x * near.y * (1e-3 + same);
+        float any = there.y > 0.0 ? 1.0 : 0.0, same = step(abs(there.y - far), tolerance * far) * step(max(turned.x, turned.y), 0.25);
+        float w = near.x * near.y * (1e-6 + any * (1e-3 + same));
         kept += w * texelFetch(light_kept, texel, 0);
         seen += w * there.x;
         sum += w;
