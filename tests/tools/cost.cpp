@@ -3,6 +3,7 @@
 
 #include "engine/core/clock.h"
 #include "engine/theory/falling_thread.h"
+#include "tools/cost/coarse_run.h"
 #include "tools/cost/estimate.h"
 #include "tools/cost/pace.h"
 #include "tools/cost/sample_run.h"
@@ -30,7 +31,7 @@ const char* name_of(const Plan& plan, const std::string& key) {
 Calibration costs() {
     Calibration c;
     c.particles = 3000, c.iterations = 10, c.bytes_a_particle = 1000;
-    c.stages = {{"neighbours", 1e-6}, {"pressure", 4e-6}};
+    c.stages = {{"neighbours", {1e-6, 0}}, {"pressure", {4e-6, 0}}};
     c.pictures = {{1, 0.04, 0.1}}, c.write = 0.02;
     return c;
 }
@@ -110,6 +111,32 @@ TEST_CASE("pictures cost what they do at their moment of the film, the time left
     CHECK(progress.seconds_left(4) == 0);
 }
 
+TEST_CASE("a coarse frame is parted into as many particles as the film has, which fill the same room and carry the same", "[cost]") {
+    Frame coarse;
+    coarse.spacing = 0.3f;
+    coarse.domain_min = Vec3f::Zero(), coarse.domain_max = Vec3f(1, 1, 1);
+    coarse.periodic = {true, false, false};
+    coarse.position = {{0.05f, 0.5f, 0.5f}, {0.6f, 0.5f, 0.5f}};
+    coarse.velocity = {{1, 0, 0}, {2, 0, 0}};
+    coarse.scalar["density"] = {10, 20};
+    coarse.dimensions = GENERATE(2, 3);
+    const Frame fine = parted(coarse, 3);
+    const std::size_t each = coarse.dimensions == 2 ? 9 : 27;
+    REQUIRE(fine.position.size() == 2 * each);
+    CHECK(fine.spacing == Approx(0.1));
+    Vec3f middle = Vec3f::Zero(), low = Vec3f::Ones(), high = Vec3f::Zero();
+    for (std::size_t i = each; i < 2 * each; ++i) {
+        const Vec3f& x = fine.position[i];
+        middle += x / static_cast<float>(each), low = low.cwiseMin(x), high = high.cwiseMax(x);
+        CHECK(fine.velocity[i].x() == 2);
+        CHECK(fine.scalar.at("density")[i] == 20);
+    }
+    CHECK((middle - coarse.position[1]).norm() < 1e-6f);
+    CHECK((high - low - Vec3f(0.2f, 0.2f, coarse.dimensions == 2 ? 0 : 0.2f)).norm() < 1e-6f);
+    for (std::size_t i = 0; i < each; ++i) CHECK((fine.position[i].x() > 0.94f || fine.position[i].x() < 0.16f));  // over the period's end
+    for (const Vec3f& x : fine.position) CHECK((x.x() >= 0 && x.x() < 1));
+}
+
 TEST_CASE("a film takes as many steps as the flow of its coarse run asks for, moment by moment", "[cost]") {
     const SceneFile file = shipped("honey_coil");
     const Plan plan = make_plan(file.scene);
@@ -117,6 +144,48 @@ TEST_CASE("a film takes as many steps as the flow of its coarse run asks for, mo
     c.film_pace = {24, 240};  // a step a frame at first, ten at the end
     const Estimate e = estimate(file, plan, Simulation(file.scene, plan), c);
     CHECK(e.steps_a_frame == Approx(6).epsilon(0.02));  // rounded up a frame
+}
+
+TEST_CASE("water takes as many steps as a free fall asks for, and more where its coarse run is faster", "[cost]") {
+    const SceneFile file = shipped("dam_break");
+    const Plan plan = make_plan(file.scene);
+    const Simulation simulation(file.scene, plan);
+    Calibration c = costs();
+    const auto steps = [&](std::vector<double> pace) {
+        c.film_pace = std::move(pace);
+        return estimate(file, plan, simulation, c).steps_a_frame;
+    };
+    const double theory = steps({});
+    CHECK(steps({1, 1}) == theory);
+    const double many = 10 * theory / file.scene.time.frame_interval();
+    CHECK(steps({many, many}) == Approx(10 * theory).epsilon(0.01));
+}
+
+TEST_CASE("what steps cost is told apart in particles and waiting threads, and does not change the flow", "[cost]") {
+    const SceneFile file = shipped("honey_coil", {"time.end=0.5"});
+    const auto positions = [&](bool measured, StepCosts& costs) {
+        Simulation simulation(file.scene, make_plan(file.scene));
+        StepMeter meter;
+        for (int k = 0; k < 12; ++k) {
+            if (measured) meter.begin(simulation);
+            simulation.step(file.scene.time.end);
+            if (measured) meter.end(simulation);
+        }
+        costs = meter.costs();
+        const auto x = simulation.world().fluid.column<field::position>();
+        return std::vector<Vec3>(x.begin(), x.end());
+    };
+    const int before = threads();
+    set_threads(2);
+    StepCosts costs, none;
+    CHECK((positions(true, costs) == positions(false, none)));
+    CHECK(threads() == 2);
+    set_threads(before);
+    CHECK(none.empty());
+    CHECK(costs.at("pressure").particle > 0);
+    for (const auto& [name, cost] : costs) CHECK(cost.waits >= 0);
+    const StepCosts half = mean(costs, none);
+    CHECK(half.at("pressure").particle == 0.5 * costs.at("pressure").particle);
 }
 
 TEST_CASE("the plan's drop hangs on until it outweighs surface tension, then draws its neck out and falls", "[cost]") {

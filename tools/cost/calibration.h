@@ -1,28 +1,28 @@
 #pragma once
 /// What one particle-step costs on this machine, measured once for each set of models, and what the pictures of a scene cost, measured once
 /// for each scene; then kept in the user's cache folder.
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "engine/scene/plan.h"
 #include "engine/sim/simulation.h"
+#include "tools/cost/step_costs.h"
 #include "tools/scene_file/scene_file.h"
 
 namespace whorl {
 
 struct Calibration {
-    double particles = 0;                  ///< of the small scene that was measured
-    double iterations = 0;                 ///< a step, there
-    std::map<std::string, double> stages;  ///< CPU seconds a particle-step by stage group (density, pressure, ...)
-    double bytes_a_particle = 0;           ///< of everything that the simulation holds
+    double particles = 0;   ///< of the small scene that was measured
+    double iterations = 0;  ///< a step, there
+    StepCosts stages;
+    double bytes_a_particle = 0;  ///< of everything that the simulation holds
     /// The same of a coarse run of the whole film, where its solver is one whose pace hangs on the flow (models.pressure = "ppe",
     /// "coupled"); else empty.
-    std::map<std::string, double> film_stages;
+    StepCosts film_stages;
     double film_iterations = 0;
-    /// Steps a second that the film takes in the flow of its coarse run, at even parts of its time, where viscosity rules that flow
-    /// ("coupled"); else empty.
+    /// Steps a second that the film takes in the flow of its coarse run, at even parts of its time. Larger particles slow down a flow that
+    /// has inertia, so these are the fewest; what viscosity rules ("coupled") they leave as it is. Empty where there is no coarse run.
     std::vector<double> film_pace;
     struct Picture {
         double part = 0;               ///< of the film's time that has passed

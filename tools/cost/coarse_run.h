@@ -15,4 +15,7 @@ namespace whorl {
 bool run_coarsely(const SceneFile& file, double coarser, int moments, const std::vector<std::string>& fields,
                   const std::function<void(const Frame&, const Simulation&)>& show);
 
+/// The frame of a coarse run with the film's own number of particles: each stands for `coarser` along every axis, which carry what it has.
+Frame parted(const Frame& coarse, int coarser);
+
 }  // namespace whorl

@@ -73,14 +73,14 @@ Estimate estimate(const SceneFile& file, const Plan& plan, const Simulation& sim
     const double growth = plan.facts.pressure.form == PressureForm::constraint ? 1.0 / 12 : 1.0 / 3;
     const auto more_iterations = [&](double n) { return grows ? std::pow(std::max(1.0, n / c.particles), growth) : 1.0; };
     const bool film = !c.film_stages.empty();  // a coarse run knows the flow, and its iterations
-    const std::map<std::string, double>& costs = film ? c.film_stages : c.stages;
+    const StepCosts& costs = film ? c.film_stages : c.stages;
     e.iterations = film ? c.film_iterations : c.iterations * more_iterations(most);
 
     const double write = c.write * (1 + (scene.output.video ? encode_over_png : 0));
     const auto frame = [&](double time, double n, double steps) {
         Estimate at;
-        for (const auto& [name, seconds] : costs) {
-            at.stages[name] = seconds * (e.drawn ? beside_others : 1) * wall_over_cpu() * n * steps *
+        for (const auto& [name, cost] : costs) {
+            at.stages[name] = (cost.particle * n + cost.waits) * (e.drawn ? beside_others : 1) * wall_over_cpu() * steps *
                               (name == "pressure" && !film ? more_iterations(n) : 1);
             at.simulate += at.stages[name];
         }
@@ -96,7 +96,8 @@ Estimate estimate(const SceneFile& file, const Plan& plan, const Simulation& sim
     double steps = 0, all_steps = 0;
     for (int k = 1; k <= e.frames; ++k) {
         const double time = frame_time(scene, k);
-        const double a_second = c.film_pace.size() < 2 ? 1 / pace.step(time) : pace_at(c.film_pace, time / frame_time(scene, e.frames));
+        double a_second = c.film_pace.size() < 2 ? 0 : pace_at(c.film_pace, time / frame_time(scene, e.frames));
+        if (a_second == 0 || !plan.facts.pressure.solves_viscosity) a_second = std::max(a_second, 1 / pace.step(time));
         steps = k == 1 ? 0 : std::ceil(interval * a_second - 1e-9);  // the first frame is the start itself
         all_steps += steps;
         const Estimate at = frame(time, particles_at(scene, plan, at_start, time), steps);
