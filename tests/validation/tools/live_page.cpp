@@ -42,7 +42,7 @@ std::string address(const LiveProgram& live) { return "http://127.0.0.1:" + std:
 
 /// The picture as the page shows it, in a few numbers that change when it does.
 const char* const look_at_picture =
-    "(() => { const p = document.getElementById('picture'); if (!p.naturalWidth) return ''; const c = document.createElement('canvas'); "
+    "(() => { const p = document.getElementById('picture'); if (!p.width) return ''; const c = document.createElement('canvas'); "
     "c.width = 32; c.height = 18; const g = c.getContext('2d'); g.drawImage(p, 0, 0, 32, 18); "
     "return [...g.getImageData(0, 0, 32, 18).data].filter((v, i) => i % 4 != 3).join(); })()";
 
@@ -53,7 +53,7 @@ TEST_CASE("the page shows the run, moves it and changes it", "[live][page]") {
     LiveProgram live(honey, {"--unpaced"});
     Browser browser(1280, 800);
     browser.open(address(live));
-    REQUIRE(browser.wait_for("document.getElementById('picture').naturalWidth == 160"));
+    REQUIRE(browser.wait_for("document.getElementById('picture').width == 160"));
     REQUIRE(browser.wait_for("document.querySelector('[data-path=\"fluid.viscosity\"] input[type=range]')"));
 
     // The picture changes while it plays, and stands when it pauses.
@@ -114,7 +114,7 @@ TEST_CASE("two viewers see the same run, paused as it is, and a page finds a run
     const int one = browser.open(address(live)), two = browser.open(address(live));
     for (const int page : {one, two}) {
         browser.front(page);
-        CHECK(browser.wait_for("document.getElementById('picture').naturalWidth == 160"));
+        CHECK(browser.wait_for("document.getElementById('picture').width == 160"));
     }
     // A third that comes later sees the curves from the first frame on.
     for (int k = 0; k < 3; ++k) live.step();
@@ -133,7 +133,7 @@ TEST_CASE("two viewers see the same run, paused as it is, and a page finds a run
     CHECK(live.end().code == 0);
     CHECK(browser.wait_for("document.getElementById('pill').textContent.startsWith('no connection')"));
     test::Program again({"live", live.scene().string(), "--port", port, "--out", live.run().string(), "--size", "320x180", "--quiet"});
-    CHECK(browser.wait_for("document.getElementById('picture').naturalWidth == 320", 40));
+    CHECK(browser.wait_for("document.getElementById('picture').width == 320", 40));
     again.signal(SIGTERM);
     CHECK(again.wait().code == 0);
 }
