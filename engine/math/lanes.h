@@ -63,7 +63,6 @@ inline void set_lane(SymmetricLanes& to, Index lane, const Mat3& m) {
 
 /// The lane_count numbers from `from` on, which must be aligned to sizeof(Lanes).
 inline const Lanes& lanes_at(const Real* from) { return *reinterpret_cast<const Lanes*>(from); }
-inline Lanes& lanes_at(Real* to) { return *reinterpret_cast<Lanes*>(to); }
 
 namespace detail {
 

@@ -286,8 +286,8 @@ void CoupledRows::find_moments(RowBlock& block, const CoupledOptions& o) {
         Lanes distances{}, weights{};
         FourthMoment& fourth = slice.fourth;
         for (Lanes& v : fourth.v) v = Lanes{};
-        for (std::size_t e = slice.begin, last = e + static_cast<std::size_t>(slice.width) * lane_count; e < last; e += lane_count) {
-            const Lanes x = lanes_at(&block.x[e]), y = lanes_at(&block.y[e]), z = lanes_at(&block.z[e]), w = lanes_at(&block.w[e]);
+        SliceView(block, slice).each([&](std::size_t, const Lanes3& r, const Lanes& w, const Index*) {
+            const Lanes x = r.x, y = r.y, z = r.z;
             const Lanes xx = x * x, yy = y * y, zz = z * z, xy = x * y, xz = x * z, yz = y * z, r2 = xx + yy + zz;
             M.xx += w * xx, M.yy += w * yy, M.zz += w * zz, M.xy += w * xy, M.xz += w * xz, M.yz += w * yz;
             weights += w;
@@ -299,7 +299,7 @@ void CoupledRows::find_moments(RowBlock& block, const CoupledOptions& o) {
             f[0] += wxx * xx, f[1] += wxx * xy, f[2] += wxx * xz, f[3] += wxx * yy, f[4] += wxx * yz, f[5] += wxx * zz;
             f[6] += wyy * xy, f[7] += wyy * xz, f[8] += wzz * xy, f[9] += wzz * xz;
             f[10] += wyy * yy, f[11] += wyy * yz, f[12] += wyy * zz, f[13] += wzz * yz, f[14] += wzz * zz;
-        }
+        });
         slice.inverse_moment = SymmetricLanes();
         for (Index lane = 0; lane < slice.rows; ++lane) {
             Neighbourhood& n = neighbourhood[block.begin + slice.row[lane]];

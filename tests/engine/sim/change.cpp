@@ -87,6 +87,20 @@ TEST_CASE("a change acts from the frame time on: viscosity, emitter, gravity, so
     CHECK(simulation.emitters()[0].expected_particles() - pushed == Approx(pushed / 2).epsilon(1e-6));
 }
 
+namespace {
+
+/// The state at `end` of a run that goes on from what was saved after its change at `changed` [s].
+std::string resumed_to(double end, const std::string& saved, const Scene& before, const Scene& after, double changed) {
+    Simulation resumed(before, make_plan(before));
+    std::istringstream in(saved);
+    resumed.load(in);
+    resumed.changed_before(after, make_plan(after), changed);
+    run_until(resumed, end);
+    return state_of(resumed);
+}
+
+}  // namespace
+
 TEST_CASE("a run resumed after a change is the run that went on", "[sim][change]") {
     const Scene before = scene_of(), after = scene_of({{"fluid.viscosity", "\"5 + 100*y\""},
                                                        {"solid[0].rotation", "[0, \"2*sin(9*t)\", 0]"},
@@ -98,12 +112,7 @@ TEST_CASE("a run resumed after a change is the run that went on", "[sim][change]
     const std::string saved = state_of(whole);
     run_until(whole, 0.2);
 
-    Simulation resumed(before, make_plan(before));
-    std::istringstream in(saved);
-    resumed.load(in);
-    resumed.changed_before(after, make_plan(after), 0.1);
-    run_until(resumed, 0.2);
-    CHECK(state_of(resumed) == state_of(whole));
+    CHECK(resumed_to(0.2, saved, before, after, 0.1) == state_of(whole));
 }
 
 TEST_CASE("a change between two frame times begins anew what lags, and a run resumed at the next one is the run that went on",
@@ -122,12 +131,7 @@ TEST_CASE("a change between two frame times begins anew what lags, and a run res
     CHECK(whole.world().solids.all[0].pose.translation.x() == Approx(0.0101).epsilon(1e-5));  // it went on from where it stood then
     run_until(whole, 0.2);
 
-    Simulation resumed(before, make_plan(before));
-    std::istringstream in(saved);
-    resumed.load(in);
-    resumed.changed_before(after, make_plan(after), 0.101);
-    run_until(resumed, 0.2);
-    CHECK(state_of(resumed) == state_of(whole));
+    CHECK(resumed_to(0.2, saved, before, after, 0.101) == state_of(whole));
 }
 
 }  // namespace change_test
