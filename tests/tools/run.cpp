@@ -9,6 +9,7 @@
 #include "tests/support/film_runs.h"
 #include "tests/support/program.h"
 #include "tests/support/scenes.h"
+#include "tools/film/run_times.h"
 
 using namespace whorl;
 using test::Outcome;
@@ -321,6 +322,22 @@ TEST_CASE("a film of particles chooses its range of colours at the start, writes
     // mm.
     CHECK(range_of({}) == "[0.0, 0.4]");
     CHECK(range_of({"--set", "look.range=[0, 2]"}) == "[0.0, 2.0]");
+}
+
+TEST_CASE("a stage's CPU time is what the simulation took, without what its thread does besides", "[tools]") {
+    const auto work = [](double seconds) {
+        const double began = simulation_cpu_seconds();
+        while (simulation_cpu_seconds() - began < seconds) {}
+        return true;
+    };
+    RunTimes times;
+    work(0.1);
+    times.simulate([&] { return work(0.05); });
+    work(0.1);
+    const StageTimes stages = times.stages({{"move", {0.02, 0, 1}}, {"pressure", {0.03, 0, 1}}}, {});
+    // A twentieth of a second by the scheduler's own count, which may lag by a tick of 4 ms.
+    CHECK(stages.at("move").cpu == Approx(0.02).margin(0.004));
+    CHECK(stages.at("pressure").cpu == Approx(0.03).margin(0.004));
 }
 
 }  // namespace run_test

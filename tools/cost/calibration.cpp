@@ -198,11 +198,15 @@ void measure_film(const SceneFile& file, const Simulation& film, double seconds,
     for (int coarser = most; coarser >= 2; --coarser)
         if (cpu_seconds() - began + seconds / std::pow(coarser, power) > too_much) break;
         else if (measure_coarse_film(alone, film, coarser, c)) return;
-    // A scene that larger particles cannot show: a picture of the small scene.
+    // A scene that larger particles cannot show: a picture of its start, or of the small scene where the start has little of the fluid.
     c.pictures.clear(), c.film_pace.clear();
+    const auto picture_of = [&](const SceneFile& scene, const Simulation& simulation) {
+        PictureCosts(scene, 1).measure(Snapshots(simulation, shown_fields(scene.look)).take(simulation, 1), 1, c);
+    };
+    if (2 * static_cast<double>(film.world().fluid.size()) >= film.plan().estimated_particles) return picture_of(alone, film);
     const SceneFile sample = sample_of(file, film.plan());
     const Simulation simulation(sample.scene, make_plan(sample.scene));
-    PictureCosts(sample, 1).measure(Snapshots(simulation, shown_fields(sample.look)).take(simulation, 1), 1, c);
+    picture_of(sample, simulation);
     for (Calibration::Picture& picture : c.pictures)
         picture.surface *= film.plan().estimated_particles / static_cast<double>(simulation.world().fluid.size());
 }

@@ -6,21 +6,23 @@
 #include "engine/core/parallel.h"
 #include "engine/scene/frame_times.h"
 #include "engine/scene/numbers.h"
+#include "render/look/look_options.h"
 #include "tools/cost/pace.h"
 
 namespace whorl {
 namespace {
 
-/// Bytes that a run holds before its first particle: the program, its libraries, and where it draws the pipeline of pictures and GL.
-constexpr double bytes_without_pictures = 46e6, bytes_with_pictures = 150e6, bytes_a_pixel = 64;
+/// Bytes that a run holds before its first particle: the program and its libraries; where it draws, the pipeline of pictures and GL; and
+/// where it draws the fluid's surface, the distances around it and what they are built with.
+constexpr double bytes_without_pictures = 46e6, bytes_with_pictures = 104e6, bytes_with_surface = 70e6, bytes_a_pixel = 64;
 /// CPU seconds that the encoder takes, over what packing the same picture as PNG takes (measured at 640x360 and 1280x720).
 constexpr double encode_over_png = 1.3;
 /// What a thread is worth beside the others in a step (30 thousand particles, 2 threads: 0.8 to 0.95 by stage).
 constexpr double parallel_efficiency = 0.85;
 
-/// CPU seconds of what runs beside something else over those of the same alone: caches and the cores' units are shared (a picture of
-/// honey_coil 0.40 alone and 0.51 in its film; its step 1.13 times).
-constexpr double beside_others = 1.2;
+/// CPU seconds of what runs beside something else over those of the same alone: caches and the cores' units are shared (films of all
+/// shipped scenes at draft).
+constexpr double step_beside_pictures = 1.1, picture_beside_steps = 1.15;
 
 /// Wall seconds over CPU seconds of a step.
 double wall_over_cpu() { return 1 / (threads() > 1 ? parallel_efficiency * threads() : 1.0); }
@@ -80,13 +82,13 @@ Estimate estimate(const SceneFile& file, const Plan& plan, const Simulation& sim
     const auto frame = [&](double time, double n, double steps) {
         Estimate at;
         for (const auto& [name, cost] : costs) {
-            at.stages[name] = (cost.particle * n + cost.waits) * (e.drawn ? beside_others : 1) * wall_over_cpu() * steps *
+            at.stages[name] = (cost.particle * n + cost.waits) * (e.drawn ? step_beside_pictures : 1) * wall_over_cpu() * steps *
                               (name == "pressure" && !film ? more_iterations(n) : 1);
             at.simulate += at.stages[name];
         }
         if (e.drawn) {
             const Calibration::Picture picture = picture_at(c.pictures, time / std::max(scene.time.end, 1e-300));
-            at.surface = beside_others * picture.surface, at.draw = beside_others * picture.draw, at.write = write;
+            at.surface = picture_beside_steps * picture.surface, at.draw = picture_beside_steps * picture.draw, at.write = write;
         }
         // The solver and the pictures share the cores: neither can be hidden behind the other beyond what the cores hold.
         at.frame =
@@ -111,7 +113,8 @@ Estimate estimate(const SceneFile& file, const Plan& plan, const Simulation& sim
     e.stages = last.stages, e.simulate = last.simulate, e.surface = last.surface, e.draw = last.draw, e.write = last.write,
     e.frame = last.frame;
     const double pixels = static_cast<double>(scene.output.size[0]) * scene.output.size[1];
-    e.memory = c.bytes_a_particle * most + (scene.output.frames ? bytes_with_pictures + bytes_a_pixel * pixels : bytes_without_pictures);
+    e.memory = c.bytes_a_particle * most + bytes_without_pictures;
+    if (scene.output.frames) e.memory += bytes_with_pictures + bytes_a_pixel * pixels + (shows_field(file.look) ? 0 : bytes_with_surface);
     return e;
 }
 

@@ -205,7 +205,7 @@ void Run::after_step(const StepReport& report, double began) {
 /// @return where the run diverged, if it did
 std::optional<Divergence> Run::simulate() {
     for (frame_ = first_; frame_ <= last_; ++frame_) {
-        if (!loop_->step_to(frame_time(scene_, frame_))) return simulation_.world().report.diverged;
+        if (!times_.simulate([&] { return loop_->step_to(frame_time(scene_, frame_)); })) return simulation_.world().report.diverged;
         add_frame();
     }
     return std::nullopt;

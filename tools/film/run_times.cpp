@@ -1,10 +1,8 @@
 #include "tools/film/run_times.h"
 
-#include "tools/process/usage.h"
-
 namespace whorl {
 
-RunTimes::RunTimes() : began_(wall_seconds()), cpu_before_(process_cpu_seconds()), simulation_cpu_before_(simulation_cpu_seconds()) {}
+RunTimes::RunTimes() : began_(wall_seconds()), cpu_before_(process_cpu_seconds()) {}
 
 void RunTimes::add_earlier(const Checkpoint& checkpoint) {
     earlier_wall_ = checkpoint.wall, earlier_cpu_ = checkpoint.cpu;
@@ -16,7 +14,7 @@ double RunTimes::wall() const { return earlier_wall_ + wall_seconds() - began_; 
 double RunTimes::cpu() const { return earlier_cpu_ + process_cpu_seconds() - cpu_before_; }
 
 StageTimes RunTimes::stages(const StageTimes& simulation, const StageTimes& film) const {
-    StageTimes all = with_shared_cpu(simulation, simulation_cpu_seconds() - simulation_cpu_before_);
+    StageTimes all = with_shared_cpu(simulation, simulation_cpu_);
     StageTimes of_film = film;
     all.merge(of_film);
     for (const auto& [name, t] : earlier_stages_) {

@@ -2,6 +2,7 @@
 /// Wall and CPU time of a run over all its parts: one that was resumed has earlier ones.
 #include "engine/core/clock.h"
 #include "engine/io/checkpoint.h"
+#include "tools/process/usage.h"
 
 namespace whorl {
 
@@ -9,6 +10,14 @@ class RunTimes {
 public:
     /// Begins to count. Another panel may have run in this process before.
     RunTimes();
+    /// Does a part of the simulation, whose CPU time is counted as its stages'.
+    template <class Work>
+    auto simulate(const Work& work) {
+        const double before = simulation_cpu_seconds();
+        auto result = work();
+        simulation_cpu_ += simulation_cpu_seconds() - before;
+        return result;
+    }
     /// The run is the next part of another one.
     void add_earlier(const Checkpoint& checkpoint);
 
@@ -20,7 +29,7 @@ public:
     StageTimes stages(const StageTimes& simulation, const StageTimes& film) const;
 
 private:
-    double began_, cpu_before_, simulation_cpu_before_;
+    double began_, cpu_before_, simulation_cpu_ = 0;
     double earlier_wall_ = 0, earlier_cpu_ = 0;
     StageTimes earlier_stages_;
     int resumed_ = 0;

@@ -123,6 +123,12 @@ class Run:
         """CPU, of all panels."""
         return self.stage_seconds(*drawing_stages)
 
+    @property
+    def simulation_seconds(self):
+        """CPU, of all panels."""
+        names = {name.split()[0] for panel in self.panels for name in panel["stages"]}
+        return self.stage_seconds(*names.difference(drawing_stages))
+
     def stage_seconds(self, *stages):
         """CPU, of all panels."""
         return sum(stage["cpu_seconds"] for panel in self.panels for name, stage in panel["stages"].items() if name.split()[0] in stages)
