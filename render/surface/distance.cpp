@@ -38,8 +38,8 @@ Lanes absolute(const Lanes& v) { return v < 0.0f ? -v : v; }
 class Closest {
 public:
     explicit Closest(const Volume& e)
-        : row_((e.nx + lanes - 1) / lanes * lanes + lanes), plane_(row_ * e.ny), count_(plane_ * e.nz), all_(new float[4 * count_ + 2 * lanes]),
-          x(all_.get() + lanes), y(x + count_), z(y + count_), distance2(z + count_) {
+        : row_((e.nx + lanes - 1) / lanes * lanes + lanes), plane_(row_ * e.ny), count_(plane_ * e.nz),
+          all_(new float[4 * count_ + 2 * lanes]), x(all_.get() + lanes), y(x + count_), z(y + count_), distance2(z + count_) {
         std::fill(all_.get(), x, infinity);
         std::fill(distance2 + count_, distance2 + count_ + lanes, infinity);
     }
@@ -121,12 +121,13 @@ public:
             inward_[m] = normal.cross(side_[m]);
         }
     }
-    float above(const Vec3f& p) const { return normal_.dot(p); }
+    // Signed height above the triangle's plane of the voxels of a row. @param p the first @param step from voxel to voxel along x
+    Lanes above(const Vec3f& p, float step) const { return normal_.dot(p) + counted * (step * normal_.x()); }
 
     // @param p the row's first voxel @param step from voxel to voxel along x
     Row nearest(const Vec3f& p, float step) const {
         const Lanes x = p.x() + counted * step, none = x - x;
-        Row row{none, none, none, none + std::numeric_limits<float>::max(), above(p) + counted * (step * normal_.x())};
+        Row row{none, none, none, none + std::numeric_limits<float>::max(), above(p, step)};
         Lanes least_inward = none + std::numeric_limits<float>::max();
         for (int m = 0; m < 3; ++m) {
             const Vec3f &c = corner_[m], &s = side_[m];
@@ -158,15 +159,16 @@ private:
     Vec3f normal_;
 };
 
-// Exact closest points of all voxels within `margin` of the surface. The nearest triangle decides on which side of it they are; where several
-// share the nearest point (an edge, a corner), the one that faces the voxel most squarely does. Voxels that no triangle is near are on the
-// side of those before them in their row; all rows begin outside.
+// Exact closest points of all voxels within `margin` of the surface. The nearest triangle decides on which side of it they are; where
+// several share the nearest point (an edge, a corner), the one that faces the voxel most squarely does. Voxels that no triangle is near are
+// on the side of those before them in their row; all rows begin outside.
 // @param side of each voxel: -1 inside
 void near_surface(const TriangleMesh& mesh, const Volume& e, float margin, Closest& closest, std::vector<std::int8_t>& side) {
     const Slabs slabs(mesh, e, margin);
     // Squares of distances that differ by less are equal but for rounding, which large triangles make larger.
     const float tie = 1e-6f * e.voxel * (e.at(e.nx, e.ny, e.nz) - e.origin).norm();
-    const float margin2 = margin * margin, in_voxels = 1.0001f * margin / e.voxel;
+    const float margin2 = margin * margin;
+    constexpr float rounding = 1e-4f;
     parallel_tasks(slabs.count(), [&](Index slab) {
         const int k_begin = slab * Slabs::thickness, k_end = std::min(e.nz, k_begin + Slabs::thickness);
         closest.clear(k_begin, k_end);
@@ -178,33 +180,32 @@ void near_surface(const TriangleMesh& mesh, const Volume& e, float margin, Close
             const float doubled = area.norm();
             if (doubled <= 0) continue;
             const NearTriangle triangle(a, b, c, area / doubled);
-            const Vec3f least = a.cwiseMin(b).cwiseMin(c), most = a.cwiseMax(b).cwiseMax(c);
-            const Vec3f low = (least.array() - margin - e.origin.array()) / e.voxel,
-                        high = (most.array() + margin - e.origin.array()) / e.voxel;
+            const Vec3f least = a.cwiseMin(b).cwiseMin(c) - a, most = a.cwiseMax(b).cwiseMax(c) - a;
+            const Vec3f first_corner = (a + least - e.origin).array() - margin, last_corner = (a + most - e.origin).array() + margin;
+            const Vec3f low = first_corner / e.voxel, high = last_corner / e.voxel;
             const int i0 = std::max(0, static_cast<int>(std::ceil(low.x()))), i1 = std::min(e.nx - 1, static_cast<int>(high.x()));
             const int j0 = std::max(0, static_cast<int>(std::ceil(low.y()))), j1 = std::min(e.ny - 1, static_cast<int>(high.y()));
             const int k0 = std::max(k_begin, static_cast<int>(std::ceil(low.z()))), k1 = std::min(k_end - 1, static_cast<int>(high.z()));
-            // How far a row is beside the triangle's box along an axis [voxels].
-            const auto beside = [&](int n, int axis) {
-                const float from_low = low[axis] + margin / e.voxel - static_cast<float>(n),
-                            from_high = static_cast<float>(n) - high[axis] + margin / e.voxel;
-                return std::max(0.0f, std::max(from_low, from_high));
-            };
+            const auto beside = [&](float at, int axis) { return std::max(0.0f, std::max(least[axis] - at, at - most[axis])); };
             for (int k = k0; k <= k1; ++k)
-                for (int j = j0; j <= j1; ++j) {
-                    const float beside_y = beside(j, 1), beside_z = beside(k, 2);
-                    if (beside_y * beside_y + beside_z * beside_z > in_voxels * in_voxels) continue;
+                for (int j = j0; j <= j1; ++j)
                     for (int first = i0; first <= i1; first += lanes) {
-                        const int last = std::min(i1, first + lanes - 1);
                         const Vec3f p = e.at(first, j, k) - a;
-                        // A large triangle's box holds voxels far beside it, and all of a row may be far above it.
-                        const float above_first = triangle.above(p), above_last = triangle.above(e.at(last, j, k) - a);
-                        if (std::min(above_first, above_last) > margin || std::max(above_first, above_last) < -margin) continue;
-                        const NearTriangle::Row row = triangle.nearest(p, e.voxel);
                         const std::size_t at = closest.index(first, j, k), at_above = closest.index(first, j, k - k_begin);
-                        const Lanes best = load(closest.distance2 + at), best_above = load(above.data() + at_above);
-                        const auto near = (row.distance2 <= margin2) & (row.distance2 <= best + tie) & (counted <= static_cast<float>(last - first));
-                        if (!any(near)) continue;
+                        const Lanes best = load(closest.distance2 + at);
+                        // Neither the triangle's box nor its plane may be further off than what is known already.
+                        const float beside_y = beside(p.y(), 1), beside_z = beside(p.z(), 2);
+                        const Lanes x = p.x() + counted * e.voxel, plane = triangle.above(p, e.voxel);
+                        Lanes beside_x = x < least.x() ? least.x() - x : x - most.x();
+                        beside_x = beside_x > 0.0f ? beside_x : x - x;
+                        const Lanes box2 = beside_x * beside_x + (beside_y * beside_y + beside_z * beside_z);
+                        const Lanes furthest2 = best < margin2 ? best : x - x + margin2, plane2 = plane * plane;
+                        const auto may = (1 - rounding) * (box2 < plane2 ? plane2 : box2) <= furthest2 + tie;
+                        if (!any(may & (counted <= static_cast<float>(i1 - first)))) continue;
+                        const NearTriangle::Row row = triangle.nearest(p, e.voxel);
+                        const Lanes best_above = load(above.data() + at_above);
+                        const auto near =
+                            (row.distance2 <= margin2) & (row.distance2 <= best + tie) & (counted <= static_cast<float>(i1 - first));
                         const auto decides = near & ((row.distance2 < best - tie) | (absolute(row.above) > absolute(best_above)));
                         store(above.data() + at_above, decides ? row.above : best_above);
                         const auto nearer = near & (row.distance2 < best);
@@ -214,11 +215,11 @@ void near_surface(const TriangleMesh& mesh, const Volume& e, float margin, Close
                         keep(closest.z, row.z + a.z());
                         keep(closest.distance2, row.distance2);
                     }
-                }
         }
         for (int k = k_begin; k < k_end; ++k)
             for (int j = 0; j < e.ny; ++j) {
-                const float *const distance2 = closest.distance2 + closest.index(0, j, k), *const over = above.data() + closest.index(0, j, k - k_begin);
+                const float *const distance2 = closest.distance2 + closest.index(0, j, k), *const over = above.data() +
+                                                                                                         closest.index(0, j, k - k_begin);
                 std::int8_t* const of_row = side.data() + e.index(0, j, k);
                 std::int8_t last = 1;
                 for (int i = 0; i < e.nx; ++i) {
@@ -295,62 +296,92 @@ public:
     }
 
 private:
+    // What is known of places of the plane before, from the first of them on.
+    struct Known {
+        const float *x, *y, *z;
+        std::size_t row;  // from one row of them to the next
+    };
+
     // The voxels of a block that lie in the plane.
     void block(const std::array<int, 3>& b, int plane, int direction) const {
         std::array<int, 3> first{}, end{};
         for (int a = 0; a < 3; ++a) first[a] = b[a] * Band::edge, end[a] = std::min(size_[a], first[a] + Band::edge);
         first[axis_] = plane, end[axis_] = plane + 1;
-        std::array<int, 3> at{};
-        for (at[2] = first[2]; at[2] < end[2]; ++at[2])
-            for (at[1] = first[1]; at[1] < end[1]; ++at[1]) {
-                at[0] = first[0];
-                if (axis_ != 0) ask_for_row(at, direction);
-                else
-                    for (; at[0] < end[0]; ++at[0]) ask(at, direction);
+        if (axis_ == 0) return across_rows(first, end, direction);
+        const int v = 3 - axis_;  // rows follow each other along this axis
+        std::array<int, 3> at = first;
+        for (; at[v] < end[v]; ++at[v]) {
+            const std::size_t here = closest_.index(at[0], at[1], at[2]), from = before(here, direction);
+            const Known known{closest_.x + from, closest_.y + from, closest_.z + from, stride_[v]};
+            float* const to[4] = {closest_.x + here, closest_.y + here, closest_.z + here, closest_.distance2 + here};
+            const Vec3f p = e_.at(at[0], at[1], at[2]);
+            const Lanes none = counted - counted;
+            ask({p.x() + counted * e_.voxel, none + p.y(), none + p.z()}, load(closest_.distance2 + from), at[v] > 0, at[v] + 1 < size_[v],
+                known, to);
+        }
+    }
+
+    // A plane across the rows: its voxels and those of the plane before are put side by side along y first.
+    void across_rows(const std::array<int, 3>& first, const std::array<int, 3>& end, int direction) const {
+        constexpr int edge = Band::edge, wide = 2 * lanes;
+        const int count_y = end[1] - first[1], count_z = end[2] - first[2];
+        const std::size_t here = closest_.index(first[0], first[1], first[2]), from = before(here, direction);
+        const auto place = [&](int j, int k) { return closest_.row() * j + closest_.plane() * k; };
+        alignas(32) float from2[edge][lanes], kept[edge][4][lanes];
+        bool is_asked = false;
+        for (int k = 0; k < count_z; ++k)
+            for (int j = 0; j < lanes; ++j) {
+                from2[k][j] = j < count_y ? closest_.distance2[from + place(j, k)] : infinity;
+                kept[k][3][j] = j < count_y ? closest_.distance2[here + place(j, k)] : 0;
+                is_asked |= kept[k][3][j] > margin2_ && from2[k][j] < limit2_;
             }
+        if (!is_asked) return;
+        float known[3][edge + 2][wide];  // from the voxel before the first, both ways
+        const float* const source[3] = {closest_.x, closest_.y, closest_.z};
+        for (int c = 0; c < 3; ++c) {
+            for (int k = -1; k <= count_z; ++k)
+                for (int j = -1; j <= lanes; ++j) {
+                    const int y = first[1] + j, z = first[2] + k;
+                    const bool is_there = y >= 0 && y < size_[1] && z >= 0 && z < size_[2];
+                    known[c][k + 1][j + 1] = is_there ? source[c][closest_.index(first[0] - direction, y, z)] : infinity;
+                }
+            for (int k = 0; k < count_z; ++k)
+                for (int j = 0; j < lanes; ++j) kept[k][c][j] = j < count_y ? source[c][here + place(j, k)] : 0;
+        }
+        float* const target[4] = {closest_.x, closest_.y, closest_.z, closest_.distance2};
+        for (int k = 0; k < count_z; ++k) {
+            const Vec3f p = e_.at(first[0], first[1], first[2] + k);
+            const Lanes none = counted - counted;
+            float* const to[4] = {kept[k][0], kept[k][1], kept[k][2], kept[k][3]};
+            if (!ask({none + p.x(), p.y() + counted * e_.voxel, none + p.z()}, load(from2[k]), true, true,
+                     {known[0][k + 1] + 1, known[1][k + 1] + 1, known[2][k + 1] + 1, wide}, to))
+                continue;
+            for (int c = 0; c < 4; ++c)
+                for (int j = 0; j < count_y; ++j) target[c][here + place(j, k)] = kept[k][c][j];
+        }
     }
 
     std::size_t before(std::size_t here, int direction) const { return direction > 0 ? here - stride_[axis_] : here + stride_[axis_]; }
 
-    void ask(const std::array<int, 3>& at, int direction) const {
-        const std::size_t here = closest_.index(at[0], at[1], at[2]), from = before(here, direction);
-        float best = closest_.distance2[here];
-        if (best <= margin2_ || !(closest_.distance2[from] < limit2_)) return;
-        const Vec3f x = e_.at(at[0], at[1], at[2]);
-        const int u = (axis_ + 1) % 3, v = (axis_ + 2) % 3;
-        for (int dv = at[v] > 0 ? -1 : 0; dv <= (at[v] + 1 < size_[v] ? 1 : 0); ++dv)
-            for (int du = at[u] > 0 ? -1 : 0; du <= (at[u] + 1 < size_[u] ? 1 : 0); ++du) {
-                const std::size_t other = from + du * stride_[u] + dv * stride_[v];
-                const Vec3f point(closest_.x[other], closest_.y[other], closest_.z[other]);
-                const float distance2 = (x - point).squaredNorm();
-                if (distance2 < best) {
-                    closest_.x[here] = point.x(), closest_.y[here] = point.y(), closest_.z[here] = point.z();
-                    closest_.distance2[here] = best = distance2;
-                }
-            }
-    }
-
-    // The same of `lanes` voxels along x.
-    void ask_for_row(const std::array<int, 3>& at, int direction) const {
-        const std::size_t here = closest_.index(at[0], at[1], at[2]), from = before(here, direction);
-        Lanes best = load(closest_.distance2 + here);
-        const auto asks = (best > margin2_) & (load(closest_.distance2 + from) < limit2_);
-        if (!any(asks)) return;
-        const Vec3f first = e_.at(at[0], at[1], at[2]);
-        const Lanes x = first.x() + counted * e_.voxel;
-        Lanes px = load(closest_.x + here), py = load(closest_.y + here), pz = load(closest_.z + here);
-        const int v = 3 - axis_;
-        for (int dv = at[v] > 0 ? -1 : 0; dv <= (at[v] + 1 < size_[v] ? 1 : 0); ++dv)
-            for (int dx = -1; dx <= 1; ++dx) {
-                const std::size_t other = from + dx + dv * stride_[v];
-                const Lanes qx = load(closest_.x + other), qy = load(closest_.y + other), qz = load(closest_.z + other);
-                const Lanes rx = x - qx, ry = first.y() - qy, rz = first.z() - qz, distance2 = rx * rx + ry * ry + rz * rz;
+    // Voxels side by side ask those before them and the eight around these. @param from2 what those before them know
+    // @param to x, y, z and the square of the distance @return whether any asked
+    bool ask(const std::array<Lanes, 3>& voxel, const Lanes& from2, bool has_row_before, bool has_row_after, const Known& known,
+             float* const (&to)[4]) const {
+        Lanes best = load(to[3]);
+        const auto asks = (best > margin2_) & (from2 < limit2_);
+        if (!any(asks)) return false;
+        Lanes px = load(to[0]), py = load(to[1]), pz = load(to[2]);
+        for (int r = has_row_before ? -1 : 0; r <= (has_row_after ? 1 : 0); ++r)
+            for (int n = -1; n <= 1; ++n) {
+                const std::ptrdiff_t other = static_cast<std::ptrdiff_t>(known.row) * r + n;
+                const Lanes qx = load(known.x + other), qy = load(known.y + other), qz = load(known.z + other);
+                const Lanes rx = voxel[0] - qx, ry = voxel[1] - qy, rz = voxel[2] - qz, distance2 = rx * rx + ry * ry + rz * rz;
                 const auto nearer = asks & (distance2 < best);
                 best = nearer ? distance2 : best;
                 px = nearer ? qx : px, py = nearer ? qy : py, pz = nearer ? qz : pz;
             }
-        store(closest_.distance2 + here, best);
-        store(closest_.x + here, px), store(closest_.y + here, py), store(closest_.z + here, pz);
+        store(to[0], px), store(to[1], py), store(to[2], pz), store(to[3], best);
+        return true;
     }
 
     const Volume& e_;
