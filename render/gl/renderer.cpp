@@ -333,8 +333,7 @@ void Renderer::Device::draw_from(const Shot& shot, int sample) {
     glEnable(GL_DEPTH_TEST);
     if (!samples.leaves_out(sample)) {
         glBindFramebuffer(GL_FRAMEBUFFER, things.id());
-        glClear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT | (keeps_more ? GL_COLOR_BUFFER_BIT : 0));
-        if (!keeps_more) glClearBufferfv(GL_COLOR, 0, std::array<float, 4>{}.data());  // the normals are read where the fluid is alone
+        glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
         draw_faces(shot, matrix);
         if (sample == 0 && shot.keeps_solid_light()) find_solid_light(shot, matrix);
         shade_solids(shot, matrix, things.id());

@@ -11,7 +11,6 @@ layout(location = 0) out vec4 light_map;
 // What is near within a reach, averaged over a disc of that reach. Of a whole level the software driver reads no second one.
 float hidden(int channel) {
     float radius = reach[channel], texels = radius * float(textureSize(nearness, 0).x);
-    if (texels < 1.0) return textureLod(nearness, uv, 0.0)[channel];
     float level = max(floor(log2(texels)), 0.0), sum = 0.0;
     for (int i = 0; i < 6; ++i) {
         float r = radius * sqrt((float(i) + 0.5) / 6.0), angle = 2.39996 * float(i);

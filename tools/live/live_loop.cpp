@@ -274,12 +274,12 @@ void LiveLoop::say_pace() {
     said_ = factor, said_at_ = now;
 }
 
-/// A film's frames do not come faster than it plays; what changes need not wait. @return s that it waited
+/// A film's frames do not come faster than it plays; what changes, or changed in the step before, need not wait. @return s that it waited
 double LiveLoop::wait_for_real_time() {
     if (!real_time_) return 0;
     const double frame = 1 / simulation_->scene().time.fps, now = wall_seconds();
     due_ = std::max(due_ + frame, now - 0.1);  // what was missed is not made up for
-    if (due_ > now) controls_.wait_for_change(due_ - now);
+    if (due_ > now && revision_ == stepped_) controls_.wait_for_change(due_ - now);
     return wall_seconds() - now;
 }
 
