@@ -30,7 +30,7 @@ template <class F>
 void parallel_blocks(Index n, Index block, F&& f) {
     const auto run = [&f](Index begin, Index end) __attribute__((noinline)) { f(begin, end); };
     const Index blocks = (n + block - 1) / block;
-    if (n < serial_below || threads() == 1) {
+    if (n < serial_below || blocks < 2 || threads() == 1) {
         for (Index b = 0; b < blocks; ++b) run(b * block, std::min(n, (b + 1) * block));
         return;
     }

@@ -33,7 +33,7 @@ KeyTable time_keys() {
     t.key("fps", &TimeKeys::fps, "1/s", "frames a second of film; to see what is over in a moment, take slow_motion").above(0);
     t.key("slow_motion", &TimeKeys::slow_motion, "", "the film plays this many times slower than life").above(0);
     t.key("max_step", &TimeKeys::max_step, "s", "longest time step").above(0).live();
-    t.key("cfl", &TimeKeys::cfl, "", "a step moves no particle further than this part of a spacing").above(0).at_most(2).live();
+    t.key("cfl", &TimeKeys::cfl, "", "a step moves no particle further than this part of a spacing").above(0).at_most(2.5).live();
     t.key("fixed_step", &TimeKeys::fixed_step, "s",
           "every step is this long, whatever the models allow (for studies of stability); 0: they decide")
         .at_least(0);

@@ -1,6 +1,7 @@
 #include "render/surface/colour_field.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "engine/core/parallel.h"
@@ -8,16 +9,33 @@
 namespace whorl {
 namespace {
 
-// sum_k (1 - r_ik^2 / R^2)^3 over the particles of a run; written without a branch, so that the compiler vectorises it.
-float kernel_sum(const ParticleRows& p, Index begin, Index end, float x, float y, float z, float inverse_R2) {
-    float sum = 0;
-    for (Index k = begin; k < end; ++k) {
-        const float dx = p.x[k] - x, dy = p.y[k] - y, dz = p.z[k] - z;
-        const float t = std::max(0.0f, 1 - inverse_R2 * (dx * dx + dy * dy + dz * dz));
-        sum += t * t * t;
+// The particles that a bunch reaches, copied together.
+struct Around {
+    std::vector<float> x, y, z;
+
+    void gather(const ParticleRows& p, const Vec3f& low, const Vec3f& high) {
+        for (std::vector<float>* v : {&x, &y, &z}) v->clear();
+        p.runs(low, high, [&](Index begin, Index end) {
+            x.insert(x.end(), p.x.begin() + begin, p.x.begin() + end);
+            y.insert(y.end(), p.y.begin() + begin, p.y.begin() + end);
+            z.insert(z.end(), p.z.begin() + begin, p.z.begin() + end);
+        });
     }
-    return sum;
-}
+    // sum_k (1 - r_ik^2 / R^2)^3 with two R at once; written without a branch, so that the compiler vectorises it.
+    std::array<float, 2> sums(const Vec3f& at, float first_R, float second_R) const {
+        const float first_inverse = 1 / (first_R * first_R), second_inverse = 1 / (second_R * second_R);
+        const float ax = at.x(), ay = at.y(), az = at.z();
+        float first = 0, second = 0;
+        const std::size_t n = x.size();
+        for (std::size_t k = 0; k < n; ++k) {
+            const float dx = x[k] - ax, dy = y[k] - ay, dz = z[k] - az, r2 = dx * dx + dy * dy + dz * dz;
+            const float t = std::max(0.0f, 1 - first_inverse * r2), u = std::max(0.0f, 1 - second_inverse * r2);
+            first += t * t * t;
+            second += u * u * u;
+        }
+        return {first, second};
+    }
+};
 
 // How much wider the kernel of a lone particle is. At a lower `few` droplets of a few particles come out too thick, at a higher one threads
 // of radius 3 d that are 1 d apart merge.
@@ -47,21 +65,23 @@ float nearest_other(const ParticleRows& p, Index i, float most) {
 ColourField::ColourField(Span<const Vec3f> position, double spacing, double radius)
     : reach_(static_cast<float>(lone_factor * radius * spacing)), rows_(position, reach_), height_(rows_.x.size()),
       radius_(rows_.x.size()) {
-    parallel_for(rows_.size(), [&](Index i) {
-        const Vec3f p(rows_.x[i], rows_.y[i], rows_.z[i]);
-        const auto around = [&](float R) {
-            float sum = 0;
-            rows_.runs(p.array() - R, p.array() + R,
-                       [&](Index begin, Index end) { sum += kernel_sum(rows_, begin, end, p.x(), p.y(), p.z(), 1 / (R * R)); });
-            return sum;
-        };
-        const float company = around(reach_), s = std::clamp((many - company) / (many - few), 0.0f, 1.0f);
-        radius_[i] = reach_ * (1 + s * s * (3 - 2 * s) * (lone_factor - 1)) / lone_factor;
-        if (company < 1.001f) {
-            const float away = (nearest_other(rows_, i, alone * reach_) / reach_ - apart) / (alone - apart);
-            radius_[i] *= 1 - (1 - spray_factor) * std::clamp(away, 0.0f, 1.0f);
+    const std::vector<ParticleRows::Bunch> bunches = rows_.bunches(reach_);
+    parallel_tasks(static_cast<Index>(bunches.size()), [&](Index n) {
+        thread_local Around around;
+        const ParticleRows::Bunch& bunch = bunches[n];
+        around.gather(rows_, bunch.low.array() - reach_, bunch.high.array() + reach_);
+        for (Index i = bunch.begin; i < bunch.end; ++i) {
+            const Vec3f p(rows_.x[i], rows_.y[i], rows_.z[i]);
+            const float usual = reach_ / lone_factor;
+            const auto [company, usual_sum] = around.sums(p, reach_, usual);
+            const float s = std::clamp((many - company) / (many - few), 0.0f, 1.0f);
+            radius_[i] = s > 0 ? reach_ * (1 + s * s * (3 - 2 * s) * (lone_factor - 1)) / lone_factor : usual;
+            if (company < 1.001f) {
+                const float away = (nearest_other(rows_, i, alone * reach_) / reach_ - apart) / (alone - apart);
+                radius_[i] *= 1 - (1 - spray_factor) * std::clamp(away, 0.0f, 1.0f);
+            }
+            height_[i] = 1 / (s > 0 ? around.sums(p, radius_[i], radius_[i])[0] : usual_sum);
         }
-        height_[i] = 1 / around(radius_[i]);
     });
 }
 

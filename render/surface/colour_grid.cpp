@@ -10,32 +10,21 @@
 namespace whorl {
 namespace {
 
-// Makes the blocks of all nodes that particles reach, and one node more: so a surface never runs along a missing block. Particles come
-// sorted along rows; what a bunch of them reaches together is asked for once.
+// Makes the blocks of all nodes that particles reach, and one node more: so a surface never runs along a missing block.
 void touch_blocks(const ColourField& field, float voxel, openvdb::FloatTree::RootNodeType& root) {
-    const ParticleRows& p = field.particles();
     const float reach = field.reach() + voxel, block = voxel * block_edge;
-    for (Index begin = 0; begin < p.size();) {
-        Vec3f low(p.x[begin], p.y[begin], p.z[begin]), high = low;
-        Index end = begin + 1;
-        for (; end < p.size(); ++end) {
-            const Vec3f next(p.x[end], p.y[end], p.z[end]);
-            const Vec3f lower = low.cwiseMin(next), upper = high.cwiseMax(next);
-            if ((upper - lower).maxCoeff() > field.reach()) break;
-            low = lower;
-            high = upper;
-        }
-        const Eigen::Vector3i first = ((low.array() - reach) / block).floor().cast<int>(),
-                              last = ((high.array() + reach) / block).floor().cast<int>();
+    for (const ParticleRows::Bunch& bunch : field.particles().bunches(field.reach())) {
+        const Eigen::Vector3i first = ((bunch.low.array() - reach) / block).floor().cast<int>(),
+                              last = ((bunch.high.array() + reach) / block).floor().cast<int>();
         for (int a = first.x(); a <= last.x(); ++a)
             for (int b = first.y(); b <= last.y(); ++b)
                 for (int c = first.z(); c <= last.z(); ++c) root.touchLeaf({a * block_edge, b * block_edge, c * block_edge});
-        begin = end;
     }
 }
 
-// c at the block's nodes: each particle in turn adds its bump to the nodes that it reaches, row by row along z (8 nodes, one vector).
+// c at the block's nodes: each particle in turn adds its bump to the planes of nodes that it reaches.
 void fill(const LocalField& local, float voxel, ColourBlock& block) {
+    constexpr int plane_nodes = block_edge * block_edge;
     alignas(64) float colour[block_nodes] = {};
     for (std::size_t n = 0; n < local.x.size(); ++n) {
         const float inverse_R2 = voxel * voxel * local.inverse_R2[n], r = 1 / std::sqrt(inverse_R2);
@@ -44,21 +33,23 @@ void fill(const LocalField& local, float voxel, ColourBlock& block) {
                     pz = local.z[n] / voxel - static_cast<float>(block.origin[2]);
         const int i0 = std::max(0, static_cast<int>(std::ceil(px - r))),
                   i1 = std::min(block_edge - 1, static_cast<int>(std::floor(px + r)));
-        const int j0 = std::max(0, static_cast<int>(std::ceil(py - r))),
-                  j1 = std::min(block_edge - 1, static_cast<int>(std::floor(py + r)));
-        alignas(32) float z2[block_edge];
-        for (int k = 0; k < block_edge; ++k) z2[k] = inverse_R2 * (static_cast<float>(k) - pz) * (static_cast<float>(k) - pz);
-        const float height = local.height[n];
-        for (int i = i0; i <= i1; ++i)
-            for (int j = j0; j <= j1; ++j) {
-                const float dx = static_cast<float>(i) - px, dy = static_cast<float>(j) - py, rest = 1 - inverse_R2 * (dx * dx + dy * dy);
-                if (rest <= 0) continue;
-                float* row = colour + (i * block_edge + j) * block_edge;
-                for (int k = 0; k < block_edge; ++k) {
-                    const float t = std::max(0.0f, rest - z2[k]);
-                    row[k] += height * t * t * t;
-                }
+        alignas(64) float aside[plane_nodes];  // square of the way in the plane over that of R
+        for (int j = 0; j < block_edge; ++j) {
+            const float dy = static_cast<float>(j) - py;
+            for (int k = 0; k < block_edge; ++k) {
+                const float dz = static_cast<float>(k) - pz;
+                aside[j * block_edge + k] = inverse_R2 * (dy * dy + dz * dz);
             }
+        }
+        const float height = local.height[n];
+        for (int i = i0; i <= i1; ++i) {
+            const float dx = static_cast<float>(i) - px, rest = 1 - inverse_R2 * dx * dx;
+            float* const plane = colour + i * plane_nodes;
+            for (int m = 0; m < plane_nodes; ++m) {
+                const float t = std::max(0.0f, rest - aside[m]);
+                plane[m] += height * t * t * t;
+            }
+        }
     }
     std::copy(std::begin(colour), std::end(colour), block.value);
     block.least = *std::min_element(std::begin(colour), std::end(colour));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <memory>
 
 #include "engine/core/parallel.h"
 
@@ -12,33 +13,51 @@ namespace {
 
 constexpr double most_voxels = 16e6;
 
-// What each voxel knows of the surface: the nearest point of it, and the square of the distance.
-struct Closest {
-    std::vector<float> x, y, z, distance2;
-    explicit Closest(std::size_t voxels) {
-        for (std::vector<float>* v : {&x, &y, &z, &distance2}) v->assign(voxels, std::numeric_limits<float>::infinity());
-    }
-    void set(std::size_t at, const Vec3f& point, float square) {
-        x[at] = point.x(), y[at] = point.y(), z[at] = point.z(), distance2[at] = square;
-    }
-};
-
 // Eight numbers, one a voxel of a row.
 using Lanes = float __attribute__((vector_size(32)));
+using LaneMask = decltype(Lanes() < Lanes());
 constexpr int lanes = sizeof(Lanes) / sizeof(float);
 constexpr Lanes counted = {0, 1, 2, 3, 4, 5, 6, 7};
+constexpr float infinity = std::numeric_limits<float>::infinity();
 
-Lanes load(const std::vector<float>& from, std::size_t at) {
+Lanes load(const float* from) {
     Lanes v;
-    std::memcpy(&v, from.data() + at, sizeof v);
+    std::memcpy(&v, from, sizeof v);
     return v;
 }
-void store(std::vector<float>& to, std::size_t at, const Lanes& v) { std::memcpy(to.data() + at, &v, sizeof v); }
-bool any(const decltype(Lanes() < Lanes())& mask) {
+void store(float* to, const Lanes& v) { std::memcpy(to, &v, sizeof v); }
+bool any(const LaneMask& mask) {
     std::array<std::uint64_t, 4> bits;
     std::memcpy(bits.data(), &mask, sizeof bits);
     return (bits[0] | bits[1] | bits[2] | bits[3]) != 0;
 }
+Lanes absolute(const Lanes& v) { return v < 0.0f ? -v : v; }
+
+// What each voxel knows of the surface: the nearest point of it, and the square of the distance. Rows stand apart by a few voxels that are
+// infinitely far: any eight from one of a row on are there.
+class Closest {
+public:
+    explicit Closest(const Volume& e)
+        : row_((e.nx + lanes - 1) / lanes * lanes + lanes), plane_(row_ * e.ny), count_(plane_ * e.nz),
+          all_(new float[4 * count_ + 2 * lanes]), x(all_.get() + lanes), y(x + count_), z(y + count_), distance2(z + count_) {
+        std::fill(all_.get(), x, infinity);
+        std::fill(distance2 + count_, distance2 + count_ + lanes, infinity);
+    }
+    std::size_t row() const { return row_; }
+    std::size_t plane() const { return plane_; }
+    std::size_t index(int i, int j, int k) const { return plane_ * k + row_ * j + i; }
+    // No point is known in the planes from k on, before `end`.
+    void clear(int k, int end) {
+        for (float* v : {x, y, z, distance2}) std::fill(v + plane_ * k, v + plane_ * end, infinity);
+    }
+
+private:
+    std::size_t row_, plane_, count_;
+    std::unique_ptr<float[]> all_;
+
+public:
+    float *x, *y, *z, *distance2;
+};
 
 // The voxels about the mesh, without values.
 Volume extent_of(const TriangleMesh& mesh, float voxel) {
@@ -102,12 +121,13 @@ public:
             inward_[m] = normal.cross(side_[m]);
         }
     }
-    float above(const Vec3f& p) const { return normal_.dot(p); }
+    // Signed height above the triangle's plane of the voxels of a row. @param p the first @param step from voxel to voxel along x
+    Lanes above(const Vec3f& p, float step) const { return normal_.dot(p) + counted * (step * normal_.x()); }
 
     // @param p the row's first voxel @param step from voxel to voxel along x
     Row nearest(const Vec3f& p, float step) const {
         const Lanes x = p.x() + counted * step, none = x - x;
-        Row row{none, none, none, none + std::numeric_limits<float>::max(), above(p) + counted * (step * normal_.x())};
+        Row row{none, none, none, none + std::numeric_limits<float>::max(), above(p, step)};
         Lanes least_inward = none + std::numeric_limits<float>::max();
         for (int m = 0; m < 3; ++m) {
             const Vec3f &c = corner_[m], &s = side_[m];
@@ -139,15 +159,20 @@ private:
     Vec3f normal_;
 };
 
-// Exact closest points of all voxels within `margin` of the surface, and on which side of it they are. The nearest triangle decides; where
-// several share the nearest point (an edge, a corner), the one that faces the voxel most squarely does.
+// Exact closest points of all voxels within `margin` of the surface. The nearest triangle decides on which side of it they are; where
+// several share the nearest point (an edge, a corner), the one that faces the voxel most squarely does. Voxels that no triangle is near are
+// on the side of those before them in their row; all rows begin outside.
+// @param side of each voxel: -1 inside
 void near_surface(const TriangleMesh& mesh, const Volume& e, float margin, Closest& closest, std::vector<std::int8_t>& side) {
     const Slabs slabs(mesh, e, margin);
     // Squares of distances that differ by less are equal but for rounding, which large triangles make larger.
     const float tie = 1e-6f * e.voxel * (e.at(e.nx, e.ny, e.nz) - e.origin).norm();
+    const float margin2 = margin * margin;
+    constexpr float rounding = 1e-4f;
     parallel_tasks(slabs.count(), [&](Index slab) {
         const int k_begin = slab * Slabs::thickness, k_end = std::min(e.nz, k_begin + Slabs::thickness);
-        std::vector<float> squareness(grid_count(e.nx, e.ny, Slabs::thickness), 0.0f);
+        closest.clear(k_begin, k_end);
+        std::vector<float> above(closest.plane() * Slabs::thickness + lanes, 0.0f);  // the plane of the triangle that decides
         for (std::uint32_t t : slabs.triangles(slab)) {
             const Vec3f &a = mesh.position[mesh.triangle[t][0]], &b = mesh.position[mesh.triangle[t][1]],
                         &c = mesh.position[mesh.triangle[t][2]];
@@ -155,37 +180,53 @@ void near_surface(const TriangleMesh& mesh, const Volume& e, float margin, Close
             const float doubled = area.norm();
             if (doubled <= 0) continue;
             const NearTriangle triangle(a, b, c, area / doubled);
-            const Vec3f low = (a.cwiseMin(b).cwiseMin(c).array() - margin - e.origin.array()) / e.voxel,
-                        high = (a.cwiseMax(b).cwiseMax(c).array() + margin - e.origin.array()) / e.voxel;
+            const Vec3f least = a.cwiseMin(b).cwiseMin(c) - a, most = a.cwiseMax(b).cwiseMax(c) - a;
+            const Vec3f first_corner = (a + least - e.origin).array() - margin, last_corner = (a + most - e.origin).array() + margin;
+            const Vec3f low = first_corner / e.voxel, high = last_corner / e.voxel;
             const int i0 = std::max(0, static_cast<int>(std::ceil(low.x()))), i1 = std::min(e.nx - 1, static_cast<int>(high.x()));
             const int j0 = std::max(0, static_cast<int>(std::ceil(low.y()))), j1 = std::min(e.ny - 1, static_cast<int>(high.y()));
             const int k0 = std::max(k_begin, static_cast<int>(std::ceil(low.z()))), k1 = std::min(k_end - 1, static_cast<int>(high.z()));
+            const auto beside = [&](float at, int axis) { return std::max(0.0f, std::max(least[axis] - at, at - most[axis])); };
             for (int k = k0; k <= k1; ++k)
                 for (int j = j0; j <= j1; ++j)
                     for (int first = i0; first <= i1; first += lanes) {
-                        const int last = std::min(i1, first + lanes - 1);
                         const Vec3f p = e.at(first, j, k) - a;
-                        // A large triangle's box holds voxels far beside it, and all of a row may be far above it.
-                        const float above_first = triangle.above(p), above_last = triangle.above(e.at(last, j, k) - a);
-                        if (std::min(above_first, above_last) > margin || std::max(above_first, above_last) < -margin) continue;
+                        const std::size_t at = closest.index(first, j, k), at_above = closest.index(first, j, k - k_begin);
+                        const Lanes best = load(closest.distance2 + at);
+                        // Neither the triangle's box nor its plane may be further off than what is known already.
+                        const float beside_y = beside(p.y(), 1), beside_z = beside(p.z(), 2);
+                        const Lanes x = p.x() + counted * e.voxel, plane = triangle.above(p, e.voxel);
+                        Lanes beside_x = x < least.x() ? least.x() - x : x - most.x();
+                        beside_x = beside_x > 0.0f ? beside_x : x - x;
+                        const Lanes box2 = beside_x * beside_x + (beside_y * beside_y + beside_z * beside_z);
+                        const Lanes furthest2 = best < margin2 ? best : x - x + margin2, plane2 = plane * plane;
+                        const auto may = (1 - rounding) * (box2 < plane2 ? plane2 : box2) <= furthest2 + tie;
+                        if (!any(may & (counted <= static_cast<float>(i1 - first)))) continue;
                         const NearTriangle::Row row = triangle.nearest(p, e.voxel);
-                        for (int i = first; i <= last; ++i) {
-                            const int l = i - first;
-                            const float distance2 = row.distance2[l];
-                            if (distance2 > margin * margin) continue;
-                            const std::size_t at = e.index(i, j, k);
-                            const float best = closest.distance2[at];
-                            if (distance2 > best + tie) continue;
-                            float& square = squareness[grid_index(i, j, k - k_begin, e.nx, e.ny)];
-                            const bool nearer = distance2 < best - tie;
-                            if (nearer || std::abs(row.above[l]) > square) {
-                                square = std::abs(row.above[l]);
-                                side[at] = row.above[l] < 0 ? -1 : 1;
-                            }
-                            if (distance2 < best) closest.set(at, Vec3f(row.x[l], row.y[l], row.z[l]) + a, distance2);
-                        }
+                        const Lanes best_above = load(above.data() + at_above);
+                        const auto near =
+                            (row.distance2 <= margin2) & (row.distance2 <= best + tie) & (counted <= static_cast<float>(i1 - first));
+                        const auto decides = near & ((row.distance2 < best - tie) | (absolute(row.above) > absolute(best_above)));
+                        store(above.data() + at_above, decides ? row.above : best_above);
+                        const auto nearer = near & (row.distance2 < best);
+                        const auto keep = [&](float* of, const Lanes& value) { store(of + at, nearer ? value : load(of + at)); };
+                        keep(closest.x, row.x + a.x());
+                        keep(closest.y, row.y + a.y());
+                        keep(closest.z, row.z + a.z());
+                        keep(closest.distance2, row.distance2);
                     }
         }
+        for (int k = k_begin; k < k_end; ++k)
+            for (int j = 0; j < e.ny; ++j) {
+                const float *const distance2 = closest.distance2 + closest.index(0, j, k), *const over = above.data() +
+                                                                                                         closest.index(0, j, k - k_begin);
+                std::int8_t* const of_row = side.data() + e.index(0, j, k);
+                std::int8_t last = 1;
+                for (int i = 0; i < e.nx; ++i) {
+                    if (distance2[i] < infinity) last = over[i] < 0 ? -1 : 1;
+                    of_row[i] = last;
+                }
+            }
     });
 }
 
@@ -200,7 +241,7 @@ public:
             for (int k = c * edge; k < std::min(e.nz, (c + 1) * edge); ++k)
                 for (int j = 0; j < e.ny; ++j)
                     for (int i = 0; i < e.nx; ++i)
-                        if (std::isfinite(closest.distance2[e.index(i, j, k)])) inside_[at({i / edge, j / edge, c})] = 1;
+                        if (closest.distance2[closest.index(i, j, k)] < infinity) inside_[at({i / edge, j / edge, c})] = 1;
         });
         for (int axis : {0, 1, 2}) widen(axis, (band + edge - 1) / edge);
     }
@@ -232,7 +273,7 @@ class Sweep {
 public:
     Sweep(const Volume& e, const Band& band, int axis, float margin, float limit, Closest& closest)
         : e_(e), band_(band), closest_(closest), axis_(axis), margin2_(margin * margin),
-          limit2_(limit * limit), size_{e.nx, e.ny, e.nz}, stride_{1, grid_index(0, 1, e.nx), grid_index(0, 0, 1, e.nx, e.ny)} {}
+          limit2_(limit * limit), size_{e.nx, e.ny, e.nz}, stride_{1, closest.row(), closest.plane()} {}
 
     void run() const {
         const int n = size_[axis_];
@@ -255,61 +296,92 @@ public:
     }
 
 private:
+    // What is known of places of the plane before, from the first of them on.
+    struct Known {
+        const float *x, *y, *z;
+        std::size_t row;  // from one row of them to the next
+    };
+
     // The voxels of a block that lie in the plane.
     void block(const std::array<int, 3>& b, int plane, int direction) const {
         std::array<int, 3> first{}, end{};
         for (int a = 0; a < 3; ++a) first[a] = b[a] * Band::edge, end[a] = std::min(size_[a], first[a] + Band::edge);
         first[axis_] = plane, end[axis_] = plane + 1;
-        // Whole rows at once, where their neighbours along x are there.
-        const bool rows = axis_ != 0 && first[0] > 0 && first[0] + lanes < e_.nx;
-        std::array<int, 3> at{};
-        for (at[2] = first[2]; at[2] < end[2]; ++at[2])
-            for (at[1] = first[1]; at[1] < end[1]; ++at[1]) {
-                at[0] = first[0];
-                if (rows) ask_for_row(at, direction);
-                else
-                    for (; at[0] < end[0]; ++at[0]) ask(at, direction);
+        if (axis_ == 0) return across_rows(first, end, direction);
+        const int v = 3 - axis_;  // rows follow each other along this axis
+        std::array<int, 3> at = first;
+        for (; at[v] < end[v]; ++at[v]) {
+            const std::size_t here = closest_.index(at[0], at[1], at[2]), from = before(here, direction);
+            const Known known{closest_.x + from, closest_.y + from, closest_.z + from, stride_[v]};
+            float* const to[4] = {closest_.x + here, closest_.y + here, closest_.z + here, closest_.distance2 + here};
+            const Vec3f p = e_.at(at[0], at[1], at[2]);
+            const Lanes none = counted - counted;
+            ask({p.x() + counted * e_.voxel, none + p.y(), none + p.z()}, load(closest_.distance2 + from), at[v] > 0, at[v] + 1 < size_[v],
+                known, to);
+        }
+    }
+
+    // A plane across the rows: its voxels and those of the plane before are put side by side along y first.
+    void across_rows(const std::array<int, 3>& first, const std::array<int, 3>& end, int direction) const {
+        constexpr int edge = Band::edge, wide = 2 * lanes;
+        const int count_y = end[1] - first[1], count_z = end[2] - first[2];
+        const std::size_t here = closest_.index(first[0], first[1], first[2]), from = before(here, direction);
+        const auto place = [&](int j, int k) { return closest_.row() * j + closest_.plane() * k; };
+        alignas(32) float from2[edge][lanes], kept[edge][4][lanes];
+        bool is_asked = false;
+        for (int k = 0; k < count_z; ++k)
+            for (int j = 0; j < lanes; ++j) {
+                from2[k][j] = j < count_y ? closest_.distance2[from + place(j, k)] : infinity;
+                kept[k][3][j] = j < count_y ? closest_.distance2[here + place(j, k)] : 0;
+                is_asked |= kept[k][3][j] > margin2_ && from2[k][j] < limit2_;
             }
+        if (!is_asked) return;
+        float known[3][edge + 2][wide];  // from the voxel before the first, both ways
+        const float* const source[3] = {closest_.x, closest_.y, closest_.z};
+        for (int c = 0; c < 3; ++c) {
+            for (int k = -1; k <= count_z; ++k)
+                for (int j = -1; j <= lanes; ++j) {
+                    const int y = first[1] + j, z = first[2] + k;
+                    const bool is_there = y >= 0 && y < size_[1] && z >= 0 && z < size_[2];
+                    known[c][k + 1][j + 1] = is_there ? source[c][closest_.index(first[0] - direction, y, z)] : infinity;
+                }
+            for (int k = 0; k < count_z; ++k)
+                for (int j = 0; j < lanes; ++j) kept[k][c][j] = j < count_y ? source[c][here + place(j, k)] : 0;
+        }
+        float* const target[4] = {closest_.x, closest_.y, closest_.z, closest_.distance2};
+        for (int k = 0; k < count_z; ++k) {
+            const Vec3f p = e_.at(first[0], first[1], first[2] + k);
+            const Lanes none = counted - counted;
+            float* const to[4] = {kept[k][0], kept[k][1], kept[k][2], kept[k][3]};
+            if (!ask({none + p.x(), p.y() + counted * e_.voxel, none + p.z()}, load(from2[k]), true, true,
+                     {known[0][k + 1] + 1, known[1][k + 1] + 1, known[2][k + 1] + 1, wide}, to))
+                continue;
+            for (int c = 0; c < 4; ++c)
+                for (int j = 0; j < count_y; ++j) target[c][here + place(j, k)] = kept[k][c][j];
+        }
     }
 
     std::size_t before(std::size_t here, int direction) const { return direction > 0 ? here - stride_[axis_] : here + stride_[axis_]; }
 
-    void ask(const std::array<int, 3>& at, int direction) const {
-        const std::size_t here = e_.index(at[0], at[1], at[2]), from = before(here, direction);
-        float best = closest_.distance2[here];
-        if (best <= margin2_ || !(closest_.distance2[from] < limit2_)) return;
-        const Vec3f x = e_.at(at[0], at[1], at[2]);
-        const int u = (axis_ + 1) % 3, v = (axis_ + 2) % 3;
-        for (int dv = at[v] > 0 ? -1 : 0; dv <= (at[v] + 1 < size_[v] ? 1 : 0); ++dv)
-            for (int du = at[u] > 0 ? -1 : 0; du <= (at[u] + 1 < size_[u] ? 1 : 0); ++du) {
-                const std::size_t other = from + du * stride_[u] + dv * stride_[v];
-                const Vec3f point(closest_.x[other], closest_.y[other], closest_.z[other]);
-                const float distance2 = (x - point).squaredNorm();
-                if (distance2 < best) closest_.set(here, point, best = distance2);
-            }
-    }
-
-    // The same of `lanes` voxels along x.
-    void ask_for_row(const std::array<int, 3>& at, int direction) const {
-        const std::size_t here = e_.index(at[0], at[1], at[2]), from = before(here, direction);
-        Lanes best = load(closest_.distance2, here);
-        const auto asks = (best > margin2_) & (load(closest_.distance2, from) < limit2_);
-        if (!any(asks)) return;
-        const Vec3f first = e_.at(at[0], at[1], at[2]);
-        const Lanes x = first.x() + counted * e_.voxel;
-        Lanes px = load(closest_.x, here), py = load(closest_.y, here), pz = load(closest_.z, here);
-        const int v = 3 - axis_;
-        for (int dv = at[v] > 0 ? -1 : 0; dv <= (at[v] + 1 < size_[v] ? 1 : 0); ++dv)
-            for (int dx = -1; dx <= 1; ++dx) {
-                const std::size_t other = from + dx + dv * stride_[v];
-                const Lanes qx = load(closest_.x, other), qy = load(closest_.y, other), qz = load(closest_.z, other);
-                const Lanes rx = x - qx, ry = first.y() - qy, rz = first.z() - qz, distance2 = rx * rx + ry * ry + rz * rz;
+    // Voxels side by side ask those before them and the eight around these. @param from2 what those before them know
+    // @param to x, y, z and the square of the distance @return whether any asked
+    bool ask(const std::array<Lanes, 3>& voxel, const Lanes& from2, bool has_row_before, bool has_row_after, const Known& known,
+             float* const (&to)[4]) const {
+        Lanes best = load(to[3]);
+        const auto asks = (best > margin2_) & (from2 < limit2_);
+        if (!any(asks)) return false;
+        Lanes px = load(to[0]), py = load(to[1]), pz = load(to[2]);
+        for (int r = has_row_before ? -1 : 0; r <= (has_row_after ? 1 : 0); ++r)
+            for (int n = -1; n <= 1; ++n) {
+                const std::ptrdiff_t other = static_cast<std::ptrdiff_t>(known.row) * r + n;
+                const Lanes qx = load(known.x + other), qy = load(known.y + other), qz = load(known.z + other);
+                const Lanes rx = voxel[0] - qx, ry = voxel[1] - qy, rz = voxel[2] - qz, distance2 = rx * rx + ry * ry + rz * rz;
                 const auto nearer = asks & (distance2 < best);
                 best = nearer ? distance2 : best;
                 px = nearer ? qx : px, py = nearer ? qy : py, pz = nearer ? qz : pz;
             }
-        store(closest_.distance2, here, best);
-        store(closest_.x, here, px), store(closest_.y, here, py), store(closest_.z, here, pz);
+        store(to[0], px), store(to[1], py), store(to[2], pz), store(to[3], best);
+        return true;
     }
 
     const Volume& e_;
@@ -321,34 +393,26 @@ private:
     std::array<std::size_t, 3> stride_;
 };
 
-// Voxels that no triangle is near are on the side of those before them. All rows begin outside.
-void spread_sides(const Volume& e, std::vector<std::int8_t>& side) {
-    parallel_for(static_cast<Index>(e.ny) * e.nz, [&](Index row) {
-        std::int8_t* const of_row = side.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(e.nx);
-        std::int8_t last = 1;
-        for (int i = 0; i < e.nx; ++i)
-            if (of_row[i] == 0) of_row[i] = last;
-            else last = of_row[i];
-    });
-}
-
 }  // namespace
 
 Volume distance_volume(const TriangleMesh& mesh, float voxel, int band) {
     if (mesh.triangle.empty()) return {};
     Volume volume = extent_of(mesh, voxel);
-    Closest closest(volume.count());
-    std::vector<std::int8_t> side(volume.count(), 0);
+    Closest closest(volume);
+    std::vector<std::int8_t> side(volume.count());
     // Each cell that the surface crosses has all its corners within sqrt(3) voxels of it: sides never leak through.
     const float margin = 1.75f * volume.voxel, limit = static_cast<float>(band) * volume.voxel;
     near_surface(mesh, volume, margin, closest, side);
     const Band held(volume, closest, band);
     for (int axis : {0, 1, 2}) Sweep(volume, held, axis, margin, limit + 2 * volume.voxel, closest).run();
-    spread_sides(volume, side);
 
     volume.value.resize(volume.count());
-    parallel_for(static_cast<Index>(volume.count()),
-                 [&](Index n) { volume.value[n] = (side[n] < 0 ? -1.0f : 1.0f) * std::min(limit, std::sqrt(closest.distance2[n])); });
+    parallel_for(volume.ny * volume.nz, [&](Index row) {
+        const float* const distance2 = closest.distance2 + closest.row() * row;
+        const std::size_t first = static_cast<std::size_t>(row) * static_cast<std::size_t>(volume.nx);
+        for (int i = 0; i < volume.nx; ++i)
+            volume.value[first + i] = (side[first + i] < 0 ? -1.0f : 1.0f) * std::min(limit, std::sqrt(distance2[i]));
+    });
     return volume;
 }
 

@@ -55,4 +55,21 @@ ParticleRows::ParticleRows(Span<const Vec3f> position, float width) : width_(wid
     });
 }
 
+std::vector<ParticleRows::Bunch> ParticleRows::bunches(float extent) const {
+    std::vector<Bunch> all;
+    for (Index i = 0; i < size(); ++i) {
+        const Vec3f next(x[i], y[i], z[i]);
+        if (!all.empty()) {
+            Bunch& bunch = all.back();
+            const Vec3f low = bunch.low.cwiseMin(next), high = bunch.high.cwiseMax(next);
+            if ((high - low).maxCoeff() <= extent) {
+                bunch = {bunch.begin, i + 1, low, high};
+                continue;
+            }
+        }
+        all.push_back({i, i + 1, next, next});
+    }
+    return all;
+}
+
 }  // namespace whorl

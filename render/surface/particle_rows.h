@@ -28,6 +28,14 @@ public:
             }
     }
 
+    /// Particles that follow each other and stand close together.
+    struct Bunch {
+        Index begin, end;
+        Vec3f low, high;  ///< their box
+    };
+    /// All particles in bunches whose boxes are no longer than `extent` [m] along any axis: what a bunch reaches is asked for once.
+    std::vector<Bunch> bunches(float extent) const;
+
     std::vector<float> x, y, z;   ///< m, sorted
     std::vector<Index> original;  ///< the particle's index in the frame
 

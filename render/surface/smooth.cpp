@@ -1,5 +1,6 @@
 #include "render/surface/smooth.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "engine/core/parallel.h"
@@ -27,17 +28,61 @@ struct Ring {
     }
 };
 
+// The same for a loop that has no end of its own for each vertex: so many neighbours of each, or a place that is not there; and the others
+// of those few that have more.
+struct EvenRing {
+    static constexpr int usual = 8;
+    std::vector<std::uint32_t> neighbour;  // of vertex v from usual v on
+    std::vector<float> share;              // of each neighbour in their mean
+    struct Further {
+        Index vertex;
+        std::uint32_t neighbour;
+    };
+    std::vector<Further> further;
+
+    explicit EvenRing(const Ring& ring) : neighbour(usual * (ring.begin.size() - 1)), share(ring.begin.size() - 1) {
+        const auto nowhere = static_cast<std::uint32_t>(share.size());
+        for (std::size_t v = 0; v < share.size(); ++v) {
+            const Index begin = ring.begin[v], count = ring.begin[v + 1] - begin;
+            share[v] = 1 / static_cast<float>(count);
+            for (Index n = 0; n < std::max<Index>(usual, count); ++n)
+                if (n < usual) neighbour[usual * v + n] = n < count ? ring.neighbour[begin + n] : nowhere;
+                else further.push_back({static_cast<Index>(v), ring.neighbour[begin + n]});
+        }
+    }
+};
+
 constexpr float lambda = 0.63f;  // of a step of the blur
 
+// Places with a fourth number that means nothing, so that they are read and added at once; and one at the end that stays 0.
+using Padded = Eigen::Vector4f;
+using PaddedPlaces = std::vector<Padded>;
+
+PaddedPlaces padded(const std::vector<Vec3f>& position) {
+    PaddedPlaces places(position.size() + 1, Padded::Zero());
+    for (std::size_t v = 0; v < position.size(); ++v) places[v].head<3>() = position[v];
+    return places;
+}
+void take(const PaddedPlaces& places, std::vector<Vec3f>& position) {
+    for (std::size_t v = 0; v < position.size(); ++v) position[v] = places[v].head<3>();
+}
+
 // (1 - lambda k)^steps of each component of the shape with eigenvalue k of the umbrella operator.
-void blur(const Ring& ring, std::vector<Vec3f>& position, std::vector<Vec3f>& scratch, int steps) {
+void blur(const EvenRing& ring, PaddedPlaces& position, PaddedPlaces& scratch, int steps) {
+    const auto vertices = static_cast<Index>(ring.share.size());
+    constexpr Index block = 8192;  // waking a thread takes as long as a few thousand vertices
+    scratch[vertices].setZero();
     for (int s = 0; s < steps; ++s) {
-        parallel_for(static_cast<Index>(position.size()), [&](Index v) {
-            Vec3f sum = Vec3f::Zero();
-            for (Index n = ring.begin[v]; n < ring.begin[v + 1]; ++n) sum += position[ring.neighbour[n]];
-            const auto count = static_cast<float>(ring.begin[v + 1] - ring.begin[v]);
-            scratch[v] = (1 - lambda) * position[v] + (lambda / count) * sum;
+        parallel_blocks(vertices, block, [&](Index begin, Index end) {
+            for (Index v = begin; v < end; ++v) {
+                const std::uint32_t* const neighbour = ring.neighbour.data() + EvenRing::usual * v;
+                Padded sum = Padded::Zero();
+                for (int n = 0; n < EvenRing::usual; ++n) sum += position[neighbour[n]];
+                scratch[v] = (1 - lambda) * position[v] + (lambda * ring.share[v]) * sum;
+            }
         });
+        for (const EvenRing::Further& more : ring.further)
+            scratch[more.vertex] += (lambda * ring.share[more.vertex]) * position[more.neighbour];
         std::swap(position, scratch);
     }
 }
@@ -48,21 +93,22 @@ void blur(const Ring& ring, std::vector<Vec3f>& position, std::vector<Vec3f>& sc
 // curvature; handing back the blurred loss twice leaves the third power of that, and still takes out what the blur takes out well.
 void smooth(TriangleMesh& mesh, int rounds, int steps) {
     constexpr int order = 3;
-    const Ring ring(mesh);
+    const EvenRing ring{Ring(mesh)};
     const auto n = static_cast<Index>(mesh.position.size());
-    std::vector<Vec3f> blurred, scratch(mesh.position.size()), lost(mesh.position.size());
+    PaddedPlaces position = padded(mesh.position), blurred, scratch(position.size()), lost;
     for (int r = 0; r < rounds; ++r) {
-        lost = mesh.position;
-        std::fill(mesh.position.begin(), mesh.position.end(), Vec3f::Zero());
+        lost = position;
+        std::fill(position.begin(), position.end(), Padded::Zero());
         for (int pass = 0; pass < order; ++pass) {
             blurred = lost;
             blur(ring, blurred, scratch, steps);
             parallel_for(n, [&](Index v) {
-                mesh.position[v] += blurred[v];
+                position[v] += blurred[v];
                 lost[v] -= blurred[v];
             });
         }
     }
+    take(position, mesh.position);
 }
 
 namespace {
@@ -88,9 +134,11 @@ void set_normals(TriangleMesh& mesh) { set_normals(mesh, Ring(mesh), mesh.positi
 
 void set_smooth_normals(TriangleMesh& mesh, int steps) {
     const Ring ring(mesh);
-    std::vector<Vec3f> blurred = mesh.position, scratch(blurred.size());
-    blur(ring, blurred, scratch, steps);
-    set_normals(mesh, ring, blurred);
+    PaddedPlaces blurred = padded(mesh.position), scratch(blurred.size());
+    blur(EvenRing(ring), blurred, scratch, steps);
+    std::vector<Vec3f> position(mesh.position.size());
+    take(blurred, position);
+    set_normals(mesh, ring, position);
 }
 
 }  // namespace whorl

@@ -207,7 +207,7 @@ TEST_CASE("the JSON Schema is valid JSON and covers every key", "[scene]") {
     check_covered(scene_keys(), schema);
     CHECK(schema["properties"]["fluid"]["required"] == nlohmann::json{"spacing"});
     CHECK(schema["properties"]["models"]["properties"]["pressure"]["enum"] == nlohmann::json({"auto", "none", "wcsph", "ppe", "coupled"}));
-    CHECK(schema["properties"]["time"]["properties"]["cfl"]["maximum"] == 2);
+    CHECK(schema["properties"]["time"]["properties"]["cfl"]["maximum"] == 2.5);
     CHECK(schema["properties"]["fluid"]["properties"]["viscosity"]["anyOf"].size() == 2);
     CHECK(schema["properties"]["quality"]["properties"]["draft"]["$ref"] == "#/definitions/changes");
 }

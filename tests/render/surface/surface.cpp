@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
@@ -12,6 +13,7 @@
 #include "engine/core/random.h"
 #include "engine/geometry/cylinder.h"
 #include "render/surface/distance.h"
+#include "render/surface/particle_rows.h"
 #include "render/surface/smooth.h"
 #include "tests/support/shapes.h"
 #include "tests/support/surface_measures.h"
@@ -44,6 +46,19 @@ float trilinear(const Volume& v, const Vec3f& at) {
         sum += (c & 1 ? f.x() : 1 - f.x()) * (c & 2 ? f.y() : 1 - f.y()) * (c & 4 ? f.z() : 1 - f.z()) * v.value[v.index(i, j, k)];
     }
     return sum;
+}
+
+/// From a place to a triangle, by its plane and its sides.
+double distance_to(const Vec3d& x, const std::array<Vec3d, 3>& corner) {
+    const Vec3d normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]).normalized();
+    double nearest = std::numeric_limits<double>::max();
+    bool over_it = true;
+    for (int m = 0; m < 3; ++m) {
+        const Vec3d &a = corner[m], side = corner[(m + 1) % 3] - a;
+        over_it = over_it && normal.cross(side).dot(x - a) >= 0;
+        nearest = std::min(nearest, (x - a - std::clamp((x - a).dot(side) / side.squaredNorm(), 0.0, 1.0) * side).norm());
+    }
+    return over_it ? std::abs(normal.dot(x - corner[0])) : nearest;
 }
 
 }  // namespace
@@ -190,6 +205,32 @@ TEST_CASE("the distance volume is zero on the mesh, negative inside and grows by
             }
 }
 
+TEST_CASE("the distance volume is what a search over all triangles finds: exactly near the surface, and hardly more further off",
+          "[surface]") {
+    TriangleMesh lump = test::sphere(Vec3f::Zero(), 1, 0.2f).mesh;
+    for (Vec3f& x : lump.position) x = x.cwiseProduct(Vec3f(1, 0.6f, 0.45f));
+    for (const float voxel : {0.09f, 0.13f, 0.3f}) {  // wider and narrower than the rows that are looked at together
+        const int band = 5;
+        const Volume v = distance_volume(lump, voxel, band);
+        double near_error = 0, most = 0, least = 0;
+        for (int k = 0; k < v.nz; ++k)
+            for (int j = 0; j < v.ny; ++j)
+                for (int i = 0; i < v.nx; ++i) {
+                    double exact = std::numeric_limits<double>::max();
+                    for (const auto& t : lump.triangle)
+                        exact = std::min(exact, distance_to(v.at(i, j, k).cast<double>(),
+                                                            {lump.position[t[0]].cast<double>(), lump.position[t[1]].cast<double>(),
+                                                             lump.position[t[2]].cast<double>()}));
+                    const double over = (std::abs(v.value[v.index(i, j, k)]) - std::min(exact, double(band) * voxel)) / voxel;
+                    if (exact < 1.75 * voxel) near_error = std::max(near_error, std::abs(over));
+                    most = std::max(most, over), least = std::min(least, over);
+                }
+        CHECK(near_error < 1e-4);  // voxels: rounding
+        CHECK(least > -1e-4);
+        CHECK(most < 0.15);  // as distance.h says
+    }
+}
+
 TEST_CASE("beyond the sharp edge of a flat body no voxel counts as inside", "[surface]") {
     // Planes of voxels lie in its ends: where the side's triangles and an end's are as near, rounding must not choose between them.
     const Vec3d from(0, -0.006, 0), to(0, 0, 0);
@@ -302,6 +343,58 @@ TEST_CASE("a ball's rough mesh keeps its place and gets smooth normals", "[surfa
     set_smooth_normals(ball, 10);
     CHECK(roughness() < 0.3 * before);  // the blur is over some ten vertices: of what is random it leaves a third and less
     CHECK(ball.position == place);
+}
+
+TEST_CASE("smoothing takes the mean of all neighbours, of however many", "[surface]") {
+    // Two tips over a ring of twelve.
+    constexpr std::uint32_t around = 12;
+    TriangleMesh mesh;
+    for (std::uint32_t n = 0; n < around; ++n) {
+        const float turn = static_cast<float>(2 * M_PI * n / around);
+        mesh.position.emplace_back(std::cos(turn), 0.1f * std::sin(3 * turn), std::sin(turn));
+        mesh.triangle.push_back({(n + 1) % around, n, around});
+        mesh.triangle.push_back({n, (n + 1) % around, around + 1});
+    }
+    mesh.position.emplace_back(0, 1, 0), mesh.position.emplace_back(0, -1, 0.2f);
+    using Places = std::vector<Vec3d>;
+    const auto blurred = [&](const Places& x) {
+        Places mean(x.size(), Vec3d::Zero()), to;
+        for (std::uint32_t n = 0; n < around; ++n) {
+            mean[n] = (x[(n + 1) % around] + x[(n + around - 1) % around] + x[around] + x[around + 1]) / 4;
+            for (const std::uint32_t tip : {around, around + 1}) mean[tip] += x[n] / around;
+        }
+        for (std::size_t v = 0; v < x.size(); ++v) to.push_back(0.37 * x[v] + 0.63 * mean[v]);
+        return to;
+    };
+    Places lost, expected(mesh.position.size(), Vec3d::Zero());
+    for (const Vec3f& x : mesh.position) lost.push_back(x.cast<double>());
+    for (int pass = 0; pass < 3; ++pass) {  // S x + S (1 - S) x + S (1 - S)^2 x, S: two steps
+        const Places kept = blurred(blurred(lost));
+        for (std::size_t v = 0; v < lost.size(); ++v) expected[v] += kept[v], lost[v] -= kept[v];
+    }
+    smooth(mesh, 1, 2);
+    for (std::size_t v = 0; v < expected.size(); ++v) CHECK((mesh.position[v].cast<double>() - expected[v]).norm() < 1e-6);  // rounding
+}
+
+TEST_CASE("bunches hold every particle once, in order, and are no longer than asked for", "[surface]") {
+    RandomNumbers random(3);
+    std::vector<Vec3f> place;
+    for (int n = 0; n < 2000; ++n)
+        place.push_back(10 * Vec3f(static_cast<float>(random()), static_cast<float>(random()), static_cast<float>(random())));
+    place.emplace_back(100, 0, 0);  // a stray one
+    const ParticleRows rows(place, 1.2f);
+    Index next = 0;
+    for (const ParticleRows::Bunch& bunch : rows.bunches(1.5f)) {
+        CHECK(bunch.begin == next);
+        CHECK(bunch.end > bunch.begin);
+        CHECK((bunch.high - bunch.low).maxCoeff() <= 1.5f);
+        for (Index i = bunch.begin; i < bunch.end; ++i) {
+            const Vec3f x(rows.x[i], rows.y[i], rows.z[i]);
+            CHECK(((x - bunch.low).minCoeff() >= 0 && (bunch.high - x).minCoeff() >= 0));
+        }
+        next = bunch.end;
+    }
+    CHECK(next == rows.size());
 }
 
 TEST_CASE("drops of single particles shrink with their distance from all others, and do not vanish", "[surface]") {
