@@ -224,9 +224,15 @@ void NeighbourSearch::append_row(const Vec3& x, Index self, const Reach& reach, 
         }
         count[a] = static_cast<int>(std::min(high - low[a] + 1, static_cast<double>(axis_[a].bins)));  // no bin twice
     }
+    int low_bin[3];
+    for (int a = 0; a < 3; ++a) low_bin[a] = axis_[a].bin(low[a]);
+    const auto bin = [&](int a, int k) {
+        const Axis& axis = axis_[a];
+        return axis.wraps ? axis.bin(low[a] + k) : low_bin[a] + k;
+    };
     // Along x the bins are contiguous: one run, or two where it wraps.
     const int columns = axis_[0].bins;
-    const int first = axis_[0].bin(low[0]);
+    const int first = low_bin[0];
     const int past = std::min(first + count[0], columns), wrapped = first + count[0] - past;
     const Real* const p[3] = {packed_[0].data(), packed_[1].data(), packed_[2].data()};
 
@@ -237,9 +243,9 @@ void NeighbourSearch::append_row(const Vec3& x, Index self, const Reach& reach, 
         rows.used += static_cast<std::size_t>(append_near<periodic>(test, p, packed_index_.data(), begin, end, out) - out);
     };
     for (int k = 0; k < count[2]; ++k) {
-        const std::size_t slab = static_cast<std::size_t>(axis_[2].bin(low[2] + k)) * static_cast<std::size_t>(axis_[1].bins);
+        const std::size_t slab = static_cast<std::size_t>(bin(2, k)) * static_cast<std::size_t>(axis_[1].bins);
         for (int l = 0; l < count[1]; ++l) {
-            const std::size_t row = (slab + static_cast<std::size_t>(axis_[1].bin(low[1] + l))) * static_cast<std::size_t>(columns);
+            const std::size_t row = (slab + static_cast<std::size_t>(bin(1, l))) * static_cast<std::size_t>(columns);
             visit(row, first, past);
             if (wrapped > 0) visit(row, 0, wrapped);
         }

@@ -129,7 +129,8 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
     const double start = wall_seconds();
     for (int round = 0;; ++round) {
         matrix.presses.assign(n, 1);
-        matrix.multiply(q, residual_);
+        if (round > 0) matrix.push(q);
+        matrix.rates(q, residual_);
         const ActiveSet set = choose(matrix, q, round == 0 ? about_full * step.rest_density / step.dt : 0, rest);
         const double left = std::sqrt(set.squares);
         report.last_residual = left / worst_rate;
@@ -182,13 +183,12 @@ Real ConstraintPressure::correction_rate(Real rho, Real target, bool filled, con
 }
 
 void ConstraintPressure::add_bend(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Vec3> u,
-                                  Span<const Real> q, Span<Padded> force) {
+                                  Span<const Real> q, Span<const Padded> force) {
     constexpr Real most = Real(0.02);  // of the rest density: beyond it a step moves by more than the densities tell
     const StepContext& step = around.step;
     const Index n = D_.size();
     Column<Real> bend(static_cast<std::size_t>(n));
     Column<Vec3> expected(static_cast<std::size_t>(n));  // velocities after the step, by the last pressure
-    D_.transposed(q, force);
     parallel_for(n, [&](Index i) { expected[i] = u[i] - force[i].head<3>(); });
     D_.bend(wall, around, rho, expected, bodies_.poses_after(q, around.solids), bend);
     parallel_for(n, [&](Index i) { b_[i] += std::clamp(bend[i], -most * step.rest_density, most * step.rest_density) / step.dt; });
@@ -213,12 +213,13 @@ void ConstraintPressure::operator()(const Surroundings& around, StepReport& repo
         p[i] = D_.diagonal[i] > 0 ? p[i] / D_.virial[i] * step.dt / (rho[i] * rho[i]) : 0;  // q
     });
     ConstraintMatrix matrix{D_, {}, Column<Padded>(n), around.pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};
+    matrix.push(p.values);
     add_bend(wall, around, rho.values, u.values, p.values, matrix.force);
     const auto fastest = static_cast<Real>(filled ? largest_speed(u.values) : 0);
     report.solves.push_back(
         {"pressure", filled ? solve_filled(matrix, step, mean_rate, fastest, p.values) : solve(matrix, step, p.values)});
     bodies_.push(p.values, around.solids);
-    D_.transposed(p.values, matrix.force);
+    if (filled) matrix.push(p.values);  // solve() has left it there
     parallel_for(n, [&](Index i) {
         u[i] -= matrix.force[i].head<3>();
         p[i] *= D_.virial[i] * rho[i] * rho[i] / step.dt;

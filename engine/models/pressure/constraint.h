@@ -17,16 +17,18 @@ namespace whorl {
 struct ConstraintMatrix {
     const DensityRate& D;
     std::vector<char> presses;     ///< 1: an unknown of the present solve
-    mutable Column<Padded> force;  ///< D^T q of the last product
+    mutable Column<Padded> force;  ///< D^T q, as push() left it
     Span<const Vec3> x;            ///< positions
     Real spacing = 0;
     const BodyRows* bodies = nullptr;  ///< columns of D that belong to free bodies
     Index size() const { return D.size(); }
-    void multiply(Span<const Real> q, Span<Real> Aq) const {
-        D.transposed(q, force);
+    void push(Span<const Real> q) const { D.transposed(q, force); }
+    /// Aq = D force, for the q of the last push().
+    void rates(Span<const Real> q, Span<Real> Aq) const {
         D.apply(force, presses, Aq);
         if (bodies) bodies->add_product(q, presses, Aq);
     }
+    void multiply(Span<const Real> q, Span<Real> Aq) const { push(q), rates(q, Aq); }
 };
 
 /// Set up for `presses` as it is, once a step and again where many particles start or stop to press; the returned function reads `presses`
@@ -61,7 +63,7 @@ public:
                     Update<field::velocity> u, Update<field::pressure> p);
 
 private:
-    /// A q <= b as complementarity.
+    /// A q <= b as complementarity. matrix.force must be, and will be, D^T q.
     SolveReport solve(ConstraintMatrix& A, const StepContext& step, Span<Real> q);
     /// Which particles press in a round.
     struct ActiveSet {
@@ -83,9 +85,9 @@ private:
     /// at its speed (at least sqrt(g d)). A heavy body on a thin film of fluid is otherwise thrown up by the correction of the film, the
     /// faster the shorter the step, and the pressure that throws it shortens the next one.
     Real correction_time(Span<const Vec3> u, const StepContext& step) const;
-    /// Adds e/dt to b_. @param force written: D^T q
+    /// Adds e/dt to b_. @param force D^T q
     void add_bend(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Vec3> u, Span<const Real> q,
-                  Span<Padded> force);
+                  Span<const Padded> force);
     WallImage wall_of(const Surroundings& around) const;
     SolveReport solve_filled(ConstraintMatrix& A, const StepContext& step, double mean_rate, Real fastest, Span<Real> q);
 
