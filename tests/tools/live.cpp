@@ -5,7 +5,6 @@
 #include <fstream>
 #include <random>
 
-#include "engine/core/clock.h"
 #include "engine/io/csv.h"
 #include "engine/io/files.h"
 #include "engine/theory/coil_theory.h"
@@ -14,7 +13,6 @@
 #include "tests/support/live_program.h"
 #include "tests/support/scenes.h"
 #include "tools/live/access.h"
-#include "tools/live/screen.h"
 
 using namespace whorl;
 using nlohmann::json;
@@ -374,23 +372,6 @@ TEST_CASE("a viewer that does not read, and one that vanishes, hold up nobody", 
     CHECK(live.wait_for([&](const json& s) { return s.at("frame") > before + 3; }));
     ::close(silent);
     CHECK(live.end().code == 0);
-}
-
-TEST_CASE("who waits for the first picture of a change gets it, and goes on where none comes", "[tools][live]") {
-    Screen screen(64, 36, 1.0 / 24);
-    Frame frame;
-    frame.spacing = 1;
-    frame.domain_min = Vec3f::Constant(-4), frame.domain_max = Vec3f::Constant(4);
-    frame.position = {Vec3f::Zero(), Vec3f::UnitX()};
-    screen.look({}, 1);
-    screen.show(frame, 3);
-    screen.await(3, 60);  // s: a driver that compiles on a busy machine takes some
-    REQUIRE(screen.newest());
-    CHECK(screen.newest()->revisions.fluid == 3);
-    const double began = wall_seconds();
-    screen.await(4, 0.05);
-    CHECK(wall_seconds() - began >= 0.049);  // clocks may differ by a tick
-    CHECK(screen.newest()->revisions.fluid == 3);
 }
 
 TEST_CASE("what is seen can be recorded as pictures and a video", "[tools][live]") {

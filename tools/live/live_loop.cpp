@@ -140,7 +140,7 @@ void LiveLoop::after_step(const StepReport& report, double) {
         return;
     }
     const double now = wall_seconds();
-    step_wall_ = now - step_began_;
+    step_wall_ = now - std::exchange(step_began_, now);
     if (pace_.short_of_time() || !real_time_) share_.step(step_wall_, static_cast<double>(simulation_->world().fluid.size()));
     omp_set_num_threads(share_.threads());
     stepped_ = revision_;
@@ -148,14 +148,11 @@ void LiveLoop::after_step(const StepReport& report, double) {
     if (!reached && (stepped_ > shown_ || screen_.wants_state_within(step_wall_))) show_state();
     follow(controls_.take_changes());
     if (revision_ > stepped_ && !reached) screen_.expect(revision_);
-    step_began_ = wall_seconds();
 }
 
-/// People wait for the first state that goes by a change: the simulation stands by while its picture is made.
 void LiveLoop::show_state() {
-    constexpr double longest = 0.1;  // s
     screen_.show(snapshots_->take(*simulation_, frame_), stepped_);
-    if (std::exchange(shown_, stepped_) < stepped_) screen_.await(stepped_, longest);
+    shown_ = stepped_;
 }
 
 /// @return false where it was broken off, to end or to begin anew

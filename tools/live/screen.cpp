@@ -54,12 +54,6 @@ void Screen::show(Frame frame, std::uint64_t revision) {
     changed_.notify_all();
 }
 
-void Screen::await(std::uint64_t revision, double seconds) const {
-    std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, std::chrono::duration<double>(seconds),
-                      [&] { return closed_ || (newest_ && newest_->revisions.fluid >= revision); });
-}
-
 bool Screen::wants_state_within(double seconds) const {
     const std::lock_guard lock(mutex_);
     return !recorder_ && order_.wants_frame_within(seconds, wall_seconds());

@@ -24,9 +24,6 @@ public:
 
     /// @param revision of the scene that the simulation went by
     void show(Frame frame, std::uint64_t revision);
-    /// Waits for the first picture of a fluid that went by that revision or a later one, at most so many seconds: the cores are the
-    /// picture's.
-    void await(std::uint64_t revision, double seconds) const;
     /// Whether a picture begins within `seconds`, so that a state between two frames is of use.
     bool wants_state_within(double seconds) const;
     /// A frame of that revision is to come shortly: no picture of an older one is begun before, so that it is drawn at once.
