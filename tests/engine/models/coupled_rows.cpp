@@ -171,7 +171,7 @@ TEST_CASE("a bridge of single particles joins what it touches", "[models][couple
     require_rows_of_all_pairs(fluid);
 }
 
-TEST_CASE("particles with few neighbours look as far as the 16th, at most 4 spacings; a lone one has no row", "[models][coupled]") {
+TEST_CASE("particles with few neighbours look as far as the 16th, at most 4 spacings, and a lone one has no row", "[models][coupled]") {
     Fluid fluid;
     fluid.add_block(Vec3(0, 0, 0), 6, 6, 6, 0, Real(1.5));
     for (int k = 0; k < 30; ++k) fluid.add(Vec3(30, Real(k), 0));  // a single file
