@@ -68,10 +68,11 @@ std::string build_id() {
 
 void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& checkpoint) {
     CheckpointPacker file;
+    file.bytes.reserve(checkpoint.simulation.size() + (1 << 16));  // most of it, in one piece
     each_member(file, checkpoint);
     std::error_code gone;  // a run folder that was taken away is not made again: the write below says so
     std::filesystem::create_directory(folder / "checkpoints", gone);
-    write_text(folder / "checkpoints" / fmt::format("{:06}.whorl", checkpoint.frame), sealed(magic, file.bytes), true);
+    write_text(folder / "checkpoints" / fmt::format("{:06}.whorl", checkpoint.frame), sealed(magic, std::move(file.bytes)), true);
     for (const auto& entry : std::filesystem::directory_iterator(folder / "checkpoints"))
         if (!entry.path().stem().extension().empty()) std::filesystem::remove(entry.path());  // half written when a run was killed
     const auto files = checkpoint_files(folder);

@@ -72,7 +72,7 @@ void write_frame(const std::filesystem::path& file, const Frame& frame) {
     }
     pack(static_cast<std::uint64_t>(frame.emitters.size()));
     for (const FrameEmitter& emitter : frame.emitters) emitter_members(pack, emitter);
-    write_text(file, sealed(kind, pack.bytes));
+    write_text(file, sealed(kind, std::move(pack.bytes)));
 }
 
 Frame read_frame(const std::filesystem::path& file) try {

@@ -23,12 +23,12 @@ std::uint64_t checksum(std::string_view bytes) {
 
 }  // namespace
 
-std::string sealed(std::string_view kind, std::string_view bytes) {
-    Packer file;
-    file.bytes = kind;
-    file(static_cast<std::uint64_t>(bytes.size())), file(checksum(bytes));
-    file.bytes += bytes;
-    return std::move(file.bytes);
+std::string sealed(std::string_view kind, std::string bytes) {
+    Packer head;
+    head.bytes = kind;
+    head(static_cast<std::uint64_t>(bytes.size())), head(checksum(bytes));
+    bytes.insert(0, head.bytes);
+    return bytes;
 }
 
 std::string_view unsealed(std::string_view kind, std::string_view file) {

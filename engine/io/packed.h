@@ -90,7 +90,7 @@ struct Unpacker {
 };
 
 /// The bytes behind their kind, size and checksum. @param kind eight letters, the last a version
-std::string sealed(std::string_view kind, std::string_view bytes);
+std::string sealed(std::string_view kind, std::string bytes);
 /// What was sealed. @throws EnvironmentError that says how it is damaged
 std::string_view unsealed(std::string_view kind, std::string_view file);
 

@@ -109,16 +109,22 @@ bool BlockCholesky::eliminate(Front& front, const SymmetricBlocks& A, std::vecto
         if (k < front.last) return k - front.first;
         return own + static_cast<int>(std::lower_bound(front.boundary.begin(), front.boundary.end(), k) - front.boundary.begin());
     };
-    Eigen::MatrixXd F = Eigen::MatrixXd::Zero(6 * all, 6 * all);
+    // The front's lower triangle: own nodes, the boundary's rows of them, and what is left over for the parent.
+    const int n = 6 * own, m = 6 * (all - own);
+    Eigen::MatrixXd corner = Eigen::MatrixXd::Zero(n, n), below = Eigen::MatrixXd::Zero(m, n), rest = Eigen::MatrixXd::Zero(m, m);
+    const auto add = [&](int row, int column, const auto& block) {
+        if (row < own) corner.block<6, 6>(6 * row, 6 * column) += block;
+        else if (column < own) below.block<6, 6>(6 * (row - own), 6 * column) += block;
+        else rest.block<6, 6>(6 * (row - own), 6 * (column - own)) += block;
+    };
     for (int k = front.first; k < front.last; ++k) {
         const int v = node_[k];
         for (const auto& [r, e] : below_[v]) {
             const SymmetricBlocks::Entry& entry = A.row(r)[e];
             const int other = r == v ? entry.column : r;
-            // Below the diagonal of F stands the later node's row. The stored block has the row r.
-            auto to = F.block<6, 6>(6 * local(order_[other]), 6 * local(k));
-            if (other == r) to += entry.value;
-            else to += entry.value.transpose();
+            // Below the diagonal stands the later node's row. The stored block has the row r.
+            if (other == r) add(local(order_[other]), local(k), entry.value);
+            else add(local(order_[other]), local(k), entry.value.transpose());
         }
     }
     for (const int child : front.children) {
@@ -128,22 +134,20 @@ bool BlockCholesky::eliminate(Front& front, const SymmetricBlocks& A, std::vecto
         for (std::size_t k = 0; k < boundary.size(); ++k) to[k] = local(boundary[k]);
         for (std::size_t c = 0; c < boundary.size(); ++c)
             for (std::size_t r = c; r < boundary.size(); ++r)
-                F.block<6, 6>(6 * to[r], 6 * to[c]) += S.block<6, 6>(6 * static_cast<int>(r), 6 * static_cast<int>(c));
+                add(to[r], to[c], S.block<6, 6>(6 * static_cast<int>(r), 6 * static_cast<int>(c)));
         S.resize(0, 0);
     }
-    const int n = 6 * own, m = 6 * all - n;
     if (n > 0) {
-        Eigen::Ref<Eigen::MatrixXd> corner = F.topLeftCorner(n, n);
         const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(corner);  // in place
         if (llt.info() != Eigen::Success) return false;
         if (m > 0) {
-            F.topLeftCorner(n, n).triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(F.bottomLeftCorner(m, n));
-            F.bottomRightCorner(m, m).selfadjointView<Eigen::Lower>().rankUpdate(F.bottomLeftCorner(m, n), -1);
+            corner.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(below);
+            rest.selfadjointView<Eigen::Lower>().rankUpdate(below, -1);
         }
     }
-    front.own = F.topLeftCorner(n, n).cast<Real>();
-    front.below = F.bottomLeftCorner(m, n).cast<Real>();
-    left_over[number] = F.bottomRightCorner(m, m);
+    front.own = corner.cast<Real>();
+    front.below = below.cast<Real>();
+    left_over[number] = std::move(rest);
     return true;
 }
 

@@ -1,12 +1,16 @@
 #pragma once
 /// As many numbers as a vector register of the machine holds, one a lane, and their way from and to points in memory.
+#ifdef __AVX512VL__
+#include <immintrin.h>
+#endif
+
 #include <cmath>
 
 #include "engine/core/types.h"
 
 namespace whorl {
 
-#pragma GCC diagnostic ignored "-Wpsabi"  // all functions on lanes are inline
+#pragma GCC diagnostic ignored "-Wpsabi"  // all functions on lanes are inline: a call would put every register into memory
 
 #if defined(__AVX512F__)
 inline constexpr Index lane_count = 64 / sizeof(Real);
@@ -23,6 +27,21 @@ static_assert(lane_count == 4 || lane_count == 8 || lane_count == 16);
 struct alignas(4 * sizeof(Real)) Vec4 {
     Real v[4];
 };
+
+using Quad = Real __attribute__((vector_size(4 * sizeof(Real))));
+inline const Quad& quad(const Vec4& from) { return *reinterpret_cast<const Quad*>(from.v); }
+inline Quad& quad(Vec4& to) { return *reinterpret_cast<Quad*>(to.v); }
+
+/// A vector of memory and a spare of 0.
+inline Vec4 with_spare(const Vec3& v) {
+#if defined(__AVX512VL__) && !defined(WHORL_DOUBLE)
+    Vec4 four;
+    _mm_store_ps(four.v, _mm_maskz_loadu_ps(0b0111, v.data()));
+    return four;
+#else
+    return {{v[0], v[1], v[2], 0}};
+#endif
+}
 
 /// A vector a lane.
 struct Lanes3 {
@@ -56,6 +75,10 @@ inline Lanes square_root(Lanes v) {
     for (Index lane = 0; lane < lane_count; ++lane) v[lane] = std::sqrt(v[lane]);
     return v;
 }
+inline Lanes rounded(Lanes v) {
+    for (Index lane = 0; lane < lane_count; ++lane) v[lane] = std::nearbyint(v[lane]);
+    return v;
+}
 inline void set_lane(SymmetricLanes& to, Index lane, const Mat3& m) {
     to.xx[lane] = m(0, 0), to.yy[lane] = m(1, 1), to.zz[lane] = m(2, 2), to.xy[lane] = m(0, 1), to.xz[lane] = m(0, 2),
     to.yz[lane] = m(1, 2);
@@ -66,17 +89,12 @@ inline const Lanes& lanes_at(const Real* from) { return *reinterpret_cast<const 
 
 namespace detail {
 
-using Quad = Real __attribute__((vector_size(4 * sizeof(Real))));
-
-inline const Quad& quad(const Vec4& from) { return *reinterpret_cast<const Quad*>(from.v); }
-inline Quad& quad(Vec4& to) { return *reinterpret_cast<Quad*>(to.v); }
-
 /// Place of an element in a pair of Lanes that are seen as fours: k < 4 in the first's, else in the second's.
 constexpr int in_four(int k, int four) { return k < 4 ? 4 * four + k : lane_count + 4 * four + k - 4; }
 
 /// Each four of the result has the elements a, b, c, d of the fours of p (0 to 3) and q (4 to 7).
 template <int a, int b, int c, int d>
-Lanes fours(Lanes p, Lanes q) {
+[[gnu::always_inline]] inline Lanes fours(Lanes p, Lanes q) {
     if constexpr (lane_count == 16)
         return __builtin_shufflevector(p, q, in_four(a, 0), in_four(b, 0), in_four(c, 0), in_four(d, 0), in_four(a, 1), in_four(b, 1),
                                        in_four(c, 1), in_four(d, 1), in_four(a, 2), in_four(b, 2), in_four(c, 2), in_four(d, 2),
@@ -87,18 +105,39 @@ Lanes fours(Lanes p, Lanes q) {
     else return __builtin_shufflevector(p, q, in_four(a, 0), in_four(b, 0), in_four(c, 0), in_four(d, 0));
 }
 
-/// The pieces at place[0], place[4], place[8] ... side by side.
-template <Index count = lane_count>
-auto every_fourth(const Vec4* from, const Index* place) {
-    if constexpr (count == 16) {
-        const auto low = __builtin_shufflevector(quad(from[place[0]]), quad(from[place[4]]), 0, 1, 2, 3, 4, 5, 6, 7);
-        const auto high = __builtin_shufflevector(quad(from[place[8]]), quad(from[place[12]]), 0, 1, 2, 3, 4, 5, 6, 7);
+/// The pieces at stride place[0], stride place[4], stride place[8] ... side by side.
+template <int stride, class Place>
+[[gnu::always_inline]] inline Lanes every_fourth(const Vec4* from, const Place* place) {
+    if constexpr (lane_count == 16) {
+        const auto low = __builtin_shufflevector(quad(from[stride * place[0]]), quad(from[stride * place[4]]), 0, 1, 2, 3, 4, 5, 6, 7);
+        const auto high = __builtin_shufflevector(quad(from[stride * place[8]]), quad(from[stride * place[12]]), 0, 1, 2, 3, 4, 5, 6, 7);
         return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-    } else if constexpr (count == 8) {
-        return __builtin_shufflevector(quad(from[place[0]]), quad(from[place[4]]), 0, 1, 2, 3, 4, 5, 6, 7);
+    } else if constexpr (lane_count == 8) {
+        return __builtin_shufflevector(quad(from[stride * place[0]]), quad(from[stride * place[4]]), 0, 1, 2, 3, 4, 5, 6, 7);
     } else {
-        return Quad(quad(from[place[0]]));
+        return quad(from[stride * place[0]]);
     }
+}
+
+using Eight = Real __attribute__((vector_size(8 * sizeof(Real))));
+
+/// Two pieces that stand side by side at 2 place[0]; with sixteen lanes those at 2 place[4], too.
+template <class Place>
+[[gnu::always_inline]] inline Lanes two_pieces(const Vec4* from, const Place* place) {
+    const auto eight = [&](Index k) { return *reinterpret_cast<const Eight*>(from + 2 * static_cast<std::size_t>(place[k])); };
+    if constexpr (lane_count == 16)
+        return __builtin_shufflevector(eight(0), eight(4), 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    else return eight(0);
+}
+
+/// Every second four of a and then of b, from the first four on or from the second.
+template <int first>
+[[gnu::always_inline]] inline Lanes every_second_four(Lanes a, Lanes b) {
+    constexpr int k = 4 * first;
+    if constexpr (lane_count == 16)
+        return __builtin_shufflevector(a, b, k, k + 1, k + 2, k + 3, k + 8, k + 9, k + 10, k + 11, k + 16, k + 17, k + 18, k + 19, k + 24,
+                                       k + 25, k + 26, k + 27);
+    else return __builtin_shufflevector(a, b, k, k + 1, k + 2, k + 3, k + 8, k + 9, k + 10, k + 11);
 }
 
 template <int four>
@@ -107,8 +146,8 @@ Quad four_of(Lanes v) {
 }
 
 /// Adds the fours of v to the pieces at place[0], place[4], place[8] ...
-template <int stride>
-void add_to_every_fourth(Lanes v, const Index* place, Vec4* to) {
+template <int stride, class Place>
+[[gnu::always_inline]] inline void add_to_every_fourth(Lanes v, const Place* place, Vec4* to) {
     quad(to[stride * place[0]]) += four_of<0>(v);
     if constexpr (lane_count > 4) quad(to[stride * place[4]]) += four_of<1>(v);
     if constexpr (lane_count > 8) {
@@ -119,20 +158,47 @@ void add_to_every_fourth(Lanes v, const Index* place, Vec4* to) {
 
 }  // namespace detail
 
-/// The vectors from[place[lane]]. @param fourth the spare numbers with them, where it is not null
-inline Lanes3 gather(const Vec4* from, const Index* place, Lanes* fourth = nullptr) {
+/// The vectors from[stride place[lane]]. @param fourth the spare numbers with them, where it is not null
+template <int stride = 1, class Place>
+[[gnu::always_inline]] inline Lanes3 gather(const Vec4* from, const Place* place, Lanes* fourth = nullptr) {
     using detail::fours;
-    const Lanes a = detail::every_fourth(from, place), b = detail::every_fourth(from, place + 1);
-    const Lanes c = detail::every_fourth(from, place + 2), d = detail::every_fourth(from, place + 3);
+    const Lanes a = detail::every_fourth<stride>(from, place), b = detail::every_fourth<stride>(from, place + 1);
+    const Lanes c = detail::every_fourth<stride>(from, place + 2), d = detail::every_fourth<stride>(from, place + 3);
     const Lanes xy0 = fours<0, 4, 1, 5>(a, b), xy1 = fours<0, 4, 1, 5>(c, d);
     const Lanes zw0 = fours<2, 6, 3, 7>(a, b), zw1 = fours<2, 6, 3, 7>(c, d);
     if (fourth != nullptr) *fourth = fours<2, 3, 6, 7>(zw0, zw1);
     return {fours<0, 1, 4, 5>(xy0, xy1), fours<2, 3, 6, 7>(xy0, xy1), fours<0, 1, 4, 5>(zw0, zw1)};
 }
 
+struct TwoLanes3 {
+    Lanes3 first, second;
+};
+
+/// The vectors from[2 place[lane]] and from[2 place[lane] + 1]: cheaper than one after the other.
+template <class Place>
+[[gnu::always_inline]] inline TwoLanes3 gather_two(const Vec4* from, const Place* place) {
+    using detail::fours;
+    if constexpr (lane_count == 4) {
+        return {gather<2>(from, place), gather<2>(from + 1, place)};
+    } else {
+        // Half of the lanes at a time: fours of the first vectors' components and of the second's in turn.
+        const auto half = [&](const Place* p) {
+            const Lanes a = detail::two_pieces(from, p), b = detail::two_pieces(from, p + 1);
+            const Lanes c = detail::two_pieces(from, p + 2), d = detail::two_pieces(from, p + 3);
+            const Lanes xy0 = fours<0, 4, 1, 5>(a, b), xy1 = fours<0, 4, 1, 5>(c, d);
+            const Lanes zw0 = fours<2, 6, 3, 7>(a, b), zw1 = fours<2, 6, 3, 7>(c, d);
+            return Lanes3{fours<0, 1, 4, 5>(xy0, xy1), fours<2, 3, 6, 7>(xy0, xy1), fours<0, 1, 4, 5>(zw0, zw1)};
+        };
+        const Lanes3 low = half(place), high = half(place + lane_count / 2);
+        using detail::every_second_four;
+        return {{every_second_four<0>(low.x, high.x), every_second_four<0>(low.y, high.y), every_second_four<0>(low.z, high.z)},
+                {every_second_four<1>(low.x, high.x), every_second_four<1>(low.y, high.y), every_second_four<1>(low.z, high.z)}};
+    }
+}
+
 /// to[stride place[lane]] += the lane's vector, in a fixed order: places may repeat.
-template <int stride = 1>
-void scatter(const Lanes3& v, const Index* place, Vec4* to) {
+template <int stride = 1, class Place>
+[[gnu::always_inline]] inline void scatter(const Lanes3& v, const Place* place, Vec4* to) {
     using detail::fours;
     const Lanes none{};
     const Lanes xy0 = fours<0, 4, 1, 5>(v.x, v.y), xy1 = fours<2, 6, 3, 7>(v.x, v.y);
@@ -144,7 +210,8 @@ void scatter(const Lanes3& v, const Index* place, Vec4* to) {
 }
 
 /// A symmetric matrix of each lane to two pieces at its place: (xx, yy, zz) and (xy, xz, yz).
-inline void scatter(const SymmetricLanes& m, const Index* place, Vec4* to) {
+template <class Place>
+[[gnu::always_inline]] inline void scatter(const SymmetricLanes& m, const Place* place, Vec4* to) {
     scatter<2>(Lanes3{m.xx, m.yy, m.zz}, place, to);
     scatter<2>(Lanes3{m.xy, m.xz, m.yz}, place, to + 1);
 }
@@ -192,6 +259,7 @@ inline Mat3 lane_of(const Lanes33& a, Index lane) {
         for (int l = 0; l < 3; ++l) m(k, l) = a.m[k][l][lane];
     return m;
 }
+inline Mat3 lane_of(const SymmetricLanes& a, Index lane) { return lane_of(whole(a), lane); }
 inline void set_lane(Lanes33& a, Index lane, const Mat3& m) {
     for (int k = 0; k < 3; ++k)
         for (int l = 0; l < 3; ++l) a.m[k][l][lane] = m(k, l);

@@ -9,20 +9,20 @@
 namespace whorl {
 
 /// Numbers in the widest vector register; loops over a multiple of it need no remainder.
-inline constexpr Index lanes = 16;
+inline constexpr Index most_lanes = 16;
 
-/// out[l] = values[index[l]] for l < count, a multiple of `lanes`.
+/// out[l] = values[index[l]] for l < count, a multiple of `most_lanes`.
 inline void gather(const Real* values, const Index* index, Index count, Real* out) {
     for (Index l = 0; l < count; ++l) out[l] = values[index[l]];
 }
 
-/// out[a][l] = vectors[index[l]][a] for l < count, a multiple of `lanes`.
+/// out[a][l] = vectors[index[l]][a] for l < count, a multiple of `most_lanes`.
 template <std::size_t most>
 void gather(const Vec3* vectors, const Index* index, Index count, Real (&out)[3][most]) {
 #if defined(__AVX512F__) && defined(__AVX512VL__) && !defined(WHORL_DOUBLE)
     // Sixteen vectors at a time: particle 4 k + a goes to quarter k of register a; then each quarter is a 4 x 4 matrix to be transposed.
     const auto* v = reinterpret_cast<const float*>(vectors);
-    for (Index l = 0; l < count; l += lanes) {
+    for (Index l = 0; l < count; l += most_lanes) {
         __m512 row[4];
         for (int a = 0; a < 4; ++a) {
             const auto at = [&](int quarter) {

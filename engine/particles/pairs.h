@@ -45,9 +45,9 @@ public:
         alignas(64) Index other[most];
         alignas(64) Real r[3][most];  ///< components of x_i - x_j, m
         alignas(64) Real distance[most];
-        /// A multiple of `lanes`, so that a loop up to it has no remainder. Entries from `count` on stand at the end of the support, where
-        /// every kernel and its slope are 0, and name a neighbour that exists.
-        Index padded() const { return (count + lanes - 1) & -lanes; }
+        /// A multiple of `most_lanes`, so that a loop up to it has no remainder. Entries from `count` on stand at the end of the support,
+        /// where every kernel and its slope are 0, and name a neighbour that exists.
+        Index padded() const { return (count + most_lanes - 1) & -most_lanes; }
         /// out[a][l] = v[other[l]][a] for l < padded().
         void gather(const Vec3* v, Real (&out)[3][most]) const { whorl::gather(v, other, padded(), out); }
         void gather(const Real* v, Real (&out)[most]) const { whorl::gather(v, other, padded(), out); }

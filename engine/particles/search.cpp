@@ -40,7 +40,8 @@ Test test_for(Real support, const Domain& domain) {
     return test;
 }
 
-/// Appends those of the candidates [begin, end) that are nearer than the support to out; returns the new end. Writes up to `lanes` past it.
+/// Appends those of the candidates [begin, end) that are nearer than the support to out; returns the new end. Writes up to `most_lanes`
+/// past it.
 #if defined(__AVX512F__) && !defined(WHORL_DOUBLE)
 template <bool periodic>
 Index* append_near(const Test& test, const Real* const p[3], const Index* index, Index begin, Index end, Index* out) {
@@ -56,24 +57,25 @@ Index* append_near(const Test& test, const Real* const p[3], const Index* index,
         }
         const __m512 r2 = _mm512_fmadd_ps(d[0], d[0], _mm512_fmadd_ps(d[1], d[1], _mm512_mul_ps(d[2], d[2])));
         const __m512i j = _mm512_loadu_si512(index + k);
-        const __mmask16 valid = static_cast<__mmask16>((1u << std::clamp(end - k, 0, lanes)) - 1);
+        const __mmask16 valid = static_cast<__mmask16>((1u << std::clamp(end - k, 0, most_lanes)) - 1);
         const __mmask16 other = _mm512_mask_cmpneq_epi32_mask(valid, j, _mm512_set1_epi32(test.self));
         const __mmask16 near = _mm512_mask_cmp_ps_mask(other, r2, _mm512_set1_ps(test.support2), _CMP_LT_OQ);
         _mm512_storeu_si512(out, _mm512_maskz_compress_epi32(near, j));
         out += std::popcount(static_cast<unsigned>(near));
     };
-    for (Index k = begin; k < end; k += 2 * lanes) {  // two at a time: a run's length is then rarely a surprise to the branch predictor
+    for (Index k = begin; k < end;
+         k += 2 * most_lanes) {  // two at a time: a run's length is then rarely a surprise to the branch predictor
         group(k);
-        group(k + lanes);
+        group(k + most_lanes);
     }
     return out;
 }
 #else
 template <bool periodic>
 Index* append_near(const Test& test, const Real* const p[3], const Index* index, Index begin, Index end, Index* out) {
-    for (Index k = begin; k < end; k += lanes) {
-        Real r2[lanes];
-        for (Index l = 0; l < lanes; ++l) {  // always whole groups: every pair goes through the same instructions
+    for (Index k = begin; k < end; k += most_lanes) {
+        Real r2[most_lanes];
+        for (Index l = 0; l < most_lanes; ++l) {  // always whole groups: every pair goes through the same instructions
             Real d[3];
             for (int a = 0; a < 3; ++a) {
                 d[a] = test.x[a] - p[a][k + l];
@@ -81,7 +83,7 @@ Index* append_near(const Test& test, const Real* const p[3], const Index* index,
             }
             r2[l] = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
         }
-        const Index count = std::min(lanes, end - k);
+        const Index count = std::min(most_lanes, end - k);
         for (Index l = 0; l < count; ++l) {
             const Index j = index[k + l];
             *out = j;
@@ -110,7 +112,7 @@ struct NeighbourSearch::Rows {
     Column<Index>& entries;
     std::size_t used = 0;
     Index* room_for(Index candidates) {
-        const std::size_t needed = used + static_cast<std::size_t>(candidates + 2 * lanes);
+        const std::size_t needed = used + static_cast<std::size_t>(candidates + 2 * most_lanes);
         if (entries.size() < needed) entries.resize(std::max(2 * entries.size(), needed));
         return entries.data() + used;
     }
@@ -196,8 +198,8 @@ void NeighbourSearch::fill_bins(Span<const Vec3> x, const Domain& domain) {
     for (std::size_t k = 0; k < n; ++k)
         if (bin_of_[k] >= 0) ++start_[bin_of_[k] + 2];
     for (std::size_t b = 2; b < bins + 2; ++b) start_[b] += start_[b - 1];
-    for (auto& column : packed_) column.resize(n + 2 * lanes, 0);
-    packed_index_.resize(n + 2 * lanes, 0);
+    for (auto& column : packed_) column.resize(n + 2 * most_lanes, 0);
+    packed_index_.resize(n + 2 * most_lanes, 0);
     for (std::size_t k = 0; k < n; ++k) {
         if (bin_of_[k] < 0) continue;
         const std::size_t place = static_cast<std::size_t>(start_[bin_of_[k] + 1]++);
@@ -253,7 +255,7 @@ void NeighbourSearch::append_row(const Vec3& x, Index self, const Reach& reach, 
 }
 
 template <bool periodic>
-void NeighbourSearch::fill_rows(Span<const Vec3> own, bool among_themselves, Real support, const Domain& domain, Pairs& pairs) {
+void NeighbourSearch::fill_rows(Span<const Vec3> own, Index first, Real support, const Domain& domain, Pairs& pairs) {
     const Reach reach{double(support) * (1 + 1e-5), test_for(support, domain)};
     // Blocks of rows are found side by side and then joined; a batch of blocks at a time, so that the copies stay small and in the cache.
     constexpr Index block = 256, batch = 32 * block;
@@ -267,7 +269,7 @@ void NeighbourSearch::fill_rows(Span<const Vec3> own, bool among_themselves, Rea
             Rows rows{rows_[begin / block]};
             for (Index k = begin; k < end; ++k) {
                 const std::size_t i = static_cast<std::size_t>(from + k);
-                if (is_finite(own[i])) append_row<periodic>(domain.wrapped(own[i]), among_themselves ? from + k : -1, reach, rows);
+                if (is_finite(own[i])) append_row<periodic>(domain.wrapped(own[i]), first < 0 ? -1 : first + from + k, reach, rows);
                 pairs.first[i + 1] = rows.used;  // within the block; shifted below
             }
         });
@@ -294,21 +296,35 @@ void NeighbourSearch::fill_rows(Span<const Vec3> own, bool among_themselves, Rea
 void NeighbourSearch::find(Span<const Vec3> x, Real support, const Domain& domain, Pairs& pairs) { find(x, x, support, domain, pairs); }
 
 void NeighbourSearch::find(Span<const Vec3> x_own, Span<const Vec3> x_other, Real support, const Domain& domain, Pairs& pairs) {
-    pairs.x_own = x_own;
     pairs.x_other = x_other;
+    const bool among_themselves = x_own.data() == x_other.data() && x_own.size() == x_other.size();
+    start(x_other, support, domain);
+    fill_rows(x_own, among_themselves ? 0 : -1, support, domain, pairs);
+}
+
+void NeighbourSearch::start(Span<const Vec3> x, Real support, const Domain& domain) {
+    if (x.empty()) return;
+    choose_axes(x, support, domain);
+    fill_bins(x, domain);
+}
+
+void NeighbourSearch::rows(Span<const Vec3> x, Index begin, Index end, Real support, const Domain& domain, Pairs& part) {
+    part.x_other = x;
+    fill_rows(x.subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(end - begin)), begin, support, domain, part);
+}
+
+void NeighbourSearch::fill_rows(Span<const Vec3> own, Index first, Real support, const Domain& domain, Pairs& pairs) {
+    pairs.x_own = own;
     pairs.period = domain.period();
     pairs.support = support;
     pairs.found_own.clear(), pairs.found_other.clear();
-    if (x_other.empty()) {
-        pairs.first.assign(x_own.size() + 1, 0);
+    if (pairs.x_other.empty()) {
+        pairs.first.assign(own.size() + 1, 0);
         pairs.other.clear();
         return;
     }
-    choose_axes(x_other, support, domain);
-    fill_bins(x_other, domain);
-    const bool among_themselves = x_own.data() == x_other.data() && x_own.size() == x_other.size();
-    if (domain.any_periodic()) fill_rows<true>(x_own, among_themselves, support, domain, pairs);
-    else fill_rows<false>(x_own, among_themselves, support, domain, pairs);
+    if (domain.any_periodic()) fill_rows<true>(own, first, support, domain, pairs);
+    else fill_rows<false>(own, first, support, domain, pairs);
 }
 
 namespace {
@@ -329,12 +345,12 @@ double farthest_move(Span<const Vec3> from, Span<const Vec3> to, const Domain& d
 template <bool periodic>
 Index keep_near(const Test& test, Span<const Vec3> x, const Index* other, Index count, Index* out) {
     constexpr Index most = 64;
-    alignas(64) Index index[most + 2 * lanes], near[most + 4 * lanes];
-    alignas(64) Real at[3][most + 2 * lanes];
+    alignas(64) Index index[most + 2 * most_lanes], near[most + 4 * most_lanes];
+    alignas(64) Real at[3][most + 2 * most_lanes];
     const Real* const p[3] = {at[0], at[1], at[2]};
     Index kept = 0;
     for (Index k = 0; k < count; k += most) {
-        const Index group = std::min(most, count - k), padded = (group + 2 * lanes - 1) & -(2 * lanes);
+        const Index group = std::min(most, count - k), padded = (group + 2 * most_lanes - 1) & -(2 * most_lanes);
         for (Index l = 0; l < padded; ++l) index[l] = other[k + (l < group ? l : 0)];
         gather(x.data(), index, padded, at);
         const Index found = static_cast<Index>(append_near<periodic>(test, p, index, 0, group, near) - near);

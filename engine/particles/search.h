@@ -21,6 +21,11 @@ public:
     /// For each x_own its neighbours among x_other.
     void find(Span<const Vec3> x_own, Span<const Vec3> x_other, Real support, const Domain& domain, Pairs& pairs);
 
+    /// find() among x, some rows at a time: who needs each row once need not have all of them in memory together. First start(), then
+    /// rows() for any begin and end, which makes the rows of x[begin] to x[end - 1] those of `part` from 0 on.
+    void start(Span<const Vec3> x, Real support, const Domain& domain);
+    void rows(Span<const Vec3> x, Index begin, Index end, Real support, const Domain& domain, Pairs& part);
+
     /// find() that goes farther than the models need, so that narrow() can make the rows of a next step of it.
     void find_wide(Span<const Vec3> x_own, Span<const Vec3> x_other, Real reach, const Domain& domain, Pairs& pairs);
     /// Where `pairs` hold what find_wide() found for positions so near these that no pair within the support can be missing: drops the
@@ -44,8 +49,10 @@ private:
 
     void choose_axes(Span<const Vec3> x, Real support, const Domain& domain);
     void fill_bins(Span<const Vec3> x, const Domain& domain);
+    /// @param first the number of own[0] among those that were binned; -1: own are others
+    void fill_rows(Span<const Vec3> own, Index first, Real support, const Domain& domain, Pairs& pairs);
     template <bool periodic>
-    void fill_rows(Span<const Vec3> own, bool among_themselves, Real support, const Domain& domain, Pairs& pairs);
+    void fill_rows(Span<const Vec3> own, Index first, Real support, const Domain& domain, Pairs& pairs);
     template <bool periodic>
     void append_row(const Vec3& x, Index self, const Reach& reach, Rows& rows) const;
 

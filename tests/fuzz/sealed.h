@@ -12,7 +12,7 @@ inline std::size_t mutate_sealed(std::string_view kind, std::uint8_t* data, std:
     const std::size_t head = kind.size() + 16;
     if (seed % 8 == 0 || size < head || most <= head) return LLVMFuzzerMutate(data, size, most);
     const std::size_t body = LLVMFuzzerMutate(data + head, size - head, most - head);
-    const std::string file = sealed(kind, text_of(data + head, body));
+    const std::string file = sealed(kind, std::string(text_of(data + head, body)));
     std::memcpy(data, file.data(), file.size());
     return file.size();
 }

@@ -186,6 +186,7 @@ std::shared_ptr<Checkpoint> Run::state() const {
     std::ostringstream particles;
     simulation_.save(particles);
     state->simulation = std::move(particles).str();
+    state->simulation.shrink_to_fit();  // it is kept until its picture is on disk
     return state;
 }
 

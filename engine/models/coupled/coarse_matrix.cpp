@@ -111,7 +111,7 @@ public:
         }
     }
     /// F^T dE/dF, E the row's energy without the springs' own sum w |u_ij|^2 parts.
-    void multiply(const Neighbourhood& n, const StrainCoefficients& c, const FourthMoment& fourth, Index lane);
+    void multiply(const RowSlice& slice, Index lane, const StrainCoefficients& of_row, bool resolved, const Mat3& P);
     /// Of two shares.
     Mat6 product(std::size_t k, std::size_t l) const {
         const Real* P = reinterpret_cast<const Real*>(product_.data()) + 6 * k * vectors_ * lane_count + 6 * l;
@@ -127,33 +127,20 @@ private:
     Column<Lanes> value_, derivative_, product_;
 };
 
-void Features::multiply(const Neighbourhood& n, const StrainCoefficients& c, const FourthMoment& fourth, Index lane) {
-    const SymmetricLanes inverse = lanes_of(n.inverse_moment), resolved = lanes_of(n.resolved);
-    Real C4[6][6];
-    for (int k = 0; k < 6; ++k)
-        for (int l = 0; l < 6; ++l) C4[k][l] = fourth.of(k, l)[lane];
+void Features::multiply(const RowSlice& slice, Index lane, const StrainCoefficients& of_row, bool resolved, const Mat3& P) {
+    const SymmetricLanes inverse_moment = lanes_of(lane_of(slice.inverse_moment, lane)), resolving = lanes_of(P);
+    const CoefficientLanes c{lanes_of(of_row.shear), lanes_of(of_row.bulk), lanes_of(of_row.smooth), lanes_of(of_row.pair)};
+    FourthMoment fourth;
+    for (int k = 0; k < 15; ++k) fourth.v[k] = lanes_of(slice.fourth.v[k][lane]);
     for (std::size_t v = 0; v < vectors_; ++v) {
         Lanes33 A;
         for (int k = 0; k < 9; ++k) A.m[k / 3][k % 3] = value_[at(k, v)];
-        const Lanes33 G = A * inverse;
-        const Lanes33 D = n.unresolved > 0 ? resolved * G : G;
-        SymmetricLanes S = symmetric(D);
-        const Lanes volume = c.bulk * (S.xx + S.yy + S.zz);
-        S = {c.shear * S.xx + volume, c.shear * S.yy + volume, c.shear * S.zz + volume, c.shear * S.xy, c.shear * S.xz, c.shear * S.yz};
+        const auto number = [&](int k) { return value_[at(9 + k, v)]; };
+        const Lanes33 G = A * inverse_moment;
+        const Lanes33 Q = row_force(G, {number(0), number(1), number(2), number(3), number(4), number(5)}, c, inverse_moment, fourth,
+                                    resolved, [&](const Lanes33& m) { return resolving * m; });
+        for (int k = 0; k < 9; ++k) derivative_[at(k, v)] = Q.m[k / 3][k % 3];
         const Lanes g[6] = {G.m[0][0], G.m[1][1], G.m[2][2], G.m[0][1] + G.m[1][0], G.m[0][2] + G.m[2][0], G.m[1][2] + G.m[2][1]};
-        Lanes h[6];
-        for (int k = 0; k < 6; ++k) {
-            h[k] = C4[k][0] * g[0] - value_[at(9 + k, v)];
-            for (int l = 1; l < 6; ++l) h[k] += C4[k][l] * g[l];
-            h[k] *= c.pair;
-        }
-        Lanes33 T = whole(S);
-        if (n.unresolved > 0) T = resolved * T;
-        const Lanes33 along = whole({h[0], h[1], h[2], h[3], h[4], h[5]});
-        for (int a = 0; a < 3; ++a)
-            for (int b = 0; b < 3; ++b) T.m[a][b] += along.m[a][b];
-        const Lanes33 Q = T * inverse;
-        for (int k = 0; k < 9; ++k) derivative_[at(k, v)] = Q.m[k / 3][k % 3] - c.smooth * G.m[k / 3][k % 3];
         for (int k = 0; k < 6; ++k) derivative_[at(9 + k, v)] = -c.pair * g[k];
     }
     const Real* F = reinterpret_cast<const Real*>(value_.data());
@@ -173,21 +160,23 @@ struct BlockSum {
 class CoarseRows {
 public:
     CoarseRows(const StrainForm& form, const RigidAggregates& aggregates, const RowBlock& block, GroupSums<BlockSum>& sums);
-    void add_row(const RowSlice& slice, Index lane);
+    void add_rows(const RowSlice& slice);
     /// The springs' part of u_j.u_j, once all rows are added; with it mass and friction.
     void add_springs();
 
 private:
     void find_springs();
-    void find_shares(Index row);
+    void find_shares(const RowSlice& slice, Index lane);
     void add_coupling(Index row);
-    void add_strains(Index row, const FourthMoment& fourth, Index lane);
+    void add_strains(const RowSlice& slice, Index lane);
     void add(int a, int b, const Mat6& m);
 
     const StrainForm& form_;
     const RigidAggregates& aggregates_;
     const RowBlock& block_;
+    const Vec4* at_;  ///< positions of the block's touched particles
     GroupSums<BlockSum>& sums_;
+    Column<Lanes> pairs_;               ///< x, y, z of r and w of each pair of a slice
     Column<Vec4> springs_;              ///< sum of W over all pairs of a particle that the block touches: xx yy zz, xy xz yz
     std::vector<int> number_;           ///< of its aggregate in sums_, -1: in none
     std::vector<Share> shares_;         ///< of one row, that of the row's own particle first
@@ -196,8 +185,8 @@ private:
 };
 
 CoarseRows::CoarseRows(const StrainForm& form, const RigidAggregates& aggregates, const RowBlock& block, GroupSums<BlockSum>& sums)
-    : form_(form), aggregates_(aggregates), block_(block), sums_(sums), springs_(2 * block.touched.size(), Vec4{}),
-      number_(block.touched.size()) {
+    : form_(form), aggregates_(aggregates), block_(block), at_(form.rows().positions(block)), sums_(sums),
+      springs_(2 * block.touched.size(), Vec4{}), number_(block.touched.size()) {
     for (std::size_t place = 0; place < number_.size(); ++place) {
         const std::int32_t a = aggregates.of(block.touched[place]);
         number_[place] = a < 0 ? -1 : sums.number(a);
@@ -209,12 +198,13 @@ void CoarseRows::find_springs() {
         const RowSlice& slice = block_.slices[k];
         const CoefficientLanes& c = form_.coefficients(block_, k);
         SymmetricLanes own;
-        SliceView(block_, slice).each([&](std::size_t, const Lanes3& r, const Lanes& w, const Index* other) {
-            const Lanes even = c.smooth * w, along = c.pair * w / dot(r, r);
+        form_.rows().pairs_of(block_, slice, at_).each([&](std::size_t, const PairLanes& p) {
+            const Lanes3& r = p.r;
+            const Lanes even = c.smooth * p.w, along = c.pair * p.w / p.r2;
             const Lanes3 t = along * r;
             const SymmetricLanes W{even + t.x * r.x, even + t.y * r.y, even + t.z * r.z, t.x * r.y, t.x * r.z, t.y * r.z};
             own.xx += W.xx, own.yy += W.yy, own.zz += W.zz, own.xy += W.xy, own.xz += W.xz, own.yz += W.yz;
-            scatter(W, other, springs_.data());
+            scatter(W, p.other, springs_.data());
         });
         scatter(own, slice.row, springs_.data());
     }
@@ -226,27 +216,37 @@ void CoarseRows::add(int a, int b, const Mat6& m) {
     else to += m.transpose().cast<double>();
 }
 
-void CoarseRows::add_row(const RowSlice& slice, Index lane) {
-    const Index row = slice.row[lane];
-    if (block_.count[row] == 0) return;
-    find_shares(row);
-    if (number_[row] >= 0) add_coupling(row);
-    add_strains(row, slice.fourth, lane);
+void CoarseRows::add_rows(const RowSlice& slice) {
+    pairs_.resize(4 * static_cast<std::size_t>(slice.width));
+    form_.rows().pairs_of(block_, slice, at_).each([&](std::size_t k, const PairLanes& p) {
+        Lanes* to = pairs_.data() + 4 * k;
+        to[0] = p.r.x, to[1] = p.r.y, to[2] = p.r.z, to[3] = p.w;
+    });
+    for (Index lane = 0; lane < slice.rows; ++lane) {
+        const Index row = slice.row[lane];
+        if (block_.count[row] == 0) continue;
+        find_shares(slice, lane);
+        if (number_[row] >= 0) add_coupling(row);
+        add_strains(slice, lane);
+    }
 }
 
-void CoarseRows::find_shares(Index row) {
-    const StrainCoefficients& c = form_.coefficients(block_.begin + row);
+void CoarseRows::find_shares(const RowSlice& slice, Index lane) {
+    const Index row = slice.row[lane];
+    const StrainCoefficients c = form_.coefficients(block_.begin + row);
     shares_.clear();
     shares_.push_back(Share{number_[row], aggregates_.arm(block_.begin + row)});
-    block_.each_pair(row, [&](std::size_t e) {
-        const int number = number_[block_.other[e]];
-        const Vec3 r(block_.x[e], block_.y[e], block_.z[e]), arm = aggregates_.arm(block_.touched[block_.other[e]]) - r;
+    const Lanes* pair = pairs_.data();
+    block_.each_pair(row, [&](RowBlock::Place at) {
+        const int number = number_[at];
+        const Vec3 r(pair[0][lane], pair[1][lane], pair[2][lane]), arm = aggregates_.arm(block_.touched[at]) - r;
         // An aggregate's image beyond a periodic border is a share of its own.
         const auto same = [&](const Share& s) { return s.aggregate == number && (number < 0 || (s.arm - arm).squaredNorm() < 1); };
         std::size_t k = 0;
         while (k < shares_.size() && !same(shares_[k])) ++k;
         if (k == shares_.size()) shares_.push_back(Share{number, arm});
-        add_monomials(r[0], r[1], r[2], block_.w[e], shares_[k].sums.v);
+        add_monomials(r[0], r[1], r[2], pair[3][lane], shares_[k].sums.v);
+        pair += 4;
     });
     for (Share& share : shares_) share.unpack(c);
 }
@@ -272,15 +272,15 @@ void CoarseRows::add_coupling(Index row) {
     share.arm_b -= crossing(a).lazyProduct(b_sum);
 }
 
-void CoarseRows::add_strains(Index row, const FourthMoment& fourth, Index lane) {
+void CoarseRows::add_strains(const RowSlice& slice, Index lane) {
     counted_.clear();
     for (std::size_t k = 0; k < shares_.size(); ++k)
         if (shares_[k].aggregate >= 0) counted_.push_back(k);
     if (counted_.empty()) return;
     features_.resize(counted_.size());
     for (std::size_t k = 0; k < counted_.size(); ++k) features_.set(k, shares_[counted_[k]]);
-    const Index i = block_.begin + row;
-    features_.multiply(form_.rows().neighbourhood[i], form_.coefficients(i), fourth, lane);
+    const Index i = block_.begin + slice.row[lane];
+    features_.multiply(slice, lane, form_.coefficients(i), form_.rows().neighbourhood[i].unresolved == 0, form_.rows().resolved(i));
     for (std::size_t k = 0; k < counted_.size(); ++k)
         for (std::size_t l = 0; l < counted_.size(); ++l)
             if (const int a = shares_[counted_[k]].aggregate, b = shares_[counted_[l]].aggregate; a >= b)
@@ -305,15 +305,14 @@ void CoarseRows::add_springs() {
 
 SymmetricBlocks coarse_matrix(const StrainForm& form, const RigidAggregates& aggregates) {
     const CoupledRows& rows = form.rows();
-    std::vector<GroupSums<BlockSum>> parts(rows.blocks.size());
-    parallel_tasks(static_cast<Index>(rows.blocks.size()), [&](Index k) {
+    const auto rows_of = [&](Index k, GroupSums<BlockSum>& sums) {
         const RowBlock& block = rows.blocks[k];
-        CoarseRows coarse(form, aggregates, block, parts[k]);
-        for (const RowSlice& slice : block.slices)
-            for (Index lane = 0; lane < slice.rows; ++lane) coarse.add_row(slice, lane);
+        CoarseRows coarse(form, aggregates, block, sums);
+        for (const RowSlice& slice : block.slices) coarse.add_rows(slice);
         coarse.add_springs();
-    });
-    return coarse_blocks(aggregates.groups(), parts, [](const BlockSum& sum) { return sum.value; });
+    };
+    return coarse_blocks<BlockSum>(aggregates.groups(), static_cast<Index>(rows.blocks.size()), rows_of,
+                                   [](const BlockSum& sum) { return sum.value; });
 }
 
 }  // namespace whorl

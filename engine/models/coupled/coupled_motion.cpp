@@ -16,7 +16,7 @@ Vec3 carried(const Pose& pose, const Vec3& x, Real dt) {
 
 void CoupledMove::operator()(Update<field::position> x, Read<field::velocity> u, Read<field::role> role, const Solids& solids,
                              const StepContext& step) const {
-    system->x_before.assign(x.values.begin(), x.values.end());
+    system->form.release(), system->preconditioner.release();  // the step needs them no longer
     parallel_for(x.size(), [&](Index i) {
         if (role[i] > 0) x[i] = carried(solids.all[role[i] - 1].pose, x[i], step.dt);
         else x[i] += step.dt * u[i];
@@ -36,31 +36,37 @@ struct Shifting {
     const CoupledSystem& system;
 
     /// @param moved of each particle that the block touches, how far it has moved in this step, and dt |D - T|/2
-    Lanes3 of(const RowBlock& block, const RowSlice& slice, const Vec4* moved) const {
+    /// @param weight written: w of each pair
+    Lanes3 of(const RowBlock& block, const RowSlice& slice, const SliceView<false>& pairs, const Vec4* moved, Lanes* weight) const {
         const CoupledOptions& o = system.options;
         const Real range = static_cast<Real>(o.shift_range), rate = static_cast<Real>(o.shift_rate), strongest = Real(0.15);
         Lanes own_strain, strain;
         const Lanes3 own = gather(moved, slice.row, &own_strain);
-        const auto moved_pair = [&](const Lanes3& before, const Index* other) { return before + (gather(moved, other, &strain) - own); };
+        const auto moved_pair = [&](const PairLanes& p) { return p.r + (gather(moved, p.other, &strain) - own); };
         Lanes3 dx;
-        SliceView(block, slice).each([&](std::size_t, const Lanes3& before, const Lanes& w, const Index* other) {
-            const Lanes3 r = moved_pair(before, other);
+        pairs.each([&](std::size_t k, const PairLanes& p) {
+            weight[k] = p.w;
+            const Lanes3 r = moved_pair(p);
             const Lanes distance = at_least(square_root(dot(r, r)), Real(1e-6));
             const Lanes push = at_most(rate * (own_strain + strain), strongest) * at_least(range - distance, 0) / distance;
-            dx = dx - (w > 0 ? push : Lanes{}) * r;
+            dx = dx - (p.w > 0 ? push : Lanes{}) * r;
         });
-        const Lanes thin = lanes_from(block, slice, [](const Neighbourhood& n) { return n.thin; });
+        Lanes thin;
+        Lanes3 axis;
+        for (Index lane = 0; lane < lane_count; ++lane) {
+            const Neighbourhood& n = system.rows.neighbourhood[block.begin + slice.row[lane]];
+            const Vec3 along = block.along(n);
+            thin[lane] = n.thin;
+            axis.x[lane] = along[0], axis.y[lane] = along[1], axis.z[lane] = along[2];
+        }
         if (!any_above(thin, 0)) return dx;
         const Real evening_range = static_cast<Real>(o.evening_range), evening_rate = static_cast<Real>(o.evening_rate),
                    strongest_evening = Real(0.05);
-        const Lanes3 axis{lanes_from(block, slice, [](const Neighbourhood& n) { return n.along[0]; }),
-                          lanes_from(block, slice, [](const Neighbourhood& n) { return n.along[1]; }),
-                          lanes_from(block, slice, [](const Neighbourhood& n) { return n.along[2]; })};
         Lanes along{};
-        SliceView(block, slice).each([&](std::size_t, const Lanes3& before, const Lanes& w, const Index* other) {
-            const Lanes s = dot(axis, moved_pair(before, other)), away = s > 0 ? s : -s;
+        pairs.each([&](std::size_t, const PairLanes& p) {
+            const Lanes s = dot(axis, moved_pair(p)), away = s > 0 ? s : -s;
             const Lanes fill = at_most(evening_rate * (own_strain + strain), strongest_evening) * at_least(evening_range - away, 0);
-            along -= (w > 0 ? fill : Lanes{}) * s / (away + Real(0.2));
+            along -= (p.w > 0 ? fill : Lanes{}) * s / (away + Real(0.2));
         });
         return dx + thin * along * axis;
     }
@@ -73,13 +79,6 @@ struct Shifting {
         const Real outward = dx.dot(around.outward);
         return outward > 0 ? Vec3(dx - on_surface * outward * around.outward) : dx;
     }
-
-    template <class F>
-    Lanes lanes_from(const RowBlock& block, const RowSlice& slice, const F& f) const {
-        Lanes v;
-        for (Index lane = 0; lane < lane_count; ++lane) v[lane] = f(system.rows.neighbourhood[block.begin + slice.row[lane]]);
-        return v;
-    }
 };
 
 }  // namespace
@@ -91,7 +90,7 @@ void CoupledShift::operator()(Update<field::position> x, Update<field::velocity>
     Column<Vec4> moved(x.size());
     parallel_for(x.size(), [&](Index i) {  // the strain in the middle of the move: a rigid rotation has none
         const Mat3 D = Real(0.5) * (G[i] + G[i].transpose());
-        const Vec3 path = (x[i] - s.x_before[i]) / d;
+        const Vec3 path = (x[i] - s.rows.position(i)) / d;
         moved[i] = {{path[0], path[1], path[2], step.dt * Real(0.5) * (D - curvature_strain(G[i], step.dt)).norm()}};
     });
 
@@ -103,12 +102,15 @@ void CoupledShift::operator()(Update<field::position> x, Update<field::velocity>
     parallel_blocks(x.size(), CoupledRows::block_size, [&](Index begin, Index) {
         const RowBlock& block = s.rows.blocks[begin / CoupledRows::block_size];
         thread_local Column<Vec4> moved_here;
+        thread_local Column<Lanes> weight;
+        if (weight.size() < static_cast<std::size_t>(s.rows.widest_slice)) weight.resize(static_cast<std::size_t>(s.rows.widest_slice));
         if (moved_here.size() < block.touched.size()) moved_here.resize(block.touched.size());
         for (std::size_t l = 0; l < block.touched.size(); ++l) moved_here[l] = moved[block.touched[l]];
         Vec4* out = spread.data() + block.place;
         std::fill(out, out + block.touched.size(), Vec4{{0, 0, 0, 0}});
+        const Vec4* at = s.rows.positions(block);
         for (const RowSlice& slice : block.slices) {
-            const Lanes3 dx = shifting.of(block, slice, moved_here.data());
+            const Lanes3 dx = shifting.of(block, slice, s.rows.pairs_of(block, slice, at), moved_here.data(), weight.data());
             Lanes3 du, share;
             for (Index lane = 0; lane < slice.rows; ++lane) {
                 const Index i = begin + slice.row[lane];
@@ -120,23 +122,22 @@ void CoupledShift::operator()(Update<field::position> x, Update<field::velocity>
                 share.x[lane] = part[0], share.y[lane] = part[1], share.z[lane] = part[2];
             }
             scatter(du - share, slice.row, out);
-            SliceView(block, slice).each([&](std::size_t, const Lanes3&, const Lanes& w, const Index* other) {
-                const Lanes less = -w;
-                scatter(less * share, other, out);
-            });
+            const RowBlock::Place* other = block.other.data() + slice.begin;
+            for (std::size_t k = 0; k < static_cast<std::size_t>(slice.width); ++k)
+                scatter(-weight[k] * share, other + k * lane_count, out);
         }
     });
     parallel_for(x.size(), [&](Index i) {
         if (role[i] != 0) return;
-        const Vec4 v = s.rows.gathered<Vec4>(spread, i);
+        const Vec4 v = s.rows.gathered(spread, i)[0];
         u[i] += Vec3(v.v[0], v.v[1], v.v[2]);
         x[i] += shift[i];
     });
     parallel_for(x.size(), [&](Index i) { x[i] = step.domain.wrapped(x[i]); });
 }
 
-// In the solid's own frame: the path from x_before to x minus the solid's motion. Distances are Lipschitz, so a particle that ends farther
-// away than its path is long has met nothing; the others are followed along their path, thin plates included.
+// In the solid's own frame: the path from where the rows found it to x minus the solid's motion. Distances are Lipschitz, so a particle
+// that ends farther away than its path is long has met nothing; the others are followed along their path, thin plates included.
 void CoupledContact::operator()(Update<field::position> x, Update<field::velocity> u, Update<field::role> role,
                                 Update<field::contact_normal> slip, const Solids& solids, const StepContext& step) const {
     if (solids.all.empty()) return;
@@ -146,7 +147,7 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
         if (role[i] != 0) return;
         const Vec3 was_touching = slip[i];
         slip[i] = Vec3::Zero();
-        const Vec3 from = s.x_before[i];
+        const Vec3 from = s.rows.position(i);
         for (std::size_t k = 0; k < solids.all.size(); ++k) {
             const Solid& solid = solids.all[k];
             const Real closest = d * static_cast<Real>(solid.sticks() ? s.options.closest : s.options.sliding_closest);

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 
 #include "engine/core/parallel.h"
-#include "engine/core/resize_tightly.h"
 #include "engine/models/strain/moment.h"
 
 namespace whorl {
@@ -20,27 +20,61 @@ Real weight_at(Real q2) {
     return p * p * p;
 }
 
-/// M+, P and what follows from the eigenvalues of M.
-void set_moment(const Mat3& M, const CoupledOptions& o, Neighbourhood& n) {
+/// What the eigenvalues of M tell.
+struct MomentShape {
+    Mat3 inverse_moment = Mat3::Zero();
+    Directions directions;
+    bool volume = false;  ///< all directions are resolved, and no thread is thin
+};
+
+MomentShape shape_of(const Mat3& M, const CoupledOptions& o, Neighbourhood& n) {
+    MomentShape shape;
     const Mat3d wide = M.cast<double>();
     Eigen::SelfAdjointEigenSolver<Mat3d> axes;
     axes.computeDirect(wide, Eigen::EigenvaluesOnly);
     const Vec3d s = axes.eigenvalues();
-    if (!(s[2] > 0)) return;
+    if (!(s[2] > 0)) return shape;
     n.thin = static_cast<Real>(smooth_step((o.thin_below - s[1] / s[2]) / (o.thin_below - o.thin_at)));
     const bool whole = resolves_all(s);
-    if (whole) n.inverse_moment = wide.inverse().cast<Real>();
-    if (whole && n.thin == 0) return;
+    if (whole) shape.inverse_moment = wide.inverse().cast<Real>();
+    shape.volume = whole && n.thin == 0;
+    if (shape.volume) return shape;
     axes.computeDirect(wide);
-    if (n.thin > 0) n.along = axes.eigenvectors().col(2).cast<Real>();
-    if (whole) return;
+    if (n.thin > 0) shape.directions.along = axes.eigenvectors().col(2).cast<Real>();
+    if (whole) return shape;
     const Moment moment = invert_moment(axes.eigenvalues(), axes.eigenvectors());
-    n.inverse_moment = moment.inverse.cast<Real>();
-    n.resolved = moment.resolved.cast<Real>();
+    shape.inverse_moment = moment.inverse.cast<Real>();
+    shape.directions.resolved = moment.resolved.cast<Real>();
     n.unresolved = static_cast<Real>(moment.unresolved);
+    return shape;
 }
 
 }  // namespace
+
+/// What the rows are made of.
+struct CoupledRows::Found {
+    static constexpr Index most_close = 48;
+    struct CloseRow {
+        std::uint16_t first = 0, count = 0;  ///< in the list of its block
+    };
+    Real spacing = 0;
+    static constexpr Index part_size = 32 * block_size;
+    std::vector<Pairs> near;          ///< neighbours within the usual support: the rows of part_size particles each
+    Pairs far;                        ///< of sparse particles, within the widest support
+    std::vector<Vec3> sparse;         ///< positions of particles with few neighbours
+    std::vector<Index> sparse_place;  ///< of each particle among them, -1: it has enough
+    std::vector<CloseRow> close_row;
+    std::vector<std::vector<Index>> close_list;  ///< of each block
+
+    /// Neighbours within the bridge's reach, at most most_close.
+    Span<const Index> close(Index i) const {
+        const CloseRow row = close_row[i];
+        return Span<const Index>(close_list[i / block_size]).subspan(row.first, row.count);
+    }
+    const Pairs& near_of(Index i) const { return near[i / part_size]; }
+    void search(Span<const Vec3> x, const Domain& domain, const CoupledOptions& options);
+    void list_close(Real reach);
+};
 
 /// Candidates of one row: all particles within the widest support in use, lengths in spacings.
 struct CoupledRows::Scratch {
@@ -48,21 +82,27 @@ struct CoupledRows::Scratch {
     std::vector<Index> index;
     std::vector<Real> order;
     std::vector<std::size_t> bridges;
-    Column<Real> row_x, row_y, row_z, row_w;  ///< pairs of the block's rows, one row after the other
-    Column<Index> row_other;
+    std::vector<RowBlock::Place> row_other;  ///< pairs of the block's rows, one row after the other
     std::vector<std::size_t> row_first;
-    std::vector<Index> place;    ///< of each particle in the block's touched list, -1: not in it. All -1 between two blocks
-    std::vector<Index> reached;  ///< the particle whose close neighbours' close neighbours were marked last, this one among them
+    std::vector<Real> row_h;
+    std::vector<Index> touched;
+    std::vector<std::int32_t> place;  ///< of each particle in the block's touched list, -1: not in it. All -1 between two blocks
+    std::vector<Index> reached;       ///< the particle whose close neighbours' close neighbours were marked last, this one among them
 
     unsigned long build = 0;  ///< for which `reached` was cleared
 
-    Index place_of(Index j, RowBlock& block) {
-        if (place[j] < 0) {
-            place[j] = static_cast<Index>(block.touched.size());
-            block.touched.push_back(j);
+    /// -1: a block names no more. Only fluid that is pressed together forty-fold has so many neighbours.
+    std::int32_t place_of(Index j) {
+        if (place[j] < 0 && touched.size() <= std::numeric_limits<RowBlock::Place>::max()) {
+            place[j] = static_cast<std::int32_t>(touched.size());
+            touched.push_back(j);
         }
         return place[j];
     }
+    Real find_candidates(Index i, const Found& found, const CoupledOptions& options);
+    void find_bridges(Index i, Real h, const Found& found, const CoupledOptions& options);
+    void append_row(Index i, Real h, Span<const std::int16_t> role, const CoupledOptions& options);
+    void arrange(RowBlock& block) const;
     void resize(std::size_t n) {
         for (Column<Real>* c : {&x, &y, &z, &r2, &w}) c->resize(n);
         index.resize(n);
@@ -111,50 +151,73 @@ Real weigh(Index count, const Real* __restrict r2, Real h0, Real h, Real* __rest
 
 }  // namespace
 
+void CoupledRows::Found::search(Span<const Vec3> x, const Domain& domain, const CoupledOptions& options) {
+    NeighbourSearch search;
+    const auto n = static_cast<Index>(x.size());
+    const Real support = static_cast<Real>(options.support) * spacing;
+    search.start(x, support, domain);
+    for (Index begin = 0; begin < n; begin += part_size)
+        search.rows(x, begin, std::min(n, begin + part_size), support, domain, near.emplace_back());
+    // h = the distance of the 16th neighbour, within [support, widest_support]: only particles without 16 neighbours in support need to
+    // look further.
+    sparse_place.assign(x.size(), -1);
+    for (Index i = 0; i < n; ++i)
+        if (near_of(i).count(i % part_size) < options.enough_neighbours) {
+            sparse_place[i] = static_cast<Index>(sparse.size());
+            sparse.push_back(x[i]);
+        }
+    if (!sparse.empty()) search.find(sparse, x, static_cast<Real>(options.widest()) * spacing, domain, far);
+}
+
+void CoupledRows::Found::list_close(Real reach) {
+    const auto n = static_cast<Index>(sparse_place.size());
+    close_row.resize(n);
+    close_list.resize((n + block_size - 1) / block_size);
+    parallel_blocks(n, block_size, [&](Index begin, Index end) {
+        Index memory[block_size * most_close], total = 0;
+        for (Index i = begin; i < end; ++i) {
+            Index listed = 0, *const list = memory + total;
+            near_of(i).groups_of(i % part_size, [&](const Pairs::Group& group) {
+                for (Index l = 0; l < group.count && listed < most_close; ++l) {
+                    list[listed] = group.other[l];
+                    listed += group.distance[l] < reach;
+                }
+            });
+            close_row[i] = {static_cast<std::uint16_t>(total), static_cast<std::uint16_t>(listed)};
+            total += listed;
+        }
+        close_list[begin / block_size].assign(memory, memory + total);
+    });
+}
+
 void CoupledRows::build(Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real spacing,
                         const CoupledOptions& options) {
     const auto n = static_cast<Index>(x.size());
-    const Real support = static_cast<Real>(options.support) * spacing;
-    near_search_.find(x, support, domain, near_);
     static std::atomic<unsigned long> count{0};
     builds_ = ++count;
-
-    // h = the distance of the 16th neighbour, within [support, widest_support]: only particles without 16 neighbours in support need to
-    // look further.
-    const Real bridge = static_cast<Real>(options.bridge) * spacing;
-    sparse_place_.assign(x.size(), -1);
-    close_.resize(x.size() * most_close);
-    close_count_.resize(x.size());
-    parallel_for(n, [&](Index i) {
-        const auto at = static_cast<std::size_t>(i);
-        Index* list = close_.data() + at * most_close;
-        Index listed = 0;
-        near_.groups_of(i, [&](const Pairs::Group& group) {
-            for (Index l = 0; l < group.count && listed < most_close; ++l) {
-                list[listed] = group.other[l];
-                listed += group.distance[l] < bridge;
-            }
-        });
-        close_count_[at] = listed;
-        if (near_.count(i) < options.enough_neighbours) sparse_place_[at] = 0;
-    });
-    sparse_.clear();
-    for (std::size_t i = 0; i < x.size(); ++i)
-        if (sparse_place_[i] == 0) {
-            sparse_place_[i] = static_cast<Index>(sparse_.size());
-            sparse_.push_back(x[i]);
-        }
-    if (!sparse_.empty()) far_search_.find(sparse_, x, static_cast<Real>(options.widest()) * spacing, domain, far_);
+    of_spacing_ = 1 / spacing;
+    period_ = {domain.any_periodic(), domain.period() * of_spacing_};
+    for (int a = 0; a < 3; ++a) period_.of_length[a] = period_.length[a] > 0 ? 1 / period_.length[a] : 0;
+    x_.resize(x.size());
+    parallel_for(n, [&](Index i) { x_[i] = with_spare(x[i]); });
+    blocks.clear();  // before the search, which takes as much
+    std::vector<std::uint32_t>().swap(slot_);
+    Found found;
+    found.spacing = spacing;
+    found.search(x, domain, options);
+    found.list_close(static_cast<Real>(options.bridge) * spacing);
 
     neighbourhood.assign(x.size(), {});
     blocks.resize((n + block_size - 1) / block_size);
-    parallel_blocks(n, block_size, [&](Index begin, Index end) {
-        RowBlock& block = blocks[begin / block_size];
-        block.begin = begin;
-        block.end = end;
-        build_block(block, x, role, spacing, options);
-    });
-    Column<Index>().swap(near_.other);  // nobody needs them any longer
+    for (Index from = 0; from < n; from += Found::part_size) {
+        parallel_blocks(std::min(n - from, Found::part_size), block_size, [&](Index begin, Index end) {
+            RowBlock& block = blocks[(from + begin) / block_size];
+            block.begin = from + begin;
+            block.end = from + end;
+            build_block(block, found, role, options);
+        });
+        found.near[from / Found::part_size] = {};  // nobody needs it any longer: rows take the place of neighbours
+    }
     number_slots();
     pairs = slices = 0;
     widest_slice = 0;
@@ -166,134 +229,140 @@ void CoupledRows::build(Span<const Vec3> x, Span<const std::int16_t> role, const
     }
 }
 
-void CoupledRows::build_block(RowBlock& block, Span<const Vec3> x, Span<const std::int16_t> role, Real spacing, const CoupledOptions& o) {
+void CoupledRows::build_block(RowBlock& block, const Found& found, Span<const std::int16_t> role, const CoupledOptions& o) {
     thread_local Scratch s;
-    s.place.resize(x.size(), -1);
-    if (s.reached.size() != x.size() || s.build != builds_) s.reached.assign(x.size(), -1), s.build = builds_;
-    block.touched.clear();
-    block.count.clear();
+    s.place.resize(x_.size(), -1);
+    if (s.reached.size() != x_.size() || s.build != builds_) s.reached.assign(x_.size(), -1), s.build = builds_;
+    s.touched.clear(), s.row_other.clear(), s.row_h.clear();
     s.row_first.assign(1, 0);
-    for (Index i = block.begin; i < block.end; ++i) s.place_of(i, block);
+    for (Index i = block.begin; i < block.end; ++i) s.place_of(i);
     for (Index i = block.begin; i < block.end; ++i) {
-        const Real h = find_candidates(i, spacing, o, s);
+        const Real h = s.find_candidates(i, found, o);
         neighbourhood[i].density = weigh(static_cast<Index>(s.index.size()), s.r2.data(), static_cast<Real>(o.support), h, s.w.data());
-        find_bridges(i, h, o, s);
-        block.count.push_back(append_row(block, i, h, role, o, s));
-        s.row_first.push_back(s.row_first.back() + static_cast<std::size_t>(block.count.back()));
+        s.find_bridges(i, h, found, o);
+        s.append_row(i, h, role, o);
+        s.row_first.push_back(s.row_other.size());
+        s.row_h.push_back(h);
     }
-    for (Index j : block.touched) s.place[j] = -1;
-    arrange(block, s);
+    for (Index j : s.touched) s.place[j] = -1;
+    block.touched = s.touched;
+    s.arrange(block);
     find_moments(block, o);
 }
 
 /// @returns the kernel radius in spacings: the distance of the 16th neighbour where few are near
-Real CoupledRows::find_candidates(Index i, Real spacing, const CoupledOptions& o, Scratch& s) const {
-    const Real inverse_spacing = 1 / spacing;
-    const Index sparse = sparse_place_[i];
+Real CoupledRows::Scratch::find_candidates(Index i, const Found& found, const CoupledOptions& o) {
+    const Real inverse_spacing = 1 / found.spacing;
+    const Index sparse = found.sparse_place[i];
     const Real usual = static_cast<Real>(o.support), widest = static_cast<Real>(o.widest());
     if (sparse < 0) {
-        s.take(near_, i, inverse_spacing, -1);
+        take(found.near_of(i), i % Found::part_size, inverse_spacing, -1);
         return usual;
     }
-    s.take(far_, sparse, inverse_spacing, i);
-    if (static_cast<int>(s.index.size()) < o.enough_neighbours) return widest;
-    s.order.assign(s.r2.begin(), s.r2.end());
-    const auto enough = s.order.begin() + (o.enough_neighbours - 1);
-    std::nth_element(s.order.begin(), enough, s.order.end());
+    take(found.far, sparse, inverse_spacing, i);
+    if (static_cast<int>(index.size()) < o.enough_neighbours) return widest;
+    order.assign(r2.begin(), r2.end());
+    const auto enough = order.begin() + (o.enough_neighbours - 1);
+    std::nth_element(order.begin(), enough, order.end());
     return std::clamp(std::sqrt(*enough), usual, widest);
 }
 
 /// What pairs longer than the gate need. In the usual support: candidates that are close to one that is close to i.
-void CoupledRows::find_bridges(Index i, Real h, const CoupledOptions& o, Scratch& s) const {
+void CoupledRows::Scratch::find_bridges(Index i, Real h, const Found& found, const CoupledOptions& o) {
     const Real usual = static_cast<Real>(o.support);
     if (h == usual) {
-        for (const Index bridge : close(i))
-            for (const Index j : close(bridge)) s.reached[j] = i;
+        for (const Index bridge : found.close(i))
+            for (const Index j : found.close(bridge)) reached[j] = i;
         return;
     }
     const Real reach = static_cast<Real>(o.bridge) * (h / usual);
-    s.bridges.clear();
-    for (std::size_t k = 0; k < s.index.size(); ++k)
-        if (s.r2[k] < reach * reach) s.bridges.push_back(k);
+    bridges.clear();
+    for (std::size_t k = 0; k < index.size(); ++k)
+        if (r2[k] < reach * reach) bridges.push_back(k);
 }
 
-/// Those candidates that count. @returns how many
-Index CoupledRows::append_row(RowBlock& block, Index i, Real h, Span<const std::int16_t> role, const CoupledOptions& o, Scratch& s) const {
-    const std::size_t begin = s.row_first.back(), most = begin + s.index.size();
-    for (Column<Real>* column : {&s.row_x, &s.row_y, &s.row_z, &s.row_w})
-        if (column->size() < most) column->resize(most);
-    if (s.row_other.size() < most) s.row_other.resize(most);
+/// Those candidates that count.
+void CoupledRows::Scratch::append_row(Index i, Real h, Span<const std::int16_t> role, const CoupledOptions& o) {
     const Real usual = static_cast<Real>(o.support), scale = h / usual;
     const Real gate = static_cast<Real>(o.gate) * scale, reach = static_cast<Real>(o.bridge) * scale;
-    std::size_t end = begin;
-    for (std::size_t k = 0; k < s.index.size(); ++k) {
-        if (s.w[k] == 0) continue;
-        const Index j = s.index[k];
-        if (s.r2[k] > gate * gate && !(role[i] != 0 && role[j] != 0)) {
-            const bool counts = h == usual ? s.reached[j] == i : s.bridged(k, reach * reach);
+    for (std::size_t k = 0; k < index.size(); ++k) {
+        if (w[k] == 0) continue;
+        const Index j = index[k];
+        if (r2[k] > gate * gate && !(role[i] != 0 && role[j] != 0)) {
+            const bool counts = h == usual ? reached[j] == i : bridged(k, reach * reach);
             if (!counts) continue;
         }
-        s.row_x[end] = s.x[k], s.row_y[end] = s.y[k], s.row_z[end] = s.z[k], s.row_w[end] = s.w[k];
-        s.row_other[end] = s.place_of(j, block);
-        ++end;
+        if (const std::int32_t at = place_of(j); at >= 0) row_other.push_back(static_cast<RowBlock::Place>(at));
     }
-    return static_cast<Index>(end - begin);
 }
 
 /// Puts rows of about the same length side by side.
-void CoupledRows::arrange(RowBlock& block, const Scratch& s) {
+void CoupledRows::Scratch::arrange(RowBlock& block) const {
     const Index rows = block.size();
-    std::vector<Index> order(rows);
-    std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return block.count[a] > block.count[b]; });
+    block.count.resize(rows), block.lane.resize(rows);
+    for (Index row = 0; row < rows; ++row) block.count[row] = static_cast<std::uint16_t>(row_first[row + 1] - row_first[row]);
+    std::vector<Index> by_length(rows);
+    std::iota(by_length.begin(), by_length.end(), 0);
+    std::stable_sort(by_length.begin(), by_length.end(), [&](Index a, Index b) { return block.count[a] > block.count[b]; });
     block.slices.assign(static_cast<std::size_t>((rows + lane_count - 1) / lane_count), RowSlice());
     std::size_t end = 0;
     for (std::size_t k = 0; k < block.slices.size(); ++k) {
         RowSlice& slice = block.slices[k];
         slice.begin = end;
-        slice.width = block.count[order[k * lane_count]];
+        slice.width = block.count[by_length[k * lane_count]];
         end += static_cast<std::size_t>(slice.width) * lane_count;
     }
-    for (Column<Real>* column : {&block.x, &block.y, &block.z, &block.w}) resize_tightly(*column, end);
-    resize_tightly(block.other, end);
-    block.first.resize(rows);
+    block.other.resize(end);
     for (std::size_t k = 0; k < block.slices.size(); ++k) {
         RowSlice& slice = block.slices[k];
         slice.rows = std::min<Index>(lane_count, rows - static_cast<Index>(k) * lane_count);
         for (Index lane = 0; lane < lane_count; ++lane) {
-            const Index row = order[k * lane_count + static_cast<std::size_t>(lane < slice.rows ? lane : 0)];
+            const Index row = by_length[k * lane_count + static_cast<std::size_t>(lane < slice.rows ? lane : 0)];
             const Index count = lane < slice.rows ? block.count[row] : 0;
-            slice.row[lane] = row;
-            std::size_t to = slice.begin + static_cast<std::size_t>(lane), from = s.row_first[row];
-            if (lane < slice.rows) block.first[row] = to;
-            for (Index e = 0; e < count; ++e, ++from, to += lane_count) {
-                block.x[to] = s.row_x[from], block.y[to] = s.row_y[from], block.z[to] = s.row_z[from], block.w[to] = s.row_w[from];
-                block.other[to] = s.row_other[from];
-            }
-            for (Index e = count; e < slice.width; ++e, to += lane_count) {
-                block.x[to] = 1, block.y[to] = block.z[to] = block.w[to] = 0;
-                block.other[to] = row;
-            }
+            slice.row[lane] = static_cast<std::uint16_t>(row);
+            slice.of_h2[lane] = 1 / (row_h[row] * row_h[row]);
+            std::size_t to = slice.begin + static_cast<std::size_t>(lane), from = row_first[row];
+            if (lane < slice.rows) block.lane[row] = static_cast<std::uint16_t>(k * lane_count + static_cast<std::size_t>(lane));
+            for (Index e = 0; e < count; ++e, ++from, to += lane_count) block.other[to] = row_other[from];
+            for (Index e = count; e < slice.width; ++e, to += lane_count) block.other[to] = static_cast<RowBlock::Place>(row);
         }
     }
 }
 
+template <bool with>
+const Vec4* CoupledRows::take(const RowBlock& block, Span<const Vec3> u) const {
+    thread_local Column<Vec4> memory;
+    const std::size_t count = block.touched.size(), each = with ? 2 : 1;
+    if (memory.size() < each * count) memory.resize(each * count);
+    const auto first = quad(x_[block.begin]);
+    Vec4* to = memory.data();
+    for (const Index j : block.touched) {
+        quad(*to++) = (quad(x_[j]) - first) * of_spacing_;
+        if constexpr (with) *to++ = with_spare(u[j]);
+    }
+    return memory.data();
+}
+const Vec4* CoupledRows::positions(const RowBlock& block) const { return take<false>(block, {}); }
+const Vec4* CoupledRows::positions(const RowBlock& block, Span<const Vec3> u) const { return take<true>(block, u); }
+
 /// Sums over the finished rows: M, its inverse, what tells a surface, and the fourth moment.
 void CoupledRows::find_moments(RowBlock& block, const CoupledOptions& o) {
+    const Vec4* at = positions(block);
+    block.directions.clear();
     for (RowSlice& slice : block.slices) {
         SymmetricLanes M{};
         Lanes3 centre{};
         Lanes distances{}, weights{};
         FourthMoment& fourth = slice.fourth;
         for (Lanes& v : fourth.v) v = Lanes{};
-        SliceView(block, slice).each([&](std::size_t, const Lanes3& r, const Lanes& w, const Index*) {
-            const Lanes x = r.x, y = r.y, z = r.z;
-            const Lanes xx = x * x, yy = y * y, zz = z * z, xy = x * y, xz = x * z, yz = y * z, r2 = xx + yy + zz;
+        pairs_of(block, slice, at).each([&](std::size_t, const PairLanes& p) {
+            const Lanes x = p.r.x, y = p.r.y, z = p.r.z, w = p.w;
+            const Lanes xx = x * x, yy = y * y, zz = z * z, xy = x * y, xz = x * z, yz = y * z;
             M.xx += w * xx, M.yy += w * yy, M.zz += w * zz, M.xy += w * xy, M.xz += w * xz, M.yz += w * yz;
             weights += w;
             centre.x += w * x, centre.y += w * y, centre.z += w * z;
-            const Lanes wi = w / r2;
-            distances += w * square_root(r2);
+            const Lanes wi = w / p.r2;
+            distances += w * square_root(p.r2);
             const Lanes wxx = wi * xx, wyy = wi * yy, wzz = wi * zz;
             Lanes* f = fourth.v;
             f[0] += wxx * xx, f[1] += wxx * xy, f[2] += wxx * xz, f[3] += wxx * yy, f[4] += wxx * yz, f[5] += wxx * zz;
@@ -309,12 +378,14 @@ void CoupledRows::find_moments(RowBlock& block, const CoupledOptions& o) {
             if (distances[lane] > 0) n.surface = middle.norm() / distances[lane];
             if (n.surface > 0) n.outward = -middle.normalized();
             if (n.spread > 0) {
-                Mat3 moment;
-                moment << M.xx[lane], M.xy[lane], M.xz[lane], M.xy[lane], M.yy[lane], M.yz[lane], M.xz[lane], M.yz[lane], M.zz[lane];
-                set_moment(moment, o, n);
+                const MomentShape shape = shape_of(lane_of(M, lane), o, n);
+                set_lane(slice.inverse_moment, lane, shape.inverse_moment);
+                if (!shape.volume) {
+                    n.directions = static_cast<std::int32_t>(block.directions.size());
+                    block.directions.push_back(shape.directions);
+                }
             }
             slice.resolved = slice.resolved && n.unresolved == 0;
-            set_lane(slice.inverse_moment, lane, n.inverse_moment);
         }
     }
 }
@@ -328,11 +399,13 @@ void CoupledRows::number_slots() {
         place += block.touched.size();
         for (Index j : block.touched) ++first_slot_[j + 1];
     }
+    WHORL_ASSERT(place <= std::numeric_limits<std::uint32_t>::max(), +std::to_string(place) + " entries");
     for (std::size_t i = 1; i < first_slot_.size(); ++i) first_slot_[i] += first_slot_[i - 1];
     slot_.resize(place);
-    std::vector<std::size_t> next(first_slot_.begin(), first_slot_.end() - 1);
+    std::vector<std::uint32_t> next(first_slot_.begin(), first_slot_.end() - 1);
     for (const RowBlock& block : blocks)
-        for (std::size_t l = 0; l < block.touched.size(); ++l) slot_[next[block.touched[l]]++] = block.place + l;
+        for (std::size_t l = 0; l < block.touched.size(); ++l)
+            slot_[next[block.touched[l]]++] = static_cast<std::uint32_t>(block.place + l);
 }
 
 }  // namespace whorl

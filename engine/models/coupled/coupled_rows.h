@@ -1,24 +1,30 @@
 #pragma once
 /// Rows of neighbours as the coupled solve wants them: support that grows in thin places, no pairs through the air between two turns of a
 /// coil, and a layout that the products run through at the speed of memory.
+#include <array>
+
 #include "engine/math/lanes.h"
 #include "engine/models/coupled/coupled_options.h"
 #include "engine/particles/search.h"
 
 namespace whorl {
 
-/// Moments of a particle's neighbourhood. Lengths in spacings, r = (x_j - x_i)/d.
+/// What a particle's neighbourhood is like. Lengths in spacings, r = (x_j - x_i)/d.
 struct Neighbourhood {
-    Mat3 inverse_moment = Mat3::Zero();  ///< M+ = Q diag(pi/s) Q^T of M = sum w r r^T = Q diag(s) Q^T, pi: how far a direction is resolved
-    Mat3 resolved = Mat3::Identity();    ///< P = Q diag(pi) Q^T
-    Real unresolved = 0;                 ///< k = sum (1 - pi^2): 0 in a volume, 1 in a sheet, 2 in a single file
-    Real thin = 0;                       ///< 0 in a thick thread, 1 in a thin one
-    Vec3 along = Vec3::Zero();           ///< unit, the thread's direction; zero in a thick one
-    Real weights = 0;                    ///< sum w
-    Real spread = 0;                     ///< sum w r^2
-    Real density = 0;                    ///< n/n0 with the weight of radius `support`, all neighbours
-    Vec3 outward = Vec3::Zero();         ///< unit, away from the neighbours' centre
-    Real surface = 0;                    ///< |sum w r| / sum w |r|: 0 inside, about 0.4 on a flat surface
+    Real unresolved = 0;  ///< k = sum (1 - pi^2), pi: how far a direction is resolved. 0 in a volume, 1 in a sheet, 2 in a single file
+    Real thin = 0;        ///< 0 in a thick thread, 1 in a thin one
+    Real weights = 0;     ///< sum w
+    Real spread = 0;      ///< sum w r^2
+    Real density = 0;     ///< n/n0 with the weight of radius `support`, all neighbours
+    Vec3 outward = Vec3::Zero();   ///< unit, away from the neighbours' centre
+    Real surface = 0;              ///< |sum w r| / sum w |r|: 0 inside, about 0.4 on a flat surface
+    std::int32_t directions = -1;  ///< its place in RowBlock::directions; -1: all are resolved, and no thread is thin
+};
+
+/// Of neighbourhoods that are a volume in some directions only.
+struct Directions {
+    Mat3 resolved = Mat3::Identity();  ///< P = Q diag(pi) Q^T
+    Vec3 along = Vec3::Zero();         ///< unit, the thread's direction; zero in a thick one
 };
 
 /// sum w/r^2 r r r r of a row a lane. A symmetric matrix counts as the six numbers (xx, yy, zz, xy, xz, yz); the sum takes one to another.
@@ -30,53 +36,101 @@ struct FourthMoment {
     Lanes of(int k, int l) const { return v[place[k][l]]; }
 };
 
-/// As many rows as there are lanes, side by side: pair k of the row in lane l stands at begin + lane_count k + l of the block's columns.
+/// As many rows as there are lanes, side by side: pair k of the row in lane l stands at begin + lane_count k + l of the block's `other`.
 /// Shorter rows, and lanes without a row, end in pairs of weight 0 with themselves.
 struct RowSlice {
     std::size_t begin = 0;
-    Index width = 0;                ///< pairs of the longest row
-    Index row[lane_count] = {};     ///< the row in each lane; a lane without one names the first lane's row
-    Index rows = 0;                 ///< lanes that have one
-    bool resolved = true;           ///< all directions of all its rows
-    SymmetricLanes inverse_moment;  ///< M+
+    Index width = 0;                     ///< pairs of the longest row
+    Index rows = 0;                      ///< lanes that have a row
+    std::uint16_t row[lane_count] = {};  ///< the row in each lane; a lane without one names the first lane's row
+    bool resolved = true;                ///< all directions of all its rows
+    Lanes of_h2{};                       ///< 1/h^2, h: the weight's radius in spacings
+    SymmetricLanes inverse_moment;       ///< M+ = Q diag(pi/s) Q^T of M = sum w r r^T = Q diag(s) Q^T
     FourthMoment fourth;
 };
 
 /// The rows of `block_size` particles that are near each other in the store. Neighbours are named by their place in `touched`, so that a
 /// product gathers each velocity once a block and adds up forces in memory of its own: no thread waits, and the sums' order is fixed.
+/// Of a pair only this place is kept: r and the weight follow from the positions, which are fewer bytes to read.
 struct RowBlock {
+    using Place = std::uint16_t;
     Index begin = 0, end = 0;     ///< particles whose rows these are
     std::vector<Index> touched;   ///< the particles named; the first end - begin are the rows' own
     std::size_t place = 0;        ///< where the block's entries begin in arrays over all blocks' touched particles
     std::size_t first_slice = 0;  ///< where its slices begin in arrays over all blocks' slices
     std::vector<RowSlice> slices;
-    std::vector<std::size_t> first;  ///< pair of each row
-    std::vector<Index> count;        ///< pairs of each row
-    Column<Real> x, y, z, w;         ///< r and the weight of each pair
-    Column<Index> other;             ///< place of j in touched
+    std::vector<std::uint16_t> lane;   ///< of each row, counted through all slices
+    std::vector<std::uint16_t> count;  ///< pairs of each row
+    std::vector<Directions> directions;
+    Column<Place> other;  ///< place of j in touched
 
     Index size() const { return end - begin; }
-    /// Calls f(place in the columns) for each pair of a row.
+    const RowSlice& slice_of(Index row) const { return slices[lane[row] / lane_count]; }
+    Index lane_in_slice(Index row) const { return lane[row] % lane_count; }
+    /// Calls f(place in touched) for each pair of a row, or every `step`-th.
     template <class F>
-    void each_pair(Index row, const F& f) const {
-        for (std::size_t e = first[row], last = e + static_cast<std::size_t>(count[row]) * lane_count; e < last; e += lane_count) f(e);
+    void each_pair(Index row, const F& f, Index step = 1) const {
+        const Place* at = other.data() + slice_of(row).begin + lane_in_slice(row);
+        for (Index k = 0; k < count[row]; k += step) f(at[k * lane_count]);
     }
+    /// P of the particle with that neighbourhood.
+    Mat3 resolved(const Neighbourhood& n) const { return n.directions < 0 ? Mat3(Mat3::Identity()) : directions[n.directions].resolved; }
+    Vec3 along(const Neighbourhood& n) const { return n.directions < 0 ? Vec3(Vec3::Zero()) : directions[n.directions].along; }
 };
 
-/// The pairs of a slice.
-struct SliceView {
-    const Real *x, *y, *z, *w;
-    const Index* other;
-    std::size_t width;
-    SliceView(const RowBlock& b, const RowSlice& slice)
-        : x(b.x.data() + slice.begin), y(b.y.data() + slice.begin), z(b.z.data() + slice.begin), w(b.w.data() + slice.begin),
-          other(b.other.data() + slice.begin), width(static_cast<std::size_t>(slice.width)) {}
-    /// Calls f(k, r, w, places of j) for the k-th pairs of all lanes.
+/// One pair of each row in a slice.
+struct PairLanes {
+    Lanes3 r, v;                   ///< v: what goes along with the positions, that of j less that of i
+    Lanes r2, w;                   ///< r2: never 0
+    const RowBlock::Place* other;  ///< places of j
+};
+
+/// The periodic axes, in spacings. 0 for the others.
+struct PairPeriod {
+    bool any = false;
+    Vec3 length = Vec3::Zero(), of_length = Vec3::Zero();  ///< and 1/length
+
+    [[gnu::always_inline]] Lanes3 shortest(const Lanes3& r) const { return any ? Lanes3{along(r.x, 0), along(r.y, 1), along(r.z, 2)} : r; }
+
+private:
+    Lanes along(Lanes r, int axis) const { return r - length[axis] * rounded(r * of_length[axis]); }
+};
+
+/// The pairs of a slice. @tparam with a vector goes along with each position (CoupledRows::positions)
+template <bool with>
+class SliceView {
+public:
+    SliceView(const PairPeriod& period, const RowBlock& b, const RowSlice& slice, const Vec4* at)
+        : period_(period), slice_(slice), at_(at), other_(b.other.data() + slice.begin) {}
+    /// Calls f(k, pair) for the k-th pairs of all lanes.
     template <class F>
-    void each(const F& f) const {
-        for (std::size_t k = 0, e = 0; k < width; ++k, e += lane_count)
-            f(k, Lanes3{lanes_at(x + e), lanes_at(y + e), lanes_at(z + e)}, lanes_at(w + e), other + e);
+    [[gnu::always_inline]] void each(const F& f) const {
+        const TwoLanes3 own = taken(slice_.row);
+        const Lanes one = lanes_of(1), none{};
+        for (Index k = 0; k < slice_.width; ++k) {
+            PairLanes p;
+            p.other = other_ + static_cast<std::size_t>(k) * lane_count;
+            const TwoLanes3 j = taken(p.other);
+            p.r = period_.shortest(j.first - own.first);
+            if constexpr (with) p.v = j.second - own.second;
+            p.r2 = dot(p.r, p.r) + coincident;
+            const Lanes q = one - p.r2 * slice_.of_h2;
+            p.w = p.r2 > 2 * coincident ? q * q * q : none;  // a pair with itself has none
+            f(static_cast<std::size_t>(k), p);
+        }
     }
+
+private:
+    [[gnu::always_inline]] TwoLanes3 taken(const RowBlock::Place* place) const {
+        if constexpr (with) return gather_two(at_, place);
+        else return {gather(at_, place), {}};
+    }
+    static constexpr Real coincident = Real(1e-12);  ///< r^2 up to which two particles are in one place and no pair
+
+    const PairPeriod& period_;
+    const RowSlice& slice_;
+    const Vec4* at_;
+    const RowBlock::Place* other_;
 };
 
 class CoupledRows {
@@ -87,45 +141,54 @@ public:
     void build(Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real spacing, const CoupledOptions& options);
 
     Index size() const { return static_cast<Index>(neighbourhood.size()); }
+    const RowBlock& block_of(Index i) const { return blocks[i / block_size]; }
     std::vector<RowBlock> blocks;
     std::vector<Neighbourhood> neighbourhood;  ///< one a particle
     std::size_t pairs = 0;                     ///< in all rows, without padding
     std::size_t slices = 0;                    ///< of all blocks
     Index widest_slice = 0;
 
-    /// The sum of what the blocks hold for particle i, in the order of the blocks; entries: one a touched particle of each block.
-    template <class T>
-    T gathered(Span<const T> entries, Index i) const {
-        T sum = entries[slot_[first_slot_[i]]];
-        for (std::size_t k = first_slot_[i] + 1; k < first_slot_[i + 1]; ++k)
-            for (std::size_t a = 0; a < sizeof(T) / sizeof(Real); ++a) sum.v[a] += entries[slot_[k]].v[a];
+    /// Where the particle was when the rows were built [m].
+    Vec3 position(Index i) const { return Vec3(x_[i].v[0], x_[i].v[1], x_[i].v[2]); }
+    /// Of those that the block touches, in spacings and seen from the block's first particle; in memory of the calling thread until its
+    /// next call. @param u stands beside each position
+    const Vec4* positions(const RowBlock& block) const;
+    const Vec4* positions(const RowBlock& block, Span<const Vec3> u) const;
+    SliceView<false> pairs_of(const RowBlock& block, const RowSlice& slice, const Vec4* at) const { return {period_, block, slice, at}; }
+    /// @param at from positions() with u
+    SliceView<true> pairs_with(const RowBlock& block, const RowSlice& slice, const Vec4* at) const { return {period_, block, slice, at}; }
+    /// M+ of particle i.
+    Mat3 inverse_moment(Index i) const {
+        const RowBlock& block = block_of(i);
+        return lane_of(block.slice_of(i - block.begin).inverse_moment, block.lane_in_slice(i - block.begin));
+    }
+    Mat3 resolved(Index i) const { return block_of(i).resolved(neighbourhood[i]); }
+
+    /// The sum of what the blocks hold for particle i, in the order of the blocks. @param entries `pieces` for a touched particle of each
+    template <std::size_t pieces = 1>
+    std::array<Vec4, pieces> gathered(Span<const Vec4> entries, Index i) const {
+        std::array<Vec4, pieces> sum{};
+        for (std::uint32_t k = first_slot_[i]; k < first_slot_[i + 1]; ++k)
+            for (std::size_t a = 0; a < pieces; ++a) quad(sum[a]) += quad(entries[pieces * slot_[k] + a]);
         return sum;
     }
     std::size_t entries() const { return slot_.size(); }
-    /// Neighbours within the bridge's reach, at most most_close; gate or not.
-    Span<const Index> close(Index i) const {
-        const auto at = static_cast<std::size_t>(i);
-        return Span<const Index>(close_).subspan(at * most_close, static_cast<std::size_t>(close_count_[at]));
-    }
 
 private:
     struct Scratch;
-    void build_block(RowBlock& block, Span<const Vec3> x, Span<const std::int16_t> role, Real spacing, const CoupledOptions& options);
-    Real find_candidates(Index i, Real spacing, const CoupledOptions& options, Scratch& s) const;
-    void find_bridges(Index i, Real h, const CoupledOptions& options, Scratch& s) const;
-    Index append_row(RowBlock& block, Index i, Real h, Span<const std::int16_t> role, const CoupledOptions& options, Scratch& s) const;
-    static void arrange(RowBlock& block, const Scratch& s);
+    struct Found;
+    void build_block(RowBlock& block, const Found& found, Span<const std::int16_t> role, const CoupledOptions& options);
     void find_moments(RowBlock& block, const CoupledOptions& options);
     void number_slots();
 
-    NeighbourSearch near_search_, far_search_;
-    Pairs near_, far_;
-    std::vector<Vec3> sparse_;  ///< positions of particles with few neighbours
-    static constexpr Index most_close = 48;
-    std::vector<Index> close_, close_count_;  ///< neighbours within the bridge's reach, at most most_close each
-    unsigned long builds_ = 0;                ///< number of this build among all
-    std::vector<Index> sparse_place_;         ///< of each particle in sparse_, -1: enough neighbours
-    std::vector<std::size_t> first_slot_, slot_;
+    template <bool with>
+    const Vec4* take(const RowBlock& block, Span<const Vec3> u) const;
+
+    PairPeriod period_;
+    Real of_spacing_ = 0;
+    Column<Vec4> x_;
+    unsigned long builds_ = 0;  ///< number of this build among all
+    std::vector<std::uint32_t> first_slot_, slot_;
 };
 
 }  // namespace whorl

@@ -76,7 +76,7 @@ void CoupledGradient::operator()(Read<field::velocity> u, Write<field::velocity_
     const CoupledRows& rows = system->rows;
     velocity_gradients(rows, step.spacing, u.values, G.values);
     parallel_for(u.size(), [&](Index i) {
-        if (const Neighbourhood& n = rows.neighbourhood[i]; n.unresolved > 0) G[i] = turned_rigidly(G[i], n.resolved);
+        if (rows.neighbourhood[i].unresolved > 0) G[i] = turned_rigidly(G[i], rows.resolved(i));
     });
 }
 
@@ -105,14 +105,14 @@ struct CoupledStep {
 
     Unknowns unknowns{role.values, slip.values};
     Index free_particles = 0;
-    bool nothing_held = false;                  ///< no solid and no nozzle takes part: momentum is kept
-    Column<Vec3> known = Column<Vec3>(n);       ///< the part of the velocities that is prescribed [m/s]
-    Column<Vec3> solved = Column<Vec3>(n);      ///< the part that is not: first where the solver starts, then the solution [m/s]
-    Column<Mat3> curvature = Column<Mat3>(n);   ///< T [1/s]
-    Column<Real> divergence = Column<Real>(n);  ///< s, that the step asks for [1/s]
-    Column<Real> pressure = Column<Real>(n);    ///< q [m/s]: the multiplier, and what of the bulk term does not depend on u
-    Column<Vec3> load = Column<Vec3>(n);        ///< right-hand side, then the residual [m/s]
-    Column<Vec3> work = Column<Vec3>(n);
+    bool nothing_held = false;  ///< no solid and no nozzle takes part: momentum is kept
+    Column<Vec3> known{};       ///< the part of the velocities that is prescribed [m/s]
+    Column<Vec3> solved{};      ///< the part that is not: first where the solver starts, then the solution [m/s]
+    Column<Mat3> curvature{};   ///< T [1/s]
+    Column<Real> divergence{};  ///< s, that the step asks for [1/s]
+    Column<Real> pressure{};    ///< q [m/s]: the multiplier, and what of the bulk term does not depend on u
+    Column<Vec3> load{};        ///< right-hand side, then the residual [m/s]
+    Column<Vec3> work{};
 
     void set_up_form();
     void find_unknowns();
@@ -122,6 +122,7 @@ struct CoupledStep {
     void set_pressure();
     void set_up_preconditioner();
     double set_load();
+    void let_go();
     SolveLimits limits() const;
     SolveReport solve(double reference);
     void descend_along_last_change();
@@ -150,6 +151,7 @@ void CoupledStep::find_unknowns() {
 
 /// Of nozzles and solids. A particle that slides knows its velocity along the normal.
 void CoupledStep::set_known_velocities() {
+    known.resize(n), solved.resize(n), load.resize(n), work.resize(n);
     parallel_for(n, [&](Index i) {
         known[i] = Vec3::Zero();
         if (role[i] > 0) u[i] = solids.all[role[i] - 1].pose.velocity_at(x[i]);
@@ -164,17 +166,21 @@ void CoupledStep::set_known_velocities() {
 
 /// Of the directions that the neighbours resolve. Particles that are not free have none: what they are part of moves them.
 void CoupledStep::set_curvature() {
+    curvature.resize(n);
     parallel_for(n, [&](Index i) {
         curvature[i].setZero();
         if (role[i] != 0) return;
         curvature[i] = curvature_strain(G[i], dt);
-        if (const Neighbourhood& around = system.rows.neighbourhood[i]; around.unresolved > 0)
-            curvature[i] = around.resolved * curvature[i] * around.resolved;
+        if (system.rows.neighbourhood[i].unresolved > 0) {
+            const Mat3 P = system.rows.resolved(i);
+            curvature[i] = P * curvature[i] * P;
+        }
     });
 }
 
 /// s_i: compressed particles move apart, and volumes are to be kept in the middle of the move, where tr D - tr T is their rate.
 void CoupledStep::set_divergence() {
+    divergence.resize(n);
     const double fastest_push = options.fastest_push * (fastest / d + std::sqrt(step.gravity.norm() / d));
     parallel_for(n, [&](Index i) {
         // Never together: drawing in what is stretched would be a creep without end.
@@ -185,6 +191,7 @@ void CoupledStep::set_divergence() {
 }
 
 void CoupledStep::set_pressure() {
+    pressure.resize(n);
     const std::vector<Real>& known_pressure = *system.known_pressure;
     const bool any_known = known_pressure.size() == x.values.size();
     parallel_for(n, [&](Index i) {
@@ -224,6 +231,11 @@ double CoupledStep::set_load() {
     form.apply(known, work);
     parallel_for(n, [&](Index i) { load[i] -= unknowns.part(i, work[i]); });
     return std::max(reference, 0.03 * preconditioned_norm(load));
+}
+
+/// Of what has become part of the load, unless release_slipping() wants it again.
+void CoupledStep::let_go() {
+    if (!unknowns.any_slip) Column<Mat3>().swap(curvature), Column<Real>().swap(pressure);
 }
 
 /// @returns v.y
@@ -310,12 +322,13 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
     CoupledStep now{*system, x, role, mu, u, p, change, G, aggregate, slip, solids, step};
     now.set_up_form();
     now.find_unknowns();
+    now.set_up_preconditioner();
     now.set_known_velocities();
     now.set_curvature();
     now.set_divergence();
     now.set_pressure();
-    now.set_up_preconditioner();
     const double reference = now.set_load();
+    now.let_go();
     report.solves.push_back({"coupled", now.solve(reference)});
     now.keep_momentum();
     now.take_over();

@@ -29,7 +29,6 @@ struct CoupledSystem {
     int steps_since_refresh = 0;
     /// Pressures [Pa] that are known beforehand, besides the multiplier: those that surface tension presses the fluid with. Empty: none.
     std::shared_ptr<std::vector<Real>> known_pressure = std::make_shared<std::vector<Real>>();
-    std::vector<Vec3> x_before;  ///< positions before the move [m]
 };
 
 }  // namespace whorl

@@ -13,26 +13,12 @@
 /// D is exact where all directions are resolved and zero for a rigid rotation even in a single file of particles. The forces are the exact
 /// derivative of E, pair by pair opposite: momentum is conserved to round-off.
 #include "engine/math/conjugate_gradients.h"
-#include "engine/models/coupled/coupled_rows.h"
+#include "engine/models/coupled/strain_terms.h"
 
 namespace whorl {
 
 /// G d^-1 of every row [1/s] @param spacing d [m]
 void velocity_gradients(const CoupledRows& rows, Real spacing, Span<const Vec3> u, Span<Mat3> G);
-
-/// What the form needs of particle i besides its row.
-struct StrainCoefficients {
-    Real shear = 0;  ///< 2 K
-    /// K Lambda; an unresolved lateral direction is stress-free, so that a single file has Trouton's 3 mu instead of locking.
-    Real bulk = 0;
-    Real smooth = 0;  ///< 2 c
-    Real pair = 0;    ///< 2 c'
-};
-
-/// The coefficients of a slice's rows, one row a lane.
-struct CoefficientLanes {
-    Lanes shear, bulk, smooth, pair;
-};
 
 class StrainForm {
 public:
@@ -40,6 +26,9 @@ public:
     /// @param counted part of a particle's volume whose shear is the friction's (ContactFriction::counted); empty: none
     void set(const CoupledRows& rows, Span<const Real> viscosity, Span<const Real> counted, Real dt, Real density, Real spacing,
              const CoupledOptions& options);
+
+    /// Gives its memory back until the next set().
+    void release() { Column<CoefficientLanes>().swap(by_slice_), Column<Vec4>().swap(forces_); }
 
     /// Adds sum_i u_i.F_i u_i/2 to E, F the coefficients; empty: nothing. They must outlive the use.
     void set_friction(Span<const Mat3> coefficient) { friction_ = coefficient; }
@@ -66,7 +55,11 @@ public:
 
     /// tr D of the particle, given its gradient [1/s].
     Real divergence(Index i, const Mat3& G) const;
-    const StrainCoefficients& coefficients(Index i) const { return coefficients_[i]; }
+    StrainCoefficients coefficients(Index i) const {
+        const RowBlock& block = rows_->block_of(i);
+        const Index lane = block.lane[i - block.begin];
+        return by_slice_[block.first_slice + static_cast<std::size_t>(lane / lane_count)].of(lane % lane_count);
+    }
     /// Of the k-th slice of a block.
     const CoefficientLanes& coefficients(const RowBlock& block, std::size_t k) const { return by_slice_[block.first_slice + k]; }
     const CoupledRows& rows() const { return *rows_; }
@@ -75,7 +68,7 @@ private:
     void find_forces(Span<const Vec3> u) const;
     /// (1 + K) u of particle i, given the forces.
     Vec3 applied(Span<const Vec3> u, Index i) const {
-        const Vec4 f = rows_->gathered<Vec4>(forces_, i);
+        const Vec4 f = rows_->gathered(forces_, i)[0];
         Vec3 y = u[i] + Vec3(f.v[0], f.v[1], f.v[2]);
         if (!friction_.empty()) y += friction_[i] * u[i];
         return y;
@@ -83,7 +76,6 @@ private:
     Lanes33 resolved_part(const RowBlock& block, const RowSlice& slice, const Lanes33& m) const;
 
     const CoupledRows* rows_ = nullptr;
-    std::vector<StrainCoefficients> coefficients_;
     Column<CoefficientLanes> by_slice_;
     Span<const Mat3> friction_;
     Real spacing_ = 1;

@@ -13,16 +13,14 @@ void TwoLevel::refresh(const StrainForm& form, Span<const Vec3> x, Span<const st
                        const Domain& domain, Real spacing, Span<std::int32_t> aggregate) {
     const CoupledRows& rows = form.rows();
     const auto neighbours = [&](Index i, const auto& visit) {
-        // Enough to find the nearest centre, and fewer than all.
-        if (const Span<const Index> close = rows.close(i); !close.empty()) {
-            for (const Index j : close) visit(j);
-            return;
-        }
-        const RowBlock& block = rows.blocks[i / CoupledRows::block_size];
-        block.each_pair(i - block.begin, [&](std::size_t e) { visit(block.touched[block.other[e]]); });
+        const RowBlock& block = rows.block_of(i);
+        const Index row = i - block.begin;
+        // Of many pairs a quarter finds the nearest centre and who hangs together as well as all.
+        block.each_pair(
+            row, [&](RowBlock::Place at) { visit(block.touched[at]); }, block.count[row] > 32 ? 4 : 1);
     };
     // The factor's entries grow faster than the particles.
-    const int size = static_cast<int>(options.aggregate * std::max(1.0, std::cbrt(static_cast<double>(x.size()) / options.many)));
+    const int size = static_cast<int>(options.aggregate * std::max(1.0, std::sqrt(static_cast<double>(x.size()) / options.many)));
     aggregate_by(neighbours, x, role, domain, spacing / 2, size, aggregate);
     const int groups = split_unconnected(neighbours, aggregate);
     coarse_.place(x, role, aggregate, groups, domain, spacing);

@@ -24,6 +24,8 @@ public:
              Real spacing, Span<const std::int32_t> aggregate);
     /// z = r from now to the next set(), to compare.
     void be_identity() { clear(), inverse_diagonal_.assign(inverse_diagonal_.size(), Mat3::Identity()); }
+    /// Gives the memory of the diagonal blocks back until the next set().
+    void release() { std::vector<Mat3>().swap(inverse_diagonal_); }
     /// @returns r.z
     double operator()(Span<const Vec3> r, Span<Vec3> z) const;
 

@@ -62,7 +62,7 @@ void DensityRate::build(const WallImage& wall, const Surroundings& around, Read<
     first = around.pairs.first;
     other = around.pairs.other;
     const Index n = around.pairs.size();
-    resize_tightly(slope, other.size() + lanes);  // bend() reads whole groups
+    resize_tightly(slope, other.size() + most_lanes);  // bend() reads whole groups
     period = around.pairs.period;
     x.resize(n), fill.resize(n), own.resize(n), diagonal.resize(n), free.resize(n), virial.resize(n);
     with_kernel(step.kernel, step.support, [&](const auto& W) {

@@ -19,7 +19,7 @@ void FickianShift::operator()(const Surroundings& around, Read<field::role> role
             if (role[i] != 0 || dense == 0) return;
             const Vec3 own = u[i];
             Vec3 gradient = Vec3::Zero();
-            Real fastest[lanes] = {};  // side by side, as the loop over neighbours runs
+            Real fastest[most_lanes] = {};  // side by side, as the loop over neighbours runs
             around.pairs.groups_of(i, [&](const Pairs::Group& group) {
                 Real other[3][Pairs::Group::most], part[3] = {0, 0, 0}, apart[Pairs::Group::most];
                 group.gather(u.data(), other);
@@ -30,14 +30,15 @@ void FickianShift::operator()(const Surroundings& around, Read<field::role> role
                     apart[l] = ux * ux + uy * uy + uz * uz;
                 }
                 gradient += step.volume * Vec3(part[0], part[1], part[2]);
-                for (Index from = 0; from < group.padded(); from += lanes)
-                    for (Index l = 0; l < lanes; ++l) fastest[l] = apart[from + l] > fastest[l] ? apart[from + l] : fastest[l];
+                for (Index from = 0; from < group.padded(); from += most_lanes)
+                    for (Index l = 0; l < most_lanes; ++l) fastest[l] = apart[from + l] > fastest[l] ? apart[from + l] : fastest[l];
             });
             const Real at_solids = solid_factor * gate.weight(W, i, around.solid_pairs, around.layer.volume, solid_factor);
             around.solid_pairs.of(
                 i, [&](Index s, const Vec3& r, Real distance) { gradient += at_solids * around.layer.volume[s] * W.slope(distance) * r; });
             const Real surrounded = std::clamp(3 - Real(2.5) * step.support * gradient.norm(), Real(0), Real(1));
-            Vec3 move = -step.dt * std::sqrt(*std::max_element(fastest, fastest + lanes)) * step.support * dense * surrounded * gradient;
+            Vec3 move =
+                -step.dt * std::sqrt(*std::max_element(fastest, fastest + most_lanes)) * step.support * dense * surrounded * gradient;
             const Real length = move.norm();
             if (length > farthest) move *= farthest / length;
             shift[i] = move;

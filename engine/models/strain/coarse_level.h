@@ -1,6 +1,7 @@
 #pragma once
 /// The coarse level of a two-level preconditioner: the rigid motions R of groups of particles, and Ac = R^T A R, factored. It carries a
 /// pull through a whole thread in one application, where neighbours pass it on by one spacing.
+#include "engine/core/parallel.h"
 #include "engine/math/block_cholesky.h"
 #include "engine/particles/aggregates.h"
 
@@ -72,13 +73,19 @@ private:
 /// A group of a single particle or of a straight file has motions that move nothing: a trace of the largest entry keeps Ac definite.
 void keep_definite(SymmetricBlocks& Ac);
 
-/// Ac from what all rows add, in their order.
-/// @param block block(sum) is the 6x6 block that a sum stands for
-template <class Sum, class F>
-SymmetricBlocks coarse_blocks(int groups, const std::vector<GroupSums<Sum>>& parts, const F& block) {
+/// Ac from what all rows add, in the order of the tasks.
+/// @param rows_of rows_of(task, sums) adds what the task's rows do @param block block(sum) is the 6x6 block that a sum stands for
+template <class Sum, class Rows, class F>
+SymmetricBlocks coarse_blocks(int groups, Index tasks, const Rows& rows_of, const F& block) {
+    constexpr Index batch = 64;  // of so many tasks the sums are kept, side by side
     SymmetricBlocks Ac(groups);
-    for (const GroupSums<Sum>& part : parts) part.each([&](int row, int column, const Sum& sum) { Ac.add(row, column, block(sum)); });
+    for (Index from = 0; from < tasks; from += batch) {
+        std::vector<GroupSums<Sum>> parts(std::min(batch, tasks - from));
+        parallel_tasks(static_cast<Index>(parts.size()), [&](Index k) { rows_of(from + k, parts[k]); });
+        for (const GroupSums<Sum>& part : parts) part.each([&](int row, int column, const Sum& sum) { Ac.add(row, column, block(sum)); });
+    }
     keep_definite(Ac);
     return Ac;
 }
+
 }  // namespace whorl

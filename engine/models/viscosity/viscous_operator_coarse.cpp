@@ -167,8 +167,7 @@ SymmetricBlocks ViscousOperator::coarse_matrix(const RigidAggregates& g) const {
     // A task is a group's members; what is in none, by blocks of the store.
     constexpr Index outside = 1024;
     const Index n = size(), tasks = g.groups() + (n + outside - 1) / outside;
-    std::vector<GroupSums<CoarseRows::PairSum>> parts(tasks);
-    parallel_tasks(tasks, [&](Index task) {
+    const auto rows_of = [&](Index task, GroupSums<CoarseRows::PairSum>& sums) {
         CoarseRows rows{*this, g};
         if (task < g.groups()) {
             for (const Index i : g.members(task)) rows.add(i);
@@ -177,9 +176,9 @@ SymmetricBlocks ViscousOperator::coarse_matrix(const RigidAggregates& g) const {
             for (Index i = begin; i < std::min(n, begin + outside); ++i)
                 if (g.of(i) < 0) rows.add(i);
         }
-        parts[task] = std::move(rows.sums);
-    });
-    return coarse_blocks(g.groups(), parts, [](const CoarseRows::PairSum& sum) {
+        sums = std::move(rows.sums);
+    };
+    return coarse_blocks<CoarseRows::PairSum>(g.groups(), tasks, rows_of, [](const CoarseRows::PairSum& sum) {
         return SymmetricBlocks::Block(sum.strain.topRows<6>().cast<double>() + inner_products(sum.products));
     });
 }

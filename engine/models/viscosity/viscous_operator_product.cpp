@@ -13,18 +13,18 @@ namespace whorl {
 namespace {
 
 // The compiler's own vectors: Eigen has no arithmetic between a register of sixteen and a broadcast of four.
-using Lanes = Real __attribute__((vector_size(16 * sizeof(Real)), may_alias));
+using SixteenLanes = Real __attribute__((vector_size(16 * sizeof(Real)), may_alias));
 using Four = Real __attribute__((vector_size(4 * sizeof(Real)), may_alias));
 
 template <class T>
-const Lanes& lanes_of(const T& sixteen) {
-    return reinterpret_cast<const Lanes&>(sixteen);
+const SixteenLanes& in_register(const T& sixteen) {
+    return reinterpret_cast<const SixteenLanes&>(sixteen);
 }
 
 /// Four numbers in each of the four rows.
-Lanes in_each_row(const Real* four) {
+SixteenLanes in_each_row(const Real* four) {
 #if defined(__AVX512F__) && !defined(WHORL_DOUBLE)
-    return reinterpret_cast<Lanes>(_mm512_broadcast_f32x4(_mm_load_ps(four)));
+    return reinterpret_cast<SixteenLanes>(_mm512_broadcast_f32x4(_mm_load_ps(four)));
 #else
     const Four w = reinterpret_cast<const Four&>(*four);
     const auto twice = __builtin_shufflevector(w, w, 0, 1, 2, 3, 4, 5, 6, 7);  // in one step GCC 12 takes the way through memory
@@ -34,17 +34,17 @@ Lanes in_each_row(const Real* four) {
 
 #define WHORL_PICK(X, ...) __builtin_shufflevector(X, X, __VA_ARGS__)
 
-Lanes transposed(const Lanes& X) { return WHORL_PICK(X, 0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15); }
+SixteenLanes transposed(const SixteenLanes& X) { return WHORL_PICK(X, 0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15); }
 
 /// X times a matrix given as sixteen lanes in memory; of X, the first three columns.
-Lanes times(const Lanes& X, const Real* matrix) {
+SixteenLanes times(const SixteenLanes& X, const Real* matrix) {
     return WHORL_PICK(X, 0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8, 12, 12, 12, 12) * in_each_row(matrix) +
            WHORL_PICK(X, 1, 1, 1, 1, 5, 5, 5, 5, 9, 9, 9, 9, 13, 13, 13, 13) * in_each_row(matrix + 4) +
            WHORL_PICK(X, 2, 2, 2, 2, 6, 6, 6, 6, 10, 10, 10, 10, 14, 14, 14, 14) * in_each_row(matrix + 8);
 }
 
 /// P X, column 3 of X kept out.
-Lanes project(const Lanes& P, const Lanes& X) {
+SixteenLanes project(const SixteenLanes& P, const SixteenLanes& X) {
     return WHORL_PICK(P, 0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8, 12, 12, 12, 12) *
                WHORL_PICK(X, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3) +
            WHORL_PICK(P, 1, 1, 1, 1, 5, 5, 5, 5, 9, 9, 9, 9, 13, 13, 13, 13) *
@@ -54,19 +54,21 @@ Lanes project(const Lanes& P, const Lanes& X) {
 }
 
 /// Column 3, zeros elsewhere.
-Lanes beside(const Lanes& X) { return __builtin_shufflevector(Lanes{}, X, 0, 1, 2, 19, 4, 5, 6, 23, 8, 9, 10, 27, 12, 13, 14, 31); }
+SixteenLanes beside(const SixteenLanes& X) {
+    return __builtin_shufflevector(SixteenLanes{}, X, 0, 1, 2, 19, 4, 5, 6, 23, 8, 9, 10, 27, 12, 13, 14, 31);
+}
 
 /// The sum of each row, in all its lanes.
-Lanes row_sums(const Lanes& X) {
-    const Lanes pairs = X + WHORL_PICK(X, 1, 0, 3, 2, 5, 4, 7, 6, 9, 8, 11, 10, 13, 12, 15, 14);
+SixteenLanes row_sums(const SixteenLanes& X) {
+    const SixteenLanes pairs = X + WHORL_PICK(X, 1, 0, 3, 2, 5, 4, 7, 6, 9, 8, 11, 10, 13, 12, 15, 14);
     return pairs + WHORL_PICK(pairs, 2, 3, 0, 1, 6, 7, 4, 5, 10, 11, 8, 9, 14, 15, 12, 13);
 }
 
 /// sum_j w_ij,b f(j)_ab over the neighbours j of i.
 template <class Pair, class F>
-Lanes sum_row(const FluidPairs& pairs, const Pair* pair, Index i, const F& f) {
+SixteenLanes sum_row(const FluidPairs& pairs, const Pair* pair, Index i, const F& f) {
     const Index* other = pairs.other.data();
-    Lanes a{}, b{};  // two, to keep the multiply-adds apart
+    SixteenLanes a{}, b{};  // two, to keep the multiply-adds apart
     std::size_t k = pairs.first[i];
     const std::size_t end = pairs.first[i + 1];
     for (; k + 1 < end; k += 2) {
@@ -83,8 +85,8 @@ void ViscousOperator::spread(Span<const Vec3> u, bool free_only) const {
     parallel_for(size(), [&](Index i) {
         const bool counts = !free_only || free_[i];
         alignas(4 * sizeof(Real)) Real v[4] = {counts ? u[i][0] : 0, counts ? u[i][1] : 0, counts ? u[i][2] : 0, 0};
-        const Lanes rows = in_each_row(v);
-        reinterpret_cast<Lanes&>(u_[i]) = WHORL_PICK(rows, 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
+        const SixteenLanes rows = in_each_row(v);
+        reinterpret_cast<SixteenLanes&>(u_[i]) = WHORL_PICK(rows, 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
     });
 }
 
@@ -93,35 +95,35 @@ void ViscousOperator::spread(Span<const Vec3> u, bool free_only) const {
 void ViscousOperator::stress(Span<const Vec3> u, bool with_known) const {
     const bool walls_push_back = friction_.acts() || bodies();
     parallel_for(size(), [&](Index i) {
-        const Lanes own = lanes_of(u_[i]);
-        Lanes A = sum_row(*pairs_, pair_.data(), i, [&](std::size_t j) { return own - lanes_of(u_[j]); });
+        const SixteenLanes own = in_register(u_[i]);
+        SixteenLanes A = sum_row(*pairs_, pair_.data(), i, [&](std::size_t j) { return own - in_register(u_[j]); });
         const Vec3 ui(own[0], own[4], own[8]);
         if (!wall_.empty()) {
             const Wall& wall = wall_[i];
             A += in_each_row(wall.near.wr.data()) * own;
-            if (with_known) A -= lanes_of(wall.moving);
+            if (with_known) A -= in_register(wall.moving);
             if (walls_push_back) {
                 Sixteen sum;
-                reinterpret_cast<Lanes&>(sum) = A;
+                reinterpret_cast<SixteenLanes&>(sum) = A;
                 Mat3 gradient = sum.matrix();
                 Vec3 pull = sum.beside();
                 if (friction_.acts())
                     pull += dt_nu_[i] * (friction_.coefficient(i) * ui - (with_known ? friction_.load(i) : Vec3(Vec3::Zero())));
                 if (bodies()) subtract_body_velocities(i, u, gradient, pull);
                 sum.set(gradient, pull);
-                A = lanes_of(sum);
+                A = in_register(sum);
             }
         }
         const Real K = K_[i], c = 2 * c_[i];
         const Real* M = M_[i].lane;
-        Lanes G = times(A, M);
-        if (!whole_[i]) G = project(lanes_of(P_[i]), G);
+        SixteenLanes G = times(A, M);
+        if (!whole_[i]) G = project(in_register(P_[i]), G);
         G += transposed(G);
-        if (!whole_[i]) G = project(lanes_of(P_[i]), G);
-        if (with_known && !curvature_.empty()) G -= lanes_of(curvature_[i]);
-        const Lanes Q = times(K * G - c * A, M);
-        reinterpret_cast<Lanes&>(Q_[i]) = Q;
-        reinterpret_cast<Lanes&>(own_[i]) = Q * in_each_row(wr_[i].wr.data()) + beside(A + own);
+        if (!whole_[i]) G = project(in_register(P_[i]), G);
+        if (with_known && !curvature_.empty()) G -= in_register(curvature_[i]);
+        const SixteenLanes Q = times(K * G - c * A, M);
+        reinterpret_cast<SixteenLanes&>(Q_[i]) = Q;
+        reinterpret_cast<SixteenLanes&>(own_[i]) = Q * in_each_row(wr_[i].wr.data()) + beside(A + own);
         if (bodies()) set_body_forces(i, u, ui, Q_[i].matrix());
     });
 }
@@ -129,7 +131,8 @@ void ViscousOperator::stress(Span<const Vec3> u, bool with_known) const {
 /// y = u + sum_j w (Q_i + Q_j) r_ij + 2 w (c_i + c_j) u_ij
 void ViscousOperator::divergence(Span<const Vec3> u, Span<Vec3> y, bool free_only) const {
     parallel_for(size(), [&](Index i) {
-        const Lanes sums = row_sums(lanes_of(own_[i]) + sum_row(*pairs_, pair_.data(), i, [&](std::size_t j) { return lanes_of(Q_[j]); }));
+        const SixteenLanes sums =
+            row_sums(in_register(own_[i]) + sum_row(*pairs_, pair_.data(), i, [&](std::size_t j) { return in_register(Q_[j]); }));
         y[i] = !free_only || free_[i] ? Vec3(sums[0], sums[4], sums[8]) : Vec3(Vec3::Zero());
     });
     if (bodies()) sum_bodies(u, y);

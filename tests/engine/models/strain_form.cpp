@@ -112,7 +112,7 @@ TEST_CASE("the coarse matrix is R^T A R of the rigid motions of its aggregates t
     f.form.set_friction(friction);
     const auto neighbours = [&](Index i, const auto& visit) {
         const RowBlock& block = f.rows.blocks[i / CoupledRows::block_size];
-        block.each_pair(i - block.begin, [&](std::size_t e) { visit(block.touched[block.other[e]]); });
+        block.each_pair(i - block.begin, [&](RowBlock::Place at) { visit(block.touched[at]); });
     };
     std::vector<std::int32_t> group(x.size());
     aggregate_by(neighbours, x, f.role, Domain{}, d / 2, 24, group);
@@ -140,7 +140,7 @@ TEST_CASE("the coarse matrix is R^T A R in a periodic slab of 5 and 8 spacings, 
         std::vector<std::int32_t> group(x.size());
         const auto neighbours = [&](Index i, const auto& visit) {
             const RowBlock& block = f.rows.blocks[i / CoupledRows::block_size];
-            block.each_pair(i - block.begin, [&](std::size_t e) { visit(block.touched[block.other[e]]); });
+            block.each_pair(i - block.begin, [&](RowBlock::Place at) { visit(block.touched[at]); });
         };
         const int groups = aggregate_by(neighbours, x, f.role, domain, d / 2, 64, group);
         RigidAggregates R;

@@ -87,6 +87,27 @@ TEST_CASE("the search finds what brute force finds, periodic along any axes, for
         }
 }
 
+TEST_CASE("rows that are found some at a time are those of all at once", "[particles]") {
+    for (const int axes : {0, 5}) {
+        const std::vector<Vec3> x = cloud(700, 1, 4);
+        const Domain domain = box(1, axes);
+        NeighbourSearch search;
+        Pairs all, part;
+        search.find(x, Real(0.2), domain, all);
+        search.start(x, Real(0.2), domain);
+        for (Index begin = 0; begin < 700; begin += 300) {
+            const Index end = std::min(700, begin + 300);
+            search.rows(x, begin, end, Real(0.2), domain, part);
+            REQUIRE(part.size() == end - begin);
+            for (Index i = begin; i < end; ++i) {
+                const auto row = part.other.begin() + static_cast<std::ptrdiff_t>(part.first[i - begin]);
+                REQUIRE(std::equal(row, row + part.count(i - begin), all.other.begin() + static_cast<std::ptrdiff_t>(all.first[i]),
+                                   all.other.begin() + static_cast<std::ptrdiff_t>(all.first[i + 1])));
+            }
+        }
+    }
+}
+
 TEST_CASE("pairs exactly a support apart are in both rows or in neither", "[particles]") {
     // A lattice whose spacing does not fit binary fractions, moved off the origin: rounding decides each pair, and must decide it once.
     for (int axes : {0, 7}) {
