@@ -265,7 +265,7 @@ def plan(m):
             options, file, name = ["--quality", "draft", "--until", until], f"scenes/{scene}.toml", f"plan/{scene}-{until}"
             cost = m.plan(file, options=options, images=True)["cost"]
             run = m.render(file, name, options=[*options, "--no-video"], images=True)
-            pictures = sum(cost["film_cpu_seconds"].get(stage, 0) for stage in stages), run.stage_seconds(*stages)
+            pictures = sum(cost["film_cpu_seconds"][stage] for stage in stages), run.stage_seconds(*stages)
             simulate = cost["film_cpu_seconds"]["simulate"], run.simulation_seconds
             memory = cost["memory_bytes"], max(panel["peak_memory_bytes"] for panel in run.panels)
             return [text for foreseen, taken in (simulate, pictures)
