@@ -118,6 +118,38 @@ struct NeighbourSearch::Rows {
     }
 };
 
+/// Rows of blocks of particles are made side by side and then joined; a batch of blocks at a time, so that the copies stay small and in the
+/// cache. What stands in `pairs` for a later batch is there until its turn. @param make of the particles [begin, end): appends their rows,
+/// and sets pairs.first[i + 1] to where row i ends among the block's
+template <class F>
+void NeighbourSearch::join_blocks(Index n, Pairs& pairs, std::vector<Column<Index>>& memory, const F& make) {
+    constexpr Index batch = 32 * block;
+    memory.resize(batch / block);
+    std::size_t total = 0;
+    for (Index from = 0; from < n; from += batch) {
+        const Index count = std::min(batch, n - from);
+        parallel_blocks(count, block, [&](Index begin, Index end) {
+            Rows rows{memory[begin / block]};
+            make(from + begin, from + end, rows);
+        });
+        std::size_t offset[batch / block];
+        for (Index begin = 0; begin < count; begin += block) {
+            offset[begin / block] = total;
+            total += pairs.first[from + std::min(begin + block, count)];
+        }
+        if (pairs.other.size() < total) {
+            const double expected = static_cast<double>(total) / (from + count) * n;
+            resize_tightly(pairs.other, std::max(total, static_cast<std::size_t>(expected)));
+        }
+        parallel_blocks(count, block, [&](Index begin, Index end) {
+            const std::size_t shift = offset[begin / block], found = pairs.first[from + end];
+            std::copy_n(memory[begin / block].data(), found, pairs.other.data() + shift);
+            for (Index i = from + begin; i < from + end; ++i) pairs.first[i + 1] += shift;
+        });
+    }
+    pairs.other.resize(total);
+}
+
 void NeighbourSearch::choose_axes(Span<const Vec3> x, Real support, const Domain& domain) {
     const double inf = std::numeric_limits<double>::infinity();
     struct Box {
@@ -257,40 +289,15 @@ void NeighbourSearch::append_row(const Vec3& x, Index self, const Reach& reach, 
 template <bool periodic>
 void NeighbourSearch::fill_rows(Span<const Vec3> own, Index first, Real support, const Domain& domain, Pairs& pairs) {
     const Reach reach{double(support) * (1 + 1e-5), test_for(support, domain)};
-    // Blocks of rows are found side by side and then joined; a batch of blocks at a time, so that the copies stay small and in the cache.
-    constexpr Index block = 256, batch = 32 * block;
     const Index n = static_cast<Index>(own.size());
     pairs.first.resize(own.size() + 1);
     pairs.first[0] = 0;
-    rows_.resize(batch / block);
-    for (Index from = 0; from < n; from += batch) {
-        const Index count = std::min(batch, n - from);
-        parallel_blocks(count, block, [&](Index begin, Index end) {
-            Rows rows{rows_[begin / block]};
-            for (Index k = begin; k < end; ++k) {
-                const std::size_t i = static_cast<std::size_t>(from + k);
-                if (is_finite(own[i])) append_row<periodic>(domain.wrapped(own[i]), first < 0 ? -1 : first + from + k, reach, rows);
-                pairs.first[i + 1] = rows.used;  // within the block; shifted below
-            }
-        });
-        std::size_t total = pairs.first[from];
-        std::size_t offset[batch / block];
-        for (Index begin = 0; begin < count; begin += block) {
-            offset[begin / block] = total;
-            total += pairs.first[from + std::min(begin + block, count)];
+    join_blocks(n, pairs, rows_, [&](Index begin, Index end, Rows& rows) {
+        for (Index i = begin; i < end; ++i) {
+            if (is_finite(own[i])) append_row<periodic>(domain.wrapped(own[i]), first < 0 ? -1 : first + i, reach, rows);
+            pairs.first[i + 1] = rows.used;
         }
-        if (pairs.other.size() < total) {
-            const double expected = static_cast<double>(total) / (from + count) * n;
-            resize_tightly(pairs.other, std::max(total, static_cast<std::size_t>(expected)));
-        }
-        parallel_blocks(count, block, [&](Index begin, Index end) {
-            const std::size_t shift = offset[begin / block];
-            const std::size_t found = pairs.first[from + end];
-            std::copy_n(rows_[begin / block].data(), found, pairs.other.data() + shift);
-            for (Index k = begin; k < end; ++k) pairs.first[(from + k) + 1] += shift;
-        });
-    }
-    pairs.other.resize(pairs.first[own.size()]);
+    });
 }
 
 void NeighbourSearch::find(Span<const Vec3> x, Real support, const Domain& domain, Pairs& pairs) { find(x, x, support, domain, pairs); }
@@ -341,7 +348,7 @@ double farthest_move(Span<const Vec3> from, Span<const Vec3> to, const Domain& d
     }));
 }
 
-/// Moves the near ones of row `other` to `out`, which is not behind it. @returns their number
+/// Copies the near ones of row `other` to `out`. @returns their number
 template <bool periodic>
 Index keep_near(const Test& test, Span<const Vec3> x, const Index* other, Index count, Index* out) {
     constexpr Index most = 64;
@@ -380,40 +387,30 @@ bool NeighbourSearch::narrow(Span<const Vec3> x_own, Span<const Vec3> x_other, R
     pairs.support = support;
 
     const Test test = test_for(support, domain);
-    constexpr Index block = 256;
     const auto n = static_cast<Index>(x_own.size());
-    std::vector<std::size_t> begins;
+    std::vector<std::size_t> begins;  // of the blocks' rows before: `first` is written while it is read
     for (Index begin = 0; begin < n; begin += block) begins.push_back(pairs.first[begin]);
     begins.push_back(pairs.first[n]);
     const auto run = [&]<bool periodic>() {
-        parallel_blocks(n, block, [&](Index begin, Index end) {  // each block within its own part of `other`
-            Index* const row = pairs.other.data() + begins[begin / block];
-            std::size_t from = 0, kept = 0;
+        std::vector<Column<Index>> memory;
+        join_blocks(n, pairs, memory, [&](Index begin, Index end, Rows& rows) {
+            std::size_t from = begins[begin / block];
+            const std::size_t past = begins[begin / block + 1];
+            Index* const out = rows.room_for(static_cast<Index>(past - from));
             for (Index i = begin; i < end; ++i) {
-                const std::size_t next = (i + 1 < end ? pairs.first[i + 1] : begins[begin / block + 1]) - begins[begin / block];
+                const std::size_t next = i + 1 < end ? pairs.first[i + 1] : past;
                 Test of_row = test;
                 for (int a = 0; a < 3; ++a) of_row.x[a] = x_own[i][a];
                 of_row.self = -1;
-                kept +=
-                    static_cast<std::size_t>(keep_near<periodic>(of_row, x_other, row + from, static_cast<Index>(next - from), row + kept));
+                rows.used += static_cast<std::size_t>(
+                    keep_near<periodic>(of_row, x_other, pairs.other.data() + from, static_cast<Index>(next - from), out + rows.used));
                 from = next;
-                pairs.first[i + 1] = kept;  // within the block; shifted below
+                pairs.first[i + 1] = rows.used;
             }
         });
     };
     if (domain.any_periodic()) run.template operator()<true>();
     else run.template operator()<false>();
-    std::size_t total = 0;
-    pairs.first[0] = 0;
-    for (Index begin = 0; begin < n; begin += block) {
-        const Index end = std::min(begin + block, n);
-        const auto first = pairs.other.begin() + static_cast<std::ptrdiff_t>(begins[begin / block]);
-        const std::size_t kept = pairs.first[end];
-        std::copy_n(first, kept, pairs.other.begin() + static_cast<std::ptrdiff_t>(total));
-        for (Index i = begin; i < end; ++i) pairs.first[i + 1] += total;
-        total += kept;
-    }
-    pairs.other.resize(total);
     return true;
 }
 

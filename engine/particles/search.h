@@ -36,6 +36,7 @@ public:
 
 private:
     static constexpr double most_cells = 1e15;
+    static constexpr Index block = 256;  ///< particles whose rows a thread makes at a time
     struct Axis {
         double origin = 0, inverse_edge = 0, edge = 0;
         int bins = 1;
@@ -53,6 +54,8 @@ private:
     void fill_rows(Span<const Vec3> own, Index first, Real support, const Domain& domain, Pairs& pairs);
     template <bool periodic>
     void fill_rows(Span<const Vec3> own, Index first, Real support, const Domain& domain, Pairs& pairs);
+    template <class F>
+    static void join_blocks(Index n, Pairs& pairs, std::vector<Column<Index>>& memory, const F& make);
     template <bool periodic>
     void append_row(const Vec3& x, Index self, const Reach& reach, Rows& rows) const;
 

@@ -424,7 +424,7 @@ KeyTable budget_keys() {
         .at_least(1)
         .at_most(1000)
         .live();
-    t.key("cfl", &BudgetKeys::cfl, "", "then steps grow up to this cfl").above(0).at_most(2).live();
+    t.key("cfl", &BudgetKeys::cfl, "", "then steps grow up to this cfl").above(0).at_most(2.5).live();
     t.key("voxel", &BudgetKeys::voxel, "spacings", "then the surface gets coarser up to this").above(0).at_most(2).live();
     t.key("samples", &BudgetKeys::samples, "", "then pictures get fewer samples a pixel, down to this").at_least(1).live();
     return t;
