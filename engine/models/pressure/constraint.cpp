@@ -162,6 +162,14 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
     }
 }
 
+/// Fluid that is enclosed without a surface cannot make room for what its move bends: asked to, its pressure would grow without bound.
+/// @param q of the last step
+bool ConstraintPressure::can_give_way(Span<const Real> q) const {
+    constexpr double surface = 0.005;  // part of the particles that a surface leaves without pressure, at least
+    const auto n = static_cast<Index>(q.size());
+    return parallel_sum(n, [&](Index i) { return q[i] > 0; }) <= (1 - surface) * n;
+}
+
 WallImage ConstraintPressure::wall_of(const Surroundings& around) const {
     WallImage wall(around.step.kernel, around.step.support, around.step.spacing, options_.gate);
     wall.linear_when_near = !around.solids.any_free();
@@ -214,7 +222,7 @@ void ConstraintPressure::operator()(const Surroundings& around, StepReport& repo
     });
     ConstraintMatrix matrix{D_, {}, Column<Padded>(n), around.pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};
     matrix.push(p.values);
-    add_bend(wall, around, rho.values, u.values, p.values, matrix.force);
+    if (can_give_way(p.values)) add_bend(wall, around, rho.values, u.values, p.values, matrix.force);
     const auto fastest = static_cast<Real>(filled ? largest_speed(u.values) : 0);
     report.solves.push_back(
         {"pressure", filled ? solve_filled(matrix, step, mean_rate, fastest, p.values) : solve(matrix, step, p.values)});
