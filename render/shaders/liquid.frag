@@ -51,24 +51,34 @@ float way_in(vec3 p, vec3 d, float limit) {
     return -1.0;
 }
 
-// Colour of the solid that a ray from p sees, by what the camera sees of solids; a: found.
-vec4 solid_behind(vec3 p, vec3 d) {
-    float t = 0.5 * voxel;
-    for (int i = 0; i < 7; ++i) {
-        vec3 q = p + t * d;
-        vec4 h = to_clip * vec4(q, 1.0);
-        vec4 s = textureLod(solid_buffer, 0.5 * h.xy / h.w + 0.5, 0.0);
-        float behind = distance(q, eye) - s.a;
-        if (s.a > 0.0 && behind > -voxel && behind < 2.0 * t + 3.0 * voxel) return vec4(s.rgb, 1.0);
-        t *= 2.2;
+// Metres from p along d to a solid, or -1. Who leaves a solid does not meet it.
+float way_to_solid(vec3 p, vec3 d, float limit) {
+    vec3 from = solid_turn * p + solid_move, way = solid_turn * d;
+    // Beyond the field's box there is none.
+    vec3 walls = (step(0.0, way) * (solid_size - 1.0) - from) / (way + vec3(1e-9));
+    limit = min(limit, min(walls.x, min(walls.y, walls.z)));
+    float before = distance_of_solid(from), t = clamp(before, 0.5 * voxel, limit);
+    for (int i = 0; i < 16; ++i) {
+        float off = distance_of_solid(from + t * way);
+        if (off < 0.5 * solid_voxel && off < before) return t;
+        before = off;
+        t += max(off, 0.7 * solid_voxel);
+        if (t > limit) break;
     }
-    return vec4(0.0);
+    return -1.0;
 }
 
-// @param through light that is let through @param clear what of it a plate of film behind is to send instead, of all colours alike: the
-// studio goes on sending the colour
-vec3 seen_through(vec3 p, vec3 d, vec3 through, out float clear) {
-    vec4 s = has_solids ? solid_behind(p, d) : vec4(0.0);
+// Colour of the solid at q, as the camera sees it there; a: it sees one.
+vec4 solid_at(vec3 q) {
+    vec4 h = to_clip * vec4(q, 1.0), s = textureLod(solid_buffer, 0.5 * h.xy / h.w + 0.5, 0.0);
+    return s.a > 0.0 ? vec4(s.rgb, 1.0) : vec4(0.0);
+}
+
+// @param at_solid p is at one @param through light that is let through @param clear what of it a plate of film behind is to send instead, of
+// all colours alike: the studio goes on sending the colour
+vec3 seen_through(vec3 p, vec3 d, bool at_solid, vec3 through, out float clear) {
+    float to_solid = at_solid ? 0.0 : has_solids ? way_to_solid(p, d, 1e6) : -1.0;
+    vec4 s = to_solid < 0.0 ? vec4(0.0) : solid_at(p + to_solid * d);
     clear = transparent && s.a < 0.5 ? min(through.r, min(through.g, through.b)) : 0.0;
     // Lights seen through the body are held back: far above white they would wash its colour out.
     return (through - clear) * min(s.a > 0.5 ? s.rgb : surroundings(p, d, roughness), vec3(1.8));
@@ -96,10 +106,15 @@ vec3 through_inks(vec3 p, vec3 d, float way, vec3 lamp, inout vec3 through) {
 // @param lamp light that falls on the body @param clear as of seen_through
 vec3 light_through(vec3 p, vec3 d, vec3 lamp, out float clear) {
     vec3 through = vec3(1.0), light = vec3(0.0);
+    bool at_solid = false;
     float floor_place = (ground_height - field_origin.y) / voxel;
     for (int turn = 0; turn < 4; ++turn) {
         float to_floor = d.y < -1e-3 && floor_place > -100.0 ? max((floor_place - p.y) / d.y, 0.0) : 1e4;
         float way = way_out(p, d, to_floor);
+        // Fluid keeps a little off the solids that it wets.
+        float to_solid = has_solids ? way_to_solid(world_of(p), d, (way + 1.5) * voxel) / voxel : -1.0;
+        at_solid = to_solid >= 0.0;
+        if (at_solid) way = min(way, to_solid);
         if (has_inks) {
             light += through_inks(p, d, way, lamp, through);
         } else {
@@ -112,13 +127,15 @@ vec3 light_through(vec3 p, vec3 d, vec3 lamp, out float clear) {
         }
         p += way * d;
         // What can still come is less than a step of 8 bits.
-        if (way >= to_floor || max(through.r, max(through.g, through.b)) < 0.003) break;
+        if (at_solid || way >= to_floor || max(through.r, max(through.g, through.b)) < 0.003) break;
         vec3 n = field_normal(p);
         // It lies on the ground or on a solid: no air between.
         if (n.y < -0.7 && p.y < floor_place + 1.5) break;
         if (has_solids && solid_distance(world_of(p + n)) < 0.5 * voxel) break;
-        vec3 out_d = refract(d, -n, refraction);
-        if (dot(out_d, out_d) < 0.5) {   // total reflection
+        // Thin bodies have few voxels: their normals are off, and light that leaves them flatly would be thrown back here and there.
+        float leaving = dot(d, n), square = 1.0 - refraction * refraction * (1.0 - leaving * leaving);
+        vec3 out_d = normalize(refraction * d + (sqrt(max(square, 0.0)) - refraction * leaving) * n);
+        if (square < -refraction * refraction * min(0.2, 0.6 / way)) {   // total reflection
             d = reflect(d, -n);
             p -= 0.3 * n;
             continue;
@@ -132,7 +149,7 @@ vec3 light_through(vec3 p, vec3 d, vec3 lamp, out float clear) {
         n = field_normal(p);
         d = refract(d, dot(n, d) < 0.0 ? n : -n, 1.0 / refraction);
     }
-    return light + seen_through(world_of(p), d, through, clear);
+    return light + seen_through(world_of(p), d, at_solid, through, clear);
 }
 
 void main() {

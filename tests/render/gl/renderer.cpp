@@ -301,6 +301,57 @@ TEST_CASE("pixels that keep their first sample look as they do with all samples,
     CHECK(d.p99 < 1.5);
 }
 
+TEST_CASE("a nozzle is not seen through the honey below it", "[render]") {
+    Renderer renderer(480, 320);
+    const Surface thread =
+        test::surface_of([](const Vec3f& x) { return std::max(std::hypot(x.x(), x.z()) - 0.02f, std::abs(x.y() - 0.1f) - 0.1f); },
+                         Vec3f(-0.02f, 0, -0.02f), Vec3f(0.02f, 0.2f, 0.02f), 0.004f);
+    const View from_above{Vec3f(0, 0.25f, 0.6f), Vec3f(0, 0.1f, 0), Vec3f(0, 1, 0), 30};
+    Frame frame = empty_frame();
+    // Far away a small solid stands in both pictures: all is drawn in the same way.
+    frame.solids.push_back(solid(test::box_mesh(Vec3f(0.09f, 0, -0.1f), Vec3f(0.1f, 0.01f, -0.09f))));
+    const Image without = renderer.draw(frame, thread, one_sample(), from_above);
+    frame.solids.push_back(solid(test::box_mesh(Vec3f(-0.03f, 0.12f, -0.03f), Vec3f(0.03f, 0.2f, 0.03f))));
+    frame.solids.back().material = "dark";
+    const Image with = renderer.draw(frame, thread, one_sample(), from_above);
+    int below = 0;  // the first row below it
+    for (int y = 75; y < 200; ++y)
+        if (brightness(with, 214, y) < brightness(without, 214, y) - 40) below = y + 2;
+    REQUIRE(below > 100);
+    REQUIRE(below < 180);
+    for (int y = below; y < below + 40; ++y) {
+        INFO("row " << y);
+        CHECK(std::abs(brightness(with, 240, y) - brightness(without, 240, y)) < 6);  // its shadow on the ground is seen, too
+    }
+}
+
+TEST_CASE("a post in clear fluid is seen where light that bends at the surface comes from", "[render]") {
+    constexpr float half = 0.08f, x = 0.06f, face = -0.06f, index = 2;
+    Renderer renderer(320, 240);
+    const Surface block = test::surface_of([&](const Vec3f& p) { return (p - Vec3f(0, half, 0)).cwiseAbs().maxCoeff() - half; },
+                                           Vec3f(-half, 0, -half), Vec3f(half, 2 * half, half), 0.004f);
+    Frame frame = empty_frame();
+    frame.solids.push_back(solid(test::box_mesh(Vec3f(x - 0.005f, 0.01f, face - 0.01f), Vec3f(x + 0.005f, 0.15f, face))));
+    frame.solids.back().material = "dark";
+    LookOptions look = one_sample();
+    look.material = "water", look.refraction = index;
+    const Image picture = renderer.draw(frame, block, look, {Vec3f(0, half, 0.6f), Vec3f(0, half, 0), Vec3f(0, 1, 0), 30});
+    // Snell: tan of the angle before the block's face, by bisection.
+    float low = 0, high = 1;
+    for (int k = 0; k < 40; ++k) {
+        const float t = (low + high) / 2, bent = t / std::sqrt(1 + t * t) / index,
+                    reached = (0.6f - half) * t + (half - face) * bent / std::sqrt(1 - bent * bent);
+        (reached < x ? low : high) = t;
+    }
+    const float pixel = 120 / std::tan(15 * 3.14159265f / 180), expected = 160 + pixel * low, straight = 160 + pixel * x / (0.6f - face);
+    REQUIRE(expected > straight + 4);
+    int darkest = 0;
+    for (int k = 150; k < 240; ++k)
+        if (brightness(picture, k, 120) < brightness(picture, darkest, 120)) darkest = k;
+    INFO("seen at " << darkest << ", expected at " << expected << ", without refraction at " << straight);
+    CHECK(std::abs(static_cast<float>(darkest) - expected) < 3);  // half of the post's width and a voxel
+}
+
 TEST_CASE("what a renderer drew before does not change a picture, whatever it keeps", "[render]") {
     Frame frame = empty_frame();
     frame.solids.push_back(solid(test::box_mesh(Vec3f(-0.08f, 0, -0.08f), Vec3f(0.08f, 0.02f, 0.08f))));
