@@ -217,6 +217,22 @@ TEST_CASE("whether a scene is refused is for the program of the point to say", "
     CHECK(cell.at("why").get<std::string>().find("no fluid today") != std::string::npos);
 }
 
+TEST_CASE("a study whose program is gone ends, and does not say that its points are refused", "[study]") {
+    const ScratchFolder folder;
+    write(folder / "falling.toml", falling);
+    write(folder / "s.toml",
+          "scenes = [\"falling.toml\"]\n[accuracy]\ncolumn = \"kinetic_energy\"\n[[knob]]\nkey = \"time.cfl\"\nvalues = [0.2, 0.4]\n");
+    const std::string study = (folder / "s.toml").string(), out = (folder / "out").string(), copy = (folder / "gone").string();
+    const Outcome gone =
+        test::Program({"-c", "cp \"$0\" \"$1\" && exec 3< \"$1\" && rm \"$1\" && exec /proc/self/fd/3 tradeoff \"$2\" --out \"$3\"",
+                       WHORL_PROGRAM, copy, study, out},
+                      "/bin/sh")
+            .wait();
+    CHECK(gone.code == 1);
+    CHECK_THAT(gone.err, Catch::Contains("there is no program") && Catch::Contains("build it first"));
+    CHECK_FALSE(fs::exists(folder / "out" / "s.csv"));
+}
+
 TEST_CASE("braces in settings hold expressions of the knobs, or a knob's word", "[study]") {
     const std::vector<std::string> knobs{"d=1e-6", "time.fixed_step=0.5", "model=full"};
     CHECK(with_values("time.end={40*fixed_step}", knobs) == "time.end=20");
