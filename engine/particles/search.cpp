@@ -119,8 +119,8 @@ struct NeighbourSearch::Rows {
 };
 
 /// Rows of blocks of particles are made side by side and then joined; a batch of blocks at a time, so that the copies stay small and in the
-/// cache. What stands in `pairs` for a later batch is there until its turn. @param make of the particles [begin, end): appends their rows,
-/// and sets pairs.first[i + 1] to where row i ends among the block's
+/// cache. make() may read rows of its own and later batches in `pairs` where no new row is longer than the old one. @param make of the
+/// particles [begin, end): appends their rows, and sets pairs.first[i + 1] to where row i ends among the block's
 template <class F>
 void NeighbourSearch::join_blocks(Index n, Pairs& pairs, std::vector<Column<Index>>& memory, const F& make) {
     constexpr Index batch = 32 * block;
@@ -388,7 +388,7 @@ bool NeighbourSearch::narrow(Span<const Vec3> x_own, Span<const Vec3> x_other, R
 
     const Test test = test_for(support, domain);
     const auto n = static_cast<Index>(x_own.size());
-    std::vector<std::size_t> begins;  // of the blocks' rows before: `first` is written while it is read
+    std::vector<std::size_t> begins;  // where each block's rows begin in `other`: join_blocks() writes `first` anew
     for (Index begin = 0; begin < n; begin += block) begins.push_back(pairs.first[begin]);
     begins.push_back(pairs.first[n]);
     const auto run = [&]<bool periodic>() {

@@ -486,7 +486,6 @@ void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matr
     program.set("to_world", Eigen::Matrix4f(matrix.inverse()));
     program.set("to_clip", matrix);
     program.set("weight", weight);
-    program.set("has_solids", scene.any_solids() ? 1 : 0);
     program.set("roughness", material.roughness);
     program.set("refraction", material.refraction);
     program.set("absorption", Vec3f(material.absorption * field.voxel()));

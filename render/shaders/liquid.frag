@@ -5,7 +5,6 @@ uniform sampler2D solid_buffer;
 uniform mat4 to_world;       // clip -> world
 uniform mat4 to_clip;
 uniform float weight;        // of this sample in the pixel
-uniform bool has_solids;
 uniform bool has_motion;     // of the surface since the moment of the distance field
 uniform sampler2D motion_buffer;
 uniform float refraction;    // index
@@ -51,33 +50,36 @@ float way_in(vec3 p, vec3 d, float limit) {
     return -1.0;
 }
 
-// Metres from p along d to a solid, or -1. Who leaves a solid does not meet it.
+// Metres from p along d to a solid, or -1. A ray that moves away from a solid does not meet it.
 float way_to_solid(vec3 p, vec3 d, float limit) {
     vec3 from = solid_turn * p + solid_move, way = solid_turn * d;
-    // Beyond the field's box there is none.
-    vec3 walls = (step(0.0, way) * (solid_size - 1.0) - from) / (way + vec3(1e-9));
-    limit = min(limit, min(walls.x, min(walls.y, walls.z)));
-    float before = distance_of_solid(from), t = clamp(before, 0.5 * voxel, limit);
-    for (int i = 0; i < 16; ++i) {
+    // Outside the field's box there is none.
+    vec3 one = -from / (way + vec3(1e-9)), other = (solid_size - 1.0 - from) / (way + vec3(1e-9)), near = min(one, other), far = max(one, other);
+    float t = max(0.5 * voxel, max(near.x, max(near.y, near.z)));
+    limit = min(limit, min(far.x, min(far.y, far.z)));
+    float before = distance_of_solid(from);
+    for (int i = 0; i < 24 && t < limit; ++i) {
         float off = distance_of_solid(from + t * way);
         if (off < 0.5 * solid_voxel && off < before) return t;
         before = off;
         t += max(off, 0.7 * solid_voxel);
-        if (t > limit) break;
     }
     return -1.0;
 }
 
-// Colour of the solid at q, as the camera sees it there; a: it sees one.
+// Colour of the solid at q, as the camera sees it: its front, where q is on its back. a: the camera sees it and no other far before it.
 vec4 solid_at(vec3 q) {
-    vec4 h = to_clip * vec4(q, 1.0), s = textureLod(solid_buffer, 0.5 * h.xy / h.w + 0.5, 0.0);
-    return s.a > 0.0 ? vec4(s.rgb, 1.0) : vec4(0.0);
+    vec4 h = to_clip * vec4(q, 1.0);
+    if (h.w <= 0.0) return vec4(0.0);
+    vec4 s = textureLod(solid_buffer, 0.5 * h.xy / h.w + 0.5, 0.0);
+    return s.a > 0.0 && distance(q, eye) - s.a < 12.0 * solid_voxel ? vec4(s.rgb, 1.0) : vec4(0.0);
 }
 
 // @param at_solid p is at one @param through light that is let through @param clear what of it a plate of film behind is to send instead, of
 // all colours alike: the studio goes on sending the colour
 vec3 seen_through(vec3 p, vec3 d, bool at_solid, vec3 through, out float clear) {
-    float to_solid = at_solid ? 0.0 : has_solids ? way_to_solid(p, d, 1e6) : -1.0;
+    float to_ground = d.y < -1e-3 && p.y > ground_height ? (ground_height - p.y) / d.y : 1e6;
+    float to_solid = at_solid ? 0.0 : has_solid_field ? way_to_solid(p, d, to_ground) : -1.0;
     vec4 s = to_solid < 0.0 ? vec4(0.0) : solid_at(p + to_solid * d);
     clear = transparent && s.a < 0.5 ? min(through.r, min(through.g, through.b)) : 0.0;
     // Lights seen through the body are held back: far above white they would wash its colour out.
@@ -112,7 +114,7 @@ vec3 light_through(vec3 p, vec3 d, vec3 lamp, out float clear) {
         float to_floor = d.y < -1e-3 && floor_place > -100.0 ? max((floor_place - p.y) / d.y, 0.0) : 1e4;
         float way = way_out(p, d, to_floor);
         // Fluid keeps a little off the solids that it wets.
-        float to_solid = has_solids ? way_to_solid(world_of(p), d, (way + 1.5) * voxel) / voxel : -1.0;
+        float to_solid = has_solid_field ? way_to_solid(world_of(p), d, (way + 1.5) * voxel) / voxel : -1.0;
         at_solid = to_solid >= 0.0;
         if (at_solid) way = min(way, to_solid);
         if (has_inks) {
@@ -131,8 +133,9 @@ vec3 light_through(vec3 p, vec3 d, vec3 lamp, out float clear) {
         vec3 n = field_normal(p);
         // It lies on the ground or on a solid: no air between.
         if (n.y < -0.7 && p.y < floor_place + 1.5) break;
-        if (has_solids && solid_distance(world_of(p + n)) < 0.5 * voxel) break;
-        // Thin bodies have few voxels: their normals are off, and light that leaves them flatly would be thrown back here and there.
+        if (has_solid_field && solid_distance(world_of(p + n)) < 0.5 * voxel) break;
+        // Normals of thin bodies are inexact. After a short way, total reflection needs more than the critical angle, or single pixels would
+        // reflect at random.
         float leaving = dot(d, n), square = 1.0 - refraction * refraction * (1.0 - leaving * leaving);
         vec3 out_d = normalize(refraction * d + (sqrt(max(square, 0.0)) - refraction * leaving) * n);
         if (square < -refraction * refraction * min(0.2, 0.6 / way)) {   // total reflection
@@ -144,7 +147,7 @@ vec3 light_through(vec3 p, vec3 d, vec3 lamp, out float clear) {
         if (turn == 3) break;
         to_floor = d.y < -1e-3 && floor_place > -100.0 ? max((floor_place - p.y) / d.y, 0.0) : 1e4;
         float gap = way_in(p, d, to_floor);
-        if (gap < 0.0) break;
+        if (gap < 0.0 || (has_solid_field && way_to_solid(world_of(p), d, gap * voxel) >= 0.0)) break;
         p += gap * d;
         n = field_normal(p);
         d = refract(d, dot(n, d) < 0.0 ? n : -n, 1.0 / refraction);

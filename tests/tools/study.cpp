@@ -221,16 +221,16 @@ TEST_CASE("a study whose program is gone ends, and does not say that its points 
     const ScratchFolder folder;
     write(folder / "falling.toml", falling);
     write(folder / "s.toml",
-          "scenes = [\"falling.toml\"]\n[accuracy]\ncolumn = \"kinetic_energy\"\n[[knob]]\nkey = \"time.cfl\"\nvalues = [0.2, 0.4]\n");
+          "scenes = [\"falling.toml\"]\n[stability]\nenergy_growth = 0.05\n[[knob]]\nkey = \"time.cfl\"\nvalues = [0.2, 0.4]\n");
     const std::string study = (folder / "s.toml").string(), out = (folder / "out").string(), copy = (folder / "gone").string();
     const Outcome gone =
-        test::Program({"-c", "cp \"$0\" \"$1\" && exec 3< \"$1\" && rm \"$1\" && exec /proc/self/fd/3 tradeoff \"$2\" --out \"$3\"",
+        test::Program({"-c", "cp \"$0\" \"$1\" && exec 3< \"$1\" && rm \"$1\" && exec /proc/self/fd/3 stability \"$2\" --out \"$3\"",
                        WHORL_PROGRAM, copy, study, out},
                       "/bin/sh")
             .wait();
     CHECK(gone.code == 1);
-    CHECK_THAT(gone.err, Catch::Contains("there is no program") && Catch::Contains("build it first"));
-    CHECK_FALSE(fs::exists(folder / "out" / "s.csv"));
+    CHECK_THAT(gone.err, Catch::Contains("there is no program") && Catch::Contains("start the study again"));
+    CHECK_FALSE(fs::exists(folder / "out" / "stability.csv"));
 }
 
 TEST_CASE("braces in settings hold expressions of the knobs, or a knob's word", "[study]") {

@@ -175,9 +175,11 @@ PointResult PointRunner::run(const std::string& scene, const std::vector<std::st
     if (take_record(record, identity, repeat, result)) return result;
 
     if (access(call.program.c_str(), X_OK) != 0) {
-        const std::string remedy = "build it first: bash tools/build.sh PRESET whorl";
-        if (!name_a_program(settings)) throw EnvironmentError("there is no program " + call.program + " any longer", "", remedy);
-        throw InputError({study_.name, 0, 0}, fmt::format("the point {} cannot run: there is no program {}", words, call.program), remedy);
+        if (!name_a_program(call.all))
+            throw EnvironmentError("there is no program " + call.program + " any longer", "",
+                                   "it was removed or built anew while the study ran: start the study again");
+        throw InputError({study_.name, 0, 0}, fmt::format("the point {} cannot run: there is no program {}", words, call.program),
+                         "build it first: bash tools/build.sh PRESET whorl");
     }
     fs::create_directories(result.folder.parent_path());
     for (int k = 0; k < repeat && (k == 0 || result.done()); ++k) run_once(call, pictures, words, result);

@@ -37,7 +37,7 @@ public:
     PointRunner(const Study& study, std::filesystem::path folder, int threads, PointPlace place = {});
 
     /// @param settings on top of the study's own @param repeat timings @param pictures draw
-    /// @throws InputError where the scene or a setting cannot work, StudyInterrupted
+    /// @throws InputError where the scene or a setting cannot work, EnvironmentError where this program's file is gone, StudyInterrupted
     PointResult run(const std::string& scene, const std::vector<std::string>& settings, int repeat, bool pictures) const;
 
 private:

@@ -162,12 +162,13 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
     }
 }
 
-/// Fluid that is enclosed without a surface cannot make room for what its move bends: asked to, its pressure would grow without bound.
-/// @param q of the last step
-bool ConstraintPressure::can_give_way(Span<const Real> q) const {
-    constexpr double surface = 0.005;  // part of the particles that a surface leaves without pressure, at least
+/// Whether the fluid has a free surface, judged by the last step's pressures: a tenth of the particles on a cube's side have none. Without
+/// one, no displacement makes room for e > 0, and pressures would grow without bound. It looks at all fluid together: an open pool hides a
+/// full vessel beside it.
+bool ConstraintPressure::has_free_surface(Span<const Real> q) const {
     const auto n = static_cast<Index>(q.size());
-    return parallel_sum(n, [&](Index i) { return q[i] > 0; }) <= (1 - surface) * n;
+    const double free = parallel_sum(n, [&](Index i) { return q[i] <= 0; });
+    return free >= std::max(1.0, 0.1 * std::pow(static_cast<double>(n), 2.0 / 3));
 }
 
 WallImage ConstraintPressure::wall_of(const Surroundings& around) const {
@@ -222,7 +223,7 @@ void ConstraintPressure::operator()(const Surroundings& around, StepReport& repo
     });
     ConstraintMatrix matrix{D_, {}, Column<Padded>(n), around.pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};
     matrix.push(p.values);
-    if (can_give_way(p.values)) add_bend(wall, around, rho.values, u.values, p.values, matrix.force);
+    if (filled || has_free_surface(p.values)) add_bend(wall, around, rho.values, u.values, p.values, matrix.force);
     const auto fastest = static_cast<Real>(filled ? largest_speed(u.values) : 0);
     report.solves.push_back(
         {"pressure", filled ? solve_filled(matrix, step, mean_rate, fastest, p.values) : solve(matrix, step, p.values)});

@@ -88,7 +88,7 @@ private:
     /// Adds e/dt to b_. @param force D^T q
     void add_bend(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Vec3> u, Span<const Real> q,
                   Span<const Padded> force);
-    bool can_give_way(Span<const Real> q) const;
+    bool has_free_surface(Span<const Real> q) const;
     WallImage wall_of(const Surroundings& around) const;
     SolveReport solve_filled(ConstraintMatrix& A, const StepContext& step, double mean_rate, Real fastest, Span<Real> q);
 

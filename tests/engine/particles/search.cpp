@@ -284,10 +284,11 @@ TEST_CASE("pairs that were found with reach to spare are narrowed to those of a 
     }
 }
 
-TEST_CASE("narrowed rows have the same bits with 1, 2 and 4 threads", "[particles]") {
-    const Domain domain = box(10, 1);
-    const auto x = cloud(3000, 10, 5);
+TEST_CASE("narrowed rows are those of a search, and have the same bits with 1, 2 and 4 threads", "[particles]") {
+    const Domain domain = box(19, 1);
+    const auto x = cloud(20000, 19, 5);  // more than are joined at a time
     std::vector<Column<Index>> rows;
+    std::vector<std::vector<std::size_t>> firsts;
     for (const int count : {1, 2, 4}) {
         set_threads(count);
         NeighbourSearch search;
@@ -295,8 +296,20 @@ TEST_CASE("narrowed rows have the same bits with 1, 2 and 4 threads", "[particle
         search.find_wide(x, x, Real(1.3), domain, pairs);
         REQUIRE(NeighbourSearch::narrow(x, x, Real(1.1), domain, pairs));
         rows.push_back(pairs.other);
+        firsts.push_back(pairs.first);
     }
     set_threads(0);
     REQUIRE(rows[0] == rows[1]);
+    REQUIRE(firsts[0] == firsts[1]);
+    REQUIRE(firsts[0] == firsts[2]);
     REQUIRE(rows[0] == rows[2]);
+    NeighbourSearch search;
+    Pairs fresh;
+    search.find(x, Real(1.1), domain, fresh);
+    REQUIRE(firsts[0] == fresh.first);
+    for (Index i = 0; i < fresh.size(); ++i)  // in another order
+        for (Column<Index>* other : {&fresh.other, &rows[0]})
+            std::sort(other->begin() + static_cast<std::ptrdiff_t>(fresh.first[i]),
+                      other->begin() + static_cast<std::ptrdiff_t>(fresh.first[i + 1]));
+    REQUIRE(fresh.other == rows[0]);
 }

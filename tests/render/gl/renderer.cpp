@@ -314,7 +314,8 @@ TEST_CASE("a nozzle is not seen through the honey below it", "[render]") {
     frame.solids.push_back(solid(test::box_mesh(Vec3f(-0.03f, 0.12f, -0.03f), Vec3f(0.03f, 0.2f, 0.03f))));
     frame.solids.back().material = "dark";
     const Image with = renderer.draw(frame, thread, one_sample(), from_above);
-    int below = 0;  // the first row below it
+    // The lowest row of the nozzle, beside the thread (column 214; the thread: 219 to 261), and a row for its soft edge.
+    int below = 0;
     for (int y = 75; y < 200; ++y)
         if (brightness(with, 214, y) < brightness(without, 214, y) - 40) below = y + 2;
     REQUIRE(below > 100);
@@ -345,11 +346,13 @@ TEST_CASE("a post in clear fluid is seen where light that bends at the surface c
     }
     const float pixel = 120 / std::tan(15 * 3.14159265f / 180), expected = 160 + pixel * low, straight = 160 + pixel * x / (0.6f - face);
     REQUIRE(expected > straight + 4);
-    int darkest = 0;
-    for (int k = 150; k < 240; ++k)
-        if (brightness(picture, k, 120) < brightness(picture, darkest, 120)) darkest = k;
-    INFO("seen at " << darkest << ", expected at " << expected << ", without refraction at " << straight);
-    CHECK(std::abs(static_cast<float>(darkest) - expected) < 3);  // half of the post's width and a voxel
+    float darkest = 255, sum = 0;
+    int dark = 0;
+    for (int k = 160; k < 240; ++k) darkest = std::min(darkest, brightness(picture, k, 120));
+    for (int k = 160; k < 240; ++k)
+        if (brightness(picture, k, 120) < darkest + 20) sum += static_cast<float>(k) + 0.5f, ++dark;
+    INFO("seen at " << sum / static_cast<float>(dark) << ", expected at " << expected << ", without refraction at " << straight);
+    CHECK(std::abs(sum / static_cast<float>(dark) - expected) < 2);  // half a voxel of the solids' field, and half a pixel
 }
 
 TEST_CASE("what a renderer drew before does not change a picture, whatever it keeps", "[render]") {

@@ -363,14 +363,12 @@ TEST_CASE("water comes to rest in an open box, and with viscosity in a full clos
     comes_to_rest("full closed box", full_box, "[false, false, false]", {0.1, 0.1, 0.1}, xsph);
 }
 
-TEST_CASE("water that fills the gap between floor and ceiling lies still, also with long steps", "[validation][sim]") {
-    // No surface gives way to what the particles' motion bends: pressures must not grow from it. A step's gravity moves the fastest by 0.7
-    // to 3.5 % of sqrt(2 g H) before the pressure answers.
-    for (const double max_step : {5e-3, 2.5e-3, 1e-3}) {
-        INFO("steps of at most " << max_step << " s");
-        const Rest rest = settle(floor_and_ceiling, "[true, false, true]", {0.1, 0.1, 0.1}, xsph, d, 0.6, max_step);
-        CHECK(rest.early < 0.02);
-    }
+TEST_CASE("water that fills the gap between floor and ceiling lies still", "[validation][sim]") {
+    // No surface makes room for what the particles' motion bends. Root mean square over sqrt(2 g H): 0.010; where the pressure is asked for
+    // it nevertheless, 0.24.
+    const Rest rest = settle(floor_and_ceiling, "[true, false, true]", {0.1, 0.1, 0.1}, xsph, d, 1);
+    CHECK(rest.early < 0.02);
+    CHECK(rest.lost == 0);
 }
 
 TEST_CASE("water comes to rest between floor and ceiling and in a slot, with and without viscosity, and in boxes the other way round",
