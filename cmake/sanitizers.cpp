@@ -23,7 +23,8 @@ const char* __tsan_default_suppressions() {
            "called_from_lib:libopenvdb.so\n"
            "mutex:libGLdispatch.so\n"
            "mutex:whorl::write_vdb\n"  // OpenVDB's own lock, taken and given back inside its initialize()
-           "mutex:libgcc_s.so\n"       // what libgcc holds while code is made or an exception thrown
+           "race:libgcc_s.so\n"        // what libgcc knows of code that is made, while an exception is thrown
+           "mutex:libgcc_s.so\n"       // what it holds meanwhile
            "deadlock:libgcc_s.so\n";
 }
 

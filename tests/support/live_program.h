@@ -28,7 +28,7 @@ public:
     Reply post(const std::string& path, const std::string& body, const std::map<std::string, std::string>& headers = {});
     nlohmann::json state() { return get("/state").json(); }
     Reply order(const std::string& what) { return post("/control", "{\"do\": \"" + what + "\"}"); }
-    /// Until the state fulfils it; false after a minute.
+    /// Until the state fulfils it; false after five minutes.
     bool wait_for(const std::function<bool(const nlohmann::json& state)>& condition);
     /// One frame, and waits for it and its picture.
     nlohmann::json step();

@@ -52,7 +52,7 @@ std::string Program::output() const { return content(out_); }
 void Program::signal(int number) const { kill(pid_, number); }
 
 bool Program::wait_until(const std::function<bool()>& condition) {
-    const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+    const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(5);
     while (std::chrono::steady_clock::now() < end) {
         if (condition()) return true;
         if (waitpid(pid_, &status_, WNOHANG) == pid_) {

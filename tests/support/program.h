@@ -22,7 +22,7 @@ public:
     Program(const Program&) = delete;
     Program& operator=(const Program&) = delete;
 
-    /// Waits until the condition holds. @return false where the program ends before, or after a minute
+    /// Waits until the condition holds. @return false where the program ends before, or after five minutes
     bool wait_until(const std::function<bool()>& condition);
     void signal(int number) const;
     /// What it has written to standard output so far.
