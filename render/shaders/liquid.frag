@@ -57,12 +57,13 @@ float way_to_solid(vec3 p, vec3 d, float limit) {
     vec3 one = -from / (way + vec3(1e-9)), other = (solid_size - 1.0 - from) / (way + vec3(1e-9)), near = min(one, other), far = max(one, other);
     float t = max(0.5 * voxel, max(near.x, max(near.y, near.z)));
     limit = min(limit, min(far.x, min(far.y, far.z)));
-    float before = distance_of_solid(from);
+    float before = distance_of_solid(from), step = t;
     for (int i = 0; i < 24 && t < limit; ++i) {
         float off = distance_of_solid(from + t * way);
-        if (off < 0.5 * solid_voxel && off < before) return t;
+        if (off < 0.5 * solid_voxel && off < before) return t + min(off * step / (before - off), solid_voxel);
         before = off;
-        t += max(off, 0.7 * solid_voxel);
+        step = max(off, 0.7 * solid_voxel);
+        t += step;
     }
     return -1.0;
 }
@@ -134,11 +135,12 @@ vec3 light_through(vec3 p, vec3 d, vec3 lamp, out float clear) {
         // It lies on the ground or on a solid: no air between.
         if (n.y < -0.7 && p.y < floor_place + 1.5) break;
         if (has_solid_field && solid_distance(world_of(p + n)) < 0.5 * voxel) break;
-        // Normals of thin bodies are inexact. After a short way, total reflection needs more than the critical angle, or single pixels would
-        // reflect at random.
+        // Normals of thin bodies are inexact. Where the first way is short, total reflection needs more than the critical angle, or single
+        // pixels would reflect at random.
+        float doubt = turn == 0 ? min(0.2, 0.6 / way) : 0.0;
         float leaving = dot(d, n), square = 1.0 - refraction * refraction * (1.0 - leaving * leaving);
         vec3 out_d = normalize(refraction * d + (sqrt(max(square, 0.0)) - refraction * leaving) * n);
-        if (square < -refraction * refraction * min(0.2, 0.6 / way)) {   // total reflection
+        if (square < -refraction * refraction * doubt) {   // total reflection
             d = reflect(d, -n);
             p -= 0.3 * n;
             continue;
