@@ -21,6 +21,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from small_film import film, rows  # noqa: E402
 
 FILM = film(0.5, 3e-3, "132, 64")
+LONG_FILM = film(0.5, 1.8e-3, "132, 64")  # takes long enough for its job to be taken from its node meanwhile
 PANELS = FILM + """
 style = "particles"
 field = "speed"
@@ -147,8 +148,9 @@ def main():
             return subprocess.run([program, *words], env=slurm.environment, capture_output=True, text=True, cwd=folder, timeout=900, **more)
 
         (folder / "film.toml").write_text(FILM)
+        (folder / "long_film.toml").write_text(LONG_FILM)
         (folder / "panels.toml").write_text('name = "film"\n' + PANELS)
-        for scene in ("film", "panels"):
+        for scene in ("film", "panels", "long_film"):
             check(whorl("render", f"{scene}.toml", "--threads", "1", "--out", f"local_{scene}", "--quiet").returncode == 0, f"{scene}: local run")
 
         done = whorl("farm", "film.toml", "--on", "slurm", "--out", "farmed_film", "--pieces", "3")
@@ -175,7 +177,7 @@ def main():
             check(len(tables[0]) == 2 and tables[0] == tables[1], f"the table of {command} is that of a local run")
 
         # A job is taken from its node half-way; Slurm begins it again, and it goes on from its checkpoint.
-        farm = subprocess.Popen([program, "farm", "film.toml", "--on", "slurm", "--out", "taken", "--pieces", "2"], env=slurm.environment, cwd=folder,
+        farm = subprocess.Popen([program, "farm", "long_film.toml", "--on", "slurm", "--out", "taken", "--pieces", "2"], env=slurm.environment, cwd=folder,
                                 stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         while not list((folder / "taken" / "checkpoints").glob("00000[3-9].whorl")) and farm.poll() is None:
             time.sleep(0.02)
@@ -187,7 +189,7 @@ def main():
         text = farm.communicate(timeout=600)[1]
         print(text)
         check(farm.returncode == 0, "the film is made though its node was killed and its job requeued")
-        same_film(folder / "local_film", folder / "taken")
+        same_film(folder / "local_long_film", folder / "taken")
         check('"resumed": 1' in (folder / "taken" / "run.json").read_text(), "it went on from its checkpoint")
     finally:
         slurm.stop()
