@@ -22,8 +22,8 @@ namespace whorl {
 namespace {
 
 /// Where viscosity and pressure solved together beat the pressure equation with implicit viscosity: a pour of 40, 12 and 4 times 1e-3 m^2/s
-/// (scenes/lava.toml) takes 0.7, 0.4 and 0.4 times its time at viscous numbers of 0.68, 0.20 and 0.068, but the last one has twice its
-/// error (docs/reports/tradeoff.md, lava_viscosity).
+/// (scenes/lava.toml) takes 0.7, 0.4 and 0.4 times its time at viscous numbers of 0.68, 0.20 and 0.068, with errors of 8 to 9 % beside 4 to
+/// 9 % (docs/reports/tradeoff.md, lava_viscosity).
 constexpr double coupled_above = 0.25;
 
 std::string pressure_reason(PressureModel pressure, const Scene& scene, const SceneNumbers& n) {
