@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Readers under libFuzzer: builds the preset `fuzz` and runs each target for a while, from the files of tests/fuzz/corpus.
+"""Readers under libFuzzer: builds the preset `fuzz` and runs each target for a while, from the files of tests/fuzz/corpus; `scene` begins
+with the scenes that ship, too.
 
     tests/fuzz/fuzz.py [--seconds 60] [--keep FOLDER] [NAME ...]
 
@@ -37,7 +38,8 @@ def fuzz(name, seconds, keep, scratch):
     work = keep / name
     work.mkdir(parents=True, exist_ok=True)
     command = [ROOT / "build" / "fuzz" / "tests" / "fuzz" / f"fuzz_{name}", f"-max_total_time={seconds}", "-timeout=10", "-rss_limit_mb=2048",
-               "-max_len=8192", "-print_final_stats=1", f"-artifact_prefix={found}/{name}_", work, CORPUS / name]
+               "-max_len=8192", "-print_final_stats=1", f"-artifact_prefix={found}/{name}_", work, CORPUS / name,
+               *([ROOT / "scenes"] if name == "scene" else [])]
     done = subprocess.run([str(c) for c in command], capture_output=True, text=True, errors="replace",
                           env=dict(os.environ, OMP_NUM_THREADS="1", ASAN_OPTIONS="detect_leaks=0", TMPDIR=scratch))
     executions = re.search(r"number_of_executed_units:\s*(\d+)", done.stderr)
