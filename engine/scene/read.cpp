@@ -33,6 +33,7 @@ public:
     Consistency(Scene& scene, Reader& reader) : scene_(scene), reader_(reader) {}
 
     void check() {
+        longest_step();
         frames();
         if (!file_name(scene_.name))
             reader_.disagree({"name"}, "name = \"" + scene_.name + "\" cannot name a folder", "", "allowed: letters, digits, _ - .");
@@ -61,12 +62,21 @@ public:
     }
 
 private:
+    /// By the scene's own scale: a film of hours is not made in steps of milliseconds.
+    void longest_step() {
+        if (reader_.places.count("time.max_step") == 0 && std::isfinite(scene_.time.frame_interval()))
+            scene_.time.max_step = std::max(scene_.time.max_step, scene_.time.frame_interval() / 25);
+    }
     void frames() {
-        constexpr double most = 1e6;
-        if (const double pictures = scene_.time.end / scene_.time.frame_interval(); pictures > most)
-            reader_.disagree({"time.fps", "time.slow_motion", "time.end"},
-                             fmt::format("{:.3g} pictures until time.end = {:g} s: one every {:.3g} s", pictures, scene_.time.end,
-                                         scene_.time.frame_interval()),
+        constexpr double most = 1e6, longest = 1e30;  // s; pictures know times in single precision
+        const std::vector<std::string> keys{"time.fps", "time.slow_motion", "time.end"};
+        const double every = scene_.time.frame_interval(), pictures = scene_.time.end / every;
+        if (every > longest)
+            reader_.disagree(keys, fmt::format("one picture every {:.3g} s", every), "take a larger time.fps or time.slow_motion",
+                             fmt::format("allowed: one at least every {:g} s", longest));
+        else if (!(pictures <= most))
+            reader_.disagree(keys,
+                             fmt::format("{:.3g} pictures until time.end = {:g} s: one every {:.3g} s", pictures, scene_.time.end, every),
                              "take a smaller time.fps or time.slow_motion, or an earlier time.end", "allowed: at most a million pictures");
     }
     void ordered(const std::string& low, const Vec3d& a, const std::string& high, const Vec3d& b, int dimensions = 3) {

@@ -48,6 +48,8 @@ struct TimeKeys {
     double sleep =
         0;  ///< spacings; a particle that moves less in half a second rests, and is not solved for until something near it moves; 0: never
     double frame_interval() const { return 1 / (fps * slow_motion); }
+    /// s, over which the solids' velocities are taken where no step is known yet
+    double look_ahead() const { return std::min(max_step, 5e-3); }
 };
 
 struct DomainKeys {

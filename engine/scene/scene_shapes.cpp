@@ -101,7 +101,7 @@ SceneShapes make_shapes(const Scene& scene, std::vector<Problem>& problems) {
         shapes.drains.push_back(made(scene, entry_name("drain", i), keys, problems));
         shapes.drain_extent.push_back(shapes.drains.back() ? extent_of(keys, *shapes.drains.back()) : Extent{});
     }
-    if (problems.empty()) shapes.solids.set_time(0, scene.time.max_step);
+    if (problems.empty()) shapes.solids.set_time(0, scene.time.look_ahead());
     return shapes;
 }
 

@@ -115,7 +115,7 @@ struct Simulation::State {
         assembly = assemble(scene, plan);
         declare_fields(assembly.stages, world.fluid);
         place_constants(scene, plan, world);
-        world.solids.set_time(time, scene.time.max_step);
+        world.solids.set_time(time, scene.time.look_ahead());
         world.solid_particles.follow(world.solids);
         set_gravity();
     }
@@ -221,7 +221,7 @@ struct Simulation::State {
         set_gravity();
         // Velocities are those over the last step: a resumed run does not know how long that was.
         if (world.step.at_frame_time && world.solids.any_moving()) {
-            world.solids.set_time(time, scene.time.max_step);
+            world.solids.set_time(time, scene.time.look_ahead());
             world.solid_particles.follow(world.solids);
         }
     }
@@ -336,7 +336,7 @@ void Simulation::load(std::istream& in) {
     s.steps_since_frame = 0;
     s.set_gravity();
     s.world.step.time = s.time;
-    s.world.solids.set_time(s.time, scene().time.max_step);
+    s.world.solids.set_time(s.time, scene().time.look_ahead());
     s.world.solid_particles.follow(s.world.solids);
 }
 

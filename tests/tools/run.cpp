@@ -245,6 +245,21 @@ inside = true
     CHECK((*crowded)["what"].template get<std::string>().find("particles are still crowded, one by") != std::string::npos);
 }
 
+TEST_CASE("a drop of twenty micrometres is filmed", "[tools][render]") {
+    const Scratch scratch;
+    std::ofstream(scratch / "drop.toml")
+        << "[time]\nend = 2e-6\nslow_motion = 4e4\n[domain]\nmin = [-2e-5, -4e-6, -2e-5]\nmax = [2e-5, 4e-5, 2e-5]\n[fluid]\nspacing = "
+           "2e-6\n"
+           "viscosity = 1e-3\nsurface_tension = 0.07\n[[block]]\nshape = \"sphere\"\nposition = [0, 1.2e-5, 0]\nradius = 1e-5\n"
+           "velocity = [0, -1, 0]\n[[solid]]\nshape = \"box\"\nmin = [-2e-5, -4e-6, -2e-5]\nmax = [2e-5, 0, 2e-5]\n";
+    const Outcome done =
+        test::whorl({"render", scratch / "drop.toml", "--out", scratch.run(), "--quality", "draft", "--size", "64x36", "--no-video"});
+    INFO(done.err);
+    REQUIRE(done.code == 0);
+    CHECK(files_in(scratch / "run/frames").size() == 2);
+    CHECK(report(scratch / "run")["particles"] > 400);
+}
+
 TEST_CASE("a run that diverges says where and when, ends with 1 and keeps what was made", "[tools][render]") {
     std::string text = honey;
     const std::size_t viscosity = text.find("viscosity");
