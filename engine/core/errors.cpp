@@ -34,7 +34,8 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
 
 std::string Problem::message() const {
     std::string text = place.file;
-    if (place.line > 0) text += ":" + std::to_string(place.line) + ":" + std::to_string(place.column);
+    if (place.line > 0) text += ":" + std::to_string(place.line);
+    if (place.line > 0 && place.column > 0) text += ":" + std::to_string(place.column);
     if (!text.empty()) text += ": ";
     text += what;
     if (!hint.empty()) text += "; " + hint;

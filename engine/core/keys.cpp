@@ -61,7 +61,7 @@ KeyType element_of(KeyType type) {
 bool fits(KeyType type, const Value& v) {
     switch (type) {
         case KeyType::flag: return v.as<bool>() != nullptr;
-        case KeyType::integer: return v.as<std::int64_t>() != nullptr;
+        case KeyType::integer: return v.is_number() && std::floor(v.number()) == v.number();
         case KeyType::number: return v.is_number();
         case KeyType::expression: return v.is_number() || v.as<std::string>();
         case KeyType::any: return v.data.index() > 0 && !v.as<Value::Table>();
@@ -131,7 +131,9 @@ std::string Key::type_name() const {
     return "";
 }
 
-std::string Key::allowed() const {
+std::string Key::allowed() const { return allowed_beside(0); }
+
+std::string Key::allowed_beside(double x) const {
     std::string text;
     if (!choices.empty()) {
         for (std::size_t i = 0; i < choices.size(); ++i)
@@ -139,10 +141,12 @@ std::string Key::allowed() const {
         if (may_be_auto) text = "auto, " + text;
         return text;
     }
-    // The limits of the C++ type say nothing to people.
-    const bool bounded_below = std::isfinite(least) && std::abs(least) < 2e9, bounded_above = std::isfinite(most) && std::abs(most) < 2e9;
-    if (bounded_below) text = (least_open ? "more than " : "at least ") + plain(least);
-    if (bounded_above) text += (text.empty() ? "at most " : ", at most ") + plain(most);
+    // The limits of the C++ type say nothing to people, unless they have come to them.
+    const double largest = single ? shortest_decimal(std::numeric_limits<float>::max()) : std::numeric_limits<double>::max();
+    const double low = std::max(least, -largest), high = std::min(most, largest);
+    const bool bounded_below = std::abs(low) < 2e9 || x < low, bounded_above = std::abs(high) < 2e9 || x > high;
+    if (bounded_below) text = (least_open ? "more than " : "at least ") + plain(low);
+    if (bounded_above) text += (text.empty() ? "at most " : ", at most ") + plain(high);
     return text;
 }
 
@@ -185,13 +189,12 @@ bool Key::check_entry(const Value& entry, const std::string& path, Problems& pro
 }
 
 bool Key::check_range(double x, const Place& place, const std::string& path, Problems& problems) const {
-    if (std::isnan(x) || std::isinf(x)) {
-        problems.push_back({place, path + " = " + plain(x) + " is not a finite number", "", ""});
-        return false;
-    }
-    if (x >= least && x <= most && !(least_open && x == least)) return true;
-    const std::string rule = allowed();
-    problems.push_back({place, path + " = " + plain(x) + " is out of range", "", rule.empty() ? "" : "allowed: " + rule});
+    const double held = single ? static_cast<double>(static_cast<float>(x)) : x;
+    if (std::isfinite(held) && x >= least && x <= most && !(least_open && held == least)) return true;
+    const std::string rule = allowed_beside(x);
+    std::string what = std::isfinite(x) ? " is out of range" : " is not a finite number";
+    if (held != x && held == least) what = " is too small: this key takes it for " + plain(held);
+    problems.push_back({place, path + " = " + plain(x) + what, "", rule.empty() ? "" : "allowed: " + rule});
     return false;
 }
 

@@ -9,6 +9,7 @@
 ///         return t;
 ///     }
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <initializer_list>
@@ -93,6 +94,7 @@ struct Key {
     std::vector<std::string> choices;  ///< choice, texts
     double least = -std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::infinity();
     bool least_open = false;  ///< `least` itself is not allowed
+    bool single = false;      ///< its numbers are held in single precision
     std::string variables;    ///< that an expression may use, of "txyz"
     bool is_required = false;
     bool decides = true;      ///< the simulation's result depends on it
@@ -126,6 +128,8 @@ struct Key {
     void read(void* object, const Value& v, const std::string& path, std::vector<Problem>& problems) const;
     /// "more than 0, at most 1", "cubic, wendland_c2 or wendland_c4"; "" where every value of the type is allowed.
     std::string allowed() const;
+    /// The same with the limits of the type itself where x is beyond them.
+    std::string allowed_beside(double x) const;
     /// "a number", "3 numbers", "one of the texts", ...
     std::string type_name() const;
 
@@ -249,13 +253,17 @@ struct KeyCodec<T, std::enable_if_t<std::is_integral_v<T> && !std::is_same_v<T, 
         k.type = KeyType::integer;
         k.least = std::is_unsigned_v<T> ? 0 : static_cast<double>(std::numeric_limits<T>::min());
         k.most = static_cast<double>(std::numeric_limits<T>::max());
+        if (sizeof(T) == 8) k.most = std::nextafter(k.most, 0.0);  // a double takes the largest for one more
     }
     static Value write(T v) { return Value(static_cast<std::int64_t>(v)); }
-    static T read(const Value& v) { return static_cast<T>(*v.as<std::int64_t>()); }
+    static T read(const Value& v) {
+        const auto* whole = v.as<std::int64_t>();
+        return whole ? static_cast<T>(*whole) : static_cast<T>(*v.as<double>());  // 1e3 is whole, too
+    }
 };
 template <class T>
 struct KeyCodec<T, std::enable_if_t<std::is_floating_point_v<T>>> {
-    static void describe(Key& k) { k.type = KeyType::number; }
+    static void describe(Key& k) { k.type = KeyType::number, k.single = std::is_same_v<T, float>; }
     static Value write(T v) {
         if constexpr (std::is_same_v<T, float>) return Value(shortest_decimal(v));
         else return Value(v);
@@ -313,7 +321,7 @@ struct KeyCodec<std::optional<T>> {
 template <class L, class T, int Count>
 struct ListCodec {
     static void describe(Key& k) {
-        k.count = Count;
+        k.count = Count, k.single = std::is_same_v<T, float>;
         if constexpr (std::is_same_v<T, bool>) k.type = KeyType::flags;
         else if constexpr (std::is_integral_v<T>) k.type = KeyType::integers;
         else k.type = KeyType::numbers;

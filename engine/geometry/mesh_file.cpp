@@ -25,15 +25,15 @@ public:
     bool next_line() {
         if (rest_.empty()) return false;
         const std::size_t end = std::min(rest_.find('\n'), rest_.size());
-        words_ = rest_.substr(0, end);
+        line_text_ = words_ = rest_.substr(0, end), column_ = 1;
         rest_.remove_prefix(std::min(end + 1, rest_.size()));
         ++line_;
         return true;
     }
     /// The next word of this line, empty at its end.
     std::string_view word() {
-        const std::size_t begin = words_.find_first_not_of(" \t\r");
-        if (begin == std::string_view::npos) return {};
+        const std::size_t begin = std::min(words_.find_first_not_of(" \t\r"), words_.size());
+        column_ = static_cast<int>(line_text_.size() - words_.size() + begin) + 1;
         words_.remove_prefix(begin);
         const std::size_t end = std::min(words_.find_first_of(" \t\r"), words_.size());
         const std::string_view found = words_.substr(0, end);
@@ -41,27 +41,50 @@ public:
         return found;
     }
     template <class T>
-    T number(std::string_view text) const {
+    T whole(std::string_view text) const {
         T value{};
-        if (!text.empty() && text.front() == '+') text.remove_prefix(1);
-        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-        if (error != std::errc() || end != text.data() + text.size()) fail(fmt::format("\"{}\" is not a number", text));
+        const std::errc error = read(text, value);
+        if (error != std::errc()) fail(not_a_number(text, error), "allowed: whole numbers");
+        return value;
+    }
+    /// @param most what the number may be either way
+    double number(std::string_view text, double most = std::numeric_limits<double>::max()) const {
+        double value = 0;
+        std::errc error = read(text, value);
+        if (error == std::errc::result_out_of_range) error = {}, value = std::strtod(std::string(text).c_str(), nullptr);  // 0 or infinite
+        if (error == std::errc() && std::abs(value) > most) error = std::errc::result_out_of_range;
+        if (error != std::errc() || std::isnan(value))
+            fail(not_a_number(text, error), fmt::format("allowed: numbers from {:.2g} to {:.2g}", -most, most));
         return value;
     }
     Vec3f point() {
         Vec3f x;
-        for (int a = 0; a < 3; ++a) x[a] = number<float>(word());
-        if (!x.allFinite()) fail("a coordinate is not finite");
+        for (int a = 0; a < 3; ++a) x[a] = static_cast<float>(number(word(), std::numeric_limits<float>::max()));
         return x;
     }
     std::string_view rest() const { return rest_; }
     int line() const { return line_; }
-    [[noreturn]] void fail(const std::string& what) const { throw InputError({file_, line_, 0}, what); }
+    /// At the last word that was taken.
+    [[noreturn]] void fail(const std::string& what, const std::string& allowed = "") const {
+        throw InputError({file_, line_, column_}, what, "", allowed);
+    }
 
 private:
+    /// All of the text as a number.
+    template <class T>
+    static std::errc read(std::string_view text, T& value) {
+        if (!text.empty() && text.front() == '+') text.remove_prefix(1);
+        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+        return end == text.data() + text.size() ? error : std::errc::invalid_argument;
+    }
+    static std::string not_a_number(std::string_view text, std::errc error) {
+        const bool too_large = error == std::errc::result_out_of_range;
+        return text.empty() ? "a number is missing" : fmt::format("\"{}\" {}", text, too_large ? "is too large" : "is not a number");
+    }
+
     std::string file_;
-    std::string_view rest_, words_;
-    int line_;
+    std::string_view rest_, line_text_, words_;
+    int line_, column_ = 0;
 };
 
 void add_polygon(TriangleMesh& mesh, const std::vector<Corner>& corners) {
@@ -80,7 +103,7 @@ TriangleMesh read_obj(const std::string& file, std::string_view text) {
             corners.clear();
             for (std::string_view corner = words.word(); !corner.empty(); corner = words.word()) {
                 const long long count = static_cast<long long>(mesh.position.size());
-                long long index = words.number<long long>(corner.substr(0, corner.find('/')));
+                long long index = words.whole<long long>(corner.substr(0, corner.find('/')));
                 if (index < 0) index += count + 1;  // counted from the newest vertex
                 if (index < 1 || index > count) words.fail(fmt::format("face refers to vertex {}, there are {} so far", corner, count));
                 corners.push_back(static_cast<Corner>(index - 1));
@@ -180,7 +203,7 @@ TriangleMesh read_ply(const std::string& file, std::string_view text) {
             binary = format != "ascii";
         } else if (key == "element") {
             PlyElement element{std::string(words.word()), 0, {}};
-            element.count = words.number<std::size_t>(words.word());
+            element.count = words.whole<std::size_t>(words.word());
             elements.push_back(element);
         } else if (key == "property") {
             if (elements.empty()) words.fail("a property before the first element");
@@ -204,7 +227,7 @@ TriangleMesh read_ply(const std::string& file, std::string_view text) {
 
     std::string_view bytes = words.rest();
     const auto next = [&](const std::string& type) {
-        if (!binary) return words.number<double>(words.word());
+        if (!binary) return words.number(words.word());
         const std::size_t size = ply_size(type);
         if (bytes.size() < size) throw InputError({file}, "cut short");
         const double value = ply_value(type, bytes.data());
@@ -233,7 +256,7 @@ TriangleMesh read_ply(const std::string& file, std::string_view text) {
                     add_polygon(mesh, corners);
             }
             if (element.name == "vertex") {
-                if (!x.allFinite()) words.fail(fmt::format("vertex {} is not finite", k));
+                if (!x.allFinite()) words.fail(fmt::format("vertex {} is not finite in single precision", k));
                 mesh.position.push_back(x);
             }
         }

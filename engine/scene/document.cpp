@@ -128,6 +128,61 @@ void put(Value& node, const std::vector<Step>& steps, std::size_t depth, const V
     node.as<Value::Table>()->emplace_back(step.name, std::move(child));
 }
 
+bool in_number(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || std::strchr("+-._", c) != nullptr; }
+
+/// A number as people write them (.8, 5., 1.e3, 1e999) as TOML writes it; what is no number stays.
+std::string plain_number(const std::string& word) {
+    const char first = word[word[0] == '+' || word[0] == '-'];
+    if (first != '.' && std::isdigit(static_cast<unsigned char>(first)) == 0) return word;
+    std::string text = word;
+    std::erase(text, '_');  // 1_000
+    char* end = nullptr;
+    const double number = std::strtod(text.c_str(), &end);
+    if (*end != 0) return word;
+    if (text.find_first_of("xX") != std::string::npos) return word;
+    const bool whole = text.find_first_of(".eE") == std::string::npos && std::abs(number) < 9e18;
+    return whole ? std::to_string(std::strtoll(text.c_str(), nullptr, 10)) : Value(number).toml();
+}
+
+/// The text with its numbers as TOML writes them, outside of quotes.
+std::string with_plain_numbers(const std::string& text) {
+    std::string out;
+    for (std::size_t i = 0; i < text.size();) {
+        if (text[i] == '"' || text[i] == '\'') {
+            const char quote = text[i];
+            std::size_t end = i + 1;
+            while (end < text.size() && text[end] != quote) end += quote == '"' && text[end] == '\\' ? 2 : 1;
+            end = std::min(end + 1, text.size());
+            out += text.substr(i, end - i);
+            i = end;
+        } else if (in_number(text[i])) {
+            std::size_t end = i + 1;
+            while (end < text.size() && in_number(text[end])) ++end;
+            out += plain_number(text.substr(i, end - i));
+            i = end;
+        } else {
+            out += text[i++];
+        }
+    }
+    return out;
+}
+
+/// Makes the number that ends there, which TOML cannot hold, one that it can: infinite, say. The text keeps its length.
+/// @return false where it is no number
+bool mend_number(std::string& text, const toml::source_position& end) {
+    std::size_t at = 0;
+    for (toml::source_index line = 1; line < end.line && at < text.size(); ++line) at = std::min(text.find('\n', at), text.size() - 1) + 1;
+    for (toml::source_index column = 1; column < end.column && at < text.size();)  // columns are characters, not bytes
+        if ((text[++at] & 0xC0) != 0x80) ++column;
+    std::size_t begin = at;
+    while (begin > 0 && in_number(text[begin - 1])) --begin;
+    const std::string word = text.substr(begin, at - begin), plain = word.empty() ? word : plain_number(word);
+    const bool too_many_digits = word.find_first_not_of("+-_0123456789") == std::string::npos;
+    if (plain == word || plain.size() > word.size() || !(too_many_digits || plain.find("inf") != std::string::npos)) return false;
+    text.replace(begin, word.size(), plain + std::string(word.size() - plain.size(), ' '));
+    return true;
+}
+
 void set_place(Value& v, const Place& place) {
     v.place = v.key_place = place;
     if (auto* list = v.as<Value::List>())
@@ -139,13 +194,16 @@ void set_place(Value& v, const Place& place) {
 }  // namespace
 
 Value parse_toml(const std::string& text, const std::string& file) {
-    try {
-        return converted(toml::parse(text, file), file);
-    } catch (const toml::parse_error& e) {
-        const Place place = place_of(e.source(), file);
-        const bool unquoted = std::strstr(e.what(), "could not determine value type") != nullptr;
-        throw InputError(place, "not TOML: " + message_of(e), unquoted ? "texts stand in quotes" : "");
-    }
+    std::string mended = text;
+    for (int tries = 0;; ++tries) try {
+            return converted(toml::parse(mended, file), file);
+        } catch (const toml::parse_error& e) {
+            // A number too large to be held is told with its key: the key's own check does so.
+            if (tries < 100 && mend_number(mended, e.source().begin)) continue;
+            const Place place = place_of(e.source(), file);
+            const bool unquoted = std::strstr(e.what(), "could not determine value type") != nullptr;
+            throw InputError(place, "not TOML: " + message_of(e), unquoted ? "texts stand in quotes" : "");
+        }
 }
 
 Value parse_toml_file(const std::string& file) {
@@ -164,19 +222,6 @@ Change parse_change(const std::string& text, const std::string& option) {
     return {text.substr(0, equals), text.substr(equals + 1), option + " " + text};
 }
 
-namespace {
-
-/// Numbers as people write them and TOML does not: .8, 5., 1.e3.
-Value number_or_text(const std::string& text) {
-    const char first = text.empty() ? ' ' : text[text[0] == '+' || text[0] == '-'];
-    if (first != '.' && std::isdigit(static_cast<unsigned char>(first)) == 0) return Value(text);
-    char* end = nullptr;
-    const double number = std::strtod(text.c_str(), &end);
-    return *end == 0 && std::isfinite(number) ? Value(number) : Value(text);
-}
-
-}  // namespace
-
 void apply_change(Value& root, const Change& change, std::vector<Problem>& problems) {
     const Place place{change.source, 0, 0};
     if (!change.complete) {
@@ -191,14 +236,14 @@ void apply_change(Value& root, const Change& change, std::vector<Problem>& probl
     }
     Value value;
     try {
-        value = *converted(toml::parse("value = " + change.value), "").find("value");
+        value = *converted(toml::parse("value = " + with_plain_numbers(change.value)), "").find("value");
     } catch (const toml::parse_error& e) {
         // What looks like TOML must be TOML; anything else is a text, as in models.pressure=ppe.
         if (change.value.empty() || std::strchr("[{\"'", change.value[0]) != nullptr) {
             problems.push_back({place, "the value is not TOML: " + message_of(e), "", ""});
             return;
         }
-        value = number_or_text(change.value);
+        value = Value(change.value);
     }
     set_place(value, place);
     put(root, steps, 0, value, problems);

@@ -173,6 +173,10 @@ TEST_CASE("a broken mesh file is named with its line and what is wrong", "[geome
     using Catch::Matchers::Contains;
     CHECK_THAT(message_of("/nowhere/x.obj"), Contains("/nowhere/x.obj") && Contains("cannot be opened"));
     CHECK_THAT(message_of(temporary("a.obj", "v 0 0 0\nv 1 0 zero\n")), Contains("a.obj:2") && Contains("\"zero\" is not a number"));
+    CHECK_THAT(message_of(temporary("a.obj", "v 0 0 0\nv 1  1e60 0\n")),
+               Contains("a.obj:2:6: \"1e60\" is too large; allowed: numbers from -3.4e+38 to 3.4e+38"));
+    CHECK_THAT(message_of(temporary("a.obj", "v 0 0\n")), Contains("a.obj:1:6: a number is missing; allowed: numbers from"));
+    CHECK_THAT(message_of(temporary("a.obj", "v 0 1e-60 -1e-400\n")), Contains("no triangles"));  // numbers, as good as 0
     CHECK_THAT(message_of(temporary("b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n")), Contains("b.obj:4") && Contains("vertex 4"));
     CHECK_THAT(message_of(temporary("c.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")), Contains("3 of its 3 edges are open"));
     CHECK_THAT(message_of(temporary("d.obj", "# nothing\n")), Contains("no triangles"));

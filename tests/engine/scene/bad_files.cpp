@@ -32,7 +32,13 @@ const std::vector<Case> cases = {
     {"spacing = 0.01", "spacing = -0.01", "bad.toml:4:11: fluid.spacing = -0.01 is out of range; allowed: at least 1e-09"},
     {"spacing = 0.01", "spacing = 0", "bad.toml:4:11: fluid.spacing = 0 is out of range; allowed: at least 1e-09"},
     {"spacing = 0.01", "spacing = 1e-320", "bad.toml:4:11: fluid.spacing = 1e-320 is out of range; allowed: at least 1e-09"},
-    {"spacing = 0.01", "spacing = nan", "bad.toml:4:11: fluid.spacing = nan is not a finite number"},
+    {"spacing = 0.01", "spacing = nan", "bad.toml:4:11: fluid.spacing = nan is not a finite number; allowed: at least 1e-09"},
+    {"spacing = 0.01", "spacing = 1e999 # µ",
+     "bad.toml:4:11: fluid.spacing = inf is not a finite number; allowed: at least 1e-09, at most "
+     "1.7976931348623157e+308"},
+    {"spacing = 0.01", "spacing = 0.01\nforce = [\"µ\", -1e999, 1e999]",
+     "bad.toml:5:15: fluid.force[1] = -inf is not a finite number; allowed: at least -1.7976931348623157e+308\n"
+     "bad.toml:5:23: fluid.force[2] = inf is not a finite number; allowed: at most 1.7976931348623157e+308"},
     {"spacing = 0.01", "spacing = [0.01]", "bad.toml:4:11: fluid.spacing must be a number [m], not a list of 1"},
     {"spacing = 0.01", "spacing = 0.01\nsupport = 9", "bad.toml:5:11: fluid.support = 9 is out of range; allowed: at least 1.2, at most 6"},
     {"spacing = 0.01", "spacing = 0.01\nsupport = \"wide\"",
@@ -67,7 +73,10 @@ const std::vector<Case> cases = {
     {"spacing = 0.01", "density = 900",
      "bad.toml:3:1: fluid.spacing is missing; initial distance between particles [m]; allowed: at least 1e-09"},
     {"[fluid]\nspacing = 0.01", "", "bad.toml: fluid.spacing is missing; initial distance between particles [m]; allowed: at least 1e-09"},
-    {"end = 1", "end = 1\nfps = 0", "bad.toml:3:7: time.fps = 0 is out of range; allowed: more than 0"},
+    {"end = 1", "end = 1\nfps = 0", "bad.toml:3:7: time.fps = 0 is out of range; allowed: at least 1e-06"},
+    {"end = 1", "end = 1\nfps = 1e-320", "bad.toml:3:7: time.fps = 1e-320 is out of range; allowed: at least 1e-06"},
+    {"end = 1", "end = 1\nslow_motion = 1e-320",
+     "bad.toml:3:15: one picture every inf s; take a larger time.fps or time.slow_motion; allowed: one at least every 1e+30 s"},
     {"end = 1", "end = 1\nfps = 1e9",
      "bad.toml:3:7: 1e+09 pictures until time.end = 1 s: one every 1e-09 s; take a smaller time.fps or time.slow_motion, or an earlier "
      "time.end; allowed: at most a million pictures"},
@@ -120,6 +129,8 @@ const std::vector<Case> cases = {
      "bad.toml:10:1: unknown key \"boundry\" in [models]; did you mean \"boundary\"?; allowed: pressure, viscosity, micropolar, boundary, "
      "shifting"},
     {"", "[pressure]\nmax_iterations = 2.5", "bad.toml:10:18: pressure.max_iterations must be a whole number, not the number 2.5"},
+    {"", "[pressure]\nmax_iterations = 100000000000000000000",
+     "bad.toml:10:18: pressure.max_iterations = 1e+20 is out of range; allowed: at least 1, at most 2147483647"},
     {"", "[pressure]\nmax_iterations = 0", "bad.toml:10:18: pressure.max_iterations = 0 is out of range; allowed: at least 1"},
     {"", "[micropolar]\nmicro_inertia = 1",
      "bad.toml:10:17: micropolar.micro_inertia belongs to models.micropolar = \"seed\", \"bender\" or \"eringen\", not to \"none\"; remove "
@@ -265,6 +276,17 @@ TEST_CASE("numbers on the command line may be written as people write them", "[s
         CHECK(read_scene_text(text, "numbers.toml", request).time.cfl == Approx(meant));
     }
     ReadRequest request;
+    request.changes = {parse_change("block[0].min=[0, -.1,+.05]"), parse_change("pressure.max_iterations=1e2"), parse_change("seed=5."),
+                       parse_change("domain.gravity=[.5, '-1.', 0]")};
+    const Scene scene = read_scene_text(text, "numbers.toml", request);
+    CHECK(scene.blocks[0].shape.min == Vec3d(0, -0.1, 0.05));
+    CHECK(scene.pressure.max_iterations == 100);
+    CHECK(scene.seed == 5);
+    CHECK(scene.domain.gravity(0) == Vec3d(0.5, -1, 0));
+    request.changes = {parse_change("fluid.viscosity=1e999")};
+    CHECK(
+        messages_of(text, request) ==
+        "--set fluid.viscosity=1e999: fluid.viscosity = inf is not a finite number; allowed: at least 0, at most 1.7976931348623157e+308");
     request.changes = {parse_change("time.cfl=.8.1")};
     CHECK(messages_of(text, request) == "--set time.cfl=.8.1: time.cfl must be a number, not the text \".8.1\"");
 }
