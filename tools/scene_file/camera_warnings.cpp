@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -10,41 +11,78 @@
 namespace whorl {
 namespace {
 
-constexpr float least_part = 0.02f;  ///< of the picture's height that the domain should take
-constexpr int points = 9;            ///< of the domain, an axis
+constexpr double least_part = 0.02;  ///< of the picture's height that the domain should take
 
 std::string point(const Vec3f& x) { return fmt::format("[{:.4g}, {:.4g}, {:.4g}]", x.x(), x.y(), x.z()); }
+
+using Polygon = std::vector<Vec3d>;
+
+/// The part of a polygon where normal . x >= least.
+Polygon clipped(const Polygon& polygon, const Vec3d& normal, double least) {
+    Polygon kept;
+    for (std::size_t k = 0; k < polygon.size(); ++k) {
+        const Vec3d &a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
+        const double before = normal.dot(a) - least, after = normal.dot(b) - least;
+        if (before >= 0) kept.push_back(a);
+        if ((before < 0) != (after < 0)) kept.push_back(a + before / (before - after) * (b - a));
+    }
+    return kept;
+}
+
+/// The six sides of a box.
+std::vector<Polygon> sides_of(const Vec3d& low, const Vec3d& high) {
+    std::vector<Polygon> sides;
+    for (int a = 0; a < 3; ++a)
+        for (const Vec3d& at : {low, high}) {
+            const int b = (a + 1) % 3, c = (a + 2) % 3;
+            Polygon side(4, at);
+            for (int k = 0; k < 4; ++k) side[k][b] = k == 1 || k == 2 ? high[b] : low[b], side[k][c] = k > 1 ? high[c] : low[c];
+            sides.push_back(side);
+        }
+    return sides;
+}
 
 /// What a picture from there would show of the box.
 struct Seen {
     bool any = false;
-    float part = 0;  ///< of the picture's height that it takes, at most 1
+    double part = 0;  ///< its larger side in the picture over the picture's height
 };
 Seen seen_from(const View& view, float aspect, const Vec3f& low, const Vec3f& high) {
-    const Vec3f ahead = (view.target - view.position).normalized(), side = ahead.cross(view.up).normalized(), above = side.cross(ahead);
-    const float tall = std::tan(0.5f * view.fov * std::numbers::pi_v<float> / 180), wide = aspect * tall;
-    Seen seen;
-    float bottom = 1, top = -1;
-    for (int i = 0; i < points; ++i)
-        for (int j = 0; j < points; ++j)
-            for (int k = 0; k < points; ++k) {
-                const Vec3f part = Vec3f(float(i), float(j), float(k)) / (points - 1);
-                const Vec3f x = low + part.cwiseProduct(high - low) - view.position;
-                const float depth = x.dot(ahead);
-                if (depth <= 0) continue;
-                const float h = x.dot(side) / (depth * wide), v = x.dot(above) / (depth * tall);
-                if (std::abs(h) > 1 || std::abs(v) > 1) continue;
-                seen.any = true;
-                bottom = std::min(bottom, v), top = std::max(top, v);
-            }
-    seen.part = seen.any ? (top - bottom) / 2 : 0;
-    return seen;
+    const Vec3d ahead = (view.target - view.position).cast<double>().normalized();
+    const Vec3d side = ahead.cross(view.up.cast<double>()).normalized(), above = side.cross(ahead);
+    const double tall = std::tan(0.5 * static_cast<double>(view.fov) * std::numbers::pi / 180), wide = static_cast<double>(aspect) * tall;
+    // A box that the view meets has a part of a side in it, even with the camera inside.
+    Vec3d from = Vec3d::Constant(1e300), to = -from;
+    const Vec3d position = view.position.cast<double>(), near = low.cast<double>() - position, far = high.cast<double>() - position;
+    for (Polygon polygon : sides_of(near, far)) {
+        polygon = clipped(polygon, ahead, 1e-6 * (far - near).norm());
+        for (const int sign : {-1, 1}) {
+            polygon = clipped(polygon, wide * ahead + sign * side, 0);
+            polygon = clipped(polygon, tall * ahead + sign * above, 0);
+        }
+        for (const Vec3d& x : polygon) {
+            const Vec3d seen = Vec3d(x.dot(side), x.dot(above), 0) / (2 * tall * x.dot(ahead));
+            from = from.cwiseMin(seen), to = to.cwiseMax(seen);
+        }
+    }
+    return from.x() > to.x() ? Seen{} : Seen{true, (to - from).maxCoeff()};
 }
 
-std::string key_of(const CameraOptions& camera, double time) {
-    for (std::size_t k = 0; camera.kind == "keys" && k < camera.keys.size(); ++k)
-        if (camera.keys[k].time == time) return fmt::format("camera.key[{}]", k);
-    return "camera";
+/// The keys that say where the camera stands, looks and what is up.
+struct CameraNames {
+    std::string position = "camera.position", target = "camera.target", up = "camera.up";
+};
+CameraNames names_of(const CameraOptions& camera, double time) {
+    CameraNames names;
+    if (camera.kind == "auto") names.position = names.target = "camera.min";
+    if (camera.kind == "orbit") names.position = "camera.distance";
+    if (camera.kind != "keys" || camera.keys.empty()) return names;
+    const auto far = [&](const CameraKey& key) { return std::abs(key.time - time); };
+    const auto nearest =
+        std::min_element(camera.keys.begin(), camera.keys.end(), [&](const auto& a, const auto& b) { return far(a) < far(b); });
+    const std::string key = fmt::format("camera.key[{}]", nearest - camera.keys.begin());
+    names.position = key + ".position", names.target = key + ".target";
+    return names;
 }
 
 }  // namespace
@@ -62,23 +100,22 @@ std::vector<std::string> camera_warnings(const SceneFile& file) {
     const float aspect = static_cast<float>(scene.output.size[0]) / static_cast<float>(scene.output.size[1]);
     for (const double time : times) {
         const View view = view_at(camera, time, low, high);
-        const std::string key = key_of(camera, time), when = still ? "" : fmt::format(" at {:g} s", time);
+        const CameraNames name = names_of(camera, time);
+        const std::string when = still ? "" : fmt::format(" at {:g} s", time);
         const Vec3f ahead = view.target - view.position;
         if (ahead.norm() <= 1e-6f * (high - low).norm())
-            return {fmt::format("{}.position: the camera sits in its target, {}{}, and looks nowhere", key, point(view.target), when)};
+            return {fmt::format("{}: the camera sits in its target, {}{}, and looks nowhere", name.position, point(view.target), when)};
         if (ahead.normalized().cross(view.up.normalized()).norm() < 1e-4f)
-            return {fmt::format("{}.up: the camera looks along what is up in the picture, {}{}: take another direction", key,
+            return {fmt::format("{}: the camera looks along what is up in the picture, {}{}: take another direction", name.up,
                                 point(view.up), when)};
-        const std::string target = key + (camera.kind == "auto" ? ".min" : ".target");
-        const std::string position = key + (camera.kind == "auto" ? ".min" : ".position");
         const Seen seen = seen_from(view, aspect, low, high);
         const float away = (middle - view.position).norm();
         if (!seen.any)
-            return {fmt::format("{}: the camera at {} looks past the whole domain{}; {} is its middle", target, point(view.position), when,
-                                point(middle))};
+            return {fmt::format("{}: the camera at {} looks past the whole domain{}; {} is its middle", name.target, point(view.position),
+                                when, point(middle))};
         if (seen.part < least_part)
             return {fmt::format("{}: the domain is {:.2g} % of the picture's height, the camera is {:.3g} m away{}; lengths are in metres",
-                                position, 100 * seen.part, away, when)};
+                                name.position, 100 * seen.part, away, when)};
     }
     return {};
 }
