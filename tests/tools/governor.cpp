@@ -60,6 +60,19 @@ TEST_CASE("frames that take too long cost tolerance first, then step length, the
     CHECK(least.scene.fluid.spacing == with_budget(0.1).scene.fluid.spacing);
 }
 
+TEST_CASE("the voxel of a surface stays finer than its kernel: the scene is checked, and the governor keeps to it", "[governor]") {
+    SceneFile file = with_budget(0.1);
+    file.surface.radius = 1;
+    Governor governor(file, 100);
+    for (int frame = 2; frame < 60; ++frame) governor.after_frame(0.5, frame, 0);
+    CHECK(governor.now().voxel > 0.9);
+    CHECK(governor.now().voxel < 1);
+    Options options;
+    options.scene = "honey_coil", options.quality = "draft", options.set = {"surface.radius=1"};
+    CHECK_THROWS_WITH(read_scene_file(options), Catch::StartsWith("--set surface.radius=1: surface.radius = 1 is not larger than "
+                                                                  "surface.voxel = 1"));
+}
+
 TEST_CASE("a governor settles where frames take what they may, and takes everything back when there is time again", "[governor]") {
     Governor governor(with_budget(0.1), 1000);
     // A frame costs as tolerance^-0.3 and steps^-1.

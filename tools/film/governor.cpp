@@ -27,7 +27,8 @@ Sacrifice Governor::now() const {
     s.amount = applied_;
     s.tolerance = between(1, std::max(1.0, most.tolerance), applied_, 0);
     s.cfl = between(given_.scene.time.cfl, std::max(given_.scene.time.cfl, most.cfl), applied_, 1);
-    s.voxel = between(given_.surface.voxel, std::max(given_.surface.voxel, most.voxel), applied_, 2);
+    const double coarsest = std::min(most.voxel, 0.95 * given_.surface.radius);  // a voxel must be finer than the kernel
+    s.voxel = between(given_.surface.voxel, std::max(given_.surface.voxel, coarsest), applied_, 2);
     s.samples = static_cast<int>(std::lround(between(given_.look.samples, std::min(given_.look.samples, most.samples), applied_, 3)));
     return s;
 }

@@ -121,6 +121,12 @@ void check_look(const SceneFile& file) {
                                  fmt::format("camera.max: {:g} along {} is not above camera.min, {:g}", (*file.camera.max)[a], "xyz"[a],
                                              (*file.camera.min)[a]),
                                  "", "corners of a box: each number of max above that of min");
+    if (!(file.surface.radius > file.surface.voxel))
+        throw InputError(
+            file.scene.place(file.scene.places.count("surface.radius") > 0 ? "surface.radius" : "surface.voxel"),
+            fmt::format("surface.radius = {:g} is not larger than surface.voxel = {:g}: between the voxels, particles would be lost",
+                        file.surface.radius, file.surface.voxel),
+            "take a smaller surface.voxel, or a larger surface.radius");
     const bool of_spin = file.look.field == "spin" || file.look.field == "spin_difference";
     if (shows_field(file.look) && of_spin && !facts_of(file.scene.models.micropolar).spins)
         throw InputError(file.scene.place("look.field"), "look.field = \"" + file.look.field + "\" needs particles that spin",
