@@ -87,6 +87,30 @@ private:
         return false;
     }
 
+    /// Far larger than the domain, as a wrong unit makes it: then nothing else about it needs saying.
+    bool oversized(const std::string& name, const ShapeKeys& shape, const Extent& e) {
+        const double across = (e.max - e.min).head(plan_.dimensions()).maxCoeff();
+        if (!(across > 2 * room())) return false;
+        report(name + "." + size_key(shape),
+               fmt::format("{} is {:.4g} m across, larger than the whole domain ({:.4g} m)", name, across, room()),
+               size_hint(shape, across));
+        return oversized_ = true;
+    }
+    double room() const { return (high_ - low_).head(plan_.dimensions()).maxCoeff(); }
+
+    /// Fluid begins inside a solid: one that is larger than the domain in every direction is to blame itself.
+    void inside_solid(const std::string& key, const std::string& what, const std::string& hint, int k) {
+        const Extent& e = shapes_.solid_extent[static_cast<std::size_t>(k)];
+        const SolidKeys& s = scene_.solids[static_cast<std::size_t>(k)];
+        const Vec3d size = (e.max - e.min).eval();
+        const bool endless = !size.allFinite();  // a plane has no wrong size
+        if (endless || s.inside || size.head(plan_.dimensions()).minCoeff() <= room()) return report(key, what, hint);
+        const std::string name = entry_name("solid", static_cast<std::size_t>(k));
+        report(name + "." + size_key(s.shape),
+               fmt::format("{} is {:.4g} m across, larger than the whole domain ({:.4g} m): {}", name, size.maxCoeff(), room(), what),
+               size_hint(s.shape, size.maxCoeff()));
+    }
+
     void domain() {
         for (int a = 0; a < 3; ++a) {
             const double length = high_[a] - low_[a];
@@ -108,6 +132,7 @@ private:
     void block(const std::string& name, std::size_t i) {
         const BlockKeys& b = scene_.blocks[i];
         const Extent& e = shapes_.block_extent[i];
+        if (oversized(name, b.shape, e)) return;
         if (outside(e.min, e.max)) return report(name, name + " lies outside of the domain", "", domain_text());
         if (reaches_out(e.min, e.max))
             report(name, fmt::format("{} reaches out of the domain: it goes from {} to {}", name, point(e.min), point(e.max)), "",
@@ -121,9 +146,11 @@ private:
         too_far(name, e.min, e.max);
         const double thinnest = (e.max - e.min).head(plan_.dimensions()).minCoeff();
         if (thinnest < 0.999 * plan_.spacing) too_coarse(name, thinnest);
-        else if (part_inside_solids(shapes_, i, 0.45 * plan_.spacing) == 1)
-            report(name, name + " lies wholly inside solids", "move it or the solid");
         const Vec3d middle = 0.5 * (e.min + e.max);
+        Real distance = 0;
+        if (thinnest >= 0.999 * plan_.spacing && part_inside_solids(shapes_, i, 0.45 * plan_.spacing) == 1)
+            inside_solid(name, name + " lies wholly inside solids", "move it or the solid",
+                         shapes_.solids.nearest(middle.cast<Real>(), distance));
         for (const Vec3d& x : {middle, e.min, e.max}) {
             if (!(scene_.fluid.viscosity(0, x) >= 0)) {
                 report("fluid.viscosity",
@@ -184,23 +211,16 @@ private:
         too_far(name, e.position, e.position);
         Real distance = 0;
         const int k = shapes_.solids.nearest(e.position.cast<Real>(), distance);
-        if (k >= 0 && distance < 0) {
-            const Extent& solid = shapes_.solid_extent[static_cast<std::size_t>(k)];
-            const double least = (solid.max - solid.min).minCoeff(), room = (high_ - low_).maxCoeff();
-            const bool huge = least > room && least < 1e6 * room;  // a plane has no end, and no wrong one
-            report(name + ".position", fmt::format("{} at {} lies {:.3g} m inside solid[{}]", name, point(e.position), -distance, k),
-                   huge ? fmt::format("solid[{}] is {:.4g} m across, larger than the whole domain: its size is in metres", k,
-                                      (solid.max - solid.min).maxCoeff())
-                        : "move one of them");
-        }
+        if (k >= 0 && distance < 0)
+            inside_solid(name + ".position", fmt::format("{} at {} lies {:.3g} m inside solid[{}]", name, point(e.position), -distance, k),
+                         "move one of them", k);
         const double widest = e.shape == "disc" ? 2 * e.radius : std::max(e.width, plan_.dimensions() == 2 ? 0 : e.thickness);
-        const double room = (high_ - low_).head(plan_.dimensions()).maxCoeff();
-        if (widest > room) {
+        if (widest > room()) {
             oversized_ = true;
             report(name + (e.shape == "disc"   ? ".radius"
                            : e.width == widest ? ".width"
                                                : ".thickness"),
-                   fmt::format("the opening of {} is {:.4g} m across, wider than the whole domain ({:.4g} m)", name, widest, room),
+                   fmt::format("the opening of {} is {:.4g} m across, wider than the whole domain ({:.4g} m)", name, widest, room()),
                    fmt::format("lengths are in metres: for millimetres take a thousandth, {:.3g} m across", widest / 1000));
         }
         const double thinnest = narrowest_of(e, plan_.dimensions());
@@ -281,7 +301,7 @@ private:
     const SceneShapes& shapes_;
     KeyProblems report;
     Vec3d low_, high_;
-    bool oversized_ = false;  ///< an opening is wider than the domain: its particles need not be counted
+    bool oversized_ = false;  ///< an opening or a block is: its particles need not be counted
 };
 
 }  // namespace

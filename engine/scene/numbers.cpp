@@ -12,20 +12,6 @@
 namespace whorl {
 namespace {
 
-/// The fastest that a solid's surface moves, from its expressions.
-double solid_speed(const SolidKeys& solid, const Extent& extent, double end) {
-    if (!solid.position.depends_on_time() && solid.rotation.is_zero()) return 0;
-    const double reach = 0.5 * (extent.max - extent.min).norm();  // it turns about its middle
-    double most = 0;
-    const double dt = 1e-4 * end;
-    for (const double t : sample_times(0, end)) {
-        const Vec3d velocity = (solid.position(t + dt) - solid.position(t)) / dt;
-        const double turning = solid.rotation(t).norm() * (std::isfinite(reach) ? reach : 0);
-        most = std::max(most, velocity.norm() + turning);
-    }
-    return most;
-}
-
 /// Calls f at 5 x 5 x 5 points from corner to corner.
 template <class F>
 void over_box(const Vec3d& min, const Vec3d& max, F&& f) {
@@ -40,6 +26,31 @@ std::vector<double> sample_times(double from, double to) {
     std::vector<double> times;
     for (int k = 0; k <= 256; ++k) times.push_back(from + (to - from) * k / 256);
     return times;
+}
+
+double fastest_of(const EmitterKeys& e, double end) {
+    double most = 0;
+    for (const double t : sample_times(e.start, std::max(e.start, std::min(e.stop, end)))) most = std::max(most, e.speed(t));
+    return most;
+}
+
+double fastest_of(const BlockKeys& block, const Vec3d& min, const Vec3d& max) {
+    double most = 0;
+    over_box(min, max, [&](const Vec3d& x) { most = std::max(most, block.velocity(0, x).norm()); });
+    return most;
+}
+
+double fastest_of(const SolidKeys& solid, const Extent& extent, double end) {
+    if (!solid.position.depends_on_time() && solid.rotation.is_zero()) return 0;
+    const double reach = 0.5 * (extent.max - extent.min).norm();  // it turns about its middle
+    double most = 0;
+    const double dt = 1e-4 * end;
+    for (const double t : sample_times(0, end)) {
+        const Vec3d velocity = (solid.position(t + dt) - solid.position(t)) / dt;
+        const double turning = solid.rotation(t).norm() * (std::isfinite(reach) ? reach : 0);
+        most = std::max(most, velocity.norm() + turning);
+    }
+    return most;
 }
 
 double opening_area(const EmitterKeys& e, int dimensions) {
@@ -95,10 +106,8 @@ private:
         const BlockKeys& block = scene_.blocks[i];
         const Extent& e = shapes_.block_extent[i];
         const Vec3d low = e.min.cwiseMax(scene_.domain.min), high = e.max.cwiseMin(scene_.domain.max);
-        over_box(low, high, [&](const Vec3d& x) {
-            faster(block.velocity(0, x).norm());
-            viscosity(0, x);
-        });
+        faster(fastest_of(block, low, high));
+        over_box(low, high, [&](const Vec3d& x) { viscosity(0, x); });
         n_.particles += e.volume / power_of(d_, scene_.domain.dimensions);
         falls_from(low, high);
         Vec3d size = e.max - e.min;
@@ -112,7 +121,7 @@ private:
     void emitter(std::size_t i) {
         const EmitterKeys& e = scene_.emitters[i];
         const double peak = e.profile == Profile::parabolic ? (e.shape == "disc" ? 2 : 2.25) : 1;
-        for (const double t : sample_times(e.start, std::max(e.start, std::min(e.stop, scene_.time.end)))) faster(peak * e.speed(t));
+        faster(peak * fastest_of(e, scene_.time.end));
         viscosity(i + 1, e.position);
         n_.particles += emitted_volume(e, scene_.time.end, scene_.domain.dimensions) / power_of(d_, scene_.domain.dimensions);
         falls_from(e.position, e.position);
@@ -120,7 +129,7 @@ private:
     }
 
     void solid(std::size_t i) {
-        faster(solid_speed(scene_.solids[i], shapes_.solid_extent[i], scene_.time.end));
+        faster(fastest_of(scene_.solids[i], shapes_.solid_extent[i], scene_.time.end));
         if (!shapes_.solids.all[i].body) return;
         faster(scene_.solids[i].velocity.norm());
         const Vec3d at = scene_.solids[i].position(0);

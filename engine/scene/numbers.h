@@ -31,6 +31,12 @@ SceneNumbers scene_numbers(const Scene& scene, const SceneShapes& shapes, double
 /// Points of time over the run at which expressions are looked at.
 std::vector<double> sample_times(double from, double to);
 
+/// The fastest that fluid comes out of an emitter, on average over its opening; that a block starts with, between two corners; that a
+/// solid's surface moves by its expressions [m/s].
+double fastest_of(const EmitterKeys& emitter, double end);
+double fastest_of(const BlockKeys& block, const Vec3d& min, const Vec3d& max);
+double fastest_of(const SolidKeys& solid, const Extent& extent, double end);
+
 /// Area of an emitter's opening [m^2] and what it lets through until the end of the run [m^3].
 double opening_area(const EmitterKeys& emitter, int dimensions);
 double emitted_volume(const EmitterKeys& emitter, double end, int dimensions);

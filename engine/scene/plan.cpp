@@ -251,14 +251,26 @@ private:
         check_projection(scene_, plan_, shapes_, problems);
         check_plane(scene_, plan_, problems);
         check_unread(given_, plan_, problems);
-        if (!problems.empty()) throw InputError(in_order(std::move(problems), scene_.place("").file));
+        if (problems.empty()) return;
+        add_likely_causes(problems);
+        throw InputError(in_order(std::move(problems), scene_.place("").file));
+    }
+    /// A wrong unit is often what is behind the rest.
+    void add_likely_causes(std::vector<Problem>& problems) const {
+        for (const ScaleWarning& warning : warnings_of_scale(scene_, shapes_)) {
+            const Place at = scene_.place(warning.key);
+            if (std::none_of(problems.begin(), problems.end(), [&](const Problem& p) {
+                    return p.place.file == at.file && p.place.line == at.line && p.place.column == at.column;
+                }))
+                problems.push_back({at, "a likely slip: " + warning.text, "", ""});
+        }
     }
 
     void warn() {
         warn_of_viscosity();
         warn_of_pressure();
         warn_of_placement();
-        for (std::string& warning : warnings_of_scale(scene_, shapes_)) add_warning(std::move(warning));
+        for (ScaleWarning& warning : warnings_of_scale(scene_, shapes_)) add_warning(std::move(warning.text));
         if (plan_.facts.micropolar.spins) warn_micropolar(plan_, scene_);
     }
 

@@ -13,6 +13,7 @@ namespace {
 constexpr double most_fps = 1000;
 constexpr double widest_opening = 1, longest_domain = 100;  // m
 constexpr double lightest = 100, heaviest = 25'000;         // kg/m^3; liquids have 70 (hydrogen) to 13,500 (mercury)
+constexpr double lightest_body = 10;                        // kg/m^3; foams have 15 and more
 constexpr double strongest_gravity = 300;                   // m/s^2; the sun's is 274
 
 /// "5 m", "0.3 mm": as people say a length.
@@ -27,27 +28,26 @@ class ScaleWarnings {
 public:
     ScaleWarnings(const Scene& scene, const SceneShapes& shapes) : scene_(scene), shapes_(shapes) {}
 
-    std::vector<std::string> all() {
+    std::vector<ScaleWarning> all() {
         film();
         domain();
         density();
         for (std::size_t i = 0; i < scene_.emitters.size(); ++i) emitter(entry_name("emitter", i), scene_.emitters[i]);
-        for (std::size_t i = 0; i < scene_.blocks.size(); ++i)
-            speed(entry_name("block", i) + ".velocity", scene_.blocks[i].velocity(0, middle(shapes_.block_extent[i])).norm());
-        for (std::size_t i = 0; i < scene_.solids.size(); ++i)
-            size(entry_name("solid", i), scene_.solids[i].shape, shapes_.solid_extent[i]);
+        speeds();
+        for (std::size_t i = 0; i < scene_.solids.size(); ++i) solid(entry_name("solid", i), i);
         for (std::size_t i = 0; i < scene_.blocks.size(); ++i)
             size(entry_name("block", i), scene_.blocks[i].shape, shapes_.block_extent[i]);
+        for (std::size_t i = 0; i < scene_.drains.size(); ++i) drain(entry_name("drain", i), i);
         return std::move(found_);
     }
 
 private:
-    static Vec3d middle(const Extent& e) { return 0.5 * (e.min + e.max); }
+    void add(const std::string& key, const std::string& text) { found_.push_back({key, text}); }
     double largest_side() const { return (scene_.domain.max - scene_.domain.min).head(scene_.domain.dimensions).maxCoeff(); }
 
     void film() {
         if (const TimeKeys& t = scene_.time; t.fps > most_fps)
-            found_.push_back(
+            add("time.fps",
                 fmt::format("time.fps = {:g}: no player shows so many pictures a second; time.fps = 24 and time.slow_motion = {:.4g} "
                             "take the same pictures, and show them slowly",
                             t.fps, t.slow_motion * t.fps / 24));
@@ -55,71 +55,143 @@ private:
 
     void domain() {
         if (largest_side() > longest_domain)
-            found_.push_back(fmt::format("domain.max: the domain is {} long; lengths are in metres, and {:g} mm would be {:g}",
-                                         length(largest_side()), largest_side(), largest_side() / 1000));
+            add("domain.max", fmt::format("domain.max: the domain is {} long; lengths are in metres, and {:g} mm would be {:g}",
+                                          length(largest_side()), largest_side(), largest_side() / 1000));
         if (const double g = scene_.domain.gravity(0).norm(); g > strongest_gravity)
-            found_.push_back(
+            add("domain.gravity",
                 fmt::format("domain.gravity = {:g} m/s^2 is {:.3g} times that of the earth; it is in m/s^2, not mm/s^2", g, g / 9.81));
     }
 
-    /// Flows without dimensions are written with a density of 1.
+    /// Flows without dimensions are written with a density of 1, and without gravity.
+    bool has_units() const {
+        const std::vector<double> times = sample_times(0, scene_.time.end);
+        return scene_.fluid.density != 1 ||
+               std::any_of(times.begin(), times.end(), [&](double t) { return scene_.domain.gravity(t).norm() > 0; });
+    }
     void density() {
+        if (!has_units()) return;
         const double rho = scene_.fluid.density;
-        if (rho < lightest && rho != 1)
-            found_.push_back(fmt::format(
-                "fluid.density = {:g} kg/m^3 is that of a gas (air has 1.2, water 1000): {:g} g/cm^3 would be {:g}", rho, rho, 1000 * rho));
+        if (rho < lightest)
+            add("fluid.density",
+                fmt::format("fluid.density = {:g} kg/m^3 is that of a gas (air has 1.2, water 1000): {:g} g/cm^3 would be {:g}", rho, rho,
+                            1000 * rho));
         if (rho > heaviest)
-            found_.push_back(
+            add("fluid.density",
                 fmt::format("fluid.density = {:g} kg/m^3 is more than that of any liquid (water has 1000, mercury 13500)", rho));
+        for (std::size_t i = 0; i < scene_.solids.size(); ++i) {
+            const std::string key = entry_name("solid", i) + ".density";
+            const double body = scene_.solids[i].density;
+            if (body > 0 && body < lightest_body)
+                add(key, fmt::format("{} = {:g} kg/m^3 is less than that of any foam (cork has 200, wood 600): {:g} g/cm^3 would be {:g}",
+                                     key, body, body, 1000 * body));
+            if (body > heaviest)
+                add(key, fmt::format("{} = {:g} kg/m^3 is more than that of any solid (steel has 7800, gold 19300)", key, body));
+        }
     }
 
     void emitter(const std::string& name, const EmitterKeys& e) {
         const bool disc = e.shape == "disc";
         const double across = disc ? 2 * e.radius : std::max(e.width, scene_.domain.dimensions == 2 ? 0 : e.thickness);
         const double given = disc ? e.radius : across;
+        const std::string key = name + (disc ? ".radius" : e.width >= e.thickness ? ".width" : ".thickness");
         if (across > widest_opening)
-            found_.push_back(fmt::format("{}.{} = {:g}: the nozzle is {} across; lengths are in metres, and {:g} mm would be {:g}", name,
-                                         disc                     ? "radius"
-                                         : e.width >= e.thickness ? "width"
-                                                                  : "thickness",
-                                         given, length(across), given, given / 1000));
-        speed(name + ".speed", e.speed(std::max(0.0, e.start)));
+            add(key, fmt::format("{} = {:g}: the nozzle is {} across; lengths are in metres, and {:g} mm would be {:g}", key, given,
+                                 length(across), given, given / 1000));
     }
 
-    void speed(const std::string& key, double u) {
-        if (u > fastest_fluid)
-            found_.push_back(fmt::format("{}: the fluid moves with {:g} m/s, {:.0f} km/h; speeds are in m/s, and {:g} mm/s would be {:g}",
-                                         key, u, 3.6 * u, u, u / 1000));
+    /// Of everything, the largest over the run.
+    void speeds() {
+        const double end = scene_.time.end;
+        for (std::size_t i = 0; i < scene_.emitters.size(); ++i)
+            speed(entry_name("emitter", i) + ".speed", "fluid", fastest_of(scene_.emitters[i], end));
+        for (std::size_t i = 0; i < scene_.blocks.size(); ++i)
+            speed(entry_name("block", i) + ".velocity", "fluid",
+                  fastest_of(scene_.blocks[i], shapes_.block_extent[i].min, shapes_.block_extent[i].max));
+        for (std::size_t i = 0; i < scene_.streams.size(); ++i) {
+            double most = 0;
+            for (const double t : sample_times(0, end)) most = std::max(most, scene_.streams[i].velocity(t).norm());
+            speed(entry_name("stream", i) + ".velocity", "fluid", most);
+        }
+        for (std::size_t i = 0; i < scene_.solids.size(); ++i) {
+            const SolidKeys& s = scene_.solids[i];
+            const bool free = s.density > 0, turns = !free && !s.position.depends_on_time();
+            speed(entry_name("solid", i) + (free    ? ".velocity"
+                                            : turns ? ".rotation"
+                                                    : ".position"),
+                  "solid", free ? s.velocity.norm() : fastest_of(s, shapes_.solid_extent[i], end), turns);
+        }
+    }
+    void speed(const std::string& key, const char* what, double u, bool turns = false) {
+        if (!(u > fastest_fluid)) return;
+        const std::string slip = turns ? "rotation is in rad/s, and a turn a second is 6.28"
+                                       : fmt::format("speeds are in m/s, and {0:.4g} mm/s would be {1:.4g}", u, u / 1000);
+        add(key, fmt::format("{}: the {} moves with {:.4g} m/s, {:.0f} km/h; {}", key, what, u, 3.6 * u, slip));
     }
 
     /// A floor may be much wider than what flows on it.
-    void size(const std::string& name, const ShapeKeys& shape, const Extent& e) {
-        if (shape.kind == "plane") return;  // it has no end, and no wrong one
+    bool size(const std::string& name, const ShapeKeys& shape, const Extent& e) {
+        if (shape.kind == "plane") return false;  // it has no end, and no wrong one
         const bool mesh = shape.kind == "mesh";
         const double across = (e.max - e.min).head(scene_.domain.dimensions).maxCoeff(), room = largest_side();
+        const std::string key = name + "." + size_key(shape);
         if (across > (mesh ? 20 : 100) * room)
-            found_.push_back(
-                mesh ? fmt::format("{}.scale: the mesh is {} across in a domain of {}; a mesh in millimetres needs scale = 1e-3", name,
-                                   length(across), length(room))
-                     : fmt::format("{}.{}: the {} is {} across in a domain of {}; lengths are in metres, and {:g} mm would be {:g}", name,
-                                   largest_key(shape), shape.kind, length(across), length(room), across, across / 1000));
+            add(key, fmt::format("{}: the {} is {} across in a domain of {}; {}", key, shape.kind, length(across), length(room),
+                                 mesh ? "a mesh in millimetres needs scale = 1e-3"
+                                      : fmt::format("lengths are in metres, and {:g} mm would be {:g}", across, across / 1000)));
         else if (mesh && across < 2 * scene_.fluid.spacing)
-            found_.push_back(
-                fmt::format("{}.scale: the mesh is {} across, less than two particles of {}; scale is in metres per unit of the file", name,
-                            length(across), length(scene_.fluid.spacing)));
+            add(key, fmt::format("{}: the mesh is {} across, less than two particles of {}; scale is in metres per unit of the file", key,
+                                 length(across), length(scene_.fluid.spacing)));
+        else return false;
+        return true;
     }
-    static const char* largest_key(const ShapeKeys& shape) {
-        if (shape.kind == "box") return "max";
-        return shape.kind == "cylinder" && (shape.to - shape.from).norm() > 2 * shape.radius ? "to" : "radius";
+
+    void solid(const std::string& name, std::size_t i) {
+        const SolidKeys& s = scene_.solids[i];
+        const Extent& e = shapes_.solid_extent[i];
+        if (size(name, s.shape, e) || !s.inside || !holds_domain(*shapes_.solids.all[i].shape, s.position(0))) return;
+        const double across = (e.max - e.min).head(scene_.domain.dimensions).maxCoeff();
+        const std::string key = name + "." + size_key(s.shape);
+        add(key, fmt::format("{}: the whole domain of {} lies inside of this container, which is {} across: it holds nothing; {}", key,
+                             length(largest_side()), length(across), size_hint(s.shape, across)));
+    }
+
+    void drain(const std::string& name, std::size_t i) {
+        const DrainKeys& d = scene_.drains[i];
+        if (d.after >= scene_.time.end || !holds_domain(*shapes_.drains[i], Vec3d::Zero())) return;
+        const double across = (shapes_.drain_extent[i].max - shapes_.drain_extent[i].min).head(scene_.domain.dimensions).maxCoeff();
+        const std::string key = name + "." + size_key(d.shape);
+        add(key, fmt::format("{}: the drain is {} across and takes in the whole domain of {}: all fluid is gone at {:g} s; {}", key,
+                             length(across), length(largest_side()), d.after, size_hint(d.shape, across)));
+    }
+    /// Whether a shape that has moved holds all corners of the domain.
+    bool holds_domain(const Shape& shape, const Vec3d& moved) const {
+        for (int corner = 0; corner < 8; ++corner) {
+            Vec3d x = scene_.domain.min;
+            for (int a = 0; a < 3; ++a)
+                if ((corner >> a) & 1) x[a] = scene_.domain.max[a];
+            if (shape.distance((x - moved).cast<Real>()) > 0) return false;
+        }
+        return shape.bounded();
     }
 
     const Scene& scene_;
     const SceneShapes& shapes_;
-    std::vector<std::string> found_;
+    std::vector<ScaleWarning> found_;
 };
 
 }  // namespace
 
-std::vector<std::string> warnings_of_scale(const Scene& scene, const SceneShapes& shapes) { return ScaleWarnings(scene, shapes).all(); }
+const char* size_key(const ShapeKeys& shape) {
+    if (shape.kind == "mesh") return "scale";
+    if (shape.kind == "box") return "max";
+    return shape.kind == "cylinder" && (shape.to - shape.from).norm() > 2 * shape.radius ? "to" : "radius";
+}
+
+std::string size_hint(const ShapeKeys& shape, double across) {
+    if (shape.kind == "mesh") return fmt::format("a mesh in millimetres needs scale = {:.3g}", shape.scale < 1 ? 1e-3 * shape.scale : 1e-3);
+    return fmt::format("lengths are in metres: for millimetres take a thousandth, {:.3g} m across", across / 1000);
+}
+
+std::vector<ScaleWarning> warnings_of_scale(const Scene& scene, const SceneShapes& shapes) { return ScaleWarnings(scene, shapes).all(); }
 
 }  // namespace whorl

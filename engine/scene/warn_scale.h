@@ -7,7 +7,15 @@ namespace whorl {
 
 constexpr double fastest_fluid = 100;  ///< m/s that anybody means; a free fall of 500 m
 
-/// A warning for each opening, domain, speed, density, gravity or solid that is out of proportion.
-std::vector<std::string> warnings_of_scale(const Scene& scene, const SceneShapes& shapes);
+struct ScaleWarning {
+    std::string key, text;  ///< the text names the key, too
+};
+/// A warning for each opening, domain, speed, density, gravity or shape that is out of proportion.
+std::vector<ScaleWarning> warnings_of_scale(const Scene& scene, const SceneShapes& shapes);
+
+/// The key that makes a shape as large as it is: "radius".
+const char* size_key(const ShapeKeys& shape);
+/// The likely slip where a shape is far too large. @param across its size [m]
+std::string size_hint(const ShapeKeys& shape, double across);
 
 }  // namespace whorl

@@ -26,6 +26,15 @@ TEST_CASE("a size that comes from a wrong unit is told with its key, what it mea
     CHECK(warned({"emitter[0].speed=300", "time.end=0.01"},
                  "emitter[0].speed: the fluid moves with 300 m/s, 1080 km/h; speeds are in m/s, and 300 mm/s would be 0.3"));
     CHECK(warned({"fluid.density=1.3"}, "fluid.density = 1.3 kg/m^3 is that of a gas (air has 1.2, water 1000): 1.3 g/cm^3 would be 1300"));
+    CHECK(warned({"fluid.density=1"}, "fluid.density = 1 kg/m^3 is that of a gas (air has 1.2, water 1000): 1 g/cm^3 would be 1000"));
+    CHECK(!warned({"fluid.density=1", "domain.gravity=[0,0,0]"},
+                  "fluid.density = 1 kg/m^3 is that of a gas (air has 1.2, water 1000): 1 g/cm^3 would be 1000"));  // has no units
+    CHECK(warned({"emitter[0].speed=300*min(1,1000*t)", "time.end=0.01"},
+                 "emitter[0].speed: the fluid moves with 300 m/s, 1080 km/h; speeds are in m/s, and 300 mm/s would be 0.3"));
+    CHECK(warned({"stream[0]={min=[0,0,0], max=[0.01,0.01,0.01], time=1, velocity=[0,'250*sin(9*t)',0]}", "models.pressure=ppe"},
+                 "stream[0].velocity: the fluid moves with 250 m/s, 900 km/h; speeds are in m/s, and 250 mm/s would be 0.25"));
+    CHECK(warned({"solid[0].position=[0,'-200*t',0]"},
+                 "solid[0].position: the solid moves with 200 m/s, 720 km/h; speeds are in m/s, and 200 mm/s would be 0.2"));
     CHECK(
         warned({"domain.gravity=[0,-9810,0]"}, "domain.gravity = 9810 m/s^2 is 1e+03 times that of the earth; it is in m/s^2, not mm/s^2"));
     CHECK(
@@ -58,6 +67,37 @@ TEST_CASE("a solid that is a thousand times too large is told with the key that 
               "solid[0].max: the box is 120 m across in a domain of 0.2 m; lengths are in metres, and 120 mm would be 0.12"});
     CHECK(warnings("shape=\"cylinder\", from=[0,-80,0], to=[0,0,0], radius=0.05").size() == 1);
     CHECK(warnings("shape=\"plane\"").empty());
+}
+
+TEST_CASE("a shape larger than the whole domain is blamed itself, not what it swallows", "[plan]") {
+    const std::string slip = "larger than the whole domain (0.2 m)",
+                      mm = "; lengths are in metres: for millimetres take a thousandth, 10 m across";
+    const std::string ball = "shape=\"sphere\", radius=5000";
+    CHECK(messages_with({"block[0]={" + ball + ", position=[0,0.05,0]}"}) ==
+          "--set block[0]={" + ball + ", position=[0,0.05,0]}: block[0] is 1e+04 m across, " + slip + mm);
+    // The block lies in it, and so does the nozzle.
+    const std::string solid = "solid[0]={" + ball + "}";
+    const std::string said = messages_with({solid, "block[0]={shape=\"box\", min=[-0.02,0.02,-0.02], max=[0.02,0.04,0.02]}"});
+    CHECK_THAT(said,
+               Catch::StartsWith("--set " + solid + ": solid[0] is 1e+04 m across, " + slip + ": block[0] lies wholly inside solids" + mm));
+    CHECK_THAT(said, Catch::Contains(slip + ": emitter[0] at"));
+    CHECK(said.find("fluid.spacing") == std::string::npos);
+    const auto warned = [](const std::string& change) {
+        const std::vector<std::string> all = plan_with({change}).warnings;
+        return all.size() == 1 ? all[0] : "none or several";
+    };
+    CHECK(warned("drain[0]={shape=\"sphere\", radius=5}") ==
+          "drain[0].radius: the drain is 10 m across and takes in the whole domain of 0.2 m: all fluid is gone at 0 s; lengths are in "
+          "metres: "
+          "for millimetres take a thousandth, 0.01 m across");
+    CHECK_THAT(warned("solid[1]={shape=\"sphere\", radius=5, inside=true}"),
+               Catch::StartsWith("solid[1].radius: the whole domain of 0.2 m lies inside of this container, which is 10 m across"));
+}
+
+TEST_CASE("a wrong unit is told beside the mistake that it makes", "[plan]") {
+    CHECK_THAT(messages_with({"emitter[0].speed=300", "time.end=0.01", "models.pressure=coupled", "fluid.viscosity=1"}),
+               Catch::Contains("too thin for models.pressure = \"coupled\"") &&
+                   Catch::Contains("--set emitter[0].speed=300: a likely slip: emitter[0].speed: the fluid moves with 300 m/s"));
 }
 
 TEST_CASE("a mesh that is a thousand times too large or too small is told", "[plan]") {
