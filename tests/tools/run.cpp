@@ -9,6 +9,7 @@
 #include "tests/support/film_runs.h"
 #include "tests/support/program.h"
 #include "tests/support/scenes.h"
+#include "tools/film/run_folder.h"
 #include "tools/film/run_times.h"
 
 using namespace whorl;
@@ -204,6 +205,69 @@ TEST_CASE("a folder that is not a run's is left alone, a run's is kept under ano
     CHECK_FALSE(fs::exists(scratch / "run.3"));
     CHECK(test::whorl({"resume", (scratch / "nowhere").string()}).code == 2);
     CHECK(test::whorl({"video", scratch.run()}).code == 2);
+}
+
+TEST_CASE("a run that is to be replaced is there again, all of it, where the new one gets no picture", "[tools][render]") {
+    const Scratch scratch;
+    const std::vector<std::string> arguments{"render", scratch.scene(), "--frames", "2",          "--size",
+                                             "64x36",  "--quiet",       "--out",    scratch.run()};
+    REQUIRE(test::whorl(arguments).code == 0);
+    std::ofstream(scratch / "run/budget.csv") << "of the first";
+    const auto first = files_in(scratch / "run");
+    const std::string video = read_whole(scratch / "run/little_honey.mp4");
+    const auto check_first = [&](const fs::path& folder) {
+        CHECK(read_whole(folder / "little_honey.mp4") == video);
+        CHECK(read_whole(folder / "budget.csv") == "of the first");
+        CHECK(files_in(folder).size() == first.size());
+        CHECK(read_png(folder / "frames/000002.png").width == 64);
+    };
+    const Outcome no_encoder = Program({"-c", "PATH=/nowhere exec " WHORL_PROGRAM " render '" + scratch.scene() +
+                                                  "' --quiet --overwrite --out '" + scratch.run() + "' --frames 2 --size 96x54"},
+                                       "bash")
+                                   .wait();
+    CHECK(no_encoder.code == 1);
+    CHECK(no_encoder.err.find("is there again") != std::string::npos);
+    check_first(scratch / "run");
+    // As a power cut leaves it that comes before the first picture.
+    fs::create_directory(scratch / "run/.replaced");
+    for (const fs::path& file : first) fs::rename(file, scratch / "run/.replaced" / file.filename());
+    fs::create_directory(scratch / "run/frames");
+    std::ofstream(scratch / "run/scene.resolved.toml") << "of the second";
+    REQUIRE(test::whorl(arguments).code == 0);
+    check_first(scratch / "run.1");
+    auto over = arguments;
+    over.emplace_back("--overwrite");
+    REQUIRE(test::whorl(over).code == 0);
+    CHECK_FALSE(fs::exists(scratch / "run/.replaced"));
+}
+
+TEST_CASE("what became of the run that stood there is told also with --quiet, and as an event with --json", "[tools][render]") {
+    const Scratch scratch;
+    std::vector<std::string> arguments{"render", scratch.scene(), "--no-images", "--frames", "1", "--out", scratch.run(), "--quiet"};
+    REQUIRE(test::whorl(arguments).err.empty());
+    CHECK(test::whorl(arguments).err == "the run that stood in " + scratch.run() + " is now in " + scratch.run() + ".1\n");
+    arguments.back() = "--json";
+    const Outcome json = test::whorl(arguments);
+    const auto note = nlohmann::json::parse(json.out.substr(0, json.out.find('\n')));
+    CHECK(note["event"] == "note");
+    CHECK(note["text"] == "the run that stood in " + scratch.run() + " is now in " + scratch.run() + ".2");
+}
+
+TEST_CASE("a folder in which another process is at work is left alone by all that write into it", "[tools][render]") {
+    const Scratch scratch;
+    REQUIRE(test::whorl({"render", scratch.scene(), "--no-images", "--frames", "1", "--quiet", "--out", scratch.run()}).code == 0);
+    const RunFolder held = RunFolder::existing(scratch.run());
+    for (const std::vector<std::string>& words : {std::vector<std::string>{"video", scratch.run()},
+                                                  {"video", scratch.run(), "--out", scratch.run("film.mp4")},
+                                                  {"draw", scratch.run()},
+                                                  {"resume", scratch.run()},
+                                                  {"tradeoff", "coil_frequency", "--out", scratch.run()},
+                                                  {"stability", "viscous_steps", "--out", scratch.run()}}) {
+        const Outcome refused = test::whorl(words);
+        INFO(words[0] << refused.err);
+        CHECK(refused.code == 2);
+        CHECK(refused.err.find("another run is at work in this folder; wait for it") != std::string::npos);
+    }
 }
 
 TEST_CASE("a box with more fluid than it holds is told as crowded, with how much", "[tools][render]") {

@@ -19,6 +19,7 @@
 #include "tools/film/panel_chart.h"
 #include "tools/film/panel_difference.h"
 #include "tools/film/panel_scenes.h"
+#include "tools/film/progress.h"
 #include "tools/film/resume_run.h"
 #include "tools/film/run_folder.h"
 #include "tools/process/exit_codes.h"
@@ -48,13 +49,14 @@ public:
             check_longer_differences();
         }
         write_text(folder_.path() / "scene.resolved.toml", resolved_toml(with_choices_of(request.file, scenes_)));
-        if (!folder_.note().empty() && !request.quiet && !request.json) std::fprintf(stderr, "%s\n", folder_.note().c_str());
+        if (!folder_.note().empty()) tell_note(folder_.note(), request.json);
     }
 
     int go() {
         write_report("running", "");
         for (std::size_t k = 0; k < scenes_.size(); ++k) {
             const int code = run(k);
+            if (frames_of(k) > 0) folder_.begun();
             if (code == exit_interrupted) {
                 write_report("interrupted", "go on with: whorl resume " + folder_.path().string());
                 std::fprintf(stderr, "whorl: panel %zu of %zu was interrupted; go on with all of them: whorl resume %s\n", k + 1,

@@ -24,6 +24,11 @@ std::string grouped(long value) {
     return digits;
 }
 
+void tell_note(const std::string& text, bool json) {
+    if (json) std::printf("%s\n", nlohmann::ordered_json{{"event", "note"}, {"text", text}}.dump().c_str());
+    else std::fprintf(stderr, "%s\n", text.c_str());
+}
+
 Progress::Progress(int first_frame, int last_frame, bool quiet, bool json)
     : first_(first_frame), last_(last_frame), quiet_(quiet || json), json_(json), terminal_(isatty(STDERR_FILENO) == 1),
       began_(wall_seconds()), frame_done_at_(began_) {}
@@ -38,6 +43,11 @@ void Progress::clear() {
 void Progress::say(const std::string& text) {
     clear();
     if (!quiet_) std::fprintf(stderr, "%s\n", text.c_str());
+}
+
+void Progress::note(const std::string& text) {
+    clear();
+    tell_note(text, json_);
 }
 
 double Progress::foreseen_at(int frame) const {

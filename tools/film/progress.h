@@ -25,6 +25,8 @@ public:
     void frame_done(const Simulation& simulation, int frame, double iterations);
     /// A line that stays. Not with --json or --quiet.
     void say(const std::string& text);
+    /// tell_note(), in order with the other lines.
+    void note(const std::string& text);
 
 private:
     double foreseen_at(int frame) const;
@@ -41,6 +43,8 @@ private:
     double iterations_ = 0;
 };
 
+/// What nobody must miss: on standard error, or as an event on standard output.
+void tell_note(const std::string& text, bool json);
 /// 80 -> "1 min 20 s".
 std::string duration(double seconds);
 /// 4321 -> "4,321".

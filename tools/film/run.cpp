@@ -134,7 +134,7 @@ void Run::greet(const Plan& plan) {
     for (const Choice& c : plan.choices) log_->info("{} = {}{}: {}", c.key, c.value, c.automatic ? " (auto)" : "", c.reason);
     for (const std::string& warning : plan.warnings) log_->warn("{}", warning);
     progress_.emplace(first_, last_, request_.quiet, request_.json);
-    if (!folder_.note().empty()) progress_->say(folder_.note());
+    if (!folder_.note().empty()) progress_->note(folder_.note());
     for (const std::string& warning : plan.warnings) progress_->say("warning: " + warning);
     if (const auto costs = find_calibration(request_.file, plan); costs && !request_.from && !request_.frames) {
         const Estimate foreseen = estimate(request_.file, plan, simulation_, *costs);
@@ -220,6 +220,7 @@ void Run::add_frame() {
     if (scene_.budget.any() && summary.steps > 0) loop_->hold_to_budget(summary, frame_, seconds, times_.wall());
     const bool due = frame_ == last_ || wall_seconds() - saved_at_ >= scene_.output.checkpoint_every;
     film_->add(snapshots_->take(simulation_, frame_), pictures_, state(), due);
+    if (film_->frames_written() > 0) folder_.begun();
     if (due) {
         saved_at_ = wall_seconds();
         write_report("running", "");

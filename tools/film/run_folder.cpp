@@ -1,26 +1,95 @@
 #include "tools/film/run_folder.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "engine/core/errors.h"
+#include "engine/core/version.h"
 #include "engine/scene/scene_keys.h"
+#include "render/video/encoder.h"
 
 namespace whorl {
 
 namespace fs = std::filesystem;
 
-bool is_run_folder(const fs::path& path) {
+namespace {
+
+/// Where the files of a run wait that is being replaced: all of them, or while they are on their way. Both in the run's own folder, whose
+/// disk has them already.
+constexpr const char *replaced = ".replaced", *on_their_way = ".replacing";
+
+nlohmann::json report_of(const fs::path& path) {
     std::ifstream in(path / "run.json");
-    const auto run = nlohmann::json::parse(in, nullptr, false);
-    return (run.is_object() && run.contains("whorl")) || fs::exists(path / "scene.resolved.toml");
+    nlohmann::json run = nlohmann::json::parse(in, nullptr, false);
+    return run.is_object() ? run : nlohmann::json::object();
 }
 
-namespace {
+bool is_of_a_run(const fs::path& file) {
+    static const std::vector<std::string> names{
+        "scene.resolved.toml", "run.json", "diagnostics.csv", "bodies.csv", "budget.csv", "contact.png", "log.txt", "probes", "frames",
+        "checkpoints",         "panels"};
+    const auto has = [](const std::vector<std::string>& all, const std::string& one) {
+        return std::find(all.begin(), all.end(), one) != all.end();
+    };
+    return has(names, file.filename().string()) || has(export_kinds(), file.filename().string()) ||
+           has(video_suffixes(), file.extension().string());
+}
+
+std::vector<fs::path> files_of_run(const fs::path& path) {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(path))
+        if (is_of_a_run(entry.path())) files.push_back(entry.path());
+    return files;
+}
+
+bool has_files(const fs::path& folder) {
+    std::error_code none;
+    for (const auto& entry : fs::directory_iterator(folder, none))
+        if (entry.path().filename().string().front() != '.') return true;
+    return false;
+}
+
+/// Whether the run has something to show, or to go on from.
+bool has_begun(const fs::path& path) {
+    if (has_files(path / "frames") || has_files(path / "checkpoints")) return true;
+    std::error_code none;
+    for (const auto& panel : fs::directory_iterator(path / "panels", none))
+        if (has_files(panel.path() / "frames") || has_files(panel.path() / "checkpoints")) return true;
+    return false;
+}
+
+void put_aside(const fs::path& path) {
+    fs::create_directory(path / on_their_way);
+    for (const fs::path& file : files_of_run(path)) fs::rename(file, path / on_their_way / file.filename());
+    fs::rename(path / on_their_way, path / replaced);
+}
+
+/// In steps that may each be the last one: what was interrupted is completed by the next call.
+void put_back(const fs::path& path) {
+    if (fs::exists(path / replaced)) {
+        for (const fs::path& file : files_of_run(path)) fs::remove_all(file);
+        fs::rename(path / replaced, path / on_their_way);
+    }
+    if (!fs::exists(path / on_their_way)) return;
+    for (const fs::path& file : files_of_run(path / on_their_way)) fs::rename(file, path / file.filename());
+    fs::remove(path / on_their_way);
+}
+
+/// Ends what a run began that was to replace another. @return what became of that one, where it is there again
+std::string settle(const fs::path& path) {
+    if (fs::exists(path / replaced) && has_begun(path)) fs::remove_all(path / replaced);
+    if (!fs::exists(path / replaced) && !fs::exists(path / on_their_way)) return {};
+    put_back(path);
+    return "the run that stood in " + path.string() + " is there again: the one that was to replace it has no frame";
+}
 
 /// Renames the folder to NAME.1, or the first number that is free. @return the new name
 fs::path set_aside(const fs::path& path) {
@@ -36,56 +105,111 @@ fs::path set_aside(const fs::path& path) {
     return kept;
 }
 
+void make_folder(const fs::path& path) {
+    if (fs::exists(path) && !fs::is_directory(path))
+        throw InputError({path.string(), 0, 0}, "is a file, not a folder", "choose another folder with --out");
+    std::error_code error;
+    fs::create_directories(path, error);
+    if (error) throw EnvironmentError("cannot make the folder " + path.string() + ": " + error.message(), "", "choose another with --out");
+}
+
 }  // namespace
+
+bool is_run_folder(const fs::path& path) {
+    return report_of(path).contains("whorl") || fs::exists(path / "scene.resolved.toml") || fs::exists(path / replaced) ||
+           fs::exists(path / on_their_way);
+}
 
 RunFolder::RunFolder(fs::path path, Hold hold) : path_(std::move(path)) {
     // The lock goes with the process, however it ends.
     lock_ = ::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (lock_ >= 0 && ::flock(lock_, (hold == Hold::alone ? LOCK_EX : LOCK_SH) | LOCK_NB) == 0) return;
-    if (lock_ >= 0) ::close(lock_);
-    throw InputError({path_.string(), 0, 0}, "another run is at work in this folder", "wait for it, or choose another folder with --out");
+    if (lock_ < 0)
+        throw EnvironmentError("cannot open the folder " + path_.string() + ": " + std::strerror(errno), "",
+                               "choose another folder with --out");
+    if (::flock(lock_, (hold == Hold::alone ? LOCK_EX : LOCK_SH) | LOCK_NB) == 0) return;
+    if (errno == EWOULDBLOCK) {
+        ::close(lock_);
+        throw InputError({path_.string(), 0, 0}, "another run is at work in this folder",
+                         "wait for it, or choose another folder with --out");
+    }
+    note_ =
+        fmt::format("the disk of {} has no locks ({}): see to it that no other run is at work there", path_.string(), std::strerror(errno));
 }
 
-RunFolder::RunFolder(RunFolder&& other) noexcept : path_(std::move(other.path_)), note_(std::move(other.note_)), lock_(other.lock_) {
-    other.lock_ = -1;
+RunFolder::RunFolder(RunFolder&& other) noexcept
+    : path_(std::move(other.path_)), note_(std::move(other.note_)), lock_(other.lock_), replaces_(other.replaces_) {
+    other.lock_ = -1, other.replaces_ = false;
 }
 
 RunFolder::~RunFolder() {
+    try {
+        if (const std::string note = replaces_ ? settle(path_) : ""; !note.empty()) fmt::print(stderr, "whorl: {}\n", note);
+    } catch (const std::exception&) {  // the folder was removed, say; the next run does what is left to do
+    }
     if (lock_ >= 0) ::close(lock_);
 }
 
+void RunFolder::add_note(const std::string& sentence) {
+    if (!sentence.empty()) note_ += (note_.empty() ? "" : "; ") + sentence;
+}
+
+void RunFolder::begun() {
+    if (replaces_) fs::remove_all(path_ / replaced);
+    replaces_ = false;
+}
+
 RunFolder RunFolder::fresh(const fs::path& path, Earlier earlier) {
-    const Place place{path.string(), 0, 0};
-    if (fs::exists(path) && !fs::is_directory(path)) throw InputError(place, "is a file, not a folder", "choose another folder with --out");
-    const bool used = fs::exists(path) && !fs::is_empty(path);
-    if (used && !is_run_folder(path))
-        throw InputError(place, "the folder holds files that are not of a run (no run.json)", "choose another folder with --out");
-    std::string note;
-    if (used && earlier == Earlier::kept) {
-        const RunFolder held(path);  // nobody is at work in it
-        note = "the run that stood in " + path.string() + " is now in " + set_aside(path).string();
+    make_folder(path);
+    if (fs::is_empty(path)) return RunFolder(path);
+    if (!is_run_folder(path))
+        throw InputError({path.string(), 0, 0}, "the folder holds files that are not of a run (no run.json)",
+                         "choose another folder with --out");
+    RunFolder folder(path);  // nobody is at work in it
+    folder.add_note(settle(path));
+    if (earlier == Earlier::replaced) {
+        put_aside(path);
+        folder.replaces_ = true;
+        folder.add_note("the run that stood in " + path.string() + " is replaced");
+        return folder;
     }
-    std::error_code error;
-    fs::create_directories(path, error);
-    if (error) throw EnvironmentError("cannot make the folder " + path.string() + ": " + error.message(), "", "choose another with --out");
-    RunFolder folder(path);
-    folder.note_ = note;
-    if (!used || earlier == Earlier::kept) return folder;
-    folder.note_ = "the run that stood in " + path.string() + " is replaced";
-    for (const char* name : {"scene.resolved.toml", "run.json", "diagnostics.csv", "bodies.csv", "contact.png", "log.txt", "probes",
-                             "frames", "checkpoints", "panels"})
-        fs::remove_all(path / name);
-    for (const std::string& kind : export_kinds()) fs::remove_all(path / kind);
-    for (const auto& entry : fs::directory_iterator(path))
-        if (entry.path().extension() == ".mp4") fs::remove(entry.path());
-    return folder;
+    if (fs::exists(path / "farm")) const RunFolder farm(path / "farm");  // nor is a farm, which is between two of its jobs
+    folder.add_note("the run that stood in " + path.string() + " is now in " + set_aside(path).string());
+    make_folder(path);
+    RunFolder empty(path);
+    empty.note_ = folder.note_;
+    return empty;
 }
 
 RunFolder RunFolder::existing(const fs::path& path, Hold hold) {
     if (!fs::is_directory(path))
         throw InputError({path.string(), 0, 0}, "there is no such folder", "", "the folder of a run, as in out/honey_coil");
     if (!is_run_folder(path)) throw InputError({path.string(), 0, 0}, "no run folder (it has no run.json)");
-    return RunFolder(path, hold);
+    RunFolder folder(path, hold);
+    if (hold == Hold::alone) folder.add_note(settle(path));
+    return folder;
+}
+
+RunFolder RunFolder::drawing(const fs::path& path, const fs::path& of, Hold hold) {
+    make_folder(path);
+    const std::string source = fs::canonical(of).string();
+    const auto is_of_source = [&] { return report_of(path).value("drawn_from", "") == source; };
+    std::string note;
+    if (has_files(path) && !is_of_source()) note = fresh(path).note();
+    RunFolder folder(path, hold);
+    if (note.empty()) note = folder.note_;
+    folder.note_ = note;
+    if (is_of_source()) return folder;
+    // Under a name of its own: another range may be drawn at the same time.
+    const nlohmann::ordered_json mark{{"whorl", WHORL_VERSION}, {"status", "drawn"}, {"drawn_from", source}};
+    const fs::path temporary = path / fmt::format(".run.json.{}", getpid());
+    std::ofstream(temporary) << mark.dump(2) << "\n";
+    fs::rename(temporary, path / "run.json");
+    return folder;
+}
+
+RunFolder RunFolder::any(const fs::path& path) {
+    make_folder(path);
+    return RunFolder(path);
 }
 
 }  // namespace whorl

@@ -10,25 +10,34 @@ class RunFolder {
 public:
     enum class Earlier { kept, replaced };
     /// A new run: makes the folder. A run that stands there already is kept under the name NAME.1, or the first number that is free. Where
-    /// it is to be replaced its files go, and others stay.
+    /// it is to be replaced its files go when the new one has begun(), and come back where that never does; other files stay.
     /// @throws InputError where it holds something that is no run, or another process is at work in it; EnvironmentError where it cannot
     /// be made
     static RunFolder fresh(const std::filesystem::path& path, Earlier earlier = Earlier::kept);
     enum class Hold { alone, shared };
     /// A run to go on with. @throws InputError where there is none, or another process is at work in it (that does not share it, too)
     static RunFolder existing(const std::filesystem::path& path, Hold hold = Hold::alone);
+    /// Pictures of another run: makes the folder, and marks it as drawn from that run. Pictures of the same run are added to those that
+    /// stand there; a run of its own is kept under another name. @throws as fresh()
+    static RunFolder drawing(const std::filesystem::path& path, const std::filesystem::path& of, Hold hold);
+    /// Any folder, which is made. @throws as fresh()
+    static RunFolder any(const std::filesystem::path& path);
     ~RunFolder();
     RunFolder(RunFolder&& other) noexcept;
 
     const std::filesystem::path& path() const { return path_; }
-    /// What became of the run that stood there, as a sentence; "" where there was none.
+    /// What became of the run that stood there, and what else there is to know, as sentences; "" where there is nothing.
     const std::string& note() const { return note_; }
+    /// The new run has its first frame: the one that it replaces is not needed any more.
+    void begun();
 
 private:
     explicit RunFolder(std::filesystem::path path, Hold hold = Hold::alone);
+    void add_note(const std::string& sentence);
     std::filesystem::path path_;
     std::string note_;
     int lock_ = -1;
+    bool replaces_ = false;
 };
 
 /// Whether the folder holds a run of Whorl's, or what is left of one that was killed as it began.

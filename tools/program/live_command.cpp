@@ -5,6 +5,7 @@
 
 #include "engine/core/parallel.h"
 #include "engine/core/whole_file.h"
+#include "tools/film/progress.h"
 #include "tools/film/report.h"
 #include "tools/film/run_folder.h"
 #include "tools/live/access.h"
@@ -73,6 +74,7 @@ int live(LiveOptions options) {
     Status status;
     LiveServer server(options.server, controls, screen, status);  // a port that is taken is told before anything is written
     const RunFolder folder = RunFolder::fresh(options.shared.out.empty() ? free_folder(controls.file().scene.name) : options.shared.out);
+    if (!folder.note().empty()) tell_note(folder.note(), false);
     Journal journal(folder.path());
     const auto say = [&](const std::string& text) {
         if (!options.shared.quiet) fmt::print(stderr, "whorl: {}\n", text);

@@ -5,6 +5,7 @@
 #include "engine/core/parallel.h"
 #include "engine/scene/frame_times.h"
 #include "tools/film/panels.h"
+#include "tools/film/progress.h"
 #include "tools/film/resume_run.h"
 #include "tools/film/run_folder.h"
 #include "tools/program/command.h"
@@ -28,7 +29,10 @@ std::optional<double> wanted_end(const Options& options, const Scene& scene) {
 
 int resume(const ResumeOptions& options) {
     set_threads(options.shared.threads);
-    RunFolder::existing(options.folder);  // throws where there is no run, or somebody is at work in it
+    {  // throws where there is no run, or somebody is at work in it
+        const RunFolder held = RunFolder::existing(options.folder);
+        if (!held.note().empty()) tell_note(held.note(), options.shared.json);
+    }
     RunRequest request;
     request.file = read_scene_file(options.folder / "scene.resolved.toml");
     if (const auto until = wanted_end(options.shared, request.file.scene)) {

@@ -13,12 +13,13 @@
 #include "engine/sim/simulation.h"
 #include "tools/farm/stages.h"
 #include "tools/film/progress.h"
+#include "tools/film/run_folder.h"
 #include "tools/program/command.h"
+#include "tools/program/studies.h"
 #include "tools/scene_file/scene_file.h"
 #include "tools/study/jobs.h"
 #include "tools/study/plot.h"
 #include "tools/study/stability.h"
-#include "tools/study/sweep.h"
 
 namespace whorl {
 namespace {
@@ -271,7 +272,9 @@ private:
     std::vector<bool> was_run_;
 };
 
-int stability(SweepOptions options) {
+}  // namespace
+
+int run_stability(SweepOptions options) {
     const Study study = read_study(options.study);
     if (study.knobs.empty() || study.knobs.size() > 3)
         throw InputError(
@@ -282,6 +285,8 @@ int stability(SweepOptions options) {
     check_farm({.on = options.on, .sbatch = options.sbatch});
     share_cores(options, false);
     const fs::path folder = folder_of(study, options);
+    const RunFolder held = RunFolder::any(folder);
+    if (!held.note().empty()) tell_note(held.note(), options.json);
     try {
         for (const std::string& scene : study.scenes) {
             const fs::path own = study.scenes.size() == 1 ? folder : folder / fs::path(scene).stem();
@@ -295,8 +300,6 @@ int stability(SweepOptions options) {
     return exit_done;
 }
 
-}  // namespace
-
 void add_stability(CLI::App& program, Job& chosen) {
     const auto options = std::make_shared<SweepOptions>();
     CLI::App* app = program.add_subcommand(
@@ -309,7 +312,7 @@ void add_stability(CLI::App& program, Job& chosen) {
         "  whorl stability viscous_steps\n"
         "  whorl stability my_map.toml --budget 20min --out maps/mine\n"
         "  whorl stability viscous_steps --on slurm --jobs 20");
-    app->callback([options, &chosen] { chosen = [options] { return stability(*options); }; });
+    app->callback([options, &chosen] { chosen = [options] { return run_stability(*options); }; });
 }
 
 }  // namespace whorl

@@ -12,12 +12,13 @@
 #include "engine/io/csv.h"
 #include "tools/farm/stages.h"
 #include "tools/film/progress.h"
+#include "tools/film/run_folder.h"
 #include "tools/program/command.h"
+#include "tools/program/studies.h"
 #include "tools/study/accuracy.h"
 #include "tools/study/jobs.h"
 #include "tools/study/plot.h"
 #include "tools/study/recommend.h"
-#include "tools/study/sweep.h"
 
 namespace whorl {
 namespace {
@@ -291,7 +292,9 @@ private:
     std::vector<Row> rows_;
 };
 
-int tradeoff(SweepOptions options) {
+}  // namespace
+
+int run_tradeoff(SweepOptions options) {
     const Study study = read_study(options.study);
     share_cores(options, study.cost.of != CostKind::memory);
     if (study.knobs.empty()) throw InputError({options.study, 0, 0}, "the study turns no knob", "add a [[knob]] with key and values");
@@ -301,6 +304,8 @@ int tradeoff(SweepOptions options) {
     seconds_of(options.budget);
     check_farm({.on = options.on, .sbatch = options.sbatch});
     const fs::path folder = folder_of(study, options);
+    const RunFolder held = RunFolder::any(folder);
+    if (!held.note().empty()) tell_note(held.note(), options.json);
     try {
         for (const std::string& scene : study.scenes) {
             const fs::path own = study.scenes.size() == 1 ? folder : folder / fs::path(scene).stem();
@@ -313,8 +318,6 @@ int tradeoff(SweepOptions options) {
     }
     return exit_done;
 }
-
-}  // namespace
 
 void add_tradeoff(CLI::App& program, Job& chosen) {
     const auto options = std::make_shared<SweepOptions>();
@@ -332,7 +335,7 @@ void add_tradeoff(CLI::App& program, Job& chosen) {
         "  whorl tradeoff coil_frequency --recommend \"error<5%\"\n"
         "  whorl tradeoff coil_frequency --on slurm --jobs 20 --sbatch=--partition=short\n"
         "  whorl render honey_coil --with out/coil_frequency/recommended.toml");
-    app->callback([options, &chosen] { chosen = [options] { return tradeoff(*options); }; });
+    app->callback([options, &chosen] { chosen = [options] { return run_tradeoff(*options); }; });
 }
 
 }  // namespace whorl

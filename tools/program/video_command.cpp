@@ -9,6 +9,8 @@
 #include "engine/core/errors.h"
 #include "render/video/encoder.h"
 #include "tools/film/contact_sheet.h"
+#include "tools/film/progress.h"
+#include "tools/film/run_folder.h"
 #include "tools/program/command.h"
 #include "tools/scene_file/scene_file.h"
 
@@ -23,6 +25,8 @@ struct EncodeOptions {
 
 /// Encodes every picture of frames/, in the order of their names.
 int encode(const EncodeOptions& options) {
+    const RunFolder held = RunFolder::existing(options.folder, options.out.empty() ? RunFolder::Hold::alone : RunFolder::Hold::shared);
+    if (!held.note().empty()) tell_note(held.note(), false);
     const std::filesystem::path frames = options.folder / "frames", scene_file = options.folder / "scene.resolved.toml";
     std::map<std::filesystem::path, std::filesystem::path> pictures;  // by their names without suffix
     std::error_code missing;
