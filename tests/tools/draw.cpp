@@ -62,6 +62,29 @@ TEST_CASE("draw makes the pictures that render made, to the bit, and others with
     CHECK(picture(other, 3) != third);
 }
 
+TEST_CASE("a range that is drawn into its run leaves the exports of the whole film, and draw keeps another film that is in its way") {
+    const test::ScratchFolder folder;
+    const fs::path scene = folder / "scene.toml", run = folder / "run", other = folder / "other";
+    std::ofstream(scene) << puddle;
+    REQUIRE(test::whorl({"render", scene.string(), "--out", run.string(), "--export", "raw,scene,vtk", "--quiet"}).code == 0);
+    const std::string glb = read_whole(run / "scene/puddle.glb"), pvd = read_whole(run / "vtk/puddle.pvd");
+    const Outcome range = test::whorl({"draw", run.string(), "--frames", "2-3"});
+    CHECK_THAT(range.err, Catch::StartsWith("pictures that stand in " + run.string() + " are replaced: 2\n"));
+    CHECK((read_whole(run / "scene/puddle.glb") == glb));
+    CHECK(read_whole(run / "vtk/puddle.pvd") == pvd);
+
+    REQUIRE(test::whorl({"render", scene.string(), "--out", other.string(), "--frames", "1", "--quiet"}).code == 0);
+    for (const char* frames : {"1-2", "3"}) {
+        const Outcome drawn = test::whorl({"draw", run.string(), "--frames", frames, "--out", other.string(), "--quiet"});
+        CHECK(drawn.code == 0);
+        CHECK((drawn.err.find("is now in " + other.string() + ".1") != std::string::npos) == (frames[0] == '1'));
+    }
+    CHECK(fs::exists(other / "frames/000001.png"));
+    CHECK(fs::exists(other / "frames/000003.png"));
+    CHECK(fs::exists(folder / "other.1/diagnostics.csv"));
+    CHECK_FALSE(fs::exists(folder / "other.2"));
+}
+
 TEST_CASE("draw says what it cannot draw, and changes nothing then") {
     const test::ScratchFolder folder;
     const fs::path scene = folder / "scene.toml", run = folder / "run";

@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "engine/core/errors.h"
 #include "engine/io/frame_file.h"
 #include "tools/film/contact_sheet.h"
 #include "tools/film/film.h"
+#include "tools/film/progress.h"
+#include "tools/film/run_folder.h"
 #include "tools/process/exit_codes.h"
 #include "tools/scene_file/scene_changes.h"
 
@@ -21,8 +24,12 @@ FilmOptions film_options(const RedrawRequest& request, bool whole) {
     FilmOptions options;
     options.folder = request.out, options.name = scene.name, options.format = scene.output.format;
     if (whole && scene.output.video) options.video = request.out / (scene.name + ".mp4");
+    // Some exports are a file of the whole film, which a range must not replace.
+    const auto made = [&](const std::string& what) {
+        return std::find(request.made.begin(), request.made.end(), what) != request.made.end();
+    };
     for (const std::string& what : scene.output.exports)
-        if (what != "raw" || request.out != request.run) options.exports.push_back(what);
+        if (what == "raw" ? request.out != request.run : whole || !made(what)) options.exports.push_back(what);
     options.width = scene.output.size[0], options.height = scene.output.size[1];
     options.fps = scene.time.fps, options.interval = scene.time.frame_interval();
     return options;
@@ -64,6 +71,15 @@ int redraw(const RedrawRequest& request) {
         return std::make_shared<const PictureOptions>(PictureOptions{now.surface, now.camera, now.look});
     };
     const FilmOptions options = film_options(request, whole);
+    std::optional<RunFolder> held;
+    if (request.out != request.run) {
+        held.emplace(RunFolder::drawing(request.out, request.run, whole ? RunFolder::Hold::alone : RunFolder::Hold::shared));
+        if (!held->note().empty()) tell_note(held->note(), false);
+    }
+    const auto replaced = std::count_if(numbers.begin(), numbers.end(), [&](int n) {
+        return fs::exists(picture_file(request.out, n)) || fs::exists(picture_file(request.out, n, "exr"));
+    });
+    if (replaced > 0 && !request.quiet) fmt::print(stderr, "pictures that stand in {} are replaced: {}\n", request.out.string(), replaced);
     fs::create_directories(request.out / "frames");
     Film film(options);
     auto how = options_now();

@@ -1,16 +1,19 @@
 #pragma once
 /// Pictures of a run that is over, from the frames that it exported (raw/), without simulating.
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "tools/scene_file/scene_file.h"
 
 namespace whorl {
 
 struct RedrawRequest {
-    SceneFile file;             ///< the run's own, with other looks, cameras or sizes put in
-    std::filesystem::path run;  ///< the run folder
-    std::filesystem::path out;  ///< where frames/ and the video go; may be the run folder
-    int first = 1, last = 0;    ///< frames; last 0: all that there are
+    SceneFile file;                 ///< the run's own, with other looks, cameras or sizes put in
+    std::filesystem::path run;      ///< the run folder
+    std::filesystem::path out;      ///< where frames/ and the video go; may be the run folder, which is held then
+    std::vector<std::string> made;  ///< exports that stand there already, of all frames
+    int first = 1, last = 0;        ///< frames; last 0: all that there are
     bool quiet = false;
 };
 

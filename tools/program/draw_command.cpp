@@ -31,8 +31,11 @@ void read_frames(const std::string& text, RedrawRequest& request) {
 
 int draw(const DrawOptions& options) {
     set_threads(options.shared.threads);
-    // Ranges may be drawn at the same time.
-    const RunFolder held = RunFolder::existing(options.folder, options.frames.empty() ? RunFolder::Hold::alone : RunFolder::Hold::shared);
+    // Ranges may be drawn at the same time, and other looks of one run into other folders.
+    std::error_code none;
+    const bool elsewhere = !options.shared.out.empty() && !std::filesystem::equivalent(options.shared.out, options.folder, none);
+    const auto hold = options.frames.empty() ? RunFolder::Hold::alone : RunFolder::Hold::shared;
+    const RunFolder held = RunFolder::existing(options.folder, elsewhere ? RunFolder::Hold::shared : hold);
     Options own = options.shared;
     own.scene = (options.folder / "scene.resolved.toml").string();
     const SceneFile before = read_scene_file(own.scene);
@@ -48,7 +51,8 @@ int draw(const DrawOptions& options) {
         throw InputError({"--set", 0, 0}, "only what the pictures show can be changed, the simulation is over", "render the scene anew",
                          "keys of [look], [camera], [surface] and [output]");
     request.run = options.folder;
-    request.out = options.shared.out.empty() ? options.folder : options.shared.out;
+    request.out = elsewhere ? options.shared.out : options.folder;
+    if (!elsewhere) request.made = before.scene.output.exports;
     request.quiet = options.shared.quiet;
     read_frames(options.frames, request);
     return redraw(request);
