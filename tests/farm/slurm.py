@@ -4,7 +4,7 @@ run, also where a job is taken from its node half-way and begun again.
 
     tests/farm/slurm.py PROGRAM
 
-Needs root, and Debian's slurm-wlm and munge (apt-get install slurm-wlm munge); without them it says so and passes. Nothing but the
+Needs root, and Debian's slurm-wlm and munge (apt-get install slurm-wlm munge); without them it says so and ends with 77. Nothing but the
 processes that it started is ended.
 """
 import csv
@@ -140,7 +140,7 @@ def main():
     missing = [name for name in ("munged", "slurmctld", "slurmd", "sbatch") if not shutil.which(name)]
     if missing or os.geteuid() != 0:
         print("skipped: this needs root, slurm-wlm and munge; apt-get install --no-install-recommends slurm-wlm munge")
-        return
+        raise SystemExit(77)
     folder = Path(tempfile.mkdtemp(prefix="whorl-slurm-"))
     slurm = Slurm(folder)
     try:
