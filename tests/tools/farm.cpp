@@ -8,6 +8,7 @@
 #include "tests/support/program.h"
 #include "tests/support/scenes.h"
 #include "tests/support/scratch.h"
+#include "tools/film/run_folder.h"
 
 using namespace whorl;
 using test::Outcome;
@@ -53,14 +54,16 @@ void check_same_pictures(const fs::path& a, const fs::path& b, std::size_t count
 
 TEST_CASE("a film that is simulated once and drawn in pieces is the film of one run, bit for bit", "[tools][farm]") {
     const Scratch scratch;
-    REQUIRE(scratch.whorl({"render", "--quiet"}, "whole").code == 0);
-    const Outcome farmed = scratch.whorl({"farm", "--on", "local", "--jobs", "2", "--pieces", "3"}, "farmed");
+    REQUIRE(scratch.whorl({"render", "--quiet", "--export", "scene,vtk"}, "whole").code == 0);
+    const Outcome farmed = scratch.whorl({"farm", "--on", "local", "--jobs", "2", "--pieces", "3", "--export", "scene,vtk"}, "farmed");
     INFO(farmed.err);
     REQUIRE(farmed.code == 0);
     CHECK(farmed.err.find("simulate 1 of 1, draw 3 of 3, encode 1 of 1") != std::string::npos);
     check_same_pictures(scratch / "whole", scratch / "farmed", 9);
     CHECK(fs::exists(scratch / "farmed/little_honey.mp4"));
     CHECK(fs::exists(scratch / "farmed/contact.png"));
+    for (const char* file : {"scene/little_honey.glb", "vtk/little_honey.pvd"})
+        CHECK((read_whole(scratch / "farmed" / file) == read_whole(scratch / "whole" / file)));
     // The same settings, but for the frames that it keeps.
     std::string kept = read_whole(scratch / "farmed/scene.resolved.toml"), plain = read_whole(scratch / "whole/scene.resolved.toml");
     for (std::string* text : {&kept, &plain})
@@ -86,10 +89,87 @@ TEST_CASE("a farm tells which task failed and what it said, and refuses a place 
     CHECK(diverged.code == 1);
     CHECK(diverged.err.find("simulate, little_honey: ended with 1: ") != std::string::npos);
     CHECK(diverged.err.find("diverged at 0.") != std::string::npos);
+    CHECK(diverged.err.find("diverged/farm/simulate.0.log") != std::string::npos);
     const Outcome nowhere = scratch.whorl({"farm", "--on", "slrum"}, "nowhere");
     CHECK(nowhere.code == 2);
     CHECK(nowhere.err.find("did you mean \"slurm\"?") != std::string::npos);
     CHECK_FALSE(fs::exists(scratch / "nowhere"));
+}
+
+TEST_CASE("of films that are farmed together one that fails leaves the others, and is named at the end", "[tools][farm]") {
+    const Scratch scratch;
+    std::string bad = read_whole(scratch / "scene.toml");
+    bad.replace(bad.find("little_honey"), 12, "bad");
+    bad.replace(bad.find("viscosity"), bad.find('\n', bad.find("viscosity")) - bad.find("viscosity"),
+                std::string("viscosity = \"") + test::diverging_viscosity + "\"");
+    std::ofstream(scratch / "bad.toml") << bad;
+    const Outcome farmed = scratch.whorl({"farm", (scratch / "bad.toml").string(), "--jobs", "2", "--pieces", "2"}, "films");
+    INFO(farmed.err);
+    CHECK(farmed.code == 1);
+    CHECK(farmed.err.find("simulate, bad: ended with 1: ") != std::string::npos);
+    CHECK(farmed.err.find("draw, ") == std::string::npos);
+    CHECK(farmed.out == (scratch / "films/little_honey").string() + "\n");
+    CHECK(fs::exists(scratch / "films/little_honey/little_honey.mp4"));
+    CHECK(read_whole(scratch / "films/little_honey/farm/encode.1.code") == "-1\n");
+}
+
+TEST_CASE("a film with a panel that diverges is farmed to what a local run makes of it", "[tools][farm]") {
+    const Scratch scratch(std::string("[[panel]]\n[[panel]]\nset = [\"fluid.viscosity=") + test::diverging_viscosity + "\"]\n");
+    const Outcome whole = scratch.whorl({"render", "--quiet"}, "whole"), farmed = scratch.whorl({"farm", "--jobs", "2"}, "farmed");
+    INFO(farmed.err);
+    CHECK(whole.code == 1);
+    CHECK(farmed.code == 1);
+    const auto report = [&](const char* run) { return nlohmann::json::parse(read_whole(scratch / run / "run.json")); };
+    CHECK(report("farmed").at("status") == "diverged");
+    check_same_pictures(scratch / "whole", scratch / "farmed", report("whole").at("frames"));
+}
+
+TEST_CASE("a task that finds a checkpoint goes on from it, and never begins anew where it cannot", "[tools][farm]") {
+    const Scratch scratch;
+    REQUIRE(scratch.whorl({"farm", "--no-images"}, "run").code == 0);
+    const std::string rows = read_whole(scratch / "run/diagnostics.csv");
+    for (const auto& entry : fs::directory_iterator(scratch / "run/checkpoints")) std::ofstream(entry.path()) << "of another build";
+    const auto again = [&] { return test::Program({(scratch / "run/farm/simulate.sh").string(), "0"}, "bash").wait().code; };
+    CHECK(again() == 2);
+    CHECK(read_whole(scratch / "run/diagnostics.csv") == rows);
+    fs::remove_all(scratch / "run/checkpoints");
+    CHECK(again() == 0);
+}
+
+TEST_CASE("while jobs of a farm go on, another farm in its folder is refused, and a study is farmed as a study", "[tools][farm]") {
+    const Scratch scratch;
+    const auto program = [&](const char* name, const std::string& does) {
+        std::ofstream(scratch / name) << "#!/bin/sh\n" << does << "\n";
+        fs::permissions(scratch / name, fs::perms::owner_all);
+    };
+    program("sbatch", "echo 7");  // takes jobs, and does not run them yet
+    program("squeue", "echo 7");
+    const std::string run = (scratch / "run").string();
+    const auto farm = [&] {
+        return std::vector<std::string>{"-c", "PATH=" + scratch.path().string() + ":$PATH exec " WHORL_PROGRAM " farm " +
+                                                  (scratch / "scene.toml").string() + " --on slurm --out " + run};
+    };
+    test::Program first(farm(), "bash");
+    REQUIRE(first.wait_until([&] { return fs::exists(scratch / "run/farm/jobs.txt"); }));
+    const Outcome beside = test::Program(farm(), "bash").wait();
+    CHECK(beside.code == 2);
+    first.signal(SIGINT);
+    CHECK(first.wait().code == 130);
+    const Outcome second = test::Program(farm(), "bash").wait();
+    CHECK(second.code == 2);
+    CHECK(second.err.find("jobs of an earlier farm are at work in this folder: 7") != std::string::npos);
+    CHECK(second.err.find("scancel 7") != std::string::npos);
+    CHECK_FALSE(fs::exists(run + ".1"));
+    {  // A farm on this machine, between two of its jobs.
+        program("squeue", "exit 1");
+        const RunFolder held = RunFolder::any(scratch / "run/farm");
+        const Outcome third = scratch.whorl({"farm"}, "run");
+        CHECK(third.code == 2);
+        CHECK(third.err.find("another run is at work") != std::string::npos);
+    }
+    const Outcome study = test::whorl({"farm", "coil_frequency", "--until", "1"});
+    CHECK(study.code == 2);
+    CHECK(study.err.find("coil_frequency: is a study, whose own file says what its runs are; options with a study: --on") == 0);
 }
 
 }  // namespace farm_test

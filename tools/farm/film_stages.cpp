@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "engine/core/errors.h"
 #include "engine/core/whole_file.h"
 #include "engine/scene/frame_times.h"
 #include "tools/cost/estimate.h"
@@ -29,12 +30,13 @@ void allow(FarmStage& stage, double seconds, double bytes) {
 }
 
 /// @param scene a file that holds the whole of it
-FarmTask run_task(const std::string& name, const fs::path& scene, const fs::path& folder, int threads,
+FarmTask run_task(const std::string& name, const fs::path& film, const fs::path& scene, const fs::path& folder, int threads,
                   const std::vector<std::string>& more) {
     const std::vector<std::string> common{"--quiet", "--threads", std::to_string(threads)};
     FarmTask task{name,
                   {program(), "render", scene.string(), "--out", folder.string(), "--overwrite"},
-                  folder / "run.json",
+                  film,
+                  folder,
                   {program(), "resume", folder.string()}};
     for (std::vector<std::string>* words : {&task.command, &task.go_on}) {
         words->insert(words->end(), common.begin(), common.end());
@@ -54,12 +56,13 @@ std::vector<FarmStage> stages_of_panels(const FarmFilm& film, const fs::path& fo
         const SceneFile& run = runs[k];
         const fs::path file = folder / "farm" / fmt::format("panel{}.toml", k + 1);
         write_text(file, resolved_toml(run));
-        panels.tasks.push_back(run_task(fmt::format("panel {} of {}", k + 1, run.scene.name), file,
+        panels.tasks.push_back(run_task(fmt::format("panel {} of {}", k + 1, run.scene.name), folder, file,
                                         folder / "panels" / std::to_string(k + 1), film.threads, {}));
         const Estimate e = estimate(run);
         allow(panels, e.film, e.memory);
     }
-    FarmStage gather{"gather", {{film.file.scene.name, {program(), "resume", folder.string(), "--quiet"}, {}, {}}}};
+    // Of a panel that diverged the frames that it has are filmed.
+    FarmStage gather{"gather", {{film.file.scene.name, {program(), "resume", folder.string(), "--quiet"}, folder, {}, {}, true}}};
     allow(gather, 0.1 * frames, 200e6);
     return {panels, gather};
 }
@@ -71,11 +74,12 @@ std::vector<FarmStage> stages_of_film(const FarmFilm& film, const fs::path& fold
     const std::string name = file.scene.name;
     const Estimate e = estimate(file);
     if (!file.scene.output.frames) {
-        FarmStage simulate{"simulate", {run_task(name, scene, folder, film.threads, {})}};
+        FarmStage simulate{"simulate", {run_task(name, folder, scene, folder, film.threads, {})}};
         allow(simulate, e.film, e.memory);
         return {simulate};
     }
-    FarmStage simulate{"simulate", {run_task(name, scene, folder, film.threads, {"--no-draw"})}}, draw{"draw", {}}, encode{"encode", {}};
+    FarmStage simulate{"simulate", {run_task(name, folder, scene, folder, film.threads, {"--no-draw"})}}, draw{"draw", {}},
+        encode{"encode", {}};
     allow(simulate, e.film, e.memory);
     const int frames = frame_count(file.scene), most = film.pieces > 0 ? film.pieces : std::max(1, std::min(8, frames / 10));
     const int pieces = std::min(most, frames);
@@ -84,11 +88,12 @@ std::vector<FarmStage> stages_of_film(const FarmFilm& film, const fs::path& fold
         draw.tasks.push_back(
             {fmt::format("frames {} of {}", range, name),
              {program(), "draw", folder.string(), "--frames", range, "--no-video", "--quiet", "--threads", std::to_string(film.threads)},
+             folder,
              {},
              {}});
     }
     allow(draw, (e.surface + e.draw + e.write) * (frames / pieces + 1), e.memory);
-    encode.tasks.push_back({name, {program(), "video", folder.string()}, {}, {}});
+    encode.tasks.push_back({name, {program(), "video", folder.string()}, folder, {}, {}});
     allow(encode, 0.1 * frames, 200e6);
     if (!file.scene.output.video) return {simulate, draw};
     return {simulate, draw, encode};
@@ -96,13 +101,17 @@ std::vector<FarmStage> stages_of_film(const FarmFilm& film, const fs::path& fold
 
 }  // namespace
 
-std::vector<FarmStage> stages_of(const FarmFilm& film, std::string& note) {
+FarmWork work_of(const FarmFilm& film) {
     make_plan(film.file);  // an impossible scene ends here, before anything is written
-    const RunFolder folder = RunFolder::fresh(fs::absolute(film.folder));
-    note = folder.note();
-    fs::create_directories(folder.path() / "farm");
-    write_text(folder.path() / "scene.resolved.toml", resolved_toml(film.file));
-    return film.file.scene.panels.empty() ? stages_of_film(film, folder.path()) : stages_of_panels(film, folder.path());
+    const fs::path path = fs::absolute(film.folder);
+    if (const std::string jobs = living_jobs(path / "farm"); !jobs.empty())
+        throw InputError({film.folder.string(), 0, 0}, "jobs of an earlier farm are at work in this folder: " + jobs,
+                         fmt::format("squeue --jobs={0} shows them, scancel {0} ends them", jobs));
+    const RunFolder folder = RunFolder::fresh(path);
+    FarmWork work{{}, folder.note(), RunFolder::any(path / "farm")};
+    write_text(path / "scene.resolved.toml", resolved_toml(film.file));
+    work.stages = film.file.scene.panels.empty() ? stages_of_film(film, path) : stages_of_panels(film, path);
+    return work;
 }
 
 std::vector<FarmStage> together(const std::vector<std::vector<FarmStage>>& films) {

@@ -1,6 +1,7 @@
 #pragma once
 /// A film as stages: independent runs, or one simulation whose frames are drawn in pieces.
 #include "tools/farm/stages.h"
+#include "tools/film/run_folder.h"
 #include "tools/scene_file/scene_file.h"
 
 namespace whorl {
@@ -12,10 +13,16 @@ struct FarmFilm {
     int threads = 1;               ///< of each task
 };
 
+struct FarmWork {
+    std::vector<FarmStage> stages;
+    std::string note;  ///< what became of the run that stood there
+    RunFolder held;    ///< no other farm begins in the run's folder meanwhile; the run itself is its tasks'
+};
+
 /// A film of panels: `panels` (a run each) and `gather`. Any other: `simulate`, `draw` (a range of frames each) and `encode`; without
 /// pictures `simulate` alone. Makes the run's folder, with what the tasks read; a run that stands there is kept under another name.
-/// @param note what became of it @throws InputError where the scene is impossible
-std::vector<FarmStage> stages_of(const FarmFilm& film, std::string& note);
+/// @throws InputError where the scene is impossible, or a farm is at work in the folder, or jobs of an earlier one are
+FarmWork work_of(const FarmFilm& film);
 
 /// Those of several films, run together: first with first, second with second.
 std::vector<FarmStage> together(const std::vector<std::vector<FarmStage>>& films);

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <map>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <system_error>
 #include <thread>
@@ -39,23 +40,51 @@ fs::path file_of(const fs::path& folder, const FarmStage& stage, std::size_t tas
     return folder / fmt::format("{}.{}.{}", stage.name, task, what);
 }
 
-/// A task that was begun and cannot go on (2: there is no checkpoint yet) is begun anew.
-std::string script_of(const FarmStage& stage, const fs::path& folder, int threads) {
+/// What stands in the file of a task's exit status where it was not begun.
+constexpr int left_out = -1;
+
+/// Commands that end the script where a task before this one did not end well. Files of other machines may come late.
+std::string needs_of(const std::vector<FarmStage>& stages, std::size_t stage, const FarmTask& task, const fs::path& folder) {
+    std::string text;
+    for (std::size_t s = 0; s < stage; ++s)
+        for (std::size_t k = 0; k < stages[s].tasks.size(); ++k) {
+            const FarmTask& needed = stages[s].tasks[k];
+            if (needed.film != task.film) continue;
+            const bool diverged = task.takes_diverged && !needed.run.empty();
+            text += fmt::format("need {}{}; ", quoted(file_of(folder, stages[s], k, "code").string()),
+                                diverged ? " " + quoted((needed.run / "run.json").string()) : "");
+        }
+    return text;
+}
+
+/// A task that was begun, but not as far as a checkpoint, is begun anew.
+std::string script_of(const std::vector<FarmStage>& stages, std::size_t number, const fs::path& folder, int threads) {
+    const FarmStage& stage = stages[number];
     std::string text = "#!/bin/bash\n# Runs one task of this stage: bash " + stage.name + ".sh NUMBER\n";
     text += "task=${1:-$SLURM_ARRAY_TASK_ID}\nexport OMP_NUM_THREADS=" + std::to_string(threads) + "\n";
-    text += "files=" + quoted((folder / stage.name).string()) + ".$task\nrm -f \"$files.code\"\nrun() {\n  case $task in\n";
+    text += "files=" + quoted((folder / stage.name).string()) + ".$task\nrm -f \"$files.code\"\n";
+    text += "end() { echo $1 >\"$files.code.part\" && mv \"$files.code.part\" \"$files.code\"; }\n";
+    // Whoever runs a task by hand knows that it can be begun.
+    text += "need() {\n  for try in ${SLURM_ARRAY_TASK_ID:+$(seq 30)}; do [ -e \"$1\" ] && break; sleep 1; done\n";
+    text += "  [ \"$(cat \"$1\" 2>/dev/null)\" = 0 ] && return\n";
+    text += "  [ -n \"$2\" ] && grep -q '\"status\": \"diverged\"' \"$2\" 2>/dev/null && return\n";
+    text += fmt::format("  echo \"not begun: see $1\" >\"$files.log\"; end {}; exit 0\n}}\n", left_out);
+    text += "run() {\n  case $task in\n";
     for (std::size_t k = 0; k < stage.tasks.size(); ++k) {
         const FarmTask& task = stage.tasks[k];
         const std::string begin = quoted(task.command);
         text += fmt::format("  {}) ", k);
-        if (task.begun.empty()) text += begin;
+        if (task.run.empty()) text += begin;
         else
-            text += fmt::format("if [ -e {} ]; then {}; code=$?; [ $code -ne 2 ] && return $code; fi; {}", quoted(task.begun.string()),
+            text += fmt::format("if [ -n \"$(ls {} 2>/dev/null)\" ]; then {}; else {}; fi", quoted((task.run / "checkpoints").string()),
                                 quoted(task.go_on), begin);
         text += " ;;\n";
     }
-    text += "  esac\n}\nrun >\"$files.log\" 2>&1 </dev/null\ncode=$?\n";
-    return text + "echo $code >\"$files.code.part\" && mv \"$files.code.part\" \"$files.code\"\nexit $code\n";
+    text += "  esac\n}\n[ -n \"$2$SLURM_ARRAY_TASK_ID\" ] && case $task in\n";
+    for (std::size_t k = 0; k < stage.tasks.size(); ++k)
+        if (const std::string needs = needs_of(stages, number, stage.tasks[k], folder); !needs.empty())
+            text += fmt::format("  {}) {};;\n", k, needs);
+    return text + "esac\nrun >\"$files.log\" 2>&1 </dev/null\ncode=$?\nend $code\nexit $code\n";
 }
 
 std::optional<int> code_of(const fs::path& folder, const FarmStage& stage, std::size_t task) {
@@ -73,17 +102,21 @@ std::string last_lines(const fs::path& file) {
     return all.size() <= 500 ? all : "..." + all.substr(all.size() - 500);
 }
 
-/// @throws EnvironmentError with the first task of the stage that did not end well
-void check_codes(const fs::path& folder, const FarmStage& stage) {
-    for (std::size_t k = 0; k < stage.tasks.size(); ++k) {
-        const auto code = code_of(folder, stage, k);
-        if (code == 0) continue;
-        const fs::path log = file_of(folder, stage, k, "log");
-        throw EnvironmentError(fmt::format("{}, {}: {}", stage.name, stage.tasks[k].name,
-                                           code ? fmt::format("ended with {}: {}", *code, last_lines(log))
-                                                : "was ended from outside (out of time or memory?)"),
-                               "", "everything that it said is in " + log.string());
-    }
+/// Tasks that did not end well; those that were left out have their reason among them.
+std::vector<FarmFailure> failures_of(const std::vector<FarmStage>& stages, const fs::path& folder) {
+    std::vector<FarmFailure> failures;
+    for (const FarmStage& stage : stages)
+        for (std::size_t k = 0; k < stage.tasks.size(); ++k) {
+            const auto code = code_of(folder, stage, k);
+            if (code == 0 || code == left_out) continue;
+            const fs::path log = file_of(folder, stage, k, "log");
+            failures.push_back(
+                {stage.tasks[k].film, fmt::format("{}, {}: {}; everything that it said is in {}", stage.name, stage.tasks[k].name,
+                                                  code ? fmt::format("ended with {}: {}", *code, last_lines(log))
+                                                       : "was ended from outside (out of time or memory?)",
+                                                  log.string())});
+        }
+    return failures;
 }
 
 /// One line: how many tasks of each stage have ended.
@@ -134,7 +167,7 @@ bool run_here(const FarmStage& stage, const fs::path& folder, std::size_t jobs, 
     std::vector<pid_t> running;
     for (std::size_t next = 0; next < stage.tasks.size() || !running.empty();) {
         while (next < stage.tasks.size() && running.size() < jobs && !interrupt.interrupted())
-            running.push_back(start({"bash", (folder / (stage.name + ".sh")).string(), std::to_string(next++)}));
+            running.push_back(start({"bash", (folder / (stage.name + ".sh")).string(), std::to_string(next++), "farm"}));
         std::erase_if(running, [](pid_t pid) { return waitpid(pid, nullptr, WNOHANG) == pid; });
         progress.show();
         if (interrupt.interrupted()) {
@@ -161,7 +194,8 @@ std::string said_by(const std::vector<std::string>& words) {
     }
 }
 
-/// The whole array is submitted at once and begins when the stage before it has ended well. @return the job's number
+/// The whole array is submitted at once and begins when the stage before it has ended; tasks that this leaves without what they need end.
+/// @return the job's number
 std::string submit(const FarmStage& stage, const fs::path& folder, const FarmOptions& options, const std::string& after) {
     std::vector<std::string> words{
         "sbatch",
@@ -174,7 +208,7 @@ std::string submit(const FarmStage& stage, const fs::path& folder, const FarmOpt
         "--output=" + (folder / (stage.name + ".%a.slurm")).string()};
     if (stage.seconds > 0) words.push_back(fmt::format("--time={:.0f}", std::ceil(stage.seconds / 60)));
     if (stage.bytes > 0) words.push_back(fmt::format("--mem={:.0f}M", std::ceil(stage.bytes / 1048576)));
-    if (!after.empty()) words.push_back("--dependency=afterok:" + after), words.emplace_back("--kill-on-invalid-dep=yes");
+    if (!after.empty()) words.push_back("--dependency=afterany:" + after);
     words.insert(words.end(), options.sbatch.begin(), options.sbatch.end());
     words.push_back((folder / (stage.name + ".sh")).string());
     const std::string said = said_by(words), job = slurm_job(said);
@@ -182,11 +216,23 @@ std::string submit(const FarmStage& stage, const fs::path& folder, const FarmOpt
     return job;
 }
 
+/// Says which jobs make these films: in the farm's own folder, and in those of the films.
+void record_jobs(const std::vector<FarmStage>& stages, const fs::path& folder, const std::string& jobs) {
+    std::set<fs::path> folders{folder};
+    for (const FarmStage& stage : stages)
+        for (const FarmTask& task : stage.tasks)
+            if (!task.film.empty()) folders.insert(task.film / "farm");
+    for (const fs::path& each : folders) write_text(each / "jobs.txt", jobs + "\n");
+}
+
+/// @return false: interrupted
 bool run_on_slurm(const std::vector<FarmStage>& stages, const fs::path& folder, const FarmOptions& options, const InterruptGuard& interrupt,
                   FarmProgress& progress) {
     std::string jobs, last;
-    for (const FarmStage& stage : stages) jobs += (jobs.empty() ? "" : ",") + (last = submit(stage, folder, options, last));
-    write_text(folder / "jobs.txt", jobs + "\n");
+    for (const FarmStage& stage : stages) {
+        jobs += (jobs.empty() ? "" : ",") + (last = submit(stage, folder, options, last));
+        record_jobs(stages, folder, jobs);
+    }
     const auto all_ended = [&] {
         for (const FarmStage& stage : stages)
             for (std::size_t k = 0; k < stage.tasks.size(); ++k)
@@ -232,26 +278,33 @@ void share_cores(FarmOptions& o, std::size_t tasks) {
     if (o.threads == 0) o.threads = std::max(1, cores / o.jobs);
 }
 
-bool run_stages(const std::vector<FarmStage>& stages, const fs::path& folder, const FarmOptions& options, const InterruptGuard& interrupt) {
+std::string living_jobs(const fs::path& folder) {
+    std::ifstream in(folder / "jobs.txt");
+    std::string jobs;
+    if (!(in >> jobs)) return {};
+    try {
+        return said_by({"squeue", "--noheader", "--jobs=" + jobs, "--format=%i"}).empty() ? "" : jobs;
+    } catch (const EnvironmentError&) { return {}; }  // Slurm does not know them any more
+}
+
+FarmEnd run_stages(const std::vector<FarmStage>& stages, const fs::path& folder, const FarmOptions& options,
+                   const InterruptGuard& interrupt) {
     const fs::path here = fs::absolute(folder);
     fs::create_directories(here);
-    for (const FarmStage& stage : stages) {
-        write_text(here / (stage.name + ".sh"), script_of(stage, here, options.threads));
+    for (std::size_t number = 0; number < stages.size(); ++number) {
+        const FarmStage& stage = stages[number];
+        write_text(here / (stage.name + ".sh"), script_of(stages, number, here, options.threads));
         for (std::size_t k = 0; k < stage.tasks.size(); ++k) fs::remove(file_of(here, stage, k, "code"));
     }
     FarmProgress progress(stages, here, options.quiet);
     progress.show();
-    if (options.on == "slurm") {
-        if (!run_on_slurm(stages, here, options, interrupt, progress)) return false;
-        for (const FarmStage& stage : stages) check_codes(here, stage);
-        return true;
-    }
+    if (options.on == "slurm" && !run_on_slurm(stages, here, options, interrupt, progress)) return {true, {}};
     for (const FarmStage& stage : stages) {
-        if (!run_here(stage, here, static_cast<std::size_t>(std::max(1, options.jobs)), interrupt, progress)) return false;
+        if (options.on == "slurm") break;
+        if (!run_here(stage, here, static_cast<std::size_t>(std::max(1, options.jobs)), interrupt, progress)) return {true, {}};
         progress.show();
-        check_codes(here, stage);
     }
-    return true;
+    return {false, failures_of(stages, here)};
 }
 
 }  // namespace whorl

@@ -2,8 +2,8 @@
 /// Work in stages: tasks that need nothing of each other, one stage after the other, on this machine or on Slurm's.
 ///
 /// Each stage is a script in the farm's folder, which takes the number of a task: `bash simulate.sh 3`. It leaves simulate.3.log and, when
-/// the task has ended, its exit status in simulate.3.code. Slurm runs the same script as a job array; a task that lost its machine is begun
-/// again and goes on from its checkpoint.
+/// the task has ended, its exit status in simulate.3.code (left_out: it was not begun). Slurm runs the same script as a job array; a task
+/// that lost its machine is begun again and goes on from its checkpoint.
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -15,8 +15,12 @@ namespace whorl {
 struct FarmTask {
     std::string name;                  ///< in messages
     std::vector<std::string> command;  ///< the program and its words
-    std::filesystem::path begun;       ///< where this exists the task was begun before, and `go_on` is run; empty: never
+    /// Of the film that it is for. It needs the tasks of earlier stages that are for the same film: unless these have ended well it is left
+    /// out.
+    std::filesystem::path film;
+    std::filesystem::path run;  ///< folder of the run that it makes; where a checkpoint stands there, `go_on` is run; empty: none
     std::vector<std::string> go_on;
+    bool takes_diverged = false;  ///< a run that it needs may have diverged, too
 };
 
 struct FarmStage {
@@ -39,10 +43,21 @@ void check_farm(const FarmOptions& options);
 /// Fills in jobs and threads. @param tasks of the largest stage
 void share_cores(FarmOptions& options, std::size_t tasks);
 
-/// Runs them in `folder`, which is made, and follows them in one line on standard error.
-/// @return false where the user interrupted: tasks on this machine are ended then, and Slurm's go on
-/// @throws EnvironmentError where a task failed, with the last lines that it wrote
-bool run_stages(const std::vector<FarmStage>& stages, const std::filesystem::path& folder, const FarmOptions& options,
-                const InterruptGuard& interrupt);
+struct FarmFailure {
+    std::filesystem::path film;
+    std::string message;  ///< which task, and the last lines that it wrote
+};
+struct FarmEnd {
+    bool interrupted = false;  ///< by the user: tasks on this machine are ended then, and Slurm's go on
+    std::vector<FarmFailure> failures;
+};
+
+/// Runs them in `folder`, which is made, and follows them in one line on standard error. The numbers of Slurm's jobs stand in jobs.txt
+/// there, and in the folder farm of each film. @throws EnvironmentError where Slurm takes no jobs
+FarmEnd run_stages(const std::vector<FarmStage>& stages, const std::filesystem::path& folder, const FarmOptions& options,
+                   const InterruptGuard& interrupt);
+
+/// Jobs of Slurm's that a farm in this folder began and that have not ended, as jobs.txt names them; "" where there are none.
+std::string living_jobs(const std::filesystem::path& folder);
 
 }  // namespace whorl

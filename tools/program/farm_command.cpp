@@ -1,12 +1,17 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 
 #include "engine/core/errors.h"
+#include "engine/core/parallel.h"
+#include "engine/scene/document.h"
 #include "tools/farm/film_stages.h"
+#include "tools/film/progress.h"
 #include "tools/process/interrupt.h"
 #include "tools/program/command.h"
+#include "tools/program/studies.h"
 
 namespace whorl {
 namespace {
@@ -20,8 +25,42 @@ struct FarmCommand {
     int pieces = 0;
 };
 
+/// Whether the name is a study's. A scene of that name goes first.
+bool is_study(const std::string& name) {
+    const auto found = [&](fs::path (*find)(const std::string&)) {
+        try {
+            return find(name);
+        } catch (const InputError&) { return fs::path(); }
+    };
+    const fs::path scene = found(find_scene);
+    if (scene.empty()) return !found(find_study).empty();
+    try {
+        return parse_toml_file(scene.string()).find("knob") != nullptr;
+    } catch (const InputError&) { return false; }  // told where it is read as a scene
+}
+
+/// A study's runs are jobs of their own, as its own commands have them: of tradeoff where it says what accuracy is, else of stability.
+int farm_study(const FarmCommand& command) {
+    const Options& o = command.shared;
+    const std::string& name = command.scenes.front();
+    if (command.scenes.size() > 1) throw InputError({name, 0, 0}, "is a study, which is farmed alone", "leave the other names out");
+    if (!o.set.empty() || !o.with.empty() || o.until || !o.size.empty() || o.fps || o.quality != Options().quality || o.no_video ||
+        o.no_images || !o.exports.empty() || o.seed || command.pieces > 0)
+        throw InputError({name, 0, 0}, "is a study, whose own file says what its runs are", "",
+                         "options with a study: --on, --jobs, --threads, --sbatch, --out");
+    SweepOptions sweep;
+    sweep.study = name, sweep.out = o.out, sweep.threads = o.threads, sweep.jobs = command.farm.jobs;
+    sweep.on = command.farm.on, sweep.sbatch = command.farm.sbatch;
+    return parse_toml_file(find_study(name).string()).find("accuracy") ? run_tradeoff(sweep) : run_stability(sweep);
+}
+
 int farm(FarmCommand command) {
     check_farm(command.farm);
+    for (const std::string& scene : command.scenes)
+        if (is_study(scene)) {
+            std::swap(command.scenes.front(), *std::find(command.scenes.begin(), command.scenes.end(), scene));
+            return farm_study(command);
+        }
     command.farm.threads = command.shared.threads, command.farm.quiet = command.shared.quiet;
     std::vector<FarmFilm> films;
     for (const std::string& scene : command.scenes) {
@@ -36,17 +75,25 @@ int farm(FarmCommand command) {
         films.push_back(std::move(film));
     }
     share_cores(command.farm, films.size() == 1 ? 2 : films.size());
+    set_threads(command.farm.threads);  // what the tasks have: the limits of time go by it
     std::vector<std::vector<FarmStage>> all;
+    std::vector<RunFolder> held;
     for (FarmFilm& film : films) {
         film.threads = command.farm.threads;
-        std::string note;
-        all.push_back(stages_of(film, note));
-        if (!note.empty() && !command.farm.quiet) fmt::print(stderr, "{}\n", note);
+        FarmWork work = work_of(film);
+        if (!work.note.empty()) tell_note(work.note, false);
+        all.push_back(std::move(work.stages)), held.push_back(std::move(work.held));
     }
     const InterruptGuard interrupt;
-    if (!run_stages(together(all), films.front().folder / "farm", command.farm, interrupt)) return exit_interrupted;
-    for (const FarmFilm& film : films) fmt::print("{}\n", film.folder.string());
-    return exit_done;
+    const FarmEnd end = run_stages(together(all), films.front().folder / "farm", command.farm, interrupt);
+    if (end.interrupted) return exit_interrupted;
+    for (const FarmFilm& film : films)
+        if (std::none_of(end.failures.begin(), end.failures.end(),
+                         [&](const FarmFailure& failure) { return failure.film == fs::absolute(film.folder); }))
+            fmt::print("{}\n", film.folder.string());
+    std::fflush(stdout);
+    for (const FarmFailure& failure : end.failures) fmt::print(stderr, "whorl: {}\n", failure.message);
+    return end.failures.empty() ? exit_done : exit_failed;
 }
 
 }  // namespace
@@ -55,7 +102,7 @@ void add_farm(CLI::App& program, Job& chosen) {
     const auto command = std::make_shared<FarmCommand>();
     CLI::App* app =
         program.add_subcommand("farm", "make films on several machines: the runs of panels, or the pictures of one run, as jobs");
-    app->add_option("scenes", command->scenes, "scene files, or names of scenes that ship")->required()->type_name("SCENE");
+    app->add_option("scenes", command->scenes, "scene files, or names of scenes that ship; or one study")->required()->type_name("SCENE");
     app->add_option("--on", command->farm.on, "slurm: as job arrays of the Slurm that sbatch reaches; local: on this machine")
         ->capture_default_str()
         ->type_name("PLACE");
@@ -74,7 +121,8 @@ void add_farm(CLI::App& program, Job& chosen) {
         "frames,\n"
         "others draw ranges of them, a last one encodes. Limits of time and memory come from the plan. A job whose machine fails is begun "
         "again\n"
-        "and goes on from its checkpoint. The folder of the run must be one that all machines see.\n"
+        "and goes on from its checkpoint. A film that fails leaves the others. The folder of the run must be one that all machines see.\n"
+        "Of a study, each run is a job, as with whorl tradeoff STUDY --on slurm (or stability).\n"
         "Examples:\n"
         "  whorl farm towed_post --on slurm --threads 8\n"
         "  whorl farm honey_coil lava dam_break --on slurm --sbatch=--partition=short --out runs\n"
