@@ -58,6 +58,16 @@ time_t time(time_t* to) {
 """
 
 
+NO_LOCKS = r"""
+#include <errno.h>
+int flock(int file, int how) {
+    (void)file, (void)how;
+    errno = ENOLCK;
+    return -1;
+}
+"""
+
+
 class Lost(Exception):
     pass
 
@@ -261,6 +271,19 @@ class Faults:
 
         self.case("a clock that jumps", work)
 
+    def locks(self):
+        """A disk without locks, as clusters have them: told, and the film is made."""
+        out, none = self.folder / "unlocked", self.folder / "no_locks.so"
+
+        def work():
+            built = self.run("cc", "-shared", "-fPIC", "-o", none, "-x", "c", "-", input=NO_LOCKS)
+            if built.returncode:
+                raise Lost(f"nothing without locks could be built: {built.stderr[-300:]}")
+            self.said(self.run(*self.command(out), env=dict(self.environment, LD_PRELOAD=str(none))), 0, "has no locks (No locks available)")
+            self.same(out)
+
+        self.case("a disk without locks", work)
+
     def nan(self):
         """Expressions that are no number from a moment on: told, and what was made stays."""
         narrow = "abs(t-0.15037)<0.0002 ? sqrt(-1) : "
@@ -308,7 +331,7 @@ def main():
     options = parser.parse_intermixed_args()
     with tempfile.TemporaryDirectory() as folder:
         faults = Faults(options.program, options.kills, options.seed, Path(folder))
-        for name in options.faults or ("two", "ffmpeg", "removed", "full", "clock", "nan", "memory", "kill"):
+        for name in options.faults or ("two", "ffmpeg", "removed", "full", "clock", "locks", "nan", "memory", "kill"):
             getattr(faults, name)()
         print(f"tried {faults.tried}, survived {faults.survived}, lost {faults.tried - faults.survived}")
         sys.exit(faults.tried != faults.survived)
