@@ -159,6 +159,12 @@ TEST_CASE("while jobs of a farm go on, another farm in its folder is refused, an
     CHECK(second.code == 2);
     CHECK(second.err.find("jobs of an earlier farm are at work in this folder: 7") != std::string::npos);
     CHECK(second.err.find("scancel 7") != std::string::npos);
+    const Outcome film = test::Program({"-c", "PATH=" + scratch.path().string() + ":$PATH exec " WHORL_PROGRAM " render " +
+                                                  (scratch / "scene.toml").string() + " --frames 1 --out " + run},
+                                       "bash")
+                             .wait();
+    CHECK(film.code == 2);
+    CHECK(film.err.find("jobs of an earlier farm") != std::string::npos);
     CHECK_FALSE(fs::exists(run + ".1"));
     {  // A farm on this machine, between two of its jobs.
         program("squeue", "exit 1");

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "engine/core/errors.h"
 #include "engine/core/whole_file.h"
 #include "engine/scene/frame_times.h"
 #include "tools/cost/estimate.h"
@@ -104,9 +103,6 @@ std::vector<FarmStage> stages_of_film(const FarmFilm& film, const fs::path& fold
 FarmWork work_of(const FarmFilm& film) {
     make_plan(film.file);  // an impossible scene ends here, before anything is written
     const fs::path path = fs::absolute(film.folder);
-    if (const std::string jobs = living_jobs(path / "farm"); !jobs.empty())
-        throw InputError({film.folder.string(), 0, 0}, "jobs of an earlier farm are at work in this folder: " + jobs,
-                         fmt::format("squeue --jobs={0} shows them, scancel {0} ends them", jobs));
     const RunFolder folder = RunFolder::fresh(path);
     FarmWork work{{}, folder.note(), RunFolder::any(path / "farm")};
     write_text(path / "scene.resolved.toml", resolved_toml(film.file));

@@ -278,15 +278,6 @@ void share_cores(FarmOptions& o, std::size_t tasks) {
     if (o.threads == 0) o.threads = std::max(1, cores / o.jobs);
 }
 
-std::string living_jobs(const fs::path& folder) {
-    std::ifstream in(folder / "jobs.txt");
-    std::string jobs;
-    if (!(in >> jobs)) return {};
-    try {
-        return said_by({"squeue", "--noheader", "--jobs=" + jobs, "--format=%i"}).empty() ? "" : jobs;
-    } catch (const EnvironmentError&) { return {}; }  // Slurm does not know them any more
-}
-
 FarmEnd run_stages(const std::vector<FarmStage>& stages, const fs::path& folder, const FarmOptions& options,
                    const InterruptGuard& interrupt) {
     const fs::path here = fs::absolute(folder);

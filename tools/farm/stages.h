@@ -57,7 +57,4 @@ struct FarmEnd {
 FarmEnd run_stages(const std::vector<FarmStage>& stages, const std::filesystem::path& folder, const FarmOptions& options,
                    const InterruptGuard& interrupt);
 
-/// Jobs of Slurm's that a farm in this folder began and that have not ended, as jobs.txt names them; "" where there are none.
-std::string living_jobs(const std::filesystem::path& folder);
-
 }  // namespace whorl

@@ -15,6 +15,7 @@
 #include "engine/core/version.h"
 #include "engine/scene/scene_keys.h"
 #include "render/video/encoder.h"
+#include "render/video/process.h"
 
 namespace whorl {
 
@@ -91,6 +92,17 @@ std::string settle(const fs::path& path) {
     return "the run that stood in " + path.string() + " is there again: the one that was to replace it has no frame";
 }
 
+/// Jobs of Slurm's that a farm began in the folder and that have not ended, as it wrote them down; "" where there are none.
+std::string living_jobs(const fs::path& path) {
+    std::ifstream in(path / "farm" / "jobs.txt");
+    std::string jobs;
+    if (!(in >> jobs)) return {};
+    try {
+        ChildProcess squeue({"squeue", "--noheader", "--jobs=" + jobs, "--format=%i"});
+        return squeue.wait() == 0 && !squeue.output().empty() ? jobs : "";
+    } catch (const std::system_error&) { return {}; }  // no Slurm here, or one that does not know them any more
+}
+
 /// Renames the folder to NAME.1, or the first number that is free. @return the new name
 fs::path set_aside(const fs::path& path) {
     fs::path plain = path.lexically_normal();
@@ -154,8 +166,19 @@ void RunFolder::add_note(const std::string& sentence) {
 }
 
 void RunFolder::begun() {
-    if (replaces_) fs::remove_all(path_ / replaced);
+    std::error_code left;  // what cannot be removed now goes at the end
+    if (replaces_) fs::remove_all(path_ / replaced, left);
+    if (left) return;
     replaces_ = false;
+}
+
+/// A farm holds the run's folder by its own, as the run is its jobs'. @throws InputError where it is at work, or its jobs go on without it
+void RunFolder::refuse_farm(const fs::path& path) {
+    if (!fs::exists(path / "farm")) return;
+    const RunFolder held(path / "farm");
+    if (const std::string jobs = living_jobs(path); !jobs.empty())
+        throw InputError({path.string(), 0, 0}, "jobs of an earlier farm are at work in this folder: " + jobs,
+                         fmt::format("squeue --jobs={0} shows them, scancel {0} ends them", jobs));
 }
 
 RunFolder RunFolder::fresh(const fs::path& path, Earlier earlier) {
@@ -172,7 +195,7 @@ RunFolder RunFolder::fresh(const fs::path& path, Earlier earlier) {
         folder.add_note("the run that stood in " + path.string() + " is replaced");
         return folder;
     }
-    if (fs::exists(path / "farm")) const RunFolder farm(path / "farm");  // nor is a farm, which is between two of its jobs
+    refuse_farm(path);
     folder.add_note("the run that stood in " + path.string() + " is now in " + set_aside(path).string());
     make_folder(path);
     RunFolder empty(path);

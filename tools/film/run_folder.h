@@ -11,8 +11,8 @@ public:
     enum class Earlier { kept, replaced };
     /// A new run: makes the folder. A run that stands there already is kept under the name NAME.1, or the first number that is free. Where
     /// it is to be replaced its files go when the new one has begun(), and come back where that never does; other files stay.
-    /// @throws InputError where it holds something that is no run, or another process is at work in it; EnvironmentError where it cannot
-    /// be made
+    /// @throws InputError where it holds something that is no run, or another process or a farm's jobs are at work in it; EnvironmentError
+    /// where it cannot be made
     static RunFolder fresh(const std::filesystem::path& path, Earlier earlier = Earlier::kept);
     enum class Hold { alone, shared };
     /// A run to go on with. @throws InputError where there is none, or another process is at work in it (that does not share it, too)
@@ -33,6 +33,7 @@ public:
 
 private:
     explicit RunFolder(std::filesystem::path path, Hold hold = Hold::alone);
+    static void refuse_farm(const std::filesystem::path& path);
     void add_note(const std::string& sentence);
     std::filesystem::path path_;
     std::string note_;
