@@ -101,6 +101,7 @@ public:
     void place(Span<const Vec3> x, Span<const std::int16_t> role, Span<const std::int32_t> group, int groups, const Domain& domain,
                Real spacing);
     int groups() const { return static_cast<int>(centre_.size()); }
+    Index size() const { return static_cast<Index>(of_.size()); }  ///< particles
     /// From 0; -1: in none.
     int of(Index i) const { return of_[i]; }
     const Vec3& arm(Index i) const { return arm_[i]; }

@@ -22,7 +22,7 @@ void CoarseLevel::solve(Span<const Vec3> r) const {
 void CoarseLevel::add(Span<const Vec3> r, Span<Vec3> z) const {
     if (groups_ == 0) return;
     solve(r);
-    parallel_for(static_cast<Index>(z.size()), [&](Index i) { z[i] += correction(i); });
+    parallel_for(motions_.size(), [&](Index i) { z[i] += correction(i); });
 }
 
 void keep_definite(SymmetricBlocks& Ac) {

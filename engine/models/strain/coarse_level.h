@@ -17,7 +17,7 @@ public:
     const RigidAggregates& motions() const { return motions_; }
     /// Where Ac is not definite, there is no coarse level.
     void factor(const SymmetricBlocks& Ac);
-    /// z += R Ac^-1 R^T r
+    /// z += R Ac^-1 R^T r of the particles; what stands behind them (free bodies) is in no group
     void add(Span<const Vec3> r, Span<Vec3> z) const;
     /// Solves Ac m = R^T r for correction().
     void solve(Span<const Vec3> r) const;

@@ -201,6 +201,24 @@ TEST_CASE(
     }
 }
 
+TEST_CASE("the coarse level moves particles, not the free bodies that stand behind them") {
+    const std::vector<Vec3> x{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};
+    const std::vector<std::int16_t> role(4, 0);
+    const std::vector<std::int32_t> group(4, 1);
+    CoarseLevel coarse;
+    for (const std::size_t n : {std::size_t(4), std::size_t(2)})
+        coarse.place(std::span(x).first(n), std::span(role).first(n), std::span(group).first(n), 1, {}, 1);
+    SymmetricBlocks Ac(1);
+    Ac.add(0, 0, SymmetricBlocks::Block::Identity());
+    coarse.factor(Ac);
+    const std::vector<Vec3> r(4, Vec3(Vec3::Ones()));
+    std::vector<Vec3> z(4, Vec3(Vec3::Zero()));
+    coarse.add(r, z);
+    CHECK(z[0].norm() > 0);
+    CHECK(z[2] == Vec3(Vec3::Zero()));
+    CHECK(z[3] == Vec3(Vec3::Zero()));
+}
+
 TEST_CASE("with the coarse level a stiff free body needs less than half of the iterations, and keeps momentum and angular momentum to 1e-5",
           "[viscosity]") {
     // A bar of 40 x 6 x 6 with nu dt/d^2 = 1000, bent by its initial velocity.
