@@ -69,6 +69,19 @@ bool fits(KeyType type, const Value& v) {
     }
 }
 
+/// What keeps a text from being the number that it begins with: "0.3 m/s", "0,3".
+std::string why_no_number(const Value& v, const std::string& unit) {
+    const std::string* text = v.as<std::string>();
+    if (!text) return "";
+    char* end = nullptr;
+    std::strtod(text->c_str(), &end);
+    if (end == text->c_str()) return "";
+    if (*end == ',') return "decimals stand behind a point";
+    while (*end == ' ') ++end;
+    const bool letters = std::isalpha(static_cast<unsigned char>(*end)) != 0;
+    return letters && !unit.empty() ? "a number stands alone, in " + unit : "";
+}
+
 }  // namespace
 
 const Value* Value::find(const std::string& key) const {
@@ -164,8 +177,12 @@ void Key::read(void* object, const Value& v, const std::string& path, std::vecto
         good = check_entry(v, path, problems);
     } else {
         const Value::List* list = v.as<Value::List>();
-        if (!list || (count > 0 && list->size() != static_cast<std::size_t>(count)))
-            return wrong_type(v.place, in_words(v), path, problems);
+        if (!list || (count > 0 && list->size() != static_cast<std::size_t>(count))) {
+            wrong_type(v.place, in_words(v), path, problems);
+            if (!list && count > 0 && standard.as<Value::List>())
+                problems.back().hint = "as in " + standard.toml();  // brackets are missing
+            return;
+        }
         for (std::size_t i = 0; i < list->size(); ++i) {
             const Value& e = (*list)[i];
             if (!fits(element, e)) return wrong_type(e.place, in_words(e) + " in place " + std::to_string(i + 1), path, problems);
@@ -214,8 +231,8 @@ bool Key::assign(void* object, const Value& v, const std::string& path, Problems
         access->read(static_cast<char*>(object) + offset, v);
         return true;
     } catch (const KeyFault& fault) {
-        problems.push_back(
-            {fault.place, path + ": " + fault.what(), "", variables.empty() ? "" : "allowed: functions of " + variable_names(variables)});
+        problems.push_back({fault.place, path + ": " + fault.what(), why_no_number(v, unit),
+                            variables.empty() ? "" : "allowed: functions of " + variable_names(variables)});
         return false;
     }
 }

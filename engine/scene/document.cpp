@@ -101,7 +101,9 @@ void put(Value& node, const std::vector<Step>& steps, std::size_t depth, const V
         if (!step.is_index || step.index > list->size()) {
             std::string path = steps[0].name;
             for (std::size_t i = 1; i < depth; ++i) path += steps[i].is_index ? "[" + steps[i].name + "]" : "." + steps[i].name;
-            problems.push_back({value.place, "there is no " + path + "[" + step.name + "]", "",
+            const std::string wanted =
+                step.is_index ? "there is no " + path + "[" + step.name + "]" : path + " is a list, which has no " + step.name;
+            problems.push_back({value.place, wanted, step.is_index ? "" : "name an entry, as in " + path + "[0]." + step.name,
                                 list->empty() ? "" : path + " has the entries 0 to " + std::to_string(list->size() - 1)});
             return;
         }
@@ -216,10 +218,19 @@ Value parse_toml_file(const std::string& file) {
     return parse_toml(text.str(), file);
 }
 
+namespace {
+
+std::string trimmed(const std::string& text) {
+    const std::size_t begin = std::min(text.find_first_not_of(" \t"), text.size());
+    return text.substr(begin, text.find_last_not_of(" \t") + 1 - begin);
+}
+
+}  // namespace
+
 Change parse_change(const std::string& text, const std::string& option) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos) return {text, "", option + " " + text, false};
-    return {text.substr(0, equals), text.substr(equals + 1), option + " " + text};
+    return {trimmed(text.substr(0, equals)), trimmed(text.substr(equals + 1)), option + " " + text};
 }
 
 void apply_change(Value& root, const Change& change, std::vector<Problem>& problems) {

@@ -54,6 +54,13 @@ void Reader::disagree(const std::vector<std::string>& keys, std::string what, st
     problems.push_back({where, std::move(what), std::move(hint), std::move(allowed)});
 }
 
+/// A key of another section, most likely.
+std::string Reader::key_elsewhere(const std::string& name) const {
+    for (const KeyTable::Part& part : root_.table->parts)
+        if (part.table->find_key(name)) return "[" + part.name + "] has a key of this name";
+    return "";
+}
+
 void Reader::unknown(const Value& v, const std::string& name, const KeyTable& table, const std::string& path) {
     std::vector<std::string> names = names_in(table);
     if (path.empty())
@@ -62,9 +69,7 @@ void Reader::unknown(const Value& v, const std::string& name, const KeyTable& ta
     const std::string near = nearest_name(name, names);
     const std::string where = path.empty() ? "" : (path.back() == ']' ? " in " + path : " in [" + path + "]");
     std::string hint = near.empty() ? "" : "did you mean \"" + near + "\"?";
-    if (near.empty())  // a key of another section, most likely
-        for (const KeyTable::Part& part : root_.table->parts)
-            if (part.table->find_key(name) && hint.empty()) hint = "[" + part.name + "] has a key of this name";
+    if (near.empty()) hint = key_elsewhere(name);
     problems.push_back({v.key_place, "unknown key \"" + name + "\"" + where, hint, fmt::format("allowed: {}", fmt::join(names, ", "))});
 }
 
@@ -76,7 +81,11 @@ void Reader::read_part(const KeyTable::Part& part, void* object, const Value& v,
     places[path] = v.place;
     if (!part.is_list) {
         void* inner = part.one(object);
-        if (!v.as<Value::Table>()) return wrong(v.key_place, v.as<Value::List>() ? "one table, [" + path + "]" : "a table, [" + path + "]");
+        if (!v.as<Value::Table>()) {
+            wrong(v.key_place, v.as<Value::List>() ? "one table, [" + path + "]" : "a table, [" + path + "]");
+            problems.back().hint = key_elsewhere(part.name);
+            return;
+        }
         return read_table({part.table.get(), inner}, inner, v, path);
     }
     const Value::List* list = v.as<Value::List>();

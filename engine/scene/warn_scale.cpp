@@ -14,6 +14,7 @@ constexpr double most_fps = 1000;
 constexpr double widest_opening = 1, longest_domain = 100;  // m
 constexpr double lightest = 100, heaviest = 25'000;         // kg/m^3; liquids have 70 (hydrogen) to 13,500 (mercury)
 constexpr double lightest_body = 10;                        // kg/m^3; foams have 15 and more
+constexpr double strongest_tension = 4;                     // N/m; molten metals have up to 2.7
 constexpr double strongest_gravity = 300;                   // m/s^2; the sun's is 274
 
 /// "5 m", "0.3 mm": as people say a length.
@@ -31,7 +32,7 @@ public:
     std::vector<ScaleWarning> all() {
         film();
         domain();
-        density();
+        properties();
         for (std::size_t i = 0; i < scene_.emitters.size(); ++i) emitter(entry_name("emitter", i), scene_.emitters[i]);
         speeds();
         for (std::size_t i = 0; i < scene_.solids.size(); ++i) solid(entry_name("solid", i), i);
@@ -58,8 +59,8 @@ private:
             add("domain.max", fmt::format("domain.max: the domain is {} long; lengths are in metres, and {:g} mm would be {:g}",
                                           length(largest_side()), largest_side(), largest_side() / 1000));
         if (const double g = scene_.domain.gravity(0).norm(); g > strongest_gravity)
-            add("domain.gravity",
-                fmt::format("domain.gravity = {:g} m/s^2 is {:.3g} times that of the earth; it is in m/s^2, not mm/s^2", g, g / 9.81));
+            add("domain.gravity", fmt::format("domain.gravity = {:g} m/s^2 is {:.3g} times that of the earth; it is in m/s^2, not {}/s^2",
+                                              g, g / 9.81, g < 3000 ? "cm" : "mm"));
     }
 
     /// Flows without dimensions are written with a density of 1, and without gravity.
@@ -68,7 +69,7 @@ private:
         return scene_.fluid.density != 1 ||
                std::any_of(times.begin(), times.end(), [&](double t) { return scene_.domain.gravity(t).norm() > 0; });
     }
-    void density() {
+    void properties() {
         if (!has_units()) return;
         const double rho = scene_.fluid.density;
         if (rho < lightest)
@@ -78,6 +79,10 @@ private:
         if (rho > heaviest)
             add("fluid.density",
                 fmt::format("fluid.density = {:g} kg/m^3 is more than that of any liquid (water has 1000, mercury 13500)", rho));
+        if (const double tension = scene_.fluid.surface_tension; tension > strongest_tension)
+            add("fluid.surface_tension", fmt::format("fluid.surface_tension = {:g} N/m is more than that of any liquid (water has 0.072, "
+                                                     "mercury 0.49): {:g} mN/m would be {:g}",
+                                                     tension, tension, tension / 1000));
         for (std::size_t i = 0; i < scene_.solids.size(); ++i) {
             const std::string key = entry_name("solid", i) + ".density";
             const double body = scene_.solids[i].density;

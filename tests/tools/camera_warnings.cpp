@@ -47,6 +47,8 @@ TEST_CASE("a camera that shows nothing of the scene is told, with its key", "[to
     CHECK(one({keys, "camera.key[0]={time=0, position=[0, 1, 0], target=[0, 0, 0]}"}).find("camera.up: the camera looks along") == 0);
     CHECK(one({keys, first, "camera.key[1]={time=900, position=[0, 0.1, 400], target=[0, 0.05, 700]}"})
               .find("camera.key[0].target: the camera at") == 0);
+    CHECK_THROWS_WITH(one({keys}),
+                      "--set camera.kind=keys: camera.kind = \"keys\" needs a [[camera.key]]; give time and position of one or more");
     orbits = true;
     CHECK(one({}).find("looks past the whole domain at 0 s") != std::string::npos);
 }

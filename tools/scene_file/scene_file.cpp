@@ -121,6 +121,9 @@ void check_look(const SceneFile& file) {
                                  fmt::format("camera.max: {:g} along {} is not above camera.min, {:g}", (*file.camera.max)[a], "xyz"[a],
                                              (*file.camera.min)[a]),
                                  "", "corners of a box: each number of max above that of min");
+    if (file.camera.kind == "keys" && file.camera.keys.empty())
+        throw InputError(file.scene.place("camera.kind"), "camera.kind = \"keys\" needs a [[camera.key]]",
+                         "give time and position of one or more");
     if (!(file.surface.radius > file.surface.voxel))
         throw InputError(
             file.scene.place(file.scene.places.count("surface.radius") > 0 ? "surface.radius" : "surface.voxel"),

@@ -56,8 +56,15 @@ const std::vector<Case> cases = {
      "bad.toml:5:18: fluid.viscosity: \"1 + q\" is not an expression: unexpected token \"q\" (column 5 of the text); allowed: functions of "
      "x, y, z, age"},
     {"spacing = 0.01", "spacing = 0.01\nviscosity = \"0,5\"",
-     "bad.toml:5:15: fluid.viscosity: \"0,5\" is not an expression: a comma outside a function (column 2 of the text); allowed: functions "
-     "of x, y, z, age"},
+     "bad.toml:5:15: fluid.viscosity: \"0,5\" is not an expression: a comma outside a function (column 2 of the text); decimals stand "
+     "behind "
+     "a point; allowed: functions of x, y, z, age"},
+    {"spacing = 0.01", "spacing = 0.01\nviscosity = \"10 Pas\"",
+     "bad.toml:5:17: fluid.viscosity: \"10 Pas\" is not an expression: unexpected variable \"Pas\" (column 4 of the text); a number stands "
+     "alone, in Pa s; allowed: functions of x, y, z, age"},
+    {"spacing = 0.01", "spacing = 0.01\nforce = 9.81",
+     "bad.toml:5:9: fluid.force must be a list of 3 numbers or expressions in quotes [m/s^2], not the number 9.81; as in [0.0, 0.0, 0.0]"},
+    {"[time]", "viscosity = 1\n[time]", "bad.toml:1:1: viscosity must be a table, [viscosity]; [fluid] has a key of this name"},
     {"spacing = 0.01", "spacing = 0.01\nviscosity = \"1 + t\"",
      "bad.toml:5:13: fluid.viscosity uses t, which it cannot depend on; allowed: functions of x, y, z, age"},
     {"spacing = 0.01", "spacing = 0.01\nviscosity = -3", "bad.toml:5:13: fluid.viscosity = -3 is out of range; allowed: at least 0"},
@@ -161,7 +168,7 @@ const std::vector<Case> cases = {
      "bad.toml:11:19: output.export[1] = \"pionts\" is not known; did you mean \"points\"?; allowed: points, mesh, obj, vdb, scene, vtk, "
      "raw"},
     {"", "[output]\nsize = \"big\"\nexport = \"mesh\"",
-     "bad.toml:10:8: output.size must be a list of 2 whole numbers [pixels], not the text \"big\"\n"
+     "bad.toml:10:8: output.size must be a list of 2 whole numbers [pixels], not the text \"big\"; as in [1280, 720]\n"
      "bad.toml:11:10: output.export must be a list of texts, not the text \"mesh\"; allowed: points, mesh, obj, vdb, scene, vtk, raw"},
     {"", "[outptu]\nframes = true",
      "bad.toml:9:2: unknown key \"outptu\"; did you mean \"output\"?; allowed: name, seed, time, domain, fluid, models, pressure, "
@@ -249,7 +256,8 @@ TEST_CASE("a scene of two dimensions takes vectors of two numbers, or of three w
 TEST_CASE("several mistakes are told in one go, in the order of their places, those of the command line last", "[scene]") {
     ReadRequest request;
     request.changes = {parse_change("fluid.viscosity=-1"),   parse_change("time.edn=3"), parse_change("seed"),
-                       parse_change("block[7].min=[0,0,0]"), parse_change("a b=1"),      parse_change("output.size=[1,2")};
+                       parse_change("block[7].min=[0,0,0]"), parse_change("a b=1"),      parse_change("output.size=[1,2"),
+                       parse_change("block.min=1")};
     const std::string text = "[time]\nend = \"x\"\n[fluid]\nspacing = 0\n[[block]]\nshape = 3\n";
     CHECK(messages_of(text, request) ==
           "bad.toml:2:7: time.end must be a number [s], not the text \"x\"\n"
@@ -259,6 +267,7 @@ TEST_CASE("several mistakes are told in one go, in the order of their places, th
           "--set block[7].min=[0,0,0]: there is no block[7]; block has the entries 0 to 0\n"
           "--set a b=1: \"a b\" is not a key; allowed: names with dots between them, as in emitter[0].speed\n"
           "--set output.size=[1,2: the value is not TOML: in this array: encountered end-of-file\n"
+          "--set block.min=1: block is a list, which has no min; name an entry, as in block[0].min; block has the entries 0 to 0\n"
           "--set time.edn=3: unknown key \"edn\" in [time]; did you mean \"end\"?; allowed: end, fps, slow_motion, max_step, cfl, "
           "fixed_step, sleep\n"
           "--set fluid.viscosity=-1: fluid.viscosity = -1 is out of range; allowed: at least 0");
@@ -277,11 +286,12 @@ TEST_CASE("numbers on the command line may be written as people write them", "[s
     }
     ReadRequest request;
     request.changes = {parse_change("block[0].min=[0, -.1,+.05]"), parse_change("pressure.max_iterations=1e2"), parse_change("seed=5."),
-                       parse_change("domain.gravity=[.5, '-1.', 0]")};
+                       parse_change("domain.gravity=[.5, '-1.', 0]"), parse_change("time.cfl = 1.5")};
     const Scene scene = read_scene_text(text, "numbers.toml", request);
     CHECK(scene.blocks[0].shape.min == Vec3d(0, -0.1, 0.05));
     CHECK(scene.pressure.max_iterations == 100);
     CHECK(scene.seed == 5);
+    CHECK(scene.time.cfl == 1.5);
     CHECK(scene.domain.gravity(0) == Vec3d(0.5, -1, 0));
     request.changes = {parse_change("fluid.viscosity=1e999")};
     CHECK(

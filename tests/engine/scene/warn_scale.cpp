@@ -26,6 +26,8 @@ TEST_CASE("a size that comes from a wrong unit is told with its key, what it mea
     CHECK(warned({"emitter[0].speed=300", "time.end=0.01"},
                  "emitter[0].speed: the fluid moves with 300 m/s, 1080 km/h; speeds are in m/s, and 300 mm/s would be 0.3"));
     CHECK(warned({"fluid.density=1.3"}, "fluid.density = 1.3 kg/m^3 is that of a gas (air has 1.2, water 1000): 1.3 g/cm^3 would be 1300"));
+    CHECK(warned({"fluid.surface_tension=72"},
+                 "fluid.surface_tension = 72 N/m is more than that of any liquid (water has 0.072, mercury 0.49): 72 mN/m would be 0.072"));
     CHECK(warned({"fluid.density=1"}, "fluid.density = 1 kg/m^3 is that of a gas (air has 1.2, water 1000): 1 g/cm^3 would be 1000"));
     CHECK(!warned({"fluid.density=1", "domain.gravity=[0,0,0]"},
                   "fluid.density = 1 kg/m^3 is that of a gas (air has 1.2, water 1000): 1 g/cm^3 would be 1000"));  // has no units
