@@ -83,7 +83,7 @@ void Reader::read_part(const KeyTable::Part& part, void* object, const Value& v,
         void* inner = part.one(object);
         if (!v.as<Value::Table>()) {
             wrong(v.key_place, v.as<Value::List>() ? "one table, [" + path + "]" : "a table, [" + path + "]");
-            problems.back().hint = key_elsewhere(part.name);
+            if (!v.as<Value::List>()) problems.back().hint = key_elsewhere(part.name);
             return;
         }
         return read_table({part.table.get(), inner}, inner, v, path);
