@@ -181,6 +181,7 @@ void Key::read(void* object, const Value& v, const std::string& path, std::vecto
             wrong_type(v.place, in_words(v), path, problems);
             if (!list && count > 0 && standard.as<Value::List>())
                 problems.back().hint = "as in " + standard.toml();  // brackets are missing
+            if (v.as<std::string>() && type == KeyType::texts) problems.back().hint = "as in [" + v.toml() + "]";
             return;
         }
         for (std::size_t i = 0; i < list->size(); ++i) {

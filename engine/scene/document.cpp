@@ -251,7 +251,9 @@ void apply_change(Value& root, const Change& change, std::vector<Problem>& probl
     } catch (const toml::parse_error& e) {
         // What looks like TOML must be TOML; anything else is a text, as in models.pressure=ppe.
         if (change.value.empty() || std::strchr("[{\"'", change.value[0]) != nullptr) {
-            problems.push_back({place, "the value is not TOML: " + message_of(e), "", ""});
+            const bool list = !change.value.empty() && change.value[0] == '[';
+            problems.push_back(
+                {place, "the value is not TOML: " + message_of(e), list ? "texts and expressions in a list stand in quotes" : "", ""});
             return;
         }
         value = Value(change.value);

@@ -169,7 +169,8 @@ const std::vector<Case> cases = {
      "raw"},
     {"", "[output]\nsize = \"big\"\nexport = \"mesh\"",
      "bad.toml:10:8: output.size must be a list of 2 whole numbers [pixels], not the text \"big\"; as in [1280, 720]\n"
-     "bad.toml:11:10: output.export must be a list of texts, not the text \"mesh\"; allowed: points, mesh, obj, vdb, scene, vtk, raw"},
+     "bad.toml:11:10: output.export must be a list of texts, not the text \"mesh\"; as in [\"mesh\"]; allowed: points, mesh, obj, vdb, "
+     "scene, vtk, raw"},
     {"", "[outptu]\nframes = true",
      "bad.toml:9:2: unknown key \"outptu\"; did you mean \"output\"?; allowed: name, seed, time, domain, fluid, models, pressure, "
      "viscosity, micropolar, boundary, block, emitter, solid, drain, stream, vortex, probe, change, panel, output, budget, quality"},
@@ -266,7 +267,8 @@ TEST_CASE("several mistakes are told in one go, in the order of their places, th
           "--set seed: a change needs a value; allowed: key=value, as in fluid.viscosity=100\n"
           "--set block[7].min=[0,0,0]: there is no block[7]; block has the entries 0 to 0\n"
           "--set a b=1: \"a b\" is not a key; allowed: names with dots between them, as in emitter[0].speed\n"
-          "--set output.size=[1,2: the value is not TOML: in this array: encountered end-of-file\n"
+          "--set output.size=[1,2: the value is not TOML: in this array: encountered end-of-file; texts and expressions in a list stand in "
+          "quotes\n"
           "--set block.min=1: block is a list, which has no min; name an entry, as in block[0].min; block has the entries 0 to 0\n"
           "--set time.edn=3: unknown key \"edn\" in [time]; did you mean \"end\"?; allowed: end, fps, slow_motion, max_step, cfl, "
           "fixed_step, sleep\n"
