@@ -239,6 +239,16 @@ TEST_CASE("a run that is to be replaced is there again, all of it, where the new
     over.emplace_back("--overwrite");
     REQUIRE(test::whorl(over).code == 0);
     CHECK_FALSE(fs::exists(scratch / "run/.replaced"));
+    // Ctrl-C after the first picture: a slip, maybe.
+    over[3] = "20";
+    Program slip(over);
+    REQUIRE(slip.wait_until([&] { return fs::exists(scratch / "run/frames/000001.png") && fs::exists(scratch / "run/.replaced"); }));
+    slip.signal(SIGINT);
+    const Outcome stopped = slip.wait();
+    CHECK(stopped.code == 130);
+    CHECK(stopped.err.find("is now in " + scratch.run() + ".2: the one that was to replace it ended early") != std::string::npos);
+    CHECK(read_whole(scratch / "run.2/little_honey.mp4") == video);
+    CHECK(fs::exists(scratch / "run/frames/000001.png"));
 }
 
 TEST_CASE("what became of the run that stood there is told also with --quiet, and as an event with --json", "[tools][render]") {

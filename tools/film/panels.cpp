@@ -56,7 +56,6 @@ public:
         write_report("running", "");
         for (std::size_t k = 0; k < scenes_.size(); ++k) {
             const int code = run(k);
-            if (frames_of(k) > 0) folder_.begun();
             if (code == exit_interrupted) {
                 write_report("interrupted", "go on with: whorl resume " + folder_.path().string());
                 std::fprintf(stderr, "whorl: panel %zu of %zu was interrupted; go on with all of them: whorl resume %s\n", k + 1,
@@ -70,6 +69,7 @@ public:
         if (filmed) film(frames);
         const std::string status = failed_ ? "diverged" : "done";
         write_report(status, failed_ ? "panel " + name_of(*failed_) + " diverged" : "");
+        folder_.stands();
         if (!request_.quiet && !request_.json)
             std::fprintf(stderr, "%d frames of %zu panels: %s\n", frames, scenes_.size(),
                          (filmed && scene_.output.video ? video() : folder_.path()).c_str());

@@ -34,6 +34,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// A run that ends sooner than this, and not at its end, may be a slip: what it was to replace is kept.
+constexpr double slip_seconds = 60;
+
 FilmOptions film_options(const RunRequest& request, const SceneFile& file, int frames_before) {
     const Scene& scene = file.scene;
     FilmOptions options;
@@ -220,7 +223,7 @@ void Run::add_frame() {
     if (scene_.budget.any() && summary.steps > 0) loop_->hold_to_budget(summary, frame_, seconds, times_.wall());
     const bool due = frame_ == last_ || wall_seconds() - saved_at_ >= scene_.output.checkpoint_every;
     film_->add(snapshots_->take(simulation_, frame_), pictures_, state(), due);
-    if (film_->frames_written() > 0) folder_.begun();
+    if (film_->frames_written() > 0 && times_.wall() > slip_seconds) folder_.stands();
     if (due) {
         saved_at_ = wall_seconds();
         write_report("running", "");
@@ -288,7 +291,7 @@ int Run::conclude(const std::string& status, const std::string& message) {
     if (film_options(request_, file_, 0).images) write_contact_sheet(folder_.path(), frames_written());
     write_report(status, message);
     const double wall = times_.wall();
-    if (status == "done") predict_late();
+    if (status == "done") folder_.stands(), predict_late();
     log_->info("{} after {} frames, {} steps, {:.1f} s{}{}", status, frames_written(), simulation_.totals().steps, wall,
                message.empty() ? "" : ": ", message);
     if (status == "done") say_done(wall);

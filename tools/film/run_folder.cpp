@@ -84,9 +84,26 @@ void put_back(const fs::path& path) {
     fs::remove(path / on_their_way);
 }
 
-/// Ends what a run began that was to replace another. @return what became of that one, where it is there again
+/// Without what stands behind the name in "out/honey/".
+fs::path plain(const fs::path& path) {
+    const fs::path normal = path.lexically_normal();
+    return normal.has_filename() ? normal : normal.parent_path();
+}
+
+/// NAME.1, or the first number that is free.
+fs::path free_name(const fs::path& path) {
+    fs::path kept;
+    for (int k = 1; kept.empty() || fs::exists(kept); ++k) kept = plain(path).string() + "." + std::to_string(k);
+    return kept;
+}
+
+/// Ends what a run began that was to replace another, and did not: nothing is lost. @return what became of that one, "" where there is none
 std::string settle(const fs::path& path) {
-    if (fs::exists(path / replaced) && has_begun(path)) fs::remove_all(path / replaced);
+    if (fs::exists(path / replaced) && has_begun(path)) {
+        const fs::path kept = free_name(path);
+        fs::rename(path / replaced, kept);
+        return "the run that stood in " + path.string() + " is now in " + kept.string() + ": the one that was to replace it ended early";
+    }
     if (!fs::exists(path / replaced) && !fs::exists(path / on_their_way)) return {};
     put_back(path);
     return "the run that stood in " + path.string() + " is there again: the one that was to replace it has no frame";
@@ -103,14 +120,11 @@ std::string living_jobs(const fs::path& path) {
     } catch (const std::system_error&) { return {}; }  // no Slurm here, or one that does not know them any more
 }
 
-/// Renames the folder to NAME.1, or the first number that is free. @return the new name
+/// @return the folder's new name
 fs::path set_aside(const fs::path& path) {
-    fs::path plain = path.lexically_normal();
-    if (!plain.has_filename()) plain = plain.parent_path();  // "out/honey/"
-    fs::path kept;
-    for (int k = 1; kept.empty() || fs::exists(kept); ++k) kept = plain.string() + "." + std::to_string(k);
+    const fs::path kept = free_name(path);
     std::error_code error;
-    fs::rename(plain, kept, error);
+    fs::rename(plain(path), kept, error);
     if (error)
         throw EnvironmentError("cannot rename the run that stands in " + path.string() + " to " + kept.string() + ": " + error.message(),
                                "", "choose another folder with --out, or replace the run with --overwrite");
@@ -165,7 +179,7 @@ void RunFolder::add_note(const std::string& sentence) {
     if (!sentence.empty()) note_ += (note_.empty() ? "" : "; ") + sentence;
 }
 
-void RunFolder::begun() {
+void RunFolder::stands() {
     std::error_code left;  // what cannot be removed now goes at the end
     if (replaces_) fs::remove_all(path_ / replaced, left);
     if (left) return;

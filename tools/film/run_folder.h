@@ -10,7 +10,7 @@ class RunFolder {
 public:
     enum class Earlier { kept, replaced };
     /// A new run: makes the folder. A run that stands there already is kept under the name NAME.1, or the first number that is free. Where
-    /// it is to be replaced its files go when the new one has begun(), and come back where that never does; other files stay.
+    /// it is to be replaced its files go when the new one stands(); other files stay.
     /// @throws InputError where it holds something that is no run, or another process or a farm's jobs are at work in it; EnvironmentError
     /// where it cannot be made
     static RunFolder fresh(const std::filesystem::path& path, Earlier earlier = Earlier::kept);
@@ -28,8 +28,9 @@ public:
     const std::filesystem::path& path() const { return path_; }
     /// What became of the run that stood there, and what else there is to know, as sentences; "" where there is nothing.
     const std::string& note() const { return note_; }
-    /// The new run has its first frame: the one that it replaces is not needed any more.
-    void begun();
+    /// The new run is no slip: the one that it replaces goes. Without this, also after a power cut, that one comes back where the new one
+    /// has no frame yet, and is kept under the name NAME.1 where it has.
+    void stands();
 
 private:
     explicit RunFolder(std::filesystem::path path, Hold hold = Hold::alone);

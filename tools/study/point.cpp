@@ -219,6 +219,7 @@ int PointRunner::run_job(const Call& call, const std::vector<std::string>& argum
 void PointRunner::run_once(const Call& call, bool pictures, const std::string& words, PointResult& result) const {
     const fs::path output = result.folder.string() + ".txt";
     const std::vector<std::string> arguments = arguments_of(call, pictures, result.folder);
+    fs::remove_all(result.folder);  // of another build or timing; --overwrite is for a job that is begun again
     ChildUse use;
     if (place_.slurm) use.code = run_job(call, arguments, output);
     else use = run_child(arguments, output, study_.limit, interrupt_);
