@@ -1,0 +1,131 @@
+#include "tools/film/run_folder.h"
+
+#include <signal.h>
+
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "engine/io/files.h"
+#include "render/image/image.h"
+#include "tests/support/film_runs.h"
+#include "tests/support/program.h"
+
+using namespace whorl;
+using test::Outcome;
+using test::Program;
+namespace fs = std::filesystem;
+
+namespace run_folder_test {
+
+using test::files_in;
+using Scratch = test::FilmScratch;
+
+TEST_CASE("a folder that is not a run's is left alone, a run's is kept under another name, or replaced where that is asked for",
+          "[tools][render]") {
+    const Scratch scratch;
+    std::vector<std::string> arguments{"render", scratch.scene(), "--no-images", "--until", "0.03", "--out", scratch.run() + "/"};
+    fs::create_directories(scratch / "run");
+    std::ofstream(scratch / "run/thesis.txt") << "years of work";
+    const Outcome refused = test::whorl(arguments);
+    CHECK(refused.code == 2);
+    CHECK(refused.err.find("holds files that are not of a run") != std::string::npos);
+    CHECK(files_in(scratch / "run").size() == 1);
+
+    fs::remove(scratch / "run/thesis.txt");
+    REQUIRE(test::whorl(arguments).code == 0);
+    std::ofstream(scratch / "run/notes.txt") << "of the first";
+    const std::string first = read_whole(scratch / "run/diagnostics.csv");
+    const Outcome second = test::whorl(arguments);
+    CHECK(second.code == 0);
+    CHECK(second.err.find("is now in " + scratch.run() + ".1\n") != std::string::npos);
+    CHECK(test::whorl(arguments).code == 0);
+    CHECK(read_whole(scratch / "run.1/notes.txt") == "of the first");
+    CHECK(read_whole(scratch / "run.1/diagnostics.csv") == first);
+    CHECK(fs::exists(scratch / "run.2/diagnostics.csv"));
+    CHECK_FALSE(fs::exists(scratch / "run/notes.txt"));
+
+    std::ofstream(scratch / "run/notes.txt") << "keep";
+    arguments.emplace_back("--overwrite");
+    const Outcome replaced = test::whorl(arguments);
+    CHECK(replaced.err.find("is replaced\n") != std::string::npos);
+    CHECK(fs::exists(scratch / "run/notes.txt"));
+    CHECK_FALSE(fs::exists(scratch / "run.3"));
+    CHECK(test::whorl({"resume", (scratch / "nowhere").string()}).code == 2);
+    CHECK(test::whorl({"video", scratch.run()}).code == 2);
+}
+
+TEST_CASE("a run that is to be replaced is there again, all of it, where the new one gets no picture", "[tools][render]") {
+    const Scratch scratch;
+    const std::vector<std::string> arguments{"render", scratch.scene(), "--frames", "2",          "--size",
+                                             "64x36",  "--quiet",       "--out",    scratch.run()};
+    REQUIRE(test::whorl(arguments).code == 0);
+    std::ofstream(scratch / "run/budget.csv") << "of the first";
+    const auto first = files_in(scratch / "run");
+    const std::string video = read_whole(scratch / "run/little_honey.mp4");
+    const auto check_first = [&](const fs::path& folder) {
+        CHECK(read_whole(folder / "little_honey.mp4") == video);
+        CHECK(read_whole(folder / "budget.csv") == "of the first");
+        CHECK(files_in(folder).size() == first.size());
+        CHECK(read_png(folder / "frames/000002.png").width == 64);
+    };
+    const Outcome no_encoder = Program({"-c", "PATH=/nowhere exec " WHORL_PROGRAM " render '" + scratch.scene() +
+                                                  "' --quiet --overwrite --out '" + scratch.run() + "' --frames 2 --size 96x54"},
+                                       "bash")
+                                   .wait();
+    CHECK(no_encoder.code == 1);
+    CHECK(no_encoder.err.find("is there again") != std::string::npos);
+    check_first(scratch / "run");
+    // As a power cut leaves it that comes before the first picture.
+    fs::create_directory(scratch / "run/.replaced");
+    for (const fs::path& file : first) fs::rename(file, scratch / "run/.replaced" / file.filename());
+    fs::create_directory(scratch / "run/frames");
+    std::ofstream(scratch / "run/scene.resolved.toml") << "of the second";
+    REQUIRE(test::whorl(arguments).code == 0);
+    check_first(scratch / "run.1");
+    auto over = arguments;
+    over.emplace_back("--overwrite");
+    REQUIRE(test::whorl(over).code == 0);
+    CHECK_FALSE(fs::exists(scratch / "run/.replaced"));
+    // Ctrl-C after the first picture: a slip, maybe.
+    over[3] = "20";
+    Program slip(over);
+    REQUIRE(slip.wait_until([&] { return fs::exists(scratch / "run/frames/000001.png") && fs::exists(scratch / "run/.replaced"); }));
+    slip.signal(SIGINT);
+    const Outcome stopped = slip.wait();
+    CHECK(stopped.code == 130);
+    CHECK(stopped.err.find("is now in " + scratch.run() + ".2: the one that was to replace it ended early") != std::string::npos);
+    CHECK(read_whole(scratch / "run.2/little_honey.mp4") == video);
+    CHECK(fs::exists(scratch / "run/frames/000001.png"));
+}
+
+TEST_CASE("what became of the run that stood there is told also with --quiet, and as an event with --json", "[tools][render]") {
+    const Scratch scratch;
+    std::vector<std::string> arguments{"render", scratch.scene(), "--no-images", "--frames", "1", "--out", scratch.run(), "--quiet"};
+    REQUIRE(test::whorl(arguments).err.empty());
+    CHECK(test::whorl(arguments).err == "the run that stood in " + scratch.run() + " is now in " + scratch.run() + ".1\n");
+    arguments.back() = "--json";
+    const Outcome json = test::whorl(arguments);
+    const auto note = nlohmann::json::parse(json.out.substr(0, json.out.find('\n')));
+    CHECK(note["event"] == "note");
+    CHECK(note["text"] == "the run that stood in " + scratch.run() + " is now in " + scratch.run() + ".2");
+}
+
+TEST_CASE("a folder in which another process is at work is left alone by all that write into it", "[tools][render]") {
+    const Scratch scratch;
+    REQUIRE(test::whorl({"render", scratch.scene(), "--no-images", "--frames", "1", "--quiet", "--out", scratch.run()}).code == 0);
+    const RunFolder held = RunFolder::existing(scratch.run());
+    for (const std::vector<std::string>& words : {std::vector<std::string>{"video", scratch.run()},
+                                                  {"video", scratch.run(), "--out", scratch.run("film.mp4")},
+                                                  {"draw", scratch.run()},
+                                                  {"resume", scratch.run()},
+                                                  {"tradeoff", "coil_frequency", "--out", scratch.run()},
+                                                  {"stability", "viscous_steps", "--out", scratch.run()}}) {
+        const Outcome refused = test::whorl(words);
+        INFO(words[0] << refused.err);
+        CHECK(refused.code == 2);
+        CHECK(refused.err.find("another run is at work in this folder; wait for it") != std::string::npos);
+    }
+}
+
+}  // namespace run_folder_test
