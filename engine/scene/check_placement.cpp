@@ -233,12 +233,16 @@ private:
             }
         const std::string key = e.viscosity ? name + ".viscosity" : "fluid.viscosity";
         const Expression& mu = e.viscosity ? *e.viscosity : scene_.fluid.viscosity;
+        // Across the opening, too: sqrt(x) is a number on one side of it only.
+        const Vec3d side = e.direction.unitOrthogonal() * thinnest / 2;
+        const Vec3d across = plan_.dimensions() == 2 ? Vec3d(Vec3d::Zero()) : Vec3d(e.direction.cross(side));
         for (const double age : sample_times(0, depends_on_age(mu) ? scene_.time.end : 0))
-            if (!(mu(age, e.position) >= 0)) {
-                const std::string when = depends_on_age(mu) ? fmt::format(" at the age of {:.4g} s", age) : "";
-                report(key, fmt::format("{} is {:.4g} Pa s at {}{}", key, mu(age, e.position), name, when), "", "allowed: at least 0");
-                break;
-            }
+            for (const Vec3d& x :
+                 {e.position, Vec3d(e.position + side), Vec3d(e.position - side), Vec3d(e.position + across), Vec3d(e.position - across)})
+                if (!(mu(age, x) >= 0)) {
+                    const std::string when = depends_on_age(mu) ? fmt::format(" at the age of {:.4g} s", age) : "";
+                    return report(key, fmt::format("{} is {:.4g} Pa s at {}{}", key, mu(age, x), name, when), "", "allowed: at least 0");
+                }
     }
 
     void solid(const std::string& name, std::size_t i) {

@@ -96,6 +96,11 @@ TEST_CASE("a shape larger than the whole domain is blamed itself, not what it sw
                Catch::StartsWith("solid[1].radius: the whole domain of 0.2 m lies inside of this container, which is 10 m across"));
 }
 
+TEST_CASE("a viscosity that is no number on one side of a nozzle is refused", "[plan]") {
+    for (const std::string mu : {"1000*sqrt(x)", "1000*sqrt(z)"})
+        CHECK_THAT(messages_with({"fluid.viscosity=" + mu}), Catch::EndsWith("nan Pa s at emitter[0]; allowed: at least 0"));
+}
+
 TEST_CASE("a wrong unit is told beside the mistake that it makes", "[plan]") {
     CHECK_THAT(messages_with({"emitter[0].speed=300", "time.end=0.01", "models.pressure=coupled", "fluid.viscosity=1"}),
                Catch::Contains("too thin for models.pressure = \"coupled\"") &&
