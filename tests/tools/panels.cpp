@@ -185,6 +185,28 @@ TEST_CASE("a film of panels is made longer, with the colours that it began with,
     CHECK((read_whole(run / "scene.resolved.toml") == settings));
 }
 
+TEST_CASE("a film of panels that cannot be made longer stays as it is") {
+    // Ten times the largest speed that the plan sees until the end: the jet of the second panel gets faster.
+    std::string text = drop;
+    text.replace(text.find("[output]"), 0, "[[emitter]]\nposition = [0, 0.05, 0]\nradius = 5e-3\nspeed = \"0.3\"\n");
+    text.replace(text.find("set = ["), text.size(), "set = ['emitter[0].speed=\"0.3+40*t\"']\n");
+    text.replace(text.find("\"ppe\""), 5, "\"wcsph\"");
+    const Scratch scratch(text);
+    const Outcome made = test::whorl({"render", scratch.scene(), "--no-images", "--until", "0.03", "--quiet", "--out", scratch.run()});
+    INFO(made.err);
+    REQUIRE(made.code == 0);
+    const fs::path run = scratch.run();
+    const auto states = [&] {
+        return read_whole(run / "scene.resolved.toml") + read_whole(run / "run.json") + read_whole(run / "panels/1/run.json");
+    };
+    const std::string before = states();
+    const Outcome refused = test::whorl({"resume", scratch.run(), "--until", "0.1", "--quiet"});
+    CHECK(refused.code == 2);
+    CHECK_THAT(refused.err, Catch::Contains("pressure.sound_speed"));
+    CHECK((states() == before));
+    CHECK(test::whorl({"resume", scratch.run(), "--quiet"}).code == 0);
+}
+
 TEST_CASE("a panel's wrong key is told with its place, before anything is written") {
     const Scratch scratch(std::string(drop) + "[[panel]]\nset = [\"fluid.viscocity=3\"]\n");
     const Outcome outcome = test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--quiet"});
@@ -267,6 +289,30 @@ TEST_CASE("a third panel shows the difference of two runs, and a chart under the
     // Chart and difference go on after all is done: the same film again from what is there.
     REQUIRE(test::whorl({"resume", scratch.run(), "--quiet"}).code == 0);
     CHECK(difference(read_png(run / "frames/000003.png"), whole).max == 0);
+}
+
+TEST_CASE("a film with a difference is made longer, and is the film that its settings make anew") {
+    const Scratch scratch(turning);
+    REQUIRE(test::whorl({"render", scratch.scene(), "--until", "0.01", "--out", scratch.run(), "--quiet"}).code == 0);
+    const fs::path run = scratch.run();
+    REQUIRE_FALSE(fs::exists(run / "panels/1/raw"));
+    const Outcome longer = test::whorl({"resume", scratch.run(), "--until", "0.03"});
+    INFO(longer.err);
+    REQUIRE(longer.code == 0);
+    CHECK_THAT(longer.err, Catch::Contains("panel 1 of 2: slow, from the start: the difference needs all its frames"));
+    CHECK(run_json(run).at("frames") == 4);
+    CHECK_FALSE(fs::exists(run / "panels/1/raw"));
+    CHECK_FALSE(fs::exists(run / "panels/1.1"));
+    REQUIRE(test::whorl({"render", (run / "scene.resolved.toml").string(), "--quiet", "--out", scratch.run("again")}).code == 0);
+    for (const char* picture : {"frames/000001.png", "frames/000004.png"})
+        CHECK((read_whole(run / picture) == read_whole(fs::path(scratch.run("again")) / picture)));
+    // With the frames kept, the panels go on where they are.
+    REQUIRE(test::whorl({"render", scratch.scene(), "--until", "0.01", "--export", "raw", "--out", scratch.run("kept"), "--quiet"}).code ==
+            0);
+    const Outcome on = test::whorl({"resume", scratch.run("kept"), "--until", "0.03"});
+    CHECK(on.code == 0);
+    CHECK_THAT(on.err, !Catch::Contains("from the start"));
+    CHECK((read_whole(fs::path(scratch.run("kept")) / "frames/000004.png") == read_whole(run / "frames/000004.png")));
 }
 
 TEST_CASE("a difference or chart of what is not there is told with its place") {

@@ -46,7 +46,8 @@ public:
           folder_(how == PanelRuns::fresh ? RunFolder::fresh(request.folder, request.earlier) : RunFolder::existing(request.folder)) {
         if (how == PanelRuns::resumed) {
             for (std::size_t k = 0; k < scenes_.size(); ++k) check_end(folder_.path(), scene_, frames_of(k), frames_wanted());
-            check_longer_differences();
+            anew_ = lacks_frames_of_differences();
+            check_resumed();
         }
         write_text(folder_.path() / "scene.resolved.toml", resolved_toml(with_choices_of(request.file, scenes_)));
         if (!folder_.note().empty()) tell_note(folder_.note(), request.json);
@@ -93,15 +94,34 @@ private:
         return run.value("status", "") == "done" && run.value("frames", 0) >= frames_wanted();
     }
 
-    /// The colours of a difference go by all frames of both runs. @throws InputError where a longer film would need frames that are gone
-    void check_longer_differences() const {
-        if (!has_differences() || !scene_.output.frames) return;
-        for (std::size_t k = 0; k < scenes_.size(); ++k) {
-            const fs::path panel = panel_folder(folder_.path(), k);
-            if (state_of(panel).value("status", "") == "done" && !is_done(k) && !fs::exists(frame_file(panel, 1)))
-                throw InputError({folder_.path().string(), 0, 0}, "the difference of panels is of frames that are not there any more",
-                                 "render the longer scene anew; a film with --export raw can be made longer");
-        }
+    bool has_raw(std::size_t k) const { return fs::exists(frame_file(panel_folder(folder_.path(), k), 1)); }
+
+    /// Whether a longer film needs frames that are gone: the colours of a difference go by all frames of both runs.
+    bool lacks_frames_of_differences() const {
+        if (!has_differences() || !scene_.output.frames) return false;
+        for (std::size_t k = 0; k < scenes_.size(); ++k)
+            if (state_of(panel_folder(folder_.path(), k)).value("status", "") == "done" && !is_done(k) && !has_raw(k)) return true;
+        return false;
+    }
+
+    enum class Next { nothing, begins, goes_on };
+    /// What there is to do for a panel.
+    Next next_of(std::size_t k) const {
+        const fs::path folder = panel_folder(folder_.path(), k);
+        const std::string status = state_of(folder).value("status", "");
+        if (anew_ && !has_raw(k)) return Next::begins;
+        if (is_done(k) || status == "diverged") return Next::nothing;
+        std::vector<std::string> damaged;
+        return !status.empty() && newest_checkpoint(folder, damaged) ? Next::goes_on : Next::begins;
+    }
+
+    /// @throws InputError with what keeps a panel from going on
+    void check_resumed() const {
+        for (std::size_t k = 0; k < scenes_.size(); ++k)
+            if (next_of(k) == Next::goes_on) {
+                RunRequest panel = request_of(k);
+                resume_from_newest(panel);
+            }
     }
 
     /// What the run's panel is called.
@@ -117,18 +137,25 @@ private:
         return std::any_of(cells_.begin(), cells_.end(), [](const PanelCell& cell) { return cell.run < 0; });
     }
 
-    int run(std::size_t k) const {
+    RunRequest request_of(std::size_t k) const {
         RunRequest panel;
         panel.file = scenes_[k];
         panel.folder = panel_folder(folder_.path(), k);
         panel.frames = request_.frames;
         panel.quiet = request_.quiet, panel.json = request_.json;
-        const std::string status = state_of(panel.folder).value("status", "");
-        if (is_done(k)) return exit_done;
-        if (status == "diverged") return exit_failed;
-        if (!request_.quiet && !request_.json) std::fprintf(stderr, "panel %zu of %zu: %s\n", k + 1, scenes_.size(), name_of(k).c_str());
-        std::vector<std::string> damaged;
-        if (!status.empty() && newest_checkpoint(panel.folder, damaged)) resume_from_newest(panel);
+        return panel;
+    }
+
+    int run(std::size_t k) const {
+        const Next next = next_of(k);
+        RunRequest panel = request_of(k);
+        if (next == Next::nothing) return is_done(k) ? exit_done : exit_failed;
+        const bool anew = anew_ && next == Next::begins;
+        if (!request_.quiet && !request_.json)
+            std::fprintf(stderr, "panel %zu of %zu: %s%s\n", k + 1, scenes_.size(), name_of(k).c_str(),
+                         anew ? ", from the start: the difference needs all its frames, which --export raw would have kept" : "");
+        if (anew) panel.earlier = RunFolder::Earlier::replaced;
+        if (next == Next::goes_on) resume_from_newest(panel);
         return run_scene(panel);
     }
 
@@ -213,6 +240,7 @@ private:
     std::vector<SceneFile> scenes_;  ///< of the runs
     std::vector<PanelCell> cells_;
     RunFolder folder_;
+    bool anew_ = false;  ///< panels whose frames a difference lacks begin anew
     std::optional<std::size_t> failed_;
 };
 
