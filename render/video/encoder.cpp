@@ -99,6 +99,7 @@ const Format& format_of(const std::filesystem::path& file) {
     return *found;
 }
 
+/// @param file the final one
 std::vector<std::string> encode_arguments(const std::filesystem::path& file, int width, int height, const VideoOptions& options) {
     std::vector<std::string> words{"ffmpeg",
                                    "-nostdin",
@@ -119,7 +120,7 @@ std::vector<std::string> encode_arguments(const std::filesystem::path& file, int
                                    "-filter_threads",
                                    "1"};
     for (const std::string& word : format_of(file).encode(options)) words.push_back(word);
-    words.push_back(file.string());
+    words.push_back(partial_video(file).string());
     return words;
 }
 
@@ -151,7 +152,7 @@ struct VideoEncoder::Process {
 VideoEncoder::VideoEncoder(std::filesystem::path file, int width, int height, VideoOptions options) {
     WHORL_ASSERT(width >= 2 && height >= 2, +std::to_string(width) + "x" + std::to_string(height));
     options.alpha = options.alpha && video_has_alpha(file);
-    ChildProcess ffmpeg = start(encode_arguments(partial_video(file), width, height, options));
+    ChildProcess ffmpeg = start(encode_arguments(file, width, height, options));
     process_ = std::make_unique<Process>(Process{std::move(file), width, height, options.alpha, std::move(ffmpeg)});
 }
 
@@ -184,8 +185,7 @@ void VideoEncoder::finish() {
 }
 
 std::filesystem::path partial_video(const std::filesystem::path& file) {
-    std::filesystem::path partial = file;
-    return partial.replace_extension(".partial" + file.extension().string());
+    return file.parent_path() / ("." + file.filename().string() + ".partial");
 }
 
 std::string encoder_version() {

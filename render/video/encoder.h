@@ -42,7 +42,7 @@ bool video_has_alpha(const std::filesystem::path& file);
 /// ".mp4", ...
 const std::vector<std::string>& video_suffixes();
 
-/// Where frames go until the video is whole: coil.mp4 -> coil.partial.mp4.
+/// Where frames go until the video is whole: coil.mp4 -> .coil.mp4.partial.
 std::filesystem::path partial_video(const std::filesystem::path& file);
 
 /// The ffmpeg program's version line, "" where there is none.

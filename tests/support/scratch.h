@@ -1,5 +1,8 @@
 #pragma once
 #include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
 
 namespace whorl::test {
 
@@ -16,5 +19,8 @@ public:
 private:
     std::filesystem::path path_;
 };
+
+/// Names that files in a folder were made under during the work, in order; those that they were given later are not among them.
+std::vector<std::string> names_made(const std::filesystem::path& folder, const std::function<void()>& work);
 
 }  // namespace whorl::test

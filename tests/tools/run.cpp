@@ -272,14 +272,14 @@ TEST_CASE("a killed render leaves valid pictures and a playable video, and resum
     // The encoder sees its input end and completes the file; give it a moment.
     Program patience({"1"}, "sleep");
     patience.wait_until([&] { return false; });
-    CHECK(playable_frames("little_honey.partial.mp4") >= 1);
+    CHECK(playable_frames(".little_honey.mp4.partial") >= 1);
 
     const Outcome resumed = test::whorl({"resume", scratch.run(), "--quiet"});
     INFO(resumed.err);
     REQUIRE(resumed.code == 0);
     CHECK(valid_pictures() == 11);
     CHECK(playable_frames("little_honey.mp4") == 11);
-    CHECK_FALSE(fs::exists(scratch / "run/little_honey.partial.mp4"));
+    CHECK_FALSE(fs::exists(scratch / "run/.little_honey.mp4.partial"));
     CHECK(read_png(scratch / "run/contact.png").width > 0);
     CHECK(test::whorl({"video", scratch.run(), "--out", (scratch / "again.mp4").string()}).code == 0);
     CHECK(fs::exists(scratch / "again.mp4"));

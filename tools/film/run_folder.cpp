@@ -41,7 +41,7 @@ bool is_of_a_run(const fs::path& file) {
         return std::find(all.begin(), all.end(), one) != all.end();
     };
     return has(names, file.filename().string()) || has(export_kinds(), file.filename().string()) ||
-           has(video_suffixes(), file.extension().string());
+           has(video_suffixes(), file.extension().string()) || file.extension() == partial_video("film.mp4").extension();
 }
 
 std::vector<fs::path> files_of_run(const fs::path& path) {

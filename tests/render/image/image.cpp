@@ -22,7 +22,13 @@ TEST_CASE("a PNG comes back with the same pixels", "[image]") {
     REQUIRE(back.width == 131);
     REQUIRE(back.height == 77);
     REQUIRE(back.rgb == image.rgb);
-    REQUIRE_FALSE(std::filesystem::exists(folder / ".a.png.part"));
+}
+
+TEST_CASE("a picture that is being written is hidden and has another suffix", "[image]") {
+    test::ScratchFolder folder;
+    const auto names = test::names_made(folder.path(), [&] { write_png(folder / "a.png", flat_picture(16, 9, 1, 2, 3)); });
+    REQUIRE(names == std::vector<std::string>{".a.png.part"});
+    REQUIRE(read_png(folder / "a.png").width == 16);
 }
 
 TEST_CASE("a missing or broken picture is the user's mistake", "[image]") {

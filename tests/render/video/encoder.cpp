@@ -46,6 +46,15 @@ std::string tags(const std::filesystem::path& video) {
                       "default=nk=0:nw=1", video.string()});
 }
 
+// Whoever looks for *.mp4 must not find half a film.
+void check_hidden(const std::vector<std::string>& names, const std::filesystem::path& video) {
+    CHECK_FALSE(names.empty());
+    for (const std::filesystem::path name : names) {
+        CHECK(name.string().front() == '.');
+        CHECK(name.extension() != video.extension());
+    }
+}
+
 // The order of a file's top-level boxes, by their four-letter names.
 std::vector<std::string> boxes(const std::filesystem::path& video) {
     std::ifstream in(video, std::ios::binary);
@@ -82,9 +91,12 @@ TEST_CASE("flat colours survive the video within 2/255", "[video]") {
 
 TEST_CASE("a finished video is tagged, starts fast and leaves no partial file", "[video]") {
     test::ScratchFolder folder;
-    VideoEncoder encoder(folder / "film.mp4", 65, 49, {30, 18});  // odd sizes lose a row and a column
-    for (int i = 0; i < 12; ++i) encoder.add(test::studio_picture(65, 49));
-    encoder.finish();
+    const auto names = test::names_made(folder.path(), [&] {
+        VideoEncoder encoder(folder / "film.mp4", 65, 49, {30, 18});  // odd sizes lose a row and a column
+        for (int i = 0; i < 12; ++i) encoder.add(test::studio_picture(65, 49));
+        encoder.finish();
+    });
+    check_hidden(names, "film.mp4");
     const std::string found = tags(folder / "film.mp4");
     for (const char* tag : {"codec_name=h264", "pix_fmt=yuv420p", "color_range=tv", "color_space=bt709", "color_transfer=bt709",
                             "color_primaries=bt709", "avg_frame_rate=30/1"}) {
@@ -104,9 +116,12 @@ TEST_CASE("the suffix decides how a video is encoded", "[video]") {
     for (const auto& [name, codec] :
          {std::pair{"film.mov", "codec_name=prores"}, {"film.webm", "codec_name=vp9"}, {"film.gif", "codec_name=gif"}}) {
         test::ScratchFolder folder;
-        VideoEncoder encoder(folder / name, 64, 48, {20, 18});
-        for (int i = 0; i < 10; ++i) encoder.add(flat_picture(64, 48, static_cast<std::uint8_t>(20 * i), 100, 50));
-        encoder.finish();
+        const auto names = test::names_made(folder.path(), [&] {
+            VideoEncoder encoder(folder / name, 64, 48, {20, 18});
+            for (int i = 0; i < 10; ++i) encoder.add(flat_picture(64, 48, static_cast<std::uint8_t>(20 * i), 100, 50));
+            encoder.finish();
+        });
+        check_hidden(names, name);
         const std::string found = tags(folder / name);
         INFO(name << ": " << found);
         CHECK(found.find(codec) != std::string::npos);
