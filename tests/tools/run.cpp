@@ -9,6 +9,7 @@
 #include "tests/support/film_runs.h"
 #include "tests/support/program.h"
 #include "tests/support/scenes.h"
+#include "tools/film/resume_run.h"
 #include "tools/film/run_times.h"
 
 using namespace whorl;
@@ -151,6 +152,41 @@ TEST_CASE("a longer film that would take other constants is refused, with these"
     CHECK(refused.code == 2);
     CHECK(refused.err.find("until 0.1 s this scene takes other models or constants than until 0.03 s") != std::string::npos);
     CHECK(refused.err.find("pressure.sound_speed") != std::string::npos);
+}
+
+TEST_CASE("a longer film goes on where only the preconditioner is another, which is chosen step by step", "[tools][resume]") {
+    const Scratch scratch;
+    REQUIRE(test::whorl({"render", scratch.scene(), "--no-images", "--set", "models.pressure=ppe", "--until", "0.025", "--quiet", "--out",
+                         scratch.run()})
+                .code == 0);
+    Options options;
+    options.scene = scratch.run() + "/scene.resolved.toml";
+    options.until = 600;  // 965 particles a second, and multigrid from half a million on
+    RunRequest request;
+    request.file = read_scene_file(options);
+    request.folder = scratch.run();
+    CHECK(make_plan(read_scene_file(options.scene).scene).preconditioner == Preconditioner::jacobi);
+    CHECK(make_plan(request.file.scene).preconditioner == Preconditioner::multigrid);
+    CHECK_NOTHROW(resume_from_newest(request));
+}
+
+TEST_CASE("a film whose pictures were left to draw goes on when they are drawn, or without pictures", "[tools][resume]") {
+    const Scratch scratch;
+    REQUIRE(test::whorl({"render", scratch.scene(), "--quality", "draft", "--size", "64x36", "--no-draw", "--until", "0.05", "--quiet",
+                         "--out", scratch.run()})
+                .code == 0);
+    const std::string settings = read_whole(scratch / "run/scene.resolved.toml");
+    const std::vector<std::string> longer{"resume", scratch.run(), "--until", "0.075", "--quiet"};
+    const Outcome refused = test::whorl(longer);
+    CHECK(refused.code == 2);
+    CHECK(refused.err.find("the run has no picture of its frame 1; draw it first: whorl draw " + scratch.run() +
+                           "; or go on with --no-draw") != std::string::npos);
+    CHECK((read_whole(scratch / "run/scene.resolved.toml") == settings));
+    REQUIRE(test::whorl({"draw", scratch.run(), "--quiet"}).code == 0);
+    const Outcome drawn = test::whorl(longer);
+    CHECK(drawn.err == "");
+    CHECK(drawn.code == 0);
+    CHECK(files_in(scratch / "run/frames").size() == 4);
 }
 
 TEST_CASE("resume refuses other settings and names them, and takes settings that only change the picture", "[tools][resume]") {

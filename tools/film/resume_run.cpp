@@ -8,6 +8,7 @@
 #include "engine/scene/read.h"
 #include "engine/scene/scene_difference.h"
 #include "engine/scene/write.h"
+#include "tools/film/contact_sheet.h"
 
 namespace whorl {
 namespace {
@@ -30,11 +31,11 @@ void check_settings(const Checkpoint& checkpoint, const Scene& now, const std::f
     throw InputError(problems);
 }
 
-/// What the plan takes for this scene, where the simulation goes by it.
+/// What the plan takes for this scene, where the simulation goes by it. The preconditioner it chooses by how many particles press.
 NamedTexts decisions(const Plan& plan) {
     NamedTexts all;
     for (const Choice& c : plan.choices)
-        if (c.key != "viscosity matrix") all.emplace_back(c.key, c.value);
+        if (c.key != "viscosity matrix" && c.key != "pressure.preconditioner") all.emplace_back(c.key, c.value);
     all.emplace_back("speed of sound", fmt::format("{}", plan.sound_speed));
     all.emplace_back("artificial viscosity", fmt::format("{}", plan.artificial_viscosity));
     all.emplace_back("largest viscosity", fmt::format("{}", plan.largest_viscosity));
@@ -54,6 +55,19 @@ void check_plan(const Scene& before, const Scene& now, const std::filesystem::pa
                                        "set these keys in the scene and render it anew",
                                        ""});
     throw InputError(problems);
+}
+
+/// The pictures so far begin the video, and are on the contact sheet. @throws InputError where one is missing
+void check_pictures(const RunRequest& request, int made) {
+    if (request.no_draw || !request.file.scene.output.frames) return;
+    const std::filesystem::path& folder = request.folder;
+    for (int frame = 1; frame <= made; ++frame) {
+        if (std::filesystem::exists(picture_file(folder, frame)) || std::filesystem::exists(picture_file(folder, frame, "exr"))) continue;
+        const bool exported = std::filesystem::exists(frame_file(folder, frame));
+        throw InputError({folder.string(), 0, 0}, fmt::format("the run has no picture of its frame {}", frame),
+                         exported ? fmt::format("draw it first: whorl draw {}; or go on with --no-draw", folder.string())
+                                  : "go on without pictures: --no-draw");
+    }
 }
 
 }  // namespace
@@ -86,6 +100,7 @@ void resume_from_newest(RunRequest& request) {
     const bool cut = checkpoint->frames < frame_count(before) && before.time.end == request.file.scene.time.end;
     request.frames = request.frames.value_or(cut ? checkpoint->frames : frame_count(request.file.scene));
     check_end(request.folder, before, checkpoint->frame, *request.frames);
+    check_pictures(request, checkpoint->frame);
     request.from = std::move(checkpoint);
 }
 
