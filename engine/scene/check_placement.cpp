@@ -1,16 +1,15 @@
 #include "engine/scene/check_placement.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <numbers>
 
 #include "engine/models/surface_tension/surface_tension.h"
 #include "engine/models/viscosity/ageing_viscosity.h"
+#include "engine/scene/free_memory.h"
 #include "engine/scene/key_problems.h"
 #include "engine/scene/names.h"
 #include "engine/scene/tree.h"
@@ -20,29 +19,6 @@ namespace whorl {
 namespace {
 
 std::string point(const Vec3d& x) { return fmt::format("({:.4g}, {:.4g}, {:.4g})", x.x(), x.y(), x.z()); }
-
-/// The first number in a file; infinite where there is none.
-double number_in(const char* file) {
-    std::ifstream in(file);
-    double number = 0;
-    return in >> number ? number : std::numeric_limits<double>::infinity();
-}
-
-/// What the system can still give [bytes]: the machine, the container or job that this runs in, and the limit of the process (ulimit -v).
-/// Infinite where none of them says.
-double free_memory() {
-    double least = std::numeric_limits<double>::infinity();
-    std::ifstream in("/proc/meminfo");
-    std::string word;
-    double kilobytes = 0;
-    while (in >> word)
-        if (word == "MemAvailable:" && in >> kilobytes) least = 1024 * kilobytes;
-    if (const double most = number_in("/sys/fs/cgroup/memory.max"); std::isfinite(most))
-        least = std::min(least, most - number_in("/sys/fs/cgroup/memory.current"));
-    rlimit limit{};
-    if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) least = std::min(least, static_cast<double>(limit.rlim_cur));
-    return least;
-}
 
 /// Bytes a particle: the neighbour rows (4 bytes a neighbour, and as much again for what goes with them), and what the model holds besides.
 /// `whorl plan` measures it for the scene.
