@@ -80,15 +80,18 @@ void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& che
 }
 
 Checkpoint read_checkpoint(const std::filesystem::path& file) {
-    const std::string bytes = read_whole(file);
-    CheckpointUnpacker in;
-    try {
-        in.bytes = unsealed(magic, bytes);
-    } catch (const EnvironmentError& why) {
-        throw EnvironmentError(file.string() + " is damaged: " + why.what(), "", "it is passed over; delete it to be rid of this message");
-    }
+    const auto refuse = [&](const std::string& why) {
+        throw EnvironmentError(file.string() + " is damaged: " + why, "", "it is passed over; delete it to be rid of this message");
+    };
     Checkpoint checkpoint;
-    each_member(in, checkpoint);
+    try {
+        const std::string bytes = read_whole(file);
+        CheckpointUnpacker in;
+        in.bytes = unsealed(magic, bytes);
+        each_member(in, checkpoint);
+    } catch (const EnvironmentError& error) { refuse(error.what()); } catch (const InputError& error) {
+        refuse(error.problems().front().what);
+    }
     return checkpoint;
 }
 

@@ -30,10 +30,12 @@ void write_all(int descriptor, std::string_view content, const std::filesystem::
 
 }  // namespace
 
-std::string read_whole(const std::filesystem::path& file) {
+std::string read_whole(const std::filesystem::path& file) try {
     std::ifstream in(file, std::ios::binary);
     if (!in) throw InputError({file.string(), 0, 0}, "cannot read the file");
     return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+} catch (const std::ios_base::failure&) {  // a folder, or a disk that fails
+    throw InputError({file.string(), 0, 0}, "cannot read the file");
 }
 
 Table::Table(std::filesystem::path file, std::string_view header) : file_(std::move(file)) {

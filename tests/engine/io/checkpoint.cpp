@@ -6,6 +6,7 @@
 
 #include "engine/core/errors.h"
 #include "engine/io/files.h"
+#include "engine/io/packed.h"
 #include "tests/support/scratch.h"
 
 using namespace whorl;
@@ -69,7 +70,13 @@ TEST_CASE("a damaged checkpoint is named and the one before it is taken", "[io][
         content[content.size() / 2] = static_cast<char>(content[content.size() / 2] ^ 1);
     }
     SECTION("empty") { message = "not of this kind"; }
+    SECTION("sealed, with less in it than a checkpoint has") { content = sealed("WHORLCP2", "few"), message = "ends too early"; }
     std::ofstream(newest, std::ios::binary) << content;
+    SECTION("a folder") {
+        fs::remove(newest);
+        fs::create_directory(newest);
+        message = "cannot read the file";
+    }
 
     std::vector<std::string> damaged;
     const auto found = newest_checkpoint(folder.path(), damaged);
