@@ -115,6 +115,8 @@ TEST_CASE("changes are made as a whole or not at all, and the answer says why", 
     CHECK(live.post("/control", R"({"do": "fly"})").status == 400);
     CHECK(live.post("/control", R"({"do": "restart", "set": {"fluid.spacing": 1e-9}})").status == 400);
     CHECK(live.post("/control", R"({"do": "restart", "scene": "../../etc/passwd"})").status == 400);
+    CHECK(live.post("/control", R"({"do": "restart", "scene": "honey_cooil"})").body.find("did you mean \\\"honey_coil\\\"?") !=
+          std::string::npos);
     CHECK(wanted(live) == before);
 
     // What needs a restart is done with one.

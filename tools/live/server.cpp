@@ -7,6 +7,7 @@
 #include <atomic>
 #include <thread>
 
+#include "engine/core/errors.h"
 #include "engine/core/parallel.h"
 #include "engine/scene/read.h"
 #include "engine/scene/write.h"
@@ -288,8 +289,12 @@ void LiveServer::Http::restart(const nlohmann::json& order, Response& response) 
     };
     text("scene", how.scene), text("quality", how.quality);
     const auto scenes = shipped_scenes();
-    if (!how.scene.empty() && std::none_of(scenes.begin(), scenes.end(), [&](const auto& s) { return s.first == how.scene; }))
-        return refuse(response, 400, "no scene of that name ships");
+    if (!how.scene.empty() && std::none_of(scenes.begin(), scenes.end(), [&](const auto& s) { return s.first == how.scene; })) {
+        std::vector<std::string> names;
+        for (const auto& scene : scenes) names.push_back(scene.first);
+        const std::string near = nearest_name(how.scene.substr(0, 100), names);
+        return refuse(response, 400, "no scene of that name ships" + (near.empty() ? "" : "; did you mean \"" + near + "\"?"));
+    }
     how.forget = order.contains("forget") && order["forget"] == true;
     controls.restart(how);
     done(response);
