@@ -22,8 +22,11 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/whorl.bash DESTINATION ${CMAKE_INSTALL
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/changelog.gz ${CMAKE_CURRENT_BINARY_DIR}/changelog.Debian.gz LICENSE
         DESTINATION ${doc})
 install(FILES LICENSE DESTINATION ${doc} RENAME copyright)
-install(FILES README.md docs/scene_keys.md DESTINATION ${doc})
-install(DIRECTORY docs/guide DESTINATION ${doc} FILES_MATCHING PATTERN *.md)
+# As they lie here, so that links of one page to another hold.
+install(FILES README.md DESTINATION ${doc})
+install(DIRECTORY docs DESTINATION ${doc})
+file(CREATE_LINK ../../whorl/scenes ${CMAKE_CURRENT_BINARY_DIR}/scenes.link SYMBOLIC)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/scenes.link DESTINATION ${doc} RENAME scenes)
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_STRIP_FILES ON)
@@ -33,9 +36,8 @@ set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-# Opened at run time by name (libepoxy, and libegl1 for its drivers), so shlibdeps does not see them.
-set(CPACK_DEBIAN_PACKAGE_DEPENDS "libegl1, libgl1, libegl-mesa0, libgl1-mesa-dri")
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS ffmpeg)
+# Opened at run time by name (libepoxy, and libegl1 for its drivers) or started (ffmpeg), so shlibdeps does not see them.
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "libegl1, libgl1, libegl-mesa0, libgl1-mesa-dri, ffmpeg")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "films of viscous fluids and vortices")
 set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "Whorl simulates honey, lava and paint that coil, fold and pile up, water that
 splashes, and vortices, with smoothed particle hydrodynamics. A scene is one
