@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "tools/film/panel_scenes.h"
+#include "tools/scene_file/scene_changes.h"
 
 using namespace whorl;
 
@@ -53,6 +53,23 @@ TEST_CASE("a camera that shows nothing of the scene is told, with its key", "[to
     CHECK(one({}).find("looks past the whole domain at 0 s") != std::string::npos);
 }
 
+namespace {
+
+/// The scenes of its panels that are runs, else itself. No fluid is placed: at fine that takes long.
+std::vector<SceneFile> runs_of(const SceneFile& file) {
+    SceneFile alone = file;
+    alone.scene.panels.clear(), alone.scene.output.chart.clear();
+    std::vector<SceneFile> runs;
+    for (const PanelKeys& panel : file.scene.panels) {
+        std::vector<KeyChange> changes;
+        for (const std::string& text : panel.set) changes.push_back(read_change(parse_change(text)));
+        if (panel.difference.empty()) runs.push_back(changed(alone, changes));
+    }
+    return runs.empty() ? std::vector{alone} : runs;
+}
+
+}  // namespace
+
 TEST_CASE("no film that ships is warned about at any quality, nor a panel of one", "[tools][scene]") {
     for (const auto& [name, path] : shipped_scenes()) {
         if (path.parent_path().filename() != "scenes") continue;  // studies have no pressure, too few particles, ...: what they study
@@ -60,10 +77,7 @@ TEST_CASE("no film that ships is warned about at any quality, nor a panel of one
             Options options;
             options.scene = path.string();
             options.quality = quality;
-            const SceneFile file = read_scene_file(options);
-            const bool has_panels = !file.scene.panels.empty() && options.quality == "standard";
-            const std::vector<SceneFile> runs = has_panels ? panel_scenes(file) : std::vector<SceneFile>{file};
-            for (const SceneFile& run : runs) {
+            for (const SceneFile& run : runs_of(read_scene_file(options))) {
                 CAPTURE(name, quality, run.scene.models.micropolar);
                 CHECK(make_plan(run).warnings == std::vector<std::string>());
             }

@@ -141,7 +141,8 @@ TEST_CASE("import names file, line and column of what is broken, and writes noth
 }
 
 TEST_CASE("an imported scene in the plane has two numbers a place, and one that never ends says so", "[tools][import]") {
-    const Scratch scratch(R"({"Configuration": {"sim2D": true, "particleRadius": 0.025, "cflMethod": 0, "timeStepSize": 0.002},
+    const Scratch scratch(R"({"Configuration": {"sim2D": true, "particleRadius": 0.025, "cflMethod": 0, "timeStepSize": 0.002,
+   "gravitation": [0, -9810, 0]},
  "FluidBlocks": [{"start": [-1, 0, -1], "end": [0, 1, 1]}],
  "RigidBodies": [{"geometryFile": "UnitBox.obj", "translation": [0, 1, 0], "scale": [2, 2, 1], "isWall": true}]})");
     const std::string out = (scratch / "plane.toml").string();
@@ -151,6 +152,7 @@ TEST_CASE("an imported scene in the plane has two numbers a place, and one that 
     CHECK(outcome.out.find("the scene never ends (no stopAt): time.end is 5 s") != std::string::npos);
     CHECK(outcome.out.find("taken as a container") != std::string::npos);
     CHECK(outcome.out.find("before it runs") == std::string::npos);
+    CHECK(outcome.out.find("warning: domain.gravity = 9810 m/s^2") != std::string::npos);
     const Scene scene = read_scene_file(out).scene;
     CHECK(scene.domain.dimensions == 2);
     CHECK(scene.time.fixed_step == 0.002);

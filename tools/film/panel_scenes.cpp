@@ -1,5 +1,7 @@
 #include "tools/film/panel_scenes.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -10,6 +12,7 @@
 #include "tools/film/film_extent.h"
 #include "tools/film/first_pass.h"
 #include "tools/process/usage.h"
+#include "tools/scene_file/camera_warnings.h"
 #include "tools/scene_file/scene_changes.h"
 
 namespace whorl {
@@ -159,6 +162,19 @@ std::vector<SceneFile> panel_scenes(const SceneFile& file, const Choose& choose)
             check_chart(file.scene.output.chart, file.scene.place("output.chart"), Simulation(run.scene, make_plan(run.scene)));
     share_choices(scenes, choose);
     return scenes;
+}
+
+std::vector<std::string> warnings_of(const SceneFile& file) {
+    std::vector<std::string> warnings = make_plan(file).warnings;
+    if (file.scene.panels.empty()) return warnings;
+    int number = 0;
+    for (const SceneFile& run : panel_scenes(file)) {
+        ++number;
+        for (const std::string& warning : make_plan(run).warnings)
+            if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end())
+                warnings.push_back(fmt::format("panel {}: {}", number, warning));
+    }
+    return warnings;
 }
 
 SceneFile with_choices_of(SceneFile file, const std::vector<SceneFile>& runs) {

@@ -16,6 +16,9 @@ namespace whorl {
 using Choose = std::function<SceneFile(const SceneFile& run, const Simulation& start)>;
 std::vector<SceneFile> panel_scenes(const SceneFile& file, const Choose& choose = {});
 
+/// What the plans of the scene and of its panels warn of, each once. @throws InputError where one is impossible
+std::vector<std::string> warnings_of(const SceneFile& file);
+
 /// A place in the film.
 struct PanelCell {
     int run = -1;                        ///< its number among the runs; -1: a difference

@@ -8,6 +8,7 @@
 #include "engine/core/parallel.h"
 #include "engine/scene/document.h"
 #include "tools/farm/film_stages.h"
+#include "tools/film/panel_scenes.h"
 #include "tools/film/progress.h"
 #include "tools/process/interrupt.h"
 #include "tools/program/command.h"
@@ -80,6 +81,9 @@ int farm(FarmCommand command) {
     std::vector<RunFolder> held;
     for (FarmFilm& film : films) {
         film.threads = command.farm.threads;
+        // Its tasks run quietly.
+        if (!command.farm.quiet)
+            for (const std::string& warning : warnings_of(film.file)) fmt::print(stderr, "warning: {}\n", warning);
         FarmWork work = work_of(film);
         if (!work.note.empty()) tell_note(work.note, false);
         all.push_back(std::move(work.stages)), held.push_back(std::move(work.held));

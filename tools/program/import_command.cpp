@@ -4,11 +4,10 @@
 #include <memory>
 
 #include "engine/core/whole_file.h"
-#include "engine/scene/plan.h"
 #include "render/export/obj.h"
 #include "tools/convert/splishsplash.h"
 #include "tools/program/command.h"
-#include "tools/scene_file/scene_file.h"
+#include "tools/scene_file/camera_warnings.h"
 
 namespace whorl {
 namespace {
@@ -19,11 +18,16 @@ struct ImportOptions {
     fs::path file, out;
 };
 
-/// What the scene lacks before it can be planned; nothing where it is whole.
-std::vector<Problem> problems_of(const fs::path& scene) try {
-    make_plan(read_scene_file(scene).scene);
-    return {};
-} catch (const InputError& error) { return error.problems(); }
+/// What the scene lacks before it can be planned; where it is whole, what its plan warns of.
+std::vector<std::string> remarks_on(const fs::path& scene) try {
+    std::vector<std::string> lines;
+    for (const std::string& warning : make_plan(read_scene_file(scene)).warnings) lines.push_back("warning: " + warning);
+    return lines;
+} catch (const InputError& error) {
+    std::vector<std::string> lines;
+    for (const Problem& problem : error.problems()) lines.push_back("before it runs: " + problem.message());
+    return lines;
+}
 
 int import_scene(const ImportOptions& options) {
     const ConvertedScene made = convert_splishsplash(options.file);
@@ -37,7 +41,7 @@ int import_scene(const ImportOptions& options) {
     write_text(out, made.toml);
 
     for (const Problem& note : made.notes) fmt::print("{}\n", note.message());
-    for (const Problem& problem : problems_of(out)) fmt::print("before it runs: {}\n", problem.message());
+    for (const std::string& line : remarks_on(out)) fmt::print("{}\n", line);
     fmt::print("{} lines to look at; the scene: {}\n", made.notes.size(), out.string());
     return exit_done;
 }

@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
@@ -21,14 +19,7 @@ namespace {
 /// What would be run, without running it.
 int dry_run(const RunRequest& request) {
     Plan plan = make_plan(request.file);
-    int number = 0;
-    if (!request.file.scene.panels.empty())
-        for (const SceneFile& run : panel_scenes(request.file)) {
-            ++number;
-            for (const std::string& warning : make_plan(run).warnings)
-                if (std::find(plan.warnings.begin(), plan.warnings.end(), warning) == plan.warnings.end())
-                    plan.warnings.push_back(fmt::format("panel {}: {}", number, warning));
-        }
+    plan.warnings = warnings_of(request.file);
     const Simulation simulation(request.file.scene, plan);
     const PreviewRun run{request.frames.value_or(frame_count(request.file.scene)), request.folder};
     const Preview preview{.file = request.file, .plan = plan, .simulation = simulation, .run = run};
