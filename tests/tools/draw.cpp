@@ -5,6 +5,8 @@
 #include "engine/io/files.h"
 #include "tests/support/program.h"
 #include "tests/support/scratch.h"
+#include "tools/film/first_pass.h"
+#include "tools/film/redraw.h"
 
 using namespace whorl;
 using test::Outcome;
@@ -83,6 +85,58 @@ TEST_CASE("a range that is drawn into its run leaves the exports of the whole fi
     CHECK(fs::exists(other / "frames/000003.png"));
     CHECK(fs::exists(folder / "other.1/diagnostics.csv"));
     CHECK_FALSE(fs::exists(folder / "other.2"));
+}
+
+TEST_CASE("what another look leaves open goes by the whole film, whichever frames are drawn") {
+    const test::ScratchFolder folder;
+    const fs::path scene = folder / "scene.toml", run = folder / "run";
+    std::ofstream(scene) << puddle << "[camera]\nkind = \"fixed\"\nposition = [0, 0.02, 0.1]\ntarget = [0, 0.02, 0]\n";
+    REQUIRE(test::whorl({"render", scene.string(), "--out", run.string(), "--no-images", "--quiet"}).code == 0);
+    const std::vector<std::string> look{"look.style=particles", "look.field=speed", "camera.kind=auto"};
+    const SceneFile file = read_scene_file(run / "scene.resolved.toml", look);
+    const std::vector<int> frames = exported_frames(run);
+    REQUIRE(frames.size() == 3);
+    const SceneFile chosen = with_choices_from(file, run, frames);
+    // It falls for .1 s and lands then: about 1 m/s, where the start has none. It is 24 mm thick and falls by 8.
+    CHECK(chosen.look.range[0] == 0);
+    CHECK(chosen.look.range[1] >= 0.4f);
+    CHECK(chosen.look.range[1] <= 1.2f);
+    REQUIRE(chosen.camera.max.has_value());
+    CHECK((*chosen.camera.max - *chosen.camera.min).maxCoeff() < 0.045f);
+
+    const auto draw = [&](const std::string& out, const std::vector<std::string>& set, const std::vector<std::string>& more) {
+        std::vector<std::string> words{"draw", run.string(), "--quiet", "--out", (folder / out).string()};
+        for (const std::string& s : set) words.insert(words.end(), {"--set", s});
+        words.insert(words.end(), more.begin(), more.end());
+        const Outcome drawn = test::whorl(words);
+        INFO(drawn.err);
+        REQUIRE(drawn.code == 0);
+        return read_whole(folder / out / "frames/000002.png");
+    };
+    const auto list = [](std::initializer_list<float> numbers) {
+        std::string text;
+        for (const float x : numbers) text += (text.empty() ? "[" : ", ") + std::to_string(x);
+        return text + "]";
+    };
+    const Vec3f low = *chosen.camera.min, high = *chosen.camera.max;
+    std::vector<std::string> given = look;
+    given.push_back("look.range=" + list({chosen.look.range[0], chosen.look.range[1]}));
+    given.push_back("camera.min=" + list({low.x(), low.y(), low.z()}));
+    given.push_back("camera.max=" + list({high.x(), high.y(), high.z()}));
+    const std::string one = draw("one", look, {"--frames", "2"});
+    CHECK((one == draw("all", look, {})));
+    CHECK((one == draw("given", given, {})));
+}
+
+TEST_CASE("draw warns of a camera that shows nothing") {
+    const test::ScratchFolder folder;
+    const fs::path scene = folder / "scene.toml", run = folder / "run";
+    std::ofstream(scene) << puddle;
+    REQUIRE(test::whorl({"render", scene.string(), "--out", run.string(), "--frames", "1", "--quiet"}).code == 0);
+    const Outcome away = test::whorl({"draw", run.string(), "--set", "camera.kind=fixed", "--set", "camera.position=[0, 0.02, 0.1]",
+                                      "--set", "camera.target=[0, 0.02, 3]"});
+    CHECK(away.code == 0);
+    CHECK_THAT(away.err, Catch::Contains("warning: camera.target: the camera at"));
 }
 
 TEST_CASE("draw says what it cannot draw, and changes nothing then") {

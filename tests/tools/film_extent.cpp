@@ -83,6 +83,18 @@ TEST_CASE("an automatic camera shows where fluid pours and lands, in however lar
     CHECK(shown_by(scratch.run("one")).isApprox(seen, 0));
 }
 
+TEST_CASE("the first pass makes a scene's changes") {
+    const test::FilmScratch scratch(std::string(hall) +
+                                    "[[block]]\nshape = \"sphere\"\nposition = [0.1, 0.1, 0]\nradius = 0.012\n"
+                                    "[[change]]\ntime = 0.05\nkey = \"domain.gravity\"\nvalue = [40, 0, 0]\n");
+    const Outcome done = test::whorl({"render", scratch.scene(), "--frames", "1", "--out", scratch.run(), "--no-video"});
+    INFO(done.err);
+    REQUIRE(done.code == 0);
+    CHECK(done.err.find("first pass at twice the spacing, for the camera") != std::string::npos);
+    // It flies sideways for .15 s: 20 t^2 = .45 m.
+    CHECK(shown_by(scratch.run()).max().x() == Approx(0.55).margin(0.05));
+}
+
 TEST_CASE("a camera of the scene's own stays, and so does the box that it gives an automatic one") {
     const test::FilmScratch scratch(std::string(hall) + "[camera]\nkind = \"fixed\"\nposition = [0, 0.1, 0.5]\n");
     const Outcome done = test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--no-video", "--until", "0.05"});

@@ -71,9 +71,13 @@ double round_number_above(double value) {
 
 bool wants_range(const LookOptions& look) { return shows_field(look) && look.range[0] == look.range[1]; }
 
+bool wants_streak_time(const LookOptions& look) {
+    return look.style == "slice" && (look.streaks || look.arrows > 0) && !(look.streak_time > 0);
+}
+
 float film_streak_time(const LookOptions& look, const Simulation& simulation) {
     const Scene& scene = simulation.scene();
-    if (look.style != "slice" || (!look.streaks && look.arrows == 0) || look.streak_time > 0) return look.streak_time;
+    if (!wants_streak_time(look)) return look.streak_time;
     const double size = (scene.domain.max - scene.domain.min).maxCoeff();
     const double speed = foreseen_speed(scene, Snapshots(simulation, {}).take(simulation, 1));
     if (!(speed > 0)) return 0;

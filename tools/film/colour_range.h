@@ -23,6 +23,9 @@ std::array<float, 2> film_range(const LookOptions& look, const Simulation& simul
 /// The next of 1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8 times a power of ten. @param value above 0
 double round_number_above(double value);
 
+/// Whether the look has streaks or arrows and leaves their time open.
+bool wants_streak_time(const LookOptions& look);
+
 /// The way that streaks and arrows of a slice show [s], the same for every frame of the film: as the look says, else as long as a frame
 /// lasts, or what the fastest fluid takes for a few hundredths of the domain.
 float film_streak_time(const LookOptions& look, const Simulation& simulation);

@@ -6,14 +6,13 @@
 #include <cmath>
 #include <optional>
 
-#include "engine/io/snapshot.h"
-#include "engine/scene/frame_times.h"
+#include "engine/io/frame_file.h"
 #include "render/look/colour_map.h"
 #include "render/look/field_values.h"
 #include "tools/cost/coarse_run.h"
 #include "tools/film/colour_range.h"
+#include "tools/film/contact_sheet.h"
 #include "tools/film/film_extent.h"
-#include "tools/scene_file/scene_changes.h"
 
 namespace whorl {
 namespace {
@@ -28,26 +27,35 @@ float usual_size(std::vector<float> values) {
     return *usual;
 }
 
-struct Seen {
-    float size = 0;  ///< of the look's field
-    Extent extent;
+/// Density keeps to an estimate, inks have no range.
+bool measures_range(const LookOptions& look) { return wants_range(look) && look.field != "density" && look.field != "ink"; }
+
+/// What frames of a film show, the first of them first.
+class Seen {
+public:
+    explicit Seen(const LookOptions& look) : look_(look) {}
+    void add(const Frame& frame) {
+        if (!start_) start_ = frame;
+        if (shows_field(look_)) size_ = std::max(size_, usual_size(field_values(frame, look_)));
+        add_seen(extent_, frame, *start_);
+    }
+    /// Puts them into what the scene leaves open.
+    void choose(SceneFile& file) {
+        if (start_) add_still_solids(extent_, *start_);
+        if (wants_extent(file)) look_at(file.camera, extent_);
+        if (!measures_range(file.look) || !(size_ > 0)) return;
+        const auto high = static_cast<float>(round_number_above(size_));
+        file.look.range = {is_diverging(file.look.colour_map) ? -high : 0.0f, high};
+    }
+
+private:
+    LookOptions look_;
+    std::optional<Frame> start_;
+    float size_ = 0;  ///< of the look's field
+    Extent extent_;
 };
 
-/// @return nothing where the coarse scene is impossible or diverges
-std::optional<Seen> seen_in_a_coarse_run(const SceneFile& file) {
-    constexpr int moments = 24;
-    const bool field = shows_field(file.look);
-    Seen seen;
-    std::optional<Frame> start;
-    const auto look = [&](const Frame& frame, const Simulation&) {
-        if (!start) start = frame;
-        if (field) seen.size = std::max(seen.size, usual_size(field_values(frame, file.look)));
-        add_seen(seen.extent, frame, *start);
-    };
-    if (!run_coarsely(file, 2, moments, field ? std::vector{file.look.field} : std::vector<std::string>{}, look)) return {};
-    add_still_solids(seen.extent, *start);
-    return seen;
-}
+constexpr int moments = 24;
 
 }  // namespace
 
@@ -58,21 +66,28 @@ SceneFile with_estimates(SceneFile file, const Simulation& start) {
 }
 
 SceneFile with_first_pass(SceneFile file, const Simulation& start, bool quiet) {
-    const LookOptions& look = file.look;
-    const bool may_run = file.scene.output.frames && file.scene.changes.empty();
-    const bool measure = may_run && wants_range(look) && look.field != "density" && look.field != "ink";
-    const bool watch = may_run && wants_extent(file);
-    std::optional<Seen> seen;
+    const bool measure = file.scene.output.frames && measures_range(file.look), watch = file.scene.output.frames && wants_extent(file);
     if (measure || watch) {
         const char* what = measure && watch ? "colours' range and the camera" : measure ? "colours' range" : "camera";
         if (!quiet) fmt::print(stderr, "first pass at twice the spacing, for the {}\n", what);
-        seen = seen_in_a_coarse_run(file);
+        Seen seen(file.look);
+        const std::vector<std::string> fields = shows_field(file.look) ? std::vector{file.look.field} : std::vector<std::string>{};
+        // Nothing is seen where the coarse scene is impossible or diverges.
+        if (run_coarsely(file, 2, moments, fields, [&](const Frame& frame, const Simulation&) { seen.add(frame); })) seen.choose(file);
     }
-    if (watch && seen) look_at(file.camera, seen->extent);
-    if (measure && seen && seen->size > 0) {
-        const auto high = static_cast<float>(round_number_above(seen->size));
-        file.look.range = {is_diverging(look.colour_map) ? -high : 0.0f, high};
+    return with_estimates(std::move(file), start);
+}
+
+SceneFile with_choices_from(SceneFile file, const std::filesystem::path& run, const std::vector<int>& frames) {
+    const int count = static_cast<int>(frames.size()), looked_at = std::min(count, moments);
+    if (measures_range(file.look) || wants_extent(file)) {
+        Seen seen(file.look);
+        for (int n = 0; n < looked_at; ++n) seen.add(read_frame(frame_file(run, frames[n * (count - 1) / std::max(1, looked_at - 1)])));
+        seen.choose(file);
     }
+    if (!wants_range(file.look) && !wants_extent(file) && !wants_streak_time(file.look)) return file;
+    const Simulation start(file.scene, make_plan(file.scene));
+    file.look.streak_time = film_streak_time(file.look, start);
     return with_estimates(std::move(file), start);
 }
 

@@ -9,6 +9,7 @@
 #include "engine/io/frame_file.h"
 #include "tools/film/contact_sheet.h"
 #include "tools/film/film.h"
+#include "tools/film/first_pass.h"
 #include "tools/film/progress.h"
 #include "tools/film/run_folder.h"
 #include "tools/process/exit_codes.h"
@@ -60,12 +61,13 @@ int redraw(const RedrawRequest& request) {
     if (numbers.empty())
         throw InputError({(request.run / "raw").string(), 0, 0}, "there are no frames to draw from", "render the scene with --export raw");
     const int all = static_cast<int>(numbers.size()), last = request.last > 0 ? request.last : numbers.back();
+    const std::vector<int> exported = numbers;
     std::erase_if(numbers, [&](int n) { return n < request.first || n > last; });
     if (numbers.empty())
         throw InputError({(request.run / "raw").string(), 0, 0}, fmt::format("there are no frames {} to {}", request.first, last), "",
                          fmt::format("1 to {}", all));
     const bool whole = static_cast<int>(numbers.size()) == all;
-    Replay replay(request.file);
+    Replay replay(with_choices_from(request.file, request.run, exported));
     const auto options_now = [&] {
         const SceneFile& now = replay.now();
         return std::make_shared<const PictureOptions>(PictureOptions{now.surface, now.camera, now.look});

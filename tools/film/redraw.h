@@ -17,7 +17,8 @@ struct RedrawRequest {
     bool quiet = false;
 };
 
-/// Draws what render draws, to the bit where the look is the same. The video is encoded where all frames are drawn.
+/// Draws what render draws, to the bit where the look is the same. What the look leaves open goes by all frames. The video is encoded where
+/// all frames are drawn.
 /// @return an ExitCode @throws InputError where a frame is missing or damaged
 int redraw(const RedrawRequest& request);
 

@@ -6,6 +6,7 @@
 #include "tools/film/redraw.h"
 #include "tools/film/run_folder.h"
 #include "tools/program/command.h"
+#include "tools/scene_file/camera_warnings.h"
 #include "tools/scene_file/options.h"
 #include "tools/scene_file/scene_changes.h"
 
@@ -55,6 +56,9 @@ int draw(const DrawOptions& options) {
     if (!elsewhere) request.made = before.scene.output.exports;
     request.quiet = options.shared.quiet;
     read_frames(options.frames, request);
+    request.file.scene.output.frames = true;  // also of a run that made none
+    if (!request.quiet)
+        for (const std::string& warning : camera_warnings(request.file)) std::fprintf(stderr, "warning: %s\n", warning.c_str());
     return redraw(request);
 }
 
