@@ -27,9 +27,9 @@ struct Outcome {
     std::string text;  ///< standard output and error together
 };
 
-/// Runs the built program in a folder.
-Outcome whorl_in(const fs::path& folder, const std::string& arguments) {
-    const std::string line = "cd '" + folder.string() + "' && '" WHORL_PROGRAM "' " + arguments + " 2>&1";
+/// Runs the built program in a folder. @param environment "NAME=value " before the command
+Outcome whorl_in(const fs::path& folder, const std::string& arguments, const std::string& environment = "") {
+    const std::string line = "cd '" + folder.string() + "' && " + environment + "'" WHORL_PROGRAM "' " + arguments + " 2>&1";
     std::FILE* pipe = popen(line.c_str(), "r");
     std::string text;
     std::array<char, 4096> buffer;
@@ -200,6 +200,10 @@ TEST_CASE("a plan tells models with reasons, fields, stages in order and the lim
     CHECK(cost.at("film_seconds").get<double>() > cost.at("last_frame_seconds").get<double>());
     CHECK(cost.at("bytes_a_particle").get<double>() > json.at("bytes_a_particle").get<double>());
     CHECK(whorl_in(folder, "plan s.toml").text.find("stages of a step, in order") != std::string::npos);
+    // The temporary folder of a job that is over, and no costs kept from before.
+    const Outcome gone = whorl_in(folder, "plan s.toml --set output.format=exr", "TMPDIR=/gone XDG_CACHE_HOME=/dev/null ");
+    INFO(gone.text);
+    CHECK(gone.code == 0);
     CHECK(std::distance(fs::directory_iterator(folder), fs::directory_iterator()) == 1);
     fs::remove_all(folder);
 }

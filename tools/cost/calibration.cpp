@@ -131,11 +131,19 @@ private:
             else image = renderer_->draw(frame, surface, f.look, view);
         });
         c.pictures.push_back(picture);
-        const fs::path packed = fs::temp_directory_path() / fmt::format("whorl-{}.{}", getpid(), f.scene.output.format);
         const double cpu = cpu_seconds();
-        if (exr) write_exr(packed, layers, {});
-        else write_png(packed, image);
+        if (exr) pack(layers);
+        else encode_png(image);
         c.write = cpu_seconds() - cpu;
+    }
+
+    /// EXR files can be packed on disk only.
+    static void pack(const PictureLayers& layers) {
+        std::error_code gone;
+        fs::path folder = fs::temp_directory_path(gone);
+        if (gone) folder = "/tmp";  // $TMPDIR is that of a job that is over, say
+        const fs::path packed = folder / fmt::format("whorl-{}.exr", getpid());
+        write_exr(packed, layers, {});
         fs::remove(packed);
     }
 
