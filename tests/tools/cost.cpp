@@ -1,8 +1,13 @@
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
+#include <cstdlib>
 #include <filesystem>
+#include <optional>
 
 #include "engine/core/clock.h"
 #include "engine/theory/falling_thread.h"
+#include "tests/support/scratch.h"
 #include "tools/cost/coarse_run.h"
 #include "tools/cost/estimate.h"
 #include "tools/cost/pace.h"
@@ -35,6 +40,17 @@ Calibration costs() {
     c.pictures = {{1, 0.04, 0.1}}, c.write = 0.02;
     return c;
 }
+
+/// A variable of the environment while it lives.
+struct Environment {
+    Environment(const char* variable, const std::string& value) : name(variable) {
+        if (const char* text = std::getenv(name)) before = text;
+        setenv(name, value.c_str(), 1);
+    }
+    ~Environment() { before ? setenv(name, before->c_str(), 1) : unsetenv(name); }
+    const char* name;
+    std::optional<std::string> before;
+};
 
 }  // namespace
 
@@ -83,6 +99,37 @@ TEST_CASE("a finer spacing costs more steps and particles, a film that is poured
     CHECK(fine.memory > coarse.memory);
     CHECK(coarse.film < coarse.frames * coarse.frame);
     CHECK(coarse.film > 0.3 * coarse.frames * coarse.frame);
+}
+
+TEST_CASE("a plan tells where its pictures no longer fit into memory", "[cost]") {
+    const SceneFile file = shipped("honey_coil", {"output.size=[3840, 2160]"});
+    const Plan plan = make_plan(file.scene);
+    const Estimate e = estimate(file, plan, Simulation(file.scene, plan), costs());
+    CHECK(memory_warning(e, e.memory) == "");
+    CHECK(memory_warning(e, 0.5e9) ==
+          "the run needs about " + fmt::format("{:.3g}", e.memory / 1e9) + " GB of memory at its end, and 0.5 GB are free");
+}
+
+TEST_CASE(
+    "costs that were measured are found again for a part of the film, with other exports, and for the panels that share a box and a range",
+    "[cost]") {
+    const test::ScratchFolder cache;
+    const Environment home("XDG_CACHE_HOME", cache.path().string());
+    const SceneFile file = shipped("honey_coil", {"camera.kind=auto", "look.style=particles"});
+    const Plan plan = make_plan(file.scene);
+    keep_calibration(file, plan, costs());
+    SceneFile chosen = file;
+    chosen.look.range = {0, 2};
+    chosen.camera.min = Vec3f(-1, 0, -1), chosen.camera.max = Vec3f(1, 1, 1);
+    chosen.scene.output.exports = {"raw"}, chosen.scene.output.video = false;
+    CHECK(find_calibration(chosen, plan).has_value());
+    // A box of the scene's own is another picture, and so is another size.
+    CHECK_FALSE(
+        find_calibration(
+            shipped("honey_coil", {"camera.kind=auto", "look.style=particles", "camera.min=[-1, 0, -1]", "camera.max=[1, 1, 1]"}), plan)
+            .has_value());
+    CHECK_FALSE(
+        find_calibration(shipped("honey_coil", {"camera.kind=auto", "look.style=particles", "output.size=[320, 180]"}), plan).has_value());
 }
 
 TEST_CASE("pictures cost what they do at their moment of the film, the time left goes by that and by the pace of now", "[cost]") {

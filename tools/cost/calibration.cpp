@@ -51,7 +51,12 @@ std::string key_of(const SceneFile& file, const Plan& plan) {
     return key;
 }
 
-std::string key_of_pictures(const SceneFile& file) {
+/// What pictures cost does not hang on the colours' range, nor on what is made of them. Nor on the box that an automatic camera was given
+/// for the film: only one of the scene's own counts.
+std::string key_of_pictures(SceneFile file) {
+    file.look.range = {0, 0}, file.look.streak_time = 0;
+    file.scene.output.exports.clear(), file.scene.output.video = true;
+    if (file.scene.places.count("camera.min") == 0) file.camera.min.reset(), file.camera.max.reset();
     return fmt::format("pictures | {} | {} | {} threads | {:x}", build_id(), processor_name(), threads(),
                        std::hash<std::string>()(resolved_toml(file)));
 }
@@ -294,21 +299,22 @@ std::optional<Calibration> find_calibration(const SceneFile& file, const Plan& p
 
 Calibration calibrate(const SceneFile& file, const Plan& plan, const Simulation& simulation) {
     if (auto known = find_calibration(file, plan)) return *known;
-    Json all = read_cache();
-    if (!all.is_object() || all.size() > 400) all = Json::object();
     Calibration c;
-    const std::string key = key_of(file, plan);
     try {
-        c = from_json(all.at(key));
+        c = from_json(read_cache().at(key_of(file, plan)));
     } catch (const Json::exception&) { c = measure(file, plan); }
     measure_film(file, simulation, estimate(file, plan, simulation, c).film_simulate, c);
-    try {
-        all[key] = to_json(c), all[key_of_pictures(file)] = pictures_to_json(c);
-        fs::create_directories(calibration_file().parent_path());
-        write_text(calibration_file(), all.dump(1) + "\n");
-    } catch (const std::exception&) {  // it is measured again next time
-    }
+    keep_calibration(file, plan, c);
     return c;
+}
+
+void keep_calibration(const SceneFile& file, const Plan& plan, const Calibration& c) try {
+    Json all = read_cache();
+    if (!all.is_object() || all.size() > 400) all = Json::object();
+    all[key_of(file, plan)] = to_json(c), all[key_of_pictures(file)] = pictures_to_json(c);
+    fs::create_directories(calibration_file().parent_path());
+    write_text(calibration_file(), all.dump(1) + "\n");
+} catch (const std::exception&) {  // it is measured again next time
 }
 
 }  // namespace whorl

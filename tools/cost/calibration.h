@@ -35,9 +35,12 @@ struct Calibration {
 
 /// What was measured earlier for this program, machine, number of threads, set of models and scene; nothing where that was never done.
 std::optional<Calibration> find_calibration(const SceneFile& file, const Plan& plan);
-/// The same, measured now where it is not known (some seconds) and kept for the next time (a cache that cannot be written is no error).
+/// The same, measured now where it is not known (some seconds) and kept for the next time.
 /// @param simulation of the scene, at its start
 Calibration calibrate(const SceneFile& file, const Plan& plan, const Simulation& simulation);
+
+/// Keeps them for a scene (a cache that cannot be written is no error).
+void keep_calibration(const SceneFile& file, const Plan& plan, const Calibration& calibration);
 
 /// The file that measurements are kept in: $XDG_CACHE_HOME/whorl/costs.json, else ~/.cache/whorl/costs.json; empty where there is no home.
 std::filesystem::path calibration_file();

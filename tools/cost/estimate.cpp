@@ -1,5 +1,7 @@
 #include "tools/cost/estimate.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -122,6 +124,12 @@ Estimate estimate(const SceneFile& file) {
     const Plan plan = make_plan(file.scene);
     const Simulation simulation(file.scene, plan);
     return estimate(file, plan, simulation, calibrate(file, plan, simulation));
+}
+
+std::string memory_warning(const Estimate& estimate, double free_bytes) {
+    if (estimate.memory <= free_bytes) return "";
+    return fmt::format("the run needs about {:.3g} GB of memory at its end, and {:.3g} GB are free", estimate.memory / 1e9,
+                       free_bytes / 1e9);
 }
 
 }  // namespace whorl

@@ -30,4 +30,7 @@ Estimate estimate(const SceneFile& file, const Plan& plan, const Simulation& sim
 /// The same, with costs that are measured now where they are not known.
 Estimate estimate(const SceneFile& file);
 
+/// A warning where the run needs more memory than there is, pictures included; "" where it does not.
+std::string memory_warning(const Estimate& estimate, double free_bytes);
+
 }  // namespace whorl

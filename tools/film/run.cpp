@@ -6,6 +6,7 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <sstream>
 
 #include "engine/core/whole_file.h"
@@ -72,6 +73,8 @@ private:
     void make_folders();
     void resume();
     void greet(const Plan& plan);
+    std::optional<Estimate> foreseen(SceneFile file) const;
+    std::vector<double> foreseen_frames() const;
 
     bool stop_wanted() override { return interrupt_.interrupted(); }
     void after_step(const StepReport& report, double began) override;
@@ -109,7 +112,8 @@ private:
     std::shared_ptr<const PictureOptions> pictures_;  ///< how they are made now
     Incidents incidents_;
     double frame_done_at_ = wall_seconds(), saved_at_ = wall_seconds();
-    double predicted_ = 0;  ///< s, wall time of the whole run where costs were measured before (whorl plan); else 0
+    std::vector<double> foreseen_;  ///< s, of each frame, where costs were measured before
+    double predicted_ = 0;          ///< s, wall time of the whole run where costs were measured before (whorl plan); else 0
     InterruptGuard interrupt_;
     std::optional<Progress> progress_;
     std::optional<Film> film_;
@@ -121,6 +125,7 @@ Run::Run(const RunRequest& request, const Plan& plan)
       folder_(request.from ? RunFolder::existing(request.folder) : RunFolder::fresh(request.folder, request.earlier)),
       scene_text_(resolved_toml(file_)) {
     make_folders();
+    foreseen_ = foreseen_frames();
     if (request.from) resume();
     loop_.emplace(*this, simulation_, replay_.now(), last_, TheorySearch::wait);
     tables_.emplace(folder_.path(), simulation_, loop_->probes(), scene_.budget.any(), request.from ? &*request.from : nullptr);
@@ -139,12 +144,32 @@ void Run::greet(const Plan& plan) {
     progress_.emplace(first_, last_, request_.quiet, request_.json);
     if (!folder_.note().empty()) progress_->note(folder_.note());
     for (const std::string& warning : plan.warnings) progress_->say("warning: " + warning);
-    if (const auto costs = find_calibration(request_.file, plan); costs && !request_.from && !request_.frames) {
-        const Estimate foreseen = estimate(request_.file, plan, simulation_, *costs);
-        predicted_ = foreseen.film;
-        progress_->foresee(foreseen.frames_seconds);
-        progress_->say(fmt::format("about {} expected", duration(predicted_)));
-    }
+    if (foreseen_.empty()) return;
+    predicted_ = std::accumulate(foreseen_.begin(), foreseen_.begin() + last_, 0.0);
+    const double before = std::accumulate(foreseen_.begin(), foreseen_.begin() + first_ - 1, 0.0);
+    progress_->foresee(foreseen_);
+    progress_->say(fmt::format("about {} expected", duration(predicted_ - before)));
+}
+
+/// What the scene will take, where that was measured.
+std::optional<Estimate> Run::foreseen(SceneFile file) const {
+    const Plan plan = make_plan(file.scene);
+    const auto costs = find_calibration(file, plan);
+    if (!costs) return std::nullopt;
+    // When the film is resumed its scene is this one.
+    if (!request_.from) keep_calibration(read_resolved(scene_text_, "scene.resolved.toml"), plan, *costs);
+    if (request_.no_draw) file.scene.output.frames = false;
+    return estimate(file, plan, simulation_, *costs);
+}
+
+/// Seconds that frames will take, at least as many as the run has; none where they were not measured. Of a run that is made longer, frames
+/// behind its old end take as long as the last one before.
+std::vector<double> Run::foreseen_frames() const {
+    auto e = foreseen(request_.file);
+    if (!e && request_.from) e = foreseen(read_resolved(request_.from->scene, "scene.resolved.toml"));
+    std::vector<double> frames = e ? e->frames_seconds : std::vector<double>();
+    if (!frames.empty()) frames.resize(std::max(frames.size(), static_cast<std::size_t>(last_)), frames.back());
+    return frames;
 }
 
 /// What is chosen for the whole film stands in scene.resolved.toml and thereby in every checkpoint: a resumed film keeps it.

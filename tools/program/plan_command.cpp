@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "engine/core/parallel.h"
+#include "engine/scene/free_memory.h"
 #include "engine/sim/simulation.h"
 #include "tools/cost/estimate.h"
 #include "tools/film/panel_scenes.h"
@@ -26,10 +27,11 @@ FilmCost film_cost(const SceneFile& file, const Estimate& alone) {
 int plan(const Options& options) {
     set_threads(options.threads);
     const SceneFile file = read_scene_file(options);
-    const Plan plan = make_plan(file);
+    Plan plan = make_plan(file);
     const Simulation simulation(file.scene, plan);
     const Calibration calibration = calibrate(file, plan, simulation);
     const Estimate cost = estimate(file, plan, simulation, calibration);
+    if (const std::string warning = memory_warning(cost, free_memory()); !warning.empty()) plan.warnings.push_back(warning);
     const Preview preview{file, plan, simulation, PreviewCost{calibration, cost, film_cost(file, cost)}};
     options.json ? print_json(preview) : print_text(preview);
     return exit_done;
