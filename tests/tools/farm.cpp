@@ -73,13 +73,13 @@ TEST_CASE("a film that is simulated once and drawn in pieces is the film of one 
 
 TEST_CASE("the panels of a film are runs of their own, put side by side at the end", "[tools][farm]") {
     const Scratch scratch(
-        "[[panel]]\nlabel = \"thick\"\n[[panel]]\nlabel = \"thin\"\nset = [\"fluid.viscosity=20\", \"fluid.density=15000\"]\n");
+        "[[panel]]\nlabel = \"thick\"\n[[panel]]\nlabel = \"thin\"\nset = [\"fluid.viscosity=60\", \"fluid.density=40000\"]\n");
     REQUIRE(scratch.whorl({"render", "--quiet"}, "whole").code == 0);
     const Outcome farmed = scratch.whorl({"farm", "--jobs", "2"}, "farmed");
     INFO(farmed.err);
     REQUIRE(farmed.code == 0);
     CHECK(farmed.err.find("panels 2 of 2, gather 1 of 1") != std::string::npos);
-    CHECK(farmed.err.find("warning: panel 2: fluid.density = 15000 kg/m^3 is more than that of any liquid") != std::string::npos);
+    CHECK(farmed.err.find("warning: panel 2: fluid.density = 40000 kg/m^3 is more than that of any liquid") != std::string::npos);
     check_same_pictures(scratch / "whole", scratch / "farmed", 9);
     CHECK(nlohmann::json::parse(read_whole(scratch / "farmed/run.json")).at("status") == "done");
 }

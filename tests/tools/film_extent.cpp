@@ -84,9 +84,10 @@ TEST_CASE("an automatic camera shows where fluid pours and lands, in however lar
 }
 
 TEST_CASE("the first pass makes a scene's changes") {
-    const test::FilmScratch scratch(std::string(hall) +
-                                    "[[block]]\nshape = \"sphere\"\nposition = [0.1, 0.1, 0]\nradius = 0.012\n"
-                                    "[[change]]\ntime = 0.05\nkey = \"domain.gravity\"\nvalue = [40, 0, 0]\n");
+    const test::FilmScratch scratch(
+        std::string(hall) +
+        "[models]\npressure = \"ppe\"\nviscosity = \"full\"\n[[block]]\nshape = \"sphere\"\nposition = [0.1, 0.1, 0]\nradius = 0.012\n"
+        "[[change]]\ntime = 0.05\nkey = \"domain.gravity\"\nvalue = [40, 0, 0]\n");
     const Outcome done = test::whorl({"render", scratch.scene(), "--frames", "1", "--out", scratch.run(), "--no-video"});
     INFO(done.err);
     REQUIRE(done.code == 0);

@@ -154,7 +154,7 @@ private:
         if (!request_.quiet && !request_.json)
             std::fprintf(stderr, "panel %zu of %zu: %s%s\n", k + 1, scenes_.size(), name_of(k).c_str(),
                          anew ? ", from the start: the difference needs all its frames, which --export raw would have kept" : "");
-        if (anew) panel.earlier = RunFolder::Earlier::replaced;
+        panel.earlier = RunFolder::Earlier::replaced;  // what stands there and cannot go on
         if (next == Next::goes_on) resume_from_newest(panel);
         return run_scene(panel);
     }
