@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/io/files.h"
+#include "engine/scene/plan.h"
 #include "render/image/image.h"
 #include "tests/support/film_runs.h"
 #include "tests/support/program.h"
