@@ -1,5 +1,8 @@
 #include "engine/io/frame_file.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "engine/core/whole_file.h"
 #include "engine/io/files.h"
 #include "engine/io/packed.h"
@@ -40,16 +43,26 @@ void frame_members(Archive& a, F& frame) {
     a(frame.dimensions);
 }
 
-/// @throws EnvironmentError where a field has more or fewer values than there are particles, or a triangle a corner that is no vertex
+bool all_finite(const std::vector<Vec3f>& places) {
+    return std::all_of(places.begin(), places.end(), [](const Vec3f& x) { return x.allFinite(); });
+}
+
+/// @throws EnvironmentError where a field has more or fewer values than there are particles, a triangle a corner that is no vertex, a place
+/// is not finite, or a length that surfaces divide by is none
 void check(const Frame& frame) {
     const std::size_t n = frame.position.size();
-    bool sound = frame.velocity.size() == n;
+    bool sound = frame.velocity.size() == n && all_finite(frame.position);
+    sound = sound && frame.spacing > 0 && std::isfinite(frame.spacing) && (frame.dimensions == 2 || frame.dimensions == 3);
+    sound = sound && frame.domain_min.allFinite() && frame.domain_max.allFinite();
+    for (int a = 0; a < 3; ++a) sound = sound && (!frame.periodic[a] || frame.domain_max[a] - frame.domain_min[a] >= frame.spacing);
     const auto one_each = [&](const auto& fields) {
         for (const auto& [name, values] : fields) sound = sound && values.size() == n;
     };
     one_each(frame.scalar), one_each(frame.vector), one_each(frame.whole);
     for (const FrameSolid& solid : frame.solids) {
+        sound = sound && solid.rotation.allFinite() && solid.translation.allFinite();
         if (!solid.mesh) continue;
+        sound = sound && all_finite(solid.mesh->position);
         const std::size_t vertices = solid.mesh->position.size();
         sound = sound && (solid.mesh->normal.empty() || solid.mesh->normal.size() == vertices);
         sound = sound && (solid.mesh->scalar.empty() || solid.mesh->scalar.size() == vertices);

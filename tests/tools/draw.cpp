@@ -154,6 +154,10 @@ TEST_CASE("draw says what it cannot draw, and changes nothing then") {
     refused({"--set", "fluid.viscosity=3"}, "the simulation is over");
     refused({"--frames", "3-4"}, "there are no frames 3 to 4; 1 to 2");
     refused({"--frames", "two"}, "names no frames");
+    fs::rename(run / "raw/000002.frame", run / "raw/000003.frame");
+    fs::copy(run / "raw/000001.frame", run / "raw/000002.frame");
+    refused({}, "000002.frame: holds frame 1, not 2");
+    fs::rename(run / "raw/000003.frame", run / "raw/000002.frame");
     std::ofstream(run / "raw/000002.frame", std::ios::app) << "x";
     refused({}, "000002.frame: is no whole frame");
     fs::remove_all(run / "raw");

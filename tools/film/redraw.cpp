@@ -88,6 +88,9 @@ int redraw(const RedrawRequest& request) {
     std::vector<FrameSolid> before;
     for (const int number : numbers) {
         Frame frame = read_frame(frame_file(request.run, number));
+        if (frame.number != number)
+            throw InputError({frame_file(request.run, number).string(), 0, 0}, fmt::format("holds frame {}, not {}", frame.number, number),
+                             "give the files their own names again, or export the frames anew");
         share_meshes(frame.solids, before);
         before = frame.solids;
         if (replay.apply_until(frame.time, [](const Scene&, const Plan&, double) {})) how = options_now();

@@ -2,6 +2,7 @@
 #include "engine/io/frame_file.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <fstream>
 
 #include "engine/core/errors.h"
@@ -80,11 +81,25 @@ TEST_CASE("a frame whose parts do not fit together is refused", "[io]") {
     const test::ScratchFolder folder;
     const std::filesystem::path file = folder / "000001.frame";
     Frame frame;
+    frame.spacing = 0.1f;
     frame.position = frame.velocity = {{1, 2, 3}, {4, 5, 6}};
+    write_frame(file, frame);
+    CHECK_NOTHROW(read_frame(file));
     TriangleMesh mesh;
     mesh.position = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     SECTION("a field with fewer values than particles") { frame.scalar["density"] = {1000}; }
     SECTION("fewer velocities") { frame.velocity.pop_back(); }
+    SECTION("no spacing") { frame.spacing = 0; }
+    SECTION("a particle nowhere") { frame.position[1].y() = NAN; }
+    SECTION("a vertex that is infinitely far") {
+        mesh.position[2].x() = INFINITY;
+        mesh.triangle = {{0, 1, 2}};
+        frame.solids.emplace_back().mesh = std::make_shared<const TriangleMesh>(mesh);
+    }
+    SECTION("an axis that repeats after nothing") {
+        frame.domain_max = {1, 0, 1};
+        frame.periodic = {false, true, false};
+    }
     SECTION("a triangle with a corner that is no vertex") {
         mesh.triangle = {{0, 1, 3}};
         frame.solids.emplace_back().mesh = std::make_shared<const TriangleMesh>(mesh);
