@@ -1,5 +1,6 @@
 #pragma once
 /// Plain values as bytes, as saved states hold them.
+#include <cstring>
 #include <istream>
 #include <ostream>
 #include <type_traits>
@@ -17,6 +18,13 @@ template <class T>
 bool take(std::istream& in, T& value) {
     static_assert(std::is_trivially_copyable_v<T>);
     return static_cast<bool>(in.read(reinterpret_cast<char*>(&value), sizeof value));
+}
+
+/// Whether what was taken as part of a larger value is a bool, and no other byte.
+inline bool is_truth(const bool& taken) {
+    unsigned char byte = 0;
+    std::memcpy(&byte, &taken, 1);
+    return byte <= 1;
 }
 
 }  // namespace whorl

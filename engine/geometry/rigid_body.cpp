@@ -1,6 +1,7 @@
 #include "engine/geometry/rigid_body.h"
 
 #include <Eigen/LU>
+#include <cmath>
 #include <istream>
 #include <ostream>
 
@@ -50,10 +51,11 @@ void RigidBody::save(std::ostream& out) const {
     out.write(reinterpret_cast<const char*>(turn.coeffs().data()), 4 * sizeof(double));
 }
 
-void RigidBody::load(std::istream& in) {
+bool RigidBody::load(std::istream& in) {
     for (double* values : {centre.data(), velocity.data(), spin_momentum.data()})
         in.read(reinterpret_cast<char*>(values), 3 * sizeof(double));
     in.read(reinterpret_cast<char*>(turn.coeffs().data()), 4 * sizeof(double));
+    return centre.allFinite() && velocity.allFinite() && spin_momentum.allFinite() && std::abs(turn.norm() - 1) < 1e-3;
 }
 
 }  // namespace whorl

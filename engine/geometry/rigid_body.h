@@ -57,7 +57,8 @@ struct RigidBody {
     Pose pose() const;
 
     void save(std::ostream& out) const;
-    void load(std::istream& in);  ///< leaves `in` failed where the data are cut short
+    /// Leaves `in` failed where the data are cut short. @return whether the state is one that a body can have
+    bool load(std::istream& in);
 };
 
 }  // namespace whorl

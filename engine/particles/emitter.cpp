@@ -5,6 +5,7 @@
 #include <numbers>
 #include <ostream>
 
+#include "engine/math/kernel.h"
 #include "engine/particles/sample.h"
 
 namespace whorl {
@@ -26,6 +27,11 @@ double opening_area(const EmitterShape& shape) {
 }
 
 }  // namespace
+
+double column_points(double area, double spacing, bool parabolic, int dimensions) {
+    const double a_layer = area * spacing / power_of(spacing, dimensions);
+    return std::max(1.0, std::round(a_layer * (parabolic ? 1 : std::clamp(1e5 / a_layer, 6.0, 24.0))));
+}
 
 struct Emitter::State {
     EmitterShape shape;
@@ -54,6 +60,10 @@ struct Emitter::State {
     double peak() const { return !shape.parabolic ? 1 : shape.plane || shape.slot ? 1.5 : 2; }
     int dimensions() const { return shape.plane ? 2 : 3; }
     double volume() const { return std::pow(static_cast<double>(spacing), dimensions()); }  ///< of a particle
+
+    long column_count() const {
+        return std::lround(column_points(opening_area(shape), static_cast<double>(spacing), shape.parabolic, dimensions()));
+    }
 
     double mean_speed(double t) const { return t < start || t > stop ? 0 : std::max(0.0, speed_of_time(t)); }
 
@@ -90,7 +100,7 @@ struct Emitter::State {
     /// A plug moves as one: a periodic column of blue noise, as long as makes its volume a whole number of particles, so that the mass flow
     /// is exact.
     void make_column(std::uint64_t seed) {
-        const long count = std::max(1L, std::lround(opening_area(shape) * 24 * spacing / volume()));
+        const long count = column_count();
         length = static_cast<double>(count) * volume() / opening_area(shape);
         fill_pipe(count, length, seed);
     }
@@ -98,7 +108,7 @@ struct Emitter::State {
     /// Layers that slide past each other would push blue noise into pairs. Streamlines stay apart whatever their speeds: blue noise in the
     /// cross-section, single files along the flow, each with a phase of its own.
     void make_streamlines(std::uint64_t seed) {
-        const long count = std::max(1L, std::lround(opening_area(shape) * spacing / volume()));
+        const long count = column_count();
         length = volume() * static_cast<double>(count) / opening_area(shape);
         fill_pipe(count, 0, seed);
         RandomNumbers random(seed + 1);
@@ -196,10 +206,19 @@ void Emitter::save(std::ostream& out) const {
               static_cast<std::streamsize>(state_->next_copy.size() * sizeof(long)));
 }
 
-void Emitter::load(std::istream& in) {
+bool Emitter::load(std::istream& in) {
     in.read(reinterpret_cast<char*>(&state_->pushed), sizeof(double));
     in.read(reinterpret_cast<char*>(state_->next_copy.data()), static_cast<std::streamsize>(state_->next_copy.size() * sizeof(long)));
     if (!in) throw EnvironmentError("the saved state of an emitter ends too early", "", "resume from an older checkpoint");
+    // In the last step every particle's copies entered down to the buffer's depth: the next step has few to add.
+    const State& s = *state_;
+    if (!std::isfinite(s.pushed) || s.pushed < 0) return false;
+    for (std::size_t k = 0; k < s.block.size(); ++k) {
+        const double entered = static_cast<double>(s.next_copy[k]) * s.length,
+                     flowed = s.profile(s.block[k].x(), s.block[k].y()) * s.pushed;
+        if (s.next_copy[k] < 0 || entered + s.length < (1 - 1e-6) * flowed) return false;
+    }
+    return true;
 }
 
 }  // namespace whorl

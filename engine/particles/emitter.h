@@ -33,6 +33,10 @@ inline void opening_axes(const EmitterShape& opening, Vec3& width, Vec3& thickne
     thickness = back.cross(width);
 }
 
+/// Particles in the column that a nozzle repeats: a layer for the streamlines of a parabolic profile, 24 for a plug, down to 6 where the
+/// opening is so wide that these hold a hundred thousand. @param area of the opening [m^2], in the plane its width [m]
+double column_points(double area, double spacing, bool parabolic, int dimensions);
+
 /// Pushes an endless column of blue-noise fluid through an opening. A buffer of `depth` [m] above the opening holds particles that are
 /// already in the store with their velocity prescribed (role -k): neighbours find a full neighbourhood at the exit.
 class Emitter {
@@ -56,7 +60,8 @@ public:
     void change(Expression speed, double start, double stop);
 
     void save(std::ostream&) const;
-    void load(std::istream&);
+    /// @return whether the state is one that this emitter can have @throws EnvironmentError where the data are cut short
+    bool load(std::istream&);
     ~Emitter();
     Emitter(Emitter&&) noexcept;
 

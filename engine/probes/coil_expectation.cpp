@@ -71,13 +71,13 @@ void CoilExpectation::save(std::ostream& out) const {
 }
 
 void CoilExpectation::load(std::istream& in) {
-    bool answered = false, found = false;
+    char answered = 0, found = 0;
     Answer answer;
     CoilTheory theory;
     take(in, answered), take(in, answer.of), take(in, found), take(in, theory);
-    if (found) answer.theory = theory;
+    if (found != 0) answer.theory = theory;
     answer_.reset();
-    if (answered) answer_ = answer;
+    if (answered != 0) answer_ = answer;
     solver_.load(in);
 }
 

@@ -106,7 +106,7 @@ void CoilProbe::find_pile(Step& step) const {
 
 void CoilProbe::find_thread(Step& step) const {
     const double a = step.sample.radius, U = step.sample.speed;
-    if (height_ > 0) step.sample.section.emplace();
+    if (height_ > 0) step.sample.section = CoilTurns::Centre();
     const auto add = [](CoilTurns::Centre& centre, const Step::Place& p) {
         centre.x += p.x, centre.y += p.y, centre.height += p.z, centre.count += 1;
     };
@@ -159,6 +159,9 @@ void CoilProbe::save(std::ostream& out) const {
 
 void CoilProbe::load(std::istream& in) {
     take(in, memory_), take(in, turns_.memory());
+    const CoilTurns::Memory& turns = turns_.memory();
+    if (!is_truth(memory_.pile_seen) || !is_truth(turns.turning) || turns.turns_kept < 0 || turns.turns_kept > CoilTurns::kept)
+        throw EnvironmentError("the saved state is none of a coil probe", "", "resume from an older checkpoint");
     expectation_.load(in);
 }
 

@@ -24,11 +24,34 @@ namespace {
 /// Steps between two sorts along the space-filling curve, counted from the last frame time.
 constexpr long sort_every = 16;
 
+/// Values of a saved state that no run has would crash this one, or never let it end.
+void must_be_sound(bool is_sound) {
+    if (!is_sound) throw EnvironmentError("the saved state is none of this scene", "", "resume from an older checkpoint");
+}
+
 template <class T>
 T take(std::istream& in) {
     T value{};
     if (!whorl::take(in, value)) throw EnvironmentError("the saved state ends too early", "", "resume from an older checkpoint");
     return value;
+}
+/// A number of something.
+template <>
+long take(std::istream& in) {
+    long value = 0;
+    must_be_sound(!whorl::take(in, value) || (value >= 0 && value < 1L << 53));
+    return in ? value : 0;
+}
+template <>
+bool take(std::istream& in) {
+    return take<char>(in) != 0;
+}
+
+std::streamoff bytes_left(std::istream& in) {
+    const auto at = in.tellg();
+    const auto end = in.seekg(0, std::ios::end).tellg();
+    in.seekg(at);
+    return end - at;
 }
 
 /// Calls f for each number of the totals, in the order in which a saved state holds them.
@@ -315,23 +338,32 @@ void Simulation::save(std::ostream& out) const {
 void Simulation::load(std::istream& in) {
     State& s = *state_;
     s.time = take<double>(in), s.next_id = take<std::int32_t>(in);
+    must_be_sound(std::isfinite(s.time) && s.time >= 0 && s.next_id >= 0);
     s.totals = {};
     each_number(s.totals, [&](auto& number) { number = take<std::remove_reference_t<decltype(number)>>(in); });
     for (auto limits = take<std::size_t>(in); limits > 0; --limits) {
-        std::string limit(take<std::size_t>(in), ' ');
-        in.read(limit.data(), static_cast<std::streamsize>(limit.size()));
+        const auto length = take<std::size_t>(in);
+        must_be_sound(length <= static_cast<std::size_t>(bytes_left(in)));
+        std::string limit(length, ' ');
+        in.read(limit.data(), static_cast<std::streamsize>(length));
         s.totals.binding[limit] = take<long>(in);
     }
-    s.world.fluid.resize(take<Index>(in));
+    const auto particles = take<Index>(in);
+    must_be_sound(particles >= 0 && particles <= bytes_left(in));
+    s.world.fluid.resize(particles);
     for (const ParticleStore::Entry* entry : s.world.fluid.entries())
         if (entry->lasting) {
             const auto bytes = static_cast<std::streamsize>(entry->info->bytes * static_cast<std::size_t>(s.world.fluid.size()));
             if (!in.read(static_cast<char*>(entry->column->data()), bytes))
                 throw EnvironmentError("the saved state ends too early", "", "resume from an older checkpoint");
         }
-    for (Emitter& emitter : s.emitters) emitter.load(in);
+    const auto emitters = static_cast<std::int16_t>(s.emitters.size());
+    for (const std::int16_t role : s.world.fluid.column<field::role>()) must_be_sound(role >= -emitters);
+    if (s.world.fluid.has<field::source>())
+        for (const std::int16_t source : s.world.fluid.column<field::source>()) must_be_sound(source >= 0 && source <= emitters);
+    for (Emitter& emitter : s.emitters) must_be_sound(emitter.load(in));
     for (Solid& solid : s.world.solids.all)
-        if (solid.body) solid.body->load(in);
+        if (solid.body) must_be_sound(solid.body->load(in));
     if (!in) throw EnvironmentError("the saved state ends too early", "", "resume from an older checkpoint");
     s.steps_since_frame = 0;
     s.set_gravity();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <limits>
 #include <numbers>
 #include <sstream>
 
@@ -127,7 +128,13 @@ TEST_CASE("an emitter that starts and stops lets out what its speed says, and it
     std::stringstream saved;
     emitter.save(saved);
     Emitter copy(nozzle(), speed, 0.1, 0.5, d, 4 * d, 2, 7);
-    copy.load(saved);
+    CHECK(copy.load(saved));
+    std::string state = saved.str();
+    const long never = std::numeric_limits<long>::min();
+    state.replace(sizeof(double), sizeof never, reinterpret_cast<const char*>(&never), sizeof never);
+    std::istringstream wrong(state);
+    Emitter other_copy(nozzle(), speed, 0.1, 0.5, d, 4 * d, 2, 7);
+    CHECK_FALSE(other_copy.load(wrong));
     ParticleStore other = empty_store();
     other.resize(store.size());
     std::ranges::copy(store.column<field::position>(), other.column<field::position>().begin());

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <numbers>
 #include <sstream>
 
@@ -229,6 +230,29 @@ TEST_CASE("a run that is saved and loaded half-way ends with the same bits as on
         CHECK((state_of(resumed) == state_of(whole)));
         CHECK(whole.totals().lost_particles == 0);
     }
+}
+
+TEST_CASE("a saved state with values that no run has is refused", "[sim][resume]") {
+    Simulation run = simulation_of(syrup);
+    run_until(run, 0.05);
+    const std::string sound = state_of(run);
+    const auto refused = [&](std::size_t at, const auto& value) {
+        std::string state = sound;
+        state.replace(at, sizeof value, reinterpret_cast<const char*>(&value), sizeof value);
+        std::istringstream in(state);
+        CHECK_THROWS_AS(simulation_of(syrup).load(in), EnvironmentError);
+    };
+    refused(0, std::numeric_limits<double>::quiet_NaN());  // the time
+    refused(sizeof(double) + sizeof(std::int32_t), -1L);   // the steps
+    // "frame time": how long the name is, the name, how often; after the last of the names the number of particles.
+    const std::size_t name = sound.find("frame time");
+    REQUIRE(name != std::string::npos);
+    refused(name - sizeof(std::size_t), std::size_t{1} << 62);
+    const Index particles = run.world().fluid.size();
+    const std::size_t count = sound.find(std::string(reinterpret_cast<const char*>(&particles), sizeof particles), name);
+    REQUIRE(count != std::string::npos);
+    refused(count, Index{-1});
+    refused(count, std::numeric_limits<Index>::max());
 }
 
 TEST_CASE("a drop in a scene without solids falls by g t within 1e-5, with every pressure model, by gravity or by a force of the scene",
