@@ -144,6 +144,7 @@ TEST_CASE("an imported scene in the plane has two numbers a place, and one that 
     const Scratch scratch(R"({"Configuration": {"sim2D": true, "particleRadius": 0.025, "cflMethod": 0, "timeStepSize": 0.002,
    "gravitation": [0, -9810, 0]},
  "FluidBlocks": [{"start": [-1, 0, -1], "end": [0, 1, 1]}],
+ "Emitters": [{"width": 4, "height": 2, "translation": [0.5, 1.5, 0]}],
  "RigidBodies": [{"geometryFile": "UnitBox.obj", "translation": [0, 1, 0], "scale": [2, 2, 1], "isWall": true}]})");
     const std::string out = (scratch / "plane.toml").string();
     const test::Outcome outcome = test::whorl({"import", (scratch / "scene.json").string(), "--out", out});

@@ -280,7 +280,7 @@ void Converter::emitters() {
         } else {
             line(shapes_, "shape", "\"box\"");
             line(shapes_, "width", number(plane_ ? height : width));
-            if (!plane_) line(shapes_, "thickness", number(height));
+            line(shapes_, "thickness", number(height));
             // Here a slot's width is horizontal.
             if (!plane_ && width != height && std::abs(at.rotation.col(2).y()) > 1e-3)
                 note(*node, "rotationAngle", "turns the opening about its direction: here its width lies horizontally");
