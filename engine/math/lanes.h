@@ -89,12 +89,14 @@ inline const Lanes& lanes_at(const Real* from) { return *reinterpret_cast<const 
 
 namespace detail {
 
+// L below is Lanes: where it is a template's own, clang does not look at the branches for other machines.
+
 /// Place of an element in a pair of Lanes that are seen as fours: k < 4 in the first's, else in the second's.
 constexpr int in_four(int k, int four) { return k < 4 ? 4 * four + k : lane_count + 4 * four + k - 4; }
 
 /// Each four of the result has the elements a, b, c, d of the fours of p (0 to 3) and q (4 to 7).
-template <int a, int b, int c, int d>
-[[gnu::always_inline]] inline Lanes fours(Lanes p, Lanes q) {
+template <int a, int b, int c, int d, class L>
+[[gnu::always_inline]] inline L fours(L p, L q) {
     if constexpr (lane_count == 16)
         return __builtin_shufflevector(p, q, in_four(a, 0), in_four(b, 0), in_four(c, 0), in_four(d, 0), in_four(a, 1), in_four(b, 1),
                                        in_four(c, 1), in_four(d, 1), in_four(a, 2), in_four(b, 2), in_four(c, 2), in_four(d, 2),
@@ -131,8 +133,8 @@ template <class Place>
 }
 
 /// Every second four of a and then of b, from the first four on or from the second.
-template <int first>
-[[gnu::always_inline]] inline Lanes every_second_four(Lanes a, Lanes b) {
+template <int first, class L>
+[[gnu::always_inline]] inline L every_second_four(L a, L b) {
     constexpr int k = 4 * first;
     if constexpr (lane_count == 16)
         return __builtin_shufflevector(a, b, k, k + 1, k + 2, k + 3, k + 8, k + 9, k + 10, k + 11, k + 16, k + 17, k + 18, k + 19, k + 24,

@@ -7,10 +7,19 @@
 
 #include "engine/models/viscosity/ageing_viscosity.h"
 #include "engine/models/viscosity/explicit_viscosity.h"
+#include "engine/particles/emitter.h"
 #include "engine/scene/tree.h"
 
 namespace whorl {
 namespace {
+
+/// Of a mesh [m^2].
+double area_of(const TriangleMesh& mesh) {
+    const auto corner = [&](std::uint32_t v) { return Vec3d(mesh.position[v].cast<double>()); };
+    double area = 0;
+    for (const auto& t : mesh.triangle) area += (corner(t[1]) - corner(t[0])).cross(corner(t[2]) - corner(t[0])).norm() / 2;
+    return area;
+}
 
 /// Calls f at 5 x 5 x 5 points from corner to corner.
 template <class F>
@@ -56,6 +65,26 @@ double fastest_of(const SolidKeys& solid, const Extent& extent, double end) {
 double opening_area(const EmitterKeys& e, int dimensions) {
     if (dimensions == 2) return e.shape == "disc" ? 2 * e.radius : e.width;
     return e.shape == "disc" ? std::numbers::pi * e.radius * e.radius : e.width * e.thickness;
+}
+
+double nozzle_points(const EmitterKeys& e, double spacing, int dimensions) {
+    return column_points(opening_area(e, dimensions), spacing, e.profile == Profile::parabolic, dimensions);
+}
+
+double layer_points(const Scene& scene, const SceneShapes& shapes, std::size_t solid) {
+    const ShapeKeys& keys = scene.solids[solid].shape;
+    const Shape& shape = *shapes.solids.all[solid].shape;
+    const double d = scene.fluid.spacing, r = keys.radius, round = 2 * std::numbers::pi * r;
+    Vec3 low, high;
+    shape.bounds(low, high);
+    Vec3d size = (high - low).cast<double>();
+    // Of a box or plane that stands still, only what is in the domain is made.
+    if (!shapes.solids.all[solid].moves()) size = size.cwiseMin(scene.domain.max - scene.domain.min + Vec3d::Constant(6 * d));
+    if (keys.cut) return (keys.kind == "sphere" || keys.kind == "cylinder" ? round : 2 * (size.x() + size.y())) / d;
+    if (keys.kind == "sphere") return 2 * round * r / (d * d);
+    if (keys.kind == "cylinder") return round * ((keys.to - keys.from).norm() + r) / (d * d);
+    if (keys.kind == "mesh") return area_of(shape.mesh(0, 0)) / (d * d);
+    return 2 * (size.x() * size.y() + size.y() * size.z() + size.z() * size.x()) / (d * d);
 }
 
 double narrowest_of(const EmitterKeys& e, int dimensions) {

@@ -40,6 +40,9 @@ double fastest_of(const SolidKeys& solid, const Extent& extent, double end);
 /// Area of an emitter's opening [m^2] and what it lets through until the end of the run [m^3].
 double opening_area(const EmitterKeys& emitter, int dimensions);
 double emitted_volume(const EmitterKeys& emitter, double end, int dimensions);
+/// Particles in the column that a nozzle repeats, and in the layer of a solid before it is cut at the domain; about.
+double nozzle_points(const EmitterKeys& emitter, double spacing, int dimensions);
+double layer_points(const Scene& scene, const SceneShapes& shapes, std::size_t solid);
 /// Across the opening at its narrowest [m].
 double narrowest_of(const EmitterKeys& emitter, int dimensions);
 

@@ -1,7 +1,13 @@
-// Checkpoints.
+// Checkpoints, and runs that go on from them.
 #include "engine/io/checkpoint.h"
 
+#include <sstream>
+
+#include "engine/io/files.h"
+#include "engine/scene/plan.h"
 #include "tests/fuzz/sealed.h"
+#include "tests/fuzz/small_run.h"
+#include "tools/scene_file/scene_file.h"
 
 using namespace whorl;
 
@@ -9,17 +15,100 @@ namespace {
 
 constexpr std::string_view kind = "WHORLCP2";
 
+// Something of all that a checkpoint holds: fluid with a source and an age, an emitter, a free body, probes that remember.
+const char* const scene_text = R"(
+[time]
+end = 1
+[domain]
+min = [-0.05, -0.01, -0.05]
+max = [0.05, 0.1, 0.05]
+[fluid]
+spacing = 0.01
+viscosity = "10+age"
+[[block]]
+shape = "box"
+min = [-0.01, 0, -0.01]
+max = [0.01, 0.02, 0.01]
+[[emitter]]
+position = [0, 0.06, 0]
+radius = 0.01
+speed = 0.5
+profile = "parabolic"
+viscosity = 5
+[[solid]]
+shape = "box"
+min = [-0.03, -0.01, -0.03]
+max = [0.03, 0, 0.03]
+[[solid]]
+shape = "sphere"
+radius = 0.01
+position = [0.03, 0.04, 0]
+density = 500
+[[probe]]
+kind = "coil"
+name = "coil"
+[[probe]]
+kind = "solid"
+solid = 1
+name = "ball"
+[output]
+export = ["points"]
+)";
+
+struct Run {
+    Simulation simulation;
+    NamedProbes probes;
+    explicit Run(const Scene& of) : simulation(of, make_plan(of)), probes(make_probes(simulation, TheorySearch::in_background)) {}
+};
+
+const Scene& little_scene() {
+    static const SceneFile file = read_resolved(scene_text, "scene.toml");
+    return file.scene;
+}
+
+/// As a run of this program saves it: no file of the corpus, which would grow old.
+std::string new_checkpoint() {
+    Run run(little_scene());
+    while (run.simulation.time() < frame_time(little_scene(), 2)) fuzz::step_once(run.simulation, run.probes);
+    Checkpoint made;
+    made.build = build_id(), made.scene = scene_text, made.frame = 2, made.frames = 24;
+    for (const auto& [name, probe] : run.probes) {
+        std::ostringstream memory;
+        probe->save(memory);
+        made.probes[name] = memory.str();
+    }
+    std::ostringstream state;
+    run.simulation.save(state);
+    made.simulation = state.str();
+    write_checkpoint(fuzz::scratch(), made);
+    return read_whole(fuzz::scratch() / "checkpoints" / "000002.whorl");
+}
+
 Checkpoint from_bytes(std::string_view bytes) { return read_checkpoint(fuzz::as_file(bytes, ".whorl")); }
+
+void go_on(const Checkpoint& from) {
+    Run run(little_scene());
+    std::istringstream state(from.simulation);
+    run.simulation.load(state);
+    for (const auto& [name, probe] : run.probes)
+        if (const auto found = from.probes.find(name); found != from.probes.end()) {
+            std::istringstream memory(found->second);
+            probe->load(memory);
+        }
+    fuzz::step_once(run.simulation, run.probes);
+}
 
 }  // namespace
 
 std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t most, unsigned seed) {
-    return fuzz::mutate_sealed(kind, data, size, most, seed);
+    static const std::string fresh = new_checkpoint();
+    if (seed % 64 == 1 && fresh.size() <= most) size = fresh.copy(reinterpret_cast<char*>(data), most);
+    return fuzz::mutate_sealed(kind, data, size, most, seed / 64);
 }
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     try {
-        from_bytes(fuzz::text_of(data, size));
+        go_on(from_bytes(fuzz::text_of(data, size)));
     } catch (const EnvironmentError& error) {
         fuzz::expect(*error.what() != 0, "a refusal has words");
         return 0;

@@ -1,6 +1,7 @@
-// Whole frames (--export raw).
+// Whole frames (--export raw), and the surfaces of small ones.
 #include "engine/io/frame_file.h"
 #include "tests/fuzz/sealed.h"
+#include "tests/fuzz/small_run.h"
 
 using namespace whorl;
 
@@ -35,6 +36,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
         if (solid.mesh)
             for (const auto& triangle : solid.mesh->triangle)
                 for (const auto corner : triangle) fuzz::expect(corner < solid.mesh->position.size(), "corners are vertices");
+    fuzz::surface_of(frame, {});
     fuzz::expect_refusal_of_changes(sound, from_bytes);
     return 0;
 }

@@ -1,5 +1,6 @@
 // What `whorl import` reads: JSON of another program. The scene that comes of it is one that the scene reader has words for.
 #include "engine/scene/plan.h"
+#include "render/export/obj.h"
 #include "tests/fuzz/target.h"
 #include "tools/convert/splishsplash.h"
 #include "tools/scene_file/scene_file.h"
@@ -13,7 +14,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
         try {
             parse_toml(made.toml, "scene.toml");
         } catch (const InputError& error) { fuzz::expect(false, "what import writes is TOML", made.toml + "\n--- " + error.what()); }
-        make_plan(read_resolved(made.toml, "scene.toml").scene);
+        for (const auto& [name, mesh] : made.meshes) write_obj_mesh(fuzz::scratch() / name, mesh);
+        make_plan(read_resolved(made.toml, fuzz::scratch() / "scene.toml").scene);
     } catch (const InputError& error) { fuzz::expect(*error.what() != 0, "a mistake has words"); }
     return 0;
 }

@@ -8,7 +8,7 @@ using namespace whorl;
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     try {
-        const SceneFile file = read_resolved(std::string(fuzz::text_of(data, size)), "recording.toml");
+        const SceneFile file = read_resolved(std::string(fuzz::text_of(data, size)), fuzz::scratch() / "recording.toml");
         if (file.scene.changes.empty() || file.scene.changes.size() > 20) return 0;
         Replay replay(with_first_changes(file));
         replay.apply_until(std::numeric_limits<double>::max(), [](const Scene&, const Plan&, double) {});

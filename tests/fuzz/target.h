@@ -22,10 +22,20 @@ namespace whorl::fuzz {
 
 inline std::string_view text_of(const std::uint8_t* data, std::size_t size) { return {reinterpret_cast<const char*>(data), size}; }
 
-/// The bytes as a file of this process in the folder of temporary files (TMPDIR); the same one every time.
+/// This process's folder of temporary files (below TMPDIR), with those that texts of the corpus name: tests/fuzz/files.
+inline const std::filesystem::path& scratch() {
+    static const std::filesystem::path folder = [] {
+        const auto made = std::filesystem::temp_directory_path() / ("whorl_fuzz_" + std::to_string(getpid()));
+        std::filesystem::create_directories(made);
+        std::filesystem::copy(WHORL_FUZZ_FILES, made, std::filesystem::copy_options::overwrite_existing);
+        return made;
+    }();
+    return folder;
+}
+
+/// The bytes as a file there; the same one every time.
 inline std::filesystem::path as_file(std::string_view bytes, const std::string& extension) {
-    static const std::filesystem::path folder = std::filesystem::temp_directory_path();
-    const std::filesystem::path file = folder / ("whorl_fuzz_" + std::to_string(getpid()) + extension);
+    const std::filesystem::path file = scratch() / ("input" + extension);
     std::ofstream(file, std::ios::binary) << bytes;
     return file;
 }
