@@ -55,20 +55,25 @@ name = "ball"
 export = ["points"]
 )";
 
-struct Run {
-    Simulation simulation;
-    NamedProbes probes;
-    explicit Run(const Scene& of) : simulation(of, make_plan(of)), probes(make_probes(simulation, TheorySearch::in_background)) {}
-};
-
 const Scene& little_scene() {
     static const SceneFile file = read_resolved(scene_text, "scene.toml");
     return file.scene;
 }
 
+const Plan& little_plan() {
+    static const Plan plan = make_plan(little_scene());
+    return plan;
+}
+
+struct Run {
+    Simulation simulation;
+    NamedProbes probes;
+    Run() : simulation(little_scene(), little_plan()), probes(make_probes(simulation, TheorySearch::in_background)) {}
+};
+
 /// As a run of this program saves it: no file of the corpus, which would grow old.
 std::string new_checkpoint() {
-    Run run(little_scene());
+    Run run;
     while (run.simulation.time() < frame_time(little_scene(), 2)) fuzz::step_once(run.simulation, run.probes);
     Checkpoint made;
     made.build = build_id(), made.scene = scene_text, made.frame = 2, made.frames = 24;
@@ -87,7 +92,7 @@ std::string new_checkpoint() {
 Checkpoint from_bytes(std::string_view bytes) { return read_checkpoint(fuzz::as_file(bytes, ".whorl")); }
 
 void go_on(const Checkpoint& from) {
-    Run run(little_scene());
+    Run run;
     std::istringstream state(from.simulation);
     run.simulation.load(state);
     for (const auto& [name, probe] : run.probes)
