@@ -72,7 +72,7 @@ public:
         for (std::size_t i = 0; i < line[0].at.size(); ++i)
             for (std::size_t j = 0; j < line[1].at.size(); ++j) {
                 const bool on_face = line[0].side[i] != 0 || line[1].side[j] != 0;
-                for (std::size_t k = 0; k < line[2].at.size(); ++k) {
+                for (std::size_t k = 0; k < line[2].at.size(); k += line[2].next(on_face)) {
                     if (!on_face && line[2].side[k] == 0) continue;
                     const Vec3d side(line[0].side[i], line[1].side[j], line[2].side[k]);
                     points.push_back({Vec3d(line[0].at[i], line[1].at[j], line[2].at[k]), side.normalized()});

@@ -69,7 +69,7 @@ public:
                 high += std::max(at_min, at_max);
             }
             check_count((high - low) / region.spacing, "plane");
-            for (double x = low + region.spacing / 2; x < high; x += region.spacing) line[k].push_back(x);
+            for (double x = low + region.spacing / 2; x < high && x + region.spacing > x; x += region.spacing) line[k].push_back(x);
         }
         check_count(double(line[0].size()) * double(line[1].size()), "plane");
         const Vec3d foot = n * (point_.cast<double>().dot(n) + offset);

@@ -14,6 +14,8 @@ std::vector<double> period_points(const LayerRegion& region, int axis);
 struct LatticeLine {
     std::vector<double> at;  ///< m
     std::vector<int> side;   ///< -1 at the low end, 1 at the high one, 0 between
+    /// From one place to the next that is on the surface: across an inside only the two ends are. @param on_face all places are
+    std::size_t next(bool on_face) const { return on_face ? 1 : std::max<std::size_t>(1, at.size() - 1); }
 };
 LatticeLine lattice_line(const LayerRegion& region, int axis, double centre, double half, double offset, const std::string& shape);
 

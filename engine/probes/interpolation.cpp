@@ -1,7 +1,10 @@
 #include "engine/probes/interpolation.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <numeric>
+
+#include "engine/particles/search.h"
 
 namespace whorl {
 namespace {
@@ -61,6 +64,29 @@ Interpolation interpolate(const World& world, const Vec3d& point) {
     std::vector<Index> all(static_cast<std::size_t>(world.fluid.size()));
     std::iota(all.begin(), all.end(), Index(0));
     return interpolate(world, point, all);
+}
+
+std::vector<Interpolation> interpolate(const World& world, const std::vector<Vec3d>& points) {
+    const StepContext& step = world.step;
+    const Real radius = static_cast<Real>(1.01 * reach) * step.spacing;  // rounding loses none
+    std::vector<Interpolation> found;
+    bool searchable = points.size() > 1;
+    for (int a = 0; a < 3; ++a) searchable = searchable && (!step.domain.periodic[a] || step.domain.size()[a] >= 2 * radius);
+    if (!searchable) {
+        for (const Vec3d& point : points) found.push_back(interpolate(world, point));
+        return found;
+    }
+    std::vector<Vec3> places;
+    for (const Vec3d& point : points) places.push_back(step.domain.wrapped(point.cast<Real>()));
+    Pairs pairs;
+    NeighbourSearch().find(places, world.fluid.column<field::position>(), radius, step.domain, pairs);
+    for (std::size_t k = 0; k < points.size(); ++k) {
+        std::vector<Index> near;
+        pairs.of(static_cast<Index>(k), [&](Index j, const Vec3&, Real) { near.push_back(j); });
+        std::sort(near.begin(), near.end());  // sums in the order of all particles
+        found.push_back(interpolate(world, points[k], near));
+    }
+    return found;
 }
 
 }  // namespace whorl

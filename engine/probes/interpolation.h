@@ -34,5 +34,7 @@ struct Interpolation {
 Interpolation interpolate(const World& world, const Vec3d& point, const std::vector<Index>& among);
 /// Among all particles.
 Interpolation interpolate(const World& world, const Vec3d& point);
+/// The same at each of many points.
+std::vector<Interpolation> interpolate(const World& world, const std::vector<Vec3d>& points);
 
 }  // namespace whorl

@@ -71,17 +71,18 @@ public:
     ProbeRows rows(const World& world, double time) override {
         const std::vector<NumberColumn> columns = columns_named(world.fluid, names_);
         ProbeRows rows;
-        for (const Vec3d& point : points_) {
+        const std::vector<Interpolation> near = interpolate(world, points_);
+        for (std::size_t k = 0; k < points_.size(); ++k) {
+            const Vec3d& point = points_[k];
             std::vector<double>& row = rows.emplace_back(std::vector<double>{time});
             if (line_) row.insert(row.end(), {(point - points_.front()).norm(), point.x(), point.y(), point.z()});
-            for (double value : interpolated(world, columns, point)) row.push_back(value);
+            for (double value : interpolated(columns, near[k])) row.push_back(value);
         }
         return rows;
     }
 
 private:
-    static std::vector<double> interpolated(const World& world, const std::vector<NumberColumn>& columns, const Vec3d& at) {
-        const Interpolation near = interpolate(world, at);
+    static std::vector<double> interpolated(const std::vector<NumberColumn>& columns, const Interpolation& near) {
         std::vector<double> values;
         for (const NumberColumn& column : columns)
             for (int c = 0; c < column.components; ++c) {

@@ -45,6 +45,7 @@ public:
         for (std::size_t i = 0; i < scene_.vortices.size(); ++i) vortex(entry_name("vortex", i), scene_.vortices[i]);
         for (std::size_t i = 0; i < scene_.probes.size(); ++i) probe(entry_name("probe", i), scene_.probes[i]);
         memory();
+        memory_of_samples();
     }
 
 private:
@@ -90,7 +91,8 @@ private:
     void domain() {
         for (int a = 0; a < 3; ++a) {
             const double length = high_[a] - low_[a];
-            const double reach = std::max({plan_.support, plan_.facts.pressure.widest_support * plan_.spacing,
+            // What is told of vortices, and particles that find their places, look two spacings far.
+            const double reach = std::max({plan_.support, 2 * plan_.spacing, plan_.facts.pressure.widest_support * plan_.spacing,
                                            scene_.fluid.surface_tension > 0 ? Cohesion::range * plan_.spacing : 0.0});
             if (scene_.domain.periodic[a] && length < 2 * reach)
                 report("domain.periodic",
@@ -120,6 +122,7 @@ private:
                 break;
             }
         too_far(name, e.min, e.max);
+        thin_in_its_box(name, e);
         const double thinnest = (e.max - e.min).head(plan_.dimensions()).minCoeff();
         if (thinnest < 0.999 * plan_.spacing) too_coarse(name, thinnest);
         const Vec3d middle = 0.5 * (e.min + e.max);
@@ -139,6 +142,18 @@ private:
                 break;
             }
         }
+    }
+
+    /// Where a block's particles stand is looked for in the whole box about it.
+    void thin_in_its_box(const std::string& name, const Extent& e) {
+        const int dimensions = plan_.dimensions();
+        const double places = ((e.max.cwiseMin(high_) - e.min.cwiseMax(low_)) / plan_.spacing).head(dimensions).prod(),
+                     filled = e.volume / plan_.particle_volume();
+        if (places > 1e9 && places > 20 * filled)
+            report(name,
+                   fmt::format("{} fills {:.2g} of the {:.2g} places for particles in the box about it: too few to look for them", name,
+                               filled, places),
+                   "make it of several blocks, or lay it along an axis", "allowed: up to 1e9 places");
     }
 
     void vortex(const std::string& name, const VortexKeys& v) {
@@ -273,6 +288,25 @@ private:
                fmt::format("about {:.2g} particles need {:.2g} GB of memory, and {:.2g} GB are free{}", n_.particles, need / 1e9,
                            have / 1e9, source),
                fmt::format("fluid.spacing = {:.2g} would fit", plan_.spacing * std::pow(1.2 * need / most, 1.0 / plan_.dimensions())));
+    }
+
+    /// What nozzles and the surfaces of solids are made of, in memory all at once when the run starts.
+    void memory_of_samples() {
+        const double have = free_memory();
+        double need = 0;
+        const auto add = [&](const std::string& name, const char* what, double points, double bytes) {
+            if (need <= have && (need += points * bytes) > have)
+                report(name,
+                       fmt::format("{} of {} takes about {:.2g} particles at this spacing, which need {:.2g} GB of memory, and {:.2g} GB "
+                                   "are free",
+                                   what, name, points, points * bytes / 1e9, have / 1e9),
+                       "make it smaller or fluid.spacing larger");
+        };
+        for (std::size_t i = 0; i < scene_.emitters.size() && !oversized_; ++i)
+            add(entry_name("emitter", i), "the nozzle", nozzle_points(scene_.emitters[i], plan_.spacing, plan_.dimensions()), 300);
+        for (std::size_t i = 0; i < scene_.solids.size() && plan_.boundary != BoundaryModel::none; ++i)
+            add(entry_name("solid", i), "the surface", layer_points(scene_, shapes_, i),
+                scene_.solids[i].shape.kind == "mesh" ? 1200 : 250);
     }
 
     const Scene& scene_;

@@ -1,5 +1,6 @@
 #include "engine/scene/document.h"
 
+#include <fmt/format.h>
 #include <toml++/toml.h>
 
 #include <algorithm>
@@ -15,6 +16,28 @@ namespace {
 
 Place place_of(const toml::source_region& at, const std::string& file) {
     return {file, static_cast<int>(at.begin.line), static_cast<int>(at.begin.column)};
+}
+
+constexpr int most_nested = 100;  ///< parts of a key
+
+/// toml++ and what reads its tables call themselves for every part of a dotted key: ten thousands of them overflow the stack.
+/// @throws InputError where more parts stand in a row than any key has
+void check_nesting(const std::string& text, const std::string& file) {
+    int line = 1, column = 0, dots = 0;
+    bool after_dot = true;
+    for (const char c : text) {
+        ++column;
+        if (c == '\n') ++line, column = 0;
+        if (c == '.') {
+            if (!after_dot && ++dots > most_nested)
+                throw InputError({file, line, column}, fmt::format("a key of more than {} parts", most_nested), "", "allowed: up to four");
+            after_dot = true;
+        } else if (std::isalnum(static_cast<unsigned char>(c)) != 0 || std::strchr("_-\"'", c) != nullptr) {
+            after_dot = false;
+        } else if (c != ' ' && c != '\t') {
+            dots = 0, after_dot = true;
+        }
+    }
 }
 
 Value converted(const toml::node& node, const std::string& file) {
@@ -86,6 +109,7 @@ std::vector<Step> parse_path(const std::string& key) {
             steps.push_back({index, true, std::stoul(index)});
             at = close + 1;
         }
+        if (steps.size() > most_nested) return {};
     }
     return steps;
 }
@@ -196,6 +220,7 @@ void set_place(Value& v, const Place& place) {
 }  // namespace
 
 Value parse_toml(const std::string& text, const std::string& file) {
+    check_nesting(text, file);
     std::string mended = text;
     for (int tries = 0;; ++tries) try {
             return converted(toml::parse(mended, file), file);
@@ -247,6 +272,7 @@ void apply_change(Value& root, const Change& change, std::vector<Problem>& probl
     }
     Value value;
     try {
+        check_nesting(change.value, change.source);
         value = *converted(toml::parse("value = " + with_plain_numbers(change.value)), "").find("value");
     } catch (const toml::parse_error& e) {
         // What looks like TOML must be TOML; anything else is a text, as in models.pressure=ppe.

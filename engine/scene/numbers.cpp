@@ -75,11 +75,13 @@ double layer_points(const Scene& scene, const SceneShapes& shapes, std::size_t s
     const ShapeKeys& keys = scene.solids[solid].shape;
     const Shape& shape = *shapes.solids.all[solid].shape;
     const double d = scene.fluid.spacing, r = keys.radius, round = 2 * std::numbers::pi * r;
-    Vec3 low, high;
-    shape.bounds(low, high);
-    Vec3d size = (high - low).cast<double>();
-    // Of a box or plane that stands still, only what is in the domain is made.
-    if (!shapes.solids.all[solid].moves()) size = size.cwiseMin(scene.domain.max - scene.domain.min + Vec3d::Constant(6 * d));
+    const Extent& e = shapes.solid_extent[solid];
+    Vec3d low = e.min, high = e.max;
+    if (!shapes.solids.all[solid].moves()) {  // of a box or plane that stands still, only what is in the domain is made
+        const Vec3d at = scene.solids[solid].position(0), margin = Vec3d::Constant(3 * d);
+        low = low.cwiseMax(scene.domain.min - margin - at), high = high.cwiseMin(scene.domain.max + margin - at);
+    }
+    const Vec3d size = (high - low).cwiseMax(0.0);
     if (keys.cut) return (keys.kind == "sphere" || keys.kind == "cylinder" ? round : 2 * (size.x() + size.y())) / d;
     if (keys.kind == "sphere") return 2 * round * r / (d * d);
     if (keys.kind == "cylinder") return round * ((keys.to - keys.from).norm() + r) / (d * d);

@@ -75,9 +75,11 @@ std::vector<LinePoint> walk(const LineField& field, const LinePoint& seed, float
     return line;
 }
 
+constexpr float most_steps = 20000;  // of a line, one way
+
 std::vector<LinePoint> line_through(const LineField& field, const LinePoint& seed, const LineShape& shape) {
     const float step = 0.5f * field.spacing;
-    const int most = std::max(1, static_cast<int>(shape.length / step));
+    const int most = std::max(1, static_cast<int>(std::min(shape.length / step, most_steps)));
     bool closed = false;
     std::vector<LinePoint> ahead = walk(field, seed, step, most, closed), line;
     if (!closed) {

@@ -263,6 +263,11 @@ TEST_CASE("a study file's mistakes are told with their places, all in one go", "
                             Catch::Contains("limit = -1 is out of range") && Catch::Contains("needs two values or more") &&
                             Catch::Contains("unknown key \"acuracy\"; did you mean \"accuracy\"?"));
     CHECK_FALSE(fs::exists(folder / "out"));
+    std::string many = "scenes = [\"a.toml\"]\n[accuracy]\ncolumn = \"kinetic_energy\"\n";
+    for (int k = 0; k < 12; ++k) many += "[[knob]]\nkey = \"emitter." + std::to_string(k) + ".speed\"\nvalues = [1, 2, 3, 4, 5]\n";
+    write(folder / "many.toml", many);
+    CHECK_THAT(test::whorl({"tradeoff", (folder / "many.toml").string(), "--out", (folder / "out").string()}).err,
+               Catch::Contains("the knobs have 2.4e+08 settings together"));
 }
 
 }  // namespace study_test

@@ -41,12 +41,15 @@ double free_way(const Scene& scene, const Solids& solids, const Vec3d& x, double
     const Vec3d g = scene.domain.gravity(0);
     if (g.norm() == 0) return 0;
     double way = 0;
-    for (; way < most; way += scene.fluid.spacing) {
+    for (int k = 0; k < 10000 && way < most; ++k) {
         Real distance = 0;
         const Vec3 at = Vec3d(x + way * g.normalized()).cast<Real>();
-        if (solids.nearest(at, distance) >= 0 && distance <= 0) break;
+        if (solids.nearest(at, distance) < 0) return most;
+        if (distance <= 0) return way;
+        // As far as no solid is; whole spacings, so that the way is one.
+        way += scene.fluid.spacing * std::max(1.0, std::floor(static_cast<double>(distance) / scene.fluid.spacing));
     }
-    return std::min(way, most);
+    return most;
 }
 
 /// What an emitter lets out, until its lower end lands: slices, each of which carries what left before it, less what surface tension holds:

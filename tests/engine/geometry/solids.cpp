@@ -219,6 +219,15 @@ TEST_CASE("a layer beyond 50 million particles is refused in words", "[geometry]
     CHECK_THROWS_WITH(sample_solids(solids, Real(1e-5), cube(10)), Catch::Matchers::Contains("million particles"));
 }
 
+TEST_CASE("the layer of a wide box costs what its surface holds, not its inside", "[geometry]") {
+    const LayerRegion region{Real(1e-4), cube(100), 0, false};
+    ShapeKeys plate;
+    plate.min = {0, 0, 0}, plate.max = {30, 30, 0}, plate.cut = true;
+    CHECK(make_shape(plate)->layer(0, region).size() == 4 * 300000);
+    const LayerRegion coarse{Real(0.01), cube(100), 0, false};
+    CHECK(make_box({0, 0, 0}, {0.1, 0.1, 30})->layer(0, coarse).size() == 3001 * 121 - 2999 * 81);
+}
+
 TEST_CASE("particles follow their solid and carry its velocity", "[geometry]") {
     Solids solids;
     solids.all.push_back(solid_of(make_sphere({1, 0, 0}, 0.5)));

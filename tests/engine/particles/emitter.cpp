@@ -106,6 +106,13 @@ TEST_CASE("the mass flow of a plug is exact to one particle after whole repeats 
     CHECK(std::abs(free_particles - 3 * count) <= 1);
 }
 
+TEST_CASE("the column of a wide opening is shorter: it has a layer's hundred thousand particles, not 24 layers of them", "[particles]") {
+    CHECK(column_points(100, 1, false, 3) == 2400);
+    CHECK(column_points(100, 1, true, 3) == 100);
+    CHECK(column_points(1e4, 1, false, 3) == 100000);
+    CHECK(column_points(1e6, 1, false, 3) == 6e6);
+}
+
 TEST_CASE("a parabolic profile flows twice as fast in the middle and never makes pairs", "[particles]") {
     ParticleStore store = empty_store();
     Emitter emitter(nozzle(true), Expression(0.5), 0, 1e9, d, 4 * d, 1, 7);

@@ -51,11 +51,23 @@ TEST_CASE("probes interpolate a quadratic field exactly between uneven particles
             const double z = depth * x.z();
             return Vec3d(1 + x.x() * x.x() - x.y() * z, 2 - x.y() + 3 * x.x() * x.y(), z * z - 4 * x.y() * x.y());
         };
-        const World world = uneven_fluid(sheet, u);
+        World world = uneven_fluid(sheet, u);
         for (const Vec3d& at : {Vec3d(0.52, 0.47, depth * 0.5), Vec3d(0.5, 0, depth * 0.55), Vec3d(0.33, 1, depth * 0.5)}) {
             INFO(at.transpose());
             // Single precision, of which a face takes two digits.
             CHECK((interpolated_velocity(world, at) - u(at)).norm() < 2e-5);
+        }
+        // Of many points at once, as of each: the same bits, outside and where the domain repeats, too.
+        const std::vector<Vec3d> points{{0.52, 0.47, depth * 0.5}, {0.02, 0.98, 0}, {1.04, 0.5, 0.1}, {0.5, 0.5, 9}};
+        for (const bool repeats : {false, true}) {
+            if (repeats) {
+                world.step.domain.min = Vec3(Real(-0.05), Real(-0.05), -10), world.step.domain.max = Vec3(Real(1.05), Real(1.05), 10);
+                world.step.domain.periodic = {true, true, false};
+            }
+            const std::vector<Interpolation> found = interpolate(world, points);
+            REQUIRE(found.size() == points.size());
+            for (std::size_t k = 0; k < points.size(); ++k)
+                CHECK(found[k](std::as_const(world).fluid.column<field::velocity>()) == interpolated_velocity(world, points[k]));
         }
     }
 }

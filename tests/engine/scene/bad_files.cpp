@@ -307,3 +307,15 @@ TEST_CASE("a scene file that is not there, or is a folder, is a mistake of the u
     CHECK_THROWS_WITH(read_scene("/no/such.toml"), "/no/such.toml: no such file");
     CHECK_THROWS_WITH(read_scene("/"), "/: is a folder, not a scene file");
 }
+
+TEST_CASE("a key of ten thousands of parts is refused, in a file and on the command line", "[scene]") {
+    std::string key = "a";
+    for (int k = 0; k < 50000; ++k) key += ".a";
+    for (const std::string& text : {good + key + " = 1\n", good + "[" + key + "]\n", "b = { " + key + " = 1 }\n" + good})
+        CHECK(messages_of(text).find("a key of more than 100 parts; allowed: up to four") != std::string::npos);
+    ReadRequest request;
+    request.changes = {parse_change(key + "=1")};
+    CHECK(messages_of(good, request).find("is not a key") != std::string::npos);
+    request.changes = {parse_change("time={" + key + "=1}")};
+    CHECK(messages_of(good, request).find("a key of more than 100 parts") != std::string::npos);
+}
