@@ -178,8 +178,8 @@ TEST_CASE("impossible scenes are told with place and hint", "[plan]") {
           std::string::npos);
     CHECK(messages_with({"domain.periodic=[true,false,false]", "domain.min=[-0.004,-0.01,-0.1]", "domain.max=[0.004,0.1,0.1]"})
               .find("the periodic axis x is 0.008 m long, shorter than two support radii of 0.008 m") != std::string::npos);
-    CHECK(messages_with(
-              {"fluid.support=1.2", "domain.periodic=[true,false,false]", "domain.min=[-0.003,-0.01,-0.1]", "domain.max=[0.003,0.1,0.1]"})
+    CHECK(messages_with({"models.pressure=ppe", "fluid.support=1.2", "domain.periodic=[true,false,false]", "domain.min=[-0.003,-0.01,-0.1]",
+                         "domain.max=[0.003,0.1,0.1]"})
               .find("the periodic axis x is 0.006 m long, shorter than two support radii of 0.004 m") != std::string::npos);
     CHECK(messages_with({"block[0]={shape=\"cylinder\", from=[-0.09,0,-0.09], to=[0.09,0.09,0.09], radius=1e-5}", "fluid.spacing=1e-5"})
               .find("block[0] fills ") != std::string::npos);
