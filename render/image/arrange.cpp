@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "engine/core/errors.h"
 #include "engine/core/parallel.h"
@@ -31,6 +32,8 @@ std::vector<Cover> covers(int from, int to) {
 
 void paste(Image& onto, const Image& image, int x, int y) {
     if (!image.alpha.empty()) return paste(onto, over_grey(image), x, y);
+    WHORL_ASSERT(x >= 0 && y >= 0 && x + image.width <= onto.width && y + image.height <= onto.height,
+                 +std::to_string(image.width) + "x" + std::to_string(image.height));
     for (int row = 0; row < image.height; ++row) std::copy_n(image.pixel(0, row), 3 * image.width, onto.pixel(x, y + row));
 }
 

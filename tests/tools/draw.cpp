@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include "engine/io/files.h"
+#include "render/image/image.h"
 #include "tests/support/program.h"
 #include "tests/support/scratch.h"
 #include "tools/film/first_pass.h"
@@ -153,7 +154,7 @@ TEST_CASE("draw says what it cannot draw, and changes nothing then") {
     };
     refused({"--set", "fluid.viscosity=3"}, "the simulation is over");
     refused({"--frames", "3-4"}, "there are no frames 3 to 4; 1 to 2");
-    refused({"--frames", "two"}, "names no frames");
+    for (const char* frames : {"two", "1-", "-1", "2-1", "99999999999", "1-99999999999"}) refused({"--frames", frames}, "names no frames");
     fs::rename(run / "raw/000002.frame", run / "raw/000003.frame");
     fs::copy(run / "raw/000001.frame", run / "raw/000002.frame");
     refused({}, "000002.frame: holds frame 1, not 2");
@@ -162,6 +163,32 @@ TEST_CASE("draw says what it cannot draw, and changes nothing then") {
     refused({}, "000002.frame: is no whole frame");
     fs::remove_all(run / "raw");
     refused({}, "render the scene with --export raw");
+}
+
+TEST_CASE("a film whose pictures were drawn in another size does not go on, and names the picture") {
+    const test::ScratchFolder folder;
+    const fs::path scene = folder / "scene.toml", run = folder / "run";
+    std::ofstream(scene) << puddle;
+    REQUIRE(test::whorl({"render", scene.string(), "--out", run.string(), "--frames", "1", "--set", "output.video=true", "--quiet"}).code ==
+            0);
+    REQUIRE(test::whorl({"draw", run.string(), "--size", "320x180", "--quiet"}).code == 0);
+    const Outcome larger = test::whorl({"resume", run.string(), "--frames", "3", "--quiet"});
+    CHECK(larger.code == 2);
+    CHECK_THAT(larger.err,
+               Catch::Contains("frames/000001.png: is 320x180, and the film is 160x90; where the run has raw frames: whorl draw"));
+    REQUIRE(test::whorl({"draw", run.string(), "--quiet"}).code == 0);
+    CHECK(test::whorl({"resume", run.string(), "--frames", "3", "--quiet"}).code == 0);
+    CHECK(fs::exists(run / "puddle.mp4"));
+}
+
+TEST_CASE("a picture of one pixel makes no video") {
+    const test::ScratchFolder folder;
+    std::ofstream(folder / "scene.resolved.toml") << puddle;
+    fs::create_directories(folder / "frames");
+    write_png(folder / "frames/000001.png", plain_image(1, 1, 0));
+    const Outcome outcome = test::whorl({"video", folder.path().string()});
+    CHECK(outcome.code == 2);
+    CHECK_THAT(outcome.err, Catch::Contains("000001.png: is 1x1; a video needs at least 2x2 pixels"));
 }
 
 }  // namespace draw_test

@@ -216,6 +216,35 @@ TEST_CASE("a panel's wrong key is told with its place, before anything is writte
     CHECK_FALSE(fs::exists(scratch.run()));
 }
 
+TEST_CASE("a panel with pictures of another size, or without any, is told before anything runs") {
+    const auto refused = [](const std::string& set, const std::string& why) {
+        const Scratch scratch(std::string(drop) + "[[panel]]\nset = [\"" + set + "\"]\n");
+        const Outcome outcome = test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--quiet"});
+        CHECK(outcome.code == 2);
+        CHECK_THAT(outcome.err, Catch::Contains("scene.toml:28:7: panel[2].set: " + why));
+        CHECK_FALSE(fs::exists(scratch.run()));
+    };
+    refused("output.size=[1280, 720]", "all panels have the same size");
+    refused("output.frames=false", "a panel without pictures leaves its place in the film empty");
+}
+
+TEST_CASE("a film of panels does not go on with a panel that was drawn in another size, and names the picture") {
+    const Scratch scratch;
+    REQUIRE(test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--frames", "2", "--export", "raw", "--quiet"}).code == 0);
+    const std::string second = scratch.run() + "/panels/2";
+    REQUIRE(test::whorl({"draw", second, "--size", "640x360", "--quiet"}).code == 0);
+    for (const std::vector<std::string>& more : {std::vector<std::string>{}, {"--frames", "3"}}) {
+        std::vector<std::string> words{"resume", scratch.run(), "--quiet"};
+        words.insert(words.end(), more.begin(), more.end());
+        const Outcome outcome = test::whorl(words);
+        CHECK(outcome.code == 2);
+        CHECK_THAT(outcome.err, Catch::Contains(second + "/frames/000001.png: is 640x360, and the film is 160x180"));
+        CHECK(run_json(second).at("frames") == 2);
+    }
+    REQUIRE(test::whorl({"draw", second, "--size", "160x180", "--quiet"}).code == 0);
+    CHECK(test::whorl({"resume", scratch.run(), "--quiet"}).code == 0);
+}
+
 namespace {
 
 /// A plane that turns, in one panel twice as fast.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/core/errors.h"
 #include "render/image/arrange.h"
 #include "render/image/exr.h"
 
@@ -14,9 +15,25 @@ std::filesystem::path picture_file(const std::filesystem::path& run_folder, int 
     return run_folder / "frames" / fmt::format("{:06}.{}", frame, format);
 }
 
-Image read_picture(const std::filesystem::path& run_folder, int frame) {
+namespace {
+
+std::filesystem::path existing_picture(const std::filesystem::path& run_folder, int frame) {
     const std::filesystem::path layers = picture_file(run_folder, frame, "exr");
-    return read_picture(std::filesystem::exists(layers) ? layers : picture_file(run_folder, frame));
+    return std::filesystem::exists(layers) ? layers : picture_file(run_folder, frame);
+}
+
+}  // namespace
+
+Image read_picture(const std::filesystem::path& run_folder, int frame) { return read_picture(existing_picture(run_folder, frame)); }
+
+Image read_picture(const std::filesystem::path& run_folder, int frame, int width, int height) {
+    Image image = read_picture(run_folder, frame);
+    if (image.width != width || image.height != height)
+        throw InputError({existing_picture(run_folder, frame).string(), 0, 0},
+                         fmt::format("is {}x{}, and the film is {}x{}", image.width, image.height, width, height),
+                         fmt::format("where the run has raw frames: whorl draw {} --size {}x{}; else render it anew", run_folder.string(),
+                                     width, height));
+    return image;
 }
 
 Image read_picture(const std::filesystem::path& file) { return file.extension() == ".exr" ? shown(read_exr(file)) : read_png(file); }

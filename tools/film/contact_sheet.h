@@ -11,6 +11,8 @@ namespace whorl {
 std::filesystem::path picture_file(const std::filesystem::path& run_folder, int frame, const std::string& format = "png");
 /// The frame's picture as screens show it, of whatever format it is. @throws InputError where there is none
 Image read_picture(const std::filesystem::path& run_folder, int frame);
+/// The same, of a film that goes on with this size. @throws InputError where the picture has another
+Image read_picture(const std::filesystem::path& run_folder, int frame, int width, int height);
 /// @param file .png or .exr
 Image read_picture(const std::filesystem::path& file);
 /// raw/000012.frame

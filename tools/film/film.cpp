@@ -112,7 +112,8 @@ void Film::write() {
     std::optional<VideoEncoder> encoder;
     if (!options_.video.empty()) {
         encoder.emplace(options_.video, options_.width, options_.height, VideoOptions{options_.fps, 18});
-        for (int frame = 1; frame <= options_.frames_before; ++frame) encoder->add(read_picture(options_.folder, frame));
+        for (int frame = 1; frame <= options_.frames_before; ++frame)
+            encoder->add(read_picture(options_.folder, frame, options_.width, options_.height));
     }
     while (auto shot = to_write_.pop()) {
         timed("write", [&] {

@@ -120,6 +120,12 @@ std::vector<SceneFile> panel_scenes(const SceneFile& file, const Choose& choose)
             throw InputError(place, "output.format = \"" + scene.output.format + "\" has no words, and panels need their labels",
                              "leave it out, or render the scene of one panel alone", "allowed: png");
     };
+    const auto check_pictures = [](const Scene& panel, const Scene& plain) {
+        if (panel.output.size != plain.output.size)
+            throw InputError({}, "all panels have the same size, that of their place in the film", "give output.size to the whole scene");
+        if (panel.output.frames != plain.output.frames)
+            throw InputError({}, "a panel without pictures leaves its place in the film empty", "give output.frames to the whole scene");
+    };
     check_format(file.scene, file.scene.place("output.format"));
     SceneFile alone = file;
     alone.scene.panels.clear();
@@ -144,6 +150,7 @@ std::vector<SceneFile> panel_scenes(const SceneFile& file, const Choose& choose)
             }
             scenes.push_back(changed(alone, changes));
             check_format(scenes.back().scene, {});
+            check_pictures(scenes.back().scene, alone.scene);
             if (scenes.back().look.title.empty()) scenes.back().look.title = file.scene.panels[k].label;
             scenes.back().scene.places = file.scene.places;  // what is wrong with it is told by the places in the file
         } catch (const InputError& error) {

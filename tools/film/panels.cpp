@@ -48,6 +48,7 @@ public:
             for (std::size_t k = 0; k < scenes_.size(); ++k) check_end(folder_.path(), scene_, frames_of(k), frames_wanted());
             anew_ = lacks_frames_of_differences();
             check_resumed();
+            check_first_pictures();
         }
         write_text(folder_.path() / "scene.resolved.toml", resolved_toml(with_choices_of(request.file, scenes_)));
         if (!folder_.note().empty()) tell_note(folder_.note(), request.json);
@@ -122,6 +123,14 @@ private:
                 RunRequest panel = request_of(k);
                 resume_from_newest(panel);
             }
+    }
+
+    /// Whoever drew a panel again may have given it another size. @throws InputError
+    void check_first_pictures() const {
+        for (std::size_t k = 0; k < scenes_.size() && scene_.output.frames; ++k) {
+            const std::array<int, 2>& size = scenes_[k].scene.output.size;
+            if (frames_of(k) > 0 && next_of(k) != Next::begins) read_picture(panel_folder(folder_.path(), k), 1, size[0], size[1]);
+        }
     }
 
     /// What the run's panel is called.
@@ -199,6 +208,7 @@ private:
     void film(int frames) const {
         fs::create_directories(folder_.path() / "frames");
         const int width = scene_.output.size[0], height = scene_.output.size[1];
+        const std::array<int, 2>& panel_size = scenes_[0].scene.output.size;
         std::vector<fs::path> folders;
         for (std::size_t k = 0; k < cells_.size(); ++k) folders.push_back(pictures_of(k, frames));
         const PanelChart chart = this->chart();
@@ -206,7 +216,7 @@ private:
         if (scene_.output.video) encoder.emplace(video(), width, height, VideoOptions{scene_.time.fps, 18});
         for (int frame = 1; frame <= frames; ++frame) {
             std::vector<Image> images;
-            for (const fs::path& folder : folders) images.push_back(read_png(picture_file(folder, frame)));
+            for (const fs::path& folder : folders) images.push_back(read_picture(folder, frame, panel_size[0], panel_size[1]));
             Image whole = side_by_side(images, panel_columns(scene_), panel_gap, width, height - chart.height);
             if (chart.height > 0) whole = one_above_other(whole, chart.at(frame_time(scene_, frame)));
             write_png(picture_file(folder_.path(), frame), whole);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <optional>
 
 #include "engine/core/errors.h"
@@ -49,9 +50,13 @@ void share_meshes(std::vector<FrameSolid>& solids, const std::vector<FrameSolid>
 std::vector<int> exported_frames(const fs::path& run_folder) {
     std::vector<int> numbers;
     std::error_code none;
-    for (const auto& entry : fs::directory_iterator(run_folder / "raw", none))
-        if (entry.path().extension() == ".frame" && entry.path().stem().extension().empty())
-            if (const int number = std::atoi(entry.path().stem().c_str()); number > 0) numbers.push_back(number);
+    for (const auto& entry : fs::directory_iterator(run_folder / "raw", none)) {
+        if (entry.path().extension() != ".frame") continue;
+        const std::string name = entry.path().stem().string();
+        int number = 0;
+        const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
+        if (error == std::errc() && end == name.data() + name.size() && number > 0) numbers.push_back(number);
+    }
     std::sort(numbers.begin(), numbers.end());
     return numbers;
 }

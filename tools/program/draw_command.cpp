@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <memory>
 
 #include "engine/core/errors.h"
@@ -22,10 +23,12 @@ struct DrawOptions {
 /// "12" is frame 12 alone, "1-100" all of these. @throws InputError
 void read_frames(const std::string& text, RedrawRequest& request) {
     if (text.empty()) return;
-    int first = 0, last = 0, used = 0;
-    const int found = std::sscanf(text.c_str(), "%d%n-%d%n", &first, &used, &last, &used);
-    if (found == 1) last = first;
-    if (found < 1 || used != static_cast<int>(text.size()) || first < 1 || last < first)
+    int first = 0, last = 0;
+    const char* const end = text.data() + text.size();
+    auto number = std::from_chars(text.data(), end, first);
+    last = first;
+    if (number.ec == std::errc() && number.ptr != end && *number.ptr == '-') number = std::from_chars(number.ptr + 1, end, last);
+    if (number.ec != std::errc() || number.ptr != end || first < 1 || last < first)
         throw InputError({"--frames", 0, 0}, "\"" + text + "\" names no frames", "", "one number, or two as in 1-100");
     request.first = first, request.last = last;
 }

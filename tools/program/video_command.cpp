@@ -43,6 +43,9 @@ int encode(const EncodeOptions& options) {
         throw InputError({"--out", 0, 0}, "\"" + video.string() + "\" has the suffix of no video that this program writes", "",
                          fmt::format("{}", fmt::join(known, ", ")));
     const Image first = read_picture(pictures.begin()->second);
+    if (first.width < 2 || first.height < 2)
+        throw InputError({pictures.begin()->second.string(), 0, 0}, fmt::format("is {}x{}", first.width, first.height), "",
+                         "a video needs at least 2x2 pixels");
     const bool alpha = !first.alpha.empty();
     if (alpha && !video_has_alpha(video))
         fmt::print(stderr, "{} has no alpha: the pictures are laid over grey (.mov and .webm have it)\n", video.extension().string());
