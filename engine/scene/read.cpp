@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "engine/core/utf8.h"
 #include "engine/geometry/cut.h"
 #include "engine/models/viscosity/ageing_viscosity.h"
 #include "engine/scene/names.h"
@@ -17,8 +18,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
+const char* const allowed_names = "allowed: letters, digits, _ - ., at most 100 of them";
 bool file_name(const std::string& text) {
-    return !text.empty() && text[0] != '.' && text[0] != '-' &&
+    constexpr std::size_t longest = 100;  // longer ones get their endings, too: the system takes 255
+    return !text.empty() && text.size() <= longest && text[0] != '.' && text[0] != '-' &&
            std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '.'; });
 }
 
@@ -35,8 +38,7 @@ public:
     void check() {
         longest_step();
         frames();
-        if (!file_name(scene_.name))
-            reader_.disagree({"name"}, "name = \"" + scene_.name + "\" cannot name a folder", "", "allowed: letters, digits, _ - .");
+        if (!file_name(scene_.name)) reader_.disagree({"name"}, "name = \"" + scene_.name + "\" cannot name a folder", "", allowed_names);
         ordered("domain.min", scene_.domain.min, "domain.max", scene_.domain.max, scene_.domain.dimensions);
         for (std::size_t i = 0; i < scene_.blocks.size(); ++i) {
             const std::string name = entry_name("block", i);
@@ -102,9 +104,13 @@ private:
         if (s.kind == "plane") direction(name + ".normal", s.normal);
         if (s.kind != "mesh") return;
         const fs::path found = s.file.is_absolute() ? s.file : fs::absolute(fs::path(scene_.directory) / s.file);
-        if (!fs::is_regular_file(found))
+        std::error_code unreachable;
+        if (!fs::is_regular_file(found, unreachable))
             reader_.disagree({name + ".file"}, name + ".file: no file \"" + s.file.string() + "\"", "",
                              "it is looked for from the scene file's folder");
+        else if (!is_utf8(found.native()))
+            reader_.disagree({name + ".file"}, name + ".file: \"" + found.string() + "\" is no UTF-8, and the run's settings must be",
+                             "give the file or its folder another name");
         s.file = found.lexically_normal();
     }
     void emitter(const std::string& name, EmitterKeys& e) {
@@ -116,8 +122,7 @@ private:
             ProbeKeys& p = scene_.probes[i];
             const std::string name = entry_name("probe", i);
             if (!file_name(p.name))
-                reader_.disagree({name + ".name"}, name + ".name = \"" + p.name + "\" cannot name a file", "",
-                                 "allowed: letters, digits, _ - .");
+                reader_.disagree({name + ".name"}, name + ".name = \"" + p.name + "\" cannot name a file", "", allowed_names);
             for (std::size_t j = 0; j < i; ++j)
                 if (scene_.probes[j].name == p.name) {
                     reader_.disagree({name + ".name", entry_name("probe", j) + ".name"},

@@ -120,13 +120,14 @@ std::vector<std::string> encode_arguments(const std::filesystem::path& file, int
                                    "-filter_threads",
                                    "1"};
     for (const std::string& word : format_of(file).encode(options)) words.push_back(word);
-    words.push_back(partial_video(file).string());
+    words.push_back(std::filesystem::absolute(partial_video(file)).string());  // 12:00.mp4 would be a file of the protocol "12"
     return words;
 }
 
 std::vector<std::string> rewrite_arguments(const std::filesystem::path& from, const char* container, const std::filesystem::path& to) {
-    return {"ffmpeg", "-nostdin", "-hide_banner", "-loglevel",  "error", "-y",      "-i",       from.string(),
-            "-c",     "copy",     "-movflags",    "+faststart", "-f",    container, to.string()};
+    const std::string source = std::filesystem::absolute(from).string(), target = std::filesystem::absolute(to).string();
+    return {"ffmpeg", "-nostdin", "-hide_banner", "-loglevel",  "error", "-y",      "-i",  source,
+            "-c",     "copy",     "-movflags",    "+faststart", "-f",    container, target};
 }
 
 }  // namespace

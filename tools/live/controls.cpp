@@ -186,7 +186,7 @@ void Controls::file_edited() {
             text += (i == 0 ? ": " : ", ") + edit.live[i].path + " = " + edit.live[i].value.toml();
         for (std::size_t i = 0; i < edit.restart.size(); ++i) text += (i == 0 ? "; restart to use the new " : ", ") + edit.restart[i];
         tell_locked(false, text);
-    } catch (const InputError& error) { tell_locked(true, error.what()); }
+    } catch (const std::exception& error) { tell_locked(true, error.what()); }
 }
 
 void Controls::tell(bool error, std::string text) {

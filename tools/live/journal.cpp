@@ -17,7 +17,11 @@ std::map<std::string, std::string> texts_by_key(const SceneFile& file) {
     return all;
 }
 
-bool is_mesh_file(const std::string& key) { return key.size() > 5 && key.compare(key.size() - 5, 5, ".file") == 0; }
+/// Files are found from the scene's folder, and the recording lies in another one: it needs their whole paths.
+bool names_files(const SceneFile& scene, const std::map<std::string, std::string>& values) {
+    return !scene.look.environment.empty() ||
+           std::any_of(values.begin(), values.end(), [](const auto& value) { return value.first.ends_with(".file"); });
+}
 
 }  // namespace
 
@@ -33,14 +37,14 @@ void Journal::begin(const SceneFile& scene, const std::filesystem::path& path, c
         const SceneFile plain = read_scene_file(options);
         const auto given = texts_by_key(plain);
         base_ = read_whole(path);
-        bool same_keys = plain.scene.changes.empty() && plain.scene.blocks.size() == scene.scene.blocks.size() &&
-                         plain.scene.emitters.size() == scene.scene.emitters.size() &&
-                         plain.scene.solids.size() == scene.scene.solids.size() && plain.scene.probes.size() == scene.scene.probes.size() &&
-                         plain.camera.keys.size() == scene.camera.keys.size();
+        if (base_.rfind("\xEF\xBB\xBF", 0) == 0) base_.erase(0, 3);  // a byte order mark, which may stand nowhere but at the start
+        bool same_keys =
+            !names_files(scene, wanted) && plain.scene.changes.empty() && plain.scene.blocks.size() == scene.scene.blocks.size() &&
+            plain.scene.emitters.size() == scene.scene.emitters.size() && plain.scene.solids.size() == scene.scene.solids.size() &&
+            plain.scene.probes.size() == scene.scene.probes.size() && plain.camera.keys.size() == scene.camera.keys.size();
         for (const auto& [key, value] : wanted) {
             const auto it = given.find(key);
-            // Files are found from the scene's folder, which is another one from now on.
-            if (it == given.end() || it->second != value || is_mesh_file(key)) entries_.push_back({0, key, value});
+            if (it == given.end() || it->second != value) entries_.push_back({0, key, value});
         }
         if (same_keys) return;
     } catch (const InputError&) {  // edited since, and broken

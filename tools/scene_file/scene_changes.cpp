@@ -1,6 +1,7 @@
 #include "tools/scene_file/scene_changes.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
 
 #include "engine/scene/scene_keys.h"
@@ -122,8 +123,9 @@ SceneFile changed(const SceneFile& file, const std::vector<KeyChange>& changes) 
     if (!problems.empty()) throw InputError(std::move(problems));
     try {
         // Reading it again tells what does not fit together, and makes expressions of its own.
-        SceneFile fresh = read_resolved(resolved_toml(copy), "");
+        SceneFile fresh = read_resolved(resolved_toml(copy), std::filesystem::path(file.scene.directory) / "scene.toml");
         fresh.scene.directory = file.scene.directory;
+        if (fresh.look.environment != file.look.environment) find_environment(fresh);
         return fresh;
     } catch (const InputError& error) {
         for (Problem problem : error.problems()) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "engine/core/utf8.h"
 #include "engine/scene/model_facts.h"
 #include "engine/scene/read.h"
 #include "engine/scene/write.h"
@@ -153,20 +154,6 @@ void check_look(const SceneFile& file) {
                          "leave one of them out");
 }
 
-/// The picture that stands round the scene is found from the scene file's folder. @throws InputError where it cannot be read, at its key
-void find_environment(SceneFile& file) {
-    std::filesystem::path& picture = file.look.environment;
-    if (picture.empty()) return;
-    if (picture.is_relative()) picture = fs::absolute(fs::path(file.scene.directory) / picture);
-    try {
-        read_environment(picture);
-    } catch (const InputError& e) {
-        throw InputError(file.scene.place("look.environment"),
-                         "look.environment = \"" + picture.string() + "\": " + e.problems().front().what, "",
-                         "allowed: a Radiance picture (.hdr)");
-    }
-}
-
 /// Streaks of a slice and the plates of a crust go with the particles, which must be told apart for it.
 bool tells_particles_apart(const SceneFile& file) {
     const auto shown = shown_fields(file.look);
@@ -245,6 +232,23 @@ SceneFile read_scene_file(const fs::path& path, const std::vector<std::string>& 
     ReadRequest request;
     for (const std::string& text : set) request.changes.push_back(parse_change(text));
     return read(path, std::move(request));
+}
+
+void find_environment(SceneFile& file) {
+    std::filesystem::path& picture = file.look.environment;
+    if (picture.empty()) return;
+    if (picture.is_relative()) picture = fs::absolute(fs::path(file.scene.directory) / picture);
+    if (!is_utf8(picture.native()))
+        throw InputError(file.scene.place("look.environment"),
+                         "look.environment = \"" + picture.string() + "\" is no UTF-8, and the run's settings must be",
+                         "give the file or its folder another name");
+    try {
+        read_environment(picture);
+    } catch (const InputError& e) {
+        throw InputError(file.scene.place("look.environment"),
+                         "look.environment = \"" + picture.string() + "\": " + e.problems().front().what, "",
+                         "allowed: a Radiance picture (.hdr)");
+    }
 }
 
 SceneFile read_resolved(const std::string& text, const std::string& path) {

@@ -27,8 +27,10 @@ struct SceneFile {
 SceneFile read_scene_file(const Options& options);
 /// Reads a resolved scene back (resume, video).
 SceneFile read_scene_file(const std::filesystem::path& file, const std::vector<std::string>& set = {});
-/// The same from its text, as a checkpoint keeps it. @param file stands for it in messages
+/// The same from its text, as a checkpoint keeps it. @param file stands for it in messages; mesh files are found from its folder
 SceneFile read_resolved(const std::string& text, const std::string& file);
+/// The picture that stands round the scene is found from the scene file's folder. @throws InputError where it cannot be read, at its key
+void find_environment(SceneFile& file);
 /// scene.resolved.toml: every value used. Reading it back gives the same scene.
 std::string resolved_toml(const SceneFile& file);
 

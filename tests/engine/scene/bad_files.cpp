@@ -162,7 +162,7 @@ const std::vector<Case> cases = {
      "0]",
      "bad.toml:14:8: probe[1].name = \"a\" is taken by probe[0]"},
     {"", "[[probe]]\nname = \"a/b\"\nkind = \"coil\"\nheight = 0.1",
-     "bad.toml:10:8: probe[0].name = \"a/b\" cannot name a file; allowed: letters, digits, _ - ."},
+     "bad.toml:10:8: probe[0].name = \"a/b\" cannot name a file; allowed: letters, digits, _ - ., at most 100 of them"},
     {"", "[output]\nsize = [1280, 721]\nexport = [\"mesh\", \"pionts\"]",
      "bad.toml:10:8: output.size has the odd number 721; video needs even sizes\n"
      "bad.toml:11:19: output.export[1] = \"pionts\" is not known; did you mean \"points\"?; allowed: points, mesh, obj, vdb, scene, vtk, "
@@ -185,6 +185,8 @@ const std::vector<Case> cases = {
     {"", "[fluid]\ndensity = 1", "bad.toml:9:1: not TOML: in this table header: cannot redefine existing table 'fluid'"},
     {"", "[models]\npressure = ppe", "bad.toml:10:12: not TOML: in this value: could not determine value type; texts stand in quotes"},
     {"", "[models\npressure = \"ppe\"", "bad.toml:9:8: not TOML: in this table header: expected ']', saw '\\n'"},
+    {"[time]", "name = \"" + std::string(101, 'a') + "\"\n[time]",
+     "bad.toml:1:8: name = \"" + std::string(101, 'a') + "\" cannot name a folder; allowed: letters, digits, _ - ., at most 100 of them"},
     {"", "name = \"a",
      "bad.toml:9:10: not TOML: in this string: unescaped control characters other than TAB (U+0009) are explicitly prohibited"},
 };
