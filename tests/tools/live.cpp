@@ -1,9 +1,12 @@
 #include <httplib.h>
 #include <signal.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <random>
+#include <thread>
 
 #include "engine/io/csv.h"
 #include "engine/io/files.h"
@@ -263,6 +266,8 @@ TEST_CASE("a saved scene file acts while the run goes on, a broken one is told w
     save("viscosity = 200", "viscosity = 55 +");
     CHECK(told("scene.toml:10:"));
     CHECK(live.state().at("values").at("fluid.viscosity") == 77);
+    save("[[solid]]\nshape = \"box\"", "[[solid]]\nshape = \"mesh\"\nfile = \"" + std::string(300, 'a') + "\"");
+    CHECK(told("solid[0].file: no file"));
     save("spacing = 0.004\nviscosity = 200", "spacing = 5e-3\nviscosity = 66");
     CHECK(told("restart to use the new fluid.spacing"));
     CHECK(live.state().at("values").at("fluid.viscosity") == 66);
@@ -284,12 +289,39 @@ TEST_CASE("only our own page and programs on this machine are answered", "[tools
     CHECK(live.get("/", {{"Origin", "http://127.0.0.1:" + port}}).body.find("Whorl") != std::string::npos);
     CHECK(live.get("/state", {{"Host", "localhost:" + port}}).status == 200);
 
+    // A page elsewhere writes a whole request into the body of one that is refused.
+    const std::string own = "Host: 127.0.0.1:" + port + "\r\nContent-Length: ";
+    const std::string inner = "POST /set HTTP/1.1\r\n" + own + std::to_string(change.size()) + "\r\n\r\n" + change;
+    const int s = live.open("POST /set HTTP/1.1\r\nOrigin: http://evil.example\r\n" + own + std::to_string(inner.size()) + "\r\n\r\n");
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    if (send(s, inner.data(), inner.size(), MSG_NOSIGNAL) < 0) perror("send");
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    close(s);
+    CHECK(wanted(live) == before);
+
     // From elsewhere: only with the token.
     const AccessRules open("0.0.0.0", 8080, "secret");
     CHECK(open.refusal({"box:8080", "", "", ""}) != "");
     CHECK(open.refusal({"box:8080", "", "", "secre"}) != "");
     CHECK(open.refusal({"box:8080", "http://box:8080", "", "secret"}) == "");
     CHECK(open.refusal({"box:8080", "http://other", "", "secret"}) != "");
+}
+
+TEST_CASE("what has no limit is refused: ranges of answers, and bodies that are packed or of unknown length", "[tools][live]") {
+    LiveProgram live(honey);
+    const std::string before = wanted(live), change = R"({"fluid.viscosity": 1})";
+    CHECK(live.get("/state", {{"Range", "bytes=0-,0-,0-"}}).status == 400);
+    CHECK(live.post("/set", change, {{"Content-Encoding", "gzip"}}).status == 400);
+    CHECK(live.post("/set", change, {{"Transfer-Encoding", "chunked"}}).status == 400);
+    const std::string host = "Host: 127.0.0.1:" + std::to_string(live.port());
+    const int s = live.open("POST /set HTTP/1.1\r\n" + host + "\r\n\r\n");
+    char answer[16] = {};
+    CHECK(recv(s, answer, 12, MSG_WAITALL) == 12);
+    CHECK(std::string(answer) == "HTTP/1.1 400");
+    close(s);
+    CHECK(wanted(live) == before);
+    CHECK(live.post("/control", R"json({"do": "restart", "set": {"look.environment": "x.hdr"}})json").status == 400);
+    CHECK(wanted(live) == before);
 }
 
 TEST_CASE("a live run that others can reach asks for a token", "[tools][live]") {

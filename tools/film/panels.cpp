@@ -23,6 +23,7 @@
 #include "tools/film/resume_run.h"
 #include "tools/film/run_folder.h"
 #include "tools/process/exit_codes.h"
+#include "tools/process/json_text.h"
 
 namespace whorl {
 namespace {
@@ -242,7 +243,7 @@ private:
         const Json report{{"whorl", WHORL_VERSION}, {"build", build_id()}, {"scene", scene_.name},     {"status", status},
                           {"message", message},     {"panels", panels},    {"frames", least_frames()}, {"frames_planned", frames_wanted()},
                           {"wall_seconds", wall},   {"cpu_seconds", cpu}};
-        write_text(folder_.path() / "run.json", report.dump(2) + "\n");
+        write_text(folder_.path() / "run.json", json_text(report, 2) + "\n");
     }
 
     const RunRequest& request_;

@@ -27,6 +27,7 @@
 #include "tools/film/tables.h"
 #include "tools/process/exit_codes.h"
 #include "tools/process/interrupt.h"
+#include "tools/process/json_text.h"
 #include "tools/scene_file/camera_warnings.h"
 #include "tools/scene_file/scene_changes.h"
 
@@ -269,7 +270,7 @@ void Run::write_report(const std::string& status, const std::string& message) {
     report.encoder = scene_.output.frames && scene_.output.video ? encoder : "";
     report.stages = stages();
     report.incidents = incidents_;
-    write_text(folder_.path() / "run.json", run_json(simulation_, report).dump(2) + "\n");
+    write_text(folder_.path() / "run.json", json_text(run_json(simulation_, report), 2) + "\n");
 }
 
 /// Saves the state of the newest frame whose row and picture are on disk.
@@ -287,7 +288,7 @@ void Run::predict_late() try {
     const std::filesystem::path file = folder_.path() / "run.json";
     auto report = nlohmann::ordered_json::parse(std::ifstream(file));
     report["predicted_wall_seconds"] = predicted_;
-    write_text(file, report.dump(2) + "\n");
+    write_text(file, json_text(report, 2) + "\n");
 } catch (const std::exception& error) {  // the film is there, which is what counts
     log_->warn("no prediction: {}", error.what());
 }
@@ -309,7 +310,7 @@ void Run::print_result(const std::string& status, const std::string& message, do
                                         {"time", simulation_.time()},
                                         {"particles", simulation_.world().fluid.size()},
                                         {"wall_seconds", wall}};
-    std::printf("%s\n", result.dump().c_str());
+    std::printf("%s\n", json_text(result).c_str());
 }
 
 int Run::conclude(const std::string& status, const std::string& message) {

@@ -15,6 +15,7 @@
 #include "tools/live/access.h"
 #include "tools/live/page.h"
 #include "tools/live/values.h"
+#include "tools/process/json_text.h"
 #include "tools/process/usage.h"
 
 namespace whorl {
@@ -31,7 +32,7 @@ constexpr double wake_up = 0.25;  ///< s, after which a waiting thread looks whe
 
 void answer(Response& response, int status, const Json& json) {
     response.status = status;
-    response.set_content(json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n", "application/json");
+    response.set_content(json_text(json) + "\n", "application/json");
 }
 void refuse(Response& response, int status, const std::string& why) { answer(response, status, {{"ok", false}, {"error", why}}); }
 void done(Response& response, Json more = Json::object()) {
@@ -44,6 +45,15 @@ Json json_of(const Vec3f& v) { return {v.x(), v.y(), v.z()}; }
 
 /// Parts of the program that a page asks for by itself, without the token.
 bool is_part_of_page(const std::string& path) { return path == "/live.css" || path == "/live.js" || path == "/plots.js"; }
+
+/// Why the library would read or send without a limit for this request; "" where it would not.
+std::string without_limit(const Request& request) {
+    if (request.has_header("Range")) return "answers are sent whole: leave out Range";
+    if (request.has_header("Transfer-Encoding") || request.has_header("Content-Encoding"))
+        return "bodies are taken plain and in one piece, with their Content-Length";
+    const bool no_body = request.method == "GET" || request.method == "HEAD" || request.method == "OPTIONS";
+    return no_body || request.has_header("Content-Length") ? "" : "the Content-Length is missing";
+}
 
 Caller caller_of(const Request& request) {
     Caller c{request.get_header_value("Host"), request.get_header_value("Origin"), request.get_header_value("Sec-Fetch-Site"), ""};
@@ -108,8 +118,8 @@ struct LiveServer::Http {
         access.emplace(options.host, port, options.token);
         server.new_task_queue = [] { return new httplib::ThreadPool(workers); };
         server.set_payload_max_length(longest_body);
-        server.set_keep_alive_timeout(1);
-        server.set_keep_alive_max_count(1000);
+        // One request a connection: the body of one that is refused is not read, and would count as the next request, without an Origin.
+        server.set_keep_alive_max_count(1);
         server.set_read_timeout(5);
         server.set_write_timeout(5);
         server.set_tcp_nodelay(true);
@@ -241,11 +251,11 @@ void LiveServer::Http::get_events(const Request&, Response& response) {
                 Json json = state();
                 const Json memory = json["memory_bytes"];
                 json.erase("memory_bytes");
-                const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+                const std::string text = json_text(json);
                 if (text == sent->state && quiet < many) continue;
                 *sent = {text, now};
                 json["memory_bytes"] = memory;
-                const std::string event = "data: " + json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n\n";
+                const std::string event = "data: " + json_text(json) + "\n\n";
                 return sink.write(event.data(), event.size());
             }
         },
@@ -282,7 +292,7 @@ void LiveServer::Http::restart(const nlohmann::json& order, Response& response) 
     Controls::Restart how;
     if (order.contains("set")) how.set = changes_of(order["set"]);
     for (const KeyChange& c : how.set)
-        if (c.path == "name" || c.path.find("file") != std::string::npos || c.path.rfind("output", 0) == 0)
+        if (c.path == "name" || c.path == "look.environment" || c.path.find("file") != std::string::npos || c.path.rfind("output", 0) == 0)
             return refuse(response, 400, c.path.substr(0, 100) + " is set on the command line or in the scene file only");
     const auto text = [&](const char* key, std::string& to) {
         if (order.contains(key)) to = order[key].is_string() ? order[key].get<std::string>() : "?";
@@ -395,9 +405,9 @@ void LiveServer::Http::check_every_request() {
     server.set_pre_routing_handler([this](const Request& request, Response& response) {
         Caller caller = caller_of(request);
         if (is_part_of_page(request.path)) caller.token = options.token;
-        const std::string why = access->refusal(caller);
-        if (why.empty()) return httplib::Server::HandlerResponse::Unhandled;
-        refuse(response, 403, why);
+        if (const std::string why = access->refusal(caller); !why.empty()) refuse(response, 403, why);
+        else if (const std::string limitless = without_limit(request); !limitless.empty()) refuse(response, 400, limitless);
+        else return httplib::Server::HandlerResponse::Unhandled;
         return httplib::Server::HandlerResponse::Handled;
     });
 }

@@ -13,6 +13,7 @@
 #include "render/gl/renderer.h"
 #include "render/surface/surface.h"
 #include "render/video/encoder.h"
+#include "tools/process/json_text.h"
 #include "tools/program/command.h"
 
 namespace whorl {
@@ -100,7 +101,7 @@ void print_json(const Findings& f) {
                                         {"memory_bytes", f.memory},
                                         {"free_memory_bytes", f.free},
                                         {"install", f.packages.empty() ? "" : remedy(f)}};
-    fmt::print("{}\n", all.dump(2));
+    fmt::print("{}\n", json_text(all, 2));
 }
 
 }  // namespace

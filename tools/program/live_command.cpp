@@ -12,6 +12,7 @@
 #include "tools/live/file_watch.h"
 #include "tools/live/server.h"
 #include "tools/process/interrupt.h"
+#include "tools/process/json_text.h"
 #include "tools/program/command.h"
 #include "tools/scene_file/scene_file.h"
 
@@ -56,7 +57,7 @@ void check_server(ServerOptions& server) {
 void write_report(const fs::path& folder, const Simulation& simulation, const std::string& status) {
     RunReport report;
     report.status = status;
-    write_text(folder / "run.json", run_json(simulation, report).dump(2) + "\n");
+    write_text(folder / "run.json", json_text(run_json(simulation, report), 2) + "\n");
 }
 
 int live(LiveOptions options) {

@@ -8,6 +8,7 @@
 
 #include "engine/core/parallel.h"
 #include "tools/film/progress.h"
+#include "tools/process/json_text.h"
 
 namespace whorl {
 namespace {
@@ -164,7 +165,7 @@ void print_json(const Preview& p) {
     if (p.cost) all["cost"] = cost_json(*p.cost);
     all["warnings"] = p.plan.warnings;
     if (p.run) all["frames"] = p.run->frames, all["folder"] = p.run->folder.string();
-    fmt::print("{}\n", all.dump(2));
+    fmt::print("{}\n", json_text(all, 2));
 }
 
 }  // namespace whorl

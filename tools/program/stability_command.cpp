@@ -14,6 +14,7 @@
 #include "tools/farm/stages.h"
 #include "tools/film/progress.h"
 #include "tools/film/run_folder.h"
+#include "tools/process/json_text.h"
 #include "tools/program/command.h"
 #include "tools/program/studies.h"
 #include "tools/scene_file/scene_file.h"
@@ -259,7 +260,7 @@ private:
                                  {"largest_stable", std::isfinite(c.largest_stable) ? Json(c.largest_stable) : Json()},
                                  {"limits", c.limits}});
         }
-        fmt::print("{}\n", Json{{"study", study_.name}, {"scene", scene_}, {"folder", folder_.string()}, {"cells", cells}}.dump(2));
+        fmt::print("{}\n", json_text({{"study", study_.name}, {"scene", scene_}, {"folder", folder_.string()}, {"cells", cells}}, 2));
     }
 
     const Study& study_;

@@ -13,6 +13,7 @@
 #include "tools/farm/stages.h"
 #include "tools/film/progress.h"
 #include "tools/film/run_folder.h"
+#include "tools/process/json_text.h"
 #include "tools/program/command.h"
 #include "tools/program/studies.h"
 #include "tools/study/accuracy.h"
@@ -279,7 +280,7 @@ private:
                               {"status", rows_[i].result.status},
                               {"on_front", has(front, i)},
                               {"kept", rows_[i].result.kept}});
-        fmt::print("{}\n", Json{{"study", study_.name}, {"scene", scene_}, {"folder", folder_.string()}, {"points", points}}.dump(2));
+        fmt::print("{}\n", json_text({{"study", study_.name}, {"scene", scene_}, {"folder", folder_.string()}, {"points", points}}, 2));
     }
 
     const Study& study_;

@@ -22,6 +22,7 @@
 #include "engine/io/checkpoint.h"
 #include "render/video/process.h"
 #include "tools/process/exit_codes.h"
+#include "tools/process/json_text.h"
 #include "tools/process/program_path.h"
 #include "tools/process/slurm_job.h"
 
@@ -110,7 +111,7 @@ void write_record(const fs::path& record, const std::string& identity, const Poi
     const Json json{{"identity", identity},          {"build", build_id()},       {"status", result.status},
                     {"message", result.message},     {"cpu_seconds", result.cpu}, {"wall_seconds", result.wall},
                     {"memory_bytes", result.memory}, {"frames", result.frames}};
-    write_text(record, json.dump(1) + "\n");
+    write_text(record, json_text(json, 1) + "\n");
 }
 
 }  // namespace
