@@ -5,7 +5,24 @@
 
 namespace whorl {
 
-SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& domain, KernelForm kernel, Real support) {
+namespace {
+
+std::vector<LayerPoint> layer_of(const Solid& solid, std::size_t k, const LayerRegion& region,
+                                 const std::function<Place(std::size_t)>& place_of) {
+    try {
+        return solid.shape->layer((solid.inside ? 1 : -1) * region.spacing / 2, region);
+    } catch (const InputError& error) {
+        Problem problem = error.problems().front();
+        if (place_of) problem.place = place_of(k);
+        problem.what = "solid[" + std::to_string(k) + "]: " + problem.what;
+        throw InputError({std::move(problem)});
+    }
+}
+
+}  // namespace
+
+SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& domain, KernelForm kernel, Real support,
+                             const std::function<Place(std::size_t)>& place_of) {
     SolidParticles particles;
     for (std::size_t k = 0; k < solids.all.size(); ++k) {
         const Solid& solid = solids.all[k];
@@ -13,7 +30,7 @@ SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& d
         region.domain.min -= solid.pose.translation;  // a solid that stands still is not turned either
         region.domain.max -= solid.pose.translation;
         if (!solid.spin.is_zero()) region.domain.periodic = {false, false, false};
-        for (const LayerPoint& point : solid.shape->layer((solid.inside ? 1 : -1) * spacing / 2, region)) {
+        for (const LayerPoint& point : layer_of(solid, k, region, place_of)) {
             if (region.clipped && !region.contains(point.position)) continue;
             particles.solid.push_back(static_cast<Index>(k));
             particles.own_position.push_back(point.position.cast<Real>());

@@ -1,5 +1,8 @@
 #pragma once
 /// The one layer of particles that stands for the solids' surfaces.
+#include <functional>
+
+#include "engine/core/errors.h"
 #include "engine/geometry/domain.h"
 #include "engine/geometry/solids.h"
 #include "engine/math/kernel.h"
@@ -12,8 +15,10 @@ namespace whorl {
 /// for the same mesh. A box or plane that spans a periodic axis has no seam there. What stands further than three spacings outside the
 /// domain is left out unless the solid moves.
 /// @param support of the volumes' kernel [m]; 0: two spacings
-/// @throws InputError where the layer would need more than 50 million particles
-SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& domain, KernelForm kernel = {}, Real support = 0);
+/// @param place_of a solid's place in the scene file, for messages
+/// @throws InputError where the layer of a solid would need more than 50 million particles
+SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& domain, KernelForm kernel = {}, Real support = 0,
+                             const std::function<Place(std::size_t)>& place_of = {});
 
 /// V_s = 1 / sum_s' W_ss', s itself included (Akinci et al. 2012) [m^D]. Solids that move count their own particles only, so that a volume
 /// stays as it is.

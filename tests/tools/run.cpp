@@ -263,6 +263,28 @@ TEST_CASE("a drop of twenty micrometres is filmed", "[tools][render]") {
     CHECK(report(scratch / "run")["particles"] > 400);
 }
 
+TEST_CASE("a solid that is too large for the spacing is told with its place", "[tools][render]") {
+    const Scratch scratch(honey + "[[solid]]\nshape = \"sphere\"\nposition = [0, -30, 0]\nradius = 30\n");
+    const Outcome run =
+        test::whorl({"render", scratch.scene(), "--set", "models.pressure=ppe", "--no-images", "--quiet", "--out", scratch.run()});
+    CHECK(run.code == 2);
+    CHECK_THAT(run.err, Catch::Contains(scratch.scene() + ":") && Catch::Contains(": solid[") &&
+                            Catch::Contains("]: the surface of the sphere needs"));
+    CHECK_FALSE(fs::exists(scratch.run()));
+}
+
+TEST_CASE("a film is whole in a folder that is named like a protocol, from a parent that ignores its children", "[tools][render]") {
+    const Scratch scratch;
+    const std::string program = "trap '' CHLD; cd " + scratch.path().string() + " && exec " + WHORL_PROGRAM +
+                                " render scene.toml --frames 2 --size 64x36 --quiet --out 2024-01-01T12:00";
+    const Outcome run = test::Program({"-c", program}, "bash").wait();
+    INFO(run.err);
+    CHECK(run.code == 0);
+    CHECK(report(scratch / "2024-01-01T12:00")["status"] == "done");
+    const auto made = files_in(scratch / "2024-01-01T12:00");
+    CHECK(std::count_if(made.begin(), made.end(), [](const fs::path& file) { return file.extension() == ".mp4"; }) == 1);
+}
+
 TEST_CASE("a run that diverges says where and when, ends with 1 and keeps what was made", "[tools][render]") {
     std::string text = honey;
     const std::size_t viscosity = text.find("viscosity");

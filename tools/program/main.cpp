@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <malloc.h>
+#include <signal.h>
 
 #include <CLI/CLI.hpp>
 
@@ -90,6 +91,7 @@ int end_of_parsing(CLI::App& program, const CLI::ParseError& e, const std::vecto
 }  // namespace
 
 int main(int argc, char** argv) {
+    signal(SIGCHLD, SIG_DFL);  // who started this may ignore it, and then no child could be waited for
     whorl::wait_passively(argv);
 #ifdef __GLIBC__
     // Long columns go back to the system when they are freed; glibc would keep up to 32 MB of each to itself. 200,000 particles of water
