@@ -268,6 +268,29 @@ TEST_CASE("a study file's mistakes are told with their places, all in one go", "
     write(folder / "many.toml", many);
     CHECK_THAT(test::whorl({"tradeoff", (folder / "many.toml").string(), "--out", (folder / "out").string()}).err,
                Catch::Contains("the knobs have 2.4e+08 settings together"));
+
+    write(folder / "falling.toml", falling);
+    write(folder / "limits.toml", R"(scenes = ["falling.toml"]
+[[knob]]
+key = "time.fixed_step"
+values = [1e-3, 2e-3]
+[stability]
+noisy_speed = "0.1*sped"
+bisect = "fluid.viscosity"
+low = 1
+high = 10
+[[stability.limit]]
+name = "right"
+value = "2*x*fixed_step"
+[[stability.limit]]
+name = "wrong"
+value = "2*xx"
+)");
+    const Outcome limits = test::whorl({"stability", (folder / "limits.toml").string(), "--out", (folder / "out").string()});
+    CHECK(limits.code == 2);
+    CHECK_THAT(limits.err, Catch::Contains("limits.toml:6:15: stability.noisy_speed: {0.1*sped} is no expression of the knobs") &&
+                               Catch::Contains("limits.toml:15:9: stability.limit[1].value: {2*xx} is no expression of the knobs"));
+    CHECK_FALSE(fs::exists(folder / "out"));
 }
 
 }  // namespace study_test

@@ -138,6 +138,27 @@ std::string expression_of(const std::string& text, const std::map<std::string, s
 /// Each is thought of anew after every run of a sweep.
 constexpr int most_settings = 20000;
 
+/// What is reckoned out only after a cell, or when all are done, is tried once before the first.
+void check_expressions(const Study& study, Reader& reader) {
+    std::vector<std::string> settings;
+    for (const Knob& knob : study.knobs)
+        if (!knob.values.empty()) settings.push_back(knob.key + "=" + knob.values[0]);
+    const auto check = [&](const std::string& key, const std::string& text, const std::string& more) {
+        std::vector<std::string> known = settings;
+        if (!more.empty()) known.push_back(more);
+        try {
+            if (!text.empty()) with_values("{" + text + "}", known);
+        } catch (const InputError& error) { reader.disagree({key}, key + ": " + error.problems().front().what); }
+    };
+    const StabilityKeys& s = study.stability;
+    const std::string bisected = s.bisect.empty() ? "" : fmt::format("{}={:.6g}", s.bisect, s.low);
+    check("stability.noisy_speed", s.noisy_speed, bisected);
+    check("stability.energy_scale", s.energy_scale, bisected);
+    const std::string x = study.knobs.empty() || study.knobs[0].values.empty() ? "" : "x=" + study.knobs[0].values[0];
+    for (std::size_t i = 0; i < s.limits.size() && !x.empty(); ++i)
+        check(entry_name("stability.limit", i) + ".value", s.limits[i].value, x);
+}
+
 void check(const Study& study, Reader& reader) {
     for (std::size_t i = 0; i < study.knobs.size(); ++i) {
         const std::string name = entry_name("knob", i);
@@ -168,6 +189,7 @@ void check(const Study& study, Reader& reader) {
             if (setting.find('=') == std::string::npos)
                 reader.disagree({settings == &study.set ? "set" : "accuracy.reference"}, "\"" + setting + "\" is no setting", "",
                                 "allowed: \"key=value\"");
+    check_expressions(study, reader);
     const StabilityKeys& s = study.stability;
     if (!s.bisect.empty() && !(0 < s.low && s.low < s.high))
         reader.disagree({"stability.high", "stability.low", "stability.bisect"},
