@@ -292,7 +292,8 @@ void weld(TriangleMesh& mesh) {
 TriangleMesh read_mesh(const std::filesystem::path& file) {
     const std::string name = file.string();
     std::ifstream in(file, std::ios::binary);
-    if (!in || std::filesystem::is_directory(file)) throw InputError({name}, "the mesh file cannot be opened");
+    std::error_code none;
+    if (!in || !std::filesystem::is_regular_file(file, none)) throw InputError({name}, "the mesh file cannot be opened");
     std::stringstream buffer;
     buffer << in.rdbuf();
     const std::string text = buffer.str();

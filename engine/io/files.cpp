@@ -32,6 +32,8 @@ void write_all(int descriptor, std::string_view content, const std::filesystem::
 
 std::string read_whole(const std::filesystem::path& file) try {
     std::ifstream in(file, std::ios::binary);
+    std::error_code none;
+    if (std::filesystem::is_directory(file, none)) throw InputError({file.string(), 0, 0}, "is a folder, not a file");
     if (!in) throw InputError({file.string(), 0, 0}, "cannot read the file");
     return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 } catch (const std::ios_base::failure&) {  // a folder, or a disk that fails

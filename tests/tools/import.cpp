@@ -136,8 +136,27 @@ TEST_CASE("import names file, line and column of what is broken, and writes noth
             ":3:4: FluidBlocks[0].start is not a list of three numbers");
     refused("{\n \"FluidBlocks\": [\n  {\"start\": [0, 0, 0]}]\n}", ":3:3: FluidBlocks[0] has no end");
     refused("{\n \"RigidBodies\": [\n  {\"geometryFile\": \"gone.obj\"}]\n}", ":3:4: RigidBodies[0].geometryFile: ");
+    refused("{\n \"RigidBodies\": [\n  {\"geometryFile\": \"" + std::string(256, 'a') + "\"}]\n}", ":3:4: RigidBodies[0].geometryFile: ");
+    refused("{\n \"RigidBodies\": [\n  {\"geometryFile\": \"/dev/zero\"}]\n}", ":3:4: RigidBodies[0].geometryFile: ");
+    refused(std::string(200'000, '['), ":1:101: more than 100 brackets are open");
     refused("[1, 2]", ":1:1: is no scene");
     CHECK(test::whorl({"import", "nowhere.json"}).code == 2);
+    const test::ScratchFolder folder;
+    const test::Outcome of_folder = test::whorl({"import", folder.path().string()});
+    CHECK(of_folder.code == 2);
+    CHECK_THAT(of_folder.err, Catch::Contains("is a folder, not a file"));
+}
+
+TEST_CASE("numbers that no setting takes, and a file's name of any bytes, make a scene that can be read", "[tools][import]") {
+    const Scratch scratch;
+    const std::filesystem::path file = scratch / "a\nb = 1 \xfc.json";
+    std::ofstream(file) << R"({"Configuration": {"particleRadius": 0.05, "maxIterations": 1e30},
+ "Materials": [{"viscosityMethod": 1e300, "viscosity": 1}], "FluidBlocks": [{"start": [-1, 0, -1], "end": [0, 1, 1]}]})";
+    const ConvertedScene made = convert_splishsplash(file);
+    CHECK(made.toml.rfind("# From a?b = 1 ?.json by whorl import.\n", 0) == 0);
+    CHECK(told(made, 2, "is a coefficient without unit of their model"));
+    std::ofstream(scratch / "made.toml") << made.toml;
+    CHECK(read_scene_file(scratch / "made.toml").scene.pressure.max_iterations == 1'000'000'000);
 }
 
 TEST_CASE("an imported scene in the plane has two numbers a place, and one that never ends says so", "[tools][import]") {

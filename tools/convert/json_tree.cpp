@@ -65,6 +65,14 @@ struct TreeBuilder {
     }
     bool add_number(double value) { return add(JsonNode::Kind::number).number = value, true; }
 
+    bool start(JsonNode::Kind kind) {
+        constexpr std::size_t deepest = 100;  // each level takes its part of the stack when the tree goes
+        if (open.size() >= deepest)
+            throw InputError({now.file, now.line, now.column - 1}, "more than 100 brackets are open", "", "a scene file in JSON");
+        open.push_back(&add(kind));
+        return true;
+    }
+
     bool null() { return add(JsonNode::Kind::nothing), true; }
     bool boolean(bool value) { return add(JsonNode::Kind::truth).truth = value, true; }
     bool number_integer(std::int64_t value) { return add_number(static_cast<double>(value)); }
@@ -72,8 +80,8 @@ struct TreeBuilder {
     bool number_float(double value, const std::string&) { return add_number(value); }
     bool string(std::string& value) { return add(JsonNode::Kind::text).text = value, true; }
     bool binary(nlohmann::json::binary_t&) { return false; }
-    bool start_object(std::size_t) { return open.push_back(&add(JsonNode::Kind::object)), true; }
-    bool start_array(std::size_t) { return open.push_back(&add(JsonNode::Kind::list)), true; }
+    bool start_object(std::size_t) { return start(JsonNode::Kind::object); }
+    bool start_array(std::size_t) { return start(JsonNode::Kind::list); }
     bool end_object() { return open.pop_back(), true; }
     bool end_array() { return open.pop_back(), true; }
     bool key(const std::string& name) {

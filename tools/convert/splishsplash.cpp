@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "engine/core/utf8.h"
 #include "engine/geometry/mesh_file.h"
 #include "tools/convert/json_tree.h"
 
@@ -164,7 +165,8 @@ void Converter::pressure(const JsonNode& of) {
         if (const auto exponent = of.number_of("exponent")) line(pressure_, "gamma", number(*exponent));
     } else {
         if (const auto error = of.number_of("maxError")) line(pressure_, "tolerance", number(*error / 100));  // per cent
-        if (const auto most = of.number_of("maxIterations")) line(pressure_, "max_iterations", fmt::format("{:.0f}", *most));
+        if (const auto most = of.number_of("maxIterations"))
+            line(pressure_, "max_iterations", fmt::format("{:.0f}", std::clamp(*most, -1e9, 1e9)));
     }
 }
 
@@ -192,8 +194,7 @@ void Converter::materials() {
 /// @param is_scene it is the scene's fluid: its model is the scene's
 void Converter::viscosity(Fluid& fluid, bool is_scene) {
     const JsonNode& of = *fluid.node;
-    const int method = static_cast<int>(of.number_of("viscosityMethod").value_or(0));
-    const double value = of.number_of("viscosity").value_or(0);
+    const double method = of.number_of("viscosityMethod").value_or(0), value = of.number_of("viscosity").value_or(0);
     if (method == 2 && is_scene) {
         models_ += "viscosity = \"xsph\"\n";
         viscosity_ = fmt::format("\n[viscosity]\nalpha = {}\n", number(value));
@@ -328,7 +329,8 @@ TriangleMesh Converter::mesh_at(const JsonNode& node, const char* key) const {
     const auto name = node.text_of(key);
     if (!name) throw InputError(node.place, node.path + " has no " + key, "", "a mesh: OBJ, PLY or STL");
     const std::filesystem::path file = file_.parent_path() / *name;
-    if (!std::filesystem::exists(file) && file.stem() == "UnitBox") return unit_box();
+    std::error_code none;
+    if (!std::filesystem::exists(file, none) && file.stem() == "UnitBox") return unit_box();
     try {
         return read_mesh(file);
     } catch (const InputError& error) { throw InputError(node.find(key)->place, node.path + "." + key + ": " + error.what()); }
@@ -351,7 +353,11 @@ void Converter::mesh_shape(const TriangleMesh& mesh, const Placement& at, const 
 std::string Converter::head() const {
     Extent3 room = extent_.isEmpty() ? Extent3(Vec3d(-1, -1, -1), Vec3d(1, 1, 1)) : extent_;
     const Vec3d margin = Vec3d::Constant(std::max(4 * spacing_, 0.05 * room.sizes().maxCoeff()));
-    std::string text = fmt::format("# From {} by whorl import.\n\n[time]\n{}\n[domain]\n", file_.filename().string(), time_);
+    std::string from = file_.filename().string();
+    const bool readable = is_utf8(from);
+    for (char& c : from)
+        if (const auto byte = static_cast<unsigned char>(c); byte < 0x20 || byte == 0x7F || (byte > 0x7F && !readable)) c = '?';
+    std::string text = fmt::format("# From {} by whorl import.\n\n[time]\n{}\n[domain]\n", from, time_);
     if (plane_) text += "dimensions = 2\n";
     return text +
            fmt::format("min = {}\nmax = {}\ngravity = {}\n", vector(room.min() - margin), vector(room.max() + margin), vector(gravity_));
