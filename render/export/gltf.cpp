@@ -346,8 +346,14 @@ std::vector<SceneExport::Track> SceneExport::tracks_of(const std::filesystem::pa
     for (const Json& node : root.at("nodes")) {
         Vec3f place = Vec3f::Zero();
         Eigen::Quaternionf turn = Eigen::Quaternionf::Identity();
-        if (node.contains("translation")) std::copy(node["translation"].begin(), node["translation"].end(), place.data());
-        if (node.contains("rotation")) std::copy(node["rotation"].begin(), node["rotation"].end(), turn.coeffs().data());
+        const auto take = [&](const char* name, float* to, std::size_t size) {
+            if (!node.contains(name)) return;
+            const auto numbers = node[name].get<std::vector<float>>();
+            if (numbers.size() != size) not_ours(file, fmt::format("a {} has {} numbers", name, numbers.size()));
+            std::copy(numbers.begin(), numbers.end(), to);
+        };
+        take("translation", place.data(), 3);
+        take("rotation", turn.coeffs().data(), 4);
         tracks.push_back({std::vector(frames, place), std::vector(frames, turn)});
     }
     if (!root.contains("animations")) return tracks;
@@ -360,7 +366,8 @@ std::vector<SceneExport::Track> SceneExport::tracks_of(const std::filesystem::pa
         Track& track = tracks.at(channel.at("target").at("node").get<std::size_t>());
         const bool turns = channel.at("target").at("path") == "rotation";
         const std::size_t size = turns ? sizeof(Eigen::Vector4f) : sizeof(Vec3f);
-        if (accessor.at("count").get<std::size_t>() < frames || offset + size * frames > parts.binary.size())
+        const std::size_t bytes = parts.binary.size();
+        if (accessor.at("count").get<std::size_t>() < frames || offset > bytes || frames > (bytes - offset) / size)
             not_ours(file, "key frames are missing");
         for (std::size_t k = 0; k < frames; ++k)
             std::memcpy(turns ? track.rotation[k].coeffs().data() : track.translation[k].data(), parts.binary.data() + offset + size * k,

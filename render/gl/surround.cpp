@@ -16,7 +16,25 @@ constexpr float brightest = 1000;       // radiance: the sun itself would make s
 constexpr float round_share = 0.7f;     // of the picture's light: that from all round,
 constexpr float directed_share = 0.6f;  // and of what its brightest side has over the opposite one: that of the shadow's lamp
 
-gl::Texture texture_of(const Environment& environment) {
+/// Half as wide and high, each pixel the mean of four.
+Environment halved(const Environment& environment) {
+    Environment half{environment.width / 2, std::max(1, environment.height / 2), {}};
+    const int below = environment.height > 1 ? 1 : 0;
+    for (int y = 0; y < half.height; ++y)
+        for (int x = 0; x < half.width; ++x) {
+            const auto pair = [&](int row) -> Vec3f { return environment.at(2 * x, row) + environment.at(2 * x + 1, row); };
+            const Vec3f mean = (pair(2 * y) + pair(2 * y + below)) / 4;
+            half.rgb.insert(half.rgb.end(), mean.data(), mean.data() + 3);
+        }
+    return half;
+}
+
+/// Made smaller where it has more pixels in a row than the driver takes.
+gl::Texture texture_of(const Environment& whole) {
+    GLint most = 0;
+    glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
+    if (std::max(whole.width, whole.height) > most && whole.width > 1) return texture_of(halved(whole));
+    const Environment& environment = whole;
     std::vector<float> rgba;
     rgba.reserve(environment.rgb.size() / 3 * 4);
     for (std::size_t i = 0; i < environment.rgb.size(); ++i) {

@@ -31,7 +31,6 @@ static unsigned char* zlib_compress(unsigned char* data, int length, int* compre
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STB_IMAGE_IMPLEMENTATION
 #define STBI_ONLY_PNG
-#define STBI_ONLY_HDR
 #include <stb_image.h>
 #include <stb_image_write.h>
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 
 #include "engine/core/whole_file.h"
 #include "engine/scene/frame_times.h"
@@ -82,8 +83,9 @@ std::vector<FarmStage> stages_of_film(const FarmFilm& film, const fs::path& fold
     allow(simulate, e.film, e.memory);
     const int frames = frame_count(file.scene), most = film.pieces > 0 ? film.pieces : std::max(1, std::min(8, frames / 10));
     const int pieces = std::min(most, frames);
+    const auto frames_before = [&](int piece) { return static_cast<std::int64_t>(piece) * frames / pieces; };
     for (int k = 0; k < pieces; ++k) {
-        const std::string range = fmt::format("{}-{}", 1 + k * frames / pieces, (k + 1) * frames / pieces);
+        const std::string range = fmt::format("{}-{}", 1 + frames_before(k), frames_before(k + 1));
         draw.tasks.push_back(
             {fmt::format("frames {} of {}", range, name),
              {program(), "draw", folder.string(), "--frames", range, "--no-video", "--quiet", "--threads", std::to_string(film.threads)},

@@ -112,6 +112,12 @@ TEST_CASE("a glTF scene goes on from the frame that a run is resumed at, to the 
 
     SceneExport none({"two", 25, 0.02, 160, 90});
     CHECK_NOTHROW(none.go_on_from(folder / "nowhere.glb", 4));
+    std::string more = read_whole(folder / "part.glb");
+    for (std::size_t at = more.find("\"translation\":["); more[at] != ']'; ++at)
+        if (more[at] == '.') more[at] = ',';
+    std::ofstream(folder / "more.glb", std::ios::binary) << more;
+    CHECK_THROWS_WITH(none.go_on_from(folder / "more.glb", 4),
+                      Catch::Contains("more.glb") && Catch::Contains("a translation has 6 numbers"));
     std::ofstream(folder / "part.glb", std::ios::app) << "x";
     CHECK_THROWS_WITH(none.go_on_from(folder / "part.glb", 4), Catch::Contains("part.glb") && Catch::Contains("no whole glTF 2.0 file"));
 }

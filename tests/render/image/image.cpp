@@ -36,6 +36,9 @@ TEST_CASE("a missing or broken picture is the user's mistake", "[image]") {
     REQUIRE_THROWS_AS(read_png(folder / "none.png"), InputError);
     std::ofstream(folder / "broken.png") << "no picture";
     REQUIRE_THROWS_AS(read_png(folder / "broken.png"), InputError);
+    // A whole picture of another kind.
+    std::ofstream(folder / "radiance.png") << "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\nabcd";
+    REQUIRE_THROWS_AS(read_png(folder / "radiance.png"), InputError);
 }
 
 TEST_CASE("a JPEG begins and ends as one, and a better one is larger", "[image]") {
