@@ -16,25 +16,26 @@ constexpr float brightest = 1000;       // radiance: the sun itself would make s
 constexpr float round_share = 0.7f;     // of the picture's light: that from all round,
 constexpr float directed_share = 0.6f;  // and of what its brightest side has over the opposite one: that of the shadow's lamp
 
-/// Half as wide and high, each pixel the mean of four.
-Environment halved(const Environment& environment) {
-    Environment half{environment.width / 2, std::max(1, environment.height / 2), {}};
-    const int below = environment.height > 1 ? 1 : 0;
-    for (int y = 0; y < half.height; ++y)
-        for (int x = 0; x < half.width; ++x) {
-            const auto pair = [&](int row) -> Vec3f { return environment.at(2 * x, row) + environment.at(2 * x + 1, row); };
-            const Vec3f mean = (pair(2 * y) + pair(2 * y + below)) / 4;
-            half.rgb.insert(half.rgb.end(), mean.data(), mean.data() + 3);
+/// Of each `across` by `down` pixels the mean.
+Environment smaller(const Environment& environment, int across, int down) {
+    Environment small{environment.width / across, environment.height / down, {}};
+    for (int y = 0; y < small.height; ++y)
+        for (int x = 0; x < small.width; ++x) {
+            Vec3f sum = Vec3f::Zero();
+            for (int k = 0; k < across * down; ++k) sum += environment.at(across * x + k % across, down * y + k / across);
+            sum /= static_cast<float>(across * down);
+            small.rgb.insert(small.rgb.end(), sum.data(), sum.data() + 3);
         }
-    return half;
+    return small;
 }
 
 /// Made smaller where it has more pixels in a row than the driver takes.
-gl::Texture texture_of(const Environment& whole) {
+gl::Texture texture_of(const Environment& environment) {
     GLint most = 0;
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
-    if (std::max(whole.width, whole.height) > most && whole.width > 1) return texture_of(halved(whole));
-    const Environment& environment = whole;
+    const auto parts = [&](int length) { return (length + most - 1) / most; };
+    const int across = parts(environment.width), down = parts(environment.height);
+    if (across * down > 1) return texture_of(smaller(environment, across, down));
     std::vector<float> rgba;
     rgba.reserve(environment.rgb.size() / 3 * 4);
     for (std::size_t i = 0; i < environment.rgb.size(); ++i) {
