@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/core/clock.h"
+#include "tools/process/json_text.h"
 
 namespace whorl {
 
@@ -25,7 +26,7 @@ std::string grouped(long value) {
 }
 
 void tell_note(const std::string& text, bool json) {
-    if (json) std::printf("%s\n", nlohmann::ordered_json{{"event", "note"}, {"text", text}}.dump().c_str());
+    if (json) std::printf("%s\n", json_text({{"event", "note"}, {"text", text}}).c_str());
     else std::fprintf(stderr, "%s\n", text.c_str());
 }
 
@@ -83,7 +84,7 @@ void Progress::frame_done(const Simulation& simulation, int frame, double iterat
                                           {"iterations", iterations},
                                           {"wall_seconds", now - began_},
                                           {"seconds_left", seconds_left(frame)}};
-        std::printf("%s\n", line.dump().c_str());
+        std::printf("%s\n", json_text(line).c_str());
         std::fflush(stdout);
     }
     show(simulation, frame, frame == last_);

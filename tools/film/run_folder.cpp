@@ -16,6 +16,7 @@
 #include "engine/scene/scene_keys.h"
 #include "render/video/encoder.h"
 #include "render/video/process.h"
+#include "tools/process/json_text.h"
 
 namespace whorl {
 
@@ -228,7 +229,7 @@ RunFolder RunFolder::existing(const fs::path& path, Hold hold) {
 
 RunFolder RunFolder::drawing(const fs::path& path, const fs::path& of, Hold hold) {
     make_folder(path);
-    const std::string source = fs::canonical(of).string();
+    const std::string source = nlohmann::json::parse(json_text(fs::canonical(of).string()));  // as the file has it, also of odd bytes
     const auto is_of_source = [&] { return report_of(path).value("drawn_from", "") == source; };
     std::string note;
     if (has_files(path) && !is_of_source()) note = fresh(path).note();
@@ -239,7 +240,7 @@ RunFolder RunFolder::drawing(const fs::path& path, const fs::path& of, Hold hold
     // Under a name of its own: another range may be drawn at the same time.
     const nlohmann::ordered_json mark{{"whorl", WHORL_VERSION}, {"status", "drawn"}, {"drawn_from", source}};
     const fs::path temporary = path / fmt::format(".run.json.{}", getpid());
-    std::ofstream(temporary) << mark.dump(2) << "\n";
+    std::ofstream(temporary) << json_text(mark, 2) << "\n";
     fs::rename(temporary, path / "run.json");
     return folder;
 }
