@@ -47,14 +47,14 @@ public:
         if (error != std::errc()) fail(not_a_number(text, error), "allowed: whole numbers");
         return value;
     }
-    /// @param most what the number may be either way
+    /// @param most what the number may be either way; where that is infinite, it may be nan as well
     double number(std::string_view text, double most = std::numeric_limits<double>::max()) const {
         double value = 0;
         std::errc error = read(text, value);
         if (error == std::errc::result_out_of_range) error = {}, value = std::strtod(std::string(text).c_str(), nullptr);  // 0 or infinite
         if (error == std::errc() && std::abs(value) > most) error = std::errc::result_out_of_range;
-        if (error != std::errc() || std::isnan(value))
-            fail(not_a_number(text, error), fmt::format("allowed: numbers from {:.2g} to {:.2g}", -most, most));
+        if (error != std::errc() || (std::isnan(value) && std::isfinite(most)))
+            fail(not_a_number(text, error), std::isfinite(most) ? fmt::format("allowed: numbers from {:.2g} to {:.2g}", -most, most) : "");
         return value;
     }
     Vec3f point() {
@@ -226,8 +226,9 @@ TriangleMesh read_ply(const std::string& file, std::string_view text) {
         if (element.count > 0 && element.properties.empty()) words.fail("element " + element.name + " has no property");
 
     std::string_view bytes = words.rest();
-    const auto next = [&](const std::string& type) {
-        if (!binary) return words.number(words.word());
+    const auto next = [&](const std::string& type, bool is_read) {
+        if (!binary)
+            return words.number(words.word(), is_read ? std::numeric_limits<double>::max() : std::numeric_limits<double>::infinity());
         const std::size_t size = ply_size(type);
         if (bytes.size() < size) throw InputError({file}, "cut short");
         const double value = ply_value(type, bytes.data());
@@ -242,18 +243,19 @@ TriangleMesh read_ply(const std::string& file, std::string_view text) {
             Vec3f x = Vec3f::Zero();
             for (const PlyProperty& property : element.properties) {
                 const bool list = !property.length_type.empty();
-                const double length = list ? next(property.length_type) : 1;
+                const bool is_face =
+                    list && element.name == "face" && (property.name == "vertex_indices" || property.name == "vertex_index");
+                const bool is_place =
+                    !list && element.name == "vertex" && (property.name == "x" || property.name == "y" || property.name == "z");
+                const double length = list ? next(property.length_type, true) : 1;
                 if (!(length >= 0 && length < 1e6)) words.fail("a list has an impossible length");
                 corners.clear();
                 for (int l = 0; l < static_cast<int>(length); ++l) {
-                    const double value = next(property.type);
+                    const double value = next(property.type, is_face || is_place);
                     if (list) corners.push_back(value >= 0 && value < ~Corner(0) ? static_cast<Corner>(value) : ~Corner(0));
-                    else if (property.name == "x") x[0] = static_cast<float>(value);
-                    else if (property.name == "y") x[1] = static_cast<float>(value);
-                    else if (property.name == "z") x[2] = static_cast<float>(value);
+                    else if (is_place) x[property.name[0] - 'x'] = static_cast<float>(value);
                 }
-                if (list && element.name == "face" && (property.name == "vertex_indices" || property.name == "vertex_index"))
-                    add_polygon(mesh, corners);
+                if (is_face) add_polygon(mesh, corners);
             }
             if (element.name == "vertex") {
                 if (!x.allFinite()) words.fail(fmt::format("vertex {} is not finite in single precision", k));

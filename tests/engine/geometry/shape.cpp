@@ -3,6 +3,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <random>
@@ -130,7 +131,7 @@ TEST_CASE("OBJ, PLY and STL, ascii and binary, give the same cube", "[geometry]"
     };
     append(binary_stl, std::uint32_t(corners.size() / 3));
     const std::string header =
-        "element vertex 36\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\n"
+        "element vertex 36\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty float nx\n"
         "element face 12\nproperty list uchar int vertex_indices\nend_header\n";
     ply = "ply\nformat ascii 1.0\ncomment made by hand\n" + header;
     binary_ply = "ply\nformat binary_little_endian 1.0\n" + header;
@@ -143,9 +144,10 @@ TEST_CASE("OBJ, PLY and STL, ascii and binary, give the same cube", "[geometry]"
         if (k % 3 == 0) binary_stl += std::string(12, '\0');
         for (int a = 0; a < 3; ++a) append(binary_stl, x[a]);
         if (k % 3 == 2) binary_stl += std::string(2, '\0');
-        ply += words + " 255\n";
+        ply += words + (k % 2 == 0 ? " 255 nan\n" : " 255 -1e999\n");  // normals of degenerate faces
         for (int a = 0; a < 3; ++a) append(binary_ply, x[a]);
         binary_ply += '\x7f';
+        append(binary_ply, std::numeric_limits<float>::quiet_NaN());
     }
     for (int k = 0; k < 12; ++k) {
         ply += "3 " + std::to_string(3 * k) + " " + std::to_string(3 * k + 1) + " " + std::to_string(3 * k + 2) + "\n";
@@ -189,6 +191,9 @@ TEST_CASE("a broken mesh file is named with its line and what is wrong", "[geome
     const std::string triangle =
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
         "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n";
+    std::string nowhere = triangle + "3 0 1 2\n";
+    nowhere.replace(nowhere.find("0 1 0"), 5, "0 nan");
+    CHECK_THAT(message_of(temporary("n.ply", nowhere)), Contains("n.ply:12:3: \"nan\" is not a number"));
     for (const char* corner : {"3", "-1", "4294967296", "1e30"}) {
         CAPTURE(corner);
         CHECK_THAT(message_of(temporary("k.ply", triangle + "3 0 1 " + corner + "\n")), Contains("there are 3, counted from 0"));
