@@ -64,10 +64,12 @@ public:
     }
 
 private:
-    /// By the scene's own scale: a film of hours is not made in steps of milliseconds.
+    /// By the scene's own scale: a film of hours is not made in steps of milliseconds. A quick look with fewer pictures or an earlier end
+    /// has the same steps.
     void longest_step() {
-        if (reader_.places.count("time.max_step") == 0 && std::isfinite(scene_.time.frame_interval()))
-            scene_.time.max_step = std::max(scene_.time.max_step, scene_.time.frame_interval() / 25);
+        const double as_it_plays = 1 / (600 * scene_.time.slow_motion);
+        if (reader_.places.count("time.max_step") == 0 && std::isfinite(as_it_plays))
+            scene_.time.max_step = std::max(scene_.time.max_step, as_it_plays);
     }
     void frames() {
         constexpr double most = 1e6, longest = 1e30;  // s; pictures know times in single precision

@@ -8,6 +8,7 @@
 #include "engine/scene/schema.h"
 #include "engine/scene/tree.h"
 #include "engine/scene/write.h"
+#include "tests/support/poured_honey.h"
 
 using namespace whorl;
 
@@ -90,6 +91,23 @@ TEST_CASE("what a scene leaves out takes the defaults of the structs", "[scene]"
     CHECK(read_scene_text("[time]\nend = 1\n[fluid]\nspacing = 1\n[[block]]\nshape = \"box\"\nmin = [0,0,0]\nmax = [1,1,1]\n",
                           "dir/name.toml")
               .name == "name");
+}
+
+TEST_CASE("the longest step that is left out goes by how fast the film is, not by its pictures or its end", "[scene]") {
+    const auto longest = [](const std::vector<std::string>& changes) { return test::scene_with(changes).time.max_step; };
+    CHECK(longest({}) == TimeKeys{}.max_step);
+    CHECK(longest({"time.fps=2"}) == TimeKeys{}.max_step);
+    CHECK(longest({"time.slow_motion=4e4", "time.end=2e-6"}) == TimeKeys{}.max_step);
+    const double hours = longest({"time.slow_motion=1e-3", "time.end=7200"});
+    CHECK(hours == Approx(1 / 0.6));
+    CHECK(longest({"time.slow_motion=1e-3", "time.end=1", "time.fps=2"}) == hours);
+    CHECK(longest({"time.slow_motion=1e-3", "time.max_step=1e-3"}) == 1e-3);
+}
+
+TEST_CASE("a paddle that turns is planned at once, however long a step may be", "[scene][plan]") {
+    const Plan plan = test::plan_with(
+        {"time.max_step=1e9", "solid[1]={shape=\"box\", min=[0.04,0,0.04], max=[0.06,0.05,0.05], rotation=[0,'5*min(1,2*t)',0]}"});
+    CHECK(plan.estimated_particles > 0);
 }
 
 TEST_CASE("texts keep their quotes and odd characters through a resolved scene", "[scene]") {
