@@ -154,7 +154,7 @@ std::string Key::allowed_beside(double x) const {
         if (may_be_auto) text = "auto, " + text;
         return text;
     }
-    // The limits of the C++ type say nothing to people, unless they have come to them.
+    // The largest number of the C++ type says nothing to people: it is told only where x itself is beyond it.
     const double largest = single ? shortest_decimal(std::numeric_limits<float>::max()) : std::numeric_limits<double>::max();
     const double low = std::max(least, -largest), high = std::min(most, largest);
     const bool bounded_below = std::abs(low) < 2e9 || x < low, bounded_above = std::abs(high) < 2e9 || x > high;

@@ -67,13 +67,12 @@ private:
     /// Far larger than the domain, as a wrong unit makes it: then nothing else about it needs saying.
     bool oversized(const std::string& name, const ShapeKeys& shape, const Extent& e) {
         const double across = (e.max - e.min).head(plan_.dimensions()).maxCoeff();
-        if (!(across > 2 * room())) return false;
+        if (!(across > 2 * longest_side(scene_.domain))) return false;
         report(name + "." + size_key(shape),
-               fmt::format("{} is {:.4g} m across, larger than the whole domain ({:.4g} m)", name, across, room()),
+               fmt::format("{} is {:.4g} m across, larger than the whole domain ({:.4g} m)", name, across, longest_side(scene_.domain)),
                size_hint(shape, across));
         return oversized_ = true;
     }
-    double room() const { return (high_ - low_).head(plan_.dimensions()).maxCoeff(); }
 
     /// Fluid begins inside a solid: one that is larger than the domain in every direction is to blame itself.
     void inside_solid(const std::string& key, const std::string& what, const std::string& hint, int k) {
@@ -81,10 +80,11 @@ private:
         const SolidKeys& s = scene_.solids[static_cast<std::size_t>(k)];
         const Vec3d size = (e.max - e.min).eval();
         const bool endless = !size.allFinite();  // a plane has no wrong size
-        if (endless || s.inside || size.head(plan_.dimensions()).minCoeff() <= room()) return report(key, what, hint);
+        if (endless || s.inside || size.head(plan_.dimensions()).minCoeff() <= longest_side(scene_.domain)) return report(key, what, hint);
         const std::string name = entry_name("solid", static_cast<std::size_t>(k));
         report(name + "." + size_key(s.shape),
-               fmt::format("{} is {:.4g} m across, larger than the whole domain ({:.4g} m): {}", name, size.maxCoeff(), room(), what),
+               fmt::format("{} is {:.4g} m across, larger than the whole domain ({:.4g} m): {}", name, size.maxCoeff(),
+                           longest_side(scene_.domain), what),
                size_hint(s.shape, size.maxCoeff()));
     }
 
@@ -206,13 +206,14 @@ private:
             inside_solid(name + ".position", fmt::format("{} at {} lies {:.3g} m inside solid[{}]", name, point(e.position), -distance, k),
                          "move one of them", k);
         const double widest = e.shape == "disc" ? 2 * e.radius : std::max(e.width, plan_.dimensions() == 2 ? 0 : e.thickness);
-        if (widest > room()) {
+        if (widest > longest_side(scene_.domain)) {
             oversized_ = true;
             report(name + (e.shape == "disc"   ? ".radius"
                            : e.width == widest ? ".width"
                                                : ".thickness"),
-                   fmt::format("the opening of {} is {:.4g} m across, wider than the whole domain ({:.4g} m)", name, widest, room()),
-                   fmt::format("lengths are in metres: for millimetres take a thousandth, {:.3g} m across", widest / 1000));
+                   fmt::format("the opening of {} is {:.4g} m across, wider than the whole domain ({:.4g} m)", name, widest,
+                               longest_side(scene_.domain)),
+                   size_hint(widest));
         }
         const double thinnest = narrowest_of(e, plan_.dimensions());
         if (thinnest < plan_.spacing) too_coarse(name, thinnest);

@@ -49,9 +49,30 @@ double fastest_of(const BlockKeys& block, const Vec3d& min, const Vec3d& max) {
     return most;
 }
 
+namespace {
+
+/// How far a solid's corners are from the axis through its middle that it turns about [m].
+double reach_of(const SolidKeys& solid, const Extent& extent, double end) {
+    const Vec3d half = 0.5 * (extent.max - extent.min);
+    if (!half.allFinite()) return half.norm();
+    Vec3d axis = Vec3d::Zero();
+    for (const double t : sample_times(0, end)) {
+        const Vec3d turning = solid.rotation(t);
+        if (axis.isZero(0)) axis = turning.stableNormalized();
+        if (turning.cross(axis).norm() > 1e-6 * turning.norm()) return half.norm();  // the axis moves: any corner may be far from it
+    }
+    double most = 0;
+    for (const Vec3d& corner :
+         {half, Vec3d(-half[0], half[1], half[2]), Vec3d(half[0], -half[1], half[2]), Vec3d(half[0], half[1], -half[2])})
+        most = std::max(most, axis.cross(corner).norm());
+    return most;
+}
+
+}  // namespace
+
 double fastest_of(const SolidKeys& solid, const Extent& extent, double end) {
     if (!solid.position.depends_on_time() && solid.rotation.is_zero()) return 0;
-    const double reach = 0.5 * (extent.max - extent.min).norm();  // it turns about its middle
+    const double reach = reach_of(solid, extent, end);
     double most = 0;
     const double dt = 1e-4 * end;
     for (const double t : sample_times(0, end)) {
@@ -61,6 +82,8 @@ double fastest_of(const SolidKeys& solid, const Extent& extent, double end) {
     }
     return most;
 }
+
+double longest_side(const DomainKeys& domain) { return (domain.max - domain.min).head(domain.dimensions).maxCoeff(); }
 
 double opening_area(const EmitterKeys& e, int dimensions) {
     if (dimensions == 2) return e.shape == "disc" ? 2 * e.radius : e.width;

@@ -37,6 +37,9 @@ double fastest_of(const EmitterKeys& emitter, double end);
 double fastest_of(const BlockKeys& block, const Vec3d& min, const Vec3d& max);
 double fastest_of(const SolidKeys& solid, const Extent& extent, double end);
 
+/// Of the domain's sides [m].
+double longest_side(const DomainKeys& domain);
+
 /// Area of an emitter's opening [m^2] and what it lets through until the end of the run [m^3].
 double opening_area(const EmitterKeys& emitter, int dimensions);
 double emitted_volume(const EmitterKeys& emitter, double end, int dimensions);

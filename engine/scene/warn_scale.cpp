@@ -44,7 +44,6 @@ public:
 
 private:
     void add(const std::string& key, const std::string& text) { found_.push_back({key, text}); }
-    double largest_side() const { return (scene_.domain.max - scene_.domain.min).head(scene_.domain.dimensions).maxCoeff(); }
 
     void film() {
         if (const TimeKeys& t = scene_.time; t.fps > most_fps)
@@ -55,19 +54,20 @@ private:
     }
 
     void domain() {
-        if (largest_side() > longest_domain)
-            add("domain.max", fmt::format("domain.max: the domain is {} long; lengths are in metres, and {:g} mm would be {:g}",
-                                          length(largest_side()), largest_side(), largest_side() / 1000));
+        if (longest_side(scene_.domain) > longest_domain)
+            add("domain.max",
+                fmt::format("domain.max: the domain is {} long; lengths are in metres, and {:g} mm would be {:g}",
+                            length(longest_side(scene_.domain)), longest_side(scene_.domain), longest_side(scene_.domain) / 1000));
         if (const double g = scene_.domain.gravity(0).norm(); g > strongest_gravity)
             add("domain.gravity", fmt::format("domain.gravity = {:g} m/s^2 is {:.3g} times that of the earth; it is in m/s^2, not {}/s^2",
                                               g, g / 9.81, g < 3000 ? "cm" : "mm"));
     }
 
-    /// Flows without dimensions are written with a density of 1, and without gravity.
+    /// Flows without dimensions are written with a density of 1, and with no gravity or one of 1; the earth's has units.
     bool has_units() const {
         const std::vector<double> times = sample_times(0, scene_.time.end);
         return scene_.fluid.density != 1 ||
-               std::any_of(times.begin(), times.end(), [&](double t) { return scene_.domain.gravity(t).norm() > 0; });
+               std::any_of(times.begin(), times.end(), [&](double t) { return std::abs(scene_.domain.gravity(t).norm() - 9.81) < 0.25; });
     }
     void properties() {
         if (!has_units()) return;
@@ -87,7 +87,8 @@ private:
             const std::string key = entry_name("solid", i) + ".density";
             const double body = scene_.solids[i].density;
             if (body > 0 && body < lightest_body)
-                add(key, fmt::format("{} = {:g} kg/m^3 is less than that of any foam (cork has 200, wood 600): {:g} g/cm^3 would be {:g}",
+                add(key, fmt::format("{} = {:g} kg/m^3 is less than that of any foam (cork has 200, wood 600), as only hollow bodies have: "
+                                     "{:g} g/cm^3 would be {:g}",
                                      key, body, body, 1000 * body));
             if (body > heaviest)
                 add(key, fmt::format("{} = {:g} kg/m^3 is more than that of any solid (steel has 7800, gold 19300)", key, body));
@@ -137,7 +138,7 @@ private:
     bool size(const std::string& name, const ShapeKeys& shape, const Extent& e) {
         if (shape.kind == "plane") return false;  // it has no end, and no wrong one
         const bool mesh = shape.kind == "mesh";
-        const double across = (e.max - e.min).head(scene_.domain.dimensions).maxCoeff(), room = largest_side();
+        const double across = (e.max - e.min).head(scene_.domain.dimensions).maxCoeff(), room = longest_side(scene_.domain);
         const std::string key = name + "." + size_key(shape);
         if (across > (mesh ? 20 : 100) * room)
             add(key, fmt::format("{}: the {} is {} across in a domain of {}; {}", key, shape.kind, length(across), length(room),
@@ -153,27 +154,34 @@ private:
     void solid(const std::string& name, std::size_t i) {
         const SolidKeys& s = scene_.solids[i];
         const Extent& e = shapes_.solid_extent[i];
-        if (size(name, s.shape, e) || !s.inside || !holds_domain(*shapes_.solids.all[i].shape, s.position(0))) return;
+        // Walls at the domain's end hold fluid: their particles stand outside.
+        if (size(name, s.shape, e) || !s.inside || !holds_domain(*shapes_.solids.all[i].shape, s.position(0), scene_.fluid.spacing)) return;
         const double across = (e.max - e.min).head(scene_.domain.dimensions).maxCoeff();
         const std::string key = name + "." + size_key(s.shape);
         add(key, fmt::format("{}: the whole domain of {} lies inside of this container, which is {} across: it holds nothing; {}", key,
-                             length(largest_side()), length(across), size_hint(s.shape, across)));
+                             length(longest_side(scene_.domain)), length(across), size_hint(s.shape, across)));
     }
 
     void drain(const std::string& name, std::size_t i) {
         const DrainKeys& d = scene_.drains[i];
-        if (d.after >= scene_.time.end || !holds_domain(*shapes_.drains[i], Vec3d::Zero())) return;
+        // Fluid that goes later than it comes, the drain limits in its age.
+        const bool limits_age = d.after > 0 && !scene_.emitters.empty();
+        if (limits_age || d.after >= scene_.time.end) return;
+        if (!holds_domain(*shapes_.drains[i], Vec3d::Zero(), -0.5 * scene_.fluid.spacing)) return;
         const double across = (shapes_.drain_extent[i].max - shapes_.drain_extent[i].min).head(scene_.domain.dimensions).maxCoeff();
         const std::string key = name + "." + size_key(d.shape);
         add(key, fmt::format("{}: the drain is {} across and takes in the whole domain of {}: all fluid is gone at {:g} s; {}", key,
-                             length(across), length(largest_side()), d.after, size_hint(d.shape, across)));
+                             length(across), length(longest_side(scene_.domain)), d.after, size_hint(d.shape, across)));
     }
-    /// Whether a shape that has moved holds all corners of the domain.
-    bool holds_domain(const Shape& shape, const Vec3d& moved) const {
+    /// Whether a shape that has moved holds all corners of the domain, and as much around it. Nothing stands beyond a periodic end.
+    bool holds_domain(const Shape& shape, const Vec3d& moved, double around) const {
+        Vec3d margin = Vec3d::Zero();
+        for (int a = 0; a < scene_.domain.dimensions; ++a) margin[a] = scene_.domain.periodic[a] ? -0.5 * scene_.fluid.spacing : around;
+        const Vec3d low = scene_.domain.min - margin, high = scene_.domain.max + margin;
         for (int corner = 0; corner < 8; ++corner) {
-            Vec3d x = scene_.domain.min;
+            Vec3d x = low;
             for (int a = 0; a < 3; ++a)
-                if ((corner >> a) & 1) x[a] = scene_.domain.max[a];
+                if ((corner >> a) & 1) x[a] = high[a];
             if (shape.distance((x - moved).cast<Real>()) > 0) return false;
         }
         return shape.bounded();
@@ -192,9 +200,13 @@ const char* size_key(const ShapeKeys& shape) {
     return shape.kind == "cylinder" && (shape.to - shape.from).norm() > 2 * shape.radius ? "to" : "radius";
 }
 
+std::string size_hint(double across) {
+    return fmt::format("lengths are in metres: for millimetres take a thousandth, {:.3g} m across", across / 1000);
+}
+
 std::string size_hint(const ShapeKeys& shape, double across) {
     if (shape.kind == "mesh") return fmt::format("a mesh in millimetres needs scale = {:.3g}", shape.scale < 1 ? 1e-3 * shape.scale : 1e-3);
-    return fmt::format("lengths are in metres: for millimetres take a thousandth, {:.3g} m across", across / 1000);
+    return size_hint(across);
 }
 
 std::vector<ScaleWarning> warnings_of_scale(const Scene& scene, const SceneShapes& shapes) { return ScaleWarnings(scene, shapes).all(); }

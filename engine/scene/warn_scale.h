@@ -15,7 +15,8 @@ std::vector<ScaleWarning> warnings_of_scale(const Scene& scene, const SceneShape
 
 /// The key that makes a shape as large as it is: "radius".
 const char* size_key(const ShapeKeys& shape);
-/// The likely slip where a shape is far too large. @param across its size [m]
+/// The likely slip where an opening or a shape is far too large. @param across its size [m]
+std::string size_hint(double across);
 std::string size_hint(const ShapeKeys& shape, double across);
 
 }  // namespace whorl

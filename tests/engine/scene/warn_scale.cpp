@@ -11,6 +11,16 @@ using namespace whorl;
 using test::messages_with;
 using test::plan_with;
 
+namespace {
+
+std::string without_emitter() {
+    const std::string& scene = test::poured_honey;
+    const std::size_t from = scene.find("[[emitter]]"), to = scene.find("[[solid]]");
+    return scene.substr(0, from) + scene.substr(to);
+}
+
+}  // namespace
+
 TEST_CASE("a size that comes from a wrong unit is told with its key, what it means and the likely slip", "[plan]") {
     const auto warned = [](const std::vector<std::string>& changes, const std::string& text) {
         const std::vector<std::string> all = plan_with(changes).warnings;
@@ -31,6 +41,8 @@ TEST_CASE("a size that comes from a wrong unit is told with its key, what it mea
     CHECK(warned({"fluid.density=1"}, "fluid.density = 1 kg/m^3 is that of a gas (air has 1.2, water 1000): 1 g/cm^3 would be 1000"));
     CHECK(!warned({"fluid.density=1", "domain.gravity=[0,0,0]"},
                   "fluid.density = 1 kg/m^3 is that of a gas (air has 1.2, water 1000): 1 g/cm^3 would be 1000"));  // has no units
+    CHECK(!warned({"fluid.density=1", "domain.gravity=[0,-1,0]"},
+                  "fluid.density = 1 kg/m^3 is that of a gas (air has 1.2, water 1000): 1 g/cm^3 would be 1000"));  // nor has this
     CHECK(warned({"emitter[0].speed=300*min(1,1000*t)", "time.end=0.01"},
                  "emitter[0].speed: the fluid moves with 300 m/s, 1080 km/h; speeds are in m/s, and 300 mm/s would be 0.3"));
     CHECK(warned({"stream[0]={min=[0,0,0], max=[0.01,0.01,0.01], time=1, velocity=[0,'250*sin(9*t)',0]}", "models.pressure=ppe"},
@@ -94,6 +106,45 @@ TEST_CASE("a shape larger than the whole domain is blamed itself, not what it sw
           "for millimetres take a thousandth, 0.01 m across");
     CHECK_THAT(warned("solid[1]={shape=\"sphere\", radius=5, inside=true}"),
                Catch::StartsWith("solid[1].radius: the whole domain of 0.2 m lies inside of this container, which is 10 m across"));
+}
+
+TEST_CASE("a container or drain as large as the domain is no slip where it leaves fluid", "[plan]") {
+    const std::string domain = "shape=\"box\", min=[-0.1,-0.01,-0.1], max=[0.1,0.1,0.1]",
+                      block = "block[0]={shape=\"box\", min=[-0.02,0.02,-0.02], max=[0.02,0.04,0.02]}";
+    const auto warnings = [](const std::vector<std::string>& changes) { return plan_with(changes).warnings; };
+    CHECK(warnings({"solid[1]={" + domain + ", inside=true}"}).empty());
+    CHECK(
+        warnings({"domain.periodic=[false,false,true]", "solid[1]={shape=\"box\", min=[-0.1,-0.01,-0.3], max=[0.1,0.1,0.3], inside=true}"})
+            .empty());
+    CHECK(
+        warnings({"domain.periodic=[false,false,true]", "solid[1]={shape=\"box\", min=[-1,-1,-0.1], max=[1,1,0.1], inside=true}"}).size() ==
+        1);
+    // Beside an emitter it limits the age of the fluid.
+    CHECK(warnings({"drain[0]={" + domain + ", after=2}"}).empty());
+    CHECK(warnings({"drain[0]={" + domain + "}"}).size() == 1);
+    CHECK_THAT(make_plan(test::scene_with({"drain[0]={" + domain + ", after=2}", block}, without_emitter())).warnings.at(0),
+               Catch::Contains("all fluid is gone at 2 s"));
+}
+
+TEST_CASE("a rod that spins about its own axis is as fast as its surface", "[plan]") {
+    const auto warnings = [](const std::string& rotation) {
+        return plan_with({"solid[1]={shape=\"cylinder\", from=[0,-0.5,0], to=[0,0.5,0], radius=0.02, position=[0.06,0,0.06], rotation=" +
+                          rotation + "}"})
+            .warnings;
+    };
+    CHECK(warnings("[0,209,0]").empty());
+    REQUIRE(warnings("[0,0,209]").size() == 1);
+    CHECK_THAT(warnings("[0,0,209]")[0], Catch::StartsWith("solid[1].rotation: the solid moves with 104.6 m/s"));
+    CHECK(warnings("['209*sin(t)','209*cos(t)',0]").size() == 1);  // its axis leaves its own
+}
+
+TEST_CASE("a light body may be hollow, or given in g/cm^3", "[plan]") {
+    const std::vector<std::string> all =
+        plan_with({"solid[1]={shape=\"sphere\", radius=0.02, position=[0.06,0.04,0.06], density=3}"}).warnings;
+    REQUIRE(all.size() == 1);
+    CHECK(all[0] ==
+          "solid[1].density = 3 kg/m^3 is less than that of any foam (cork has 200, wood 600), as only hollow bodies have: 3 g/cm^3 "
+          "would be 3000");
 }
 
 TEST_CASE("a viscosity that is no number on one side of a nozzle is refused", "[plan]") {
