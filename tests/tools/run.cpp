@@ -263,16 +263,6 @@ TEST_CASE("a drop of twenty micrometres is filmed", "[tools][render]") {
     CHECK(report(scratch / "run")["particles"] > 400);
 }
 
-TEST_CASE("a solid that is too large for the spacing is told with its place", "[tools][render]") {
-    const Scratch scratch(honey + "[[solid]]\nshape = \"sphere\"\nposition = [0, -30, 0]\nradius = 30\n");
-    const Outcome run =
-        test::whorl({"render", scratch.scene(), "--set", "models.pressure=ppe", "--no-images", "--quiet", "--out", scratch.run()});
-    CHECK(run.code == 2);
-    CHECK_THAT(run.err, Catch::Contains(scratch.scene() + ":") && Catch::Contains(": solid[") &&
-                            Catch::Contains("]: the surface of the sphere needs"));
-    CHECK_FALSE(fs::exists(scratch.run()));
-}
-
 TEST_CASE("a film is whole in a folder that is named like a protocol, from a parent that ignores its children", "[tools][render]") {
     const Scratch scratch;
     const std::string program = "trap '' CHLD; cd " + scratch.path().string() + " && exec " + WHORL_PROGRAM +

@@ -167,11 +167,11 @@ void check(const Study& study, Reader& reader) {
             if (study.knobs[j].key == study.knobs[i].key)
                 reader.disagree({name + ".key"}, name + ".key is swept by " + entry_name("knob", j) + " already");
     }
-    double settings = 1;
-    for (const Knob& knob : study.knobs) settings *= static_cast<double>(knob.values.size());
-    if (settings > most_settings)
-        reader.disagree({"knob"}, fmt::format("the knobs have {:.2g} settings together", settings),
-                        "sweep fewer knobs, or fewer values of each", fmt::format("allowed: up to {}", most_settings));
+    double all = 1;
+    for (const Knob& knob : study.knobs) all *= static_cast<double>(knob.values.size());
+    if (all > most_settings)
+        reader.disagree({"knob"}, fmt::format("the knobs have {:.2g} settings together", all), "sweep fewer knobs, or fewer values of each",
+                        fmt::format("allowed: up to {}", most_settings));
     for (std::size_t i = 0; i < study.knobs.size(); ++i) {
         const std::string& key = study.knobs[i].key;
         const auto uses = [&](const std::string& text) {

@@ -212,11 +212,14 @@ TEST_CASE("a box through a periodic domain has neither ends nor seam there", "[g
     }
 }
 
-TEST_CASE("a layer beyond 50 million particles is refused in words", "[geometry]") {
+TEST_CASE("a layer beyond 50 million particles is refused in words, with the solid's place", "[geometry]") {
     Solids solids;
     solids.all.push_back(solid_of(make_plane({0, 0, 0}, {0, 1, 0})));
     solids.set_time(0, 1e-3);
-    CHECK_THROWS_WITH(sample_solids(solids, Real(1e-5), cube(10)), Catch::Matchers::Contains("million particles"));
+    const auto place_of = [](std::size_t) { return Place{"scene.toml", 3, 9}; };
+    CHECK_THROWS_WITH(sample_solids(solids, Real(1e-5), cube(10), {}, 0, place_of),
+                      Catch::Matchers::StartsWith("scene.toml:3:9: solid[0]: the surface of the plane needs") &&
+                          Catch::Matchers::Contains("million particles"));
 }
 
 TEST_CASE("the layer of a wide box costs what its surface holds, not its inside", "[geometry]") {
