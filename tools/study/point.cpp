@@ -231,7 +231,8 @@ void PointRunner::run_once(const Call& call, bool pictures, const std::string& w
         use.cpu = run.value("cpu_seconds", 0.0), use.wall = run.value("wall_seconds", 0.0),
         use.memory = run.value("peak_memory_bytes", 0.0);
     const bool late = use.code == -1;
-    result.status = late ? "timeout" : use.code == exit_done ? "done" : run.is_object() ? run.value("status", "failed") : "failed";
+    const std::string status = run.is_object() ? run.value("status", "failed") : "failed";
+    result.status = late ? "timeout" : use.code == exit_done ? "done" : status == "diverged" ? status : "failed";
     if (use.code > exit_failed) result.status = "failed";
     result.message = late              ? fmt::format("took longer than {:g} s", study_.limit)
                      : run.is_object() ? run.value("message", "")
