@@ -51,7 +51,7 @@ std::map<std::string, Folders> arrows() {
         {"render/flow", frame + Folders{"render/image", "render/look"}},
         {"render/export", frame + Folders{"render/flow", "render/look", "render/surface"}},
         {"render/gl", frame + Folders{"render/flow", "render/image", "render/look", "render/surface"}},
-        {"tools/process", core},
+        {"tools/process", core + Folders{"render/video/process.h"}},
         {"tools/scene_file", sim + Folders{"render/surface", "render/look", "tools/process"}},
         {"tools/cost", scene_file},
         {"tools/convert", geometry + Folders{"engine/io/files.h"}},

@@ -61,7 +61,8 @@ std::string needs_of(const std::vector<FarmStage>& stages, std::size_t stage, co
 std::string script_of(const std::vector<FarmStage>& stages, std::size_t number, const fs::path& folder, int threads) {
     const FarmStage& stage = stages[number];
     std::string text = "#!/bin/bash\n# Runs one task of this stage: bash " + stage.name + ".sh NUMBER\n";
-    text += "task=${1:-$SLURM_ARRAY_TASK_ID}\nexport OMP_NUM_THREADS=" + std::to_string(threads) + "\n";
+    // The folder is kept from others while tasks wait (RunFolder).
+    text += "task=${1:-$SLURM_ARRAY_TASK_ID}\nexport WHORL_FARM_TASK=1 OMP_NUM_THREADS=" + std::to_string(threads) + "\n";
     text += "files=" + quoted((folder / stage.name).string()) + ".$task\nrm -f \"$files.code\"\n";
     text += "end() { echo $1 >\"$files.code.part\" && mv \"$files.code.part\" \"$files.code\"; }\n";
     // Whoever runs a task by hand knows that it can be begun.
@@ -119,7 +120,7 @@ std::vector<FarmFailure> failures_of(const std::vector<FarmStage>& stages, const
     return failures;
 }
 
-/// One line: how many tasks of each stage have ended.
+/// One line: how many tasks of each stage have ended. Those that were left out are not among them.
 class FarmProgress {
 public:
     FarmProgress(const std::vector<FarmStage>& stages, const fs::path& folder, bool quiet)
@@ -131,7 +132,7 @@ public:
         std::string line;
         for (const FarmStage& stage : stages_) {
             std::size_t ended = 0;
-            for (std::size_t k = 0; k < stage.tasks.size(); ++k) ended += code_of(folder_, stage, k).has_value();
+            for (std::size_t k = 0; k < stage.tasks.size(); ++k) ended += code_of(folder_, stage, k).value_or(left_out) != left_out;
             line += fmt::format("{}{} {} of {}", line.empty() ? "" : ", ", stage.name, ended, stage.tasks.size());
         }
         if (quiet_ || line == shown_) return;
@@ -246,9 +247,7 @@ bool run_on_slurm(const std::vector<FarmStage>& stages, const fs::path& folder, 
             return false;
         }
         // Files may come later than the end of their job; Slurm is asked seldom.
-        if (polls % 10 == 9) try {
-                gone = said_by({"squeue", "--noheader", "--jobs=" + jobs, "--format=%i"}).empty() ? gone + 1 : 0;
-            } catch (const EnvironmentError&) { ++gone; }  // it does not know the jobs any more, or cannot be asked just now
+        if (polls % 10 == 9) gone = slurm_jobs_live(jobs) ? 0 : gone + 1;  // it may be that it cannot be asked just now
         std::this_thread::sleep_for(std::chrono::milliseconds(300));
     }
     progress.show();

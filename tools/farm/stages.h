@@ -2,7 +2,7 @@
 /// Work in stages: tasks that need nothing of each other, one stage after the other, on this machine or on Slurm's.
 ///
 /// Each stage is a script in the farm's folder, which takes the number of a task: `bash simulate.sh 3`. It leaves simulate.3.log and, when
-/// the task has ended, its exit status in simulate.3.code (left_out: it was not begun). Slurm runs the same script as a job array; a task
+/// the task has ended, its exit status in simulate.3.code (-1: it was not begun). Slurm runs the same script as a job array; a task
 /// that lost its machine is begun again and goes on from its checkpoint.
 #include <filesystem>
 #include <string>

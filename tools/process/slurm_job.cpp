@@ -1,6 +1,9 @@
 #include "tools/process/slurm_job.h"
 
 #include <sstream>
+#include <system_error>
+
+#include "render/video/process.h"
 
 namespace whorl {
 
@@ -12,5 +15,10 @@ std::string slurm_job(const std::string& said) {
     }
     return {};
 }
+
+bool slurm_jobs_live(const std::string& jobs) try {
+    ChildProcess squeue({"squeue", "--noheader", "--jobs=" + jobs, "--format=%i"});
+    return squeue.wait() == 0 && squeue.output().find_first_not_of('\n') != std::string::npos;
+} catch (const std::system_error&) { return false; }
 
 }  // namespace whorl

@@ -46,7 +46,7 @@ int farm_study(const FarmCommand& command) {
     const std::string& name = command.scenes.front();
     if (command.scenes.size() > 1) throw InputError({name, 0, 0}, "is a study, which is farmed alone", "leave the other names out");
     if (!o.set.empty() || !o.with.empty() || o.until || !o.size.empty() || o.fps || o.quality != Options().quality || o.no_video ||
-        o.no_images || !o.exports.empty() || o.seed || command.pieces > 0)
+        o.no_images || !o.exports.empty() || o.seed || o.quiet || command.pieces > 0)
         throw InputError({name, 0, 0}, "is a study, whose own file says what its runs are", "",
                          "options with a study: --on, --jobs, --threads, --sbatch, --out");
     SweepOptions sweep;
