@@ -26,12 +26,12 @@ FilmOptions film_options(const RedrawRequest& request, bool whole) {
     FilmOptions options;
     options.folder = request.out, options.name = scene.name, options.format = scene.output.format;
     if (whole && scene.output.video) options.video = request.out / (scene.name + ".mp4");
-    // Some exports are a file of the whole film, which a range must not replace.
-    const auto made = [&](const std::string& what) {
-        return std::find(request.made.begin(), request.made.end(), what) != request.made.end();
+    // Some exports have a file of the whole film, which a range must not replace.
+    const auto keeps = [&](const std::string& what) {
+        return (what == "scene" || what == "vtk") && std::find(request.made.begin(), request.made.end(), what) != request.made.end();
     };
     for (const std::string& what : scene.output.exports)
-        if (what == "raw" ? request.out != request.run : whole || !made(what)) options.exports.push_back(what);
+        if (what == "raw" ? request.out != request.run : whole || !keeps(what)) options.exports.push_back(what);
     options.width = scene.output.size[0], options.height = scene.output.size[1];
     options.fps = scene.time.fps, options.interval = scene.time.frame_interval();
     return options;

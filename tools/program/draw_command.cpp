@@ -4,6 +4,7 @@
 
 #include "engine/core/errors.h"
 #include "engine/core/parallel.h"
+#include "tools/film/progress.h"
 #include "tools/film/redraw.h"
 #include "tools/film/run_folder.h"
 #include "tools/program/command.h"
@@ -40,6 +41,7 @@ int draw(const DrawOptions& options) {
     const bool elsewhere = !options.shared.out.empty() && !std::filesystem::equivalent(options.shared.out, options.folder, none);
     const auto hold = options.frames.empty() ? RunFolder::Hold::alone : RunFolder::Hold::shared;
     const RunFolder held = RunFolder::existing(options.folder, elsewhere ? RunFolder::Hold::shared : hold);
+    if (!held.note().empty()) tell_note(held.note(), false);
     Options own = options.shared;
     own.scene = (options.folder / "scene.resolved.toml").string();
     const SceneFile before = read_scene_file(own.scene);
