@@ -69,12 +69,16 @@ TEST_CASE("a range that is drawn into its run leaves the exports of the whole fi
     const test::ScratchFolder folder;
     const fs::path scene = folder / "scene.toml", run = folder / "run", other = folder / "other";
     std::ofstream(scene) << puddle;
-    REQUIRE(test::whorl({"render", scene.string(), "--out", run.string(), "--export", "raw,scene,vtk", "--quiet"}).code == 0);
+    REQUIRE(test::whorl({"render", scene.string(), "--out", run.string(), "--export", "raw,scene,vtk,mesh", "--quiet"}).code == 0);
     const std::string glb = read_whole(run / "scene/puddle.glb"), pvd = read_whole(run / "vtk/puddle.pvd");
-    const Outcome range = test::whorl({"draw", run.string(), "--frames", "2-3"});
+    const auto mesh = [&](int n) { return read_whole(run / "mesh" / ("puddle.000" + std::to_string(n) + ".ply")); };
+    const std::string first = mesh(1), second = mesh(2);
+    const Outcome range = test::whorl({"draw", run.string(), "--frames", "2-3", "--set", "surface.voxel=1"});
     CHECK_THAT(range.err, Catch::StartsWith("pictures that stand in " + run.string() + " are replaced: 2\n"));
     CHECK((read_whole(run / "scene/puddle.glb") == glb));
     CHECK(read_whole(run / "vtk/puddle.pvd") == pvd);
+    CHECK((mesh(1) == first));
+    CHECK((mesh(2) != second));
 
     REQUIRE(test::whorl({"render", scene.string(), "--out", other.string(), "--frames", "1", "--quiet"}).code == 0);
     for (const char* frames : {"1-2", "3"}) {
@@ -86,6 +90,15 @@ TEST_CASE("a range that is drawn into its run leaves the exports of the whole fi
     CHECK(fs::exists(other / "frames/000003.png"));
     CHECK(fs::exists(folder / "other.1/diagnostics.csv"));
     CHECK_FALSE(fs::exists(folder / "other.2"));
+    fs::remove(other / "run.json");  // as earlier versions left what they drew
+    const auto draw = [&] { return test::whorl({"draw", run.string(), "--frames", "2", "--out", other.string(), "--quiet"}); };
+    const Outcome beside = draw();
+    CHECK(beside.code == 0);
+    CHECK(beside.err.find("is now in " + other.string() + ".2") != std::string::npos);
+    CHECK(fs::exists(folder / "other.2/frames/000003.png"));
+    fs::remove(other / "run.json");
+    std::ofstream(other / "thesis.txt") << "years of work";
+    CHECK(draw().code == 2);
 }
 
 TEST_CASE("what another look leaves open goes by the whole film, whichever frames are drawn") {

@@ -54,15 +54,16 @@ void check_same_pictures(const fs::path& a, const fs::path& b, std::size_t count
 
 TEST_CASE("a film that is simulated once and drawn in pieces is the film of one run, bit for bit", "[tools][farm]") {
     const Scratch scratch;
-    REQUIRE(scratch.whorl({"render", "--quiet", "--export", "scene,vtk"}, "whole").code == 0);
-    const Outcome farmed = scratch.whorl({"farm", "--on", "local", "--jobs", "2", "--pieces", "3", "--export", "scene,vtk"}, "farmed");
+    REQUIRE(scratch.whorl({"render", "--quiet", "--export", "scene,vtk,mesh"}, "whole").code == 0);
+    const Outcome farmed = scratch.whorl({"farm", "--on", "local", "--jobs", "2", "--pieces", "3", "--export", "scene,vtk,mesh"}, "farmed");
     INFO(farmed.err);
     REQUIRE(farmed.code == 0);
     CHECK(farmed.err.find("simulate 1 of 1, draw 3 of 3, encode 1 of 1") != std::string::npos);
     check_same_pictures(scratch / "whole", scratch / "farmed", 9);
     CHECK(fs::exists(scratch / "farmed/little_honey.mp4"));
     CHECK(fs::exists(scratch / "farmed/contact.png"));
-    for (const char* file : {"scene/little_honey.glb", "vtk/little_honey.pvd"})
+    CHECK(read_whole(scratch / "farmed/farm/simulate.0.log").empty());  // it replaces nothing
+    for (const char* file : {"scene/little_honey.glb", "vtk/little_honey.pvd", "mesh/little_honey.0005.ply"})
         CHECK((read_whole(scratch / "farmed" / file) == read_whole(scratch / "whole" / file)));
     // The same settings, but for the frames that it keeps.
     std::string kept = read_whole(scratch / "farmed/scene.resolved.toml"), plain = read_whole(scratch / "whole/scene.resolved.toml");
@@ -110,6 +111,7 @@ TEST_CASE("of films that are farmed together one that fails leaves the others, a
     CHECK(farmed.code == 1);
     CHECK(farmed.err.find("simulate, bad: ended with 1: ") != std::string::npos);
     CHECK(farmed.err.find("draw, ") == std::string::npos);
+    CHECK(farmed.err.find("simulate 2 of 2, draw 2 of 4, encode 1 of 2") != std::string::npos);
     CHECK(farmed.out == (scratch / "films/little_honey").string() + "\n");
     CHECK(fs::exists(scratch / "films/little_honey/little_honey.mp4"));
     CHECK(read_whole(scratch / "films/little_honey/farm/encode.1.code") == "-1\n");
@@ -161,12 +163,17 @@ TEST_CASE("while jobs of a farm go on, another farm in its folder is refused, an
     CHECK(second.code == 2);
     CHECK(second.err.find("jobs of an earlier farm are at work in this folder: 7") != std::string::npos);
     CHECK(second.err.find("scancel 7") != std::string::npos);
-    const Outcome film = test::Program({"-c", "PATH=" + scratch.path().string() + ":$PATH exec " WHORL_PROGRAM " render " +
-                                                  (scratch / "scene.toml").string() + " --frames 1 --out " + run},
-                                       "bash")
-                             .wait();
-    CHECK(film.code == 2);
-    CHECK(film.err.find("jobs of an earlier farm") != std::string::npos);
+    for (const char* how : {"", " --overwrite"}) {
+        const Outcome film = test::Program({"-c", "PATH=" + scratch.path().string() + ":$PATH exec " WHORL_PROGRAM " render " +
+                                                      (scratch / "scene.toml").string() + " --frames 1 --out " + run + how},
+                                           "bash")
+                                 .wait();
+        CHECK(film.code == 2);
+        CHECK(film.err.find("jobs of an earlier farm") != std::string::npos);
+    }
+    CHECK(
+        test::Program({"-c", "PATH=" + scratch.path().string() + ":$PATH exec bash " + run + "/farm/simulate.sh 0"}, "bash").wait().code ==
+        0);
     CHECK_FALSE(fs::exists(run + ".1"));
     {  // A farm on this machine, between two of its jobs.
         program("squeue", "exit 1");
@@ -175,9 +182,13 @@ TEST_CASE("while jobs of a farm go on, another farm in its folder is refused, an
         CHECK(third.code == 2);
         CHECK(third.err.find("another run is at work") != std::string::npos);
     }
-    const Outcome study = test::whorl({"farm", "coil_frequency", "--until", "1"});
-    CHECK(study.code == 2);
-    CHECK(study.err.find("coil_frequency: is a study, whose own file says what its runs are; options with a study: --on") == 0);
+    for (const std::vector<std::string>& option : {std::vector<std::string>{"--until", "1"}, {"--quiet"}}) {
+        std::vector<std::string> words{"farm", "coil_frequency"};
+        words.insert(words.end(), option.begin(), option.end());
+        const Outcome study = test::whorl(words);
+        CHECK(study.code == 2);
+        CHECK(study.err.find("coil_frequency: is a study, whose own file says what its runs are; options with a study: --on") == 0);
+    }
 }
 
 }  // namespace farm_test

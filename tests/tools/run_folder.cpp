@@ -10,6 +10,7 @@
 #include "render/image/image.h"
 #include "tests/support/film_runs.h"
 #include "tests/support/program.h"
+#include "tests/support/scenes.h"
 
 using namespace whorl;
 using test::Outcome;
@@ -45,11 +46,11 @@ TEST_CASE("a folder that is not a run's is left alone, a run's is kept under ano
     CHECK(fs::exists(scratch / "run.2/diagnostics.csv"));
     CHECK_FALSE(fs::exists(scratch / "run/notes.txt"));
 
-    std::ofstream(scratch / "run/notes.txt") << "keep";
+    for (const char* own : {"run/notes.txt", "run/talk.gif"}) std::ofstream(scratch / own) << "keep";
     arguments.emplace_back("--overwrite");
     const Outcome replaced = test::whorl(arguments);
     CHECK(replaced.err.find("is replaced\n") != std::string::npos);
-    CHECK(fs::exists(scratch / "run/notes.txt"));
+    for (const char* own : {"run/notes.txt", "run/talk.gif"}) CHECK(fs::exists(scratch / own));
     CHECK_FALSE(fs::exists(scratch / "run.3"));
     CHECK(test::whorl({"resume", (scratch / "nowhere").string()}).code == 2);
     CHECK(test::whorl({"video", scratch.run()}).code == 2);
@@ -97,6 +98,26 @@ TEST_CASE("a run that is to be replaced is there again, all of it, where the new
     CHECK(stopped.err.find("is now in " + scratch.run() + ".2: the one that was to replace it ended early") != std::string::npos);
     CHECK(read_whole(scratch / "run.2/little_honey.mp4") == video);
     CHECK(fs::exists(scratch / "run/frames/000001.png"));
+}
+
+TEST_CASE("a run that diverges stands with its frames, and the one that it was to replace is kept beside it", "[tools][render]") {
+    const Scratch scratch;
+    std::vector<std::string> arguments{"render", scratch.scene(), "--no-images", "--quiet", "--out", scratch.run()};
+    REQUIRE(test::whorl({"render", scratch.scene(), "--no-images", "--quiet", "--frames", "1", "--out", scratch.run()}).code == 0);
+    arguments.insert(arguments.end(), {"--overwrite", "--set", std::string("fluid.viscosity=") + test::diverging_viscosity});
+    const auto check = [&](const std::string& beside) {
+        const Outcome diverged = test::whorl(arguments);
+        INFO(diverged.err);
+        CHECK(diverged.code == 1);
+        CHECK(diverged.err.find("is now in " + scratch.run() + beside) != std::string::npos);
+        CHECK(test::report(scratch / "run")["status"] == "diverged");
+        CHECK(test::lines(scratch / "run/diagnostics.csv").size() >= 1 + 3);
+    };
+    check(".1");
+    CHECK(test::report(scratch / "run.1")["status"] == "done");
+    arguments.insert(arguments.end(), {"--export", "raw"});
+    check(".2");
+    CHECK(fs::exists(scratch / "run/raw/000001.frame"));
 }
 
 TEST_CASE("what became of the run that stood there is told also with --quiet, and as an event with --json", "[tools][render]") {

@@ -344,8 +344,9 @@ int Run::finish(const std::optional<Divergence>& diverged) {
     film_->finish(complete);
     if (complete) return conclude("done", "");
     save_newest();
-    return conclude("interrupted",
-                    fmt::format("interrupted after frame {} of {}; go on with: whorl resume {}", frames_written(), last_, folder));
+    return conclude("interrupted", frames_written() == 0 ? "interrupted before the first frame"
+                                                         : fmt::format("interrupted after frame {} of {}; go on with: whorl resume {}",
+                                                                       frames_written(), last_, folder));
 }
 
 int Run::run() try { return finish(simulate()); } catch (const std::exception& error) {

@@ -3,20 +3,23 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "engine/core/errors.h"
 #include "engine/core/version.h"
 #include "engine/scene/scene_keys.h"
 #include "render/video/encoder.h"
-#include "render/video/process.h"
 #include "tools/process/json_text.h"
+#include "tools/process/slurm_job.h"
 
 namespace whorl {
 
@@ -24,8 +27,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Where the files of a run wait that is being replaced: all of them, or while they are on their way. Both in the run's own folder, whose
-/// disk has them already.
+/// Folders inside the run's. The first holds all files of a run that is being replaced, the second some of them while they are moved.
 constexpr const char *replaced = ".replaced", *on_their_way = ".replacing";
 
 nlohmann::json report_of(const fs::path& path) {
@@ -34,7 +36,8 @@ nlohmann::json report_of(const fs::path& path) {
     return run.is_object() ? run : nlohmann::json::object();
 }
 
-bool is_of_a_run(const fs::path& file) {
+/// @param scene the name of the run's scene, which its videos have, too
+bool is_of_a_run(const fs::path& file, const std::string& scene) {
     static const std::vector<std::string> names{
         "scene.resolved.toml", "run.json", "diagnostics.csv", "bodies.csv", "budget.csv", "contact.png", "log.txt", "probes", "frames",
         "checkpoints",         "panels"};
@@ -42,13 +45,15 @@ bool is_of_a_run(const fs::path& file) {
         return std::find(all.begin(), all.end(), one) != all.end();
     };
     return has(names, file.filename().string()) || has(export_kinds(), file.filename().string()) ||
-           has(video_suffixes(), file.extension().string()) || file.extension() == partial_video("film.mp4").extension();
+           (file.stem().string() == scene && has(video_suffixes(), file.extension().string())) ||
+           file.extension() == partial_video("film.mp4").extension();
 }
 
 std::vector<fs::path> files_of_run(const fs::path& path) {
+    const std::string scene = report_of(path).value("scene", "");
     std::vector<fs::path> files;
     for (const auto& entry : fs::directory_iterator(path))
-        if (is_of_a_run(entry.path())) files.push_back(entry.path());
+        if (is_of_a_run(entry.path(), scene)) files.push_back(entry.path());
     return files;
 }
 
@@ -59,13 +64,25 @@ bool has_files(const fs::path& folder) {
     return false;
 }
 
-/// Whether the run has something to show, or to go on from.
+/// Whether the run has something to show, or to go on from. That it diverged is a result, too.
 bool has_begun(const fs::path& path) {
-    if (has_files(path / "frames") || has_files(path / "checkpoints")) return true;
+    std::vector<std::string> folders = export_kinds();
+    folders.insert(folders.end(), {"frames", "checkpoints"});
+    if (std::any_of(folders.begin(), folders.end(), [&](const std::string& name) { return has_files(path / name); })) return true;
+    const nlohmann::json report = report_of(path);
+    if (report.value("frames", 0) > 0 || report.value("status", "") == "diverged") return true;
     std::error_code none;
-    for (const auto& panel : fs::directory_iterator(path / "panels", none))
-        if (has_files(panel.path() / "frames") || has_files(panel.path() / "checkpoints")) return true;
-    return false;
+    const fs::directory_iterator panels(path / "panels", none);
+    return std::any_of(begin(panels), end(panels), [](const auto& panel) { return has_begun(panel.path()); });
+}
+
+/// Whether all that stands there are pictures that a version before 0.2.0 drew: it left no run.json.
+bool holds_drawings(const fs::path& path) {
+    if (!has_files(path / "frames")) return false;
+    return std::all_of(fs::directory_iterator(path), fs::directory_iterator(), [](const auto& entry) {
+        const fs::path& file = entry.path();
+        return file.filename().string().front() == '.' || is_of_a_run(file, file.stem().string());
+    });
 }
 
 void put_aside(const fs::path& path) {
@@ -81,7 +98,9 @@ void put_back(const fs::path& path) {
         fs::rename(path / replaced, path / on_their_way);
     }
     if (!fs::exists(path / on_their_way)) return;
-    for (const fs::path& file : files_of_run(path / on_their_way)) fs::rename(file, path / file.filename());
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(path / on_their_way)) files.push_back(entry.path());
+    for (const fs::path& file : files) fs::rename(file, path / file.filename());
     fs::remove(path / on_their_way);
 }
 
@@ -114,11 +133,14 @@ std::string settle(const fs::path& path) {
 std::string living_jobs(const fs::path& path) {
     std::ifstream in(path / "farm" / "jobs.txt");
     std::string jobs;
-    if (!(in >> jobs)) return {};
-    try {
-        ChildProcess squeue({"squeue", "--noheader", "--jobs=" + jobs, "--format=%i"});
-        return squeue.wait() == 0 && !squeue.output().empty() ? jobs : "";
-    } catch (const std::system_error&) { return {}; }  // no Slurm here, or one that does not know them any more
+    return in >> jobs && slurm_jobs_live(jobs) ? jobs : "";
+}
+
+/// Whether the disk has not been spoken of. @param folder open
+bool is_new_disk(int folder) {
+    static std::set<dev_t> known;
+    struct stat about {};
+    return ::fstat(folder, &about) != 0 || known.insert(about.st_dev).second;
 }
 
 /// @return the folder's new name
@@ -159,8 +181,10 @@ RunFolder::RunFolder(fs::path path, Hold hold) : path_(std::move(path)) {
         throw InputError({path_.string(), 0, 0}, "another run is at work in this folder",
                          "wait for it, or choose another folder with --out");
     }
-    note_ =
-        fmt::format("the disk of {} has no locks ({}): see to it that no other run is at work there", path_.string(), std::strerror(errno));
+    const int why = errno;
+    if (is_new_disk(lock_))
+        note_ = fmt::format("the disk of {} has no locks ({}): see to it that no other run is at work there", path_.string(),
+                            std::strerror(why));
 }
 
 RunFolder::RunFolder(RunFolder&& other) noexcept
@@ -187,9 +211,9 @@ void RunFolder::stands() {
     replaces_ = false;
 }
 
-/// A farm holds the run's folder by its own, as the run is its jobs'. @throws InputError where it is at work, or its jobs go on without it
+/// A farm holds the run's folder by its own, as the run is its tasks'. @throws InputError where it is at work, or its jobs go on without it
 void RunFolder::refuse_farm(const fs::path& path) {
-    if (!fs::exists(path / "farm")) return;
+    if (!fs::exists(path / "farm") || std::getenv("WHORL_FARM_TASK")) return;
     const RunFolder held(path / "farm");
     if (const std::string jobs = living_jobs(path); !jobs.empty())
         throw InputError({path.string(), 0, 0}, "jobs of an earlier farm are at work in this folder: " + jobs,
@@ -204,18 +228,27 @@ RunFolder RunFolder::fresh(const fs::path& path, Earlier earlier) {
                          "choose another folder with --out");
     RunFolder folder(path);  // nobody is at work in it
     folder.add_note(settle(path));
+    refuse_farm(path);
     if (earlier == Earlier::replaced) {
+        if (report_of(path).empty() && !has_begun(path)) {  // a farm's folder, or what is left of a run that was killed as it began
+            for (const fs::path& file : files_of_run(path)) fs::remove_all(file);
+            return folder;
+        }
         put_aside(path);
         folder.replaces_ = true;
         folder.add_note("the run that stood in " + path.string() + " is replaced");
         return folder;
     }
-    refuse_farm(path);
-    folder.add_note("the run that stood in " + path.string() + " is now in " + set_aside(path).string());
-    make_folder(path);
-    RunFolder empty(path);
-    empty.note_ = folder.note_;
-    return empty;
+    folder.keep();
+    return folder;
+}
+
+/// Renames what stands there, and goes on with an empty folder.
+void RunFolder::keep() {
+    add_note("the run that stood in " + path_.string() + " is now in " + set_aside(path_).string());
+    make_folder(path_);
+    RunFolder empty(path_);
+    std::swap(lock_, empty.lock_);
 }
 
 RunFolder RunFolder::existing(const fs::path& path, Hold hold) {
@@ -232,13 +265,21 @@ RunFolder RunFolder::drawing(const fs::path& path, const fs::path& of, Hold hold
     const std::string source = nlohmann::json::parse(json_text(fs::canonical(of).string()));  // as the file has it, also of odd bytes
     const auto is_of_source = [&] { return report_of(path).value("drawn_from", "") == source; };
     std::string note;
-    if (has_files(path) && !is_of_source()) note = fresh(path).note();
+    if (has_files(path) && !is_of_source()) {
+        if (is_run_folder(path) || !holds_drawings(path)) note = fresh(path).note();
+        else {
+            RunFolder drawn(path);
+            drawn.keep();
+            note = drawn.note();
+        }
+    }
     RunFolder folder(path, hold);
     if (note.empty()) note = folder.note_;
     folder.note_ = note;
     if (is_of_source()) return folder;
     // Under a name of its own: another range may be drawn at the same time.
-    const nlohmann::ordered_json mark{{"whorl", WHORL_VERSION}, {"status", "drawn"}, {"drawn_from", source}};
+    const nlohmann::ordered_json mark{
+        {"whorl", WHORL_VERSION}, {"scene", report_of(of).value("scene", "")}, {"status", "drawn"}, {"drawn_from", source}};
     const fs::path temporary = path / fmt::format(".run.json.{}", getpid());
     std::ofstream(temporary) << json_text(mark, 2) << "\n";
     fs::rename(temporary, path / "run.json");

@@ -10,7 +10,7 @@ class RunFolder {
 public:
     enum class Earlier { kept, replaced };
     /// A new run: makes the folder. A run that stands there already is kept under the name NAME.1, or the first number that is free. Where
-    /// it is to be replaced its files go when the new one stands(); other files stay.
+    /// it is to be replaced its files go when the new one stands(); other files stay, such as videos of other names.
     /// @throws InputError where it holds something that is no run, or another process or a farm's jobs are at work in it; EnvironmentError
     /// where it cannot be made
     static RunFolder fresh(const std::filesystem::path& path, Earlier earlier = Earlier::kept);
@@ -34,6 +34,7 @@ public:
 
 private:
     explicit RunFolder(std::filesystem::path path, Hold hold = Hold::alone);
+    void keep();
     static void refuse_farm(const std::filesystem::path& path);
     void add_note(const std::string& sentence);
     std::filesystem::path path_;
