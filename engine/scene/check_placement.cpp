@@ -291,23 +291,26 @@ private:
                fmt::format("fluid.spacing = {:.2g} would fit", plan_.spacing * std::pow(1.2 * need / most, 1.0 / plan_.dimensions())));
     }
 
-    /// What nozzles and the surfaces of solids are made of, in memory all at once when the run starts.
+    /// What nozzles and the surfaces of solids are made of, in memory all at once when the run starts; beside it what the places on one
+    /// mesh are chosen from.
     void memory_of_samples() {
         const double have = free_memory();
-        double need = 0;
-        const auto add = [&](const std::string& name, const char* what, double points, double bytes) {
-            if (need <= have && (need += points * bytes) > have)
+        double kept = 0, at_once = 0;  // bytes
+        const auto add = [&](const std::string& name, const char* what, double points, double bytes, double choosing) {
+            const bool fitted = kept + at_once <= have;
+            kept += points * bytes, at_once = std::max(at_once, points * choosing);
+            if (fitted && kept + at_once > have)
                 report(name,
                        fmt::format("{} of {} takes about {:.2g} particles at this spacing, which need {:.2g} GB of memory, and {:.2g} GB "
                                    "are free",
-                                   what, name, points, points * bytes / 1e9, have / 1e9),
+                                   what, name, points, points * (bytes + choosing) / 1e9, have / 1e9),
                        "make it smaller or fluid.spacing larger");
         };
         for (std::size_t i = 0; i < scene_.emitters.size() && !oversized_; ++i)
-            add(entry_name("emitter", i), "the nozzle", nozzle_points(scene_.emitters[i], plan_.spacing, plan_.dimensions()), 300);
+            add(entry_name("emitter", i), "the nozzle", nozzle_points(scene_.emitters[i], plan_.spacing, plan_.dimensions()), 300, 0);
         for (std::size_t i = 0; i < scene_.solids.size() && plan_.boundary != BoundaryModel::none; ++i)
-            add(entry_name("solid", i), "the surface", layer_points(scene_, shapes_, i),
-                scene_.solids[i].shape.kind == "mesh" ? 1200 : 250);
+            add(entry_name("solid", i), "the surface", layer_points(scene_, shapes_, i), 250,
+                scene_.solids[i].shape.kind == "mesh" ? 950 : 0);
     }
 
     const Scene& scene_;

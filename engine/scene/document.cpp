@@ -20,23 +20,36 @@ Place place_of(const toml::source_region& at, const std::string& file) {
 
 constexpr int most_nested = 100;  ///< parts of a key
 
-/// toml++ and what reads its tables call themselves for every part of a dotted key: ten thousands of them overflow the stack.
+/// toml++ and what reads its tables call themselves for every part of a dotted key: ten thousands of them overflow the stack. What stands
+/// in quotes is one part, whatever is in it; comments are passed over.
 /// @throws InputError where more parts stand in a row than any key has
 void check_nesting(const std::string& text, const std::string& file) {
     int line = 1, column = 0, dots = 0;
-    bool after_dot = true;
+    char quote = 0, last = 0;  // `last` that is no blank, of what stands outside of quotes
+    bool comment = false, escaped = false, blank = false;
     for (const char c : text) {
         ++column;
-        if (c == '\n') ++line, column = 0;
-        if (c == '.') {
-            if (!after_dot && ++dots > most_nested)
-                throw InputError({file, line, column}, fmt::format("a key of more than {} parts", most_nested), "", "allowed: up to four");
-            after_dot = true;
-        } else if (std::isalnum(static_cast<unsigned char>(c)) != 0 || std::strchr("_-\"'", c) != nullptr) {
-            after_dot = false;
-        } else if (c != ' ' && c != '\t') {
-            dots = 0, after_dot = true;
+        if (c == '\n') ++line, column = 0, comment = escaped = false, quote = 0, dots = 0;  // no part goes on in another line
+        if (comment) continue;
+        if (quote != 0) {
+            if (escaped) escaped = false;
+            else if (c == '\\' && quote == '"') escaped = true;
+            else if (c == quote) quote = 0;
+            continue;
         }
+        if (c == ' ' || c == '\t') {
+            blank = true;
+            continue;
+        }
+        comment = c == '#';
+        if (c == '"' || c == '\'') quote = c;
+        if (c == '.') {
+            if (++dots > most_nested)
+                throw InputError({file, line, column}, fmt::format("a key of more than {} parts", most_nested), "", "allowed: up to four");
+        } else if ((blank && last != '.') || (quote == 0 && std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_' && c != '-')) {
+            dots = 0;
+        }
+        last = c, blank = false;
     }
 }
 

@@ -94,21 +94,41 @@ double nozzle_points(const EmitterKeys& e, double spacing, int dimensions) {
     return column_points(opening_area(e, dimensions), spacing, e.profile == Profile::parabolic, dimensions);
 }
 
+namespace {
+
+/// Of a plane inside the box, at most [m^D-1]: what its shadow on one side of the box allows.
+double plane_inside(const Vec3d& normal, const Vec3d& size, int dimensions) {
+    double least = std::numeric_limits<double>::infinity();
+    for (int a = 0; a < dimensions; ++a) {
+        double side = 1;
+        for (int b = 0; b < dimensions; ++b) side *= b == a ? 1 : size[b];
+        if (const double n = std::abs(normal[a]); n > 0) least = std::min(least, side / n);
+    }
+    return least;
+}
+
+}  // namespace
+
 double layer_points(const Scene& scene, const SceneShapes& shapes, std::size_t solid) {
     const ShapeKeys& keys = scene.solids[solid].shape;
-    const Shape& shape = *shapes.solids.all[solid].shape;
+    const Solid& made = shapes.solids.all[solid];
     const double d = scene.fluid.spacing, r = keys.radius, round = 2 * std::numbers::pi * r;
-    const Extent& e = shapes.solid_extent[solid];
-    Vec3d low = e.min, high = e.max;
-    if (!shapes.solids.all[solid].moves()) {  // of a box or plane that stands still, only what is in the domain is made
-        const Vec3d at = scene.solids[solid].position(0), margin = Vec3d::Constant(3 * d);
-        low = low.cwiseMax(scene.domain.min - margin - at), high = high.cwiseMin(scene.domain.max + margin - at);
+    const Vec3d margin = Vec3d::Constant(3 * d);
+    if (keys.kind == "plane")  // wherever it moves, only what is in the domain is made
+        return plane_inside(made.turn * keys.normal.normalized(), scene.domain.max - scene.domain.min + 2 * margin,
+                            scene.domain.dimensions) /
+               std::pow(d, scene.domain.dimensions - 1);
+    if (keys.kind == "mesh") return area_of(made.shape->mesh(0, 0)) / (d * d);
+    if (keys.kind == "sphere") return keys.cut ? round / d : 2 * round * r / (d * d);
+    if (keys.kind == "cylinder") return keys.cut ? round / d : round * ((keys.to - keys.from).norm() + r) / (d * d);
+    Vec3d size = keys.max - keys.min;
+    if (!made.moves() && made.turn.isIdentity()) {  // of a box that stands still, too
+        const Extent& e = shapes.solid_extent[solid];
+        const Vec3d at = scene.solids[solid].position(0);
+        const Vec3d low = e.min.cwiseMax(scene.domain.min - margin - at), high = e.max.cwiseMin(scene.domain.max + margin - at);
+        size = (high - low).cwiseMax(0.0);
     }
-    const Vec3d size = (high - low).cwiseMax(0.0);
-    if (keys.cut) return (keys.kind == "sphere" || keys.kind == "cylinder" ? round : 2 * (size.x() + size.y())) / d;
-    if (keys.kind == "sphere") return 2 * round * r / (d * d);
-    if (keys.kind == "cylinder") return round * ((keys.to - keys.from).norm() + r) / (d * d);
-    if (keys.kind == "mesh") return area_of(shape.mesh(0, 0)) / (d * d);
+    if (keys.cut) return 2 * (size.x() + size.y()) / d;
     return 2 * (size.x() * size.y() + size.y() * size.z() + size.z() * size.x()) / (d * d);
 }
 

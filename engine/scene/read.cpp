@@ -18,9 +18,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const char* const allowed_names = "allowed: letters, digits, _ - ., at most 100 of them";
+const char* const allowed_names = "allowed: letters, digits, _ - ., at most 200 of them";
 bool file_name(const std::string& text) {
-    constexpr std::size_t longest = 100;  // longer ones get their endings, too: the system takes 255
+    constexpr std::size_t longest = 200;  // longer ones get their endings, too: the system takes 255
     return !text.empty() && text.size() <= longest && text[0] != '.' && text[0] != '-' &&
            std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '.'; });
 }

@@ -162,7 +162,7 @@ const std::vector<Case> cases = {
      "0]",
      "bad.toml:14:8: probe[1].name = \"a\" is taken by probe[0]"},
     {"", "[[probe]]\nname = \"a/b\"\nkind = \"coil\"\nheight = 0.1",
-     "bad.toml:10:8: probe[0].name = \"a/b\" cannot name a file; allowed: letters, digits, _ - ., at most 100 of them"},
+     "bad.toml:10:8: probe[0].name = \"a/b\" cannot name a file; allowed: letters, digits, _ - ., at most 200 of them"},
     {"", "[output]\nsize = [1280, 721]\nexport = [\"mesh\", \"pionts\"]",
      "bad.toml:10:8: output.size has the odd number 721; video needs even sizes\n"
      "bad.toml:11:19: output.export[1] = \"pionts\" is not known; did you mean \"points\"?; allowed: points, mesh, obj, vdb, scene, vtk, "
@@ -185,8 +185,8 @@ const std::vector<Case> cases = {
     {"", "[fluid]\ndensity = 1", "bad.toml:9:1: not TOML: in this table header: cannot redefine existing table 'fluid'"},
     {"", "[models]\npressure = ppe", "bad.toml:10:12: not TOML: in this value: could not determine value type; texts stand in quotes"},
     {"", "[models\npressure = \"ppe\"", "bad.toml:9:8: not TOML: in this table header: expected ']', saw '\\n'"},
-    {"[time]", "name = \"" + std::string(101, 'a') + "\"\n[time]",
-     "bad.toml:1:8: name = \"" + std::string(101, 'a') + "\" cannot name a folder; allowed: letters, digits, _ - ., at most 100 of them"},
+    {"[time]", "name = \"" + std::string(201, 'a') + "\"\n[time]",
+     "bad.toml:1:8: name = \"" + std::string(201, 'a') + "\" cannot name a folder; allowed: letters, digits, _ - ., at most 200 of them"},
     {"", "name = \"a",
      "bad.toml:9:10: not TOML: in this string: unescaped control characters other than TAB (U+0009) are explicitly prohibited"},
 };
@@ -313,8 +313,14 @@ TEST_CASE("a scene file that is not there, or is a folder, is a mistake of the u
 TEST_CASE("a key of ten thousands of parts is refused, in a file and on the command line", "[scene]") {
     std::string key = "a";
     for (int k = 0; k < 50000; ++k) key += ".a";
-    for (const std::string& text : {good + key + " = 1\n", good + "[" + key + "]\n", "b = { " + key + " = 1 }\n" + good})
+    std::string quoted = "\",\"", spaced = "a";
+    for (int k = 0; k < 50000; ++k) quoted += ".\"#\"", spaced += " . a";
+    for (const std::string& text : {good + key + " = 1\n", good + "[" + key + "]\n", "b = { " + key + " = 1 }\n" + good,
+                                    good + quoted + " = 1\n", good + spaced + " = 1\n"})
         CHECK(messages_of(text).find("a key of more than 100 parts; allowed: up to four") != std::string::npos);
+    std::string dots;
+    for (int k = 0; k < 200; ++k) dots += ".5 ";
+    CHECK(messages_of(good + "# " + dots + "\nname = \"" + dots + "\"\n").find("parts") == std::string::npos);
     ReadRequest request;
     request.changes = {parse_change(key + "=1")};
     CHECK(messages_of(good, request).find("is not a key") != std::string::npos);

@@ -188,6 +188,9 @@ TEST_CASE("impossible scenes are told with place and hint", "[plan]") {
     CHECK(messages_with({"emitter[0].radius=0.09", "emitter[0].speed=1e-9", "fluid.spacing=1e-7"})
               .find("the nozzle of emitter[0] takes about") != std::string::npos);
     CHECK(messages_with({"fluid.spacing=1e-8"}).find("particles need") != std::string::npos);
+    // A wave maker is as large as the domain lets it be.
+    CHECK(messages_with({"models.pressure=ppe", R"(solid[1]={shape="plane", normal=[1,0.5,0], position=["0.02*sin(6*t)-0.09",0,0]})"}) ==
+          "no error");
     if (sizeof(Real) == 4)
         CHECK(messages_with({"domain.max=[300,0.1,0.1]", "emitter[0].position=[200,0.05,0]"})
                   .find("emitter[0] reaches 1e+05 spacings away from the origin, where this program's numbers tell places apart by 0.012 "
