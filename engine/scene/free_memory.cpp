@@ -1,10 +1,9 @@
 #include "engine/scene/free_memory.h"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <fstream>
 #include <limits>
+#include <sstream>
 #include <string>
 
 namespace whorl {
@@ -49,6 +48,15 @@ double free_in_groups(const fs::path& mount, fs::path group, const GroupFiles& f
     }
 }
 
+/// The address space that this process may have; infinite without a limit.
+double address_space(const fs::path& limits) {
+    const std::string name = "Max address space";
+    std::ifstream in(limits);
+    for (std::string line; std::getline(in, line);)
+        if (double most = 0; line.rfind(name, 0) == 0 && std::istringstream(line.substr(name.size())) >> most) return most;
+    return unlimited;
+}
+
 }  // namespace
 
 double free_memory(const fs::path& root) {
@@ -68,9 +76,8 @@ double free_memory(const fs::path& root) {
             least = std::min(least, free_in_groups(mounts / "memory", group, version_1));
         }
     }
-    rlimit limit{};
-    if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) least = std::min(least, static_cast<double>(limit.rlim_cur));
-    return std::max(least, 0.0);
+    const double held = 1024 * number_called("RssAnon:", root / "proc/self/status");
+    return std::min(std::max(least, 0.0) + held, address_space(root / "proc/self/limits"));
 }
 
 }  // namespace whorl

@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 
 #include "engine/core/parallel.h"
@@ -13,14 +14,18 @@
 namespace whorl {
 namespace {
 
-/// A scene with panels is run once for each.
-FilmCost film_cost(const SceneFile& file, const Estimate& alone) {
-    if (file.scene.panels.empty()) return {alone.film, alone.film_simulate, alone.film_surface, alone.film_draw};
+/// A scene with panels is run once for each, one after the other.
+std::vector<Estimate> estimates_of_runs(const SceneFile& file, const Estimate& alone) {
+    if (file.scene.panels.empty()) return {alone};
+    std::vector<Estimate> runs;
+    for (const SceneFile& panel : panel_scenes(file)) runs.push_back(estimate(panel));
+    return runs;
+}
+
+FilmCost film_cost(const std::vector<Estimate>& runs) {
     FilmCost sum;
-    for (const SceneFile& panel : panel_scenes(file)) {
-        const Estimate e = estimate(panel);
+    for (const Estimate& e : runs)
         sum.wall += e.film, sum.simulate += e.film_simulate, sum.surface += e.film_surface, sum.draw += e.film_draw;
-    }
     return sum;
 }
 
@@ -31,8 +36,11 @@ int plan(const Options& options) {
     const Simulation simulation(file.scene, plan);
     const Calibration calibration = calibrate(file, plan, simulation);
     const Estimate cost = estimate(file, plan, simulation, calibration);
-    if (const std::string warning = memory_warning(cost, free_memory()); !warning.empty()) plan.warnings.push_back(warning);
-    const Preview preview{file, plan, simulation, PreviewCost{calibration, cost, film_cost(file, cost)}};
+    const std::vector<Estimate> runs = estimates_of_runs(file, cost);
+    const auto less = [](const Estimate& a, const Estimate& b) { return a.memory < b.memory; };
+    const Estimate& largest = *std::max_element(runs.begin(), runs.end(), less);
+    if (const std::string warning = memory_warning(largest, free_memory()); !warning.empty()) plan.warnings.push_back(warning);
+    const Preview preview{file, plan, simulation, PreviewCost{calibration, cost, film_cost(runs)}};
     options.json ? print_json(preview) : print_text(preview);
     return exit_done;
 }

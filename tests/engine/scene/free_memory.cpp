@@ -61,4 +61,17 @@ TEST_CASE("the memory controller of the older control groups counts, too", "[sce
     CHECK(free_memory(machine.path()) == 2.3e9);
 }
 
+TEST_CASE("what the process holds already is there for its run, whose address space may have a limit", "[scene]") {
+    const Machine machine("0::/job\n");
+    machine.write("proc/self/status", "VmRSS:\t  6000000 kB\nRssAnon:\t  5000000 kB\n");
+    CHECK(free_memory(machine.path()) == 13.312e9);
+    machine.write("sys/fs/cgroup/job/memory.max", "7000000000\n");
+    machine.write("sys/fs/cgroup/job/memory.current", "6000000000\n");
+    CHECK(free_memory(machine.path()) == 6.12e9);
+    machine.write("proc/self/limits", "Max data size   1000   1000   bytes\nMax address space   unlimited   unlimited   bytes\n");
+    CHECK(free_memory(machine.path()) == 6.12e9);
+    machine.write("proc/self/limits", "Max data size   1000   1000   bytes\nMax address space   3000000000   unlimited   bytes\n");
+    CHECK(free_memory(machine.path()) == 3e9);
+}
+
 }  // namespace free_memory_test
