@@ -83,9 +83,14 @@ Checkpoint read_checkpoint(const std::filesystem::path& file) {
     const auto refuse = [&](const std::string& why) {
         throw EnvironmentError(file.string() + " is damaged: " + why, "", "it is passed over; delete it to be rid of this message");
     };
+    std::string bytes;
+    try {
+        bytes = read_whole(file);
+    } catch (const InputError&) {  // it may be sound: a matter of rights, or of the disk
+        throw EnvironmentError(file.string() + " cannot be read", "", "it is passed over");
+    }
     Checkpoint checkpoint;
     try {
-        const std::string bytes = read_whole(file);
         CheckpointUnpacker in;
         in.bytes = unsealed(magic, bytes);
         each_member(in, checkpoint);
