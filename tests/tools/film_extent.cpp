@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <fstream>
 
+#include "engine/io/snapshot.h"
 #include "tests/support/film_runs.h"
 #include "tests/support/program.h"
 #include "tools/film/panel_scenes.h"
@@ -140,6 +141,19 @@ TEST_CASE("a jet counts as far as it flies, and without gravity as far as it get
     const Extent flight = foreseen(hall, weightless);
     CHECK(flight.max().x() == Approx(4).margin(0.1));
     CHECK(flight.min().y() > 0.95f);
+}
+
+TEST_CASE("frames of two scenes are seen together, whatever solids they have") {
+    const SceneFile file = read(std::string(hall) + flying);
+    const Simulation start(file.scene, make_plan(file.scene));
+    const Frame frame = Snapshots(start, {}).take(start, 1);
+    Frame other = frame, without_mesh = frame;
+    other.solids.clear();
+    for (FrameSolid& solid : without_mesh.solids) solid.mesh.reset(), solid.translation.x() += 1;
+    Extent extent;
+    add_seen(extent, frame, other);
+    add_seen(extent, frame, without_mesh);
+    CHECK(extent.max().x() < 0.1f);
 }
 
 TEST_CASE("a few drops far away do not widen the picture") {

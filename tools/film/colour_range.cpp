@@ -85,6 +85,11 @@ float film_streak_time(const LookOptions& look, const Simulation& simulation) {
     return static_cast<float>(std::clamp(scene.time.frame_interval(), size / 45 / speed, size / 16 / speed));
 }
 
+std::array<float, 2> density_range(const Scene& scene) {
+    const double rest = scene.fluid.density;
+    return {static_cast<float>(0.97 * rest), static_cast<float>(1.03 * rest)};
+}
+
 std::array<float, 2> film_range(const LookOptions& look, const Simulation& simulation, const Frame& start) {
     if (look.range[0] != look.range[1]) return look.range;
     const Scene& scene = simulation.scene();
@@ -101,7 +106,7 @@ std::array<float, 2> film_range(const LookOptions& look, const Simulation& simul
         if (high <= 0) high = speed / (8 * scene.fluid.spacing);
     }
     if (look.field == "q_criterion") high = std::max(first, turn * turn);
-    if (look.field == "density") return {static_cast<float>(0.97 * rest), static_cast<float>(1.03 * rest)};
+    if (look.field == "density") return density_range(scene);
     high = high > 0 && std::isfinite(high) ? round_number_above(high) : 1;
     return {is_diverging(look.colour_map) ? static_cast<float>(-high) : 0.0f, static_cast<float>(high)};
 }

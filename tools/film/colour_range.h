@@ -20,6 +20,9 @@ std::array<float, 2> film_range(const LookOptions& look, const Simulation& simul
 /// The same for a simulation that has not begun.
 std::array<float, 2> film_range(const LookOptions& look, const Simulation& simulation);
 
+/// That of density, which goes by the scene alone.
+std::array<float, 2> density_range(const Scene& scene);
+
 /// The next of 1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8 times a power of ten. @param value above 0
 double round_number_above(double value);
 

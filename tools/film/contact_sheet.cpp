@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "engine/core/errors.h"
+#include "engine/io/frame_file.h"
 #include "render/image/arrange.h"
 #include "render/image/exr.h"
 
@@ -40,6 +41,15 @@ Image read_picture(const std::filesystem::path& file) { return file.extension() 
 
 std::filesystem::path frame_file(const std::filesystem::path& run_folder, int frame) {
     return run_folder / "raw" / fmt::format("{:06}.frame", frame);
+}
+
+Frame exported_frame(const std::filesystem::path& run_folder, int frame) {
+    const std::filesystem::path file = frame_file(run_folder, frame);
+    Frame read = read_frame(file);
+    if (read.number != frame)
+        throw InputError({file.string(), 0, 0}, fmt::format("holds frame {}, not {}", read.number, frame),
+                         "give the files their own names again, or export the frames anew");
+    return read;
 }
 
 void write_contact_sheet(const std::filesystem::path& run_folder, int frames) {

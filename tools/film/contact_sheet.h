@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 
+#include "engine/io/frame.h"
 #include "render/image/image.h"
 
 namespace whorl {
@@ -17,6 +18,8 @@ Image read_picture(const std::filesystem::path& run_folder, int frame, int width
 Image read_picture(const std::filesystem::path& file);
 /// raw/000012.frame
 std::filesystem::path frame_file(const std::filesystem::path& run_folder, int frame);
+/// What is in it. @throws InputError where it is no whole frame, or another than its name says
+Frame exported_frame(const std::filesystem::path& run_folder, int frame);
 /// contact.png: twelve frames from the first to the last of `frames`, evenly. @throws InputError where one is missing
 void write_contact_sheet(const std::filesystem::path& run_folder, int frames);
 

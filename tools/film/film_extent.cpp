@@ -92,9 +92,9 @@ void add_seen(Extent& extent, const Frame& frame, const Frame& start) {
     const auto add = [&](const Extent& part) { extend_inside(extent, part, domain_of(frame)); };
     add(usual_extent(frame.position, frame.spacing));
     for (const FrameEmitter& e : frame.emitters) add(opening(e));
-    for (std::size_t k = 0; k < frame.solids.size(); ++k) {
+    for (std::size_t k = 0; k < std::min(frame.solids.size(), start.solids.size()); ++k) {
         const FrameSolid &now = frame.solids[k], &then = start.solids[k];
-        if (!now.mesh || now.ground || (now.rotation == then.rotation && now.translation == then.translation)) continue;
+        if (!now.mesh || !then.mesh || now.ground || (now.rotation == then.rotation && now.translation == then.translation)) continue;
         add(of_solid(*now.mesh, now.rotation, now.translation));
         add(of_solid(*then.mesh, then.rotation, then.translation));
     }

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <optional>
 
-#include "engine/io/frame_file.h"
+#include "engine/core/errors.h"
 #include "render/look/colour_map.h"
 #include "render/look/field_values.h"
 #include "tools/cost/coarse_run.h"
@@ -82,13 +82,18 @@ SceneFile with_choices_from(SceneFile file, const std::filesystem::path& run, co
     const int count = static_cast<int>(frames.size()), looked_at = std::min(count, moments);
     if (measures_range(file.look) || wants_extent(file)) {
         Seen seen(file.look);
-        for (int n = 0; n < looked_at; ++n) seen.add(read_frame(frame_file(run, frames[n * (count - 1) / std::max(1, looked_at - 1)])));
+        for (int n = 0; n < looked_at; ++n) seen.add(exported_frame(run, frames[n * (count - 1) / std::max(1, looked_at - 1)]));
         seen.choose(file);
     }
+    if (wants_range(file.look) && file.look.field == "density") file.look.range = density_range(file.scene);
     if (!wants_range(file.look) && !wants_extent(file) && !wants_streak_time(file.look)) return file;
-    const Simulation start(file.scene, make_plan(file.scene));
-    file.look.streak_time = film_streak_time(file.look, start);
-    return with_estimates(std::move(file), start);
+    try {
+        const Simulation start(file.scene, make_plan(file.scene));
+        file.look.streak_time = film_streak_time(file.look, start);
+        return with_estimates(file, start);
+    } catch (const InputError&) {  // this machine can draw what it has too little memory to simulate: each frame goes by itself
+        return file;
+    }
 }
 
 }  // namespace whorl

@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "engine/core/errors.h"
-#include "engine/io/frame_file.h"
 #include "tools/film/contact_sheet.h"
 #include "tools/film/film.h"
 #include "tools/film/first_pass.h"
@@ -92,10 +91,7 @@ int redraw(const RedrawRequest& request) {
     auto how = options_now();
     std::vector<FrameSolid> before;
     for (const int number : numbers) {
-        Frame frame = read_frame(frame_file(request.run, number));
-        if (frame.number != number)
-            throw InputError({frame_file(request.run, number).string(), 0, 0}, fmt::format("holds frame {}, not {}", frame.number, number),
-                             "give the files their own names again, or export the frames anew");
+        Frame frame = exported_frame(request.run, number);
         share_meshes(frame.solids, before);
         before = frame.solids;
         if (replay.apply_until(frame.time, [](const Scene&, const Plan&, double) {})) how = options_now();
