@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
@@ -118,6 +119,15 @@ TEST_CASE(
     const SceneFile file = shipped("honey_coil", {"camera.kind=auto", "look.style=particles"});
     const Plan plan = make_plan(file.scene);
     keep_calibration(file, plan, costs());
+    namespace fs = std::filesystem;
+    const fs::path kept = calibration_file();
+    CHECK(std::distance(fs::directory_iterator(kept.parent_path()), fs::directory_iterator()) == 1);
+    // What stands there already is not written again.
+    const fs::file_time_type past(std::chrono::hours(1));
+    fs::last_write_time(kept, past);
+    keep_calibration(file, plan, costs());
+    keep_calibration(file, plan, *find_calibration(file, plan));
+    CHECK(fs::last_write_time(kept) == past);
     SceneFile chosen = file;
     chosen.look.range = {0, 2};
     chosen.camera.min = Vec3f(-1, 0, -1), chosen.camera.max = Vec3f(1, 1, 1);

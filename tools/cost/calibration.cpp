@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <malloc.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <fstream>
@@ -309,11 +310,15 @@ Calibration calibrate(const SceneFile& file, const Plan& plan, const Simulation&
 }
 
 void keep_calibration(const SceneFile& file, const Plan& plan, const Calibration& c) try {
-    Json all = read_cache();
-    if (!all.is_object() || all.size() > 400) all = Json::object();
+    const Json before = read_cache();
+    Json all = before.is_object() && before.size() <= 400 ? before : Json::object();
     all[key_of(file, plan)] = to_json(c), all[key_of_pictures(file)] = pictures_to_json(c);
+    if (all == before) return;
     fs::create_directories(calibration_file().parent_path());
-    write_text(calibration_file(), all.dump(1) + "\n");
+    // Under a name of its own: another run may write at the same time.
+    const fs::path own = fmt::format("{}.{}", calibration_file().string(), getpid());
+    write_text(own, all.dump(1) + "\n");
+    fs::rename(own, calibration_file());
 } catch (const std::exception&) {  // it is measured again next time
 }
 
