@@ -9,6 +9,7 @@
 
 #include "engine/models/surface_tension/surface_tension.h"
 #include "engine/models/viscosity/ageing_viscosity.h"
+#include "engine/particles/emitter.h"
 #include "engine/scene/free_memory.h"
 #include "engine/scene/key_problems.h"
 #include "engine/scene/names.h"
@@ -225,9 +226,15 @@ private:
             }
         const std::string key = e.viscosity ? name + ".viscosity" : "fluid.viscosity";
         const Expression& mu = e.viscosity ? *e.viscosity : scene_.fluid.viscosity;
-        // Across the opening, too: sqrt(x) is a number on one side of it only.
-        const Vec3d side = e.direction.unitOrthogonal() * thinnest / 2;
-        const Vec3d across = plan_.dimensions() == 2 ? Vec3d(Vec3d::Zero()) : Vec3d(e.direction.cross(side));
+        // Across the opening, too, as far as its outermost particles: sqrt(x) is a number on one side of it only.
+        EmitterShape opening;
+        opening.direction = e.direction.cast<Real>(), opening.plane = plan_.dimensions() == 2;
+        Vec3 width, thickness;
+        opening_axes(opening, width, thickness);
+        const auto reach = [&](double whole) { return std::max(0.0, whole - plan_.spacing) / 2; };
+        const Vec3d side = reach(e.shape == "disc" ? 2 * e.radius : e.width) * width.cast<double>();
+        const double deep = opening.plane ? 0 : reach(e.shape == "disc" ? 2 * e.radius : e.thickness);
+        const Vec3d across = deep * thickness.cast<double>();
         for (const double age : sample_times(0, depends_on_age(mu) ? scene_.time.end : 0))
             for (const Vec3d& x :
                  {e.position, Vec3d(e.position + side), Vec3d(e.position - side), Vec3d(e.position + across), Vec3d(e.position - across)})

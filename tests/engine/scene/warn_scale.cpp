@@ -152,6 +152,15 @@ TEST_CASE("a viscosity that is no number on one side of a nozzle is refused", "[
         CHECK_THAT(messages_with({"fluid.viscosity=" + mu}), Catch::EndsWith("nan Pa s at emitter[0]; allowed: at least 0"));
 }
 
+TEST_CASE("a viscosity that is none at the rim of a nozzle, where no particle is, is taken", "[plan]") {
+    const std::string rim = "fluid.viscosity=50*sqrt(9e-6-(x-0.05)^2-(z-0.05)^2)";
+    CHECK(messages_with({rim, "emitter[0].radius=0.003", "emitter[0].position=[0.05,0.1,0.05]", "fluid.spacing=1e-3"}) == "no error");
+    // A slot has a long and a short axis.
+    const std::string slot = "emitter[0]={shape=\"box\", position=[0.05,0.1,0.05], width=0.06, thickness=0.006, speed=0.1}";
+    CHECK(messages_with({slot, "fluid.viscosity=1000*sqrt(0.055-z)"}) == "no error");
+    CHECK(messages_with({slot, "fluid.viscosity=1000*sqrt(0.07-x)"}) != "no error");
+}
+
 TEST_CASE("a wrong unit is told beside the mistake that it makes", "[plan]") {
     CHECK_THAT(messages_with({"emitter[0].speed=300", "time.end=0.01", "models.pressure=coupled", "fluid.viscosity=1"}),
                Catch::Contains("too thin for models.pressure = \"coupled\"") &&
