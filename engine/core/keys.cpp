@@ -69,17 +69,20 @@ bool fits(KeyType type, const Value& v) {
     }
 }
 
-/// What keeps a text from being the number that it begins with: "0.3 m/s", "0,3".
-std::string why_no_number(const Value& v, const std::string& unit) {
+/// What keeps a text from being the number that it begins with: "0.3 m/s", "0,3", "2t".
+/// @param reads whether the key takes a text
+std::string why_no_number(const Value& v, const std::string& unit, const std::function<bool(const std::string&)>& reads) {
     const std::string* text = v.as<std::string>();
     if (!text) return "";
     char* end = nullptr;
     std::strtod(text->c_str(), &end);
     if (end == text->c_str()) return "";
     if (*end == ',') return "decimals stand behind a point";
+    const std::string number = text->substr(0, static_cast<std::size_t>(end - text->c_str()));
     while (*end == ' ') ++end;
-    const bool letters = std::isalpha(static_cast<unsigned char>(*end)) != 0;
-    return letters && !unit.empty() ? "a number stands alone, in " + unit : "";
+    if (std::isalpha(static_cast<unsigned char>(*end)) == 0) return "";
+    if (const std::string product = number + "*" + end; reads(product)) return "products have their sign: " + product;
+    return unit.empty() ? "" : "a number stands alone, in " + unit;
 }
 
 }  // namespace
@@ -232,7 +235,13 @@ bool Key::assign(void* object, const Value& v, const std::string& path, Problems
         access->read(static_cast<char*>(object) + offset, v);
         return true;
     } catch (const KeyFault& fault) {
-        problems.push_back({fault.place, path + ": " + fault.what(), why_no_number(v, unit),
+        const auto reads = [&](const std::string& text) {
+            try {
+                access->read(static_cast<char*>(object) + offset, Value(text));
+                return true;
+            } catch (const KeyFault&) { return false; }
+        };
+        problems.push_back({fault.place, path + ": " + fault.what(), why_no_number(v, unit, reads),
                             variables.empty() ? "" : "allowed: functions of " + variable_names(variables)});
         return false;
     }

@@ -140,7 +140,8 @@ void put(Value& node, const std::vector<Step>& steps, std::size_t depth, const V
             for (std::size_t i = 1; i < depth; ++i) path += steps[i].is_index ? "[" + steps[i].name + "]" : "." + steps[i].name;
             const std::string wanted =
                 step.is_index ? "there is no " + path + "[" + step.name + "]" : path + " is a list, which has no " + step.name;
-            problems.push_back({value.place, wanted, step.is_index ? "" : "name an entry, as in " + path + "[0]." + step.name,
+            const std::string key = list->empty() || list->front().as<Value::Table>() ? "." + step.name : "";
+            problems.push_back({value.place, wanted, step.is_index ? "" : "name an entry, as in " + path + "[0]" + key,
                                 list->empty() ? "" : path + " has the entries 0 to " + std::to_string(list->size() - 1)});
             return;
         }
@@ -290,7 +291,7 @@ void apply_change(Value& root, const Change& change, std::vector<Problem>& probl
     } catch (const toml::parse_error& e) {
         // What looks like TOML must be TOML; anything else is a text, as in models.pressure=ppe.
         if (change.value.empty() || std::strchr("[{\"'", change.value[0]) != nullptr) {
-            const bool list = !change.value.empty() && change.value[0] == '[';
+            const bool list = !change.value.empty() && change.value.front() == '[' && change.value.back() == ']';
             problems.push_back(
                 {place, "the value is not TOML: " + message_of(e), list ? "texts and expressions in a list stand in quotes" : "", ""});
             return;

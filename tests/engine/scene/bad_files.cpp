@@ -59,6 +59,9 @@ const std::vector<Case> cases = {
      "bad.toml:5:15: fluid.viscosity: \"0,5\" is not an expression: a comma outside a function (column 2 of the text); decimals stand "
      "behind "
      "a point; allowed: functions of x, y, z, age"},
+    {"spacing = 0.01", "spacing = 0.01\nviscosity = \"3 sin(x)\"",
+     "bad.toml:5:16: fluid.viscosity: \"3 sin(x)\" is not an expression: unexpected function \"sin\" (column 3 of the text); products have "
+     "their sign: 3*sin(x); allowed: functions of x, y, z, age"},
     {"spacing = 0.01", "spacing = 0.01\nviscosity = \"10 Pas\"",
      "bad.toml:5:17: fluid.viscosity: \"10 Pas\" is not an expression: unexpected variable \"Pas\" (column 4 of the text); a number stands "
      "alone, in Pa s; allowed: functions of x, y, z, age"},
@@ -258,10 +261,16 @@ TEST_CASE("a scene of two dimensions takes vectors of two numbers, or of three w
 
 TEST_CASE("several mistakes are told in one go, in the order of their places, those of the command line last", "[scene]") {
     ReadRequest request;
-    request.changes = {parse_change("fluid.viscosity=-1"),   parse_change("time.edn=3"), parse_change("seed"),
-                       parse_change("block[7].min=[0,0,0]"), parse_change("a b=1"),      parse_change("output.size=[1,2"),
-                       parse_change("block.min=1")};
-    const std::string text = "[time]\nend = \"x\"\n[fluid]\nspacing = 0\n[[block]]\nshape = 3\n";
+    request.changes = {parse_change("fluid.viscosity=-1"),
+                       parse_change("time.edn=3"),
+                       parse_change("seed"),
+                       parse_change("block[7].min=[0,0,0]"),
+                       parse_change("a b=1"),
+                       parse_change("output.size=[1,2"),
+                       parse_change("block.min=1"),
+                       parse_change("block[0].max=[0, 2 x]"),
+                       parse_change("block[0].max.x=1")};
+    const std::string text = "[time]\nend = \"x\"\n[fluid]\nspacing = 0\n[[block]]\nshape = 3\nmax = [1, 1, 1]\n";
     CHECK(messages_of(text, request) ==
           "bad.toml:2:7: time.end must be a number [s], not the text \"x\"\n"
           "bad.toml:4:11: fluid.spacing = 0 is out of range; allowed: at least 1e-09\n"
@@ -269,9 +278,13 @@ TEST_CASE("several mistakes are told in one go, in the order of their places, th
           "--set seed: a change needs a value; allowed: key=value, as in fluid.viscosity=100\n"
           "--set block[7].min=[0,0,0]: there is no block[7]; block has the entries 0 to 0\n"
           "--set a b=1: \"a b\" is not a key; allowed: names with dots between them, as in emitter[0].speed\n"
-          "--set output.size=[1,2: the value is not TOML: in this array: encountered end-of-file; texts and expressions in a list stand in "
-          "quotes\n"
+          "--set output.size=[1,2: the value is not TOML: in this array: encountered end-of-file\n"
           "--set block.min=1: block is a list, which has no min; name an entry, as in block[0].min; block has the entries 0 to 0\n"
+          "--set block[0].max=[0, 2 x]: the value is not TOML: in this array: expected comma or closing ']', saw 'x'; texts and "
+          "expressions in a list "
+          "stand in quotes\n"
+          "--set block[0].max.x=1: block[0].max is a list, which has no x; name an entry, as in block[0].max[0]; block[0].max has the "
+          "entries 0 to 2\n"
           "--set time.edn=3: unknown key \"edn\" in [time]; did you mean \"end\"?; allowed: end, fps, slow_motion, max_step, cfl, "
           "fixed_step, sleep\n"
           "--set fluid.viscosity=-1: fluid.viscosity = -1 is out of range; allowed: at least 0");
