@@ -172,15 +172,18 @@ std::vector<SceneFile> panel_scenes(const SceneFile& file, const Choose& choose)
 }
 
 std::vector<std::string> warnings_of(const SceneFile& file) {
-    std::vector<std::string> warnings = make_plan(file).warnings;
-    if (file.scene.panels.empty()) return warnings;
-    int number = 0;
-    for (const SceneFile& run : panel_scenes(file)) {
-        ++number;
-        for (const std::string& warning : make_plan(run).warnings)
-            if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end())
-                warnings.push_back(fmt::format("panel {}: {}", number, warning));
-    }
+    if (file.scene.panels.empty()) return make_plan(file).warnings;
+    std::vector<std::vector<std::string>> of_run;
+    for (const SceneFile& run : panel_scenes(file)) of_run.push_back(make_plan(run).warnings);
+    const auto of_all = [&](const std::string& warning) {
+        return std::all_of(of_run.begin(), of_run.end(),
+                           [&](const auto& own) { return std::find(own.begin(), own.end(), warning) != own.end(); });
+    };
+    std::vector<std::string> warnings;
+    for (std::size_t k = 0; k < of_run.size(); ++k)
+        for (const std::string& warning : of_run[k])
+            if (!of_all(warning)) warnings.push_back(fmt::format("panel {}: {}", k + 1, warning));
+            else if (k == 0) warnings.push_back(warning);
     return warnings;
 }
 

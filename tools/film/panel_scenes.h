@@ -16,7 +16,8 @@ namespace whorl {
 using Choose = std::function<SceneFile(const SceneFile& run, const Simulation& start)>;
 std::vector<SceneFile> panel_scenes(const SceneFile& file, const Choose& choose = {});
 
-/// What the plans of the scene and of its panels warn of, each once. @throws InputError where one is impossible
+/// What the plans of a film's runs warn of: the scene's, or its panels', each with its panel where not all have it. @throws InputError
+/// where one is impossible
 std::vector<std::string> warnings_of(const SceneFile& file);
 
 /// A place in the film.

@@ -82,8 +82,9 @@ int farm(FarmCommand command) {
     for (FarmFilm& film : films) {
         film.threads = command.farm.threads;
         // Its tasks run quietly.
+        const std::string whose = films.size() > 1 ? film.file.scene.name + ": " : "";
         if (!command.farm.quiet)
-            for (const std::string& warning : warnings_of(film.file)) fmt::print(stderr, "warning: {}\n", warning);
+            for (const std::string& warning : warnings_of(film.file)) fmt::print(stderr, "warning: {}{}\n", whose, warning);
         FarmWork work = work_of(film);
         if (!work.note.empty()) tell_note(work.note, false);
         all.push_back(std::move(work.stages)), held.push_back(std::move(work.held));
