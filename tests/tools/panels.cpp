@@ -207,6 +207,36 @@ TEST_CASE("a film of panels that cannot be made longer stays as it is") {
     CHECK(test::whorl({"resume", scratch.run(), "--quiet"}).code == 0);
 }
 
+TEST_CASE("a panel whose checkpoints cannot be read is kept, and the film that was to be longer is refused") {
+    const Scratch scratch;
+    REQUIRE(test::whorl({"render", scratch.scene(), "--until", "0.025", "--no-images", "--quiet", "--out", scratch.run()}).code == 0);
+    const fs::path panel = fs::path(scratch.run()) / "panels/2";
+    for (const auto& entry : fs::directory_iterator(panel / "checkpoints")) fs::resize_file(entry.path(), 100);
+    const std::string rows = read_whole(panel / "diagnostics.csv");
+    const Outcome longer = test::whorl({"resume", scratch.run(), "--until", "0.05", "--quiet"});
+    CHECK(longer.code == 2);
+    CHECK_THAT(longer.err, Catch::Contains(".whorl is damaged") && Catch::Contains("panels/2: there is no sound checkpoint to go on from"));
+    CHECK(read_whole(panel / "diagnostics.csv") == rows);
+    CHECK(run_json(fs::path(scratch.run()) / "panels/1").at("frames") == 2);
+}
+
+TEST_CASE("warnings of panels are those of their own runs, and said once where all have them") {
+    const auto warnings = [](const std::string& set, const std::string& other) {
+        const Scratch scratch(std::string(drop) + "[[panel]]\nset = [\"fluid.density=" + other + "\"]\n");
+        Options options;
+        options.scene = scratch.scene(), options.set = {"fluid.density=" + set};
+        SceneFile file = read_scene_file(options);
+        file.scene.panels.erase(file.scene.panels.begin());
+        file.scene.panels[0].set = {"fluid.density=" + (set == "40000" ? other : set)};
+        return warnings_of(file);
+    };
+    CHECK(warnings("40000", "1000").empty());
+    REQUIRE(warnings("1000", "40000").size() == 1);
+    CHECK_THAT(warnings("1000", "40000")[0], Catch::StartsWith("panel 2: fluid.density = 40000"));
+    REQUIRE(warnings("40000", "40000").size() == 1);
+    CHECK_THAT(warnings("40000", "40000")[0], Catch::StartsWith("fluid.density = 40000"));
+}
+
 TEST_CASE("a panel's wrong key is told with its place, before anything is written") {
     const Scratch scratch(std::string(drop) + "[[panel]]\nset = [\"fluid.viscocity=3\"]\n");
     const Outcome outcome = test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--quiet"});

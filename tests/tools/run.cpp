@@ -190,6 +190,16 @@ TEST_CASE("a film whose pictures were left to draw goes on when they are drawn, 
     CHECK(files_in(scratch / "run/frames").size() == 4);
 }
 
+TEST_CASE("an interrupted run without pictures of its own says that it goes on without", "[tools][resume]") {
+    const Scratch scratch;
+    Program program({"render", scratch.scene(), "--quality", "draft", "--size", "64x36", "--no-draw", "--quiet", "--out", scratch.run()});
+    REQUIRE(program.wait_until([&] { return lines(scratch / "run/diagnostics.csv").size() > 2; }));
+    program.signal(SIGINT);
+    const Outcome stopped = program.wait();
+    CHECK(stopped.code == 130);
+    CHECK_THAT(stopped.err, Catch::Contains("whorl resume " + scratch.run() + " --no-draw\n"));
+}
+
 TEST_CASE("resume refuses other settings and names them, and takes settings that only change the picture", "[tools][resume]") {
     const Scratch scratch;
     REQUIRE(test::whorl({"render", scratch.scene(), "--no-images", "--until", "0.05", "--quiet", "--out", scratch.run()}).code == 0);

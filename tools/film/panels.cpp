@@ -113,8 +113,9 @@ private:
         const std::string status = state_of(folder).value("status", "");
         if (anew_ && !has_raw(k)) return Next::begins;
         if (is_done(k) || status == "diverged") return Next::nothing;
+        // Where none of its checkpoints is sound, going on refuses: whoever can mend them shall find the panel as it is.
         std::vector<std::string> damaged;
-        return !status.empty() && newest_checkpoint(folder, damaged) ? Next::goes_on : Next::begins;
+        return newest_checkpoint(folder, damaged) || !damaged.empty() ? Next::goes_on : Next::begins;
     }
 
     /// @throws InputError with what keeps a panel from going on
@@ -164,7 +165,8 @@ private:
         if (!request_.quiet && !request_.json)
             std::fprintf(stderr, "panel %zu of %zu: %s%s\n", k + 1, scenes_.size(), name_of(k).c_str(),
                          anew ? ", from the start: the difference needs all its frames, which --export raw would have kept" : "");
-        panel.earlier = RunFolder::Earlier::replaced;  // what stands there and cannot go on
+        panel.earlier = RunFolder::Earlier::replaced;  // what stands there has nothing to go on from,
+        panel.slip_seconds = 0;                        // and is of no use beside a new one
         if (next == Next::goes_on) resume_from_newest(panel);
         return run_scene(panel);
     }

@@ -36,9 +36,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A run that ends sooner than this, and not at its end, may be a slip: what it was to replace is kept.
-constexpr double slip_seconds = 60;
-
 FilmOptions film_options(const RunRequest& request, const SceneFile& file, int frames_before) {
     const Scene& scene = file.scene;
     FilmOptions options;
@@ -74,8 +71,9 @@ private:
     void make_folders();
     void resume();
     void greet(const Plan& plan);
-    std::optional<Estimate> foreseen(SceneFile file) const;
-    std::vector<double> foreseen_frames() const;
+    std::optional<Estimate> foreseen(SceneFile file, const Plan& plan) const;
+    std::optional<Estimate> foreseen_before() const;
+    std::vector<double> foreseen_frames(const Plan& plan) const;
 
     bool stop_wanted() override { return interrupt_.interrupted(); }
     void after_step(const StepReport& report, double began) override;
@@ -126,7 +124,7 @@ Run::Run(const RunRequest& request, const Plan& plan)
       folder_(request.from ? RunFolder::existing(request.folder) : RunFolder::fresh(request.folder, request.earlier)),
       scene_text_(resolved_toml(file_)) {
     make_folders();
-    foreseen_ = foreseen_frames();
+    foreseen_ = foreseen_frames(plan);
     if (request.from) resume();
     loop_.emplace(*this, simulation_, replay_.now(), last_, TheorySearch::wait);
     tables_.emplace(folder_.path(), simulation_, loop_->probes(), scene_.budget.any(), request.from ? &*request.from : nullptr);
@@ -153,8 +151,7 @@ void Run::greet(const Plan& plan) {
 }
 
 /// What the scene will take, where that was measured.
-std::optional<Estimate> Run::foreseen(SceneFile file) const {
-    const Plan plan = make_plan(file.scene);
+std::optional<Estimate> Run::foreseen(SceneFile file, const Plan& plan) const {
     const auto costs = find_calibration(file, plan);
     if (!costs) return std::nullopt;
     // When the film is resumed its scene is this one.
@@ -163,11 +160,19 @@ std::optional<Estimate> Run::foreseen(SceneFile file) const {
     return estimate(file, plan, simulation_, *costs);
 }
 
+/// The same of the scene as it was when the run stopped.
+std::optional<Estimate> Run::foreseen_before() const try {
+    const SceneFile before = read_resolved(request_.from->scene, "scene.resolved.toml");
+    return foreseen(before, make_plan(before.scene));
+} catch (const InputError&) {  // a foresight is no reason to refuse the run
+    return std::nullopt;
+}
+
 /// Seconds that frames will take, at least as many as the run has; none where they were not measured. Of a run that is made longer, frames
 /// behind its old end take as long as the last one before.
-std::vector<double> Run::foreseen_frames() const {
-    auto e = foreseen(request_.file);
-    if (!e && request_.from) e = foreseen(read_resolved(request_.from->scene, "scene.resolved.toml"));
+std::vector<double> Run::foreseen_frames(const Plan& plan) const {
+    auto e = foreseen(request_.file, plan);
+    if (!e && request_.from) e = foreseen_before();
     std::vector<double> frames = e ? e->frames_seconds : std::vector<double>();
     if (!frames.empty()) frames.resize(std::max(frames.size(), static_cast<std::size_t>(last_)), frames.back());
     return frames;
@@ -249,7 +254,7 @@ void Run::add_frame() {
     if (scene_.budget.any() && summary.steps > 0) loop_->hold_to_budget(summary, frame_, seconds, times_.wall());
     const bool due = frame_ == last_ || wall_seconds() - saved_at_ >= scene_.output.checkpoint_every;
     film_->add(snapshots_->take(simulation_, frame_), pictures_, state(), due);
-    if (film_->frames_written() > 0 && times_.wall() > slip_seconds) folder_.stands();
+    if (film_->frames_written() > 0 && times_.wall() > request_.slip_seconds) folder_.stands();
     if (due) {
         saved_at_ = wall_seconds();
         write_report("running", "");
@@ -344,9 +349,9 @@ int Run::finish(const std::optional<Divergence>& diverged) {
     film_->finish(complete);
     if (complete) return conclude("done", "");
     save_newest();
-    return conclude("interrupted", frames_written() == 0 ? "interrupted before the first frame"
-                                                         : fmt::format("interrupted after frame {} of {}; go on with: whorl resume {}",
-                                                                       frames_written(), last_, folder));
+    if (frames_written() == 0) return conclude("interrupted", "interrupted before the first frame");
+    return conclude("interrupted", fmt::format("interrupted after frame {} of {}; go on with: whorl resume {}{}", frames_written(), last_,
+                                               folder, request_.no_draw ? " --no-draw" : ""));
 }
 
 int Run::run() try { return finish(simulate()); } catch (const std::exception& error) {

@@ -16,7 +16,8 @@ struct RunRequest {
     bool no_draw = false;       ///< frames are exported (raw) and drawn later, by whorl draw
     bool quiet = false, json = false;
     RunFolder::Earlier earlier = RunFolder::Earlier::kept;  ///< a run that stands in the folder
-    std::optional<Checkpoint> from;                         ///< where to resume; nothing: a new run
+    double slip_seconds = 60;        ///< a run that ends sooner, and not at its end, may be a slip: what it was to replace is kept
+    std::optional<Checkpoint> from;  ///< where to resume; nothing: a new run
 };
 
 /// Simulates, measures, draws, writes; the scene's panels are left out (panels.h runs them). Interrupted by SIGINT or SIGTERM it completes
