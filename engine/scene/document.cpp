@@ -25,16 +25,20 @@ constexpr int most_nested = 100;  ///< parts of a key
 /// @throws InputError where more parts stand in a row than any key has
 void check_nesting(const std::string& text, const std::string& file) {
     int line = 1, column = 0, dots = 0;
-    char quote = 0, last = 0;  // `last` that is no blank, of what stands outside of quotes
-    bool comment = false, escaped = false, blank = false;
-    for (const char c : text) {
+    std::string quote;  // that stands open; three of them go on over lines
+    char last = 0;      // that is no blank, of what stands outside of quotes
+    bool comment = false, blank = false;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
         ++column;
-        if (c == '\n') ++line, column = 0, comment = escaped = false, quote = 0, dots = 0;  // no part goes on in another line
+        if (c == '\n') {
+            ++line, column = 0, comment = false, dots = 0;  // no part goes on in another line
+            if (quote.size() == 1) quote.clear();
+        }
         if (comment) continue;
-        if (quote != 0) {
-            if (escaped) escaped = false;
-            else if (c == '\\' && quote == '"') escaped = true;
-            else if (c == quote) quote = 0;
+        if (!quote.empty()) {
+            if (c == '\\' && quote[0] == '"') ++i, ++column;
+            else if (text.compare(i, quote.size(), quote) == 0) i += quote.size() - 1, quote.clear();
             continue;
         }
         if (c == ' ' || c == '\t') {
@@ -42,11 +46,14 @@ void check_nesting(const std::string& text, const std::string& file) {
             continue;
         }
         comment = c == '#';
-        if (c == '"' || c == '\'') quote = c;
+        if (c == '"' || c == '\'') {
+            quote = text.compare(i, 3, std::string(3, c)) == 0 ? std::string(3, c) : std::string(1, c);
+            i += quote.size() - 1;
+        }
         if (c == '.') {
             if (++dots > most_nested)
                 throw InputError({file, line, column}, fmt::format("a key of more than {} parts", most_nested), "", "allowed: up to four");
-        } else if ((blank && last != '.') || (quote == 0 && std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_' && c != '-')) {
+        } else if ((blank && last != '.') || (quote.empty() && std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_' && c != '-')) {
             dots = 0;
         }
         last = c, blank = false;

@@ -121,13 +121,12 @@ double layer_points(const Scene& scene, const SceneShapes& shapes, std::size_t s
     if (keys.kind == "mesh") return area_of(made.shape->mesh(0, 0)) / (d * d);
     if (keys.kind == "sphere") return keys.cut ? round / d : 2 * round * r / (d * d);
     if (keys.kind == "cylinder") return keys.cut ? round / d : round * ((keys.to - keys.from).norm() + r) / (d * d);
-    Vec3d size = keys.max - keys.min;
-    if (!made.moves() && made.turn.isIdentity()) {  // of a box that stands still, too
-        const Extent& e = shapes.solid_extent[solid];
-        const Vec3d at = scene.solids[solid].position(0);
-        const Vec3d low = e.min.cwiseMax(scene.domain.min - margin - at), high = e.max.cwiseMin(scene.domain.max + margin - at);
-        size = (high - low).cwiseMax(0.0);
+    Vec3d low = keys.min, high = keys.max;
+    if (!made.moves()) {  // of a box that stands still, too
+        const Vec3d at = made.pose.translation.cast<double>();
+        low = low.cwiseMax(scene.domain.min - margin - at), high = high.cwiseMin(scene.domain.max + margin - at);
     }
+    const Vec3d size = (high - low).cwiseMax(0.0);
     if (keys.cut) return 2 * (size.x() + size.y()) / d;
     return 2 * (size.x() * size.y() + size.y() * size.z() + size.z() * size.x()) / (d * d);
 }

@@ -164,7 +164,7 @@ private:
 
     void drain(const std::string& name, std::size_t i) {
         const DrainKeys& d = scene_.drains[i];
-        // Fluid that goes later than it comes, the drain limits in its age.
+        // Beside an emitter, `after` limits the age of the fluid.
         const bool limits_age = d.after > 0 && !scene_.emitters.empty();
         if (limits_age || d.after >= scene_.time.end) return;
         if (!holds_domain(*shapes_.drains[i], Vec3d::Zero(), -0.5 * scene_.fluid.spacing)) return;

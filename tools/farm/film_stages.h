@@ -16,7 +16,7 @@ struct FarmFilm {
 struct FarmWork {
     std::vector<FarmStage> stages;
     std::string note;  ///< what became of the run that stood there
-    RunFolder held;    ///< no other farm begins in the run's folder meanwhile; the run itself is its tasks'
+    RunFolder held;    ///< no other farm begins in the run's folder meanwhile; its tasks hold the run itself
 };
 
 /// A film of panels: `panels` (a run each) and `gather`. Any other: `simulate`, `draw` (a range of frames each) and `encode`; without

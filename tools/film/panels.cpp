@@ -72,7 +72,7 @@ public:
         if (filmed) film(frames);
         const std::string status = failed_ ? "diverged" : "done";
         write_report(status, failed_ ? "panel " + name_of(*failed_) + " diverged" : "");
-        folder_.stands();
+        if (!failed_) folder_.stands();  // else what it was to replace stays beside it
         if (!request_.quiet && !request_.json)
             std::fprintf(stderr, "%d frames of %zu panels: %s\n", frames, scenes_.size(),
                          (filmed && scene_.output.video ? video() : folder_.path()).c_str());
@@ -165,8 +165,9 @@ private:
         if (!request_.quiet && !request_.json)
             std::fprintf(stderr, "panel %zu of %zu: %s%s\n", k + 1, scenes_.size(), name_of(k).c_str(),
                          anew ? ", from the start: the difference needs all its frames, which --export raw would have kept" : "");
-        panel.earlier = RunFolder::Earlier::replaced;  // what stands there has nothing to go on from,
-        panel.slip_seconds = 0;                        // and is of no use beside a new one
+        // A panel that is made anew replaces the one that stands there from its first frame on.
+        panel.earlier = RunFolder::Earlier::replaced;
+        panel.slip_seconds = 0;
         if (next == Next::goes_on) resume_from_newest(panel);
         return run_scene(panel);
     }

@@ -45,7 +45,7 @@ bool is_of_a_run(const fs::path& file, const std::string& scene) {
         return std::find(all.begin(), all.end(), one) != all.end();
     };
     return has(names, file.filename().string()) || has(export_kinds(), file.filename().string()) ||
-           (file.stem().string() == scene && has(video_suffixes(), file.extension().string())) ||
+           ((scene.empty() || file.stem().string() == scene) && has(video_suffixes(), file.extension().string())) ||
            file.extension() == partial_video("film.mp4").extension();
 }
 
@@ -91,10 +91,12 @@ void put_aside(const fs::path& path) {
     fs::rename(path / on_their_way, path / replaced);
 }
 
-/// In steps that may each be the last one: what was interrupted is completed by the next call.
+/// In steps that may each be the last one: what was interrupted is completed by the next call. A finished video is not of the run that
+/// made no frame.
 void put_back(const fs::path& path) {
     if (fs::exists(path / replaced)) {
-        for (const fs::path& file : files_of_run(path)) fs::remove_all(file);
+        for (const fs::path& file : files_of_run(path))
+            if (std::ranges::find(video_suffixes(), file.extension().string()) == video_suffixes().end()) fs::remove_all(file);
         fs::rename(path / replaced, path / on_their_way);
     }
     if (!fs::exists(path / on_their_way)) return;
@@ -211,7 +213,8 @@ void RunFolder::stands() {
     replaces_ = false;
 }
 
-/// A farm holds the run's folder by its own, as the run is its tasks'. @throws InputError where it is at work, or its jobs go on without it
+/// A farm holds its own folder in the run's, because its tasks make the run, not itself. @throws InputError where it is at work, or its
+/// jobs go on without it
 void RunFolder::refuse_farm(const fs::path& path) {
     if (!fs::exists(path / "farm") || std::getenv("WHORL_FARM_TASK")) return;
     const RunFolder held(path / "farm");
@@ -231,7 +234,8 @@ RunFolder RunFolder::fresh(const fs::path& path, Earlier earlier) {
     refuse_farm(path);
     if (earlier == Earlier::replaced) {
         if (report_of(path).empty() && !has_begun(path)) {  // a farm's folder, or what is left of a run that was killed as it began
-            for (const fs::path& file : files_of_run(path)) fs::remove_all(file);
+            for (const fs::path& file : files_of_run(path))
+                if (file.filename() != "scene.resolved.toml") fs::remove_all(file);  // by it the folder is a run's until it is written anew
             return folder;
         }
         put_aside(path);

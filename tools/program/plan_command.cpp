@@ -37,6 +37,7 @@ int plan(const Options& options) {
     const Calibration calibration = calibrate(file, plan, simulation);
     const Estimate cost = estimate(file, plan, simulation, calibration);
     const std::vector<Estimate> runs = estimates_of_runs(file, cost);
+    if (!file.scene.panels.empty()) plan.warnings = warnings_of(file);  // of what is run
     const auto less = [](const Estimate& a, const Estimate& b) { return a.memory < b.memory; };
     const Estimate& largest = *std::max_element(runs.begin(), runs.end(), less);
     if (const std::string warning = memory_warning(largest, free_memory()); !warning.empty()) plan.warnings.push_back(warning);

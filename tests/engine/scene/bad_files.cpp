@@ -328,8 +328,9 @@ TEST_CASE("a key of ten thousands of parts is refused, in a file and on the comm
     for (int k = 0; k < 50000; ++k) key += ".a";
     std::string quoted = "\",\"", spaced = "a";
     for (int k = 0; k < 50000; ++k) quoted += ".\"#\"", spaced += " . a";
-    for (const std::string& text : {good + key + " = 1\n", good + "[" + key + "]\n", "b = { " + key + " = 1 }\n" + good,
-                                    good + quoted + " = 1\n", good + spaced + " = 1\n"})
+    for (const std::string& text :
+         {good + key + " = 1\n", good + "[" + key + "]\n", "b = { " + key + " = 1 }\n" + good, good + quoted + " = 1\n",
+          good + spaced + " = 1\n", good + "x = [\"\"\"\na\"\"\", {" + key + " = 1}]\n"})
         CHECK(messages_of(text).find("a key of more than 100 parts; allowed: up to four") != std::string::npos);
     std::string dots;
     for (int k = 0; k < 200; ++k) dots += ".5 ";
