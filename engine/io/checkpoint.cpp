@@ -100,6 +100,8 @@ Checkpoint read_checkpoint(const std::filesystem::path& file) {
     return checkpoint;
 }
 
+bool has_checkpoint(const std::filesystem::path& folder) { return !checkpoint_files(folder).empty(); }
+
 std::optional<Checkpoint> newest_checkpoint(const std::filesystem::path& folder, std::vector<std::string>& damaged) {
     for (const auto& file : checkpoint_files(folder)) try {
             return read_checkpoint(file);

@@ -33,6 +33,9 @@ void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& che
 /// @throws EnvironmentError where the file is cut short, altered or no checkpoint
 Checkpoint read_checkpoint(const std::filesystem::path& file);
 
+/// Whether there is one, sound or damaged. None is read.
+bool has_checkpoint(const std::filesystem::path& folder);
+
 /// The newest checkpoint that is sound. @param damaged one line for each newer one that is not
 std::optional<Checkpoint> newest_checkpoint(const std::filesystem::path& folder, std::vector<std::string>& damaged);
 

@@ -67,7 +67,7 @@ private:
 
     /// Far larger than the domain, as a wrong unit makes it: then nothing else about it needs saying.
     bool oversized(const std::string& name, const ShapeKeys& shape, const Extent& e) {
-        const double across = (e.max - e.min).head(plan_.dimensions()).maxCoeff();
+        const double across = longest_side(e, plan_.dimensions());
         if (!(across > 2 * longest_side(scene_.domain))) return false;
         report(name + "." + size_key(shape),
                fmt::format("{} is {:.4g} m across, larger than the whole domain ({:.4g} m)", name, across, longest_side(scene_.domain)),
@@ -275,7 +275,7 @@ private:
     void memory() {
         if (n_.particles < 1 && scene_.emitters.empty() && report.none())
             report("fluid.spacing", "the blocks are too small for a single particle", "take a smaller fluid.spacing");
-        const double each = bytes_a_particle(plan_), need = each * n_.particles, have = free_memory();
+        const double each = bytes_a_particle(plan_), need = each * n_.particles, have = free_;
         const double most = std::min(have, each * std::numeric_limits<Index>::max());
         if (need <= most || oversized_) return;
         std::string source;
@@ -301,7 +301,7 @@ private:
     /// What nozzles and the surfaces of solids are made of, in memory all at once when the run starts; beside it what the places on one
     /// mesh are chosen from.
     void memory_of_samples() {
-        const double have = free_memory();
+        const double have = free_;
         double kept = 0, at_once = 0;  // bytes
         const auto add = [&](const std::string& name, const char* what, double points, double bytes, double choosing) {
             const bool fitted = kept + at_once <= have;
@@ -326,6 +326,7 @@ private:
     const SceneShapes& shapes_;
     KeyProblems report;
     Vec3d low_, high_;
+    double free_ = free_memory();
     bool oversized_ = false;  ///< an opening or a block is: its particles need not be counted
 };
 

@@ -83,7 +83,8 @@ double fastest_of(const SolidKeys& solid, const Extent& extent, double end) {
     return most;
 }
 
-double longest_side(const DomainKeys& domain) { return (domain.max - domain.min).head(domain.dimensions).maxCoeff(); }
+double longest_side(const Extent& extent, int dimensions) { return (extent.max - extent.min).head(dimensions).maxCoeff(); }
+double longest_side(const DomainKeys& domain) { return longest_side(Extent{domain.min, domain.max}, domain.dimensions); }
 
 double opening_area(const EmitterKeys& e, int dimensions) {
     if (dimensions == 2) return e.shape == "disc" ? 2 * e.radius : e.width;

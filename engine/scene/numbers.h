@@ -37,7 +37,8 @@ double fastest_of(const EmitterKeys& emitter, double end);
 double fastest_of(const BlockKeys& block, const Vec3d& min, const Vec3d& max);
 double fastest_of(const SolidKeys& solid, const Extent& extent, double end);
 
-/// Of the domain's sides [m].
+/// Of a box's or the domain's sides [m].
+double longest_side(const Extent& extent, int dimensions);
 double longest_side(const DomainKeys& domain);
 
 /// Area of an emitter's opening [m^2] and what it lets through until the end of the run [m^3].

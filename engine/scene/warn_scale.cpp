@@ -138,7 +138,7 @@ private:
     bool size(const std::string& name, const ShapeKeys& shape, const Extent& e) {
         if (shape.kind == "plane") return false;  // it has no end, and no wrong one
         const bool mesh = shape.kind == "mesh";
-        const double across = (e.max - e.min).head(scene_.domain.dimensions).maxCoeff(), room = longest_side(scene_.domain);
+        const double across = longest_side(e, scene_.domain.dimensions), room = longest_side(scene_.domain);
         const std::string key = name + "." + size_key(shape);
         if (across > (mesh ? 20 : 100) * room)
             add(key, fmt::format("{}: the {} is {} across in a domain of {}; {}", key, shape.kind, length(across), length(room),
@@ -156,7 +156,7 @@ private:
         const Extent& e = shapes_.solid_extent[i];
         // Walls at the domain's end hold fluid: their particles stand outside.
         if (size(name, s.shape, e) || !s.inside || !holds_domain(*shapes_.solids.all[i].shape, s.position(0), scene_.fluid.spacing)) return;
-        const double across = (e.max - e.min).head(scene_.domain.dimensions).maxCoeff();
+        const double across = longest_side(e, scene_.domain.dimensions);
         const std::string key = name + "." + size_key(s.shape);
         add(key, fmt::format("{}: the whole domain of {} lies inside of this container, which is {} across: it holds nothing; {}", key,
                              length(longest_side(scene_.domain)), length(across), size_hint(s.shape, across)));
@@ -168,7 +168,7 @@ private:
         const bool limits_age = d.after > 0 && !scene_.emitters.empty();
         if (limits_age || d.after >= scene_.time.end) return;
         if (!holds_domain(*shapes_.drains[i], Vec3d::Zero(), -0.5 * scene_.fluid.spacing)) return;
-        const double across = (shapes_.drain_extent[i].max - shapes_.drain_extent[i].min).head(scene_.domain.dimensions).maxCoeff();
+        const double across = longest_side(shapes_.drain_extent[i], scene_.domain.dimensions);
         const std::string key = name + "." + size_key(d.shape);
         add(key, fmt::format("{}: the drain is {} across and takes in the whole domain of {}: all fluid is gone at {:g} s; {}", key,
                              length(across), length(longest_side(scene_.domain)), d.after, size_hint(d.shape, across)));

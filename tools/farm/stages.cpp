@@ -288,9 +288,11 @@ FarmEnd run_stages(const std::vector<FarmStage>& stages, const fs::path& folder,
     }
     FarmProgress progress(stages, here, options.quiet);
     progress.show();
-    if (options.on == "slurm" && !run_on_slurm(stages, here, options, interrupt, progress)) return {true, {}};
+    if (options.on == "slurm") {
+        if (!run_on_slurm(stages, here, options, interrupt, progress)) return {true, {}};
+        return {false, failures_of(stages, here)};
+    }
     for (const FarmStage& stage : stages) {
-        if (options.on == "slurm") break;
         if (!run_here(stage, here, static_cast<std::size_t>(std::max(1, options.jobs)), interrupt, progress)) return {true, {}};
         progress.show();
     }

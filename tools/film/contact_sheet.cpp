@@ -25,6 +25,10 @@ std::filesystem::path existing_picture(const std::filesystem::path& run_folder, 
 
 }  // namespace
 
+bool has_picture(const std::filesystem::path& run_folder, int frame) {
+    return std::filesystem::exists(existing_picture(run_folder, frame));
+}
+
 Image read_picture(const std::filesystem::path& run_folder, int frame) { return read_picture(existing_picture(run_folder, frame)); }
 
 Image read_picture(const std::filesystem::path& run_folder, int frame, int width, int height) {

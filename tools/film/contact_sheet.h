@@ -10,6 +10,8 @@ namespace whorl {
 
 /// frames/000012.png @param format as output.format says it
 std::filesystem::path picture_file(const std::filesystem::path& run_folder, int frame, const std::string& format = "png");
+/// Whether the frame has one, of whatever format.
+bool has_picture(const std::filesystem::path& run_folder, int frame);
 /// The frame's picture as screens show it, of whatever format it is. @throws InputError where there is none
 Image read_picture(const std::filesystem::path& run_folder, int frame);
 /// The same, of a film that goes on with this size. @throws InputError where the picture has another

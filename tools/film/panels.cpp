@@ -114,8 +114,7 @@ private:
         if (anew_ && !has_raw(k)) return Next::begins;
         if (is_done(k) || status == "diverged") return Next::nothing;
         // Where none of its checkpoints is sound, going on refuses: whoever can mend them shall find the panel as it is.
-        std::vector<std::string> damaged;
-        return newest_checkpoint(folder, damaged) || !damaged.empty() ? Next::goes_on : Next::begins;
+        return has_checkpoint(folder) ? Next::goes_on : Next::begins;
     }
 
     /// @throws InputError with what keeps a panel from going on

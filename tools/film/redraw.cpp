@@ -82,9 +82,7 @@ int redraw(const RedrawRequest& request) {
         held.emplace(RunFolder::drawing(request.out, request.run, whole ? RunFolder::Hold::alone : RunFolder::Hold::shared));
         if (!held->note().empty()) tell_note(held->note(), false);
     }
-    const auto replaced = std::count_if(numbers.begin(), numbers.end(), [&](int n) {
-        return fs::exists(picture_file(request.out, n)) || fs::exists(picture_file(request.out, n, "exr"));
-    });
+    const auto replaced = std::count_if(numbers.begin(), numbers.end(), [&](int n) { return has_picture(request.out, n); });
     if (replaced > 0 && !request.quiet) fmt::print(stderr, "pictures that stand in {} are replaced: {}\n", request.out.string(), replaced);
     fs::create_directories(request.out / "frames");
     Film film(options);

@@ -62,7 +62,7 @@ void check_pictures(const RunRequest& request, int made) {
     if (request.no_draw || !request.file.scene.output.frames) return;
     const std::filesystem::path& folder = request.folder;
     for (int frame = 1; frame <= made; ++frame) {
-        if (std::filesystem::exists(picture_file(folder, frame)) || std::filesystem::exists(picture_file(folder, frame, "exr"))) continue;
+        if (has_picture(folder, frame)) continue;
         const bool exported = std::filesystem::exists(frame_file(folder, frame));
         throw InputError({folder.string(), 0, 0}, fmt::format("the run has no picture of its frame {}", frame),
                          exported ? fmt::format("draw it first: whorl draw {}; or go on with --no-draw", folder.string())
