@@ -6,18 +6,24 @@
 #include "engine/core/parallel.h"
 
 namespace whorl {
+namespace {
+
+constexpr float furthest_row = 1e5f;  // beyond it floats no longer tell the nodes of the finest surface apart
+
+}  // namespace
 
 ParticleRows::ParticleRows(Span<const Vec3f> position, float width) : width_(width) {
-    std::vector<Index> finite;
-    finite.reserve(position.size());
+    std::vector<Index> near;
+    near.reserve(position.size());
     Vec3f low = Vec3f::Constant(std::numeric_limits<float>::max()), high = -low;
+    const float furthest = furthest_row * width;
     for (std::size_t i = 0; i < position.size(); ++i)
-        if (position[i].allFinite()) {
-            finite.push_back(static_cast<Index>(i));
+        if ((position[i].array().abs() < furthest).all()) {
+            near.push_back(static_cast<Index>(i));
             low = low.cwiseMin(position[i]);
             high = high.cwiseMax(position[i]);
         }
-    if (finite.empty()) return;
+    if (near.empty()) return;
 
     // A stray particle far away must not ask for more rows than there is memory: wider rows are slower, never wrong.
     origin_ = low;
@@ -27,26 +33,26 @@ ParticleRows::ParticleRows(Span<const Vec3f> position, float width) : width_(wid
     nz_ = static_cast<int>(rows_along(2));
 
     const std::size_t rows = static_cast<std::size_t>(ny_) * nz_;
-    std::vector<Index> row(finite.size());
+    std::vector<Index> row(near.size());
     row_begin_.assign(rows + 1, 0);
-    for (std::size_t n = 0; n < finite.size(); ++n) {
-        const Vec3f& p = position[finite[n]];
+    for (std::size_t n = 0; n < near.size(); ++n) {
+        const Vec3f& p = position[near[n]];
         row[n] = std::min(row_of(p.z(), low.z()), nz_ - 1) * ny_ + std::min(row_of(p.y(), low.y()), ny_ - 1);
         ++row_begin_[row[n] + 1];
     }
     for (std::size_t r = 0; r < rows; ++r) row_begin_[r + 1] += row_begin_[r];
 
-    original.resize(finite.size());
+    original.resize(near.size());
     std::vector<Index> next(row_begin_.begin(), row_begin_.end() - 1);
-    for (std::size_t n = 0; n < finite.size(); ++n) original[next[row[n]]++] = finite[n];
+    for (std::size_t n = 0; n < near.size(); ++n) original[next[row[n]]++] = near[n];
     parallel_tasks(static_cast<Index>(rows), [&](Index r) {
         std::sort(original.begin() + row_begin_[r], original.begin() + row_begin_[r + 1],
                   [&](Index a, Index b) { return position[a].x() != position[b].x() ? position[a].x() < position[b].x() : a < b; });
     });
 
-    x.resize(finite.size());
-    y.resize(finite.size());
-    z.resize(finite.size());
+    x.resize(near.size());
+    y.resize(near.size());
+    z.resize(near.size());
     parallel_for(size(), [&](Index i) {
         const Vec3f& p = position[original[i]];
         x[i] = p.x();

@@ -9,7 +9,7 @@ namespace whorl {
 
 class ParticleRows {
 public:
-    /// @param width of a row [m]. Particles that are not finite are left out.
+    /// @param width of a row [m]. Particles that are not finite, or over 1e5 widths from zero, are left out.
     ParticleRows(Span<const Vec3f> position, float width);
 
     Index size() const { return static_cast<Index>(x.size()); }

@@ -158,6 +158,8 @@ TEST_CASE("stray and non-finite particles neither break nor slow a surface", "[s
     const int pieces = topology(mesh_of(frame)).components;
     frame.position.emplace_back(std::numeric_limits<float>::quiet_NaN(), 0, 0);
     frame.position.emplace_back(3000.0f, -2000.0f, 1000.0f);
+    frame.position.emplace_back(1e27f, 0, 0);  // further than nodes are counted: left out
+    frame.position.emplace_back(0, -std::numeric_limits<float>::max(), 0);
     const Surface surface = surface_of(frame);
     REQUIRE(topology(surface.mesh).manifold);
     REQUIRE(topology(surface.mesh).components == pieces + 1);
