@@ -238,8 +238,10 @@ bool Key::assign(void* object, const Value& v, const std::string& path, Problems
         const auto reads = [&](const std::string& text) {
             try {
                 access->read(static_cast<char*>(object) + offset, Value(text));
-                return true;
             } catch (const KeyFault&) { return false; }
+            Problems beyond;
+            check_expressions(object, Value(text), path, beyond);
+            return beyond.empty();
         };
         problems.push_back({fault.place, path + ": " + fault.what(), why_no_number(v, unit, reads),
                             variables.empty() ? "" : "allowed: functions of " + variable_names(variables)});

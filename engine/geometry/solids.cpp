@@ -52,6 +52,19 @@ Vec3 Solid::normal(const Vec3& x) const {
     return inside ? Vec3(-outward) : outward;
 }
 
+Domain in_own_axes(const Domain& domain, const Pose& pose) {
+    Domain own = domain;
+    if (pose.rotation.isIdentity(0)) {
+        own.min -= pose.translation, own.max -= pose.translation;
+        return own;
+    }
+    const Vec3 middle = pose.rotation.transpose() * ((domain.min + domain.max) / 2 - pose.translation),
+               half = pose.rotation.transpose().cwiseAbs() * (domain.size() / 2);
+    own.min = middle - half, own.max = middle + half;
+    for (int a = 0; a < 3; ++a) own.periodic[a] = domain.periodic[a] && pose.rotation(a, a) > 1 - Real(1e-6);
+    return own;
+}
+
 bool Solid::moves() const { return body || position.depends_on_time() || !spin.is_zero(); }
 
 // R(t) = turn A(t) solves dR/dt = R [w]x for any constant `turn`, A being the turning by the spin since t = 0.

@@ -22,6 +22,9 @@ struct Turned {
 /// origin.
 Vec3d turning_point(const Shape& shape);
 
+/// The least box along a solid's own axes about the domain. Periodic axes stay so where the solid is not turned away from them.
+Domain in_own_axes(const Domain& domain, const Pose& pose);
+
 struct Solid {
     std::shared_ptr<const Shape> shape;
     VectorExpression position;  ///< m, of t: how far it has moved from where the shape stands

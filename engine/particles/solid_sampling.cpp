@@ -19,6 +19,16 @@ std::vector<LayerPoint> layer_of(const Solid& solid, std::size_t k, const LayerR
     }
 }
 
+/// Whether a point of a turned solid's layer is wanted. A plane along a periodic axis is there once.
+bool is_near(const Domain& domain, const Vec3& x, Real margin, bool bounded) {
+    for (int a = 0; a < 3; ++a) {
+        if (domain.periodic[a] && bounded) continue;
+        const Real beyond = domain.periodic[a] ? 0 : margin;
+        if (!(x[a] >= domain.min[a] - beyond && x[a] <= domain.max[a] + beyond)) return false;
+    }
+    return true;
+}
+
 }  // namespace
 
 SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& domain, KernelForm kernel, Real support,
@@ -26,12 +36,15 @@ SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& d
     SolidParticles particles;
     for (std::size_t k = 0; k < solids.all.size(); ++k) {
         const Solid& solid = solids.all[k];
-        LayerRegion region{spacing, domain, 3 * spacing, !solid.moves()};
-        region.domain.min -= solid.pose.translation;  // a solid that stands still is not turned either
-        region.domain.max -= solid.pose.translation;
+        LayerRegion region{spacing, in_own_axes(domain, solid.pose), 3 * spacing, !solid.moves()};
+        const bool turned = !solid.pose.rotation.isIdentity(0), bounded = solid.shape->bounded();
         if (!solid.spin.is_zero()) region.domain.periodic = {false, false, false};
         for (const LayerPoint& point : layer_of(solid, k, region, place_of)) {
             if (region.clipped && !region.contains(point.position)) continue;
+            if (turned && (region.clipped || !bounded)) {
+                const Vec3 x = solid.pose.rotation * point.position.cast<Real>() + solid.pose.translation;
+                if (!is_near(domain, x, region.margin, bounded)) continue;
+            }
             particles.solid.push_back(static_cast<Index>(k));
             particles.own_position.push_back(point.position.cast<Real>());
             particles.own_normal.push_back((solid.inside ? -point.outward : point.outward).cast<Real>());

@@ -20,42 +20,45 @@ Place place_of(const toml::source_region& at, const std::string& file) {
 
 constexpr int most_nested = 100;  ///< parts of a key
 
+/// Where the quoted text that begins there is over. One in single marks ends with its line at the latest.
+std::size_t end_of_quoted(const std::string& text, std::size_t begin) {
+    const char mark = text[begin];
+    const bool over_lines = text.compare(begin, 3, std::string(3, mark)) == 0;
+    const std::string marks(over_lines ? 3 : 1, mark);
+    for (std::size_t i = begin + marks.size(); i < text.size(); ++i) {
+        if (mark == '"' && text[i] == '\\') ++i;
+        else if (!over_lines && text[i] == '\n') return i;
+        else if (text.compare(i, marks.size(), marks) == 0) {
+            i += marks.size();
+            for (int n = 0; over_lines && n < 2 && i < text.size() && text[i] == mark; ++n) ++i;  // its last characters may be marks, too
+            return i;
+        }
+    }
+    return text.size();
+}
+
 /// toml++ and what reads its tables call themselves for every part of a dotted key: ten thousands of them overflow the stack. What stands
 /// in quotes is one part, whatever is in it; comments are passed over.
 /// @throws InputError where more parts stand in a row than any key has
 void check_nesting(const std::string& text, const std::string& file) {
-    int line = 1, column = 0, dots = 0;
-    std::string quote;  // that stands open; three of them go on over lines
-    char last = 0;      // that is no blank, of what stands outside of quotes
-    bool comment = false, blank = false;
-    for (std::size_t i = 0; i < text.size(); ++i) {
+    int dots = 0;
+    char last = 0;  // that is no blank
+    bool blank = false;
+    for (std::size_t i = 0, next = 0; i < text.size(); i = next) {
         const char c = text[i];
-        ++column;
-        if (c == '\n') {
-            ++line, column = 0, comment = false, dots = 0;  // no part goes on in another line
-            if (quote.size() == 1) quote.clear();
-        }
-        if (comment) continue;
-        if (!quote.empty()) {
-            if (c == '\\' && quote[0] == '"') ++i, ++column;
-            else if (text.compare(i, quote.size(), quote) == 0) i += quote.size() - 1, quote.clear();
-            continue;
-        }
+        const bool quoted = c == '"' || c == '\'';
+        next = quoted ? end_of_quoted(text, i) : c == '#' ? std::min(text.find('\n', i), text.size()) : i + 1;
         if (c == ' ' || c == '\t') {
             blank = true;
             continue;
         }
-        comment = c == '#';
-        if (c == '"' || c == '\'') {
-            quote = text.compare(i, 3, std::string(3, c)) == 0 ? std::string(3, c) : std::string(1, c);
-            i += quote.size() - 1;
+        const bool in_part = quoted || std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
+        if (c == '.' && ++dots > most_nested) {
+            const auto line = static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(i), '\n'));
+            const auto column = static_cast<int>(i - (line > 0 ? text.rfind('\n', i) : std::string::npos));
+            throw InputError({file, line + 1, column}, fmt::format("a key of more than {} parts", most_nested), "", "allowed: up to four");
         }
-        if (c == '.') {
-            if (++dots > most_nested)
-                throw InputError({file, line, column}, fmt::format("a key of more than {} parts", most_nested), "", "allowed: up to four");
-        } else if ((blank && last != '.') || (quote.empty() && std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_' && c != '-')) {
-            dots = 0;
-        }
+        if (c != '.' && (!in_part || (blank && last != '.'))) dots = 0;
         last = c, blank = false;
     }
 }
@@ -196,10 +199,7 @@ std::string with_plain_numbers(const std::string& text) {
     std::string out;
     for (std::size_t i = 0; i < text.size();) {
         if (text[i] == '"' || text[i] == '\'') {
-            const char quote = text[i];
-            std::size_t end = i + 1;
-            while (end < text.size() && text[end] != quote) end += quote == '"' && text[end] == '\\' ? 2 : 1;
-            end = std::min(end + 1, text.size());
+            const std::size_t end = end_of_quoted(text, i);
             out += text.substr(i, end - i);
             i = end;
         } else if (in_number(text[i])) {

@@ -115,6 +115,7 @@ double layer_points(const Scene& scene, const SceneShapes& shapes, std::size_t s
     const Solid& made = shapes.solids.all[solid];
     const double d = scene.fluid.spacing, r = keys.radius, round = 2 * std::numbers::pi * r;
     const Vec3d margin = Vec3d::Constant(3 * d);
+    const Domain seen = in_own_axes(scene.domain.box(), made.pose);
     if (keys.kind == "plane")  // wherever it moves, only what is in the domain is made
         return plane_inside(made.turn * keys.normal.normalized(), scene.domain.max - scene.domain.min + 2 * margin,
                             scene.domain.dimensions) /
@@ -124,8 +125,7 @@ double layer_points(const Scene& scene, const SceneShapes& shapes, std::size_t s
     if (keys.kind == "cylinder") return keys.cut ? round / d : round * ((keys.to - keys.from).norm() + r) / (d * d);
     Vec3d low = keys.min, high = keys.max;
     if (!made.moves()) {  // of a box that stands still, too
-        const Vec3d at = made.pose.translation.cast<double>();
-        low = low.cwiseMax(scene.domain.min - margin - at), high = high.cwiseMin(scene.domain.max + margin - at);
+        low = low.cwiseMax(seen.min.cast<double>() - margin), high = high.cwiseMin(seen.max.cast<double>() + margin);
     }
     const Vec3d size = (high - low).cwiseMax(0.0);
     if (keys.cut) return 2 * (size.x() + size.y()) / d;

@@ -2,6 +2,7 @@
 #include <numbers>
 
 #include "engine/core/errors.h"
+#include "engine/core/random.h"
 #include "engine/geometry/box.h"
 #include "engine/geometry/cylinder.h"
 #include "engine/geometry/mesh_shape.h"
@@ -209,6 +210,41 @@ TEST_CASE("a box through a periodic domain has neither ends nor seam there", "[g
         const auto [least, most] = gaps(particles, d, domain);
         CHECK(least == Approx(1).epsilon(1e-3));
         CHECK(most == Approx(1).epsilon(1e-3));
+    }
+}
+
+TEST_CASE("a tilted solid has its layer wherever it is in the domain, and no further out", "[geometry]") {
+    const Real d = Real(0.1);
+    Solids solids;
+    const auto sampled = [&](std::shared_ptr<const Shape> shape, const Vec3d& tilt, const Domain& domain) {
+        solids.all = {solid_of(std::move(shape))};
+        solids.all[0].turn = turn_by(tilt).toRotationMatrix();
+        solids.set_time(0, 1e-3);
+        return sample_solids(solids, d, domain);
+    };
+    // A bar that stands upright and is laid into a flat domain: as if it had been made lying.
+    const Domain flat{Vec3(-2, -1, Real(-0.3)), Vec3(2, 1, Real(0.3)), {}};
+    const SolidParticles laid = sampled(make_box({-0.1, -0.1, -1.5}, {0.1, 0.1, 1.5}), {0, std::numbers::pi / 2, 0}, flat);
+    CHECK(laid.size() == sampled(make_box({-1.5, -0.1, -0.1}, {1.5, 0.1, 0.1}), {0, 0, 0}, flat).size());
+
+    // A wide slope: every place of it in the domain has a particle near by, and none is further out than three spacings.
+    const double slope = std::numbers::pi / 6;
+    const Vec3 up(0, Real(-std::sin(slope)), Real(std::cos(slope)));
+    const bool along_x = GENERATE(false, true);
+    const Domain domain = cube(1, {along_x, false, false});
+    for (const auto& shape : {make_box({-5, -5, -5}, {5, 5, 0}), make_plane({0, 0, 0}, {0, 0, 1})}) {
+        const SolidParticles particles = sampled(shape, {slope, 0, 0}, domain);
+        for (const Vec3& x : particles.position) REQUIRE((x.array().abs() < 1 + 3 * d + 1e-5).all());
+        const Solid& solid = solids.all[0];
+        RandomNumbers numbers(3);
+        for (int n = 0; n < 2000; ++n) {
+            Vec3 x(Real(2 * numbers() - 1), Real(2 * numbers() - 1), Real(2 * numbers() - 1));
+            x -= solid.distance(x) * up;
+            if (!(x.array().abs() < 1).all()) continue;
+            Real nearest = 1;
+            for (const Vec3& p : particles.position) nearest = std::min(nearest, domain.minimum_image(p - x).norm());
+            REQUIRE(nearest < 0.95 * d);  // half a spacing deep, and half the diagonal of the lattice
+        }
     }
 }
 

@@ -62,6 +62,9 @@ const std::vector<Case> cases = {
     {"spacing = 0.01", "spacing = 0.01\nviscosity = \"3 sin(x)\"",
      "bad.toml:5:16: fluid.viscosity: \"3 sin(x)\" is not an expression: unexpected function \"sin\" (column 3 of the text); products have "
      "their sign: 3*sin(x); allowed: functions of x, y, z, age"},
+    {"spacing = 0.01", "spacing = 0.01\nviscosity = \"2t\"",
+     "bad.toml:5:15: fluid.viscosity: \"2t\" is not an expression: unexpected variable \"t\" (column 2 of the text); a number stands "
+     "alone, in Pa s; allowed: functions of x, y, z, age"},
     {"spacing = 0.01", "spacing = 0.01\nviscosity = \"10 Pas\"",
      "bad.toml:5:17: fluid.viscosity: \"10 Pas\" is not an expression: unexpected variable \"Pas\" (column 4 of the text); a number stands "
      "alone, in Pa s; allowed: functions of x, y, z, age"},
@@ -328,9 +331,9 @@ TEST_CASE("a key of ten thousands of parts is refused, in a file and on the comm
     for (int k = 0; k < 50000; ++k) key += ".a";
     std::string quoted = "\",\"", spaced = "a";
     for (int k = 0; k < 50000; ++k) quoted += ".\"#\"", spaced += " . a";
-    for (const std::string& text :
-         {good + key + " = 1\n", good + "[" + key + "]\n", "b = { " + key + " = 1 }\n" + good, good + quoted + " = 1\n",
-          good + spaced + " = 1\n", good + "x = [\"\"\"\na\"\"\", {" + key + " = 1}]\n"})
+    for (const std::string& text : {good + key + " = 1\n", good + "[" + key + "]\n", "b = { " + key + " = 1 }\n" + good,
+                                    good + quoted + " = 1\n", good + spaced + " = 1\n", good + "x = [\"\"\"\na\"\"\", {" + key + " = 1}]\n",
+                                    good + "x = [\"\"\"a\"\"\"\"\", {" + key + " = 1}]\n"})
         CHECK(messages_of(text).find("a key of more than 100 parts; allowed: up to four") != std::string::npos);
     std::string dots;
     for (int k = 0; k < 200; ++k) dots += ".5 ";
