@@ -157,10 +157,11 @@ std::string Key::allowed_beside(double x) const {
         if (may_be_auto) text = "auto, " + text;
         return text;
     }
-    // The largest number of the C++ type says nothing to people: it is told only where x itself is beyond it.
+    // The largest number of the C++ type says nothing to people: it is told only where x itself, a number, is beyond it.
     const double largest = single ? shortest_decimal(std::numeric_limits<float>::max()) : std::numeric_limits<double>::max();
     const double low = std::max(least, -largest), high = std::min(most, largest);
-    const bool bounded_below = std::abs(low) < 2e9 || x < low, bounded_above = std::abs(high) < 2e9 || x > high;
+    const bool told = std::isfinite(x) || single, bounded_below = std::abs(low) < 2e9 || (told && x < low),
+               bounded_above = std::abs(high) < 2e9 || (told && x > high);
     if (bounded_below) text = (least_open ? "more than " : "at least ") + plain(low);
     if (bounded_above) text += (text.empty() ? "at most " : ", at most ") + plain(high);
     return text;

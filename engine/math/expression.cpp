@@ -8,6 +8,9 @@
 #include <cstdlib>
 #include <numbers>
 #include <stdexcept>
+#include <vector>
+
+#include "engine/core/errors.h"
 
 namespace whorl {
 
@@ -28,15 +31,25 @@ std::string shortest(double value) {
 }
 
 /// muParser's message for an unknown function points at its parenthesis; people look for the name.
-ExpressionError described(const std::string& text, const mu::Parser::exception_type& e) {
+ExpressionError described(const std::string& text, const mu::Parser& parser, const mu::Parser::exception_type& e) {
     const auto end = static_cast<std::size_t>(std::max(0, e.GetPos()));
     if (e.GetCode() == mu::ecUNEXPECTED_PARENS && end > 0 && end < text.size() && text[end] == '(') {
         std::size_t begin = end;
         while (begin > 0 && (std::isalnum(static_cast<unsigned char>(text[begin - 1])) || text[begin - 1] == '_')) --begin;
         if (begin < end) {
             const int column = static_cast<int>(begin) + 1;
-            return {"\"" + text + "\" is not an expression: no function \"" + text.substr(begin, end - begin) + "\" (column " +
-                        std::to_string(column) + " of the text)",
+            const std::string name = text.substr(begin, end - begin);
+            std::vector<std::string> known;
+            std::string all;
+            for (const auto& function : parser.GetFunDef()) known.push_back(function.first), all += " " + function.first;
+            const auto shorter = [](const std::string& a, const std::string& b) { return a.size() < b.size(); };
+            std::stable_sort(known.begin(), known.end(), shorter);  // of two that are as near, "sin" before "sign"
+            const std::string near = name.size() > 3 ? nearest_name(name, known) : "";
+            std::string hint = near.empty() ? "; there are" + all : "; did you mean \"" + near + "\"?";
+            if (name == "pow") hint = "; powers are written x^2";
+            if (std::isdigit(static_cast<unsigned char>(name[0])) != 0) hint.clear();
+            return {"\"" + text + "\" is not an expression: no function \"" + name + "\" (column " + std::to_string(column) +
+                        " of the text)" + hint,
                     column};
         }
     }
@@ -58,8 +71,8 @@ Expression::Expression(double constant) : text_(shortest(constant)), constant_(c
 
 Expression::Expression(const std::string& text) : text_(text) {
     auto compiled = std::make_shared<Compiled>();
+    mu::Parser& p = compiled->parser;
     try {
-        mu::Parser& p = compiled->parser;
         p.DefineVar("t", &compiled->t);
         p.DefineVar("x", &compiled->x);
         p.DefineVar("y", &compiled->y);
@@ -81,7 +94,7 @@ Expression::Expression(const std::string& text) : text_(text) {
                 if (used.count(name) > 0) compiled->uses += name[0];
             compiled_ = std::move(compiled);
         }
-    } catch (const mu::Parser::exception_type& e) { throw described(text, e); }
+    } catch (const mu::Parser::exception_type& e) { throw described(text, p, e); }
 }
 
 double Expression::operator()(double t, double x, double y, double z) const {

@@ -100,6 +100,7 @@ std::string message_of(const toml::parse_error& e) {
     std::string text(e.description());
     const std::string start = "Error while parsing ";
     if (text.rfind(start, 0) == 0) text = "in this " + text.substr(start.size());
+    else if (!text.empty()) text[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(text[0])));
     return text;
 }
 
@@ -214,13 +215,18 @@ std::string with_plain_numbers(const std::string& text) {
     return out;
 }
 
+std::size_t offset_of(const std::string& text, const toml::source_position& place) {
+    std::size_t at = 0;
+    for (toml::source_index line = 1; line < place.line && at < text.size(); ++line)
+        at = std::min(text.find('\n', at), text.size() - 1) + 1;
+    for (toml::source_index column = 1; column < place.column && at < text.size();)  // columns are characters, not bytes
+        if ((text[++at] & 0xC0) != 0x80) ++column;
+    return at;
+}
+
 /// Makes the number that ends there, which TOML cannot hold, one that it can: infinite, say. The text keeps its length.
 /// @return false where it is no number
-bool mend_number(std::string& text, const toml::source_position& end) {
-    std::size_t at = 0;
-    for (toml::source_index line = 1; line < end.line && at < text.size(); ++line) at = std::min(text.find('\n', at), text.size() - 1) + 1;
-    for (toml::source_index column = 1; column < end.column && at < text.size();)  // columns are characters, not bytes
-        if ((text[++at] & 0xC0) != 0x80) ++column;
+bool mend_number(std::string& text, std::size_t at) {
     std::size_t begin = at;
     while (begin > 0 && in_number(text[begin - 1])) --begin;
     const std::string word = text.substr(begin, at - begin), plain = word.empty() ? word : plain_number(word);
@@ -228,6 +234,62 @@ bool mend_number(std::string& text, const toml::source_position& end) {
     if (plain == word || plain.size() > word.size() || !(too_many_digits || plain.find("inf") != std::string::npos)) return false;
     text.replace(begin, word.size(), plain + std::string(word.size() - plain.size(), ' '));
     return true;
+}
+
+bool begins(const std::string& text, std::initializer_list<const char*> beginnings) {
+    return std::any_of(beginnings.begin(), beginnings.end(), [&](const char* b) { return text.rfind(b, 0) == 0; });
+}
+
+/// The line above that has the same key in the same table, or the same header.
+std::string told_before(const std::string& text, std::size_t at) {
+    std::vector<std::string> lines;
+    std::istringstream in(text.substr(0, std::min(text.find('\n', at), text.size())));
+    for (std::string line; std::getline(in, line);) {
+        const std::string bare = line.substr(std::min(line.find_first_not_of(" \t"), line.size()));
+        lines.push_back(bare.substr(0, bare.find_first_of(bare[0] == '[' ? "]" : " \t=")));
+    }
+    for (std::size_t k = lines.empty() || lines.back().empty() ? 0 : lines.size() - 1; k-- > 0;)
+        if (lines[k] == lines.back()) return fmt::format("line {} has it already", k + 1);
+        else if (lines.back()[0] != '[' && lines[k][0] == '[') break;
+    return "";
+}
+
+/// What people mean who write that, from the text about the place where it stops being TOML.
+std::string syntax_hint(const std::string& text, std::size_t at, const std::string& what) {
+    const auto says = [&](const char* part) { return what.find(part) != std::string::npos; };
+    const std::string rest = text.substr(at, text.find('\n', at) - at);
+    if (says("utf-8") || text.find('\0') != std::string::npos) return "save the file as UTF-8";
+    if (says("redefine")) return told_before(text, at);
+    if (says("string") && (rest.empty() || rest == "\r")) return "a closing quote is missing";
+    if (says("expected '='") && rest[0] == ':') return "between a key and its value stands =";
+    if (begins(rest, {"\u2018", "\u2019", "\u201c", "\u201d", "\u201e", "\u00ab", "\u00bb"})) return "take straight quotes, \"";
+    // The value that is not read: behind the last sign before the place.
+    std::size_t begin = at == 0 ? 0 : text.rfind('\n', at - 1) + 1;
+    for (std::size_t i = begin; i < at;)
+        if (text[i] == '"' || text[i] == '\'') i = end_of_quoted(text, i);
+        else if (std::strchr("=[,{", text[i++]) != nullptr) begin = i;
+    if (begin == 0 || std::strchr("=[,{", text[begin - 1]) == nullptr || says("table header")) return "";
+    const bool after_key = text[begin - 1] == '=';
+    begin = std::min(text.find_first_not_of(" \t", begin), text.size());
+    if (after_key && begin >= at && (rest.empty() || rest[0] == '#' || rest == "\r")) return "a value is missing";
+    if (rest[0] == ',' && at > begin && std::isdigit(static_cast<unsigned char>(text[at - 1])) != 0) return "decimals stand behind a point";
+    std::size_t end = begin;
+    while (end < text.size() && in_number(text[end])) ++end;
+    const std::string word = text.substr(begin, end - begin);
+    if (word == "True" || word == "False") return word == "True" ? "write true" : "write false";
+    if (std::isalpha(static_cast<unsigned char>(text[begin])) != 0) return "texts and expressions stand in quotes";
+    if (word.empty() || std::strchr("+-.0123456789", word[0]) == nullptr) return "";
+    if (const std::string plain = plain_number(word); plain != word) return "write " + plain;
+    char* stop = nullptr;
+    std::strtod(text.c_str() + begin, &stop);
+    while (*stop == ' ' || *stop == '\t') ++stop;
+    const std::string behind(stop, std::strcspn(stop, "\n,]}#"));
+    if (behind.find('=') != std::string::npos) return "each key has a line of its own";
+    if (begins(behind, {"//", "/*"})) return "comments begin with #";
+    if (begins(behind, {"*", "/", "+", "-", "^"})) return "texts and expressions stand in quotes";
+    const bool unit =
+        !behind.empty() && (std::isalpha(static_cast<unsigned char>(behind[0])) != 0 || (behind[0] & 0x80) != 0 || behind[0] == '%');
+    return unit ? "a number stands alone, without its unit" : "";
 }
 
 void set_place(Value& v, const Place& place) {
@@ -247,10 +309,9 @@ Value parse_toml(const std::string& text, const std::string& file) {
             return converted(toml::parse(mended, file), file);
         } catch (const toml::parse_error& e) {
             // A number too large to be held is told with its key: the key's own check does so.
-            if (tries < 100 && mend_number(mended, e.source().begin)) continue;
-            const Place place = place_of(e.source(), file);
-            const bool unquoted = std::strstr(e.what(), "could not determine value type") != nullptr;
-            throw InputError(place, "not TOML: " + message_of(e), unquoted ? "texts stand in quotes" : "");
+            const std::size_t at = offset_of(mended, e.source().begin);
+            if (tries < 100 && mend_number(mended, at)) continue;
+            throw InputError(place_of(e.source(), file), "not TOML: " + message_of(e), syntax_hint(mended, at, message_of(e)));
         }
 }
 
@@ -281,7 +342,7 @@ Change parse_change(const std::string& text, const std::string& option) {
 
 void apply_change(Value& root, const Change& change, std::vector<Problem>& problems) {
     const Place place{change.source, 0, 0};
-    if (!change.complete) {
+    if (!change.complete || change.value.empty()) {
         problems.push_back({place, "a change needs a value", "", "allowed: key=value, as in fluid.viscosity=100"});
         return;
     }

@@ -30,6 +30,7 @@ private:
     void check_in_plane(const Key& key, const Value& v, const std::string& path);
     void read_part(const KeyTable::Part& part, void* object, const Value& v, const std::string& path);
     std::string key_elsewhere(const std::string& name) const;
+    std::string new_entry(const std::string& path) const;
     void unknown(const Value& v, const std::string& name, const KeyTable& table, const std::string& path);
     /// Whether an option (--set) chose what the key `full`, which a file gives, does not belong to: then it is left out, as nobody who asks
     /// for another style wants to edit the file first.

@@ -33,12 +33,10 @@ const std::vector<Case> cases = {
     {"spacing = 0.01", "spacing = 0", "bad.toml:4:11: fluid.spacing = 0 is out of range; allowed: at least 1e-09"},
     {"spacing = 0.01", "spacing = 1e-320", "bad.toml:4:11: fluid.spacing = 1e-320 is out of range; allowed: at least 1e-09"},
     {"spacing = 0.01", "spacing = nan", "bad.toml:4:11: fluid.spacing = nan is not a finite number; allowed: at least 1e-09"},
-    {"spacing = 0.01", "spacing = 1e999 # µ",
-     "bad.toml:4:11: fluid.spacing = inf is not a finite number; allowed: at least 1e-09, at most "
-     "1.7976931348623157e+308"},
+    {"spacing = 0.01", "spacing = 1e999 # µ", "bad.toml:4:11: fluid.spacing = inf is not a finite number; allowed: at least 1e-09"},
     {"spacing = 0.01", "spacing = 0.01\nforce = [\"µ\", -1e999, 1e999]",
-     "bad.toml:5:15: fluid.force[1] = -inf is not a finite number; allowed: at least -1.7976931348623157e+308\n"
-     "bad.toml:5:23: fluid.force[2] = inf is not a finite number; allowed: at most 1.7976931348623157e+308"},
+     "bad.toml:5:15: fluid.force[1] = -inf is not a finite number\n"
+     "bad.toml:5:23: fluid.force[2] = inf is not a finite number"},
     {"spacing = 0.01", "spacing = [0.01]", "bad.toml:4:11: fluid.spacing must be a number [m], not a list of 1"},
     {"spacing = 0.01", "spacing = 0.01\nsupport = 9", "bad.toml:5:11: fluid.support = 9 is out of range; allowed: at least 1.2, at most 6"},
     {"spacing = 0.01", "spacing = 0.01\nsupport = \"wide\"",
@@ -50,8 +48,11 @@ const std::vector<Case> cases = {
      "bad.toml:5:18: fluid.viscosity: \"1 + * 2\" is not an expression: unexpected operator \"*\" (column 5 of the text); allowed: "
      "functions of x, y, z, age"},
     {"spacing = 0.01", "spacing = 0.01\nviscosity = \"2*sinn(x)\"",
-     "bad.toml:5:16: fluid.viscosity: \"2*sinn(x)\" is not an expression: no function \"sinn\" (column 3 of the text); allowed: functions "
-     "of x, y, z, age"},
+     "bad.toml:5:16: fluid.viscosity: \"2*sinn(x)\" is not an expression: no function \"sinn\" (column 3 of the text); did you mean "
+     "\"sin\"?; allowed: functions of x, y, z, age"},
+    {"spacing = 0.01", "spacing = 0.01\nviscosity = \"pow(x, 2)\"",
+     "bad.toml:5:14: fluid.viscosity: \"pow(x, 2)\" is not an expression: no function \"pow\" (column 1 of the text); powers are "
+     "written x^2; allowed: functions of x, y, z, age"},
     {"spacing = 0.01", "spacing = 0.01\nviscosity = \"1 + q\"",
      "bad.toml:5:18: fluid.viscosity: \"1 + q\" is not an expression: unexpected token \"q\" (column 5 of the text); allowed: functions of "
      "x, y, z, age"},
@@ -188,13 +189,16 @@ const std::vector<Case> cases = {
     {"", "[quality.fine]\nfluid.spacing = \"x\"\nblock.4.shape = \"box\"",
      "bad.toml:10:17: fluid.spacing must be a number [m], not the text \"x\"\n"
      "bad.toml:11:17: there is no block[4]; block has the entries 0 to 0"},
-    {"", "[fluid]\ndensity = 1", "bad.toml:9:1: not TOML: in this table header: cannot redefine existing table 'fluid'"},
-    {"", "[models]\npressure = ppe", "bad.toml:10:12: not TOML: in this value: could not determine value type; texts stand in quotes"},
+    {"", "[fluid]\ndensity = 1",
+     "bad.toml:9:1: not TOML: in this table header: cannot redefine existing table 'fluid'; line 3 has it already"},
+    {"", "[models]\npressure = ppe",
+     "bad.toml:10:12: not TOML: in this value: could not determine value type; texts and expressions stand in quotes"},
     {"", "[models\npressure = \"ppe\"", "bad.toml:9:8: not TOML: in this table header: expected ']', saw '\\n'"},
     {"[time]", "name = \"" + std::string(201, 'a') + "\"\n[time]",
      "bad.toml:1:8: name = \"" + std::string(201, 'a') + "\" cannot name a folder; allowed: letters, digits, _ - ., at most 200 of them"},
     {"", "name = \"a",
-     "bad.toml:9:10: not TOML: in this string: unescaped control characters other than TAB (U+0009) are explicitly prohibited"},
+     "bad.toml:9:10: not TOML: in this string: unescaped control characters other than TAB (U+0009) are explicitly prohibited; a closing "
+     "quote is missing"},
 };
 
 std::string messages_of(const std::string& text, const ReadRequest& request = {}) {
@@ -216,6 +220,47 @@ TEST_CASE("every mistake in a scene file gets its place, what is wrong, a hint a
         else text.replace(text.find(c.replaced), c.replaced.size(), c.by);
         CAPTURE(text);
         CHECK(messages_of(text) == c.messages);
+    }
+}
+
+TEST_CASE("what stops being TOML gets the way out, at its place", "[scene]") {
+    const std::vector<std::pair<std::string, std::string>> wrong = {
+        {"end = 1,5", "2:8 decimals stand behind a point"},
+        {"end = 2s", "2:8 a number stands alone, without its unit"},
+        {"end = 8 \u00b5s # long", "2:9 a number stands alone, without its unit"},
+        {"end = 80.0 Pa s", "2:12 a number stands alone, without its unit"},
+        {"end = [8mm, 1]", "2:9 a number stands alone, without its unit"},
+        {"end = 1/120", "2:8 texts and expressions stand in quotes"},
+        {"end = 0.5*2", "2:10 texts and expressions stand in quotes"},
+        {"end = sin(1, 2)", "2:7 texts and expressions stand in quotes"},
+        {"end = tube", "2:8 texts and expressions stand in quotes"},
+        {"end = True", "2:7 write true"},
+        {"end = .5", "2:7 write 0.5"},
+        {"end = 5. # s", "2:9 write 5.0"},
+        {"end = [1.e3, 1]", "2:10 write 1000.0"},
+        {"end = \u201ca\u201d", "2:7 take straight quotes, \""},
+        {"end = 'a", "2:9 a closing quote is missing"},
+        {"end = 1\nfps = 2\n end=3", "4:6 line 2 has it already"},
+        {"end = 1\n[ a ]\n[ b ]\n[ a ]", "5:1 line 3 has it already"},
+        {"end =", "2:6 a value is missing"},
+        {"end: 1", "2:4 between a key and its value stands ="},
+        {"end = 1 fps = 2", "2:9 each key has a line of its own"},
+        {"end = 1 // s", "2:9 comments begin with #"},
+        {"end = 1 # \xe9", "2:10 save the file as UTF-8"},
+        {"end = [1 2]", "2:10 "},
+        {"end = ~", "2:7 "},
+    };
+    for (const auto& [by, told] : wrong) {
+        std::string text = good;
+        text.replace(text.find("end = 1"), 7, by);
+        try {
+            read_scene_text(text, "bad.toml", {});
+            FAIL(by);
+        } catch (const InputError& e) {
+            const Problem& p = e.problems().front();
+            CAPTURE(by, p.what);
+            CHECK(std::to_string(p.place.line) + ":" + std::to_string(p.place.column) + " " + p.hint == told);
+        }
     }
 }
 
@@ -267,18 +312,22 @@ TEST_CASE("several mistakes are told in one go, in the order of their places, th
     request.changes = {parse_change("fluid.viscosity=-1"),
                        parse_change("time.edn=3"),
                        parse_change("seed"),
+                       parse_change("seed="),
+                       parse_change("quality.draft.seed=1"),
                        parse_change("block[7].min=[0,0,0]"),
                        parse_change("a b=1"),
                        parse_change("output.size=[1,2"),
                        parse_change("block.min=1"),
                        parse_change("block[0].max=[0, 2 x]"),
-                       parse_change("block[0].max.x=1")};
+                       parse_change("block[0].max.x=1"),
+                       parse_change("block[1].radius=1")};
     const std::string text = "[time]\nend = \"x\"\n[fluid]\nspacing = 0\n[[block]]\nshape = 3\nmax = [1, 1, 1]\n";
     CHECK(messages_of(text, request) ==
           "bad.toml:2:7: time.end must be a number [s], not the text \"x\"\n"
           "bad.toml:4:11: fluid.spacing = 0 is out of range; allowed: at least 1e-09\n"
           "bad.toml:6:9: block[0].shape must be a text, not the number 3; allowed: box, sphere, cylinder or mesh\n"
           "--set seed: a change needs a value; allowed: key=value, as in fluid.viscosity=100\n"
+          "--set seed=: a change needs a value; allowed: key=value, as in fluid.viscosity=100\n"
           "--set block[7].min=[0,0,0]: there is no block[7]; block has the entries 0 to 0\n"
           "--set a b=1: \"a b\" is not a key; allowed: names with dots between them, as in emitter[0].speed\n"
           "--set output.size=[1,2: the value is not TOML: in this array: encountered end-of-file\n"
@@ -290,7 +339,11 @@ TEST_CASE("several mistakes are told in one go, in the order of their places, th
           "entries 0 to 2\n"
           "--set time.edn=3: unknown key \"edn\" in [time]; did you mean \"end\"?; allowed: end, fps, slow_motion, max_step, cfl, "
           "fixed_step, sleep\n"
-          "--set fluid.viscosity=-1: fluid.viscosity = -1 is out of range; allowed: at least 0");
+          "--set fluid.viscosity=-1: fluid.viscosity = -1 is out of range; allowed: at least 0\n"
+          "--set quality.draft.seed=1: the tables [quality] are read from the scene file only; set the key itself, as in fluid.spacing; "
+          "--quality draft chooses a table\n"
+          "--set block[1].radius=1: block[1].shape is missing; what it is; block has the entries 0 to 0, and a new one needs this; "
+          "allowed: box, sphere, cylinder or mesh");
 }
 
 TEST_CASE("numbers on the command line may be written as people write them", "[scene]") {
@@ -314,9 +367,7 @@ TEST_CASE("numbers on the command line may be written as people write them", "[s
     CHECK(scene.time.cfl == 1.5);
     CHECK(scene.domain.gravity(0) == Vec3d(0.5, -1, 0));
     request.changes = {parse_change("fluid.viscosity=1e999")};
-    CHECK(
-        messages_of(text, request) ==
-        "--set fluid.viscosity=1e999: fluid.viscosity = inf is not a finite number; allowed: at least 0, at most 1.7976931348623157e+308");
+    CHECK(messages_of(text, request) == "--set fluid.viscosity=1e999: fluid.viscosity = inf is not a finite number; allowed: at least 0");
     request.changes = {parse_change("time.cfl=.8.1")};
     CHECK(messages_of(text, request) == "--set time.cfl=.8.1: time.cfl must be a number, not the text \".8.1\"");
 }
