@@ -19,10 +19,23 @@ namespace {
 namespace fs = std::filesystem;
 
 const char* const allowed_names = "allowed: letters, digits, _ - ., at most 200 of them";
+constexpr std::size_t longest_name = 200;  ///< longer ones get their endings, too: the system takes 255
 bool file_name(const std::string& text) {
-    constexpr std::size_t longest = 200;  // longer ones get their endings, too: the system takes 255
-    return !text.empty() && text.size() <= longest && text[0] != '.' && text[0] != '-' &&
+    return !text.empty() && text.size() <= longest_name && text[0] != '.' && text[0] != '-' &&
            std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '.'; });
+}
+
+/// The file's name as that of a scene: each character that no name has is _.
+std::string name_after(const fs::path& file) {
+    std::string name;
+    for (const char c : file.stem().string()) {
+        const auto byte = static_cast<unsigned char>(c);
+        const bool at_start = name.empty() && (c == '-' || c == '.');
+        if (byte < 0x80 && !at_start && file_name("a" + std::string(1, c))) name += c;
+        else if ((byte & 0xC0) != 0x80) name += '_';  // once a character
+    }
+    if (name.size() > longest_name) name.resize(longest_name);
+    return name.empty() ? "scene" : name;
 }
 
 /// Unit length, but a vector that is so already keeps its bits: a resolved scene reads back as itself.
@@ -64,10 +77,10 @@ public:
     }
 
 private:
-    /// By the scene's own scale: a film of hours is not made in steps of milliseconds. A quick look with fewer pictures or an earlier end
-    /// has the same steps.
+    /// By the scene's own scale: a film of hours is not made in steps of milliseconds. A quick look with fewer pictures, one a second say,
+    /// or an earlier end has the same steps.
     void longest_step() {
-        const double as_it_plays = 1 / (600 * scene_.time.slow_motion);
+        const double as_it_plays = 1 / (600 * scene_.time.slow_motion * std::min(1.0, scene_.time.fps));
         if (reader_.places.count("time.max_step") == 0 && std::isfinite(as_it_plays))
             scene_.time.max_step = std::max(scene_.time.max_step, as_it_plays);
     }
@@ -164,7 +177,7 @@ bool is_plane(const Value& root) {
 void read_tree(const Value& root, const std::string& file, const std::vector<Section>& sections, Scene& scene,
                std::vector<Problem>& problems) {
     scene.directory = fs::path(file).parent_path().string();
-    scene.name = fs::path(file).stem().string();
+    scene.name = name_after(file);
     const bool plane = is_plane(root);
     Reader reader(scene_keys(), &scene, sections, plane);
     reader.read(root);

@@ -88,9 +88,11 @@ TEST_CASE("what a scene leaves out takes the defaults of the structs", "[scene]"
     CHECK_FALSE(scene.fluid.kernel.has_value());
     CHECK(scene.output.size == std::array<int, 2>{1280, 720});
     CHECK(scene.pressure.gamma == 7);
-    CHECK(read_scene_text("[time]\nend = 1\n[fluid]\nspacing = 1\n[[block]]\nshape = \"box\"\nmin = [0,0,0]\nmax = [1,1,1]\n",
-                          "dir/name.toml")
-              .name == "name");
+    const std::string nameless = "[time]\nend = 1\n[fluid]\nspacing = 1\n[[block]]\nshape = \"box\"\nmin = [0,0,0]\nmax = [1,1,1]\n";
+    CHECK(read_scene_text(nameless, "dir/name.toml").name == "name");
+    for (const auto& [file, name] : std::vector<std::array<std::string, 2>>{
+             {"a/my scene (2).toml", "my_scene__2_"}, {"caf\u00e9.toml", "caf_"}, {"-v.1.toml", "_v.1"}, {".toml", "_toml"}, {"", "scene"}})
+        CHECK(read_scene_text(nameless, file).name == name);
 }
 
 TEST_CASE("the longest step that is left out goes by how fast the film is, not by its pictures or its end", "[scene]") {
@@ -102,6 +104,8 @@ TEST_CASE("the longest step that is left out goes by how fast the film is, not b
     CHECK(hours == Approx(1 / 0.6));
     CHECK(longest({"time.slow_motion=1e-3", "time.end=1", "time.fps=2"}) == hours);
     CHECK(longest({"time.slow_motion=1e-3", "time.max_step=1e-3"}) == 1e-3);
+    CHECK(longest({"time.fps=0.4"}) == TimeKeys{}.max_step);
+    CHECK(longest({"time.fps=1e-3", "time.end=1e5"}) == hours);
 }
 
 TEST_CASE("a paddle that turns is planned at once, however long a step may be", "[scene][plan]") {
