@@ -40,9 +40,16 @@ public:
         for (std::size_t i = 0; i < scene_.emitters.size(); ++i) emitter(entry_name("emitter", i), scene_.emitters[i]);
         for (std::size_t i = 0; i < scene_.solids.size(); ++i) solid(entry_name("solid", i), i);
         for (std::size_t i = 0; i < scene_.drains.size(); ++i) drain(entry_name("drain", i), shapes_.drain_extent[i]);
-        for (std::size_t i = 0; i < scene_.streams.size(); ++i)
+        for (std::size_t i = 0; i < scene_.streams.size(); ++i) {
+            for (const double t : sample_times(0, scene_.time.end))
+                if (!scene_.streams[i].velocity(t).allFinite()) {
+                    const std::string key = entry_name("stream", i) + ".velocity";
+                    report(key, fmt::format("{} is not finite at t = {:.4g} s", key, t));
+                    break;
+                }
             if (outside(scene_.streams[i].min, scene_.streams[i].max))
                 report(entry_name("stream", i), entry_name("stream", i) + " lies outside of the domain", "", domain_text());
+        }
         for (std::size_t i = 0; i < scene_.vortices.size(); ++i) vortex(entry_name("vortex", i), scene_.vortices[i]);
         for (std::size_t i = 0; i < scene_.probes.size(); ++i) probe(entry_name("probe", i), scene_.probes[i]);
         memory();
@@ -219,9 +226,10 @@ private:
         const double thinnest = narrowest_of(e, plan_.dimensions());
         if (thinnest < plan_.spacing) too_coarse(name, thinnest);
         for (const double t : sample_times(e.start, std::max(e.start, std::min(e.stop, scene_.time.end))))
-            if (!(e.speed(t) >= 0)) {
-                report(name + ".speed", fmt::format("{}.speed is {:.4g} m/s at t = {:.4g} s", name, e.speed(t), t), "",
-                       "allowed: at least 0");
+            if (const double u = e.speed(t); !(u >= 0) || !std::isfinite(u)) {
+                oversized_ = true;
+                report(name + ".speed", fmt::format("{}.speed is {:.4g} m/s at t = {:.4g} s", name, u, t), "",
+                       std::isinf(u) ? "" : "allowed: at least 0");
                 break;
             }
         const std::string key = e.viscosity ? name + ".viscosity" : "fluid.viscosity";
@@ -254,7 +262,8 @@ private:
         if (s.inside || s.position.depends_on_time() || !s.rotation.is_zero()) return;
         const Extent& e = shapes_.solid_extent[i];
         const Vec3d at = s.position(0);
-        if (outside(e.min + at, e.max + at)) report(name, name + " lies outside of the domain and never enters it", "", domain_text());
+        if (!outside(e.min + at, e.max + at) || (s.shape.kind == "mesh" && oversized(name, s.shape, e))) return;
+        report(name, name + " lies outside of the domain and never enters it", "", domain_text());
     }
 
     void drain(const std::string& name, const Extent& e) {
@@ -303,21 +312,21 @@ private:
     void memory_of_samples() {
         const double have = free_;
         double kept = 0, at_once = 0;  // bytes
-        const auto add = [&](const std::string& name, const char* what, double points, double bytes, double choosing) {
+        const auto add = [&](const std::string& name, const char* key, const char* what, double points, double bytes, double choosing) {
             const bool fitted = kept + at_once <= have;
             kept += points * bytes, at_once = std::max(at_once, points * choosing);
             if (fitted && kept + at_once > have)
-                report(name,
+                report(name + key,
                        fmt::format("{} of {} takes about {:.2g} particles at this spacing, which need {:.2g} GB of memory, and {:.2g} GB "
                                    "are free",
                                    what, name, points, points * (bytes + choosing) / 1e9, have / 1e9),
                        "make it smaller or fluid.spacing larger");
         };
         for (std::size_t i = 0; i < scene_.emitters.size() && !oversized_; ++i)
-            add(entry_name("emitter", i), "the nozzle", nozzle_points(scene_.emitters[i], plan_.spacing, plan_.dimensions()), 300, 0);
+            add(entry_name("emitter", i), "", "the nozzle", nozzle_points(scene_.emitters[i], plan_.spacing, plan_.dimensions()), 300, 0);
         for (std::size_t i = 0; i < scene_.solids.size() && plan_.boundary != BoundaryModel::none; ++i)
-            add(entry_name("solid", i), "the surface", layer_points(scene_, shapes_, i), 250,
-                scene_.solids[i].shape.kind == "mesh" ? 950 : 0);
+            if (const bool mesh = scene_.solids[i].shape.kind == "mesh"; true)
+                add(entry_name("solid", i), mesh ? ".scale" : "", "the surface", layer_points(scene_, shapes_, i), 250, mesh ? 950 : 0);
     }
 
     const Scene& scene_;
@@ -327,7 +336,7 @@ private:
     KeyProblems report;
     Vec3d low_, high_;
     double free_ = free_memory();
-    bool oversized_ = false;  ///< an opening or a block is: its particles need not be counted
+    bool oversized_ = false;  ///< an opening, a block or a speed is: its particles need not be counted
 };
 
 }  // namespace

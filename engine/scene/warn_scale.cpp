@@ -105,11 +105,24 @@ private:
                                  length(across), given, given / 1000));
     }
 
+    /// Fluid that no picture of the film shows on its way, of centimetres a second as a rule.
+    void too_fast_to_see(const std::string& key, double u) {
+        const double room = longest_side(scene_.domain), picture = 1 / (24 * scene_.time.slow_motion);
+        if (u > 1 && u <= fastest_fluid && u * picture > room)
+            add(key, fmt::format("{}: {:.4g} m/s crosses the whole domain of {} in {:.2g} s, less than a picture of the film takes; {:.4g} "
+                                 "cm/s would be {:.4g}",
+                                 key, u, length(room), room / u, u, u / 100));
+    }
+
     /// Of everything, the largest over the run.
     void speeds() {
         const double end = scene_.time.end;
-        for (std::size_t i = 0; i < scene_.emitters.size(); ++i)
-            speed(entry_name("emitter", i) + ".speed", "fluid", fastest_of(scene_.emitters[i], end));
+        for (std::size_t i = 0; i < scene_.emitters.size(); ++i) {
+            const std::string key = entry_name("emitter", i) + ".speed";
+            const double fastest = fastest_of(scene_.emitters[i], end);
+            speed(key, "fluid", fastest);
+            too_fast_to_see(key, fastest);
+        }
         for (std::size_t i = 0; i < scene_.blocks.size(); ++i)
             speed(entry_name("block", i) + ".velocity", "fluid",
                   fastest_of(scene_.blocks[i], shapes_.block_extent[i].min, shapes_.block_extent[i].max));
@@ -128,7 +141,7 @@ private:
         }
     }
     void speed(const std::string& key, const char* what, double u, bool turns = false) {
-        if (!(u > fastest_fluid)) return;
+        if (!(u > fastest_fluid) || std::isinf(u)) return;
         const std::string slip = turns ? "rotation is in rad/s, and a turn a second is 6.28"
                                        : fmt::format("speeds are in m/s, and {0:.4g} mm/s would be {1:.4g}", u, u / 1000);
         add(key, fmt::format("{}: the {} moves with {:.4g} m/s, {:.0f} km/h; {}", key, what, u, 3.6 * u, slip));

@@ -70,7 +70,7 @@ Seen seen_from(const View& view, float aspect, const Vec3f& low, const Vec3f& hi
 
 /// The keys that say where the camera stands, looks and what is up.
 struct CameraNames {
-    std::string position = "camera.position", target = "camera.target", up = "camera.up";
+    std::string position = "camera.position", target = "camera.target", up = "camera.up", fov = "camera.fov";
 };
 CameraNames names_of(const CameraOptions& camera, double time) {
     CameraNames names;
@@ -81,16 +81,51 @@ CameraNames names_of(const CameraOptions& camera, double time) {
     const auto nearest =
         std::min_element(camera.keys.begin(), camera.keys.end(), [&](const auto& a, const auto& b) { return far(a) < far(b); });
     const std::string key = fmt::format("camera.key[{}]", nearest - camera.keys.begin());
-    names.position = key + ".position", names.target = key + ".target";
+    names.position = key + ".position", names.target = key + ".target", names.fov = key + ".fov";
     return names;
 }
 
-}  // namespace
+/// A lens that is too narrow or too wide for what is ahead.
+void warn_of_lens(const SceneFile& file, const View& view, const std::string& fov, const std::string& when,
+                  std::vector<std::string>& warnings) {
+    const auto wide = static_cast<double>(view.fov), ahead = static_cast<double>((view.target - view.position).norm());
+    const double seen = 2 * ahead * std::tan(0.5 * wide * std::numbers::pi / 180),
+                 room = (file.scene.domain.max - file.scene.domain.min).maxCoeff();
+    if (wide < 1 && seen < 0.1 * room)
+        warnings.push_back(
+            fmt::format("{} = {:g}: {:.2g} m of the scene are in the picture's height{}; it is in degrees, and the camera "
+                        "is {:.3g} m away",
+                        fov, wide, seen, when, ahead));
+    if (const auto lens = static_cast<double>(view.aperture), focus = static_cast<double>(view.focus); lens > 0.5 * focus)
+        warnings.push_back(
+            fmt::format("camera.aperture = {:g}: such a wide lens blurs all but what is just {:.3g} m away{}; it is in metres, and "
+                        "{:g} mm would be {:g}",
+                        lens, focus, when, lens, lens / 1000));
+}
 
-std::vector<std::string> camera_warnings(const SceneFile& file) {
+/// Keys of the camera that make it jump, or that the film does not reach. A quick look with an earlier end is no mistake.
+void warn_of_keys(const SceneFile& file, std::vector<std::string>& warnings) {
+    const std::vector<CameraKey>& keys = file.camera.keys;
+    if (file.camera.kind != "keys") return;
+    const double end = file.scene.time.end;
+    bool late = file.scene.place("time.end").line == 0;  // no more is said of it
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+        if (keys[i].time > end && !late) {
+            warnings.push_back(fmt::format("camera.key[{}].time = {:g} s is after the film's end, {:g} s", i, keys[i].time, end));
+            late = true;
+        }
+        for (std::size_t j = 0; j < i; ++j)
+            if (keys[i].time == keys[j].time) {
+                warnings.push_back(
+                    fmt::format("camera.key[{}] has the time of camera.key[{}], {:g} s: there the camera jumps", i, j, keys[i].time));
+                break;
+            }
+    }
+}
+
+std::vector<std::string> view_warnings(const SceneFile& file) {
     const CameraOptions& camera = file.camera;
     const Scene& scene = file.scene;
-    if (!scene.output.frames || (camera.kind == "auto" && !camera.min)) return {};
     std::vector<double> times{0, 0.5 * scene.time.end, scene.time.end};
     const bool still = camera.kind == "fixed" || camera.kind == "auto";
     if (still) times = {0};
@@ -116,8 +151,20 @@ std::vector<std::string> camera_warnings(const SceneFile& file) {
         if (seen.part < least_part)
             return {fmt::format("{}: the domain is {:.2g} % of the picture's height, the camera is {:.3g} m away{}; lengths are in metres",
                                 name.position, 100 * seen.part, away, when)};
+        std::vector<std::string> of_lens;
+        if (camera.kind != "auto") warn_of_lens(file, view, name.fov, when, of_lens);
+        if (!of_lens.empty()) return of_lens;
     }
     return {};
+}
+
+}  // namespace
+
+std::vector<std::string> camera_warnings(const SceneFile& file) {
+    if (!file.scene.output.frames || (file.camera.kind == "auto" && !file.camera.min)) return {};
+    std::vector<std::string> warnings = view_warnings(file);
+    warn_of_keys(file, warnings);
+    return warnings;
 }
 
 Plan make_plan(const SceneFile& file) {

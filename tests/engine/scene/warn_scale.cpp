@@ -35,6 +35,11 @@ TEST_CASE("a size that comes from a wrong unit is told with its key, what it mea
                  "emitter[0].radius = 5: the nozzle is 10 m across; lengths are in metres, and 5 mm would be 0.005"));
     CHECK(warned({"emitter[0].speed=300", "time.end=0.01"},
                  "emitter[0].speed: the fluid moves with 300 m/s, 1080 km/h; speeds are in m/s, and 300 mm/s would be 0.3"));
+    CHECK(warned(
+        {"emitter[0].speed=25"},
+        "emitter[0].speed: 25 m/s crosses the whole domain of 0.2 m in 0.008 s, less than a picture of the film takes; 25 cm/s would "
+        "be 0.25"));
+    CHECK(messages_with({"emitter[0].speed=1/t"}) == "--set emitter[0].speed=1/t: emitter[0].speed is inf m/s at t = 0 s");
     CHECK(warned({"fluid.density=1.3"}, "fluid.density = 1.3 kg/m^3 is that of a gas (air has 1.2, water 1000): 1.3 g/cm^3 would be 1300"));
     CHECK(warned({"fluid.surface_tension=72"},
                  "fluid.surface_tension = 72 N/m is more than that of any liquid (water has 0.072, mercury 0.49): 72 mN/m would be 0.072"));
