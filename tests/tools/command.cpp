@@ -70,6 +70,33 @@ TEST_CASE("a mistyped command line ends with 2 and the nearest word", "[tools]")
     CHECK(option.text == "whorl schema: unexpected argument \"--markdwn\"; did you mean \"--markdown\"?; see whorl schema --help\n");
 }
 
+TEST_CASE("an option that takes a number tells what it must be, a scene that is none the nearest", "[tools]") {
+    const fs::path folder = empty_folder("numbers");
+    write(folder / "my scene.toml", "");
+    for (const auto& [arguments, told] : std::vector<std::pair<std::string, std::string>>{
+             {"render a --frames abc", "whorl render: --frames must be a whole number, at least 1, not \"abc\"; see"},
+             {"render a --frames 0", "whorl render: --frames must be a whole number, at least 1, not \"0\"; see"},
+             {"render a --frames 9999999999",
+              "whorl render: --frames must be a whole number from 1 to 2147483647, not \"9999999999\"; see"},
+             {"render a --threads 2000", "whorl render: --threads must be a whole number from 0 to 1024, not \"2000\"; see"},
+             {"render a --seed -1", "whorl render: --seed must be a whole number from 0 to 9223372036854775807, not \"-1\"; see"},
+             {"render a --until 2s", "whorl render: --until must be a number [s], not \"2s\"; see"},
+             {"farm a --jobs 0", "whorl farm: --jobs must be a whole number, at least 1, not \"0\"; see"},
+             {"video a --fps -1", "whorl video: --fps must be a number above 0, not \"-1\"; see"},
+             {"render 'my scene'", "my scene: no such scene file; did you mean \"my scene.toml\"?; allowed: a path"},
+             {"render 'my_scene.toml'", "my_scene.toml: no such scene file; did you mean \"my scene.toml\"?; allowed: a path"},
+             {"render scenes/lava.toml", "scenes/lava.toml: no such scene file; did you mean \"lava\"?; allowed: a path"},
+             {"render hony_coil", "hony_coil: no such scene file; did you mean \"honey_coil\"?; allowed: a path"},
+             {"render coil_frequency", "coil_frequency: is a study, not a scene; whorl tradeoff coil_frequency\n"},
+             {"tradeoff honey_coil", "honey_coil: is a scene, not a study; whorl render honey_coil\n"}}) {
+        const Outcome outcome = whorl_in(folder, arguments);
+        INFO(outcome.text);
+        CHECK(outcome.code == 2);
+        CHECK(outcome.text.rfind(told, 0) == 0);
+    }
+    fs::remove_all(folder);
+}
+
 TEST_CASE("the schema that the program prints is JSON and has the sections of the picture too", "[tools]") {
     const Outcome schema = whorl_in(".", "schema");
     CHECK(schema.code == 0);

@@ -41,6 +41,13 @@ bool hidden(const UsedKey& k) {
     return k.path == "name" || k.path == "seed" || (k.key->type == KeyType::text && !k.key->may_change);
 }
 
+/// The number that a text is, as the command line takes it.
+std::optional<Value> number_in(const std::string& text) {
+    if (text.empty() || text.find_first_not_of("+-._0123456789eE") != std::string::npos) return std::nullopt;
+    Value value = read_change({"", text, "", true}).value;
+    return value.is_number() ? std::optional(std::move(value)) : std::nullopt;
+}
+
 }  // namespace
 
 std::optional<Value> value_of(const nlohmann::json& json) {
@@ -52,6 +59,7 @@ std::optional<Value> value_of(const nlohmann::json& json) {
     if (json.is_string()) {
         auto text = json.get<std::string>();
         if (text.size() > longest_text) return std::nullopt;
+        if (auto number = number_in(text)) return number;
         return Value(std::move(text));
     }
     if (!json.is_array() || json.size() > longest_list) return std::nullopt;

@@ -113,8 +113,8 @@ void add_farm(CLI::App& program, Job& chosen) {
         ->type_name("PLACE");
     app->add_option("--jobs", command->farm.jobs, "tasks at the same time (default: local: as the cores carry, slurm: no limit)")
         ->type_name("N")
-        ->check(CLI::PositiveNumber);
-    app->add_option("--pieces", command->pieces, "pieces that a film is drawn in (default: 8)")->type_name("N")->check(CLI::PositiveNumber);
+        ->check(whole_number(1));
+    app->add_option("--pieces", command->pieces, "pieces that a film is drawn in (default: 8)")->type_name("N")->check(whole_number(1));
     app->add_option("--sbatch", command->farm.sbatch, "one more option for sbatch: --sbatch=--partition=short (repeatable)")
         ->type_name("OPTION")
         ->allow_extra_args(false);

@@ -142,7 +142,9 @@ void add_live(CLI::App& program, Job& chosen) {
     add_options(*app, options->shared,
                 {Option::scene, Option::set, Option::out, Option::size, Option::quality, Option::threads, Option::seed, Option::quiet});
     app->add_option("--host", options->server.host, "address to listen on (default: 127.0.0.1, this machine only)")->type_name("ADDRESS");
-    app->add_option("--port", options->server.port, "port (default: 8080; 0: any that is free)")->type_name("N");
+    app->add_option("--port", options->server.port, "port (default: 8080; 0: any that is free)")
+        ->type_name("N")
+        ->check(whole_number(0, 65535));
     app->add_option("--token", options->server.token,
                     "what every request must bring (default: a random one where --host is not this machine)")
         ->type_name("TEXT");

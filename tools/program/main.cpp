@@ -77,6 +77,7 @@ int end_of_parsing(CLI::App& program, const CLI::ParseError& e, const std::vecto
     while (!at->get_subcommands().empty()) at = at->get_subcommands().front();
     const std::string name = at == &program ? "whorl" : "whorl " + at->get_name();
     std::string what = e.what(), hint;
+    if (const std::size_t colon = what.find(": must be "); colon != std::string::npos) what.erase(colon, 1);
     if (at == &program && !words.empty()) {
         what = (words[0][0] == '-' ? "unknown option \"" : "unknown subcommand \"") + words[0] + "\"";
         hint = meant(program, words[0]);

@@ -69,10 +69,10 @@ void add_video(CLI::App& program, Job& chosen) {
     const auto options = std::make_shared<EncodeOptions>();
     CLI::App* app = program.add_subcommand("video", "encode a run's video again from its frames");
     app->add_option("folder", options->folder, "the run folder, as in out/honey_coil")->required()->type_name("RUN_FOLDER");
-    app->add_option("--fps", options->fps, "frames a second (default: the scene's)")->type_name("N")->check(CLI::PositiveNumber);
+    app->add_option("--fps", options->fps, "frames a second (default: the scene's)")->type_name("N")->check(any_number("", true));
     app->add_option("--crf", options->crf, "quality of H.264 and VP9, 0 to 51, lower is better and larger")
         ->capture_default_str()
-        ->check(CLI::Range(0, 51));
+        ->check(whole_number(0, 51));
     app->add_option("--out", options->out,
                     "the video's name, ending in .mp4, .mov (ProRes), .webm or .gif (default: <scene>.mp4 in the run folder); .mov and "
                     ".webm keep alpha")

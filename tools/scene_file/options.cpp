@@ -1,8 +1,35 @@
 #include "tools/scene_file/options.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
 
 namespace whorl {
+
+NumberCheck whole_number(long long least, long long most) {
+    return [=](const std::string& text) -> std::string {
+        long long number = 0;
+        const char *begin = text.data() + (text[0] == '+' ? 1 : 0), *end = text.data() + text.size();
+        const auto [stop, error] = std::from_chars(begin, end, number);
+        if (error == std::errc() && stop == end && number >= least && number <= most) return "";
+        const bool usual = most == std::numeric_limits<int>::max() && !(stop == end && number != 0 && number >= least);
+        return (usual ? fmt::format("must be a whole number, at least {}", least)
+                      : fmt::format("must be a whole number from {} to {}", least, most)) +
+               ", not \"" + text + "\"";
+    };
+}
+
+NumberCheck any_number(const std::string& unit, bool above_zero) {
+    return [=](const std::string& text) -> std::string {
+        char* end = nullptr;
+        const double number = std::strtod(text.c_str(), &end);
+        if (end != text.c_str() && *end == 0 && (!above_zero || (number > 0 && std::isfinite(number)))) return "";
+        return fmt::format("must be a number{}{}, not \"{}\"", above_zero ? " above 0" : "", unit.empty() ? "" : " [" + unit + "]", text);
+    };
+}
 
 void add_options(CLI::App& app, Options& o, std::initializer_list<Option> which) {
     for (const Option option : which) switch (option) {
@@ -27,14 +54,18 @@ void add_options(CLI::App& app, Options& o, std::initializer_list<Option> which)
                 app.add_flag("--overwrite", o.overwrite,
                              "replace a run that stands in the folder (default: it is kept as FOLDER.1, .2, ...)");
                 break;
-            case Option::until: app.add_option("--until", o.until, "end of the run [s] (time.end)")->type_name("T"); break;
+            case Option::until:
+                app.add_option("--until", o.until, "end of the run [s] (time.end)")->type_name("T")->check(any_number("s"));
+                break;
             case Option::frames:
-                app.add_option("--frames", o.frames, "stop after so many frames")->type_name("N")->check(CLI::PositiveNumber);
+                app.add_option("--frames", o.frames, "stop after so many frames")->type_name("N")->check(whole_number(1));
                 break;
             case Option::size:
                 app.add_option("--size", o.size, "pixels of a picture, as in 1280x720 (output.size)")->type_name("WxH");
                 break;
-            case Option::fps: app.add_option("--fps", o.fps, "frames a second of film (time.fps)")->type_name("N"); break;
+            case Option::fps:
+                app.add_option("--fps", o.fps, "frames a second of film (time.fps)")->type_name("N")->check(any_number());
+                break;
             case Option::quality:
                 app.add_option("--quality", o.quality,
                                "draft, standard or fine: what the scene's [quality] tables say, and samples a pixel")
@@ -55,9 +86,13 @@ void add_options(CLI::App& app, Options& o, std::initializer_list<Option> which)
             case Option::threads:
                 app.add_option("--threads", o.threads, "threads (default: all cores); never changes the result")
                     ->type_name("N")
-                    ->check(CLI::Range(0, 1024));
+                    ->check(whole_number(0, 1024));
                 break;
-            case Option::seed: app.add_option("--seed", o.seed, "seed of everything random (seed)")->type_name("N"); break;
+            case Option::seed:
+                app.add_option("--seed", o.seed, "seed of everything random (seed)")
+                    ->type_name("N")
+                    ->check(whole_number(0, std::numeric_limits<long long>::max()));
+                break;
             case Option::dry_run: app.add_flag("--dry-run", o.dry_run, "check everything, run nothing, write nothing"); break;
             case Option::quiet: app.add_flag("--quiet", o.quiet, "no progress"); break;
             case Option::json: app.add_flag("--json", o.json, "machine-readable progress and result on standard output"); break;

@@ -3,7 +3,9 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <initializer_list>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -54,6 +56,11 @@ enum class Option {
     quiet,
     json
 };
+
+/// For CLI11's check(): what the text of an option must be and is not; "" where it is such a number.
+using NumberCheck = std::function<std::string(const std::string&)>;
+NumberCheck whole_number(long long least, long long most = std::numeric_limits<int>::max());
+NumberCheck any_number(const std::string& unit = "", bool above_zero = false);
 
 /// Adds those options to a subcommand; `options` must outlive the parsing (keep it in a shared_ptr that the callback holds).
 void add_options(CLI::App& subcommand, Options& options, std::initializer_list<Option> which);

@@ -122,6 +122,7 @@ void check_look(const SceneFile& file) {
                                  fmt::format("camera.max: {:g} along {} is not above camera.min, {:g}", (*file.camera.max)[a], "xyz"[a],
                                              (*file.camera.min)[a]),
                                  "", "corners of a box: each number of max above that of min");
+    if (file.camera.up.norm() == 0) throw InputError(file.scene.place("camera.up"), "camera.up has no length");
     if (file.camera.kind == "keys" && file.camera.keys.empty())
         throw InputError(file.scene.place("camera.kind"), "camera.kind = \"keys\" needs a [[camera.key]]",
                          "give time and position of one or more");
@@ -190,6 +191,19 @@ SceneFile read(const fs::path& path, ReadRequest request) {
     return with_first_changes(file, beat);
 }
 
+/// Of the files beside a path that is none; "" where none has a name like it.
+std::string file_beside(const std::string& name) {
+    std::error_code ignored;
+    if (fs::is_regular_file(name + ".toml", ignored)) return name + ".toml";
+    const fs::path path(name), folder = path.parent_path();
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder.empty() ? "." : folder, ignored))
+        if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
+    std::sort(names.begin(), names.end());
+    const std::string near = nearest_name(path.stem().string(), names);
+    return near.empty() ? "" : (folder / (near + ".toml")).string();
+}
+
 fs::path find_file(const std::string& name, bool study) {
     std::error_code ignored;
     if (fs::is_regular_file(name, ignored)) return name;
@@ -203,7 +217,13 @@ fs::path find_file(const std::string& name, bool study) {
         names.push_back(scene);
     }
     if (fs::is_directory(name, ignored)) throw InputError({name, 0, 0}, fmt::format("is a folder, not a {} file", kind));
-    const std::string near = nearest_name(bare ? stem : "", names);
+    for (const auto& [other, path] : shipped(!study))
+        if (bare && other == stem)
+            throw InputError({name, 0, 0}, study ? "is a scene, not a study" : "is a study, not a scene",
+                             "whorl " + (study ? "render" : path.parent_path().filename().string()) + " " + stem);
+    std::string near = file_beside(name);
+    const std::string last = fs::path(name).stem().string();
+    if (near.empty()) near = std::find(names.begin(), names.end(), last) != names.end() ? last : nearest_name(last, names);
     throw InputError({name, 0, 0}, fmt::format("no such {} file", kind), near.empty() ? "" : "did you mean \"" + near + "\"?",
                      names.empty() ? "" : "allowed: a path, or one of " + joined(study ? names : film_names()));
 }

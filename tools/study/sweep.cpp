@@ -19,10 +19,10 @@ void add_sweep_options(CLI::App& app, SweepOptions& o) {
         ->allow_extra_args(false);
     app.add_option("--threads", o.threads, "threads of each run (default: local: what the runs at the same time leave each, slurm: 1)")
         ->type_name("N")
-        ->check(CLI::Range(0, 1024));
+        ->check(whole_number(0, 1024));
     app.add_option("--jobs", o.jobs, "runs at the same time (default: local: as many as do not disturb what is measured, slurm: 8)")
         ->type_name("N")
-        ->check(CLI::Range(0, 1024));
+        ->check(whole_number(0, 1024));
     app.add_option("--budget", o.budget, "stop after that much wall time: 90s, 10min, 1h")->type_name("TIME");
     app.add_flag("--json", o.json, "the result as JSON on standard output");
 }
