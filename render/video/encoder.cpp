@@ -12,6 +12,7 @@ namespace whorl {
 namespace {
 
 const char* const remedy = "apt-get install ffmpeg, or run with --no-video";
+const char* const once_it_works = "once ffmpeg can work: whorl resume goes on with a run, whorl video encodes pictures that are there";
 
 ChildProcess start(const std::vector<std::string>& arguments) {
     try {
@@ -19,7 +20,18 @@ ChildProcess start(const std::vector<std::string>& arguments) {
     } catch (const std::system_error& error) { throw EnvironmentError("no video: cannot start ffmpeg", error.what(), remedy); }
 }
 
-std::string last_lines(const std::string& text) { return text.size() <= 600 ? text : "..." + text.substr(text.size() - 600); }
+std::string last_lines(std::string text) {
+    while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
+    return text.size() <= 600 ? text : "..." + text.substr(text.size() - 600);
+}
+
+/// How ffmpeg ended, and its last words where it had any. @param code what wait() returned
+std::string end_of(const ChildProcess& ffmpeg, int code) {
+    const int signal = ffmpeg.ended_by();
+    const std::string words = last_lines(ffmpeg.output());
+    return (signal > 0 ? "ffmpeg was killed by signal " + std::to_string(signal) : "ffmpeg ended with code " + std::to_string(code)) +
+           (words.empty() ? "" : ": " + words);
+}
 
 const char* const even = "crop=trunc(iw/2)*2:trunc(ih/2)*2:0:0,";
 const char* const to_bt709 =
@@ -165,21 +177,21 @@ void VideoEncoder::add(const Image& image) {
                  +std::to_string(image.width) + "x" + std::to_string(image.height));
     const bool plain = !process_->alpha && image.alpha.empty();
     if (process_->ffmpeg.write(plain ? image.rgb : process_->alpha ? with_alpha(image) : over_grey(image).rgb)) return;
-    process_->ffmpeg.wait();
-    throw EnvironmentError("the video encoder ended early: " + last_lines(process_->ffmpeg.output()), "", remedy);
+    const int code = process_->ffmpeg.wait();
+    throw EnvironmentError("the video encoder ended early: " + end_of(process_->ffmpeg, code), "", once_it_works);
 }
 
 void VideoEncoder::finish() {
     WHORL_ASSERT(process_ != nullptr);
     const std::unique_ptr<Process> process = std::move(process_);
-    if (process->ffmpeg.wait() != 0)
-        throw EnvironmentError("the video encoder failed: " + last_lines(process->ffmpeg.output()), "", remedy);
+    if (const int code = process->ffmpeg.wait(); code != 0)
+        throw EnvironmentError("the video encoder failed: " + end_of(process->ffmpeg, code), "", once_it_works);
     const char* const container = format_of(process->file).container;
     if (container == nullptr) return std::filesystem::rename(partial_video(process->file), process->file);
     WholeFile whole(process->file);
     ChildProcess rewrite = start(rewrite_arguments(partial_video(process->file), container, whole.temporary()));
-    if (rewrite.wait() != 0)
-        throw EnvironmentError("cannot rewrite the video: " + last_lines(rewrite.output()), "",
+    if (const int code = rewrite.wait(); code != 0)
+        throw EnvironmentError("cannot rewrite the video: " + end_of(rewrite, code), "",
                                partial_video(process->file).string() + " is complete and playable");
     whole.commit();
     std::filesystem::remove(partial_video(process->file));
@@ -187,6 +199,16 @@ void VideoEncoder::finish() {
 
 std::filesystem::path partial_video(const std::filesystem::path& file) {
     return file.parent_path() / ("." + file.filename().string() + ".partial");
+}
+
+void check_encoder() {
+    const auto refuse = [](const std::string& why, const char* hint) {
+        throw InputError({}, "no video: cannot start ffmpeg: " + why, hint);
+    };
+    try {
+        ChildProcess ffmpeg({"ffmpeg", "-version"});
+        if (const int code = ffmpeg.wait(); code != 0) refuse(end_of(ffmpeg, code), "mend that, or run with --no-video");
+    } catch (const std::system_error& error) { refuse(error.what(), remedy); }
 }
 
 std::string encoder_version() {

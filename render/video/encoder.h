@@ -45,6 +45,8 @@ const std::vector<std::string>& video_suffixes();
 /// Where frames go until the video is whole: coil.mp4 -> .coil.mp4.partial.
 std::filesystem::path partial_video(const std::filesystem::path& file);
 
+/// Before a film is begun that is to have a video. @throws InputError where ffmpeg is missing or does not run
+void check_encoder();
 /// The ffmpeg program's version line, "" where there is none.
 std::string encoder_version();
 

@@ -58,7 +58,8 @@ ChildProcess::ChildProcess(const std::vector<std::string>& arguments) {
 }
 
 ChildProcess::ChildProcess(ChildProcess&& other) noexcept
-    : pid_(std::exchange(other.pid_, -1)), input_(std::exchange(other.input_, -1)), output_(std::exchange(other.output_, -1)) {}
+    : pid_(std::exchange(other.pid_, -1)), input_(std::exchange(other.input_, -1)), output_(std::exchange(other.output_, -1)),
+      signal_(other.signal_) {}
 
 ChildProcess::~ChildProcess() {
     wait();
@@ -82,6 +83,7 @@ int ChildProcess::wait() {
     while (waitpid(pid_, &status, 0) < 0)
         if (errno != EINTR) return 127;
     pid_ = -1;
+    if (WIFSIGNALED(status)) signal_ = WTERMSIG(status);
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 

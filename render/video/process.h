@@ -23,12 +23,14 @@ public:
     bool write(std::span<const std::uint8_t> bytes);
     /// Ends the child's input and waits for it. @return its exit status, 128 + the signal's number where a signal ended it
     int wait();
+    /// The signal that ended it; 0: none, or it has not ended.
+    int ended_by() const { return signal_; }
     /// What the child wrote to standard output and standard error so far.
     std::string output() const;
 
 private:
     pid_t pid_ = -1;
-    int input_ = -1, output_ = -1;
+    int input_ = -1, output_ = -1, signal_ = 0;
 };
 
 }  // namespace whorl

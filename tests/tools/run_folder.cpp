@@ -53,6 +53,11 @@ TEST_CASE("a folder that is not a run's is left alone, a run's is kept under ano
     for (const char* own : {"run/notes.txt", "run/talk.gif"}) CHECK(fs::exists(scratch / own));
     CHECK_FALSE(fs::exists(scratch / "run.3"));
     CHECK(test::whorl({"resume", (scratch / "nowhere").string()}).code == 2);
+    CHECK_THAT(test::whorl({"resume", scratch.run() + "/scene.resolved.toml"}).err,
+               Catch::EndsWith("is a file, not a folder; its run is " + scratch.run() + "; the folder of a run, as in out/honey_coil\n"));
+    CHECK_THAT(test::whorl({"resume", scratch.scene()}).err,
+               Catch::EndsWith("is a file, not a folder; the folder of a run, as in out/honey_coil\n"));
+    CHECK_THAT(test::whorl({"render", scratch.scene(), "--out", ""}).err, Catch::Contains("--out: is empty; give a name, or leave it out"));
     CHECK(test::whorl({"video", scratch.run()}).code == 2);
 }
 
@@ -70,13 +75,24 @@ TEST_CASE("a run that is to be replaced is there again, all of it, where the new
         CHECK(files_in(folder).size() == first.size());
         CHECK(read_png(folder / "frames/000002.png").width == 64);
     };
-    const Outcome no_encoder = Program({"-c", "PATH=/nowhere exec " WHORL_PROGRAM " render '" + scratch.scene() +
-                                                  "' --quiet --overwrite --out '" + scratch.run() + "' --frames 2 --size 96x54"},
-                                       "bash")
-                                   .wait();
-    CHECK(no_encoder.code == 1);
-    CHECK(no_encoder.err.find("is there again") != std::string::npos);
+    std::ofstream(scratch / "panels.toml") << test::honey << "[[panel]]\nset = [\"seed=1\"]\n[[panel]]\nset = [\"seed=2\"]\n";
+    const auto without = [&](const std::string& setting, const std::string& command) {
+        return Program({"-c", setting + " exec " WHORL_PROGRAM " " + command}, "bash").wait();
+    };
+    const std::string over_it = " --quiet --overwrite --out '" + scratch.run() + "' --frames 2 --size 96x54";
+    const Outcome no_device = without("__EGL_VENDOR_LIBRARY_DIRS=/nowhere", "render '" + scratch.scene() + "'" + over_it);
+    CHECK(no_device.code == 1);
+    CHECK(no_device.err.find("is there again") != std::string::npos);
     check_first(scratch / "run");
+    for (const std::string& command :
+         {"render '" + scratch.scene() + "'" + over_it, "render '" + (scratch / "panels.toml").string() + "'" + over_it,
+          "resume '" + scratch.run() + "' --frames 3", "video '" + scratch.run() + "'"}) {
+        const Outcome no_encoder = without("PATH=/nowhere", command);
+        INFO(command);
+        CHECK(no_encoder.code == 2);
+        CHECK_THAT(no_encoder.err, Catch::StartsWith("no video: cannot start ffmpeg: ") && Catch::EndsWith("with --no-video\n"));
+        check_first(scratch / "run");
+    }
     // As a power cut leaves it that comes before the first picture.
     fs::create_directory(scratch / "run/.replaced");
     for (const fs::path& file : first) fs::rename(file, scratch / "run/.replaced" / file.filename());

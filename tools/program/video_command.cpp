@@ -3,8 +3,10 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <fstream>
 #include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "engine/core/errors.h"
 #include "render/video/encoder.h"
@@ -12,6 +14,7 @@
 #include "tools/film/progress.h"
 #include "tools/film/run_folder.h"
 #include "tools/program/command.h"
+#include "tools/scene_file/options.h"
 #include "tools/scene_file/scene_file.h"
 
 namespace whorl {
@@ -22,6 +25,13 @@ struct EncodeOptions {
     std::optional<double> fps;
     int crf = 18;
 };
+
+/// Of the run; 0 where it does not say.
+std::size_t frames_planned(const std::filesystem::path& run) {
+    std::ifstream in(run / "run.json");
+    const nlohmann::json report = nlohmann::json::parse(in, nullptr, false);
+    return report.is_object() ? report.value("frames_planned", std::size_t{0}) : 0;
+}
 
 /// Encodes every picture of frames/, in the order of their names.
 int encode(const EncodeOptions& options) {
@@ -42,6 +52,7 @@ int encode(const EncodeOptions& options) {
     if (std::find(known.begin(), known.end(), video.extension().string()) == known.end())
         throw InputError({"--out", 0, 0}, "\"" + video.string() + "\" has the suffix of no video that this program writes", "",
                          fmt::format("{}", fmt::join(known, ", ")));
+    check_encoder();
     const Image first = read_picture(pictures.begin()->second);
     if (first.width < 2 || first.height < 2)
         throw InputError({pictures.begin()->second.string(), 0, 0}, fmt::format("is {}x{}", first.width, first.height), "",
@@ -58,6 +69,8 @@ int encode(const EncodeOptions& options) {
         encoder.add(image);
     }
     encoder.finish();
+    if (const std::size_t planned = frames_planned(options.folder); pictures.size() < planned)
+        fmt::print(stderr, "the run has pictures of {} of its {} frames: the video is of these\n", pictures.size(), planned);
     if (options.out.empty()) write_contact_sheet(options.folder, static_cast<int>(pictures.size()));
     fmt::print("{}\n", video.string());
     return exit_done;
@@ -76,7 +89,8 @@ void add_video(CLI::App& program, Job& chosen) {
     app->add_option("--out", options->out,
                     "the video's name, ending in .mp4, .mov (ProRes), .webm or .gif (default: <scene>.mp4 in the run folder); .mov and "
                     ".webm keep alpha")
-        ->type_name("FILE");
+        ->type_name("FILE")
+        ->check(not_empty);
     app->footer("Example:\n  whorl video out/honey_coil --fps 60 --crf 12\n  whorl video out/honey_coil --out honey.gif");
     app->callback([options, &chosen] { chosen = [options] { return encode(*options); }; });
 }

@@ -185,6 +185,8 @@ TEST_CASE("without ffmpeg the error names the package", "[video]") {
     try {
         VideoEncoder encoder(folder / "film.mp4", 64, 48, {});
     } catch (const EnvironmentError& error) { message = error.what(); }
+    CHECK_THROWS_WITH(check_encoder(),
+                      Catch::Contains("cannot start ffmpeg: ") && Catch::Contains("; apt-get install ffmpeg, or run with --no-video"));
     const std::string version = encoder_version();
     setenv("PATH", path.c_str(), 1);
     REQUIRE(message.find("apt-get install ffmpeg") != std::string::npos);
@@ -202,4 +204,26 @@ TEST_CASE("an encoder that gives up says why and raises no signal", "[video]") {
         encoder.finish();
     } catch (const EnvironmentError& error) { message = error.what(); }
     REQUIRE(message.find("No such file") != std::string::npos);
+    REQUIRE_NOTHROW(check_encoder());
+    // One that has no words, one that is killed, one that does not even tell its version.
+    const std::string path = std::getenv("PATH");
+    setenv("PATH", (folder.path().string() + ":" + path).c_str(), 1);
+    const auto words_of = [&](const std::string& script) {
+        std::ofstream(folder / "ffmpeg") << "#!/bin/bash\n" << script;
+        std::filesystem::permissions(folder / "ffmpeg", std::filesystem::perms::owner_all);
+        try {
+            check_encoder();
+            VideoEncoder fake(folder / "film.mp4", 640, 480, {});
+            for (int i = 0; i < 100; ++i) fake.add(image);
+            fake.finish();
+        } catch (const std::exception& error) { return std::string(error.what()); }
+        return std::string();
+    };
+    const std::string version = "[ \"$1\" = -version ] && exit 0\n", early = "the video encoder ended early: ffmpeg ",
+                      then = "\n  remedy: once ffmpeg can work: whorl resume";
+    CHECK_THAT(words_of(version + "exit 1"), Catch::StartsWith(early + "ended with code 1" + then));
+    CHECK_THAT(words_of(version + "echo no room >&2; exit 3"), Catch::StartsWith(early + "ended with code 3: no room" + then));
+    CHECK_THAT(words_of(version + "kill -9 $$"), Catch::StartsWith(early + "was killed by signal 9" + then));
+    CHECK_THAT(words_of("echo torn >&2; exit 127"), Catch::Contains("cannot start ffmpeg: ffmpeg ended with code 127: torn;"));
+    setenv("PATH", path.c_str(), 1);
 }
