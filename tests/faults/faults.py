@@ -141,7 +141,7 @@ class Faults:
                 child.send_signal(signal.SIGKILL)
                 child.communicate()
                 done = self.resume(out)
-                if done.returncode == 2 and ("there is no sound checkpoint" in done.stderr or "no such folder" in done.stderr):
+                if done.returncode == 2 and ("no run folder" in done.stderr or "no such folder" in done.stderr):
                     done = self.run(*self.command(out))  # nothing was made yet: begun anew
                 self.said(done, 0)
                 self.same(out)
@@ -211,7 +211,7 @@ class Faults:
                 time.sleep(0.01)
             os.rename(out, self.folder / "taken")
             text = child.communicate(timeout=120)[1]
-            if child.returncode != 1 or "cannot write" not in text:
+            if child.returncode != 1 or "was removed or renamed while the run was at work" not in text:
                 raise Lost(f"code {child.returncode}, said: {text[-500:]}")
             os.rename(self.folder / "taken", out)
             self.said(self.resume(out), 0)
@@ -241,7 +241,7 @@ class Faults:
                         raise Lost(f"said: {done.stderr[-300:]}")
                     self.run("mount", "-o", "remount,size=64m", disk)
                     done = self.resume(out)
-                    if done.returncode == 2 and ("no sound checkpoint" in done.stderr or "no run folder" in done.stderr or "no such folder" in done.stderr):
+                    if done.returncode == 2 and ("no run folder" in done.stderr or "no such folder" in done.stderr):
                         done = self.run(*self.command(out))
                     self.said(done, 0)
                     self.same(out)
@@ -290,7 +290,7 @@ class Faults:
         for name, settings, codes in (
                 ("a nozzle's speed", ["emitter[0].speed=t>0.1 ? sqrt(-1) : 0.3"], (2,)),
                 ("a nozzle's speed for a moment", [f"emitter[0].speed={narrow}0.3"], (0, 1)),
-                ("a force", ["fluid.force=['t>0.1 ? sqrt(-1) : 0', '0', '0']"], (1,)),
+                ("a force", ["fluid.force=['t>0.1 ? sqrt(-1) : 0', '0', '0']"], (2,)),
                 ("gravity for a moment", [f"domain.gravity=['{narrow}0', '-9.81', '0']"], (0, 1)),
                 ("a viscosity that ages", ["fluid.viscosity=age>0.1 ? 0/0 : 50"], (1, 2)),
                 ("a solid's way", ["solid[0]={shape=\"sphere\", radius=0.01, position=['0', '0.01', 't>0.1 ? sqrt(-1) : 0.03']}"], (2,))):

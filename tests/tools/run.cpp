@@ -344,6 +344,63 @@ TEST_CASE("a killed render leaves valid pictures and a playable video, and resum
     CHECK(fs::exists(scratch / "again.mp4"));
 }
 
+TEST_CASE("a run that has no checkpoint yet begins again, to the same film as one that never stopped", "[tools][resume]") {
+    const Scratch scratch;
+    const auto arguments = [&](const std::string& name, const std::string& frames) {
+        return std::vector<std::string>{"render",
+                                        scratch.scene(),
+                                        "--frames",
+                                        frames,
+                                        "--size",
+                                        "64x36",
+                                        "--set",
+                                        "look.samples=1",
+                                        "--export",
+                                        "points",
+                                        "--quiet",
+                                        "--set",
+                                        "output.checkpoint_every=1000",
+                                        "--out",
+                                        scratch.run(name)};
+    };
+    REQUIRE(test::whorl(arguments("whole", "4")).code == 0);
+    Program killed(arguments("run", "4"));
+    REQUIRE(killed.wait_until([&] { return fs::exists(scratch / "run/run.json"); }));
+    killed.signal(SIGKILL);
+    killed.wait();
+    fs::remove_all(scratch / "run/checkpoints");
+    auto state = report(scratch / "run");
+    state["status"] = "running";
+    std::ofstream(scratch / "run/run.json") << state;
+    const Outcome resumed = test::whorl({"resume", scratch.run(), "--quiet"});
+    CHECK(resumed.err == "no checkpoint yet: the run begins again from the start\n");
+    REQUIRE(resumed.code == 0);
+    check_same_particles(scratch / "whole", scratch / "run");
+    CHECK(reproducible(lines(scratch / "whole/diagnostics.csv")) == reproducible(lines(scratch / "run/diagnostics.csv")));
+    REQUIRE(files_in(scratch / "run/frames").size() == 4);
+    for (const char* same : {"frames/000004.png", "little_honey.mp4"})
+        CHECK((read_whole(scratch / "run" / same) == read_whole(scratch / "whole" / same)));
+    CHECK_FALSE(fs::exists(scratch / "run/.replaced"));
+    // One that is done stays as it is.
+    fs::remove_all(scratch / "run/checkpoints");
+    const Outcome done = test::whorl({"resume", scratch.run()});
+    CHECK(done.code == 2);
+    CHECK_THAT(done.err, Catch::EndsWith("the run is done, and has no checkpoint to go on from; render the scene anew\n"));
+    CHECK(files_in(scratch / "run/frames").size() == 4);
+}
+
+TEST_CASE("a run whose folder is taken away says so, and goes on when it is back", "[tools][resume]") {
+    const Scratch scratch;
+    Program program({"render", scratch.scene(), "--size", "64x36", "--no-video", "--quiet", "--out", scratch.run()});
+    REQUIRE(program.wait_until([&] { return fs::exists(scratch / "run/frames/000002.png"); }));
+    fs::rename(scratch / "run", scratch / "taken");
+    const Outcome gone = program.wait();
+    CHECK(gone.code == 1);
+    CHECK_THAT(gone.err, Catch::StartsWith("whorl: the folder " + scratch.run() + " was removed or renamed while the run was at work\n"));
+    fs::rename(scratch / "taken", scratch / "run");
+    CHECK(test::whorl({"resume", scratch.run(), "--quiet"}).code == 0);
+}
+
 TEST_CASE("a film of particles chooses its range of colours at the start, writes it down, and leaves a given one alone",
           "[tools][render]") {
     const Scratch scratch;

@@ -60,6 +60,10 @@ public:
         for (std::size_t k = 0; k < scenes_.size(); ++k) {
             const int code = run(k);
             if (code == exit_interrupted) {
+                if (folder_.replaces() && most_frames() == 0) {  // the film that stood there comes back
+                    write_report("interrupted", "interrupted before the first frame");
+                    return code;
+                }
                 write_report("interrupted", "go on with: whorl resume " + folder_.path().string());
                 std::fprintf(stderr, "whorl: panel %zu of %zu was interrupted; go on with all of them: whorl resume %s\n", k + 1,
                              scenes_.size(), folder_.path().c_str());
@@ -74,7 +78,7 @@ public:
         write_report(status, failed_ ? "panel " + name_of(*failed_) + " diverged" : "");
         if (!failed_) folder_.stands();  // else what it was to replace stays beside it
         if (!request_.quiet && !request_.json)
-            std::fprintf(stderr, "%d frames of %zu panels: %s\n", frames, scenes_.size(),
+            std::fprintf(stderr, "%s of %zu panels: %s\n", counted(frames, "frame").c_str(), scenes_.size(),
                          (filmed && scene_.output.video ? video() : folder_.path()).c_str());
         return failed_ ? exit_failed : exit_done;
     }
@@ -178,6 +182,12 @@ private:
         return least;
     }
 
+    int most_frames() const {
+        int most = 0;
+        for (std::size_t k = 0; k < scenes_.size(); ++k) most = std::max(most, frames_of(k));
+        return most;
+    }
+
     /// Where the pictures of a place in the film are, drawn first where it is a difference.
     fs::path pictures_of(std::size_t panel, int frames) const {
         const PanelCell& cell = cells_[panel];
@@ -259,6 +269,9 @@ private:
 
 }  // namespace
 
-int run_panels(const RunRequest& request, PanelRuns how) { return PanelFilm(request, how).go(); }
+int run_panels(const RunRequest& request, PanelRuns how) {
+    if (request.file.scene.output.frames && request.file.scene.output.video) check_encoder();
+    return PanelFilm(request, how).go();
+}
 
 }  // namespace whorl

@@ -25,9 +25,28 @@ std::string grouped(long value) {
     return digits;
 }
 
+std::string counted(int number, const std::string& what) { return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s"); }
+
 void tell_note(const std::string& text, bool json) {
     if (json) std::printf("%s\n", json_text({{"event", "note"}, {"text", text}}).c_str());
     else std::fprintf(stderr, "%s\n", text.c_str());
+}
+
+PartProgress::PartProgress(std::string what, bool quiet)
+    : what_(std::move(what)), quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1), began_(wall_seconds()), shown_(began_) {}
+
+PartProgress::~PartProgress() {
+    if (line_open_) std::fputs("\r\033[K", stderr);
+}
+
+void PartProgress::done(double part) {
+    const double now = wall_seconds();
+    if (quiet_ || now - shown_ < (terminal_ ? 0.1 : 5) || !(part > 0)) return;
+    shown_ = now;
+    const std::string line = fmt::format("{}: {:.0f} %  {} left", what_, 100 * part, duration((now - began_) * (1 - part) / part));
+    if (terminal_) std::fprintf(stderr, "\r\033[K%s", line.c_str()), std::fflush(stderr);
+    else std::fprintf(stderr, "%s\n", line.c_str());
+    line_open_ = terminal_;
 }
 
 Progress::Progress(int first_frame, int last_frame, bool quiet, bool json)

@@ -43,10 +43,26 @@ private:
     double iterations_ = 0;
 };
 
+/// The same of work without frames: "first pass: 40 %  12 s left".
+class PartProgress {
+public:
+    PartProgress(std::string what, bool quiet);
+    ~PartProgress();
+    /// As often as one likes. @param part that is done, 0 to 1
+    void done(double part);
+
+private:
+    std::string what_;
+    bool quiet_, terminal_, line_open_ = false;
+    double began_, shown_;
+};
+
 /// What nobody must miss: on standard error, or as an event on standard output.
 void tell_note(const std::string& text, bool json);
 /// 80 -> "1 min 20 s".
 std::string duration(double seconds);
+/// "1 frame", "2 frames".
+std::string counted(int number, const std::string& what);
 /// 4321 -> "4,321".
 std::string grouped(long value);
 

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <fstream>
+#include <nlohmann/json.hpp>
+
 #include "engine/core/errors.h"
 #include "engine/scene/frame_times.h"
 #include "engine/scene/plan.h"
@@ -9,6 +12,7 @@
 #include "engine/scene/scene_difference.h"
 #include "engine/scene/write.h"
 #include "tools/film/contact_sheet.h"
+#include "tools/film/progress.h"
 
 namespace whorl {
 namespace {
@@ -70,6 +74,23 @@ void check_pictures(const RunRequest& request, int made) {
     }
 }
 
+/// A run that was stopped before its first checkpoint is made from the start. @throws InputError where it had come to its end
+void begin_again(RunRequest& request) {
+    std::ifstream in(request.folder / "run.json");
+    nlohmann::json report = nlohmann::json::parse(in, nullptr, false);
+    if (!report.is_object()) report = nlohmann::json::object();
+    const std::string status = report.value("status", "");
+    if (status == "done" || status == "diverged")
+        throw InputError({request.folder.string(), 0, 0},
+                         fmt::format("the run {}, and has no checkpoint to go on from", status == "done" ? "is done" : "diverged"),
+                         "render the scene anew");
+    const int all = frame_count(request.file.scene), planned = report.value("frames_planned", all);
+    request.frames = request.frames.value_or(planned > 0 ? std::min(planned, all) : all);
+    request.earlier = RunFolder::Earlier::begun_again;
+    request.slip_seconds = 0;
+    tell_note("no checkpoint yet: the run begins again from the start", request.json);
+}
+
 }  // namespace
 
 void check_end(const std::filesystem::path& folder, const Scene& scene, int made, int wanted) {
@@ -79,6 +100,7 @@ void check_end(const std::filesystem::path& folder, const Scene& scene, int made
 }
 
 void resume_from_newest(RunRequest& request) {
+    if (!has_checkpoint(request.folder)) return begin_again(request);
     std::vector<std::string> damaged;
     std::optional<Checkpoint> checkpoint = newest_checkpoint(request.folder, damaged);
     for (const std::string& line : damaged) fmt::print(stderr, "whorl: {}\n", line);

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <sstream>
 
+#include "engine/core/errors.h"
 #include "engine/core/whole_file.h"
 #include "engine/io/snapshot.h"
 #include "engine/scene/frame_times.h"
@@ -302,7 +303,7 @@ void Run::say_done(double wall) {
     const bool video = scene_.output.frames && scene_.output.video && !request_.no_draw;
     const std::string folder = folder_.path().string();
     const std::string expected = predicted_ > 0 ? fmt::format(" ({} expected)", duration(predicted_)) : "";
-    progress_->say(fmt::format("{} frames, done in {}{}: {}", frames_written(), duration(wall), expected,
+    progress_->say(fmt::format("{}, done in {}{}: {}", counted(frames_written(), "frame"), duration(wall), expected,
                                video ? folder + "/" + scene_.name + ".mp4" : folder));
 }
 
@@ -338,11 +339,12 @@ int Run::finish(const std::optional<Divergence>& diverged) {
     if (diverged) {
         film_->finish(true);
         const Vec3d& x = diverged->place;
+        const int made = film_->frames_written();
         return conclude("diverged",
-                        fmt::format("the run diverged at {:.6g} s in stage \"{}\", field \"{}\", at ({:.4g}, {:.4g}, {:.4g}) m: {}; the "
-                                    "{} frames before it are in {}",
-                                    diverged->time, diverged->stage, diverged->field, x.x(), x.y(), x.z(), diverged->what,
-                                    film_->frames_written(), folder));
+                        fmt::format("the run diverged at {:.6g} s in stage \"{}\"{}, field \"{}\", at ({:.4g}, {:.4g}, {:.4g}) m: {}; the "
+                                    "{} before it {} in {}",
+                                    diverged->time, diverged->stage, diverged->stage == "force" ? " (fluid.force)" : "", diverged->field,
+                                    x.x(), x.y(), x.z(), diverged->what, counted(made, "frame"), made == 1 ? "is" : "are", folder));
     }
     const bool complete = simulation_.time() >= frame_time(scene_, last_);
     if (!complete) progress_->say("interrupted: completing the frames on their way");
@@ -361,6 +363,10 @@ int Run::run() try { return finish(simulate()); } catch (const std::exception& e
         write_report("failed", error.what());
     } catch (const std::exception&) {  // the disk is full, most likely: what stands there stays
     }
+    std::error_code none;
+    if (const std::string folder = folder_.path().string(); !fs::exists(folder, none))
+        throw EnvironmentError("the folder " + folder + " was removed or renamed while the run was at work", "",
+                               "where it is elsewhere, put it back and go on with: whorl resume " + folder);
     throw;
 }
 
@@ -368,6 +374,7 @@ int Run::run() try { return finish(simulate()); } catch (const std::exception& e
 
 int run_scene(const RunRequest& request) {
     const Plan plan = make_plan(request.file);
+    if (!film_options(request, request.file, 0).video.empty()) check_encoder();
     return Run(request, plan).run();
 }
 

@@ -232,7 +232,7 @@ RunFolder RunFolder::fresh(const fs::path& path, Earlier earlier) {
     RunFolder folder(path);  // nobody is at work in it
     folder.add_note(settle(path));
     refuse_farm(path);
-    if (earlier == Earlier::replaced) {
+    if (earlier != Earlier::kept) {
         if (report_of(path).empty() && !has_begun(path)) {  // a farm's folder, or what is left of a run that was killed as it began
             for (const fs::path& file : files_of_run(path))
                 if (file.filename() != "scene.resolved.toml") fs::remove_all(file);  // by it the folder is a run's until it is written anew
@@ -240,7 +240,7 @@ RunFolder RunFolder::fresh(const fs::path& path, Earlier earlier) {
         }
         put_aside(path);
         folder.replaces_ = true;
-        folder.add_note("the run that stood in " + path.string() + " is replaced");
+        if (earlier == Earlier::replaced) folder.add_note("the run that stood in " + path.string() + " is replaced");
         return folder;
     }
     folder.keep();
@@ -256,8 +256,13 @@ void RunFolder::keep() {
 }
 
 RunFolder RunFolder::existing(const fs::path& path, Hold hold) {
-    if (!fs::is_directory(path))
-        throw InputError({path.string(), 0, 0}, "there is no such folder", "", "the folder of a run, as in out/honey_coil");
+    const char* const allowed = "the folder of a run, as in out/honey_coil";
+    if (fs::is_regular_file(path)) {
+        const fs::path around = path.has_parent_path() ? path.parent_path() : ".";
+        throw InputError({path.string(), 0, 0}, "is a file, not a folder", is_run_folder(around) ? "its run is " + around.string() : "",
+                         allowed);
+    }
+    if (!fs::is_directory(path)) throw InputError({path.string(), 0, 0}, "there is no such folder", "", allowed);
     if (!is_run_folder(path)) throw InputError({path.string(), 0, 0}, "no run folder (it has no run.json)");
     RunFolder folder(path, hold);
     if (hold == Hold::alone) folder.add_note(settle(path));

@@ -8,9 +8,10 @@ namespace whorl {
 /// Holds the folder for one process at a time.
 class RunFolder {
 public:
-    enum class Earlier { kept, replaced };
+    enum class Earlier { kept, replaced, begun_again };
     /// A new run: makes the folder. A run that stands there already is kept under the name NAME.1, or the first number that is free. Where
-    /// it is to be replaced its files go when the new one stands(); other files stay, such as videos of other names.
+    /// it is to be replaced, or is begun again (then nothing is said of it), its files go when the new one stands(); other files stay, such
+    /// as videos of other names.
     /// @throws InputError where it holds something that is no run, or another process or a farm's jobs are at work in it; EnvironmentError
     /// where it cannot be made
     static RunFolder fresh(const std::filesystem::path& path, Earlier earlier = Earlier::kept);
@@ -31,6 +32,8 @@ public:
     /// The new run is no slip: the one that it replaces goes. Without this, also after a power cut, that one comes back where the new one
     /// has no frame yet, and is kept under the name NAME.1 where it has.
     void stands();
+    /// Whether there is one that it may yet give way to.
+    bool replaces() const { return replaces_; }
 
 private:
     explicit RunFolder(std::filesystem::path path, Hold hold = Hold::alone);
