@@ -113,6 +113,27 @@ private:
                 report("domain.gravity", fmt::format("domain.gravity is not finite at t = {:.4g} s", t));
                 break;
             }
+        finite("fluid.force", scene_.fluid.force);
+        finite("micropolar.torque", scene_.micropolar.torque);
+        for (std::size_t i = 0; i < scene_.streams.size(); ++i) finite(entry_name("stream", i) + ".velocity", scene_.streams[i].velocity);
+    }
+
+    /// Over the whole run where it depends on time alone; else at the start in the blocks, off every axis of symmetry.
+    void finite(const std::string& key, const VectorExpression& vector) {
+        for (const Expression& e : vector.component) {
+            if (e.is_constant()) continue;
+            if (!depends_on_place(e)) {
+                for (const double t : sample_times(0, scene_.time.end))
+                    if (!std::isfinite(e(t))) return report(key, fmt::format("{} is not finite at t = {:.4g} s", key, t));
+                continue;
+            }
+            for (std::size_t i = 0; i < scene_.blocks.size(); ++i) {
+                const Extent& block = shapes_.block_extent[i];
+                const Vec3d x = block.min + Vec3d(0.57, 0.54, 0.53).cwiseProduct(block.max - block.min);
+                if (x.allFinite() && shapes_.blocks[i]->distance(x.cast<Real>()) <= 0 && !std::isfinite(e(0, x)))
+                    return report(key, fmt::format("{} is not finite at t = 0 s at {}", key, point(x)));
+            }
+        }
     }
 
     void block(const std::string& name, std::size_t i) {
@@ -256,8 +277,8 @@ private:
         const SolidKeys& s = scene_.solids[i];
         for (const double t : sample_times(0, scene_.time.end))
             if (!s.position(t).allFinite() || !s.rotation(t).allFinite()) {
-                report(name, fmt::format("{} is nowhere at t = {:.4g} s: its position or rotation is not finite", name, t));
-                return;
+                const char* const key = s.position(t).allFinite() ? ".rotation" : ".position";
+                return report(name + key, fmt::format("{}{} is not finite at t = {:.4g} s", name, key, t));
             }
         if (s.inside || s.position.depends_on_time() || !s.rotation.is_zero()) return;
         const Extent& e = shapes_.solid_extent[i];

@@ -166,6 +166,20 @@ TEST_CASE("impossible scenes are told with place and hint", "[plan]") {
           "--set fluid.spacing=0.02: fluid.spacing = 0.02 m is larger than emitter[0], which is 0.01 m across; 0.002 m puts 5 particles "
           "across it");
     CHECK(messages_with({"emitter[0].speed=0.1-t"}).find("emitter[0].speed is -0.0") != std::string::npos);
+    // Of place, too: at the start where blocks are.
+    const std::string block = "block[0]={shape=\"box\", min=[0.02,0.02,0], max=[0.05,0.1,0.05]}",
+                      stream = "min=[0,0,0], max=[0.1,0.1,0.1]}";
+    for (const auto& [set, told] : std::vector<std::pair<std::string, std::string>>{
+             {"fluid.force=[0, 0, \"1/(2-t)^0.5\"]", "fluid.force is not finite at t = 2 s"},
+             {"fluid.force=[\"sqrt(-x)\", 0, 0]", "fluid.force is not finite at t = 0 s at (0.0371, 0.0632, 0.0265)"},
+             {"fluid.force=[\"sqrt(x)/sqrt(x*x+z*z)\", 0, 0]", "no error"},
+             {"solid[0].position=[0, \"0.01*(1-t)^0.5\", 0]", "solid[0].position is not finite at t = 1.016 s"},
+             {"solid[0].rotation=[0, \"(1-t)^0.5\", 0]", "solid[0].rotation is not finite at t = 1.016 s"}})
+        CHECK_THAT(messages_with({"time.end=4", block, set}), Catch::Contains(told == "no error" ? told : "--set " + set + ": " + told));
+    CHECK_THAT(messages_with({"stream[0]={velocity=[\"(0-t)^0.5\", 0, 0], time=1, " + stream}),
+               Catch::Contains("stream[0].velocity is not finite at t = "));
+    CHECK_THAT(messages_with({"time.end=4", "models.micropolar=bender", "micropolar.torque=[0, \"log(1-t)\", 0]"}),
+               Catch::Contains("micropolar.torque is not finite at t = 1 s"));
     CHECK(messages_with({"block[0]={shape=\"box\", min=[0.2,0,0], max=[0.3,0.1,0.1]}"}).find("block[0] lies outside of the domain") !=
           std::string::npos);
     CHECK(messages_with({"block[0]={shape=\"box\", min=[0.05,0,0], max=[0.15,0.1,0.1]}"}).find("block[0] reaches out of the domain") !=
