@@ -345,9 +345,10 @@ private:
         };
         for (std::size_t i = 0; i < scene_.emitters.size() && !oversized_; ++i)
             add(entry_name("emitter", i), "", "the nozzle", nozzle_points(scene_.emitters[i], plan_.spacing, plan_.dimensions()), 300, 0);
-        for (std::size_t i = 0; i < scene_.solids.size() && plan_.boundary != BoundaryModel::none; ++i)
-            if (const bool mesh = scene_.solids[i].shape.kind == "mesh"; true)
-                add(entry_name("solid", i), mesh ? ".scale" : "", "the surface", layer_points(scene_, shapes_, i), 250, mesh ? 950 : 0);
+        for (std::size_t i = 0; i < scene_.solids.size() && plan_.boundary != BoundaryModel::none; ++i) {
+            const bool mesh = scene_.solids[i].shape.kind == "mesh";
+            add(entry_name("solid", i), mesh ? ".scale" : "", "the surface", layer_points(scene_, shapes_, i), 250, mesh ? 950 : 0);
+        }
     }
 
     const Scene& scene_;
