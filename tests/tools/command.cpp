@@ -249,6 +249,7 @@ TEST_CASE("a dry run tells the models, how many frames it would make and where t
     CHECK_FALSE(json.contains("cost"));
     const std::string words = whorl_in(folder, "render s.toml --dry-run --frames 4 --out there").text;
     CHECK(words.find("\n4 frames into there\n") != std::string::npos);
+    CHECK(whorl_in(folder, "render s.toml --dry-run --frames 1 --out there").text.find("\n1 frame into there\n") != std::string::npos);
     CHECK(std::distance(fs::directory_iterator(folder), fs::directory_iterator()) == 1);
     fs::remove_all(folder);
 }

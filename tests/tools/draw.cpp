@@ -165,7 +165,15 @@ TEST_CASE("draw says what it cannot draw, and changes nothing then") {
         CHECK(outcome.code == 2);
         CHECK_THAT(outcome.err, Catch::Contains(why));
     };
-    refused({"--set", "fluid.viscosity=3"}, "the simulation is over");
+    refused({"--set", "look.exposure=2", "--set", "fluid.viscosity=3"}, "--set fluid.viscosity=3: only what the pictures show");
+    refused({"--frames", "2", "--size", "320x180"},
+            "--frames: the other pictures in " + run.string() + " are 160x90, and these would be 320x180; draw all frames, or into");
+    CHECK_THAT(test::whorl({"draw", run.string(), "--frames", "2"}).err, Catch::Contains("1 frame drawn: "));
+    CHECK(test::whorl({"video", run.string(), "--out", (folder / "a.mp4").string()}).err == "");
+    fs::rename(run / "frames/000002.png", folder / "second.png");
+    const Outcome part = test::whorl({"video", run.string(), "--out", (folder / "a.mp4").string()});
+    CHECK(part.code == 0);
+    CHECK(part.err == "the run has pictures of 1 of its 2 frames: the video is of these\n");
     refused({"--frames", "3-4"}, "there are no frames 3 to 4; 1 to 2");
     for (const char* frames : {"two", "1-", "-1", "2-1", "99999999999", "1-99999999999"}) refused({"--frames", frames}, "names no frames");
     fs::rename(run / "raw/000002.frame", run / "raw/000003.frame");

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "engine/core/errors.h"
+#include "render/video/encoder.h"
 #include "tools/film/contact_sheet.h"
 #include "tools/film/film.h"
 #include "tools/film/first_pass.h"
@@ -44,6 +45,23 @@ void share_meshes(std::vector<FrameSolid>& solids, const std::vector<FrameSolid>
             solids[k].mesh = before[k].mesh;
 }
 
+/// Pictures of one film have one size. @param numbers of those that are drawn @throws InputError where those that stay have another
+void check_size_of_others(const RedrawRequest& request, const std::vector<int>& numbers) {
+    const std::array<int, 2>& size = request.file.scene.output.size;
+    for (const int number : exported_frames(request.run)) {
+        if (std::binary_search(numbers.begin(), numbers.end(), number) || !has_picture(request.out, number)) continue;
+        Image other;
+        try {
+            other = read_picture(request.out, number);
+        } catch (const std::exception&) { continue; }  // damaged: it is no measure
+        if (other.width == size[0] && other.height == size[1]) return;
+        throw InputError({"--frames", 0, 0},
+                         fmt::format("the other pictures in {} are {}x{}, and these would be {}x{}", request.out.string(), other.width,
+                                     other.height, size[0], size[1]),
+                         "draw all frames, or into another folder with --out");
+    }
+}
+
 }  // namespace
 
 std::vector<int> exported_frames(const fs::path& run_folder) {
@@ -77,11 +95,13 @@ int redraw(const RedrawRequest& request) {
         return std::make_shared<const PictureOptions>(PictureOptions{now.surface, now.camera, now.look});
     };
     const FilmOptions options = film_options(request, whole);
+    if (!options.video.empty()) check_encoder();
     std::optional<RunFolder> held;
     if (request.out != request.run) {
         held.emplace(RunFolder::drawing(request.out, request.run, whole ? RunFolder::Hold::alone : RunFolder::Hold::shared));
         if (!held->note().empty()) tell_note(held->note(), false);
     }
+    if (!whole) check_size_of_others(request, numbers);
     const auto replaced = std::count_if(numbers.begin(), numbers.end(), [&](int n) { return has_picture(request.out, n); });
     if (replaced > 0 && !request.quiet) fmt::print(stderr, "pictures that stand in {} are replaced: {}\n", request.out.string(), replaced);
     fs::create_directories(request.out / "frames");
@@ -99,7 +119,7 @@ int redraw(const RedrawRequest& request) {
     film.finish(true);
     if (whole) write_contact_sheet(request.out, numbers.back());
     if (!request.quiet)
-        fmt::print(stderr, "\r{} frames drawn: {}\n", numbers.size(),
+        fmt::print(stderr, "\r{} drawn: {}\n", counted(static_cast<int>(numbers.size()), "frame"),
                    whole && !options.video.empty() ? options.video.string() : request.out.string());
     return exit_done;
 }

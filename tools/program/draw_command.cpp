@@ -34,6 +34,15 @@ void read_frames(const std::string& text, RedrawRequest& request) {
     request.first = first, request.last = last;
 }
 
+/// The change that decides the simulation, as it was given; "--set" where it takes several.
+std::string deciding(const SceneFile& before, const std::vector<KeyChange>& changes) {
+    for (const KeyChange& change : changes) try {
+            if (decides(before, changed(before, {change}))) return change.source.file;
+        } catch (const InputError&) {  // it needs another one beside it
+        }
+    return "--set";
+}
+
 int draw(const DrawOptions& options) {
     set_threads(options.shared.threads);
     // Ranges may be drawn at the same time, and other looks of one run into other folders.
@@ -54,8 +63,8 @@ int draw(const DrawOptions& options) {
         throw InputError({options.folder.string(), 0, 0}, "this is a film of several panels",
                          "draw one of them: " + (options.folder / "panels/1").string());
     if (decides(before, request.file))
-        throw InputError({"--set", 0, 0}, "only what the pictures show can be changed, the simulation is over", "render the scene anew",
-                         "keys of [look], [camera], [surface] and [output]");
+        throw InputError({deciding(before, changes), 0, 0}, "only what the pictures show can be changed, the simulation is over",
+                         "render the scene anew", "keys of [look], [camera], [surface] and [output]");
     request.run = options.folder;
     request.out = elsewhere ? options.shared.out : options.folder;
     if (!elsewhere) request.made = before.scene.output.exports;

@@ -121,7 +121,7 @@ void print_text(const Preview& p) {
                p.simulation.world().fluid.size(), p.plan.estimated_particles, p.plan.expected_speed);
     if (p.cost) print_cost(*p.cost);
     for (const std::string& warning : p.plan.warnings) fmt::print("warning: {}\n", warning);
-    if (p.run) fmt::print("{} frames into {}\n", p.run->frames, p.run->folder.string());
+    if (p.run) fmt::print("{} into {}\n", counted(p.run->frames, "frame"), p.run->folder.string());
 }
 
 void print_json(const Preview& p) {

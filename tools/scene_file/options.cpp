@@ -31,6 +31,8 @@ NumberCheck any_number(const std::string& unit, bool above_zero) {
     };
 }
 
+std::string not_empty(const std::string& text) { return text.empty() ? "is empty; give a name, or leave it out" : ""; }
+
 void add_options(CLI::App& app, Options& o, std::initializer_list<Option> which) {
     for (const Option option : which) switch (option) {
             case Option::scene:
@@ -49,7 +51,9 @@ void add_options(CLI::App& app, Options& o, std::initializer_list<Option> which)
                     ->type_name("FILE")
                     ->allow_extra_args(false);
                 break;
-            case Option::out: app.add_option("--out", o.out, "run folder (default: out/<scene name>)")->type_name("DIR"); break;
+            case Option::out:
+                app.add_option("--out", o.out, "run folder (default: out/<scene name>)")->type_name("DIR")->check(not_empty);
+                break;
             case Option::overwrite:
                 app.add_flag("--overwrite", o.overwrite,
                              "replace a run that stands in the folder (default: it is kept as FOLDER.1, .2, ...)");

@@ -62,6 +62,8 @@ using NumberCheck = std::function<std::string(const std::string&)>;
 NumberCheck whole_number(long long least, long long most = std::numeric_limits<int>::max());
 NumberCheck any_number(const std::string& unit = "", bool above_zero = false);
 
+/// A check of CLI11's: what is wrong with an empty name, "" where it is none.
+std::string not_empty(const std::string& text);
 /// Adds those options to a subcommand; `options` must outlive the parsing (keep it in a shared_ptr that the callback holds).
 void add_options(CLI::App& subcommand, Options& options, std::initializer_list<Option> which);
 

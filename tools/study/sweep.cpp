@@ -6,11 +6,13 @@
 #include <cstdlib>
 #include <thread>
 
+#include "tools/scene_file/options.h"
+
 namespace whorl {
 
 void add_sweep_options(CLI::App& app, SweepOptions& o) {
     app.add_option("study", o.study, "study file, or the name of a study that ships")->required()->type_name("STUDY");
-    app.add_option("--out", o.out, "folder of the results (default: out/<study name>)")->type_name("DIR");
+    app.add_option("--out", o.out, "folder of the results (default: out/<study name>)")->type_name("DIR")->check(not_empty);
     app.add_option("--on", o.on, "slurm: each run is a job of the Slurm that sbatch reaches; local: on this machine")
         ->capture_default_str()
         ->type_name("PLACE");
