@@ -1,8 +1,10 @@
 #include "render/gl/context.h"
 
+#include <dlfcn.h>
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include <array>
 #include <cstdlib>
@@ -49,9 +51,17 @@ bool lists(const char* extensions, const std::string& name) {
 
 EGLDisplay platform_display(EGLenum platform, void* native) { return eglGetPlatformDisplayEXT(platform, native, nullptr); }
 
+/// Why the library cannot be had, "" where it can: libepoxy would end the program.
+std::string missing_library() {
+    if (dlopen("libEGL.so.1", RTLD_LAZY | RTLD_LOCAL) != nullptr) return {};
+    const char* why = dlerror();
+    return why == nullptr ? "no libEGL.so.1" : why;
+}
+
 /// In the order in which they are tried: hardware devices, Mesa without a surface (its software driver where there is no GPU), software
 /// devices, and whatever EGL calls the default display.
 std::vector<Candidate> candidates() {
+    if (!missing_library().empty()) return {};
     const char* client = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
     std::vector<Candidate> hardware, software;
     if (lists(client, "EGL_EXT_platform_device") && (lists(client, "EGL_EXT_device_enumeration") || lists(client, "EGL_EXT_device_base"))) {
@@ -152,7 +162,7 @@ std::vector<DeviceAttempt> probe_devices() {
 }
 
 GlContext::GlContext() {
-    std::string tried;
+    std::string tried = missing_library();
     for (const Candidate& candidate : candidates()) {
         Opened opened = open(candidate);
         if (opened.works()) {
@@ -164,8 +174,13 @@ GlContext::GlContext() {
         }
         tried += (tried.empty() ? "" : "; ") + candidate.name + ": " + opened.outcome;
     }
+    rlimit limit{};
+    const bool limited = getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
     throw EnvironmentError("no OpenGL device can draw off-screen", tried,
-                           "apt install libegl1 libgl1-mesa-dri (Mesa's software driver needs no GPU)");
+                           limited
+                               ? fmt::format("allow more memory: ulimit -v is {} kB, and a driver takes about a gigabyte; or --no-images",
+                                             limit.rlim_cur / 1024)
+                               : "apt install libegl1 libgl1-mesa-dri (Mesa's software driver needs no GPU)");
 }
 
 GlContext::GlContext(GlContext&& other) noexcept

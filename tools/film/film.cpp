@@ -13,13 +13,20 @@ Film::Film(FilmOptions options)
     : options_(std::move(options)), exports_({options_.folder, options_.name, options_.exports, options_.fps, options_.interval,
                                               options_.width, options_.height, options_.frames_before}) {
     share_threads_with_software_driver();
-    start("surface", &Film::make_surfaces);
-    start("draw", &Film::draw);
-    start("export", &Film::export_files);
-    start("write", &Film::write);
+    try {
+        start("surface", &Film::make_surfaces);
+        start("draw", &Film::draw);
+        start("export", &Film::export_files);
+        start("write", &Film::write);
+    } catch (const std::system_error&) {  // a thread could not be had
+        stop();
+        throw;
+    }
 }
 
-Film::~Film() {
+Film::~Film() { stop(); }
+
+void Film::stop() {
     for (Queue* queue : {&to_surface_, &to_draw_, &to_export_, &to_write_}) queue->abort();
     join();
 }

@@ -80,6 +80,7 @@ private:
     void write();
     void write_picture(const Shot& shot) const;
     void timed(const std::string& stage, const std::function<void()>& work);
+    void stop();
     void join();
     void rethrow() const;
 
