@@ -20,7 +20,7 @@ void repeat_each(std::vector<T>& values, std::size_t times) {
 }  // namespace
 
 bool run_coarsely(const SceneFile& file, double coarser, int moments, const std::vector<std::string>& fields,
-                  const std::function<void(const Frame&, const Simulation&)>& show) try {
+                  const std::function<void(const Frame&, const Simulation&)>& show, const std::function<void(double)>& progress) try {
     const std::string spacing = fmt::format("fluid.spacing={:.9g}", coarser * file.scene.fluid.spacing);
     const SceneFile coarse = changed(file, {read_change(parse_change(spacing))});
     Replay replay(coarse);
@@ -33,6 +33,7 @@ bool run_coarsely(const SceneFile& file, double coarser, int moments, const std:
         while (simulation.time() < time) {
             if (simulation.step(time).diverged) return false;
             replay.apply_until(simulation.time(), [&](const Scene& s, const Plan& p, double when) { simulation.change(s, p, when); });
+            progress((simulation.time() - first) / (last - first));
         }
         show(snapshots.take(simulation, 1), simulation);
     }

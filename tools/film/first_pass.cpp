@@ -13,6 +13,7 @@
 #include "tools/film/colour_range.h"
 #include "tools/film/contact_sheet.h"
 #include "tools/film/film_extent.h"
+#include "tools/film/progress.h"
 
 namespace whorl {
 namespace {
@@ -73,7 +74,9 @@ SceneFile with_first_pass(SceneFile file, const Simulation& start, bool quiet) {
         Seen seen(file.look);
         const std::vector<std::string> fields = shows_field(file.look) ? std::vector{file.look.field} : std::vector<std::string>{};
         // Nothing is seen where the coarse scene is impossible or diverges.
-        if (run_coarsely(file, 2, moments, fields, [&](const Frame& frame, const Simulation&) { seen.add(frame); })) seen.choose(file);
+        PartProgress progress("first pass", quiet);
+        const auto show = [&](const Frame& frame, const Simulation&) { seen.add(frame); };
+        if (run_coarsely(file, 2, moments, fields, show, [&](double part) { progress.done(part); })) seen.choose(file);
     }
     return with_estimates(std::move(file), start);
 }
