@@ -61,7 +61,7 @@ Domain in_own_axes(const Domain& domain, const Pose& pose) {
     const Vec3 middle = pose.rotation.transpose() * ((domain.min + domain.max) / 2 - pose.translation),
                half = pose.rotation.transpose().cwiseAbs() * (domain.size() / 2);
     own.min = middle - half, own.max = middle + half;
-    for (int a = 0; a < 3; ++a) own.periodic[a] = domain.periodic[a] && pose.rotation(a, a) > 1 - Real(1e-6);
+    for (int a = 0; a < 3; ++a) own.periodic[a] = domain.periodic[a] && std::abs(pose.rotation(a, a)) > 1 - Real(1e-6);
     return own;
 }
 

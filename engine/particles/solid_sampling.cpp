@@ -36,12 +36,13 @@ SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& d
     SolidParticles particles;
     for (std::size_t k = 0; k < solids.all.size(); ++k) {
         const Solid& solid = solids.all[k];
-        LayerRegion region{spacing, in_own_axes(domain, solid.pose), 3 * spacing, !solid.moves()};
-        const bool turned = !solid.pose.rotation.isIdentity(0), bounded = solid.shape->bounded();
+        const bool turned = !solid.pose.rotation.isIdentity(0), bounded = solid.shape->bounded(), still = !solid.moves();
+        // The box about a turned domain has an end along a periodic axis, where the solid goes on.
+        LayerRegion region{spacing, in_own_axes(domain, solid.pose), 3 * spacing, still && !(turned && bounded && domain.any_periodic())};
         if (!solid.spin.is_zero()) region.domain.periodic = {false, false, false};
         for (const LayerPoint& point : layer_of(solid, k, region, place_of)) {
             if (region.clipped && !region.contains(point.position)) continue;
-            if (turned && (region.clipped || !bounded)) {
+            if (turned && (still || !bounded)) {
                 const Vec3 x = solid.pose.rotation * point.position.cast<Real>() + solid.pose.translation;
                 if (!is_near(domain, x, region.margin, bounded)) continue;
             }

@@ -279,13 +279,13 @@ std::string syntax_hint(const std::string& text, std::size_t at, const std::stri
     if (word == "True" || word == "False") return word == "True" ? "write true" : "write false";
     if (std::isalpha(static_cast<unsigned char>(text[begin])) != 0) return "texts and expressions stand in quotes";
     if (word.empty() || std::strchr("+-.0123456789", word[0]) == nullptr) return "";
-    if (const std::string plain = plain_number(word); plain != word) return "write " + plain;
+    if (const std::string plain = plain_number(word); plain != word && at <= end) return "write " + plain;
     char* stop = nullptr;
     std::strtod(text.c_str() + begin, &stop);
     while (*stop == ' ' || *stop == '\t') ++stop;
     const std::string behind(stop, std::strcspn(stop, "\n,]}#"));
-    if (behind.find('=') != std::string::npos) return "each key has a line of its own";
     if (begins(behind, {"//", "/*"})) return "comments begin with #";
+    if (behind.find('=') != std::string::npos) return "each key has a line of its own";
     if (begins(behind, {"*", "/", "+", "-", "^"})) return "texts and expressions stand in quotes";
     const bool unit =
         !behind.empty() && (std::isalpha(static_cast<unsigned char>(behind[0])) != 0 || (behind[0] & 0x80) != 0 || behind[0] == '%');
@@ -358,8 +358,8 @@ void apply_change(Value& root, const Change& change, std::vector<Problem>& probl
         value = *converted(toml::parse("value = " + with_plain_numbers(change.value)), "").find("value");
     } catch (const toml::parse_error& e) {
         // What looks like TOML must be TOML; anything else is a text, as in models.pressure=ppe.
-        if (change.value.empty() || std::strchr("[{\"'", change.value[0]) != nullptr) {
-            const bool list = !change.value.empty() && change.value.front() == '[' && change.value.back() == ']';
+        if (std::strchr("[{\"'", change.value[0]) != nullptr) {
+            const bool list = change.value.front() == '[' && change.value.back() == ']';
             problems.push_back(
                 {place, "the value is not TOML: " + message_of(e), list ? "texts and expressions in a list stand in quotes" : "", ""});
             return;

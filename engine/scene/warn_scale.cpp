@@ -107,7 +107,7 @@ private:
 
     /// Fluid that no picture of the film shows on its way, of centimetres a second as a rule.
     void too_fast_to_see(const std::string& key, double u) {
-        const double room = longest_side(scene_.domain), picture = 1 / (24 * scene_.time.slow_motion);
+        const double room = longest_side(scene_.domain), picture = 1 / (std::max(24.0, scene_.time.fps) * scene_.time.slow_motion);
         if (u > 1 && u <= fastest_fluid && u * picture > room)
             add(key, fmt::format("{}: {:.4g} m/s crosses the whole domain of {} in {:.2g} s, less than a picture of the film takes; {:.4g} "
                                  "cm/s would be {:.4g}",

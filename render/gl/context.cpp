@@ -175,7 +175,7 @@ GlContext::GlContext() {
         tried += (tried.empty() ? "" : "; ") + candidate.name + ": " + opened.outcome;
     }
     rlimit limit{};
-    const bool limited = getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
+    const bool limited = getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur < rlim_t(4) << 30;
     throw EnvironmentError("no OpenGL device can draw off-screen", tried,
                            limited
                                ? fmt::format("allow more memory: ulimit -v is {} kB, and a driver takes about a gigabyte; or --no-images",

@@ -45,7 +45,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const auto json = nlohmann::json::parse(rest, nullptr, false);
     if (json.is_discarded()) return 0;
     try {
-        const SceneFile now = changed(file, changes_of(json));
+        const SceneFile now = changed(file, changes_of(json, file));
         needs_restart(differences(file, now));
         make_plan(now.scene);
     } catch (const InputError& error) { fuzz::expect(*error.what() != 0, "a mistake has words"); }

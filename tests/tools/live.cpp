@@ -122,7 +122,7 @@ TEST_CASE("changes are made as a whole or not at all, and the answer says why", 
           std::string::npos);
     CHECK(refused(R"({"time.cfl": "fast"})").find("must be a number, not the text") != std::string::npos);
     CHECK(wanted(live) == before);
-    CHECK(live.post("/set", R"({"time.cfl": ".4", "camera.target": ["0", ".05", 0]})").status == 200);
+    CHECK(live.post("/set", R"({"time.cfl": ".4", "camera.target": ["0", ".05", 0], "look.title": "2024"})").status == 200);
 
     // What needs a restart is done with one.
     CHECK(live.post("/control", R"({"do": "restart", "set": {"fluid.spacing": 0.005}})").status == 200);

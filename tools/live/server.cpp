@@ -290,7 +290,7 @@ void LiveServer::Http::stop_recording(Response& response) {
 
 void LiveServer::Http::restart(const nlohmann::json& order, Response& response) {
     Controls::Restart how;
-    if (order.contains("set")) how.set = changes_of(order["set"]);
+    if (order.contains("set")) how.set = changes_of(order["set"], controls.file());
     for (const KeyChange& c : how.set)
         if (c.path == "name" || c.path == "look.environment" || c.path.find("file") != std::string::npos || c.path.rfind("output", 0) == 0)
             return refuse(response, 400, c.path.substr(0, 100) + " is set on the command line or in the scene file only");
@@ -338,7 +338,7 @@ void LiveServer::Http::show_look() {
 }
 
 void LiveServer::Http::post_set(const nlohmann::json& changes, Response& response) {
-    controls.set(changes_of(changes));
+    controls.set(changes_of(changes, controls.file()));
     show_look();
     done(response, {{"revision", controls.revision()}});
 }

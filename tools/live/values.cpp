@@ -41,11 +41,20 @@ bool hidden(const UsedKey& k) {
     return k.path == "name" || k.path == "seed" || (k.key->type == KeyType::text && !k.key->may_change);
 }
 
-/// The number that a text is, as the command line takes it.
-std::optional<Value> number_in(const std::string& text) {
-    if (text.empty() || text.find_first_not_of("+-._0123456789eE") != std::string::npos) return std::nullopt;
-    Value value = read_change({"", text, "", true}).value;
-    return value.is_number() ? std::optional(std::move(value)) : std::nullopt;
+bool takes_texts(const SceneFile& file, const std::string& path) {
+    for (const UsedKey& k : used_keys(file))
+        if (k.path == path) return k.key->type == KeyType::text || k.key->type == KeyType::texts;
+    return false;
+}
+
+/// Texts that are numbers as such, as the command line takes them.
+Value with_numbers(Value value) {
+    if (auto* list = value.as<Value::List>())
+        for (Value& entry : *list) entry = with_numbers(std::move(entry));
+    const auto* text = value.as<std::string>();
+    if (!text || text->empty() || text->size() > 40 || text->find_first_not_of("+-._0123456789eE") != std::string::npos) return value;
+    Value number = read_change({"", *text, "", true}).value;
+    return number.is_number() ? number : value;
 }
 
 }  // namespace
@@ -59,7 +68,6 @@ std::optional<Value> value_of(const nlohmann::json& json) {
     if (json.is_string()) {
         auto text = json.get<std::string>();
         if (text.size() > longest_text) return std::nullopt;
-        if (auto number = number_in(text)) return number;
         return Value(std::move(text));
     }
     if (!json.is_array() || json.size() > longest_list) return std::nullopt;
@@ -102,14 +110,16 @@ Json described_keys(const SceneFile& file) {
     return all;
 }
 
-std::vector<KeyChange> changes_of(const nlohmann::json& json) {
+std::vector<KeyChange> changes_of(const nlohmann::json& json, const SceneFile& file) {
     const std::string form = "allowed: an object of keys and values, as in {\"fluid.viscosity\": 500}";
     if (!json.is_object()) throw InputError({}, "the changes are no JSON object", "", form);
     std::vector<KeyChange> changes;
     std::vector<Problem> problems;
     for (const auto& [path, entry] : json.items()) {
         auto value = value_of(entry);
-        if (value) changes.push_back({full_path(path), std::move(*value), {}});
+        const std::string full = full_path(path);
+        if (value && !takes_texts(file, full)) value = with_numbers(std::move(*value));
+        if (value) changes.push_back({full, std::move(*value), {}});
         else problems.push_back({{}, path.substr(0, 100) + " has a value that no key takes", "", form});
     }
     if (!problems.empty()) throw InputError(std::move(problems));

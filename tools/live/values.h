@@ -16,7 +16,7 @@ nlohmann::ordered_json live_values(const SceneFile& file);
 /// What a page needs to show each key: path, unit, meaning, type, range, choices, whether it may change while a run goes on.
 nlohmann::ordered_json described_keys(const SceneFile& file);
 
-/// Changes from {"fluid.viscosity": 500, ...}. @throws InputError where it is no object, or holds a value of no kind
-std::vector<KeyChange> changes_of(const nlohmann::json& json);
+/// Changes of the scene from {"fluid.viscosity": 500, ...}. @throws InputError where it is no object, or holds a value of no kind
+std::vector<KeyChange> changes_of(const nlohmann::json& json, const SceneFile& file);
 
 }  // namespace whorl
