@@ -11,13 +11,13 @@
 namespace whorl {
 namespace {
 
-const char* const remedy = "apt-get install ffmpeg, or run with --no-video";
+const char* const install = "apt-get install ffmpeg";
 const char* const once_it_works = "once ffmpeg can work: whorl resume goes on with a run, whorl video encodes pictures that are there";
 
 ChildProcess start(const std::vector<std::string>& arguments) {
     try {
         return ChildProcess(arguments);
-    } catch (const std::system_error& error) { throw EnvironmentError("no video: cannot start ffmpeg", error.what(), remedy); }
+    } catch (const std::system_error& error) { throw EnvironmentError("no video: cannot start ffmpeg", error.what(), install); }
 }
 
 std::string last_lines(std::string text) {
@@ -201,23 +201,23 @@ std::filesystem::path partial_video(const std::filesystem::path& file) {
     return file.parent_path() / ("." + file.filename().string() + ".partial");
 }
 
-void check_encoder() {
-    const auto refuse = [](const std::string& why, const char* hint) {
-        throw InputError({}, "no video: cannot start ffmpeg: " + why, hint);
+std::string check_encoder(const std::string& way_out) {
+    const auto refuse = [&](const std::string& why, const std::string& remedy) {
+        throw EnvironmentError("no video: cannot start ffmpeg: " + why, "", remedy + (way_out.empty() ? "" : ", " + way_out));
     };
+    std::string text;
     try {
         ChildProcess ffmpeg({"ffmpeg", "-version"});
-        if (const int code = ffmpeg.wait(); code != 0) refuse(end_of(ffmpeg, code), "mend that, or run with --no-video");
-    } catch (const std::system_error& error) { refuse(error.what(), remedy); }
+        if (const int code = ffmpeg.wait(); code != 0) refuse(end_of(ffmpeg, code), "mend that");
+        text = ffmpeg.output();
+    } catch (const std::system_error& error) { refuse(error.what(), install); }
+    return text.substr(0, text.find('\n'));
 }
 
 std::string encoder_version() {
     try {
-        ChildProcess ffmpeg({"ffmpeg", "-version"});
-        if (ffmpeg.wait() != 0) return "";
-        const std::string text = ffmpeg.output();
-        return text.substr(0, text.find('\n'));
-    } catch (const std::system_error&) { return ""; }
+        return check_encoder();
+    } catch (const EnvironmentError&) { return ""; }
 }
 
 }  // namespace whorl

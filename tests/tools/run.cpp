@@ -368,10 +368,25 @@ TEST_CASE("a run that has no checkpoint yet begins again, to the same film as on
     REQUIRE(killed.wait_until([&] { return fs::exists(scratch / "run/run.json"); }));
     killed.signal(SIGKILL);
     killed.wait();
-    fs::remove_all(scratch / "run/checkpoints");
+    for (const char* made : {"checkpoints", "points", "frames"}) fs::remove_all(scratch / "run" / made);
     auto state = report(scratch / "run");
-    state["status"] = "running";
-    std::ofstream(scratch / "run/run.json") << state;
+    const auto write = [&](const char* status, int frames) {
+        state["status"] = status, state["frames"] = frames;
+        std::ofstream(scratch / "run/run.json") << state;
+    };
+    // Its end is what --frames asked, while the scene's own has not moved.
+    const int all = state.at("frames_of_scene");
+    for (const auto& [planned, of_scene, wanted] :
+         std::vector<std::tuple<nlohmann::json, int, int>>{{3, 3, all}, {4, 5, all}, {"x", all, all}, {4, all, 4}}) {
+        state["frames_planned"] = planned, state["frames_of_scene"] = of_scene;
+        write("running", 0);
+        RunRequest request;
+        request.file = read_scene_file(scratch / "run/scene.resolved.toml");
+        request.folder = scratch.run();
+        resume_from_newest(request);
+        CHECK(request.frames == wanted);
+    }
+    std::ofstream(scratch / "run/final_cut.mp4") << "keep";
     const Outcome resumed = test::whorl({"resume", scratch.run(), "--quiet"});
     CHECK(resumed.err == "no checkpoint yet: the run begins again from the start\n");
     REQUIRE(resumed.code == 0);
@@ -381,8 +396,28 @@ TEST_CASE("a run that has no checkpoint yet begins again, to the same film as on
     for (const char* same : {"frames/000004.png", "little_honey.mp4"})
         CHECK((read_whole(scratch / "run" / same) == read_whole(scratch / "whole" / same)));
     CHECK_FALSE(fs::exists(scratch / "run/.replaced"));
-    // One that is done stays as it is.
+    CHECK(fs::exists(scratch / "run/final_cut.mp4"));
+    // One that had a checkpoint is left alone; of one that was killed the frames are kept; videos stay that are not of the run.
+    const auto again = [&](const std::string& name) { return test::whorl({"resume", scratch.run(name), "--frames", "2", "--quiet"}); };
     fs::remove_all(scratch / "run/checkpoints");
+    write("interrupted", 3);
+    const Outcome refused = again("run");
+    CHECK(refused.code == 2);
+    CHECK_THAT(refused.err, Catch::Contains("there is no sound checkpoint to go on from; render the scene anew"));
+    CHECK(files_in(scratch / "run/frames").size() == 4);
+    fs::copy(scratch / "run", scratch / "torn");
+    fs::copy(scratch / "run", scratch / "killed", fs::copy_options::recursive);
+    std::ofstream(scratch / "torn/run.json") << "{\"who";
+    CHECK(again("torn").code == 0);
+    CHECK(read_whole(scratch / "torn/final_cut.mp4") == "keep");
+    write("running", 3);
+    fs::copy(scratch / "run/run.json", scratch / "killed/run.json", fs::copy_options::overwrite_existing);
+    const Outcome kept = again("killed");
+    CHECK(kept.code == 0);
+    CHECK_THAT(kept.err, Catch::EndsWith(scratch.run("killed") + " is now in " + scratch.run("killed.1") + "\n"));
+    CHECK(files_in(scratch / "killed.1/frames").size() == 4);
+    // One that is done stays as it is.
+    write("done", 4);
     const Outcome done = test::whorl({"resume", scratch.run()});
     CHECK(done.code == 2);
     CHECK_THAT(done.err, Catch::EndsWith("the run is done, and has no checkpoint to go on from; render the scene anew\n"));

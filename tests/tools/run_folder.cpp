@@ -84,13 +84,18 @@ TEST_CASE("a run that is to be replaced is there again, all of it, where the new
     CHECK(no_device.code == 1);
     CHECK(no_device.err.find("is there again") != std::string::npos);
     check_first(scratch / "run");
-    for (const std::string& command :
-         {"render '" + scratch.scene() + "'" + over_it, "render '" + (scratch / "panels.toml").string() + "'" + over_it,
-          "resume '" + scratch.run() + "' --frames 3", "video '" + scratch.run() + "'"}) {
+    const std::string no_video = ", or run with --no-video";
+    for (const auto& [command, way_out] : std::vector<std::pair<std::string, std::string>>{
+             {"render '" + scratch.scene() + "'" + over_it, no_video},
+             {"render '" + (scratch / "panels.toml").string() + "'" + over_it, no_video},
+             {"farm '" + scratch.scene() + "' --on local --out '" + scratch.run() + "'", no_video},
+             {"resume '" + scratch.run() + "' --frames 3", ", or set output.video = false in scene.resolved.toml"},
+             {"video '" + scratch.run() + "'", ""}}) {
         const Outcome no_encoder = without("PATH=/nowhere", command);
         INFO(command);
-        CHECK(no_encoder.code == 2);
-        CHECK_THAT(no_encoder.err, Catch::StartsWith("no video: cannot start ffmpeg: ") && Catch::EndsWith("with --no-video\n"));
+        CHECK(no_encoder.code == 1);
+        CHECK_THAT(no_encoder.err, Catch::StartsWith("whorl: no video: cannot start ffmpeg: ") &&
+                                       Catch::EndsWith("\n  remedy: apt-get install ffmpeg" + way_out + "\n"));
         check_first(scratch / "run");
     }
     // As a power cut leaves it that comes before the first picture.

@@ -18,7 +18,7 @@ Film::Film(FilmOptions options)
         start("draw", &Film::draw);
         start("export", &Film::export_files);
         start("write", &Film::write);
-    } catch (const std::system_error&) {  // a thread could not be had
+    } catch (...) {  // a thread, or memory for it, could not be had
         stop();
         throw;
     }

@@ -270,7 +270,7 @@ private:
 }  // namespace
 
 int run_panels(const RunRequest& request, PanelRuns how) {
-    if (request.file.scene.output.frames && request.file.scene.output.video) check_encoder();
+    if (request.file.scene.output.frames && request.file.scene.output.video) check_encoder(without_video(how == PanelRuns::resumed));
     return PanelFilm(request, how).go();
 }
 

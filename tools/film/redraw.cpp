@@ -95,7 +95,7 @@ int redraw(const RedrawRequest& request) {
         return std::make_shared<const PictureOptions>(PictureOptions{now.surface, now.camera, now.look});
     };
     const FilmOptions options = film_options(request, whole);
-    if (!options.video.empty()) check_encoder();
+    if (!options.video.empty()) check_encoder("or run with --no-video");
     std::optional<RunFolder> held;
     if (request.out != request.run) {
         held.emplace(RunFolder::drawing(request.out, request.run, whole ? RunFolder::Hold::alone : RunFolder::Hold::shared));

@@ -7,6 +7,7 @@
 #include "engine/core/parallel.h"
 #include "engine/core/version.h"
 #include "engine/io/checkpoint.h"
+#include "engine/scene/frame_times.h"
 #include "tools/process/usage.h"
 
 namespace whorl {
@@ -36,6 +37,7 @@ nlohmann::ordered_json run_json(const Simulation& simulation, const RunReport& r
             {"warnings", simulation.plan().warnings},
             {"frames", report.frames},
             {"frames_planned", report.frames_planned},
+            {"frames_of_scene", frame_count(simulation.scene())},
             {"time", simulation.time()},
             {"steps", totals.steps},
             {"particles", simulation.world().fluid.size()},

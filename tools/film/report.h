@@ -11,11 +11,11 @@
 namespace whorl {
 
 struct RunReport {
-    std::string status = "running";  ///< running | done | interrupted | diverged | failed
-    std::string message;             ///< why, where it is not done
-    int frames = 0, frames_planned = 0;
-    double wall = 0, cpu = 0;   ///< s, over all parts of the run
-    double predicted_wall = 0;  ///< s, for the whole run, before it began; 0: its costs were not known
+    std::string status = "running";      ///< running | done | interrupted | diverged | failed
+    std::string message;                 ///< why, where it is not done
+    int frames = 0, frames_planned = 0;  ///< planned: the scene's, or what --frames asked
+    double wall = 0, cpu = 0;            ///< s, over all parts of the run
+    double predicted_wall = 0;           ///< s, for the whole run, before it began; 0: its costs were not known
     int resumed = 0;
     double first_picture = 0;  ///< s after the start of this part
     std::string gl_device, encoder;

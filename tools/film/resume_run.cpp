@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "engine/core/errors.h"
@@ -74,20 +73,28 @@ void check_pictures(const RunRequest& request, int made) {
     }
 }
 
-/// A run that was stopped before its first checkpoint is made from the start. @throws InputError where it had come to its end
+InputError no_sound_checkpoint(const std::filesystem::path& folder) {
+    return {{folder.string(), 0, 0},
+            "there is no sound checkpoint to go on from",
+            "render the scene anew",
+            "checkpoints appear every output.checkpoint_every seconds and on Ctrl-C"};
+}
+
+/// A run that was stopped before its first checkpoint is made from the start. @throws InputError where it had come to its end, or had a
+/// checkpoint
 void begin_again(RunRequest& request) {
-    std::ifstream in(request.folder / "run.json");
-    nlohmann::json report = nlohmann::json::parse(in, nullptr, false);
-    if (!report.is_object()) report = nlohmann::json::object();
+    const nlohmann::json report = report_of(request.folder);
     const std::string status = report.value("status", "");
     if (status == "done" || status == "diverged")
         throw InputError({request.folder.string(), 0, 0},
                          fmt::format("the run {}, and has no checkpoint to go on from", status == "done" ? "is done" : "diverged"),
                          "render the scene anew");
+    if (report.value("frames", 0) > 0 && status != "running") throw no_sound_checkpoint(request.folder);
+    // As of a checkpoint: the end that --frames gave holds while the scene's own stays.
     const int all = frame_count(request.file.scene), planned = report.value("frames_planned", all);
-    request.frames = request.frames.value_or(planned > 0 ? std::min(planned, all) : all);
+    const bool cut = planned > 0 && planned < all && report.value("frames_of_scene", all) == all;
+    request.frames = request.frames.value_or(cut ? planned : all);
     request.earlier = RunFolder::Earlier::begun_again;
-    request.slip_seconds = 0;
     tell_note("no checkpoint yet: the run begins again from the start", request.json);
 }
 
@@ -104,9 +111,7 @@ void resume_from_newest(RunRequest& request) {
     std::vector<std::string> damaged;
     std::optional<Checkpoint> checkpoint = newest_checkpoint(request.folder, damaged);
     for (const std::string& line : damaged) fmt::print(stderr, "whorl: {}\n", line);
-    if (!checkpoint)
-        throw InputError({request.folder.string(), 0, 0}, "there is no sound checkpoint to go on from", "render the scene anew",
-                         "checkpoints appear every output.checkpoint_every seconds and on Ctrl-C");
+    if (!checkpoint) throw no_sound_checkpoint(request.folder);
     if (checkpoint->build != build_id())
         throw InputError(
             {request.folder.string(), 0, 0},

@@ -5,8 +5,8 @@
 namespace whorl {
 
 /// Completes a request for the run in its folder, whose scene is request.file as it stands there now: the newest checkpoint, and where to
-/// end (request.frames, where nothing was asked, is what the run was to make). Where no checkpoint was written yet, the run begins again,
-/// and replaces what stands there. Tells on standard error which checkpoints are damaged.
+/// end (request.frames, where nothing was asked, is what the run was to make). Where no checkpoint was written yet, the run begins again;
+/// frames that stand there are kept under another name. Tells on standard error which checkpoints are damaged.
 /// @throws InputError where there is none that is sound, or none of a run that is over, or it is another build's or of other settings (with
 /// each of them)
 void resume_from_newest(RunRequest& request);

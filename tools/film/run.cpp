@@ -64,7 +64,7 @@ std::vector<std::string> snapshot_fields(const SceneFile& file, const World& wor
 
 class Run : public FrameLoopHost {
 public:
-    Run(const RunRequest& request, const Plan& plan);
+    Run(const RunRequest& request, const Plan& plan, std::string encoder);
     int run();
 
 private:
@@ -105,7 +105,7 @@ private:
     Replay replay_;             ///< what changes while the scene runs
     RunFolder folder_;
     std::shared_ptr<spdlog::logger> log_;
-    std::string scene_text_;
+    std::string scene_text_, encoder_;
     std::optional<FrameLoop> loop_;
     std::optional<RunTables> tables_;
     std::optional<Snapshots> snapshots_;
@@ -119,11 +119,11 @@ private:
     std::optional<Film> film_;
 };
 
-Run::Run(const RunRequest& request, const Plan& plan)
+Run::Run(const RunRequest& request, const Plan& plan, std::string encoder)
     : request_(request), scene_(request.file.scene), last_(request.frames.value_or(frame_count(scene_))), simulation_(scene_, plan),
       file_(with_choices()), replay_(file_),
       folder_(request.from ? RunFolder::existing(request.folder) : RunFolder::fresh(request.folder, request.earlier)),
-      scene_text_(resolved_toml(file_)) {
+      scene_text_(resolved_toml(file_)), encoder_(std::move(encoder)) {
     make_folders();
     foreseen_ = foreseen_frames(plan);
     if (request.from) resume();
@@ -272,8 +272,7 @@ void Run::write_report(const std::string& status, const std::string& message) {
     report.wall = times_.wall(), report.cpu = times_.cpu(), report.resumed = times_.resumed(), report.predicted_wall = predicted_;
     report.first_picture = film_->first_picture() > 0 ? film_->first_picture() - times_.began() : 0;
     report.gl_device = film_->device();
-    static const std::string encoder = encoder_version();
-    report.encoder = scene_.output.frames && scene_.output.video ? encoder : "";
+    report.encoder = encoder_;
     report.stages = stages();
     report.incidents = incidents_;
     write_text(folder_.path() / "run.json", json_text(run_json(simulation_, report), 2) + "\n");
@@ -364,7 +363,7 @@ int Run::run() try { return finish(simulate()); } catch (const std::exception& e
     } catch (const std::exception&) {  // the disk is full, most likely: what stands there stays
     }
     std::error_code none;
-    if (const std::string folder = folder_.path().string(); !fs::exists(folder, none))
+    if (const std::string folder = folder_.path().string(); !fs::exists(folder, none) && !none)
         throw EnvironmentError("the folder " + folder + " was removed or renamed while the run was at work", "",
                                "where it is elsewhere, put it back and go on with: whorl resume " + folder);
     throw;
@@ -372,10 +371,17 @@ int Run::run() try { return finish(simulate()); } catch (const std::exception& e
 
 }  // namespace
 
+const char* without_video(bool goes_on) {
+    return goes_on ? "or set output.video = false in scene.resolved.toml" : "or run with --no-video";
+}
+
 int run_scene(const RunRequest& request) {
     const Plan plan = make_plan(request.file);
-    if (!film_options(request, request.file, 0).video.empty()) check_encoder();
-    return Run(request, plan).run();
+    std::string encoder;
+    if (!film_options(request, request.file, 0).video.empty())
+        encoder = check_encoder(without_video(request.from || request.earlier == RunFolder::Earlier::begun_again));
+    else if (request.file.scene.output.frames && request.file.scene.output.video) encoder = encoder_version();
+    return Run(request, plan, std::move(encoder)).run();
 }
 
 }  // namespace whorl

@@ -20,11 +20,14 @@ struct RunRequest {
     std::optional<Checkpoint> from;  ///< where to resume; nothing: a new run
 };
 
+/// What a film does that is not to need ffmpeg. @param goes_on it is resumed
+const char* without_video(bool goes_on);
+
 /// Simulates, measures, draws, writes; the scene's panels are left out (panels.h runs them). Interrupted by SIGINT or SIGTERM it completes
 /// the frames that are on their way, saves the state of the newest one and says how to resume.
 /// @return exit_done, exit_failed (diverged) or exit_interrupted
-/// @throws InputError before anything is written (also where a video is wanted and there is no ffmpeg); EnvironmentError (no EGL device,
-/// disk full) with all that was made kept
+/// @throws InputError before anything is written; EnvironmentError where a video is wanted and there is no ffmpeg, before anything is
+/// written, too; or (no EGL device, disk full) with all that was made kept
 int run_scene(const RunRequest& request);
 
 }  // namespace whorl

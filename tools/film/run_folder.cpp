@@ -30,13 +30,7 @@ namespace {
 /// Folders inside the run's. The first holds all files of a run that is being replaced, the second some of them while they are moved.
 constexpr const char *replaced = ".replaced", *on_their_way = ".replacing";
 
-nlohmann::json report_of(const fs::path& path) {
-    std::ifstream in(path / "run.json");
-    nlohmann::json run = nlohmann::json::parse(in, nullptr, false);
-    return run.is_object() ? run : nlohmann::json::object();
-}
-
-/// @param scene the name of the run's scene, which its videos have, too
+/// @param scene the name of the run's scene, which its videos have, too; "" where it is not known
 bool is_of_a_run(const fs::path& file, const std::string& scene) {
     static const std::vector<std::string> names{
         "scene.resolved.toml", "run.json", "diagnostics.csv", "bodies.csv", "budget.csv", "contact.png", "log.txt", "probes", "frames",
@@ -45,7 +39,7 @@ bool is_of_a_run(const fs::path& file, const std::string& scene) {
         return std::find(all.begin(), all.end(), one) != all.end();
     };
     return has(names, file.filename().string()) || has(export_kinds(), file.filename().string()) ||
-           ((scene.empty() || file.stem().string() == scene) && has(video_suffixes(), file.extension().string())) ||
+           (file.stem().string() == scene && has(video_suffixes(), file.extension().string())) ||
            file.extension() == partial_video("film.mp4").extension();
 }
 
@@ -56,6 +50,8 @@ std::vector<fs::path> files_of_run(const fs::path& path) {
         if (is_of_a_run(entry.path(), scene)) files.push_back(entry.path());
     return files;
 }
+
+bool is_video(const fs::path& file) { return std::ranges::find(video_suffixes(), file.extension().string()) != video_suffixes().end(); }
 
 bool has_files(const fs::path& folder) {
     std::error_code none;
@@ -96,7 +92,7 @@ void put_aside(const fs::path& path) {
 void put_back(const fs::path& path) {
     if (fs::exists(path / replaced)) {
         for (const fs::path& file : files_of_run(path))
-            if (std::ranges::find(video_suffixes(), file.extension().string()) == video_suffixes().end()) fs::remove_all(file);
+            if (!is_video(file)) fs::remove_all(file);
         fs::rename(path / replaced, path / on_their_way);
     }
     if (!fs::exists(path / on_their_way)) return;
@@ -166,6 +162,17 @@ void make_folder(const fs::path& path) {
 
 }  // namespace
 
+nlohmann::json report_of(const fs::path& path) {
+    std::ifstream in(path / "run.json");
+    nlohmann::json run = nlohmann::json::parse(in, nullptr, false);
+    if (!run.is_object()) return nlohmann::json::object();
+    for (const char* const text : {"scene", "status", "drawn_from"})
+        if (run.contains(text) && !run[text].is_string()) run.erase(text);
+    for (const char* const count : {"frames", "frames_planned", "frames_of_scene"})
+        if (run.contains(count) && !run[count].is_number_unsigned()) run.erase(count);
+    return run;
+}
+
 bool is_run_folder(const fs::path& path) {
     return report_of(path).contains("whorl") || fs::exists(path / "scene.resolved.toml") || fs::exists(path / replaced) ||
            fs::exists(path / on_their_way);
@@ -232,18 +239,15 @@ RunFolder RunFolder::fresh(const fs::path& path, Earlier earlier) {
     RunFolder folder(path);  // nobody is at work in it
     folder.add_note(settle(path));
     refuse_farm(path);
-    if (earlier != Earlier::kept) {
-        if (report_of(path).empty() && !has_begun(path)) {  // a farm's folder, or what is left of a run that was killed as it began
-            for (const fs::path& file : files_of_run(path))
-                if (file.filename() != "scene.resolved.toml") fs::remove_all(file);  // by it the folder is a run's until it is written anew
-            return folder;
-        }
+    const bool is_over = earlier == Earlier::begun_again || (earlier == Earlier::replaced && report_of(path).empty());
+    if (is_over && !has_begun(path)) {                   // also a farm's folder
+        for (const fs::path& file : files_of_run(path))  // by its scene the folder is a run's until that is written anew
+            if (file.filename() != "scene.resolved.toml" && !is_video(file)) fs::remove_all(file);
+    } else if (earlier == Earlier::replaced) {
         put_aside(path);
         folder.replaces_ = true;
-        if (earlier == Earlier::replaced) folder.add_note("the run that stood in " + path.string() + " is replaced");
-        return folder;
-    }
-    folder.keep();
+        folder.add_note("the run that stood in " + path.string() + " is replaced");
+    } else folder.keep();
     return folder;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 /// The folder of a run: out/<scene>/ or --out.
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 namespace whorl {
@@ -10,8 +11,8 @@ class RunFolder {
 public:
     enum class Earlier { kept, replaced, begun_again };
     /// A new run: makes the folder. A run that stands there already is kept under the name NAME.1, or the first number that is free. Where
-    /// it is to be replaced, or is begun again (then nothing is said of it), its files go when the new one stands(); other files stay, such
-    /// as videos of other names.
+    /// it is to be replaced, its files go when the new one stands(); other files stay, such as videos of other names. Where it is begun
+    /// again, and has nothing to show, its files go at once, and nothing is said of it.
     /// @throws InputError where it holds something that is no run, or another process or a farm's jobs are at work in it; EnvironmentError
     /// where it cannot be made
     static RunFolder fresh(const std::filesystem::path& path, Earlier earlier = Earlier::kept);
@@ -45,6 +46,9 @@ private:
     int lock_ = -1;
     bool replaces_ = false;
 };
+
+/// The folder's run.json; empty where there is none. Names, states and counts of frames that are no such values are left out.
+nlohmann::json report_of(const std::filesystem::path& path);
 
 /// Whether the folder holds a run of Whorl's, or what is left of one that was killed as it began.
 bool is_run_folder(const std::filesystem::path& path);

@@ -7,6 +7,7 @@
 #include "engine/core/errors.h"
 #include "engine/core/parallel.h"
 #include "engine/scene/document.h"
+#include "render/video/encoder.h"
 #include "tools/farm/film_stages.h"
 #include "tools/film/panel_scenes.h"
 #include "tools/film/progress.h"
@@ -73,6 +74,8 @@ int farm(FarmCommand command) {
         for (const FarmFilm& other : films)
             if (other.folder == film.folder)
                 throw InputError({scene, 0, 0}, "two of the films have the name " + name, "give one of them another name");
+        const OutputKeys& output = film.file.scene.output;
+        if (command.farm.on == "local" && output.frames && output.video) check_encoder("or run with --no-video");
         films.push_back(std::move(film));
     }
     share_cores(command.farm, films.size() == 1 ? 2 : films.size());

@@ -3,7 +3,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <fstream>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -25,13 +24,6 @@ struct EncodeOptions {
     std::optional<double> fps;
     int crf = 18;
 };
-
-/// Of the run; 0 where it does not say.
-std::size_t frames_planned(const std::filesystem::path& run) {
-    std::ifstream in(run / "run.json");
-    const nlohmann::json report = nlohmann::json::parse(in, nullptr, false);
-    return report.is_object() ? report.value("frames_planned", std::size_t{0}) : 0;
-}
 
 /// Encodes every picture of frames/, in the order of their names.
 int encode(const EncodeOptions& options) {
@@ -69,7 +61,7 @@ int encode(const EncodeOptions& options) {
         encoder.add(image);
     }
     encoder.finish();
-    if (const std::size_t planned = frames_planned(options.folder); pictures.size() < planned)
+    if (const std::size_t planned = report_of(options.folder).value("frames_planned", std::size_t{0}); pictures.size() < planned)
         fmt::print(stderr, "the run has pictures of {} of its {} frames: the video is of these\n", pictures.size(), planned);
     if (options.out.empty()) write_contact_sheet(options.folder, static_cast<int>(pictures.size()));
     fmt::print("{}\n", video.string());

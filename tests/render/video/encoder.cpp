@@ -185,8 +185,7 @@ TEST_CASE("without ffmpeg the error names the package", "[video]") {
     try {
         VideoEncoder encoder(folder / "film.mp4", 64, 48, {});
     } catch (const EnvironmentError& error) { message = error.what(); }
-    CHECK_THROWS_WITH(check_encoder(),
-                      Catch::Contains("cannot start ffmpeg: ") && Catch::Contains("; apt-get install ffmpeg, or run with --no-video"));
+    CHECK_THROWS_WITH(check_encoder("or so"), Catch::Contains("cannot start ffmpeg: ") && Catch::EndsWith("apt-get install ffmpeg, or so"));
     const std::string version = encoder_version();
     setenv("PATH", path.c_str(), 1);
     REQUIRE(message.find("apt-get install ffmpeg") != std::string::npos);
@@ -204,7 +203,7 @@ TEST_CASE("an encoder that gives up says why and raises no signal", "[video]") {
         encoder.finish();
     } catch (const EnvironmentError& error) { message = error.what(); }
     REQUIRE(message.find("No such file") != std::string::npos);
-    REQUIRE_NOTHROW(check_encoder());
+    REQUIRE(check_encoder() == encoder_version());
     // One that has no words, one that is killed, one that does not even tell its version.
     const std::string path = std::getenv("PATH");
     setenv("PATH", (folder.path().string() + ":" + path).c_str(), 1);
@@ -224,6 +223,7 @@ TEST_CASE("an encoder that gives up says why and raises no signal", "[video]") {
     CHECK_THAT(words_of(version + "exit 1"), Catch::StartsWith(early + "ended with code 1" + then));
     CHECK_THAT(words_of(version + "echo no room >&2; exit 3"), Catch::StartsWith(early + "ended with code 3: no room" + then));
     CHECK_THAT(words_of(version + "kill -9 $$"), Catch::StartsWith(early + "was killed by signal 9" + then));
-    CHECK_THAT(words_of("echo torn >&2; exit 127"), Catch::Contains("cannot start ffmpeg: ffmpeg ended with code 127: torn;"));
+    CHECK_THAT(words_of("echo torn >&2; exit 127"),
+               Catch::Contains("cannot start ffmpeg: ffmpeg ended with code 127: torn\n  remedy: mend that"));
     setenv("PATH", path.c_str(), 1);
 }
