@@ -3,16 +3,18 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <initializer_list>
 
 namespace whorl {
 namespace {
 
-volatile sig_atomic_t received = 0;
+/// The signal may come to any thread.
+std::atomic<bool> received = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
 
 void note(int) {
-    if (received) _exit(130);
-    received = 1;
+    if (received.exchange(true)) _exit(130);
 }
 
 void handle(void (*handler)(int)) {
@@ -25,10 +27,10 @@ void handle(void (*handler)(int)) {
 }  // namespace
 
 InterruptGuard::InterruptGuard() {
-    received = 0;
+    received = false;
     handle(note);
 }
 InterruptGuard::~InterruptGuard() { handle(SIG_DFL); }
-bool InterruptGuard::interrupted() const { return received != 0; }
+bool InterruptGuard::interrupted() const { return received; }
 
 }  // namespace whorl
