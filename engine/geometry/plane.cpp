@@ -77,10 +77,7 @@ public:
         for (double x : line[0])
             for (double y : line[1]) {
                 const Vec3d at = foot + x * direction[0] + y * direction[1];
-                bool wanted = region.contains(at);
-                for (int a = 0; a < 3; ++a)  // an inclined plane along a periodic axis: once
-                    if (region.domain.periodic[a]) wanted = wanted && at[a] >= region.domain.min[a] && at[a] < region.domain.max[a];
-                if (wanted) points.push_back({at, n});
+                if (contains_once(region, at)) points.push_back({at, n});
             }
         return points;
     }

@@ -33,6 +33,12 @@ std::vector<double> period_points(const LayerRegion& region, int axis) {
     return x;
 }
 
+bool contains_once(const LayerRegion& region, const Vec3d& x) {
+    for (int a = 0; a < 3; ++a)
+        if (region.domain.periodic[a] && !(x[a] >= region.domain.min[a] && x[a] < region.domain.max[a])) return false;
+    return region.contains(x);
+}
+
 LatticeLine lattice_line(const LayerRegion& region, int axis, double centre, double half_length, double offset, const std::string& shape) {
     LatticeLine line;
     if (region.spans_period(axis, centre - half_length, centre + half_length)) {

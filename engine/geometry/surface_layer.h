@@ -10,6 +10,9 @@ inline double inset(double half, double offset) { return offset < 0 ? std::max(h
 /// Evenly spread over the period of the axis, half a step from its ends.
 std::vector<double> period_points(const LayerRegion& region, int axis);
 
+/// Whether the point is in the region, and within the domain along its periodic axes: what has no end is there once.
+bool contains_once(const LayerRegion& region, const Vec3d& x);
+
 /// Places along an axis of a box's surface at `offset`, from end to end; over the whole period, without ends, where the box spans it.
 struct LatticeLine {
     std::vector<double> at;  ///< m

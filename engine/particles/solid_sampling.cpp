@@ -1,6 +1,7 @@
 #include "engine/particles/solid_sampling.h"
 
 #include "engine/core/parallel.h"
+#include "engine/geometry/surface_layer.h"
 #include "engine/particles/search.h"
 
 namespace whorl {
@@ -19,32 +20,24 @@ std::vector<LayerPoint> layer_of(const Solid& solid, std::size_t k, const LayerR
     }
 }
 
-/// Whether a point of a turned solid's layer is wanted. A plane along a periodic axis is there once.
-bool is_near(const Domain& domain, const Vec3& x, Real margin, bool bounded) {
-    for (int a = 0; a < 3; ++a) {
-        if (domain.periodic[a] && bounded) continue;
-        const Real beyond = domain.periodic[a] ? 0 : margin;
-        if (!(x[a] >= domain.min[a] - beyond && x[a] <= domain.max[a] + beyond)) return false;
-    }
-    return true;
-}
-
 }  // namespace
 
 SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& domain, KernelForm kernel, Real support,
                              const std::function<Place(std::size_t)>& place_of) {
     SolidParticles particles;
+    const LayerRegion world{spacing, domain, 3 * spacing, true};
     for (std::size_t k = 0; k < solids.all.size(); ++k) {
         const Solid& solid = solids.all[k];
         const bool turned = !solid.pose.rotation.isIdentity(0), bounded = solid.shape->bounded(), still = !solid.moves();
         // The box about a turned domain has an end along a periodic axis, where the solid goes on.
-        LayerRegion region{spacing, in_own_axes(domain, solid.pose), 3 * spacing, still && !(turned && bounded && domain.any_periodic())};
+        LayerRegion region{spacing, in_own_axes(domain, solid.pose), world.margin, still && !(turned && bounded && domain.any_periodic())};
         if (!solid.spin.is_zero()) region.domain.periodic = {false, false, false};
         for (const LayerPoint& point : layer_of(solid, k, region, place_of)) {
             if (region.clipped && !region.contains(point.position)) continue;
             if (turned && (still || !bounded)) {
                 const Vec3 x = solid.pose.rotation * point.position.cast<Real>() + solid.pose.translation;
-                if (!is_near(domain, x, region.margin, bounded)) continue;
+                const Vec3d at = x.cast<double>();
+                if (!(bounded ? world.contains(at) : contains_once(world, at))) continue;
             }
             particles.solid.push_back(static_cast<Index>(k));
             particles.own_position.push_back(point.position.cast<Real>());

@@ -101,11 +101,7 @@ private:
                                    reach),
                        "make the domain longer or fluid.spacing smaller");
         }
-        for (const double t : sample_times(0, scene_.time.end))
-            if (!scene_.domain.gravity(t).allFinite()) {
-                report("domain.gravity", fmt::format("domain.gravity is not finite at t = {:.4g} s", t));
-                break;
-            }
+        finite("domain.gravity", scene_.domain.gravity);
         finite("fluid.force", scene_.fluid.force);
         finite("micropolar.torque", scene_.micropolar.torque);
         for (std::size_t i = 0; i < scene_.streams.size(); ++i) finite(entry_name("stream", i) + ".velocity", scene_.streams[i].velocity);

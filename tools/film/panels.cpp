@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "engine/core/version.h"
@@ -32,13 +31,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 fs::path panel_folder(const fs::path& run_folder, std::size_t run) { return run_folder / "panels" / std::to_string(run + 1); }
-
-/// What a panel's own run.json says; an empty object where it has not begun.
-Json state_of(const fs::path& panel) {
-    std::ifstream in(panel / "run.json");
-    Json run = Json::parse(in, nullptr, false);
-    return run.is_object() ? run : Json::object();
-}
 
 class PanelFilm {
 public:
@@ -91,12 +83,12 @@ private:
     }
 
     fs::path video() const { return folder_.path() / (scene_.name + ".mp4"); }
-    int frames_of(std::size_t k) const { return state_of(panel_folder(folder_.path(), k)).value("frames", 0); }
+    int frames_of(std::size_t k) const { return report_of(panel_folder(folder_.path(), k)).value("frames", 0); }
     int frames_wanted() const { return request_.frames.value_or(frame_count(scene_)); }
 
     /// Whether the panel stands there, all of it.
     bool is_done(std::size_t k) const {
-        const Json run = state_of(panel_folder(folder_.path(), k));
+        const nlohmann::json run = report_of(panel_folder(folder_.path(), k));
         return run.value("status", "") == "done" && run.value("frames", 0) >= frames_wanted();
     }
 
@@ -106,7 +98,7 @@ private:
     bool lacks_frames_of_differences() const {
         if (!has_differences() || !scene_.output.frames) return false;
         for (std::size_t k = 0; k < scenes_.size(); ++k)
-            if (state_of(panel_folder(folder_.path(), k)).value("status", "") == "done" && !is_done(k) && !has_raw(k)) return true;
+            if (report_of(panel_folder(folder_.path(), k)).value("status", "") == "done" && !is_done(k) && !has_raw(k)) return true;
         return false;
     }
 
@@ -114,7 +106,7 @@ private:
     /// What there is to do for a panel.
     Next next_of(std::size_t k) const {
         const fs::path folder = panel_folder(folder_.path(), k);
-        const std::string status = state_of(folder).value("status", "");
+        const std::string status = report_of(folder).value("status", "");
         if (anew_ && !has_raw(k)) return Next::begins;
         if (is_done(k) || status == "diverged") return Next::nothing;
         // Where none of its checkpoints is sound, going on refuses: whoever can mend them shall find the panel as it is.
@@ -245,7 +237,7 @@ private:
         Json panels = Json::array();
         double wall = 0, cpu = 0;
         for (std::size_t k = 0; k < scenes_.size(); ++k) {
-            const Json run = state_of(panel_folder(folder_.path(), k));
+            const nlohmann::json run = report_of(panel_folder(folder_.path(), k));
             wall += run.value("wall_seconds", 0.0), cpu += run.value("cpu_seconds", 0.0);
             panels.push_back({{"label", scene_.panels[panel_of(k)].label},
                               {"folder", "panels/" + std::to_string(k + 1)},

@@ -12,6 +12,7 @@
 #include "tools/film/film.h"
 #include "tools/film/first_pass.h"
 #include "tools/film/progress.h"
+#include "tools/film/run.h"
 #include "tools/film/run_folder.h"
 #include "tools/process/exit_codes.h"
 #include "tools/scene_file/scene_changes.h"
@@ -95,7 +96,7 @@ int redraw(const RedrawRequest& request) {
         return std::make_shared<const PictureOptions>(PictureOptions{now.surface, now.camera, now.look});
     };
     const FilmOptions options = film_options(request, whole);
-    if (!options.video.empty()) check_encoder("or run with --no-video");
+    if (!options.video.empty()) check_encoder(without_video(false));
     std::optional<RunFolder> held;
     if (request.out != request.run) {
         held.emplace(RunFolder::drawing(request.out, request.run, whole ? RunFolder::Hold::alone : RunFolder::Hold::shared));

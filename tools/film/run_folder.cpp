@@ -30,6 +30,8 @@ namespace {
 /// Folders inside the run's. The first holds all files of a run that is being replaced, the second some of them while they are moved.
 constexpr const char *replaced = ".replaced", *on_their_way = ".replacing";
 
+bool is_video(const fs::path& file) { return std::ranges::find(video_suffixes(), file.extension().string()) != video_suffixes().end(); }
+
 /// @param scene the name of the run's scene, which its videos have, too; "" where it is not known
 bool is_of_a_run(const fs::path& file, const std::string& scene) {
     static const std::vector<std::string> names{
@@ -39,8 +41,7 @@ bool is_of_a_run(const fs::path& file, const std::string& scene) {
         return std::find(all.begin(), all.end(), one) != all.end();
     };
     return has(names, file.filename().string()) || has(export_kinds(), file.filename().string()) ||
-           (file.stem().string() == scene && has(video_suffixes(), file.extension().string())) ||
-           file.extension() == partial_video("film.mp4").extension();
+           (file.stem().string() == scene && is_video(file)) || file.extension() == partial_video("film.mp4").extension();
 }
 
 std::vector<fs::path> files_of_run(const fs::path& path) {
@@ -50,8 +51,6 @@ std::vector<fs::path> files_of_run(const fs::path& path) {
         if (is_of_a_run(entry.path(), scene)) files.push_back(entry.path());
     return files;
 }
-
-bool is_video(const fs::path& file) { return std::ranges::find(video_suffixes(), file.extension().string()) != video_suffixes().end(); }
 
 bool has_files(const fs::path& folder) {
     std::error_code none;

@@ -1,5 +1,6 @@
 #include "tools/live/values.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -41,10 +42,9 @@ bool hidden(const UsedKey& k) {
     return k.path == "name" || k.path == "seed" || (k.key->type == KeyType::text && !k.key->may_change);
 }
 
-bool takes_texts(const SceneFile& file, const std::string& path) {
-    for (const UsedKey& k : used_keys(file))
-        if (k.path == path) return k.key->type == KeyType::text || k.key->type == KeyType::texts;
-    return false;
+bool takes_texts(const std::vector<UsedKey>& keys, const std::string& path) {
+    return std::any_of(keys.begin(), keys.end(),
+                       [&](const UsedKey& k) { return k.path == path && (k.key->type == KeyType::text || k.key->type == KeyType::texts); });
 }
 
 /// Texts that are numbers as such, as the command line takes them.
@@ -113,12 +113,13 @@ Json described_keys(const SceneFile& file) {
 std::vector<KeyChange> changes_of(const nlohmann::json& json, const SceneFile& file) {
     const std::string form = "allowed: an object of keys and values, as in {\"fluid.viscosity\": 500}";
     if (!json.is_object()) throw InputError({}, "the changes are no JSON object", "", form);
+    const std::vector<UsedKey> keys = used_keys(file);
     std::vector<KeyChange> changes;
     std::vector<Problem> problems;
     for (const auto& [path, entry] : json.items()) {
         auto value = value_of(entry);
         const std::string full = full_path(path);
-        if (value && !takes_texts(file, full)) value = with_numbers(std::move(*value));
+        if (value && !takes_texts(keys, full)) value = with_numbers(std::move(*value));
         if (value) changes.push_back({full, std::move(*value), {}});
         else problems.push_back({{}, path.substr(0, 100) + " has a value that no key takes", "", form});
     }

@@ -11,6 +11,7 @@
 #include "tools/farm/film_stages.h"
 #include "tools/film/panel_scenes.h"
 #include "tools/film/progress.h"
+#include "tools/film/run.h"
 #include "tools/process/interrupt.h"
 #include "tools/program/command.h"
 #include "tools/program/studies.h"
@@ -74,10 +75,10 @@ int farm(FarmCommand command) {
         for (const FarmFilm& other : films)
             if (other.folder == film.folder)
                 throw InputError({scene, 0, 0}, "two of the films have the name " + name, "give one of them another name");
-        const OutputKeys& output = film.file.scene.output;
-        if (command.farm.on == "local" && output.frames && output.video) check_encoder("or run with --no-video");
         films.push_back(std::move(film));
     }
+    const auto wants_video = [](const FarmFilm& film) { return film.file.scene.output.frames && film.file.scene.output.video; };
+    if (command.farm.on == "local" && std::any_of(films.begin(), films.end(), wants_video)) check_encoder(without_video(false));
     share_cores(command.farm, films.size() == 1 ? 2 : films.size());
     set_threads(command.farm.threads);  // what the tasks have: the limits of time go by it
     std::vector<std::vector<FarmStage>> all;
