@@ -98,12 +98,19 @@ bool is_option(const std::string& setting, const char* name) { return setting.rf
 /// A record that can be kept: of the same call and build, timed often enough. @return whether there is one
 bool take_record(const fs::path& record, const std::string& identity, int repeat, PointResult& result) {
     const Json known = json_of(record);
-    if (!known.is_object() || known.value("identity", "") != identity || known.value("build", "") != build_id()) return false;
-    if (static_cast<int>(known.at("cpu_seconds").size()) < (known.at("status") == "done" ? repeat : 1)) return false;
-    result.status = known.at("status"), result.message = known.at("message");
-    result.cpu = known.at("cpu_seconds").get<std::vector<double>>(), result.wall = known.at("wall_seconds").get<std::vector<double>>();
-    result.memory = known.at("memory_bytes"), result.frames = known.at("frames");
-    result.kept = true;
+    if (!known.is_object()) return false;
+    PointResult kept{result};
+    try {
+        if (known.value("identity", "") != identity || known.value("build", "") != build_id()) return false;
+        if (static_cast<int>(known.at("cpu_seconds").size()) < (known.at("status") == "done" ? repeat : 1)) return false;
+        kept.status = known.at("status"), kept.message = known.at("message");
+        kept.cpu = known.at("cpu_seconds").get<std::vector<double>>(), kept.wall = known.at("wall_seconds").get<std::vector<double>>();
+        kept.memory = known.at("memory_bytes"), kept.frames = known.at("frames");
+    } catch (const Json::exception&) {
+        return false;  // somebody changed it: the point is run again
+    }
+    kept.kept = true;
+    result = std::move(kept);
     return true;
 }
 
