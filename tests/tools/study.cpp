@@ -4,12 +4,14 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "engine/io/csv.h"
 #include "tests/support/program.h"
 #include "tests/support/scratch.h"
 #include "tools/study/accuracy.h"
+#include "tools/study/point.h"
 #include "tools/study/recommend.h"
 #include "tools/study/sweep.h"
 
@@ -90,11 +92,15 @@ TEST_CASE("errors of a run: against an expression, its first row, and a run that
 
 TEST_CASE("a study runs its points once, writes table and pictures, recommends, and a second call keeps what is done", "[study]") {
     const ScratchFolder folder;
-    write(folder / "falling.toml", falling);
+    const std::string rock = "v 0 0 0\nv 3 0 0\nv 0 3 0\nv 0 0 3\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    const std::string scene =
+        falling + std::string("[[solid]]\nshape = \"mesh\"\nfile = \"rock.obj\"\nscale = 0.1\nposition = [0, -0.9, 0]\n");
+    write(folder / "rock.obj", rock);
+    write(folder / "falling.toml", scene);
     // Free fall of the centroid: 0.5 - g t^2/2. A first-order integrator is wrong by g t dt/2.
     write(folder / "fall_study.toml",
-          "scenes = [\"falling.toml\"]\n[[knob]]\nkey = \"time.max_step\"\nvalues = [0.02, 0.01, 0.005]\n[accuracy]\ntable = "
-          "\"probes/all.csv\"\n"
+          "scenes = [\"falling.toml\"]\nquality = \"draft\"\n[[knob]]\nkey = \"time.max_step\"\nvalues = [0.02, 0.01, 0.005]\n"
+          "[accuracy]\ntable = \"probes/all.csv\"\n"
           "column = \"centroid_y\"\nexpected = \"0.5-9.81*t^2/2\"\n");
     const std::vector<std::string> command{
         "tradeoff", (folder / "fall_study.toml").string(), "--out", (folder / "out").string(), "--threads", "1", "--all", "--recommend",
@@ -110,25 +116,71 @@ TEST_CASE("a study runs its points once, writes table and pictures, recommends, 
     std::ifstream in(folder / "out" / "recommended.toml");
     const std::string overlay((std::istreambuf_iterator<char>(in)), {});
     CHECK(overlay.find("time.max_step = 0.0") != std::string::npos);
-    const Outcome again = test::whorl(command);
-    CHECK(again.code == 0);
-    CHECK(again.out.find("kept from before") != std::string::npos);
-    // A record that was changed by hand is not kept, and is written anew.
-    for (const auto& entry : fs::directory_iterator(folder / "out" / "points"))
-        if (entry.path().extension() == ".json") {
-            std::ifstream record(entry.path());
-            nlohmann::json json = nlohmann::json::parse(record);
-            json["memory_bytes"] = "much";
-            write(entry.path(), json.dump());
-        }
-    const Outcome anew = test::whorl(command);
-    INFO(anew.err);
-    CHECK(anew.code == 0);
-    CHECK(anew.out.find("kept from before") == std::string::npos);
+    CHECK_THAT(overlay, Catch::StartsWith("# error<50% of the study fall_study: ") && Catch::Contains(", with --quality draft\n"));
+    CHECK_THAT(first.out, Catch::Contains("recommended.toml --quality draft"));
+    const auto point = [&](const std::string& extension) {
+        for (const auto& entry : fs::directory_iterator(folder / "out" / "points"))
+            if (entry.path().extension() == ".json") return entry.path().parent_path() / (entry.path().stem().string() + extension);
+        throw std::runtime_error("no point has a record");
+    };
+    const auto change_record = [&](const char* key, const nlohmann::json& value) {
+        std::ifstream record(point(".json"));
+        nlohmann::json json = nlohmann::json::parse(record);
+        json[key] = value;
+        write(point(".json"), json.dump());
+    };
+    struct Case {
+        const char* what;
+        std::function<void()> edit;
+        int kept;
+    };
+    const Case cases[]{
+        {"nothing", [] {}, 3},
+        {"a record, by hand", [&] { change_record("memory_bytes", "much"); }, 2},
+        {"a run's folder is gone", [&] { fs::remove_all(point("")); }, 2},
+        {"a run is of another call, which was interrupted", [&] { write(point("") / "run.json", "{\"status\": \"running\"}"); }, 2},
+        {"a point failed", [&] { change_record("status", "failed"); }, 2},
+        {"a point had less time", [&] { change_record("status", "timeout"), change_record("limit", 599); }, 2},
+        {"the mesh that the scene names", [&] { write(folder / "rock.obj", "v 1 1 1\n" + rock); }, 0},
+        {"the scene", [&] { write(folder / "falling.toml", scene + "density = 0\n"), write(folder / "rock.obj", rock); }, 0},
+        {"a comment of the scene", [&] { write(folder / "falling.toml", "# slow\n" + scene); }, 3},
+        {"a point had as much time", [&] { change_record("status", "timeout"); }, 3}};
+    for (const Case& c : cases) {
+        c.edit();
+        const Outcome again = test::whorl(command);
+        INFO(c.what << again.err << again.out);
+        CHECK(again.code == 0);
+        int kept = 0;
+        for (std::size_t at = 0; (at = again.out.find("kept from before", at)) != std::string::npos; ++at) ++kept;
+        CHECK(kept == c.kept);
+    }
     // The overlay is one that render takes.
     const Outcome dry =
         test::whorl({"render", (folder / "falling.toml").string(), "--with", (folder / "out" / "recommended.toml").string(), "--dry-run"});
     CHECK(dry.code == 0);
+}
+
+TEST_CASE("the run that counts as true may be a point of the grid, and a value may stand there twice", "[study]") {
+    const ScratchFolder folder;
+    write(folder / "falling.toml", falling);
+    write(folder / "s.toml",
+          "scenes = [\"falling.toml\"]\n[[knob]]\nkey = \"time.max_step\"\nvalues = [0.01, 0.02, 0.005, 0.005]\n[accuracy]\n"
+          "of = \"reference\"\ntable = \"probes/all.csv\"\ncolumn = \"centroid_y\"\nreference = [\"time.max_step=0.01\"]\n[cost]\nrepeat = "
+          "2\n");
+    const Outcome done = test::whorl(
+        {"tradeoff", (folder / "s.toml").string(), "--out", (folder / "out").string(), "--threads", "1", "--jobs", "4", "--all", "--json"});
+    INFO(done.err << done.out);
+    REQUIRE(done.code == 0);
+    int kept = 0;
+    const auto points = nlohmann::json::parse(done.out).at("points");
+    for (const auto& point : points) {
+        CHECK(point.at("status") == "done");
+        const bool truth = point.at("settings").at(0) == "time.max_step=0.01";
+        CHECK((point.at("error") == 0) == truth);
+        CHECK(point.at("error") < 0.1);
+        kept += point.at("kept").get<bool>();
+    }
+    CHECK(kept == 2);
 }
 
 TEST_CASE("a stability map tells stable from unstable steps, with the limit that the plan predicts in its table", "[study]") {
@@ -217,16 +269,19 @@ TEST_CASE("whether a scene is refused is for the program of the point to say", "
           "name = \"far\"\n[time]\nend = 0.1\n[domain]\nmin = [99999, -1, -1]\nmax = [100001, 1, 1]\n[fluid]\nspacing = 0.05\n"
           "[[block]]\nshape = \"sphere\"\nposition = [1e5, 0, 0]\nradius = 0.15\n");
     write(folder / "other", "#!/bin/sh\necho no fluid today\nexit 2\n");
-    fs::permissions(folder / "other", fs::perms::owner_all);
+    write(folder / "killed", "#!/bin/sh\nkill -KILL $$\n");
+    for (const char* program : {"other", "killed"}) fs::permissions(folder / program, fs::perms::owner_all);
     write(folder / "map.toml",
-          "scenes = [\"far.toml\"]\n[[knob]]\nkey = \"program\"\nvalues = [\"other\", \"./other\"]\n[stability]\nenergy_growth = 0.05\n");
+          "scenes = [\"far.toml\"]\n[[knob]]\nkey = \"program\"\nvalues = [\"other\", \"killed\"]\n[stability]\nenergy_growth = 0.05\n");
     const Outcome map =
         test::whorl({"stability", (folder / "map.toml").string(), "--out", (folder / "out").string(), "--threads", "1", "--json"});
     INFO(map.err << map.out);
     REQUIRE(map.code == 0);
-    const auto cell = nlohmann::json::parse(map.out).at("cells").at(0);
-    CHECK(cell.at("state") == "refused");
-    CHECK(cell.at("why").get<std::string>().find("no fluid today") != std::string::npos);
+    const auto cells = nlohmann::json::parse(map.out).at("cells");
+    CHECK(cells.at(0).at("state") == "refused");
+    CHECK(cells.at(0).at("why").get<std::string>().find("no fluid today") != std::string::npos);
+    CHECK(cells.at(1).at("state") == "failed");
+    CHECK(cells.at(1).at("why") == "ended by signal 9 (out of memory?)");
 }
 
 TEST_CASE("a study whose program is gone ends, and does not say that its points are refused", "[study]") {
@@ -251,6 +306,23 @@ TEST_CASE("braces in settings hold expressions of the knobs, or a knob's word", 
     CHECK(with_values("domain.min=[{-5*d}, 0, {2*sqrt(4)}]", knobs) == "domain.min=[-5e-06, 0, 4]");
     CHECK(with_values("models.viscosity={model}", knobs) == "models.viscosity=full");
     CHECK_THROWS_AS(with_values("{40*speed}", knobs), InputError);
+    CHECK_THROWS_WITH(with_values("{2*radius}", {"block[0].radius=1", "solid[0].radius=2"}),
+                      Catch::Contains("two knobs are called radius: take a name of its own for one"));
+}
+
+TEST_CASE("a point reads the scene, the quality and the seed that its settings name, a scene beside the study first", "[study]") {
+    const ScratchFolder folder;
+    write(folder / "falling.toml", falling);
+    Study study;
+    study.directory = folder.path(), study.quality = "draft";
+    const Options own = point_options(study, "honey_coil", {"seed=3", "threads=2", "program=./x"});
+    CHECK(own.scene == "honey_coil");
+    CHECK(own.quality == "draft");
+    CHECK(own.set == std::vector<std::string>{"seed=3"});
+    const Options other = point_options(study, "honey_coil", {"scene=falling.toml", "quality=fine", "time.end=1"});
+    CHECK(other.scene == (folder / "falling.toml").string());
+    CHECK(other.quality == "fine");
+    CHECK(other.set == std::vector<std::string>{"time.end=1"});
 }
 
 TEST_CASE("a study whose knob turns nothing is refused, and so is a point that the plan refuses, with its reason", "[study]") {
@@ -275,6 +347,9 @@ TEST_CASE("a study file's mistakes are told with their places, all in one go", "
                             Catch::Contains("limit = -1 is out of range") && Catch::Contains("needs two values or more") &&
                             Catch::Contains("unknown key \"acuracy\"; did you mean \"accuracy\"?"));
     CHECK_FALSE(fs::exists(folder / "out"));
+    write(folder / "names.toml", "scenes = [\"a.toml\", \"b/a.toml\"]\n");
+    CHECK_THAT(test::whorl({"stability", (folder / "names.toml").string()}).err,
+               Catch::Contains("names.toml:1:10: two of the scenes have the name a; give one of them another name"));
     std::string many = "scenes = [\"a.toml\"]\n[accuracy]\ncolumn = \"kinetic_energy\"\n";
     for (int k = 0; k < 12; ++k) many += "[[knob]]\nkey = \"emitter." + std::to_string(k) + ".speed\"\nvalues = [1, 2, 3, 4, 5]\n";
     write(folder / "many.toml", many);

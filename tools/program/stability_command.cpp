@@ -98,13 +98,7 @@ private:
 
     /// What the models allow at the start. @throws InputError where the plan refuses the scene
     std::map<std::string, double> limits_of(const std::vector<std::string>& settings) const {
-        Options options;
-        options.scene = scene_, options.quality = study_.quality;
-        for (const std::string& setting : run_settings(study_, settings)) {
-            const std::string key = setting.substr(0, setting.find('='));
-            if (key.find('.') != std::string::npos) options.set.push_back(setting);
-        }
-        const SceneFile file = read_scene_file(options);
+        const SceneFile file = read_scene_file(point_options(study_, scene_, run_settings(study_, settings)));
         const Plan plan = make_plan(file.scene);
         const Simulation simulation(file.scene, plan);
         std::map<std::string, double> limits;
@@ -308,6 +302,7 @@ void add_stability(CLI::App& program, Job& chosen) {
     add_sweep_options(*app, *options);
     app->footer(
         "Each cell is a run of its own process and is kept: a map that was stopped goes on when it is called again.\n"
+        "Cells that failed, or whose scene was edited since, are run again.\n"
         "time.fixed_step sets the time step and ignores what the models allow: the map shows whether they are right.\n"
         "Examples:\n"
         "  whorl stability viscous_steps\n"

@@ -118,9 +118,21 @@ private:
         const AccuracyKind of = study_.accuracy.of;
         if (of != AccuracyKind::reference && of != AccuracyKind::picture) return;
         say(fmt::format("the run that counts as true: {}", joined_settings(study_.accuracy.reference)));
-        const PointResult truth = runner_.run(scene_, study_.accuracy.reference, 1, draws());
+        const PointResult truth = runner_.run(scene_, study_.accuracy.reference, on_grid() ? study_.cost.repeat : 1, draws());
         if (!truth.done()) throw EnvironmentError(fmt::format("the run that counts as true ended as {}: {}", truth.status, truth.message));
         reference_ = truth.folder;
+    }
+
+    /// Whether the run that counts as true is a point of the grid, too: it is timed as one then, and not made anew while others are
+    /// compared with it.
+    bool on_grid() const {
+        const std::vector<std::string>& truth = study_.accuracy.reference;
+        bool on = truth.size() == study_.knobs.size();
+        for (std::size_t k = 0; on && k < truth.size(); ++k) {
+            const Knob& knob = study_.knobs[k];
+            on = std::any_of(knob.values.begin(), knob.values.end(), [&](const auto& value) { return truth[k] == knob.key + "=" + value; });
+        }
+        return on;
     }
 
     bool draws() const { return study_.pictures || study_.accuracy.of == AccuracyKind::picture; }
@@ -235,10 +247,12 @@ private:
             if (!best || (goal.of == Goal::Of::error ? m.cost < best->cost : m.error < best->error)) best = &m;
         }
         if (!best) throw EnvironmentError(fmt::format("no point of the study reaches {}", goal.text), "", "widen the knobs' values");
-        std::string overlay =
-            fmt::format("# {} of the study {}: {}, error {}\n", goal.text, study_.name, cost_text(best->cost), error_text(best->error));
+        const Options point = point_options(study_, scene_, run_settings(study_, settings_at(study_, best->at)));
+        const std::string quality = point.quality == Options().quality ? "" : " --quality " + point.quality;
+        std::string overlay = fmt::format("# {} of the study {}: {}, error {}{}\n", goal.text, study_.name, cost_text(best->cost),
+                                          error_text(best->error), quality.empty() ? "" : ", with" + quality);
         // What the study sets for all of its points is the study's, but what follows from a knob is the knob's.
-        std::string options, scene = scene_;
+        std::string options = quality;
         std::vector<std::string> chosen;
         for (const std::string& setting : study_.set)
             if (setting.find('{') != std::string::npos) chosen.push_back(with_values(setting, settings_at(study_, best->at)));
@@ -247,16 +261,16 @@ private:
         for (const std::string& setting : chosen) {
             const std::size_t equals = setting.find('=');
             const std::string key = setting.substr(0, equals), value = setting.substr(equals + 1);
-            if (key == "scene") scene = value;
-            else if (key == "program") overlay += "# with the program " + value + "\n";
-            else if (key == "quality" || key == "threads") options += " --" + key + " " + value;
+            if (key == "scene" || key == "quality") continue;  // in the command
+            if (key == "program") overlay += "# with the program " + value + "\n";
+            else if (key == "threads") options += " --threads " + value;
             else overlay += fmt::format("{} = {}\n", quoted(key), toml_value(value));
         }
         const fs::path file = folder_ / "recommended.toml";
         write_text(file, overlay);
         say(fmt::format("\nfor {}: {} ({}, error {}); {} holds them:\n  whorl render {} --with {}{}", goal.text,
                         joined_settings(settings_at(study_, best->at)), cost_text(best->cost), error_text(best->error), file.string(),
-                        scene, file.string(), options));
+                        point.scene, file.string(), options));
     }
 
     /// A key as an overlay takes it: those of list entries in quotes.
@@ -331,6 +345,7 @@ void add_tradeoff(CLI::App& program, Job& chosen) {
         ->type_name("GOAL");
     app->footer(
         "Each point is a run of its own process and is kept: a study that was stopped goes on when it is called again.\n"
+        "Points that failed, or whose scene was edited since, are run again.\n"
         "Examples:\n"
         "  whorl tradeoff coil_frequency --budget 10min\n"
         "  whorl tradeoff coil_frequency --recommend \"error<5%\"\n"

@@ -25,6 +25,7 @@
 #include "tools/process/json_text.h"
 #include "tools/process/program_path.h"
 #include "tools/process/slurm_job.h"
+#include "tools/scene_file/scene_file.h"
 
 namespace whorl {
 namespace {
@@ -95,8 +96,38 @@ Json json_of(const fs::path& file) { return Json::parse(text_of(file), nullptr, 
 
 bool is_option(const std::string& setting, const char* name) { return setting.rfind(std::string(name) + "=", 0) == 0; }
 
-/// A record that can be kept: of the same call and build, timed often enough. @return whether there is one
-bool take_record(const fs::path& record, const std::string& identity, int repeat, PointResult& result) {
+/// Of what a run reads: the scene with its settings and the files that it names; of the scene's file alone where this program cannot read
+/// it.
+std::size_t hash_of(const Options& options) {
+    const std::hash<std::string> hash;
+    try {
+        const SceneFile file = read_scene_file(options);
+        std::string text = resolved_toml(file);
+        const auto add = [&](const fs::path& named) {
+            if (!named.empty()) text += fmt::format("\n{:x}", hash(text_of(named)));
+        };
+        for (const BlockKeys& block : file.scene.blocks) add(block.shape.file);
+        for (const SolidKeys& solid : file.scene.solids) add(solid.shape.file);
+        for (const DrainKeys& drain : file.scene.drains) add(drain.shape.file);
+        add(file.look.environment);
+        return hash(text);
+    } catch (const InputError&) {}
+    try {
+        return hash(text_of(find_scene(options.scene)));
+    } catch (const InputError&) { return 0; }  // told where it is run
+}
+
+/// How a run failed. @param said its own words, if any
+std::string failure(int code, const std::string& said) {
+    constexpr int by_signal = 128;
+    if (code <= by_signal) return said.empty() ? fmt::format("ended with code {}", code) : said;
+    const int number = code - by_signal;
+    return fmt::format("ended by signal {}{}{}{}", number, number == SIGKILL ? " (out of memory?)" : "", said.empty() ? "" : ": ", said);
+}
+
+/// A record that can be kept: of the same call and build, timed often enough, with its run beside it. What failed may do better now, and
+/// what was late with more time. @return whether there is one
+bool take_record(const fs::path& record, const std::string& identity, int repeat, double limit, PointResult& result) {
     const Json known = json_of(record);
     if (!known.is_object()) return false;
     PointResult kept{result};
@@ -104,20 +135,25 @@ bool take_record(const fs::path& record, const std::string& identity, int repeat
         if (known.value("identity", "") != identity || known.value("build", "") != build_id()) return false;
         if (static_cast<int>(known.at("cpu_seconds").size()) < (known.at("status") == "done" ? repeat : 1)) return false;
         kept.status = known.at("status"), kept.message = known.at("message");
+        if (kept.status == "timeout") {
+            if (known.at("limit").get<double>() < limit) return false;
+        } else if ((kept.status != "done" && kept.status != "diverged") || json_of(kept.folder / "run.json").at("status") != kept.status) {
+            return false;
+        }
         kept.cpu = known.at("cpu_seconds").get<std::vector<double>>(), kept.wall = known.at("wall_seconds").get<std::vector<double>>();
         kept.memory = known.at("memory_bytes"), kept.frames = known.at("frames");
     } catch (const Json::exception&) {
-        return false;  // somebody changed it: the point is run again
+        return false;  // somebody changed or removed it: the point is run again
     }
     kept.kept = true;
     result = std::move(kept);
     return true;
 }
 
-void write_record(const fs::path& record, const std::string& identity, const PointResult& result) {
+void write_record(const fs::path& record, const std::string& identity, double limit, const PointResult& result) {
     const Json json{{"identity", identity},          {"build", build_id()},       {"status", result.status},
                     {"message", result.message},     {"cpu_seconds", result.cpu}, {"wall_seconds", result.wall},
-                    {"memory_bytes", result.memory}, {"frames", result.frames}};
+                    {"memory_bytes", result.memory}, {"frames", result.frames},   {"limit", limit}};
     write_text(record, json_text(json, 1) + "\n");
 }
 
@@ -125,28 +161,57 @@ void write_record(const fs::path& record, const std::string& identity, const Poi
 
 /// What a point runs.
 struct PointRunner::Call {
-    std::string program, scene, quality, threads;
-    std::vector<std::string> all;   ///< settings
-    std::vector<std::string> keys;  ///< those that are the scene's
+    std::string program, threads;
+    std::vector<std::string> all;  ///< settings
+    Options options;
 };
 
+/// Has a point's folder for itself: another call for the same point waits, and finds what this one leaves.
+struct PointRunner::Turn {
+    const PointRunner& runner;
+    const fs::path& folder;
+    Turn(const PointRunner& r, const fs::path& f) : runner(r), folder(f) {
+        std::unique_lock lock(runner.mutex_);
+        runner.changed_.wait(lock, [&] { return runner.busy_.insert(folder).second; });
+    }
+    ~Turn() {
+        const std::lock_guard lock(runner.mutex_);
+        runner.busy_.erase(folder);
+        runner.changed_.notify_all();
+    }
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+};
+
+Options point_options(const Study& study, const std::string& scene, const std::vector<std::string>& settings) {
+    Options options;
+    options.scene = scene, options.quality = study.quality;
+    for (const std::string& s : settings) {
+        const std::string value = s.substr(s.find('=') + 1);
+        if (is_option(s, "scene")) options.scene = scene_of(study, value);
+        else if (is_option(s, "quality")) options.quality = value;
+        else if (!is_option(s, "program") && !is_option(s, "threads")) options.set.push_back(s);
+    }
+    return options;
+}
+
 PointRunner::Call PointRunner::call_of(const Study& study, int threads, const std::string& scene, std::vector<std::string> settings) {
-    Call call{program_path().string(), scene, study.quality, std::to_string(threads), std::move(settings), {}};
+    Call call{program_path().string(), std::to_string(threads), std::move(settings), {}};
+    call.options = point_options(study, scene, call.all);
     for (const std::string& s : call.all) {
         const std::string value = s.substr(s.find('=') + 1);
         if (is_option(s, "program")) call.program = (study.directory / value).string();
-        else if (is_option(s, "scene")) call.scene = value;
-        else if (is_option(s, "quality")) call.quality = value;
         else if (is_option(s, "threads")) call.threads = value;
-        else call.keys.push_back(s);
     }
     return call;
 }
 
 /// The same for the same result and the same cost.
 std::string PointRunner::identity_of(const Call& call, bool pictures) {
-    std::string identity = fmt::format("{} | {} | {} | {} threads{}", call.scene, joined_settings(call.all), call.quality, call.threads,
-                                       pictures ? " | pictures" : "");
+    Options read = call.options;
+    read.no_images = !pictures, read.no_video = pictures;
+    std::string identity = fmt::format("{} {:016x} | {} | {} | {} threads{}", read.scene, hash_of(read), joined_settings(call.all),
+                                       read.quality, call.threads, pictures ? " | pictures" : "");
     if (!name_a_program(call.all)) return identity;
     std::error_code none;  // a program that is not there is told where it is run
     return identity + fmt::format(" | {} bytes of {}", fs::file_size(call.program, none),
@@ -154,10 +219,10 @@ std::string PointRunner::identity_of(const Call& call, bool pictures) {
 }
 
 std::vector<std::string> PointRunner::arguments_of(const Call& call, bool pictures, const fs::path& folder) {
-    std::vector<std::string> arguments{call.program, "render",    call.scene,   "--out",     folder.string(), "--overwrite",
-                                       "--quiet",    "--threads", call.threads, "--quality", call.quality};
+    std::vector<std::string> arguments{call.program, "render",    call.options.scene, "--out",     folder.string(),     "--overwrite",
+                                       "--quiet",    "--threads", call.threads,       "--quality", call.options.quality};
     arguments.emplace_back(pictures ? "--no-video" : "--no-images");
-    for (const std::string& key : call.keys) arguments.emplace_back("--set"), arguments.push_back(key);
+    for (const std::string& key : call.options.set) arguments.emplace_back("--set"), arguments.push_back(key);
     return arguments;
 }
 
@@ -176,11 +241,13 @@ PointRunner::PointRunner(const Study& study, fs::path folder, int threads, Point
 
 PointResult PointRunner::run(const std::string& scene, const std::vector<std::string>& settings, int repeat, bool pictures) const {
     const Call call = call_of(study_, threads_, scene, run_settings(study_, settings));
-    const std::string words = joined_settings(settings), identity = identity_of(call, pictures);
+    const std::string words = joined_settings(settings);
     PointResult result;
-    result.folder = folder_ / "points" / folder_name(fs::path(call.scene).stem().string() + (words.empty() ? "" : "," + words));
+    result.folder = folder_ / "points" / folder_name(fs::path(call.options.scene).stem().string() + (words.empty() ? "" : "," + words));
     const fs::path record = result.folder.string() + ".json";
-    if (take_record(record, identity, repeat, result)) return result;
+    const Turn turn(*this, result.folder);
+    const std::string identity = identity_of(call, pictures);
+    if (take_record(record, identity, repeat, study_.limit, result)) return result;
 
     if (access(call.program.c_str(), X_OK) != 0) {
         if (!name_a_program(call.all))
@@ -190,8 +257,9 @@ PointResult PointRunner::run(const std::string& scene, const std::vector<std::st
                          "build it first: bash tools/build.sh PRESET whorl");
     }
     fs::create_directories(result.folder.parent_path());
+    fs::remove(record);  // its run goes, too, also where this one is interrupted
     for (int k = 0; k < repeat && (k == 0 || result.done()); ++k) run_once(call, pictures, words, result);
-    write_record(record, identity, result);
+    write_record(record, identity, study_.limit, result);
     return result;
 }
 
@@ -241,9 +309,9 @@ void PointRunner::run_once(const Call& call, bool pictures, const std::string& w
     const std::string status = run.is_object() ? run.value("status", "failed") : "failed";
     result.status = late ? "timeout" : use.code == exit_done ? "done" : status == "diverged" ? status : "failed";
     if (use.code > exit_failed) result.status = "failed";
-    result.message = late              ? fmt::format("took longer than {:g} s", study_.limit)
-                     : run.is_object() ? run.value("message", "")
-                                       : text_of(output);
+    result.message = run.is_object() ? run.value("message", "") : text_of(output);
+    if (late) result.message = fmt::format("took longer than {:g} s", study_.limit);
+    else if (result.status == "failed") result.message = failure(use.code, result.message);
     result.cpu.push_back(use.cpu), result.wall.push_back(use.wall);
     result.memory = std::max(result.memory, use.memory);
     result.frames = run.is_object() ? run.value("frames_planned", 0.0) : 0.0;

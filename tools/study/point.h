@@ -1,10 +1,14 @@
 #pragma once
 /// One point of a study: a run of its own process, kept when it is done.
+#include <condition_variable>
 #include <filesystem>
+#include <mutex>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "tools/process/interrupt.h"
+#include "tools/scene_file/options.h"
 #include "tools/study/study.h"
 
 namespace whorl {
@@ -42,6 +46,7 @@ public:
 
 private:
     struct Call;
+    struct Turn;
     static Call call_of(const Study& study, int threads, const std::string& scene, std::vector<std::string> settings);
     static std::string identity_of(const Call& call, bool pictures);
     static std::vector<std::string> arguments_of(const Call& call, bool pictures, const std::filesystem::path& folder);
@@ -53,7 +58,13 @@ private:
     int threads_;
     PointPlace place_;
     InterruptGuard interrupt_;
+    mutable std::mutex mutex_;  ///< of busy_
+    mutable std::condition_variable changed_;
+    mutable std::set<std::filesystem::path> busy_;  ///< folders of points that run
 };
+
+/// The scene that a point reads, as the command line gives it. @param settings of run_settings()
+Options point_options(const Study& study, const std::string& scene, const std::vector<std::string>& settings);
 
 /// Whether settings name a program of their own, which takes and refuses scenes as it can.
 bool name_a_program(const std::vector<std::string>& settings);

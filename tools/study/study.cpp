@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <map>
+#include <set>
 
 #include "engine/scene/document.h"
 #include "engine/scene/expression_keys.h"
@@ -184,6 +185,10 @@ void check(const Study& study, Reader& reader) {
                             "take a scene key, or use {" + key + "} in set");
     }
     if (study.scenes.empty()) reader.disagree({"scenes"}, "scenes is empty");
+    std::set<std::string> names;  // of the folders of their results
+    for (const std::string& scene : study.scenes)
+        if (const std::string name = std::filesystem::path(scene).stem(); !names.insert(name).second)
+            reader.disagree({"scenes"}, "two of the scenes have the name " + name, "give one of them another name");
     for (const std::vector<std::string>* settings : {&study.set, &study.accuracy.reference})
         for (const std::string& setting : *settings)
             if (setting.find('=') == std::string::npos)
@@ -203,13 +208,20 @@ bool is_name(const std::string& key) {
     return key.find('.') == std::string::npos && std::find(options.begin(), options.end(), key) == options.end();
 }
 
+std::string scene_of(const Study& study, const std::string& scene) {
+    const std::filesystem::path beside = study.directory / scene;
+    return std::filesystem::is_regular_file(beside) ? beside.string() : scene;
+}
+
 std::string with_values(const std::string& text, const std::vector<std::string>& settings) {
-    std::map<std::string, std::string> values;
+    std::map<std::string, std::string> values, keys;
+    std::set<std::string> unclear;  // names of two keys
     for (const std::string& setting : settings) {
-        const std::size_t equals = setting.find('='), dot = setting.rfind('.', equals);
-        values[setting.substr(dot == std::string::npos ? 0 : dot + 1, equals - (dot == std::string::npos ? 0 : dot + 1))] =
-            setting.substr(equals + 1);
+        const std::string key = setting.substr(0, setting.find('=')), name = key.substr(key.rfind('.') + 1);
+        if (keys.emplace(name, key).first->second != key) unclear.insert(name);
+        values[name] = setting.substr(key.size() + 1);
     }
+    for (const std::string& name : unclear) values.erase(name);
     std::string out;
     for (std::size_t i = 0; i < text.size();) {
         const std::size_t close = text[i] == '{' ? text.find('}', i) : std::string::npos;
@@ -226,7 +238,8 @@ std::string with_values(const std::string& text, const std::vector<std::string>&
         try {
             out += fmt::format("{:.9g}", Expression(expression_of(inside, values))(0));
         } catch (const ExpressionError& error) {
-            throw InputError({text, 0, 0}, fmt::format("{{{}}} is no expression of the knobs: {}", inside, error.what()));
+            throw InputError({text, 0, 0}, fmt::format("{{{}}} is no expression of the knobs: {}", inside, error.what()),
+                             unclear.empty() ? "" : "two knobs are called " + *unclear.begin() + ": take a name of its own for one");
         }
     }
     return out;
@@ -251,8 +264,7 @@ Study read_study(const std::string& name) {
     reader.read(root);
     check(study, reader);
     if (!reader.problems.empty()) throw InputError(in_order(std::move(reader.problems), file.string()));
-    for (std::string& scene : study.scenes)
-        if (const auto beside = study.directory / scene; std::filesystem::is_regular_file(beside)) scene = beside.string();
+    for (std::string& scene : study.scenes) scene = scene_of(study, scene);
     return study;
 }
 

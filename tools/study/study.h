@@ -70,10 +70,13 @@ struct Study {
     std::filesystem::path directory;  ///< of the study file
 };
 
+/// A scene that the study names: a file found from the study's folder, or else the name as it is.
+std::string scene_of(const Study& study, const std::string& scene);
 /// The settings of a run as --set takes them: the study's own, then those of its knobs, with every "{...}" replaced by its value.
 /// @param settings "key=value" of each knob @throws InputError
 std::vector<std::string> run_settings(const Study& study, const std::vector<std::string>& settings);
-/// A text with every "{...}" replaced by its value. @param settings where names find their values
+/// A text with every "{...}" replaced by its value. @param settings where names find their values: "scale", the last word of
+/// "solid[0].scale"
 std::string with_values(const std::string& text, const std::vector<std::string>& settings);
 /// Whether a knob is no setting itself, but a name that settings use.
 bool is_name(const std::string& key);
