@@ -117,6 +117,30 @@ TEST_CASE("of films that are farmed together one that fails leaves the others, a
     CHECK(read_whole(scratch / "films/little_honey/farm/encode.1.code") == "-1\n");
 }
 
+TEST_CASE("of films of which one is impossible none is begun, and one that is interrupted here says how it goes on", "[tools][farm]") {
+    const Scratch scratch;
+    std::string huge = read_whole(scratch / "scene.toml");
+    huge.replace(huge.find("little_honey"), 12, "huge");
+    huge.replace(huge.find("spacing"), huge.find('\n', huge.find("spacing")) - huge.find("spacing"), "spacing = 1e-7");
+    std::ofstream(scratch / "huge.toml") << huge;
+    const Outcome refused = scratch.whorl({"farm", (scratch / "huge.toml").string()}, "films");
+    INFO(refused.err);
+    CHECK(refused.code == 2);
+    CHECK_FALSE(fs::exists(scratch / "films"));
+
+    const std::string run = (scratch / "run").string();
+    test::Program farm({"farm", (scratch / "scene.toml").string(), "--threads", "1", "--out", run});
+    REQUIRE(farm.wait_until([&] { return fs::exists(scratch / "run/raw/000002.frame"); }));
+    farm.signal(SIGINT);
+    const Outcome stopped = farm.wait();
+    CHECK(stopped.code == 130);
+    CHECK(stopped.err.find("whorl: little_honey was interrupted; go on with: whorl resume " + run + " --no-draw, then whorl draw " + run +
+                           "\n") != std::string::npos);
+    CHECK(test::whorl({"resume", run, "--no-draw", "--quiet"}).code == 0);
+    CHECK(test::whorl({"draw", run, "--quiet"}).code == 0);
+    CHECK(fs::exists(scratch / "run/little_honey.mp4"));
+}
+
 TEST_CASE("a film with a panel that diverges is farmed to what a local run makes of it", "[tools][farm]") {
     const Scratch scratch(std::string("[[panel]]\n[[panel]]\nset = [\"fluid.viscosity=") + test::diverging_viscosity + "\"]\n");
     const Outcome whole = scratch.whorl({"render", "--quiet"}, "whole"), farmed = scratch.whorl({"farm", "--jobs", "2"}, "farmed");

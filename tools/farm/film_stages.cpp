@@ -45,17 +45,16 @@ FarmTask run_task(const std::string& name, const fs::path& film, const fs::path&
     return task;
 }
 
-std::vector<FarmStage> stages_of_panels(const FarmFilm& film, const fs::path& folder) {
+FarmWork work_of_panels(const FarmFilm& film, const fs::path& folder) {
     const int frames = frame_count(film.file.scene);
     const Choose choose = [&](const SceneFile& run, const Simulation& start) { return with_first_pass(run, start, true); };
     const std::vector<SceneFile> runs = panel_scenes(film.file, film.file.scene.output.frames ? choose : Choose{});
-    write_text(folder / "scene.resolved.toml", resolved_toml(with_choices_of(film.file, runs)));
+    FarmWork work{{}, {{folder / "scene.resolved.toml", resolved_toml(with_choices_of(film.file, runs))}}};
     FarmStage panels{"panels", {}};
-    fs::create_directories(folder / "panels");
     for (std::size_t k = 0; k < runs.size(); ++k) {
         const SceneFile& run = runs[k];
         const fs::path file = folder / "farm" / fmt::format("panel{}.toml", k + 1);
-        write_text(file, resolved_toml(run));
+        work.files.emplace_back(file, resolved_toml(run));
         panels.tasks.push_back(run_task(fmt::format("panel {} of {}", k + 1, run.scene.name), folder, file,
                                         folder / "panels" / std::to_string(k + 1), film.threads, {}));
         const Estimate e = estimate(run);
@@ -64,19 +63,22 @@ std::vector<FarmStage> stages_of_panels(const FarmFilm& film, const fs::path& fo
     // Of a panel that diverged the frames that it has are filmed.
     FarmStage gather{"gather", {{film.file.scene.name, {program(), "resume", folder.string(), "--quiet"}, folder, {}, {}, true}}};
     allow(gather, 0.1 * frames, 200e6);
-    return {panels, gather};
+    work.stages = {panels, gather};
+    return work;
 }
 
-std::vector<FarmStage> stages_of_film(const FarmFilm& film, const fs::path& folder) {
+FarmWork work_of_one(const FarmFilm& film, const fs::path& folder) {
     const SceneFile& file = film.file;
     const fs::path scene = folder / "farm" / "scene.toml";
-    write_text(scene, resolved_toml(file));
+    const std::string text = resolved_toml(file);
+    FarmWork work{{}, {{folder / "scene.resolved.toml", text}, {scene, text}}};
     const std::string name = file.scene.name;
     const Estimate e = estimate(file);
     if (!file.scene.output.frames) {
         FarmStage simulate{"simulate", {run_task(name, folder, scene, folder, film.threads, {})}};
         allow(simulate, e.film, e.memory);
-        return {simulate};
+        work.stages = {simulate};
+        return work;
     }
     FarmStage simulate{"simulate", {run_task(name, folder, scene, folder, film.threads, {"--no-draw"})}}, draw{"draw", {}},
         encode{"encode", {}};
@@ -96,20 +98,33 @@ std::vector<FarmStage> stages_of_film(const FarmFilm& film, const fs::path& fold
     allow(draw, (e.surface + e.draw + e.write) * (frames / pieces + 1), e.memory);
     encode.tasks.push_back({name, {program(), "video", folder.string()}, folder, {}, {}});
     allow(encode, 0.1 * frames, 200e6);
-    if (!file.scene.output.video) return {simulate, draw};
-    return {simulate, draw, encode};
+    work.stages = {simulate, draw};
+    if (file.scene.output.video) work.stages.push_back(encode);
+    return work;
 }
 
 }  // namespace
 
 FarmWork work_of(const FarmFilm& film) {
-    make_plan(film.file);  // an impossible scene ends here, before anything is written
+    make_plan(film.file);
+    const fs::path path = fs::absolute(film.folder);
+    return film.file.scene.panels.empty() ? work_of_one(film, path) : work_of_panels(film, path);
+}
+
+FarmFolder begin(const FarmFilm& film, const FarmWork& work) {
     const fs::path path = fs::absolute(film.folder);
     const RunFolder folder = RunFolder::fresh(path);
-    FarmWork work{{}, folder.note(), RunFolder::any(path / "farm")};
-    write_text(path / "scene.resolved.toml", resolved_toml(film.file));
-    work.stages = film.file.scene.panels.empty() ? stages_of_film(film, path) : stages_of_panels(film, path);
-    return work;
+    FarmFolder begun{folder.note(), RunFolder::any(path / "farm")};
+    for (const auto& [file, text] : work.files) write_text(file, text);
+    return begun;
+}
+
+std::string going_on(const FarmFilm& film, const std::string& stage) {
+    const std::string folder = film.folder.string();
+    if (stage == "draw") return "whorl draw " + folder;
+    if (stage == "encode") return "whorl video " + folder;
+    const bool drawn_later = stage == "simulate" && film.file.scene.output.frames;
+    return fmt::format("whorl resume {0}{1}", folder, drawn_later ? fmt::format(" --no-draw, then whorl draw {}", folder) : "");
 }
 
 std::vector<FarmStage> together(const std::vector<std::vector<FarmStage>>& films) {

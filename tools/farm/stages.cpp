@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <map>
 #include <optional>
 #include <set>
 #include <sstream>
@@ -18,6 +17,7 @@
 #include "engine/core/errors.h"
 #include "engine/core/whole_file.h"
 #include "render/video/process.h"
+#include "tools/process/exit_codes.h"
 #include "tools/process/slurm_job.h"
 
 namespace whorl {
@@ -118,6 +118,23 @@ std::vector<FarmFailure> failures_of(const std::vector<FarmStage>& stages, const
                                                   log.string())});
         }
     return failures;
+}
+
+/// Where a film that has failed already needs what failed, it does not go on.
+FarmEnd interrupted_here(const std::vector<FarmStage>& stages, const fs::path& folder) {
+    FarmEnd end{true, {}, {}};
+    std::set<fs::path> failed;
+    for (const FarmStage& stage : stages)
+        for (std::size_t k = 0; k < stage.tasks.size(); ++k) {
+            const FarmTask& task = stage.tasks[k];
+            const int code = code_of(folder, stage, k).value_or(exit_interrupted);
+            if (code != exit_done && code != exit_interrupted) failed.insert(task.film);
+            else if (code != exit_done && (task.takes_diverged || !failed.contains(task.film)))
+                end.stopped.try_emplace(task.film, stage.name);
+        }
+    for (FarmFailure& failure : failures_of(stages, folder))
+        if (failed.contains(failure.film)) end.failures.push_back(std::move(failure));
+    return end;
 }
 
 /// One line: how many tasks of each stage have ended. Those that were left out are not among them.
@@ -289,14 +306,15 @@ FarmEnd run_stages(const std::vector<FarmStage>& stages, const fs::path& folder,
     FarmProgress progress(stages, here, options.quiet);
     progress.show();
     if (options.on == "slurm") {
-        if (!run_on_slurm(stages, here, options, interrupt, progress)) return {true, {}};
-        return {false, failures_of(stages, here)};
+        if (!run_on_slurm(stages, here, options, interrupt, progress)) return {true, {}, {}};
+        return {false, {}, failures_of(stages, here)};
     }
     for (const FarmStage& stage : stages) {
-        if (!run_here(stage, here, static_cast<std::size_t>(std::max(1, options.jobs)), interrupt, progress)) return {true, {}};
+        if (!run_here(stage, here, static_cast<std::size_t>(std::max(1, options.jobs)), interrupt, progress))
+            return interrupted_here(stages, here);
         progress.show();
     }
-    return {false, failures_of(stages, here)};
+    return {false, {}, failures_of(stages, here)};
 }
 
 }  // namespace whorl

@@ -5,6 +5,7 @@
 /// the task has ended, its exit status in simulate.3.code (-1: it was not begun). Slurm runs the same script as a job array; a task
 /// that lost its machine is begun again and goes on from its checkpoint.
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -49,6 +50,8 @@ struct FarmFailure {
 };
 struct FarmEnd {
     bool interrupted = false;  ///< by the user: tasks on this machine are ended then, and Slurm's go on
+    /// Of films that were interrupted on this machine: the first stage that has not ended.
+    std::map<std::filesystem::path, std::string> stopped;
     std::vector<FarmFailure> failures;
 };
 

@@ -81,27 +81,34 @@ int farm(FarmCommand command) {
     if (command.farm.on == "local" && std::any_of(films.begin(), films.end(), wants_video)) check_encoder(without_video(false));
     share_cores(command.farm, films.size() == 1 ? 2 : films.size());
     set_threads(command.farm.threads);  // what the tasks have: the limits of time go by it
-    std::vector<std::vector<FarmStage>> all;
-    std::vector<RunFolder> held;
-    for (FarmFilm& film : films) {
+    std::vector<FarmWork> work;
+    for (FarmFilm& film : films) {  // an impossible scene ends here, before anything is written
         film.threads = command.farm.threads;
         // Its tasks run quietly.
         const std::string whose = films.size() > 1 ? film.file.scene.name + ": " : "";
         if (!command.farm.quiet)
             for (const std::string& warning : warnings_of(film.file)) fmt::print(stderr, "warning: {}{}\n", whose, warning);
-        FarmWork work = work_of(film);
-        if (!work.note.empty()) tell_note(work.note, false);
-        all.push_back(std::move(work.stages)), held.push_back(std::move(work.held));
+        work.push_back(work_of(film));
+    }
+    std::vector<std::vector<FarmStage>> all;
+    std::vector<RunFolder> held;
+    for (std::size_t k = 0; k < films.size(); ++k) {
+        FarmFolder folder = begin(films[k], work[k]);
+        if (!folder.note.empty()) tell_note(folder.note, false);
+        all.push_back(std::move(work[k].stages)), held.push_back(std::move(folder.held));
     }
     const InterruptGuard interrupt;
     const FarmEnd end = run_stages(together(all), films.front().folder / "farm", command.farm, interrupt);
-    if (end.interrupted) return exit_interrupted;
     for (const FarmFilm& film : films)
-        if (std::none_of(end.failures.begin(), end.failures.end(),
-                         [&](const FarmFailure& failure) { return failure.film == fs::absolute(film.folder); }))
+        if (const auto at = end.stopped.find(fs::absolute(film.folder)); at != end.stopped.end())
+            fmt::print(stderr, "whorl: {} was interrupted; go on with: {}\n", film.file.scene.name, going_on(film, at->second));
+    for (const FarmFilm& film : films)
+        if (!end.interrupted && std::none_of(end.failures.begin(), end.failures.end(),
+                                             [&](const FarmFailure& failure) { return failure.film == fs::absolute(film.folder); }))
             fmt::print("{}\n", film.folder.string());
     std::fflush(stdout);
     for (const FarmFailure& failure : end.failures) fmt::print(stderr, "whorl: {}\n", failure.message);
+    if (end.interrupted) return exit_interrupted;
     return end.failures.empty() ? exit_done : exit_failed;
 }
 
