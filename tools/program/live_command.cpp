@@ -1,6 +1,9 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cctype>
+#include <cstring>
 #include <memory>
 
 #include "engine/core/parallel.h"
@@ -49,6 +52,9 @@ fs::path free_folder(const std::string& scene) {
 }
 
 void check_server(ServerOptions& server) {
+    const auto stands_in_address = [](unsigned char c) { return std::isalnum(c) || std::strchr("-._~", c); };
+    if (!std::all_of(server.token.begin(), server.token.end(), stands_in_address))
+        throw InputError({"--token", 0, 0}, "is a part of the page's address", "", "allowed: letters, digits and - . _ ~");
     if (!is_loopback(server.host) && server.token.empty()) server.token = random_token();
 }
 
