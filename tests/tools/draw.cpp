@@ -1,4 +1,5 @@
 // Pictures drawn again from a run's frames.
+#include <array>
 #include <catch2/catch.hpp>
 #include <fstream>
 
@@ -8,6 +9,7 @@
 #include "tests/support/scratch.h"
 #include "tools/film/first_pass.h"
 #include "tools/film/redraw.h"
+#include "tools/film/run_folder.h"
 
 using namespace whorl;
 using test::Outcome;
@@ -90,15 +92,62 @@ TEST_CASE("a range that is drawn into its run leaves the exports of the whole fi
     CHECK(fs::exists(other / "frames/000003.png"));
     CHECK(fs::exists(folder / "other.1/diagnostics.csv"));
     CHECK_FALSE(fs::exists(folder / "other.2"));
-    fs::remove(other / "run.json");  // as earlier versions left what they drew
+    CHECK(test::whorl({"video", other.string()}).code == 0);
+    CHECK_THAT(test::whorl({"resume", other.string()}).err, Catch::Contains("holds pictures that were drawn of another run; go on with"));
+    {
+        const RunFolder held = RunFolder::existing(other);
+        const Outcome beside = test::whorl({"draw", run.string(), "--out", other.string()});
+        CHECK(beside.code == 2);
+        CHECK_THAT(beside.err, Catch::Contains("another run is at work in this folder"));
+    }
+    for (const char* file : {"run.json", "scene.resolved.toml"}) fs::remove(other / file);  // as earlier versions left what they drew
     const auto draw = [&] { return test::whorl({"draw", run.string(), "--frames", "2", "--out", other.string(), "--quiet"}); };
     const Outcome beside = draw();
     CHECK(beside.code == 0);
     CHECK(beside.err.find("is now in " + other.string() + ".2") != std::string::npos);
     CHECK(fs::exists(folder / "other.2/frames/000003.png"));
-    fs::remove(other / "run.json");
+    for (const char* file : {"run.json", "scene.resolved.toml"}) fs::remove(other / file);
     std::ofstream(other / "thesis.txt") << "years of work";
     CHECK(draw().code == 2);
+}
+
+TEST_CASE("pictures of a run are kept aside where another one has taken its folder") {
+    const test::ScratchFolder folder;
+    const fs::path scene = folder / "scene.toml", run = folder / "run", drawn = folder / "drawn";
+    std::ofstream(scene) << puddle;
+    const auto draw = [&] { return test::whorl({"draw", run.string(), "--out", drawn.string(), "--quiet"}); };
+    REQUIRE(test::whorl({"render", scene.string(), "--frames", "2", "--no-draw", "--out", run.string(), "--quiet"}).code == 0);
+    REQUIRE(draw().code == 0);
+    REQUIRE(test::whorl({"resume", run.string(), "--frames", "3", "--no-draw", "--quiet"}).code == 0);
+    CHECK(draw().err == "");  // the same run, made longer
+    REQUIRE(test::whorl({"render", scene.string(), "--frames", "1", "--no-draw", "--overwrite", "--out", run.string(), "--quiet"}).code ==
+            0);
+    const Outcome other = draw();
+    CHECK(other.code == 0);
+    CHECK_THAT(other.err, Catch::Contains("the run that stood in " + drawn.string() + " is now in " + drawn.string() + ".1"));
+    CHECK_FALSE(fs::exists(drawn / "frames/000003.png"));
+    CHECK(fs::exists(folder / "drawn.1/frames/000003.png"));
+}
+
+TEST_CASE("a film with gaps has its video and its contact sheet, and what stands there is told") {
+    const test::ScratchFolder folder;
+    const fs::path scene = folder / "scene.toml", run = folder / "run";
+    std::ofstream(scene) << puddle;
+    REQUIRE(test::whorl({"render", scene.string(), "--no-draw", "--out", run.string(), "--quiet"}).code == 0);
+    REQUIRE(test::whorl({"draw", run.string(), "--frames", "2-3", "--quiet"}).code == 0);
+    CHECK(test::whorl({"video", run.string()}).code == 0);
+    CHECK(fs::exists(run / "contact.png"));
+    fs::remove(run / "raw/000001.frame");
+    CHECK(test::whorl({"draw", run.string(), "--quiet"}).code == 0);
+    CHECK_THAT(test::whorl({"draw", run.string(), "--frames", "1"}).err, Catch::EndsWith("there are no frames 1 to 1; 2 to 3\n"));
+    const std::string nowhere = (folder / "none/a.mp4").string();
+    for (const auto& [option, value, why] : std::vector<std::array<std::string, 3>>{
+             {"--out", nowhere, "--out: there is no folder \"" + (folder / "none").string() + "\"; make it first"},
+             {"--fps", "1e-9", "--fps: 1e-09 frames a second are too few for a video; allowed: at least 0.001"}}) {
+        const Outcome refused = test::whorl({"video", run.string(), option, value});
+        CHECK(refused.code == 2);
+        CHECK_THAT(refused.err, Catch::Contains(why));
+    }
 }
 
 TEST_CASE("what another look leaves open goes by the whole film, whichever frames are drawn") {

@@ -275,6 +275,28 @@ TEST_CASE("a film of panels does not go on with a panel that was drawn in anothe
     CHECK(test::whorl({"resume", scratch.run(), "--quiet"}).code == 0);
 }
 
+TEST_CASE("panels whose pictures are left to draw are put together when each is drawn") {
+    const Scratch scratch;
+    const auto render = [&](const std::string& run, const std::string& more) {
+        return test::whorl({"render", scratch.scene(), "--until", "0.05", "--quiet", "--out", run, more}).code;
+    };
+    REQUIRE(render(scratch.run("whole"), "--no-video") == 0);
+    REQUIRE(render(scratch.run(), "--no-draw") == 0);
+    const fs::path run = scratch.run();
+    CHECK_FALSE(fs::exists(run / "two_drops.mp4"));
+    CHECK_FALSE(fs::exists(run / "panels/1/frames/000001.png"));
+    CHECK_THAT(test::whorl({"draw", scratch.run()}).err, Catch::Contains("then put them together: whorl resume " + scratch.run() + "\n"));
+    CHECK_THAT(
+        test::whorl({"resume", scratch.run()}).err,
+        Catch::Contains("panels/1: the run has no picture of its frame 1; draw it first: whorl draw " + scratch.run() + "/panels/1"));
+    for (const char* panel : {"1", "2"}) REQUIRE(test::whorl({"draw", (run / "panels" / panel).string(), "--quiet"}).code == 0);
+    const Outcome together = test::whorl({"resume", scratch.run(), "--quiet"});
+    CHECK(together.err == "");
+    REQUIRE(together.code == 0);
+    CHECK(fs::exists(run / "two_drops.mp4"));
+    CHECK((read_whole(run / "frames/000003.png") == read_whole(fs::path(scratch.run("whole")) / "frames/000003.png")));
+}
+
 namespace {
 
 /// A plane that turns, in one panel twice as fast.

@@ -23,6 +23,14 @@ std::filesystem::path existing_picture(const std::filesystem::path& run_folder, 
     return std::filesystem::exists(layers) ? layers : picture_file(run_folder, frame);
 }
 
+/// Twelve of so many, evenly, with the first and the last; all where there are no more.
+std::vector<int> spread(int count) {
+    const int chosen = std::min(12, count);
+    std::vector<int> numbers;
+    for (int k = 0; k < chosen; ++k) numbers.push_back(chosen > 1 ? static_cast<int>(std::lround(k * (count - 1.0) / (chosen - 1))) : 0);
+    return numbers;
+}
+
 }  // namespace
 
 bool has_picture(const std::filesystem::path& run_folder, int frame) {
@@ -56,14 +64,16 @@ Frame exported_frame(const std::filesystem::path& run_folder, int frame) {
     return read;
 }
 
-void write_contact_sheet(const std::filesystem::path& run_folder, int frames) {
-    const int pictures = std::min(12, frames);
+void write_contact_sheet(const std::filesystem::path& run_folder, const std::vector<std::filesystem::path>& pictures) {
     std::vector<Image> images;
-    for (int k = 0; k < pictures; ++k) {
-        const int frame = pictures > 1 ? 1 + static_cast<int>(std::lround(k * (frames - 1.0) / (pictures - 1))) : 1;
-        images.push_back(read_picture(run_folder, frame));
-    }
+    for (const int k : spread(static_cast<int>(pictures.size()))) images.push_back(read_picture(pictures[static_cast<std::size_t>(k)]));
     if (!images.empty()) write_png(run_folder / "contact.png", contact_sheet(images, 4, 480));
+}
+
+void write_contact_sheet(const std::filesystem::path& run_folder, int frames) {
+    std::vector<std::filesystem::path> pictures;
+    for (const int k : spread(frames)) pictures.push_back(existing_picture(run_folder, k + 1));
+    write_contact_sheet(run_folder, pictures);
 }
 
 }  // namespace whorl

@@ -2,6 +2,7 @@
 /// The pictures of a run folder: their names, and twelve of them on one sheet.
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "engine/io/frame.h"
 #include "render/image/image.h"
@@ -22,7 +23,9 @@ Image read_picture(const std::filesystem::path& file);
 std::filesystem::path frame_file(const std::filesystem::path& run_folder, int frame);
 /// What is in it. @throws InputError where it is no whole frame, or another than its name says
 Frame exported_frame(const std::filesystem::path& run_folder, int frame);
-/// contact.png: twelve frames from the first to the last of `frames`, evenly. @throws InputError where one is missing
+/// contact.png: twelve of the pictures from the first to the last, evenly. @throws InputError where one is missing
+void write_contact_sheet(const std::filesystem::path& run_folder, const std::vector<std::filesystem::path>& pictures);
+/// The same of frames 1 to `frames`.
 void write_contact_sheet(const std::filesystem::path& run_folder, int frames);
 
 }  // namespace whorl

@@ -30,6 +30,9 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+/// Whether they are to be drawn now.
+bool wants_pictures(const RunRequest& request) { return request.file.scene.output.frames && !request.no_draw; }
+
 fs::path panel_folder(const fs::path& run_folder, std::size_t run) { return run_folder / "panels" / std::to_string(run + 1); }
 
 class PanelFilm {
@@ -41,7 +44,7 @@ public:
             for (std::size_t k = 0; k < scenes_.size(); ++k) check_end(folder_.path(), scene_, frames_of(k), frames_wanted());
             anew_ = lacks_frames_of_differences();
             check_resumed();
-            check_first_pictures();
+            check_made_pictures();
         }
         write_text(folder_.path() / "scene.resolved.toml", resolved_toml(with_choices_of(request.file, scenes_)));
         if (!folder_.note().empty()) tell_note(folder_.note(), request.json);
@@ -56,15 +59,16 @@ public:
                     write_report("interrupted", "interrupted before the first frame");
                     return code;
                 }
-                write_report("interrupted", "go on with: whorl resume " + folder_.path().string());
-                std::fprintf(stderr, "whorl: panel %zu of %zu was interrupted; go on with all of them: whorl resume %s\n", k + 1,
-                             scenes_.size(), folder_.path().c_str());
+                const std::string go_on = "whorl resume " + folder_.path().string() + (request_.no_draw ? " --no-draw" : "");
+                write_report("interrupted", "go on with: " + go_on);
+                std::fprintf(stderr, "whorl: panel %zu of %zu was interrupted; go on with all of them: %s\n", k + 1, scenes_.size(),
+                             go_on.c_str());
                 return code;
             }
             if (code != exit_done) failed_ = k;
         }
         const int frames = least_frames();
-        const bool filmed = scene_.output.frames && frames > 0;
+        const bool filmed = wants_pictures(request_) && frames > 0;
         if (filmed) film(frames);
         const std::string status = failed_ ? "diverged" : "done";
         write_report(status, failed_ ? "panel " + name_of(*failed_) + " diverged" : "");
@@ -72,6 +76,9 @@ public:
         if (!request_.quiet && !request_.json)
             std::fprintf(stderr, "%s of %zu panels: %s\n", counted(frames, "frame").c_str(), scenes_.size(),
                          (filmed && scene_.output.video ? video() : folder_.path()).c_str());
+        if (!request_.quiet && !request_.json && request_.no_draw && scene_.output.frames && frames > 0)
+            std::fprintf(stderr, "draw each panel (whorl draw %s), then put them together: whorl resume %s\n",
+                         panel_folder(folder_.path(), 0).c_str(), folder_.path().c_str());
         return failed_ ? exit_failed : exit_done;
     }
 
@@ -122,11 +129,14 @@ private:
             }
     }
 
-    /// Whoever drew a panel again may have given it another size. @throws InputError
-    void check_first_pictures() const {
-        for (std::size_t k = 0; k < scenes_.size() && scene_.output.frames; ++k) {
+    /// Pictures may be left to draw, and whoever drew a panel again may have given it another size. @throws InputError
+    void check_made_pictures() const {
+        for (std::size_t k = 0; k < scenes_.size() && wants_pictures(request_); ++k) {
             const std::array<int, 2>& size = scenes_[k].scene.output.size;
-            if (frames_of(k) > 0 && next_of(k) != Next::begins) read_picture(panel_folder(folder_.path(), k), 1, size[0], size[1]);
+            if (frames_of(k) == 0 || next_of(k) == Next::begins) continue;
+            const fs::path folder = panel_folder(folder_.path(), k);
+            check_pictures(folder, frames_of(k));
+            read_picture(folder, 1, size[0], size[1]);
         }
     }
 
@@ -148,6 +158,7 @@ private:
         panel.file = scenes_[k];
         panel.folder = panel_folder(folder_.path(), k);
         panel.frames = request_.frames;
+        panel.no_draw = request_.no_draw;
         panel.quiet = request_.quiet, panel.json = request_.json;
         return panel;
     }
@@ -262,7 +273,7 @@ private:
 }  // namespace
 
 int run_panels(const RunRequest& request, PanelRuns how) {
-    if (request.file.scene.output.frames && request.file.scene.output.video) check_encoder(without_video(how == PanelRuns::resumed));
+    if (wants_pictures(request) && request.file.scene.output.video) check_encoder(without_video(how == PanelRuns::resumed));
     return PanelFilm(request, how).go();
 }
 

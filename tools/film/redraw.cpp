@@ -87,10 +87,12 @@ int redraw(const RedrawRequest& request) {
     const std::vector<int> exported = numbers;
     std::erase_if(numbers, [&](int n) { return n < request.first || n > last; });
     if (numbers.empty())
-        throw InputError({(request.run / "raw").string(), 0, 0}, fmt::format("there are no frames {} to {}", request.first, last), "",
-                         fmt::format("1 to {}", all));
+        throw InputError(
+            {(request.run / "raw").string(), 0, 0}, fmt::format("there are no frames {} to {}", request.first, last), "",
+            fmt::format("{} to {}{}", exported.front(), exported.back(), exported.back() - exported.front() < all ? "" : ", with gaps"));
     const bool whole = static_cast<int>(numbers.size()) == all;
-    Replay replay(with_choices_from(request.file, request.run, exported));
+    const SceneFile file = with_choices_from(request.file, request.run, exported);
+    Replay replay(file);
     const auto options_now = [&] {
         const SceneFile& now = replay.now();
         return std::make_shared<const PictureOptions>(PictureOptions{now.surface, now.camera, now.look});
@@ -99,7 +101,8 @@ int redraw(const RedrawRequest& request) {
     if (!options.video.empty()) check_encoder(without_video(false));
     std::optional<RunFolder> held;
     if (request.out != request.run) {
-        held.emplace(RunFolder::drawing(request.out, request.run, whole ? RunFolder::Hold::alone : RunFolder::Hold::shared));
+        held.emplace(
+            RunFolder::drawing(request.out, request.run, resolved_toml(file), whole ? RunFolder::Hold::alone : RunFolder::Hold::shared));
         if (!held->note().empty()) tell_note(held->note(), false);
     }
     if (!whole) check_size_of_others(request, numbers);
@@ -118,7 +121,9 @@ int redraw(const RedrawRequest& request) {
         if (!request.quiet) fmt::print(stderr, "\r{} of {} frames ", film.frames_written(), numbers.size()), std::fflush(stderr);
     }
     film.finish(true);
-    if (whole) write_contact_sheet(request.out, numbers.back());
+    std::vector<fs::path> pictures;
+    for (const int number : numbers) pictures.push_back(picture_file(request.out, number, options.format));
+    if (whole) write_contact_sheet(request.out, pictures);
     if (!request.quiet)
         fmt::print(stderr, "\r{} drawn: {}\n", counted(static_cast<int>(numbers.size()), "frame"),
                    whole && !options.video.empty() ? options.video.string() : request.out.string());

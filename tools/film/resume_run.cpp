@@ -60,19 +60,6 @@ void check_plan(const Scene& before, const Scene& now, const std::filesystem::pa
     throw InputError(problems);
 }
 
-/// The pictures so far begin the video, and are on the contact sheet. @throws InputError where one is missing
-void check_pictures(const RunRequest& request, int made) {
-    if (request.no_draw || !request.file.scene.output.frames) return;
-    const std::filesystem::path& folder = request.folder;
-    for (int frame = 1; frame <= made; ++frame) {
-        if (has_picture(folder, frame)) continue;
-        const bool exported = std::filesystem::exists(frame_file(folder, frame));
-        throw InputError({folder.string(), 0, 0}, fmt::format("the run has no picture of its frame {}", frame),
-                         exported ? fmt::format("draw it first: whorl draw {}; or go on with --no-draw", folder.string())
-                                  : "go on without pictures: --no-draw");
-    }
-}
-
 InputError no_sound_checkpoint(const std::filesystem::path& folder) {
     return {{folder.string(), 0, 0},
             "there is no sound checkpoint to go on from",
@@ -85,6 +72,9 @@ InputError no_sound_checkpoint(const std::filesystem::path& folder) {
 void begin_again(RunRequest& request) {
     const nlohmann::json report = report_of(request.folder);
     const std::string status = report.value("status", "");
+    if (const std::string source = report.value("drawn_from", ""); !source.empty())
+        throw InputError({request.folder.string(), 0, 0}, "holds pictures that were drawn of another run",
+                         "go on with that one: whorl resume " + source);
     if (status == "done" || status == "diverged")
         throw InputError({request.folder.string(), 0, 0},
                          fmt::format("the run {}, and has no checkpoint to go on from", status == "done" ? "is done" : "diverged"),
@@ -104,6 +94,16 @@ void check_end(const std::filesystem::path& folder, const Scene& scene, int made
     if (wanted < made)
         throw InputError({folder.string(), 0, 0}, fmt::format("the run is at frame {}, {:g} s, already", made, frame_time(scene, made)), "",
                          "an end after that; render the scene anew for a shorter film");
+}
+
+void check_pictures(const std::filesystem::path& folder, int made) {
+    for (int frame = 1; frame <= made; ++frame) {
+        if (has_picture(folder, frame)) continue;
+        const bool exported = std::filesystem::exists(frame_file(folder, frame));
+        throw InputError({folder.string(), 0, 0}, fmt::format("the run has no picture of its frame {}", frame),
+                         exported ? fmt::format("draw it first: whorl draw {}; or go on with --no-draw", folder.string())
+                                  : "go on without pictures: --no-draw");
+    }
 }
 
 void resume_from_newest(RunRequest& request) {
@@ -127,7 +127,7 @@ void resume_from_newest(RunRequest& request) {
     const bool cut = checkpoint->frames < frame_count(before) && before.time.end == request.file.scene.time.end;
     request.frames = request.frames.value_or(cut ? checkpoint->frames : frame_count(request.file.scene));
     check_end(request.folder, before, checkpoint->frame, *request.frames);
-    check_pictures(request, checkpoint->frame);
+    if (request.file.scene.output.frames && !request.no_draw) check_pictures(request.folder, checkpoint->frame);
     request.from = std::move(checkpoint);
 }
 

@@ -14,4 +14,7 @@ void resume_from_newest(RunRequest& request);
 /// @param made frames that the run has @throws InputError where it is wanted to end before them
 void check_end(const std::filesystem::path& folder, const Scene& scene, int made, int wanted);
 
+/// The pictures so far begin the video, and are on the contact sheet. @throws InputError where one of the `made` is missing
+void check_pictures(const std::filesystem::path& folder, int made);
+
 }  // namespace whorl

@@ -101,6 +101,14 @@ void put_back(const fs::path& path) {
     fs::remove(path / on_their_way);
 }
 
+/// What tells the run from others that stood in its folder: when it began, as its log says, to which a run that goes on adds.
+std::string beginning_of(const fs::path& path) {
+    std::string line;
+    std::ifstream log(path / "log.txt");
+    std::getline(log, line);
+    return line.substr(0, line.find(']') + 1);
+}
+
 /// Without what stands behind the name in "out/honey/".
 fs::path plain(const fs::path& path) {
     const fs::path normal = path.lexically_normal();
@@ -165,7 +173,7 @@ nlohmann::json report_of(const fs::path& path) {
     std::ifstream in(path / "run.json");
     nlohmann::json run = nlohmann::json::parse(in, nullptr, false);
     if (!run.is_object()) return nlohmann::json::object();
-    for (const char* const text : {"scene", "status", "drawn_from"})
+    for (const char* const text : {"scene", "status", "drawn_from", "run_began"})
         if (run.contains(text) && !run[text].is_string()) run.erase(text);
     for (const char* const count : {"frames", "frames_planned", "frames_of_scene"})
         if (run.contains(count) && !run[count].is_number_unsigned()) run.erase(count);
@@ -272,10 +280,16 @@ RunFolder RunFolder::existing(const fs::path& path, Hold hold) {
     return folder;
 }
 
-RunFolder RunFolder::drawing(const fs::path& path, const fs::path& of, Hold hold) {
+RunFolder RunFolder::drawing(const fs::path& path, const fs::path& of, const std::string& scene, Hold hold) {
     make_folder(path);
-    const std::string source = nlohmann::json::parse(json_text(fs::canonical(of).string()));  // as the file has it, also of odd bytes
-    const auto is_of_source = [&] { return report_of(path).value("drawn_from", "") == source; };
+    const auto as_written = [](const std::string& text) {
+        return nlohmann::json::parse(json_text(text)).get<std::string>();
+    };  // also odd bytes
+    const std::string source = as_written(fs::canonical(of).string()), began = as_written(beginning_of(of));
+    const auto is_of_source = [&] {
+        const nlohmann::json report = report_of(path);
+        return report.value("drawn_from", "") == source && report.value("run_began", "") == began;
+    };
     std::string note;
     if (has_files(path) && !is_of_source()) {
         if (is_run_folder(path) || !holds_drawings(path)) note = fresh(path).note();
@@ -288,13 +302,19 @@ RunFolder RunFolder::drawing(const fs::path& path, const fs::path& of, Hold hold
     RunFolder folder(path, hold);
     if (note.empty()) note = folder.note_;
     folder.note_ = note;
-    if (is_of_source()) return folder;
     // Under a name of its own: another range may be drawn at the same time.
-    const nlohmann::ordered_json mark{
-        {"whorl", WHORL_VERSION}, {"scene", report_of(of).value("scene", "")}, {"status", "drawn"}, {"drawn_from", source}};
-    const fs::path temporary = path / fmt::format(".run.json.{}", getpid());
-    std::ofstream(temporary) << json_text(mark, 2) << "\n";
-    fs::rename(temporary, path / "run.json");
+    const auto write = [&](const char* name, const std::string& text) {
+        const fs::path temporary = path / fmt::format(".{}.{}", name, getpid());
+        std::ofstream(temporary) << text;
+        fs::rename(temporary, path / name);
+    };
+    const nlohmann::ordered_json mark{{"whorl", WHORL_VERSION},
+                                      {"scene", report_of(of).value("scene", "")},
+                                      {"status", "drawn"},
+                                      {"drawn_from", source},
+                                      {"run_began", began}};
+    if (!is_of_source()) write("run.json", json_text(mark, 2) + "\n");
+    write("scene.resolved.toml", scene);
     return folder;
 }
 

@@ -19,9 +19,10 @@ public:
     enum class Hold { alone, shared };
     /// A run to go on with. @throws InputError where there is none, or another process is at work in it (that does not share it, too)
     static RunFolder existing(const std::filesystem::path& path, Hold hold = Hold::alone);
-    /// Pictures of another run: makes the folder, and marks it as drawn from that run. Pictures of the same run are added to those that
-    /// stand there; a run of its own is kept under another name. @throws as fresh()
-    static RunFolder drawing(const std::filesystem::path& path, const std::filesystem::path& of, Hold hold);
+    /// Pictures of another run: makes the folder, marks it as drawn from that run, and writes the scene that they show. Pictures of the
+    /// same run are added to those that stand there; a run of its own, or pictures of a run that stood where this one does, are kept under
+    /// another name. @throws as fresh()
+    static RunFolder drawing(const std::filesystem::path& path, const std::filesystem::path& of, const std::string& scene, Hold hold);
     /// Any folder, which is made. @throws as fresh()
     static RunFolder any(const std::filesystem::path& path);
     ~RunFolder();

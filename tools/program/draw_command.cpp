@@ -61,7 +61,8 @@ int draw(const DrawOptions& options) {
     request.file = changed(read_scene_file(own), changes);
     if (!request.file.scene.panels.empty())
         throw InputError({options.folder.string(), 0, 0}, "this is a film of several panels",
-                         "draw one of them: " + (options.folder / "panels/1").string());
+                         "draw each of them, as in whorl draw " + (options.folder / "panels/1").string() +
+                             ", then put them together: whorl resume " + options.folder.string());
     if (decides(before, request.file))
         throw InputError({deciding(before, changes), 0, 0}, "only what the pictures show can be changed, the simulation is over",
                          "render the scene anew", "keys of [look], [camera], [surface] and [output]");

@@ -19,6 +19,8 @@
 namespace whorl {
 namespace {
 
+constexpr double least_fps = 1e-3;  ///< files count a frame's time in whole numbers, and ffmpeg refuses less
+
 struct EncodeOptions {
     std::filesystem::path folder, out;
     std::optional<double> fps;
@@ -44,6 +46,11 @@ int encode(const EncodeOptions& options) {
     if (std::find(known.begin(), known.end(), video.extension().string()) == known.end())
         throw InputError({"--out", 0, 0}, "\"" + video.string() + "\" has the suffix of no video that this program writes", "",
                          fmt::format("{}", fmt::join(known, ", ")));
+    if (const std::filesystem::path folder = video.parent_path(); !folder.empty() && !std::filesystem::is_directory(folder))
+        throw InputError({"--out", 0, 0}, "there is no folder \"" + folder.string() + "\"", "make it first");
+    if (options.fps && *options.fps < least_fps)
+        throw InputError({"--fps", 0, 0}, fmt::format("{:g} frames a second are too few for a video", *options.fps), "",
+                         fmt::format("allowed: at least {:g}", least_fps));
     check_encoder();
     const Image first = read_picture(pictures.begin()->second);
     if (first.width < 2 || first.height < 2)
@@ -63,7 +70,11 @@ int encode(const EncodeOptions& options) {
     encoder.finish();
     if (const std::size_t planned = report_of(options.folder).value("frames_planned", std::size_t{0}); pictures.size() < planned)
         fmt::print(stderr, "the run has pictures of {} of its {} frames: the video is of these\n", pictures.size(), planned);
-    if (options.out.empty()) write_contact_sheet(options.folder, static_cast<int>(pictures.size()));
+    if (options.out.empty()) {
+        std::vector<std::filesystem::path> files;
+        for (const auto& [name, picture] : pictures) files.push_back(picture);
+        write_contact_sheet(options.folder, files);
+    }
     fmt::print("{}\n", video.string());
     return exit_done;
 }
