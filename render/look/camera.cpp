@@ -32,17 +32,18 @@ View framed(const CameraOptions& camera, const Vec3f& low, const Vec3f& high, co
     return {target + std::max(far_for_width, far_for_height) * away, target, camera.up, camera.fov};
 }
 
-/// Catmull-Rom through b (at 0) and c (at 1), with tangents for keys that are not evenly spaced in time.
-template <class T>
-T through(const T& a, const T& b, const T& c, const T& d, const std::array<double, 4>& time, double now) {
-    const double span = time[2] - time[1];
-    const float s = static_cast<float>((now - time[1]) / span);
-    const auto slope = [&](const T& from, const T& to, double t0, double t1) -> T {
-        return (to - from) * static_cast<float>(t1 > t0 ? span / (t1 - t0) : 0);
+/// The cubic from key 1 to key 2 of four, with the slopes of Catmull and Rom for keys that are not evenly spaced in time. Where it would go
+/// beyond a key they are less steep (Fritsch and Carlson 1980): keys that are alike stand still.
+float through(const std::array<double, 4>& x, const std::array<double, 4>& time, double now) {
+    const double span = time[2] - time[1], rise = (x[2] - x[1]) / span, s = (now - time[1]) / span;
+    const auto slope_at = [&](std::size_t key, std::size_t from) {  // `from` to from + 1 is the span on the key's other side
+        if (!(time[from] < time[from + 1])) return rise;            // the first key, the last, or a cut
+        const double other = (x[from + 1] - x[from]) / (time[from + 1] - time[from]), most = 3 * std::min(std::abs(rise), std::abs(other));
+        if (std::signbit(rise) != std::signbit(other)) return 0.0;
+        return std::clamp((x[key + 1] - x[key - 1]) / (time[key + 1] - time[key - 1]), -most, most);
     };
-    const T out = slope(a, c, time[0], time[2]), in = slope(b, d, time[1], time[3]);
-    const float s2 = s * s, s3 = s2 * s;
-    return (2 * s3 - 3 * s2 + 1) * b + (s3 - 2 * s2 + s) * out + (3 * s2 - 2 * s3) * c + (s3 - s2) * in;
+    const double out = slope_at(1, 0) * span, in = slope_at(2, 2) * span, s2 = s * s, s3 = s2 * s;
+    return static_cast<float>(x[1] + (3 * s2 - 2 * s3) * (x[2] - x[1]) + (s3 - 2 * s2 + s) * out + (s3 - s2) * in);
 }
 
 View between_keys(const CameraOptions& camera, double time) {
@@ -55,9 +56,13 @@ View between_keys(const CameraOptions& camera, double time) {
     while (keys[i + 1].time <= time) ++i;
     const CameraKey &a = keys[i > 0 ? i - 1 : 0], &b = keys[i], &c = keys[i + 1], &d = keys[std::min(i + 2, keys.size() - 1)];
     const std::array<double, 4> times{a.time, b.time, c.time, d.time};
-    return {through<Vec3f>(a.position, b.position, c.position, d.position, times, time),
-            through<Vec3f>(a.target, b.target, c.target, d.target, times, time), camera.up,
-            through<float>(a.fov, b.fov, c.fov, d.fov, times, time)};
+    const auto between = [&](const auto& number) { return through({number(a), number(b), number(c), number(d)}, times, time); };
+    View found{Vec3f::Zero(), Vec3f::Zero(), camera.up, between([](const CameraKey& key) { return key.fov; })};
+    for (int axis = 0; axis < 3; ++axis) {
+        found.position[axis] = between([axis](const CameraKey& key) { return key.position[axis]; });
+        found.target[axis] = between([axis](const CameraKey& key) { return key.target[axis]; });
+    }
+    return found;
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ struct KeyCodec<InkColours> {
 namespace {
 
 KeyTable make_camera_key_keys() {
-    KeyTableOf<CameraKey> t("where the camera is at one moment; it moves smoothly from one to the next");
+    KeyTableOf<CameraKey> t("where the camera is at one moment; it moves smoothly from one to the next, and never beyond one");
     t.key("time", &CameraKey::time, "s", "simulated time").required().at_least(0);
     t.key("position", &CameraKey::position, "m", "where it stands").required();
     t.key("target", &CameraKey::target, "m", "where it looks");
@@ -97,7 +97,7 @@ KeyTable make_look_keys() {
         .only_with("style", field);
     t.key("colour_map", &L::colour_map, "", "of the field").one_of(colour_map_names()).only_with("style", field);
     t.key("inks", &L::inks, "", "colours of the first, second and third ink; they mix as pigments do");
-    t.key("range", &L::range, "", "lowest and highest value of the colour map; equal: chosen once for the whole film, from the scene")
+    t.key("range", &L::range, "", "values of the colour map's first and last colour; equal: chosen once for the whole film, from the scene")
         .only_with("style", field);
     t.key("trail", &L::trail, "s", "how far back each particle's way is drawn; 0: not").at_least(0).only_with("style", {"particles"});
     t.key("slice_axis", &L::slice_axis, "", "across the slice").one_of({"x", "y", "z"}).only_with("style", {"slice"});

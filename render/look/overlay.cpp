@@ -42,6 +42,7 @@ std::string field_title(const LookOptions& look, int power) {
 }
 
 Ticks ticks_of(double low, double high, int most) {
+    if (low > high) std::swap(low, high);
     const double rough = (high - low) / std::max(1, most - 1), magnitude = std::pow(10.0, std::floor(std::log10(rough)));
     double step = 10 * magnitude;
     const auto count = [&](double s) { return std::floor(high / s + 1e-6) - std::ceil(low / s - 1e-6) + 1; };

@@ -23,6 +23,43 @@ TEST_CASE("a camera on keys passes through each of them and between them without
     }
 }
 
+TEST_CASE("a camera stands still between equal keys and goes beyond none, and sweeps through keys on its way", "[render]") {
+    CameraOptions camera;
+    camera.kind = "keys";
+    const auto key = [&](double time, float z, float fov) { camera.keys.push_back({time, Vec3f(0, 0, z), Vec3f::Zero(), fov}); };
+    const auto z_at = [&](double time) { return view_at(camera, time, low, high).position.z(); };
+    SECTION("it comes near and waits") {
+        key(0, 6, 60), key(0.25, 1, 5), key(2, 1, 5);
+        for (double t = 0, last = 6; t < 2.1; t += 0.01) {
+            const View view = view_at(camera, t, low, high);
+            CHECK(view.position.z() <= last);
+            last = static_cast<double>(view.position.z());
+            REQUIRE(view.fov >= 5);
+            REQUIRE(view.position.z() >= 1);
+            if (t >= 0.25) REQUIRE((view.fov == 5 && view.position.z() == 1));
+        }
+    }
+    SECTION("it turns round in a key") {
+        key(0, 1, 30), key(1, 2, 30), key(3, 1.5f, 30), key(3.1, 9, 30);
+        for (double t = 0; t < 3; t += 0.01) REQUIRE(z_at(t) <= 2);
+        for (double t = 1; t < 3.1; t += 0.01) REQUIRE(z_at(t) >= 1.5f);
+    }
+    SECTION("it sweeps") {
+        key(0, 0, 30), key(1, 1, 30), key(2, 3, 30), key(3, 4, 30);
+        for (const double time : {1.0, 2.0}) {
+            const double before = static_cast<double>(z_at(time) - z_at(time - 0.001)),
+                         after = static_cast<double>(z_at(time + 0.001) - z_at(time));
+            CHECK(before == Approx(1.5e-3).epsilon(0.02));
+            CHECK(after == Approx(before).epsilon(0.02));
+        }
+    }
+    SECTION("it cuts from one place to another") {
+        key(0, 0, 30), key(1, 1, 30), key(1, 50, 30), key(2, 51, 30);
+        CHECK(z_at(0.5) == Approx(0.5));
+        CHECK(z_at(1.5) == Approx(50.5));
+    }
+}
+
 TEST_CASE("an orbit keeps its distance and comes round", "[render]") {
     CameraOptions camera;
     camera.kind = "orbit";

@@ -32,6 +32,7 @@ TEST_CASE("ticks are round numbers within the range, all written alike", "[rende
     CHECK(density.label.front() == "970");
     CHECK(density.label.size() == 7);
     CHECK(ticks_of(0, 3e-4, 7).power == -4);
+    CHECK(ticks_of(2.5, 0, 7).label == speed.label);  // a reversed map
     for (double high : {1.0, 1.2, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 77.7, 1e-7, 3e9}) {
         const Ticks t = ticks_of(0, high, 7);
         INFO("0 to " << high);
