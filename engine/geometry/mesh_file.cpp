@@ -19,23 +19,30 @@ using Corner = std::uint32_t;
 /// A text file line by line, word by word.
 class Words {
 public:
-    Words(const std::string& file, std::string_view text, int line = 0) : file_(file), rest_(text), line_(line) {}
+    /// @param joins a line that ends in "\" goes on in the next one
+    Words(const std::string& file, std::string_view text, bool joins = false) : file_(file), rest_(text), joins_(joins) {}
 
     /// Goes to the next line; false at the end.
     bool next_line() {
         if (rest_.empty()) return false;
-        const std::size_t end = std::min(rest_.find('\n'), rest_.size());
-        line_text_ = words_ = rest_.substr(0, end), column_ = 1;
-        rest_.remove_prefix(std::min(end + 1, rest_.size()));
+        const std::size_t end = std::min(rest_.find_first_of("\r\n"), rest_.size());
+        line_text_ = rest_.substr(0, end), column_ = 1;
+        rest_.remove_prefix(end);
+        rest_.remove_prefix(rest_.starts_with("\r\r\n") ? 3 : rest_.starts_with("\r\n") ? 2 : std::min<std::size_t>(1, rest_.size()));
         ++line_;
+        goes_on_ = joins_ && line_text_.ends_with('\\');
+        if (goes_on_) line_text_.remove_suffix(1);
+        words_ = line_text_;
         return true;
     }
     /// The next word of this line, empty at its end.
     std::string_view word() {
-        const std::size_t begin = std::min(words_.find_first_not_of(" \t\r"), words_.size());
+        std::size_t begin = words_.find_first_not_of(" \t");
+        while (begin == words_.npos && goes_on_ && next_line()) begin = words_.find_first_not_of(" \t");
+        begin = std::min(begin, words_.size());
         column_ = static_cast<int>(line_text_.size() - words_.size() + begin) + 1;
         words_.remove_prefix(begin);
-        const std::size_t end = std::min(words_.find_first_of(" \t\r"), words_.size());
+        const std::size_t end = std::min(words_.find_first_of(" \t"), words_.size());
         const std::string_view found = words_.substr(0, end);
         words_.remove_prefix(end);
         return found;
@@ -84,7 +91,8 @@ private:
 
     std::string file_;
     std::string_view rest_, line_text_, words_;
-    int line_, column_ = 0;
+    bool joins_, goes_on_ = false;
+    int line_ = 0, column_ = 0;
 };
 
 void add_polygon(TriangleMesh& mesh, const std::vector<Corner>& corners) {
@@ -93,7 +101,7 @@ void add_polygon(TriangleMesh& mesh, const std::vector<Corner>& corners) {
 
 TriangleMesh read_obj(const std::string& file, std::string_view text) {
     TriangleMesh mesh;
-    Words words(file, text);
+    Words words(file, text, true);
     std::vector<Corner> corners;
     while (words.next_line()) {
         const std::string_view key = words.word();
@@ -298,18 +306,21 @@ TriangleMesh read_mesh(const std::filesystem::path& file) {
     if (!in || !std::filesystem::is_regular_file(file, none)) throw InputError({name}, "the mesh file cannot be opened");
     std::stringstream buffer;
     buffer << in.rdbuf();
-    const std::string text = buffer.str();
+    const std::string bytes = buffer.str();
+    std::string_view text = bytes;
 
     std::string kind = file.extension().string();
     for (char& c : kind) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    // A binary file may begin with "solid" too: its size tells.
+    const bool binary =
+        kind == ".stl" && text.size() >= 84 && text.size() == 84 + 50 * std::size_t(bytes_as<std::uint32_t>(text.data() + 80));
+    if (!binary && text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // a byte-order mark
     TriangleMesh mesh;
     if (kind == ".obj") {
         mesh = read_obj(name, text);
     } else if (kind == ".ply") {
         mesh = read_ply(name, text);
     } else if (kind == ".stl") {
-        // A binary file may begin with "solid" too: its size tells.
-        const bool binary = text.size() >= 84 && text.size() == 84 + 50 * std::size_t(bytes_as<std::uint32_t>(text.data() + 80));
         if (binary || (text.rfind("solid", 0) != 0 && text.size() >= 84)) mesh = read_binary_stl(name, text);
         else mesh = read_ascii_stl(name, text);
     } else {

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <iterator>
 #include <map>
 #include <numeric>
 
@@ -21,14 +23,15 @@ class Mesh final : public Shape {
 public:
     Mesh(TriangleMesh mesh, const std::string& name) : mesh_(std::move(mesh)) {
         for (const Vec3f& x : mesh_.position) vertex_.push_back(x.cast<double>());
-        check_closed(name);
-        for (std::size_t t = 0; t < mesh_.triangle.size(); ++t) face_normal_.push_back(area_vector(mesh_.triangle[t]).stableNormalized());
-        weigh_normals();
+        find_closed_parts(name);
         std::vector<std::uint32_t> order(mesh_.triangle.size());
         std::iota(order.begin(), order.end(), 0u);
         nodes_.reserve(2 * order.size());
         build(order, 0, order.size());
         order_ = std::move(order);
+        turn_parts();
+        for (std::size_t t = 0; t < mesh_.triangle.size(); ++t) face_normal_.push_back(area_vector(mesh_.triangle[t]).stableNormalized());
+        weigh_normals();
     }
 
     Real distance(const Vec3& x) const override {
@@ -58,29 +61,103 @@ private:
 
     Vec3d area_vector(const Triangle& t) const { return (vertex_[t[1]] - vertex_[t[0]]).cross(vertex_[t[2]] - vertex_[t[0]]); }
 
-    void check_closed(const std::string& name) {
-        std::map<std::pair<std::uint32_t, std::uint32_t>, int> turns, uses;  // of each edge: passes one way less passes back; all passes
-        for (const Triangle& t : mesh_.triangle)
+    /// Which triangles hang together by their edges. @throws InputError where the mesh has holes, or neighbours look different ways
+    void find_closed_parts(const std::string& name) {
+        struct Edge {
+            int turns = 0, uses = 0;  ///< passes one way less passes back; all passes
+            std::uint32_t first = 0;  ///< triangle
+        };
+        std::map<std::pair<std::uint32_t, std::uint32_t>, Edge> edges;
+        part_.resize(mesh_.triangle.size());
+        std::iota(part_.begin(), part_.end(), 0u);
+        const auto root = [&](std::uint32_t t) {
+            while (part_[t] != t) t = part_[t] = part_[part_[t]];
+            return t;
+        };
+        for (std::uint32_t t = 0; t < mesh_.triangle.size(); ++t)
             for (std::size_t k = 0; k < 3; ++k) {
-                const std::uint32_t a = t[k], b = t[(k + 1) % 3];
-                turns[std::minmax(a, b)] += a < b ? 1 : -1;
-                uses[std::minmax(a, b)] += 1;
+                const std::uint32_t a = mesh_.triangle[t][k], b = mesh_.triangle[t][(k + 1) % 3];
+                Edge& edge = edges.try_emplace(std::minmax(a, b), Edge{0, 0, t}).first->second;
+                edge.turns += a < b ? 1 : -1;
+                edge.uses += 1;
+                part_[root(t)] = root(edge.first);
             }
+        for (std::uint32_t t = 0; t < mesh_.triangle.size(); ++t) part_[t] = root(t);
         long open = 0, turned = 0;
-        for (const auto& [edge, count] : uses) {
-            if (count % 2 != 0) ++open;
-            else if (turns[edge] != 0) ++turned;
+        for (const auto& [ends, edge] : edges) {
+            if (edge.uses % 2 != 0) ++open;
+            else if (edge.turns != 0) ++turned;
         }
         if (open > 0)
-            throw InputError({name}, fmt::format("the mesh is not closed: {} of its {} edges are open", open, uses.size()),
+            throw InputError({name}, fmt::format("the mesh is not closed: {} of its {} edges are open", open, edges.size()),
                              "inside and outside need a closed surface: fill the holes in a mesh editor");
         if (turned > 0)
             throw InputError({name}, fmt::format("the faces beside {} edges are turned against each other", turned),
                              "make all faces look outward in a mesh editor");
-        double volume = 0;
-        for (const Triangle& t : mesh_.triangle) volume += (vertex_[t[0]] - vertex_[0]).dot(area_vector(t)) / 6;
-        if (volume < 0)
-            for (Triangle& t : mesh_.triangle) std::swap(t[1], t[2]);
+    }
+
+    /// Makes every part look outward, and inward where it is a hollow: wholly inside an odd number of others.
+    void turn_parts() {
+        std::map<std::uint32_t, std::vector<std::uint32_t>> parts;
+        for (std::uint32_t t = 0; t < mesh_.triangle.size(); ++t) parts[part_[t]].push_back(t);
+        for (const auto& [part, triangles] : parts) {
+            double volume = 0;
+            const Vec3d& origin = vertex_[mesh_.triangle[part][0]];
+            for (const std::uint32_t t : triangles)
+                volume += (vertex_[mesh_.triangle[t][0]] - origin).dot(area_vector(mesh_.triangle[t])) / 6;
+            const bool hollow = parts.size() > 1 && parts_around(triangles) % 2 == 1;
+            if (hollow ? volume > 0 : volume < 0)
+                for (const std::uint32_t t : triangles) std::swap(mesh_.triangle[t][1], mesh_.triangle[t][2]);
+        }
+    }
+
+    /// How many other parts hold all corners of one.
+    std::size_t parts_around(const std::vector<std::uint32_t>& triangles) const {
+        std::vector<std::uint32_t> corners, around, both;
+        for (const std::uint32_t t : triangles) corners.insert(corners.end(), mesh_.triangle[t].begin(), mesh_.triangle[t].end());
+        std::sort(corners.begin(), corners.end());
+        corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+        for (const std::uint32_t corner : corners) {
+            std::vector<std::uint32_t> here = parts_at(vertex_[corner]);
+            std::erase(here, part_[triangles[0]]);
+            both.clear();
+            if (corner == corners[0]) both = here;
+            else std::set_intersection(around.begin(), around.end(), here.begin(), here.end(), std::back_inserter(both));
+            around.swap(both);
+            if (around.empty()) break;
+        }
+        return around.size();
+    }
+
+    /// The parts that hold a place, in order: a ray from there passes through them an odd number of times.
+    std::vector<std::uint32_t> parts_at(const Vec3d& x) const {
+        const Vec3d way(0.5376129, 0.7071427, 0.4592373);  // all positive, along nothing that people model
+        std::vector<std::uint32_t> hit, stack{0};
+        while (!stack.empty()) {
+            const std::uint32_t at = stack.back();
+            const Node& node = nodes_[at];
+            stack.pop_back();
+            const Vec3d in = (node.box.min() - x).cwiseQuotient(way), out = (node.box.max() - x).cwiseQuotient(way);
+            if (std::max(0.0, in.maxCoeff()) > out.minCoeff()) continue;
+            if (node.right != 0) stack.insert(stack.end(), {at + 1, node.right});
+            else
+                for (std::uint32_t k = node.begin; k < node.end; ++k)
+                    if (passes(x, way, mesh_.triangle[order_[k]])) hit.push_back(part_[order_[k]]);
+        }
+        std::sort(hit.begin(), hit.end());
+        std::vector<std::uint32_t> inside;
+        for (const std::uint32_t part : hit) {
+            if (!inside.empty() && inside.back() == part) inside.pop_back();
+            else inside.push_back(part);
+        }
+        return inside;
+    }
+    /// Whether the ray from x meets the triangle (Moeller and Trumbore 1997).
+    bool passes(const Vec3d& x, const Vec3d& way, const Triangle& t) const {
+        const Vec3d ab = vertex_[t[1]] - vertex_[t[0]], ac = vertex_[t[2]] - vertex_[t[0]], from = x - vertex_[t[0]];
+        const Vec3d p = way.cross(ac), q = from.cross(ab);
+        const double scale = ab.dot(p), u = from.dot(p) / scale, v = way.dot(q) / scale;
+        return u >= 0 && v >= 0 && u + v <= 1 && ac.dot(q) / scale > 0;
     }
 
     void weigh_normals() {
@@ -163,6 +240,7 @@ private:
     }
 
     TriangleMesh mesh_;
+    std::vector<std::uint32_t> part_;  ///< of each triangle: one triangle of its part
     std::vector<Vec3d> vertex_, face_normal_, corner_normal_;
     std::vector<std::array<Vec3d, 3>> edge_normal_;
     std::vector<Node> nodes_;

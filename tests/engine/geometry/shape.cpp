@@ -1,4 +1,5 @@
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstring>
 #include <filesystem>
@@ -101,6 +102,36 @@ TEST_CASE("a mesh of a shape measures the shape's own distance, inside, outside,
     }
 }
 
+TEST_CASE("each part of a mesh is solid inside however it is turned, and one inside another is a hollow", "[geometry]") {
+    using Pairs = std::vector<std::pair<double, double>>;
+    struct Case {
+        Pairs parts;      ///< cubes from here to there on the diagonal
+        Pairs distances;  ///< at places on the diagonal
+    };
+    const std::vector<Case> cases{{{{0, 1}, {2, 2.2}}, {{0.5, -0.5}, {2.1, -0.1}, {1.9, 0.1 * std::sqrt(3)}}},
+                                  {{{-1, 1}, {-0.5, 0.5}}, {{0.75, -0.25}, {0, 0.5}, {2, std::sqrt(3)}}},
+                                  {{{-1, 1}, {-0.5, 0.5}, {-0.2, 0.2}}, {{0.75, -0.25}, {0.4, 0.1}, {0, -0.2}}},
+                                  {{{0, 1}, {0.6, 2}}, {{0.3, -0.3}, {1.5, -0.5}, {3, std::sqrt(3)}}}};  // they overlap
+    for (const Case& c : cases)
+        for (unsigned turned = 0; turned < 1u << c.parts.size(); ++turned) {
+            TriangleMesh mesh;
+            for (std::size_t part = 0; part < c.parts.size(); ++part) {
+                const TriangleMesh cube = make_box(Vec3d::Constant(c.parts[part].first), Vec3d::Constant(c.parts[part].second))->mesh(1, 1);
+                const auto first = static_cast<std::uint32_t>(mesh.position.size());
+                mesh.position.insert(mesh.position.end(), cube.position.begin(), cube.position.end());
+                for (const auto& t : cube.triangle) {
+                    const bool flip = turned >> part & 1;
+                    mesh.triangle.push_back({first + t[0], first + t[flip ? 2 : 1], first + t[flip ? 1 : 2]});
+                }
+            }
+            const auto shape = make_mesh(std::move(mesh), "parts");
+            for (const auto& [place, distance] : c.distances) {
+                CAPTURE(turned, c.parts.size(), place);
+                CHECK(shape->distance(Vec3::Constant(Real(place))) == Approx(distance).margin(1e-5));
+            }
+        }
+}
+
 TEST_CASE("drawn meshes of bodies are closed, look outward and hold the body's volume", "[geometry]") {
     bool closed = false;
     CHECK(volume_of(make_box({0, 0, 0}, {1, 2, 3})->mesh(0.1f, 1), closed) == Approx(6).epsilon(1e-5));
@@ -157,7 +188,19 @@ TEST_CASE("OBJ, PLY and STL, ascii and binary, give the same cube", "[geometry]"
     stl += "endsolid cube\n";
     const auto cube = make_box(Vec3d::Zero(), Vec3d::Ones());
     std::mt19937 random(3);
+    std::string old_mac = cube_obj, doubled = cube_obj;
+    std::replace(old_mac.begin(), old_mac.end(), '\n', '\r');
+    for (std::size_t at = 0; (at = doubled.find('\n', at)) != std::string::npos; at += 3) doubled.replace(at, 1, "\r\r\n");
+    std::string goes_on = cube_obj;
+    goes_on.replace(goes_on.find("f 1 4 3 2"), 9, "# in C:\\models\\\nf 1 \\\n\\\r\n 4 3\\\n 2");
+    goes_on.replace(goes_on.find("v 1 0 0"), 7, "v 1\\\n0 0");
     for (const auto& [name, text] : {std::pair{"cube.obj", std::string(cube_obj)},
+                                     {"marked.obj", "\xEF\xBB\xBF" + std::string(cube_obj).substr(9)},
+                                     {"old_mac.obj", old_mac},
+                                     {"doubled.obj", doubled},
+                                     {"goes_on.obj", goes_on},
+                                     {"marked.stl", "\xEF\xBB\xBF" + stl},
+                                     {"marked.ply", "\xEF\xBB\xBF" + ply},
                                      {"ascii.stl", stl},
                                      {"binary.stl", binary_stl},
                                      {"ascii.ply", ply},
@@ -177,6 +220,8 @@ TEST_CASE("a broken mesh file is named with its line and what is wrong", "[geome
     CHECK_THAT(message_of(temporary("a.obj", "v 0 0 0\nv 1 0 zero\n")), Contains("a.obj:2") && Contains("\"zero\" is not a number"));
     CHECK_THAT(message_of(temporary("a.obj", "v 0 0 0\nv 1  1e60 0\n")),
                Contains("a.obj:2:6: \"1e60\" is too large; allowed: numbers from -3.4e+38 to 3.4e+38"));
+    CHECK_THAT(message_of(temporary("a.obj", "v 0 0 0\rv 1 \\\r\n zero 0\r\n")), Contains("a.obj:3:2: \"zero\" is not a number"));
+    CHECK_THAT(message_of(temporary("a.obj", "\xEF\xBB\xBFv 0 zero 0\n")), Contains("a.obj:1:5: \"zero\" is not a number"));
     CHECK_THAT(message_of(temporary("a.obj", "v 0 0\n")), Contains("a.obj:1:6: a number is missing; allowed: numbers from"));
     CHECK_THAT(message_of(temporary("a.obj", "v 0 1e-60 -1e-400\n")), Contains("no triangles"));  // numbers, as good as 0
     CHECK_THAT(message_of(temporary("b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n")), Contains("b.obj:4") && Contains("vertex 4"));
