@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <functional>
+#include <charconv>
 
 #include "engine/core/errors.h"
 #include "engine/core/types.h"
@@ -36,13 +36,22 @@ void each_member(Archive& a, C& c) {
     a(c.table_bytes), a(c.probes), a(c.simulation);
 }
 
+std::string name_of(int frame) { return fmt::format("{:06}.whorl", frame); }
+
+/// Of a name that the program gives; -1 of any other, as people give to copies.
+int frame_of(const std::string& name) {
+    int frame = -1;
+    std::from_chars(name.data(), name.data() + name.size(), frame);
+    return frame >= 0 && name == name_of(frame) ? frame : -1;
+}
+
 /// The folder's checkpoints, newest first.
 std::vector<std::filesystem::path> checkpoint_files(const std::filesystem::path& folder) {
     std::vector<std::filesystem::path> files;
     std::error_code none;
     for (const auto& entry : std::filesystem::directory_iterator(folder / "checkpoints", none))
-        if (entry.path().extension() == ".whorl" && entry.path().stem().extension().empty()) files.push_back(entry.path());
-    std::sort(files.begin(), files.end(), std::greater<>());
+        if (frame_of(entry.path().filename()) >= 0) files.push_back(entry.path());
+    std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) { return frame_of(a.filename()) > frame_of(b.filename()); });
     return files;
 }
 
@@ -72,10 +81,13 @@ void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& che
     each_member(file, checkpoint);
     std::error_code gone;  // a run folder that was taken away is not made again: the write below says so
     std::filesystem::create_directory(folder / "checkpoints", gone);
-    write_text(folder / "checkpoints" / fmt::format("{:06}.whorl", checkpoint.frame), sealed(magic, std::move(file.bytes)), true);
-    for (const auto& entry : std::filesystem::directory_iterator(folder / "checkpoints"))
-        if (!entry.path().stem().extension().empty()) std::filesystem::remove(entry.path());  // half written when a run was killed
+    write_text(folder / "checkpoints" / name_of(checkpoint.frame), sealed(magic, std::move(file.bytes)), true);
     const auto files = checkpoint_files(folder);
+    for (const auto& entry : std::filesystem::directory_iterator(folder / "checkpoints")) {  // half written when a run was killed
+        const std::string name = entry.path().filename();
+        if (name.front() == '.' && name.ends_with(".part") && frame_of(name.substr(1, name.size() - 6)) >= 0)
+            std::filesystem::remove(entry.path());
+    }
     for (std::size_t k = 2; k < files.size(); ++k) std::filesystem::remove(files[k]);
 }
 

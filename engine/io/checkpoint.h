@@ -27,7 +27,8 @@ struct Checkpoint {
 /// Version, precision, compiler and instruction set: only the same build is sure to resume with the same bits.
 std::string build_id();
 
-/// Writes checkpoints/<frame>.whorl in the run folder, durably, and removes all but the newest two. @throws EnvironmentError (disk full)
+/// Writes checkpoints/<frame>.whorl in the run folder, durably, and removes all but the newest two; files of other names stay. @throws
+/// EnvironmentError (disk full)
 void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& checkpoint);
 
 /// @throws EnvironmentError where the file is cut short, altered or no checkpoint

@@ -95,7 +95,7 @@ TEST_CASE("import makes a scene of SPlisHSPlasH's that plans, and tells line by 
     CHECK(scene.emitters[0].stop == 1.5);
     REQUIRE(scene.emitters[0].viscosity.has_value());
     CHECK((*scene.emitters[0].viscosity)(0) == 1800);
-    CHECK(scene.emitters[1].radius == Approx(0.16));
+    CHECK(scene.emitters[1].radius == Approx(0.08));
     CHECK((scene.emitters[1].direction - Vec3d(0, -1, 0)).norm() < 1e-8);
     REQUIRE(scene.solids.size() == 3);
     CHECK(scene.solids[0].inside);
@@ -112,6 +112,7 @@ TEST_CASE("import makes a scene of SPlisHSPlasH's that plans, and tells line by 
     CHECK(told(made, 6, "simulationMethod is taken as models.pressure"));
     CHECK(told(made, 15, "Materials[0].dragMethod has no equivalent"));
     CHECK(told(made, 14, "Materials[0].viscosity is taken as a kinematic viscosity in m^2/s: 450.0 Pa s"));
+    CHECK(told(made, 24, "Emitters[1].width counts particles across: the diameter is 0.16 m"));
     CHECK(told(made, 28, "RigidBodies[0].mapResolution has no equivalent"));
     CHECK_FALSE(told(made, 28, "scale"));
 

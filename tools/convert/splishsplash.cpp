@@ -276,8 +276,8 @@ void Converter::emitters() {
         shapes_ += fmt::format("\n[[emitter]]\nposition = {}\ndirection = {}\nspeed = {}\n", vector(at.translation), vector(direction),
                                number(node->number_of("velocity").value_or(1)));
         if (node->number_of("type").value_or(0) == 1) {
-            line(shapes_, "radius", number(width));
-            note(*node, "width", fmt::format("counts particles: the radius is {} m", number(width)));
+            line(shapes_, "radius", number(width / 2));
+            note(*node, "width", fmt::format("counts particles across: the diameter is {} m", number(width)));
         } else {
             line(shapes_, "shape", "\"box\"");
             line(shapes_, "width", number(plane_ ? height : width));

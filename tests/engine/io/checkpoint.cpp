@@ -47,13 +47,23 @@ TEST_CASE("a checkpoint reads back as it was written", "[io][checkpoint]") {
     CHECK(back->simulation == std::string(1000, '\7'));
 }
 
-TEST_CASE("the newest two checkpoints are kept, and nothing half written", "[io][checkpoint]") {
+TEST_CASE("the newest two checkpoints are kept, nothing half written, and all that people put beside them", "[io][checkpoint]") {
     const test::ScratchFolder folder;
-    for (int frame : {9, 10, 11, 12}) write_checkpoint(folder.path(), at_frame(frame));
-    std::vector<std::string> names;
+    fs::create_directory(folder / "checkpoints");
+    const std::vector<std::string> foreign{"000010.whorl.bak", "0000099.whorl", "99.whorl", "keep.part", "keep.whorl"};
+    for (const std::string& name : foreign) std::ofstream(folder / "checkpoints" / name) << "a copy";
+    CHECK_FALSE(has_checkpoint(folder.path()));
+    std::ofstream(folder / "checkpoints" / ".000998.whorl.part") << "hal";
+    for (int frame : {999998, 999999, 1000000}) write_checkpoint(folder.path(), at_frame(frame));
+    std::vector<std::string> names, damaged;
     for (const auto& entry : fs::directory_iterator(folder / "checkpoints")) names.push_back(entry.path().filename());
     std::sort(names.begin(), names.end());
-    CHECK(names == std::vector<std::string>{"000011.whorl", "000012.whorl"});
+    std::vector<std::string> expected = foreign;
+    expected.insert(expected.end(), {"1000000.whorl", "999999.whorl"});
+    std::sort(expected.begin(), expected.end());
+    CHECK(names == expected);
+    CHECK(newest_checkpoint(folder.path(), damaged)->frame == 1000000);
+    CHECK(damaged.empty());
 }
 
 TEST_CASE("a damaged checkpoint is named and the one before it is taken", "[io][checkpoint]") {
