@@ -1,11 +1,43 @@
 #include "engine/geometry/plane.h"
 
+#include <cmath>
 #include <limits>
 
 #include "engine/geometry/surface_layer.h"
 
 namespace whorl {
 namespace {
+
+/// Two directions in the plane: axes of the domain where the plane holds them.
+struct PlaneLattice {
+    Vec3d direction[2];
+    int axes[2] = {-1, -1};  ///< of the domain, -1: none
+
+    explicit PlaneLattice(const Vec3d& n) {
+        int found = 0;
+        for (int a = 0; a < 3 && found < 2; ++a)
+            if (std::abs(n[a]) < 1e-6) axes[found++] = a;
+        if (found > 0) direction[0] = Vec3d::Unit(axes[0]);
+        else frame_of(n, direction[0], direction[1]);
+        direction[1] = n.cross(direction[0]);
+        if (found > 1) direction[1] = Vec3d::Unit(axes[1]);
+    }
+
+    bool has_no_depth(std::size_t k, const LayerRegion& region) const { return axes[k] == 2 && region.domain.dimensions() == 2; }
+    bool repeats(std::size_t k, const LayerRegion& region) const {
+        return axes[k] >= 0 && region.domain.periodic[static_cast<std::size_t>(axes[k])];
+    }
+    /// The domain seen along the direction.
+    void ends(std::size_t k, const LayerRegion& region, double& low, double& high) const {
+        low = high = 0;
+        for (int b = 0; b < 3; ++b) {
+            const double at_min = (double(region.domain.min[b]) - region.margin) * direction[k][b];
+            const double at_max = (double(region.domain.max[b]) + region.margin) * direction[k][b];
+            low += std::min(at_min, at_max);
+            high += std::max(at_min, at_max);
+        }
+    }
+};
 
 class Plane final : public Shape {
 public:
@@ -37,37 +69,22 @@ public:
         return m;
     }
 
-    /// A lattice along two directions in the plane: axes of the domain where the plane holds them (then without a seam where they are
-    /// periodic).
+    /// A lattice, without a seam along periodic axes that the plane holds.
     std::vector<LayerPoint> layer(Real offset, const LayerRegion& region) const override {
         const Vec3d n = normal_.cast<double>();
-        Vec3d direction[2];
-        int axes[2] = {-1, -1}, found = 0;
-        for (int a = 0; a < 3 && found < 2; ++a)
-            if (std::abs(n[a]) < 1e-6) axes[found++] = a;
-        if (found > 0) direction[0] = Vec3d::Unit(axes[0]);
-        else frame_of(n, direction[0], direction[1]);
-        direction[1] = n.cross(direction[0]);
-        if (found > 1) direction[1] = Vec3d::Unit(axes[1]);
-
+        const PlaneLattice lattice(n);
         std::vector<double> line[2];
         for (std::size_t k = 0; k < 2; ++k) {
-            const int a = axes[k];
-            if (a == 2 && region.domain.dimensions() == 2) {
+            if (lattice.has_no_depth(k, region)) {
                 line[k] = {0};
                 continue;
             }
-            if (a >= 0 && region.domain.periodic[a]) {
-                line[k] = period_points(region, a);
+            if (lattice.repeats(k, region)) {
+                line[k] = period_points(region, lattice.axes[k]);
                 continue;
             }
-            double low = 0, high = 0;  // the domain seen along the direction
-            for (int b = 0; b < 3; ++b) {
-                const double at_min = (double(region.domain.min[b]) - region.margin) * direction[k][b];
-                const double at_max = (double(region.domain.max[b]) + region.margin) * direction[k][b];
-                low += std::min(at_min, at_max);
-                high += std::max(at_min, at_max);
-            }
+            double low = 0, high = 0;
+            lattice.ends(k, region, low, high);
             check_count((high - low) / region.spacing, "plane");
             for (double x = low + region.spacing / 2; x < high && x + region.spacing > x; x += region.spacing) line[k].push_back(x);
         }
@@ -76,8 +93,8 @@ public:
         std::vector<LayerPoint> points;
         for (double x : line[0])
             for (double y : line[1]) {
-                const Vec3d at = foot + x * direction[0] + y * direction[1];
-                if (contains_once(region, at)) points.push_back({at, n});
+                const Vec3d at = foot + x * lattice.direction[0] + y * lattice.direction[1];
+                if (!region.clipped || contains_once(region, at)) points.push_back({at, n});
             }
         return points;
     }
@@ -89,5 +106,18 @@ private:
 }  // namespace
 
 std::shared_ptr<const Shape> make_plane(const Vec3d& point, const Vec3d& normal) { return std::make_shared<Plane>(point, normal); }
+
+double plane_points(const Vec3d& normal, const LayerRegion& region) {
+    const PlaneLattice lattice(normal.normalized());
+    double count = 1;
+    for (std::size_t k = 0; k < 2; ++k) {
+        if (lattice.has_no_depth(k, region)) continue;
+        double low = 0, high = 0;
+        lattice.ends(k, region, low, high);
+        if (lattice.repeats(k, region)) low = region.domain.min[lattice.axes[k]], high = region.domain.max[lattice.axes[k]];
+        count *= std::max(1.0, std::round((high - low) / region.spacing));
+    }
+    return count;
+}
 
 }  // namespace whorl

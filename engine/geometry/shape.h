@@ -29,7 +29,7 @@ struct LayerRegion {
     Real spacing = 0;      ///< m
     Domain domain;         ///< periodic axes that a box, cylinder or plane spans are filled without a seam and without ends
     Real margin = 0;       ///< m beyond the domain
-    bool clipped = false;  ///< what is further out is not wanted; planes are always clipped
+    bool clipped = false;  ///< what is further out is not wanted
     /// Within the margin along the axes that are not periodic.
     bool contains(const Vec3d& x) const;
     /// Whether [low, high] covers the domain along a periodic axis.

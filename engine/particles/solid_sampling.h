@@ -11,14 +11,19 @@ namespace whorl {
 
 /// Samples every solid's surface about a spacing apart, half a spacing deep in the solid (less where the solid is thinner), in its present
 /// pose; in a domain without depth the line in which its plane cuts the surface. Boxes: a lattice on the faces with their edges. Spheres: a
-/// spiral. Cylinders: rings. Planes: a lattice, clipped three spacings beyond the domain. Meshes: blue noise by throwing darts; the same
+/// spiral. Cylinders: rings. Planes: a lattice. Meshes: blue noise by throwing darts; the same
 /// for the same mesh. A box or plane that spans a periodic axis has no seam there. What stands further than three spacings outside the
-/// domain is left out unless the solid moves.
+/// domain is left out unless the solid moves; of a plane that moves, what does not meet the domain until `end`.
 /// @param support of the volumes' kernel [m]; 0: two spacings
 /// @param place_of a solid's place in the scene file, for messages
+/// @param end s, of the run
 /// @throws InputError where the layer of a solid would need more than 50 million particles
 SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& domain, KernelForm kernel = {}, Real support = 0,
-                             const std::function<Place(std::size_t)>& place_of = {});
+                             const std::function<Place(std::size_t)>& place_of = {}, double end = 0);
+
+/// Where the layer of a plane that moves is wanted, in its own axes: wherever the domain is, seen along the normal, from now until `end`
+/// [s]. Periodic axes stay so where the plane keeps them.
+LayerRegion region_of_moving_plane(const Solid& plane, Real spacing, const Domain& domain, double end);
 
 /// V_s = 1 / sum_s' W_ss', s itself included (Akinci et al. 2012) [m^D]. Solids that move count their own particles only, so that a volume
 /// stays as it is.

@@ -5,9 +5,11 @@
 #include <limits>
 #include <numbers>
 
+#include "engine/geometry/plane.h"
 #include "engine/models/viscosity/ageing_viscosity.h"
 #include "engine/models/viscosity/explicit_viscosity.h"
 #include "engine/particles/emitter.h"
+#include "engine/particles/solid_sampling.h"
 #include "engine/scene/tree.h"
 
 namespace whorl {
@@ -45,7 +47,9 @@ double fastest_of(const EmitterKeys& e, double end) {
 
 double fastest_of(const BlockKeys& block, const Vec3d& min, const Vec3d& max) {
     double most = 0;
-    over_box(min, max, [&](const Vec3d& x) { most = std::max(most, block.velocity(0, x).norm()); });
+    over_box(min, max, [&](const Vec3d& x) {  // where it is no number there may be no particle
+        if (const double speed = block.velocity(0, x).norm(); std::isfinite(speed)) most = std::max(most, speed);
+    });
     return most;
 }
 
@@ -116,7 +120,9 @@ double layer_points(const Scene& scene, const SceneShapes& shapes, std::size_t s
     const double d = scene.fluid.spacing, r = keys.radius, round = 2 * std::numbers::pi * r;
     const Vec3d margin = Vec3d::Constant(3 * d);
     const Domain seen = in_own_axes(scene.domain.box(), made.pose);
-    if (keys.kind == "plane")  // wherever it moves, only what is in the domain is made
+    if (keys.kind == "plane" && made.moves())
+        return plane_points(keys.normal, region_of_moving_plane(made, static_cast<Real>(d), scene.domain.box(), scene.time.end));
+    if (keys.kind == "plane")
         return plane_inside(made.turn * keys.normal.normalized(), scene.domain.max - scene.domain.min + 2 * margin,
                             scene.domain.dimensions) /
                std::pow(d, scene.domain.dimensions - 1);
@@ -181,7 +187,9 @@ private:
         const Extent& e = shapes_.block_extent[i];
         const Vec3d low = e.min.cwiseMax(scene_.domain.min), high = e.max.cwiseMin(scene_.domain.max);
         faster(fastest_of(block, low, high));
-        over_box(low, high, [&](const Vec3d& x) { viscosity(0, x); });
+        over_box(low, high, [&](const Vec3d& x) {
+            if (std::isfinite(scene_.fluid.viscosity(0, x)) && shapes_.blocks[i]->distance(x.cast<Real>()) <= Real(d_ / 2)) viscosity(0, x);
+        });
         n_.particles += e.volume / power_of(d_, scene_.domain.dimensions);
         falls_from(low, high);
         Vec3d size = e.max - e.min;

@@ -33,8 +33,9 @@ void place_solids(const Scene& scene, const Plan& plan, World& world) {
     for (const SolidKeys& keys : scene.solids) world.solids.all.push_back(solid_of(keys, make_shape(keys.shape)));
     world.solids.set_time(0, scene.time.look_ahead());
     if (plan.boundary == BoundaryModel::none) return;
-    world.solid_particles = sample_solids(world.solids, world.step.spacing, world.step.domain, plan.kernel, world.step.support,
-                                          [&](std::size_t k) { return scene.place(entry_name("solid", k) + ".shape"); });
+    world.solid_particles = sample_solids(
+        world.solids, world.step.spacing, world.step.domain, plan.kernel, world.step.support,
+        [&](std::size_t k) { return scene.place(entry_name("solid", k) + ".shape"); }, scene.time.end);
 }
 
 void set_viscosity(const Scene& scene, World& world, Index first, int source) {

@@ -253,6 +253,47 @@ TEST_CASE("a tilted solid has its layer wherever it is in the domain, and no fur
     }
 }
 
+TEST_CASE("a plane that moves has its layer wherever it meets the domain until the end, and what is counted before", "[geometry]") {
+    const Real d = Real(0.2);
+    struct Motion {
+        Vec3d normal;
+        VectorExpression position, spin;
+        std::array<bool, 3> periodic;
+    };
+    const VectorExpression still;
+    const auto [normal, position, spin, periodic] = GENERATE_COPY(
+        Motion{{0, 1, 0}, expressions("0", "t-3", "0"), still, {}},
+        Motion{{0, 1, 0}, expressions("0", "t-3", "0"), still, {true, false, true}},
+        Motion{{1, 2, -1}, expressions("t-2", "t-2", "0"), still, {}}, Motion{{0, 1, 0}, expressions("2*t", "0", "0"), still, {}},
+        Motion{{1, 1, 0}, expressions("0", "sin(3*t)-1", "0"), expressions("0", "0", "2*t"), {false, false, true}},
+        Motion{{0, 1, 0}, expressions("0", "-0.5", "0"), expressions("1", "2", "0"), {}});
+    const Domain domain = cube(1, periodic);
+    Solids solids;
+    solids.all.push_back(solid_of(make_plane({0, 0, 0}, normal)));
+    Solid& solid = solids.all[0];
+    solid.position = position, solid.spin = spin;
+    solids.set_time(0, 1e-3);
+    SolidParticles particles = sample_solids(solids, d, domain, {}, 0, {}, 4);
+    CHECK(particles.size() == Approx(plane_points(normal, region_of_moving_plane(solid, d, domain, 4))).epsilon(0.03));
+    CHECK(gaps(particles, d, domain).first > 0.95);
+    RandomNumbers numbers(3);
+    int met = 0;
+    for (double t = 0; t <= 4; t += 0.25) {
+        solids.set_time(t, 1e-3);
+        particles.follow(solids);
+        for (int n = 0; n < 100; ++n) {
+            Vec3 x(Real(2 * numbers() - 1), Real(2 * numbers() - 1), Real(2 * numbers() - 1));
+            x -= solid.distance(x) * solid.normal(x);
+            if (!(x.array().abs() < 1).all()) continue;
+            ++met;
+            Real nearest = 1;
+            for (const Vec3& p : particles.position) nearest = std::min(nearest, domain.minimum_image(p - x).norm());
+            REQUIRE(nearest < 0.95 * d);
+        }
+    }
+    CHECK(met > 100);
+}
+
 TEST_CASE("a layer beyond 50 million particles is refused in words, with the solid's place", "[geometry]") {
     Solids solids;
     solids.all.push_back(solid_of(make_plane({0, 0, 0}, {0, 1, 0})));

@@ -330,4 +330,27 @@ shape = "plane"
     CHECK(lowest_density("1") - lowest_density("0.5") == Approx(0.5 * 1000 * layer / own).epsilon(0.01));
 }
 
+TEST_CASE("a plane that comes in from outside pushes the fluid as a box does, level or askew, and lets none through", "[sim][boundary]") {
+    const auto pushed = [](const std::string& domain, const std::string& block, const std::string& solid) {
+        Simulation simulation =
+            simulation_of("[time]\nend = 1\n[domain]\ndimensions = 2\ngravity = [0, 0]\n" + domain +
+                          "[fluid]\nspacing = 0.05\nviscosity = 1\n[[block]]\nshape = \"box\"\n" + block + "[[solid]]\n" + solid);
+        run_until(simulation, 0.9);
+        const World& world = simulation.world();
+        for (const Vec3& x : world.fluid.column<field::position>()) CHECK(world.solids.all[0].distance(x) > 0);
+        Vec3d mean = Vec3d::Zero();
+        for (const Vec3& u : world.fluid.column<field::velocity>()) mean += u.cast<double>() / world.fluid.size();
+        return mean;
+    };
+    const std::string flat = "min = [0, 0]\nmax = [0.4, 2]\nperiodic = [true, false]\n", lying = "min = [0, 0.1]\nmax = [0.4, 0.4]\n",
+                      rising = "position = [\"0\", \"t-0.3\"]\n";
+    const Vec3d by_plane = pushed(flat, lying, "shape = \"plane\"\n" + rising);
+    CHECK(by_plane.y() > 0.9);
+    CHECK((by_plane - pushed(flat, lying, "shape = \"box\"\nmin = [0, -2]\nmax = [0.4, 0]\n" + rising)).norm() < 0.02);
+    const std::string wide = "min = [-1, -1]\nmax = [3, 3]\n", corner = "min = [0, 0]\nmax = [1, 1]\n";
+    const Vec3d askew = pushed(wide, corner, "shape = \"plane\"\nnormal = [1, 1]\nposition = [\"1.5*t-0.9\", \"1.5*t-0.9\"]\n");
+    CHECK(askew.x() > 0.3);
+    CHECK(askew.y() == Approx(askew.x()).epsilon(0.1));
+}
+
 }  // namespace simulation_test
