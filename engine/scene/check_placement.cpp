@@ -148,17 +148,53 @@ private:
         if (thinnest >= 0.999 * plan_.spacing && part_inside_solids(shapes_, i, 0.45 * plan_.spacing) == 1)
             inside_solid(name, name + " lies wholly inside solids", "move it or the solid",
                          shapes_.solids.nearest(middle.cast<Real>(), distance));
-        for (const Vec3d& x : {middle, e.min, e.max}) {
-            if (!(scene_.fluid.viscosity(0, x) >= 0)) {
-                report("fluid.viscosity",
-                       fmt::format("fluid.viscosity is {:.4g} Pa s at {} in {}", scene_.fluid.viscosity(0, x), point(x), name), "",
-                       "allowed: at least 0");
-                break;
-            }
-            if (!b.velocity(0, x).allFinite()) {
-                report(name + ".velocity", fmt::format("{}.velocity is not finite at {}", name, point(x)));
-                break;
-            }
+        values_in(name, i);
+    }
+
+    /// Half a spacing deep, as particles stand, and off every axis of symmetry. What they have themselves is looked at when they are made.
+    std::vector<Vec3d> places_in(std::size_t i) const {
+        constexpr int points = 6;  // an axis
+        const Extent& e = shapes_.block_extent[i];
+        const bool plane = plan_.dimensions() == 2;
+        std::vector<Vec3d> places;
+        for (int k = 0; k < points * points * (plane ? 1 : points); ++k) {
+            const Vec3d part = (Vec3d(k % points, k / points % points, k / points / points) + Vec3d(0.57, 0.54, 0.53)) / points;
+            Vec3d x = e.min + part.cwiseProduct(e.max - e.min);
+            if (plane) x.z() = 0;
+            if (x.allFinite() && static_cast<double>(shapes_.blocks[i]->distance(x.cast<Real>())) <= -0.5 * plan_.spacing)
+                places.push_back(x);
+        }
+        return places;
+    }
+
+    void values_in(const std::string& name, std::size_t i) {
+        const BlockKeys& b = scene_.blocks[i];
+        const VectorExpression ink = b.ink.vector();
+        const std::vector<Vec3d> places = places_in(i);
+        const auto look = [&](const std::string& key, const char* what, const auto& is_sound) {
+            const auto x = std::find_if_not(places.begin(), places.end(), is_sound);
+            if (x != places.end()) report(key, fmt::format("{} is {} at {}", key, what, point(*x)));
+        };
+        look(name + ".velocity", "not finite", [&](const Vec3d& x) { return b.velocity(0, x).allFinite(); });
+        if (plan_.facts.micropolar.spins) look(name + ".spin", "not finite", [&](const Vec3d& x) { return b.spin(0, x).allFinite(); });
+        look(name + ".ink", "no number", [&](const Vec3d& x) { return !ink(0, x).hasNaN(); });
+        const Expression& mu = scene_.fluid.viscosity;
+        viscosity("fluid.viscosity", mu, depends_on_place(mu) ? places : std::vector<Vec3d>{Vec3d::Zero()},
+                  [&](const Vec3d& x) { return (depends_on_place(mu) ? point(x) + " in " : "") + name; });
+    }
+
+    /// At all ages that the run has.
+    template <class F>
+    void viscosity(const std::string& key, const Expression& mu, const std::vector<Vec3d>& places, const F& name_of) {
+        const bool ages = depends_on_age(mu);
+        for (const double age : sample_times(0, ages ? scene_.time.end : 0)) {
+            for (const Vec3d& x : places)
+                if (const double value = mu(age, x); !(value >= 0) || std::isinf(value))
+                    return report(key,
+                                  fmt::format("{} is {:.4g} Pa s at {}{}", key, value, name_of(x),
+                                              ages ? fmt::format(" at the age of {:.4g} s", age) : ""),
+                                  "", std::isinf(value) ? "" : "allowed: at least 0");
+            if (!ages) return;
         }
     }
 
@@ -244,7 +280,7 @@ private:
             }
         const std::string key = e.viscosity ? name + ".viscosity" : "fluid.viscosity";
         const Expression& mu = e.viscosity ? *e.viscosity : scene_.fluid.viscosity;
-        // Across the opening, too, as far as its outermost particles: sqrt(x) is a number on one side of it only.
+        // Across the opening as far as its outermost particles: sqrt(x) is a number on one side of it only.
         EmitterShape opening;
         opening.direction = e.direction.cast<Real>(), opening.plane = plan_.dimensions() == 2;
         Vec3 width, thickness;
@@ -253,13 +289,14 @@ private:
         const Vec3d side = reach(e.shape == "disc" ? 2 * e.radius : e.width) * width.cast<double>();
         const double deep = opening.plane ? 0 : reach(e.shape == "disc" ? 2 * e.radius : e.thickness);
         const Vec3d across = deep * thickness.cast<double>();
-        for (const double age : sample_times(0, depends_on_age(mu) ? scene_.time.end : 0))
-            for (const Vec3d& x :
-                 {e.position, Vec3d(e.position + side), Vec3d(e.position - side), Vec3d(e.position + across), Vec3d(e.position - across)})
-                if (!(mu(age, x) >= 0)) {
-                    const std::string when = depends_on_age(mu) ? fmt::format(" at the age of {:.4g} s", age) : "";
-                    return report(key, fmt::format("{} is {:.4g} Pa s at {}{}", key, mu(age, x), name, when), "", "allowed: at least 0");
-                }
+        std::vector<Vec3d> places{e.position + side, e.position - side, e.position + across, e.position - across};
+        constexpr int points = 6;  // an axis
+        for (int n = 0; n < points * points; ++n) {
+            const double u = (n % points + 0.57) / (points / 2.0) - 1, v = (n / points + 0.54) / (points / 2.0) - 1;
+            if (e.shape != "disc" || u * u + v * v < 1) places.push_back(e.position + u * side + v * across);
+        }
+        if (!depends_on_place(mu)) places.resize(1);
+        viscosity(key, mu, places, [&](const Vec3d&) { return name; });
     }
 
     void solid(const std::string& name, std::size_t i) {
@@ -322,7 +359,8 @@ private:
     void memory_of_samples() {
         const double have = free_;
         double kept = 0, at_once = 0;  // bytes
-        const auto add = [&](const std::string& name, const char* key, const char* what, double points, double bytes, double choosing) {
+        const auto add = [&](const std::string& name, const char* key, const char* what, double points, double bytes, double choosing,
+                             const char* smaller = "smaller") {
             const bool fitted = kept + at_once <= have;
             kept += points * bytes, at_once = std::max(at_once, points * choosing);
             if (fitted && kept + at_once > have)
@@ -330,13 +368,14 @@ private:
                        fmt::format("{} of {} takes about {:.2g} particles at this spacing, which need {:.2g} GB of memory, and {:.2g} GB "
                                    "are free",
                                    what, name, points, points * (bytes + choosing) / 1e9, have / 1e9),
-                       "make it smaller or fluid.spacing larger");
+                       fmt::format("make it {} or fluid.spacing larger", smaller));
         };
         for (std::size_t i = 0; i < scene_.emitters.size() && !oversized_; ++i)
             add(entry_name("emitter", i), "", "the nozzle", nozzle_points(scene_.emitters[i], plan_.spacing, plan_.dimensions()), 300, 0);
         for (std::size_t i = 0; i < scene_.solids.size() && plan_.boundary != BoundaryModel::none; ++i) {
             const bool mesh = scene_.solids[i].shape.kind == "mesh";
-            add(entry_name("solid", i), mesh ? ".scale" : "", "the surface", layer_points(scene_, shapes_, i), 250, mesh ? 950 : 0);
+            add(entry_name("solid", i), mesh ? ".scale" : "", "the surface", layer_points(scene_, shapes_, i), 250, mesh ? 950 : 0,
+                scene_.solids[i].shape.kind == "plane" ? "move less" : "smaller");
         }
     }
 

@@ -38,34 +38,59 @@ void place_solids(const Scene& scene, const Plan& plan, World& world) {
         [&](std::size_t k) { return scene.place(entry_name("solid", k) + ".shape"); }, scene.time.end);
 }
 
-void set_viscosity(const Scene& scene, World& world, Index first, int source) {
+namespace {
+
+std::string text_of(const Vec3d& x) { return fmt::format("({:.4g}, {:.4g}, {:.4g})", x.x(), x.y(), x.z()); }
+
+Divergence no_viscosity(const World& world, const std::string& key, double value, const Vec3& x) {
+    return {"new fluid", "viscosity", world.step.time, x.cast<double>(), fmt::format("{} is {:.4g} Pa s", key, value)};
+}
+
+}  // namespace
+
+std::optional<Divergence> set_viscosity(const Scene& scene, World& world, Index first, int source) {
     ParticleStore& fluid = world.fluid;
     const auto x = fluid.column<field::position>();
     const auto from = static_cast<std::size_t>(first);
+    std::optional<Divergence> wrong;
     if (fluid.has<field::viscosity>()) {
         const Expression& expression = scene.viscosity_of_source(source);
         const auto mu = fluid.column<field::viscosity>();
-        for (std::size_t i = from; i < mu.size(); ++i) mu[i] = static_cast<Real>(expression(0, x[i].cast<double>()));
+        for (std::size_t i = from; i < mu.size(); ++i) {
+            const double value = expression(0, x[i].cast<double>());
+            mu[i] = static_cast<Real>(value);
+            if (is_viscosity(value) || wrong) continue;
+            const bool own = source > 0 && scene.emitters[static_cast<std::size_t>(source) - 1].viscosity;
+            wrong = no_viscosity(world, (own ? entry_name("emitter", static_cast<std::size_t>(source) - 1) : "fluid") + ".viscosity", value,
+                                 x[i]);
+        }
     }
     if (fluid.has<field::source>())
         for (std::int16_t& s : fluid.column<field::source>().subspan(from)) s = static_cast<std::int16_t>(source);
     if (fluid.has<field::birthplace>()) std::copy(x.begin() + first, x.end(), fluid.column<field::birthplace>().begin() + first);
+    return wrong;
 }
 
-void set_colours(const Scene& scene, World& world, Index first, const Inks& inks, double time) {
+std::optional<Divergence> set_colours(const Scene& scene, World& world, Index first, const Inks& inks, const std::string& key,
+                                      double time) {
     ParticleStore& fluid = world.fluid;
     const auto x = fluid.column<field::position>();
     const auto from = static_cast<std::size_t>(first);
+    std::optional<Divergence> wrong;
     if (fluid.has<field::ink>()) {
         const VectorExpression concentration = inks.vector();
         const auto ink = fluid.column<field::ink>();
-        for (std::size_t i = from; i < ink.size(); ++i)
-            ink[i] = concentration(time, x[i].cast<double>()).cwiseMax(0.0).cwiseMin(1.0).cast<Real>();
+        for (std::size_t i = from; i < ink.size(); ++i) {
+            const Vec3d at = x[i].cast<double>(), c = concentration(time, at);
+            ink[i] = c.cwiseMax(0.0).cwiseMin(1.0).cast<Real>();
+            if (c.hasNaN() && !wrong) wrong = Divergence{"new fluid", "ink", time, at, key + " is no number"};
+        }
     }
-    if (!fluid.has<field::grain>()) return;
+    if (!fluid.has<field::grain>()) return wrong;
     const auto grain = fluid.column<field::grain>();
     RandomNumbers random(scene.seed ^ std::bit_cast<std::uint64_t>(time) ^ static_cast<std::uint64_t>(first));
     for (std::size_t i = from; i < grain.size(); ++i) grain[i] = static_cast<Real>(random());
+    return wrong;
 }
 
 void set_ids(World& world, Index first, std::int32_t& next) {
@@ -73,9 +98,10 @@ void set_ids(World& world, Index first, std::int32_t& next) {
     for (std::int32_t& id : world.fluid.column<field::id>().subspan(static_cast<std::size_t>(first))) id = next++;
 }
 
-void change_viscosity(const Scene& scene, World& world) {
+std::optional<Divergence> change_viscosity(const Scene& scene, World& world) {
     ParticleStore& fluid = world.fluid;
-    if (!fluid.has<field::viscosity>()) return;
+    std::optional<Divergence> wrong;
+    if (!fluid.has<field::viscosity>()) return wrong;
     const auto x = fluid.column<field::position>();
     const auto mu = fluid.column<field::viscosity>();
     const auto column = [&](auto tag) {
@@ -88,9 +114,12 @@ void change_viscosity(const Scene& scene, World& world) {
     for (std::size_t i = 0; i < mu.size(); ++i) {
         const std::size_t from = source.empty() ? 0 : static_cast<std::size_t>(source[i]);
         if (from > 0 && scene.emitters[from - 1].viscosity) continue;
-        mu[i] = static_cast<Real>(scene.fluid.viscosity(age.empty() ? 0 : static_cast<double>(age[i]), x[i].cast<double>()));
+        const double value = scene.fluid.viscosity(age.empty() ? 0 : static_cast<double>(age[i]), x[i].cast<double>());
+        mu[i] = static_cast<Real>(value);
+        if (!is_viscosity(value) && !wrong) wrong = no_viscosity(world, "fluid.viscosity", value, x[i]);
         if (!birthplace.empty()) birthplace[i] = x[i];
     }
+    return wrong;
 }
 
 namespace {
@@ -169,18 +198,24 @@ std::vector<Vec3> points_of_block(const Scene& scene, const Plan& plan, const Wo
 }
 
 /// Appends particles at these places, with the block's velocity and spin.
-void add_particles(ParticleStore& fluid, const std::vector<Vec3>& points, const BlockKeys& keys) {
+void add_particles(const Scene& scene, ParticleStore& fluid, const std::vector<Vec3>& points, std::size_t block,
+                   std::vector<Problem>& problems) {
+    const BlockKeys& keys = scene.blocks[block];
     const Index first = fluid.size();
     fluid.resize(first + static_cast<Index>(points.size()));
-    const auto x = fluid.column<field::position>();
-    const auto u = fluid.column<field::velocity>();
-    for (std::size_t k = 0; k < points.size(); ++k) {
-        x[first + k] = points[k];
-        u[first + k] = keys.velocity(0, points[k].cast<double>()).cast<Real>();
-    }
-    if (!fluid.has<field::spin>()) return;
-    const auto w = fluid.column<field::spin>();
-    for (std::size_t k = 0; k < points.size(); ++k) w[first + k] = keys.spin(0, points[k].cast<double>()).cast<Real>();
+    std::copy(points.begin(), points.end(), fluid.column<field::position>().begin() + first);
+    const auto set = [&](Span<Vec3> values, const VectorExpression& expression, const char* name) {
+        bool told = false;
+        for (std::size_t k = 0; k < points.size(); ++k) {
+            const Vec3 value = values[first + k] = expression(0, points[k].cast<double>()).cast<Real>();
+            if (told || value.allFinite()) continue;
+            const std::string key = entry_name("block", block) + name;
+            problems.push_back({scene.place(key), fmt::format("{} is not finite at {}", key, text_of(points[k].cast<double>())), "", ""});
+            told = true;
+        }
+    };
+    set(fluid.column<field::velocity>(), keys.velocity, ".velocity");
+    if (fluid.has<field::spin>()) set(fluid.column<field::spin>(), keys.spin, ".spin");
 }
 
 /// By how much the kernel sums of the fluid that no solid is near exceed those of a lattice, in the mean.
@@ -222,18 +257,22 @@ void check_room(const Scene& scene, const Plan& plan, const World& world) {
 
 void place_blocks(const Scene& scene, const Plan& plan, World& world) {
     std::vector<Problem> problems;
+    const auto refuse = [&](const std::string& key, const Divergence& d, const std::string& allowed) {
+        problems.push_back({scene.place(key), d.what + " at " + text_of(d.place), "", allowed});
+    };
     for (std::size_t b = 0; b < scene.blocks.size(); ++b) {
         const std::vector<Vec3> points = points_of_block(scene, plan, world, b);
         if (points.empty())
             problems.push_back({scene.place(entry_name("block", b)), "the block holds no particle",
                                 "make it larger than the spacing, or move it out of the solids", ""});
         const Index first = world.fluid.size();
-        add_particles(world.fluid, points, scene.blocks[b]);
-        set_colours(scene, world, first, scene.blocks[b].ink, 0);
+        add_particles(scene, world.fluid, points, b, problems);
+        const std::string ink = entry_name("block", b) + ".ink";
+        if (const auto wrong = set_colours(scene, world, first, scene.blocks[b].ink, ink, 0)) refuse(ink, *wrong, "");
     }
-    add_vortices(scene, world);
+    if (const auto wrong = set_viscosity(scene, world, 0, 0)) refuse("fluid.viscosity", *wrong, "allowed: at least 0");
     if (!problems.empty()) throw InputError(std::move(problems));
-    set_viscosity(scene, world, 0, 0);
+    add_vortices(scene, world);
     if (world.fluid.has<field::density>())
         for (Real& rho : world.fluid.column<field::density>()) rho = world.step.rest_density;
     check_room(scene, plan, world);

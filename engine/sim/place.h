@@ -11,20 +11,21 @@ namespace whorl {
 void place_constants(const Scene& scene, const Plan& plan, World& world);
 /// Solids at t = 0, with their particles where the plan's boundary model wants any.
 void place_solids(const Scene& scene, const Plan& plan, World& world);
-/// Fluid of the blocks; columns must be declared. @throws InputError where a block holds no particle, or where there are
-/// more than the room takes and the model does not move them apart
+/// Fluid of the blocks; columns must be declared. @throws InputError where a block holds no particle, or one with values that are none, or
+/// where there are more than the room takes and the model does not move them apart
 void place_blocks(const Scene& scene, const Plan& plan, World& world);
 /// Viscosity of the particles from `first` on, which have just come in, and where they came from; nothing where no model asks for it.
-/// @param source 0: a block; k: emitter k - 1
-void set_viscosity(const Scene& scene, World& world, Index first, int source);
+/// @param source 0: a block; k: emitter k - 1 @return a particle that has none
+std::optional<Divergence> set_viscosity(const Scene& scene, World& world, Index first, int source);
 /// Inks and grains of the particles from `first` on, which have just come in; nothing where the scene has none.
-void set_colours(const Scene& scene, World& world, Index first, const Inks& inks, double time);
+/// @param key of the inks @return a particle whose ink is no number
+std::optional<Divergence> set_colours(const Scene& scene, World& world, Index first, const Inks& inks, const std::string& key, double time);
 /// Numbers of the particles from `first` on, which have just come in; nothing where no export asks for them.
 /// @param next of the next particle; counts on
 void set_ids(World& world, Index first, std::int32_t& next);
 /// What a live change of fluid.viscosity does: the particles whose viscosity that key gives have the new one, of their age and of the place
-/// where they are now; those of emitters with a viscosity of their own keep it.
-void change_viscosity(const Scene& scene, World& world);
+/// where they are now; those of emitters with a viscosity of their own keep it. @return a particle that has none
+std::optional<Divergence> change_viscosity(const Scene& scene, World& world);
 std::vector<Drain> make_drains(const Scene& scene);
 std::vector<Emitter> make_emitters(const Scene& scene, const Plan& plan);
 

@@ -13,6 +13,7 @@
 #include "engine/particles/largest_speed.h"
 #include "engine/particles/sort.h"
 #include "engine/scene/scene_shapes.h"
+#include "engine/scene/tree.h"
 #include "engine/sim/check.h"
 #include "engine/sim/place.h"
 #include "engine/sim/sleep.h"
@@ -81,7 +82,8 @@ struct Simulation::State {
     long steps_since_frame = 0;
     std::int32_t next_id = 0;  ///< of the next particle that comes in
     std::optional<Sleep> sleep;
-    double since_look = 0;  ///< s, since the last look at who sleeps
+    std::optional<Divergence> changed_wrongly;  ///< a change gave a particle a viscosity that is none
+    double since_look = 0;                      ///< s, since the last look at who sleeps
     RunTotals totals;
     StageTimes times;
 
@@ -164,9 +166,12 @@ struct Simulation::State {
         int source = 0;
         for (Emitter& emitter : emitters) {
             const Index first = world.fluid.size();
+            const auto k = static_cast<std::size_t>(source);
             emitter.enter(world.fluid, time, world.step.dt);
-            set_viscosity(scene, world, first, ++source);
-            set_colours(scene, world, first, scene.emitters[static_cast<std::size_t>(source) - 1].ink, time);
+            const auto viscosity = set_viscosity(scene, world, first, ++source);
+            const auto ink = set_colours(scene, world, first, scene.emitters[k].ink, entry_name("emitter", k) + ".ink", time);
+            for (const auto& wrong : {viscosity, ink})
+                if (wrong && !world.report.diverged) world.report.diverged = wrong;
             set_ids(world, first, next_id);
         }
     }
@@ -198,7 +203,7 @@ struct Simulation::State {
             spent.wall += wall_seconds() - wall;
             spent.cpu += cpu_seconds() - cpu;
             ++spent.calls;
-            world.report.diverged = find_divergence(stage, world);
+            if (!world.report.diverged) world.report.diverged = find_divergence(stage, world);
             if (!world.report.diverged) world.report.diverged = find_divergent_body(stage, world);
             if (world.report.diverged) return false;
         }
@@ -272,6 +277,11 @@ struct Simulation::State {
 
     const StepReport& step(double until) {
         start_step();
+        if (changed_wrongly) {
+            changed_wrongly->time = time;
+            world.report.diverged = changed_wrongly;
+            return world.report;
+        }
         const double dt = choose_step(until);
         if (!(dt > 1e-12 * scene.time.end)) {
             std::string what = "the time step collapsed: something moves far too fast";
@@ -281,7 +291,7 @@ struct Simulation::State {
             return world.report;
         }
         prepare(dt);
-        if (!run_stages()) {
+        if (world.report.diverged || !run_stages()) {
             if (sleep) sleep->gather(world);
             return world.report;
         }
@@ -310,7 +320,7 @@ const StepReport& Simulation::step(double until) { return state_->step(until); }
 void Simulation::change(const Scene& scene, const Plan& plan, double when) {
     const bool other_viscosity = state_->scene.fluid.viscosity.text() != scene.fluid.viscosity.text();
     state_->change(scene, plan, when);
-    if (other_viscosity) change_viscosity(state_->scene, state_->world);
+    if (other_viscosity) state_->changed_wrongly = change_viscosity(state_->scene, state_->world);
 }
 void Simulation::changed_before(const Scene& scene, const Plan& plan, double when) { state_->change(scene, plan, when); }
 

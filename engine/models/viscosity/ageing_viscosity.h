@@ -2,6 +2,7 @@
 /// Viscosity that depends on how long a particle has been there: honey that stiffens as it lies, lava that freezes.
 ///
 /// The first stage of a step, before those that read the viscosity. Where no viscosity depends on age there is none, and no column.
+#include <cmath>
 #include <vector>
 
 #include "engine/math/expression.h"
@@ -9,6 +10,8 @@
 #include "engine/particles/step_context.h"
 
 namespace whorl {
+
+inline bool is_viscosity(double mu) { return mu >= 0 && std::isfinite(static_cast<Real>(mu)); }
 
 namespace field {
 struct age {
@@ -29,18 +32,18 @@ struct birthplace {
 inline bool depends_on_age(const Expression& e) { return e.variables().find('a') != std::string::npos; }
 inline bool depends_on_place(const Expression& e) { return e.variables().find_first_of("xyz") != std::string::npos; }
 
-/// mu_i = f(age_i), f by source; then age_i += dt, but for particles still inside a nozzle.
+/// mu_i = f(age_i), f by source; then age_i += dt, but for particles still inside a nozzle. A value that is no viscosity ends the run.
 struct AgeingViscosity {
     std::vector<Expression> of_source;
-    void operator()(const StepContext& step, Read<field::role> role, Read<field::source> source, Update<field::age> age,
-                    Write<field::viscosity> mu) const;
+    void operator()(const StepContext& step, StepReport& report, Read<field::role> role, Read<field::position> x,
+                    Read<field::source> source, Update<field::age> age, Write<field::viscosity> mu) const;
 };
 
 /// The same with f of the place at the start, too.
 struct AgeingViscosityByPlace {
     std::vector<Expression> of_source;
-    void operator()(const StepContext& step, Read<field::role> role, Read<field::source> source, Read<field::birthplace> start,
-                    Update<field::age> age, Write<field::viscosity> mu) const;
+    void operator()(const StepContext& step, StepReport& report, Read<field::role> role, Read<field::position> x,
+                    Read<field::source> source, Read<field::birthplace> start, Update<field::age> age, Write<field::viscosity> mu) const;
 };
 
 /// age_i += dt as above, where no viscosity asks for the age but an export does.

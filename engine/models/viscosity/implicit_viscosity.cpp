@@ -85,7 +85,7 @@ void solve_implicit(const ImplicitOperator& A, const SolveLimits& limits, const 
 
     SolveReport solved;
     solved.converged = true;
-    if (const double size = reference_size(A, s, u, alone, prescribed); size > 0) {
+    if (const double size = reference_size(A, s, u, alone, prescribed); size != 0) {  // no number: the solve fails
         Column<Vec3> projected(all);
         const auto product = [&](Span<const Vec3> in, Span<Vec3> out) { A.multiply(in, out); };
         const auto precondition = [&](Span<const Vec3> r, Span<Vec3> out) {

@@ -160,6 +160,14 @@ TEST_CASE("implicit viscosity keeps momentum and angular momentum of a free body
     }
 }
 
+TEST_CASE("a solve with a viscosity that is no number has not converged", "[viscosity]") {
+    TestWorld w = uneven_block(1, Real(0.2), {make_stage("gradient", "viscosity", VelocityGradient{}), full()});
+    w.column<field::viscosity>()[7] = std::numeric_limits<Real>::quiet_NaN();
+    w.column<field::velocity>()[3] = Vec3(1, 0, 0);
+    w.step(0.01);
+    CHECK_FALSE(w.world.report.solves.at(0).report.converged);
+}
+
 TEST_CASE("one implicit step multiplies a shear wave by 1/(1 + nu k^2 dt) within 2 % at 32 particles a wave", "[viscosity]") {
     // u = sin(k y) e_x, periodic on all axes, from nu k^2 dt = 0.01 to 100.
     const double L = 32 * d, k = 2 * std::numbers::pi / L;

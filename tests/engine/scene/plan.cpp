@@ -176,6 +176,22 @@ TEST_CASE("impossible scenes are told with place and hint", "[plan]") {
              {"solid[0].position=[0, \"0.01*(1-t)^0.5\", 0]", "solid[0].position is not finite at t = 1.016 s"},
              {"solid[0].rotation=[0, \"(1-t)^0.5\", 0]", "solid[0].rotation is not finite at t = 1.016 s"}})
         CHECK_THAT(messages_with({"time.end=4", block, set}), Catch::Contains(told == "no error" ? told : "--set " + set + ": " + told));
+    // What a block and an opening give their particles, only where these may stand.
+    const auto box = [](const std::string& keys) { return "block[0]={shape=\"box\", min=[0,0.02,0], max=[0.05,0.06,0.05], " + keys + "}"; };
+    for (const auto& [set, told] : std::vector<std::pair<std::string, std::string>>{
+             {box("velocity=[\"y/sqrt(x^2+z^2)\",0,0]"), "no error"},
+             {box("velocity=[\"sqrt(x-0.02)\",0,0]"), "block[0].velocity is not finite at ("},
+             {box("spin=[\"sqrt(x-0.02)\",0,0]"), "block[0].spin is not finite at ("},
+             {box("ink=[\"sqrt(x-0.02)\"]"), "block[0].ink is no number at ("},
+             {"fluid.viscosity=1e3*sqrt(abs(x-0.035)-0.005)", "fluid.viscosity is nan Pa s at ("},
+             {"fluid.viscosity=3000-1000*age", "block[0] at the age of 3.016 s; allowed: at least 0"},
+             {"emitter[0].viscosity=abs(x-0.002) < 0.001 ? 0-1 : 1000",
+              "emitter[0].viscosity is -1 Pa s at emitter[0]; allowed: at least 0"}})
+        CHECK_THAT(messages_with({"models.pressure=ppe", "models.micropolar=bender", "emitter[0].viscosity=1000",
+                                  set.rfind("block", 0) == 0 ? set : box("velocity=[0,0,0]"), set}),
+                   Catch::Contains(told));
+    CHECK(messages_with({"emitter[0].viscosity=1000", "fluid.viscosity=1e5*sqrt(0.000901 - (x-0.05)^2-(y-0.04)^2-(z-0.05)^2)",
+                         "block[0]={shape=\"sphere\", radius=0.03, position=[0.05,0.04,0.05]}"}) == "no error");
     CHECK_THAT(messages_with({"stream[0]={velocity=[\"(0-t)^0.5\", 0, 0], time=1, " + stream}),
                Catch::Contains("stream[0].velocity is not finite at t = "));
     CHECK_THAT(messages_with({"time.end=4", "models.micropolar=bender", "micropolar.torque=[0, \"log(1-t)\", 0]"}),
