@@ -33,8 +33,8 @@ KeyTable time_keys() {
     t.key("fps", &TimeKeys::fps, "1/s", "frames a second of film; to see what is over in a moment, take slow_motion").at_least(1e-6);
     t.key("slow_motion", &TimeKeys::slow_motion, "", "the film plays this many times slower than life").above(0);
     t.key("max_step", &TimeKeys::max_step, "s",
-          "longest time step; left out: where that is longer than the default, 1/(600 slow_motion) s, and with fps below 1 a 600th of the "
-          "time between two pictures")
+          "longest time step; left out: the longest of 0.005 s, 1/(600 slow_motion) s and, with fps below 1, a 600th of the time between "
+          "two pictures")
         .above(0)
         .live();
     t.key("cfl", &TimeKeys::cfl, "", "a step moves no particle further than this part of a spacing").above(0).at_most(2.5).live();

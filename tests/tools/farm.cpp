@@ -162,6 +162,10 @@ TEST_CASE("a task that finds a checkpoint goes on from it, and never begins anew
     CHECK(read_whole(scratch / "run/diagnostics.csv") == rows);
     fs::remove_all(scratch / "run/checkpoints");
     CHECK(again() == 0);
+    const Outcome none = test::Program({(scratch / "run/farm/simulate.sh").string(), "1"}, "bash").wait();
+    CHECK(none.code == 2);
+    CHECK(none.err.find("there is no task 1: 0 to 0") != std::string::npos);
+    CHECK(!fs::exists(scratch / "run/farm/simulate.1.code"));
 }
 
 TEST_CASE("while jobs of a farm go on, another farm in its folder is refused, and a study is farmed as a study", "[tools][farm]") {

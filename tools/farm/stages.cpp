@@ -63,6 +63,8 @@ std::string script_of(const std::vector<FarmStage>& stages, std::size_t number, 
     std::string text = "#!/bin/bash\n# Runs one task of this stage: bash " + stage.name + ".sh NUMBER\n";
     // The folder is kept from others while tasks wait (RunFolder).
     text += "task=${1:-$SLURM_ARRAY_TASK_ID}\nexport WHORL_FARM_TASK=1 OMP_NUM_THREADS=" + std::to_string(threads) + "\n";
+    text += fmt::format("seq 0 {0} | grep -qx -- \"$task\" || {{ echo \"there is no task $task: 0 to {0}\" >&2; exit 2; }}\n",
+                        stage.tasks.size() - 1);
     text += "files=" + quoted((folder / stage.name).string()) + ".$task\nrm -f \"$files.code\"\n";
     text += "end() { echo $1 >\"$files.code.part\" && mv \"$files.code.part\" \"$files.code\"; }\n";
     // Whoever runs a task by hand knows that it can be begun.

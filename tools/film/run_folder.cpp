@@ -8,11 +8,13 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <thread>
 
 #include "engine/core/errors.h"
 #include "engine/core/version.h"
@@ -191,7 +193,14 @@ RunFolder::RunFolder(fs::path path, Hold hold) : path_(std::move(path)) {
     if (lock_ < 0)
         throw EnvironmentError("cannot open the folder " + path_.string() + ": " + std::strerror(errno), "",
                                "choose another folder with --out");
-    if (::flock(lock_, (hold == Hold::alone ? LOCK_EX : LOCK_SH) | LOCK_NB) == 0) return;
+    // A process that was killed holds its lock until the system has taken its memory back.
+    int taken = -1;
+    for (int attempt = 0; attempt < 20 && taken != 0; ++attempt) {
+        if (attempt > 0) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        taken = ::flock(lock_, (hold == Hold::alone ? LOCK_EX : LOCK_SH) | LOCK_NB);
+        if (taken != 0 && errno != EWOULDBLOCK) break;
+    }
+    if (taken == 0) return;
     if (errno == EWOULDBLOCK) {
         ::close(lock_);
         throw InputError({path_.string(), 0, 0}, "another run is at work in this folder",
@@ -237,12 +246,16 @@ void RunFolder::refuse_farm(const fs::path& path) {
                          fmt::format("squeue --jobs={0} shows them, scancel {0} ends them", jobs));
 }
 
+void RunFolder::refuse_other_files(const fs::path& path) {
+    if (fs::is_directory(path) && !fs::is_empty(path) && !is_run_folder(path))
+        throw InputError({path.string(), 0, 0}, "the folder holds files that are not of a run (no run.json)",
+                         "choose another folder with --out");
+}
+
 RunFolder RunFolder::fresh(const fs::path& path, Earlier earlier) {
     make_folder(path);
     if (fs::is_empty(path)) return RunFolder(path);
-    if (!is_run_folder(path))
-        throw InputError({path.string(), 0, 0}, "the folder holds files that are not of a run (no run.json)",
-                         "choose another folder with --out");
+    refuse_other_files(path);
     RunFolder folder(path);  // nobody is at work in it
     folder.add_note(settle(path));
     refuse_farm(path);

@@ -16,6 +16,8 @@ public:
     /// @throws InputError where it holds something that is no run, or another process or a farm's jobs are at work in it; EnvironmentError
     /// where it cannot be made
     static RunFolder fresh(const std::filesystem::path& path, Earlier earlier = Earlier::kept);
+    /// What fresh() refuses, before there is anything to write. @throws InputError where the folder holds something that is no run
+    static void refuse_other_files(const std::filesystem::path& path);
     enum class Hold { alone, shared };
     /// A run to go on with. @throws InputError where there is none, or another process is at work in it (that does not share it, too)
     static RunFolder existing(const std::filesystem::path& path, Hold hold = Hold::alone);

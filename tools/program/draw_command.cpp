@@ -86,6 +86,7 @@ void add_draw(CLI::App& program, Job& chosen) {
     app->add_option("folder", options->folder, "the run folder, as in out/honey_coil")->required()->type_name("RUN_FOLDER");
     app->add_option("--frames", options->frames, "one frame, or a range as in 1-100 (default: all)")->type_name("A-B");
     add_options(*app, options->shared, {Option::set, Option::out, Option::size, Option::no_video, Option::threads, Option::quiet});
+    app->get_option("--out")->description("folder for the pictures (default: the run's own, where they replace the old ones)");
     app->footer(
         "Keys of the look, the camera and the surface may be others than the run's.\n"
         "Examples:\n"

@@ -125,13 +125,16 @@ void add_farm(CLI::App& program, Job& chosen) {
     app->add_option("--jobs", command->farm.jobs, "tasks at the same time (default: local: as the cores carry, slurm: no limit)")
         ->type_name("N")
         ->check(whole_number(1));
-    app->add_option("--pieces", command->pieces, "pieces that a film is drawn in (default: 8)")->type_name("N")->check(whole_number(1));
+    app->add_option("--pieces", command->pieces, "pieces that a film is drawn in (default: 8, or fewer of ten frames each)")
+        ->type_name("N")
+        ->check(whole_number(1));
     app->add_option("--sbatch", command->farm.sbatch, "one more option for sbatch: --sbatch=--partition=short (repeatable)")
         ->type_name("OPTION")
         ->allow_extra_args(false);
     add_options(*app, command->shared,
                 {Option::set, Option::with, Option::out, Option::until, Option::size, Option::fps, Option::quality, Option::no_video,
                  Option::no_images, Option::exports, Option::threads, Option::seed, Option::quiet});
+    app->get_option("--out")->description("run folder (default: out/<scene name>); of several scenes, the folder that theirs stand in");
     app->footer(
         "A film of panels: a job for each panel, and one that puts them side by side. Any other film: one job simulates and keeps its "
         "frames,\n"

@@ -145,6 +145,8 @@ void add_live(CLI::App& program, Job& chosen) {
     CLI::App* app = program.add_subcommand("live", "the same loop in a browser: watch it pour, turn the knobs, keep what you like");
     add_options(*app, options->shared,
                 {Option::scene, Option::set, Option::out, Option::size, Option::quality, Option::threads, Option::seed, Option::quiet});
+    app->get_option("--out")->description(
+        "run folder (default: out/<scene name>_live, or the first of _live_2, _live_3, ... that is free)");
     app->add_option("--host", options->server.host, "address to listen on (default: 127.0.0.1, this machine only)")->type_name("ADDRESS");
     app->add_option("--port", options->server.port, "port (default: 8080; 0: any that is free)")
         ->type_name("N")
