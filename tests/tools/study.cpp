@@ -306,8 +306,10 @@ TEST_CASE("braces in settings hold expressions of the knobs, or a knob's word", 
     CHECK(with_values("domain.min=[{-5*d}, 0, {2*sqrt(4)}]", knobs) == "domain.min=[-5e-06, 0, 4]");
     CHECK(with_values("models.viscosity={model}", knobs) == "models.viscosity=full");
     CHECK_THROWS_AS(with_values("{40*speed}", knobs), InputError);
-    CHECK_THROWS_WITH(with_values("{2*radius}", {"block[0].radius=1", "solid[0].radius=2"}),
-                      Catch::Contains("two knobs are called radius: take a name of its own for one"));
+    const std::vector<std::string> two{"block[0].radius=1", "solid[0].radius=2", "nu=3"};
+    CHECK_THROWS_WITH(with_values("{2*radius}", two), Catch::Contains("two knobs are called radius: take a name of its own for one"));
+    CHECK_THROWS_WITH(with_values("{0.1*nu+0*(}", two), !Catch::Contains("two knobs"));
+    CHECK(with_values("seed={radius}, {2*radius}", {"block[0].radius=1", "radius=4", "solid[0].radius=2"}) == "seed=4, 8");
 }
 
 TEST_CASE("a point reads the scene, the quality and the seed that its settings name, a scene beside the study first", "[study]") {

@@ -118,8 +118,8 @@ void values_to_texts(Value& root) {
 
 bool letter(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; }
 
-/// The expression with names of knobs replaced by their values.
-std::string expression_of(const std::string& text, const std::map<std::string, std::string>& values) {
+/// The expression with names of knobs replaced by their values. @param others the names that stay
+std::string expression_of(const std::string& text, const std::map<std::string, std::string>& values, std::set<std::string>& others) {
     std::string out;
     for (std::size_t i = 0; i < text.size();) {
         if (!letter(text[i]) || std::isdigit(static_cast<unsigned char>(text[i]))) {  // a number takes its letters with it: 1e-3
@@ -131,7 +131,7 @@ std::string expression_of(const std::string& text, const std::map<std::string, s
         std::string name;
         while (i < text.size() && letter(text[i])) name += text[i++];
         const auto found = values.find(name);
-        out += found == values.end() ? name : "(" + found->second + ")";
+        out += found == values.end() ? *others.insert(name).first : "(" + found->second + ")";
     }
     return out;
 }
@@ -149,7 +149,9 @@ void check_expressions(const Study& study, Reader& reader) {
         if (!more.empty()) known.push_back(more);
         try {
             if (!text.empty()) with_values("{" + text + "}", known);
-        } catch (const InputError& error) { reader.disagree({key}, key + ": " + error.problems().front().what); }
+        } catch (const InputError& error) {
+            reader.disagree({key}, key + ": " + error.problems().front().what, error.problems().front().hint);
+        }
     };
     const StabilityKeys& s = study.stability;
     const std::string bisected = s.bisect.empty() ? "" : fmt::format("{}={:.6g}", s.bisect, s.low);
@@ -214,14 +216,17 @@ std::string scene_of(const Study& study, const std::string& scene) {
 }
 
 std::string with_values(const std::string& text, const std::vector<std::string>& settings) {
-    std::map<std::string, std::string> values, keys;
-    std::set<std::string> unclear;  // names of two keys
+    std::map<std::string, std::string> values;
+    std::map<std::string, std::set<std::string>> keys;  // of each name
     for (const std::string& setting : settings) {
         const std::string key = setting.substr(0, setting.find('=')), name = key.substr(key.rfind('.') + 1);
-        if (keys.emplace(name, key).first->second != key) unclear.insert(name);
-        values[name] = setting.substr(key.size() + 1);
+        keys[name].insert(key);
+        if (key == name || !keys[name].contains(name)) values[name] = setting.substr(key.size() + 1);  // a key that is the name is meant
     }
-    for (const std::string& name : unclear) values.erase(name);
+    const auto unclear = [&](const std::string& name) {
+        return keys.contains(name) && keys[name].size() > 1 && !keys[name].contains(name);
+    };
+    std::erase_if(values, [&](const auto& value) { return unclear(value.first); });
     std::string out;
     for (std::size_t i = 0; i < text.size();) {
         const std::size_t close = text[i] == '{' ? text.find('}', i) : std::string::npos;
@@ -235,11 +240,13 @@ std::string with_values(const std::string& text, const std::vector<std::string>&
             out += word->second;
             continue;
         }
+        std::set<std::string> others;
         try {
-            out += fmt::format("{:.9g}", Expression(expression_of(inside, values))(0));
+            out += fmt::format("{:.9g}", Expression(expression_of(inside, values, others))(0));
         } catch (const ExpressionError& error) {
+            const auto name = std::find_if(others.begin(), others.end(), unclear);
             throw InputError({text, 0, 0}, fmt::format("{{{}}} is no expression of the knobs: {}", inside, error.what()),
-                             unclear.empty() ? "" : "two knobs are called " + *unclear.begin() + ": take a name of its own for one");
+                             name == others.end() ? "" : "two knobs are called " + *name + ": take a name of its own for one");
         }
     }
     return out;

@@ -75,8 +75,8 @@ std::string scene_of(const Study& study, const std::string& scene);
 /// The settings of a run as --set takes them: the study's own, then those of its knobs, with every "{...}" replaced by its value.
 /// @param settings "key=value" of each knob @throws InputError
 std::vector<std::string> run_settings(const Study& study, const std::vector<std::string>& settings);
-/// A text with every "{...}" replaced by its value. @param settings where names find their values: "scale", the last word of
-/// "solid[0].scale"
+/// A text with every "{...}" replaced by its value. @param settings where names find their values: "scale", a key of its own, or the
+/// last word of "solid[0].scale" alone
 std::string with_values(const std::string& text, const std::vector<std::string>& settings);
 /// Whether a knob is no setting itself, but a name that settings use.
 bool is_name(const std::string& key);
