@@ -33,8 +33,11 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+constexpr int by_signal = 128;  ///< what shells and Slurm add to the number of the signal that ended a program
+
 struct ChildUse {
-    int code = 0;  ///< exit status; -1: it took too long
+    int code = 0;    ///< exit status; -1: it took too long
+    int signal = 0;  ///< that ended it; 0: none
     double cpu = 0, wall = 0, memory = 0;
 };
 
@@ -70,10 +73,12 @@ ChildUse run_child(const std::vector<std::string>& arguments, const fs::path& ou
     }
     if (interrupt.interrupted()) throw StudyInterrupted();
     const auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
-    return {late                ? -1
-            : WIFEXITED(status) ? WEXITSTATUS(status)
-                                : 128 + WTERMSIG(status),
-            seconds(usage.ru_utime) + seconds(usage.ru_stime), wall_seconds() - began, 1024.0 * static_cast<double>(usage.ru_maxrss)};
+    const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+    return {late     ? -1
+            : signal ? by_signal + signal
+                     : WEXITSTATUS(status),
+            signal, seconds(usage.ru_utime) + seconds(usage.ru_stime), wall_seconds() - began,
+            1024.0 * static_cast<double>(usage.ru_maxrss)};
 }
 
 /// A folder name from settings: readable, and different for different settings.
@@ -118,11 +123,16 @@ std::size_t hash_of(const Options& options) {
 }
 
 /// How a run failed. @param said its own words, if any
-std::string failure(int code, const std::string& said) {
-    constexpr int by_signal = 128;
-    if (code <= by_signal) return said.empty() ? fmt::format("ended with code {}", code) : said;
+std::string failure(const ChildUse& use, const std::string& said) {
+    if (!use.signal) return said.empty() ? fmt::format("ended with code {}", use.code) : said;
+    return fmt::format("ended by signal {}{}{}{}", use.signal, use.signal == SIGKILL ? " (out of memory?)" : "", said.empty() ? "" : ": ",
+                       said);
+}
+
+/// The signal that ended a job of Slurm's, which tells it in the exit status alone; 0: none.
+int signal_of_job(int code) {
     const int number = code - by_signal;
-    return fmt::format("ended by signal {}{}{}{}", number, number == SIGKILL ? " (out of memory?)" : "", said.empty() ? "" : ": ", said);
+    return number > 0 && number < NSIG && code != exit_interrupted ? number : 0;  // a run that saved its state ended by itself
 }
 
 /// A record that can be kept: of the same call and build, timed often enough, with its run beside it. What failed may do better now, and
@@ -200,7 +210,7 @@ PointRunner::Call PointRunner::call_of(const Study& study, int threads, const st
     call.options = point_options(study, scene, call.all);
     for (const std::string& s : call.all) {
         const std::string value = s.substr(s.find('=') + 1);
-        if (is_option(s, "program")) call.program = (study.directory / value).string();
+        if (is_option(s, "program")) call.program = fs::absolute(study.directory / value).string();
         else if (is_option(s, "threads")) call.threads = value;
     }
     return call;
@@ -247,7 +257,11 @@ PointResult PointRunner::run(const std::string& scene, const std::vector<std::st
     const fs::path record = result.folder.string() + ".json";
     const Turn turn(*this, result.folder);
     const std::string identity = identity_of(call, pictures);
-    if (take_record(record, identity, repeat, study_.limit, result)) return result;
+    if (take_record(record, identity, repeat, study_.limit, result)) {
+        const std::lock_guard lock(mutex_);
+        result.kept = !ran_.contains(result.folder);
+        return result;
+    }
 
     if (access(call.program.c_str(), X_OK) != 0) {
         if (!name_a_program(call.all))
@@ -260,6 +274,8 @@ PointResult PointRunner::run(const std::string& scene, const std::vector<std::st
     fs::remove(record);  // its run goes, too, also where this one is interrupted
     for (int k = 0; k < repeat && (k == 0 || result.done()); ++k) run_once(call, pictures, words, result);
     write_record(record, identity, study_.limit, result);
+    const std::lock_guard lock(mutex_);
+    ran_.insert(result.folder);
     return result;
 }
 
@@ -297,7 +313,7 @@ void PointRunner::run_once(const Call& call, bool pictures, const std::string& w
     const std::vector<std::string> arguments = arguments_of(call, pictures, result.folder);
     fs::remove_all(result.folder);  // of another build or timing; --overwrite is for a job that is begun again
     ChildUse use;
-    if (place_.slurm) use.code = run_job(call, arguments, output);
+    if (place_.slurm) use.code = run_job(call, arguments, output), use.signal = signal_of_job(use.code);
     else use = run_child(arguments, output, study_.limit, interrupt_);
     if (use.code == exit_bad_input)
         throw InputError({study_.name, 0, 0}, fmt::format("the point {} cannot run: {}", words, text_of(output)));
@@ -311,7 +327,7 @@ void PointRunner::run_once(const Call& call, bool pictures, const std::string& w
     if (use.code > exit_failed) result.status = "failed";
     result.message = run.is_object() ? run.value("message", "") : text_of(output);
     if (late) result.message = fmt::format("took longer than {:g} s", study_.limit);
-    else if (result.status == "failed") result.message = failure(use.code, result.message);
+    else if (result.status == "failed") result.message = failure(use, result.message);
     result.cpu.push_back(use.cpu), result.wall.push_back(use.wall);
     result.memory = std::max(result.memory, use.memory);
     result.frames = run.is_object() ? run.value("frames_planned", 0.0) : 0.0;

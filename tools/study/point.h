@@ -19,7 +19,7 @@ struct PointResult {
     std::vector<double> cpu, wall;  ///< s, one for each timing
     double memory = 0;              ///< bytes, peak
     double frames = 0;
-    bool kept = false;             ///< it was there already
+    bool kept = false;             ///< it was there before the call
     std::filesystem::path folder;  ///< of the run
     bool done() const { return status == "done"; }
     double fps() const { return frames / wall.front(); }
@@ -58,9 +58,10 @@ private:
     int threads_;
     PointPlace place_;
     InterruptGuard interrupt_;
-    mutable std::mutex mutex_;  ///< of busy_
+    mutable std::mutex mutex_;  ///< of what follows
     mutable std::condition_variable changed_;
     mutable std::set<std::filesystem::path> busy_;  ///< folders of points that run
+    mutable std::set<std::filesystem::path> ran_;   ///< of those that it ran
 };
 
 /// The scene that a point reads, as the command line gives it. @param settings of run_settings()
