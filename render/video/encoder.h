@@ -9,6 +9,9 @@
 
 namespace whorl {
 
+/// Frames a second that a video has at least: players know a frame's time as a whole number, and ffmpeg refuses 2e-5.
+constexpr double least_video_fps = 1e-4;
+
 struct VideoOptions {
     double fps = 24;     ///< frames a second of the film
     int crf = 18;        ///< H.264 constant rate factor, and what VP9 makes of it; lower is better and larger

@@ -8,6 +8,7 @@
 #include "tests/support/program.h"
 #include "tests/support/scenes.h"
 #include "tests/support/scratch.h"
+#include "tools/film/redraw.h"
 #include "tools/film/run_folder.h"
 
 using namespace whorl;
@@ -127,16 +128,28 @@ TEST_CASE("of films of which one is impossible none is begun, and one that is in
     INFO(refused.err);
     CHECK(refused.code == 2);
     CHECK_FALSE(fs::exists(scratch / "films"));
+    // Nor where the folder of the second cannot be had: the run that stands in that of the first stays there.
+    for (const char* name : {"little_honey", "huge"}) fs::create_directories(scratch / "films" / name);
+    for (const char* file : {"little_honey/scene.resolved.toml", "huge/thesis.txt"}) std::ofstream(scratch / "films" / file) << "# text";
+    const auto together = [&] { return scratch.whorl({"farm", (scratch / "huge.toml").string()}, "films").err; };
+    CHECK_THAT(together(), Catch::Contains("films/huge: the folder holds files that are not of a run"));
+    fs::remove(scratch / "films/huge/thesis.txt");
+    {
+        const RunFolder held = RunFolder::any(scratch / "films/huge");
+        CHECK_THAT(together(), Catch::Contains("films/huge: another run is at work in this folder"));
+    }
+    CHECK_FALSE(fs::exists(scratch / "films/little_honey.1"));
 
     const std::string run = (scratch / "run").string();
-    test::Program farm({"farm", (scratch / "scene.toml").string(), "--threads", "1", "--out", run});
+    test::Program farm({"farm", (scratch / "scene.toml").string(), "--threads", "1", "--until", "8", "--out", run});
     REQUIRE(farm.wait_until([&] { return fs::exists(scratch / "run/raw/000002.frame"); }));
     farm.signal(SIGINT);
     const Outcome stopped = farm.wait();
     CHECK(stopped.code == 130);
     CHECK(stopped.err.find("whorl: little_honey was interrupted; go on with: whorl resume " + run + " --no-draw, then whorl draw " + run +
                            "\n") != std::string::npos);
-    CHECK(test::whorl({"resume", run, "--no-draw", "--quiet"}).code == 0);
+    const std::string short_film = std::to_string(exported_frames(run).size() + 2);
+    CHECK(test::whorl({"resume", run, "--no-draw", "--frames", short_film, "--quiet"}).code == 0);
     CHECK(test::whorl({"draw", run, "--quiet"}).code == 0);
     CHECK(fs::exists(scratch / "run/little_honey.mp4"));
 }

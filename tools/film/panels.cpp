@@ -273,6 +273,7 @@ private:
 }  // namespace
 
 int run_panels(const RunRequest& request, PanelRuns how) {
+    if (how == PanelRuns::fresh) RunFolder::check_fresh(request.folder);  // not only after the first passes
     if (wants_pictures(request) && request.file.scene.output.video) check_encoder(without_video(how == PanelRuns::resumed));
     return PanelFilm(request, how).go();
 }

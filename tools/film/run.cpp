@@ -377,7 +377,7 @@ const char* without_video(bool goes_on) {
 
 int run_scene(const RunRequest& request) {
     const Plan plan = make_plan(request.file);
-    if (!request.from) RunFolder::refuse_other_files(request.folder);  // not only after a first pass
+    if (!request.from) RunFolder::check_fresh(request.folder);  // not only after a first pass
     std::string encoder;
     if (!film_options(request, request.file, 0).video.empty())
         encoder = check_encoder(without_video(request.from || request.earlier == RunFolder::Earlier::begun_again));

@@ -143,11 +143,16 @@ std::string living_jobs(const fs::path& path) {
     return in >> jobs && slurm_jobs_live(jobs) ? jobs : "";
 }
 
+/// Those that have been spoken of.
+std::set<dev_t>& known_disks() {
+    static std::set<dev_t> known;
+    return known;
+}
+
 /// Whether the disk has not been spoken of. @param folder open
 bool is_new_disk(int folder) {
-    static std::set<dev_t> known;
     struct stat about {};
-    return ::fstat(folder, &about) != 0 || known.insert(about.st_dev).second;
+    return ::fstat(folder, &about) != 0 || known_disks().insert(about.st_dev).second;
 }
 
 /// @return the folder's new name
@@ -161,9 +166,19 @@ fs::path set_aside(const fs::path& path) {
     return kept;
 }
 
-void make_folder(const fs::path& path) {
+void refuse_file(const fs::path& path) {
     if (fs::exists(path) && !fs::is_directory(path))
         throw InputError({path.string(), 0, 0}, "is a file, not a folder", "choose another folder with --out");
+}
+
+void refuse_other_files(const fs::path& path) {
+    if (fs::is_directory(path) && !fs::is_empty(path) && !is_run_folder(path))
+        throw InputError({path.string(), 0, 0}, "the folder holds files that are not of a run (no run.json)",
+                         "choose another folder with --out");
+}
+
+void make_folder(const fs::path& path) {
+    refuse_file(path);
     std::error_code error;
     fs::create_directories(path, error);
     if (error) throw EnvironmentError("cannot make the folder " + path.string() + ": " + error.message(), "", "choose another with --out");
@@ -246,10 +261,14 @@ void RunFolder::refuse_farm(const fs::path& path) {
                          fmt::format("squeue --jobs={0} shows them, scancel {0} ends them", jobs));
 }
 
-void RunFolder::refuse_other_files(const fs::path& path) {
-    if (fs::is_directory(path) && !fs::is_empty(path) && !is_run_folder(path))
-        throw InputError({path.string(), 0, 0}, "the folder holds files that are not of a run (no run.json)",
-                         "choose another folder with --out");
+void RunFolder::check_fresh(const fs::path& path) {
+    refuse_file(path);
+    refuse_other_files(path);
+    if (!fs::exists(path)) return;
+    const std::set<dev_t> known = known_disks();  // what is to be told of one, fresh() tells
+    const RunFolder held(path);
+    refuse_farm(path);
+    known_disks() = known;
 }
 
 RunFolder RunFolder::fresh(const fs::path& path, Earlier earlier) {
@@ -299,12 +318,13 @@ RunFolder RunFolder::drawing(const fs::path& path, const fs::path& of, const std
         return nlohmann::json::parse(json_text(text)).get<std::string>();
     };  // also odd bytes
     const std::string source = as_written(fs::canonical(of).string()), began = as_written(beginning_of(of));
-    const auto is_of_source = [&] {
+    // Marks of earlier builds do not say when the run began.
+    const auto is_marked = [&](const std::string& where_missing) {
         const nlohmann::json report = report_of(path);
-        return report.value("drawn_from", "") == source && report.value("run_began", "") == began;
+        return report.value("drawn_from", "") == source && report.value("run_began", where_missing) == began;
     };
     std::string note;
-    if (has_files(path) && !is_of_source()) {
+    if (has_files(path) && !is_marked(began)) {
         if (is_run_folder(path) || !holds_drawings(path)) note = fresh(path).note();
         else {
             RunFolder drawn(path);
@@ -326,7 +346,7 @@ RunFolder RunFolder::drawing(const fs::path& path, const fs::path& of, const std
                                       {"status", "drawn"},
                                       {"drawn_from", source},
                                       {"run_began", began}};
-    if (!is_of_source()) write("run.json", json_text(mark, 2) + "\n");
+    if (!is_marked("")) write("run.json", json_text(mark, 2) + "\n");
     write("scene.resolved.toml", scene);
     return folder;
 }

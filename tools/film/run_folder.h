@@ -16,14 +16,14 @@ public:
     /// @throws InputError where it holds something that is no run, or another process or a farm's jobs are at work in it; EnvironmentError
     /// where it cannot be made
     static RunFolder fresh(const std::filesystem::path& path, Earlier earlier = Earlier::kept);
-    /// What fresh() refuses, before there is anything to write. @throws InputError where the folder holds something that is no run
-    static void refuse_other_files(const std::filesystem::path& path);
+    /// What fresh() refuses, before there is anything to write: it writes nothing. @throws InputError as fresh()
+    static void check_fresh(const std::filesystem::path& path);
     enum class Hold { alone, shared };
     /// A run to go on with. @throws InputError where there is none, or another process is at work in it (that does not share it, too)
     static RunFolder existing(const std::filesystem::path& path, Hold hold = Hold::alone);
-    /// Pictures of another run: makes the folder, marks it as drawn from that run, and writes the scene that they show. Pictures of the
-    /// same run are added to those that stand there; a run of its own, or pictures of a run that stood where this one does, are kept under
-    /// another name. @throws as fresh()
+    /// Pictures of another run: makes the folder, marks it as drawn from that run, and writes the scene as the last drawing shows it.
+    /// Pictures of the same run are added to those that stand there; a run of its own, or pictures of a run that stood where this one does,
+    /// are kept under another name. @throws as fresh()
     static RunFolder drawing(const std::filesystem::path& path, const std::filesystem::path& of, const std::string& scene, Hold hold);
     /// Any folder, which is made. @throws as fresh()
     static RunFolder any(const std::filesystem::path& path);

@@ -75,6 +75,7 @@ int farm(FarmCommand command) {
         for (const FarmFilm& other : films)
             if (other.folder == film.folder)
                 throw InputError({scene, 0, 0}, "two of the films have the name " + name, "give one of them another name");
+        RunFolder::check_fresh(film.folder);  // of all of them, before one is touched
         films.push_back(std::move(film));
     }
     const auto wants_video = [](const FarmFilm& film) { return film.file.scene.output.frames && film.file.scene.output.video; };

@@ -19,8 +19,6 @@
 namespace whorl {
 namespace {
 
-constexpr double least_fps = 1e-3;  ///< files count a frame's time in whole numbers, and ffmpeg refuses less
-
 struct EncodeOptions {
     std::filesystem::path folder, out;
     std::optional<double> fps;
@@ -48,9 +46,11 @@ int encode(const EncodeOptions& options) {
                          fmt::format("{}", fmt::join(known, ", ")));
     if (const std::filesystem::path folder = video.parent_path(); !folder.empty() && !std::filesystem::is_directory(folder))
         throw InputError({"--out", 0, 0}, "there is no folder \"" + folder.string() + "\"", "make it first");
-    if (options.fps && *options.fps < least_fps)
-        throw InputError({"--fps", 0, 0}, fmt::format("{:g} frames a second are too few for a video", *options.fps), "",
-                         fmt::format("allowed: at least {:g}", least_fps));
+    const double fps = options.fps.value_or(scene.time.fps);
+    if (fps < least_video_fps)
+        throw InputError(options.fps ? Place{"--fps", 0, 0} : scene.place("time.fps"),
+                         fmt::format("{:g} frames a second are too few for a video", fps), options.fps ? "" : "give more with --fps",
+                         fmt::format("allowed: at least {:g}", least_video_fps));
     check_encoder();
     const Image first = read_picture(pictures.begin()->second);
     if (first.width < 2 || first.height < 2)
@@ -59,7 +59,7 @@ int encode(const EncodeOptions& options) {
     const bool alpha = !first.alpha.empty();
     if (alpha && !video_has_alpha(video))
         fmt::print(stderr, "{} has no alpha: the pictures are laid over grey (.mov and .webm have it)\n", video.extension().string());
-    VideoEncoder encoder(video, first.width, first.height, {options.fps.value_or(scene.time.fps), options.crf, alpha});
+    VideoEncoder encoder(video, first.width, first.height, {fps, options.crf, alpha});
     for (const auto& [name, picture] : pictures) {
         const Image image = read_picture(picture);
         if (image.width != first.width || image.height != first.height)
