@@ -1,46 +1,54 @@
 #include "engine/geometry/mesh_shape.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <iterator>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 
 #include "engine/core/errors.h"
 #include "engine/core/triangle.h"
 #include "engine/geometry/mesh_file.h"
+#include "engine/geometry/mesh_parts.h"
 
 namespace whorl {
 namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+void append(TriangleMesh& to, const TriangleMesh& more) {
+    const auto first = static_cast<std::uint32_t>(to.position.size());
+    to.position.insert(to.position.end(), more.position.begin(), more.position.end());
+    to.normal.insert(to.normal.end(), more.normal.begin(), more.normal.end());
+    for (const Triangle& t : more.triangle) to.triangle.push_back({first + t[0], first + t[1], first + t[2]});
+}
 
 /// Signed distance by the nearest triangle, in a tree of boxes; the sign from the angle-weighted normal of the nearest corner, edge or face
 /// (Baerentzen and Aanaes 2005): right also where the nearest point is shared by triangles that disagree.
 class Mesh final : public Shape {
 public:
-    Mesh(TriangleMesh mesh, const std::string& name) : mesh_(std::move(mesh)) {
+    explicit Mesh(TriangleMesh mesh) : mesh_(std::move(mesh)) {
         for (const Vec3f& x : mesh_.position) vertex_.push_back(x.cast<double>());
-        find_closed_parts(name);
         std::vector<std::uint32_t> order(mesh_.triangle.size());
         std::iota(order.begin(), order.end(), 0u);
         nodes_.reserve(2 * order.size());
         build(order, 0, order.size());
         order_ = std::move(order);
-        turn_parts();
         for (std::size_t t = 0; t < mesh_.triangle.size(); ++t) face_normal_.push_back(area_vector(mesh_.triangle[t]).stableNormalized());
         weigh_normals();
     }
 
-    Real distance(const Vec3& x) const override {
+    Real distance(const Vec3& x) const override { return Real(distance(x.cast<double>(), infinity)); }
+    /// Signed distance; infinite where it is not below the bound.
+    double distance(const Vec3d& x, double bound) const {
         Vec3d normal, offset;
-        return Real(nearest(x.cast<double>(), offset, normal));
+        return nearest(x, bound, offset, normal);
     }
     Vec3 normal(const Vec3& x) const override {
         Vec3d n, offset;
-        const double distance = nearest(x.cast<double>(), offset, n);
+        const double distance = nearest(x.cast<double>(), infinity, offset, n);
         // Very near the surface the direction to it is rounding: there the surface's own normal is the better one.
         const double size = nodes_[0].box.diagonal().norm();
         if (std::abs(distance) < 1e-6 * size) return n.stableNormalized().cast<Real>();
@@ -51,6 +59,7 @@ public:
         max = nodes_[0].box.max().cast<Real>();
     }
     TriangleMesh mesh(Real, Real) const override;
+    const Eigen::AlignedBox3d& box() const { return nodes_[0].box; }
 
 private:
     struct Node {
@@ -60,105 +69,6 @@ private:
     };
 
     Vec3d area_vector(const Triangle& t) const { return (vertex_[t[1]] - vertex_[t[0]]).cross(vertex_[t[2]] - vertex_[t[0]]); }
-
-    /// Which triangles hang together by their edges. @throws InputError where the mesh has holes, or neighbours look different ways
-    void find_closed_parts(const std::string& name) {
-        struct Edge {
-            int turns = 0, uses = 0;  ///< passes one way less passes back; all passes
-            std::uint32_t first = 0;  ///< triangle
-        };
-        std::map<std::pair<std::uint32_t, std::uint32_t>, Edge> edges;
-        part_.resize(mesh_.triangle.size());
-        std::iota(part_.begin(), part_.end(), 0u);
-        const auto root = [&](std::uint32_t t) {
-            while (part_[t] != t) t = part_[t] = part_[part_[t]];
-            return t;
-        };
-        for (std::uint32_t t = 0; t < mesh_.triangle.size(); ++t)
-            for (std::size_t k = 0; k < 3; ++k) {
-                const std::uint32_t a = mesh_.triangle[t][k], b = mesh_.triangle[t][(k + 1) % 3];
-                Edge& edge = edges.try_emplace(std::minmax(a, b), Edge{0, 0, t}).first->second;
-                edge.turns += a < b ? 1 : -1;
-                edge.uses += 1;
-                part_[root(t)] = root(edge.first);
-            }
-        for (std::uint32_t t = 0; t < mesh_.triangle.size(); ++t) part_[t] = root(t);
-        long open = 0, turned = 0;
-        for (const auto& [ends, edge] : edges) {
-            if (edge.uses % 2 != 0) ++open;
-            else if (edge.turns != 0) ++turned;
-        }
-        if (open > 0)
-            throw InputError({name}, fmt::format("the mesh is not closed: {} of its {} edges are open", open, edges.size()),
-                             "inside and outside need a closed surface: fill the holes in a mesh editor");
-        if (turned > 0)
-            throw InputError({name}, fmt::format("the faces beside {} edges are turned against each other", turned),
-                             "make all faces look outward in a mesh editor");
-    }
-
-    /// Makes every part look outward, and inward where it is a hollow: wholly inside an odd number of others.
-    void turn_parts() {
-        std::map<std::uint32_t, std::vector<std::uint32_t>> parts;
-        for (std::uint32_t t = 0; t < mesh_.triangle.size(); ++t) parts[part_[t]].push_back(t);
-        for (const auto& [part, triangles] : parts) {
-            double volume = 0;
-            const Vec3d& origin = vertex_[mesh_.triangle[part][0]];
-            for (const std::uint32_t t : triangles)
-                volume += (vertex_[mesh_.triangle[t][0]] - origin).dot(area_vector(mesh_.triangle[t])) / 6;
-            const bool hollow = parts.size() > 1 && parts_around(triangles) % 2 == 1;
-            if (hollow ? volume > 0 : volume < 0)
-                for (const std::uint32_t t : triangles) std::swap(mesh_.triangle[t][1], mesh_.triangle[t][2]);
-        }
-    }
-
-    /// How many other parts hold all corners of one.
-    std::size_t parts_around(const std::vector<std::uint32_t>& triangles) const {
-        std::vector<std::uint32_t> corners, around, both;
-        for (const std::uint32_t t : triangles) corners.insert(corners.end(), mesh_.triangle[t].begin(), mesh_.triangle[t].end());
-        std::sort(corners.begin(), corners.end());
-        corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
-        for (const std::uint32_t corner : corners) {
-            std::vector<std::uint32_t> here = parts_at(vertex_[corner]);
-            std::erase(here, part_[triangles[0]]);
-            both.clear();
-            if (corner == corners[0]) both = here;
-            else std::set_intersection(around.begin(), around.end(), here.begin(), here.end(), std::back_inserter(both));
-            around.swap(both);
-            if (around.empty()) break;
-        }
-        return around.size();
-    }
-
-    /// The parts that hold a place, in order: a ray from there passes through them an odd number of times.
-    std::vector<std::uint32_t> parts_at(const Vec3d& x) const {
-        const Vec3d way(0.5376129, 0.7071427, 0.4592373);  // all positive, along nothing that people model
-        std::vector<std::uint32_t> hit, stack{0};
-        while (!stack.empty()) {
-            const std::uint32_t at = stack.back();
-            const Node& node = nodes_[at];
-            stack.pop_back();
-            const Vec3d in = (node.box.min() - x).cwiseQuotient(way), out = (node.box.max() - x).cwiseQuotient(way);
-            if (std::max(0.0, in.maxCoeff()) > out.minCoeff()) continue;
-            if (node.right != 0) stack.insert(stack.end(), {at + 1, node.right});
-            else
-                for (std::uint32_t k = node.begin; k < node.end; ++k)
-                    if (passes(x, way, mesh_.triangle[order_[k]])) hit.push_back(part_[order_[k]]);
-        }
-        std::sort(hit.begin(), hit.end());
-        std::vector<std::uint32_t> inside;
-        for (const std::uint32_t part : hit) {
-            if (!inside.empty() && inside.back() == part) inside.pop_back();
-            else inside.push_back(part);
-        }
-        return inside;
-    }
-    /// Whether the ray from x meets the triangle (Moeller and Trumbore 1997).
-    bool passes(const Vec3d& x, const Vec3d& way, const Triangle& t) const {
-        const Vec3d ab = vertex_[t[1]] - vertex_[t[0]], ac = vertex_[t[2]] - vertex_[t[0]], from = x - vertex_[t[0]];
-        const Vec3d p = way.cross(ac), q = from.cross(ab);
-        const double scale = ab.dot(p), u = from.dot(p) / scale, v = way.dot(q) / scale;
-        return u >= 0 && v >= 0 && u + v <= 1 && ac.dot(q) / scale > 0;
-    }
 
     void weigh_normals() {
         corner_normal_.assign(vertex_.size(), Vec3d::Zero());
@@ -206,10 +116,11 @@ private:
     }
 
     /// Signed distance; offset = x - nearest point; normal of the feature there, not unit.
-    double nearest(const Vec3d& x, Vec3d& offset, Vec3d& normal) const {
-        double best = std::numeric_limits<double>::infinity();
+    double nearest(const Vec3d& x, double bound, Vec3d& offset, Vec3d& normal) const {
+        double best = bound * bound;
         offset = normal = Vec3d::UnitY();
-        if (!x.allFinite()) return best;
+        if (!x.allFinite()) return infinity;
+        bool found_any = false;
         std::uint32_t stack[64];
         int depth = 0;
         stack[depth++] = 0;
@@ -225,6 +136,7 @@ private:
                     const double r2 = (x - found.point).squaredNorm();
                     if (!(r2 < best)) continue;
                     best = r2;
+                    found_any = true;
                     offset = x - found.point;
                     const std::size_t f = static_cast<std::size_t>(found.feature);
                     normal = f < 3 ? corner_normal_[corner[f]] : f < 6 ? edge_normal_[t][f - 3] : face_normal_[t];
@@ -236,11 +148,11 @@ private:
             stack[depth++] = left_first ? right : left;
             stack[depth++] = left_first ? left : right;
         }
+        if (!found_any) return infinity;
         return offset.dot(normal) < 0 ? -std::sqrt(best) : std::sqrt(best);
     }
 
     TriangleMesh mesh_;
-    std::vector<std::uint32_t> part_;  ///< of each triangle: one triangle of its part
     std::vector<Vec3d> vertex_, face_normal_, corner_normal_;
     std::vector<std::array<Vec3d, 3>> edge_normal_;
     std::vector<Node> nodes_;
@@ -280,12 +192,145 @@ TriangleMesh Mesh::mesh(Real, Real) const {
     return drawn;
 }
 
+/// Closed parts that may overlap, touch or lie inside each other: together they are solid, and one inside another is a hollow in it.
+class Parts final : public Shape {
+public:
+    explicit Parts(const std::vector<TriangleMesh>& meshes) {
+        std::vector<Part> parts;
+        for (const TriangleMesh& mesh : meshes) parts.push_back({std::make_shared<Mesh>(mesh), bulk_of(mesh).volume});
+        std::vector<std::size_t> from_left(parts.size()), by_volume(parts.size());
+        std::iota(from_left.begin(), from_left.end(), 0u);
+        by_volume = from_left;
+        const auto box = [&](std::size_t k) -> const Eigen::AlignedBox3d& { return parts[k].mesh->box(); };
+        std::stable_sort(from_left.begin(), from_left.end(), [&](auto i, auto j) { return box(i).min().x() < box(j).min().x(); });
+        std::stable_sort(by_volume.begin(), by_volume.end(), [&](auto i, auto j) { return parts[i].volume > parts[j].volume; });
+        std::vector<std::vector<std::size_t>> near(parts.size());
+        for (std::size_t i = 0; i < parts.size(); ++i)
+            for (std::size_t j = i + 1; j < parts.size(); ++j) {
+                const std::size_t a = from_left[i], b = from_left[j];
+                if (box(b).min().x() > box(a).max().x()) break;
+                if (box(a).intersects(box(b))) near[a].push_back(b), near[b].push_back(a);
+            }
+        for (const std::size_t k : by_volume)
+            for (const std::size_t other : near[k]) {
+                if (parts[other].volume < parts[k].volume) continue;
+                if (parts[other].volume > parts[k].volume && within(meshes[k], *parts[other].mesh))
+                    parts[k].depth = std::max(parts[k].depth, parts[other].depth + 1);
+                else overlap_ = overlap_ || (box(k).intersection(box(other)).sizes().array() > 0).all();
+            }
+        // Those that are by themselves are one mesh: there the nearest face tells the side.
+        TriangleMesh alone;
+        for (std::size_t k = 0; k < parts.size(); ++k) {
+            if (near[k].empty()) append(alone, meshes[k]);
+            else parts_.push_back(parts[k]);
+        }
+        if (!alone.triangle.empty()) parts_.push_back({std::make_shared<Mesh>(std::move(alone))});
+        std::stable_sort(parts_.begin(), parts_.end(), [](const Part& p, const Part& q) { return p.depth < q.depth; });
+    }
+
+    Real distance(const Vec3& x) const override {
+        std::size_t whose = 0;
+        return Real(distance(x.cast<double>(), whose));
+    }
+    Vec3 normal(const Vec3& x) const override {
+        std::size_t whose = 0;
+        distance(x.cast<double>(), whose);
+        return parts_[whose].sign() * parts_[whose].mesh->normal(x);
+    }
+    void bounds(Vec3& min, Vec3& max) const override {
+        const Eigen::AlignedBox3d box = whole_box();
+        min = box.min().cast<Real>(), max = box.max().cast<Real>();
+    }
+    /// Summed over a lattice where parts overlap: the sum over their surfaces counts twice what both hold.
+    Bulk bulk() const override {
+        if (!overlap_) return Shape::bulk();
+        const Eigen::AlignedBox3d box = whole_box();
+        const double edge = std::max(std::cbrt(box.volume() / 200'000), box.sizes().maxCoeff() / 200);
+        const Vec3d count = (box.sizes() / edge).array().ceil().max(1), step = box.sizes().cwiseQuotient(count);
+        Bulk bulk;
+        Vec3d first = Vec3d::Zero();
+        for (double i = 0.5; i < count.x(); ++i)
+            for (double j = 0.5; j < count.y(); ++j)
+                for (double k = 0.5; k < count.z(); ++k) {
+                    const Vec3d r = step.cwiseProduct(Vec3d(i, j, k));
+                    std::size_t whose = 0;
+                    const double share = step.prod() * std::clamp(0.5 - distance(box.min() + r, whose) / std::cbrt(step.prod()), 0.0, 1.0);
+                    bulk.volume += share, first += share * r, bulk.moment += share * r * r.transpose();
+                }
+        if (!(bulk.volume > 0)) return {};
+        const Vec3d centre = first / bulk.volume;
+        bulk.moment -= bulk.volume * centre * centre.transpose();
+        bulk.centre = box.min() + centre;
+        return bulk;
+    }
+    TriangleMesh mesh(Real edge, Real extent) const override {
+        TriangleMesh all;
+        for (const Part& part : parts_) {
+            TriangleMesh one = part.mesh->mesh(edge, extent);
+            if (part.hollow()) {
+                for (Vec3f& n : one.normal) n = -n;
+                for (Triangle& t : one.triangle) std::swap(t[1], t[2]);
+            }
+            append(all, one);
+        }
+        return all;
+    }
+
+private:
+    struct Part {
+        std::shared_ptr<const Mesh> mesh;
+        double volume = 0;
+        int depth = 0;  ///< how many lie around it, each inside the next
+        bool hollow() const { return depth % 2 == 1; }
+        Real sign() const { return hollow() ? Real(-1) : Real(1); }
+    };
+
+    /// Whether no corner and no middle of a triangle is outside, and one is inside: the surfaces may touch.
+    static bool within(const TriangleMesh& inner, const Mesh& outer) {
+        const double rounding = 1e-6 * outer.box().min().cwiseAbs().cwiseMax(outer.box().max().cwiseAbs()).norm();
+        bool inside = false;
+        for (const Triangle& t : inner.triangle) {
+            const Vec3d a = inner.position[t[0]].cast<double>(), b = inner.position[t[1]].cast<double>(),
+                        c = inner.position[t[2]].cast<double>();
+            for (const Vec3d& x : {a, b, c, Vec3d((a + b + c) / 3)}) {
+                const double distance = outer.distance(x, infinity);
+                if (distance > rounding) return false;
+                inside = inside || distance < -rounding;
+            }
+        }
+        return inside;
+    }
+
+    /// Signed distance, of what the parts so far hold: what is solid adds to it, a hollow takes away.
+    double distance(const Vec3d& x, std::size_t& whose) const {
+        double best = infinity;
+        for (std::size_t k = 0; k < parts_.size(); ++k) {
+            const Part& part = parts_[k];
+            const double sign = part.sign(), gap = std::sqrt(part.mesh->box().squaredExteriorDistance(x));
+            if (gap > 0 && gap >= sign * best) continue;
+            const double one = sign * part.mesh->distance(x, gap > 0 ? sign * best : infinity);
+            if (part.hollow() ? one > best : one < best) best = one, whose = k;
+        }
+        return best;
+    }
+    Eigen::AlignedBox3d whole_box() const {
+        Eigen::AlignedBox3d box;
+        for (const Part& part : parts_) box.extend(part.mesh->box());
+        return box;
+    }
+
+    std::vector<Part> parts_;  ///< outer before inner
+    bool overlap_ = false;
+};
+
 }  // namespace
 
 std::shared_ptr<const Shape> make_mesh(TriangleMesh mesh, const std::string& name) {
     weld(mesh);
     if (mesh.triangle.empty()) throw InputError({name}, "the mesh holds no triangles");
-    return std::make_shared<Mesh>(std::move(mesh), name);
+    std::vector<TriangleMesh> parts = closed_parts(std::move(mesh), name);
+    if (parts.size() > 1) return std::make_shared<Parts>(parts);
+    return std::make_shared<Mesh>(std::move(parts[0]));
 }
 
 std::shared_ptr<const Shape> make_mesh(const std::filesystem::path& file, double scale, const Vec3d& position) {

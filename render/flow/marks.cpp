@@ -12,14 +12,14 @@ using Point = Eigen::Vector2f;
 
 int longer_side(const PlaneField& field) { return std::max(field.width, field.height); }
 
-/// Of the value over the range, a pixel: from neighbours that hold fluid.
+/// Of the value over the range, a pixel: from neighbours that hold fluid. A range that runs down turns colours, not slopes.
 Point slope_at(const PlaneField& field, const std::vector<float>& value, const std::array<float, 2>& range, int x, int y) {
     const auto difference = [&](int x0, int y0, int x1, int y1) {
         x0 = std::max(x0, 0), y0 = std::max(y0, 0), x1 = std::min(x1, field.width - 1), y1 = std::min(y1, field.height - 1);
         const std::size_t a = grid_index(x0, y0, field.width), b = grid_index(x1, y1, field.width);
         const int apart = x1 - x0 + y1 - y0;
         if (apart == 0 || field.cover[a] <= 0 || field.cover[b] <= 0) return 0.0f;
-        return (value[b] - value[a]) / (static_cast<float>(apart) * (range[1] - range[0]));
+        return (value[b] - value[a]) / (static_cast<float>(apart) * std::abs(range[1] - range[0]));
     };
     return {difference(x - 1, y, x + 1, y), difference(x, y - 1, x, y + 1)};
 }

@@ -63,7 +63,7 @@ FieldColours field_colours(const Frame& frame, const LookOptions& look, const st
     for (const float value : field_values(frame, look)) {
         const float t = std::clamp((value - range[0]) / (range[1] - range[0]), 0.0f, 1.0f);
         colours.colour.push_back(table(t));
-        colours.strength.push_back(diverging ? std::abs(2 * t - 1) : t);
+        colours.strength.push_back(diverging ? std::abs(2 * t - 1) : range[1] < range[0] ? 1 - t : t);
     }
     return colours;
 }

@@ -16,7 +16,7 @@ std::array<float, 2> field_range(const std::vector<float>& values, const LookOpt
 /// What each particle is drawn with.
 struct FieldColours {
     std::vector<Vec3f> colour;    ///< linear RGB
-    std::vector<float> strength;  ///< 0 .. 1, how far the field is from nothing: from the map's low end, or on a diverging map its middle
+    std::vector<float> strength;  ///< 0 .. 1, how far the field is from nothing: from the range's low end, or on a diverging map its middle
 };
 FieldColours field_colours(const Frame& frame, const LookOptions& look, const std::array<float, 2>& range);
 

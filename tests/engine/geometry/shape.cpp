@@ -102,32 +102,63 @@ TEST_CASE("a mesh of a shape measures the shape's own distance, inside, outside,
     }
 }
 
-TEST_CASE("each part of a mesh is solid inside however it is turned, and one inside another is a hollow", "[geometry]") {
-    using Pairs = std::vector<std::pair<double, double>>;
+TEST_CASE("the parts of a mesh are solid together however they are turned, lie and touch; one inside another is a hollow", "[geometry]") {
+    using Box = std::pair<Vec3d, Vec3d>;
+    const auto cube = [](double from, double to) { return Box(Vec3d::Constant(from), Vec3d::Constant(to)); };
     struct Case {
-        Pairs parts;      ///< cubes from here to there on the diagonal
-        Pairs distances;  ///< at places on the diagonal
+        std::vector<Box> parts;
+        double volume;
+        std::vector<std::pair<Vec3d, double>> distances;
     };
-    const std::vector<Case> cases{{{{0, 1}, {2, 2.2}}, {{0.5, -0.5}, {2.1, -0.1}, {1.9, 0.1 * std::sqrt(3)}}},
-                                  {{{-1, 1}, {-0.5, 0.5}}, {{0.75, -0.25}, {0, 0.5}, {2, std::sqrt(3)}}},
-                                  {{{-1, 1}, {-0.5, 0.5}, {-0.2, 0.2}}, {{0.75, -0.25}, {0.4, 0.1}, {0, -0.2}}},
-                                  {{{0, 1}, {0.6, 2}}, {{0.3, -0.3}, {1.5, -0.5}, {3, std::sqrt(3)}}}};  // they overlap
+    const auto on_diagonal = [](double place) { return Vec3d(Vec3d::Constant(place)); };
+    const double root = std::sqrt(3);
+    std::vector<Case> cases{
+        {{cube(0, 1), cube(2, 2.2)}, 1.008, {{on_diagonal(0.5), -0.5}, {on_diagonal(2.1), -0.1}, {on_diagonal(1.9), 0.1 * root}}},
+        {{cube(-1, 1), cube(-0.5, 0.5)}, 7, {{on_diagonal(0.75), -0.25}, {on_diagonal(0), 0.5}, {on_diagonal(2), root}}},
+        {{cube(-1, 1), cube(-0.5, 0.5), cube(-0.2, 0.2)},
+         7.064,
+         {{on_diagonal(0.75), -0.25}, {on_diagonal(0.4), 0.1}, {Vec3d::Zero(), -0.2}}},
+        // overlapping, once with a hollow in what both hold
+        {{cube(0, 1), cube(0.4, 1.4)},
+         1.784,
+         {{on_diagonal(0.3), -0.3}, {on_diagonal(0.55), -0.45}, {on_diagonal(1.1), -0.3}, {on_diagonal(2.4), root}}},
+        {{cube(0, 1), cube(0.4, 1.4), cube(0.5, 0.9)},
+         1.72,
+         {{on_diagonal(0.7), 0.2}, {on_diagonal(0.45), -0.05 * root}, {on_diagonal(0.2), -0.2}}},
+        // bars that cross, no corner of one inside the other
+        {{{{-1, -0.2, -0.2}, {1, 0.2, 0.2}}, {{-0.1, -1, -0.1}, {0.1, 1, 0.1}}},
+         0.384,
+         {{Vec3d(0, 0.19, 0), -0.1}, {Vec3d(0.09, 0, 0), -0.2}}},
+        // a cube on a cube, and a bar along a cube's edge
+        {{cube(0, 1), {{0, 1, 0}, {1, 2, 1}}},
+         2,
+         {{{0.5, 0.5, 0.5}, -0.5}, {{0.5, 0.9, 0.5}, -0.1}, {{0.5, 1.1, 0.5}, -0.1}, {{0.5, 3, 0.5}, 1}}},
+        {{cube(0, 1), {{1, 1, 0}, {1.2, 1.2, 1}}}, 1.04, {{{0.9, 0.9, 0.5}, -0.1}, {{1.05, 1.1, 0.5}, -0.05}, {{1.15, 0.9, 0.5}, 0.1}}}};
+    for (const int axis : {0, 1, 2})  // a hollow that opens to a side
+        for (const double side : {-1.0, 1.0}) {
+            const Vec3d c = 0.75 * side * Vec3d::Unit(axis), half = Vec3d::Constant(0.25);
+            cases.push_back({{cube(-1, 1), {c - half, c + half}}, 7.875, {{c, 0.25}, {-c, -0.25}, {2 * c, 0.5}}});
+        }
     for (const Case& c : cases)
         for (unsigned turned = 0; turned < 1u << c.parts.size(); ++turned) {
             TriangleMesh mesh;
             for (std::size_t part = 0; part < c.parts.size(); ++part) {
-                const TriangleMesh cube = make_box(Vec3d::Constant(c.parts[part].first), Vec3d::Constant(c.parts[part].second))->mesh(1, 1);
+                const TriangleMesh box = make_box(c.parts[part].first, c.parts[part].second)->mesh(1, 1);
                 const auto first = static_cast<std::uint32_t>(mesh.position.size());
-                mesh.position.insert(mesh.position.end(), cube.position.begin(), cube.position.end());
-                for (const auto& t : cube.triangle) {
+                mesh.position.insert(mesh.position.end(), box.position.begin(), box.position.end());
+                for (const auto& t : box.triangle) {
                     const bool flip = turned >> part & 1;
                     mesh.triangle.push_back({first + t[0], first + t[flip ? 2 : 1], first + t[flip ? 1 : 2]});
                 }
             }
             const auto shape = make_mesh(std::move(mesh), "parts");
+            CAPTURE(turned, c.parts.size(), c.volume);
+            CHECK(shape->bulk().volume == Approx(c.volume).epsilon(0.01));
             for (const auto& [place, distance] : c.distances) {
-                CAPTURE(turned, c.parts.size(), place);
-                CHECK(shape->distance(Vec3::Constant(Real(place))) == Approx(distance).margin(1e-5));
+                CAPTURE(place);
+                const Vec3 x = place.cast<Real>();
+                CHECK(shape->distance(x) == Approx(distance).margin(1e-5));
+                if (distance > 0) CHECK(std::abs(shape->distance(x - Real(distance) * shape->normal(x))) < 1e-5);
             }
         }
 }

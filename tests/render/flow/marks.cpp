@@ -44,7 +44,8 @@ TEST_CASE("an even value has no iso-lines and no relief, a slope that faces the 
     for (float& v : field.value[0]) v = 1 - v;
     const std::vector<float> rising = relief(field, field.value[0], {0, 1}, 1);
     const std::size_t middle = grid_index(100, 50, width);
-    CHECK(falling[middle] > 1);  // it rises to the right: its side faces the left, where the lamp is
+    CHECK(relief(field, field.value[0], {1, 0}, 1) == rising);  // a range that runs down turns no hill into a valley
+    CHECK(falling[middle] > 1);                                 // it rises to the right: its side faces the left, where the lamp is
     CHECK(rising[middle] < 1);
     std::fill(field.value[0].begin(), field.value[0].end(), 0.5f);
     for (const float line : iso_lines(field, field.value[0], {0, 1}, 3)) CHECK(line == 0);

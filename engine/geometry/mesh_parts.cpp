@@ -1,0 +1,134 @@
+#include "engine/geometry/mesh_parts.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "engine/core/errors.h"
+
+namespace whorl {
+namespace {
+
+using Triangle = std::array<std::uint32_t, 3>;
+
+Vec3d corner_of(const TriangleMesh& mesh, std::uint32_t vertex) { return mesh.position[vertex].cast<double>(); }
+
+/// Joins triangles around an edge that more than two share: from the first of two, the second is the next that is met through what the
+/// first holds, however the parts that meet there lie.
+template <class Join>
+void join_around(const TriangleMesh& mesh, std::uint32_t a, std::uint32_t b, const std::vector<std::uint32_t>& around, const Join& join) {
+    const Vec3d along = (corner_of(mesh, b) - corner_of(mesh, a)).stableNormalized();
+    std::vector<std::pair<std::uint32_t, Vec3d>> with, against;  // triangles that pass the edge from a to b, from b to a; the way into each
+    for (const std::uint32_t t : around) {
+        const Triangle& corner = mesh.triangle[t];
+        const std::size_t k = corner[0] != a && corner[0] != b ? 0 : corner[1] != a && corner[1] != b ? 1 : 2;
+        const Vec3d way = corner_of(mesh, corner[k]) - corner_of(mesh, a);
+        (corner[(k + 1) % 3] == a ? with : against).emplace_back(t, (way - along.dot(way) * along).stableNormalized());
+    }
+    struct Pair {
+        double angle;
+        std::size_t first, second;
+    };
+    std::vector<Pair> pairs;
+    for (std::size_t i = 0; i < with.size(); ++i)
+        for (std::size_t j = 0; j < against.size(); ++j) {
+            const Vec3d &u = with[i].second, &v = against[j].second;
+            const double angle = std::atan2(u.cross(along).dot(v), u.dot(v));
+            pairs.push_back({angle < 1e-4 ? angle + 2 * std::acos(-1.0) : angle, i, j});
+        }
+    std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& p, const Pair& q) { return p.angle < q.angle; });
+    std::vector<bool> first_taken(with.size()), second_taken(against.size());
+    for (const Pair& pair : pairs) {
+        if (first_taken[pair.first] || second_taken[pair.second]) continue;
+        first_taken[pair.first] = second_taken[pair.second] = true;
+        join(with[pair.first].first, against[pair.second].first);
+    }
+}
+
+/// For each triangle one triangle of its part: what hangs together by edges. @throws InputError where the mesh has holes, or neighbours
+/// look different ways
+std::vector<std::uint32_t> find_closed_parts(const TriangleMesh& mesh, const std::string& name) {
+    struct Edge {
+        int turns = 0, uses = 0;  ///< passes one way less passes back; all passes
+        std::uint32_t first = 0;  ///< triangle
+    };
+    using Ends = std::pair<std::uint32_t, std::uint32_t>;
+    std::map<Ends, Edge> edges;
+    const auto each_pass = [&](const auto& visit) {
+        for (std::uint32_t t = 0; t < mesh.triangle.size(); ++t)
+            for (std::size_t k = 0; k < 3; ++k) visit(t, mesh.triangle[t][k], mesh.triangle[t][(k + 1) % 3]);
+    };
+    each_pass([&](std::uint32_t t, std::uint32_t a, std::uint32_t b) {
+        Edge& edge = edges.try_emplace(std::minmax(a, b), Edge{0, 0, t}).first->second;
+        edge.turns += a < b ? 1 : -1;
+        edge.uses += 1;
+    });
+    long open = 0, turned = 0;
+    for (const auto& [ends, edge] : edges) {
+        if (edge.uses % 2 != 0) ++open;
+        else if (edge.turns != 0) ++turned;
+    }
+    if (open > 0)
+        throw InputError({name}, fmt::format("the mesh is not closed: {} of its {} edges are open", open, edges.size()),
+                         "inside and outside need a closed surface: fill the holes in a mesh editor");
+    if (turned > 0)
+        throw InputError({name}, fmt::format("the faces beside {} edges are turned against each other", turned),
+                         "make all faces look outward in a mesh editor");
+
+    std::vector<std::uint32_t> part(mesh.triangle.size());
+    std::iota(part.begin(), part.end(), 0u);
+    const auto root = [&](std::uint32_t t) {
+        while (part[t] != t) t = part[t] = part[part[t]];
+        return t;
+    };
+    const auto join = [&](std::uint32_t s, std::uint32_t t) { part[root(s)] = root(t); };
+    std::map<Ends, std::vector<std::uint32_t>> shared;
+    each_pass([&](std::uint32_t t, std::uint32_t a, std::uint32_t b) {
+        const Edge& edge = edges.find(std::minmax(a, b))->second;
+        if (edge.uses == 2) join(t, edge.first);
+        else shared[std::minmax(a, b)].push_back(t);
+    });
+    for (const auto& [ends, around] : shared) join_around(mesh, ends.first, ends.second, around, join);
+    for (std::uint32_t t = 0; t < part.size(); ++t) part[t] = root(t);
+    return part;
+}
+
+}  // namespace
+
+std::vector<TriangleMesh> closed_parts(TriangleMesh mesh, const std::string& name) {
+    std::map<std::uint32_t, std::vector<std::uint32_t>> triangles;
+    const std::vector<std::uint32_t> part = find_closed_parts(mesh, name);
+    for (std::uint32_t t = 0; t < part.size(); ++t) triangles[part[t]].push_back(t);
+    std::vector<TriangleMesh> parts;
+    std::vector<std::uint32_t> to(mesh.position.size(), ~0u);
+    for (const auto& [first, all] : triangles) {
+        double volume = 0;
+        const Vec3d origin = corner_of(mesh, mesh.triangle[first][0]);
+        for (const std::uint32_t t : all) {
+            const Triangle& c = mesh.triangle[t];
+            const Vec3d x = corner_of(mesh, c[0]), y = corner_of(mesh, c[1]), z = corner_of(mesh, c[2]);
+            volume += (x - origin).dot((y - x).cross(z - x)) / 6;
+        }
+        if (volume < 0)
+            for (const std::uint32_t t : all) std::swap(mesh.triangle[t][1], mesh.triangle[t][2]);
+        if (triangles.size() == 1) return {std::move(mesh)};
+        TriangleMesh& own = parts.emplace_back();
+        for (const std::uint32_t t : all)
+            for (const std::uint32_t corner : mesh.triangle[t])
+                if (to[corner] == ~0u)
+                    to[corner] = static_cast<std::uint32_t>(own.position.size()), own.position.push_back(mesh.position[corner]);
+        for (const std::uint32_t t : all) {
+            const Triangle& c = mesh.triangle[t];
+            own.triangle.push_back({to[c[0]], to[c[1]], to[c[2]]});
+        }
+        for (const std::uint32_t t : all)
+            for (const std::uint32_t corner : mesh.triangle[t]) to[corner] = ~0u;
+    }
+    return parts;
+}
+
+}  // namespace whorl

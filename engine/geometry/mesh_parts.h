@@ -1,0 +1,13 @@
+#pragma once
+/// What of a triangle mesh hangs together.
+#include <string>
+
+#include "engine/core/mesh.h"
+
+namespace whorl {
+
+/// The closed parts of a welded mesh, each with its own vertices, looking outward; one alone is the mesh itself.
+/// @throws InputError where the mesh has holes, or neighbours look different ways
+std::vector<TriangleMesh> closed_parts(TriangleMesh mesh, const std::string& name);
+
+}  // namespace whorl

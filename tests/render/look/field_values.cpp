@@ -1,0 +1,17 @@
+#include "render/look/field_values.h"
+
+#include <catch2/catch.hpp>
+
+using namespace whorl;
+
+TEST_CASE("a range that runs down turns the colours, not what is strong", "[render]") {
+    Frame frame;
+    frame.position.assign(2, Vec3f::Zero());
+    frame.velocity = {Vec3f(0.25f, 0, 0), Vec3f(1, 0, 0)};
+    LookOptions look;
+    look.field = "speed", look.colour_map = "viridis";
+    const FieldColours up = field_colours(frame, look, {0, 1}), down = field_colours(frame, look, {1, 0});
+    CHECK(up.strength == std::vector<float>{0.25f, 1});
+    CHECK(down.strength == up.strength);
+    CHECK((down.colour[1] - field_colours(frame, look, {1, 2}).colour[1]).norm() < 1e-6f);
+}
