@@ -101,6 +101,9 @@ TEST_CASE("a range that is drawn into its run leaves the exports of the whole fi
         CHECK(beside.code == 2);
         CHECK_THAT(beside.err, Catch::Contains("another run is at work in this folder"));
     }
+    fs::rename(run, folder / "moved");
+    CHECK_THAT(test::whorl({"resume", other.string()}).err, Catch::Contains("another run; that one is no longer in "));
+    fs::rename(folder / "moved", run);
     for (const char* file : {"run.json", "scene.resolved.toml"}) fs::remove(other / file);  // as earlier versions left what they drew
     const auto draw = [&] { return test::whorl({"draw", run.string(), "--frames", "2", "--out", other.string(), "--quiet"}); };
     const Outcome beside = draw();

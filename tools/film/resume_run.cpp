@@ -74,7 +74,7 @@ void begin_again(RunRequest& request) {
     const std::string status = report.value("status", "");
     if (const std::string source = report.value("drawn_from", ""); !source.empty())
         throw InputError({request.folder.string(), 0, 0}, "holds pictures that were drawn of another run",
-                         "go on with that one: whorl resume " + source);
+                         is_run_folder(source) ? "go on with that one: whorl resume " + source : "that one is no longer in " + source);
     if (status == "done" || status == "diverged")
         throw InputError({request.folder.string(), 0, 0},
                          fmt::format("the run {}, and has no checkpoint to go on from", status == "done" ? "is done" : "diverged"),
