@@ -37,7 +37,7 @@ public:
     void check() {
         domain();
         for (std::size_t i = 0; i < scene_.blocks.size(); ++i) block(entry_name("block", i), i);
-        for (std::size_t i = 0; i < scene_.emitters.size(); ++i) emitter(entry_name("emitter", i), scene_.emitters[i]);
+        for (std::size_t i = 0; i < scene_.emitters.size(); ++i) emitter(entry_name("emitter", i), i);
         for (std::size_t i = 0; i < scene_.solids.size(); ++i) solid(entry_name("solid", i), i);
         for (std::size_t i = 0; i < scene_.drains.size(); ++i) drain(entry_name("drain", i), shapes_.drain_extent[i]);
         for (std::size_t i = 0; i < scene_.streams.size(); ++i)
@@ -119,7 +119,7 @@ private:
             for (std::size_t i = 0; i < scene_.blocks.size(); ++i) {
                 const Extent& block = shapes_.block_extent[i];
                 const Vec3d x = block.min + Vec3d(0.57, 0.54, 0.53).cwiseProduct(block.max - block.min);
-                if (x.allFinite() && shapes_.blocks[i]->distance(x.cast<Real>()) <= 0 && !std::isfinite(e(0, x)))
+                if (x.allFinite() && shapes_.blocks[i]->distance(x.cast<Real>()) <= 0 && !taken(x) && !std::isfinite(e(0, x)))
                     return report(key, fmt::format("{} is not finite at t = 0 s at {}", key, point(x)));
             }
         }
@@ -151,6 +151,9 @@ private:
         values_in(name, i);
     }
 
+    /// A solid leaves no room for a particle there.
+    bool taken(const Vec3d& x) const { return in_solids(shapes_, x.cast<Real>(), 0.45 * plan_.spacing); }
+
     /// Half a spacing deep, as particles stand, and off every axis of symmetry. What they have themselves is looked at when they are made.
     std::vector<Vec3d> places_in(std::size_t i) const {
         constexpr int points = 6;  // an axis
@@ -161,7 +164,7 @@ private:
             const Vec3d part = (Vec3d(k % points, k / points % points, k / points / points) + Vec3d(0.57, 0.54, 0.53)) / points;
             Vec3d x = e.min + part.cwiseProduct(e.max - e.min);
             if (plane) x.z() = 0;
-            if (x.allFinite() && static_cast<double>(shapes_.blocks[i]->distance(x.cast<Real>())) <= -0.5 * plan_.spacing)
+            if (x.allFinite() && static_cast<double>(shapes_.blocks[i]->distance(x.cast<Real>())) <= -0.5 * plan_.spacing && !taken(x))
                 places.push_back(x);
         }
         return places;
@@ -179,21 +182,21 @@ private:
         if (plan_.facts.micropolar.spins) look(name + ".spin", "not finite", [&](const Vec3d& x) { return b.spin(0, x).allFinite(); });
         look(name + ".ink", "no number", [&](const Vec3d& x) { return !ink(0, x).hasNaN(); });
         const Expression& mu = scene_.fluid.viscosity;
-        viscosity("fluid.viscosity", mu, depends_on_place(mu) ? places : std::vector<Vec3d>{Vec3d::Zero()},
+        viscosity("fluid.viscosity", mu, oldest_of(scene_, 0), depends_on_place(mu) ? places : std::vector<Vec3d>{Vec3d::Zero()},
                   [&](const Vec3d& x) { return (depends_on_place(mu) ? point(x) + " in " : "") + name; });
     }
 
-    /// At all ages that the run has.
+    /// At all ages up to `oldest` [s].
     template <class F>
-    void viscosity(const std::string& key, const Expression& mu, const std::vector<Vec3d>& places, const F& name_of) {
+    void viscosity(const std::string& key, const Expression& mu, double oldest, const std::vector<Vec3d>& places, const F& name_of) {
         const bool ages = depends_on_age(mu);
-        for (const double age : sample_times(0, ages ? scene_.time.end : 0)) {
+        for (const double age : sample_times(0, ages ? oldest : 0)) {
             for (const Vec3d& x : places)
-                if (const double value = mu(age, x); !(value >= 0) || std::isinf(value))
+                if (const double value = mu(age, x); !is_viscosity(value))
                     return report(key,
                                   fmt::format("{} is {:.4g} Pa s at {}{}", key, value, name_of(x),
                                               ages ? fmt::format(" at the age of {:.4g} s", age) : ""),
-                                  "", std::isinf(value) ? "" : "allowed: at least 0");
+                                  "", allowed_instead_of(value));
             if (!ages) return;
         }
     }
@@ -250,7 +253,8 @@ private:
                fmt::format("{:.2g} m puts 5 particles across it", thinnest / 5));
     }
 
-    void emitter(const std::string& name, const EmitterKeys& e) {
+    void emitter(const std::string& name, std::size_t i) {
+        const EmitterKeys& e = scene_.emitters[i];
         if (outside(e.position, e.position))
             report(name + ".position", fmt::format("{} at {} lies outside of the domain", name, point(e.position)), "", domain_text());
         too_far(name, e.position, e.position);
@@ -296,7 +300,7 @@ private:
             if (e.shape != "disc" || u * u + v * v < 1) places.push_back(e.position + u * side + v * across);
         }
         if (!depends_on_place(mu)) places.resize(1);
-        viscosity(key, mu, places, [&](const Vec3d&) { return name; });
+        viscosity(key, mu, oldest_of(scene_, i + 1), places, [&](const Vec3d&) { return name; });
     }
 
     void solid(const std::string& name, std::size_t i) {
@@ -403,8 +407,7 @@ double part_inside_solids(const SceneShapes& shapes, std::size_t block, double m
                 const Vec3 x = (e.min + part.cwiseProduct(e.max - e.min)).cast<Real>();
                 if (shape.distance(x) > 0) continue;
                 ++all;
-                Real distance = 0;
-                if (shapes.solids.nearest(x, distance) >= 0 && distance < static_cast<Real>(margin)) ++inside;
+                if (in_solids(shapes, x, margin)) ++inside;
             }
     return all > 0 ? static_cast<double>(inside) / all : 0;
 }
@@ -417,8 +420,7 @@ double part_left_empty(const Scene& scene, const SceneShapes& shapes) {
             for (int k = 0; k < points; ++k) {
                 const Vec3d part = (Vec3d(i, j, k) + Vec3d::Constant(0.5)) / points;
                 const Vec3 x = (scene.domain.min + part.cwiseProduct(scene.domain.max - scene.domain.min)).cast<Real>();
-                Real distance = 0;
-                if (shapes.solids.nearest(x, distance) >= 0 && distance < 0) continue;
+                if (in_solids(shapes, x, 0)) continue;
                 ++all;
                 if (std::none_of(shapes.blocks.begin(), shapes.blocks.end(), [&](const auto& block) { return block->distance(x) <= 0; }))
                     ++empty;

@@ -39,6 +39,10 @@ std::vector<double> sample_times(double from, double to) {
     return times;
 }
 
+double oldest_of(const Scene& scene, std::size_t source) {
+    return std::max(0.0, scene.time.end - (source > 0 ? std::max(0.0, scene.emitters[source - 1].start) : 0));
+}
+
 double fastest_of(const EmitterKeys& e, double end) {
     double most = 0;
     for (const double t : sample_times(e.start, std::max(e.start, std::min(e.stop, end)))) most = std::max(most, e.speed(t));
@@ -187,9 +191,7 @@ private:
         const Extent& e = shapes_.block_extent[i];
         const Vec3d low = e.min.cwiseMax(scene_.domain.min), high = e.max.cwiseMin(scene_.domain.max);
         faster(fastest_of(block, low, high));
-        over_box(low, high, [&](const Vec3d& x) {
-            if (std::isfinite(scene_.fluid.viscosity(0, x)) && shapes_.blocks[i]->distance(x.cast<Real>()) <= Real(d_ / 2)) viscosity(0, x);
-        });
+        viscosity_in(i, low, high);
         n_.particles += e.volume / power_of(d_, scene_.domain.dimensions);
         falls_from(low, high);
         Vec3d size = e.max - e.min;
@@ -198,6 +200,24 @@ private:
             if (scene_.domain.periodic[a] && size[a] > 0.999 * (scene_.domain.max[a] - scene_.domain.min[a]))
                 size[a] = std::numeric_limits<double>::infinity();
         if (std::isfinite(size.minCoeff())) thickness(size.minCoeff(), entry_name("block", i));
+    }
+
+    /// Where particles may stand; where none of the points is such a place, at all of them.
+    void viscosity_in(std::size_t i, const Vec3d& low, const Vec3d& high) {
+        const Expression& mu = scene_.fluid.viscosity;
+        if (!depends_on_place(mu)) return viscosity(0, low);
+        bool counted = false;
+        const auto count = [&](bool everywhere) {
+            over_box(low, high, [&](const Vec3d& x) {
+                const Vec3 at = x.cast<Real>();
+                if (!is_viscosity(mu(0, x)) ||
+                    !(everywhere || (shapes_.blocks[i]->distance(at) <= Real(d_ / 2) && !in_solids(shapes_, at, 0.45 * d_))))
+                    return;
+                viscosity(0, x), counted = true;
+            });
+        };
+        count(false);
+        if (!counted) count(true);
     }
 
     void emitter(std::size_t i) {
@@ -242,7 +262,7 @@ private:
                 source > 0 && scene_.emitters[source - 1].viscosity ? entry_name("emitter", source - 1) + ".viscosity" : "fluid.viscosity";
         }
         if (depends_on_age(mu))
-            for (const double age : sample_times(0, scene_.time.end)) n_.viscosity = std::max(n_.viscosity, mu(age, x));
+            for (const double age : sample_times(0, oldest_of(scene_, source))) n_.viscosity = std::max(n_.viscosity, mu(age, x));
     }
     /// Something between two corners can fall along gravity to the floor: the domain's lowest corner.
     void falls_from(const Vec3d& low, const Vec3d& high) {

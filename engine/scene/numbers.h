@@ -30,6 +30,8 @@ SceneNumbers scene_numbers(const Scene& scene, const SceneShapes& shapes, double
 
 /// Points of time over the run at which expressions are looked at.
 std::vector<double> sample_times(double from, double to);
+/// The age that fluid of a block (source 0) or of emitter source - 1 has at the end of the run, at most [s].
+double oldest_of(const Scene& scene, std::size_t source);
 
 /// The fastest that fluid comes out of an emitter, on average over its opening; that a block starts with, between two corners; that a
 /// solid's surface moves by its expressions [m/s].

@@ -105,4 +105,9 @@ SceneShapes make_shapes(const Scene& scene, std::vector<Problem>& problems) {
     return shapes;
 }
 
+bool in_solids(const SceneShapes& shapes, const Vec3& x, double margin) {
+    Real distance = 0;
+    return shapes.solids.nearest(x, distance) >= 0 && distance < static_cast<Real>(margin);
+}
+
 }  // namespace whorl

@@ -122,6 +122,16 @@ std::optional<Divergence> change_viscosity(const Scene& scene, World& world) {
     return wrong;
 }
 
+std::optional<Divergence> wrong_viscosity(const World& world) {
+    const ParticleStore::Entry* const entry = world.fluid.find(field::viscosity::name);
+    if (entry == nullptr || !entry->lasting) return {};
+    const auto mu = world.fluid.column<field::viscosity>();
+    for (std::size_t i = 0; i < mu.size(); ++i)
+        if (const auto value = static_cast<double>(mu[i]); !is_viscosity(value))
+            return no_viscosity(world, "fluid.viscosity", value, world.fluid.column<field::position>()[i]);
+    return {};
+}
+
 namespace {
 
 /// Moves each point by up to `most` along every axis [m], those that would leave the shape or come too near to a solid excepted.
@@ -270,7 +280,8 @@ void place_blocks(const Scene& scene, const Plan& plan, World& world) {
         const std::string ink = entry_name("block", b) + ".ink";
         if (const auto wrong = set_colours(scene, world, first, scene.blocks[b].ink, ink, 0)) refuse(ink, *wrong, "");
     }
-    if (const auto wrong = set_viscosity(scene, world, 0, 0)) refuse("fluid.viscosity", *wrong, "allowed: at least 0");
+    if (const auto wrong = set_viscosity(scene, world, 0, 0))
+        refuse("fluid.viscosity", *wrong, allowed_instead_of(scene.fluid.viscosity(0, wrong->place)));
     if (!problems.empty()) throw InputError(std::move(problems));
     add_vortices(scene, world);
     if (world.fluid.has<field::density>())

@@ -26,6 +26,8 @@ void set_ids(World& world, Index first, std::int32_t& next);
 /// What a live change of fluid.viscosity does: the particles whose viscosity that key gives have the new one, of their age and of the place
 /// where they are now; those of emitters with a viscosity of their own keep it. @return a particle that has none
 std::optional<Divergence> change_viscosity(const Scene& scene, World& world);
+/// A particle that such a change left without one, where the column lives on from step to step.
+std::optional<Divergence> wrong_viscosity(const World& world);
 std::vector<Drain> make_drains(const Scene& scene);
 std::vector<Emitter> make_emitters(const Scene& scene, const Plan& plan);
 

@@ -2,10 +2,24 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <limits>
+
 #include "engine/core/parallel.h"
 
 namespace whorl {
 namespace {
+
+/// An age is a sum of rounded steps, which may pass the last age that has a viscosity: then what there was shortly before.
+double viscosity_at(const Expression& f, double age, const Vec3d& x, const StepContext& step) {
+    const double value = f(age, x);
+    if (is_viscosity(value)) return value;
+    const double steps = age / static_cast<double>(step.dt),
+                 drift = std::min(0.01, 1e-5 + steps * static_cast<double>(std::numeric_limits<Real>::epsilon()));
+    for (const double before : {std::min(age, step.time), (1 - drift) * age})
+        if (const double then = f(before, x); is_viscosity(then)) return then;
+    return value;
+}
 
 // One after the other: expressions are not thread-safe.
 template <class Place>
@@ -15,8 +29,7 @@ void grow_older(const std::vector<Expression>& of_source, const StepContext& ste
     for (Index i = 0; i < mu.size(); ++i) {
         const Expression& f = of_source[source[i]];
         const double now = static_cast<double>(age[i]);
-        double value = f(now, place(i));
-        if (value < 0 && f((1 - 1e-5) * now, place(i)) >= 0) value = 0;  // ages are rounded
+        const double value = viscosity_at(f, now, place(i), step);
         if (!is_viscosity(value) && !report.diverged)
             report.diverged = Divergence{"ageing", "viscosity", step.time, x[i].cast<double>(),
                                          fmt::format("it is {:.4g} Pa s at the age of {:.4g} s", value, now)};
@@ -26,6 +39,11 @@ void grow_older(const std::vector<Expression>& of_source, const StepContext& ste
 }
 
 }  // namespace
+
+std::string allowed_instead_of(double mu) {
+    if (mu < 0) return "allowed: at least 0";
+    return mu > 0 ? fmt::format("allowed: up to {:.2g}", std::numeric_limits<Real>::max()) : "";
+}
 
 void AgeingViscosity::operator()(const StepContext& step, StepReport& report, Read<field::role> role, Read<field::position> x,
                                  Read<field::source> source, Update<field::age> age, Write<field::viscosity> mu) const {

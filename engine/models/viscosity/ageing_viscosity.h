@@ -3,6 +3,7 @@
 ///
 /// The first stage of a step, before those that read the viscosity. Where no viscosity depends on age there is none, and no column.
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "engine/math/expression.h"
@@ -12,6 +13,8 @@
 namespace whorl {
 
 inline bool is_viscosity(double mu) { return mu >= 0 && std::isfinite(static_cast<Real>(mu)); }
+/// "allowed: ..." for a value that is none; empty where it is no number.
+std::string allowed_instead_of(double mu);
 
 namespace field {
 struct age {
@@ -32,7 +35,8 @@ struct birthplace {
 inline bool depends_on_age(const Expression& e) { return e.variables().find('a') != std::string::npos; }
 inline bool depends_on_place(const Expression& e) { return e.variables().find_first_of("xyz") != std::string::npos; }
 
-/// mu_i = f(age_i), f by source; then age_i += dt, but for particles still inside a nozzle. A value that is no viscosity ends the run.
+/// mu_i = f(age_i), f by source; then age_i += dt, but for particles still inside a nozzle. A value that is no viscosity ends the run,
+/// but where it comes of the rounding of ages.
 struct AgeingViscosity {
     std::vector<Expression> of_source;
     void operator()(const StepContext& step, StepReport& report, Read<field::role> role, Read<field::position> x,

@@ -2,6 +2,7 @@
 #include "engine/models/viscosity/ageing_viscosity.h"
 
 #include <catch2/catch.hpp>
+#include <limits>
 #include <sstream>
 
 #include "engine/scene/read.h"
@@ -140,6 +141,21 @@ TEST_CASE("a live change of fluid.viscosity leaves an emitter with its own alone
     const auto x = simulation.world().fluid.column<field::position>();
     const auto mu = simulation.world().fluid.column<field::viscosity>();
     for (std::size_t i = 0; i < mu.size(); ++i) CHECK(mu[i] == (x[i].y() < -0.06 ? 50 : x[i].x() < 0 ? 3 : 7));
+
+    // A value that is none is known after a checkpoint, too, that was written before any step with it.
+    request.changes.back().value = "\"abs(x-0.0125) < 0.001 ? 0-1 : 30\"";
+    const Scene wrong = read_scene_text(text, "test.toml", request);
+    simulation.change(wrong, make_plan(wrong));
+    std::stringstream saved;
+    simulation.save(saved);
+    Simulation resumed = simulation_of(text);
+    resumed.changed_before(wrong, make_plan(wrong), 0.05);
+    resumed.load(saved);
+    for (Simulation* s : {&simulation, &resumed}) {
+        const auto& diverged = s->step(0.1).diverged;
+        REQUIRE(diverged);
+        CHECK(diverged->what == "fluid.viscosity is -1 Pa s");
+    }
 }
 
 TEST_CASE("a viscosity that becomes negative with age is told before anything runs", "[plan]") {
@@ -169,6 +185,7 @@ TEST_CASE("a value that is none is told where a particle has it: at the start wi
     for (const auto& [key, value, told] : std::vector<std::array<std::string, 3>>{
              {"fluid.viscosity", "\"" + hole + "0-1 : 30\"", "fluid.viscosity is -1 Pa s at (0.0125"},
              {"fluid.viscosity", "\"" + hole + "sqrt(0-1) : 30\"", "nan Pa s at (0.0125"},
+             {"fluid.viscosity", "\"" + hole + (sizeof(Real) == 4 ? "1e39" : "1e400") + " : 30\"", "; allowed: up to "},
              {"block[0].velocity", "[\"" + hole + "sqrt(0-1) : 0\", 0, 0]", "block[0].velocity is not finite at (0.0125"},
              {"block[0].spin", "[\"" + hole + "sqrt(0-1) : 0\", 0, 0]", "block[0].spin is not finite at (0.0125"},
              {"block[0].ink", "[\"" + hole + "sqrt(0-1) : 0\"]", "block[0].ink is no number at (0.0125"}}) {
@@ -192,4 +209,26 @@ TEST_CASE("a value that is none is told where a particle has it: at the start wi
     const Scene after = with("fluid.viscosity", "\"" + hole + "0-1 : 30\"");
     changed.change(after, make_plan(after));
     CHECK(end_of(changed) == "new fluid: fluid.viscosity is -1 Pa s");
+}
+
+TEST_CASE("ages are sums of rounded steps: past the last that has a viscosity a particle has that of shortly before", "[viscosity]") {
+    const auto at = [](const std::string& viscosity, double age, double time, double dt) {
+        ReadRequest request;
+        request.changes.push_back({"fluid.viscosity", "\"" + viscosity + "\"", "test"});
+        StepContext step;
+        step.time = time, step.dt = static_cast<Real>(dt);
+        StepReport report;
+        const std::vector<std::int16_t> zero{0};
+        const std::vector<Vec3> x{Vec3::Zero()};
+        std::vector<Real> ages{static_cast<Real>(age)}, mu{-1};
+        AgeingViscosity{{read_scene_text(pour, "test.toml", request).fluid.viscosity}}(step, report, {zero}, {x}, {zero}, {{ages}}, {{mu}});
+        return report.diverged ? -1 : static_cast<double>(mu[0]);
+    };
+    CHECK(at("1-age", 1.00007, 0.9999, 1e-4) == Approx(1e-4).epsilon(0.01));
+    CHECK(at("sqrt(1-age)", 1.00007, 0.9999, 1e-4) == Approx(0.01).epsilon(0.01));
+    const double out_late = at("0.5-age", 0.50001 + 50000 * 0.25 * std::numeric_limits<Real>::epsilon(), 8.5, 1e-5);
+    CHECK((out_late >= 0 && out_late < 0.01));
+    CHECK(at("0.9-age", 1.00007, 0.9999, 1e-4) == -1);
+    CHECK(at("sqrt(0.9-age)", 1.00007, 0.9999, 1e-4) == -1);
+    CHECK(at("1/(0.5-age)", 0.5, 0.5, 1e-4) > 0);
 }

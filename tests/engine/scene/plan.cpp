@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <fstream>
 
 #include "engine/scene/write.h"
 #include "tests/support/poured_honey.h"
+#include "tests/support/scratch.h"
 
 using namespace whorl;
 using test::messages_with;
@@ -139,6 +141,18 @@ velocity = ["-9*y", "9*x", "0"]
 
 TEST_CASE("viscosity that varies in space counts with its largest value", "[plan]") {
     CHECK(plan_with({"fluid.viscosity=y > 0.07 ? 5 : 1"}).largest_viscosity == 5);
+    CHECK(plan_with({"emitter[0].start=3", "fluid.viscosity=1000 + 100*age"}).largest_viscosity == Approx(1100));
+}
+
+TEST_CASE("the viscosity of a block counts that is at none of the points where it is looked for", "[plan]") {
+    const test::ScratchFolder folder;  // two pieces in opposite corners
+    std::ofstream(folder / "two.obj") << "v 0 8 8\nv 8 0 8\nv 8 8 0\nv 8 8 8\nv 40 32 32\nv 32 40 32\nv 32 32 40\nv 32 32 32\n"
+                                         "f 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\nf 5 6 7\nf 5 8 6\nf 6 8 7\nf 7 8 5\n";
+    const std::string scene = test::poured_honey, block = "[[block]]\nshape = \"mesh\"\nscale = 1e-3\nfile = \"";
+    for (const std::string viscosity : {"1000", "1000 + 0*x"}) {
+        const std::string text = scene.substr(0, scene.find("[[emitter]]")) + block + (folder / "two.obj").string() + "\"\n";
+        CHECK(make_plan(scene_with({"fluid.viscosity=" + viscosity}, text)).pressure == PressureModel::coupled);
+    }
 }
 
 TEST_CASE("few particles across the opening are a warning", "[plan]") {
@@ -178,6 +192,7 @@ TEST_CASE("impossible scenes are told with place and hint", "[plan]") {
         CHECK_THAT(messages_with({"time.end=4", block, set}), Catch::Contains(told == "no error" ? told : "--set " + set + ": " + told));
     // What a block and an opening give their particles, only where these may stand.
     const auto box = [](const std::string& keys) { return "block[0]={shape=\"box\", min=[0,0.02,0], max=[0.05,0.06,0.05], " + keys + "}"; };
+    const std::string outside_ball = "sqrt((x-0.028)^2+(y-0.042)^2+(z-0.026)^2-1.4e-4)", too_large = sizeof(Real) == 4 ? "1e39" : "1e400";
     for (const auto& [set, told] : std::vector<std::pair<std::string, std::string>>{
              {box("velocity=[\"y/sqrt(x^2+z^2)\",0,0]"), "no error"},
              {box("velocity=[\"sqrt(x-0.02)\",0,0]"), "block[0].velocity is not finite at ("},
@@ -185,11 +200,23 @@ TEST_CASE("impossible scenes are told with place and hint", "[plan]") {
              {box("ink=[\"sqrt(x-0.02)\"]"), "block[0].ink is no number at ("},
              {"fluid.viscosity=1e3*sqrt(abs(x-0.035)-0.005)", "fluid.viscosity is nan Pa s at ("},
              {"fluid.viscosity=3000-1000*age", "block[0] at the age of 3.016 s; allowed: at least 0"},
+             {"fluid.viscosity=x > 0.03 ? " + too_large + " : 1000",
+              sizeof(Real) == 4 ? "in block[0]; allowed: up to 3.4e+38" : "allowed: up to"},
+             {"fluid.force=[\"" + outside_ball + "\", 0, 0]", "no error"},
+             {box("velocity=[\"" + outside_ball + "\",0,0]"), "no error"},
+             {box("spin=[\"" + outside_ball + "\",0,0]"), "no error"},
+             {box("ink=[\"" + outside_ball + "\"]"), "no error"},
              {"emitter[0].viscosity=abs(x-0.002) < 0.001 ? 0-1 : 1000",
               "emitter[0].viscosity is -1 Pa s at emitter[0]; allowed: at least 0"}})
         CHECK_THAT(messages_with({"models.pressure=ppe", "models.micropolar=bender", "emitter[0].viscosity=1000",
+                                  "solid[1]={shape=\"sphere\", radius=" + std::string(told == "no error" ? "0.012" : "0.001") +
+                                      ", position=[0.028,0.042,0.026]}",
                                   set.rfind("block", 0) == 0 ? set : box("velocity=[0,0,0]"), set}),
                    Catch::Contains(told));
+    CHECK(messages_with({"emitter[0].viscosity=1000", box("velocity=[0,0,0]"), "fluid.viscosity=1e5*" + outside_ball,
+                         "solid[1]={shape=\"sphere\", radius=0.012, position=[0.028,0.042,0.026]}"}) == "no error");
+    CHECK(messages_with({"emitter[0].start=3", "emitter[0].viscosity=1100-1000*age"}) == "no error");
+    CHECK_THAT(messages_with({"emitter[0].start=3", "emitter[0].viscosity=900-1000*age"}), Catch::Contains("at the age of 0.9"));
     CHECK(messages_with({"emitter[0].viscosity=1000", "fluid.viscosity=1e5*sqrt(0.000901 - (x-0.05)^2-(y-0.04)^2-(z-0.05)^2)",
                          "block[0]={shape=\"sphere\", radius=0.03, position=[0.05,0.04,0.05]}"}) == "no error");
     CHECK_THAT(messages_with({"stream[0]={velocity=[\"(0-t)^0.5\", 0, 0], time=1, " + stream}),

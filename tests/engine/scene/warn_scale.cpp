@@ -154,7 +154,7 @@ TEST_CASE("a light body may be hollow, or given in g/cm^3", "[plan]") {
 
 TEST_CASE("a viscosity that is no number on one side of a nozzle is refused", "[plan]") {
     for (const std::string mu : {"1000*sqrt(x)", "1000*sqrt(z)"})
-        CHECK_THAT(messages_with({"fluid.viscosity=" + mu}), Catch::EndsWith("nan Pa s at emitter[0]; allowed: at least 0"));
+        CHECK_THAT(messages_with({"fluid.viscosity=" + mu}), Catch::EndsWith("nan Pa s at emitter[0]"));
 }
 
 TEST_CASE("a viscosity that is none at the rim of a nozzle, where no particle is, is taken", "[plan]") {
