@@ -8,37 +8,6 @@
 namespace whorl {
 namespace {
 
-/// Two directions in the plane: axes of the domain where the plane holds them.
-struct PlaneLattice {
-    Vec3d direction[2];
-    int axes[2] = {-1, -1};  ///< of the domain, -1: none
-
-    explicit PlaneLattice(const Vec3d& n) {
-        int found = 0;
-        for (int a = 0; a < 3 && found < 2; ++a)
-            if (std::abs(n[a]) < 1e-6) axes[found++] = a;
-        if (found > 0) direction[0] = Vec3d::Unit(axes[0]);
-        else frame_of(n, direction[0], direction[1]);
-        direction[1] = n.cross(direction[0]);
-        if (found > 1) direction[1] = Vec3d::Unit(axes[1]);
-    }
-
-    bool has_no_depth(std::size_t k, const LayerRegion& region) const { return axes[k] == 2 && region.domain.dimensions() == 2; }
-    bool repeats(std::size_t k, const LayerRegion& region) const {
-        return axes[k] >= 0 && region.domain.periodic[static_cast<std::size_t>(axes[k])];
-    }
-    /// The domain seen along the direction.
-    void ends(std::size_t k, const LayerRegion& region, double& low, double& high) const {
-        low = high = 0;
-        for (int b = 0; b < 3; ++b) {
-            const double at_min = (double(region.domain.min[b]) - region.margin) * direction[k][b];
-            const double at_max = (double(region.domain.max[b]) + region.margin) * direction[k][b];
-            low += std::min(at_min, at_max);
-            high += std::max(at_min, at_max);
-        }
-    }
-};
-
 class Plane final : public Shape {
 public:
     Plane(const Vec3d& point, const Vec3d& normal) : point_(point.cast<Real>()), normal_(normal.normalized().cast<Real>()) {}
@@ -107,17 +76,75 @@ private:
 
 std::shared_ptr<const Shape> make_plane(const Vec3d& point, const Vec3d& normal) { return std::make_shared<Plane>(point, normal); }
 
-double plane_points(const Vec3d& normal, const LayerRegion& region) {
-    const PlaneLattice lattice(normal.normalized());
-    double count = 1;
-    for (std::size_t k = 0; k < 2; ++k) {
-        if (lattice.has_no_depth(k, region)) continue;
-        double low = 0, high = 0;
-        lattice.ends(k, region, low, high);
-        if (lattice.repeats(k, region)) low = region.domain.min[lattice.axes[k]], high = region.domain.max[lattice.axes[k]];
-        count *= std::max(1.0, std::round((high - low) / region.spacing));
+PlaneLattice::PlaneLattice(const Vec3d& n) {
+    int found = 0;
+    for (int a = 0; a < 3 && found < 2; ++a)
+        if (std::abs(n[a]) < 1e-6) axes[found++] = a;
+    if (found > 0) direction[0] = Vec3d::Unit(axes[0]);
+    else frame_of(n, direction[0], direction[1]);
+    direction[1] = n.cross(direction[0]);
+    if (found > 1) direction[1] = Vec3d::Unit(axes[1]);
+}
+
+void PlaneLattice::ends(std::size_t k, const LayerRegion& region, double& low, double& high) const {
+    low = high = 0;
+    for (int b = 0; b < 3; ++b) {
+        const double at_min = (double(region.domain.min[b]) - region.margin) * direction[k][b];
+        const double at_max = (double(region.domain.max[b]) + region.margin) * direction[k][b];
+        low += std::min(at_min, at_max);
+        high += std::max(at_min, at_max);
     }
-    return count;
+}
+
+PlanePatch::PlanePatch(const Vec3d& point, const Vec3d& normal, const LayerRegion& at_rest)
+    : point_(point), normal_(normal), at_rest_(at_rest), lattice_(normal) {
+    for (std::size_t k = 0; k < 2; ++k) {
+        double end = 0;
+        lattice_.ends(k, at_rest, begin_[k], end);
+        first_[k] = std::numeric_limits<double>::infinity(), last_[k] = -first_[k];
+    }
+}
+
+void PlanePatch::add(const Vec3d& x) {
+    for (std::size_t k = 0; k < 2; ++k) {
+        const double steps = (x.dot(lattice_.direction[k]) - begin_[k]) / at_rest_.spacing;
+        first_[k] = std::min(first_[k], std::floor(steps + 1e-3)), last_[k] = std::max(last_[k], std::ceil(steps - 1e-3));
+    }
+}
+
+void PlanePatch::add_crossing(const Vec3d& p, const Vec3d& q) {
+    if (!(p.allFinite() && q.allFinite())) return;
+    const double a = normal_.dot(p - point_), b = normal_.dot(q - point_), near = at_rest_.spacing;
+    if (std::abs(a) <= near) add(p);
+    if (std::abs(b) <= near) add(q);
+    for (const double face : {-near, near})
+        if ((a < face) != (b < face)) add(p + (face - a) / (b - a) * (q - p));
+}
+
+double PlanePatch::steps(std::size_t k) const {
+    if (lattice_.has_no_depth(k, at_rest_)) return 1;
+    if (!lattice_.repeats(k, at_rest_)) return std::max(0.0, last_[k] - first_[k]);
+    const int a = lattice_.axes[k];
+    return std::max(1.0, std::round((double(at_rest_.domain.max[a]) - double(at_rest_.domain.min[a])) / at_rest_.spacing));
+}
+
+double PlanePatch::points() const { return steps(0) * steps(1); }
+
+std::vector<LayerPoint> PlanePatch::layer(double offset) const {
+    std::vector<double> line[2];
+    for (std::size_t k = 0; k < 2; ++k) check_count(steps(k), "plane");
+    check_count(points(), "plane");
+    for (std::size_t k = 0; k < 2; ++k) {
+        if (lattice_.has_no_depth(k, at_rest_)) line[k] = {0};
+        else if (lattice_.repeats(k, at_rest_)) line[k] = period_points(at_rest_, lattice_.axes[k]);
+        else
+            for (double i = first_[k]; i < last_[k] && i + 1 > i; ++i) line[k].push_back(begin_[k] + (i + 0.5) * at_rest_.spacing);
+    }
+    const Vec3d foot = normal_ * (point_.dot(normal_) + offset);
+    std::vector<LayerPoint> points;
+    for (double x : line[0])
+        for (double y : line[1]) points.push_back({foot + x * lattice_.direction[0] + y * lattice_.direction[1], normal_});
+    return points;
 }
 
 }  // namespace whorl

@@ -1,7 +1,9 @@
 #include "engine/particles/solid_sampling.h"
 
+#include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "engine/core/parallel.h"
 #include "engine/geometry/surface_layer.h"
@@ -11,10 +13,11 @@ namespace whorl {
 
 namespace {
 
-std::vector<LayerPoint> layer_of(const Solid& solid, std::size_t k, const LayerRegion& region,
+std::vector<LayerPoint> layer_of(const Solid& solid, std::size_t k, const LayerRegion& region, const std::optional<PlanePatch>& patch,
                                  const std::function<Place(std::size_t)>& place_of) {
+    const Real depth = (solid.inside ? 1 : -1) * region.spacing / 2;
     try {
-        return solid.shape->layer((solid.inside ? 1 : -1) * region.spacing / 2, region);
+        return patch ? patch->layer(depth) : solid.shape->layer(depth, region);
     } catch (const InputError& error) {
         Problem problem = error.problems().front();
         if (place_of) problem.place = place_of(k);
@@ -23,56 +26,87 @@ std::vector<LayerPoint> layer_of(const Solid& solid, std::size_t k, const LayerR
     }
 }
 
+using Corners = std::array<Vec3d, 8>;
+
+/// Of the domain and `around` [m] about it, in the axes of the plane. Along periodic axes the domain goes with the plane: what leaves it
+/// there comes in again.
+Corners corners_in_own_axes(const Solid& plane, const Domain& domain, double around, double t) {
+    Corners corners;
+    const Vec3d moved = plane.position(t) - plane.position(0);
+    for (unsigned i = 0; i < 8; ++i) {
+        Vec3d x;
+        for (int a = 0; a < 3; ++a) {
+            const bool high = i >> a & 1, ends = !domain.periodic[a] && !(a == 2 && domain.dimensions() == 2);
+            x[a] = (domain.periodic[a] ? moved[a] : 0.0) + (high ? domain.max : domain.min)[a] + (ends ? (high ? around : -around) : 0.0);
+        }
+        corners[i] = plane.pose.rotation.transpose().cast<double>() * (x - plane.pose.translation.cast<double>());
+    }
+    return corners;
+}
+
 }  // namespace
 
-LayerRegion region_of_moving_plane(const Solid& plane, Real spacing, const Domain& domain, double end) {
-    const Vec3d on_plane = turning_point(*plane.shape), n = plane.shape->normal(Vec3::Zero()).cast<double>();
-    const Mat3d back = plane.pose.rotation.transpose().cast<double>();
-    const Domain own = in_own_axes(domain, plane.pose);
-    const Vec3d low = own.min.cast<double>(), high = own.max.cast<double>();
-    Vec3d min = low, max = high;
-    double reach = 0;
+PlanePatch patch_of_moving_plane(const Solid& plane, Real spacing, const Domain& domain, Real support, double end) {
     constexpr int samples = 1024;
-    for (int k = 0; k <= samples; ++k) {  // unevenly, so as not to fall in with an oscillation
-        const double t = end * std::min(1.0, (k + std::fmod(0.618034 * k, 1.0)) / samples);
-        const Vec3d moved = back * (plane.position(t) - plane.position(0));
-        const Vec3d middle = (low + high) / 2 - moved, to_plane = n.dot(on_plane - middle) * n;
-        min = min.cwiseMin(low - moved + to_plane), max = max.cwiseMax(high - moved + to_plane);
-        reach = std::max(reach, (middle - on_plane).norm() + static_cast<double>(domain.size().norm()) / 2);
-    }
-    LayerRegion region{spacing, own, 3 * spacing, false};
+    constexpr double followed = 1000;  // s; what turns irregularly may be turned anyhow later
+    const Vec3d on_plane = turning_point(*plane.shape), n = plane.shape->normal(Vec3::Zero()).cast<double>();
+    LayerRegion at_rest{spacing, in_own_axes(domain, plane.pose), 3 * spacing, false};
     for (int a = 0; a < 3; ++a) {
         bool keeps_axis = std::abs(n[a]) < 1e-6;
         for (int b = 0; b < 3; ++b) {
             const Expression& spin = plane.spin.component[static_cast<std::size_t>(b)];
             keeps_axis = keeps_axis && (b == a || (spin.is_constant() && spin(0) == 0));
         }
-        region.domain.periodic[a] = region.domain.periodic[a] && keeps_axis;
-        if (region.domain.periodic[a] || (a == 2 && domain.dimensions() == 2)) continue;
-        region.domain.min[a] = static_cast<Real>(plane.spin.is_zero() ? min[a] : on_plane[a] - reach);
-        region.domain.max[a] = static_cast<Real>(plane.spin.is_zero() ? max[a] : on_plane[a] + reach);
+        at_rest.domain.periodic[a] = at_rest.domain.periodic[a] && keeps_axis;
     }
-    return region;
+    PlanePatch patch(on_plane, n, at_rest);
+    Solids alone;
+    alone.all = {plane};
+    Corners corners, before;
+    for (int k = 0; k <= samples; ++k) {  // unevenly, so as not to fall in with an oscillation
+        const double t = end * std::min(1.0, (k + std::fmod(0.618034 * k, 1.0)) / samples);
+        const bool known = t <= followed || !plane.spin.depends_on_time();
+        if (!known) alone.all[0].spin = {};
+        alone.set_time(t, 0);
+        corners = corners_in_own_axes(alone.all[0], domain, 2 * support, t);
+        if (!known) {
+            for (const Vec3d& x : corners)
+                for (const Vec3d& along : patch.lattice().direction)
+                    for (const double side : {-1.0, 1.0})
+                        if (x.allFinite()) patch.add(on_plane + side * (x - on_plane).norm() * along);
+            continue;
+        }
+        if (k == 0 && plane.spin.is_zero())
+            for (const Vec3d& x : corners) patch.add(x);
+        for (unsigned i = 0; i < 8; ++i) {
+            for (unsigned axis = 1; axis < 8; axis *= 2)
+                if (!(i & axis)) patch.add_crossing(corners[i], corners[i | axis]);
+            if (k > 0) patch.add_crossing(before[i], corners[i]);
+        }
+        before = corners;
+    }
+    return patch;
 }
 
 SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& domain, KernelForm kernel, Real support,
                              const std::function<Place(std::size_t)>& place_of, double end) {
     SolidParticles particles;
+    const Real reach = support > 0 ? support : 2 * spacing;
     const LayerRegion world{spacing, domain, 3 * spacing, true}, slice{spacing, domain, std::numeric_limits<Real>::infinity(), true};
     for (std::size_t k = 0; k < solids.all.size(); ++k) {
         const Solid& solid = solids.all[k];
         const bool turned = !solid.pose.rotation.isIdentity(0), bounded = solid.shape->bounded(), still = !solid.moves();
         // The box about a turned domain has an end along a periodic axis, where the solid goes on.
         LayerRegion region{spacing, in_own_axes(domain, solid.pose), world.margin, still && !(turned && bounded && domain.any_periodic())};
-        const bool moving_plane = !bounded && !still;
-        if (moving_plane) region = region_of_moving_plane(solid, spacing, domain, end);
-        else if (!solid.spin.is_zero()) region.domain.periodic = {false, false, false};
-        for (const LayerPoint& point : layer_of(solid, k, region, place_of)) {
+        std::optional<PlanePatch> patch;
+        if (!bounded && !still) patch = patch_of_moving_plane(solid, spacing, domain, reach, end);
+        if (!solid.spin.is_zero()) region.domain.periodic = {false, false, false};
+        for (const LayerPoint& point : layer_of(solid, k, region, patch, place_of)) {
             if (region.clipped && !region.contains(point.position)) continue;
-            if (moving_plane || (turned && still)) {
+            if (patch || (turned && still)) {
                 const Vec3 x = solid.pose.rotation * point.position.cast<Real>() + solid.pose.translation;
                 const Vec3d at = x.cast<double>();
-                if (!(bounded ? world.contains(at) : contains_once(moving_plane ? slice : world, at))) continue;
+                if (!(bounded ? world.contains(at) : contains_once(patch ? slice : world, at))) continue;
             }
             particles.solid.push_back(static_cast<Index>(k));
             particles.own_position.push_back(point.position.cast<Real>());
@@ -85,7 +119,7 @@ SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& d
     particles.normal.resize(n);
     particles.volume.resize(n);
     particles.follow(solids);
-    set_solid_volumes(particles, solids, domain, kernel, support > 0 ? support : 2 * spacing);
+    set_solid_volumes(particles, solids, domain, kernel, reach);
     return particles;
 }
 

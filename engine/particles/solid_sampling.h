@@ -4,6 +4,7 @@
 
 #include "engine/core/errors.h"
 #include "engine/geometry/domain.h"
+#include "engine/geometry/plane.h"
 #include "engine/geometry/solids.h"
 #include "engine/math/kernel.h"
 
@@ -21,9 +22,11 @@ namespace whorl {
 SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& domain, KernelForm kernel = {}, Real support = 0,
                              const std::function<Place(std::size_t)>& place_of = {}, double end = 0);
 
-/// Where the layer of a plane that moves is wanted, in its own axes: wherever the domain is, seen along the normal, from now until `end`
-/// [s]. Periodic axes stay so where the plane keeps them.
-LayerRegion region_of_moving_plane(const Solid& plane, Real spacing, const Domain& domain, double end);
+/// Where the layer of a plane that moves is wanted: where it meets the domain, and twice the support [m] about it, at any time until `end`
+/// [s]; of one that does not turn also where the domain is at first, seen along the normal. Periodic axes are filled where the plane
+/// keeps them. What a longer run wants contains what a shorter one does, at the same places.
+/// @param plane in its pose at t = 0
+PlanePatch patch_of_moving_plane(const Solid& plane, Real spacing, const Domain& domain, Real support, double end);
 
 /// V_s = 1 / sum_s' W_ss', s itself included (Akinci et al. 2012) [m^D]. Solids that move count their own particles only, so that a volume
 /// stays as it is.

@@ -364,7 +364,7 @@ private:
         const double have = free_;
         double kept = 0, at_once = 0;  // bytes
         const auto add = [&](const std::string& name, const char* key, const char* what, double points, double bytes, double choosing,
-                             const char* smaller = "smaller") {
+                             const char* smaller = "it smaller") {
             const bool fitted = kept + at_once <= have;
             kept += points * bytes, at_once = std::max(at_once, points * choosing);
             if (fitted && kept + at_once > have)
@@ -372,14 +372,17 @@ private:
                        fmt::format("{} of {} takes about {:.2g} particles at this spacing, which need {:.2g} GB of memory, and {:.2g} GB "
                                    "are free",
                                    what, name, points, points * (bytes + choosing) / 1e9, have / 1e9),
-                       fmt::format("make it {} or fluid.spacing larger", smaller));
+                       fmt::format("make {} or fluid.spacing larger", smaller));
         };
         for (std::size_t i = 0; i < scene_.emitters.size() && !oversized_; ++i)
             add(entry_name("emitter", i), "", "the nozzle", nozzle_points(scene_.emitters[i], plan_.spacing, plan_.dimensions()), 300, 0);
         for (std::size_t i = 0; i < scene_.solids.size() && plan_.boundary != BoundaryModel::none; ++i) {
             const bool mesh = scene_.solids[i].shape.kind == "mesh";
-            add(entry_name("solid", i), mesh ? ".scale" : "", "the surface", layer_points(scene_, shapes_, i), 250, mesh ? 950 : 0,
-                scene_.solids[i].shape.kind == "plane" ? "move less" : "smaller");
+            add(entry_name("solid", i), mesh ? ".scale" : "", "the surface", layer_points(scene_, shapes_, i, plan_.support), 250,
+                mesh ? 950 : 0,
+                scene_.solids[i].shape.kind != "plane" ? "it smaller"
+                : shapes_.solids.all[i].moves()        ? "it move less"
+                                                       : "the domain smaller");
         }
     }
 

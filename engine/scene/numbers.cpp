@@ -5,7 +5,6 @@
 #include <limits>
 #include <numbers>
 
-#include "engine/geometry/plane.h"
 #include "engine/models/viscosity/ageing_viscosity.h"
 #include "engine/models/viscosity/explicit_viscosity.h"
 #include "engine/particles/emitter.h"
@@ -118,14 +117,14 @@ double plane_inside(const Vec3d& normal, const Vec3d& size, int dimensions) {
 
 }  // namespace
 
-double layer_points(const Scene& scene, const SceneShapes& shapes, std::size_t solid) {
+double layer_points(const Scene& scene, const SceneShapes& shapes, std::size_t solid, double support) {
     const ShapeKeys& keys = scene.solids[solid].shape;
     const Solid& made = shapes.solids.all[solid];
     const double d = scene.fluid.spacing, r = keys.radius, round = 2 * std::numbers::pi * r;
     const Vec3d margin = Vec3d::Constant(3 * d);
     const Domain seen = in_own_axes(scene.domain.box(), made.pose);
     if (keys.kind == "plane" && made.moves())
-        return plane_points(keys.normal, region_of_moving_plane(made, static_cast<Real>(d), scene.domain.box(), scene.time.end));
+        return patch_of_moving_plane(made, static_cast<Real>(d), scene.domain.box(), static_cast<Real>(support), scene.time.end).points();
     if (keys.kind == "plane")
         return plane_inside(made.turn * keys.normal.normalized(), scene.domain.max - scene.domain.min + 2 * margin,
                             scene.domain.dimensions) /

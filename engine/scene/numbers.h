@@ -48,7 +48,7 @@ double opening_area(const EmitterKeys& emitter, int dimensions);
 double emitted_volume(const EmitterKeys& emitter, double end, int dimensions);
 /// Particles in the column that a nozzle repeats, and in the layer of a solid before it is cut at the domain; about.
 double nozzle_points(const EmitterKeys& emitter, double spacing, int dimensions);
-double layer_points(const Scene& scene, const SceneShapes& shapes, std::size_t solid);
+double layer_points(const Scene& scene, const SceneShapes& shapes, std::size_t solid, double support);
 /// Across the opening at its narrowest [m].
 double narrowest_of(const EmitterKeys& emitter, int dimensions);
 

@@ -18,7 +18,7 @@ inline bool is_small(const Scene& scene, const Plan& plan) {
     double count = 0;
     for (const Extent& block : shapes.block_extent) count += block.volume / plan.particle_volume();
     for (const EmitterKeys& emitter : scene.emitters) count += nozzle_points(emitter, plan.spacing, plan.dimensions());
-    for (std::size_t k = 0; k < scene.solids.size(); ++k) count += layer_points(scene, shapes, k);
+    for (std::size_t k = 0; k < scene.solids.size(); ++k) count += layer_points(scene, shapes, k, plan.support);
     return count < few;
 }
 

@@ -274,8 +274,12 @@ TEST_CASE("a plane that moves has its layer wherever it meets the domain until t
     solid.position = position, solid.spin = spin;
     solids.set_time(0, 1e-3);
     SolidParticles particles = sample_solids(solids, d, domain, {}, 0, {}, 4);
-    CHECK(particles.size() == Approx(plane_points(normal, region_of_moving_plane(solid, d, domain, 4))).epsilon(0.03));
+    CHECK(particles.size() == Approx(patch_of_moving_plane(solid, d, domain, 2 * d, 4).points()).epsilon(0.03));
     CHECK(gaps(particles, d, domain).first > 0.95);
+    const auto before = [](const Vec3& a, const Vec3& b) { return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end()); };
+    Column<Vec3> shorter = sample_solids(solids, d, domain, {}, 0, {}, 2).own_position, all = particles.own_position;
+    std::sort(shorter.begin(), shorter.end(), before), std::sort(all.begin(), all.end(), before);
+    CHECK(std::includes(all.begin(), all.end(), shorter.begin(), shorter.end(), before));
     RandomNumbers numbers(3);
     int met = 0;
     for (double t = 0; t <= 4; t += 0.25) {
@@ -292,6 +296,21 @@ TEST_CASE("a plane that moves has its layer wherever it meets the domain until t
         }
     }
     CHECK(met > 100);
+}
+
+TEST_CASE("a plane that rocks has the layer of the domain's section, not of its length", "[geometry]") {
+    const Real d = Real(0.05);
+    const Domain domain{Vec3(0, 0, 0), Vec3(10, 1, Real(0.5)), {}};
+    Solids solids;
+    solids.all.push_back(solid_of(make_plane({0, 0, 0}, {1, 0, 0})));
+    solids.set_time(0, 1e-3);
+    const Index still = sample_solids(solids, d, domain).size();
+    solids.all[0].spin = expressions("0", "0", "0.3*cos(5*t)");
+    solids.set_time(0, 1e-3);
+    const SolidParticles rocking = sample_solids(solids, d, domain, {}, 0, {}, 1);
+    CHECK(rocking.size() >= still);
+    CHECK(rocking.size() < 1.3 * still);
+    for (const Vec3& u : rocking.velocity) REQUIRE(u.norm() < 0.3 * 1.5);
 }
 
 TEST_CASE("a layer beyond 50 million particles is refused in words, with the solid's place", "[geometry]") {

@@ -242,6 +242,10 @@ TEST_CASE("impossible scenes are told with place and hint", "[plan]") {
               .find("block[0] fills ") != std::string::npos);
     CHECK(messages_with({"models.pressure=ppe", "solid[1]={shape=\"sphere\", radius=1000, inside=true}"})
               .find("the surface of solid[1] takes about 3.1e+12") != std::string::npos);
+    for (const auto& [y, hint] : {std::pair("0", "make the domain smaller or"), {"\"0.01*t\"", "make it move less or"}})
+        CHECK_THAT(messages_with({"models.pressure=ppe", "domain.min=[-1000,-0.01,-1000]", "domain.max=[1000,0.1,1000]",
+                                  "solid[0].position=[0," + std::string(y) + ",0]"}),
+                   Catch::Contains(hint));
     CHECK(messages_with({"emitter[0].radius=0.09", "emitter[0].speed=1e-9", "fluid.spacing=1e-7"})
               .find("the nozzle of emitter[0] takes about") != std::string::npos);
     CHECK(messages_with({"fluid.spacing=1e-8"}).find("particles need") != std::string::npos);

@@ -353,4 +353,23 @@ TEST_CASE("a plane that comes in from outside pushes the fluid as a box does, le
     CHECK(askew.y() == Approx(askew.x()).epsilon(0.1));
 }
 
+TEST_CASE("a plane that moves pushes the same in a run that ends sooner, and in one that is resumed to end later",
+          "[sim][boundary][resume]") {
+    const std::string motion = GENERATE("position = [\"0.317*t\", \"0.05*t\"]\n", "rotation = [0, 0, \"0.5*sin(7*t)\"]\n");
+    const auto until = [&](const std::string& end) {
+        return simulation_of(
+            "[time]\nend = " + end +
+            "\nmax_step = 5e-3\n[domain]\ndimensions = 2\nmin = [0, 0]\nmax = [1, 1]\n[fluid]\nspacing = 0.05\nviscosity = 1\n"
+            "[[block]]\nshape = \"box\"\nmin = [0.2, 0.1]\nmax = [0.6, 0.4]\n[[solid]]\nshape = \"plane\"\n" +
+            motion);
+    };
+    Simulation sooner = until("0.3"), whole = until("1"), resumed = until("1");
+    run_until(sooner, 0.3), run_until(whole, 0.3);
+    CHECK((state_of(sooner) == state_of(whole)));
+    std::istringstream saved(state_of(sooner));
+    resumed.load(saved);
+    run_until(resumed, 0.6), run_until(whole, 0.6);
+    CHECK((state_of(resumed) == state_of(whole)));
+}
+
 }  // namespace simulation_test
