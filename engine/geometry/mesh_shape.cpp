@@ -246,7 +246,7 @@ public:
         if (!overlap_) return Shape::bulk();
         const Eigen::AlignedBox3d box = whole_box();
         const Vec3d apart(0.8191725133961645, 0.6710436067037893, 0.5497004779019703);
-        constexpr int count = 200'000;
+        const int count = std::clamp(20'000'000 / static_cast<int>(parts_.size()), 20'000, 200'000);  // a place asks every part
         const double share = box.volume() / count;
         Bulk bulk;
         Vec3d first = Vec3d::Zero();

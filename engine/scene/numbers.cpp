@@ -201,7 +201,8 @@ private:
         if (std::isfinite(size.minCoeff())) thickness(size.minCoeff(), entry_name("block", i));
     }
 
-    /// Where particles may stand; where none of the points is such a place, at all of them.
+    /// In the block and outside solids, on their faces, too: the outermost particles stand half a spacing away. Where none of the points is
+    /// such a place, at all of them.
     void viscosity_in(std::size_t i, const Vec3d& low, const Vec3d& high) {
         const Expression& mu = scene_.fluid.viscosity;
         if (!depends_on_place(mu)) return viscosity(0, low);
@@ -210,7 +211,7 @@ private:
             over_box(low, high, [&](const Vec3d& x) {
                 const Vec3 at = x.cast<Real>();
                 if (!is_viscosity(mu(0, x)) ||
-                    !(everywhere || (shapes_.blocks[i]->distance(at) <= Real(d_ / 2) && !in_solids(shapes_, at, 0.45 * d_))))
+                    !(everywhere || (shapes_.blocks[i]->distance(at) <= Real(d_ / 2) && !in_solids(shapes_, at, -1e-3 * d_))))
                     return;
                 viscosity(0, x), counted = true;
             });

@@ -179,12 +179,6 @@ TEST_CASE("an option that makes no sense is told as the user typed it", "[tools]
                       "--export mehs: output.export[0] = \"mehs\" is not known; did you mean \"mesh\"?; allowed: points, mesh, obj, vdb, "
                       "scene, vtk, raw");
     o.exports = {};
-    o.fps = 1e-5;
-    CHECK_THROWS_WITH(
-        read_scene_file(o),
-        "--fps 1e-05: time.fps = 1e-05: too few frames a second for a video; set output.video = false; allowed: at least 0.0001");
-    o.no_video = true;
-    CHECK(read_scene_file(o).scene.time.fps == 1e-5);
     o.until = -1;
     CHECK_THROWS_WITH(read_scene_file(o), "--until -1.0: time.end = -1 is out of range; allowed: more than 0");
     fs::remove_all(folder);

@@ -173,6 +173,9 @@ TEST_CASE("a longer film goes on where only the preconditioner is another, which
 
 TEST_CASE("a film whose pictures were left to draw goes on when they are drawn, or without pictures", "[tools][resume]") {
     const Scratch scratch;
+    const Outcome slow = test::whorl({"render", scratch.scene(), "--fps", "1e-5", "--out", scratch.run()});  // not asked without a video
+    CHECK(slow.code == 2);
+    CHECK(slow.err.find("time.fps = 1e-05: too few frames a second for a video; set output.video = false") != std::string::npos);
     REQUIRE(test::whorl({"render", scratch.scene(), "--quality", "draft", "--size", "64x36", "--no-draw", "--until", "0.05", "--quiet",
                          "--out", scratch.run()})
                 .code == 0);

@@ -274,7 +274,8 @@ private:
 
 int run_panels(const RunRequest& request, PanelRuns how) {
     if (how == PanelRuns::fresh) RunFolder::check_fresh(request.folder);  // not only after the first passes
-    if (wants_pictures(request) && request.file.scene.output.video) check_encoder(without_video(how == PanelRuns::resumed));
+    if (wants_pictures(request) && request.file.scene.output.video)
+        check_video_rate(request.file.scene), check_encoder(without_video(how == PanelRuns::resumed));
     return PanelFilm(request, how).go();
 }
 

@@ -98,7 +98,7 @@ int redraw(const RedrawRequest& request) {
         return std::make_shared<const PictureOptions>(PictureOptions{now.surface, now.camera, now.look});
     };
     const FilmOptions options = film_options(request, whole);
-    if (!options.video.empty()) check_encoder(without_video(false));
+    if (!options.video.empty()) check_video_rate(file.scene), check_encoder(without_video(false));
     std::optional<RunFolder> held;
     if (request.out != request.run) {
         held.emplace(

@@ -375,13 +375,20 @@ const char* without_video(bool goes_on) {
     return goes_on ? "or set output.video = false in scene.resolved.toml" : "or run with --no-video";
 }
 
+void check_video_rate(const Scene& scene) {
+    if (scene.time.fps < least_video_fps)
+        throw InputError(scene.place("time.fps"), fmt::format("time.fps = {:g}: too few frames a second for a video", scene.time.fps),
+                         "set output.video = false", fmt::format("allowed: at least {:g}", least_video_fps));
+}
+
 int run_scene(const RunRequest& request) {
     const Plan plan = make_plan(request.file);
     if (!request.from) RunFolder::check_fresh(request.folder);  // not only after a first pass
     std::string encoder;
-    if (!film_options(request, request.file, 0).video.empty())
+    if (!film_options(request, request.file, 0).video.empty()) {
+        check_video_rate(request.file.scene);
         encoder = check_encoder(without_video(request.from || request.earlier == RunFolder::Earlier::begun_again));
-    else if (request.file.scene.output.frames && request.file.scene.output.video) encoder = encoder_version();
+    } else if (request.file.scene.output.frames && request.file.scene.output.video) encoder = encoder_version();
     return Run(request, plan, std::move(encoder)).run();
 }
 

@@ -22,6 +22,8 @@ struct RunRequest {
 
 /// What a film does that is not to need ffmpeg. @param goes_on it is resumed
 const char* without_video(bool goes_on);
+/// Before a film is begun that is to have a video. @throws InputError where a video cannot have so few frames a second
+void check_video_rate(const Scene& scene);
 
 /// Simulates, measures, draws, writes; the scene's panels are left out (panels.h runs them). Interrupted by SIGINT or SIGTERM it completes
 /// the frames that are on their way, saves the state of the newest one and says how to resume.

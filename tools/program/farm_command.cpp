@@ -79,6 +79,8 @@ int farm(FarmCommand command) {
         films.push_back(std::move(film));
     }
     const auto wants_video = [](const FarmFilm& film) { return film.file.scene.output.frames && film.file.scene.output.video; };
+    for (const FarmFilm& film : films)
+        if (wants_video(film)) check_video_rate(film.file.scene);
     if (command.farm.on == "local" && std::any_of(films.begin(), films.end(), wants_video)) check_encoder(without_video(false));
     share_cores(command.farm, films.size() == 1 ? 2 : films.size());
     set_threads(command.farm.threads);  // what the tasks have: the limits of time go by it

@@ -12,7 +12,6 @@
 #include "render/look/field_values.h"
 #include "render/look/look_keys.h"
 #include "render/surface/surface_keys.h"
-#include "render/video/encoder.h"
 #include "tools/process/program_path.h"
 #include "tools/scene_file/scene_changes.h"
 
@@ -140,9 +139,6 @@ void check_look(const SceneFile& file) {
     if (shows_field(file.look) && file.look.field == "ink" && !file.scene.any_ink())
         throw InputError(file.scene.place("look.field"), "look.field = \"ink\" needs fluid with ink",
                          "give a [[block]], [[emitter]] or [[stream]] ink");
-    if (const Scene& scene = file.scene; scene.output.frames && scene.output.video && scene.time.fps < least_video_fps)
-        throw InputError(scene.place("time.fps"), fmt::format("time.fps = {:g}: too few frames a second for a video", scene.time.fps),
-                         "set output.video = false", fmt::format("allowed: at least {:g}", least_video_fps));
     const bool exr = file.scene.output.format == "exr";
     if (file.look.style == "slice" && file.camera.kind == "auto" && (exr || is_transparent(file.look)))
         throw InputError(file.scene.place(exr ? "output.format" : "look.background"),

@@ -102,7 +102,8 @@ TEST_CASE("a mesh of a shape measures the shape's own distance, inside, outside,
     }
 }
 
-TEST_CASE("the parts of a mesh are solid together however they are turned, lie and touch; one inside another is a hollow", "[geometry]") {
+TEST_CASE("the parts of a mesh are solid together however they are turned, lie and touch, and one inside another is a hollow",
+          "[geometry]") {
     using Box = std::pair<Vec3d, Vec3d>;
     const auto cube = [](double from, double to) { return Box(Vec3d::Constant(from), Vec3d::Constant(to)); };
     struct Case {

@@ -144,6 +144,14 @@ TEST_CASE("viscosity that varies in space counts with its largest value", "[plan
     CHECK(plan_with({"emitter[0].start=3", "fluid.viscosity=1000 + 100*age"}).largest_viscosity == Approx(1100));
 }
 
+TEST_CASE("thick fluid that lies on a floor counts for the models", "[plan]") {
+    const std::string scene =
+        "name = \"floor\"\n[time]\nend = 0.1\n[domain]\nmin = [0,-0.1,0]\nmax = [1,1,1]\n[fluid]\nspacing = 0.025\n"
+        "viscosity = \"y < 0.05 ? 100 : 0.001\"\n[[solid]]\nshape = \"plane\"\n[[block]]\nshape = \"box\"\n"
+        "min = [0.2,0,0.2]\nmax = [0.8,0.4,0.8]\n";
+    CHECK(make_plan(scene_with({}, scene)).largest_viscosity == Approx(100));
+}
+
 TEST_CASE("the viscosity of a block counts that is at none of the points where it is looked for", "[plan]") {
     const test::ScratchFolder folder;  // two pieces in opposite corners
     std::ofstream(folder / "two.obj") << "v 0 8 8\nv 8 0 8\nv 8 8 0\nv 8 8 8\nv 40 32 32\nv 32 40 32\nv 32 32 40\nv 32 32 32\n"
