@@ -198,9 +198,9 @@ public:
     explicit Parts(const std::vector<TriangleMesh>& meshes) {
         std::vector<Part> parts;
         for (const TriangleMesh& mesh : meshes) parts.push_back({std::make_shared<Mesh>(mesh), bulk_of(mesh).volume});
-        std::vector<std::size_t> from_left(parts.size()), by_volume(parts.size());
+        std::vector<std::size_t> from_left(parts.size());
         std::iota(from_left.begin(), from_left.end(), 0u);
-        by_volume = from_left;
+        std::vector<std::size_t> by_volume = from_left;
         const auto box = [&](std::size_t k) -> const Eigen::AlignedBox3d& { return parts[k].mesh->box(); };
         std::stable_sort(from_left.begin(), from_left.end(), [&](auto i, auto j) { return box(i).min().x() < box(j).min().x(); });
         std::stable_sort(by_volume.begin(), by_volume.end(), [&](auto i, auto j) { return parts[i].volume > parts[j].volume; });

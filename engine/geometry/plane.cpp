@@ -44,12 +44,8 @@ public:
         const PlaneLattice lattice(n);
         std::vector<double> line[2];
         for (std::size_t k = 0; k < 2; ++k) {
-            if (lattice.has_no_depth(k, region)) {
-                line[k] = {0};
-                continue;
-            }
-            if (lattice.repeats(k, region)) {
-                line[k] = period_points(region, lattice.axes[k]);
+            if (auto all = lattice.line_without_ends(k, region)) {
+                line[k] = std::move(*all);
                 continue;
             }
             double low = 0, high = 0;
@@ -58,14 +54,7 @@ public:
             for (double x = low + region.spacing / 2; x < high && x + region.spacing > x; x += region.spacing) line[k].push_back(x);
         }
         check_count(double(line[0].size()) * double(line[1].size()), "plane");
-        const Vec3d foot = n * (point_.cast<double>().dot(n) + offset);
-        std::vector<LayerPoint> points;
-        for (double x : line[0])
-            for (double y : line[1]) {
-                const Vec3d at = foot + x * lattice.direction[0] + y * lattice.direction[1];
-                if (!region.clipped || contains_once(region, at)) points.push_back({at, n});
-            }
-        return points;
+        return lattice.points(n * (point_.cast<double>().dot(n) + offset), n, line, region);
     }
 
 private:
@@ -94,6 +83,23 @@ void PlaneLattice::ends(std::size_t k, const LayerRegion& region, double& low, d
         low += std::min(at_min, at_max);
         high += std::max(at_min, at_max);
     }
+}
+
+std::optional<std::vector<double>> PlaneLattice::line_without_ends(std::size_t k, const LayerRegion& region) const {
+    if (has_no_depth(k, region)) return std::vector<double>{0};
+    if (repeats(k, region)) return period_points(region, axes[k]);
+    return {};
+}
+
+std::vector<LayerPoint> PlaneLattice::points(const Vec3d& foot, const Vec3d& n, const std::vector<double> (&line)[2],
+                                             const LayerRegion& region) const {
+    std::vector<LayerPoint> points;
+    for (const double x : line[0])
+        for (const double y : line[1]) {
+            const Vec3d at = foot + x * direction[0] + y * direction[1];
+            if (!region.clipped || contains_once(region, at)) points.push_back({at, n});
+        }
+    return points;
 }
 
 PlanePatch::PlanePatch(const Vec3d& point, const Vec3d& normal, const LayerRegion& at_rest)
@@ -135,16 +141,11 @@ std::vector<LayerPoint> PlanePatch::layer(double offset) const {
     for (std::size_t k = 0; k < 2; ++k) check_count(steps(k), "plane");
     check_count(points(), "plane");
     for (std::size_t k = 0; k < 2; ++k) {
-        if (lattice_.has_no_depth(k, at_rest_)) line[k] = {0};
-        else if (lattice_.repeats(k, at_rest_)) line[k] = period_points(at_rest_, lattice_.axes[k]);
+        if (auto all = lattice_.line_without_ends(k, at_rest_)) line[k] = std::move(*all);
         else
             for (double i = first_[k]; i < last_[k] && i + 1 > i; ++i) line[k].push_back(begin_[k] + (i + 0.5) * at_rest_.spacing);
     }
-    const Vec3d foot = normal_ * (point_.dot(normal_) + offset);
-    std::vector<LayerPoint> points;
-    for (double x : line[0])
-        for (double y : line[1]) points.push_back({foot + x * lattice_.direction[0] + y * lattice_.direction[1], normal_});
-    return points;
+    return lattice_.points(normal_ * (point_.dot(normal_) + offset), normal_, line, at_rest_);
 }
 
 }  // namespace whorl

@@ -1,6 +1,8 @@
 #pragma once
 /// The half-space below a plane.
 #include <limits>
+#include <optional>
+#include <vector>
 
 #include "engine/geometry/shape.h"
 
@@ -20,6 +22,11 @@ struct PlaneLattice {
     }
     /// The domain seen along the direction.
     void ends(std::size_t k, const LayerRegion& region, double& low, double& high) const;
+    /// Where the lattice has no ends along the direction, which are to be found otherwise: all of its places [m].
+    std::optional<std::vector<double>> line_without_ends(std::size_t k, const LayerRegion& region) const;
+    /// Each place of the first line with each of the second [m], where the region wants it. @param foot where both are 0
+    std::vector<LayerPoint> points(const Vec3d& foot, const Vec3d& n, const std::vector<double> (&line)[2],
+                                   const LayerRegion& region) const;
 };
 
 /// The part of a plane, in its own axes, where its layer is wanted while it moves. Its lattice begins where that of the plane at rest

@@ -1,5 +1,7 @@
 #include "tests/support/poured_honey.h"
 
+#include <stdexcept>
+
 #include "engine/core/errors.h"
 #include "engine/scene/read.h"
 
@@ -33,6 +35,12 @@ std::string messages_with(const std::vector<std::string>& changes) {
         plan_with(changes);
     } catch (const InputError& e) { return e.what(); }
     return "no error";
+}
+
+const Choice& choice(const Plan& plan, const std::string& key) {
+    for (const Choice& c : plan.choices)
+        if (c.key == key) return c;
+    throw std::logic_error("no choice of " + key);
 }
 
 }  // namespace whorl::test

@@ -121,9 +121,11 @@ int redraw(const RedrawRequest& request) {
         if (!request.quiet) fmt::print(stderr, "\r{} of {} frames ", film.frames_written(), numbers.size()), std::fflush(stderr);
     }
     film.finish(true);
-    std::vector<fs::path> pictures;
-    for (const int number : numbers) pictures.push_back(picture_file(request.out, number, options.format));
-    if (whole) write_contact_sheet(request.out, pictures);
+    if (whole) {
+        std::vector<fs::path> pictures;
+        for (const int number : numbers) pictures.push_back(picture_file(request.out, number, options.format));
+        write_contact_sheet(request.out, pictures);
+    }
     if (!request.quiet)
         fmt::print(stderr, "\r{} drawn: {}\n", counted(static_cast<int>(numbers.size()), "frame"),
                    whole && !options.video.empty() ? options.video.string() : request.out.string());

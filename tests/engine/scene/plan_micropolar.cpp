@@ -1,0 +1,130 @@
+#include <algorithm>
+#include <catch2/catch.hpp>
+
+#include "engine/scene/plan.h"
+#include "tests/support/poured_honey.h"
+
+using namespace whorl;
+using test::choice;
+using test::scene_with;
+
+namespace {
+
+/// A periodic box of fluid with a micropolar model.
+const std::string eddies = R"toml([time]
+end = 1
+[domain]
+min = [0, 0, 0]
+max = [1, 1, 1]
+periodic = [true, true, true]
+gravity = [0, 0, 0]
+[fluid]
+spacing = 0.05
+viscosity = 4
+[models]
+micropolar = "seed"
+[[block]]
+shape = "box"
+min = [0, 0, 0]
+max = [1, 1, 1]
+velocity = ["sin(2*pi*x)", "0", "0"]
+)toml";
+
+std::string eddy_messages(const std::vector<std::string>& changes) {
+    try {
+        make_plan(scene_with(changes, eddies));
+    } catch (const InputError& e) { return e.what(); }
+    return "no error";
+}
+
+}  // namespace
+
+TEST_CASE("the three micropolar systems differ in their viscosity and coupling, and long waves feel the one less half of the other",
+          "[plan][micropolar]") {
+    const auto numbers = [](const std::string& model) {
+        return make_plan(
+                   scene_with({"models.micropolar=" + model, "micropolar.transfer_viscosity=2", "micropolar.micro_inertia=0.01"}, eddies))
+            .spin;
+    };
+    CHECK(numbers("seed").viscosity == Approx(4));
+    CHECK(numbers("seed").coupling == Approx(6));
+    CHECK(numbers("bender").viscosity == Approx(4));
+    CHECK(numbers("bender").coupling == Approx(2));
+    CHECK(numbers("eringen").viscosity == Approx(6));
+    CHECK(numbers("eringen").coupling == Approx(2));
+    CHECK(numbers("seed").effective_viscosity() == Approx(1));
+    CHECK(numbers("seed").response_time() == Approx(0.01 * 1000 / 12));
+    CHECK(numbers("seed").spin_viscosity == Approx(4 * 0.05 * 0.05));
+    CHECK(numbers("seed").spin_length() == Approx(std::sqrt(4 * 0.01 / (6 * 2))));
+}
+
+TEST_CASE("a calibrated micropolar fluid has the effective viscosity and the spin length that were asked for, in every system",
+          "[plan][micropolar]") {
+    std::string text = eddies;
+    text.replace(text.find("viscosity = 4\n"), 14, "");
+    for (const std::string model : {"seed", "bender", "eringen"}) {
+        INFO(model);
+        const Plan plan =
+            make_plan(scene_with({"models.micropolar=" + model, "micropolar.effective_viscosity=3", "micropolar.spin_length=0.1"}, text));
+        CHECK(plan.spin.effective_viscosity() == Approx(3));
+        CHECK(plan.spin.spin_length() == Approx(0.1));
+        CHECK(plan.spin.coupling == Approx(plan.spin.viscosity));
+        CHECK(plan.spin.pair_viscosity == Approx(plan.spin.coupling));
+        CHECK(choice(plan, "micropolar.micro_inertia").reason.find("calibrated") != std::string::npos);
+    }
+}
+
+TEST_CASE("a micropolar system that feeds energy in is an error by default and a warning with its numbers where it was asked for",
+          "[plan][micropolar]") {
+    const std::string by_default = eddy_messages({"fluid.viscosity=0.001"});
+    CHECK(by_default.find("models.micropolar = \"seed\" would feed energy in: its coupling, fluid.viscosity + the default "
+                          "micropolar.transfer_viscosity = 0.3 Pa s, "
+                          "is more than twice the 0.001 Pa s that models.viscosity = \"explicit\" applies") != std::string::npos);
+    const Plan asked = make_plan(scene_with({"micropolar.transfer_viscosity=5", "micropolar.micro_inertia=0.01"}, eddies));
+    REQUIRE(asked.warnings.size() == 1);
+    CHECK(asked.warnings[0].find("coupling 9 Pa s is more than twice its viscosity 4 Pa s, so that slow flows feel -0.5 Pa s and waves "
+                                 "longer than 0.419 m grow") != std::string::npos);
+    CHECK(make_plan(scene_with({"models.micropolar=eringen", "micropolar.transfer_viscosity=500", "micropolar.micro_inertia=0.01"}, eddies))
+              .warnings.empty());
+    CHECK(make_plan(scene_with({}, eddies)).warnings[0].find("the spin answers to the flow in 233 s, longer than the run of 1 s") !=
+          std::string::npos);
+}
+
+TEST_CASE("a transfer viscosity that the source of the seed system excludes is warned of", "[plan][micropolar]") {
+    const auto warned = [](const std::vector<std::string>& changes) {
+        const std::vector<std::string> all = make_plan(scene_with(changes, eddies)).warnings;
+        return std::any_of(all.begin(), all.end(),
+                           [](const std::string& w) { return w.find("the source of \"seed\" takes less than 0.4") != std::string::npos; });
+    };
+    CHECK(warned({"micropolar.transfer_viscosity=0.4"}));
+    CHECK_FALSE(warned({"micropolar.transfer_viscosity=0.399"}));
+    CHECK_FALSE(warned({"micropolar.transfer_viscosity=0.4", "models.micropolar=eringen"}));
+}
+
+TEST_CASE("micropolar keys that cannot be are told", "[plan][micropolar]") {
+    CHECK(eddy_messages({"micropolar.micro_inertia=0"}).find("micropolar.micro_inertia") != std::string::npos);
+    CHECK(eddy_messages({"micropolar.transfer_viscosity=-1"}).find("micropolar.transfer_viscosity") != std::string::npos);
+    CHECK(eddy_messages({"fluid.viscosity=1+x"})
+              .find("fluid.viscosity varies, and a micropolar model couples flow and spin by one viscosity") != std::string::npos);
+    CHECK(eddy_messages({"micropolar.effective_viscosity=1"})
+              .find("fluid.viscosity is chosen by micropolar.effective_viscosity; leave one of them out") != std::string::npos);
+    CHECK(eddy_messages({"models.pressure=coupled"}).find("models.pressure = \"coupled\" has no micropolar terms") != std::string::npos);
+    CHECK(eddy_messages({"models.micropolar=none", "viscosity.laplacian=split", "models.viscosity=explicit"})
+              .find("splits by the coupling of a micropolar model") != std::string::npos);
+    CHECK(eddy_messages({"viscosity.laplacian=split", "micropolar.transfer_viscosity=1"})
+              .find("viscosity.laplacian = \"split\" leaves -1 Pa s for the form along the pairs (viscosity 4 less coupling 5), and that "
+                    "feeds energy into compression") != std::string::npos);
+    CHECK(eddy_messages({"viscosity.laplacian=split", "models.micropolar=eringen"}) == "no error");
+    CHECK(eddy_messages({"models.micropolar=none", "block[0].spin=[0,0,1]"}).find("block[0].spin needs a micropolar model") !=
+          std::string::npos);
+}
+
+TEST_CASE("the exchange is explicit where its stable step is long enough, else implicit", "[plan][micropolar]") {
+    const auto scheme = [](const std::string& theta) {
+        return choice(make_plan(scene_with({"micropolar.transfer_viscosity=2", "micropolar.micro_inertia=" + theta}, eddies)),
+                      "micropolar.exchange")
+            .value;
+    };
+    CHECK(scheme("0.1") == "explicit");
+    CHECK(scheme("1e-6") == "implicit");
+}

@@ -1,0 +1,200 @@
+#include <algorithm>
+#include <catch2/catch.hpp>
+
+#include "engine/scene/plan.h"
+#include "engine/scene/write.h"
+#include "tests/support/poured_honey.h"
+
+using namespace whorl;
+using test::messages_with;
+using test::scene_with;
+
+TEST_CASE("impossible scenes are told with place and hint", "[plan]") {
+    const std::string domain = "; the domain goes from (-0.1, -0.01, -0.1) to (0.1, 0.1, 0.1)";
+    CHECK(messages_with({"emitter[0].position=[0,0.2,0]"}) ==
+          "--set emitter[0].position=[0,0.2,0]: emitter[0] at (0, 0.2, 0) lies outside of the domain" + domain);
+    CHECK(messages_with({"emitter[0].position=[0,-0.005,0]"}) ==
+          "--set emitter[0].position=[0,-0.005,0]: emitter[0] at (0, -0.005, 0) lies 0.005 m inside solid[0]; move one of them");
+    CHECK(messages_with({"fluid.spacing=0.02"}) ==
+          "--set fluid.spacing=0.02: fluid.spacing = 0.02 m is larger than emitter[0], which is 0.01 m across; 0.002 m puts 5 particles "
+          "across it");
+    CHECK(messages_with({"emitter[0].speed=0.1-t"}).find("emitter[0].speed is -0.0") != std::string::npos);
+    // Of place, too: at the start where blocks are.
+    const std::string block = "block[0]={shape=\"box\", min=[0.02,0.02,0], max=[0.05,0.1,0.05]}",
+                      stream = "min=[0,0,0], max=[0.1,0.1,0.1]}";
+    for (const auto& [set, told] : std::vector<std::pair<std::string, std::string>>{
+             {"fluid.force=[0, 0, \"1/(2-t)^0.5\"]", "fluid.force is not finite at t = 2 s"},
+             {"fluid.force=[\"sqrt(-x)\", 0, 0]", "fluid.force is not finite at t = 0 s at (0.0371, 0.0632, 0.0265)"},
+             {"fluid.force=[\"sqrt(x)/sqrt(x*x+z*z)\", 0, 0]", "no error"},
+             {"solid[0].position=[0, \"0.01*(1-t)^0.5\", 0]", "solid[0].position is not finite at t = 1.016 s"},
+             {"solid[0].rotation=[0, \"(1-t)^0.5\", 0]", "solid[0].rotation is not finite at t = 1.016 s"}})
+        CHECK_THAT(messages_with({"time.end=4", block, set}), Catch::Contains(told == "no error" ? told : "--set " + set + ": " + told));
+    // What a block and an opening give their particles, only where these may stand.
+    const auto box = [](const std::string& keys) { return "block[0]={shape=\"box\", min=[0,0.02,0], max=[0.05,0.06,0.05], " + keys + "}"; };
+    const std::string outside_ball = "sqrt((x-0.028)^2+(y-0.042)^2+(z-0.026)^2-1.4e-4)",
+                      too_large = sizeof(Real) == 4 ? "1e39" : "1e300*1e300";
+    for (const auto& [set, told] : std::vector<std::pair<std::string, std::string>>{
+             {box("velocity=[\"y/sqrt(x^2+z^2)\",0,0]"), "no error"},
+             {box("velocity=[\"sqrt(x-0.02)\",0,0]"), "block[0].velocity is not finite at ("},
+             {box("spin=[\"sqrt(x-0.02)\",0,0]"), "block[0].spin is not finite at ("},
+             {box("ink=[\"sqrt(x-0.02)\"]"), "block[0].ink is no number at ("},
+             {"fluid.viscosity=1e3*sqrt(abs(x-0.035)-0.005)", "fluid.viscosity is nan Pa s at ("},
+             {"fluid.viscosity=3000-1000*age", "block[0] at the age of 3.016 s; allowed: at least 0"},
+             {"fluid.viscosity=x > 0.03 ? " + too_large + " : 1000",
+              sizeof(Real) == 4 ? "in block[0]; allowed: up to 3.4e+38" : "allowed: up to"},
+             {"fluid.force=[\"" + outside_ball + "\", 0, 0]", "no error"},
+             {box("velocity=[\"" + outside_ball + "\",0,0]"), "no error"},
+             {box("spin=[\"" + outside_ball + "\",0,0]"), "no error"},
+             {box("ink=[\"" + outside_ball + "\"]"), "no error"},
+             {"emitter[0].viscosity=abs(x-0.002) < 0.001 ? 0-1 : 1000",
+              "emitter[0].viscosity is -1 Pa s at emitter[0]; allowed: at least 0"}})
+        CHECK_THAT(messages_with({"models.pressure=ppe", "models.micropolar=bender", "emitter[0].viscosity=1000",
+                                  "solid[1]={shape=\"sphere\", radius=" + std::string(told == "no error" ? "0.012" : "0.001") +
+                                      ", position=[0.028,0.042,0.026]}",
+                                  set.rfind("block", 0) == 0 ? set : box("velocity=[0,0,0]"), set}),
+                   Catch::Contains(told));
+    CHECK(messages_with({"emitter[0].viscosity=1000", box("velocity=[0,0,0]"), "fluid.viscosity=1e5*" + outside_ball,
+                         "solid[1]={shape=\"sphere\", radius=0.012, position=[0.028,0.042,0.026]}"}) == "no error");
+    CHECK(messages_with({"emitter[0].start=3", "emitter[0].viscosity=1100-1000*age"}) == "no error");
+    CHECK_THAT(messages_with({"emitter[0].start=3", "emitter[0].viscosity=900-1000*age"}), Catch::Contains("at the age of 0.9"));
+    CHECK(messages_with({"emitter[0].viscosity=1000", "fluid.viscosity=1e5*sqrt(0.000901 - (x-0.05)^2-(y-0.04)^2-(z-0.05)^2)",
+                         "block[0]={shape=\"sphere\", radius=0.03, position=[0.05,0.04,0.05]}"}) == "no error");
+    CHECK_THAT(messages_with({"stream[0]={velocity=[\"(0-t)^0.5\", 0, 0], time=1, " + stream}),
+               Catch::Contains("stream[0].velocity is not finite at t = "));
+    CHECK_THAT(messages_with({"time.end=4", "models.micropolar=bender", "micropolar.torque=[0, \"log(1-t)\", 0]"}),
+               Catch::Contains("micropolar.torque is not finite at t = 1 s"));
+    CHECK(messages_with({"block[0]={shape=\"box\", min=[0.2,0,0], max=[0.3,0.1,0.1]}"}).find("block[0] lies outside of the domain") !=
+          std::string::npos);
+    CHECK(messages_with({"block[0]={shape=\"box\", min=[0.05,0,0], max=[0.15,0.1,0.1]}"}).find("block[0] reaches out of the domain") !=
+          std::string::npos);
+    CHECK(messages_with({"block[0]={shape=\"box\", min=[0,-0.01,0], max=[0.1,-0.001,0.1]}"})
+              .find("block[0] lies wholly inside solids; move it or the solid") != std::string::npos);
+    CHECK(messages_with({"solid[1]={shape=\"sphere\", radius=0.01, position=[1,0,0]}"})
+              .find("solid[1] lies outside of the domain and never enters it") != std::string::npos);
+    CHECK(messages_with({"probe[0]={name=\"a\", kind=\"point\", at=[0,9,0]}"}).find("probe[0] measures outside of the domain") !=
+          std::string::npos);
+    CHECK(messages_with({"domain.periodic=[true,false,false]", "domain.min=[-0.004,-0.01,-0.1]", "domain.max=[0.004,0.1,0.1]"})
+              .find("the periodic axis x is 0.008 m long, shorter than two support radii of 0.008 m") != std::string::npos);
+    CHECK(messages_with({"models.pressure=ppe", "fluid.support=1.2", "domain.periodic=[true,false,false]", "domain.min=[-0.003,-0.01,-0.1]",
+                         "domain.max=[0.003,0.1,0.1]"})
+              .find("the periodic axis x is 0.006 m long, shorter than two support radii of 0.004 m") != std::string::npos);
+    CHECK(messages_with({"block[0]={shape=\"cylinder\", from=[-0.09,0,-0.09], to=[0.09,0.09,0.09], radius=1e-5}", "fluid.spacing=1e-5"})
+              .find("block[0] fills ") != std::string::npos);
+    CHECK(messages_with({"models.pressure=ppe", "solid[1]={shape=\"sphere\", radius=1000, inside=true}"})
+              .find("the surface of solid[1] takes about 3.1e+12") != std::string::npos);
+    for (const auto& [y, hint] : {std::pair("0", "make the domain smaller or"), {"\"0.01*t\"", "make it move less or"}})
+        CHECK_THAT(messages_with({"models.pressure=ppe", "domain.min=[-1000,-0.01,-1000]", "domain.max=[1000,0.1,1000]",
+                                  "solid[0].position=[0," + std::string(y) + ",0]"}),
+                   Catch::Contains(hint));
+    CHECK(messages_with({"emitter[0].radius=0.09", "emitter[0].speed=1e-9", "fluid.spacing=1e-7"})
+              .find("the nozzle of emitter[0] takes about") != std::string::npos);
+    CHECK(messages_with({"fluid.spacing=1e-8"}).find("particles need") != std::string::npos);
+    // A wave maker is as large as the domain lets it be.
+    CHECK(messages_with({"models.pressure=ppe", R"(solid[1]={shape="plane", normal=[1,0.5,0], position=["0.02*sin(6*t)-0.09",0,0]})"}) ==
+          "no error");
+    if (sizeof(Real) == 4)
+        CHECK(messages_with({"domain.max=[300,0.1,0.1]", "emitter[0].position=[200,0.05,0]"})
+                  .find("emitter[0] reaches 1e+05 spacings away from the origin, where this program's numbers tell places apart by 0.012 "
+                        "spacings; move the scene to the origin, "
+                        "or take the program of the preset \"double\"; allowed: up to 1.7e+02 m") != std::string::npos);
+}
+
+TEST_CASE("models that do not go together, or that this version does not have, are told", "[plan]") {
+    CHECK(messages_with({"models.pressure=coupled", "models.viscosity=full"}) ==
+          "--set models.viscosity=full: models.pressure = \"coupled\" solves for the viscosity itself; leave models.viscosity = \"full\" "
+          "out, or choose "
+          "another pressure; allowed: auto or none");
+    CHECK(messages_with({"models.boundary=akinci"}).find("does not go with models.pressure = \"coupled\"") != std::string::npos);
+    CHECK(messages_with({"models.viscosity=full_assembled", "models.pressure=ppe", "fluid.spacing=5e-4"}).find("would take") !=
+          std::string::npos);
+    CHECK(messages_with({"fluid.surface_tension=0.07", "models.pressure=none"}).find("keeps none apart") != std::string::npos);
+    CHECK(messages_with({"boundary.gate=0.1", "models.pressure=coupled"})
+              .find("boundary.gate belongs to solids of models.pressure = \"wcsph\" or \"ppe\", and this scene has models.pressure = "
+                    "\"coupled\"") != std::string::npos);
+    CHECK(messages_with({"boundary.volume_factor=1", "models.pressure=ppe"})
+              .find("boundary.volume_factor belongs to solids of models.pressure = \"wcsph\"") != std::string::npos);
+    CHECK(messages_with({"boundary.volume_factor=1", "models.pressure=wcsph"}) == "no error");
+}
+
+TEST_CASE("all that is impossible is told in one go", "[plan]") {
+    const std::string all = messages_with({"emitter[0].position=[0,0.2,0]", "boundary.gate=0.1", "fluid.spacing=0.02"});
+    CHECK(std::count(all.begin(), all.end(), '\n') == 2);
+}
+
+TEST_CASE("keys of the published pressure rows are refused with other forms of pressure, and correction with source velocity",
+          "[plan][pressure]") {
+    const auto messages = [](const std::string& keys) -> std::string {
+        try {
+            make_plan(
+                scene_with({},
+                           "[time]\nend = 1\n[domain]\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]\nperiodic = [true, true, true]\n[[block]]\n"
+                           "shape = \"box\"\nmin = [0, 0, 0]\nmax = [0.1, 0.05, 0.1]\n[fluid]\nspacing = 0.01\n[models]\n"
+                           "pressure = \"ppe\"\n[pressure]\n" +
+                               keys));
+        } catch (const InputError& error) { return error.what(); }
+        return "";
+    };
+    const std::string published = "form = \"projection\"\nsource = \"density\"\n", projection = "form = \"projection\"\n",
+                      constraint = "form = \"constraint\"\n";
+    for (const std::string key : {"clamp = false", "cycle = \"v_cycle\"", "sweeps = 2"}) {
+        CHECK(messages(published + key).empty());
+        CHECK(messages(projection + key).find("belongs to pressure.source = \"density\"") != std::string::npos);
+        CHECK(messages(constraint + key).find("belongs to pressure.source = \"density\"") != std::string::npos);
+    }
+    CHECK(messages(published + "correction = 1").empty());
+    CHECK(messages(published + "damping = 0").empty());
+    CHECK(messages(projection + "damping = 0").find("pressure.source = \"velocity\" does not leave") != std::string::npos);
+    CHECK(messages(constraint + "correction = 1").empty());
+    CHECK(messages(projection + "correction = 1").find("pressure.source = \"velocity\" does not see") != std::string::npos);
+    CHECK(messages(published + "sweeps = 0").find("at least 1") != std::string::npos);
+    CHECK(messages(published + "cycle = \"w\"").find("additive or v_cycle") != std::string::npos);
+}
+
+TEST_CASE("keys that belong to another model than auto took, or that the chosen form leaves aside, are refused with their line",
+          "[plan][pressure]") {
+    const std::string start =
+                          "[time]\nend = 1\n[domain]\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]\nperiodic = [true, true, true]\n"
+                          "[fluid]\nspacing = 0.01\nviscosity = 1e-3\n[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\n",
+                      full = start + "max = [0.1, 0.1, 0.1]\n", half = start + "max = [0.1, 0.05, 0.1]\n";  // 13 lines
+    const auto message = [](const std::string& text) -> std::string {
+        try {
+            make_plan(scene_with({}, text));
+        } catch (const InputError& error) { return error.what(); }
+        return "";
+    };
+    const auto refuses = [&](const std::string& text, const std::string& what, const std::string& way_out) {
+        const std::string said = message(text);
+        INFO(text << "\nsays: " << said);
+        CHECK(said.find("honey.toml:15") != std::string::npos);
+        CHECK(said.find(what) != std::string::npos);
+        CHECK(said.find(way_out) != std::string::npos);
+    };
+    // A full box takes the projection by itself, one with a surface the constraint.
+    refuses(full + "[pressure]\ndamping = 1\n", "pressure.damping is of motion between neighbours", "pressure.form = \"constraint\"");
+    refuses(full + "[pressure]\ncorrection = 0.2\n", "pressure.correction is a share of the density error",
+            "pressure.form = \"constraint\"");
+    refuses(full + "[models]\nshifting = \"fickian\"\n", "evens out its particles itself", "pressure.form = \"constraint\"");
+    refuses(half + "[pressure]\nsource = \"density\"\n",
+            "pressure.source belongs to pressure.form = \"projection\", and \"auto\" takes \"constraint\" here", "or set pressure.form");
+    refuses(half + "[pressure]\nsweeps = 2\nsource = \"density\"\n",
+            "pressure.sweeps belongs to pressure.form = \"projection\", and \"auto\" takes \"constraint\" here", "or set pressure.form");
+    for (const std::string key : {"sound_speed = 10", "gamma = 3", "gradient = \"difference\""})
+        refuses(half + "[pressure]\n" + key + "\n", "belongs to models.pressure = \"wcsph\", and \"auto\" takes \"ppe\" here",
+                "or set models.pressure");
+    refuses(half + "[viscosity]\nalpha = 0.1\n", "belongs to models.viscosity = \"xsph\", and \"auto\" takes \"explicit\" here",
+            "or set models.viscosity");
+    // With source density the cycle is read where there is a multigrid.
+    const std::string published = "[pressure]\ncycle = \"v_cycle\"\nform = \"projection\"\nsource = \"density\"\n";
+    refuses(half + published + "preconditioner = \"jacobi\"\n", "pressure.cycle is of the multigrid", "\"multigrid\"");
+    CHECK(message(half + published + "preconditioner = \"multigrid\"\n").empty());
+    CHECK(message(half + published).empty());
+    // Nothing damps the published rows in a full box without weight.
+    CHECK(message(full + "[models]\npressure = \"ppe\"\n[pressure]\nform = \"projection\"\nsource = \"density\"\n")
+              .find("gains energy in fluid that fills its space and rests on nothing") != std::string::npos);
+    // What is read passes, and so do defaults: a resolved scene writes them.
+    CHECK(message(half + "[pressure]\ndamping = 1\ncorrection = 0.2\n").empty());
+    CHECK(message(half + published + "damping = 1\ncorrection = 0.2\n").empty());
+    CHECK(message(half + "[models]\nshifting = \"fickian\"\n").empty());
+    CHECK(message(full + "[pressure]\ndamping = 2\ngamma = 7\n").empty());
+    CHECK(message(resolved_toml(scene_with({}, full))).empty());
+}
