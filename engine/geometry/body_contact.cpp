@@ -139,7 +139,7 @@ private:
     }
     Vec3d velocity(std::size_t k, const Vec3d& x) const {
         const Solid& solid = solids_.all[k];
-        return solid.body ? solid.body->velocity_at(x) : Vec3d(solid.pose.velocity_at(x.cast<Real>()).cast<double>());
+        return solid.body ? solid.body->velocity_at(x) : Vec3d(solid.velocity_at(x.cast<Real>()).cast<double>());
     }
     Vec3d relative(const ContactPoint& p) const {
         const MovingBody &a = moving_[p.a], &b = moving_[p.b];

@@ -31,6 +31,7 @@ public:
         min = centre_ - half_;
         max = centre_ + half_;
     }
+    bool prismatic(int) const override { return true; }
     Bulk bulk() const override {
         const Vec3d half = half_.cast<double>();
         const double volume = 8 * half.prod();

@@ -34,6 +34,7 @@ public:
         return Vec3(std::copysign(n.x(), r.x()), std::copysign(n.y(), r.y()), 0).normalized();
     }
     void bounds(Vec3& min, Vec3& max) const override { min = centre_ - half_, max = centre_ + half_; }
+    bool prismatic(int) const override { return true; }
     Bulk bulk() const override {
         const Vec3d half = half_.cast<double>();
         const double area = 4 * half.x() * half.y();

@@ -37,6 +37,7 @@ public:
             max[k] = middle_[k] + reach;
         }
     }
+    bool prismatic(int axis) const override { return std::abs(axis_[axis]) > 1 - Real(1e-6); }
     Bulk bulk() const override {
         const double r = radius_, h = half_, volume = 2 * std::numbers::pi * r * r * h;
         const Vec3d n = axis_.cast<double>();

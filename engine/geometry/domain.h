@@ -43,6 +43,18 @@ struct Domain {
             }
         return r;
     }
+    /// Whether one of the periodic images of x lies in the box [low, high]; x becomes that image.
+    template <class V>
+    bool image_in_box(V& x, const V& low, const V& high) const {
+        for (int a = 0; a < 3; ++a) {
+            if (x[a] >= low[a] && x[a] <= high[a]) continue;
+            if (!periodic[a]) return false;
+            const typename V::Scalar L = max[a] - min[a];
+            x[a] -= L * std::floor((x[a] - low[a]) / L);
+            if (!(x[a] <= high[a])) return false;
+        }
+        return true;
+    }
     /// x moved into [min, max) along the periodic axes.
     Vec3 wrapped(Vec3 x) const {
         for (int a = 0; a < 3; ++a)

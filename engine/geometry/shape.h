@@ -32,7 +32,7 @@ struct LayerRegion {
     bool clipped = false;  ///< what is further out is not wanted
     /// Within the margin along the axes that are not periodic.
     bool contains(const Vec3d& x) const;
-    /// Whether [low, high] covers the domain along a periodic axis.
+    /// Whether [low, high] covers a whole period of the axis, wherever it begins.
     bool spans_period(int axis, double low, double high) const;
 };
 
@@ -62,6 +62,8 @@ public:
     /// Bounds [m]; infinite along a plane.
     virtual void bounds(Vec3& min, Vec3& max) const = 0;
     virtual bool bounded() const { return true; }
+    /// Whether its cuts across the axis are all the same, between two flat ends.
+    virtual bool prismatic(int) const { return false; }
     /// Volume, centre and moments of what is inside. This one sums over mesh().
     virtual Bulk bulk() const { return bulk_of(mesh(0, 0)); }
     /// For drawing. @param edge wanted length of an edge [m] @param extent half-width of a plane's drawn patch [m]

@@ -43,12 +43,24 @@ Vec3d turning_point(const Shape& shape) {
 }
 
 Real Solid::distance(const Vec3& x) const {
-    const Real distance = shape->distance(pose.rotation.transpose() * (x - pose.translation));
+    Vec3 image;
+    const Real distance = repeats.any() ? nearest_image(x, image) : own_distance(x);
     return inside ? -distance : distance;
 }
 
+Real Solid::nearest_image(const Vec3& x, Vec3& image) const {
+    return repeats.least(
+        x, [this](const Vec3& at) { return own_distance(at); }, image);
+}
+
+Vec3 Solid::image(const Vec3& x) const {
+    Vec3 image = x;
+    if (repeats.any()) nearest_image(x, image);
+    return image;
+}
+
 Vec3 Solid::normal(const Vec3& x) const {
-    const Vec3 outward = pose.rotation * shape->normal(pose.rotation.transpose() * (x - pose.translation));
+    const Vec3 outward = pose.rotation * shape->normal(pose.rotation.transpose() * (image(x) - pose.translation));
     return inside ? Vec3(-outward) : outward;
 }
 
@@ -61,7 +73,10 @@ Domain in_own_axes(const Domain& domain, const Pose& pose) {
     const Vec3 middle = pose.rotation.transpose() * ((domain.min + domain.max) / 2 - pose.translation),
                half = pose.rotation.transpose().cwiseAbs() * (domain.size() / 2);
     own.min = middle - half, own.max = middle + half;
-    for (int a = 0; a < 3; ++a) own.periodic[a] = domain.periodic[a] && std::abs(pose.rotation(a, a)) > 1 - Real(1e-6);
+    for (int a = 0; a < 3; ++a) {
+        int along = 0;
+        own.periodic[a] = pose.rotation.col(a).cwiseAbs().maxCoeff(&along) > 1 - Real(1e-6) && domain.periodic[along];
+    }
     return own;
 }
 
@@ -101,6 +116,12 @@ void Solids::set_time(double t, double dt) {
 void Solids::place_bodies() {
     for (Solid& solid : all)
         if (solid.body) solid.pose = solid.body->pose();
+    place_images();
+}
+
+void Solids::place_images() {
+    if (!domain.any_periodic()) return;
+    for (Solid& solid : all) solid.repeats = Repeats(*solid.shape, domain, solid.pose.rotation, solid.pose.translation);
 }
 
 int Solids::nearest(const Vec3& x, Real& distance) const {

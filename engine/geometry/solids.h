@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "engine/core/column.h"
+#include "engine/geometry/repeats.h"
 #include "engine/geometry/rigid_body.h"
-#include "engine/geometry/shape.h"
 #include "engine/math/expression.h"
 
 namespace whorl {
@@ -22,7 +22,7 @@ struct Turned {
 /// origin.
 Vec3d turning_point(const Shape& shape);
 
-/// The least box along a solid's own axes about the domain. Periodic axes stay so where the solid is not turned away from them.
+/// The least box along a solid's own axes about the domain. Periodic axes stay so where one of the solid's axes lies along them.
 Domain in_own_axes(const Domain& domain, const Pose& pose);
 
 struct Solid {
@@ -38,6 +38,7 @@ struct Solid {
     Mat3d turn = Mat3d::Identity();  ///< before the turning by `spin` since t = 0: the scene's tilt, and what follows from earlier motions
     Pose pose;
     Turned turned;
+    Repeats repeats;  ///< of the shape in its pose
 
     /// Moves and turns as these say from time t [s] on, from where it stands then.
     void go_on_as(VectorExpression new_position, VectorExpression new_spin, double t);
@@ -45,16 +46,25 @@ struct Solid {
     bool sticks() const { return slip_length == 0; }
     /// The fluid slips, but not freely.
     bool partial_slip() const { return slip_length > 0 && slip_length < std::numeric_limits<double>::infinity(); }
-    /// Distance from x to the solid's surface, positive on the fluid's side [m].
+    /// Distance from x to the solid's surface, positive on the fluid's side [m]; in a periodic domain to that of its nearest image.
     Real distance(const Vec3& x) const;
     /// Unit vector from the solid into the fluid.
     Vec3 normal(const Vec3& x) const;
+    /// x moved by whole periods to where the solid's nearest image is seen as the solid itself.
+    Vec3 image(const Vec3& x) const;
+    /// Velocity of the solid's nearest image at x [m/s].
+    Vec3 velocity_at(const Vec3& x) const { return pose.velocity_at(image(x)); }
+
+private:
+    Real own_distance(const Vec3& x) const { return shape->distance(pose.rotation.transpose() * (x - pose.translation)); }
+    Real nearest_image(const Vec3& x, Vec3& image) const;
 };
 
 /// All solids of a run, moved together.
 class Solids {
 public:
     std::vector<Solid> all;
+    Domain domain;  ///< whose periodic axes repeat the solids
     /// Sets every pose for time t; velocities such that the pose at t + dt is reached when dt has passed. Depends on t and dt alone, not on
     /// earlier calls: the same bits after a resume.
     void set_time(double t, double dt);
@@ -64,6 +74,9 @@ public:
     bool any_free() const;
     /// Poses and velocities of the free bodies as their states say.
     void place_bodies();
+
+private:
+    void place_images();
 };
 
 /// One layer of particles on the solids' surfaces, about a spacing apart; they stand half a spacing inside the solid.

@@ -21,7 +21,7 @@ bool LayerRegion::contains(const Vec3d& x) const {
 
 bool LayerRegion::spans_period(int axis, double low, double high) const {
     const double tolerance = 1e-3 * spacing;
-    return domain.periodic[axis] && low <= domain.min[axis] + tolerance && high >= domain.max[axis] - tolerance;
+    return domain.periodic[axis] && high - low >= double(domain.max[axis]) - double(domain.min[axis]) - 2 * tolerance;
 }
 
 std::vector<double> period_points(const LayerRegion& region, int axis) {
@@ -49,7 +49,7 @@ LatticeLine lattice_line(const LayerRegion& region, int axis, double centre, dou
     const double half = inset(half_length, offset), low = centre - half;
     const double steps = std::max(1.0, std::round(2 * half / region.spacing)), step = 2 * half / steps;
     double first = 0, last = steps;
-    if (region.clipped) {
+    if (region.clipped && !region.domain.periodic[axis]) {
         first = std::max(first, std::ceil((region.domain.min[axis] - region.margin - low) / step));
         last = std::min(last, std::floor((region.domain.max[axis] + region.margin - low) / step));
     }

@@ -7,12 +7,40 @@
 
 namespace whorl {
 
+namespace {
+
+/// In the solid's own axes. Of one that stands still, all images that reach into the domain.
+TriangleMesh drawn_mesh(const Solid& solid, const Domain& domain, Real spacing, Real extent) {
+    const TriangleMesh one = solid.shape->mesh(spacing, extent);
+    if (solid.moves() || !solid.repeats.any()) return one;
+    TriangleMesh all;
+    for (const Vec3& shift : solid.repeats.shifts_into(domain)) {
+        const auto first = static_cast<std::uint32_t>(all.position.size());
+        const Vec3f own = (solid.pose.rotation.transpose() * shift).cast<float>();
+        for (const Vec3f& x : one.position) all.position.push_back(x + own);
+        all.normal.insert(all.normal.end(), one.normal.begin(), one.normal.end());
+        for (auto t : one.triangle) {
+            for (auto& corner : t) corner += first;
+            all.triangle.push_back(t);
+        }
+    }
+    return all;
+}
+
+/// One that moves is drawn once, where its middle is in the domain.
+Vec3 drawn_translation(const Solid& solid, const Domain& domain) {
+    if (!solid.moves() || !solid.repeats.any()) return solid.pose.translation;
+    return solid.pose.translation + solid.repeats.shifts_into(domain).front();
+}
+
+}  // namespace
+
 Snapshots::Snapshots(const Simulation& simulation, std::vector<std::string> fields) : fields_(std::move(fields)) {
     const World& world = simulation.world();
     const Real spacing = world.step.spacing, extent = 2 * world.step.domain.size().maxCoeff();
     for (const Solid& solid : world.solids.all) {
         FrameSolid drawn;
-        drawn.mesh = std::make_shared<TriangleMesh>(solid.shape->mesh(spacing, extent));
+        drawn.mesh = std::make_shared<TriangleMesh>(drawn_mesh(solid, world.step.domain, spacing, extent));
         drawn.material = solid.material;
         drawn.container = solid.inside;
         drawn.ground = !solid.shape->bounded();
@@ -45,7 +73,7 @@ Frame Snapshots::take(const Simulation& simulation, int number) const {
     frame.emitters = emitters_;
     for (std::size_t k = 0; k < world.solids.all.size(); ++k) {
         frame.solids[k].rotation = world.solids.all[k].pose.rotation.cast<float>();
-        frame.solids[k].translation = world.solids.all[k].pose.translation.cast<float>();
+        frame.solids[k].translation = drawn_translation(world.solids.all[k], world.step.domain).cast<float>();
         frame.solids[k].velocity = world.solids.all[k].pose.velocity.cast<float>();
         frame.solids[k].spin = world.solids.all[k].pose.angular_velocity.cast<float>();
     }

@@ -4,13 +4,14 @@
 #include <cmath>
 
 #include "engine/core/parallel.h"
+#include "engine/geometry/repeats.h"
 #include "engine/math/kernel.h"
 #include "engine/particles/search.h"
 
 namespace whorl {
 namespace {
 
-/// The box that is sampled: the shape's bounds cut at the domain's, with the periodic axes that it spans.
+/// The box that is sampled: the shape's bounds, cut at the domain's along the axes that are not periodic, with those that it spans.
 struct Extent {
     Vec3d min, max;
     bool spans_period[3];
@@ -20,14 +21,13 @@ struct Extent {
 Extent extent_of(const Shape& shape, const Domain& domain) {
     Vec3 low, high;
     shape.bounds(low, high);
-    Extent e{low.cast<double>().cwiseMax(domain.min.cast<double>()),
-             high.cast<double>().cwiseMin(domain.max.cast<double>()),
-             {},
-             domain.dimensions()};
+    Extent e{low.cast<double>(), high.cast<double>(), {}, domain.dimensions()};
     for (int a = 0; a < 3; ++a) {
-        const double tolerance = 1e-5 * static_cast<double>(domain.max[a] - domain.min[a]);
-        e.spans_period[a] = domain.periodic[a] && e.min[a] <= static_cast<double>(domain.min[a]) + tolerance &&
-                            e.max[a] >= static_cast<double>(domain.max[a]) - tolerance;
+        const double first = domain.min[a], last = domain.max[a], tolerance = 1e-5 * static_cast<double>(domain.max[a] - domain.min[a]);
+        e.spans_period[a] = domain.periodic[a] && e.max[a] - e.min[a] >= last - first - 2 * tolerance;
+        const bool all = e.min[a] <= first + tolerance && e.max[a] >= last - tolerance;
+        if (!domain.periodic[a] || all) e.min[a] = std::max(e.min[a], first), e.max[a] = std::min(e.max[a], last);
+        else if (e.spans_period[a]) e.max[a] = e.min[a] + (last - first);
     }
     return e;
 }
@@ -136,8 +136,10 @@ void relax(std::vector<Vec3>& x, const Distance& distance, Real spacing, const D
     }
 }
 
-std::vector<Vec3> sample_shape(const Shape& shape, Sampling sampling, Real spacing, const Domain& domain, std::uint64_t seed,
-                               Layers layers) {
+namespace {
+
+/// Where the shape lies, whether or not the domain reaches there.
+std::vector<Vec3> unwrapped(const Shape& shape, Sampling sampling, Real spacing, const Domain& domain, std::uint64_t seed, Layers layers) {
     const Extent e = extent_of(shape, domain);
     if (sampling == Sampling::lattice) return lattice(shape, e, spacing, 0, seed, layers);
     if (sampling == Sampling::jittered) return lattice(shape, e, spacing, 0.2, seed, layers);
@@ -158,15 +160,16 @@ std::vector<Vec3> sample_shape(const Shape& shape, Sampling sampling, Real spaci
     Domain periods = domain;
     for (std::size_t a = 0; a < 3; ++a) periods.periodic[a] = e.spans_period[a];
     relax(
-        x,
-        [&](const Vec3& p) {
-            // Along a periodic axis that the shape spans there is no surface: look from the middle.
-            Vec3 q = p;
-            for (int a = 0; a < 3; ++a)
-                if (e.spans_period[a]) q[a] = static_cast<Real>(0.5 * (e.min[a] + e.max[a]));
-            return shape.distance(q);
-        },
-        spacing, periods, 150);
+        x, [&](const Vec3& p) { return shape.distance(p); }, spacing, periods, 150);
+    return x;
+}
+
+}  // namespace
+
+std::vector<Vec3> sample_shape(const Shape& shape, Sampling sampling, Real spacing, const Domain& domain, std::uint64_t seed,
+                               Layers layers) {
+    std::vector<Vec3> x = unwrapped(Repeated(shape, domain), sampling, spacing, domain, seed, layers);
+    for (Vec3& p : x) p = domain.wrapped(p);
     return x;
 }
 

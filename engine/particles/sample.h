@@ -20,7 +20,7 @@ using Distance = std::function<Real(const Vec3&)>;
 /// Positions that fill the shape, one a volume spacing^3, in a domain without depth spacing^2; the same for the same seed.
 /// lattice: cubic (square), centred in the shape, fitted to periodic axes that the shape spans. jittered: the lattice, each point moved by
 /// up to a fifth of the spacing. blue_noise: irregular, no pair closer than about 0.7 spacings, the outermost particles about half a
-/// spacing inside the surface.
+/// spacing inside the surface. What lies beyond a periodic face of the domain comes in again on the other side.
 /// @return empty where the shape holds no particle
 std::vector<Vec3> sample_shape(const Shape& shape, Sampling sampling, Real spacing, const Domain& domain, std::uint64_t seed,
                                Layers layers = Layers::nearest);

@@ -26,6 +26,15 @@ std::vector<LayerPoint> layer_of(const Solid& solid, std::size_t k, const LayerR
     }
 }
 
+/// Whether the solid turns about this axis of its own at most.
+bool keeps_axis(const Solid& solid, int axis) {
+    for (int b = 0; b < 3; ++b) {
+        const Expression& spin = solid.spin.component[static_cast<std::size_t>(b)];
+        if (b != axis && !(spin.is_constant() && spin(0) == 0)) return false;
+    }
+    return true;
+}
+
 using Corners = std::array<Vec3d, 8>;
 
 /// Of the domain and `around` [m] about it, in the axes of the plane. Along periodic axes the domain goes with the plane: what leaves it
@@ -52,12 +61,7 @@ PlanePatch patch_of_moving_plane(const Solid& plane, Real spacing, const Domain&
     const Vec3d on_plane = turning_point(*plane.shape), n = plane.shape->normal(Vec3::Zero()).cast<double>();
     LayerRegion at_rest{spacing, in_own_axes(domain, plane.pose), 3 * spacing, false};
     for (int a = 0; a < 3; ++a) {
-        bool keeps_axis = std::abs(n[a]) < 1e-6;
-        for (int b = 0; b < 3; ++b) {
-            const Expression& spin = plane.spin.component[static_cast<std::size_t>(b)];
-            keeps_axis = keeps_axis && (b == a || (spin.is_constant() && spin(0) == 0));
-        }
-        at_rest.domain.periodic[a] = at_rest.domain.periodic[a] && keeps_axis;
+        at_rest.domain.periodic[a] = at_rest.domain.periodic[a] && std::abs(n[a]) < 1e-6 && keeps_axis(plane, a);
     }
     PlanePatch patch(on_plane, n, at_rest);
     Solids alone;
@@ -100,7 +104,7 @@ SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& d
         LayerRegion region{spacing, in_own_axes(domain, solid.pose), world.margin, still && !(turned && bounded && domain.any_periodic())};
         std::optional<PlanePatch> patch;
         if (!bounded && !still) patch = patch_of_moving_plane(solid, spacing, domain, reach, end);
-        if (!solid.spin.is_zero()) region.domain.periodic = {false, false, false};
+        for (int a = 0; a < 3; ++a) region.domain.periodic[a] = region.domain.periodic[a] && keeps_axis(solid, a);
         for (const LayerPoint& point : layer_of(solid, k, region, patch, place_of)) {
             if (region.clipped && !region.contains(point.position)) continue;
             if (patch || (turned && still)) {

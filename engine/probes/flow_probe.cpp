@@ -12,7 +12,7 @@ ProbeRows FlowProbe::rows(const World& world, double time) {
     double count = 0, square = 0, curl_square = 0, largest = 0, expected = 0, difference = 0;
     for (std::size_t k = 0; k < x.size(); ++k) {
         const Vec3d xk = x[k].cast<double>(), uk = u[k].cast<double>();
-        if ((!role.empty() && role[k] < 0) || (xk.array() < min_.array()).any() || (xk.array() > max_.array()).any()) continue;
+        if (Vec3d at = xk; (!role.empty() && role[k] < 0) || !world.step.domain.image_in_box(at, min_, max_)) continue;
         const Vec3d v = expected_(time, xk);
         const double turning = curl[k].cast<double>().squaredNorm();
         count += 1;

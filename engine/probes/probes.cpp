@@ -37,9 +37,9 @@ public:
         using Sums = Eigen::Array<double, 10, 1>;  // count, x, u, spin
         const Sums sums = parallel_sum(world.fluid.size(), Sums(Sums::Zero()), [&](Index i) {
             const auto k = static_cast<std::size_t>(i);
-            const Vec3d xi = x[k].cast<double>();
+            Vec3d xi = x[k].cast<double>();
             Sums s = Sums::Zero();
-            if (in_nozzle(role, k) || (xi.array() < min_.array()).any() || (xi.array() > max_.array()).any()) return s;
+            if (in_nozzle(role, k) || !world.step.domain.image_in_box(xi, min_, max_)) return s;
             s[0] = 1;
             s.segment<3>(1) = xi.array();
             s.segment<3>(4) = u[k].cast<double>().array();

@@ -134,7 +134,7 @@ private:
             report(name, fmt::format("{} reaches out of the domain: it goes from {} to {}", name, point(e.min), point(e.max)), "",
                    domain_text());
         for (int a = 0; a < 3; ++a)
-            if (scene_.domain.periodic[a] && e.max[a] - e.min[a] > high_[a] - low_[a] + 1e-6 * plan_.spacing) {
+            if (scene_.domain.periodic[a] && e.max[a] - e.min[a] > high_[a] - low_[a] + 1e-3 * plan_.spacing) {
                 report(name, fmt::format("{} is longer than the periodic axis {}: it would overlap itself", name, "xyz"[a]), "",
                        domain_text());
                 break;

@@ -43,9 +43,6 @@ double part_unsupported(const Scene& scene, const SceneShapes& shapes, double sp
             const Vec3 beyond = x + (static_cast<Real>(spacing) - depth) * out;
             ++sides;
             bool held = false;
-            for (int a = 0; a < 3; ++a)  // a periodic side is held by the fluid's own image
-                held = held || (scene.domain.periodic[a] &&
-                                (beyond[a] < static_cast<Real>(scene.domain.min[a]) || beyond[a] > static_cast<Real>(scene.domain.max[a])));
             for (const auto& other : shapes.blocks) held = held || other->distance(beyond) < 0;
             Real distance = 0;
             for (const EmitterKeys& emitter : scene.emitters) held = held || in_nozzle(emitter, beyond.cast<double>(), spacing);

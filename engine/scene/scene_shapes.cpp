@@ -35,9 +35,11 @@ Extent turned(const Extent& e, const Mat3d& turn) {
 }
 
 /// The shape, or what is wrong with its mesh file, at the key that names it.
-std::shared_ptr<const Shape> made(const Scene& scene, const std::string& name, const ShapeKeys& keys, std::vector<Problem>& problems) {
+/// @param domain whose periodic axes repeat it; of a solid that depends on its pose
+std::shared_ptr<const Shape> made(const Scene& scene, const std::string& name, const ShapeKeys& keys, std::vector<Problem>& problems,
+                                  const Domain* domain = nullptr) {
     try {
-        return make_shape(keys);
+        return domain ? make_shape(keys, *domain) : make_shape(keys);
     } catch (const InputError& e) {
         for (const Problem& p : e.problems()) problems.push_back({scene.place(name + ".file"), name + ": " + p.message(), "", ""});
         return nullptr;
@@ -85,9 +87,10 @@ Solid solid_of(const SolidKeys& keys, std::shared_ptr<const Shape> shape) {
 
 SceneShapes make_shapes(const Scene& scene, std::vector<Problem>& problems) {
     SceneShapes shapes;
+    const Domain domain = shapes.solids.domain = scene.domain.box();
     for (std::size_t i = 0; i < scene.blocks.size(); ++i) {
         const ShapeKeys& keys = scene.blocks[i].shape;
-        shapes.blocks.push_back(made(scene, entry_name("block", i), keys, problems));
+        shapes.blocks.push_back(made(scene, entry_name("block", i), keys, problems, &domain));
         shapes.block_extent.push_back(shapes.blocks.back() ? extent_of(keys, *shapes.blocks.back()) : Extent{});
     }
     for (std::size_t i = 0; i < scene.solids.size(); ++i) {
@@ -98,7 +101,7 @@ SceneShapes make_shapes(const Scene& scene, std::vector<Problem>& problems) {
     }
     for (std::size_t i = 0; i < scene.drains.size(); ++i) {
         const ShapeKeys& keys = scene.drains[i].shape;
-        shapes.drains.push_back(made(scene, entry_name("drain", i), keys, problems));
+        shapes.drains.push_back(made(scene, entry_name("drain", i), keys, problems, &domain));
         shapes.drain_extent.push_back(shapes.drains.back() ? extent_of(keys, *shapes.drains.back()) : Extent{});
     }
     if (problems.empty()) shapes.solids.set_time(0, scene.time.look_ahead());

@@ -30,6 +30,7 @@ void place_constants(const Scene& scene, const Plan& plan, World& world) {
 }
 
 void place_solids(const Scene& scene, const Plan& plan, World& world) {
+    world.solids.domain = world.step.domain;
     for (const SolidKeys& keys : scene.solids) world.solids.all.push_back(solid_of(keys, make_shape(keys.shape)));
     world.solids.set_time(0, scene.time.look_ahead());
     if (plan.boundary == BoundaryModel::none) return;
@@ -160,11 +161,12 @@ double looseness(const BlockKeys& keys, const PressureFacts& pressure) {
 
 /// Moves a lattice that leaves up to half a spacing at both its ends down to the lower one, where gravity goes along an axis: it would fall
 /// there.
-void put_down(std::vector<Vec3>& points, const Shape& shape, const Vec3d& gravity, Real spacing) {
+void put_down(std::vector<Vec3>& points, const Shape& shape, const Vec3d& gravity, const StepContext& step) {
+    const Real spacing = step.spacing;
     Vec3 low, high;
     shape.bounds(low, high);
     for (int a = 0; a < 3; ++a) {
-        if (gravity[a] == 0 || std::abs(gravity[a]) < 0.99 * gravity.norm()) continue;
+        if (gravity[a] == 0 || step.domain.periodic[a] || std::abs(gravity[a]) < 0.99 * gravity.norm()) continue;
         const bool down = gravity[a] < 0;
         Real room = std::numeric_limits<Real>::max();
         for (const Vec3& x : points) room = std::min(room, (down ? x[a] - low[a] : high[a] - x[a]) - spacing / 2);
@@ -184,13 +186,13 @@ std::size_t remove_in_solids(std::vector<Vec3>& points, const World& world) {
 /// Where the particles of a block stand at the start.
 std::vector<Vec3> points_of_block(const Scene& scene, const Plan& plan, const World& world, std::size_t b) {
     const BlockKeys& keys = scene.blocks[b];
-    const auto shape = make_shape(keys.shape);
+    const auto shape = make_shape(keys.shape, world.step.domain);
     const std::uint64_t seed = scene.seed + 1000 * b;
     const auto sample = [&](Layers layers) {
         const Sampling even = keys.sampling == Sampling::jittered ? Sampling::lattice : keys.sampling;
         std::vector<Vec3> points = sample_shape(*shape, even, world.step.spacing, world.step.domain, seed, layers);
         if (layers == Layers::within) {
-            put_down(points, *shape, scene.domain.gravity(0), world.step.spacing);
+            put_down(points, *shape, scene.domain.gravity(0), world.step);
             std::erase_if(points, [&](const Vec3& x) { return shape->distance(x) >= 0; });
         }
         return points;
@@ -291,7 +293,8 @@ void place_blocks(const Scene& scene, const Plan& plan, World& world) {
 
 std::vector<Drain> make_drains(const Scene& scene) {
     std::vector<Drain> drains;
-    for (const DrainKeys& keys : scene.drains) drains.push_back({make_shape(keys.shape), static_cast<Real>(keys.after)});
+    for (const DrainKeys& keys : scene.drains)
+        drains.push_back({make_shape(keys.shape, scene.domain.box()), static_cast<Real>(keys.after)});
     return drains;
 }
 

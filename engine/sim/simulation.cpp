@@ -140,6 +140,7 @@ struct Simulation::State {
         assembly = assemble(scene, plan);
         declare_fields(assembly.stages, world.fluid);
         place_constants(scene, plan, world);
+        world.solids.domain = world.step.domain;
         world.solids.set_time(time, scene.time.look_ahead());
         world.solid_particles.follow(world.solids);
         set_gravity();

@@ -15,8 +15,9 @@ void push_out_of_bodies(Solids& solids, const std::vector<Index>& inside, const 
         const Vec3 before = x[i];
         x[i] -= solid.distance(before) * solid.normal(before);
         body.spin_momentum -= static_cast<double>(mass) * (x[i] - before).cast<double>().cross(u[i].cast<double>());
-        const Vec3d n = solid.normal(x[i]).cast<double>(), arm = x[i].cast<double>() - body.centre, turning = arm.cross(n);
-        const double inward = (u[i].cast<double>() - body.velocity_at(x[i].cast<double>())).dot(n);
+        const Vec3d n = solid.normal(x[i]).cast<double>(), at = solid.image(x[i]).cast<double>(), arm = at - body.centre,
+                    turning = arm.cross(n);
+        const double inward = (u[i].cast<double>() - body.velocity_at(at)).dot(n);
         if (!(inward < 0)) continue;
         // u_n' = v_n' after the impulse J:   J (1/m + 1/M + (a x n).I^-1 (a x n)) = -inward
         const double impulse = -inward / (1 / static_cast<double>(mass) + 1 / body.mass + turning.dot(body.inverse_inertia() * turning));
@@ -50,7 +51,7 @@ void KeepOutside::operator()(const Surroundings& around, Read<field::role> role,
         }
         const Vec3 n = solid.normal(x[i]);
         x[i] -= distance * n;
-        const Real inward = (u[i] - solid.pose.velocity_at(x[i])).dot(n);
+        const Real inward = (u[i] - solid.velocity_at(x[i])).dot(n);
         if (inward < 0) u[i] -= inward * n;
     });
     if (!bodies) return;

@@ -25,7 +25,7 @@ void ContactFriction::set(Span<const Vec3> x, Span<const std::int16_t> role, Spa
             const Mat3 own = strength * (Mat3::Identity() - n * n.transpose());
             coefficient[i] += own;
             counted[i] = std::min(counted[i] + share * std::clamp(height / d, Real(0), Real(1)), Real(0.75));
-            load[i] += own * solid.pose.velocity_at(x[i]);
+            load[i] += own * solid.velocity_at(x[i]);
         }
     });
 }

@@ -7,9 +7,9 @@ namespace {
 
 /// Where a point that moves with the solid is a time dt later (earlier for dt < 0): the midpoint rule keeps its distance on a turning
 /// solid.
-Vec3 carried(const Pose& pose, const Vec3& x, Real dt) {
-    const Vec3 middle = x + (dt / 2) * pose.velocity_at(x);
-    return x + dt * pose.velocity_at(middle);
+Vec3 carried(const Solid& solid, const Vec3& x, Real dt) {
+    const Vec3 middle = x + (dt / 2) * solid.velocity_at(x);
+    return x + dt * solid.velocity_at(middle);
 }
 
 }  // namespace
@@ -18,7 +18,7 @@ void CoupledMove::operator()(Update<field::position> x, Read<field::velocity> u,
                              const StepContext& step) const {
     system->form.release(), system->preconditioner.release();  // the step needs them no longer
     parallel_for(x.size(), [&](Index i) {
-        if (role[i] > 0) x[i] = carried(solids.all[role[i] - 1].pose, x[i], step.dt);
+        if (role[i] > 0) x[i] = carried(solids.all[role[i] - 1], x[i], step.dt);
         else x[i] += step.dt * u[i];
     });
 }
@@ -154,7 +154,7 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
             // What slides rests where it comes no closer: it must count as touching there whatever the rounding.
             const Real stick = static_cast<Real>(s.options.stick) * d,
                        touching = solid.sticks() ? stick : std::max(stick, closest + Real(0.05) * d);
-            const Vec3 to = carried(solid.pose, x[i], -dt);
+            const Vec3 to = carried(solid, x[i], -dt);
             const Vec3 path = step.domain.minimum_image(to - from);
             const Real length = path.norm();
             Real distance = solid.distance(to);
@@ -171,9 +171,9 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
             if (!(distance < touching)) continue;
             const Vec3 normal = solid.normal(at);
             if (distance < closest) at += (closest - distance) * normal;
-            const Vec3 there = carried(solid.pose, at, dt);
+            const Vec3 there = carried(solid, at, dt);
             if (distance < closest || travelled < length) x[i] = there;
-            const Vec3 solid_velocity = solid.pose.velocity_at(there);
+            const Vec3 solid_velocity = solid.velocity_at(there);
             if (solid.sticks()) {
                 role[i] = static_cast<std::int16_t>(k + 1);
                 u[i] = solid_velocity;

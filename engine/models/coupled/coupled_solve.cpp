@@ -154,12 +154,12 @@ void CoupledStep::set_known_velocities() {
     known.resize(n), solved.resize(n), load.resize(n), work.resize(n);
     parallel_for(n, [&](Index i) {
         known[i] = Vec3::Zero();
-        if (role[i] > 0) u[i] = solids.all[role[i] - 1].pose.velocity_at(x[i]);
+        if (role[i] > 0) u[i] = solids.all[role[i] - 1].velocity_at(x[i]);
         if (role[i] != 0) known[i] = u[i];
         else if (unknowns.any_slip && slip[i] != Vec3::Zero()) {
             Real distance = 0;
             const int solid = solids.nearest(x[i], distance);
-            if (solid >= 0) known[i] = slip[i] * slip[i].dot(solids.all[solid].pose.velocity_at(x[i]));
+            if (solid >= 0) known[i] = slip[i] * slip[i].dot(solids.all[solid].velocity_at(x[i]));
         }
     });
 }

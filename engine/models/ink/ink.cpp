@@ -48,8 +48,7 @@ void InkSources::operator()(const StepContext& step, Read<field::position> x, Up
         std::vector<Index> inside;
         std::vector<Vec3> place;
         for (Index i = 0; i < x.size(); ++i)
-            if ((x[i].array() >= source.min.array()).all() && (x[i].array() <= source.max.array()).all())
-                inside.push_back(i), place.push_back(x[i]);
+            if (Vec3 at = x[i]; step.domain.image_in_box(at, source.min, source.max)) inside.push_back(i), place.push_back(x[i]);
         source.ink.each(step.time, place, [&](Index k, const Vec3& ink) { c[inside[k]] = ink.cwiseMax(Real(0)).cwiseMin(Real(1)); });
     }
 }

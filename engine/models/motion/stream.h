@@ -25,7 +25,7 @@ struct FollowStreams {
             const double dt = static_cast<double>(step.dt);
             const auto rate = static_cast<Real>(-std::expm1(-dt / stream.time) / dt);
             parallel_for(a.size(), [&](Index i) {
-                if ((x[i].array() >= stream.min.array()).all() && (x[i].array() <= stream.max.array()).all()) a[i] += rate * (v - u[i]);
+                if (Vec3 at = x[i]; step.domain.image_in_box(at, stream.min, stream.max)) a[i] += rate * (v - u[i]);
             });
         }
     }

@@ -1,0 +1,89 @@
+#pragma once
+/// Periodic images of what has a shape: in a periodic domain a shape is there once a period, wherever it lies.
+#include "engine/geometry/shape.h"
+
+namespace whorl {
+
+/// The images of a bounded shape along the domain's periodic axes. The union of all of them is what the fluid meets.
+class Repeats {
+public:
+    Repeats() = default;
+    /// @param rotation, translation from the shape's own axes to the domain's
+    Repeats(const Shape& shape, const Domain& domain, const Mat3& rotation = Mat3::Identity(), const Vec3& translation = Vec3::Zero());
+
+    bool any() const { return any_; }
+    /// By how much the images that reach into the domain are moved [m], whole periods; first the one with its middle there. Along an axis
+    /// that the shape spans, this one alone.
+    std::vector<Vec3> shifts_into(const Domain& domain) const;
+    /// The least of the signed distances [m] over the images. @param distance from the shape where it is @param image x moved by whole
+    /// periods to where that image is seen as the shape itself; along an axis that the shape spans without an end, to its middle
+    template <class F>
+    Real least(const Vec3& x, F&& distance, Vec3& image) const {
+        Vec3 near = x;
+        for (int a = 0; a < 3; ++a)
+            if (endless_[a]) near[a] = centre_[a];
+            else if (period_[a] > 0) near[a] -= period_[a] * std::nearbyint((near[a] - centre_[a]) / period_[a]);
+        image = near;
+        Real best = distance(near);
+        // The nearest image by its centre need not be the nearest by its surface: along each axis the second nearest may be.
+        for (unsigned other = 1; other < 8; ++other) {
+            Vec3 at = near;
+            bool may = true;
+            for (int a = 0; a < 3 && may; ++a) {
+                if (!(other >> a & 1)) continue;
+                at[a] -= std::copysign(period_[a], near[a] - centre_[a]);
+                const Real apart = std::abs(at[a] - centre_[a]) - half_[a];  // at least so far from that image
+                may = period_[a] > 0 && (apart <= 0 || apart < best);
+            }
+            if (!may) continue;
+            if (const Real there = distance(at); there < best) best = there, image = at;
+        }
+        return best;
+    }
+
+private:
+    Vec3 period_ = Vec3::Zero();  ///< m, 0: not repeated
+    Vec3 centre_ = Vec3::Zero(), half_ = Vec3::Zero();
+    std::array<bool, 3> endless_{false, false, false};
+    bool any_ = false;
+};
+
+/// A shape with its periodic images: distance and normal are those of the nearest. The bounds, volume and mesh are those of one image.
+class Repeated final : public Shape {
+public:
+    /// @param shape must outlive this
+    Repeated(const Shape& shape, const Domain& domain) : shape_(shape), repeats_(shape, domain) {}
+    Repeated(std::shared_ptr<const Shape> shape, const Domain& domain) : Repeated(*shape, domain) { owned_ = std::move(shape); }
+
+    Real distance(const Vec3& x) const override {
+        Vec3 image;
+        return distance(x, image);
+    }
+    Vec3 normal(const Vec3& x) const override {
+        Vec3 image;
+        distance(x, image);
+        return shape_.normal(image);
+    }
+    void bounds(Vec3& min, Vec3& max) const override { shape_.bounds(min, max); }
+    bool bounded() const override { return shape_.bounded(); }
+    bool prismatic(int axis) const override { return shape_.prismatic(axis); }
+    Bulk bulk() const override { return shape_.bulk(); }
+    TriangleMesh mesh(Real edge, Real extent) const override { return shape_.mesh(edge, extent); }
+    std::vector<LayerPoint> layer(Real offset, const LayerRegion& region) const override { return shape_.layer(offset, region); }
+
+private:
+    Real distance(const Vec3& x, Vec3& image) const {
+        image = x;
+        if (!repeats_.any()) return shape_.distance(x);
+        return repeats_.least(
+            x, [this](const Vec3& at) { return shape_.distance(at); }, image);
+    }
+    std::shared_ptr<const Shape> owned_;
+    const Shape& shape_;
+    Repeats repeats_;
+};
+
+/// The shape with its images where the domain has any. @throws InputError as make_shape()
+std::shared_ptr<const Shape> make_shape(const ShapeKeys& keys, const Domain& domain);
+
+}  // namespace whorl
