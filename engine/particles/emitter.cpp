@@ -5,6 +5,7 @@
 #include <numbers>
 #include <ostream>
 
+#include "engine/core/parallel.h"
 #include "engine/math/kernel.h"
 #include "engine/particles/sample.h"
 
@@ -28,6 +29,24 @@ double opening_area(const EmitterShape& shape) {
 
 }  // namespace
 
+Solid nozzle_body(const EmitterShape& opening, Real depth) {
+    ShapeKeys keys;
+    const Vec3d half(opening.slot || opening.plane ? opening.width / 2 : 0, 0, opening.slot && !opening.plane ? opening.thickness / 2 : 0);
+    keys.kind = opening.slot || opening.plane ? "box" : "cylinder";
+    keys.cut = opening.plane;
+    keys.to = -static_cast<double>(depth) * Vec3d::UnitY();
+    keys.from = Vec3d::Zero();
+    keys.min = keys.to - half, keys.max = half;
+    keys.radius = opening.radius;
+    Solid body;
+    body.shape = make_shape(keys);
+    Vec3 width, thickness;
+    opening_axes(opening, width, thickness);
+    body.pose.rotation << width, opening.direction, thickness;
+    body.pose.translation = opening.centre;
+    return body;
+}
+
 double column_points(double area, double spacing, bool parabolic, int dimensions) {
     const double a_layer = area * spacing / power_of(spacing, dimensions);
     return std::max(1.0, std::round(a_layer * (parabolic ? 1 : std::clamp(1e5 / a_layer, 6.0, 24.0))));
@@ -39,6 +58,7 @@ struct Emitter::State {
     double start, stop;
     Real spacing, depth;
     std::int16_t role;
+    Solid body;
 
     Vec3 width_axis, thickness_axis;
     double length = 0;            ///< m, of a block of the column; its particles repeat with this period
@@ -115,6 +135,13 @@ struct Emitter::State {
         for (Vec3& q : block) q.z() = static_cast<Real>(random() * length);
     }
 
+    /// Free fluid is so near that it would feel what the pipe holds.
+    bool meets_fluid(const ParticleStore& fluid) const {
+        const auto x = fluid.column<field::position>();
+        const auto role_of = fluid.column<field::role>();
+        return parallel_sum(fluid.size(), [&](Index i) { return role_of[i] >= 0 && body.distance(x[i]) < depth; }) > 0;
+    }
+
     Vec3 world(const Vec3& q) const { return shape.centre + q.x() * width_axis + q.y() * thickness_axis + q.z() * shape.direction; }
     Vec3 local(const Vec3& x) const {
         const Vec3 r = x - shape.centre;
@@ -122,7 +149,8 @@ struct Emitter::State {
     }
 };
 
-Emitter::Emitter(EmitterShape shape, Expression speed, double start, double stop, Real spacing, Real depth, int number, std::uint64_t seed)
+Emitter::Emitter(EmitterShape shape, Expression speed, double start, double stop, Real spacing, Real depth, int number, std::uint64_t seed,
+                 const Domain& domain)
     : state_(std::make_unique<State>()) {
     State& s = *state_;
     s.shape = shape;
@@ -133,6 +161,8 @@ Emitter::Emitter(EmitterShape shape, Expression speed, double start, double stop
     s.depth = depth;
     s.role = static_cast<std::int16_t>(-number);
     opening_axes(shape, s.width_axis, s.thickness_axis);
+    s.body = nozzle_body(shape, depth);
+    s.body.repeats = Repeats(*s.body.shape, domain, s.body.pose.rotation, s.body.pose.translation);
 
     if (shape.parabolic) s.make_streamlines(seed);
     else s.make_column(seed);
@@ -144,7 +174,7 @@ Emitter::Emitter(Emitter&&) noexcept = default;
 
 void Emitter::enter(ParticleStore& fluid, double t, double dt) {
     State& s = *state_;
-    if (t + dt < s.start) return;
+    if (t + dt < s.start && !s.meets_fluid(fluid)) return;
     const double push = s.push_during(t, dt);
 
     // A particle at height z of copy c stands where the column has been pushed past it by more than the buffer's depth:
@@ -188,6 +218,27 @@ Index Emitter::release(ParticleStore& fluid, double) const {
         if (role[i] == s.role && s.local(x[i]).z() >= 0) role[i] = 0, ++released;
     return released;
 }
+
+void Emitter::keep_out(ParticleStore& fluid) const {
+    const State& s = *state_;
+    const auto x = fluid.column<field::position>();
+    const auto u = fluid.column<field::velocity>();
+    const auto role = fluid.column<field::role>();
+    // At the opening the fluid that has left may come back by a spacing: there the column itself holds it.
+    const Vec3 ahead = s.spacing * s.shape.direction;
+    const Real apart = s.spacing / 2;
+    parallel_for(fluid.size(), [&](Index i) {
+        if (role[i] != 0) return;
+        const Vec3 seen = x[i] + ahead;
+        const Real distance = s.body.distance(seen);
+        if (!(distance < apart)) return;
+        const Vec3 n = s.body.normal(seen);
+        x[i] += (apart - distance) * n;
+        if (const Real inward = u[i].dot(n); inward < 0) u[i] -= inward * n;
+    });
+}
+
+Real Emitter::distance(const Vec3& x) const { return state_->body.distance(x); }
 
 double Emitter::expected_particles() const { return state_->pushed * opening_area(state_->shape) / state_->volume(); }
 

@@ -5,6 +5,7 @@
 #include <iosfwd>
 #include <vector>
 
+#include "engine/geometry/solids.h"
 #include "engine/math/expression.h"
 #include "engine/particles/store.h"
 
@@ -37,18 +38,32 @@ inline void opening_axes(const EmitterShape& opening, Vec3& width, Vec3& thickne
 /// opening is so wide that these hold a hundred thousand. @param area of the opening [m^2], in the plane its width [m]
 double column_points(double area, double spacing, bool parabolic, int dimensions);
 
+/// The pipe behind an opening, `depth` [m] long and closed at its end.
+Solid nozzle_body(const EmitterShape& opening, Real depth);
+/// Length of that pipe [m]: a particle at the opening must find its whole neighbourhood.
+inline Real nozzle_depth(double support, double spacing) { return static_cast<Real>(support + spacing); }
+
 /// Pushes an endless column of blue-noise fluid through an opening. A buffer of `depth` [m] above the opening holds particles that are
-/// already in the store with their velocity prescribed (role -k): neighbours find a full neighbourhood at the exit.
+/// already in the store with their velocity prescribed (role -k): neighbours find a full neighbourhood at the exit. Other fluid stays out
+/// of the pipe: where some comes near it before `start`, the buffer is there and at rest.
 class Emitter {
 public:
     /// @param number 1, 2, ...: particles in this nozzle carry the role -number
-    Emitter(EmitterShape shape, Expression speed, double start, double stop, Real spacing, Real depth, int number, std::uint64_t seed);
+    /// @param domain whose periodic axes repeat the pipe
+    Emitter(EmitterShape shape, Expression speed, double start, double stop, Real spacing, Real depth, int number, std::uint64_t seed,
+            const Domain& domain = {});
 
     /// Call at the start of a step: fills the buffer with particles (other lasting columns of new particles start at zero), and sets the
     /// velocity that its particles have during [t, t + dt]. The step's own move stage then moves them like all others.
     void enter(ParticleStore& fluid, double t, double dt);
     /// Call after the move: particles beyond the opening become free (role 0). Returns how many.
     Index release(ParticleStore& fluid, double t) const;
+
+    /// Call after release(): free particles that have come into the pipe are put back on its wall and lose the part of their velocity that
+    /// points into it.
+    void keep_out(ParticleStore& fluid) const;
+    /// From x to the pipe [m], negative inside.
+    Real distance(const Vec3& x) const;
 
     /// Volume that has passed the opening so far over the volume of a particle, as the speed's integral says (not as counted).
     double expected_particles() const;

@@ -175,8 +175,12 @@ void put_down(std::vector<Vec3>& points, const Shape& shape, const Vec3d& gravit
     }
 }
 
-/// Takes away the particles that solids leave no room. @return how many
-std::size_t remove_in_solids(std::vector<Vec3>& points, const World& world) {
+/// Takes away the particles that solids and nozzles leave no room. @return how many by solids
+std::size_t remove_in_solids(std::vector<Vec3>& points, const World& world, const std::vector<Emitter>& emitters) {
+    std::erase_if(points, [&](const Vec3& x) {
+        return std::any_of(emitters.begin(), emitters.end(),
+                           [&](const Emitter& e) { return e.distance(x) < Real(0.45) * world.step.spacing; });
+    });
     return std::erase_if(points, [&](const Vec3& x) {
         Real distance = std::numeric_limits<Real>::max();
         return world.solids.nearest(x, distance) >= 0 && distance < Real(0.45) * world.step.spacing;
@@ -184,7 +188,8 @@ std::size_t remove_in_solids(std::vector<Vec3>& points, const World& world) {
 }
 
 /// Where the particles of a block stand at the start.
-std::vector<Vec3> points_of_block(const Scene& scene, const Plan& plan, const World& world, std::size_t b) {
+std::vector<Vec3> points_of_block(const Scene& scene, const Plan& plan, const World& world, const std::vector<Emitter>& emitters,
+                                  std::size_t b) {
     const BlockKeys& keys = scene.blocks[b];
     const auto shape = make_shape(keys.shape, world.step.domain);
     const std::uint64_t seed = scene.seed + 1000 * b;
@@ -198,10 +203,10 @@ std::vector<Vec3> points_of_block(const Scene& scene, const Plan& plan, const Wo
         return points;
     };
     std::vector<Vec3> points = sample(Layers::nearest);
-    if (remove_in_solids(points, world) > 0 && keys.sampling != Sampling::blue_noise) {
+    if (remove_in_solids(points, world, emitters) > 0 && keys.sampling != Sampling::blue_noise) {
         // Where a layer more than half fits, both at its ends would stand too near to the walls of a container and go.
         std::vector<Vec3> within = sample(Layers::within);
-        remove_in_solids(within, world);
+        remove_in_solids(within, world, emitters);
         if (within.size() >= points.size()) points.swap(within);
     }
     if (const double loose = looseness(keys, plan.facts.pressure); loose > 0)
@@ -267,13 +272,13 @@ void check_room(const Scene& scene, const Plan& plan, const World& world) {
 
 }  // namespace
 
-void place_blocks(const Scene& scene, const Plan& plan, World& world) {
+void place_blocks(const Scene& scene, const Plan& plan, const std::vector<Emitter>& emitters, World& world) {
     std::vector<Problem> problems;
     const auto refuse = [&](const std::string& key, const Divergence& d, const std::string& allowed) {
         problems.push_back({scene.place(key), d.what + " at " + text_of(d.place), "", allowed});
     };
     for (std::size_t b = 0; b < scene.blocks.size(); ++b) {
-        const std::vector<Vec3> points = points_of_block(scene, plan, world, b);
+        const std::vector<Vec3> points = points_of_block(scene, plan, world, emitters, b);
         if (points.empty())
             problems.push_back({scene.place(entry_name("block", b)), "the block holds no particle",
                                 "make it larger than the spacing, or move it out of the solids", ""});
@@ -312,10 +317,9 @@ std::vector<Emitter> make_emitters(const Scene& scene, const Plan& plan) {
         shape.plane = scene.domain.dimensions == 2;
         if (shape.plane && !shape.slot) shape.width = 2 * shape.radius;
         const int number = static_cast<int>(emitters.size()) + 1;
-        // A particle at the opening must find its whole neighbourhood.
-        const auto depth = static_cast<Real>(plan.support + plan.spacing);
-        emitters.emplace_back(shape, keys.speed, keys.start, keys.stop, static_cast<Real>(plan.spacing), depth, number,
-                              scene.seed + 77 * static_cast<std::uint64_t>(number));
+        emitters.emplace_back(shape, keys.speed, keys.start, keys.stop, static_cast<Real>(plan.spacing),
+                              nozzle_depth(plan.support, plan.spacing), number, scene.seed + 77 * static_cast<std::uint64_t>(number),
+                              scene.domain.box());
     }
     return emitters;
 }

@@ -105,7 +105,8 @@ struct Simulation::State {
         }
         place_constants(scene, plan, world);
         place_solids(scene, plan, world);
-        place_blocks(scene, plan, world);
+        emitters = make_emitters(scene, plan);
+        place_blocks(scene, plan, emitters, world);
         set_ids(world, 0, next_id);
         if (scene.time.sleep > 0) {
             SleepOptions options;
@@ -113,7 +114,6 @@ struct Simulation::State {
             options.cfl = static_cast<Real>(scene.time.cfl);
             sleep.emplace(options);
         }
-        emitters = make_emitters(scene, plan);
         drains = make_drains(scene);
         set_gravity();
     }
@@ -258,6 +258,7 @@ struct Simulation::State {
     /// Fluid that leaves nozzle, drains and domain.
     void let_out(double dt) {
         for (const Emitter& emitter : emitters) totals.emitted_particles += emitter.release(world.fluid, time + dt);
+        for (const Emitter& emitter : emitters) emitter.keep_out(world.fluid);
         if (!drains.empty()) totals.drained_particles += drain(world.fluid, drains, world.step.dt);
         keep_inside();
     }
