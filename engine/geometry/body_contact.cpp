@@ -90,8 +90,8 @@ public:
             if (largest < 1e-6 * step_.spacing / step_.dt) break;
         }
         for (const ContactPoint& p : points_) {
-            solids_.all[p.a].body->push(p.impulse, p.arm_a);
-            if (solids_.all[p.b].body) solids_.all[p.b].body->push(-p.impulse, p.arm_b);
+            solids_.all[p.a].body->push(Wrench::at(p.arm_a, p.impulse));
+            if (solids_.all[p.b].body) solids_.all[p.b].body->push(Wrench::at(p.arm_b, -p.impulse));
         }
     }
     bool empty() const { return points_.empty(); }

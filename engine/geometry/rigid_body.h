@@ -2,6 +2,7 @@
 /// A solid that forces move: its mass and its state (docs/physics.md 7).
 #include <iosfwd>
 
+#include "engine/geometry/ledger.h"
 #include "engine/geometry/shape.h"
 
 namespace whorl {
@@ -36,8 +37,6 @@ struct RigidBody {
     Vec3d velocity = Vec3d::Zero();                            ///< m/s, of the centre
     Vec3d spin_momentum = Vec3d::Zero();                       ///< angular momentum about the centre [kg m^2/s]
 
-    Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();  ///< N and N m (about the centre), what acts explicitly in this step
-
     /// At rest where the shape's own keys put it. @param density kg/m^3
     RigidBody() = default;
     RigidBody(const Bulk& bulk, double density);
@@ -49,9 +48,7 @@ struct RigidBody {
     Vec3d velocity_at(const Vec3d& x) const { return velocity + angular_velocity().cross(x - centre); }
     double kinetic_energy() const { return mass * velocity.squaredNorm() / 2 + spin_momentum.dot(angular_velocity()) / 2; }  ///< J
 
-    void push(const Vec3d& impulse, const Vec3d& arm) { velocity += impulse / mass, spin_momentum += arm.cross(impulse); }
-    /// The explicit forces over dt [s].
-    void kick(double dt) { velocity += dt / mass * force, spin_momentum += dt * torque; }
+    void push(const Wrench& impulse) { velocity += impulse.force / mass, spin_momentum += impulse.torque; }
     /// Moves and turns freely over dt [s]: momentum and angular momentum stay, to the bit.
     void move(double dt);
     Pose pose() const;

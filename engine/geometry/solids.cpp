@@ -93,6 +93,15 @@ void Solid::go_on_as(VectorExpression new_position, VectorExpression new_spin, d
     turn = R * rotation_at(spin, t, turned).transpose();
 }
 
+Vec3d Solid::centre() const {
+    return body ? body->centre : Vec3d(pose.rotation.cast<double>() * turning_point(*shape) + pose.translation.cast<double>());
+}
+
+void Solid::receive(Push kind, const Wrench& impulse) {
+    ledger[kind] += impulse;
+    if (body) body->push(impulse);
+}
+
 void Solids::set_time(double t, double dt) {
     for (Solid& solid : all) {
         if (solid.body) continue;
@@ -142,6 +151,18 @@ bool Solids::any_moving() const {
 
 bool Solids::any_free() const {
     return std::any_of(all.begin(), all.end(), [](const Solid& solid) { return solid.body.has_value(); });
+}
+
+bool Solids::any_ledger() const {
+    return std::any_of(all.begin(), all.end(), [](const Solid& solid) { return solid.keeps_ledger(); });
+}
+
+bool Solids::any_probed() const {
+    return std::any_of(all.begin(), all.end(), [](const Solid& solid) { return solid.probed; });
+}
+
+void Solids::clear_ledgers() {
+    for (Solid& solid : all) solid.ledger = {};
 }
 
 void SolidParticles::follow(const Solids& solids) {

@@ -38,11 +38,18 @@ struct Solid {
     Mat3d turn = Mat3d::Identity();  ///< before the turning by `spin` since t = 0: the scene's tilt, and what follows from earlier motions
     Pose pose;
     Turned turned;
-    Repeats repeats;  ///< of the shape in its pose
+    Repeats repeats;      ///< of the shape in its pose
+    bool probed = false;  ///< a probe reads a ledger: then all solids keep one, and it accounts for all of the fluid's momentum
+    Ledger ledger;        ///< impulses of the fluid in this step; kept where keeps_ledger()
 
     /// Moves and turns as these say from time t [s] on, from where it stands then.
     void go_on_as(VectorExpression new_position, VectorExpression new_spin, double t);
     bool moves() const;
+    bool keeps_ledger() const { return probed || body; }
+    /// Reference point of torques [m]: a free body's centre of mass, else where turning_point() is now.
+    Vec3d centre() const;
+    /// Adds the fluid's impulse to the ledger; a free body takes it up.
+    void receive(Push kind, const Wrench& impulse);
     bool sticks() const { return slip_length == 0; }
     /// The fluid slips, but not freely.
     bool partial_slip() const { return slip_length > 0 && slip_length < std::numeric_limits<double>::infinity(); }
@@ -72,6 +79,10 @@ public:
     int nearest(const Vec3& x, Real& distance) const;
     bool any_moving() const;
     bool any_free() const;
+    bool any_ledger() const;
+    bool any_probed() const;
+    /// At the start of a step.
+    void clear_ledgers();
     /// Poses and velocities of the free bodies as their states say.
     void place_bodies();
 
@@ -87,6 +98,8 @@ struct SolidParticles {
     Column<Vec3> position, velocity;  ///< m, m/s, in the world's axes
     Column<Vec3> normal;              ///< into the fluid
     Column<Real> volume;              ///< 1/sum W over the solid particles near by, m^3 (Akinci et al. 2012)
+    /// Impulse of the fluid's pressure on each in this step [N s], on solids that keep a ledger; empty: no probe asks for it.
+    std::vector<Vec3d> pressed;
     Index size() const { return static_cast<Index>(solid.size()); }
     /// Moves the particles with their solids.
     void follow(const Solids& solids);

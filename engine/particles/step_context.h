@@ -15,6 +15,7 @@ struct StepContext {
     double time = 0;              ///< s, at the start of the step
     Real dt = 0;                  ///< s
     bool at_frame_time = true;    ///< the step starts at a frame time: refresh every lagged set-up, a resumed run starts here
+    bool to_frame_time = true;    ///< it ends at one: fields that no step needs, but frames and probes, are wanted
     Vec3 gravity = Vec3::Zero();  ///< m/s^2
     Domain domain;
 

@@ -1,25 +1,29 @@
 #pragma once
-/// The force of the fluid on a solid, from the flow beside its surface.
+/// Force of the fluid on a solid, from the ledger of momentum (geometry/ledger.h).
 ///
-/// pressure_* [N] is -sum A p n and viscous_* [N] sum A mu dv/dn over the particles of the solid's layer that fluid touches: n points into
-/// the fluid, A is the surface that a particle stands for, v the velocity along the surface relative to the solid. On a surface that the
-/// fluid sticks to, dv/dn is that of the parabola through the surface and the places one and two spacings above it; where it slides there
-/// is no friction, and with a slip length dv/dn = v/slip_length. In two dimensions forces are those on a metre of depth. For smooth
-/// surfaces: at edges A is too large.
+/// pressure_*, viscous_* and contact_* [N] are means since the last row: impulse over time. torque_* [N m] is that of all three about the
+/// solid's centre: a free body's centre of mass, else the middle of the shape's bounds. peak [N] is the largest size of the total force of
+/// a single step. In two dimensions forces are those on a metre of depth. Empty cells: no time has passed.
 #include "engine/probes/probes.h"
 
 namespace whorl {
 
 class SolidProbe : public Probe {
 public:
-    explicit SolidProbe(const ProbeKeys& keys) : solid_(keys.solid) {}
-    std::vector<std::string> columns() const override {
-        return {"time", "pressure_x", "pressure_y", "pressure_z", "viscous_x", "viscous_y", "viscous_z"};
-    }
+    explicit SolidProbe(const ProbeKeys& keys) : solid_(static_cast<std::size_t>(keys.solid)) {}
+    std::vector<std::string> columns() const override;
+    void after_step(const World& world, double time) override;
     ProbeRows rows(const World& world, double time) override;
+    void save(std::ostream& out) const override;
+    void load(std::istream& in) override;
 
 private:
-    Index solid_;
+    std::size_t solid_;
+    struct Since {
+        double time = 0, peak = 0;  ///< s, N
+        Ledger impulses;
+    };
+    Since since_;  ///< the last row
 };
 
 }  // namespace whorl

@@ -217,7 +217,7 @@ private:
             stage("surface pressure", "surface tension", SurfacePressure{system, options.tension});
             tension_limit();
         }
-        weights();
+        stage("gravity", "move", Gravity{});
         if (facts_.micropolar.spins) spin(system);
         else if (plan_.viscosity == ViscosityModel::explicit_laplacian) {
             if (scene_.viscosity.laplacian == LaplacianForm::brookshaw) {
@@ -261,7 +261,7 @@ private:
         if (facts_.needs_density()) stage("density", "density", Density{solid_factor_, gate_});
         if (facts_.pressure.has_sound) sound_pressure();
         if (facts_.viscosity.implicit) stage("velocity gradient", "viscosity", VelocityGradient{solid_factor_, gate_});
-        weights();
+        stage("gravity", "move", Gravity{});
         if (facts_.pressure.has_sound) sound_forces();
         if (facts_.micropolar.spins) spin();
         else if (plan_.viscosity == ViscosityModel::explicit_laplacian) explicit_viscosity();
@@ -319,10 +319,6 @@ private:
                   [dt = sound_damping_step(R, c, damping)](const World&, double) { return dt; });
     }
 
-    void weights() {
-        stage("gravity", "move", Gravity{});
-        if (bodies_) stage("weight of bodies", "bodies", Weigh{});
-    }
     void kicks() {
         if (!scene_.streams.empty()) stage("streams", "move", FollowStreams{make_streams(scene_)});
         stage("kick", "move", Kick{});
@@ -362,13 +358,14 @@ private:
         options.preconditioner = preconditioner<ConstraintPreconditionerSetup>(
             scene_.pressure.preconditioner, constraint_automatic, constraint_unpreconditioned, diagonal_scaling, constraint_multigrid());
         stage("density constraint", "pressure", ConstraintPressure{options});
-        pressure_limit(std::min(cfl(), calm_cfl));
+        pressure_limit<field::constraint_pressure>(std::min(cfl(), calm_cfl));
     }
 
+    template <class Field = field::pressure>
     void pressure_limit(double cfl) {
         limit("pressure", number(cfl) + " d / sqrt(p / rho)",
               [cfl, d = plan_.spacing, rho_0 = scene_.fluid.density](const World& w, double) {
-                  return pressure_step(cfl, d, rho_0, w.fluid.column<field::pressure>());
+                  return pressure_step(cfl, d, rho_0, w.fluid.column<Field>());
               });
     }
 

@@ -31,7 +31,10 @@ void place_constants(const Scene& scene, const Plan& plan, World& world) {
 
 void place_solids(const Scene& scene, const Plan& plan, World& world) {
     world.solids.domain = world.step.domain;
-    for (const SolidKeys& keys : scene.solids) world.solids.all.push_back(solid_of(keys, make_shape(keys.shape)));
+    const bool probed =
+        std::any_of(scene.probes.begin(), scene.probes.end(), [](const ProbeKeys& probe) { return probe.kind == ProbeKind::solid; });
+    for (const SolidKeys& keys : scene.solids)
+        world.solids.all.push_back(solid_of(keys, make_shape(keys.shape))), world.solids.all.back().probed = probed;
     world.solids.set_time(0, scene.time.look_ahead());
     if (plan.boundary == BoundaryModel::none) return;
     world.solid_particles = sample_solids(

@@ -245,6 +245,8 @@ struct Simulation::State {
 
     void start_step() {
         world.report = {};
+        world.solids.clear_ledgers();
+        std::fill(world.solid_particles.pressed.begin(), world.solid_particles.pressed.end(), Vec3d::Zero());
         world.step.time = time;
         world.step.at_frame_time = steps_since_frame == 0;
         set_gravity();
@@ -292,6 +294,7 @@ struct Simulation::State {
             world.report.diverged = Divergence{"time step", "velocity", time, Vec3d::Zero(), what};
             return world.report;
         }
+        world.step.to_frame_time = dt == until - time;
         prepare(dt);
         if (world.report.diverged || !run_stages()) {
             if (sleep) sleep->gather(world);

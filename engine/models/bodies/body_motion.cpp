@@ -4,14 +4,9 @@
 
 namespace whorl {
 
-void Weigh::operator()(const Surroundings& around) const {
-    for (Solid& solid : around.solids.all)
-        if (solid.body) solid.body->force = solid.body->mass * around.step.gravity.cast<double>(), solid.body->torque.setZero();
-}
-
 void KickBodies::operator()(const Surroundings& around) const {
     for (Solid& solid : around.solids.all)
-        if (solid.body) solid.body->kick(static_cast<double>(around.step.dt));
+        if (solid.body) solid.body->velocity += static_cast<double>(around.step.dt) * around.step.gravity.cast<double>();
     around.solids.place_bodies();
     around.layer.follow(around.solids);
 }

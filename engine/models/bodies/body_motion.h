@@ -1,16 +1,10 @@
 #pragma once
-/// The frame of a free body's step, beside that of the particles (models/motion/motion.h): Weigh with Gravity, KickBodies after Kick,
-/// MoveBodies after Move.
+/// The frame of a free body's step, beside that of the particles (models/motion/motion.h): KickBodies after Kick, MoveBodies after Move.
 #include "engine/particles/surroundings.h"
 
 namespace whorl {
 
-/// force = mass g, torque = 0. The first of a step: later stages add to them what acts explicitly.
-struct Weigh {
-    void operator()(const Surroundings& around) const;
-};
-
-/// u += dt force/mass, and so for the turning; the layer has the new velocities.
+/// u += dt g, added to the explicit forces that the bodies have received; the layer has the new velocities.
 struct KickBodies {
     void operator()(const Surroundings& around) const;
 };

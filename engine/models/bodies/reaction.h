@@ -1,44 +1,55 @@
 #pragma once
-/// What free bodies get back for what they do to the fluid.
+/// Ledger entries: the opposite of what solids do to the fluid (docs/physics.md 7).
 #include "engine/core/parallel.h"
 #include "engine/particles/field.h"
 #include "engine/particles/surroundings.h"
 
 namespace whorl {
 
-/// Force and torque.
-struct Wrench {
-    Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();
-    void operator+=(const Wrench& o) { force += o.force, torque += o.torque; }
-};
-
-/// The particles that have a solid neighbour of a free body, in order.
+/// The particles that have a neighbour in the layer of solid k, in order.
+std::vector<Index> particles_at(const Surroundings& around, std::size_t k);
+/// In that of any free body.
 std::vector<Index> particles_at_bodies(const Surroundings& around);
 
-/// Adds to every free body the opposite of what its layer does to the particles. It acts where the particle is: whatever the direction of
-/// the force, momentum and angular momentum of both together stay.
-/// @param act (i, s, r, distance) -> acceleration of particle i by solid particle s [m/s^2]
+/// Solids whose ledger a stage writes: all, or those that are not unknowns of its solve.
+enum class Writes { all, driven };
+
+/// Change of a particle's velocity by a solid particle, and where the opposite acts on the solid: `back` [m] from there to the particle.
+struct PushAt {
+    Vec3 push, back = Vec3::Zero();
+    PushAt(const Vec3& p) : push(p) {}  // NOLINT(google-explicit-constructor): most push where the particle is
+    PushAt(const Vec3& p, const Vec3& b) : push(p), back(b) {}
+};
+
+/// Writes to the ledgers the opposite of what the layers do to the particles. It acts where the particle is (unless `act` says
+/// otherwise): whatever the direction of the force, momentum and angular momentum of both together are conserved.
+/// @param scale mass [kg], times dt [s] if `act` gives accelerations
+/// @param act i -> (s, r, distance) -> change of the velocity of particle i by solid particle s: Vec3 or PushAt
 template <class Act>
-void react(const Surroundings& around, Read<field::role> role, const Act& act) {
-    if (!around.solids.any_free()) return;
-    const std::vector<Index> near = particles_at_bodies(around);
+void react(const Surroundings& around, Push kind, Read<field::role> role, Real scale, const Act& act, Writes writes = Writes::all) {
     for (std::size_t k = 0; k < around.solids.all.size(); ++k) {
-        if (!around.solids.all[k].body) continue;
-        RigidBody& body = *around.solids.all[k].body;
-        const Wrench sum = parallel_sum(static_cast<Index>(near.size()), Wrench{}, [&](Index e) {
-            Wrench one;
-            const Index i = near[e];
-            if (role[i] != 0) return one;
+        Solid& solid = around.solids.all[k];
+        if (!solid.keeps_ledger() || (writes == Writes::driven && solid.body)) continue;
+        const std::vector<Index> near = particles_at(around, k);
+        const Vec3d centre = solid.centre();
+        const auto each = [&](Index i, const auto& f) {
+            if (role[i] != 0) return;
+            const auto& on_i = act(i);
             around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
                 if (static_cast<std::size_t>(around.layer.solid[s]) != k) return;
-                const Vec3d force = -act(i, s, r, distance).template cast<double>();
-                const Vec3d arm = (around.layer.position[s] + r).template cast<double>() - body.centre;
-                one += Wrench{force, arm.cross(force)};
+                const PushAt on = on_i(s, r, distance);
+                f(s, (around.layer.position[s] + r - on.back).template cast<double>() - centre, Vec3d(-on.push.template cast<double>()));
             });
+        };
+        const Wrench sum = parallel_sum(static_cast<Index>(near.size()), Wrench{}, [&](Index e) {
+            Wrench one;
+            each(near[e], [&](Index, const Vec3d& arm, const Vec3d& push) { one += Wrench::at(arm, push); });
             return one;
         });
-        body.force += static_cast<double>(around.step.mass) * sum.force;
-        body.torque += static_cast<double>(around.step.mass) * sum.torque;
+        solid.receive(kind, static_cast<double>(scale) * sum);
+        if (kind != Push::pressure || around.layer.pressed.empty()) continue;
+        for (const Index i : near)
+            each(i, [&](Index s, const Vec3d&, const Vec3d& push) { around.layer.pressed[s] += static_cast<double>(scale) * push; });
     }
 }
 

@@ -1,8 +1,10 @@
 #pragma once
 /// Friction at walls along which the fluid slips by a length of its own, for every viscosity model alike.
+#include <functional>
 #include <vector>
 
 #include "engine/models/boundary/wall.h"
+#include "engine/particles/field.h"
 #include "engine/particles/surroundings.h"
 #include "engine/sph/gate.h"
 
@@ -36,8 +38,18 @@ public:
     /// Part of i's volume that lies between it and the wall, where the friction has the shear already: a half in the layer that touches it.
     /// A model with an energy of its own for all of V counts the rest.
     Real counted(Index i) const { return counted_[i]; }
+    /// Writes the friction of a step to the ledgers. @param u velocities that it acts on @param nu of a particle [m^2/s]
+    void write_ledgers(const Surroundings& around, Read<field::role> role, Span<const Vec3> u, const std::function<Real(Index)>& nu) const;
 
 private:
+    /// Share of solid particle s in F_i. @param open weight of the gate
+    template <class Kernel>
+    Mat3 share_of(const Kernel& kernel, const Surroundings& around, Index s, const Vec3& r, Real open) const;
+
+    FrictionForm form_ = FrictionForm::central;
+    Real factor_ = 1, column_ = 1;
+    SolidGate gate_;
+    Real solid_factor_ = 1;
     Column<Mat3> coefficient_;
     Column<Vec3> load_;
     Column<Real> counted_;

@@ -5,26 +5,33 @@
 namespace whorl {
 namespace {
 
-/// A particle inside a free body is put back on its surface and collides with it; what moving it does to its angular momentum the body gets
-/// back as spin. Bodies take the impulses one after the other, in the particles' order: few particles are ever inside.
-void push_out_of_bodies(Solids& solids, const std::vector<Index>& inside, const std::vector<int>& whose, Real mass,
-                        Update<field::position> x, Update<field::velocity> u) {
-    for (const Index i : inside) {
-        Solid& solid = solids.all[whose[i]];
-        RigidBody& body = *solid.body;
-        const Vec3 before = x[i];
-        x[i] -= solid.distance(before) * solid.normal(before);
-        body.spin_momentum -= static_cast<double>(mass) * (x[i] - before).cast<double>().cross(u[i].cast<double>());
-        const Vec3d n = solid.normal(x[i]).cast<double>(), at = solid.image(x[i]).cast<double>(), arm = at - body.centre,
-                    turning = arm.cross(n);
-        const double inward = (u[i].cast<double>() - body.velocity_at(at)).dot(n);
-        if (!(inward < 0)) continue;
-        // u_n' = v_n' after the impulse J:   J (1/m + 1/M + (a x n).I^-1 (a x n)) = -inward
-        const double impulse = -inward / (1 / static_cast<double>(mass) + 1 / body.mass + turning.dot(body.inverse_inertia() * turning));
-        u[i] += (impulse / static_cast<double>(mass) * n).cast<Real>();
-        body.push(-impulse * n, arm);
-    }
-    solids.place_bodies();
+/// Puts a particle that is inside a solid on its surface and stops it there.
+void push_out(const Solid& solid, Vec3& x, Vec3& u) {
+    const Vec3 n = solid.normal(x);
+    x -= solid.distance(x) * n;
+    const Real inward = (u - solid.velocity_at(x)).dot(n);
+    if (inward < 0) u -= inward * n;
+}
+
+/// The same at a solid with a ledger, which has the impulse and what the move does to the particle's angular momentum. A free body
+/// collides. Solids take particles one after the other, in their order: few are ever inside.
+void push_out(Solid& solid, Real mass, Vec3& x, Vec3& u) {
+    const Vec3 x_before = x;
+    const Vec3d centre = solid.centre(), u_before = u.cast<double>();
+    if (solid.body) x -= solid.distance(x) * solid.normal(x);
+    else push_out(solid, x, u);
+    const Vec3d kick = u.cast<double>() - u_before, moved = (x - x_before).cast<double>();
+    const Vec3d at = solid.image(x).cast<double>(), arm = at - centre;
+    solid.receive(Push::contact, -static_cast<double>(mass) * (Wrench::at(arm, kick) + Wrench{Vec3d::Zero(), moved.cross(u_before)}));
+    if (!solid.body) return;
+    const RigidBody& body = *solid.body;
+    const Vec3d n = solid.normal(x).cast<double>(), turning = arm.cross(n);
+    const double inward = (u_before - body.velocity_at(at)).dot(n);
+    if (!(inward < 0)) return;
+    // u_n' = v_n' after the impulse J:   J (1/m + 1/M + (a x n).I^-1 (a x n)) = -inward
+    const double impulse = -inward / (1 / static_cast<double>(mass) + 1 / body.mass + turning.dot(body.inverse_inertia() * turning));
+    u += (impulse / static_cast<double>(mass) * n).cast<Real>();
+    solid.receive(Push::contact, Wrench::at(arm, -impulse * n));
 }
 
 }  // namespace
@@ -36,8 +43,8 @@ void KeepOutside::operator()(const Surroundings& around, Read<field::role> role,
     if (solids.all.empty()) return;
     // The pairs are those before the move: a particle without solid neighbours was a support radius away.
     const Real far = step.support / 2;
-    const bool bodies = solids.any_free();
-    std::vector<int> struck(bodies ? static_cast<std::size_t>(x.size()) : 0, -1);
+    const bool ledgers = solids.any_ledger();
+    std::vector<int> struck(ledgers ? static_cast<std::size_t>(x.size()) : 0, -1);
     parallel_for(x.size(), [&](Index i) {
         if (role[i] != 0) return;
         if (around.solid_pairs.count(i) == 0 && u[i].squaredNorm() * step.dt * step.dt < far * far) return;
@@ -45,21 +52,22 @@ void KeepOutside::operator()(const Surroundings& around, Read<field::role> role,
         const int k = solids.nearest(x[i], distance);
         if (k < 0 || !(distance < 0)) return;
         const Solid& solid = solids.all[k];
-        if (solid.body) {
+        if (solid.keeps_ledger()) {
             struck[i] = k;
             return;
         }
-        const Vec3 n = solid.normal(x[i]);
-        x[i] -= distance * n;
-        const Real inward = (u[i] - solid.velocity_at(x[i])).dot(n);
-        if (inward < 0) u[i] -= inward * n;
+        push_out(solid, x[i], u[i]);
     });
-    if (!bodies) return;
-    std::vector<Index> inside;
-    for (Index i = 0; i < x.size(); ++i)
-        if (struck[i] >= 0) inside.push_back(i);
-    if (inside.empty()) return;
-    push_out_of_bodies(solids, inside, struck, step.mass, x, u);
+    if (!ledgers) return;
+    bool any_body = false;
+    for (Index i = 0; i < x.size(); ++i) {
+        if (struck[i] < 0) continue;
+        Solid& solid = solids.all[struck[i]];
+        push_out(solid, step.mass, x[i], u[i]);
+        any_body |= solid.body.has_value();
+    }
+    if (!any_body) return;
+    solids.place_bodies();
     around.layer.follow(solids);
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "engine/core/parallel.h"
+#include "engine/models/bodies/reaction.h"
 #include "engine/models/boundary/wall.h"
 
 namespace whorl {
@@ -68,31 +69,36 @@ void add_fluid(Sums& all, const Kernel& W, const FluidPairs& pairs, Index i, con
     all = s;
 }
 
-/// Solids that the fluid sticks to, as neighbours with the volume V_s for m/rho_j. Velocity and spin are continued behind the surface, so
-/// that on it the fluid has those of the solid.
+/// A solid particle that the fluid sticks to, as a neighbour with the volume V_s for m/rho_j. Velocity and spin are continued behind the
+/// surface, so that on it the fluid has those of the solid.
+template <bool central, class Kernel>
+void add_solid(Sums& all, const Kernel& W, const MicropolarOptions& options, const Surroundings& around, const Own& own, Real softening,
+               Real gate, Index s, const Vec3& r, Real distance) {
+    const SolidParticles& layer = around.layer;
+    const Solid& solid = around.solids.all[layer.solid[s]];
+    if (!solid.sticks()) return;
+    const auto add = [](Sum3& sum, const Vec3& v) { sum.x += v.x(), sum.y += v.y(), sum.z += v.z(); };
+    const bool both_u = options.curl_velocity == CurlForm::symmetric, both_w = options.curl_spin == CurlForm::symmetric;
+    const Real stretch = WallShear{around.step.spacing / 2}.stretch(r, layer.normal[s]);
+    const Vec3 wall = solid.pose.velocity_at(layer.position[s] + r);
+    const Vec3 u_is = stretch * (own.u - wall) + (wall - layer.velocity[s]);
+    const Vec3 w_is = options.free_spin_walls ? Vec3(Vec3::Zero()) : Vec3(stretch * (own.w - solid.pose.angular_velocity));
+    const Real slope = W.slope(distance);
+    const Real b = gate * options.solid_factor * layer.volume[s] / around.step.mass, even = 2 * own.b * b * slope;
+    add(all.viscous, even * u_is);
+    add(all.diffuse, even * w_is);
+    if constexpr (central)
+        add(all.central, static_cast<Real>(W.dimensions + 2) * even * u_is.dot(r) / (distance * distance + softening) * r);
+    const Vec3 u_s = own.u - u_is + own.turning.cross(r), w_s = own.w - w_is;
+    add(all.curl_u, slope * b * Vec3((both_u ? -1 : 1) * own.u - u_s).cross(r));
+    add(all.curl_w, slope * b * Vec3((both_w ? -1 : 1) * own.w - w_s).cross(r));
+}
+
 template <bool central, class Kernel>
 void add_solids(Sums& all, const Kernel& W, const MicropolarOptions& options, const Surroundings& around, Index i, const Own& own,
                 Real softening, Real gate) {
-    const SolidParticles& layer = around.layer;
-    const WallShear shear{around.step.spacing / 2};
-    const auto add = [](Sum3& sum, const Vec3& v) { sum.x += v.x(), sum.y += v.y(), sum.z += v.z(); };
-    const bool both_u = options.curl_velocity == CurlForm::symmetric, both_w = options.curl_spin == CurlForm::symmetric;
     around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-        const Solid& solid = around.solids.all[layer.solid[s]];
-        if (!solid.sticks()) return;
-        const Real stretch = shear.stretch(r, layer.normal[s]);
-        const Vec3 wall = solid.pose.velocity_at(layer.position[s] + r);
-        const Vec3 u_is = stretch * (own.u - wall) + (wall - layer.velocity[s]);
-        const Vec3 w_is = options.free_spin_walls ? Vec3(Vec3::Zero()) : Vec3(stretch * (own.w - solid.pose.angular_velocity));
-        const Real slope = W.slope(distance);
-        const Real b = gate * options.solid_factor * layer.volume[s] / around.step.mass, even = 2 * own.b * b * slope;
-        add(all.viscous, even * u_is);
-        add(all.diffuse, even * w_is);
-        if constexpr (central)
-            add(all.central, static_cast<Real>(W.dimensions + 2) * even * u_is.dot(r) / (distance * distance + softening) * r);
-        const Vec3 u_s = own.u - u_is + own.turning.cross(r), w_s = own.w - w_is;
-        add(all.curl_u, slope * b * Vec3((both_u ? -1 : 1) * own.u - u_s).cross(r));
-        add(all.curl_w, slope * b * Vec3((both_w ? -1 : 1) * own.w - w_s).cross(r));
+        add_solid<central>(all, W, options, around, own, softening, gate, s, r, distance);
     });
 }
 
@@ -116,20 +122,32 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const Surroundings& around,
                gamma = static_cast<Real>(o.spin_viscosity);
     const bool any_torque = !torque_.is_zero(), any_solids = around.layer.size() > 0;
 
+    const auto own_of = [&](Index i) {
+        const Real b = 1 / rho[i];
+        return Own{
+            u[i], w[i], o.co_rotating ? w[i] : Vec3(Vec3::Zero()), b, curl_weights(o.curl_velocity, b), curl_weights(o.curl_spin, b)};
+    };
+    const auto gate_of = [&](Index i) { return o.gate.weight(kernel, i, around.solid_pairs, around.layer.volume, o.solid_factor); };
+    react(around, Push::viscous, role, m * m * dt, [&](Index i) {
+        return [&, i, gate = gate_of(i)](Index q, const Vec3& r, Real distance) {
+            const Own own = own_of(i);
+            Sums s;
+            add_solid<central>(s, kernel, o, around, own, softening, gate, q, r, distance);
+            return Vec3(s.viscous.times(lattice * mu) + s.central.times(along_pairs * mu_central) +
+                        s.curl_w.times(lattice * lambda * own.b));
+        };
+    });
+
     return parallel_sum(a.size(), EnergyWork{}, [&](Index i) -> EnergyWork {
         if (role[i] != 0) {
             change[i].setZero();
             return {};
         }
-        const Real b = 1 / rho[i];
-        const Own own{
-            u[i], w[i], o.co_rotating ? w[i] : Vec3(Vec3::Zero()), b, curl_weights(o.curl_velocity, b), curl_weights(o.curl_spin, b)};
+        const Own own = own_of(i);
+        const Real b = own.b;
         Sums s;
         add_fluid<central>(s, kernel, around.pairs, i, own, softening, rho.data(), u.data(), w.data());
-        if (any_solids && around.solid_pairs.count(i) > 0) {
-            const Real gate = o.gate.weight(kernel, i, around.solid_pairs, around.layer.volume, o.solid_factor);
-            add_solids<central>(s, kernel, o, around, i, own, softening, gate);
-        }
+        if (any_solids && around.solid_pairs.count(i) > 0) { add_solids<central>(s, kernel, o, around, i, own, softening, gate_of(i)); }
 
         Vec3 viscous = s.viscous.times(m * lattice * mu);
         if constexpr (central) viscous += s.central.times(m * along_pairs * mu_central);

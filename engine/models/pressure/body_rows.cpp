@@ -44,18 +44,17 @@ void BodyRows::build(const WallImage& wall, const Surroundings& around, Span<con
     }
 }
 
-BodyRows::Sum BodyRows::transposed(const Body& body, Span<const Real> q) const {
-    return parallel_sum(static_cast<Index>(body.touches.size()), Sum{}, [&](Index e) {
+Wrench BodyRows::transposed(const Body& body, Span<const Real> q) const {
+    return parallel_sum(static_cast<Index>(body.touches.size()), Wrench{}, [&](Index e) {
         const Touch& t = body.touches[e];
-        const Vec3d push = (q[t.particle] * t.h).cast<double>();
-        return Sum{push, t.arm.cast<double>().cross(push)};
+        return Wrench::at(t.arm.cast<double>(), (q[t.particle] * t.h).cast<double>());
     });
 }
 
 void BodyRows::add_product(Span<const Real> q, Span<const char> wanted, Span<Real> rate) const {
     for (const Body& body : bodies_) {
-        const Sum sum = transposed(body, q);
-        const Vec3 velocity = (body.mass_ratio * sum.push).cast<Real>(), turning = (body.turning_ratio * sum.torque).cast<Real>();
+        const Wrench sum = transposed(body, q);
+        const Vec3 velocity = (body.mass_ratio * sum.force).cast<Real>(), turning = (body.turning_ratio * sum.torque).cast<Real>();
         parallel_for(static_cast<Index>(body.touches.size()), [&](Index e) {
             const Touch& t = body.touches[e];
             if (wanted[t.particle]) rate[t.particle] += t.h.dot(velocity + turning.cross(t.arm));
@@ -63,14 +62,8 @@ void BodyRows::add_product(Span<const Real> q, Span<const char> wanted, Span<Rea
     }
 }
 
-void BodyRows::push(const Body& body, Span<const Real> q, RigidBody& state) const {
-    const Sum sum = transposed(body, q);
-    state.velocity += mass_ / state.mass * sum.push;
-    state.spin_momentum += mass_ * sum.torque;
-}
-
 void BodyRows::push(Span<const Real> q, Solids& solids) const {
-    for (const Body& body : bodies_) push(body, q, *solids.all[body.solid].body);
+    for (const Body& body : bodies_) solids.all[body.solid].receive(Push::pressure, mass_ * transposed(body, q));
 }
 
 std::vector<Pose> BodyRows::poses_after(Span<const Real> q, const Solids& solids) const {
@@ -79,7 +72,7 @@ std::vector<Pose> BodyRows::poses_after(Span<const Real> q, const Solids& solids
     for (const Solid& solid : solids.all) poses.push_back(solid.pose);
     for (const Body& body : bodies_) {
         RigidBody state = *solids.all[body.solid].body;
-        push(body, q, state);
+        state.push(mass_ * transposed(body, q));
         poses[body.solid] = state.pose();
     }
     return poses;

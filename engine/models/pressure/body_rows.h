@@ -39,12 +39,8 @@ private:
         Mat3d turning_ratio;  ///< m times the inverse of its inertia [1/m^2]
         std::vector<Touch> touches;
     };
-    struct Sum {
-        Vec3d push = Vec3d::Zero(), torque = Vec3d::Zero();
-        void operator+=(const Sum& o) { push += o.push, torque += o.torque; }
-    };
-    Sum transposed(const Body& body, Span<const Real> q) const;
-    void push(const Body& body, Span<const Real> q, RigidBody& state) const;
+    /// Over the mass of a particle.
+    Wrench transposed(const Body& body, Span<const Real> q) const;
 
     std::vector<Body> bodies_;
     double mass_ = 0;  ///< of a particle [kg]

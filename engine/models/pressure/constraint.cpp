@@ -6,6 +6,7 @@
 #include "engine/core/clock.h"
 #include "engine/core/parallel.h"
 #include "engine/math/conjugate_gradients.h"
+#include "engine/models/bodies/reaction.h"
 #include "engine/particles/largest_speed.h"
 
 namespace whorl {
@@ -177,6 +178,48 @@ WallImage ConstraintPressure::wall_of(const Surroundings& around) const {
     return wall;
 }
 
+void ConstraintPressure::write_ledgers(const WallImage& wall, const Surroundings& around, Read<field::role> role, Span<const Real> rho,
+                                       Span<const Real> q) const {
+    const SolidParticles& layer = around.layer;
+    with_kernel(around.step.kernel, around.step.support, [&](const auto& W) {
+        const auto share = [&](Index s, const Vec3& r, Real distance) {
+            return wall.share(W, r, distance, layer.normal[s], layer.volume[s]);
+        };
+        react(
+            around, Push::pressure, role, around.step.mass,
+            [&](Index i) {
+                Real w = 0;
+                around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { w += share(s, r, distance).value; });
+                const SolidGate::Gated gated = wall.gate.gated(w);
+                const Real of_i = q[i] * D_.fill[i] * rho[i] * gated.slope * WallImage::free_volume(gated.sum).slope;
+                return [&, of_i](Index s, const Vec3& r, Real distance) { return Vec3(-of_i * share(s, r, distance).gradient); };
+            },
+            Writes::driven);
+    });
+}
+
+void ConstraintPressure::find_pressures(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Real> q,
+                                        Span<Real> p) const {
+    const SolidParticles& layer = around.layer;
+    const StepContext& step = around.step;
+    with_kernel(step.kernel, step.support, [&](const auto& W) {
+        parallel_for(D_.size(), [&](Index i) {
+            const Real own = D_.fill[i] * q[i];
+            Real fluid = 0, walls = 0, w = 0;
+            around.pairs.of(i, [&](Index j, const Vec3&, Real r) { fluid -= (own + D_.fill[j] * q[j]) * step.mass * W.slope(r) * r * r; });
+            if (layer.size() > 0)
+                around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+                    const WallImage::Share share = wall.share(W, r, distance, layer.normal[s], layer.volume[s]);
+                    w += share.value;
+                    walls -= share.gradient.dot(layer.normal[s]) * std::max(Real(0), r.dot(layer.normal[s]) - step.spacing / 2);
+                });
+            const SolidGate::Gated gated = wall.gate.gated(w);
+            walls *= own * rho[i] * gated.slope * WallImage::free_volume(gated.sum).slope;
+            p[i] = rho[i] / (static_cast<Real>(step.dimensions()) * step.dt) * (fluid / 2 + walls);
+        });
+    });
+}
+
 Real ConstraintPressure::correction_time(Span<const Vec3> u, const StepContext& step) const {
     if (bodies_.empty()) return step.dt;
     const auto speed = static_cast<Real>(std::hypot(largest_speed(u), std::sqrt(static_cast<double>(step.gravity.norm() * step.spacing))));
@@ -204,10 +247,11 @@ void ConstraintPressure::add_bend(const WallImage& wall, const Surroundings& aro
 }
 
 void ConstraintPressure::operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Write<field::density> rho,
-                                    Update<field::velocity> u, Update<field::pressure> p) {
+                                    Update<field::velocity> u, Update<field::constraint_pressure> multiplier, Write<field::pressure> p) {
     const StepContext& step = around.step;
     const Index n = rho.size();
     const Real rho_0 = step.rest_density;
+    const Span<Real> q = multiplier.values;
     b_.resize(n);
     residual_.resize(n);
     const WallImage wall = wall_of(around);
@@ -219,19 +263,20 @@ void ConstraintPressure::operator()(const Surroundings& around, StepReport& repo
     const Real time = correction_time(u.values, step);
     parallel_for(n, [&](Index i) {
         b_[i] += correction_rate(rho[i], target, filled, step, time);
-        p[i] = D_.diagonal[i] > 0 ? p[i] / D_.virial[i] * step.dt / (rho[i] * rho[i]) : 0;  // q
+        q[i] = D_.diagonal[i] > 0 ? q[i] / D_.virial[i] * step.dt / (rho[i] * rho[i]) : 0;
     });
     ConstraintMatrix matrix{D_, {}, Column<Padded>(n), around.pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};
-    matrix.push(p.values);
-    if (filled || has_free_surface(p.values)) add_bend(wall, around, rho.values, u.values, p.values, matrix.force);
+    matrix.push(q);
+    if (filled || has_free_surface(q)) add_bend(wall, around, rho.values, u.values, q, matrix.force);
     const auto fastest = static_cast<Real>(filled ? largest_speed(u.values) : 0);
-    report.solves.push_back(
-        {"pressure", filled ? solve_filled(matrix, step, mean_rate, fastest, p.values) : solve(matrix, step, p.values)});
-    bodies_.push(p.values, around.solids);
-    if (filled) matrix.push(p.values);  // solve() has left it there
+    report.solves.push_back({"pressure", filled ? solve_filled(matrix, step, mean_rate, fastest, q) : solve(matrix, step, q)});
+    bodies_.push(q, around.solids);
+    write_ledgers(wall, around, role, rho.values, q);
+    if (step.to_frame_time) find_pressures(wall, around, rho.values, q, p.values);
+    if (filled) matrix.push(q);  // solve() has left it there
     parallel_for(n, [&](Index i) {
         u[i] -= matrix.force[i].head<3>();
-        p[i] *= D_.virial[i] * rho[i] * rho[i] / step.dt;
+        q[i] *= D_.virial[i] * rho[i] * rho[i] / step.dt;
     });
     Column<Real>().swap(D_.slope);  // a fifth of a step's memory, and nobody needs it any longer
 }

@@ -10,6 +10,14 @@
 
 namespace whorl {
 
+namespace field {
+struct constraint_pressure {
+    using type = Real;
+    static constexpr std::string_view name = "constraint_pressure", unit = "Pa",
+                                      meaning = "pressure as the constraint knows it, from each particle's own sums alone";
+};
+}  // namespace field
+
 /// A = D D^T on the particles that press, the identity elsewhere kept out: symmetric, positive semi-definite.
 ///   A_ik = D_i.D_k,   M^-1 between them where free bodies have columns (body_rows.h),  where D_i holds own_i at i and -f_i g_ij at the
 ///   neighbours j that are free.
@@ -60,7 +68,7 @@ class ConstraintPressure {
 public:
     explicit ConstraintPressure(ConstraintOptions options) : options_(std::move(options)) {}
     void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Write<field::density> rho,
-                    Update<field::velocity> u, Update<field::pressure> p);
+                    Update<field::velocity> u, Update<field::constraint_pressure> multiplier, Write<field::pressure> p);
 
 private:
     /// A q <= b as complementarity. matrix.force must be, and will be, D^T q.
@@ -90,6 +98,13 @@ private:
                   Span<const Padded> force);
     bool has_free_surface(Span<const Real> q) const;
     WallImage wall_of(const Surroundings& around) const;
+    /// Ledger entries of solids that are not unknowns: u_i -= q_i f_i rho_i dw_i/dx_i.
+    void write_ledgers(const WallImage& wall, const Surroundings& around, Read<field::role> role, Span<const Real> rho,
+                       Span<const Real> q) const;
+    /// Pressures that the forces of q amount to, where frames and probes see them: a particle's part of the stress,
+    ///   p_i = rho_i/(D dt) (1/2 sum_j |c_ij| r_ij^2 (f_i q_i + f_j q_j) + f_i q_i rho_i sum_s |dw_is/dn| h_is),   h_is height above the
+    ///   surface
+    void find_pressures(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Real> q, Span<Real> p) const;
     SolveReport solve_filled(ConstraintMatrix& A, const StepContext& step, double mean_rate, Real fastest, Span<Real> q);
 
     ConstraintOptions options_;

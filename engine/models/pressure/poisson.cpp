@@ -5,6 +5,7 @@
 #include "engine/core/clock.h"
 #include "engine/core/parallel.h"
 #include "engine/math/conjugate_gradients.h"
+#include "engine/models/bodies/reaction.h"
 #include "engine/models/boundary/wall.h"
 
 namespace whorl {
@@ -79,17 +80,22 @@ Vec3 PoissonPressure::of_solid(const Kernel& kernel, const Surroundings& around,
 /// known before the solve. Without it the lowest layer's pressure is too high by that of its weight, and the topmost layer of a full box
 /// falls.
 template <class Kernel>
-void PoissonPressure::carry(const Kernel& kernel, const Surroundings& around, Update<field::velocity> u) const {
+void PoissonPressure::carry(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Update<field::velocity> u) const {
     if (around.layer.size() == 0) return;
     const StepContext& step = around.step;
+    const auto carried = [&](Index i, Index s, const Vec3& r, Real distance) {
+        const Vec3& normal = around.layer.normal[s];
+        return Vec3(solid_slope(kernel, around, i, s, distance) * step.gravity.dot(normal) * std::max(Real(0), r.dot(normal)) * r);
+    };
     parallel_for(matrix_.size(), [&](Index i) {
         if (class_[i] != PressureClass::poisson) return;
         Vec3 sum = Vec3::Zero();
-        around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-            const Vec3& normal = around.layer.normal[s];
-            sum += solid_slope(kernel, around, i, s, distance) * step.gravity.dot(normal) * std::max(Real(0), r.dot(normal)) * r;
-        });
+        around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { sum += carried(i, s, r, distance); });
         u[i] += step.dt * weight_[i] * sum;
+    });
+    react(around, Push::pressure, role, step.mass * step.dt, [&](Index i) {
+        const Real weight = class_[i] == PressureClass::poisson ? weight_[i] : 0;
+        return [&, i, weight](Index s, const Vec3& r, Real distance) { return Vec3(weight * carried(i, s, r, distance)); };
     });
 }
 
@@ -234,7 +240,8 @@ void PoissonPressure::solve(const StepContext& step, StepReport& report, Update<
 
 /// u_i -= dt/rho_0 (D^T p)_i / V
 template <class Kernel>
-void PoissonPressure::push(const Kernel& kernel, const Surroundings& around, Update<field::velocity> u, Update<field::pressure> p) const {
+void PoissonPressure::push(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Update<field::velocity> u,
+                           Update<field::pressure> p) const {
     const StepContext& step = around.step;
     parallel_for(matrix_.size(), [&](Index i) {
         if (class_[i] == PressureClass::prescribed) return;
@@ -248,6 +255,10 @@ void PoissonPressure::push(const Kernel& kernel, const Surroundings& around, Upd
             around.solid_pairs.of(i,
                                   [&](Index s, const Vec3& r, Real distance) { sum += own * of_solid(kernel, around, i, s, r, distance); });
         u[i] -= step.dt / step.rest_density * sum;
+    });
+    react(around, Push::pressure, role, -step.dt * step.mass / step.rest_density, [&](Index i) {
+        const Real own = weight_[i] * p[i];
+        return [&, i, own](Index s, const Vec3& r, Real distance) { return Vec3(own * of_solid(kernel, around, i, s, r, distance)); };
     });
 }
 
@@ -266,13 +277,13 @@ void PoissonPressure::operator()(const Surroundings& around, StepReport& report,
     with_kernel(around.step.kernel, around.step.support, [&](const auto& kernel) {
         weigh(kernel, around, rho);
         classify(kernel, around, role, rho);
-        carry(kernel, around, u);
+        carry(kernel, around, role, u);
         lay_out_rows(around.pairs);
         set_rows(kernel, around, rho, u, p);
         closed_.find(matrix_, touches_surface_, weakly_tied);
         take_mean_errors_away(around.step, rho);
         solve(around.step, report, p);
-        push(kernel, around, u, p);
+        push(kernel, around, role, u, p);
     });
 }
 

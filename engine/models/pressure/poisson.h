@@ -49,7 +49,7 @@ private:
     template <class Kernel>
     Real solid_slope(const Kernel& kernel, const Surroundings& around, Index i, Index s, Real distance) const;
     template <class Kernel>
-    void carry(const Kernel& kernel, const Surroundings& around, Update<field::velocity> u) const;
+    void carry(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Update<field::velocity> u) const;
     Real between(Index i, Index j) const { return 2 * std::min(fill_[i], fill_[j]) / (spread_[i] + spread_[j]); }
     template <class Kernel>
     Vec3 of_solid(const Kernel& kernel, const Surroundings& around, Index i, Index s, const Vec3& r, Real distance) const;
@@ -63,7 +63,8 @@ private:
     void choose_zero(const StepContext& step, Span<Real> x) const;
     void solve(const StepContext& step, StepReport& report, Update<field::pressure> p);
     template <class Kernel>
-    void push(const Kernel& kernel, const Surroundings& around, Update<field::velocity> u, Update<field::pressure> p) const;
+    void push(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Update<field::velocity> u,
+              Update<field::pressure> p) const;
 
     PoissonPressureOptions options_;
     PressureMatrix matrix_;

@@ -81,11 +81,13 @@ void ArtificialViscosity::operator()(const Surroundings& around, Read<field::rol
                 });
             a[i] += strength * sum;
         });
-        react(around, role, [&](Index i, Index s, const Vec3& r, Real distance) {
-            if (slip[layer.solid[s]]) return Vec3(Vec3::Zero());
+        react(around, Push::viscous, role, step.mass * step.dt, [&](Index i) {
             const Real factor =
                 options.solid_factor * options.gate.weight(kernel, i, around.solid_pairs, layer.volume, options.solid_factor);
-            return Vec3(strength * factor * layer.volume[s] * along(u[i] - layer.velocity[s], r, distance));
+            return [&, i, factor](Index s, const Vec3& r, Real distance) {
+                if (slip[layer.solid[s]]) return Vec3(Vec3::Zero());
+                return Vec3(strength * factor * layer.volume[s] * along(u[i] - layer.velocity[s], r, distance));
+            };
         });
     });
 }
@@ -140,8 +142,9 @@ void PressureAcceleration::operator()(const Surroundings& around, Read<field::ro
             around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { sum += push(i, s, r, distance); });
             a[i] -= share(i) * sum;
         });
-        react(around, role, [&](Index i, Index s, const Vec3& r, Real distance) {
-            return p[i] > 0 ? Vec3(-share(i) * push(i, s, r, distance)) : Vec3(Vec3::Zero());
+        react(around, Push::pressure, role, step.mass * step.dt, [&](Index i) {
+            const Real of_i = p[i] > 0 ? share(i) : 0;
+            return [&, i, of_i](Index s, const Vec3& r, Real distance) { return Vec3(-of_i * push(i, s, r, distance)); };
         });
     });
 }

@@ -127,7 +127,15 @@ void CorrectedMicropolar::operator()(const Surroundings& around, StepReport& rep
     with_kernel(step.kernel, step.support, [&]<class Kernel>(const Kernel& whole) {
         const Kernel W(one_sided_support * step.support, step.dimensions());
         go_half(W, whole, around, t, role, u.values, change.values, w.values);
+        Column<Vec3> before;
+        if (around.solids.any_probed()) before.assign(a.values.begin(), a.values.end());
         report.work = advance(W, whole, around, t, role, u.values, a, change, w.values);
+        if (before.empty()) return;
+        const Remainder rest(around.solids, Push::viscous);
+        const Real mu = static_cast<Real>(options_.pair_viscosity);
+        write_sticking(
+            W, *system_, around, role, middle_velocity_, [&](Index) { return mu; }, t.of_layer, t.over_lattice, t.slip);
+        rest.share(around, role, x.values, [&](Index i) { return Vec3(step.dt * (a[i] - before[i])); });
     });
     parallel_for(w.size(), [&](Index i) { w[i] += change[i]; });
 }

@@ -77,48 +77,18 @@ void CorrectedViscosity::operator()(const Surroundings& around, Read<field::role
         const auto of = [&](Index i) { return s.inside[i] ? acceleration(sharp, flow, i) : acceleration(narrow, flow, i); };
         parallel_for(n, [&](Index i) { middle_[i] = role[i] == 0 ? Vec3(u[i] + step.dt / 2 * of(i)) : u[i]; });
         flow.u = middle_;
+        Column<Vec3> before;
+        if (around.solids.any_probed()) before.assign(a.values.begin(), a.values.end());
         parallel_for(n, [&](Index i) {
             if (role[i] == 0) a[i] += of(i);
         });
-        if (around.solids.any_free()) push_bodies(narrow, flow, role);
+        if (!around.solids.any_ledger()) return;
+        const Remainder rest(around.solids, Push::viscous);
+        write_sticking(
+            narrow, s, around, role, flow.u, [&](Index i) { return mu[i]; }, flow.of_layer, flow.over_lattice, slip);
+        friction_.write_ledgers(around, role, flow.u, [&](Index i) { return mu[i] / step.rest_density; });
+        rest.share(around, role, around.pairs.x_own, [&](Index i) { return Vec3(step.dt * (a[i] - before[i])); });
     });
-}
-
-/// The stress on a rigid surface is mu d/dn of the velocity over that of the body's own motion, continued into the fluid.
-template <class Kernel>
-void CorrectedViscosity::push_bodies(const Kernel& W, const Flow& flow, Read<field::role> role) const {
-    const ProjectionSystem& s = *system_;
-    const Surroundings& around = flow.around;
-    const StepContext& step = around.step;
-    const SolidParticles& layer = around.layer;
-    const Real half = step.spacing / 2;
-    const std::vector<Index> near = particles_at_bodies(around);
-    for (std::size_t k = 0; k < around.solids.all.size(); ++k) {
-        if (!around.solids.all[k].body) continue;
-        RigidBody& body = *around.solids.all[k].body;
-        const Vec3d turning = body.angular_velocity();
-        const Wrench sum = parallel_sum(static_cast<Index>(near.size()), Wrench{}, [&](Index e) {
-            Wrench one;
-            const Index i = near[e];
-            if (role[i] != 0) return one;
-            Real trace = s.viscous.trace[i];
-            const Vec3 arm = step.domain.minimum_image(around.pairs.x_own[i] - body.centre.template cast<Real>());
-            const Vec3 relative = flow.u[i] - (body.velocity + turning.cross(arm.template cast<double>())).template cast<Real>();
-            each_sticking_layer(
-                W, s, around, i, flow.of_layer, flow.slip, [&](Index q, Real F, Real continued, const Vec3&, Real distance) {
-                    trace -= F * distance * distance;
-                    if (static_cast<std::size_t>(layer.solid[q]) != k) return;
-                    const Vec3d force = (-F * continued * relative).template cast<double>();
-                    one += Wrench{force, ((layer.position[q] + half * layer.normal[q]).template cast<double>() - body.centre).cross(force)};
-                });
-            const Real weight =
-                s.near_surface[i] ? 2 * flow.over_lattice : 2 * static_cast<Real>(step.dimensions()) / std::max(trace, Real(0.1));
-            const double scale = static_cast<double>(weight * flow.mu[i] * step.volume);
-            return Wrench{scale * one.force, scale * one.torque};
-        });
-        body.force += sum.force;
-        body.torque += sum.torque;
-    }
 }
 
 }  // namespace whorl

@@ -24,8 +24,6 @@ private:
     struct Flow;
     template <class Kernel>
     Vec3 acceleration(const Kernel& W, const Flow& flow, Index i) const;
-    template <class Kernel>
-    void push_bodies(const Kernel& W, const Flow& flow, Read<field::role> role) const;
 
     std::shared_ptr<ProjectionSystem> system_;
     WallFriction friction_;

@@ -198,6 +198,7 @@ void Projection::operator()(const Surroundings& around, StepReport& report, Read
         closed_.find(matrix_, touches_surface_, 0.01);
         closed_.take_pins_away(matrix_);
         const PressurePreconditioner M = s.options.preconditioner(matrix_);
+        begin_ledgers(around, role, u, a);
         all.levels = M.levels;
         all.set_up_seconds = wall_seconds() - start;
         take_old_share(around, 1 - theta, role, u, p, Read<field::solved_pressure>{solved.values}, a);
@@ -211,7 +212,40 @@ void Projection::operator()(const Surroundings& around, StepReport& report, Read
         }
     });
     parallel_for(n, [&](Index i) { p[i] += theta * solved[i]; });
+    write_ledgers(around, role, p);
     report.solves.push_back({"pressure", all});
+}
+
+/// Velocities without the last step's pressure, which ExpectPressure may have taken already.
+void Projection::begin_ledgers(const Surroundings& around, Read<field::role> role, Update<field::velocity> u,
+                               Update<field::pressure_acceleration> a) {
+    ProjectionSystem& s = *system_;
+    s.before.clear();
+    if (!around.solids.any_probed()) return;
+    s.remainder = Remainder(around.solids, Push::pressure);
+    s.before.assign(u.values.begin(), u.values.end());
+    const Real most = s.most_carried(around.step);
+    parallel_for(u.size(), [&](Index i) {
+        if (s.expected && role[i] == 0 && a[i].norm() < most) s.before[i] += around.step.dt * a[i];
+    });
+}
+
+/// A particle at the pressure p pushes each wall by V flux p n.
+void Projection::write_ledgers(const Surroundings& around, Read<field::role> role, Update<field::pressure> p) const {
+    const ProjectionSystem& s = *system_;
+    const StepContext& step = around.step;
+    if (s.before.empty() || !s.any_walls) return;
+    react(
+        around, Push::pressure, role, step.volume * step.dt,
+        [&](Index i) {
+            return [&, i](Index q, const Vec3& r, Real) {
+                const WallTouch* touch = &s.touches[s.first_touch[i]];
+                while (touch->s != q) ++touch;
+                const Vec3& n = around.layer.normal[q];
+                return PushAt(-(touch->flux * p[i]) * n, r - step.spacing / 2 * n);
+            };
+        },
+        Writes::driven);
 }
 
 /// Of any particle over the mean of all [m/s]: the same in any frame that moves along.
@@ -286,6 +320,7 @@ void ProjectionMove::operator()(const Surroundings& around, Read<field::role> ro
         x[i] += dt / 2 * (u[i] - s.start_velocity[i]) + s.shift[i];
         u[i] += change[i];
     });
+    if (!s.before.empty()) s.remainder.share(around, role, x.values, [&](Index i) { return Vec3(u[i] - s.before[i]); });
 }
 
 }  // namespace whorl

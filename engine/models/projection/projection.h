@@ -34,6 +34,9 @@ private:
     SolveReport solve(const Kernel& W, const PressurePreconditioner& M, const Surroundings& around, Real dt, bool first,
                       Read<field::role> role, Update<field::velocity> u, Update<field::solved_pressure> solved,
                       Update<field::pressure_acceleration> a);
+    void begin_ledgers(const Surroundings& around, Read<field::role> role, Update<field::velocity> u,
+                       Update<field::pressure_acceleration> a);
+    void write_ledgers(const Surroundings& around, Read<field::role> role, Update<field::pressure> p) const;
     void damp_surface(const Surroundings& around, Read<field::role> role, Update<field::velocity> u) const;
 
     std::shared_ptr<ProjectionSystem> system_;

@@ -149,10 +149,8 @@ void PressureOnBodies::add_product(Span<const Real> p, Span<Real> Ap) const {
 void PressureOnBodies::push(Span<const Real> p, double dt, const Surroundings& around) const {
     if (bodies_.empty()) return;
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
-        const Wrench6 pressed = sum(bodies_[b], p);
-        RigidBody& state = *around.solids.all[surfaces_[b].solid].body;
-        state.velocity += dt / state.mass * pressed.head<3>();
-        state.spin_momentum += dt * pressed.tail<3>();
+        const Wrench6 pressed = dt * sum(bodies_[b], p);
+        around.solids.all[surfaces_[b].solid].receive(Push::pressure, {pressed.head<3>(), pressed.tail<3>()});
     }
     around.solids.place_bodies();
     around.layer.follow(around.solids);

@@ -11,6 +11,8 @@
 #include <type_traits>
 
 #include "engine/math/kernel.h"
+#include "engine/models/bodies/reaction.h"
+#include "engine/models/bodies/remainder.h"
 #include "engine/models/boundary/wall.h"
 #include "engine/models/pressure/closed_regions.h"
 #include "engine/particles/field.h"
@@ -102,6 +104,8 @@ struct ProjectionSystem {
     explicit ProjectionSystem(ProjectionOptions o) : options(std::move(o)) {}
     ProjectionOptions options;
 
+    Remainder remainder;          ///< of pressure and move, with
+    Column<Vec3> before;          ///< the velocities then; empty: no probe reads a ledger
     bool expected = false;        ///< ExpectPressure took the whole of the last step's pressure
     Column<Vec3> start_velocity;  ///< at the start of the step
     struct BodyVelocity {
@@ -153,18 +157,46 @@ inline Vec3 surface_velocity(const Surroundings& around, Index q) {
 /// V W'/r [1/m^2], `to` from the layer to i, and the factor of u_i - u_wall that continues the shear into the layer, at most 12.
 /// @param of_layer layer_factor() @param slip slips() of the solids
 template <class Kernel, class Visit>
+void each_layer_of(const Kernel& W, const ProjectionSystem& s, const Surroundings& around, Index i, Real of_layer, Index q, const Vec3& r,
+                   Visit&& f) {
+    const Vec3& normal = around.layer.normal[q];
+    const Real d = around.step.spacing, above = r.dot(normal), volume = s.gate[i] * of_layer * around.layer.volume[q],
+               height = std::max(above - d / 2, d / 4);
+    each_layer(r, normal, d, around.step.support, [&](const Vec3& to, Real distance, Real below) {
+        f(q, volume * W.slope(distance), above > 0 ? std::min(Real(12), 1 + below / height) : Real(1), to, distance);
+    });
+}
+template <class Kernel, class Visit>
 void each_sticking_layer(const Kernel& W, const ProjectionSystem& s, const Surroundings& around, Index i, Real of_layer,
                          const std::vector<char>& slip, Visit&& f) {
     if (!s.any_walls || around.solid_pairs.count(i) == 0) return;
-    const SolidParticles& layer = around.layer;
-    const Real d = around.step.spacing;
     around.solid_pairs.of(i, [&](Index q, const Vec3& r, Real) {
-        if (slip[layer.solid[q]]) return;
-        const Vec3& normal = layer.normal[q];
-        const Real above = r.dot(normal), volume = s.gate[i] * of_layer * layer.volume[q], height = std::max(above - d / 2, d / 4);
-        each_layer(r, normal, d, around.step.support, [&](const Vec3& to, Real distance, Real below) {
-            f(q, volume * W.slope(distance), above > 0 ? std::min(Real(12), 1 + below / height) : Real(1), to, distance);
-        });
+        if (!slip[around.layer.solid[q]]) each_layer_of(W, s, around, i, of_layer, q, r, f);
+    });
+}
+
+/// Writes the viscous force on what sticks to the ledgers: on a rigid surface the stress is mu d/dn of the velocity over that of the
+/// solid's own motion, continued into the fluid.
+/// @param mu of a particle [Pa s] @param over_lattice 1/lattice_gradient() of the kernel W
+template <class Kernel, class Viscosity>
+void write_sticking(const Kernel& W, const ProjectionSystem& s, const Surroundings& around, Read<field::role> role, Span<const Vec3> u,
+                    const Viscosity& mu, Real of_layer, Real over_lattice, const std::vector<char>& slip) {
+    const StepContext& step = around.step;
+    react(around, Push::viscous, role, step.volume * step.dt, [&](Index i) {
+        Real trace = s.viscous.trace[i];
+        each_sticking_layer(W, s, around, i, of_layer, slip,
+                            [&](Index, Real F, Real, const Vec3&, Real distance) { trace -= F * distance * distance; });
+        const Real scale =
+            mu(i) * (s.near_surface[i] ? 2 * over_lattice : 2 * static_cast<Real>(step.dimensions()) / std::max(trace, Real(0.1)));
+        return [&, i, scale](Index q, const Vec3& r, Real) {
+            const Solid& solid = around.solids.all[around.layer.solid[q]];
+            const Vec3 relative = u[i] - solid.pose.velocity_at(around.layer.position[q] + r);
+            Vec3 sum = Vec3::Zero();
+            if (!slip[around.layer.solid[q]])
+                each_layer_of(W, s, around, i, of_layer, q, r,
+                              [&](Index, Real F, Real continued, const Vec3&, Real) { sum += F * continued * relative; });
+            return PushAt(scale * sum, r - step.spacing / 2 * around.layer.normal[q]);
+        };
     });
 }
 

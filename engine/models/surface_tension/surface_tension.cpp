@@ -71,7 +71,7 @@ void SurfaceTension::set_internal_pressure(const Cohesion& cohesion, const Solid
 }
 
 void SurfaceTension::operator()(const Surroundings& around, Read<field::position> x, Read<field::role> role, Update<field::velocity> u) {
-    const Solids& solids = around.solids;
+    Solids& solids = around.solids;
     const StepContext& step = around.step;
     const double d = static_cast<double>(step.spacing);
     const Cohesion cohesion(options_.tension, d);
@@ -79,6 +79,12 @@ void SurfaceTension::operator()(const Surroundings& around, Read<field::position
     if (skin_pulls()) find_shares(cohesion, x.size(), d);
     const Real strength = skin_pulls() ? static_cast<Real>(Skin::strength()) : 1, impulse = strength * step.dt / step.mass;
     const Real slope = impulse * cohesion.strength / cohesion.length, over_length = 1 / cohesion.length;
+    /// Change of the velocity of i by the pull of a solid.
+    const auto wetted = [&](Index i, std::size_t k) {
+        const Real z = options_.wetting[k] == 0 ? cohesion.length : solids.all[k].distance(x[i]), share = skin_pulls() ? share_[i] : 1;
+        if (!(z < cohesion.length)) return Vec3(Vec3::Zero());
+        return Vec3(-(impulse * share * options_.wetting[k] * cohesion.half_space_pull(z) * solids.all[k].normal(x[i])));
+    };
     parallel_for(x.size(), [&](Index i) {
         if (role[i] != 0) return;
         Real sum[3] = {0, 0, 0};
@@ -97,13 +103,17 @@ void SurfaceTension::operator()(const Surroundings& around, Read<field::position
             });
         }
         Vec3 du = slope * Vec3(sum[0], sum[1], sum[2]);
-        for (std::size_t k = 0; k < solids.all.size(); ++k) {
-            if (options_.wetting[k] == 0) continue;
-            const Real z = solids.all[k].distance(x[i]), share = skin_pulls() ? share_[i] : 1;
-            if (z < cohesion.length) du -= impulse * share * options_.wetting[k] * cohesion.half_space_pull(z) * solids.all[k].normal(x[i]);
-        }
+        for (std::size_t k = 0; k < solids.all.size(); ++k) du += wetted(i, k);
         u[i] += du;
     });
+    for (std::size_t k = 0; k < solids.all.size(); ++k) {
+        Solid& solid = solids.all[k];
+        if (!solid.keeps_ledger() || options_.wetting[k] == 0) continue;
+        const Wrench pull = parallel_sum(x.size(), Wrench{}, [&](Index i) {
+            return role[i] == 0 ? Wrench::at(x[i].cast<double>() - solid.centre(), -wetted(i, k).cast<double>()) : Wrench{};
+        });
+        solid.receive(Push::contact, static_cast<double>(step.mass) * pull);
+    }
     if (!skin_pulls()) set_internal_pressure(cohesion, solids, d, x);
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "engine/core/parallel.h"
+#include "engine/models/bodies/reaction.h"
 #include "engine/models/boundary/wall.h"
 
 namespace whorl {
@@ -75,10 +76,32 @@ void AssembledOperator::set_up(const AssembledViscosityOptions& options, const S
     touches_wall_ = parallel_sum(static_cast<Index>(g.solid_gradW.size()), [&](Index k) { return g.solid_gradW[k] != Vec3::Zero(); }) > 0;
     assemble(g, around.pairs);
     known_force_.clear();
+    gradients_.reset();
     if (touches_wall_ || !before.empty()) set_known_force(g, around, before);
     Column<Mat3> blocks(n);
     parallel_for(mu.size(), [&](Index i) { blocks[i] = block(i, i); });
     diagonal_.set(std::move(blocks), free_);
+    if (touches_wall_ && around.solids.any_probed()) gradients_ = std::make_shared<const Gradients>(std::move(g));
+}
+
+// Q_i = m^ mu^_i (2 T_i - grad u_i - (grad u_i)^T); a solid particle takes Q_i grad W_is from i.
+void AssembledOperator::write_ledgers(const ImplicitStep& step, Span<const Vec3> u) const {
+    if (!gradients_) return;
+    const Surroundings& around = step.around;
+    const Gradients& g = *gradients_;
+    react(around, Push::viscous, step.role, around.step.mass, [&](Index i) {
+        Mat3 a = u[i] * g.alpha[i].transpose();
+        for (std::size_t k = around.pairs.first[i]; k < around.pairs.first[i + 1]; ++k) {
+            const Index j = around.pairs.other[k];
+            a -= u[j] * g.a(i, j, k).transpose();
+        }
+        const Mat3 Q = known_stress_[i] + g.stress[i] * (a + a.transpose());
+        return [&, i, Q](Index s, const Vec3&, Real) {
+            std::size_t k = around.solid_pairs.first[i];
+            while (around.solid_pairs.other[k] != s) ++k;
+            return Vec3(-(Q * g.solid_gradW[k]));
+        };
+    });
 }
 
 void AssembledOperator::assemble(const Gradients& g, const FluidPairs& pairs) {
@@ -134,6 +157,7 @@ void AssembledOperator::set_known_force(const Gradients& g, const Surroundings& 
         for (std::size_t k = around.pairs.first[i]; k < around.pairs.first[i + 1]; ++k) sum += Q[around.pairs.other[k]] * g.gradW[k];
         known_force_[i] = sum;
     });
+    if (around.solids.any_probed()) known_stress_ = std::move(Q);
 }
 
 Mat3 AssembledOperator::block(Index i, Index j) const {
@@ -182,7 +206,7 @@ void AssembledViscosity::operator()(const Surroundings& around, StepReport& repo
                                     Read<field::density> rho, Read<field::viscosity> mu, Read<field::velocity_gradient> before,
                                     Update<field::velocity> u, Update<field::viscous_acceleration> last) {
     operator_.set_up(options_, around, role, rho, mu, before.values);
-    solve_implicit(operator_, options_.limits, {around.step, report, role, x, u, last});
+    solve_implicit(operator_, options_.limits, {around, report, role, x, u, last});
 }
 
 }  // namespace whorl

@@ -4,6 +4,8 @@
 /// what the other is held to.
 ///
 /// Stages of a step, in order: Density, VelocityGradient, Gravity, (forces), Kick, AssembledViscosity, (pressure), Move.
+#include <memory>
+
 #include "engine/models/strain/curvature.h"
 #include "engine/models/viscosity/implicit_viscosity.h"
 #include "engine/particles/surroundings.h"
@@ -46,6 +48,7 @@ public:
     void divide_by_diagonal(Span<const Vec3> r, Span<Vec3> z) const override { diagonal_.apply(r, z); }
     bool touches_wall() const override { return touches_wall_; }
     bool rotations_are_free() const override { return false; }
+    void write_ledgers(const ImplicitStep& s, Span<const Vec3> u) const override;
 
     Index size() const { return static_cast<Index>(own_.size()); }
     /// The block of row i and column j; zero where there is none.
@@ -73,6 +76,8 @@ private:
     BlockDiagonal diagonal_;
     std::vector<char> free_;
     bool touches_wall_ = false;
+    std::shared_ptr<const Gradients> gradients_;  ///< kept if ledgers are
+    Column<Mat3> known_stress_;                   ///< of T and the solids' velocities alone, as the gradients
 };
 
 /// Bytes of the matrix a particle, from the neighbours that a lattice has within twice the kernel radius. @param reach kernel radius over

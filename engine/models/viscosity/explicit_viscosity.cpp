@@ -100,8 +100,11 @@ void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions
         }
         a[i] += sum / rho[i];
     });
-    react(around, role,
-          [&](Index i, Index s, const Vec3& r, Real distance) { return Vec3(weight(i) / rho[i] * by_solid(i, s, r, distance)); });
+    react(around, Push::viscous, role, step.mass * step.dt, [&](Index i) {
+        return
+            [&, i, of_i = weight(i) / rho[i]](Index s, const Vec3& r, Real distance) { return Vec3(of_i * by_solid(i, s, r, distance)); };
+    });
+    friction.write_ledgers(around, role, u.values, [&](Index i) { return mu[i] / step.rest_density; });
 }
 
 }  // namespace

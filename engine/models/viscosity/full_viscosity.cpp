@@ -7,7 +7,7 @@ void FullViscosity::operator()(const Surroundings& around, StepReport& report, R
                                Update<field::viscous_acceleration> last, Update<field::viscous_aggregate> aggregate) {
     operator_.set_up(options_, around, role, mu, {}, before.values);
     set_up_coarse(around.pairs, around.step, role, x, aggregate.values);
-    solve_implicit(operator_, options_.limits, {around.step, report, role, x, u, last, &around.solids});
+    solve_implicit(operator_, options_.limits, {around, report, role, x, u, last});
 }
 
 void FullViscosity::set_up_coarse(const FluidPairs& pairs, const StepContext& step, Read<field::role> role, Read<field::position> x,
@@ -36,7 +36,7 @@ void UncorrectedViscosity::operator()(const Surroundings& around, StepReport& re
                                       Read<field::density> rho, Read<field::viscosity> mu, Read<field::velocity_gradient> before,
                                       Update<field::velocity> u, Update<field::viscous_acceleration> last) {
     operator_.set_up(options_, around, role, mu, rho.values, before.values);
-    solve_implicit(operator_, options_.limits, {around.step, report, role, x, u, last, &around.solids});
+    solve_implicit(operator_, options_.limits, {around, report, role, x, u, last});
 }
 
 }  // namespace whorl

@@ -4,6 +4,7 @@
 
 #include "engine/core/parallel.h"
 #include "engine/math/conjugate_gradients.h"
+#include "engine/models/bodies/remainder.h"
 #include "engine/models/viscosity/rigid_motions.h"
 
 namespace whorl {
@@ -62,17 +63,17 @@ void solve_implicit(const ImplicitOperator& A, const SolveLimits& limits, const 
     const Index n = s.u.size();
     const double prescribed = parallel_sum(n, [&](Index i) { return s.role[i] != 0; });
     const bool alone = !A.touches_wall() && prescribed == 0;
-    const bool turning = A.rotations_are_free() && !s.step.domain.any_periodic();
+    const bool turning = A.rotations_are_free() && !s.around.step.domain.any_periodic();
     const ViscousBodies* bodies = A.bodies();
     const std::size_t all = static_cast<std::size_t>(n) + (bodies ? static_cast<std::size_t>(bodies->entries()) : 0);
     const RigidMotions rigid = alone ? RigidMotions(s.x.values, turning, bodies) : RigidMotions();
     Column<Vec3> u(all);
     std::copy(s.u.values.begin(), s.u.values.end(), u.begin());
-    if (bodies) bodies->read(*s.solids, Span<Vec3>(u).subspan(n));
+    if (bodies) bodies->read(s.around.solids, Span<Vec3>(u).subspan(n));
 
     // The first guess may not bring momentum from outside: a force of the last step by a wall that is not in touch any more.
     Column<Vec3> change(all, Vec3::Zero()), guess(all), b(all), z(all, Vec3::Zero());
-    parallel_for(n, [&](Index i) { change[i] = s.role[i] == 0 ? Vec3(s.step.dt * s.last[i]) : Vec3(Vec3::Zero()); });
+    parallel_for(n, [&](Index i) { change[i] = s.role[i] == 0 ? Vec3(s.around.step.dt * s.last[i]) : Vec3(Vec3::Zero()); });
     rigid.remove(change);
     parallel_for(static_cast<Index>(all), [&](Index i) { guess[i] = u[i] + change[i]; });
     A.force(guess, b);
@@ -102,10 +103,15 @@ void solve_implicit(const ImplicitOperator& A, const SolveLimits& limits, const 
     }
     s.report.solves.push_back({"viscosity", solved});
     parallel_for(n, [&](Index i) {
-        s.last[i] = s.step.dt > 0 ? Vec3(change[i] / s.step.dt) : Vec3(Vec3::Zero());
+        s.last[i] = s.around.step.dt > 0 ? Vec3(change[i] / s.around.step.dt) : Vec3(Vec3::Zero());
         s.u[i] += change[i];
     });
-    if (bodies) bodies->add_change(Span<const Vec3>(change).subspan(n), *s.solids);
+    const Remainder rest(s.around.solids, Push::viscous);
+    if (bodies) bodies->add_change(Span<const Vec3>(change).subspan(n), s.around.solids);
+    if (!s.around.solids.any_probed()) return;
+    parallel_for(static_cast<Index>(all), [&](Index i) { u[i] += change[i]; });
+    A.write_ledgers(s, u);
+    rest.share(s.around, s.role, s.x.values, [&](Index i) { return change[i]; });
 }
 
 void BlockDiagonal::set(Column<Mat3> B, std::vector<char> free) {

@@ -4,7 +4,7 @@
 #include "engine/math/solve.h"
 #include "engine/models/viscosity/viscous_bodies.h"
 #include "engine/particles/field.h"
-#include "engine/particles/step_context.h"
+#include "engine/particles/surroundings.h"
 
 namespace whorl {
 
@@ -15,6 +15,8 @@ struct viscous_acceleration {
                                       meaning = "viscous force of the last step over the mass";
 };
 }  // namespace field
+
+struct ImplicitStep;
 
 /// The derivative of E(u) = sum_i m |u_i - u*_i|^2/2 + (viscous energy) at fixed positions, over m: symmetric and positive definite.
 /// Particles that are not free keep their velocity.
@@ -35,17 +37,18 @@ public:
     virtual bool rotations_are_free() const = 0;
     /// Free bodies among the unknowns: two entries each behind the particles'. Null: none.
     virtual const ViscousBodies* bodies() const { return nullptr; }
+    /// Writes what the solids that are no unknowns take from the fluid at the velocities u to their ledgers.
+    virtual void write_ledgers(const ImplicitStep& s, Span<const Vec3> u) const = 0;
 };
 
 /// What the stage of an implicit viscosity was given.
 struct ImplicitStep {
-    const StepContext& step;
+    const Surroundings& around;
     StepReport& report;
     Read<field::role> role;
     Read<field::position> x;
     Update<field::velocity> u;
     Update<field::viscous_acceleration> last;
-    Solids* solids = nullptr;  ///< whose free bodies the operator has
 };
 
 /// u = argmin E, by conjugate gradients from u* + dt (last step's viscous acceleration). Where no solid and no prescribed particle takes

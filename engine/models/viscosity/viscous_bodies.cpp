@@ -12,10 +12,9 @@ void ViscousBodies::read(const Solids& solids, Span<Vec3> entries) const {
 
 void ViscousBodies::add_change(Span<const Vec3> change, Solids& solids) const {
     for (std::size_t b = 0; b < body.size(); ++b) {
-        RigidBody& state = *solids.all[body[b].solid].body;
-        state.velocity += change[2 * b].cast<double>();
-        const Mat3d R = state.turn.toRotationMatrix();
-        state.spin_momentum += R * state.own_inertia * R.transpose() * change[2 * b + 1].cast<double>();
+        Solid& solid = solids.all[body[b].solid];
+        const Mat3d R = solid.body->turn.toRotationMatrix(), inertia = R * solid.body->own_inertia * R.transpose();
+        solid.receive(Push::viscous, {solid.body->mass * change[2 * b].cast<double>(), inertia * change[2 * b + 1].cast<double>()});
     }
 }
 

@@ -13,7 +13,7 @@ void ViscousOperator::set_up(const FullViscosityOptions& options, const Surround
                              Read<field::viscosity> mu, Span<const Real> density, Span<const Mat3> before) {
     const std::size_t n = static_cast<std::size_t>(mu.size());
     pairs_ = &around.pairs;
-    corrected_ = options.correction;
+    options_ = options;
     use_coarse(nullptr);
     pair_.resize(around.pairs.other.size());
     M_.resize(n), P_.resize(n), K_.resize(n), c_.resize(n), wr_.resize(n), free_.resize(n), whole_.resize(n);

@@ -52,7 +52,8 @@ public:
     void precondition(Span<const Vec3> r, Span<Vec3> z) const override;
     void divide_by_diagonal(Span<const Vec3> r, Span<Vec3> z) const override;
     bool touches_wall() const override { return touches_wall_; }
-    bool rotations_are_free() const override { return corrected_; }
+    bool rotations_are_free() const override { return options_.correction; }
+    void write_ledgers(const ImplicitStep& s, Span<const Vec3> u) const override;
     Index size() const { return static_cast<Index>(K_.size()); }
     /// Largest dt nu_i [m^2].
     double largest_spread() const;
@@ -102,6 +103,7 @@ private:
     void set_body_forces(Index i, Span<const Vec3> u, const Vec3& own_velocity, const Mat3& Q) const;
     void sum_bodies(Span<const Vec3> u, Span<Vec3> y) const;
 
+    FullViscosityOptions options_;
     const FluidPairs* pairs_ = nullptr;
     Column<Pair> pair_;
     Column<Pair> wr_;  ///< sum of w r_ij over fluid and solids
@@ -116,7 +118,7 @@ private:
     BlockDiagonal diagonal_;
     mutable ViscousBodies bodies_;
     std::vector<Mat3d> body_blocks_;  ///< inverses of the 3x3 diagonal blocks of the bodies' entries
-    bool touches_wall_ = false, corrected_ = true;
+    bool touches_wall_ = false;
     const CoarseLevel* coarse_ = nullptr;
     mutable Column<Sixteen> u_, Q_;
     mutable Column<Sixteen> own_;  ///< the part of y that needs no neighbour's stress, as the sums of four lanes each

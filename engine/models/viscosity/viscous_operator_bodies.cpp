@@ -1,4 +1,5 @@
-// Free bodies in the viscous operator: what their unknowns do to the particles' sums, and the transpose (viscous_bodies.h).
+// Solids in the viscous operator: what the unknowns of free bodies do to the particles' sums, the transpose (viscous_bodies.h), and the
+// ledger entries of the other solids.
 #include <Eigen/LU>
 
 #include "engine/models/bodies/reaction.h"
@@ -67,6 +68,36 @@ void ViscousOperator::set_body_forces(Index i, Span<const Vec3> u, const Vec3& o
         t.force = Q * t.g + c * (t.h * apart + w.cross(t.g));
         t.torque = t.arm.cross(t.force) - (turning_part(Q * t.N) + c * (t.g.cross(apart) + t.N.trace() * w - t.N * w));
     }
+}
+
+// F_s as above, of solids whose velocity is known: stretch F_s at x_i - r/stretch.
+void ViscousOperator::write_ledgers(const ImplicitStep& step, Span<const Vec3> u) const {
+    const Surroundings& around = step.around;
+    const SolidParticles& layer = around.layer;
+    if (layer.size() == 0) return;
+    spread(u, false);
+    stress(u, true);
+    const std::vector<char> slip = slips(around.solids);
+    const WallShear shear{around.step.spacing / 2};
+    with_kernel(around.step.kernel, around.step.support, [&](const auto& kernel) {
+        react(
+            around, Push::viscous, step.role, around.step.mass,
+            [&](Index i) {
+                const Real factor =
+                    options_.solid_factor * options_.gate.weight(kernel, i, around.solid_pairs, layer.volume, options_.solid_factor);
+                return [&, i, factor, Q = Q_[i].matrix()](Index s, const Vec3& r, Real distance) {
+                    if (slip[layer.solid[s]]) return PushAt(Vec3::Zero());
+                    const Real w =
+                        -factor * layer.volume[s] * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
+                    const Real stretch = options_.correction ? shear.stretch(r, layer.normal[s]) : 1;
+                    const Vec3 here = around.solids.all[layer.solid[s]].pose.velocity_at(layer.position[s] + r);
+                    const Vec3 V = (stretch - 1) * here + layer.velocity[s];
+                    return PushAt(-stretch * w * (Q * r + 2 * c_[i] * (stretch * u[i] - V)), r / stretch);
+                };
+            },
+            Writes::driven);
+    });
+    friction_.write_ledgers(around, step.role, u, [&](Index i) { return dt_nu_[i] / around.step.dt; });
 }
 
 void ViscousOperator::sum_bodies(Span<const Vec3> u, Span<Vec3> y) const {

@@ -5,8 +5,6 @@
 #include <numbers>
 
 #include "engine/core/random.h"
-#include "engine/geometry/sphere.h"
-#include "engine/particles/solid_sampling.h"
 #include "engine/probes/interpolation.h"
 
 using namespace whorl;
@@ -107,44 +105,4 @@ TEST_CASE("a flow probe measures energy, vorticity and the distance from the exp
     const std::vector<double> empty = make_probe(keys, world)->rows(world, 1).at(0);
     CHECK(empty[2] == 0);
     CHECK((std::isnan(empty[3]) && std::isnan(empty[5])));
-}
-
-TEST_CASE("a solid probe measures buoyancy and friction on a ball within 2 %", "[probe]") {
-    // p = -rho g y pushes with rho g V. Around a ball that moves with e_x, u = (1 + 5 h) e_x at the height h above its surface draws with 5
-    // mu times the surface times 2/3, the mean of 1 - n_x^2.
-    constexpr double R = 0.5, g = 9.81, mu = 3, pi = std::numbers::pi;
-    World world = uneven_fluid(false, [](const Vec3d&) { return Vec3d(0, 0, 0); });
-    Solid ball;
-    ball.shape = make_sphere(Vec3d(0, 0, 0), R);
-    ball.position = {{Expression("t"), Expression(0.0), Expression(0.0)}};
-    world.solids.all.push_back(ball);
-    world.solids.set_time(0, 1e-3);
-    world.solid_particles = sample_solids(world.solids, static_cast<Real>(d), world.step.domain);
-    world.fluid.declare(field_info<field::pressure>(), true);
-    world.fluid.declare(field_info<field::viscosity>(), true);
-    std::vector<Vec3> x;
-    RandomNumbers random(5);
-    const auto place = [&](int k) { return (k + 0.5 + 0.3 * (random() - 0.5)) * d; };
-    for (int k = -10; k < 10; ++k)
-        for (int j = -10; j < 10; ++j)
-            for (int i = -10; i < 10; ++i) {
-                const double a = place(i), b = place(j);
-                const Vec3d at(a, b, place(k));
-                if (at.norm() > R + 0.3 * d) x.push_back(at.cast<Real>());
-            }
-    world.fluid.resize(static_cast<Index>(x.size()));
-    for (std::size_t i = 0; i < x.size(); ++i) {
-        world.fluid.column<field::position>()[i] = x[i];
-        world.fluid.column<field::velocity>()[i] = Vec3(static_cast<Real>(1 + 5 * (static_cast<double>(x[i].norm()) - R)), 0, 0);
-        world.fluid.column<field::pressure>()[i] = static_cast<Real>(-1000 * g) * x[i].y();
-        world.fluid.column<field::viscosity>()[i] = static_cast<Real>(mu);
-    }
-    ProbeKeys keys;
-    keys.kind = ProbeKind::solid;
-    const std::vector<double> row = make_probe(keys, world)->rows(world, 2).at(0);
-    const double buoyancy = 1000 * g * 4 / 3 * pi * R * R * R, friction = 5 * mu * 4 * pi * R * R * 2 / 3;
-    CHECK(row[2] == Approx(buoyancy).epsilon(0.02));  // the area of an uneven layer, 10 across
-    CHECK(std::abs(row[1]) < 0.01 * buoyancy);
-    CHECK(row[4] == Approx(friction).epsilon(0.02));
-    CHECK(std::abs(row[5]) < 0.02 * friction);
 }

@@ -1,0 +1,70 @@
+// The probe of forces on a solid: what it makes of the ledger.
+#include "engine/probes/solid_probe.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <sstream>
+
+#include "engine/geometry/sphere.h"
+
+using namespace whorl;
+
+namespace solid_probe_test {
+
+namespace {
+
+/// One step of length dt [s] in which the fluid pushes the ball at (0, 1, 0) from its centre along x and z.
+void step(World& world, Probe& probe, double dt, double along_x, double along_z) {
+    world.solids.clear_ledgers();
+    world.step.dt = static_cast<Real>(dt);
+    world.solids.all[0].receive(Push::pressure, Wrench::at({0, 1, 0}, {along_x, 0, 0}));
+    world.solids.all[0].receive(Push::contact, Wrench::at({0, 1, 0}, {0, 0, along_z}));
+    probe.after_step(world, 0);
+}
+
+World with_ball() {
+    World world;
+    Solid ball;
+    ball.shape = make_sphere(Vec3d(0, 0, 0), 1);
+    world.solids.all.push_back(ball);
+    world.solids.set_time(0, 1e-3);
+    return world;
+}
+
+}  // namespace
+
+TEST_CASE("a solid probe reports impulse over time since its last row, and the peak of a step", "[probe]") {
+    World world = with_ball();
+    SolidProbe probe{ProbeKeys{}};
+    const std::vector<std::string> names = probe.columns();
+    const auto value = [&](const std::vector<double>& row, const std::string& name) {
+        return row.at(static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin()));
+    };
+    CHECK(std::isnan(probe.rows(world, 0).at(0).at(1)));
+    step(world, probe, 0.25, 1, 2);
+    step(world, probe, 0.75, 3, 0);
+    const std::vector<double> row = probe.rows(world, 1).at(0);
+    REQUIRE(row.size() == names.size());
+    CHECK(value(row, "pressure_x") == Approx(4));
+    CHECK(value(row, "viscous_x") == 0);
+    CHECK(value(row, "contact_z") == Approx(2));
+    CHECK(value(row, "torque_z") == Approx(-4));
+    CHECK(value(row, "torque_x") == Approx(2));
+    CHECK(value(row, "peak") == Approx(std::hypot(1, 2) / 0.25));
+    step(world, probe, 0.5, -1, 0);
+    CHECK(value(probe.rows(world, 1.5).at(0), "pressure_x") == Approx(-2));
+}
+
+TEST_CASE("a solid probe that is resumed between rows reports the same row", "[probe]") {
+    World world = with_ball();
+    SolidProbe probe{ProbeKeys{}}, resumed{ProbeKeys{}};
+    step(world, probe, 0.25, 1, 2);
+    std::stringstream state;
+    probe.save(state);
+    resumed.load(state);
+    step(world, probe, 0.5, 5, 1);
+    step(world, resumed, 0.5, 5, 1);
+    CHECK(probe.rows(world, 1) == resumed.rows(world, 1));
+}
+
+}  // namespace solid_probe_test
