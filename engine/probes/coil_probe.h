@@ -31,19 +31,19 @@ namespace whorl {
 class CoilProbe : public Probe {
 public:
     explicit CoilProbe(const ProbeKeys& keys, TheorySearch search = TheorySearch::wait);
-    std::vector<std::string> columns() const override {
-        return {"time",
-                "frequency",
-                "radius",
-                "turns",
-                "frequency_spread",
-                "radius_spread",
-                "pile_height",
-                "frequency_uncertainty",
-                "radius_uncertainty",
-                "fall",
-                "theory_frequency",
-                "theory_radius"};
+    ProbeColumns columns() const override {
+        return {{"time", "s", ""},
+                {"frequency", "Hz", "turns a second"},
+                {"radius", "m", "radius of the coil"},
+                {"turns", "", ""},
+                {"frequency_spread", "Hz", ""},
+                {"radius_spread", "m", ""},
+                {"pile_height", "m", "height of the heap, and fall"},
+                {"frequency_uncertainty", "Hz", ""},
+                {"radius_uncertainty", "m", ""},
+                {"fall", "m", "height of the heap, and fall"},
+                {"theory_frequency", "Hz", "turns a second"},
+                {"theory_radius", "m", "radius of the coil"}};
     }
     void set_scene(const Scene& scene, const Plan& plan) override { pouring_ = pouring(scene, plan, point_, up_); }
     void after_step(const World& world, double time) override;

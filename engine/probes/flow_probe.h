@@ -12,8 +12,14 @@ namespace whorl {
 class FlowProbe : public Probe {
 public:
     explicit FlowProbe(const ProbeKeys& keys) : min_(keys.min), max_(keys.max), expected_(keys.expected) {}
-    std::vector<std::string> columns() const override {
-        return {"time", "particles", "kinetic_energy", "largest_vorticity", "mean_square_vorticity", "expected_energy", "velocity_error"};
+    ProbeColumns columns() const override {
+        return {{"time", "s", ""},
+                {"particles", "", ""},
+                {"kinetic_energy", "J", "kinetic energy"},
+                {"largest_vorticity", "1/s", "largest vorticity"},
+                {"mean_square_vorticity", "1/s^2", "mean square of the vorticity"},
+                {"expected_energy", "J", "kinetic energy"},
+                {"velocity_error", "", "distance from the expected velocity"}};
     }
     ProbeRows rows(const World& world, double time) override;
 

@@ -60,32 +60,34 @@ Interpolation interpolate(const World& world, const Vec3d& point, const std::vec
     return found;
 }
 
-Interpolation interpolate(const World& world, const Vec3d& point) {
-    std::vector<Index> all(static_cast<std::size_t>(world.fluid.size()));
-    std::iota(all.begin(), all.end(), Index(0));
-    return interpolate(world, point, all);
-}
-
-std::vector<Interpolation> interpolate(const World& world, const std::vector<Vec3d>& points) {
+std::vector<std::vector<Index>> particles_near(const World& world, const std::vector<Vec3d>& points, double radius) {
     const StepContext& step = world.step;
-    const Real radius = static_cast<Real>(1.01 * reach) * step.spacing;  // rounding loses none
-    std::vector<Interpolation> found;
+    const Real far = static_cast<Real>(1.01 * radius);  // rounding loses none
     bool searchable = points.size() > 1;
-    for (int a = 0; a < 3; ++a) searchable = searchable && (!step.domain.periodic[a] || step.domain.size()[a] >= 2 * radius);
+    for (int a = 0; a < 3; ++a) searchable = searchable && (!step.domain.periodic[a] || step.domain.size()[a] >= 2 * far);
     if (!searchable) {
-        for (const Vec3d& point : points) found.push_back(interpolate(world, point));
-        return found;
+        std::vector<Index> all(static_cast<std::size_t>(world.fluid.size()));
+        std::iota(all.begin(), all.end(), Index(0));
+        return std::vector<std::vector<Index>>(points.size(), all);
     }
     std::vector<Vec3> places;
     for (const Vec3d& point : points) places.push_back(step.domain.wrapped(point.cast<Real>()));
     Pairs pairs;
-    NeighbourSearch().find(places, world.fluid.column<field::position>(), radius, step.domain, pairs);
+    NeighbourSearch().find(places, world.fluid.column<field::position>(), far, step.domain, pairs);
+    std::vector<std::vector<Index>> near(points.size());
     for (std::size_t k = 0; k < points.size(); ++k) {
-        std::vector<Index> near;
-        pairs.of(static_cast<Index>(k), [&](Index j, const Vec3&, Real) { near.push_back(j); });
-        std::sort(near.begin(), near.end());  // sums in the order of all particles
-        found.push_back(interpolate(world, points[k], near));
+        pairs.of(static_cast<Index>(k), [&](Index j, const Vec3&, Real) { near[k].push_back(j); });
+        std::sort(near[k].begin(), near[k].end());  // sums in the order of all particles
     }
+    return near;
+}
+
+Interpolation interpolate(const World& world, const Vec3d& point) { return interpolate(world, std::vector<Vec3d>{point}).front(); }
+
+std::vector<Interpolation> interpolate(const World& world, const std::vector<Vec3d>& points) {
+    const auto near = particles_near(world, points, reach * static_cast<double>(world.step.spacing));
+    std::vector<Interpolation> found;
+    for (std::size_t k = 0; k < points.size(); ++k) found.push_back(interpolate(world, points[k], near[k]));
     return found;
 }
 

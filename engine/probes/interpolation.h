@@ -27,6 +27,10 @@ struct Interpolation {
     }
 };
 
+/// For each of the points the particles within `radius` [m], to the nearest periodic image, in the order of the store; all particles if a
+/// periodic axis is too short for a search.
+std::vector<std::vector<Index>> particles_near(const World& world, const std::vector<Vec3d>& points, double radius);
+
 /// Interpolates by weighted least squares: the quadratic function of place that fits the particles within three spacings best. So quadratic
 /// fields are exact, up to a wall too. Terms that these particles do not tell apart are left out, and outside of the fluid all but the
 /// constant one: there the value is the mean of the nearest particles. Particles in nozzles do not count.

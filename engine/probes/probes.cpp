@@ -5,8 +5,11 @@
 #include "engine/core/parallel.h"
 #include "engine/io/columns.h"
 #include "engine/probes/coil_probe.h"
+#include "engine/probes/extent_probe.h"
 #include "engine/probes/flow_probe.h"
+#include "engine/probes/flux_probe.h"
 #include "engine/probes/interpolation.h"
+#include "engine/probes/level_probe.h"
 #include "engine/probes/solid_probe.h"
 
 namespace whorl {
@@ -14,19 +17,13 @@ namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-bool in_nozzle(Span<const std::int16_t> role, std::size_t k) { return !role.empty() && role[k] < 0; }
-
-Span<const std::int16_t> roles(const World& world) {
-    return world.fluid.has<field::role>() ? world.fluid.column<field::role>() : Span<const std::int16_t>();
-}
-
 class RegionProbe : public Probe {
 public:
     explicit RegionProbe(const ProbeKeys& keys) : min_(keys.min), max_(keys.max) {}
 
-    std::vector<std::string> columns() const override {
-        return {"time",       "particles",  "mass",       "centroid_x", "centroid_y", "centroid_z",
-                "velocity_x", "velocity_y", "velocity_z", "spin_x",     "spin_y",     "spin_z"};
+    ProbeColumns columns() const override {
+        return ProbeColumns{{"time", "s", ""}, {"particles", "", ""}, {"mass", "kg", "mass"}} + vector_columns("centroid", "m") +
+               vector_columns("velocity", "m/s") + vector_columns("spin", "1/s");
     }
 
     ProbeRows rows(const World& world, double time) override {
@@ -61,12 +58,15 @@ public:
     PointsProbe(std::vector<Vec3d> points, bool line, const World& world) : points_(std::move(points)), line_(line) {
         for (const std::string& name : quantity_names())
             if (name != "position" && world.fluid.find(name) != nullptr) names_.push_back(name);
-        columns_ = line ? std::vector<std::string>{"time", "s", "x", "y", "z"} : std::vector<std::string>{"time"};
+        columns_ = {{"time", "s", ""}};
+        if (line) columns_ = columns_ + ProbeColumns{{"s", "m", ""}, {"x", "m", ""}, {"y", "m", ""}, {"z", "m", ""}};
         for (const NumberColumn& column : columns_named(world.fluid, names_))
-            for (const std::string& name : component_names(column)) columns_.push_back(name);
+            for (const std::string& name : component_names(column))
+                columns_.push_back({name, std::string(world.fluid.find(column.name)->info->unit), line ? name : column.name});
     }
 
-    std::vector<std::string> columns() const override { return columns_; }
+    ProbeColumns columns() const override { return columns_; }
+    std::size_t along() const override { return line_ ? 1 : 0; }
 
     ProbeRows rows(const World& world, double time) override {
         const std::vector<NumberColumn> columns = columns_named(world.fluid, names_);
@@ -96,7 +96,7 @@ private:
     std::vector<Vec3d> points_;
     bool line_;
     std::vector<std::string> names_;
-    std::vector<std::string> columns_;
+    ProbeColumns columns_;
 };
 
 }  // namespace
@@ -107,6 +107,9 @@ std::unique_ptr<Probe> make_probe(const ProbeKeys& keys, const World& world, The
         case ProbeKind::flow: return std::make_unique<FlowProbe>(keys);
         case ProbeKind::solid: return std::make_unique<SolidProbe>(keys);
         case ProbeKind::coil: return std::make_unique<CoilProbe>(keys, search);
+        case ProbeKind::level: return std::make_unique<LevelProbe>(keys);
+        case ProbeKind::flux: return std::make_unique<FluxProbe>(keys, world);
+        case ProbeKind::extent: return std::make_unique<ExtentProbe>(keys);
         case ProbeKind::point: return std::make_unique<PointsProbe>(std::vector<Vec3d>{keys.at}, false, world);
         case ProbeKind::line: break;
     }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/probes/coil_expectation.h"
+#include "engine/probes/probe_columns.h"
 #include "engine/sim/simulation.h"
 
 namespace whorl {
@@ -17,8 +18,9 @@ using ProbeRows = std::vector<std::vector<double>>;
 class Probe {
 public:
     virtual ~Probe() = default;
-    /// The names of the columns.
-    virtual std::vector<std::string> columns() const = 0;
+    virtual ProbeColumns columns() const = 0;
+    /// The column that diagrams run along: the time, or a place of which every frame has several.
+    virtual std::size_t along() const { return 0; }
     /// Tells the probe the present scene, before the rows of every frame.
     virtual void set_scene(const Scene&, const Plan&) {}
     /// Sees every step, after it was made; `time` is the step's end [s].
@@ -30,6 +32,12 @@ public:
     virtual void load(std::istream&) {}
 };
 
+/// Where particles are: free, stuck to a solid, in a nozzle (field::role); empty if the fluid has no such column.
+inline Span<const std::int16_t> roles(const World& world) {
+    return world.fluid.has<field::role>() ? world.fluid.column<field::role>() : Span<const std::int16_t>();
+}
+inline bool in_nozzle(Span<const std::int16_t> role, std::size_t k) { return !role.empty() && role[k] < 0; }
+
 /// A probe of the scene. Only particles that are out of their nozzles count. Columns by kind:
 ///   region  time, particles, mass, centroid_*, velocity_*, spin_*: means over the box, not known where no particle is inside; spin 0 where
 ///           none is kept
@@ -38,6 +46,9 @@ public:
 ///   flow    see flow_probe.h
 ///   solid   see solid_probe.h
 ///   coil    see coil_probe.h
+///   level   see level_probe.h
+///   flux    see flux_probe.h
+///   extent  see extent_probe.h
 /// Point and line interpolate as interpolation.h says.
 std::unique_ptr<Probe> make_probe(const ProbeKeys& keys, const World& world, TheorySearch search = TheorySearch::wait);
 

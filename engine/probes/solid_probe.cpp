@@ -7,14 +7,6 @@
 
 namespace whorl {
 
-std::vector<std::string> SolidProbe::columns() const {
-    std::vector<std::string> names{"time"};
-    for (const char* of : {"pressure", "viscous", "contact", "torque"})
-        for (const char* axis : {"_x", "_y", "_z"}) names.push_back(std::string(of) + axis);
-    names.emplace_back("peak");
-    return names;
-}
-
 void SolidProbe::after_step(const World& world, double) {
     const Ledger& step = world.solids.all[solid_].ledger;
     const auto dt = static_cast<double>(world.step.dt);

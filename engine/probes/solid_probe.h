@@ -11,7 +11,10 @@ namespace whorl {
 class SolidProbe : public Probe {
 public:
     explicit SolidProbe(const ProbeKeys& keys) : solid_(static_cast<std::size_t>(keys.solid)) {}
-    std::vector<std::string> columns() const override;
+    ProbeColumns columns() const override {
+        return ProbeColumns{{"time", "s", ""}} + vector_columns("pressure", "N") + vector_columns("viscous", "N") +
+               vector_columns("contact", "N") + vector_columns("torque", "N m") + ProbeColumns{{"peak", "N", "peak"}};
+    }
     void after_step(const World& world, double time) override;
     ProbeRows rows(const World& world, double time) override;
     void save(std::ostream& out) const override;

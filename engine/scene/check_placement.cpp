@@ -325,8 +325,11 @@ private:
         const auto far_away = [&](const char* key) {
             report(name + "." + key, name + " measures outside of the domain", "", domain_text());
         };
+        const double half = std::max({p.radius, p.width / 2, p.thickness / 2});  // of an opening, whichever way it faces
         if (p.kind == ProbeKind::point && outside(p.at, p.at)) far_away("at");
-        if (p.kind == ProbeKind::line && outside(p.from.cwiseMin(p.to), p.from.cwiseMax(p.to))) far_away("from");
+        if (p.kind == ProbeKind::flux && outside(p.at.array() - half, p.at.array() + half)) far_away("at");
+        if ((p.kind == ProbeKind::line || p.kind == ProbeKind::level) && outside(p.from.cwiseMin(p.to), p.from.cwiseMax(p.to)))
+            far_away("from");
         if ((p.kind == ProbeKind::region || p.kind == ProbeKind::flow) && outside(p.min, p.max)) far_away("min");
         if (p.kind == ProbeKind::coil && outside(p.axis_point + p.height * p.axis_direction, p.axis_point + p.height * p.axis_direction))
             far_away("height");

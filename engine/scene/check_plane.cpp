@@ -20,7 +20,7 @@ void check_plane(const Scene& scene, const Plan& plan, std::vector<Problem>& pro
                "give the velocity of [[block]] as expressions");
     for (std::size_t k = 0; k < scene.probes.size(); ++k)
         if (scene.probes[k].kind == ProbeKind::coil)
-            report(entry_name("probe", k) + ".kind", "nothing coils" + here, "", "allowed: point, line or region");
+            report(entry_name("probe", k) + ".kind", "nothing coils" + here, "", "allowed: every other kind");
     for (const std::string what : {"mesh", "obj", "vdb"})
         if (scene.exported(what))
             report("output.export", "there is no surface to export as \"" + what + "\"" + here, "", "allowed: points, vtk, scene or raw");

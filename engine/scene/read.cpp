@@ -67,6 +67,7 @@ public:
             ordered(name + ".min", scene_.streams[i].min, name + ".max", scene_.streams[i].max, scene_.domain.dimensions);
         }
         probes();
+        scene_.identities = scene_.any_flux();
         for (const int pixels : scene_.output.size)
             if (pixels % 2 != 0) {
                 reader_.disagree({"output.size"}, "output.size has the odd number " + std::to_string(pixels), "video needs even sizes");
@@ -118,15 +119,18 @@ private:
             reader_.disagree({name + ".to", name + ".from"}, name + ".from and " + name + ".to are the same point");
         if (s.kind == "plane") direction(name + ".normal", s.normal);
         if (s.kind != "mesh") return;
-        const fs::path found = s.file.is_absolute() ? s.file : fs::absolute(fs::path(scene_.directory) / s.file);
+        find_file(name + ".file", s.file);
+    }
+    /// Makes the path absolute.
+    void find_file(const std::string& key, fs::path& file) {
+        const fs::path found = file.is_absolute() ? file : fs::absolute(fs::path(scene_.directory) / file);
         std::error_code unreachable;
         if (!fs::is_regular_file(found, unreachable))
-            reader_.disagree({name + ".file"}, name + ".file: no file \"" + s.file.string() + "\"", "",
-                             "it is looked for from the scene file's folder");
+            reader_.disagree({key}, key + ": no file \"" + file.string() + "\"", "", "it is looked for from the scene file's folder");
         else if (!is_utf8(found.native()))
-            reader_.disagree({name + ".file"}, name + ".file: \"" + found.string() + "\" is no UTF-8, and the run's settings must be",
+            reader_.disagree({key}, key + ": \"" + found.string() + "\" is no UTF-8, and the run's settings must be",
                              "give the file or its folder another name");
-        s.file = found.lexically_normal();
+        file = found.lexically_normal();
     }
     void emitter(const std::string& name, EmitterKeys& e) {
         direction(name + ".direction", e.direction);
@@ -149,10 +153,22 @@ private:
             if (p.kind == ProbeKind::solid && static_cast<std::size_t>(p.solid) >= scene_.solids.size())
                 reader_.disagree({name + ".solid"}, name + ".solid = " + std::to_string(p.solid) + " is no solid", "",
                                  "the scene has " + std::to_string(scene_.solids.size()) + ", counted from 0");
-            if (p.kind == ProbeKind::coil) direction(name + ".axis_direction", p.axis_direction);
-            if (p.kind == ProbeKind::line && p.from == p.to)
+            if (p.kind == ProbeKind::coil || p.kind == ProbeKind::extent) direction(name + ".axis_direction", p.axis_direction);
+            if (p.kind == ProbeKind::flux || p.kind == ProbeKind::extent) direction(name + ".direction", p.direction);
+            if (p.kind == ProbeKind::flux) opening(name, p);
+            if (!p.compare.empty()) find_file(name + ".compare", p.compare);
+            if ((p.kind == ProbeKind::line || p.kind == ProbeKind::level) && p.from == p.to)
                 reader_.disagree({name + ".to", name + ".from"}, name + ".from and " + name + ".to are the same point");
         }
+    }
+
+    /// Of a flux: a disc or a rectangle, in the plane a line.
+    void opening(const std::string& name, const ProbeKeys& p) {
+        const bool plane = scene_.domain.dimensions == 2, disc = p.radius > 0, rectangle = p.width > 0 && (plane || p.thickness > 0);
+        if (disc == rectangle || (disc && (p.width > 0 || p.thickness > 0)))
+            reader_.disagree({name + ".radius", name + ".width", name + ".thickness", name},
+                             name + (disc ? " has the keys of two openings" : " has no opening"),
+                             plane ? "give radius or width" : "give radius, or width and thickness", "");
     }
 
     Scene& scene_;

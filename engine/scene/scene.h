@@ -36,7 +36,7 @@ enum class ExchangeScheme { automatic, explicit_steps, implicit };
 enum class WallSpin { solid, free };
 enum class Slip { no, free, navier };
 enum class Profile { plug, parabolic };
-enum class ProbeKind { point, line, region, flow, solid, coil };
+enum class ProbeKind { point, line, region, flow, solid, coil, level, flux, extent };
 
 struct TimeKeys {
     double end = 0;          ///< s
@@ -187,12 +187,16 @@ struct ProbeKeys {
     ProbeKind kind = ProbeKind::point;
     Vec3d min = Vec3d::Zero(), max = Vec3d::Zero();             ///< region, flow
     VectorExpression expected;                                  ///< flow: m/s, of t, x, y, z; zero: nothing is expected
-    Vec3d at = Vec3d::Zero();                                   ///< point
-    Vec3d from = Vec3d::Zero(), to = Vec3d::Zero();             ///< line
+    Vec3d at = Vec3d::Zero();                                   ///< point, flux
+    Vec3d from = Vec3d::Zero(), to = Vec3d::Zero();             ///< line, level
     int count = 32;                                             ///< line
     int solid = 0;                                              ///< solid: the place of its [[solid]], from 0
-    Vec3d axis_point = Vec3d::Zero(), axis_direction{0, 1, 0};  ///< coil; direction points up, away from the plate
+    Vec3d axis_point = Vec3d::Zero(), axis_direction{0, 1, 0};  ///< coil, extent; direction points up, away from the plate
     double height = 0;                                          ///< coil: m above the pile
+    Vec3d direction{1, 0, 0};                                   ///< flux, extent; made unit length on reading
+    double radius = 0;                                          ///< flux: m, of a disc; 0: a rectangle
+    double width = 0, thickness = 0;                            ///< flux: m
+    std::filesystem::path compare;                              ///< table of an experiment or a theory; empty: none
 };
 
 /// What a run may give up to keep to a budget of time: never the physics' own parameters.
@@ -252,7 +256,7 @@ struct Scene {
     BudgetKeys budget;
     std::uint64_t seed = 1;
     bool grains = false;      ///< particles carry a random number for the picture; not a key, it follows from the look
-    bool identities = false;  ///< particles know who they are and where they came from; not a key, it follows from output.export
+    bool identities = false;  ///< particles know who they are and where they came from; not a key, it follows from exports and probes
     bool ages = false;        ///< particles know how long they have been about; the same
 
     std::string directory;                ///< of the scene file: mesh files are found from here
@@ -268,6 +272,9 @@ struct Scene {
     /// Whether the run writes these files for other programs.
     bool exported(const std::string& kind) const {
         return std::find(output.exports.begin(), output.exports.end(), kind) != output.exports.end();
+    }
+    bool any_flux() const {
+        return std::any_of(probes.begin(), probes.end(), [](const ProbeKeys& p) { return p.kind == ProbeKind::flux; });
     }
     /// Whether any particle carries ink.
     bool any_ink() const {

@@ -362,9 +362,13 @@ KeyTable probe_keys() {
     KeyTableOf<ProbeKeys> t("a measurement at every frame, in probes/<name>.csv");
     t.key("name", &ProbeKeys::name, "", "of the file").required();
     t.key("kind", &ProbeKeys::kind, "", "what is measured").required();
-    t.key("at", &ProbeKeys::at, "m", "where the fields are interpolated").required().only_with("kind", {"point"});
-    t.key("from", &ProbeKeys::from, "m", "start of the line").required().only_with("kind", {"line"});
-    t.key("to", &ProbeKeys::to, "m", "end of the line").required().only_with("kind", {"line"});
+    t.key("at", &ProbeKeys::at, "m", "where the fields are interpolated; middle of the opening of a flux")
+        .required()
+        .only_with("kind", {"point", "flux"});
+    t.key("from", &ProbeKeys::from, "m", "start of the line; of a level: on the floor, or anywhere in the fluid")
+        .required()
+        .only_with("kind", {"line", "level"});
+    t.key("to", &ProbeKeys::to, "m", "end of the line; of a level: above the surface").required().only_with("kind", {"line", "level"});
     t.key("count", &ProbeKeys::count, "", "points on the line").at_least(2).at_most(100000).only_with("kind", {"line"});
     t.key("min", &ProbeKeys::min, "m", "lowest corner").required().only_with("kind", {"region", "flow"});
     t.key("max", &ProbeKeys::max, "m", "highest corner").required().only_with("kind", {"region", "flow"});
@@ -375,11 +379,25 @@ KeyTable probe_keys() {
         .required()
         .at_least(0)
         .only_with("kind", {"solid"});
-    t.key("axis_point", &ProbeKeys::axis_point, "m", "where the axis meets the plate").only_with("kind", {"coil"});
-    t.key("axis_direction", &ProbeKeys::axis_direction, "", "up, away from the plate").only_with("kind", {"coil"});
+    t.key("axis_point", &ProbeKeys::axis_point, "m", "where the axis meets the plate; front, radius and height are counted from here")
+        .only_with("kind", {"coil", "extent"});
+    t.key("axis_direction", &ProbeKeys::axis_direction, "", "up, away from the plate").only_with("kind", {"coil", "extent"});
     t.key("height", &ProbeKeys::height, "m", "of the section that is measured, above the pile; 0: where the thread comes to rest")
         .at_least(0)
         .only_with("kind", {"coil"});
+    t.key("direction", &ProbeKeys::direction, "", "along which fluid counts as flowing forwards; along which its front moves")
+        .required()
+        .only_with("kind", {"flux", "extent"});
+    t.key("radius", &ProbeKeys::radius, "m", "of a round opening; in the plane half the length of a line")
+        .at_least(0)
+        .only_with("kind", {"flux"});
+    t.key("width", &ProbeKeys::width, "m", "of a rectangular opening, as of an emitter's; in the plane the length of a line")
+        .at_least(0)
+        .only_with("kind", {"flux"});
+    t.key("thickness", &ProbeKeys::thickness, "m", "its other side").at_least(0).only_with("kind", {"flux"});
+    t.key("compare", &ProbeKeys::compare, "",
+          "CSV file whose columns are drawn beside those of the same names, over its column time (of a line: s); found from the scene "
+          "file's folder");
     return t;
 }
 

@@ -13,6 +13,12 @@ namespace {
 
 void set_colour(cairo_t* to, const Vec3f& c) { cairo_set_source_rgb(to, c[0], c[1], c[2]); }
 
+std::string as_xml(const std::string& text) {
+    std::string out;
+    for (const char c : text) out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : std::string(1, c);
+    return out;
+}
+
 cairo_status_t append_text(void* text, const unsigned char* data, unsigned int length) {
     static_cast<std::string*>(text)->append(reinterpret_cast<const char*>(data), length);
     return CAIRO_STATUS_SUCCESS;
@@ -31,6 +37,18 @@ void Canvas::line(double x0, double y0, double x1, double y1, const Vec3f& colou
         cairo_stroke(to);
     });
 }
+void Canvas::path(const std::vector<std::array<double, 2>>& points, const Vec3f& colour, double width, bool dashed) {
+    calls_.emplace_back([=](cairo_t* to) {
+        const double dash = 3 * width;
+        set_colour(to, colour);
+        cairo_set_line_width(to, width);
+        cairo_set_line_join(to, CAIRO_LINE_JOIN_ROUND);
+        if (dashed) cairo_set_dash(to, &dash, 1, 0);
+        for (const auto& p : points) cairo_line_to(to, p[0], p[1]);
+        cairo_stroke(to);
+        cairo_set_dash(to, nullptr, 0, 0);
+    });
+}
 void Canvas::disc(double x, double y, double radius, const Vec3f& colour) {
     calls_.emplace_back([=](cairo_t* to) {
         set_colour(to, colour);
@@ -46,6 +64,7 @@ void Canvas::box(double x, double y, double width, double height, const Vec3f& c
     });
 }
 void Canvas::words(double x, double y, const std::string& text, const Vec3f& colour, double size, int anchor) {
+    words_.push_back(text);
     calls_.emplace_back([=, line = lay_out(text, size)](cairo_t* to) {
         set_colour(to, colour);
         draw_line(to, line, x - 0.5 * (anchor + 1) * line.width, y, cairo_show_text);
@@ -83,6 +102,10 @@ std::string Canvas::svg() const {
     // Cairo counts the surfaces of the whole program in this name, which nothing refers to.
     if (const std::size_t begin = text.find(" id=\"surface"); begin != std::string::npos)
         text.erase(begin, text.find('"', begin + 5) + 1 - begin);
+    if (words_.empty()) return text;
+    std::string described = "\n<title>" + as_xml(words_[0]) + "</title>\n<desc>";
+    for (std::size_t k = 1; k < words_.size(); ++k) described += as_xml(words_[k]) + "\n";
+    text.insert(text.find('>', text.find("<svg ")) + 1, described + "</desc>");
     return text;
 }
 

@@ -26,9 +26,9 @@ Table reading(const Simulation& simulation, const std::string& probe) {
     for (const auto& [name, one] : make_probes(simulation, TheorySearch::wait)) {
         if (name != probe) continue;
         Table table;
-        const std::vector<std::string> columns = one->columns();
+        const ProbeColumns columns = one->columns();
         for (const std::vector<double>& row : rows_of(*one, simulation))
-            for (std::size_t c = 0; c < columns.size(); ++c) table[columns[c]].push_back(row[c]);
+            for (std::size_t c = 0; c < columns.size(); ++c) table[columns[c].name].push_back(row[c]);
         return table;
     }
     throw std::invalid_argument("no probe " + probe);

@@ -3,21 +3,16 @@
 #include <string>
 #include <vector>
 
-#include "engine/core/types.h"
 #include "render/image/image.h"
+#include "tools/film/curves.h"
 
 namespace whorl {
 
-struct PanelCurve {
-    std::string label;
-    std::vector<double> time, value;  ///< s; in the column's unit, NaN where it is not known
-};
-
 struct PanelChart {
-    std::string title;              ///< of the values
-    std::vector<PanelCurve> curve;  ///< their whole length decides the axes
-    int width = 0, height = 0;      ///< pixels
-    bool dark = false;              ///< pale lines on black
+    std::string title;          ///< of the values
+    std::vector<Curve> curve;   ///< over time [s]; their whole length decides the axes
+    int width = 0, height = 0;  ///< pixels
+    bool dark = false;          ///< pale lines on black
 
     /// Curves are strong up to this time [s] and pale after it.
     Image at(double time) const;

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "engine/probes/probes.h"
+#include "engine/probes/comparison.h"
 #include "tools/film/colour_range.h"
 #include "tools/film/exports.h"
 #include "tools/film/film_extent.h"
@@ -22,7 +22,7 @@ namespace {
 void check_chart(const std::string& chart, const Place& place, const Simulation& start) {
     std::vector<std::string> names;
     for (const auto& [name, probe] : make_probes(start, TheorySearch::wait))
-        for (const std::string& column : probe->columns()) names.push_back(name + "." + column);
+        for (const ProbeColumn& column : probe->columns()) names.push_back(name + "." + column.name);
     if (std::find(names.begin(), names.end(), chart) != names.end()) return;
     const std::string near = nearest_name(chart, names);
     throw InputError(place, "no probe measures \"" + chart + "\"", near.empty() ? "" : "did you mean \"" + near + "\"?",
@@ -36,6 +36,7 @@ void share_choices(std::vector<SceneFile>& panels, const Choose& choose) {
     Extent extent;
     for (const SceneFile& panel : panels) {
         const Simulation start(panel.scene, make_plan(panel.scene));  // an impossible scene ends here, before anything is written
+        check_comparisons(start);
         if (!wants_range(panel.look) && !wants_extent(panel)) continue;
         const SceneFile chosen = choose ? choose(panel, start) : with_estimates(panel, start);
         const auto range = chosen.look.range;

@@ -212,10 +212,10 @@ private:
         chart.dark = scenes_[0].look.background == "dark";
         for (std::size_t k = 0; !of.empty() && k < scenes_.size(); ++k) {
             const CsvTable table = read_csv(panel_folder(folder_.path(), k) / "probes" / (of.substr(0, dot) + ".csv"));
-            PanelCurve curve;
+            Curve curve;
             curve.label = name_of(k);
             for (const std::vector<double>& row : table.rows)
-                curve.time.push_back(row[table.index("time")]), curve.value.push_back(row[table.index(of.substr(dot + 1))]);
+                curve.x.push_back(row[table.index("time")]), curve.y.push_back(row[table.index(of.substr(dot + 1))]);
             chart.curve.push_back(std::move(curve));
         }
         return chart;

@@ -22,7 +22,8 @@ void check_settings(const Checkpoint& checkpoint, const Scene& now, const std::f
     std::vector<Problem> problems;
     // What the particles carry from the start on.
     if (before.identities != now.identities || before.ages != now.ages)
-        problems.push_back({now.place("output.export"), "points, mesh and vtk need particles that know their number and age", "", ""});
+        problems.push_back({now.place(now.any_flux() == before.any_flux() ? "output.export" : "probe"),
+                            "points, mesh, vtk and flux probes need particles that know their number and age", "", ""});
     if (before.grains != now.grains)
         problems.push_back({now.place("look"), "the new look needs other columns of the particles than the run began with", "", ""});
     for (const std::string& difference : differences(before, now)) problems.push_back({{scene_file.string(), 0, 0}, difference, "", ""});

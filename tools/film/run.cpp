@@ -12,6 +12,7 @@
 #include "engine/core/errors.h"
 #include "engine/core/whole_file.h"
 #include "engine/io/snapshot.h"
+#include "engine/probes/comparison.h"
 #include "engine/scene/frame_times.h"
 #include "render/look/field_values.h"
 #include "render/video/encoder.h"
@@ -181,6 +182,7 @@ std::vector<double> Run::foreseen_frames(const Plan& plan) const {
 
 /// What is chosen for the whole film stands in scene.resolved.toml and thereby in every checkpoint: a resumed film keeps it.
 SceneFile Run::with_choices() const {
+    check_comparisons(simulation_);
     SceneFile file = with_first_pass(request_.file, simulation_, request_.quiet || request_.json);
     file.look.streak_time = film_streak_time(file.look, simulation_);
     return file;
@@ -320,6 +322,7 @@ void Run::print_result(const std::string& status, const std::string& message, do
 
 int Run::conclude(const std::string& status, const std::string& message) {
     if (film_options(request_, file_, 0).images) write_contact_sheet(folder_.path(), frames_written());
+    tables_->draw_plots();
     write_report(status, message);
     const double wall = times_.wall();
     if (status == "done") folder_.stands(), predict_late();

@@ -2,9 +2,11 @@
 
 #include <sstream>
 
+#include "engine/core/whole_file.h"
 #include "engine/io/bodies.h"
 #include "engine/io/csv.h"
 #include "engine/io/diagnostics.h"
+#include "tools/film/probe_plots.h"
 
 namespace whorl {
 
@@ -39,6 +41,15 @@ void RunTables::add_frame(int frame, const FrameSummary& summary, double wall, d
     if (const auto free = tables_.find(bodies); free != tables_.end())
         free->second.append(bodies_rows(frame, time, simulation_.world(), simulation_.scene().domain.gravity(time)));
     for (const auto& [name, probe] : probes_) tables_.at(table_of(name)).append(csv_lines(rows_of(*probe, simulation_)));
+}
+
+void RunTables::draw_plots() const {
+    const Scene& scene = simulation_.scene();
+    for (std::size_t k = 0; k < probes_.size(); ++k) {
+        const auto& [name, probe] = probes_[k];
+        const Canvas plot = plot_of_table(scene.name + ": " + name, *probe, folder_ / table_of(name), comparison_of(scene, k, *probe));
+        write_text(folder_ / "probes" / (name + ".svg"), plot.svg());
+    }
 }
 
 double RunTables::last_given_up() const {

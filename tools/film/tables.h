@@ -1,6 +1,6 @@
 #pragma once
 /// The tables of a run, some rows a frame: diagnostics.csv, bodies.csv where solids are free, budget.csv where the scene has one,
-/// probes/NAME.csv with the probes that fill them.
+/// probes/NAME.csv with the probes that fill them, and plots of those beside them.
 #include <map>
 
 #include "engine/io/checkpoint.h"
@@ -21,6 +21,8 @@ public:
     void add_budget(const BudgetRow& row) { tables_.at(budget).append(budget_row(row)); }
     /// What the governor of the run so far had given up, by the budget's last row; 0 where there is none.
     double last_given_up() const;
+    /// probes/NAME.svg for each probe, of its table so far.
+    void draw_plots() const;
     /// Lengths of the tables and memories of the probes.
     void save(Checkpoint& state) const;
 

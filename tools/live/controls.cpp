@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/core/clock.h"
+#include "engine/probes/comparison.h"
 #include "tools/film/film_extent.h"
 #include "tools/scene_file/camera_warnings.h"
 
@@ -66,6 +67,7 @@ void Controls::set_locked(const std::vector<KeyChange>& changes, bool may_undo) 
 
     if (orders_.scene && orders_.scene->simulation) {  // still to begin: begins with these values
         next->simulation = std::make_unique<Simulation>(next->file.scene, next->plan);
+        check_comparisons(*next->simulation);
         orders_.changes.clear();
     } else {
         orders_.changes.insert(orders_.changes.end(), changes.begin(), changes.end());
@@ -151,6 +153,7 @@ bool Controls::try_restart(const Restart& how) {
     for (const KeyChange& c : how.set) kept.insert_or_assign(c.path, c.value);
     next->plan = make_plan(next->file);
     next->simulation = std::make_unique<Simulation>(next->file.scene, next->plan);
+    check_comparisons(*next->simulation);
     if (wants_extent(next->file)) look_at(next->file.camera, foreseen_extent(*next->simulation));
 
     lock.lock();

@@ -8,6 +8,7 @@
 #include "engine/core/parallel.h"
 #include "engine/scene/frame_times.h"
 #include "render/look/field_values.h"
+#include "tools/live/probe_curves.h"
 
 namespace whorl {
 namespace {
@@ -18,14 +19,6 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kept_frames = 600;
 
 Json finite(double v) { return std::isfinite(v) ? Json(v) : Json(); }
-
-/// The newest row of a probe's table as {"frequency": 2.1, ...}; null where a value is not known.
-Json last_row(const std::vector<std::string>& columns, const ProbeRows& rows) {
-    Json row = Json::object();
-    if (rows.empty()) return row;
-    for (std::size_t k = 0; k < columns.size(); ++k) row[columns[k]] = finite(rows.back()[k]);
-    return row;
-}
 
 /// Mean that follows within a few frames.
 void smooth(double& mean, double value) { mean = mean > 0 ? 0.8 * mean + 0.2 * value : value; }
@@ -67,7 +60,8 @@ void LiveLoop::begin(PlannedScene& scene) {
     frame_ = 1;
     state_ = State::running;
     why_.clear();
-    probed_ = Json::object();
+    probed_ = profiles_ = plots_ = Json::object();
+    comparisons_.clear();
     times_before_ = {}, frame_times_ = {};
     frame_steps_ = 0, frame_iterations_ = frame_wall_ = simulate_wall_ = frames_a_second_ = 0;
     pace_ = {};
@@ -78,6 +72,10 @@ void LiveLoop::begin(PlannedScene& scene) {
         time_ = 0;
     }
     loop_.emplace(*this, *simulation_, scene.file, frame_count(scene.file.scene), TheorySearch::in_background);
+    for (const auto& [name, probe] : loop_->probes()) {
+        comparisons_.push_back(comparison_of(scene.file.scene, comparisons_.size(), *probe));
+        plots_[name] = described_plots(*probe, comparisons_.back());
+    }
     snapshots_.emplace(*simulation_, shown_fields(scene.file.look));
     stepped_ = revision_;
     set_pictures(scene.file);
@@ -172,7 +170,12 @@ void LiveLoop::show_frame() {
     frame_times_.clear();
     for (const auto& [name, t] : simulation_->times()) frame_times_[name].wall = t.wall - times_before_[name].wall;
     times_before_ = simulation_->times();
-    for (const auto& [name, probe] : loop_->probes()) probed_[name] = last_row(probe->columns(), rows_of(*probe, *simulation_));
+    for (std::size_t k = 0; k < comparisons_.size(); ++k) {
+        const auto& [name, probe] = loop_->probes()[k];
+        const ProbeRows rows = rows_of(*probe, *simulation_);
+        probed_[name] = newest_row(*probe, rows, comparisons_[k]);
+        if (probe->along() != 0) profiles_[name] = profile_of(*probe, rows, comparisons_[k]);
+    }
     {
         const std::lock_guard lock(recording_mutex_);
         time_ = simulation_->time();
@@ -245,7 +248,9 @@ Json LiveLoop::status_json(const Measures& m) const {
             {"frame_seconds_allowed", governor.has_budget() ? finite(governor.allowed()) : Json()},
             {"largest_residual", finite(loop_->largest_residual())},
             {"lost_particles", totals.lost_particles},
-            {"probes", probed_}};
+            {"probes", probed_},
+            {"profiles", profiles_},
+            {"probe_plots", plots_}};
 }
 
 /// How far the run falls behind, and on what it spends its time; empty where it keeps up.

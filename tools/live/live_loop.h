@@ -8,6 +8,7 @@
 
 #include "engine/io/files.h"
 #include "engine/io/snapshot.h"
+#include "engine/probes/comparison.h"
 #include "tools/film/frame_loop.h"
 #include "tools/live/controls.h"
 #include "tools/live/journal.h"
@@ -88,9 +89,10 @@ private:
     double frames_a_second_ = 0, step_wall_ = 0, step_began_ = 0;
     RealTime pace_;  ///< of the film as it plays, over the newest frames
     ThreadShare share_;
-    double waited_ = 0;              ///< s, for real time, since the newest frame
-    double said_at_ = 0, said_ = 1;  ///< wall s; factor of real time
-    nlohmann::ordered_json probed_ = nlohmann::ordered_json::object();
+    double waited_ = 0;                                   ///< s, for real time, since the newest frame
+    double said_at_ = 0, said_ = 1;                       ///< wall s; factor of real time
+    nlohmann::ordered_json probed_, profiles_, plots_;    ///< by the probe's name
+    std::vector<std::optional<Comparison>> comparisons_;  ///< of each probe
 
     mutable std::mutex recording_mutex_;  ///< of journal_ and time_
     double time_ = 0;

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "engine/core/parallel.h"
+#include "engine/probes/comparison.h"
 #include "engine/scene/free_memory.h"
 #include "engine/sim/simulation.h"
 #include "tools/cost/estimate.h"
@@ -57,6 +58,7 @@ int plan(const Options& options) {
     const SceneFile file = read_scene_file(options);
     Plan plan = make_plan(file);
     const Simulation simulation(file.scene, plan);
+    check_comparisons(simulation);
     std::optional<SaidLater> said;
     if (!find_calibration(file, plan) || !file.scene.panels.empty())
         said.emplace("measuring what a step and a picture cost: some moments of the film with larger particles ...");

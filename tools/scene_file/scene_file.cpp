@@ -169,8 +169,9 @@ bool tells_particles_apart(const SceneFile& file) {
 void follow(SceneFile& file) {
     file.scene.grains = tells_particles_apart(file);
     const Scene& scene = file.scene;
-    file.scene.identities = scene.exported("points") || scene.exported("vtk");
-    file.scene.ages = file.scene.identities || scene.exported("mesh");
+    const bool exported = scene.exported("points") || scene.exported("vtk");
+    file.scene.identities = exported || scene.any_flux();
+    file.scene.ages = exported || scene.exported("mesh");
     file.surface.ages = scene.viscosity_ages();
     file.surface.velocity = file.camera.shutter > 0 || scene.output.format == "exr";
     file.camera.aspect = static_cast<float>(scene.output.size[0]) / static_cast<float>(scene.output.size[1]);

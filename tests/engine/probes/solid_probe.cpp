@@ -36,15 +36,16 @@ World with_ball() {
 TEST_CASE("a solid probe reports impulse over time since its last row, and the peak of a step", "[probe]") {
     World world = with_ball();
     SolidProbe probe{ProbeKeys{}};
-    const std::vector<std::string> names = probe.columns();
+    const ProbeColumns columns = probe.columns();
     const auto value = [&](const std::vector<double>& row, const std::string& name) {
-        return row.at(static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin()));
+        return row.at(static_cast<std::size_t>(
+            std::find_if(columns.begin(), columns.end(), [&](const ProbeColumn& c) { return c.name == name; }) - columns.begin()));
     };
     CHECK(std::isnan(probe.rows(world, 0).at(0).at(1)));
     step(world, probe, 0.25, 1, 2);
     step(world, probe, 0.75, 3, 0);
     const std::vector<double> row = probe.rows(world, 1).at(0);
-    REQUIRE(row.size() == names.size());
+    REQUIRE(row.size() == columns.size());
     CHECK(value(row, "pressure_x") == Approx(4));
     CHECK(value(row, "viscous_x") == 0);
     CHECK(value(row, "contact_z") == Approx(2));

@@ -122,7 +122,7 @@ function show(now) {
   } else if (noticed === null) noticed = now.notice ? now.notice.number : 0;
   facts(now);
   for (const [path, knob] of knobs) if (path in now.values) knob.show(now.values[path], false);
-  if (now.frame !== plotted) plot(now), Plots.drawSoon(), plotted = now.frame;
+  if (now.frame !== plotted) plot(now, now.probe_plots), Plots.drawSoon(), plotted = now.frame;
 }
 // Which keys there are: another kind of camera or look has others.
 const structure = s => Object.keys(s.values).join();
@@ -142,16 +142,15 @@ function facts(s) {
   list.forEach(([, value], i) => write($('facts').children[i].lastChild, value));
 }
 
-function plot(s) {
+function plot(s, described) {
   const where = $('plots');
-  for (const [name, row] of Object.entries(s.probes)) {
-    if ('frequency' in row) {
-      const mm = v => v === null ? null : 1e3 * v;
-      Plots.add(where, name + ': turns a second [Hz]', s.time, {measured: row.frequency, theory: row.theory_frequency});
-      Plots.add(where, name + ': radius of the coil [mm]', s.time, {measured: mm(row.radius), theory: mm(row.theory_radius)});
-      Plots.add(where, name + ': height of the heap, and fall [mm]', s.time, {heap: mm(row.pile_height), fall: mm(row.fall)});
+  for (const [name, probe] of Object.entries(described))
+    for (const {title, curves} of probe.plots) {
+      const named = name + ': ' + title, dashed = curves.filter(c => c.dashed).map(c => c.label);
+      const values = row => Object.fromEntries(curves.map(c => [c.label, row[c.column]]));
+      if (!probe.profile) Plots.add(where, named, s.time, values(s.probes[name]), dashed);
+      else if (s.profiles) Plots.profile(where, named, probe, s.profiles[name][probe.along], values(s.profiles[name]), dashed);
     }
-  }
   Plots.add(where, 'ms a frame, by stage', s.time, s.ms);
   Plots.add(where, 'frames a second', s.time, {frames: s.frames_per_second || null});
   Plots.add(where, 'iterations a step', s.time, {iterations: s.iterations, steps: s.steps});
@@ -163,10 +162,10 @@ function plot(s) {
 // Who comes late sees the curves from their beginning.
 async function loadHistory() {
   try {
-    const frames = await (await fetch(address('/history'))).json();
+    const [frames, now] = await Promise.all(['/history', '/state'].map(async path => (await fetch(address(path))).json()));
     if (frames.length === 0) return;
     Plots.clear();
-    frames.forEach(plot);
+    frames.forEach(frame => plot(frame, now.probe_plots));
     plotted = frames[frames.length - 1].frame;
     Plots.draw();
   } catch (error) { /* the next frame is plotted as it comes */ }

@@ -1,5 +1,6 @@
 'use strict';
-// Values over time on canvases: one plot a group, one line a name; the newest points at the right. What theory says is dashed.
+// Values on canvases: one plot a group, one line a name. Over time, the newest points at the right, or over a place as they are now.
+// Theory and experiments are dashed.
 const Plots = (() => {
   const kept = 600;
   const colours = ['#d9822b', '#2f8fd0', '#3fa45b', '#b565c9', '#d14c4c', '#7b8a97', '#c2a516', '#26a59a'];
@@ -21,36 +22,51 @@ const Plots = (() => {
     return String(Number(v.toPrecision(3)));
   }
 
-  function make(parent, title) {
+  function make(parent, title, along = 'time') {
     const figure = document.createElement('figure');
     figure.className = 'plot';
     const caption = document.createElement('figcaption');
     caption.textContent = title;
     const canvas = document.createElement('canvas');
     canvas.setAttribute('role', 'img');
-    canvas.setAttribute('aria-label', title + ' over time');
+    canvas.setAttribute('aria-label', title + ' over ' + along);
     const legend = document.createElement('div');
     legend.className = 'legend';
     figure.append(caption, canvas, legend);
     parent.append(figure);
-    const plot = {canvas, legend, times: [], lines: new Map(), seen: false};
+    const plot = {canvas, legend, times: [], unit: 's', lines: new Map(), seen: false};
     seen.observe(canvas);
     return plot;
   }
 
-  function add(parent, title, time, values) {
+  const colour = k => colours[k % colours.length];
+  const number = v => typeof v === 'number' && isFinite(v) ? v : null;
+  const known = values => Object.values(values).some(v => (Array.isArray(v) ? v : [v]).some(one => number(one) !== null));
+
+  // Values at a time, under the newest 600. A plot begins with its first value.
+  function add(parent, title, time, values, dashed = []) {
+    if (!plots.has(title) && !known(values)) return;
     if (!plots.has(title)) plots.set(title, make(parent, title));
     const plot = plots.get(title);
     plot.times.push(time);
     for (const [name, value] of Object.entries(values)) {
-      if (!plot.lines.has(name)) plot.lines.set(name, {colour: colours[plot.lines.size % colours.length], dashed: name === 'theory', points: new Array(plot.times.length - 1).fill(null)});
-      plot.lines.get(name).points.push(typeof value === 'number' && isFinite(value) ? value : null);
+      if (!plot.lines.has(name)) plot.lines.set(name, {colour: colour(plot.lines.size), dashed: dashed.includes(name), points: new Array(plot.times.length - 1).fill(null)});
+      plot.lines.get(name).points.push(number(value));
     }
     for (const line of plot.lines.values()) while (line.points.length < plot.times.length) line.points.push(null);
     if (plot.times.length > kept) {
       plot.times.shift();
       for (const line of plot.lines.values()) line.points.shift();
     }
+  }
+
+  // Lists of values at places, in the place of those before.
+  function profile(parent, title, {along, along_unit}, places, values, dashed) {
+    if (!plots.has(title) && !known(values)) return;
+    if (!plots.has(title)) plots.set(title, make(parent, title, along));
+    const plot = plots.get(title);
+    plot.times = places, plot.unit = along_unit;
+    plot.lines = new Map(Object.entries(values).map(([name, points], k) => [name, {colour: colour(k), dashed: dashed.includes(name), points: points.map(number)}]));
   }
 
   function draw() {
@@ -80,8 +96,8 @@ const Plots = (() => {
         g.beginPath(), g.moveTo(left, y(v)), g.lineTo(right, y(v)), g.stroke();
         g.textAlign = 'right', g.fillText(short(v), left - 5, y(v) + 4);
       }
-      g.textAlign = 'left', g.fillText(short(times[0]) + ' s', left, h - 3);
-      g.textAlign = 'right', g.fillText(short(times[times.length - 1]) + ' s', right, h - 3);
+      g.textAlign = 'left', g.fillText(short(times[0]) + ' ' + plot.unit, left, h - 3);
+      g.textAlign = 'right', g.fillText(short(times[times.length - 1]) + ' ' + plot.unit, right, h - 3);
       g.lineWidth = 1.8;
       for (const line of lines.values()) {
         g.strokeStyle = line.colour;
@@ -112,5 +128,5 @@ const Plots = (() => {
     plots.clear();
   }
   const points = title => plots.has(title) ? plots.get(title).times.length : 0;
-  return {add, draw, drawSoon, clear, short, points};
+  return {add, profile, draw, drawSoon, clear, short, points};
 })();

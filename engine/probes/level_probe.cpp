@@ -1,0 +1,70 @@
+#include "engine/probes/level_probe.h"
+
+#include "engine/math/kernel.h"
+#include "engine/probes/interpolation.h"
+
+namespace whorl {
+namespace {
+
+constexpr double level_reach = 3, fine = 4;  ///< spacings that the kernel reaches; places a spacing
+
+double distance_to_solids(const Solids& solids, const Vec3& x) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Solid& solid : solids.all) least = std::min(least, static_cast<double>(solid.distance(x)));
+    return least;
+}
+
+/// w, by the midpoint rule over cubes of a spacing; one that the surface cuts counts in part.
+double solid_share(const World& world, const Vec3& x, const WendlandC2Kernel& W) {
+    const Real d = world.step.spacing;
+    double all = 0, solid = 0;
+    each_lattice_point(world.step.dimensions(), static_cast<int>(level_reach), [&](int a, int b, int c) {
+        const Vec3 s = d * Vec3(static_cast<Real>(a), static_cast<Real>(b), static_cast<Real>(c));
+        const auto weight = static_cast<double>(W.value(s.norm()));
+        all += weight;
+        if (weight > 0) solid += weight * std::clamp(0.5 - distance_to_solids(world.solids, x + s) / static_cast<double>(d), 0.0, 1.0);
+    });
+    return solid / all;
+}
+
+}  // namespace
+
+double LevelProbe::height(const World& world) const {
+    const auto x = world.fluid.column<field::position>();
+    const auto role = roles(world);
+    const double d = static_cast<double>(world.step.spacing), length = (to_ - from_).norm();
+    const WendlandC2Kernel W(static_cast<Real>(level_reach) * world.step.spacing, world.step.dimensions());
+    const int last = std::max(1, static_cast<int>(std::ceil(fine * length / d)));
+    std::vector<Vec3d> places;
+    for (int k = 0; k <= last; ++k) places.push_back(from_ + (to_ - from_) * k / last);
+    const std::vector<std::vector<Index>> near = particles_near(world, places, level_reach * d);
+    /// c - (1 - w)/2 at a place
+    const auto excess = [&](int k) {
+        const auto place = places[static_cast<std::size_t>(k)].cast<Real>();
+        double share = 0;
+        for (const Index j : near[static_cast<std::size_t>(k)])
+            if (!in_nozzle(role, static_cast<std::size_t>(j)))
+                share += static_cast<double>(world.step.volume * W.value(world.step.domain.minimum_image(x[j] - place).norm()));
+        const bool beside = distance_to_solids(world.solids, place) < level_reach * d;
+        return share - 0.5 * (1 - (beside ? solid_share(world, place, W) : 0));
+    };
+    const double step = length / last;
+    double height = 0, before = 0, gap = 0;  // gap: m without fluid or solid
+    bool was_in_fluid = false;
+    for (int k = 0; k <= last; ++k) {
+        const double more = excess(k);
+        if (more >= 0) {
+            height = k * step, gap = 0;
+        } else if (distance_to_solids(world.solids, places[static_cast<std::size_t>(k)].cast<Real>()) >= 0) {
+            if (was_in_fluid) return height + step * before / (before - more);
+            gap += step;
+            if (gap > d) return height;
+        }
+        was_in_fluid = more >= 0, before = more;
+    }
+    return height;
+}
+
+ProbeRows LevelProbe::rows(const World& world, double time) { return {{time, height(world)}}; }
+
+}  // namespace whorl

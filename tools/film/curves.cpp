@@ -1,0 +1,119 @@
+#include "tools/film/curves.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace whorl {
+namespace {
+
+/// "height [10^-3 m]"
+std::string axis_name(const std::string& name, const std::string& unit, int power) {
+    if (power == 0) return unit.empty() ? name : name + " [" + unit + "]";
+    return name + " [10^" + std::to_string(power) + (unit.empty() ? "" : " " + unit) + "]";
+}
+
+}  // namespace
+
+Vec3f curve_colour(std::size_t k, bool dark) {
+    static const std::vector<Vec3f> colours{{0.12f, 0.31f, 0.59f}, {0.80f, 0.25f, 0.12f}, {0.16f, 0.53f, 0.40f},
+                                            {0.55f, 0.35f, 0.62f}, {0.45f, 0.35f, 0.15f}, {0.35f, 0.40f, 0.45f}};
+    const Vec3f colour = colours[k % colours.size()];
+    return dark ? Vec3f(Vec3f::Constant(0.35f) + 0.65f * colour) : colour;
+}
+
+void CurveAxes::hold(const Curve& curve) {
+    for (std::size_t k = 0; k < curve.x.size(); ++k) {
+        if (!std::isfinite(curve.y[k])) continue;
+        low_x = std::min(low_x, curve.x[k]), high_x = std::max(high_x, curve.x[k]);
+        low_y = std::min(low_y, curve.y[k]), high_y = std::max(high_y, curve.y[k]);
+    }
+}
+
+void CurveAxes::finish() {
+    if (!(low_x <= high_x)) low_x = 0, high_x = 1;
+    if (!(low_y <= high_y)) low_y = 0, high_y = 1;
+    if (low_x == high_x) high_x = low_x + 1;
+    if (low_y == high_y) high_y = low_y + std::max(1e-300, std::abs(low_y) > 0 ? std::abs(low_y) : 1);
+}
+
+void draw_ticks(Canvas& canvas, const CurveAxes& axes, const Ticks& up, const Ticks& along, double text, const Vec3f& ink,
+                const Vec3f& pale) {
+    for (std::size_t k = 0; k < up.place.size(); ++k) {
+        canvas.line(axes.box.left, axes.y(up.place[k]), axes.box.right, axes.y(up.place[k]), pale, std::max(1.0, text / 14));
+        canvas.words(axes.box.left - 0.6 * text, axes.y(up.place[k]) + 0.35 * text, up.label[k], ink, text, 1);
+    }
+    for (std::size_t k = 0; k < along.place.size(); ++k)
+        canvas.words(axes.x(along.place[k]), axes.box.bottom + 1.4 * text, along.label[k], ink, text, 0);
+}
+
+void draw_curve(Canvas& canvas, const CurveAxes& axes, const Curve& curve, double until, const Vec3f& colour, double width) {
+    using Points = std::vector<std::array<double, 2>>;
+    Points path, column;
+    const auto end_column = [&] {
+        if (column.empty()) return;
+        const auto [top, bottom] =
+            std::minmax_element(column.begin(), column.end(), [](const auto& a, const auto& b) { return a[1] < b[1]; });
+        std::vector<std::size_t> kept{0, static_cast<std::size_t>(top - column.begin()), static_cast<std::size_t>(bottom - column.begin()),
+                                      column.size() - 1};
+        std::sort(kept.begin(), kept.end());
+        kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
+        for (const std::size_t k : kept) path.push_back(column[k]);
+        column.clear();
+    };
+    const auto end_path = [&] {
+        end_column();
+        if (curve.style == Curve::Style::dots)
+            for (const auto& p : path) canvas.disc(p[0], p[1], 1.5 * width, colour);
+        else canvas.path(path, colour, width, curve.style == Curve::Style::dashed);
+        path.clear();
+    };
+    for (std::size_t k = 0; k < curve.x.size() && curve.x[k] <= until; ++k) {
+        if (!std::isfinite(curve.y[k])) {
+            end_path();
+            continue;
+        }
+        const std::array<double, 2> p{axes.x(curve.x[k]), axes.y(curve.y[k])};
+        if (!column.empty() && std::floor(column.back()[0]) != std::floor(p[0])) end_column();
+        column.push_back(p);
+    }
+    end_path();
+}
+
+Canvas draw_plots(const std::string& title, const std::vector<CurvePlot>& plots) {
+    constexpr double text = 13, wide = 560, high = 340, head = 40, infinite = std::numeric_limits<double>::infinity();
+    const Vec3f ink(0.13f, 0.13f, 0.16f), pale(0.86f, 0.86f, 0.88f);
+    const std::size_t columns = plots.size() > 1 ? 2 : 1, rows = std::max<std::size_t>(1, (plots.size() + columns - 1) / columns);
+    Canvas canvas(static_cast<int>(wide * static_cast<double>(columns)), static_cast<int>(head + high * static_cast<double>(rows)));
+    canvas.words(20, 27, title, ink, 17);
+    for (std::size_t n = 0; n < plots.size(); ++n) {
+        const CurvePlot& plot = plots[n];
+        const double x0 = wide * static_cast<double>(n % columns), y0 = head + high * static_cast<double>(n / columns);
+        CurveAxes axes{{x0 + 76, x0 + wide - 24, y0 + 52, y0 + high - 56}, infinite, -infinite, infinite, -infinite};
+        for (const Curve& curve : plot.curves) axes.hold(curve);
+        if (axes.low_y > 0 && axes.low_y < 0.5 * axes.high_y) axes.low_y = 0;
+        if (axes.high_y < 0 && axes.high_y > 0.5 * axes.low_y) axes.high_y = 0;
+        const bool any = axes.low_y <= axes.high_y;
+        axes.finish();
+        const Ticks up = ticks_of(axes.low_y, axes.high_y, 6), along = ticks_of(axes.low_x, axes.high_x, 6);
+        draw_ticks(canvas, axes, up, along, text, ink, pale);
+        const CurveAxes::Box& box = axes.box;
+        canvas.line(box.left, box.bottom, box.right, box.bottom, ink), canvas.line(box.left, box.top, box.left, box.bottom, ink);
+        canvas.words((box.left + box.right) / 2, box.bottom + 38, axis_name(plot.x_name, plot.x_unit, along.power), ink, text, 0);
+        canvas.words(x0 + 20, y0 + 16, axis_name(plot.y_name, plot.y_unit, up.power), ink, text);
+        if (!any) canvas.words((box.left + box.right) / 2, (box.top + box.bottom) / 2, "nothing measured", ink, text, 0);
+        double legend = box.left;
+        for (const Curve& curve : plot.curves) {
+            const Vec3f colour = curve_colour(curve.colour, false);
+            draw_curve(canvas, axes, curve, infinite, colour, 1.8);
+            const double y = y0 + 36;
+            if (curve.style == Curve::Style::dots) canvas.disc(legend + 11, y - 4, 2.7, colour);
+            else canvas.path({{legend, y - 4}, {legend + 22, y - 4}}, colour, 1.8, curve.style == Curve::Style::dashed);
+            canvas.words(legend + 28, y, curve.label, ink, text - 1);
+            legend += 44 + Canvas::width_of(curve.label, text - 1);
+        }
+    }
+    return canvas;
+}
+
+}  // namespace whorl

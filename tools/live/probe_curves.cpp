@@ -1,0 +1,61 @@
+#include "tools/live/probe_curves.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace whorl {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const std::string compared = "compare_";
+
+Json number_json(double v) { return std::isfinite(v) ? Json(v) : Json(); }
+
+Json row_json(const Probe& probe, const std::vector<double>& row, const std::optional<Comparison>& comparison) {
+    const ProbeColumns columns = probe.columns();
+    Json all = Json::object();
+    for (std::size_t k = 0; k < columns.size(); ++k) all[columns[k].name] = number_json(row[k]);
+    if (!comparison) return all;
+    for (const ProbePlot& plot : plots_of(columns))
+        for (const ProbePlot::Curve& curve : plot.curves)
+            if (const std::string& name = columns[curve.column].name; comparison->has(name))
+                all[compared + name] = number_json(comparison->at(name, row[probe.along()]));
+    return all;
+}
+
+}  // namespace
+
+Json described_plots(const Probe& probe, const std::optional<Comparison>& comparison) {
+    const ProbeColumns columns = probe.columns();
+    Json plots = Json::array();
+    for (const ProbePlot& plot : plots_of(columns)) {
+        Json curves = Json::array();
+        for (const ProbePlot::Curve& c : plot.curves)
+            curves.push_back({{"column", columns[c.column].name}, {"label", c.label}, {"dashed", c.theory}});
+        for (const ProbePlot::Curve& c : plot.curves)
+            if (const std::string& name = columns[c.column].name; comparison && comparison->has(name))
+                curves.push_back({{"column", compared + name},
+                                  {"label", comparison->name + (plot.curves.size() > 1 ? ", " + c.label : "")},
+                                  {"dashed", true}});
+        plots.push_back({{"title", plot.axis()}, {"curves", curves}});
+    }
+    return {{"profile", probe.along() != 0},
+            {"along", columns[probe.along()].name},
+            {"along_unit", columns[probe.along()].unit},
+            {"plots", plots}};
+}
+
+Json newest_row(const Probe& probe, const ProbeRows& rows, const std::optional<Comparison>& comparison) {
+    return rows.empty() ? Json::object() : row_json(probe, rows.back(), comparison);
+}
+
+Json profile_of(const Probe& probe, const ProbeRows& rows, const std::optional<Comparison>& comparison) {
+    constexpr std::size_t most = 200;
+    Json all = Json::object();
+    for (std::size_t k = 0; k < rows.size(); k += 1 + rows.size() / most)
+        for (const auto& [name, value] : row_json(probe, rows[k], comparison).items()) all[name].push_back(value);
+    return all;
+}
+
+}  // namespace whorl
