@@ -12,7 +12,7 @@
 namespace whorl {
 namespace {
 
-/// The cells of a line; two quotes inside quotes are one.
+/// The cells of a line without blanks around them; two quotes inside quotes are one.
 std::vector<std::string> cells_of(const std::string& line) {
     std::vector<std::string> cells(1);
     bool quoted = false;
@@ -21,6 +21,11 @@ std::vector<std::string> cells_of(const std::string& line) {
         else if (line[i] == '"') quoted = !quoted;
         else if (line[i] == ',' && !quoted) cells.emplace_back();
         else cells.back() += line[i];
+    }
+    constexpr const char* blanks = " \t\r";
+    for (std::string& cell : cells) {
+        cell.erase(0, std::min(cell.size(), cell.find_first_not_of(blanks)));
+        cell.erase(cell.find_last_not_of(blanks) + 1);
     }
     return cells;
 }
@@ -45,9 +50,15 @@ CsvTable read_csv(const std::filesystem::path& file, const std::function<void(co
     CsvTable table;
     table.file = file.string();
     std::string line;
-    std::getline(in, line);
+    const auto next_line = [&] {
+        while (std::getline(in, line))
+            if (!line.starts_with('#')) return true;
+        return false;
+    };
+    next_line();
+    if (line.starts_with("\xef\xbb\xbf")) line.erase(0, 3);  // UTF-8's mark, as spreadsheets write it
     table.columns = cells_of(line);
-    while (std::getline(in, line)) {
+    while (next_line()) {
         std::vector<double> row(table.columns.size(), std::numeric_limits<double>::quiet_NaN());
         const std::vector<std::string> texts = cells_of(line);
         for (std::size_t k = 0; k < std::min(row.size(), texts.size()); ++k) {

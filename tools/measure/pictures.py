@@ -147,7 +147,8 @@ def film(m, scene, row):
     return f"![{scene}](docs/pictures/gallery/{scene}.jpg)<br>{words}{takes}<br>`{command}`"
 
 
-@table("guide_pictures", "the last moment of every scene that a page of docs/guide prints whole and shows", "1 minute a scene",
+@table("guide_pictures", "the last moment of every scene that a page of docs/guide prints whole and shows, and the plots of its probes",
+       "1 minute a scene",
        files="docs/pictures/guide", section=False)
 def guide_pictures(m):
     for page in sorted((m.into / "docs/guide").glob("*.md")):
@@ -163,3 +164,8 @@ def guide_pictures(m):
                                options=["--fps", 8, "--size", "960x540", "--no-video"])
                 last = max(run.folder.glob("frames/*.png"), default=run.folder)
                 drawing.picture(m, f"docs/pictures/guide/{name}.jpg", [last], 960, ["-q:v", "4"])
+            for probe in re.findall(r"pictures/guide/(\w+)\.svg", text):
+                if f'name = "{probe}"' in files[f"{name}.toml"] and m.wanted(name):
+                    run = m.render(folder / f"{name}.toml", f"guide/{page.stem}/{name}_plots")
+                    if not m.dry:
+                        write_file(m.into / f"docs/pictures/guide/{probe}.svg", (run.folder / f"probes/{probe}.svg").read_bytes())

@@ -26,3 +26,14 @@ TEST_CASE("a table is read as it was written, with commas and quotes in its cell
     CHECK(std::isnan(table.rows[1][1]));
     CHECK(table.rows[1][2] == 4);
 }
+
+TEST_CASE("a table of another program is read with its byte-order mark, comments, blanks and line ends", "[io][csv]") {
+    const test::ScratchFolder folder;
+    std::ofstream(folder / "table.csv") << "\xef\xbb\xbftime, height \r\n# the second run\r\n 0 , 1.5\r\n1,2\r\n";
+    const CsvTable table = read_csv(folder / "table.csv");
+    CHECK(table.columns == std::vector<std::string>{"time", "height"});
+    CHECK(table.rows == std::vector<std::vector<double>>{{0, 1.5}, {1, 2}});
+    std::size_t rows = 0;
+    CHECK(read_csv(folder / "table.csv", [&](const std::vector<double>& row) { rows += row.size() == 2; }).rows.empty());
+    CHECK(rows == 2);
+}

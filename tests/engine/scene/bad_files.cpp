@@ -168,6 +168,19 @@ const std::vector<Case> cases = {
      "[[probe]]\nname = \"a\"\nkind = \"point\"\nat = [0, 0, 0]\n[[probe]]\nname = \"a\"\nkind = \"line\"\nfrom = [0, 0, 0]\nto = [1, 0, "
      "0]",
      "bad.toml:14:8: probe[1].name = \"a\" is taken by probe[0]"},
+    {"", "[[probe]]\nname = \"a\"\nkind = \"lvl\"",
+     "bad.toml:11:8: probe[0].kind = \"lvl\" is not known; did you mean \"level\"?; allowed: point, line, region, flow, solid, coil, level, "
+     "flux or extent"},
+    {"", "[[probe]]\nname = \"a\"\nkind = \"level\"\nfrom = [0, 1, 0]\nto = [0, 1, 0]\ncompare = \"none.csv\"",
+     "bad.toml:13:6: probe[0].from and probe[0].to are the same point\n"
+     "bad.toml:14:11: probe[0].compare: no file \"none.csv\"; it is looked for from the scene file's folder"},
+    {"", "[[probe]]\nname = \"a\"\nkind = \"extent\"\naxis_direction = [0, 0, 0]",
+     "bad.toml:9:1: probe[0].direction is missing; along which fluid counts as flowing forwards; along which its front moves\n"
+     "bad.toml:12:18: probe[0].axis_direction has no length"},
+    {"", "[[probe]]\nname = \"a\"\nkind = \"flux\"\nat = [0, 0, 0]\ndirection = [0, 2, 0]",
+     "bad.toml:9:1: probe[0] has no opening; give radius, or width and thickness"},
+    {"", "[[probe]]\nname = \"a\"\nkind = \"flux\"\nat = [0, 0, 0]\ndirection = [0, 2, 0]\nradius = 1\nwidth = 2",
+     "bad.toml:14:10: probe[0] has the keys of two openings; give radius, or width and thickness"},
     {"", "[[probe]]\nname = \"a/b\"\nkind = \"coil\"\nheight = 0.1",
      "bad.toml:10:8: probe[0].name = \"a/b\" cannot name a file; allowed: letters, digits, _ - ., at most 200 of them"},
     {"", "[output]\nsize = [1280, 721]\nexport = [\"mesh\", \"pionts\"]",
