@@ -94,10 +94,17 @@ class Run:
         """The newest row."""
         return Unknown() if self.dry else {column: values[-1] for column, values in self.table(name).items()}
 
-    def points(self, frame):
-        """Positions of an exported frame, whose properties all have four bytes."""
+    def particles(self, frame):
+        """Time and particles of an exported frame: a dict of columns by property. All properties have four bytes."""
         header, _, body = next((self.folder / "points").glob(f"*.{frame:04d}.ply")).read_bytes().partition(b"end_header\n")
-        return np.frombuffer(body, "<f4").reshape(-1, header.count(b"\nproperty "))[:, :3]
+        names = [line.split()[-1].decode() for line in header.split(b"\n") if line.startswith(b"property ")]
+        columns = np.frombuffer(body, "<f4").reshape(-1, len(names)).astype(float)
+        return float(header.split(b" time ")[1].split()[0]), dict(zip(names, columns.T))
+
+    def points(self, frame):
+        """Positions of an exported frame."""
+        particles = self.particles(frame)[1]
+        return np.stack([particles[axis] for axis in "xyz"], axis=1).astype("<f4")
 
     @property
     def scene(self):

@@ -1,0 +1,188 @@
+"""Experiments with thick fluids: swelling jets, folding sheets, puddles, drums, balls."""
+import math
+
+import numpy as np
+
+from . import theory
+from .laboratory import Found, between, curves, experiment, force, run, snapshots, spacing
+
+g, rho, pi = theory.gravity, 1000, math.pi
+
+
+def jet_thickness(p, axis, start, end, d, ways):
+    """Thickness of a plane jet (ways = 1) or diameter of a round one, by the mass between two places on its axis."""
+    inside = (p[axis] > start) & (p[axis] < end)
+    area = inside.sum() * d**(ways + 2) / (end - start)
+    return area, inside
+
+
+@experiment("die_swell")
+def die_swell(m):
+    found, lines = Found(), []
+    for shape, ratio, style in (("plane", 1.186, "C0-"), ("round", 1.127, "C1-")):
+        one = run(m, f"die_swell_{shape}")
+        found.runs.append(one)
+        if m.dry:
+            continue
+        d, places = spacing(one), np.arange(0.5, 2.6, 0.1)  # from the end of the die, in its widths
+        *_, (_, p) = snapshots(one)
+        width, slab = 0.01, 0.008 if shape == "plane" else None
+        ratios = []
+        for x in places:
+            here = np.abs(p["x"] - x * width) < 0.15 * width
+            area = here.sum() * d**3 / (0.3 * width)
+            ratios.append(area / slab / width if slab else math.sqrt(4 * area / pi) / width)
+        found.add(f"thickness of the {shape} jet over that of the die", ratio, np.mean([r for x, r in zip(places, ratios) if 1.2 < x < 2]))
+        lines += [(f"Whorl, {shape}", places, ratios, style), (f"published, {shape}", [0.5, 2.5], [ratio, ratio], style + "-")]
+    found.draw = lambda axes: curves(axes, "distance from the die over its width", "thickness over the die's", *lines, ylim=(0.9, 1.4))
+    return found
+
+
+@experiment("folding_sheet")
+def folding_sheet(m):
+    """Folds from the sheet's place at 55 mm, and its thickness and speed there."""
+    found, lengths, kept = Found(), [], None
+    viscosities = (50, 100, 200)
+    for viscosity in viscosities:
+        one = run(m, "folding_sheet", f"fluid.viscosity={viscosity}", name=f"{viscosity}")
+        found.runs.append(one)
+        if m.dry:
+            continue
+        d, time, place, speed, thickness = spacing(one), [], [], [], []
+        for t, p in snapshots(one):
+            here = np.abs(p["y"] - 0.055) < 0.003
+            if t > 1 and here.sum() > 10:
+                time.append(t)
+                place.append(p["x"][here].mean())
+                thickness.append(here.sum() * d**2 / 0.006)
+                speed.append(np.hypot(p["velocity_x"], p["velocity_y"])[here].mean())
+        f = theory.frequency(np.array(time), np.array(place))
+        h, U = np.mean(thickness), np.mean(speed)
+        lengths.append(U / (2 * f) / (viscosity / rho * h**2 * U / g)**0.25 if f else math.nan)
+        kept = (time, place) if viscosity == 100 else kept
+    for viscosity, length in zip(viscosities[1:], lengths[1:]):
+        found.add(f"length of a fold over (nu h^2 U/g)^(1/4), {viscosity} Pa s over 50 Pa s", 1, length / lengths[0])
+    found.draw = lambda axes: curves(axes, "time, s", "place of the sheet at 55 mm, mm", ("100 Pa s", kept[0], 1e3 * np.array(kept[1]), "C0-"))
+    return found
+
+
+@experiment("slump")
+def slump(m):
+    found, nu, area = Found(), 0.02, 0.0036
+    one = run(m, "slump")
+    found.runs.append(one)
+    if m.dry:
+        return found
+    d = spacing(one)
+    time, front = np.array([(t, np.sort(p["x"])[-2] + d / 2) for t, p in snapshots(one)]).T
+    exact = 1.411 * (g * area**3 / (3 * nu) * time)**0.2
+    for t in (2, 8):
+        found.add(f"front at {t} s, m", np.interp(t, time, exact), np.interp(t, time, front))
+    late = time > 2
+    found.add("power of time", 0.2, np.polyfit(np.log(time[late]), np.log(front[late]), 1)[0])
+    found.draw = lambda axes: curves(axes, "time, s", "front, m", ("Whorl", time, front, "C0-"), ("theory", time[1:], exact[1:], "k--"), ylim=(0, 0.25))
+    return found
+
+
+@experiment("puddle")
+def puddle(m):
+    found, nu, Q = Found(), 0.005, pi * 0.01**2 * 0.025
+    one = run(m, "puddle")
+    found.runs.append(one)
+    if m.dry:
+        return found
+    d, time, radius = spacing(one), [], []
+    for t, p in snapshots(one):
+        r, around = np.hypot(p["x"], p["z"]), np.arctan2(p["z"], p["x"])
+        low = p["y"] < 2 * d
+        parts = [r[low & (np.floor(8 * (around + pi) / pi) == k)] for k in range(16)]  # sectors
+        if all(len(part) for part in parts):
+            time.append(t)
+            radius.append(np.mean([part.max() for part in parts]) + d / 2)
+    time, radius = np.array(time), np.array(radius)
+    late = time > time[-1] / 3
+    exact = 0.715 * (g * Q**3 / (3 * nu))**0.125 * np.sqrt(time)
+    found.add("radius at the end, m", exact[-1], radius[-1])
+    found.add("power of time", 0.5, np.polyfit(np.log(time[late]), np.log(radius[late]), 1)[0])
+    found.draw = lambda axes: curves(axes, "time, s", "radius of the puddle, m", ("Whorl", time, radius, "C0-"), ("theory", time, exact, "k--"))
+    return found
+
+
+def bessel_zeros(count):
+    """Of J1, by McMahon's expansion: within 2e-4."""
+    b = (np.arange(1, count + 1) + 0.25) * pi
+    return b - 3 / (8 * b) + 36 / (1536 * b**3)
+
+
+@experiment("drum")
+def drum(m):
+    found, R, nu, lines = Found(), 0.05, 1e-3, []
+    zeros = bessel_zeros(60)
+
+    def spun_up(t):
+        return 1 - 8 * (np.exp(-nu * np.outer(t, zeros**2) / R**2) / zeros**2).sum(axis=1)
+
+    slab = ["domain.dimensions=3", "domain.min=[-0.06,-0.06,-0.0125]", "domain.max=[0.06,0.06,0.0125]", "domain.periodic=[false,false,true]",
+            "domain.gravity=[0,0,0]", "fluid.spacing=2.5e-3", "block[0].from=[0,0,-0.0125]", "block[0].to=[0,0,0.0125]",
+            "solid[0].from=[0,0,-0.0125]", "solid[0].to=[0,0,0.0125]", "models.pressure=coupled"]
+    for words, settings, style in (("plane", [], "C0-"), ("slab, coupled", slab, "C1-")):
+        one = run(m, "drum", *settings, name=words.split(",")[0])
+        found.runs.append(one)
+        if m.dry:
+            continue
+        d = one.table()
+        *_, (_, p) = snapshots(one)
+        inertia = rho * spacing(one)**(2 if words == "plane" else 3) * len(p["x"]) * R**2 / 2
+        turned = d["angular_momentum_z"] / (4 * inertia)
+        for t in (0.1, 0.5):
+            found.add(f"angular momentum over a rigid body's at {t} s, {words}", spun_up([t])[0], np.interp(t, d["time"], turned))
+        lines.append((f"Whorl, {words}", d["time"], turned, style))
+    even = np.linspace(0, 0.5, 100)
+    found.draw = lambda axes: curves(axes, "time, s", "angular momentum over a rigid body's", *lines, ("theory", even, spun_up(even), "k--"), ylim=(0, 1.05))
+    return found
+
+
+@experiment("couette")
+def couette(m):
+    found, a, b, omega, mu = Found(), 0.025, 0.05, 4, 5
+    one = run(m, "couette")
+    found.runs.append(one)
+    if m.dry:
+        return found
+    line = one.table("probes/across.csv")
+    last = line["time"] > 0.99
+    r, u = line["x"][last], line["velocity_y"][last]
+    B = omega / (1 / a**2 - 1 / b**2)
+    found.add("speed in the middle of the gap, m/s", B * (1 / 0.0375 - 0.0375 / b**2), np.interp(0.0375, r, u))
+    torque = 4 * pi * mu * B
+    for name, solid in (("inner", one.table("probes/inner.csv")), ("outer", one.table("probes/outer.csv"))):
+        if "torque_z" in solid:
+            found.add(f"torque on the {name} cylinder, N m/m", torque, abs(between(solid["time"], solid["torque_z"], 0.5, 1)))
+    even = np.linspace(a, b, 50)
+    found.draw = lambda axes: curves(axes, "r, m", "speed, m/s", ("Whorl", r, u, "C0o"), ("theory", even, B * (1 / even - even / b**2), "k-"))
+    return found
+
+
+def hasimoto(c):
+    """Drag on a ball of a cubic lattice over that on one alone at the same mean velocity; c: the balls' share of the volume."""
+    return 1 / (1 - 1.7601 * c**(1 / 3) + c - 1.5593 * c**2)
+
+
+@experiment("balls")
+def balls(m):
+    found, side, mu, points = Found(), 0.1, 100, []
+    for radius in (0.015, 0.02, 0.025):
+        one = run(m, "balls", f"solid[0].radius={radius}", name=f"{1e3 * radius:.0f}")
+        found.runs.append(one)
+        if m.dry:
+            continue
+        d, c = one.table(), 4 * pi / 3 * (radius / side)**3
+        U = d["momentum_x"][-1] / (rho * side**3)
+        pushed = 0.5 * rho * side**3 * (1 - c)
+        points.append((c, pushed / (6 * pi * mu * radius * U)))
+        found.add(f"drag over 6 pi mu a U, radius {1e3 * radius:.0f} mm", hasimoto(c), points[-1][1])
+        found.add(f"force on the ball over that on the fluid, radius {1e3 * radius:.0f} mm", 1, between(*force(one, "force", "x"), 0.15, 0.2) / pushed)
+    even = np.linspace(0.005, 0.08, 50)
+    found.draw = lambda axes: curves(axes, "share of the balls in the volume", "drag over 6 pi mu a U", ("theory", even, hasimoto(even), "k-"),
+                                     ("Whorl", *np.array(points).T, "C0o"))
+    return found

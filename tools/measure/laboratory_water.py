@@ -1,0 +1,218 @@
+"""Experiments with water: dams, posts, waves, jets."""
+import math
+
+import numpy as np
+
+from . import theory
+from .laboratory import Found, between, curves, depth, experiment, force, published, run, snapshots, spacing, swing
+
+g, rho = theory.gravity, 1000
+
+
+def arrival(T, p, enough=0.05):
+    """The first time at which a signal passes `enough`."""
+    return T[int(np.argmax(p > enough))]
+
+
+@experiment("dam_pressures")
+def dam_pressures(m):
+    found, experiment_means = Found(), published("dam_pressures")
+    one = run(m, "dam_pressures")
+    found.runs.append(one)
+    if m.dry:
+        return found
+    lines = []
+    for height, mean, colour in zip(experiment_means["height"], experiment_means["mean_pressure"], ("C0", "C1", "C2")):
+        gauge = one.table(f"probes/at_{1e3 * height:.0f}_mm.csv")
+        T, p = gauge["time"] * math.sqrt(g / 0.3), gauge["pressure"] / (rho * g * 0.3)
+        if not lines:
+            found.add("front meets the wall, t sqrt(g/H)", 2.43, arrival(T, p))
+        found.add(f"pressure at {1e3 * height:.0f} mm over rho g H, T = 3.2 to 4.2", mean, between(T, p, 3.2, 4.2))
+        lines += [(f"{1e3 * height:.0f} mm", T, p, colour + "-"), (None, [3.2, 4.2], [mean, mean], colour + "--")]
+    found.draw = lambda axes: curves(axes, "t sqrt(g/H)", "pressure over rho g H (dashed: measured means)", *lines, xlim=(2, 4.8), ylim=(0, 3))
+    return found
+
+
+@experiment("dam_disc")
+def dam_disc(m):
+    found, curve = Found(), published("dam_disc")
+    one = run(m, "dam_disc")
+    found.runs.append(one)
+    if m.dry:
+        return found
+    gauge = one.table("probes/disc.csv")
+    T, p = gauge["time"] * math.sqrt(g / 0.6), gauge["pressure"] / (rho * g * 0.6)
+    found.add("pressure first .1 rho g H, t sqrt(g/H)", arrival(curve["T"], curve["p"], 0.1), arrival(T, p, 0.1))
+    for start, end in ((2.8, 3.4), (3.4, 5.2)):
+        even = np.linspace(start, end, 50)
+        found.add(f"mean pressure over rho g H, T = {start:g} to {end:g}", np.interp(even, curve["T"], curve["p"]).mean(),
+                  between(T, p, start, end))
+    found.draw = lambda axes: curves(axes, "t sqrt(g/H)", "pressure over rho g H", ("Whorl", T, p, "C0-"),
+                                     ("experiment", curve["T"], curve["p"], "ko"), xlim=(2, 7.3), ylim=(-0.1, 1.6))
+    return found
+
+
+@experiment("column_square")
+def column_square(m):
+    found, front, height = Found(), published("column_front"), published("column_height")
+    a, lines = 0.05715, []
+    for words, settings, style in (("free of friction", (), "C0-"), ("floor that holds the water", ("solid[0].slip=no", "fluid.viscosity=1e-3"), "C1-")):
+        one = run(m, "column_square", *settings, name=words.split()[0])
+        found.runs.append(one)
+        if m.dry:
+            continue
+        d, T, Z, H = spacing(one), [], [], []
+        for t, p in snapshots(one):
+            T.append(t * math.sqrt(g / a))
+            Z.append((np.sort(p["x"])[-4] + d / 2) / a)  # three particles may be drops ahead of the front
+            H.append(depth(p, 0, 0.2 * a, d) * 2 / a)  # beside the wall
+        T, Z, H = (np.array(values) for values in (T, Z, H))
+        times = np.interp([1.67, 4.11], Z, T)
+        found.add(f"speed of the front over sqrt(g a), {words}", 2.44 / (2.71 - 0.97), 2.44 / (times[1] - times[0]))
+        found.add(f"height at T = 2.57 over a, {words}", 0.44, np.interp(2.57, T, H))
+        lines += [(f"front, {words}", T, Z, style), (f"height, {words}", T, H, style + "-")]
+    found.draw = lambda axes: curves(axes, "t sqrt(g/a)", "front and height over a", *lines, ("experiment, front", front["T"], front["Z"], "ko"),
+                                     ("experiment, height", height["T"], height["H"], "k^"), xlim=(0, 6.3), ylim=(0, 6))
+    return found
+
+
+@experiment("square_post")
+def square_post(m):
+    found, curve = Found(), published("square_post")
+    one = run(m, "square_post")
+    found.runs.append(one)
+    if m.dry:
+        return found
+    t, F = force(one, "force", "x")
+    F = 2 * F  # of the whole post
+    found.add("impact (force of 5 N), s", np.interp(5, curve["force"][:8], curve["time"][:8]), arrival(t, F, 5))
+    found.add("mean force .5 to .7 s, N", between(curve["time"], curve["force"], 0.5, 0.7), between(t, F, 0.5, 0.7))
+    later = t[1] - t[0]
+    even = np.arange(0.3, 1.2, later)
+    found.add("impulse to 1.2 s, N s", np.interp(even, curve["time"], curve["force"]).sum() * later, F[(t > 0.2) & (t <= 1.2)].sum() * later)
+    found.draw = lambda axes: curves(axes, "time, s", "force on the post, N", ("Whorl", t, F, "C0-"), ("experiment", curve["time"], curve["force"], "ko"))
+    return found
+
+
+def wavenumber(omega, h):
+    k = omega**2 / g
+    for _ in range(200):
+        k = (k + omega**2 / (g * math.tanh(k * h))) / 2
+    return k
+
+
+def height_over_stroke(kh):
+    return 2 * (math.cosh(2 * kh) - 1) / (math.sinh(2 * kh) + 2 * kh)
+
+
+@experiment("wavemaker")
+def wavemaker(m):
+    found, h, points = Found(), 0.25, []
+    for period in (0.9, 1.1, 1.6):
+        omega = 2 * math.pi / period
+        k = wavenumber(omega, h)
+        one = run(m, "wavemaker", f'solid[2].position=["0.02*(1-cos(2*pi*t/{period}))", "0"]', name=f"{period}")
+        found.runs.append(one)
+        if m.dry:
+            continue
+        group = omega / k / 2 * (1 + 2 * k * h / math.sinh(2 * k * h))
+        places, d = (1.0, 3.0), spacing(one)
+        time, depths = zip(*((t, [depth(p, x, 6 * d, d) for x in places]) for t, p in snapshots(one)))
+        time, heights = np.array(time), []
+        for x, values in zip(places, np.array(depths).T):  # when the front has passed with two periods, until its reflection comes back
+            steady = (time > x / group + 2 * period) & (time < (12.8 - x) / group)
+            heights.append(2 * swing(time[steady], values[steady], omega))
+        points.append((k * h, heights[0] / 0.04, heights[1] / 0.04))
+        found.add(f"height over stroke at 1 m, period {period} s", height_over_stroke(k * h), heights[0] / 0.04)
+        found.add(f"height at 3 m over height at 1 m, period {period} s", 1, heights[1] / heights[0])
+    kh = np.linspace(0.3, 2, 50)
+    found.draw = lambda axes: curves(axes, "k h", "wave height over stroke", ("linear theory", kh, [height_over_stroke(x) for x in kh], "k-"),
+                                     ("Whorl, 1 m from the piston", *np.array(points).T[:2], "C0o"),
+                                     ("Whorl, 3 m from the piston", *np.array(points).T[[0, 2]], "C1s"))
+    return found
+
+
+@experiment("bore")
+def bore(m):
+    found, h, u = Found(), 0.1, 0.7
+    ratios = np.linspace(1.01, 3, 20000)
+    speeds = np.sqrt(g * h * ratios * (1 + ratios) / 2)
+    r, c = (float(np.interp(u, speeds * (1 - 1 / ratios), values)) for values in (ratios, speeds))
+    one = run(m, "bore")
+    found.runs.append(one)
+    if m.dry:
+        return found
+    d, x, fronts = spacing(one), np.arange(0.025, 3, 0.05), []
+    for t, p in snapshots(one):
+        depths = np.array([depth(p, place, 0.05, d) for place in x])
+        high = np.flatnonzero(depths > h * (1 + r) / 2)
+        if t > 0.6 and len(high):
+            k = high[-1]
+            fronts.append((t, np.interp(-h * (1 + r) / 2, -depths[k:k + 2], x[k:k + 2]), depths))
+    time, place = np.array([(t, f) for t, f, _ in fronts]).T
+    behind = (x > 0.7 * time[-1] + 0.1) & (x < place[-1] - 0.3)
+    found.add("depth behind the bore over that before it", r, np.mean([depths[behind].mean() / h for _, _, depths in fronts[-5:]]))
+    found.add("speed of the bore, m/s", c, np.polyfit(time, place, 1)[0])
+    found.draw = lambda axes: curves(axes, "x, m", "depth, m", ("Whorl, 1.6 s", x, fronts[-1][2], "C0-"),
+                                     ("theory", [0.7 * 1.6 - 0.035, c * 1.55, c * 1.55, 3], [r * h, r * h, h, h], "k--"), ylim=(0, 0.25))
+    return found
+
+
+@experiment("slit")
+def slit(m):
+    found, head, width, b = Found(), 0.3, 0.4, 0.04
+    one = run(m, "slit")
+    found.runs.append(one)
+    if m.dry:
+        return found
+    tank = one.table("probes/tank.csv")
+    t, h = tank["time"], tank["mass"] / (rho * width)
+    late = t > 0.2
+    # sqrt(h) falls as c b/W sqrt(g/2) t
+    found.add("contraction of the jet", math.pi / (math.pi + 2), -np.polyfit(t[late], np.sqrt(h[late]), 1)[0] * width / b / math.sqrt(g / 2))
+    exact = (math.sqrt(head) - math.pi / (math.pi + 2) * b / width * math.sqrt(g / 2) * t)**2
+    found.add("depth left after 1.2 s, m", exact[-1], h[-1])
+    found.draw = lambda axes: curves(axes, "time, s", "depth in the tank, m", ("Whorl", t, h, "C0-"), ("theory", t, exact, "k--"))
+    return found
+
+
+@experiment("jet_on_plate")
+def jet_on_plate(m):
+    found, angles, b, U = Found(), (90, 60, 45), 0.04, 1
+    points = []
+    for angle in angles:
+        one = run(m, "jet_on_plate", f"solid[0].tilt=[0,0,{angle - 90}]", name=f"{angle}")
+        found.runs.append(one)
+        if m.dry:
+            continue
+        (t, x), (_, y) = force(one, "force", "x"), force(one, "force", "y")
+        turned = math.radians(angle - 90)
+        across = math.sin(turned) * x - math.cos(turned) * y
+        points.append((angle, between(t, across, 0.35, 0.6)))
+        found.add(f"force across the plate at {angle} degrees, N/m", rho * b * U**2 * math.sin(math.radians(angle)), points[-1][1])
+    even = np.linspace(30, 90, 50)
+    found.draw = lambda axes: curves(axes, "angle of jet and plate, degrees", "force across the plate, N/m", (
+        "theory", even, rho * b * U**2 * np.sin(np.radians(even)), "k-"), ("Whorl", *np.array(points).T, "C0o"))
+    return found
+
+
+@experiment("water_entry")
+def water_entry(m):
+    found, D, V = Found(), 0.2, 1.5
+    one = run(m, "water_entry")
+    found.runs.append(one)
+    if m.dry:
+        return found
+    t, F = force(one, "force", "y")
+    s = (V * t - 0.005) / D
+
+    def fit(s):
+        return 5.15 * (1 / (1 + 19 * s) + 0.107 * s)
+
+    C = F / (0.5 * rho * D * V**2)
+    for start, end in ((0, 0.1), (0.1, 0.5)):
+        even = np.linspace(start, end, 200)
+        found.add(f"mean slamming coefficient, s/D = {start:g} to {end:g}", fit(even).mean(), between(s, C, start, end))
+    found.draw = lambda axes: curves(axes, "depth of the lowest point over diameter", "force over rho D V^2/2", ("Whorl", s, C, "C0-"),
+                                     ("fit to measurements", np.linspace(0, 0.65, 100), fit(np.linspace(0, 0.65, 100)), "k-"), ylim=(-1, 8))
+    return found
