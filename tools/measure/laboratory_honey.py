@@ -179,7 +179,8 @@ def balls(m):
         d, c = one.table(), 4 * pi / 3 * (radius / side)**3
         U = d["momentum_x"][-1] / (rho * side**3)
         pushed = 0.5 * rho * side**3 * (1 - c)
-        points.append((c, pushed / (6 * pi * mu * radius * U)))
+        # Hasimoto's drag counts what a pressure that drives the fluid does to the ball, too
+        points.append((c, pushed / (1 - c) / (6 * pi * mu * radius * U)))
         found.add(f"drag over 6 pi mu a U, radius {1e3 * radius:.0f} mm", hasimoto(c), points[-1][1])
         found.add(f"force on the ball over that on the fluid, radius {1e3 * radius:.0f} mm", 1, between(*force(one, "force", "x"), 0.15, 0.2) / pushed)
     even = np.linspace(0.005, 0.08, 50)
