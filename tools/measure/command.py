@@ -5,7 +5,7 @@ import traceback
 
 from . import registry, runs
 from . import coils, laboratory_honey, laboratory_water, live, micropolar, notes, pictures, pressure, references, steps  # noqa: F401
-from . import surfaces, tradeoff, viscosity, vortices  # noqa: F401  (each registers tables)
+from . import sheet, surfaces, tradeoff, viscosity, vortices  # noqa: F401  (each registers tables)
 
 examples = """examples:
   tools/measure.py --list                           every name, what it is and how long it takes

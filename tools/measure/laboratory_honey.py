@@ -4,16 +4,9 @@ import math
 import numpy as np
 
 from . import theory
-from .laboratory import Found, between, curves, experiment, force, run, snapshots, spacing
+from .laboratory import Found, between, curves, experiment, force, published, run, snapshots, spacing
 
 g, rho, pi = theory.gravity, 1000, math.pi
-
-
-def jet_thickness(p, axis, start, end, d, ways):
-    """Thickness of a plane jet (ways = 1) or diameter of a round one, by the mass between two places on its axis."""
-    inside = (p[axis] > start) & (p[axis] < end)
-    area = inside.sum() * d**(ways + 2) / (end - start)
-    return area, inside
 
 
 @experiment("die_swell")
@@ -26,12 +19,12 @@ def die_swell(m):
             continue
         d, places = spacing(one), np.arange(0.5, 2.6, 0.1)  # from the end of the die, in its widths
         *_, (_, p) = snapshots(one)
-        width, slab = 0.01, 0.008 if shape == "plane" else None
+        width = 0.01
         ratios = []
         for x in places:
             here = np.abs(p["x"] - x * width) < 0.15 * width
-            area = here.sum() * d**3 / (0.3 * width)
-            ratios.append(area / slab / width if slab else math.sqrt(4 * area / pi) / width)
+            across = [np.ptp(p[axis][here]) + d for axis in ("y" if shape == "plane" else "yz") if here.sum() > 10]
+            ratios.append(np.mean(across) / width if across else math.nan)
         found.add(f"thickness of the {shape} jet over that of the die", ratio, np.mean([r for x, r in zip(places, ratios) if 1.2 < x < 2]))
         lines += [(f"Whorl, {shape}", places, ratios, style), (f"published, {shape}", [0.5, 2.5], [ratio, ratio], style + "-")]
     found.draw = lambda axes: curves(axes, "distance from the die over its width", "thickness over the die's", *lines, ylim=(0.9, 1.4))
@@ -40,29 +33,46 @@ def die_swell(m):
 
 @experiment("folding_sheet")
 def folding_sheet(m):
-    """Folds from the sheet's place at 55 mm, and its thickness and speed there."""
-    found, lengths, kept = Found(), [], None
-    viscosities = (50, 100, 200)
-    for viscosity in viscosities:
-        one = run(m, "folding_sheet", f"fluid.viscosity={viscosity}", name=f"{viscosity}")
+    """Folds from the sheet's place 45 mm below the slot, and its thickness and speed there."""
+    found, sheet, lines = Found(), published("folding_sheet"), []
+    for viscosity, *exact, style in zip(*(sheet[name] for name in ("viscosity", "frequency", "thickness", "speed")), ("C0-", "C1-", "C2-")):
+        one = run(m, "folding_sheet", f"fluid.viscosity={viscosity:g}", name=f"{viscosity:g}")
         found.runs.append(one)
         if m.dry:
             continue
-        d, time, place, speed, thickness = spacing(one), [], [], [], []
+        d, rows = spacing(one), []
         for t, p in snapshots(one):
             here = np.abs(p["y"] - 0.055) < 0.003
             if t > 1 and here.sum() > 10:
-                time.append(t)
-                place.append(p["x"][here].mean())
-                thickness.append(here.sum() * d**2 / 0.006)
-                speed.append(np.hypot(p["velocity_x"], p["velocity_y"])[here].mean())
-        f = theory.frequency(np.array(time), np.array(place))
-        h, U = np.mean(thickness), np.mean(speed)
-        lengths.append(U / (2 * f) / (viscosity / rho * h**2 * U / g)**0.25 if f else math.nan)
-        kept = (time, place) if viscosity == 100 else kept
-    for viscosity, length in zip(viscosities[1:], lengths[1:]):
-        found.add(f"length of a fold over (nu h^2 U/g)^(1/4), {viscosity} Pa s over 50 Pa s", 1, length / lengths[0])
-    found.draw = lambda axes: curves(axes, "time, s", "place of the sheet at 55 mm, mm", ("100 Pa s", kept[0], 1e3 * np.array(kept[1]), "C0-"))
+                rows.append((t, p["x"][here].mean(), here.sum() * d**2 / 0.006, np.hypot(p["velocity_x"], p["velocity_y"])[here].mean()))
+        time, place, thickness, speed = np.array(rows).T
+        measured = (theory.frequency(time, place), thickness.mean(), speed.mean())
+
+        def length(frequency, h, U):
+            return U / (2 * frequency) / (viscosity / rho * h**2 * U / g)**0.25 if frequency else math.nan
+
+        found.add(f"folds a second to each side, {viscosity:g} Pa s", exact[0], measured[0])
+        found.add(f"length of a fold over (nu h^2 U/g)^(1/4), {viscosity:g} Pa s", length(*exact), length(*measured))
+        lines.append((f"{viscosity:g} Pa s", time, 1e3 * place, style))
+    found.draw = lambda axes: curves(axes, "time, s", "place of the sheet, mm", *lines)
+    return found
+
+
+@experiment("hanging_sheet")
+def hanging_sheet(m):
+    found, fall, nu = Found(), 0.1, 0.1
+    one = run(m, "hanging_sheet")
+    found.runs.append(one)
+    if m.dry:
+        return found
+    below, exact = theory.falling_thread_speed(4 / 3 * nu, 0.1, fall)  # a sheet resists with 4 nu where a thread does with 3
+    places = np.arange(0.005, 0.1, 0.005)
+    late = [p for t, p in snapshots(one) if t > 1.3]
+    speeds = np.array([np.mean([-p["velocity_y"][np.abs(fall - p["y"] - z) < 0.003].mean() for p in late]) for z in places])
+    for z in (0.045, 0.08):
+        found.add(f"speed {1e3 * z:.0f} mm below the slot, m/s", np.interp(z, below, exact), np.interp(z, places, speeds))
+    found.draw = lambda axes: curves(axes, "distance from the slot, m", "speed, m/s", ("Whorl", places, speeds, "C0-"), ("theory", below, exact, "k--"),
+                                     ylim=(0, 0.6))
     return found
 
 
@@ -86,25 +96,27 @@ def slump(m):
 
 @experiment("puddle")
 def puddle(m):
-    found, nu, Q = Found(), 0.005, pi * 0.01**2 * 0.025
-    one = run(m, "puddle")
-    found.runs.append(one)
-    if m.dry:
-        return found
-    d, time, radius = spacing(one), [], []
-    for t, p in snapshots(one):
-        r, around = np.hypot(p["x"], p["z"]), np.arctan2(p["z"], p["x"])
-        low = p["y"] < 2 * d
-        parts = [r[low & (np.floor(8 * (around + pi) / pi) == k)] for k in range(16)]  # sectors
-        if all(len(part) for part in parts):
-            time.append(t)
-            radius.append(np.mean([part.max() for part in parts]) + d / 2)
-    time, radius = np.array(time), np.array(radius)
-    late = time > time[-1] / 3
-    exact = 0.715 * (g * Q**3 / (3 * nu))**0.125 * np.sqrt(time)
-    found.add("radius at the end, m", exact[-1], radius[-1])
-    found.add("power of time", 0.5, np.polyfit(np.log(time[late]), np.log(radius[late]), 1)[0])
-    found.draw = lambda axes: curves(axes, "time, s", "radius of the puddle, m", ("Whorl", time, radius, "C0-"), ("theory", time, exact, "k--"))
+    found, nu, Q, lines = Found(), 0.005, pi * 0.01**2 * 0.025, []
+    for words, settings, style in (("coupled", [], "C0-"), ("ppe and full", ["models.pressure=ppe", "models.viscosity=full"], "C1-")):
+        one = run(m, "puddle", *settings, name=words.split()[0])
+        found.runs.append(one)
+        if m.dry:
+            continue
+        d, time, radius = spacing(one), [], []
+        for t, p in snapshots(one):
+            r, around = np.hypot(p["x"], p["z"]), np.arctan2(p["z"], p["x"])
+            low = p["y"] < 2 * d
+            parts = [r[low & (np.floor(8 * (around + pi) / pi) == k)] for k in range(16)]  # sectors
+            if all(len(part) for part in parts):
+                time.append(t)
+                radius.append(np.mean([part.max() for part in parts]) + d / 2)
+        time, radius = np.array(time), np.array(radius)
+        late = time > time[-1] / 3
+        exact = 0.715 * (g * Q**3 / (3 * nu))**0.125 * np.sqrt(time)
+        found.add(f"radius at {time[-1]:g} s, {words}, m", exact[-1], radius[-1])
+        found.add(f"power of time, {words}", 0.5, np.polyfit(np.log(time[late]), np.log(radius[late]), 1)[0])
+        lines.append((f"Whorl, {words}", time, radius, style))
+    found.draw = lambda axes: curves(axes, "time, s", "radius of the puddle, m", *lines, ("theory", time, exact, "k--"))
     return found
 
 
