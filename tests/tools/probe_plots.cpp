@@ -11,6 +11,7 @@ using namespace whorl;
 using test::Outcome;
 namespace fs = std::filesystem;
 
+namespace probe_plots_test {
 namespace {
 
 using Scratch = test::FilmScratch;
@@ -165,3 +166,5 @@ TEST_CASE("a table that a probe cannot be compared with is refused at its key, b
     fs::remove(scratch / "lobovsky.csv");
     refused("no file \"lobovsky.csv\"");
 }
+
+}  // namespace probe_plots_test

@@ -10,6 +10,7 @@
 
 using namespace whorl;
 
+namespace gauges_test {
 namespace {
 
 constexpr double d = 0.1;
@@ -248,3 +249,5 @@ TEST_CASE("the extent is that of the connected fluid, whatever flies ahead of it
     keys.direction = Vec3d(1, 0, 0);
     CHECK(make_probe(keys, ring)->rows(ring, 0).at(0)[1] == Approx(0.3));  // both parts are one, across the face
 }
+
+}  // namespace gauges_test
