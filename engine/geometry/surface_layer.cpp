@@ -78,14 +78,16 @@ namespace {
 
 struct Dart {
     Vec3d position, outward;
-    int rank = -1;  ///< 0: on the wanted surface; 1, 2: half, a quarter as deep, where the shape is thin; -1: no use
+    int rank = -1;  ///< 0: on the wanted surface; 1, 2, ...: half, a quarter, ... as deep, where the shape is thin; -1: no use
 };
 
-/// Near the surface at `offset`, as deep as the shape allows.
-Dart aimed(const Shape& shape, const Vec3d& on_surface, const Vec3d& direction, double offset) {
+/// Near the surface at `offset`, as deep as the shape allows. A sheet, which a line inward leaves at half of that, has its layer wherever
+/// it can.
+Dart aimed(const Shape& shape, const Vec3d& on_surface, const Vec3d& normal, const Vec3d& direction, double offset) {
     const auto distance = [&](const Vec3d& x) { return double(shape.distance(x.cast<Real>())); };
     double depth = offset;
-    for (int rank = 0; rank < 3; ++rank, depth /= 2) {
+    for (int rank = 0; rank < 10; ++rank, depth /= 2) {
+        if (rank == 3 && !(offset < 0 && distance(on_surface + offset / 2 * normal) > 0)) break;
         Vec3d x = on_surface + depth * direction;
         for (int k = 0; k < 3; ++k) x += (depth - distance(x)) * shape.normal(x.cast<Real>()).cast<double>();
         if (std::abs(distance(x) - depth) < 0.1 * std::abs(depth)) return {x, shape.normal(x.cast<Real>()).cast<double>(), rank};
@@ -120,8 +122,8 @@ std::vector<LayerPoint> Shape::layer(Real offset, const LayerRegion& region) con
         const Vec3d e1 = corner(t, 1) - corner(t, 0), e2 = corner(t, 2) - corner(t, 0);
         // The direction strays from the face's normal, so that the rounded surface beyond an edge is hit too.
         const Vec3d stray(random() - 0.5, random() - 0.5, random() - 0.5);
-        const Vec3d direction = (e1.cross(e2).stableNormalized() + stray).normalized();
-        darts[i] = aimed(*this, corner(t, 0) + u * e1 + v * e2, direction, offset);
+        const Vec3d normal = e1.cross(e2).stableNormalized(), direction = (normal + stray).normalized();
+        darts[i] = aimed(*this, corner(t, 0) + u * e1 + v * e2, normal, direction, offset);
     });
 
     std::vector<Index> order(darts.size());

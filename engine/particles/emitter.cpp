@@ -59,6 +59,7 @@ struct Emitter::State {
     Real spacing, depth;
     std::int16_t role;
     Solid body;
+    bool full = false;  ///< from the first on
 
     Vec3 width_axis, thickness_axis;
     double length = 0;            ///< m, of a block of the column; its particles repeat with this period
@@ -135,11 +136,28 @@ struct Emitter::State {
         for (Vec3& q : block) q.z() = static_cast<Real>(random() * length);
     }
 
-    /// Free fluid is so near that it would feel what the pipe holds.
+    /// Free fluid comes so near that it will feel what the pipe holds.
     bool meets_fluid(const ParticleStore& fluid) const {
         const auto x = fluid.column<field::position>();
         const auto role_of = fluid.column<field::role>();
-        return parallel_sum(fluid.size(), [&](Index i) { return role_of[i] >= 0 && body.distance(x[i]) < depth; }) > 0;
+        const Real near = Real(1.5) * spacing;
+        return parallel_sum(fluid.size(), [&](Index i) { return role_of[i] >= 0 && body.distance(x[i]) < near ? 1 : 0; }) > 0;
+    }
+
+    /// Particles whose turn it is while the column goes on by `push`. A particle at height z of copy c enters when the column has been
+    /// pushed past it by more than the buffer's depth: along the flow at  s = factor * pushed - (c length + z), measured from the opening.
+    std::vector<Vec3> entering(double pushed_before, double push, std::vector<long>& next) const {
+        std::vector<Vec3> places;
+        for (std::size_t k = 0; k < block.size(); ++k) {
+            const Vec3& q = block[k];
+            const double factor = profile(q.x(), q.y());
+            for (;; ++next[k]) {
+                const double z = static_cast<double>(next[k]) * length + q.z();
+                if (z > factor * (pushed_before + push) + depth) break;
+                places.push_back(world(Vec3(q.x(), q.y(), static_cast<Real>(factor * pushed_before - z))));
+            }
+        }
+        return places;
     }
 
     Vec3 world(const Vec3& q) const { return shape.centre + q.x() * width_axis + q.y() * thickness_axis + q.z() * shape.direction; }
@@ -174,23 +192,11 @@ Emitter::Emitter(Emitter&&) noexcept = default;
 
 void Emitter::enter(ParticleStore& fluid, double t, double dt) {
     State& s = *state_;
-    if (t + dt < s.start && !s.meets_fluid(fluid)) return;
+    if (t + dt < s.start && !s.full && !s.meets_fluid(fluid)) return;
     const double push = s.push_during(t, dt);
 
-    // A particle at height z of copy c stands where the column has been pushed past it by more than the buffer's depth:
-    // along the flow at  s = factor * pushed - (c length + z), measured from the opening.
     const Index before = fluid.size();
-    std::vector<Vec3> entering;
-    for (std::size_t k = 0; k < s.block.size(); ++k) {
-        const Vec3& q = s.block[k];
-        const double factor = s.profile(q.x(), q.y());
-        for (;;) {
-            const double z = static_cast<double>(s.next_copy[k]) * s.length + q.z();
-            if (z > factor * (s.pushed + push) + s.depth) break;
-            entering.push_back(s.world(Vec3(q.x(), q.y(), static_cast<Real>(factor * s.pushed - z))));
-            ++s.next_copy[k];
-        }
-    }
+    const std::vector<Vec3> entering = s.entering(s.pushed, push, s.next_copy);
     fluid.resize(before + static_cast<Index>(entering.size()));
     const auto x = fluid.column<field::position>();
     const auto u = fluid.column<field::velocity>();
@@ -237,6 +243,17 @@ void Emitter::keep_out(ParticleStore& fluid) const {
         if (const Real inward = u[i].dot(n); inward < 0) u[i] -= inward * n;
     });
 }
+
+std::vector<Vec3> Emitter::filling() const {
+    std::vector<long> none(state_->block.size(), 0);
+    return state_->entering(0, 0, none);
+}
+
+void Emitter::be_full() { state_->full = true; }
+
+bool Emitter::is_full() const { return state_->full; }
+
+void Emitter::close(double t) { state_->stop = std::min(state_->stop, t); }
 
 Real Emitter::distance(const Vec3& x) const { return state_->body.distance(x); }
 

@@ -62,8 +62,15 @@ public:
     /// Call after release(): free particles that have come into the pipe are put back on its wall and lose the part of their velocity that
     /// points into it.
     void keep_out(ParticleStore& fluid) const;
+    /// The pipe lies in fluid: it is full from the first on.
+    void be_full();
+    bool is_full() const;
+    /// Nothing is pushed from time t [s] on.
+    void close(double t);
     /// From x to the pipe [m], negative inside.
     Real distance(const Vec3& x) const;
+    /// Where the particles are that fill the pipe before anything has been pushed.
+    std::vector<Vec3> filling() const;
 
     /// Volume that has passed the opening so far over the volume of a particle, as the speed's integral says (not as counted).
     double expected_particles() const;

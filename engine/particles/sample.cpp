@@ -99,7 +99,8 @@ Vec3 slope(const Distance& distance, const Vec3& x, Real step) {
 
 }  // namespace
 
-void relax(std::vector<Vec3>& x, const Distance& distance, Real spacing, const Domain& domain, int sweeps) {
+void relax(std::vector<Vec3>& x, const Distance& distance, Real spacing, const Domain& domain, int sweeps, const std::vector<Vec3>& fixed,
+           const Distance& obstacle) {
     const auto n = static_cast<Index>(x.size());
     const Real range = Real(1.6) * spacing, shell = Real(0.25) * spacing;
     Domain images = domain;  // mirror images may stand outside the box: only the periods count
@@ -117,6 +118,7 @@ void relax(std::vector<Vec3>& x, const Distance& distance, Real spacing, const D
         all = x;
         for (std::size_t k = 0; k < x.size(); ++k)
             if (depth[k] < range) all.push_back(domain.wrapped(x[k] + 2 * depth[k] * outward[k]));
+        all.insert(all.end(), fixed.begin(), fixed.end());
         search.find(x, all, range, images, pairs);
         parallel_for(n, [&](Index i) {
             Vec3 push = Vec3::Zero();
@@ -128,6 +130,8 @@ void relax(std::vector<Vec3>& x, const Distance& distance, Real spacing, const D
             const Real length = push.norm();
             if (length > Real(0.2) * spacing) push *= Real(0.2) * spacing / length;
             Vec3 p = domain.wrapped(x[i] + push);
+            if (obstacle)
+                if (const Real near = Real(0.45) * spacing - obstacle(p); near > 0) p += near * slope(obstacle, p, Real(0.05) * spacing);
             const Real d = distance(p);
             if (d > -shell) p -= (d + shell) * slope(distance, p, Real(0.05) * spacing);
             moved[i] = domain.wrapped(p);

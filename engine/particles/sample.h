@@ -27,7 +27,9 @@ std::vector<Vec3> sample_shape(const Shape& shape, Sampling sampling, Real spaci
 
 /// Relaxes points towards blue noise: each is pushed away from neighbours nearer than 1.6 spacings, and from their mirror images behind the
 /// surface, so that the density stays even up to it.
-/// @param domain only its periodic axes are used
-void relax(std::vector<Vec3>& x, const Distance& distance, Real spacing, const Domain& domain, int sweeps);
+/// @param domain only its periodic axes are used @param fixed neighbours that stay where they are @param obstacle distance [m] from what
+/// no point comes nearer to than .45 spacings; `fixed` stands for its inside
+void relax(std::vector<Vec3>& x, const Distance& distance, Real spacing, const Domain& domain, int sweeps,
+           const std::vector<Vec3>& fixed = {}, const Distance& obstacle = {});
 
 }  // namespace whorl

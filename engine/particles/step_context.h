@@ -56,6 +56,7 @@ struct StepReport {
     std::vector<Solve> solves;
     std::optional<EnergyWork> work;  ///< where the models keep an energy budget
     Index lost_particles = 0;        ///< left the domain in this step
+    std::string full;                ///< a closed room took no more, said once; empty: none
     std::optional<Divergence> diverged;
 };
 

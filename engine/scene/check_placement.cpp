@@ -310,11 +310,22 @@ private:
                 const char* const key = s.position(t).allFinite() ? ".rotation" : ".position";
                 return report(name + key, fmt::format("{}{} is not finite at t = {:.4g} s", name, key, t));
             }
+        if (s.shape.kind == "plane" && s.rotation.is_zero())
+            across_a_period(name, shapes_.solids.all[i].turn * s.shape.normal.normalized());
         if (s.inside || s.position.depends_on_time() || !s.rotation.is_zero()) return;
         const Extent& e = shapes_.solid_extent[i];
         const Vec3d at = s.position(0);
         if (!outside(e.min + at, e.max + at) || (s.shape.kind == "mesh" && oversized(name, s.shape, e))) return;
         report(name, name + " lies outside of the domain and never enters it", "", domain_text());
+    }
+
+    /// A half-space once a period leaves no room at all.
+    void across_a_period(const std::string& name, const Vec3d& normal) {
+        for (int a = 0; a < plan_.dimensions(); ++a)
+            if (scene_.domain.periodic[a] && std::abs(normal[a]) > 1e-6)
+                return report(name + ".normal",
+                              fmt::format("{} is a plane that cuts the periodic axis {}: it would fill the domain", name, "xyz"[a]),
+                              "use a box, or let the axis not be periodic");
     }
 
     void drain(const std::string& name, const Extent& e) {

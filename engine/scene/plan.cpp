@@ -16,6 +16,7 @@
 #include "engine/scene/check_unread.h"
 #include "engine/scene/names.h"
 #include "engine/scene/numbers.h"
+#include "engine/scene/tree.h"
 #include "engine/scene/warn_scale.h"
 
 namespace whorl {
@@ -64,6 +65,7 @@ public:
         tell_numbers();
         choose_pressure();
         choose_kernel();
+        plan_.rooms = closed_rooms(scene_, shapes_, plan_.support);
         choose_sound_speed();
         choose_viscosity();
         plan_.micropolar = scene_.models.micropolar;
@@ -342,9 +344,22 @@ private:
         for (std::size_t i = 0; i < scene_.blocks.size(); ++i)
             if (const double part = part_inside_solids(shapes_, i, 0); part > 0.1)
                 add_warning(fmt::format("{:.0f} % of block[{}] lies inside solids and is left out", 100 * part, i));
+        for (const ClosedRoom& room : plan_.rooms) warn_of_room(room);
         for (std::size_t i = 0; i < scene_.emitters.size(); ++i)
             if (emitted_volume(scene_.emitters[i], scene_.time.end, scene_.domain.dimensions) == 0)
                 add_warning(fmt::format("emitter[{}] lets nothing through before the end of the run", i));
+    }
+
+    void warn_of_room(const ClosedRoom& room) {
+        const double excess = room.fluid + room.coming - room.volume, volume = plan_.particle_volume();
+        if (excess < std::max(volume, 0.02 * room.volume)) return;
+        std::string names;
+        for (const std::size_t e : room.emitters) names += (names.empty() ? "" : " and ") + entry_name("emitter", e);
+        add_warning(
+            fmt::format("more comes than fits: {0} takes {1:.3g} m^{4} and has {2:.3g} m^{4} in it at the start, and {5} brings {3:.3g} "
+                        "m^{4} until the end, {6:.3g} m^{4} ({7:.0f} particles) too much; set a stop, or give the room a drain or a "
+                        "way out",
+                        room.text(), room.volume, room.fluid, room.coming, plan_.dimensions(), names, excess, excess / volume));
     }
 
     const Scene &given_, &scene_;

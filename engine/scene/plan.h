@@ -1,5 +1,6 @@
 #pragma once
 /// What a scene requires: models chosen (every "auto" resolved, with the reason), constants derived. Nothing is allocated yet.
+#include "engine/scene/closed_rooms.h"
 #include "engine/scene/micropolar_coefficients.h"
 #include "engine/scene/model_facts.h"
 
@@ -31,6 +32,7 @@ struct Plan {
     double largest_viscosity = 0;     ///< Pa s over blocks and emitters
     MicropolarNumbers spin;           ///< where a micropolar model is chosen
     double estimated_particles = 0;   ///< at the end of the run
+    std::vector<ClosedRoom> rooms;    ///< into which emitters open
     std::vector<Choice> choices;
     std::vector<std::string> warnings;
 

@@ -85,6 +85,20 @@ Solid solid_of(const SolidKeys& keys, std::shared_ptr<const Shape> shape) {
     return solid;
 }
 
+EmitterShape opening_of(const EmitterKeys& keys, int dimensions) {
+    EmitterShape shape;
+    shape.slot = keys.shape == "box";
+    shape.centre = keys.position.cast<Real>();
+    shape.direction = keys.direction.normalized().cast<Real>();
+    shape.radius = static_cast<Real>(keys.radius);
+    shape.width = static_cast<Real>(keys.width);
+    shape.thickness = static_cast<Real>(keys.thickness);
+    shape.parabolic = keys.profile == Profile::parabolic;
+    shape.plane = dimensions == 2;
+    if (shape.plane && !shape.slot) shape.width = 2 * shape.radius;
+    return shape;
+}
+
 SceneShapes make_shapes(const Scene& scene, std::vector<Problem>& problems) {
     SceneShapes shapes;
     const Domain domain = shapes.solids.domain = scene.domain.box();

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "engine/geometry/solids.h"
+#include "engine/particles/emitter.h"
 #include "engine/scene/scene.h"
 
 namespace whorl {
@@ -24,6 +25,8 @@ struct SceneShapes {
 double slip_length_of(const SolidKeys& keys);
 /// The solid of this shape as the scene describes it; it has no pose before Solids::set_time(). A free one's shape must be bounded.
 Solid solid_of(const SolidKeys& keys, std::shared_ptr<const Shape> shape);
+/// The opening as the scene describes it.
+EmitterShape opening_of(const EmitterKeys& keys, int dimensions);
 /// Appends to `problems` where a mesh cannot be used; the shapes are complete only where it added none.
 SceneShapes make_shapes(const Scene& scene, std::vector<Problem>& problems);
 /// Is x inside a solid, or nearer to one than `margin` [m]? No particle of a block is placed within .45 spacings.

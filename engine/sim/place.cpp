@@ -178,12 +178,8 @@ void put_down(std::vector<Vec3>& points, const Shape& shape, const Vec3d& gravit
     }
 }
 
-/// Takes away the particles that solids and nozzles leave no room. @return how many by solids
-std::size_t remove_in_solids(std::vector<Vec3>& points, const World& world, const std::vector<Emitter>& emitters) {
-    std::erase_if(points, [&](const Vec3& x) {
-        return std::any_of(emitters.begin(), emitters.end(),
-                           [&](const Emitter& e) { return e.distance(x) < Real(0.45) * world.step.spacing; });
-    });
+/// Takes away the particles that solids leave no room. @return how many
+std::size_t remove_in_solids(std::vector<Vec3>& points, const World& world) {
     return std::erase_if(points, [&](const Vec3& x) {
         Real distance = std::numeric_limits<Real>::max();
         return world.solids.nearest(x, distance) >= 0 && distance < Real(0.45) * world.step.spacing;
@@ -191,8 +187,7 @@ std::size_t remove_in_solids(std::vector<Vec3>& points, const World& world, cons
 }
 
 /// Where the particles of a block stand at the start.
-std::vector<Vec3> points_of_block(const Scene& scene, const Plan& plan, const World& world, const std::vector<Emitter>& emitters,
-                                  std::size_t b) {
+std::vector<Vec3> points_of_block(const Scene& scene, const Plan& plan, const World& world, std::size_t b) {
     const BlockKeys& keys = scene.blocks[b];
     const auto shape = make_shape(keys.shape, world.step.domain);
     const std::uint64_t seed = scene.seed + 1000 * b;
@@ -206,15 +201,55 @@ std::vector<Vec3> points_of_block(const Scene& scene, const Plan& plan, const Wo
         return points;
     };
     std::vector<Vec3> points = sample(Layers::nearest);
-    if (remove_in_solids(points, world, emitters) > 0 && keys.sampling != Sampling::blue_noise) {
+    if (remove_in_solids(points, world) > 0 && keys.sampling != Sampling::blue_noise) {
         // Where a layer more than half fits, both at its ends would stand too near to the walls of a container and go.
         std::vector<Vec3> within = sample(Layers::within);
-        remove_in_solids(within, world, emitters);
+        remove_in_solids(within, world);
         if (within.size() >= points.size()) points.swap(within);
     }
     if (const double loose = looseness(keys, plan.facts.pressure); loose > 0)
         loosen(points, loose * static_cast<double>(world.step.spacing), seed, *shape, world);
     return points;
+}
+
+/// Takes as many particles of the blocks away as the pipe behind an opening holds among them, those deepest in it first, and lets the
+/// others near by find places around the pipe. @return whether it is in the fluid
+bool make_room(const Emitter& emitter, const std::vector<std::shared_ptr<const Shape>>& shapes, const World& world,
+               std::vector<std::vector<Vec3>>& points) {
+    const Real d = world.step.spacing;
+    struct Near {
+        Real distance;
+        std::size_t block, point;
+    };
+    std::vector<Near> near;
+    for (std::size_t b = 0; b < points.size(); ++b)
+        for (std::size_t k = 0; k < points[b].size(); ++k)
+            if (const Real distance = emitter.distance(points[b][k]); distance < 5 * d) near.push_back({distance, b, k});
+    std::stable_sort(near.begin(), near.end(), [](const Near& a, const Near& b) { return a.distance < b.distance; });
+    if (near.empty() || near.front().distance > Real(0.45) * d) return false;
+
+    // Inside where a particle of a block may be: in one, outside of solids.
+    const auto in_fluid = [&](const Vec3& x) {
+        Real least = std::numeric_limits<Real>::max(), wall = least;
+        for (const auto& shape : shapes) least = std::min(least, shape->distance(x));
+        return world.solids.nearest(x, wall) >= 0 ? std::max(least, -wall) : least;
+    };
+    const std::vector<Vec3> pipe = emitter.filling();
+    std::size_t gone = static_cast<std::size_t>(std::count_if(pipe.begin(), pipe.end(), [&](const Vec3& x) { return in_fluid(x) < 0; }));
+    gone = std::min(gone, near.size());
+    std::vector<Vec3> moved, fixed = pipe;
+    std::size_t movable = gone;
+    for (std::size_t k = gone; k < near.size(); ++k) {
+        const Vec3& x = points[near[k].block][near[k].point];
+        if (near[k].distance < 3 * d) moved.push_back(x), ++movable;
+        else fixed.push_back(x);
+    }
+    relax(moved, in_fluid, d, world.step.domain, 150, fixed, [&](const Vec3& x) { return emitter.distance(x); });
+    for (std::size_t k = gone; k < movable; ++k) points[near[k].block][near[k].point] = moved[k - gone];
+    constexpr Real no_place = std::numeric_limits<Real>::quiet_NaN();
+    for (std::size_t k = 0; k < gone; ++k) points[near[k].block][near[k].point].x() = no_place;
+    for (auto& of_block : points) std::erase_if(of_block, [](const Vec3& x) { return std::isnan(x.x()); });
+    return true;
 }
 
 /// Appends particles at these places, with the block's velocity and spin.
@@ -275,13 +310,21 @@ void check_room(const Scene& scene, const Plan& plan, const World& world) {
 
 }  // namespace
 
-void place_blocks(const Scene& scene, const Plan& plan, const std::vector<Emitter>& emitters, World& world) {
+void place_blocks(const Scene& scene, const Plan& plan, std::vector<Emitter>& emitters, World& world) {
     std::vector<Problem> problems;
     const auto refuse = [&](const std::string& key, const Divergence& d, const std::string& allowed) {
         problems.push_back({scene.place(key), d.what + " at " + text_of(d.place), "", allowed});
     };
+    std::vector<std::vector<Vec3>> places;
+    std::vector<std::shared_ptr<const Shape>> shapes;
     for (std::size_t b = 0; b < scene.blocks.size(); ++b) {
-        const std::vector<Vec3> points = points_of_block(scene, plan, world, emitters, b);
+        places.push_back(points_of_block(scene, plan, world, b));
+        shapes.push_back(make_shape(scene.blocks[b].shape, world.step.domain));
+    }
+    for (Emitter& emitter : emitters)
+        if (make_room(emitter, shapes, world, places)) emitter.be_full();
+    for (std::size_t b = 0; b < scene.blocks.size(); ++b) {
+        const std::vector<Vec3>& points = places[b];
         if (points.empty())
             problems.push_back({scene.place(entry_name("block", b)), "the block holds no particle",
                                 "make it larger than the spacing, or move it out of the solids", ""});
@@ -309,18 +352,8 @@ std::vector<Drain> make_drains(const Scene& scene) {
 std::vector<Emitter> make_emitters(const Scene& scene, const Plan& plan) {
     std::vector<Emitter> emitters;
     for (const EmitterKeys& keys : scene.emitters) {
-        EmitterShape shape;
-        shape.slot = keys.shape == "box";
-        shape.centre = keys.position.cast<Real>();
-        shape.direction = keys.direction.normalized().cast<Real>();
-        shape.radius = static_cast<Real>(keys.radius);
-        shape.width = static_cast<Real>(keys.width);
-        shape.thickness = static_cast<Real>(keys.thickness);
-        shape.parabolic = keys.profile == Profile::parabolic;
-        shape.plane = scene.domain.dimensions == 2;
-        if (shape.plane && !shape.slot) shape.width = 2 * shape.radius;
         const int number = static_cast<int>(emitters.size()) + 1;
-        emitters.emplace_back(shape, keys.speed, keys.start, keys.stop, static_cast<Real>(plan.spacing),
+        emitters.emplace_back(opening_of(keys, scene.domain.dimensions), keys.speed, keys.start, keys.stop, static_cast<Real>(plan.spacing),
                               nozzle_depth(plan.support, plan.spacing), number, scene.seed + 77 * static_cast<std::uint64_t>(number),
                               scene.domain.box());
     }

@@ -13,7 +13,7 @@ void place_constants(const Scene& scene, const Plan& plan, World& world);
 void place_solids(const Scene& scene, const Plan& plan, World& world);
 /// Fluid of the blocks, outside of solids and of the emitters' pipes; columns must be declared. @throws InputError where a block holds no
 /// particle, or one with values that are none, or where there are more than the room takes and the model does not move them apart
-void place_blocks(const Scene& scene, const Plan& plan, const std::vector<Emitter>& emitters, World& world);
+void place_blocks(const Scene& scene, const Plan& plan, std::vector<Emitter>& emitters, World& world);
 /// Viscosity of the particles from `first` on, which have just come in, and where they came from; nothing where no model asks for it.
 /// @param source 0: a block; k: emitter k - 1 @return a particle that has none
 std::optional<Divergence> set_viscosity(const Scene& scene, World& world, Index first, int source);

@@ -1,9 +1,12 @@
 #include "engine/sim/simulation.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <istream>
 #include <ostream>
+#include <utility>
 
 #include "engine/core/binary_io.h"
 #include "engine/core/parallel.h"
@@ -12,6 +15,7 @@
 #include "engine/models/viscosity/ageing_viscosity.h"
 #include "engine/particles/largest_speed.h"
 #include "engine/particles/sort.h"
+#include "engine/scene/numbers.h"
 #include "engine/scene/scene_shapes.h"
 #include "engine/scene/tree.h"
 #include "engine/sim/check.h"
@@ -84,6 +88,8 @@ struct Simulation::State {
     std::optional<Sleep> sleep;
     std::optional<Divergence> changed_wrongly;  ///< a change gave a particle a viscosity that is none
     double since_look = 0;                      ///< s, since the last look at who sleeps
+    std::vector<double> room_left;              ///< particles, by the plan's closed rooms
+    std::vector<char> room_told;
     RunTotals totals;
     StageTimes times;
 
@@ -108,6 +114,9 @@ struct Simulation::State {
         emitters = make_emitters(scene, plan);
         place_blocks(scene, plan, emitters, world);
         set_ids(world, 0, next_id);
+        emit(true);
+        measure_rooms();
+        room_told.assign(room_left.size(), false);
         if (scene.time.sleep > 0) {
             SleepOptions options;
             options.tolerance = static_cast<Real>(scene.time.sleep);
@@ -163,11 +172,48 @@ struct Simulation::State {
         return dt;
     }
 
-    void emit() {
+    /// Particles that still fit into each closed room, when the run begins.
+    void measure_rooms() {
+        const auto x = world.fluid.column<field::position>();
+        const auto role = world.fluid.column<field::role>();
+        for (const ClosedRoom& room : plan.rooms) {
+            const double there = parallel_sum(world.fluid.size(), [&](Index i) { return role[i] >= 0 && room.contains(x[i]) ? 1.0 : 0.0; });
+            room_left.push_back(room.volume / plan.particle_volume() - there);
+        }
+    }
+
+    /// Emitters push nothing into a room that is full: the fluid would be crushed.
+    void close_full_rooms() {
+        for (std::size_t k = 0; k < room_left.size() && k < plan.rooms.size(); ++k) {
+            const ClosedRoom& room = plan.rooms[k];
+            double come = 0, coming = 0;
+            std::string names;
+            for (const std::size_t e : room.emitters) {
+                come += emitters[e].expected_particles();
+                coming += emitted_volume(scene.emitters[e], scene.time.end, plan.dimensions()) / plan.particle_volume();
+                names += (names.empty() ? "" : " and ") + entry_name("emitter", e);
+            }
+            if (come < room_left[k]) continue;
+            for (const std::size_t e : room.emitters) emitters[e].close(time);
+            if (coming - come < 1 || std::exchange(room_told[k], 1) != 0) continue;
+            world.report.full = fmt::format(
+                "{} is full at {:.4g} s: {} from here on pushes nothing; {:.3g} m^{} more ({:.0f} particles) would "
+                "come until the end",
+                room.text(), time, names, (coming - come) * plan.particle_volume(), plan.dimensions(), coming - come);
+        }
+    }
+
+    /// @param filling before the first step: only what pipes in the fluid hold
+    void emit(bool filling = false) {
+        close_full_rooms();
         int source = 0;
         for (Emitter& emitter : emitters) {
             const Index first = world.fluid.size();
             const auto k = static_cast<std::size_t>(source);
+            if (filling && !emitter.is_full()) {
+                ++source;
+                continue;
+            }
             emitter.enter(world.fluid, time, world.step.dt);
             const auto viscosity = set_viscosity(scene, world, first, ++source);
             const auto ink = set_colours(scene, world, first, scene.emitters[k].ink, entry_name("emitter", k) + ".ink", time);

@@ -231,8 +231,9 @@ Calibration measure(const SceneFile& file, const Plan& plan) {
     const Plan sample_plan = make_plan(sample.scene);
     const double before = bytes_in_use();
     Simulation simulation(sample.scene, sample_plan);
+    const auto at_start = static_cast<double>(simulation.world().fluid.size());
     measure_steps(simulation, sample.scene.time.end, c);
-    c.particles = static_cast<double>(simulation.world().fluid.size());
+    c.particles = std::max({1.0, at_start, static_cast<double>(simulation.world().fluid.size())});  // all may fall out of the domain
     c.bytes_a_particle = (bytes_in_use() - before) / c.particles;
     return c;
 }

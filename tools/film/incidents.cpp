@@ -21,6 +21,7 @@ void Incidents::add(const StepReport& report, double time, long step) {
             add(Incident{"unconverged", time, step,
                          fmt::format("{}: residual {:.2g} (from {:.2g}) after {} iterations{}", solve.name, r.last_residual,
                                      r.first_residual, r.iterations, r.why_not.empty() ? "" : ", " + r.why_not)});
+    if (!report.full.empty()) add(Incident{"full", time, step, report.full});
     if (report.lost_particles > 0)
         add(Incident{"lost", time, step, fmt::format("{} particles left the domain in one step", report.lost_particles)});
     if (const auto& d = report.diverged)

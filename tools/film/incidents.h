@@ -9,7 +9,7 @@
 namespace whorl {
 
 struct Incident {
-    std::string kind;  ///< crowded | unconverged | lost | diverged
+    std::string kind;  ///< crowded | unconverged | full | lost | diverged
     double time = 0;   ///< s, at the start of the step
     long step = 0;     ///< from 1
     std::string what;

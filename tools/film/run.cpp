@@ -234,6 +234,7 @@ void Run::set_pictures(const SceneFile& file) {
 
 void Run::after_step(const StepReport& report, double began) {
     incidents_.add(report, began, simulation_.totals().steps + (report.diverged ? 1 : 0));
+    if (!report.full.empty()) progress_->note(report.full);
     if (report.diverged) return;
     progress_->step(simulation_, frame_);
     if (replay_.apply_until(simulation_.time(), [&](const Scene& s, const Plan& p, double when) { simulation_.change(s, p, when); }))

@@ -60,7 +60,7 @@ int plan(const Options& options) {
     const Simulation simulation(file.scene, plan);
     check_comparisons(simulation);
     std::optional<SaidLater> said;
-    if (!find_calibration(file, plan) || !file.scene.panels.empty())
+    if (!options.json && (!find_calibration(file, plan) || !file.scene.panels.empty()))
         said.emplace("measuring what a step and a picture cost: some moments of the film with larger particles ...");
     const Calibration calibration = calibrate(file, plan, simulation);
     const Estimate cost = estimate(file, plan, simulation, calibration);
