@@ -4,187 +4,148 @@
 
 #include <limits>
 
-#include "engine/particles/emitter.h"
 #include "engine/scene/numbers.h"
+#include "engine/scene/tree.h"
 
 namespace whorl {
 namespace {
 
-/// Cells over the whole domain; what is looked at is looked at once.
+/// Cells over the whole domain; each is looked at once.
 class RoomSearch {
 public:
     RoomSearch(const Scene& scene, const SceneShapes& shapes, double support)
-        : scene_(scene), shapes_(shapes), domain_(scene.domain.box()), dimensions_(scene.domain.dimensions) {
+        : scene_(scene), shapes_(shapes), domain_(scene.domain.box()), D_(scene.domain.dimensions) {
         for (const EmitterKeys& e : scene.emitters) {
-            Solid pipe = nozzle_body(opening_of(e, dimensions_), nozzle_depth(support, scene.fluid.spacing));
+            pipes_.push_back(nozzle_body(opening_of(e, D_), nozzle_depth(support, scene.fluid.spacing)));
+            Solid& pipe = pipes_.back();
             pipe.repeats = Repeats(*pipe.shape, domain_, pipe.pose.rotation, pipe.pose.translation);
-            pipes_.push_back(std::move(pipe));
         }
         double cells = 1;
-        for (int a = 0; a < dimensions_; ++a) {
+        for (int a = 0; a < D_; ++a) {
             const double length = scene.domain.max[a] - scene.domain.min[a];
-            count_[a] = std::max(1L, std::lround(2 * length / scene.fluid.spacing));
-            cell_[a] = length / static_cast<double>(count_[a]);
-            cells *= static_cast<double>(count_[a]);
+            cells *= count_[a] = std::max(1.0, std::round(2 * length / scene.fluid.spacing));
+            cell_[a] = length / count_[a];
         }
         if (cells > 1e7) return;
-        room_of_.assign(static_cast<std::size_t>(cells), 0);
+        room_of_.assign(static_cast<std::size_t>(cells), -1);
         distance_.assign(room_of_.size(), unknown);
     }
 
     std::vector<ClosedRoom> rooms() {
-        std::vector<ClosedRoom> rooms;
-        std::vector<int> closed{-1};  // by the numbers of room_of_: index in rooms, -1: open
         for (std::size_t e = 0; e < scene_.emitters.size() && !room_of_.empty(); ++e) {
             const EmitterKeys& keys = scene_.emitters[e];
             const Vec3d ahead = keys.position + scene_.fluid.spacing * keys.direction.normalized();
-            std::array<long, 3> start{};
-            if (!cell_at(ahead, start) || distance(start) <= 0) continue;
-            if (room_of_[number(start)] == 0) {
-                ClosedRoom room;
-                closed.push_back(fill(start, static_cast<int>(closed.size()), room) ? static_cast<int>(rooms.size()) : -1);
-                if (closed.back() >= 0) rooms.push_back(room);
+            Vec3d start = Vec3d::Zero();
+            for (int a = 0; a < D_; ++a)
+                start[a] = std::floor((static_cast<double>(domain_.wrapped(ahead.cast<Real>())[a]) - scene_.domain.min[a]) / cell_[a]);
+            if ((start.array() < 0).any() || (start.array() >= count_.array()).any() || distance(start) <= 0) continue;
+            if (room_of_[number(start)] < 0) {
+                found_.emplace_back();
+                if (!fill(start)) found_.back().volume = 0;
             }
-            if (const int k = closed[static_cast<std::size_t>(room_of_[number(start)])]; k >= 0) {
-                rooms[static_cast<std::size_t>(k)].emitters.push_back(e);
-                rooms[static_cast<std::size_t>(k)].coming += emitted_volume(keys, scene_.time.end, dimensions_);
-            }
+            ClosedRoom& room = found_[static_cast<std::size_t>(room_of_[number(start)])];
+            room.emitters.push_back(e), room.coming += emitted_volume(keys, scene_.time.end, D_);
         }
-        return rooms;
+        std::erase_if(found_, [](const ClosedRoom& room) { return room.volume == 0; });
+        return std::move(found_);
     }
 
 private:
     static constexpr Real unknown = std::numeric_limits<Real>::max();
 
-    std::size_t number(const std::array<long, 3>& c) const {
-        return static_cast<std::size_t>((c[2] * count_[1] + c[1]) * count_[0] + c[0]);
-    }
-    bool cell_at(const Vec3d& x, std::array<long, 3>& c) const {
-        return RoomCells{domain_, scene_.domain.min, cell_, count_, {}}.find(x.cast<Real>(), c);
-    }
-    /// @param part of the cell, 0.5: its middle
-    Vec3 place(const std::array<long, 3>& c, const Vec3d& part) const {
-        Vec3d x = Vec3d::Zero();
-        for (int a = 0; a < dimensions_; ++a) x[a] = scene_.domain.min[a] + (static_cast<double>(c[a]) + part[a]) * cell_[a];
+    std::size_t number(const Vec3d& c) const { return static_cast<std::size_t>((c[2] * count_[1] + c[1]) * count_[0] + c[0]); }
+    /// @param part of the cell's sides
+    Vec3 place(const Vec3d& c, const Vec3d& part = Vec3d::Constant(0.5)) const {
+        Vec3d x = scene_.domain.min + (c + part).cwiseProduct(cell_);
+        if (D_ == 2) x.z() = 0;
         return x.cast<Real>();
     }
     /// To the nearest solid or pipe.
     Real distance_at(const Vec3& x) const {
         Real least = unknown / 2;
-        shapes_.solids.nearest(x, least);
+        if (!shapes_.solids.all.empty()) shapes_.solids.nearest(x, least);
         for (const Solid& pipe : pipes_) least = std::min(least, pipe.distance(x));
         return least;
     }
-    Real distance(const std::array<long, 3>& c) {
+    Real distance(const Vec3d& c) {
         Real& known = distance_[number(c)];
-        if (known == unknown) known = distance_at(place(c, Vec3d::Constant(0.5)));
+        if (known == unknown) known = distance_at(place(c));
         return known;
     }
-    bool drained(const Vec3& x) const {
-        return std::any_of(shapes_.drains.begin(), shapes_.drains.end(), [&](const auto& drain) { return drain->distance(x) <= 0; });
-    }
 
-    /// @return whether the room is closed
-    bool fill(const std::array<long, 3>& start, int room, ClosedRoom& of) {
-        std::vector<std::array<long, 3>> queue{start};
+    /// @return whether the newest room is closed
+    bool fill(const Vec3d& start) {
+        const int room = static_cast<int>(found_.size()) - 1;
+        std::vector<Vec3d> queue{start}, rim;
         room_of_[number(start)] = room;
-        std::array<bool, 3> round{false, false, false};
-        std::vector<std::array<long, 3>> rim;
         for (std::size_t k = 0; k < queue.size(); ++k) {
-            const std::array<long, 3> c = queue[k];
-            if (drained(place(c, Vec3d::Constant(0.5)))) return false;
-            const Real here = distance(c);
-            for (int a = 0; a < dimensions_; ++a)
-                for (const long way : {-1L, 1L}) {
-                    std::array<long, 3> to = c;
-                    to[a] += way;
-                    if (to[a] < 0 || to[a] >= count_[a]) {
-                        // What leaves here is gone, unless a solid lies between.
-                        if (!domain_.periodic[a]) {
-                            if (here > static_cast<Real>(cell_[a] / 2)) return false;
-                            continue;
-                        }
-                        to[a] = (to[a] + count_[a]) % count_[a], round[a] = true;
-                    }
-                    if (room_of_[number(to)] == room) continue;
-                    // Distances are Lipschitz: a solid between the two would be nearer to one of them.
-                    const Real there = distance(to);
-                    const bool passes = there > 0 && here + there > static_cast<Real>(cell_[a]);
-                    if (passes) room_of_[number(to)] = room, queue.push_back(to);
-                    else if (there <= 0) rim.push_back(to);
+            const Vec3d c = queue[k];
+            for (const auto& drain : shapes_.drains)
+                if (drain->distance(place(c)) <= 0) return false;
+            for (int side = 0; side < 2 * D_; ++side) {
+                const int a = side / 2;
+                Vec3d to = c;
+                to[a] += side % 2 == 0 ? -1 : 1;
+                if (domain_.periodic[a]) to[a] -= count_[a] * std::floor(to[a] / count_[a]);
+                else if (to[a] < 0 || to[a] >= count_[a]) {
+                    if (distance(c) > static_cast<Real>(cell_[a] / 2)) return false;  // what leaves here is gone
+                    continue;
                 }
+                if (room_of_[number(to)] == room) continue;
+                // Distances are Lipschitz: a solid between the two would be nearer to one of them.
+                const bool open = distance(to) > 0 && distance(c) + distance(to) > static_cast<Real>(cell_[a]);
+                if (open) room_of_[number(to)] = room, queue.push_back(to);
+                else if (distance(to) <= 0) rim.push_back(to);
+            }
         }
-        for (const auto& c : rim)
-            if (room_of_[number(c)] != room) room_of_[number(c)] = room, queue.push_back(c);  // once; a solid has part of it
-        measure(queue, round, of);
-        auto cells = std::make_shared<RoomCells>(RoomCells{domain_, scene_.domain.min, cell_, count_, {}});
-        for (const int r : room_of_) cells->in.push_back(r == room);
-        of.cells = std::move(cells);
+        for (const Vec3d& c : rim)  // cells that a surface cuts
+            if (std::exchange(room_of_[number(c)], room) != room) queue.push_back(c);
+        for (const Vec3d& c : queue) measure(c, found_.back());
         return true;
     }
 
-    void measure(const std::vector<std::array<long, 3>>& cells, const std::array<bool, 3>& round, ClosedRoom& of) {
-        constexpr int parts = 3;  // an axis, of a cell that a solid may cut
-        of.min = Vec3d::Constant(std::numeric_limits<double>::infinity()), of.max = -of.min;
-        const double size = cell_.head(dimensions_).prod(), reach = 0.5 * cell_.head(dimensions_).norm();
-        const int deep = dimensions_ == 2 ? 1 : parts;
-        for (const auto& c : cells) {
-            const bool whole = static_cast<double>(distance(c)) > reach;
-            const int n = whole ? 1 : parts;
-            const double part = size / (whole ? 1 : parts * parts * deep);
-            for (int k = 0; k < (whole ? 1 : parts * parts * deep); ++k) {
-                const Vec3d at = (Vec3d(k % n, k / n % n, k / n / n) + Vec3d::Constant(0.5)) / n;
-                const Vec3 x = place(c, at);
-                if (!whole && distance_at(x) <= 0) continue;
-                of.volume += part;
-                const bool full =
-                    std::any_of(shapes_.blocks.begin(), shapes_.blocks.end(), [&](const auto& b) { return b->distance(x) < 0; });
-                if (full) of.fluid += part;
-                const Vec3d half = cell_ / (2 * n);
-                of.min = of.min.cwiseMin(x.cast<double>() - half), of.max = of.max.cwiseMax(x.cast<double>() + half);
-            }
+    void measure(const Vec3d& c, ClosedRoom& room) {
+        const bool whole = static_cast<double>(distance(c)) > 0.5 * cell_.norm();
+        const int n = whole ? 1 : 3, parts = D_ == 2 ? n * n : n * n * n;
+        for (int k = 0; k < parts; ++k) {
+            const Vec3 x = place(c, (Vec3d(k % n, k / n % n, k / n / n) + Vec3d::Constant(0.5)) / n);
+            if (!whole && distance_at(x) <= 0) continue;
+            const double volume = cell_.head(D_).prod() / parts;
+            room.volume += volume;
+            if (std::any_of(shapes_.blocks.begin(), shapes_.blocks.end(), [&](const auto& b) { return b->distance(x) < 0; }))
+                room.fluid += volume;
+            room.box.extend(Vec3d(x.cast<double>() - cell_ / (2 * n))), room.box.extend(Vec3d(x.cast<double>() + cell_ / (2 * n)));
         }
-        for (int a = 0; a < 3; ++a)
-            if (round[a]) of.min[a] = scene_.domain.min[a], of.max[a] = scene_.domain.max[a];
     }
 
     const Scene& scene_;
     const SceneShapes& shapes_;
     Domain domain_;
-    int dimensions_;
+    int D_;
     std::vector<Solid> pipes_;
-    std::array<long, 3> count_{1, 1, 1};
-    Vec3d cell_ = Vec3d::Zero();
-    std::vector<int> room_of_;    ///< by cell, 0: not reached
-    std::vector<Real> distance_;  ///< by cell
+    Vec3d count_ = Vec3d::Ones(), cell_ = Vec3d::Zero();
+    std::vector<int> room_of_;    ///< by cell, -1: not reached
+    std::vector<Real> distance_;  ///< by cell, m
+    std::vector<ClosedRoom> found_;
 };
 
 }  // namespace
 
-bool RoomCells::find(const Vec3& x, std::array<long, 3>& c) const {
-    const Vec3d at = domain.wrapped(x).cast<double>();
-    for (int a = 0; a < domain.dimensions(); ++a) {
-        c[a] = static_cast<long>(std::floor((at[a] - origin[a]) / cell[a]));
-        if (c[a] < 0 || c[a] >= count[a]) return false;
-    }
-    return true;
-}
-
-bool ClosedRoom::contains(const Vec3& x) const {
-    std::array<long, 3> c{};
-    return cells->find(x, c) && cells->in[static_cast<std::size_t>((c[2] * cells->count[1] + c[1]) * cells->count[0] + c[0])] != 0;
-}
-
 std::string ClosedRoom::text() const {
-    return fmt::format("the closed room from ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g}) m", min.x(), min.y(), min.z(), max.x(),
-                       max.y(), max.z());
+    const auto point = [](const Vec3d& x) { return fmt::format("({:.4g}, {:.4g}, {:.4g})", x.x(), x.y(), x.z()); };
+    return fmt::format("the closed room from {} to {} m", point(box.min()), point(box.max()));
+}
+
+std::string ClosedRoom::names() const {
+    std::string all;
+    for (const std::size_t e : emitters) all += (all.empty() ? "" : " and ") + entry_name("emitter", e);
+    return all;
 }
 
 std::vector<ClosedRoom> closed_rooms(const Scene& scene, const SceneShapes& shapes, double support) {
-    if (scene.emitters.empty()) return {};
     for (const Solid& solid : shapes.solids.all)
         if (solid.moves() && !solid.body) return {};
-    return RoomSearch(scene, shapes, support).rooms();
+    return scene.emitters.empty() ? std::vector<ClosedRoom>{} : RoomSearch(scene, shapes, support).rooms();
 }
 
 }  // namespace whorl

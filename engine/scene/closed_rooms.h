@@ -4,26 +4,16 @@
 
 namespace whorl {
 
-/// A lattice over the domain.
-struct RoomCells {
-    Domain domain;
-    Vec3d origin, cell;  ///< m
-    std::array<long, 3> count;
-    std::vector<char> in;  ///< the room
-    bool find(const Vec3& x, std::array<long, 3>& c) const;
-};
-
 /// The places that an emitter's fluid can reach from its opening: between solids, periodic axes and the pipes of emitters, with no way to a
 /// drain or out of the domain, at the start.
 struct ClosedRoom {
-    Vec3d min = Vec3d::Zero(), max = Vec3d::Zero();  ///< m, of the box about it; along a periodic axis that it goes round, the domain
-    double volume = 0;                               ///< m^3 that fluid can fill; in two dimensions m^2
-    double fluid = 0;                                ///< of that, full at the start
-    double coming = 0;                               ///< until the end of the run, by its emitters
+    Eigen::AlignedBox3d box;  ///< m, about it
+    double volume = 0;        ///< m^3 that fluid can fill; in two dimensions m^2
+    double fluid = 0;         ///< of that, within blocks at the start
+    double coming = 0;        ///< until the end of the run
     std::vector<std::size_t> emitters;
-    std::shared_ptr<const RoomCells> cells;
-    bool contains(const Vec3& x) const;
-    std::string text() const;  ///< "the closed room from (0, 0, 0) to (1, 1, 1)"
+    std::string text() const;   ///< "the closed room from (0, 0, 0) to (1, 1, 1) m"
+    std::string names() const;  ///< "emitter[0] and emitter[1]"
 };
 
 /// Found on a lattice of half a spacing: a way narrower than that is none. Nothing is claimed of a scene with solids that move by

@@ -16,7 +16,6 @@
 #include "engine/scene/check_unread.h"
 #include "engine/scene/names.h"
 #include "engine/scene/numbers.h"
-#include "engine/scene/tree.h"
 #include "engine/scene/warn_scale.h"
 
 namespace whorl {
@@ -353,13 +352,10 @@ private:
     void warn_of_room(const ClosedRoom& room) {
         const double excess = room.fluid + room.coming - room.volume, volume = plan_.particle_volume();
         if (excess < std::max(volume, 0.02 * room.volume)) return;
-        std::string names;
-        for (const std::size_t e : room.emitters) names += (names.empty() ? "" : " and ") + entry_name("emitter", e);
         add_warning(
-            fmt::format("more comes than fits: {0} takes {1:.3g} m^{4} and has {2:.3g} m^{4} in it at the start, and {5} brings {3:.3g} "
-                        "m^{4} until the end, {6:.3g} m^{4} ({7:.0f} particles) too much; set a stop, or give the room a drain or a "
-                        "way out",
-                        room.text(), room.volume, room.fluid, room.coming, plan_.dimensions(), names, excess, excess / volume));
+            fmt::format("more comes than fits: {} takes {:.3g} m^{}, {:.3g} are in it at the start, and {} brings {:.3g} until the end, "
+                        "{:.3g} ({:.0f} particles) too much: set a stop, or give the room a drain or a way out",
+                        room.text(), room.volume, plan_.dimensions(), room.fluid, room.names(), room.coming, excess, excess / volume));
     }
 
     const Scene &given_, &scene_;

@@ -15,7 +15,6 @@
 #include "engine/models/viscosity/ageing_viscosity.h"
 #include "engine/particles/largest_speed.h"
 #include "engine/particles/sort.h"
-#include "engine/scene/numbers.h"
 #include "engine/scene/scene_shapes.h"
 #include "engine/scene/tree.h"
 #include "engine/sim/check.h"
@@ -116,7 +115,6 @@ struct Simulation::State {
         set_ids(world, 0, next_id);
         emit(true);
         measure_rooms();
-        room_told.assign(room_left.size(), false);
         if (scene.time.sleep > 0) {
             SleepOptions options;
             options.tolerance = static_cast<Real>(scene.time.sleep);
@@ -177,29 +175,26 @@ struct Simulation::State {
         const auto x = world.fluid.column<field::position>();
         const auto role = world.fluid.column<field::role>();
         for (const ClosedRoom& room : plan.rooms) {
-            const double there = parallel_sum(world.fluid.size(), [&](Index i) { return role[i] >= 0 && room.contains(x[i]) ? 1.0 : 0.0; });
-            room_left.push_back(room.volume / plan.particle_volume() - there);
+            const double there = parallel_sum(world.fluid.size(),
+                                              [&](Index i) { return role[i] >= 0 && room.box.contains(x[i].cast<double>()) ? 1.0 : 0.0; });
+            // Other fluid may stand in the box about the room.
+            room_left.push_back((room.volume - std::min(there * plan.particle_volume(), 1.2 * room.fluid)) / plan.particle_volume());
         }
     }
 
     /// Emitters push nothing into a room that is full: the fluid would be crushed.
     void close_full_rooms() {
-        for (std::size_t k = 0; k < room_left.size() && k < plan.rooms.size(); ++k) {
+        for (std::size_t k = 0; k < std::min(room_left.size(), plan.rooms.size()); ++k) {
             const ClosedRoom& room = plan.rooms[k];
-            double come = 0, coming = 0;
-            std::string names;
-            for (const std::size_t e : room.emitters) {
-                come += emitters[e].expected_particles();
-                coming += emitted_volume(scene.emitters[e], scene.time.end, plan.dimensions()) / plan.particle_volume();
-                names += (names.empty() ? "" : " and ") + entry_name("emitter", e);
-            }
+            double come = 0;
+            for (const std::size_t e : room.emitters) come += emitters[e].expected_particles();
             if (come < room_left[k]) continue;
             for (const std::size_t e : room.emitters) emitters[e].close(time);
-            if (coming - come < 1 || std::exchange(room_told[k], 1) != 0) continue;
+            const double more = room.coming / plan.particle_volume() - come;
+            if (more < 1 || std::exchange(room_left[k], 0) == 0) continue;
             world.report.full = fmt::format(
-                "{} is full at {:.4g} s: {} from here on pushes nothing; {:.3g} m^{} more ({:.0f} particles) would "
-                "come until the end",
-                room.text(), time, names, (coming - come) * plan.particle_volume(), plan.dimensions(), coming - come);
+                "{} is full at {:.4g} s: {} pushes nothing from here on; {:.3g} m^{} more ({:.0f} particles) would come until the end",
+                room.text(), time, room.names(), more * plan.particle_volume(), plan.dimensions(), more);
         }
     }
 

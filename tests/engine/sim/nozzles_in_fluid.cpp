@@ -1,0 +1,173 @@
+// Emitters that open below the surface, and into rooms that fluid cannot leave.
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <sstream>
+
+#include "engine/core/parallel.h"
+#include "tests/support/runs.h"
+
+using namespace whorl;
+using namespace whorl::test;
+
+namespace nozzles_test {
+
+namespace {
+
+/// Water 0.24 m deep in a tank, and a nozzle under its surface.
+struct Tank {
+    int dimensions = 2;
+    double spacing = 0.02, speed = 1, start = 0, end = 0.4, height = 0.12, x = 0.3;
+    std::string direction = "[-1, 0, 0]", more;
+
+    std::string text() const {
+        const bool flat = dimensions == 2;
+        const auto point = [&](double a, double b, double c) {
+            return flat ? fmt::format("[{}, {}]", a, b) : fmt::format("[{}, {}, {}]", a, b, c);
+        };
+        const std::string way = flat ? direction.substr(0, direction.rfind(',')) + "]" : direction;
+        return fmt::format(
+            "[time]\nend = {}\nfps = 50\nmax_step = 5e-3\n[domain]\ndimensions = {}\nmin = {}\nmax = {}\n[fluid]\nspacing = {}\n[[block]]\n"
+            "min = {}\nmax = {}\n[[solid]]\nmin = {}\nmax = {}\ninside = true\n[[emitter]]\nposition = {}\ndirection = {}\nradius = 0.06\n"
+            "speed = {}\nstart = {}\n{}",
+            end, dimensions, point(-0.5, -0.1, -0.3), point(0.5, 0.7, 0.3), spacing, point(-0.4, 0, -0.16), point(0.4, 0.24, 0.16),
+            point(-0.4, 0, -0.16), point(0.4, 0.64, 0.16), point(x, height, 0), way, speed, start, more);
+    }
+};
+
+double kinetic_energy(const Simulation& run) {
+    const auto u = run.world().fluid.column<field::velocity>();
+    double sum = 0;
+    for (const Vec3& v : u) sum += 0.5 * static_cast<double>(run.world().step.mass) * v.cast<double>().squaredNorm();
+    return sum;
+}
+
+/// Runs to the end and holds the flow to what the nozzle brings.
+/// @param rest m/s, of the fluid without a nozzle: what the model's particles shake by when they settle
+void pours(const Tank& tank, double rest) {
+    Simulation run = simulation_of(tank.text());
+    const double first = run.world().fluid.size(), mass = static_cast<double>(run.world().step.mass);
+    const double area = tank.dimensions == 2 ? 0.12 : M_PI * 0.06 * 0.06, volume = run.plan().particle_volume();
+    for (double t = 0.02; t < tank.end + 1e-9; t += 0.02) {
+        run_until(run, t);
+        INFO("t = " << t);
+        const double pushed = tank.speed * std::max(0.0, t - tank.start), total = first * mass;
+        REQUIRE(largest_speed(run.world()) < 3 * tank.speed + rest);
+        // As many as the opening's area times the way, each within the layer that passes just now.
+        REQUIRE(std::abs(run.totals().emitted_particles - pushed * area / volume) <= area * tank.spacing / volume);
+        REQUIRE(std::abs(run.world().fluid.size() - first - pushed * area / volume) <= area * tank.spacing / volume);
+        // The jet's own energy, and its work against the weight of the fluid over it: at most up to the tank's rim.
+        const double brought = 1000 * area * pushed * (tank.speed * tank.speed / 2 + 9.81 * 0.24);
+        REQUIRE(kinetic_energy(run) < brought + 1000 * area * 0.06 * tank.speed * tank.speed + total * rest * rest / 2);
+    }
+    CHECK(run.totals().lost_particles == 0);
+}
+
+}  // namespace
+
+TEST_CASE("a nozzle that opens below the surface pours: no burst, exact mass, no more energy than it brings", "[sim][emitter]") {
+    SECTION("at once, and later") {
+        for (const double start : {0.0, 0.1}) pours({.start = start}, 0);
+    }
+    SECTION("slow, fast") {
+        pours({.speed = 0.2}, 0);
+        pours({.speed = 4, .end = 0.1}, 0);
+    }
+    SECTION("upwards, downwards, slanted, and from the wall") {
+        pours({.height = 0.1, .x = 0, .direction = "[0, 1, 0]"}, 0);
+        pours({.x = 0, .direction = "[0, -1, 0]"}, 0);
+        pours({.x = 0, .direction = "[1, 1, 0]"}, 0);
+        pours({.x = 0.4}, 0);
+    }
+    SECTION("weakly compressible: the fluid trembles by .5 m/s when it starts from blue noise") {
+        for (const double start : {0.0, 0.1}) pours({.start = start, .end = 0.2, .more = "[models]\npressure = \"wcsph\"\n"}, 0.5);
+    }
+}
+
+TEST_CASE("a nozzle in the fluid of a tank with depth pours, with every pressure", "[sim][emitter]") {
+    for (const char* const more : {"", "viscosity = 20\n[models]\npressure = \"coupled\"\n", "[models]\npressure = \"wcsph\"\n"}) {
+        INFO(more);
+        Tank tank{.dimensions = 3, .spacing = 0.03, .end = 0.1};
+        std::string models = more;
+        if (models.starts_with("viscosity")) tank.more = models.substr(models.find("[models]")) + "[[change]]\n";
+        tank.more = models.starts_with("viscosity") ? models.substr(models.find("[models]")) : models;
+        if (models.starts_with("viscosity")) tank.more = "viscosity = 20\n" + tank.more;
+        pours(tank, models.find("wcsph") != std::string::npos ? 0.5 : 0);
+    }
+}
+
+TEST_CASE("a run with a nozzle in the fluid goes on from a saved state with the same bits", "[sim][emitter]") {
+    const Tank tank{.start = 0.1};
+    Simulation whole = simulation_of(tank.text()), second = simulation_of(tank.text());
+    run_until(whole, 0.06);
+    std::stringstream saved;
+    whole.save(saved);
+    second.load(saved);
+    run_until(whole, 0.2), run_until(second, 0.2);
+    CHECK(state_of(whole) == state_of(second));
+}
+
+namespace {
+
+/// A closed box of 8 x 8 (x 8) places, seven layers of them full, with a nozzle that brings more than the eighth takes.
+std::string closed_box(int dimensions, const std::string& more, const std::string& domain = "", double end = 0.3) {
+    const bool flat = dimensions == 2;
+    const auto corner = [&](double x, double y) { return flat ? fmt::format("[{}, {}]", x, y) : fmt::format("[{}, {}, {}]", x, y, x); };
+    return fmt::format(
+        "[time]\nend = {}\nfps = 50\n[domain]\ndimensions = {}\nmin = {}\nmax = {}\n{}[fluid]\nspacing = 0.01\n[[block]]\nmin = {}\nmax = "
+        "{}\n"
+        "[[solid]]\nmin = {}\nmax = {}\ninside = true\n[[emitter]]\nposition = {}\ndirection = {}\nradius = 0.018\nspeed = 0.5\n{}",
+        end, dimensions, corner(-0.06, -0.06), corner(0.06, 0.06), domain, corner(-0.04, -0.04), corner(0.04, 0.02), corner(-0.04, -0.04),
+        corner(0.04, 0.04), flat ? "[0, 0.02]" : "[0, 0.02, 0]", flat ? "[0, -1]" : "[0, -1, 0]", more);
+}
+
+bool warns(const std::string& text) {
+    const std::vector<std::string> warnings = simulation_of(text).plan().warnings;
+    return std::any_of(warnings.begin(), warnings.end(), [](const auto& w) { return w.starts_with("more comes than fits"); });
+}
+
+}  // namespace
+
+TEST_CASE("a closed room into which more comes than fits is named by the plan; where fluid can leave, nothing is said", "[sim][emitter]") {
+    for (const int dimensions : {2, 3}) {
+        const std::string depth = dimensions == 2 ? "]\n" : ", -0.01]\n", high = dimensions == 2 ? "]\n" : ", 0.01]\n";
+        CHECK(warns(closed_box(dimensions, "")));
+        CHECK_FALSE(warns(closed_box(dimensions, "stop = 0.005\n")));
+        CHECK_FALSE(warns(closed_box(dimensions, "[[drain]]\nmin = [-0.04, -0.04" + depth + "max = [-0.03, -0.03" + high)));
+        std::string open = closed_box(dimensions, "");
+        open.replace(open.find("inside = true\n"), 14, "");
+        const auto at = open.find("[[solid]]");
+        open.replace(at, open.find("[[emitter]]") - at, "");
+        CHECK_FALSE(warns(open));  // no walls: it leaves the domain
+    }
+    // A full periodic box is a closed room, too; the volume is that between the floor and the lid.
+    std::string round = closed_box(2, "", "periodic = [true, false]\n");
+    CHECK(warns(round));
+    const Plan plan = simulation_of(closed_box(3, "")).plan();
+    REQUIRE(plan.rooms.size() == 1);
+    // 8^3 cells less the pipe, a cylinder of 18 mm radius over the 20 mm up to the lid.
+    CHECK(plan.rooms[0].volume == Approx(0.08 * 0.08 * 0.08 - M_PI * 0.018 * 0.018 * 0.02).epsilon(0.01));
+    CHECK(plan.rooms[0].box.min().y() == Approx(-0.04).margin(0.003));
+}
+
+TEST_CASE("a room that is full takes no more: the run says so once and stays calm", "[sim][emitter]") {
+    const auto [dimensions, more] = GENERATE(
+        table<int, std::string>({{2, ""}, {3, ""}, {2, "[models]\npressure = \"wcsph\"\n"}, {3, "[models]\npressure = \"wcsph\"\n"}}));
+    INFO(dimensions << ' ' << more);
+    Simulation run = simulation_of(closed_box(dimensions, more));
+    int told = 0;
+    double fastest = 0, shortest = 1;
+    for (int frame = 1; frame <= 15; ++frame)
+        while (run.time() < 0.02 * frame - 1e-12) {
+            const StepReport& report = run.step(0.02 * frame);
+            REQUIRE_FALSE(report.diverged);
+            told += !report.full.empty();
+            if (frame > 10) fastest = std::max(fastest, largest_speed(run.world())), shortest = std::min(shortest, run.totals().last_step);
+        }
+    CHECK(told == 1);
+    CHECK(fastest < 3 * 0.5);
+    CHECK(shortest > (more.empty() ? 1e-3 : 1e-5));
+}
+
+}  // namespace nozzles_test

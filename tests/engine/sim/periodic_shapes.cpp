@@ -1,0 +1,125 @@
+// A scene of a periodic domain, moved as a whole.
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "engine/core/errors.h"
+#include "engine/probes/probes.h"
+#include "tests/support/runs.h"
+
+using namespace whorl;
+using namespace whorl::test;
+
+namespace periodic_shapes_test {
+
+namespace {
+
+/// All that has a shape, moved by (a, b): a full square, or a block of its own; a disc that stands, a bar that moves and turns, a box that
+/// moves, a stream, a drain and a region that is measured. Lengths are exact in binary numbers.
+std::string moved_scene(double a, double b, const std::string& block, const std::string& more = "") {
+    const auto box = [&](double x0, double y0, double x1, double y1) {
+        return fmt::format("min = [{}, {}]\nmax = [{}, {}]\n", x0 + a, y0 + b, x1 + a, y1 + b);
+    };
+    return fmt::format(R"toml([time]
+end = 0.25
+fps = 8
+max_step = 0.015625
+[domain]
+dimensions = 2
+min = [0, 0]
+max = [1, 1]
+periodic = [true, true]
+gravity = [1, 0.5]
+[fluid]
+spacing = 0.03125
+viscosity = 20
+[[block]]
+shape = "box"
+{}{}[[solid]]
+shape = "sphere"
+position = [{}, {}]
+radius = 0.125
+[[solid]]
+shape = "box"
+{}position = ["0.5*t", "-0.25*t"]
+rotation = ["0", "0", "2"]
+[[solid]]
+shape = "box"
+{}position = ["0", "2*t"]
+[[stream]]
+{}velocity = ["0.5", "0"]
+time = 0.0625
+[[drain]]
+shape = "box"
+{}[[probe]]
+kind = "region"
+name = "part"
+{})toml",
+                       block == "full" ? box(0, 0, 1, 1) : box(0.125, 0.125, 0.875, 0.75), more, 0.25 + a, 0.5 + b,
+                       box(0.625, 0.1875, 0.875, 0.25), box(0.5, 0.625, 0.5625, 0.875), box(0.0625, 0.0625, 0.1875, 0.25),
+                       box(0.4375, 0.5625, 0.5, 0.6875), box(0.25, 0.25, 0.75, 0.5));
+}
+
+/// Largest distance from a particle of `a` to its own in `b`, which was moved by `shift` [m].
+double farthest(const World& a, const World& b, const Vec3& shift) {
+    const auto x = a.fluid.column<field::position>(), y = b.fluid.column<field::position>();
+    double most = 0;
+    for (const Vec3& one : x) {
+        double least = 1;
+        for (const Vec3& other : y) least = std::min(least, static_cast<double>(a.step.domain.minimum_image(other - one - shift).norm()));
+        most = std::max(most, least);
+    }
+    return most;
+}
+
+}  // namespace
+
+TEST_CASE("a whole scene of a periodic domain may stand anywhere: particles and figures are the same", "[sim][periodic]") {
+    const auto [name, more] = GENERATE(table<std::string, std::string>(
+        {{"full", ""}, {"part", ""}, {"part", "[models]\npressure = \"wcsph\"\n"}, {"part", "sampling = \"blue_noise\"\n"}}));
+    INFO(name << ' ' << more);
+    const bool models = more.starts_with("[models]");
+    const auto scene = [&](double a, double b) {
+        std::string text = moved_scene(a, b, name, models ? "" : more);
+        return models ? text + more : text;
+    };
+    Simulation here = simulation_of(scene(0, 0));
+    NamedProbes probes = make_probes(here, TheorySearch::wait);
+    const double first = here.world().fluid.size();
+    run_until(here, 0.125);
+    const ProbeRows rows = rows_of(*probes[0].second, here);
+    CHECK(here.totals().drained_particles > 0);
+    for (const auto& [a, b] : std::vector<std::pair<double, double>>{{0.5, 0.75}, {-0.78125, 3.15625}}) {
+        INFO(a << ' ' << b);
+        Simulation there = simulation_of(scene(a, b));
+        NamedProbes other = make_probes(there, TheorySearch::wait);
+        CHECK(there.world().fluid.size() == first);
+        run_until(there, 0.125);
+        CHECK(there.totals().drained_particles == here.totals().drained_particles);
+        REQUIRE(there.world().fluid.size() == here.world().fluid.size());
+        // Rounding (6e-8 of coordinates up to 3, from step to step) grows little in so short a time; the solves stop at 1e-4.
+        CHECK(farthest(here.world(), there.world(), Vec3(Real(a), Real(b), 0)) < 0.02 * 0.03125);
+        const ProbeRows moved = rows_of(*other[0].second, there);
+        CHECK(std::abs(moved[0][1] - rows[0][1]) <= 2);                       // a particle on the region's border
+        CHECK(moved[0][6] == Approx(rows[0][6]).epsilon(0.02).margin(2e-3));  // mean velocity
+        CHECK(moved[0][3] - a == Approx(rows[0][3]).margin(2e-3));            // centroid, where the scene says the region is
+    }
+}
+
+TEST_CASE("nothing may stand in a periodic domain that leaves no room, and a rod just as long as it is no longer", "[sim][periodic]") {
+    const std::string top =
+        "[time]\nend = 0.01\n[domain]\nmin = [0, 0, 0]\nmax = [0.4, 0.4, 0.3]\nperiodic = [true, true, true]\n[fluid]\n"
+        "spacing = 0.025\n";
+    CHECK_THROWS_WITH(
+        simulation_of(top + "[[block]]\nmin = [0, 0.1, 0]\nmax = [0.4, 0.4, 0.3]\n[[solid]]\nshape = \"plane\"\nposition = [\"0\", "
+                            "\"0.1\", \"0\"]\n"),
+        Catch::Contains("solid[0] is a plane that cuts the periodic axis y"));
+    for (const double first : {0.0, 0.1}) {
+        const Simulation rod = simulation_of(fmt::format(
+            "{}[[block]]\nshape = \"cylinder\"\nfrom = [0.2, 0.2, {}]\nto = [0.2, 0.2, {}]\nradius = 0.1\n", top, first, first + 0.3));
+        CHECK(rod.world().fluid.size() > 500);
+    }
+}
+
+}  // namespace periodic_shapes_test
