@@ -392,3 +392,24 @@ TEST_CASE("cuts by the plane: distances and normals lie in it, whatever z, and t
     CHECK(line.size() == Approx((6 + 6 * 0.02) / 0.02).margin(1));
     for (const Vec3& x : line.position) REQUIRE((x.z() == 0 && x.y() == Approx(-0.01)));
 }
+
+TEST_CASE("a mesh of any thickness has its layer on both sides, without holes", "[geometry]") {
+    const double d = 0.05;
+    for (const double thickness : {0.6, 0.3, 0.2, 0.1, 0.02}) {
+        INFO(thickness);
+        Solids solids;
+        solids.all.push_back(solid_of(make_mesh(make_box({0, 0, 0}, {1, thickness * d, 1})->mesh(0, 0), "plate")));
+        const SolidParticles layer = sample_solids(solids, static_cast<Real>(d), cube(2));
+        for (const Real side : {Real(-1), Real(1)})
+            for (double x = 0.05; x < 1; x += 0.09)
+                for (double z = 0.05; z < 1; z += 0.09) {
+                    double nearest = 1;
+                    for (Index s = 0; s < layer.size(); ++s) {
+                        if (!(side * layer.normal[s].y() > Real(0.5))) continue;
+                        const Vec3& at = layer.position[s];
+                        nearest = std::min(nearest, std::hypot(static_cast<double>(at.x()) - x, static_cast<double>(at.z()) - z));
+                    }
+                    REQUIRE(nearest < d);  // darts leave no disc of .8 d free
+                }
+    }
+}
