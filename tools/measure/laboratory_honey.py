@@ -83,14 +83,15 @@ def slump(m):
     found.runs.append(one)
     if m.dry:
         return found
-    d = spacing(one)
-    time, front = np.array([(t, np.sort(p["x"])[-2] + d / 2) for t, p in snapshots(one)]).T
+    heap = one.table("probes/heap.csv")
+    time, front = heap["time"], heap["front"]
     exact = 1.411 * (g * area**3 / (3 * nu) * time)**0.2
     for t in (2, 8):
         found.add(f"front at {t} s, m", np.interp(t, time, exact), np.interp(t, time, front))
     late = time > 2
     found.add("power of time", 0.2, np.polyfit(np.log(time[late]), np.log(front[late]), 1)[0])
-    found.draw = lambda axes: curves(axes, "time, s", "front, m", ("Whorl", time, front, "C0-"), ("theory", time[1:], exact[1:], "k--"), ylim=(0, 0.25))
+    found.draw = lambda axes: curves(axes, "time, s", "front, m", ("Whorl", time, front, "C0-"), ("theory", time[1:], exact[1:], "k--"),
+                                     ylim=(0, 0.25))
     return found
 
 
@@ -150,7 +151,8 @@ def drum(m):
             found.add(f"angular momentum over a rigid body's at {t} s, {words}", spun_up([t])[0], np.interp(t, d["time"], turned))
         lines.append((f"Whorl, {words}", d["time"], turned, style))
     even = np.linspace(0, 0.5, 100)
-    found.draw = lambda axes: curves(axes, "time, s", "angular momentum over a rigid body's", *lines, ("theory", even, spun_up(even), "k--"), ylim=(0, 1.05))
+    found.draw = lambda axes: curves(axes, "time, s", "angular momentum over a rigid body's", *lines, ("theory", even, spun_up(even), "k--"),
+                                     ylim=(0, 1.05))
     return found
 
 
@@ -194,7 +196,8 @@ def balls(m):
         # Hasimoto's drag counts what a pressure that drives the fluid does to the ball, too
         points.append((c, pushed / (1 - c) / (6 * pi * mu * radius * U)))
         found.add(f"drag over 6 pi mu a U, radius {1e3 * radius:.0f} mm", hasimoto(c), points[-1][1])
-        found.add(f"force on the ball over that on the fluid, radius {1e3 * radius:.0f} mm", 1, between(*force(one, "force", "x"), 0.15, 0.2) / pushed)
+        found.add(f"force on the ball over that on the fluid, radius {1e3 * radius:.0f} mm", 1,
+                  between(*force(one, "force", "x"), 0.15, 0.2) / pushed)
     even = np.linspace(0.005, 0.08, 50)
     found.draw = lambda axes: curves(axes, "share of the balls in the volume", "drag over 6 pi mu a U", ("theory", even, hasimoto(even), "k-"),
                                      ("Whorl", *np.array(points).T, "C0o"))

@@ -35,44 +35,45 @@ def dam_pressures(m):
 
 @experiment("dam_disc")
 def dam_disc(m):
-    found, curve = Found(), published("dam_disc")
+    found, curve, second, pascal = Found(), published("dam_disc"), math.sqrt(0.6 / g), rho * g * 0.6
     one = run(m, "dam_disc")
     found.runs.append(one)
     if m.dry:
         return found
     gauge = one.table("probes/disc.csv")
-    T, p = gauge["time"] * math.sqrt(g / 0.6), gauge["pressure"] / (rho * g * 0.6)
-    found.add("pressure first .1 rho g H, t sqrt(g/H)", arrival(curve["T"], curve["p"], 0.1), arrival(T, p, 0.1))
+    (T, p), (Te, pe) = ((c["time"] / second, c["pressure"] / pascal) for c in (gauge, curve))
+    found.add("first pressure of .1 rho g H, t sqrt(g/H)", arrival(Te, pe, 0.1), arrival(T, p, 0.1))
     for start, end in ((2.8, 3.4), (3.4, 5.2)):
-        even = np.linspace(start, end, 50)
-        found.add(f"mean pressure over rho g H, T = {start:g} to {end:g}", np.interp(even, curve["T"], curve["p"]).mean(),
+        found.add(f"mean pressure over rho g H, T = {start:g} to {end:g}", np.interp(np.linspace(start, end, 50), Te, pe).mean(),
                   between(T, p, start, end))
-    found.draw = lambda axes: curves(axes, "t sqrt(g/H)", "pressure over rho g H", ("Whorl", T, p, "C0-"),
-                                     ("experiment", curve["T"], curve["p"], "ko"), xlim=(2, 7.3), ylim=(-0.1, 1.6))
+    found.draw = lambda axes: curves(axes, "t sqrt(g/H)", "pressure over rho g H", ("Whorl", T, p, "C0-"), ("experiment", Te, pe, "ko"),
+                                     xlim=(2, 7.3), ylim=(-0.1, 1.6))
     return found
 
 
 @experiment("column_square")
 def column_square(m):
-    found, front, height = Found(), published("column_front"), published("column_height")
-    a, lines = 0.05715, []
-    for words, settings, style in (("free of friction", (), "C0-"), ("floor that holds the water", ("solid[0].slip=no", "fluid.viscosity=1e-3"), "C1-")):
+    found, a, lines = Found(), 0.05715, []
+    second, table = math.sqrt(a / g), published("column_square")
+
+    def told(name, style):
+        known = ~np.isnan(table[name])
+        return f"experiment, {name}", table["time"][known] / second, table[name][known] / a, style
+
+    for words, settings, style in (("free of friction", (), "C0-"), ("floor that sticks", ("solid[0].slip=no", "fluid.viscosity=1e-3"), "C1-")):
         one = run(m, "column_square", *settings, name=words.split()[0])
         found.runs.append(one)
         if m.dry:
             continue
-        d, T, Z, H = spacing(one), [], [], []
-        for t, p in snapshots(one):
-            T.append(t * math.sqrt(g / a))
-            Z.append((np.sort(p["x"])[-4] + d / 2) / a)  # three particles may be drops ahead of the front
-            H.append(depth(p, 0, 0.2 * a, d) * 2 / a)  # beside the wall
-        T, Z, H = (np.array(values) for values in (T, Z, H))
+        water, d = one.table("probes/water.csv"), spacing(one)
+        T, Z = water["time"] / second, water["front"] / a
+        H = np.array([depth(p, 0, 0.2 * a, d) * 2 / a for _, p in snapshots(one)])  # beside the wall
         times = np.interp([1.67, 4.11], Z, T)
         found.add(f"speed of the front over sqrt(g a), {words}", 2.44 / (2.71 - 0.97), 2.44 / (times[1] - times[0]))
         found.add(f"height at T = 2.57 over a, {words}", 0.44, np.interp(2.57, T, H))
         lines += [(f"front, {words}", T, Z, style), (f"height, {words}", T, H, style + "-")]
-    found.draw = lambda axes: curves(axes, "t sqrt(g/a)", "front and height over a", *lines, ("experiment, front", front["T"], front["Z"], "ko"),
-                                     ("experiment, height", height["T"], height["H"], "k^"), xlim=(0, 6.3), ylim=(0, 6))
+    found.draw = lambda axes: curves(axes, "t sqrt(g/a)", "front and height over a", *lines, told("front", "ko"), told("height", "k^"),
+                                     xlim=(0, 6.3), ylim=(0, 6))
     return found
 
 
@@ -90,7 +91,8 @@ def square_post(m):
     later = t[1] - t[0]
     even = np.arange(0.3, 1.2, later)
     found.add("impulse to 1.2 s, N s", np.interp(even, curve["time"], curve["force"]).sum() * later, F[(t > 0.2) & (t <= 1.2)].sum() * later)
-    found.draw = lambda axes: curves(axes, "time, s", "force on the post, N", ("Whorl", t, F, "C0-"), ("experiment", curve["time"], curve["force"], "ko"))
+    found.draw = lambda axes: curves(axes, "time, s", "force on the post, N", ("Whorl", t, F, "C0-"),
+                                     ("experiment", curve["time"], curve["force"], "ko"))
     return found
 
 
@@ -198,7 +200,7 @@ def jet_on_plate(m):
 
 @experiment("water_entry")
 def water_entry(m):
-    found, D, V = Found(), 0.2, 1.5
+    found, D, V = Found(), 0.2, 5
     one = run(m, "water_entry")
     found.runs.append(one)
     if m.dry:
