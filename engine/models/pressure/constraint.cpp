@@ -200,22 +200,30 @@ void ConstraintPressure::write_ledgers(const WallImage& wall, const Surroundings
 
 void ConstraintPressure::find_pressures(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Real> q,
                                         Span<Real> p) const {
+    constexpr Real touching = Real(0.1);  // w of a particle that touches a flat wall is 0.15 and more
     const SolidParticles& layer = around.layer;
     const StepContext& step = around.step;
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(D_.size(), [&](Index i) {
             const Real own = D_.fill[i] * q[i];
-            Real fluid = 0, walls = 0, w = 0;
-            around.pairs.of(i, [&](Index j, const Vec3&, Real r) { fluid -= (own + D_.fill[j] * q[j]) * step.mass * W.slope(r) * r * r; });
+            Mat3 pairs = Mat3::Zero(), walls = Mat3::Zero();
+            around.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
+                pairs -= (own + D_.fill[j] * q[j]) * step.mass / 2 * W.slope(distance) * r * r.transpose();
+            });
+            Mat3 across = Mat3::Zero();
+            Real w = 0;
             if (layer.size() > 0)
                 around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                    const WallImage::Share share = wall.share(W, r, distance, layer.normal[s], layer.volume[s]);
-                    w += share.value;
-                    walls -= share.gradient.dot(layer.normal[s]) * std::max(Real(0), r.dot(layer.normal[s]) - step.spacing / 2);
+                    const Vec3& normal = layer.normal[s];
+                    const WallImage::Share share = wall.share(W, r, distance, normal, layer.volume[s]);
+                    w += share.value, across += share.value * normal * normal.transpose();
+                    walls -= share.gradient * std::max(Real(0), r.dot(normal) - step.spacing / 2) * normal.transpose();
                 });
             const SolidGate::Gated gated = wall.gate.gated(w);
-            walls *= own * rho[i] * gated.slope * WallImage::free_volume(gated.sum).slope;
-            p[i] = rho[i] / (static_cast<Real>(step.dimensions()) * step.dt) * (fluid / 2 + walls);
+            const Mat3 stress = pairs + own * rho[i] * gated.slope * WallImage::free_volume(gated.sum).slope * walls;
+            const Real mean = stress.trace() / static_cast<Real>(step.dimensions());
+            const Real at_walls = w > 0 ? stress.cwiseProduct(across).sum() / w : mean;
+            p[i] = rho[i] / step.dt * (mean + std::min(Real(1), gated.sum / touching) * (at_walls - mean));
         });
     });
 }

@@ -101,9 +101,10 @@ private:
     /// Ledger entries of solids that are not unknowns: u_i -= q_i f_i rho_i dw_i/dx_i.
     void write_ledgers(const WallImage& wall, const Surroundings& around, Read<field::role> role, Span<const Real> rho,
                        Span<const Real> q) const;
-    /// Pressures that the forces of q amount to, where frames and probes see them: a particle's part of the stress,
-    ///   p_i = rho_i/(D dt) (1/2 sum_j |c_ij| r_ij^2 (f_i q_i + f_j q_j) + f_i q_i rho_i sum_s |dw_is/dn| h_is),   h_is height above the
-    ///   surface
+    /// Pressures for frames and probes: those that the forces of q amount to. Of a particle's part of the stress,
+    ///   s_i = rho_i/dt (1/2 sum_j |c_ij| (f_i q_i + f_j q_j) r_ij r_ij^T + f_i q_i rho_i sum_s h_is |grad w_is| n_s^T),   h_is height
+    ///   above s,
+    /// the mean over all directions, and at walls that over their normals: layers press less along a wall than across.
     void find_pressures(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Real> q, Span<Real> p) const;
     SolveReport solve_filled(ConstraintMatrix& A, const StepContext& step, double mean_rate, Real fastest, Span<Real> q);
 
