@@ -124,7 +124,7 @@ private:
     /// XSPH smooths by the step, not by the time: the projection's particles are not measured with it.
     bool smoothed() const { return scene_.models.viscosity == ViscosityModel::xsph; }
     std::string form_reason() const {
-        if (plan_.free_surface) return "a free surface may splash";
+        if (plan_.free_surface) return "a free surface may splash; waves that do not break keep their height with projection";
         if (scene_.any_free_solid()) return "it moves the free bodies in the same solve";
         if (smoothed()) return "the projection does not go with XSPH";
         return "the fluid fills its space: nothing splashes, and the projection keeps vortices";

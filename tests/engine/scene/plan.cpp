@@ -262,6 +262,7 @@ TEST_CASE("without weight the projection is refused but for a single body that i
     CHECK(message(thick + turns).empty());
     CHECK(message(thin + "surface_tension = 3\n" + turns).empty());
     CHECK(message(thin + turns).find("this one turns at 9 /s and pulls at its own surface") != std::string::npos);
+    CHECK(message("tension = true\n" + thin + turns).empty());
     CHECK(message(thin + still + "[[block]]\nshape = \"sphere\"\nradius = 0.01\nposition = [0.06, 0, 0]\n").find("they may meet") !=
           std::string::npos);
     CHECK(message(thin + still + "[[solid]]\nshape = \"plane\"\nposition = [0, -0.06, 0]\n").find("this scene has a solid") !=
