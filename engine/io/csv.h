@@ -18,7 +18,8 @@ struct CsvTable {
     std::string file;  ///< for messages
 };
 
-/// Cells may stand in quotes, as csv_cell() writes them, between blanks; lines that begin with # are comments. @param each takes the rows one by one: then the table does not keep them
+/// Cells may stand in quotes, as csv_cell() writes them, between blanks; lines that begin with # are comments. @param each takes the rows
+/// one by one: then the table does not keep them
 /// @throws InputError where there is no such file
 CsvTable read_csv(const std::filesystem::path& file, const std::function<void(const std::vector<double>&)>& each = {});
 

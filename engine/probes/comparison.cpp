@@ -1,9 +1,12 @@
 #include "engine/probes/comparison.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "engine/probes/gauge_probe.h"
 #include "engine/scene/tree.h"
 
 namespace whorl {
@@ -53,12 +56,22 @@ std::optional<Comparison> comparison_of(const Scene& scene, std::size_t probe, c
     return found;
 }
 
-void check_comparisons(const Simulation& simulation) {
+void check_probes(const Simulation& simulation) {
     const Scene& scene = simulation.scene();
     std::vector<Problem> problems;
     for (std::size_t k = 0; k < scene.probes.size(); ++k) try {
-            if (!scene.probes[k].compare.empty())
-                comparison_of(scene, k, *make_probe(scene.probes[k], simulation.world(), TheorySearch::in_background));
+            const ProbeKeys& keys = scene.probes[k];
+            if (keys.compare.empty() && keys.kind != ProbeKind::gauge) continue;
+            const auto probe = make_probe(keys, simulation.world(), TheorySearch::in_background);
+            comparison_of(scene, k, *probe);
+            if (const auto* gauge = dynamic_cast<const GaugeProbe*>(probe.get()); gauge && !(gauge->area() > 0)) {
+                const Solid& solid = simulation.world().solids.all[static_cast<std::size_t>(keys.solid)];
+                const std::string key = entry_name("probe", k) + ".at";
+                throw InputError(scene.place(key),
+                                 fmt::format("{} is {:.4g} m from the surface of {}, out of the gauge's reach", key,
+                                             std::abs(solid.distance(keys.at.cast<Real>())), entry_name("solid", keys.solid)),
+                                 "put it on the surface, or take a larger radius");
+            }
         } catch (const InputError& error) { problems.insert(problems.end(), error.problems().begin(), error.problems().end()); }
     if (!problems.empty()) throw InputError(std::move(problems));
 }

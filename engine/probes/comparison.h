@@ -20,7 +20,7 @@ struct Comparison {
 /// The probe's table, none if the scene names none. @throws InputError, at the key, if the file cannot be compared with the probe's columns
 std::optional<Comparison> comparison_of(const Scene& scene, std::size_t probe, const Probe& columns_of);
 
-/// @throws InputError with all tables of the scene that cannot be compared
-void check_comparisons(const Simulation& simulation);
+/// @throws InputError with all probes of the scene that cannot measure (a gauge off its surface) or be compared
+void check_probes(const Simulation& simulation);
 
 }  // namespace whorl

@@ -8,6 +8,7 @@
 #include "engine/probes/extent_probe.h"
 #include "engine/probes/flow_probe.h"
 #include "engine/probes/flux_probe.h"
+#include "engine/probes/gauge_probe.h"
 #include "engine/probes/interpolation.h"
 #include "engine/probes/level_probe.h"
 #include "engine/probes/solid_probe.h"
@@ -109,6 +110,7 @@ std::unique_ptr<Probe> make_probe(const ProbeKeys& keys, const World& world, The
         case ProbeKind::coil: return std::make_unique<CoilProbe>(keys, search);
         case ProbeKind::level: return std::make_unique<LevelProbe>(keys);
         case ProbeKind::flux: return std::make_unique<FluxProbe>(keys, world);
+        case ProbeKind::gauge: return std::make_unique<GaugeProbe>(keys, world);
         case ProbeKind::extent: return std::make_unique<ExtentProbe>(keys);
         case ProbeKind::point: return std::make_unique<PointsProbe>(std::vector<Vec3d>{keys.at}, false, world);
         case ProbeKind::line: break;

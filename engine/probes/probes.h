@@ -46,6 +46,7 @@ inline bool in_nozzle(Span<const std::int16_t> role, std::size_t k) { return !ro
 ///   flow    see flow_probe.h
 ///   solid   see solid_probe.h
 ///   coil    see coil_probe.h
+///   gauge   see gauge_probe.h
 ///   level   see level_probe.h
 ///   flux    see flux_probe.h
 ///   extent  see extent_probe.h

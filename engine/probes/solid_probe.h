@@ -13,7 +13,7 @@ public:
     explicit SolidProbe(const ProbeKeys& keys) : solid_(static_cast<std::size_t>(keys.solid)) {}
     ProbeColumns columns() const override {
         return ProbeColumns{{"time", "s", ""}} + vector_columns("pressure", "N") + vector_columns("viscous", "N") +
-               vector_columns("contact", "N") + vector_columns("torque", "N m") + ProbeColumns{{"peak", "N", "peak"}};
+               vector_columns("contact", "N") + vector_columns("torque", "N m") + ProbeColumns{{"peak", "N", "peak of the force"}};
     }
     void after_step(const World& world, double time) override;
     ProbeRows rows(const World& world, double time) override;

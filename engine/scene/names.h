@@ -77,8 +77,8 @@ inline Choices<Slip> choices(Slip) { return {{Slip::no, "no"}, {Slip::free, "fre
 inline Choices<Profile> choices(Profile) { return {{Profile::plug, "plug"}, {Profile::parabolic, "parabolic"}}; }
 inline Choices<ProbeKind> choices(ProbeKind) {
     using P = ProbeKind;
-    return {{P::point, "point"}, {P::line, "line"},   {P::region, "region"}, {P::flow, "flow"},    {P::solid, "solid"},
-            {P::coil, "coil"},   {P::level, "level"}, {P::flux, "flux"},     {P::extent, "extent"}};
+    return {{P::point, "point"}, {P::line, "line"},   {P::region, "region"}, {P::flow, "flow"},     {P::solid, "solid"},
+            {P::coil, "coil"},   {P::level, "level"}, {P::flux, "flux"},     {P::extent, "extent"}, {P::gauge, "gauge"}};
 }
 inline Choices<KernelKind> choices(KernelKind) {
     using K = KernelKind;

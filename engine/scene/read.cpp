@@ -150,12 +150,14 @@ private:
                 }
             if (p.kind == ProbeKind::region || p.kind == ProbeKind::flow)
                 ordered(name + ".min", p.min, name + ".max", p.max, scene_.domain.dimensions);
-            if (p.kind == ProbeKind::solid && static_cast<std::size_t>(p.solid) >= scene_.solids.size())
+            if ((p.kind == ProbeKind::solid || p.kind == ProbeKind::gauge) && static_cast<std::size_t>(p.solid) >= scene_.solids.size())
                 reader_.disagree({name + ".solid"}, name + ".solid = " + std::to_string(p.solid) + " is no solid", "",
                                  "the scene has " + std::to_string(scene_.solids.size()) + ", counted from 0");
             if (p.kind == ProbeKind::coil || p.kind == ProbeKind::extent) direction(name + ".axis_direction", p.axis_direction);
             if (p.kind == ProbeKind::flux || p.kind == ProbeKind::extent) direction(name + ".direction", p.direction);
             if (p.kind == ProbeKind::flux) opening(name, p);
+            if (p.kind == ProbeKind::gauge && !(p.radius > 0))
+                reader_.disagree({name + ".radius", name}, name + ".radius is missing; of the gauge [m]", "", "more than 0");
             if (!p.compare.empty()) find_file(name + ".compare", p.compare);
             if ((p.kind == ProbeKind::line || p.kind == ProbeKind::level) && p.from == p.to)
                 reader_.disagree({name + ".to", name + ".from"}, name + ".from and " + name + ".to are the same point");

@@ -36,7 +36,7 @@ enum class ExchangeScheme { automatic, explicit_steps, implicit };
 enum class WallSpin { solid, free };
 enum class Slip { no, free, navier };
 enum class Profile { plug, parabolic };
-enum class ProbeKind { point, line, region, flow, solid, coil, level, flux, extent };
+enum class ProbeKind { point, line, region, flow, solid, coil, level, flux, extent, gauge };
 
 struct TimeKeys {
     double end = 0;          ///< s
@@ -188,14 +188,14 @@ struct ProbeKeys {
     ProbeKind kind = ProbeKind::point;
     Vec3d min = Vec3d::Zero(), max = Vec3d::Zero();             ///< region, flow
     VectorExpression expected;                                  ///< flow: m/s, of t, x, y, z; zero: nothing is expected
-    Vec3d at = Vec3d::Zero();                                   ///< point, flux
+    Vec3d at = Vec3d::Zero();                                   ///< point, flux, gauge
     Vec3d from = Vec3d::Zero(), to = Vec3d::Zero();             ///< line, level
     int count = 32;                                             ///< line
-    int solid = 0;                                              ///< solid: the place of its [[solid]], from 0
+    int solid = 0;                                              ///< solid, gauge: the place of its [[solid]], from 0
     Vec3d axis_point = Vec3d::Zero(), axis_direction{0, 1, 0};  ///< coil, extent; direction points up, away from the plate
     double height = 0;                                          ///< coil: m above the pile
     Vec3d direction{1, 0, 0};                                   ///< flux, extent; made unit length on reading
-    double radius = 0;                                          ///< flux: m, of a disc; 0: a rectangle
+    double radius = 0;                                          ///< gauge; flux: m, of a disc; 0: a rectangle
     double width = 0, thickness = 0;                            ///< flux: m
     std::filesystem::path compare;                              ///< table of an experiment or a theory; empty: none
 };

@@ -365,9 +365,10 @@ KeyTable probe_keys() {
     KeyTableOf<ProbeKeys> t("a measurement at every frame, in probes/<name>.csv");
     t.key("name", &ProbeKeys::name, "", "of the file").required();
     t.key("kind", &ProbeKeys::kind, "", "what is measured").required();
-    t.key("at", &ProbeKeys::at, "m", "where the fields are interpolated; middle of the opening of a flux")
+    t.key("at", &ProbeKeys::at, "m",
+          "where the fields are interpolated; middle of the opening of a flux, or of a gauge on the surface at the start")
         .required()
-        .only_with("kind", {"point", "flux"});
+        .only_with("kind", {"point", "flux", "gauge"});
     t.key("from", &ProbeKeys::from, "m", "start of the line; of a level: on the floor, or anywhere in the fluid")
         .required()
         .only_with("kind", {"line", "level"});
@@ -378,10 +379,10 @@ KeyTable probe_keys() {
     t.key("expected", &ProbeKeys::expected, "m/s", "velocity that theory expects: the flow is held against it; zero: against nothing")
         .of("txyz")
         .only_with("kind", {"flow"});
-    t.key("solid", &ProbeKeys::solid, "", "whose force is measured: the place of its [[solid]] in the file, from 0")
+    t.key("solid", &ProbeKeys::solid, "", "whose force or pressure is measured: the place of its [[solid]] in the file, from 0")
         .required()
         .at_least(0)
-        .only_with("kind", {"solid"});
+        .only_with("kind", {"solid", "gauge"});
     t.key("axis_point", &ProbeKeys::axis_point, "m", "where the axis meets the plate; front, radius and height are counted from here")
         .only_with("kind", {"coil", "extent"});
     t.key("axis_direction", &ProbeKeys::axis_direction, "", "up, away from the plate").only_with("kind", {"coil", "extent"});
@@ -391,9 +392,9 @@ KeyTable probe_keys() {
     t.key("direction", &ProbeKeys::direction, "", "along which fluid counts as flowing forwards; along which its front moves")
         .required()
         .only_with("kind", {"flux", "extent"});
-    t.key("radius", &ProbeKeys::radius, "m", "of a round opening; in the plane half the length of a line")
+    t.key("radius", &ProbeKeys::radius, "m", "of a round opening or a gauge; in the plane half the length of a line")
         .at_least(0)
-        .only_with("kind", {"flux"});
+        .only_with("kind", {"flux", "gauge"});
     t.key("width", &ProbeKeys::width, "m", "of a rectangular opening, as of an emitter's; in the plane the length of a line")
         .at_least(0)
         .only_with("kind", {"flux"});

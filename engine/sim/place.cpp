@@ -31,8 +31,10 @@ void place_constants(const Scene& scene, const Plan& plan, World& world) {
 
 void place_solids(const Scene& scene, const Plan& plan, World& world) {
     world.solids.domain = world.step.domain;
-    const bool probed =
-        std::any_of(scene.probes.begin(), scene.probes.end(), [](const ProbeKeys& probe) { return probe.kind == ProbeKind::solid; });
+    const auto any_probe = [&](ProbeKind kind) {
+        return std::any_of(scene.probes.begin(), scene.probes.end(), [&](const ProbeKeys& probe) { return probe.kind == kind; });
+    };
+    const bool gauged = any_probe(ProbeKind::gauge), probed = gauged || any_probe(ProbeKind::solid);
     for (const SolidKeys& keys : scene.solids)
         world.solids.all.push_back(solid_of(keys, make_shape(keys.shape))), world.solids.all.back().probed = probed;
     world.solids.set_time(0, scene.time.look_ahead());
@@ -40,6 +42,7 @@ void place_solids(const Scene& scene, const Plan& plan, World& world) {
     world.solid_particles = sample_solids(
         world.solids, world.step.spacing, world.step.domain, plan.kernel, world.step.support,
         [&](std::size_t k) { return scene.place(entry_name("solid", k) + ".shape"); }, scene.time.end);
+    if (gauged) world.solid_particles.pressed.assign(static_cast<std::size_t>(world.solid_particles.size()), Vec3d::Zero());
 }
 
 namespace {

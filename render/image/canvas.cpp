@@ -44,6 +44,7 @@ void Canvas::path(const std::vector<std::array<double, 2>>& points, const Vec3f&
         cairo_set_line_width(to, width);
         cairo_set_line_join(to, CAIRO_LINE_JOIN_ROUND);
         if (dashed) cairo_set_dash(to, &dash, 1, 0);
+        cairo_new_path(to);  // words leave a point behind
         for (const auto& p : points) cairo_line_to(to, p[0], p[1]);
         cairo_stroke(to);
         cairo_set_dash(to, nullptr, 0, 0);

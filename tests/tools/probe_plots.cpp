@@ -104,10 +104,12 @@ TEST_CASE("every probe's table is drawn beside it, with names, units and the exp
     const std::string wave = plot("wave");
     for (const char* words : {"\ntime [s]\n", "height of the surface [10^-3 m]", "\nheight\n", "\nlobovsky\n"})
         CHECK_THAT("\n" + wave, Catch::Contains(words) || Catch::Contains(std::regex_replace(words, std::regex("10\\^-3 "), "")));
-    for (const char* words : {"volume a second [", "m^3/s]", "mass that has passed [", "kg]"}) CHECK_THAT(plot("gate"), Catch::Contains(words));
+    for (const char* words : {"volume a second [", "m^3/s]", "mass that has passed [", "kg]"})
+        CHECK_THAT(plot("gate"), Catch::Contains(words));
     for (const char* words : {"front [", "radius [", "height ["}) CHECK_THAT(plot("reach"), Catch::Contains(words));
     const std::string up = plot("up");
-    for (const char* words : {"\ns [", "velocity_y [", "m/s]", "pressure [Pa]", "t = 0 s", "t = 0.15 s"}) CHECK_THAT(up, Catch::Contains(words));
+    for (const char* words : {"\ns [", "velocity_y [", "m/s]", "pressure [Pa]", "t = 0 s", "t = 0.15 s"})
+        CHECK_THAT(up, Catch::Contains(words));
     // The experiment is drawn: without it the plot is another, and shorter.
     std::ofstream(scratch / "scene.toml") << std::regex_replace(dam, std::regex("compare = .*\n"), "");
     REQUIRE(scratch.render("alone").code == 0);

@@ -36,7 +36,7 @@ void share_choices(std::vector<SceneFile>& panels, const Choose& choose) {
     Extent extent;
     for (const SceneFile& panel : panels) {
         const Simulation start(panel.scene, make_plan(panel.scene));  // an impossible scene ends here, before anything is written
-        check_comparisons(start);
+        check_probes(start);
         if (!wants_range(panel.look) && !wants_extent(panel)) continue;
         const SceneFile chosen = choose ? choose(panel, start) : with_estimates(panel, start);
         const auto range = chosen.look.range;

@@ -182,7 +182,7 @@ std::vector<double> Run::foreseen_frames(const Plan& plan) const {
 
 /// What is chosen for the whole film stands in scene.resolved.toml and thereby in every checkpoint: a resumed film keeps it.
 SceneFile Run::with_choices() const {
-    check_comparisons(simulation_);
+    check_probes(simulation_);
     SceneFile file = with_first_pass(request_.file, simulation_, request_.quiet || request_.json);
     file.look.streak_time = film_streak_time(file.look, simulation_);
     return file;

@@ -67,7 +67,7 @@ void Controls::set_locked(const std::vector<KeyChange>& changes, bool may_undo) 
 
     if (orders_.scene && orders_.scene->simulation) {  // still to begin: begins with these values
         next->simulation = std::make_unique<Simulation>(next->file.scene, next->plan);
-        check_comparisons(*next->simulation);
+        check_probes(*next->simulation);
         orders_.changes.clear();
     } else {
         orders_.changes.insert(orders_.changes.end(), changes.begin(), changes.end());
@@ -153,7 +153,7 @@ bool Controls::try_restart(const Restart& how) {
     for (const KeyChange& c : how.set) kept.insert_or_assign(c.path, c.value);
     next->plan = make_plan(next->file);
     next->simulation = std::make_unique<Simulation>(next->file.scene, next->plan);
-    check_comparisons(*next->simulation);
+    check_probes(*next->simulation);
     if (wants_extent(next->file)) look_at(next->file.camera, foreseen_extent(*next->simulation));
 
     lock.lock();

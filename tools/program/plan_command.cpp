@@ -58,7 +58,7 @@ int plan(const Options& options) {
     const SceneFile file = read_scene_file(options);
     Plan plan = make_plan(file);
     const Simulation simulation(file.scene, plan);
-    check_comparisons(simulation);
+    check_probes(simulation);
     std::optional<SaidLater> said;
     if (!options.json && (!find_calibration(file, plan) || !file.scene.panels.empty()))
         said.emplace("measuring what a step and a picture cost: some moments of the film with larger particles ...");

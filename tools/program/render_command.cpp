@@ -22,7 +22,7 @@ int dry_run(const RunRequest& request) {
     Plan plan = make_plan(request.file);
     plan.warnings = warnings_of(request.file);
     const Simulation simulation(request.file.scene, plan);
-    check_comparisons(simulation);
+    check_probes(simulation);
     const PreviewRun run{request.frames.value_or(frame_count(request.file.scene)), request.folder};
     const Preview preview{.file = request.file, .plan = plan, .simulation = simulation, .run = run};
     request.json ? print_json(preview) : print_text(preview);

@@ -47,7 +47,7 @@ void react(const Surroundings& around, Push kind, Read<field::role> role, Real s
             return one;
         });
         solid.receive(kind, static_cast<double>(scale) * sum);
-        if (kind != Push::pressure || around.layer.pressed.empty()) continue;
+        if (kind == Push::viscous || around.layer.pressed.empty()) continue;
         for (const Index i : near)
             each(i, [&](Index s, const Vec3d&, const Vec3d& push) { around.layer.pressed[s] += static_cast<double>(scale) * push; });
     }

@@ -169,8 +169,9 @@ const std::vector<Case> cases = {
      "0]",
      "bad.toml:14:8: probe[1].name = \"a\" is taken by probe[0]"},
     {"", "[[probe]]\nname = \"a\"\nkind = \"lvl\"",
-     "bad.toml:11:8: probe[0].kind = \"lvl\" is not known; did you mean \"level\"?; allowed: point, line, region, flow, solid, coil, level, "
-     "flux or extent"},
+     "bad.toml:11:8: probe[0].kind = \"lvl\" is not known; did you mean \"level\"?; allowed: point, line, region, flow, solid, coil, "
+     "level, "
+     "flux, extent or gauge"},
     {"", "[[probe]]\nname = \"a\"\nkind = \"level\"\nfrom = [0, 1, 0]\nto = [0, 1, 0]\ncompare = \"none.csv\"",
      "bad.toml:13:6: probe[0].from and probe[0].to are the same point\n"
      "bad.toml:14:11: probe[0].compare: no file \"none.csv\"; it is looked for from the scene file's folder"},
