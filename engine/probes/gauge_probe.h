@@ -12,9 +12,7 @@ namespace whorl {
 class GaugeProbe : public Probe {
 public:
     GaugeProbe(const ProbeKeys& keys, const World& world);
-    ProbeColumns columns() const override {
-        return {{"time", "s", ""}, {"pressure", "Pa", "pressure"}, {"peak", "Pa", "pressure"}};
-    }
+    ProbeColumns columns() const override { return {{"time", "s", ""}, {"pressure", "Pa", "pressure"}, {"peak", "Pa", "pressure"}}; }
     /// Of the surface that is measured [m^2; in two dimensions m]; 0: the solid has none there.
     double area() const { return area_; }
     void after_step(const World& world, double time) override;

@@ -508,3 +508,35 @@ TEST_CASE("the state has theory's frequency and radius beside the coil's, for th
     CHECK(live.wait_for([](const json& s) { return s.at("probes").at("coil").at("theory_frequency").is_null(); }));
     CHECK(live.end().code == 0);
 }
+
+TEST_CASE("the state describes the plots of the probes, with profiles and experiments", "[tools][live][probe]") {
+    const test::ScratchFolder folder;
+    std::ofstream(folder / "top.csv") << "time,height\n0,0.03\n2,0.01\n";
+    LiveProgram live(honey + R"([[probe]]
+name = "top"
+kind = "level"
+from = [0, 0, 0]
+to = [0, 0.04, 0]
+compare = ")" + (folder / "top.csv").string() +
+                     R"("
+[[probe]]
+name = "up"
+kind = "line"
+from = [0, 0, 0]
+to = [0, 0.02, 0]
+count = 5
+)");
+    const json s = live.state();
+    const json& top = s.at("probe_plots").at("top");
+    CHECK(top.at("profile") == false);
+    CHECK(top.at("plots").at(0).at("title") == "height of the surface [m]");
+    CHECK(top.at("plots").at(0).at("curves").at(0) == json({{"column", "height"}, {"label", "height"}, {"dashed", false}}));
+    CHECK(top.at("plots").at(0).at("curves").at(1) == json({{"column", "compare_height"}, {"label", "top"}, {"dashed", true}}));
+    CHECK(s.at("probes").at("top").at("height").get<double>() == Approx(0.02).margin(2e-3));
+    CHECK(s.at("probes").at("top").at("compare_height") == 0.03);
+    CHECK(s.at("probe_plots").at("up").at("profile") == true);
+    CHECK(s.at("profiles").at("up").at("s").size() == 5);
+    CHECK(s.at("profiles").at("up").at("velocity_y").size() == 5);
+    CHECK(live.step().at("probes").at("top").at("compare_height").get<double>() == Approx(0.03 - 0.02 * 0.01));
+    CHECK(live.end().code == 0);
+}

@@ -195,6 +195,37 @@ TEST_CASE("the page draws the coil's frequency and radius with theory's beside t
     CHECK(live.end().code == 0);
 }
 
+TEST_CASE("the page draws what a level, a flux and a line measure, with units", "[live][page][probe]") {
+    if (missing()) return;
+    LiveProgram live(honey + R"([[probe]]
+name = "top"
+kind = "level"
+from = [0, 0, 0]
+to = [0, 0.04, 0]
+[[probe]]
+name = "jet"
+kind = "flux"
+at = [0, 0.04, 0]
+direction = [0, -1, 0]
+radius = 0.01
+[[probe]]
+name = "up"
+kind = "line"
+from = [0, 0, 0]
+to = [0, 0.02, 0]
+)",
+                     {"--unpaced"});
+    Browser browser(1280, 900);
+    browser.open(address(live));
+    CHECK(browser.wait_for("state && state.time > 0.1", 60));
+    for (const char* title :
+         {"top: height of the surface [m]", "jet: volume a second [m^3/s]", "jet: mass that has passed [kg]", "up: velocity_y [m/s]"})
+        CHECK(browser.wait_for("[...document.querySelectorAll('#plots figure')].some(f => f.querySelector('figcaption').textContent == '" +
+                               std::string(title) + "' && f.querySelector('.legend').textContent.match(/[0-9]/))"));
+    CHECK(browser.evaluate("document.querySelector('#plots canvas[aria-label$=\"over s\"]') !== null") == true);
+    CHECK(live.end().code == 0);
+}
+
 // Not a test: the picture of the README (tools/measure.py picture_live).
 TEST_CASE("the page's picture", "[.][page_picture]") {
     const char* file = std::getenv("WHORL_PICTURE");
