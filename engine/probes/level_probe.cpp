@@ -9,9 +9,9 @@ namespace {
 constexpr double level_reach = 3, fine = 4;  ///< spacings that the kernel reaches; places a spacing
 
 double distance_to_solids(const Solids& solids, const Vec3& x) {
-    double least = std::numeric_limits<double>::infinity();
-    for (const Solid& solid : solids.all) least = std::min(least, static_cast<double>(solid.distance(x)));
-    return least;
+    Real distance = 0;
+    solids.nearest(x, distance);
+    return static_cast<double>(distance);
 }
 
 /// w, by the midpoint rule over cubes of a spacing; one that the surface cuts counts in part.
@@ -52,10 +52,13 @@ double LevelProbe::height(const World& world) const {
     double height = 0, before = 0, gap = 0;  // gap: m without fluid or solid
     bool was_in_fluid = false;
     for (int k = 0; k <= last; ++k) {
-        const double more = excess(k);
+        const double distance = distance_to_solids(world.solids, places[static_cast<std::size_t>(k)].cast<Real>());
+        const double more = distance < -d / 2 ? -1 : excess(k);
+        const bool open = distance >= -d / 100;  // a line along a wall is not in the solid
         if (more >= 0) {
-            height = k * step, gap = 0;
-        } else if (distance_to_solids(world.solids, places[static_cast<std::size_t>(k)].cast<Real>()) >= 0) {
+            if (open) height = k * step;
+            gap = 0;
+        } else if (open) {
             if (was_in_fluid) return height + step * before / (before - more);
             gap += step;
             if (gap > d) return height;

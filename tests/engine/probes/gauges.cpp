@@ -109,6 +109,11 @@ TEST_CASE("the level of still water is right on lattices and jittered, in the mi
                 }
                 CHECK(level(world, {1, 0, z}, {1, 0.5, z}) == Approx(0.5));  // the line ends in water
                 CHECK(level(world, {1, depth + 0.5, z}, {1, 4, z}) == 0);    // and begins above it
+                const double thick = dimensions == 2 ? 9 : 2;
+                add_box(world, Vec3d(-1, depth, -thick), Vec3d(3, 9, thick), false);  // full to a ceiling, over a floor of 9 m
+                CHECK(std::abs(level(world, {1, 0, z}, {1, 4, z}) - depth) < tolerance + d / 4);
+                world.solids.all.back() = world.solids.all.front(), world.fluid.resize(0);
+                CHECK(level(world, {1, -3, z}, {1, 4, z}) == 0);  // a dry floor
             }
 }
 
