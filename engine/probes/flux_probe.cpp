@@ -1,20 +1,53 @@
-#include "engine/probes/flux_probe.h"
-
 #include <limits>
 
 #include "engine/core/binary_io.h"
 #include "engine/particles/emitter.h"
+#include "engine/probes/experiments.h"
 
 namespace whorl {
 namespace {
 
-/// Spacings: no step moves a particle further than `step_reach`, so one that was nearer and is beyond `track_reach` was taken away.
-constexpr double step_reach = 3, track_reach = 6;
+class FluxProbe : public Probe {
+public:
+    FluxProbe(const ProbeKeys& keys, const World& world);
+    ProbeColumns columns() const override {
+        return {{"time", "s", ""},
+                {"volume_rate", "m^3/s", "volume a second"},
+                {"mass_rate", "kg/s", "mass a second"},
+                {"volume", "m^3", "volume that has passed"},
+                {"mass", "kg", "mass that has passed"}};
+    }
+    void after_step(const World& world, double time) override;
+    ProbeRows rows(const World& world, double time) override;
+    void save(std::ostream& out) const override { put(out, memory_); }
+    void load(std::istream& in) override {
+        if (!take(in, memory_) || !is_truth(memory_.any_row))
+            throw EnvironmentError("the saved state is none of a flux probe", "", "resume from an older checkpoint");
+    }
 
-}  // namespace
+private:
+    struct Track {
+        Vec3 x, velocity;  ///< m, m/s at the end of the step before
+        long seen = 0;     ///< number of the newest step with the particle; 0: there is none
+    };
+    struct Memory {
+        double passed = 0, passed_at_row = 0, row_time = 0;  ///< particles; s
+        bool any_row = false;
+    };
+    Vec3d place(const Domain& domain, const Vec3& x) const { return axes_ * domain.minimum_image(x - centre_).cast<double>(); }
+    void follow(const World& world, bool count);
+    int crossing(const StepContext& step, const Vec3& from, const Vec3& to) const;
+
+    Vec3 centre_;
+    Mat3d axes_;  ///< rows: along the opening, along it, across it
+    double radius_, half_width_, half_thickness_;
+    std::vector<Track> tracks_;  ///< by the particle's number
+    long step_ = 0;
+    Memory memory_;
+};
 
 FluxProbe::FluxProbe(const ProbeKeys& keys, const World& world)
-    : centre_(keys.at), radius_(keys.radius), half_width_(keys.width / 2), half_thickness_(keys.thickness / 2) {
+    : centre_(keys.at.cast<Real>()), radius_(keys.radius), half_width_(keys.width / 2), half_thickness_(keys.thickness / 2) {
     EmitterShape opening;
     opening.plane = world.step.dimensions() == 2;
     opening.direction = keys.direction.cast<Real>();
@@ -22,62 +55,44 @@ FluxProbe::FluxProbe(const ProbeKeys& keys, const World& world)
     opening_axes(opening, width, thickness);
     axes_.row(0) = width.cast<double>(), axes_.row(1) = thickness.cast<double>(), axes_.row(2) = keys.direction;
     if (opening.plane) half_thickness_ = std::numeric_limits<double>::infinity();
-    tracks_ = near_opening(world, track_reach);
+    follow(world, false);
 }
 
-/// From a place, in the opening's axes, to the opening [m].
-double FluxProbe::distance(const Vec3d& place) const {
-    if (radius_ > 0) return std::hypot(std::max(0.0, place.head<2>().norm() - radius_), place.z());
-    return Vec3d(std::max(0.0, std::abs(place.x()) - half_width_), std::max(0.0, std::abs(place.y()) - half_thickness_), place.z()).norm();
+/// +1 or -1 if the path between two positions crosses the opening.
+int FluxProbe::crossing(const StepContext& step, const Vec3& from, const Vec3& to) const {
+    const Vec3d a = place(step.domain, from), b = place(step.domain, to);
+    Vec3d end = a + axes_ * step.domain.minimum_image(to - from).cast<double>();
+    // The very number that the next path begins with, unless the particle went round a periodic domain.
+    if (std::abs(end.z() - b.z()) < static_cast<double>(step.spacing) / 100) end.z() = b.z();
+    if ((a.z() >= 0) == (end.z() >= 0)) return 0;
+    const Vec3d met = a + a.z() / (a.z() - end.z()) * (end - a);
+    const Vec3d at = place(step.domain, centre_ + (axes_.transpose() * met).cast<Real>());
+    const bool through = radius_ > 0 ? at.head<2>().norm() <= radius_
+                                     : at.x() >= -half_width_ && at.x() < half_width_ && at.y() >= -half_thickness_ && at.y() < half_thickness_;
+    return !through ? 0 : end.z() >= 0 ? 1 : -1;
 }
 
-FluxProbe::Tracks FluxProbe::near_opening(const World& world, double reach) const {
+void FluxProbe::follow(const World& world, bool count) {
     const auto x = world.fluid.column<field::position>();
     const auto u = world.fluid.column<field::velocity>();
     const auto id = world.fluid.column<field::id>();
-    const double most = reach * static_cast<double>(world.step.spacing);
-    Tracks tracks;
-    for (std::size_t k = 0; k < x.size(); ++k) {
-        const Vec3d place = axes_ * world.step.domain.minimum_image(x[k] - centre_.cast<Real>()).cast<double>();
-        if (distance(place) < most) tracks.emplace(id[k], Track{x[k].cast<double>(), place, axes_ * u[k].cast<double>()});
-    }
-    return tracks;
-}
-
-/// +1 or -1 if the path between two places, in the opening's axes, crosses the opening.
-int FluxProbe::crossing(const Domain& domain, const Vec3d& from, const Vec3d& to) const {
-    const bool was_beyond = from.z() >= 0, is_beyond = to.z() >= 0;
-    if (was_beyond == is_beyond) return 0;
-    const Vec3d at = from + from.z() / (from.z() - to.z()) * (to - from);
-    const Vec3d place = axes_ * domain.minimum_image((axes_.transpose() * at).cast<Real>()).cast<double>();
-    const bool through =
-        radius_ > 0 ? place.head<2>().norm() <= radius_
-                    : place.x() >= -half_width_ && place.x() < half_width_ && place.y() >= -half_thickness_ && place.y() < half_thickness_;
-    return !through ? 0 : is_beyond ? 1 : -1;
-}
-
-void FluxProbe::after_step(const World& world, double) {
-    const Domain& domain = world.step.domain;
-    const double spacing = static_cast<double>(world.step.spacing), dt = static_cast<double>(world.step.dt);
     const auto role = roles(world);
-    Tracks now = near_opening(world, track_reach);
-    const auto id = world.fluid.column<field::id>();
-    if (!role.empty())
-        for (std::size_t k = 0; k < id.size(); ++k)
-            if (in_nozzle(role, k)) tracks_.erase(id[k]);  // its path so far lies inside
-    for (const auto& [number, before] : tracks_) {
-        if (const auto found = now.find(number); found != now.end()) {
-            const Vec3d moved = axes_ * domain.minimum_image((found->second.x - before.x).cast<Real>()).cast<double>();
-            Vec3d to = before.place + moved;
-            // The very number that the next path begins with, unless the particle went round a periodic domain.
-            if (std::abs(to.z() - found->second.place.z()) < spacing / 100) to.z() = found->second.place.z();
-            memory_.passed += crossing(domain, before.place, to);
-        } else if (distance(before.place) < step_reach * spacing) {
-            memory_.passed += crossing(domain, before.place, before.place + dt * before.velocity);
-        }
+    ++step_;
+    for (std::size_t k = 0; k < x.size(); ++k) {
+        const auto number = static_cast<std::size_t>(id[k]);
+        if (number >= tracks_.size()) tracks_.resize(number + 1);
+        Track& track = tracks_[number];
+        if (count && track.seen > 0 && !in_nozzle(role, k)) memory_.passed += crossing(world.step, track.x, x[k]);
+        track = {x[k], u[k], step_};
     }
-    tracks_ = std::move(now);
+    for (Track& track : tracks_) {
+        if (track.seen == 0 || track.seen == step_) continue;
+        memory_.passed += crossing(world.step, track.x, track.x + world.step.dt * track.velocity);
+        track.seen = 0;  // taken away
+    }
 }
+
+void FluxProbe::after_step(const World& world, double) { follow(world, true); }
 
 ProbeRows FluxProbe::rows(const World& world, double time) {
     const double mass = static_cast<double>(world.step.mass), volume = static_cast<double>(world.step.volume);
@@ -87,11 +102,8 @@ ProbeRows FluxProbe::rows(const World& world, double time) {
     return {{time, volume * rate, mass * rate, volume * memory_.passed, mass * memory_.passed}};
 }
 
-void FluxProbe::save(std::ostream& out) const { put(out, memory_); }
+}  // namespace
 
-void FluxProbe::load(std::istream& in) {
-    if (!take(in, memory_) || !is_truth(memory_.any_row))
-        throw EnvironmentError("the saved state is none of a flux probe", "", "resume from an older checkpoint");
-}
+std::unique_ptr<Probe> make_flux_probe(const ProbeKeys& keys, const World& world) { return std::make_unique<FluxProbe>(keys, world); }
 
 }  // namespace whorl

@@ -1,12 +1,22 @@
-#include "engine/probes/level_probe.h"
-
 #include "engine/math/kernel.h"
+#include "engine/probes/experiments.h"
 #include "engine/probes/interpolation.h"
 
 namespace whorl {
 namespace {
 
-constexpr double level_reach = 3, fine = 4;  ///< spacings that the kernel reaches; places a spacing
+constexpr double level_reach = 3, level_places = 4;  ///< spacings that the kernel reaches; places a spacing
+
+class LevelProbe : public Probe {
+public:
+    explicit LevelProbe(const ProbeKeys& keys) : from_(keys.from), to_(keys.to) {}
+    ProbeColumns columns() const override { return {{"time", "s", ""}, {"height", "m", "height of the surface"}}; }
+    ProbeRows rows(const World& world, double time) override { return {{time, height(world)}}; }
+
+private:
+    double height(const World& world) const;
+    Vec3d from_, to_;
+};
 
 double distance_to_solids(const Solids& solids, const Vec3& x) {
     Real distance = 0;
@@ -14,7 +24,7 @@ double distance_to_solids(const Solids& solids, const Vec3& x) {
     return static_cast<double>(distance);
 }
 
-/// w, by the midpoint rule over cubes of a spacing; one that the surface cuts counts in part.
+/// Solids' share of the kernel, by the midpoint rule over cubes of a spacing; one that the surface cuts counts in part.
 double solid_share(const World& world, const Vec3& x, const WendlandC2Kernel& W) {
     const Real d = world.step.spacing;
     double all = 0, solid = 0;
@@ -27,36 +37,33 @@ double solid_share(const World& world, const Vec3& x, const WendlandC2Kernel& W)
     return solid / all;
 }
 
-}  // namespace
-
 double LevelProbe::height(const World& world) const {
     const auto x = world.fluid.column<field::position>();
     const auto role = roles(world);
     const double d = static_cast<double>(world.step.spacing), length = (to_ - from_).norm();
     const WendlandC2Kernel W(static_cast<Real>(level_reach) * world.step.spacing, world.step.dimensions());
-    const int last = std::max(1, static_cast<int>(std::ceil(fine * length / d)));
+    const int last = std::max(1, static_cast<int>(std::ceil(level_places * length / d)));
     std::vector<Vec3d> places;
     for (int k = 0; k <= last; ++k) places.push_back(from_ + (to_ - from_) * k / last);
     const std::vector<std::vector<Index>> near = particles_near(world, places, level_reach * d);
-    /// c - (1 - w)/2 at a place
-    const auto excess = [&](int k) {
-        const auto place = places[static_cast<std::size_t>(k)].cast<Real>();
+    /// The fluid's share of the volume, less half of what solids leave free.
+    const auto excess = [&](std::size_t k, double distance) {
+        const auto place = places[k].cast<Real>();
         double share = 0;
-        for (const Index j : near[static_cast<std::size_t>(k)])
+        for (const Index j : near[k])
             if (!in_nozzle(role, static_cast<std::size_t>(j)))
                 share += static_cast<double>(world.step.volume * W.value(world.step.domain.minimum_image(x[j] - place).norm()));
-        const bool beside = distance_to_solids(world.solids, place) < level_reach * d;
-        return share - 0.5 * (1 - (beside ? solid_share(world, place, W) : 0));
+        return share - 0.5 * (1 - (distance < level_reach * d ? solid_share(world, place, W) : 0));
     };
     const double step = length / last;
     double height = 0, before = 0, gap = 0;  // gap: m without fluid or solid
     bool was_in_fluid = false;
-    for (int k = 0; k <= last; ++k) {
-        const double distance = distance_to_solids(world.solids, places[static_cast<std::size_t>(k)].cast<Real>());
-        const double more = distance < -d / 2 ? -1 : excess(k);
+    for (std::size_t k = 0; k < places.size(); ++k) {
+        const double distance = distance_to_solids(world.solids, places[k].cast<Real>());
+        const double more = distance < -d / 2 ? -1 : excess(k, distance);
         const bool open = distance >= -d / 100;  // a line along a wall is not in the solid
         if (more >= 0) {
-            if (open) height = k * step;
+            if (open) height = static_cast<double>(k) * step;
             gap = 0;
         } else if (open) {
             if (was_in_fluid) return height + step * before / (before - more);
@@ -68,6 +75,8 @@ double LevelProbe::height(const World& world) const {
     return height;
 }
 
-ProbeRows LevelProbe::rows(const World& world, double time) { return {{time, height(world)}}; }
+}  // namespace
+
+std::unique_ptr<Probe> make_level_probe(const ProbeKeys& keys) { return std::make_unique<LevelProbe>(keys); }
 
 }  // namespace whorl

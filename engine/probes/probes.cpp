@@ -5,12 +5,9 @@
 #include "engine/core/parallel.h"
 #include "engine/io/columns.h"
 #include "engine/probes/coil_probe.h"
-#include "engine/probes/extent_probe.h"
+#include "engine/probes/experiments.h"
 #include "engine/probes/flow_probe.h"
-#include "engine/probes/flux_probe.h"
-#include "engine/probes/gauge_probe.h"
 #include "engine/probes/interpolation.h"
-#include "engine/probes/level_probe.h"
 #include "engine/probes/solid_probe.h"
 
 namespace whorl {
@@ -108,10 +105,10 @@ std::unique_ptr<Probe> make_probe(const ProbeKeys& keys, const World& world, The
         case ProbeKind::flow: return std::make_unique<FlowProbe>(keys);
         case ProbeKind::solid: return std::make_unique<SolidProbe>(keys);
         case ProbeKind::coil: return std::make_unique<CoilProbe>(keys, search);
-        case ProbeKind::level: return std::make_unique<LevelProbe>(keys);
-        case ProbeKind::flux: return std::make_unique<FluxProbe>(keys, world);
-        case ProbeKind::gauge: return std::make_unique<GaugeProbe>(keys, world);
-        case ProbeKind::extent: return std::make_unique<ExtentProbe>(keys);
+        case ProbeKind::level: return make_level_probe(keys);
+        case ProbeKind::flux: return make_flux_probe(keys, world);
+        case ProbeKind::gauge: return make_gauge_probe(keys, world);
+        case ProbeKind::extent: return make_extent_probe(keys);
         case ProbeKind::point: return std::make_unique<PointsProbe>(std::vector<Vec3d>{keys.at}, false, world);
         case ProbeKind::line: break;
     }

@@ -21,6 +21,8 @@ public:
     virtual ProbeColumns columns() const = 0;
     /// The column that diagrams run along: the time, or a place of which every frame has several.
     virtual std::size_t along() const { return 0; }
+    /// Why it cannot measure; "" if it can.
+    virtual std::string fault() const { return ""; }
     /// Tells the probe the present scene, before the rows of every frame.
     virtual void set_scene(const Scene&, const Plan&) {}
     /// Sees every step, after it was made; `time` is the step's end [s].
@@ -46,10 +48,7 @@ inline bool in_nozzle(Span<const std::int16_t> role, std::size_t k) { return !ro
 ///   flow    see flow_probe.h
 ///   solid   see solid_probe.h
 ///   coil    see coil_probe.h
-///   gauge   see gauge_probe.h
-///   level   see level_probe.h
-///   flux    see flux_probe.h
-///   extent  see extent_probe.h
+///   level, flux, extent, gauge  see experiments.h
 /// Point and line interpolate as interpolation.h says.
 std::unique_ptr<Probe> make_probe(const ProbeKeys& keys, const World& world, TheorySearch search = TheorySearch::wait);
 

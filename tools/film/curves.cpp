@@ -48,34 +48,17 @@ void draw_ticks(Canvas& canvas, const CurveAxes& axes, const Ticks& up, const Ti
 }
 
 void draw_curve(Canvas& canvas, const CurveAxes& axes, const Curve& curve, double until, const Vec3f& colour, double width) {
-    using Points = std::vector<std::array<double, 2>>;
-    Points path, column;
-    const auto end_column = [&] {
-        if (column.empty()) return;
-        const auto [top, bottom] =
-            std::minmax_element(column.begin(), column.end(), [](const auto& a, const auto& b) { return a[1] < b[1]; });
-        std::vector<std::size_t> kept{0, static_cast<std::size_t>(top - column.begin()), static_cast<std::size_t>(bottom - column.begin()),
-                                      column.size() - 1};
-        std::sort(kept.begin(), kept.end());
-        kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
-        for (const std::size_t k : kept) path.push_back(column[k]);
-        column.clear();
-    };
+    std::vector<std::array<double, 2>> path;
     const auto end_path = [&] {
-        end_column();
         if (curve.style == Curve::Style::dots)
             for (const auto& p : path) canvas.disc(p[0], p[1], 1.5 * width, colour);
         else canvas.path(path, colour, width, curve.style == Curve::Style::dashed);
         path.clear();
     };
     for (std::size_t k = 0; k < curve.x.size() && curve.x[k] <= until; ++k) {
-        if (!std::isfinite(curve.y[k])) {
-            end_path();
-            continue;
-        }
         const std::array<double, 2> p{axes.x(curve.x[k]), axes.y(curve.y[k])};
-        if (!column.empty() && std::floor(column.back()[0]) != std::floor(p[0])) end_column();
-        column.push_back(p);
+        if (!std::isfinite(p[1])) end_path();
+        else if (path.empty() || std::hypot(p[0] - path.back()[0], p[1] - path.back()[1]) > 0.5) path.push_back(p);
     }
     end_path();
 }

@@ -35,7 +35,7 @@ struct CurveAxes {
 /// Lines across the axes with their numbers, and the numbers below. @param text size of the font [pixels]
 void draw_ticks(Canvas& canvas, const CurveAxes& axes, const Ticks& up, const Ticks& along, double text, const Vec3f& ink,
                 const Vec3f& pale);
-/// The part of the curve up to x = `until`: in each column of pixels no more than its ends and its extremes.
+/// The part of the curve up to x = `until`; of points within half a pixel one.
 void draw_curve(Canvas& canvas, const CurveAxes& axes, const Curve& curve, double until, const Vec3f& colour, double width);
 
 struct CurvePlot {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "engine/io/csv.h"
 #include "tools/film/curves.h"
@@ -13,23 +14,22 @@ namespace {
 
 using Rows = std::vector<std::vector<double>>;
 
-/// Rows of the table, by frames if each has several: then those of four frames or more, evenly spaced, and of the last.
+/// Rows of the table; if each frame has several, those of five frames, evenly spaced, by frames.
 std::vector<Rows> frames_of(const std::filesystem::path& table, bool several) {
+    if (!several) return {read_csv(table).rows};
     constexpr std::size_t most = 5;
-    std::vector<Rows> frames(1);
-    std::size_t count = 0, stride = 1;
-    read_csv(table, [&](const std::vector<double>& row) {
-        if (several && (count == 0 || row[0] != frames.back().back()[0])) {
-            if (count > 0 && (count - 1) % stride != 0) frames.pop_back();
-            if (frames.size() == most) {
-                stride *= 2;
-                for (std::size_t k = 1; k < frames.size(); ++k) frames.erase(frames.begin() + static_cast<std::ptrdiff_t>(k));
-            }
-            if (count++ > 0) frames.emplace_back();
-        }
-        frames.back().push_back(row);
+    std::vector<double> times;
+    read_csv(table, [&](const auto& row) {
+        if (times.empty() || times.back() != row[0]) times.push_back(row[0]);
     });
-    return frames;
+    std::map<double, Rows> frames;
+    for (std::size_t k = 0; k < most && !times.empty(); ++k) frames[times[k * (times.size() - 1) / (most - 1)]];
+    read_csv(table, [&](const auto& row) {
+        if (const auto found = frames.find(row[0]); found != frames.end()) found->second.push_back(row);
+    });
+    std::vector<Rows> all;
+    for (auto& [time, rows] : frames) all.push_back(std::move(rows));
+    return all;
 }
 
 Curve curve_of(const std::string& label, const Rows& rows, std::size_t x, std::size_t y) {
@@ -56,7 +56,7 @@ Canvas plot_of_table(const std::string& title, const Probe& probe, const std::fi
         CurvePlot plot{columns[along].name, columns[along].unit, one.title, one.unit, {}};
         for (const ProbePlot::Curve& c : one.curves)
             for (std::size_t n = 0; n < frames.size(); ++n) {
-                const bool labelled = along != 0 && !frames[n].empty();
+                const bool labelled = along != 0;
                 Curve curve = curve_of(labelled ? fmt::format("t = {:.4g} s", frames[n][0][0]) : c.label, frames[n], along, c.column);
                 if (!shows(curve, one.curves.size() > 1)) continue;
                 curve.style = c.theory ? Curve::Style::dashed : Curve::Style::line;
