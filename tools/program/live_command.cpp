@@ -115,7 +115,7 @@ const char* const endpoints =
     "With another --host than 127.0.0.1, every request needs the token that the address shows (?token=..., or Authorization: Bearer ...).\n"
     "\n"
     "For programs (JSON):\n"
-    "  GET  /state           time, frame, particles, every live key's value, ms by stage, energies, iterations, probes\n"
+    "  GET  /state           time, frame, particles, every live key's value, ms by stage, energies, iterations, probes and their plots\n"
     "  GET  /keys            every key with unit, range and meaning; whether it may change while the run goes on; the models and why\n"
     "  POST /set             {\"fluid.viscosity\": 500, \"emitter[0].speed\": \"0.2+0.1*sin(6*t)\"}: all or nothing; 400 with the reason\n"
     "  POST /control         {\"do\": \"pause\"}, play, step, undo, record, stop_recording, restart\n"
