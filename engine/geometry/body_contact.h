@@ -1,5 +1,9 @@
 #pragma once
-/// Free bodies touch each other and the other solids.
+/// Free bodies touch each other and the other solids (docs/physics.md 7).
+#include <Eigen/SparseCholesky>
+#include <memory>
+#include <vector>
+
 #include "engine/geometry/domain.h"
 #include "engine/geometry/solids.h"
 
@@ -9,16 +13,87 @@ namespace whorl {
 struct ContactStep {
     double dt = 0;       ///< s
     double spacing = 0;  ///< m, between the particles of the layers
+    double gravity = 0;  ///< m/s^2, its size
     Domain domain;
     double clearance = 0;  ///< m: bodies come no nearer than this to other solids; those that are nearer may stay
 };
 
-/// Changes the velocities of the free bodies so that none gets into another solid by the end of the step. At each place of contact
-///   v_n >= -gap/dt        v_n: the normal part of the relative velocity there.
-/// A place of contact is looked for from each particle of a body's layer near the other solid: down along the body's surface to where it
-/// is deepest. Impulses there are equal and opposite, so momentum and angular momentum stay; Coulomb friction holds. They are found one
-/// after the other in a fixed order, over and over (projected Gauss-Seidel). Overlaps are pushed apart by a fifth a step. A body bounces
-/// where it comes faster than free fall over a spacing.
-void resolve_contacts(Solids& solids, const SolidParticles& layer, const ContactStep& step, double gravity);
+/// Velocity of the centre and angular velocity of each free body, one after the other [m/s, rad/s]; or force and torque about the centre.
+using BodyVector = Eigen::VectorXd;
+BodyVector velocities_of(const Solids& solids);
+
+/// Contact as a law for the bodies' velocities, to be held by whatever solve moves them. At each place of contact
+///   v_n >= -gap/dt,   impulse_n >= 0,   one of them an equality,   |impulse_t| <= friction impulse_n, opposite to v_t where equal
+/// with v_n and v_t the parts of the relative velocity there. A place of contact is looked for from each particle of a body's layer near the
+/// other solid: down along the body's surface to where it is deepest. Impulses are equal and opposite, so momentum and angular momentum
+/// stay. They are found one after the other in a fixed order, over and over (projected Gauss-Seidel). Overlaps are pushed apart by a fifth a
+/// step. A body bounces where it comes faster than free fall over a spacing.
+class BodyContacts {
+public:
+    /// Finds the places of contact of a step that begins with the bodies' velocities as they are.
+    void find(const Solids& solids, const SolidParticles& layer, const ContactStep& step);
+    bool empty() const { return points_.empty(); }
+    /// What contact makes of velocities that the bodies would have without it.
+    BodyVector velocities(const BodyVector& free);
+    /// From now on change() holds the contacts that pressed in the last velocities(), and sticks where they stuck.
+    void hold();
+    /// M^-1 f - M^-1 J^T (J M^-1 J^T)^-1 J M^-1 f: how f changes velocities() [m/s, rad/s]. J v are the velocities at the held contacts, M
+    /// masses and tensors of inertia. Symmetric, positive semi-definite.
+    /// @param impulses N s, N m s
+    BodyVector change(const BodyVector& impulses) const;
+    BodyVector free_change(const BodyVector& impulses) const { return lightness_ * impulses; }
+    /// Gives the bodies the velocities that contact makes of theirs, which may hold the impulses of an earlier call.
+    void resolve(Solids& solids);
+
+private:
+    /// A place on the surface of body `a` at the surface of solid `b`.
+    struct Point {
+        std::size_t a, b;
+        Vec3d normal;                        ///< from b to a
+        Vec3d arm_a, arm_b = Vec3d::Zero();  ///< from the centres [m]; arm_b: where b is free
+        Vec3d wall = Vec3d::Zero();          ///< m/s, of b, where it is not
+        double softness = 0;                 ///< 1/kg, along the normal
+        Vec3d place;                         ///< m
+        double gap = 0;                      ///< m
+        double wanted = 0;                   ///< m/s, the least v_n
+        double friction = 0;
+        Vec3d impulse = Vec3d::Zero(), given = Vec3d::Zero();  ///< on a [kg m/s]; that the body has from resolve()
+    };
+    /// A body while impulses act on it; of other solids nothing moves.
+    struct Moving {
+        Vec3d velocity = Vec3d::Zero(), turning = Vec3d::Zero();  ///< m/s, rad/s
+        double lightness = 0;                                     ///< 1/kg
+        Mat3d inverse_inertia = Mat3d::Zero();
+        Eigen::Index slot = -1;  ///< where a BodyVector has it
+        void push(const Vec3d& impulse, const Vec3d& arm) { velocity += lightness * impulse, turning += inverse_inertia * arm.cross(impulse); }
+        /// How fast it moves along n at the arm for an impulse of 1 along it [1/kg].
+        double softness(const Vec3d& arm, const Vec3d& n) const {
+            const Vec3d torque = arm.cross(n);
+            return lightness + torque.dot(inverse_inertia * torque);
+        }
+    };
+
+    void look_from(const Solids& solids, const SolidParticles& layer, std::size_t a, std::size_t b, Index s, const Vec3d& image);
+    /// Of the points from `first` on, which are of one pair of solids, leaves those of each face that bound it, and the deepest: a face is
+    /// flat, so the others hold where these do.
+    void thin(std::size_t first);
+    Vec3d deepest(const Solid& a, const Solid& b, const Vec3d& image, const Vec3d& start) const;
+    void want(const Solids& solids);
+    Vec3d relative(const Point& p) const;
+    /// Of the two together.
+    double softness(const Point& p, const Vec3d& n) const { return moving_[p.a].softness(p.arm_a, n) + moving_[p.b].softness(p.arm_b, n); }
+    void push(Point& p, const Vec3d& impulse);
+    double push_apart(Point& p);
+    double hold_back(Point& p);
+    /// Adds the independent ones of the velocities that points first to last, of one pair of solids, hold at rest to J.
+    void add_rows(std::size_t first, std::size_t last, std::vector<Eigen::Triplet<double>>& J) const;
+
+    ContactStep step_;
+    std::vector<Moving> moving_;  ///< by solid
+    Eigen::Index slots_ = 0;
+    std::vector<Point> points_;  ///< in the order of the pairs of solids
+    Eigen::SparseMatrix<double> lightness_, held_;                ///< M^-1; J M^-1
+    std::shared_ptr<Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>> between_;  ///< J M^-1 J^T
+};
 
 }  // namespace whorl

@@ -331,7 +331,7 @@ private:
     }
     void moves() {
         stage("move", "move", Move{});
-        if (bodies_) stage("motion of bodies", "bodies", MoveBodies{});
+        if (bodies_) stage("motion of bodies", "bodies", MoveBodies{!(constraint_ && plan_.pressure == PressureModel::ppe)});
     }
     void at_solids() {
         made_.stages.push_back(move_solids());

@@ -1,7 +1,5 @@
 #include "engine/models/bodies/body_motion.h"
 
-#include "engine/geometry/body_contact.h"
-
 namespace whorl {
 
 void KickBodies::operator()(const Surroundings& around) const {
@@ -13,13 +11,17 @@ void KickBodies::operator()(const Surroundings& around) const {
 
 void MoveBodies::operator()(const Surroundings& around) const {
     const StepContext& step = around.step;
-    ContactStep how;
-    how.dt = static_cast<double>(step.dt);
-    how.spacing = static_cast<double>(step.spacing);
-    how.domain = step.domain;
-    resolve_contacts(around.solids, around.layer, how, static_cast<double>(step.gravity.norm()));
+    if (touch) {
+        BodyContacts contacts;
+        contacts.find(around.solids, around.layer, contact_step(step));
+        contacts.resolve(around.solids);
+    }
     for (Solid& solid : around.solids.all)
         if (solid.body) solid.body->move(static_cast<double>(step.dt));
+}
+
+ContactStep contact_step(const StepContext& step, double clearance) {
+    return {static_cast<double>(step.dt), static_cast<double>(step.spacing), static_cast<double>(step.gravity.norm()), step.domain, clearance};
 }
 
 double lightness(const Solids& solids, const SolidParticles& layer, Real mass) {

@@ -1,5 +1,6 @@
 #pragma once
 /// The frame of a free body's step, beside that of the particles (models/motion/motion.h): KickBodies after Kick, MoveBodies after Move.
+#include "engine/geometry/body_contact.h"
 #include "engine/particles/surroundings.h"
 
 namespace whorl {
@@ -9,11 +10,14 @@ struct KickBodies {
     void operator()(const Surroundings& around) const;
 };
 
-/// Contacts (geometry/body_contact.h), then x += dt u, and the turning by the angular momentum. Poses follow with the next
-/// Solids::set_time().
+/// x += dt u, and the turning by the angular momentum; poses follow with the next Solids::set_time(). Before that contacts, unless the
+/// pressure's solve has held them (BodyRows).
 struct MoveBodies {
+    bool touch = true;
     void operator()(const Surroundings& around) const;
 };
+
+ContactStep contact_step(const StepContext& step, double clearance = 0);
 
 /// Least mass of a free body over that of the fluid that touches it (a particle of fluid for each of its layer's); 1 or more: 1. What acts
 /// explicitly moves fluid and body in turn, so the lighter of the two bounds the step.

@@ -1,6 +1,7 @@
 #include "engine/models/pressure/body_rows.h"
 
 #include "engine/core/parallel.h"
+#include "engine/models/bodies/body_motion.h"
 #include "engine/models/bodies/reaction.h"
 
 namespace whorl {
@@ -11,6 +12,8 @@ void BodyRows::build(const WallImage& wall, const Surroundings& around, Span<con
     bodies_.clear();
     mass_ = static_cast<double>(step.mass);
     if (!around.solids.any_free()) return;
+    contacts_.find(around.solids, layer, contact_step(step));
+    start_ = velocities_of(around.solids);
     const std::vector<Index> near = particles_at_bodies(around);
     for (std::size_t k = 0; k < around.solids.all.size(); ++k) {
         if (!around.solids.all[k].body) continue;
@@ -51,29 +54,55 @@ Wrench BodyRows::transposed(const Body& body, Span<const Real> q) const {
     });
 }
 
-void BodyRows::add_product(Span<const Real> q, Span<const char> wanted, Span<Real> rate) const {
-    for (const Body& body : bodies_) {
-        const Wrench sum = transposed(body, q);
-        const Vec3 velocity = (body.mass_ratio * sum.force).cast<Real>(), turning = (body.turning_ratio * sum.torque).cast<Real>();
-        parallel_for(static_cast<Index>(body.touches.size()), [&](Index e) {
-            const Touch& t = body.touches[e];
+BodyVector BodyRows::impulses(Span<const Real> q) const {
+    BodyVector all(start_.size());
+    for (std::size_t k = 0; k < bodies_.size(); ++k) {
+        const Wrench sum = mass_ * transposed(bodies_[k], q);
+        all.segment<6>(static_cast<Eigen::Index>(6 * k)) << sum.force, sum.torque;
+    }
+    return all;
+}
+
+void BodyRows::add_rates_of(const BodyVector& v, Span<const char> wanted, Span<Real> rate) const {
+    for (std::size_t k = 0; k < bodies_.size(); ++k) {
+        const auto twist = v.segment<6>(static_cast<Eigen::Index>(6 * k)).cast<Real>();
+        const Vec3 velocity = twist.head<3>(), turning = twist.tail<3>();
+        parallel_for(static_cast<Index>(bodies_[k].touches.size()), [&](Index e) {
+            const Touch& t = bodies_[k].touches[e];
             if (wanted[t.particle]) rate[t.particle] += t.h.dot(velocity + turning.cross(t.arm));
         });
     }
 }
 
-void BodyRows::push(Span<const Real> q, Solids& solids) const {
-    for (const Body& body : bodies_) solids.all[body.solid].receive(Push::pressure, mass_ * transposed(body, q));
+void BodyRows::add_product(Span<const Real> q, Span<const char> wanted, Span<Real> rate) const {
+    add_rates_of(contacts_.change(impulses(q)), wanted, rate);
 }
 
-std::vector<Pose> BodyRows::poses_after(Span<const Real> q, const Solids& solids) const {
+BodyVector BodyRows::velocities_after(Span<const Real> q) {
+    return contacts_.velocities(start_ + contacts_.free_change(impulses(q)));
+}
+
+void BodyRows::add_rates(Span<const Real> q, Span<const char> wanted, Span<Real> rate) {
+    const BodyVector v = velocities_after(q);
+    contacts_.hold();
+    add_rates_of(v - start_, wanted, rate);
+}
+
+void BodyRows::push(Span<const Real> q, Solids& solids) {
+    for (const Body& body : bodies_) solids.all[body.solid].receive(Push::pressure, mass_ * transposed(body, q));
+    contacts_.resolve(solids);
+}
+
+std::vector<Pose> BodyRows::poses_after(Span<const Real> q, const Solids& solids) {
+    const BodyVector v = velocities_after(q);
     std::vector<Pose> poses;
     poses.reserve(solids.all.size());
     for (const Solid& solid : solids.all) poses.push_back(solid.pose);
-    for (const Body& body : bodies_) {
-        RigidBody state = *solids.all[body.solid].body;
-        state.push(mass_ * transposed(body, q));
-        poses[body.solid] = state.pose();
+    for (std::size_t k = 0; k < bodies_.size(); ++k) {
+        RigidBody state = *solids.all[bodies_[k].solid].body;
+        state.velocity = v.segment<3>(static_cast<Eigen::Index>(6 * k));
+        state.spin_at(v.segment<3>(static_cast<Eigen::Index>(6 * k) + 3));
+        poses[bodies_[k].solid] = state.pose();
     }
     return poses;
 }

@@ -1,5 +1,6 @@
 #pragma once
 /// The columns of D (density_rate.h) that belong to free bodies: their velocities are unknowns of the same solve.
+#include "engine/geometry/body_contact.h"
 #include "engine/models/pressure/density_rate.h"
 #include "engine/particles/surroundings.h"
 
@@ -11,22 +12,23 @@ namespace whorl {
 /// at x_i. The transpose pushes the body at x_i with what it pushes i: momentum and angular momentum of both stay. In A = D M^-1 D^T a body
 /// adds six directions, of the weight of a particle's mass over its own: however light it is, A stays symmetric and positive semi-definite,
 /// and the step stable.
+///
+/// Contact is part of the solve: after a pressure q the bodies have the velocities v(q) = C(v - M_b^-1 m D_b^T q), C the law of
+/// geometry/body_contact.h. C is linear as long as the same contacts press and stick, so an active set of contacts goes with that of pressures:
+/// add_rates() applies C and notes which contacts hold, add_product() takes them as bound.
 class BodyRows {
 public:
-    /// Velocity of the centre and angular velocity.
-    struct Twist {
-        Vec3 velocity, turning;
-    };
-
     /// @param D built; its diagonal gets the bodies' share
     void build(const WallImage& wall, const Surroundings& around, Span<const Real> rho, DensityRate& D);
     bool empty() const { return bodies_.empty(); }
-    /// Adds D_b M_b^-1 m D_b^T q to `rate` where wanted.
+    /// Adds D_b M_b^-1 m D_b^T q to `rate` where wanted, M_b^-1 with the contacts that held in the last add_rates().
     void add_product(Span<const Real> q, Span<const char> wanted, Span<Real> rate) const;
-    /// The bodies' part of u -= M^-1 D^T q.
-    void push(Span<const Real> q, Solids& solids) const;
-    /// The poses of all solids, the bodies' with the velocities after that part.
-    std::vector<Pose> poses_after(Span<const Real> q, const Solids& solids) const;
+    /// Adds D_b (v - v(q)) to `rate` where wanted.
+    void add_rates(Span<const Real> q, Span<const char> wanted, Span<Real> rate);
+    /// Gives the bodies v(q).
+    void push(Span<const Real> q, Solids& solids);
+    /// The poses of all solids, the bodies' with the velocities v(q).
+    std::vector<Pose> poses_after(Span<const Real> q, const Solids& solids);
 
 private:
     struct Touch {
@@ -41,8 +43,16 @@ private:
     };
     /// Over the mass of a particle.
     Wrench transposed(const Body& body, Span<const Real> q) const;
+    /// -m D_b^T q.
+    BodyVector impulses(Span<const Real> q) const;
+    /// Subtracts D_b v.
+    void add_rates_of(const BodyVector& v, Span<const char> wanted, Span<Real> rate) const;
+    /// v(q)
+    BodyVector velocities_after(Span<const Real> q);
 
-    std::vector<Body> bodies_;
+    std::vector<Body> bodies_;  ///< all free ones, in the solids' order
+    BodyContacts contacts_;
+    BodyVector start_;  ///< v
     double mass_ = 0;  ///< of a particle [kg]
 };
 

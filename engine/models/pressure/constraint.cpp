@@ -131,7 +131,8 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
     for (int round = 0;; ++round) {
         matrix.presses.assign(n, 1);
         if (round > 0) matrix.push(q);
-        matrix.rates(q, residual_);
+        D_.apply(matrix.force, matrix.presses, residual_);
+        if (!bodies_.empty()) bodies_.add_rates(q, matrix.presses, residual_);
         const ActiveSet set = choose(matrix, q, round == 0 ? about_full * step.rest_density / step.dt : 0, rest);
         const double left = std::sqrt(set.squares);
         report.last_residual = left / worst_rate;

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/core/parallel.h"
-#include "engine/geometry/body_contact.h"
+#include "engine/models/bodies/body_motion.h"
 #include "engine/models/bodies/reaction.h"
 
 namespace whorl {
@@ -119,12 +119,13 @@ void PressureOnBodies::build(const ProjectionSystem& walls, const Surroundings& 
     const std::vector<Index> near = particles_at_bodies(around);
     for (const Surface& surface : surfaces_) {
         const RigidBody& state = *around.solids.all[surface.solid].body;
-        Body body{state.mass, state.inverse_inertia(), state.centre, {}};
+        Body body{state.centre, {}};
         add_rows(walls, surface.solid, around, near, role, body);
         slant(around, surface_moments(surface, around, near, body), body);
         std::erase_if(body.rows, [&](const Row& row) { return !unknown[row.particle]; });
         bodies_.push_back(std::move(body));
     }
+    contacts_.find(around.solids, around.layer, contact_step(around.step, 2 * static_cast<double>(around.step.spacing)));
 }
 
 PressureOnBodies::Wrench6 PressureOnBodies::sum(const Body& body, Span<const Real> p) {
@@ -134,24 +135,32 @@ PressureOnBodies::Wrench6 PressureOnBodies::sum(const Body& body, Span<const Rea
     });
 }
 
+BodyVector PressureOnBodies::impulses(Span<const Real> p) const {
+    BodyVector all(static_cast<Eigen::Index>(6 * bodies_.size()));
+    for (std::size_t b = 0; b < bodies_.size(); ++b) all.segment<6>(static_cast<Eigen::Index>(6 * b)) = sum(bodies_[b], p);
+    return all;
+}
+
 void PressureOnBodies::add_product(Span<const Real> p, Span<Real> Ap) const {
-    for (const Body& body : bodies_) {
-        Wrench6 twist = rest_density_ * sum(body, p);
-        twist.head<3>() /= body.mass;
-        twist.tail<3>() = body.inverse_inertia * Vec3d(twist.tail<3>());
-        parallel_for(static_cast<Index>(body.rows.size()), [&](Index e) {
-            const Row& row = body.rows[e];
+    if (bodies_.empty()) return;
+    const BodyVector change = contacts_.change(rest_density_ * impulses(p));
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+        const Wrench6 twist = change.segment<6>(static_cast<Eigen::Index>(6 * b));
+        parallel_for(static_cast<Index>(bodies_[b].rows.size()), [&](Index e) {
+            const Row& row = bodies_[b].rows[e];
             Ap[row.particle] += static_cast<Real>(row.Q.dot(twist));
         });
     }
 }
 
-void PressureOnBodies::push(Span<const Real> p, double dt, const Surroundings& around) const {
+void PressureOnBodies::push(Span<const Real> p, double dt, const Surroundings& around) {
     if (bodies_.empty()) return;
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
         const Wrench6 pressed = dt * sum(bodies_[b], p);
         around.solids.all[surfaces_[b].solid].receive(Push::pressure, {pressed.head<3>(), pressed.tail<3>()});
     }
+    contacts_.resolve(around.solids);
+    contacts_.hold();
     around.solids.place_bodies();
     around.layer.follow(around.solids);
 }
@@ -167,8 +176,7 @@ void ProjectionBodyDrift::operator()(const Surroundings& around) const {
 
 void ProjectionBodyMove::operator()(const Surroundings& around) const {
     const StepContext& step = around.step;
-    const auto dt = static_cast<double>(step.dt), d = static_cast<double>(step.spacing);
-    resolve_contacts(around.solids, around.layer, {dt, d, step.domain, 2 * d}, static_cast<double>(step.gravity.norm()));
+    const auto dt = static_cast<double>(step.dt);
     auto start = system->body_start.begin();
     for (Solid& solid : around.solids.all) {
         if (!solid.body) continue;

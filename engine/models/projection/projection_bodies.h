@@ -1,5 +1,6 @@
 #pragma once
 /// Free bodies in the projection: their velocities follow from the same solve (docs/physics.md 7).
+#include "engine/geometry/body_contact.h"
 #include "engine/models/projection/projection_system.h"
 
 namespace whorl {
@@ -21,8 +22,9 @@ public:
     bool any() const { return !bodies_.empty(); }
     /// Adds rho_0 Q^T M^-1 Q p.
     void add_product(Span<const Real> p, Span<Real> Ap) const;
-    /// The velocities after the pressure p over dt [s]; the layer has them, too.
-    void push(Span<const Real> p, double dt, const Surroundings& around) const;
+    /// The velocities after the pressure p over dt [s] and contact; the layer has them, too. add_product() then takes the contacts that held
+    /// as bound: what they did elsewhere is left to the next solve.
+    void push(Span<const Real> p, double dt, const Surroundings& around);
 
 private:
     /// Of a layer, in the body's own axes.
@@ -40,8 +42,6 @@ private:
         double flux = 0;  ///< the sum of its sizes [m^2, in the plane m]
     };
     struct Body {
-        double mass;
-        Mat3d inverse_inertia;
         Vec3d centre;
         std::vector<Row> rows;
     };
@@ -53,7 +53,10 @@ private:
     static Wrench6 sum(const Body& body, Span<const Real> p);
 
     std::vector<Surface> surfaces_;
-    std::vector<Body> bodies_;
+    BodyVector impulses(Span<const Real> p) const;
+
+    std::vector<Body> bodies_;  ///< all free ones, in the solids' order
+    BodyContacts contacts_;     ///< with a clearance of two spacings: a thinner film of fluid has no pressure that could be told
     double rest_density_ = 0;
 };
 
@@ -63,8 +66,7 @@ struct ProjectionBodyDrift {
     void operator()(const Surroundings& around) const;
 };
 
-/// Contacts (geometry/body_contact.h) with a clearance of two spacings, for a thinner film of fluid has no pressure that could be told;
-/// then x = x* + dt/2 (u - u_start). With ProjectionMove.
+/// x = x* + dt/2 (u - u_start). With ProjectionMove.
 struct ProjectionBodyMove {
     std::shared_ptr<ProjectionSystem> system;
     void operator()(const Surroundings& around) const;

@@ -43,7 +43,10 @@ struct Stage {
                 if (solid.body) solid.body->velocity.y() -= gravity * step.dt;
             solids.place_bodies();
             layer.follow(solids);
-            resolve_contacts(solids, layer, step, gravity);
+            step.gravity = gravity;
+            BodyContacts contacts;
+            contacts.find(solids, layer, step);
+            contacts.resolve(solids);
             for (Solid& solid : solids.all)
                 if (solid.body) solid.body->move(step.dt);
             solids.place_bodies();
