@@ -16,18 +16,19 @@ class Remainder {
 public:
     Remainder() = default;
     Remainder(const Solids& solids, Push kind);
-    /// @param change of a particle's velocity since [m/s]
+    /// @param exact solids that have a part only if no other is in touch @param change of a particle's velocity since [m/s]
     template <class Change>
-    void share(const Surroundings& around, Read<field::role> role, Span<const Vec3> x, const Change& change) const {
+    void share(const Surroundings& around, Read<field::role> role, Span<const Vec3> x, const std::vector<std::size_t>& exact,
+               const Change& change) const {
         if (before_.empty()) return;
-        share(around, parallel_sum(static_cast<Index>(x.size()), Wrench{}, [&](Index i) {
+        share(around, exact, parallel_sum(static_cast<Index>(x.size()), Wrench{}, [&](Index i) {
                   return role[i] == 0 ? Wrench::at(x[i].cast<double>(), Vec3d(change(i).template cast<double>())) : Wrench{};
               }));
     }
 
 private:
     /// @param gained momentum of the fluid over a particle's mass, and angular momentum about the origin
-    void share(const Surroundings& around, const Wrench& gained) const;
+    void share(const Surroundings& around, const std::vector<std::size_t>& exact, const Wrench& gained) const;
 
     Push kind_ = Push::pressure;
     std::vector<Wrench> before_;  ///< by solid; empty: no probe reads a ledger

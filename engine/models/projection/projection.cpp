@@ -231,8 +231,8 @@ void Projection::begin_ledgers(const Surroundings& around, Read<field::role> rol
 }
 
 /// A particle at the pressure p pushes each wall by V flux p n.
-void Projection::write_ledgers(const Surroundings& around, Read<field::role> role, Update<field::pressure> p) const {
-    const ProjectionSystem& s = *system_;
+void Projection::write_ledgers(const Surroundings& around, Read<field::role> role, Update<field::pressure> p) {
+    ProjectionSystem& s = *system_;
     const StepContext& step = around.step;
     if (s.before.empty() || !s.any_walls) return;
     react(
@@ -246,6 +246,7 @@ void Projection::write_ledgers(const Surroundings& around, Read<field::role> rol
             };
         },
         Writes::driven);
+    s.closed = on_bodies_.write_closed(s, around, role, p.values);
 }
 
 /// Of any particle over the mean of all [m/s]: the same in any frame that moves along.
@@ -320,7 +321,7 @@ void ProjectionMove::operator()(const Surroundings& around, Read<field::role> ro
         x[i] += dt / 2 * (u[i] - s.start_velocity[i]) + s.shift[i];
         u[i] += change[i];
     });
-    if (!s.before.empty()) s.remainder.share(around, role, x.values, [&](Index i) { return Vec3(u[i] - s.before[i]); });
+    if (!s.before.empty()) s.remainder.share(around, role, x.values, s.closed, [&](Index i) { return Vec3(u[i] - s.before[i]); });
 }
 
 }  // namespace whorl

@@ -36,7 +36,7 @@ private:
                       Update<field::pressure_acceleration> a);
     void begin_ledgers(const Surroundings& around, Read<field::role> role, Update<field::velocity> u,
                        Update<field::pressure_acceleration> a);
-    void write_ledgers(const Surroundings& around, Read<field::role> role, Update<field::pressure> p) const;
+    void write_ledgers(const Surroundings& around, Read<field::role> role, Update<field::pressure> p);
     void damp_surface(const Surroundings& around, Read<field::role> role, Update<field::velocity> u) const;
 
     std::shared_ptr<ProjectionSystem> system_;

@@ -11,32 +11,30 @@ namespace whorl {
 
 /// A_s = a_s (n_s + c + E q_s), q_s from the centre, a_s the particle's share of a flat layer; c and E are such that a uniform pressure
 /// makes no force and a linear one the weight of the fluid that the body takes the place of:  sum A = 0,  sum A q^T = volume 1.
-void PressureOnBodies::find_surfaces(const Surroundings& around) {
+PressureOnBodies::Surface PressureOnBodies::surface_of(const Surroundings& around, std::size_t solid, double volume,
+                                                       const Vec3d& own_centre, bool& closed) {
     const SolidParticles& layer = around.layer;
     const StepContext& step = around.step;
     const Real d = step.spacing, of_layer = layer_factor(step.kernel, step.support, d) / d;
-    for (std::size_t k = 0; k < around.solids.all.size(); ++k) {
-        if (!around.solids.all[k].body) continue;
-        const RigidBody& body = *around.solids.all[k].body;
-        Surface surface{k, {}, {}};
-        std::vector<Eigen::Vector4d> place;
-        Eigen::Matrix4d moments = Eigen::Matrix4d::Zero();
-        Eigen::Matrix<double, 4, 3> wanted = Eigen::Matrix<double, 4, 3>::Zero();
-        wanted.bottomRows<3>() = body.volume * Mat3d::Identity();
-        for (Index s = 0; s < layer.size(); ++s) {
-            if (static_cast<std::size_t>(layer.solid[s]) != k) continue;
-            const Vec3d n = layer.own_normal[s].cast<double>(), q = (layer.own_position[s] + d / 2 * layer.own_normal[s]).cast<double>();
-            place.push_back((Eigen::Vector4d() << 1, q - body.own_centre).finished());
-            surface.layer.push_back(s);
-            surface.area.push_back(static_cast<double>(of_layer * layer.volume[s]) * n);
-            moments += surface.area.back().norm() * place.back() * place.back().transpose();
-            wanted -= place.back() * surface.area.back().transpose();
-        }
-        if (step.dimensions() == 2) moments(3, 3) = 1;
-        const Eigen::Matrix<double, 4, 3> slant = moments.ldlt().solve(wanted);
-        for (std::size_t s = 0; s < place.size(); ++s) surface.area[s] += surface.area[s].norm() * slant.transpose() * place[s];
-        surfaces_.push_back(std::move(surface));
+    Surface surface{solid, {}, {}};
+    std::vector<Eigen::Vector4d> place;
+    Eigen::Matrix4d moments = Eigen::Matrix4d::Zero();
+    Eigen::Matrix<double, 4, 3> wanted = Eigen::Matrix<double, 4, 3>::Zero();
+    wanted.bottomRows<3>() = volume * Mat3d::Identity();
+    for (Index s = 0; s < layer.size(); ++s) {
+        if (static_cast<std::size_t>(layer.solid[s]) != solid) continue;
+        const Vec3d n = layer.own_normal[s].cast<double>(), q = (layer.own_position[s] + d / 2 * layer.own_normal[s]).cast<double>();
+        place.push_back((Eigen::Vector4d() << 1, q - own_centre).finished());
+        surface.layer.push_back(s);
+        surface.area.push_back(static_cast<double>(of_layer * layer.volume[s]) * n);
+        moments += surface.area.back().norm() * place.back() * place.back().transpose();
+        wanted -= place.back() * surface.area.back().transpose();
     }
+    closed = wanted.row(0).norm() < 0.05 * moments(0, 0) && wanted.bottomRows<3>().norm() < 0.3 * volume;
+    if (step.dimensions() == 2) moments(3, 3) = 1;
+    const Eigen::Matrix<double, 4, 3> slant = moments.ldlt().solve(wanted);
+    for (std::size_t s = 0; s < place.size(); ++s) surface.area[s] += surface.area[s].norm() * slant.transpose() * place[s];
+    return surface;
 }
 
 /// Before the slant.
@@ -71,7 +69,8 @@ PressureOnBodies::Moments PressureOnBodies::surface_moments(const Surface& surfa
         around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real) {
             if ((r - d / 2 * layer.normal[s]).norm() < reach) wet[s] = 1;
         });
-    const Mat3d R = around.solids.all[surface.solid].body->turn.toRotationMatrix();
+    const Solid& solid = around.solids.all[surface.solid];
+    const Mat3d R = solid.body ? solid.body->turn.toRotationMatrix() : Mat3d(solid.pose.rotation.cast<double>());
     Moments moments = Moments::Zero();
     for (std::size_t k = 0; k < surface.layer.size(); ++k) {
         const Index s = surface.layer[k];
@@ -111,17 +110,26 @@ void PressureOnBodies::slant(const Surroundings& around, const Moments& of_surfa
     for (Row& row : body.rows) row.Q += row.flux * X.transpose() * terms_of(row);
 }
 
+PressureOnBodies::Body PressureOnBodies::rows_of(const ProjectionSystem& walls, const Surface& surface, const Surroundings& around,
+                                                 const std::vector<Index>& near, Read<field::role> role) {
+    Body body{around.solids.all[surface.solid].centre(), {}};
+    add_rows(walls, surface.solid, around, near, role, body);
+    slant(around, surface_moments(surface, around, near, body), body);
+    return body;
+}
+
 void PressureOnBodies::build(const ProjectionSystem& walls, const Surroundings& around, Read<field::role> role, Span<const char> unknown) {
     bodies_.clear();
     if (!around.solids.any_free()) return;
-    if (surfaces_.empty()) find_surfaces(around);
+    const bool first = surfaces_.empty();
+    bool closed = false;
+    for (std::size_t k = 0; k < around.solids.all.size() && first; ++k)
+        if (const auto& body = around.solids.all[k].body)
+            surfaces_.push_back(surface_of(around, k, body->volume, body->own_centre, closed));
     rest_density_ = static_cast<double>(around.step.rest_density);
     const std::vector<Index> near = particles_at_bodies(around);
     for (const Surface& surface : surfaces_) {
-        const RigidBody& state = *around.solids.all[surface.solid].body;
-        Body body{state.centre, {}};
-        add_rows(walls, surface.solid, around, near, role, body);
-        slant(around, surface_moments(surface, around, near, body), body);
+        Body body = rows_of(walls, surface, around, near, role);
         std::erase_if(body.rows, [&](const Row& row) { return !unknown[row.particle]; });
         bodies_.push_back(std::move(body));
     }
@@ -163,6 +171,29 @@ void PressureOnBodies::push(Span<const Real> p, double dt, const Surroundings& a
     contacts_.hold();
     around.solids.place_bodies();
     around.layer.follow(around.solids);
+}
+
+std::vector<std::size_t> PressureOnBodies::write_closed(const ProjectionSystem& walls, const Surroundings& around, Read<field::role> role,
+                                                        Span<const Real> p) {
+    if (!closed_) {
+        closed_.emplace();
+        for (std::size_t k = 0; k < around.solids.all.size(); ++k) {
+            const Solid& solid = around.solids.all[k];
+            if (solid.body || solid.inside || !solid.probed || !solid.shape->bounded()) continue;
+            const Bulk bulk = solid.shape->bulk();
+            bool closed = false;
+            const Surface surface = surface_of(around, k, bulk.volume, bulk.centre, closed);
+            if (closed) closed_->push_back(surface);
+        }
+    }
+    std::vector<std::size_t> solids;
+    for (const Surface& surface : *closed_) {
+        solids.push_back(surface.solid);
+        const Body body = rows_of(walls, surface, around, particles_at(around, surface.solid), role);
+        const Wrench6 pressed = static_cast<double>(around.step.dt) * sum(body, p);
+        around.solids.all[surface.solid].ledger[Push::pressure] = {pressed.head<3>(), pressed.tail<3>()};
+    }
+    return solids;
 }
 
 void ProjectionBodyDrift::operator()(const Surroundings& around) const {

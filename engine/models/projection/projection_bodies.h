@@ -1,5 +1,7 @@
 #pragma once
 /// Free bodies in the projection: their velocities follow from the same solve (docs/physics.md 7).
+#include <optional>
+
 #include "engine/geometry/body_contact.h"
 #include "engine/models/projection/projection_system.h"
 
@@ -22,9 +24,13 @@ public:
     bool any() const { return !bodies_.empty(); }
     /// Adds rho_0 Q^T M^-1 Q p.
     void add_product(Span<const Real> p, Span<Real> Ap) const;
-    /// The velocities after the pressure p over dt [s] and contact; the layer has them, too. add_product() then takes the contacts that held
-    /// as bound: what they did elsewhere is left to the next solve.
+    /// The velocities after the pressure p over dt [s] and contact; the layer has them, too. add_product() then takes the contacts that
+    /// held as bound: what they did elsewhere is left to the next solve.
     void push(Span<const Real> p, double dt, const Surroundings& around);
+    /// Sets the pressure in the ledgers of solids that a probe reads, are closed all around and not free: it acts on them as on bodies.
+    /// @param p over the step @returns those solids
+    std::vector<std::size_t> write_closed(const ProjectionSystem& walls, const Surroundings& around, Read<field::role> role,
+                                          Span<const Real> p);
 
 private:
     /// Of a layer, in the body's own axes.
@@ -45,14 +51,19 @@ private:
         Vec3d centre;
         std::vector<Row> rows;
     };
-    void find_surfaces(const Surroundings& around);
+    /// @param volume, own_centre of the solid @param closed written: whether the layer goes all around
+    static Surface surface_of(const Surroundings& around, std::size_t solid, double volume, const Vec3d& own_centre, bool& closed);
+    /// @param near particles near the solid
+    static Body rows_of(const ProjectionSystem& walls, const Surface& surface, const Surroundings& around, const std::vector<Index>& near,
+                        Read<field::role> role);
     static void add_rows(const ProjectionSystem& walls, std::size_t solid, const Surroundings& around, const std::vector<Index>& near,
                          Read<field::role> role, Body& body);
     static Moments surface_moments(const Surface& surface, const Surroundings& around, const std::vector<Index>& near, const Body& body);
     static void slant(const Surroundings& around, const Moments& of_surface, Body& body);
     static Wrench6 sum(const Body& body, Span<const Real> p);
 
-    std::vector<Surface> surfaces_;
+    std::vector<Surface> surfaces_;               ///< of the free ones
+    std::optional<std::vector<Surface>> closed_;  ///< of those that are not
     BodyVector impulses(Span<const Real> p) const;
 
     std::vector<Body> bodies_;  ///< all free ones, in the solids' order

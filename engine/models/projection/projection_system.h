@@ -104,10 +104,11 @@ struct ProjectionSystem {
     explicit ProjectionSystem(ProjectionOptions o) : options(std::move(o)) {}
     ProjectionOptions options;
 
-    Remainder remainder;          ///< of pressure and move, with
-    Column<Vec3> before;          ///< the velocities then; empty: no probe reads a ledger
-    bool expected = false;        ///< ExpectPressure took the whole of the last step's pressure
-    Column<Vec3> start_velocity;  ///< at the start of the step
+    Remainder remainder;              ///< of pressure and move
+    std::vector<std::size_t> closed;  ///< solids whose pressure is known better than the remainder
+    Column<Vec3> before;              ///< velocities where the remainder begins; empty: no probe reads a ledger
+    bool expected = false;            ///< ExpectPressure took the whole of the last step's pressure
+    Column<Vec3> start_velocity;      ///< at the start of the step
     struct BodyVelocity {
         Vec3d velocity, turning;
     };

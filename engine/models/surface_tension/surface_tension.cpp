@@ -110,7 +110,7 @@ void SurfaceTension::operator()(const Surroundings& around, Read<field::position
         Solid& solid = solids.all[k];
         if (!solid.keeps_ledger() || options_.wetting[k] == 0) continue;
         const Wrench pull = parallel_sum(x.size(), Wrench{}, [&](Index i) {
-            return role[i] == 0 ? Wrench::at(x[i].cast<double>() - solid.centre(), -wetted(i, k).cast<double>()) : Wrench{};
+            return role[i] == 0 ? Wrench::at(solid.image(x[i]).cast<double>() - solid.centre(), -wetted(i, k).cast<double>()) : Wrench{};
         });
         solid.receive(Push::contact, static_cast<double>(step.mass) * pull);
     }

@@ -111,7 +111,7 @@ void solve_implicit(const ImplicitOperator& A, const SolveLimits& limits, const 
     if (!s.around.solids.any_probed()) return;
     parallel_for(static_cast<Index>(all), [&](Index i) { u[i] += change[i]; });
     A.write_ledgers(s, u);
-    rest.share(s.around, s.role, s.x.values, [&](Index i) { return change[i]; });
+    rest.share(s.around, s.role, s.x.values, {}, [&](Index i) { return change[i]; });
 }
 
 void BlockDiagonal::set(Column<Mat3> B, std::vector<char> free) {
