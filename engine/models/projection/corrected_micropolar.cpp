@@ -135,7 +135,7 @@ void CorrectedMicropolar::operator()(const Surroundings& around, StepReport& rep
         const Real mu = static_cast<Real>(options_.pair_viscosity);
         write_sticking(
             W, *system_, around, role, middle_velocity_, [&](Index) { return mu; }, t.of_layer, t.over_lattice, t.slip);
-        rest.share(around, role, x.values, {}, [&](Index i) { return Vec3(step.dt * (a[i] - before[i])); });
+        share_rest(rest, around, role, x.values, [&](Index i) { return Vec3(step.dt * (a[i] - before[i])); });
     });
     parallel_for(w.size(), [&](Index i) { w[i] += change[i]; });
 }

@@ -87,7 +87,7 @@ void CorrectedViscosity::operator()(const Surroundings& around, Read<field::role
         write_sticking(
             narrow, s, around, role, flow.u, [&](Index i) { return mu[i]; }, flow.of_layer, flow.over_lattice, slip);
         friction_.write_ledgers(around, role, flow.u, [&](Index i) { return mu[i] / step.rest_density; });
-        rest.share(around, role, around.pairs.x_own, {}, [&](Index i) { return Vec3(step.dt * (a[i] - before[i])); });
+        share_rest(rest, around, role, around.pairs.x_own, [&](Index i) { return Vec3(step.dt * (a[i] - before[i])); });
     });
 }
 

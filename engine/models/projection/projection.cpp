@@ -321,7 +321,9 @@ void ProjectionMove::operator()(const Surroundings& around, Read<field::role> ro
         x[i] += dt / 2 * (u[i] - s.start_velocity[i]) + s.shift[i];
         u[i] += change[i];
     });
-    if (!s.before.empty()) s.remainder.share(around, role, x.values, s.closed, [&](Index i) { return Vec3(u[i] - s.before[i]); });
+    if (!s.before.empty())
+        share_rest(
+            s.remainder, around, role, x.values, [&](Index i) { return Vec3(u[i] - s.before[i]); }, s.closed);
 }
 
 }  // namespace whorl

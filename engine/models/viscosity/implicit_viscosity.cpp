@@ -109,9 +109,14 @@ void solve_implicit(const ImplicitOperator& A, const SolveLimits& limits, const 
     const Remainder rest(s.around.solids, Push::viscous);
     if (bodies) bodies->add_change(Span<const Vec3>(change).subspan(n), s.around.solids);
     if (!s.around.solids.any_probed()) return;
-    parallel_for(static_cast<Index>(all), [&](Index i) { u[i] += change[i]; });
+    // The solve left (dE/du)/m: what solids and prescribed particles do is in it, the solver's residual is what it is short of 0.
+    for (std::size_t k = 0; k < all; ++k) u[k] += change[k];
+    A.force(u, z);
     A.write_ledgers(s, u);
-    rest.share(s.around, s.role, s.x.values, {}, [&](Index i) { return change[i]; });
+    Wrench residual = momentum_of(s.role, s.x.values, [&](Index i) { return Vec3(z[i] - (u[i] - change[i])); });
+    if (bodies)
+        residual += bodies->residual(Span<const Vec3>(z).subspan(n), Span<const Vec3>(u).subspan(n), Span<const Vec3>(change).subspan(n));
+    rest.share(s.around.solids, s.around.step, -static_cast<double>(s.around.step.mass) * residual);
 }
 
 void BlockDiagonal::set(Column<Mat3> B, std::vector<char> free) {

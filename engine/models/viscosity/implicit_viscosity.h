@@ -37,7 +37,7 @@ public:
     virtual bool rotations_are_free() const = 0;
     /// Free bodies among the unknowns: two entries each behind the particles'. Null: none.
     virtual const ViscousBodies* bodies() const { return nullptr; }
-    /// Writes what the solids that are no unknowns take from the fluid at the velocities u to their ledgers.
+    /// Writes what the solids that are no unknowns take from the fluid to their ledgers. @param u those of the last force()
     virtual void write_ledgers(const ImplicitStep& s, Span<const Vec3> u) const = 0;
 };
 

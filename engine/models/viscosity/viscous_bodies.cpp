@@ -18,6 +18,18 @@ void ViscousBodies::add_change(Span<const Vec3> change, Solids& solids) const {
     }
 }
 
+Wrench ViscousBodies::residual(Span<const Vec3> y, Span<const Vec3> u, Span<const Vec3> change) const {
+    Wrench sum;
+    for (std::size_t b = 0; b < body.size(); ++b) {
+        const auto less = [&](std::size_t k, const auto& inertia) {
+            return Vec3d(y[k].cast<double>() - inertia * (u[k] - change[k]).cast<double>());
+        };
+        const Vec3d force = less(2 * b, body[b].mass);
+        sum += Wrench{force, less(2 * b + 1, body[b].turning) + body[b].centre.cross(force)};
+    }
+    return sum;
+}
+
 void ViscousBodies::weigh(Span<const Vec3> u, Span<Vec3> y) const {
     for (std::size_t b = 0; b < body.size(); ++b) {
         y[2 * b] = (body[b].mass * u[2 * b].cast<double>()).cast<Real>();

@@ -41,6 +41,8 @@ struct ViscousBodies {
     void read(const Solids& solids, Span<Vec3> entries) const;
     /// Adds the changes that the solve made.
     void add_change(Span<const Vec3> change, Solids& solids) const;
+    /// y - M (u - change) over all bodies, about the origin. @param y (dE/du)/m without that
+    Wrench residual(Span<const Vec3> y, Span<const Vec3> u, Span<const Vec3> change) const;
     /// y = M u for the bodies' entries.
     void weigh(Span<const Vec3> u, Span<Vec3> y) const;
 };

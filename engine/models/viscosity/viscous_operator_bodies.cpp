@@ -75,8 +75,6 @@ void ViscousOperator::write_ledgers(const ImplicitStep& step, Span<const Vec3> u
     const Surroundings& around = step.around;
     const SolidParticles& layer = around.layer;
     if (layer.size() == 0) return;
-    spread(u, false);
-    stress(u, true);
     const std::vector<char> slip = slips(around.solids);
     const WallShear shear{around.step.spacing / 2};
     with_kernel(around.step.kernel, around.step.support, [&](const auto& kernel) {

@@ -1,0 +1,251 @@
+/// The ledger of momentum: what solids report is what the fluid lost, and it is the right force.
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+#include <numbers>
+
+#include "engine/core/parallel.h"
+#include "engine/scene/read.h"
+#include "engine/sim/simulation.h"
+#include "tests/support/runs.h"
+
+using namespace whorl;
+using namespace whorl::test;
+
+namespace ledger_test {
+
+namespace {
+
+constexpr double g = 9.81;
+
+/// Lines of a scene that choose the models.
+struct Models {
+    std::string name, keys;
+    bool bodies = true;  ///< moves free ones
+    bool plane = true;
+};
+
+const std::vector<Models>& splashing() {
+    static const std::vector<Models> all{
+        {"wcsph", "[models]\npressure = \"wcsph\"\n"},
+        {"wcsph, explicit", "[models]\npressure = \"wcsph\"\nviscosity = \"explicit\"\n"},
+        {"constraint", "[models]\npressure = \"ppe\"\nviscosity = \"none\"\n"},
+        {"constraint, explicit", "[models]\npressure = \"ppe\"\nviscosity = \"explicit\"\n"},
+        {"constraint, full", "[models]\npressure = \"ppe\"\nviscosity = \"full\"\n"},
+        {"constraint, spin", "[models]\npressure = \"ppe\"\nmicropolar = \"seed\"\n", false},
+        {"uncorrected", "[models]\npressure = \"ppe\"\nviscosity = \"full\"\n[viscosity]\ncorrection = false\n", false},
+        {"assembled", "[models]\npressure = \"ppe\"\nviscosity = \"full_assembled\"\n", false},
+        {"published", "[models]\npressure = \"ppe\"\n[pressure]\nform = \"projection\"\nsource = \"density\"\n", false},
+    };
+    return all;
+}
+
+Vec3d momentum(const World& world) {
+    const auto u = world.fluid.column<field::velocity>();
+    return static_cast<double>(world.step.mass) *
+           parallel_sum(world.fluid.size(), Vec3d(Vec3d::Zero()), [&](Index i) { return Vec3d(u[i].cast<double>()); });
+}
+
+/// Sums of a frame. The probe that makes all solids keep a ledger is the scene's.
+struct Frame {
+    Vec3d missing = Vec3d::Zero();  ///< change of the fluid's momentum, less its weight, plus what solids received [N s]
+    double exchanged = 0;           ///< sum of the sizes of what they received [N s]
+    std::vector<Wrench> on;         ///< by solid, over the frame [N s]
+};
+
+Frame step_frame(Simulation& simulation, double end) {
+    const World& world = simulation.world();
+    Frame frame;
+    frame.on.resize(world.solids.all.size());
+    const Vec3d before = momentum(world);
+    while (simulation.time() < end) {
+        if (const auto& wrong = simulation.step(end).diverged) throw std::runtime_error(wrong->what);
+        frame.missing -= static_cast<double>(world.step.dt) * static_cast<double>(world.step.mass) * world.fluid.size() *
+                         world.step.gravity.cast<double>();
+        for (std::size_t k = 0; k < frame.on.size(); ++k) {
+            const Wrench received = world.solids.all[k].ledger.total();
+            frame.on[k] += received, frame.missing += received.force, frame.exchanged += received.force.norm();
+        }
+    }
+    frame.missing += momentum(world) - before;
+    return frame;
+}
+
+/// Mean forces and torques on the solids from `from` to `to` [s].
+std::vector<Wrench> mean_forces(Simulation& simulation, double from, double to) {
+    run_until(simulation, from);
+    std::vector<Wrench> mean = step_frame(simulation, to).on;
+    for (Wrench& one : mean) one = 1 / (to - from) * one;
+    return mean;
+}
+
+const std::string probe = "[[probe]]\nname = \"first\"\nkind = \"solid\"\nsolid = 0\n";
+
+/// A column of fluid falls against a paddle that comes, under a ball that drops in.
+Simulation impact(const Models& models, bool plane) {
+    const auto cut = [&](const std::string& text) { return plane ? text : std::string(); };
+    const auto deep = [&](double z) { return plane ? std::string() : fmt::format(", {}", z); };
+    return simulation_of(fmt::format(R"toml([time]
+end = 1
+[domain]
+{}min = [-0.3, -0.1{}]
+max = [0.5, 0.6{}]
+[fluid]
+viscosity = 2
+spacing = {}
+{}[[block]]
+shape = "box"
+min = [0, 0{}]
+max = [0.2, 0.2{}]
+[[solid]]
+shape = "box"
+min = [0, 0{}]
+max = [0.4, 0.5{}]
+inside = true
+[[solid]]
+shape = "box"
+min = [0.26, -0.04{}]
+max = [0.32, 0.3{}]
+position = ["-t", 0{}]
+[[solid]]
+shape = "sphere"
+radius = 0.05
+position = [0.1, 0.25{}]
+{}{})toml",
+                                     cut("dimensions = 2\n"), deep(-0.2), deep(0.4), plane ? 0.0125 : 0.025, models.keys, deep(0),
+                                     deep(0.2), deep(0), deep(0.2), deep(0.04), deep(0.16), deep(0), deep(0.1),
+                                     models.bodies ? "density = 700\nvelocity = [0, -1" + deep(0) + "]\n" : "", probe));
+}
+
+/// Still fluid in a tank, 3-D: .12 m square, .1 m deep. @param more e.g. a solid
+Simulation tank(const std::string& models, double viscosity, const std::string& more = "") {
+    return simulation_of(fmt::format(R"toml([time]
+end = 9
+[domain]
+min = [-0.02, -0.02, -0.02]
+max = [0.14, 0.2, 0.14]
+[fluid]
+spacing = 0.01
+viscosity = {}
+{}[[block]]
+shape = "box"
+min = [0, 0, 0]
+max = [0.12, 0.1, 0.12]
+[[solid]]
+shape = "box"
+min = [0, 0, 0]
+max = [0.12, 0.18, 0.12]
+inside = true
+{}{})toml",
+                                     viscosity, models, more, probe));
+}
+
+}  // namespace
+
+TEST_CASE("forces on all solids and weight are the change of the fluid's momentum in an impact, within 1e-6", "[validation][ledger]") {
+    // Velocities in float: 6e-8 of 1 m/s a particle and step, of both signs. An impulse that a stage forgot is of the order of 1e-2 and
+    // more.
+    const bool plane = GENERATE(true, false);
+    for (const Models& models : splashing()) {
+        INFO(models.name << (plane ? " in 2D" : " in 3D"));
+        Simulation simulation = impact(models, plane);
+        double pushed = 0;
+        for (int k = 1; k <= 3; ++k) {
+            const Frame frame = step_frame(simulation, 0.04 * k);
+            CHECK(frame.missing.norm() < 1e-6 * frame.exchanged);
+            pushed += frame.on[1].force.norm();
+        }
+        CHECK(pushed > 0.1 * momentum(simulation.world()).norm());
+    }
+}
+
+TEST_CASE("a free body's momentum changes by its weight and what its ledger received, to 1e-12", "[validation][ledger]") {
+    for (const Models& models : splashing()) {
+        if (!models.bodies) continue;
+        INFO(models.name);
+        Simulation simulation = impact(models, true);
+        const World& world = simulation.world();
+        const RigidBody& body = *world.solids.all[2].body;
+        const Vec3d before = body.velocity;
+        Vec3d received = Vec3d::Zero();
+        while (simulation.time() < 0.08) {
+            simulation.step(0.08);
+            received += world.solids.all[2].ledger.total().force + static_cast<double>(world.step.dt) * body.mass * Vec3d(0, -g, 0);
+        }
+        CHECK((body.mass * (body.velocity - before) - received).norm() < 1e-10 * received.norm() + 1e-10);
+    }
+}
+
+TEST_CASE("a tank weighs its content within 1 %", "[validation][ledger]") {
+    const double weight = 1000 * g * 0.12 * 0.12 * 0.1;
+    const std::vector<Models> still{
+        {"constraint", ""},
+        {"wcsph", "[models]\npressure = \"wcsph\"\n"},
+        {"projection", "[pressure]\nform = \"projection\"\n[models]\npressure = \"ppe\"\n"},
+        {"published", "[models]\npressure = \"ppe\"\n[pressure]\nform = \"projection\"\nsource = \"density\"\n"},
+        {"honey, full", "[models]\npressure = \"ppe\"\nviscosity = \"full\"\n"},
+        {"honey, coupled", "[models]\npressure = \"coupled\"\n"},
+    };
+    for (const Models& models : still) {
+        INFO(models.name);
+        Simulation simulation = tank(models.keys, models.name.find("honey") == 0 ? 20 : 0);
+        const Vec3d force = mean_forces(simulation, 0.2, 0.4)[0].force;
+        CHECK(force.y() == Approx(-weight).epsilon(0.01));
+        CHECK(std::hypot(force.x(), force.z()) < 0.01 * weight);
+    }
+}
+
+TEST_CASE("a submerged ball is lifted by the weight of the fluid displaced within 3 %", "[validation][ledger]") {
+    // Its radius is 3.5 spacings, and what the lattice cut out of the block is not quite its volume.
+    constexpr double R = 0.035;
+    const double lift = 1000 * g * 4 / 3 * std::numbers::pi * R * R * R;
+    const std::string ball = fmt::format("[[solid]]\nshape = \"sphere\"\nradius = {}\nposition = [0.06, 0.05, 0.06]\n", R);
+    for (const std::string models :
+         {"", "[models]\npressure = \"wcsph\"\n", "[pressure]\nform = \"projection\"\n[models]\npressure = \"ppe\"\n"}) {
+        INFO(models);
+        Simulation simulation = tank(models, 0, ball);
+        const std::vector<Wrench> on = mean_forces(simulation, 0.3, 0.6);
+        CHECK(on[1].force.y() == Approx(lift).epsilon(0.03));
+        CHECK(on[1].torque.norm() < 0.02 * lift * R);
+    }
+}
+
+TEST_CASE("a shaft that turns in a sleeve feels Couette's torque within 5 %, the sleeve its opposite", "[validation][ledger]") {
+    // 4 pi mu w R1^2 R2^2/(R2^2 - R1^2) for a metre of depth, 8 spacings between them.
+    constexpr double R1 = 0.04, R2 = 0.08, mu = 10;
+    const double torque = 4 * std::numbers::pi * mu * R1 * R1 * R2 * R2 / (R2 * R2 - R1 * R1);
+    for (const std::string models :
+         {"[models]\npressure = \"ppe\"\nviscosity = \"explicit\"\n", "[models]\npressure = \"ppe\"\nviscosity = \"full\"\n",
+          "[models]\npressure = \"ppe\"\nviscosity = \"explicit\"\n[pressure]\nform = \"projection\"\n",
+          "[models]\npressure = \"wcsph\"\nviscosity = \"explicit\"\n[pressure]\nsound_speed = 2\n"}) {
+        INFO(models);
+        Simulation simulation = simulation_of(fmt::format(R"toml([time]
+end = 9
+[domain]
+dimensions = 2
+min = [-0.11, -0.11]
+max = [0.11, 0.11]
+gravity = [0, 0]
+[fluid]
+spacing = 0.005
+viscosity = {}
+{}[[block]]
+shape = "sphere"
+radius = {}
+[[solid]]
+shape = "sphere"
+radius = {}
+inside = true
+[[solid]]
+shape = "sphere"
+radius = {}
+rotation = [0, 0, 1]
+{})toml",
+                                                          mu, models, R2, R2, R1, probe));
+        const std::vector<Wrench> on = mean_forces(simulation, 0.25, 0.3);
+        CHECK(on[1].torque.z() == Approx(-torque).epsilon(0.05));
+        CHECK(on[0].torque.z() == Approx(torque).epsilon(0.05));
+    }
+}
+
+}  // namespace ledger_test
