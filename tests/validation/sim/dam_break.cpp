@@ -230,3 +230,57 @@ tension = true
     }
     CHECK(farthest < 0.5 * d);
 }
+
+TEST_CASE("the pressure beside the walls of a dam break adds up to the force that changes the fluid's momentum", "[validation][pressure]") {
+    // Each particle that touches a wall stands for d of it. Within
+    // 10 % of the impulse, over the fall and over the impact.
+    constexpr double d = 0.0125, left = 0, right = 1.4;
+    Simulation simulation = simulation_of(R"toml([time]
+end = 1
+[domain]
+dimensions = 2
+min = [-0.25, -0.05]
+max = [1.7, 1.1]
+[fluid]
+spacing = 0.0125
+[models]
+pressure = "ppe"
+[[block]]
+shape = "box"
+min = [0, 0]
+max = [0.5, 0.25]
+[[solid]]
+shape = "box"
+min = [0, 0]
+max = [1.4, 1.05]
+inside = true
+slip = "free"
+)toml");
+    const auto momentum = [&] {
+        double sum = 0;
+        for (const Vec3& u : simulation.world().fluid.column<field::velocity>()) sum += static_cast<double>(u.x());
+        return sum * 1000 * d * d;
+    };
+    double of_pressure = 0, before = 0, size = 0;
+    const auto step_to = [&](double end) {
+        const double start = simulation.time();
+        REQUIRE_FALSE(simulation.step(end).diverged);
+        const auto& fluid = simulation.world().fluid;
+        const auto x = fluid.column<field::position>();
+        const auto p = fluid.column<field::pressure>();
+        double force = 0;
+        for (std::size_t i = 0; i < x.size(); ++i) {
+            if (x[i].x() - left < 0.9 * d) force += p[i] * d;
+            if (right - x[i].x() < 0.9 * d) force -= p[i] * d;
+        }
+        of_pressure += force * (simulation.time() - start);
+        size += std::abs(force) * (simulation.time() - start);
+    };
+    before = momentum();
+    while (simulation.time() < 0.3) step_to(0.3);
+    CHECK(momentum() - before == Approx(of_pressure).epsilon(0.1));
+    before = momentum(), of_pressure = size = 0;
+    while (simulation.time() < 0.9) step_to(0.9);
+    CHECK(std::abs(momentum() - before - of_pressure) < 0.1 * size);
+    CHECK(size > 50);  // N s/m: it did strike
+}
