@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "engine/scene/numbers.h"
+#include "engine/scene/scene_shapes.h"
 #include "engine/scene/tree.h"
 
 namespace whorl {

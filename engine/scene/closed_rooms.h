@@ -1,8 +1,15 @@
 #pragma once
 /// Rooms that fluid cannot leave, with emitters in them: more may come than fits.
-#include "engine/scene/scene_shapes.h"
+#include <Eigen/Geometry>
+#include <string>
+#include <vector>
+
+#include "engine/core/types.h"
 
 namespace whorl {
+
+struct Scene;
+struct SceneShapes;
 
 /// The places that an emitter's fluid can reach from its opening: between solids, periodic axes and the pipes of emitters, with no way to a
 /// drain or out of the domain, at the start.
