@@ -138,11 +138,12 @@ void BodyContacts::thin(std::size_t first) {
 
 void BodyContacts::want(const Solids& solids) {
     const double slow = std::sqrt(2 * step_.gravity * step_.spacing), dt = step_.dt;
+    const double mending = std::max(dt, step_.gravity > 0 ? 0.1 * std::sqrt(step_.spacing / step_.gravity) : 0.0);
     for (Point& p : points_) {
         if (!solids.all[p.b].body) p.wall = velocity_at(solids, p.b, p.place);
         p.softness = softness(p, p.normal);
         const double coming = -relative(p).dot(p.normal);
-        p.wanted = p.gap > 0 ? -p.gap / dt : -0.2 * p.gap / dt;
+        p.wanted = p.gap > 0 ? -p.gap / dt : -0.2 * p.gap / mending;
         const double bounce = std::max(solids.all[p.a].contact.bounce, solids.all[p.b].contact.bounce);
         if (coming * dt > p.gap && coming > slow) p.wanted = std::max(p.wanted, bounce * coming);
     }

@@ -27,7 +27,7 @@ BodyVector velocities_of(const Solids& solids);
 /// with v_n and v_t the parts of the relative velocity there. A place of contact is looked for from each particle of a body's layer near the
 /// other solid: down along the body's surface to where it is deepest. Impulses are equal and opposite, so momentum and angular momentum
 /// stay. They are found one after the other in a fixed order, over and over (projected Gauss-Seidel). Overlaps are pushed apart by a fifth a
-/// step. A body bounces where it comes faster than free fall over a spacing.
+/// step, or in 0.1 sqrt(d/g) where that is longer. A body bounces where it comes faster than free fall over a spacing.
 class BodyContacts {
 public:
     /// Finds the places of contact of a step that begins with the bodies' velocities as they are.
