@@ -1,4 +1,4 @@
-"""Experiments with water: dams, posts, waves, jets."""
+"""Experiments with water: dams, posts, waves, jets, an impact."""
 import math
 
 import numpy as np
@@ -198,23 +198,18 @@ def jet_on_plate(m):
     return found
 
 
-@experiment("water_entry")
-def water_entry(m):
-    found, D, V = Found(), 0.2, 5
-    one = run(m, "water_entry")
+@experiment("wedge_entry")
+def wedge_entry(m):
+    found, V = Found(), 5
+    one = run(m, "wedge_entry")
     found.runs.append(one)
     if m.dry:
         return found
     t, F = force(one, "force", "y")
-    s = (V * t - 0.005) / D
-
-    def fit(s):
-        return 5.15 * (1 / (1 + 19 * s) + 0.107 * s)
-
-    C = F / (0.5 * rho * D * V**2)
-    for start, end in ((0, 0.1), (0.1, 0.5)):
-        even = np.linspace(start, end, 200)
-        found.add(f"mean slamming coefficient, s/D = {start:g} to {end:g}", fit(even).mean(), between(s, C, start, end))
-    found.draw = lambda axes: curves(axes, "depth of the lowest point over diameter", "force over rho D V^2/2", ("Whorl", s, C, "C0-"),
-                                     ("fit to measurements", np.linspace(0, 0.65, 100), fit(np.linspace(0, 0.65, 100)), "k-"), ylim=(-1, 8))
+    F = 2 * F  # of both sides
+    rise = 14.139 * rho * V**3
+    for start, end in ((0, 0.02), (0.02, 0.04)):
+        found.add(f"mean force {1e3 * start:.0f} to {1e3 * end:.0f} ms, N/m", rise * (start + end) / 2, between(t, F, start + 1e-4, end + 1e-4))
+    found.draw = lambda axes: curves(axes, "time, ms", "force on the wedge, kN/m", ("Whorl", 1e3 * t, F / 1e3, "C0-"),
+                                     ("theory", [0, 40], [0, rise * 4e-5], "k--"))
     return found
