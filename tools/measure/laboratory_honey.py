@@ -137,7 +137,7 @@ def drum(m):
 
     slab = ["domain.dimensions=3", "domain.min=[-0.06,-0.06,-0.0125]", "domain.max=[0.06,0.06,0.0125]", "domain.periodic=[false,false,true]",
             "domain.gravity=[0,0,0]", "fluid.spacing=2.5e-3", "block[0].from=[0,0,-0.0125]", "block[0].to=[0,0,0.0125]",
-            "solid[0].from=[0,0,-0.0125]", "solid[0].to=[0,0,0.0125]", "models.pressure=coupled"]
+            "solid[0].from=[0,0,-0.1]", "solid[0].to=[0,0,0.1]", "models.pressure=coupled"]
     for words, settings, style in (("plane", [], "C0-"), ("slab, coupled", slab, "C1-")):
         one = run(m, "drum", *settings, name=words.split(",")[0])
         found.runs.append(one)
