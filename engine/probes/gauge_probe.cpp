@@ -56,8 +56,8 @@ GaugeProbe::GaugeProbe(const ProbeKeys& keys, const World& world) : boundary_par
         if (layer.solid[static_cast<std::size_t>(s)] != keys.solid || n.dot(normal) < 0.5) continue;
         const Vec3 r = world.step.domain.minimum_image(layer.position[s] - keys.at.cast<Real>());
         const Vec3d at = r.cast<double>() + d / 2 * n;  // on the surface
-        const double above = at.dot(normal), aside = (at - above * normal).norm();
-        if (aside > keys.radius + 3 * d || std::abs(above) > keys.radius + d) continue;
+        const double height = at.dot(normal), aside = (at - height * normal).norm();
+        if (aside > keys.radius + 3 * d || std::abs(height) > keys.radius + d) continue;
         near.push_back({s, std::clamp((keys.radius - aside) / d + 0.5, 0.0, 1.0)});
         place.push_back(at);
     }

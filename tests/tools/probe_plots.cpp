@@ -149,7 +149,7 @@ TEST_CASE("a resumed run gives the same tables and plots, byte for byte", "[tool
 TEST_CASE("a table that a probe cannot be compared with is refused at its key, before anything runs", "[tools][probe]") {
     const Dam scratch;
     const auto refused = [&](const std::string& why) {
-        for (const std::string& command : {"plan", "render"}) {
+        for (const std::string command : {"plan", "render"}) {
             const Outcome outcome = command == "plan" ? test::whorl({"plan", scratch.scene()}) : scratch.render("run");
             INFO(outcome.err);
             CHECK(outcome.code == 2);

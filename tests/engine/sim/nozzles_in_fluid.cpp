@@ -19,7 +19,7 @@ namespace {
 struct Tank {
     int dimensions = 2;
     double spacing = 0.02, speed = 1, start = 0, end = 0.4, height = 0.12, x = 0.3;
-    std::string direction = "[-1, 0, 0]", more;
+    std::string direction = "[-1, 0, 0]", more = "";
 
     std::string text() const {
         const bool flat = dimensions == 2;
