@@ -225,7 +225,8 @@ tension = true
     const auto x = simulation.world().fluid.column<field::position>();
     for (std::size_t i = 0; i < x.size(); ++i) {
         double nearest = 1e9;
-        for (std::size_t j = 0; j < x.size(); ++j) nearest = std::min(nearest, static_cast<double>((Vec3(-x[i].y(), x[i].x(), 0) - x[j]).norm()));
+        for (std::size_t j = 0; j < x.size(); ++j)
+            nearest = std::min(nearest, static_cast<double>((Vec3(-x[i].y(), x[i].x(), 0) - x[j]).norm()));
         farthest = std::max(farthest, nearest);
     }
     CHECK(farthest < 0.5 * d);
