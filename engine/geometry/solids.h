@@ -50,6 +50,8 @@ struct Solid {
     Vec3d centre() const;
     /// Adds the fluid's impulse to the ledger; a free body takes it up.
     void receive(Push kind, const Wrench& impulse);
+    /// Of turning_point() [m/s].
+    Vec3 centre_velocity() const { return pose.velocity_at(centre().cast<Real>()); }
     bool sticks() const { return slip_length == 0; }
     /// The fluid slips, but not freely.
     bool partial_slip() const { return slip_length > 0 && slip_length < std::numeric_limits<double>::infinity(); }

@@ -136,7 +136,7 @@ private:
         const double cfl = this->cfl(), d = plan_.spacing;
         limit("cfl", number(cfl) + " d / max |u|", [=](const World& w, double speed) {
             for (const Vec3& u : w.solid_particles.velocity) speed = std::max(speed, static_cast<double>(u.norm()));
-            for (const Solid& s : w.solids.all) speed = std::max(speed, static_cast<double>(s.pose.velocity.norm()));
+            for (const Solid& s : w.solids.all) speed = std::max(speed, static_cast<double>(s.centre_velocity().norm()));
             return speed > 0 ? cfl * d / speed : never;
         });
         limit("gravity", "sqrt(2 " + number(cfl) + " d / g)", [=](const World& w, double) {
