@@ -29,7 +29,7 @@ double opening_area(const EmitterShape& shape) {
 
 }  // namespace
 
-Solid nozzle_body(const EmitterShape& opening, Real depth) {
+Solid nozzle_body(const EmitterShape& opening, Real depth, const Domain& domain) {
     ShapeKeys keys;
     const Vec3d half(opening.slot || opening.plane ? opening.width / 2 : 0, 0, opening.slot && !opening.plane ? opening.thickness / 2 : 0);
     keys.kind = opening.slot || opening.plane ? "box" : "cylinder";
@@ -44,6 +44,7 @@ Solid nozzle_body(const EmitterShape& opening, Real depth) {
     opening_axes(opening, width, thickness);
     body.pose.rotation << width, opening.direction, thickness;
     body.pose.translation = opening.centre;
+    body.repeats = Repeats(*body.shape, domain, body.pose.rotation, body.pose.translation);
     return body;
 }
 
@@ -58,8 +59,8 @@ struct Emitter::State {
     double start, stop;
     Real spacing, depth;
     std::int16_t role;
-    Solid body;
-    bool full = false;  ///< from the first on
+    Solid body, guarded;  ///< without the first spacing behind the opening: fluid that has left may come back so far
+    bool full = false;    ///< from the first on
 
     Vec3 width_axis, thickness_axis;
     double length = 0;            ///< m, of a block of the column; its particles repeat with this period
@@ -179,8 +180,9 @@ Emitter::Emitter(EmitterShape shape, Expression speed, double start, double stop
     s.depth = depth;
     s.role = static_cast<std::int16_t>(-number);
     opening_axes(shape, s.width_axis, s.thickness_axis);
-    s.body = nozzle_body(shape, depth);
-    s.body.repeats = Repeats(*s.body.shape, domain, s.body.pose.rotation, s.body.pose.translation);
+    s.body = nozzle_body(shape, depth, domain);
+    shape.centre -= spacing * shape.direction;
+    s.guarded = nozzle_body(shape, depth - spacing, domain);
 
     if (shape.parabolic) s.make_streamlines(seed);
     else s.make_column(seed);
@@ -230,15 +232,12 @@ void Emitter::keep_out(ParticleStore& fluid) const {
     const auto x = fluid.column<field::position>();
     const auto u = fluid.column<field::velocity>();
     const auto role = fluid.column<field::role>();
-    // At the opening the fluid that has left may come back by a spacing: there the column itself holds it.
-    const Vec3 ahead = s.spacing * s.shape.direction;
-    const Real apart = s.spacing / 2;
+    const Real apart = Real(0.45) * s.spacing;
     parallel_for(fluid.size(), [&](Index i) {
         if (role[i] != 0) return;
-        const Vec3 seen = x[i] + ahead;
-        const Real distance = s.body.distance(seen);
+        const Real distance = s.guarded.distance(x[i]);
         if (!(distance < apart)) return;
-        const Vec3 n = s.body.normal(seen);
+        const Vec3 n = s.guarded.normal(x[i]);
         x[i] += (apart - distance) * n;
         if (const Real inward = u[i].dot(n); inward < 0) u[i] -= inward * n;
     });

@@ -38,8 +38,8 @@ inline void opening_axes(const EmitterShape& opening, Vec3& width, Vec3& thickne
 /// opening is so wide that these hold a hundred thousand. @param area of the opening [m^2], in the plane its width [m]
 double column_points(double area, double spacing, bool parabolic, int dimensions);
 
-/// The pipe behind an opening, `depth` [m] long and closed at its end.
-Solid nozzle_body(const EmitterShape& opening, Real depth);
+/// The pipe behind an opening, `depth` [m] long and closed at its end. @param domain whose periodic axes repeat it
+Solid nozzle_body(const EmitterShape& opening, Real depth, const Domain& domain);
 /// Length of that pipe [m]: a particle at the opening must find its whole neighbourhood.
 inline Real nozzle_depth(double support, double spacing) { return static_cast<Real>(support + spacing); }
 

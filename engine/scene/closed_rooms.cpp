@@ -16,11 +16,8 @@ class RoomSearch {
 public:
     RoomSearch(const Scene& scene, const SceneShapes& shapes, double support)
         : scene_(scene), shapes_(shapes), domain_(scene.domain.box()), D_(scene.domain.dimensions) {
-        for (const EmitterKeys& e : scene.emitters) {
-            pipes_.push_back(nozzle_body(opening_of(e, D_), nozzle_depth(support, scene.fluid.spacing)));
-            Solid& pipe = pipes_.back();
-            pipe.repeats = Repeats(*pipe.shape, domain_, pipe.pose.rotation, pipe.pose.translation);
-        }
+        for (const EmitterKeys& e : scene.emitters)
+            pipes_.push_back(nozzle_body(opening_of(e, D_), nozzle_depth(support, scene.fluid.spacing), domain_));
         double cells = 1;
         for (int a = 0; a < D_; ++a) {
             const double length = scene.domain.max[a] - scene.domain.min[a];
@@ -74,6 +71,16 @@ private:
         return known;
     }
 
+    /// Whether nothing lies between x and y. Distances are Lipschitz: a solid between the two would be nearer to one of them.
+    bool clear(const Vec3& x, Real at_x, const Vec3& y, Real at_y, int halvings) const {
+        if (at_x <= 0 || at_y <= 0) return false;
+        if (at_x + at_y > (x - y).norm()) return true;
+        if (halvings == 0) return false;
+        const Vec3 middle = (x + y) / 2;
+        const Real there = distance_at(middle);
+        return clear(x, at_x, middle, there, halvings - 1) && clear(middle, there, y, at_y, halvings - 1);
+    }
+
     /// @return whether the newest room is closed
     bool fill(const Vec3d& start) {
         const int room = static_cast<int>(found_.size()) - 1;
@@ -93,9 +100,8 @@ private:
                     continue;
                 }
                 if (room_of_[number(to)] == room) continue;
-                // Distances are Lipschitz: a solid between the two would be nearer to one of them.
-                const bool open = distance(to) > 0 && distance(c) + distance(to) > static_cast<Real>(cell_[a]);
-                if (open) room_of_[number(to)] = room, queue.push_back(to);
+                const Vec3 here = place(c), there = here + Vec3::Unit(a) * static_cast<Real>((side % 2 == 0 ? -1 : 1) * cell_[a]);
+                if (clear(here, distance(c), there, distance(to), 3)) room_of_[number(to)] = room, queue.push_back(to);
                 else if (distance(to) <= 0) rim.push_back(to);
             }
         }

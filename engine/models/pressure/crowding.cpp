@@ -94,6 +94,7 @@ std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, con
             x[i] -= of.moves[c];
             u[i] += of.kicks[c];
             Real distance = 0;
+            if (role[i] != 0) return;  // a nozzle may stand in a solid
             if (const int k = around.solids.nearest(x[i], distance); k >= 0 && distance < 0)
                 x[i] -= distance * around.solids.all[k].normal(x[i]);
             of.moves[c] = x[i] - before;
