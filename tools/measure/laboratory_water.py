@@ -110,10 +110,10 @@ def height_over_stroke(kh):
 @experiment("wavemaker")
 def wavemaker(m):
     found, h, points = Found(), 0.25, []
-    for period in (0.9, 1.1, 1.6):
+    for period in (0.8, 0.95, 1.1):
         omega = 2 * math.pi / period
         k = wavenumber(omega, h)
-        one = run(m, "wavemaker", f'solid[2].position=["0.02*(1-cos(2*pi*t/{period}))", "0"]', name=f"{period}")
+        one = run(m, "wavemaker", f'solid[2].position=["0.015*(1-cos(2*pi*t/{period}))", "0"]', name=f"{period}")
         found.runs.append(one)
         if m.dry:
             continue
@@ -122,12 +122,12 @@ def wavemaker(m):
         time, depths = zip(*((t, [depth(p, x, 6 * d, d) for x in places]) for t, p in snapshots(one)))
         time, heights = np.array(time), []
         for x, values in zip(places, np.array(depths).T):  # when the front has passed with two periods, until its reflection comes back
-            steady = (time > x / group + 2 * period) & (time < (12.8 - x) / group)
+            steady = (time > x / group + 2 * period) & (time < (10 - x) / group)
             heights.append(2 * swing(time[steady], values[steady], omega))
-        points.append((k * h, heights[0] / 0.04, heights[1] / 0.04))
-        found.add(f"height over stroke at 1 m, period {period} s", height_over_stroke(k * h), heights[0] / 0.04)
+        points.append((k * h, heights[0] / 0.03, heights[1] / 0.03))
+        found.add(f"height over stroke at 1 m, period {period} s", height_over_stroke(k * h), heights[0] / 0.03)
         found.add(f"height at 3 m over height at 1 m, period {period} s", 1, heights[1] / heights[0])
-    kh = np.linspace(0.3, 2, 50)
+    kh = np.linspace(0.5, 2, 50)
     found.draw = lambda axes: curves(axes, "k h", "wave height over stroke", ("linear theory", kh, [height_over_stroke(x) for x in kh], "k-"),
                                      ("Whorl, 1 m from the piston", *np.array(points).T[:2], "C0o"),
                                      ("Whorl, 3 m from the piston", *np.array(points).T[[0, 2]], "C1s"))
