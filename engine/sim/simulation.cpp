@@ -172,13 +172,15 @@ struct Simulation::State {
 
     /// Particles that still fit into each closed room, when the run begins.
     void measure_rooms() {
+        constexpr double densest = 0.97;  // fluid that has flowed in does not lie as densely as a lattice
         const auto x = world.fluid.column<field::position>();
         const auto role = world.fluid.column<field::role>();
         for (const ClosedRoom& room : plan.rooms) {
             const double there = parallel_sum(world.fluid.size(),
                                               [&](Index i) { return role[i] >= 0 && room.box.contains(x[i].cast<double>()) ? 1.0 : 0.0; });
             // Other fluid may stand in the box about the room.
-            room_left.push_back((room.volume - std::min(there * plan.particle_volume(), 1.2 * room.fluid)) / plan.particle_volume());
+            room_left.push_back((densest * room.volume - std::min(there * plan.particle_volume(), 1.2 * room.fluid)) /
+                                plan.particle_volume());
         }
     }
 

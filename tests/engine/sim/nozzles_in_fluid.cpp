@@ -1,6 +1,7 @@
 // Emitters that open below the surface, and into rooms that fluid cannot leave.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <sstream>
@@ -18,7 +19,7 @@ namespace {
 /// Water 0.24 m deep in a tank, and a nozzle under its surface.
 struct Tank {
     int dimensions = 2;
-    double spacing = 0.02, speed = 1, start = 0, end = 0.4, height = 0.12, x = 0.3;
+    double spacing = 0.03, speed = 1, start = 0, end = 0.2, height = 0.12, x = 0.3;
     std::string direction = "[-1, 0, 0]", more = "", fluid = "";
 
     std::string text() const {
@@ -49,7 +50,11 @@ double kinetic_energy(const Simulation& run) {
 /// @param rest m/s, of the fluid without a nozzle: what the model's particles shake by when they settle
 void pours(const Tank& tank, double rest) {
     Simulation run = simulation_of(tank.text());
-    const double first = run.world().fluid.size(), mass = static_cast<double>(run.world().step.mass);
+    const auto outside = [&] {
+        const auto role = run.world().fluid.column<field::role>();
+        return static_cast<double>(std::count_if(role.begin(), role.end(), [](auto r) { return r >= 0; }));
+    };
+    const double first = outside(), mass = static_cast<double>(run.world().step.mass);
     const double area = tank.dimensions == 2 ? 0.12 : M_PI * 0.06 * 0.06, volume = run.plan().particle_volume();
     for (double t = 0.02; t < tank.end + 1e-9; t += 0.02) {
         run_until(run, t);
@@ -58,7 +63,7 @@ void pours(const Tank& tank, double rest) {
         REQUIRE(largest_speed(run.world()) < 3 * tank.speed + rest);
         // As many as the opening's area times the way, each within the layer that passes just now.
         REQUIRE(std::abs(run.totals().emitted_particles - pushed * area / volume) <= area * tank.spacing / volume);
-        REQUIRE(std::abs(run.world().fluid.size() - first - pushed * area / volume) <= area * tank.spacing / volume);
+        REQUIRE(std::abs(outside() - first - pushed * area / volume) <= area * tank.spacing / volume);
         // What the nozzle has pushed and what it pushes at once, itself and about its radius ahead, with its speed and against the weight
         // of the fluid over it.
         const double moved = pushed + 3 * tank.spacing + 0.06, brought = 1000 * area * moved * (tank.speed * tank.speed + 9.81 * 0.24);
@@ -84,12 +89,12 @@ TEST_CASE("a nozzle that opens below the surface pours: no burst, exact mass, no
         pours({.x = 0.4}, 0);
     }
     SECTION("weakly compressible: the fluid trembles by .5 m/s when it starts from blue noise") {
-        for (const double start : {0.0, 0.1}) pours({.start = start, .end = 0.2, .more = "[models]\npressure = \"wcsph\"\n"}, 0.5);
+        for (const double start : {0.0, 0.05}) pours({.start = start, .end = 0.1, .more = "[models]\npressure = \"wcsph\"\n"}, 0.5);
     }
 }
 
 TEST_CASE("a nozzle in the fluid of a tank with depth pours, with every pressure", "[sim][emitter]") {
-    Tank tank{.dimensions = 3, .spacing = 0.03, .end = 0.1};
+    Tank tank{.dimensions = 3, .end = 0.06};
     pours(tank, 0);
     tank.more = "[models]\npressure = \"wcsph\"\n";
     pours(tank, 0.5);
