@@ -133,7 +133,8 @@ void BodyContacts::thin(std::size_t first) {
         for (const std::size_t k : best) kept[k] = 1;
     }
     std::size_t k = 0;
-    points_.erase(std::remove_if(points_.begin(), points_.end(), [&](const Point&) { return k++ >= first && !kept[k - 1]; }), points_.end());
+    points_.erase(std::remove_if(points_.begin(), points_.end(), [&](const Point&) { return k++ >= first && !kept[k - 1]; }),
+                  points_.end());
 }
 
 void BodyContacts::want(const Solids& solids) {

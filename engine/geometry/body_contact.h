@@ -24,10 +24,10 @@ BodyVector velocities_of(const Solids& solids);
 
 /// Contact as a law for the bodies' velocities, to be held by whatever solve moves them. At each place of contact
 ///   v_n >= -gap/dt,   impulse_n >= 0,   one of them an equality,   |impulse_t| <= friction impulse_n, opposite to v_t where equal
-/// with v_n and v_t the parts of the relative velocity there. A place of contact is looked for from each particle of a body's layer near the
-/// other solid: down along the body's surface to where it is deepest. Impulses are equal and opposite, so momentum and angular momentum
-/// stay. They are found one after the other in a fixed order, over and over (projected Gauss-Seidel). Overlaps are pushed apart by a fifth a
-/// step, or in 0.1 sqrt(d/g) where that is longer. A body bounces where it comes faster than free fall over a spacing.
+/// with v_n and v_t the parts of the relative velocity there. A place of contact is looked for from each particle of a body's layer near
+/// the other solid: down along the body's surface to where it is deepest. Impulses are equal and opposite, so momentum and angular momentum
+/// stay. They are found one after the other in a fixed order, over and over (projected Gauss-Seidel). Overlaps are pushed apart by a fifth
+/// a step, or in 0.1 sqrt(d/g) where that is longer. A body bounces where it comes faster than free fall over a spacing.
 class BodyContacts {
 public:
     /// Finds the places of contact of a step that begins with the bodies' velocities as they are.
@@ -65,7 +65,9 @@ private:
         double lightness = 0;                                     ///< 1/kg
         Mat3d inverse_inertia = Mat3d::Zero();
         Eigen::Index slot = -1;  ///< where a BodyVector has it
-        void push(const Vec3d& impulse, const Vec3d& arm) { velocity += lightness * impulse, turning += inverse_inertia * arm.cross(impulse); }
+        void push(const Vec3d& impulse, const Vec3d& arm) {
+            velocity += lightness * impulse, turning += inverse_inertia * arm.cross(impulse);
+        }
         /// How fast it moves along n at the arm for an impulse of 1 along it [1/kg].
         double softness(const Vec3d& arm, const Vec3d& n) const {
             const Vec3d torque = arm.cross(n);
@@ -91,8 +93,8 @@ private:
     ContactStep step_;
     std::vector<Moving> moving_;  ///< by solid
     Eigen::Index slots_ = 0;
-    std::vector<Point> points_;  ///< in the order of the pairs of solids
-    Eigen::SparseMatrix<double> lightness_, held_;                ///< M^-1; J M^-1
+    std::vector<Point> points_;                                                    ///< in the order of the pairs of solids
+    Eigen::SparseMatrix<double> lightness_, held_;                                 ///< M^-1; J M^-1
     std::shared_ptr<Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>> between_;  ///< J M^-1 J^T
 };
 

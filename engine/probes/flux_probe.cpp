@@ -67,8 +67,9 @@ int FluxProbe::crossing(const StepContext& step, const Vec3& from, const Vec3& t
     if ((a.z() >= 0) == (end.z() >= 0)) return 0;
     const Vec3d met = a + a.z() / (a.z() - end.z()) * (end - a);
     const Vec3d at = place(step.domain, centre_ + (axes_.transpose() * met).cast<Real>());
-    const bool through = radius_ > 0 ? at.head<2>().norm() <= radius_
-                                     : at.x() >= -half_width_ && at.x() < half_width_ && at.y() >= -half_thickness_ && at.y() < half_thickness_;
+    const bool through = radius_ > 0
+                             ? at.head<2>().norm() <= radius_
+                             : at.x() >= -half_width_ && at.x() < half_width_ && at.y() >= -half_thickness_ && at.y() < half_thickness_;
     return !through ? 0 : end.z() >= 0 ? 1 : -1;
 }
 

@@ -1,9 +1,10 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
+#include <numbers>
 
 #include "engine/core/binary_io.h"
-#include "engine/math/kernel.h"
 #include "engine/probes/experiments.h"
 
 namespace whorl {
@@ -34,42 +35,42 @@ private:
     Memory memory_;
 };
 
-/// Wendland C2 function over its value at 0, 1.5 spacings wide: particles at edges of a surface hardly miss their neighbours.
-double bump(double spacings) {
-    const double q = spacings / 1.5;
-    return q < 1 ? std::pow(1 - q, 4) * (1 + 4 * q) : 0;
-}
-
-// A boundary particle stands for the area S_0/S d^(D-1), S the sum of bumps over the particles on the same side, S_0 that of a lattice.
+// All boundary particles below the disc stand for the same area 1/sum W over those on the same side, W the Wendland C2 function of a
+// surface, three spacings wide. It is that of a particle which most are not below, so that edges, where neighbours are missing, do not
+// count.
 GaugeProbe::GaugeProbe(const ProbeKeys& keys, const World& world) : boundary_particles_(world.solid_particles.size()) {
     const SolidParticles& layer = world.solid_particles;
     const Solid& solid = world.solids.all[static_cast<std::size_t>(keys.solid)];
-    const double d = static_cast<double>(world.step.spacing);
-    const int dimensions = world.step.dimensions() - 1;
+    const double d = static_cast<double>(world.step.spacing), R = 3 * d;
+    const double norm = world.step.dimensions() == 2 ? 3 / (2 * R) : 7 / (std::numbers::pi * R * R);
     const Vec3d normal = solid.normal(keys.at.cast<Real>()).cast<double>();
-    double lattice = 0;
-    each_lattice_point(dimensions, 2, [&](int a, int b, int) { lattice += bump(std::hypot(a, b)); });
-    std::vector<Part> near;
     std::vector<Vec3d> place;
+    std::vector<double> beyond, areas;  // of the rim; of particles whose neighbours are all among these
     for (Index s = 0; s < layer.size(); ++s) {
         const Vec3d n = layer.normal[s].cast<double>();
         if (layer.solid[static_cast<std::size_t>(s)] != keys.solid || n.dot(normal) < 0.5) continue;
         const Vec3 r = world.step.domain.minimum_image(layer.position[s] - keys.at.cast<Real>());
         const Vec3d at = r.cast<double>() + d / 2 * n;  // on the surface
-        const double height = at.dot(normal), aside = (at - height * normal).norm();
-        if (aside > keys.radius + 3 * d || std::abs(height) > keys.radius + d) continue;
-        near.push_back({s, std::clamp((keys.radius - aside) / d + 0.5, 0.0, 1.0)});
-        place.push_back(at);
+        const double height = at.dot(normal), past = (at - height * normal).norm() - keys.radius;
+        if (past > 2 * R || std::abs(height) > keys.radius + d) continue;
+        place.push_back(at), beyond.push_back(past);
+        if (const double share = std::clamp(0.5 - past / d, 0.0, 1.0); share > 0) parts_.push_back({s, share});
     }
-    for (std::size_t a = 0; a < near.size(); ++a) {
-        if (near[a].share == 0) continue;
+    if (parts_.empty()) {
+        fault_ =
+            fmt::format("the disc meets no surface of its solid, which is {:.4g} m away", std::abs(solid.distance(keys.at.cast<Real>())));
+        return;
+    }
+    for (std::size_t a = 0; a < place.size(); ++a) {
+        if (beyond[a] > R) continue;
         double sum = 0;
-        for (const Vec3d& b : place) sum += bump((b - place[a]).norm() / d);
-        area_ += near[a].share * lattice / sum * std::pow(d, dimensions);
-        parts_.push_back(near[a]);
+        for (const Vec3d& b : place)
+            if (const double q = (b - place[a]).norm() / R; q < 1) sum += norm * std::pow(1 - q, 4) * (1 + 4 * q);
+        areas.push_back(1 / sum);
     }
-    if (parts_.empty())
-        fault_ = fmt::format("the disc meets no surface of its solid, which is {:.4g} m away", std::abs(solid.distance(keys.at.cast<Real>())));
+    const auto third = areas.begin() + static_cast<std::ptrdiff_t>(areas.size() / 3);
+    std::nth_element(areas.begin(), third, areas.end());
+    for (const Part& part : parts_) area_ += part.share * *third;
 }
 
 void GaugeProbe::after_step(const World& world, double) {

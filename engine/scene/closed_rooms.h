@@ -23,8 +23,8 @@ struct ClosedRoom {
     std::string names() const;  ///< "emitter[0] and emitter[1]"
 };
 
-/// Found on a lattice of half a spacing; a way that is narrower than a tenth of one is none. Nothing is claimed of a scene with solids that move by
-/// expressions, nor of a domain with more than ten million places. @param support of the fluid's kernel [m]
+/// Found on a lattice of half a spacing; a way that is narrower than a tenth of one is none. Nothing is claimed of a scene with solids that
+/// move by expressions, nor of a domain with more than ten million places. @param support of the fluid's kernel [m]
 std::vector<ClosedRoom> closed_rooms(const Scene& scene, const SceneShapes& shapes, double support);
 
 }  // namespace whorl

@@ -21,7 +21,8 @@ void MoveBodies::operator()(const Surroundings& around) const {
 }
 
 ContactStep contact_step(const StepContext& step, double clearance) {
-    return {static_cast<double>(step.dt), static_cast<double>(step.spacing), static_cast<double>(step.gravity.norm()), step.domain, clearance};
+    return {static_cast<double>(step.dt), static_cast<double>(step.spacing), static_cast<double>(step.gravity.norm()), step.domain,
+            clearance};
 }
 
 double lightness(const Solids& solids, const SolidParticles& layer, Real mass) {

@@ -78,9 +78,7 @@ void BodyRows::add_product(Span<const Real> q, Span<const char> wanted, Span<Rea
     add_rates_of(contacts_.change(impulses(q)), wanted, rate);
 }
 
-BodyVector BodyRows::velocities_after(Span<const Real> q) {
-    return contacts_.velocities(start_ + contacts_.free_change(impulses(q)));
-}
+BodyVector BodyRows::velocities_after(Span<const Real> q) { return contacts_.velocities(start_ + contacts_.free_change(impulses(q))); }
 
 void BodyRows::add_rates(Span<const Real> q, Span<const char> wanted, Span<Real> rate) {
     const BodyVector v = velocities_after(q);

@@ -14,8 +14,8 @@ namespace whorl {
 /// and the step stable.
 ///
 /// Contact is part of the solve: after a pressure q the bodies have the velocities v(q) = C(v - M_b^-1 m D_b^T q), C the law of
-/// geometry/body_contact.h. C is linear as long as the same contacts press and stick, so an active set of contacts goes with that of pressures:
-/// add_rates() applies C and notes which contacts hold, add_product() takes them as bound.
+/// geometry/body_contact.h. C is linear as long as the same contacts press and stick, so an active set of contacts goes with that of
+/// pressures: add_rates() applies C and notes which contacts hold, add_product() takes them as bound.
 class BodyRows {
 public:
     /// @param D built; its diagonal gets the bodies' share
@@ -53,7 +53,7 @@ private:
     std::vector<Body> bodies_;  ///< all free ones, in the solids' order
     BodyContacts contacts_;
     BodyVector start_;  ///< v
-    double mass_ = 0;  ///< of a particle [kg]
+    double mass_ = 0;   ///< of a particle [kg]
 };
 
 }  // namespace whorl
