@@ -53,8 +53,10 @@ Json newest_row(const Probe& probe, const ProbeRows& rows, const std::optional<C
 Json profile_of(const Probe& probe, const ProbeRows& rows, const std::optional<Comparison>& comparison) {
     constexpr std::size_t most = 200;
     Json all = Json::object();
-    for (std::size_t k = 0; k < rows.size(); k += 1 + rows.size() / most)
-        for (const auto& [name, value] : row_json(probe, rows[k], comparison).items()) all[name].push_back(value);
+    for (std::size_t k = 0; k < rows.size(); k += 1 + rows.size() / most) {
+        const Json row = row_json(probe, rows[k], comparison);
+        for (const auto& [name, value] : row.items()) all[name].push_back(value);
+    }
     return all;
 }
 
