@@ -139,7 +139,7 @@ void check_sleep(const Scene& scene, const KeyProblems& report) {
     if (scene.any_free_solid()) awake("holds a free body up");
     for (const ProbeKeys& probe : scene.probes)
         if (probe.kind == ProbeKind::coil) awake("a coil probe has to see at every step");
-        else if (probe.kind == ProbeKind::solid) awake("presses on a solid whose force a probe measures");
+        else if (probe.kind == ProbeKind::solid || probe.kind == ProbeKind::gauge) awake("presses on a solid whose force a probe measures");
 }
 
 }  // namespace
