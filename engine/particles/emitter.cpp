@@ -29,12 +29,12 @@ double opening_area(const EmitterShape& shape) {
 
 }  // namespace
 
-Solid nozzle_body(const EmitterShape& opening, Real depth, const Domain& domain) {
+Solid nozzle_body(const EmitterShape& opening, Real depth, Real spacing, const Domain& domain) {
     ShapeKeys keys;
     const Vec3d half(opening.slot || opening.plane ? opening.width / 2 : 0, 0, opening.slot && !opening.plane ? opening.thickness / 2 : 0);
     keys.kind = opening.slot || opening.plane ? "box" : "cylinder";
     keys.cut = opening.plane;
-    keys.to = -static_cast<double>(depth) * Vec3d::UnitY();
+    keys.to = -static_cast<double>(depth + Real(0.45) * spacing) * Vec3d::UnitY();
     keys.from = Vec3d::Zero();
     keys.min = keys.to - half, keys.max = half;
     keys.radius = opening.radius;
@@ -180,9 +180,9 @@ Emitter::Emitter(EmitterShape shape, Expression speed, double start, double stop
     s.depth = depth;
     s.role = static_cast<std::int16_t>(-number);
     opening_axes(shape, s.width_axis, s.thickness_axis);
-    s.body = nozzle_body(shape, depth, domain);
+    s.body = nozzle_body(shape, depth, spacing, domain);
     shape.centre -= spacing * shape.direction;
-    s.guarded = nozzle_body(shape, depth - spacing, domain);
+    s.guarded = nozzle_body(shape, depth - spacing, spacing, domain);
 
     if (shape.parabolic) s.make_streamlines(seed);
     else s.make_column(seed);

@@ -38,8 +38,9 @@ inline void opening_axes(const EmitterShape& opening, Vec3& width, Vec3& thickne
 /// opening is so wide that these hold a hundred thousand. @param area of the opening [m^2], in the plane its width [m]
 double column_points(double area, double spacing, bool parabolic, int dimensions);
 
-/// The pipe behind an opening, `depth` [m] long and closed at its end. @param domain whose periodic axes repeat it
-Solid nozzle_body(const EmitterShape& opening, Real depth, const Domain& domain);
+/// The pipe behind an opening: `depth` [m] of fluid, and an end of .45 spacings, so that fluid behind it is not where particles come in.
+/// @param domain whose periodic axes repeat it
+Solid nozzle_body(const EmitterShape& opening, Real depth, Real spacing, const Domain& domain);
 /// Length of that pipe [m]: a particle at the opening must find its whole neighbourhood.
 inline Real nozzle_depth(double support, double spacing) { return static_cast<Real>(support + spacing); }
 

@@ -17,7 +17,8 @@ public:
     RoomSearch(const Scene& scene, const SceneShapes& shapes, double support)
         : scene_(scene), shapes_(shapes), domain_(scene.domain.box()), D_(scene.domain.dimensions) {
         for (const EmitterKeys& e : scene.emitters)
-            pipes_.push_back(nozzle_body(opening_of(e, D_), nozzle_depth(support, scene.fluid.spacing), domain_));
+            pipes_.push_back(nozzle_body(opening_of(e, D_), nozzle_depth(support, scene.fluid.spacing),
+                                         static_cast<Real>(scene.fluid.spacing), domain_));
         double cells = 1;
         for (int a = 0; a < D_; ++a) {
             const double length = scene.domain.max[a] - scene.domain.min[a];

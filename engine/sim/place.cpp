@@ -239,6 +239,9 @@ bool make_room(const Emitter& emitter, const std::vector<std::shared_ptr<const S
     };
     const std::vector<Vec3> pipe = emitter.filling();
     std::size_t gone = static_cast<std::size_t>(std::count_if(pipe.begin(), pipe.end(), [&](const Vec3& x) { return in_fluid(x) < 0; }));
+    // As many as have room in the pipe with its end.
+    const Real depth = nozzle_depth(static_cast<double>(world.step.support), static_cast<double>(d));
+    gone = static_cast<std::size_t>(std::lround(static_cast<Real>(gone) * (1 + Real(0.45) * d / depth)));
     gone = std::min(gone, near.size());
     std::vector<Vec3> moved, fixed = pipe;
     std::size_t movable = gone;
