@@ -280,7 +280,7 @@ private:
         if (plan_.shifting == ShiftingModel::fickian) stage("shift", "shifting", FickianShift{solid_factor_, gate_});
         moves();
         if (!scene_.solids.empty()) at_solids();
-        if (constraint_ && !bodies_) {
+        if (constraint_) {
             stage("crowding", "pressure", RelieveCrowding(largest_error(scene_.pressure.tolerance), gate_));
             work_is(&EnergyWork::pressure);
         }

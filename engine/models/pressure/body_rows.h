@@ -21,6 +21,11 @@ public:
     /// @param D built; its diagonal gets the bodies' share
     void build(const WallImage& wall, const Surroundings& around, Span<const Real> rho, DensityRate& D);
     bool empty() const { return bodies_.empty(); }
+    /// Sets 1 for the particles that press on a body.
+    void mark(std::vector<char>& particles) const {
+        for (const Body& body : bodies_)
+            for (const Touch& t : body.touches) particles[t.particle] = 1;
+    }
     /// Adds D_b M_b^-1 m D_b^T q to `rate` where wanted, M_b^-1 with the contacts that held in the last add_rates().
     void add_product(Span<const Real> q, Span<const char> wanted, Span<Real> rate) const;
     /// Adds D_b (v - v(q)) to `rate` where wanted.

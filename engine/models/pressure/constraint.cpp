@@ -173,12 +173,6 @@ bool ConstraintPressure::has_free_surface(Span<const Real> q) const {
     return free >= std::max(1.0, 0.1 * std::pow(static_cast<double>(n), 2.0 / 3));
 }
 
-WallImage ConstraintPressure::wall_of(const Surroundings& around) const {
-    WallImage wall(around.step.kernel, around.step.support, around.step.spacing, options_.gate);
-    wall.linear_when_near = !around.solids.any_free();
-    return wall;
-}
-
 void ConstraintPressure::write_ledgers(const WallImage& wall, const Surroundings& around, Read<field::role> role, Span<const Real> rho,
                                        Span<const Real> q) const {
     const SolidParticles& layer = around.layer;
@@ -235,12 +229,13 @@ Real ConstraintPressure::correction_time(Span<const Vec3> u, const StepContext& 
     return speed > 0 ? std::max(step.dt, Real(0.4) * step.spacing / speed) : step.dt;
 }
 
-Real ConstraintPressure::correction_rate(Real rho, Real target, bool filled, const StepContext& step, Real time) const {
+Real ConstraintPressure::correction_rate(Real rho, Real target, bool filled, bool at_body, const StepContext& step,
+                                       Real time) const {
     // What an impact has pressed together is pushed apart no faster than 5 % of its density allow, or it would jump. Without a surface it
     // is 0.5 %: unevenness that alternates from neighbour to neighbour takes large velocities to mend.
     const Real rho_0 = step.rest_density;
     const Real excess = filled ? std::clamp(rho - target, -rho_0 / 200, rho_0 / 200) : std::min(rho - target, rho_0 / 20);
-    return excess > 0 || filled ? correction_share(filled) * excess / time : excess / step.dt;
+    return excess > 0 || filled ? correction_share(filled || at_body) * excess / time : excess / step.dt;
 }
 
 void ConstraintPressure::add_bend(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Vec3> u,
@@ -263,15 +258,17 @@ void ConstraintPressure::operator()(const Surroundings& around, StepReport& repo
     const Span<Real> q = multiplier.values;
     b_.resize(n);
     residual_.resize(n);
-    const WallImage wall = wall_of(around);
+    const WallImage wall(step.kernel, step.support, step.spacing, options_.gate);
     D_.build(wall, around, role, Read<field::velocity>{u.values}, rho.values, b_);
     bodies_.build(wall, around, rho.values, D_);
     const bool filled = fills_periodic_domain(around, n);
     const Real target = filled ? static_cast<Real>(parallel_sum(n, [&](Index i) { return static_cast<double>(rho[i]); }) / n) : rho_0;
     const double mean_rate = filled ? parallel_sum(n, [&](Index i) { return static_cast<double>(b_[i]); }) / n : 0;
     const Real time = correction_time(u.values, step);
+    std::vector<char> at_bodies(static_cast<std::size_t>(n), 0);
+    bodies_.mark(at_bodies);
     parallel_for(n, [&](Index i) {
-        b_[i] += correction_rate(rho[i], target, filled, step, time);
+        b_[i] += correction_rate(rho[i], target, filled, at_bodies[i], step, at_bodies[i] ? time : step.dt);
         q[i] = D_.diagonal[i] > 0 ? q[i] / D_.virial[i] * step.dt / (rho[i] * rho[i]) : 0;
     });
     ConstraintMatrix matrix{D_, {}, Column<Padded>(n), around.pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};

@@ -52,7 +52,7 @@ struct ConstraintOptions {
     /// asked to mend.
     SolveLimits limits{1e-3, 200};
     double correction = 0.5;  ///< share of the density error that a step corrects; its motion stays in the velocity
-    /// Corrects 0.4 of that share, as with free bodies and in full periodic domains: a drop that surface tension holds together loses some
+    /// Corrects 0.4 of that share, as beside free bodies and in full periodic domains: a drop that surface tension holds together loses some
     /// of its pressure to a faster correction (a twentieth, with a radius of 11 spacings).
     bool slow_correction = false;
     SolidGate gate;  ///< before solids
@@ -84,11 +84,11 @@ private:
     ActiveSet choose(ConstraintMatrix& matrix, Span<const Real> q, Real about_full, Span<Real> rest) const;
     double tolerance_of_rates(const ConstraintMatrix& matrix, double worst_rate) const;
     /// Part of a density above rest (of any error, where the domain is `filled`) that the step corrects.
-    Real correction_share(bool filled) const {
-        return static_cast<Real>(filled || options_.slow_correction || !bodies_.empty() ? 0.4 * options_.correction : options_.correction);
+    Real correction_share(bool slowly) const {
+        return static_cast<Real>(slowly || options_.slow_correction ? 0.4 * options_.correction : options_.correction);
     }
     /// Rate at which a density of rho is to approach `target` [kg/(m^3 s)]. @param time correction_time() [s]
-    Real correction_rate(Real rho, Real target, bool filled, const StepContext& step, Real time) const;
+    Real correction_rate(Real rho, Real target, bool filled, bool at_body, const StepContext& step, Real time) const;
     /// Over which a density error is corrected [s]: the step, but beside free bodies no less than the fluid itself takes for 0.4 spacings
     /// at its speed (at least sqrt(g d)). A heavy body on a thin film of fluid is otherwise thrown up by the correction of the film, the
     /// faster the shorter the step, and the pressure that throws it shortens the next one.
@@ -97,7 +97,6 @@ private:
     void add_bend(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Vec3> u, Span<const Real> q,
                   Span<const Padded> force);
     bool has_free_surface(Span<const Real> q) const;
-    WallImage wall_of(const Surroundings& around) const;
     /// Ledger entries of solids that are not unknowns: u_i -= q_i f_i rho_i dw_i/dx_i.
     void write_ledgers(const WallImage& wall, const Surroundings& around, Read<field::role> role, Span<const Real> rho,
                        Span<const Real> q) const;

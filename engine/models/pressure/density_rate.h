@@ -24,9 +24,6 @@ struct WallImage {
     Real virial;   ///< on what the layer adds to a particle's virial (DensityRate::virial)
     Real spacing;  ///< m
     Real nearest;  ///< m; where an image is closer than this along the normal, w grows linearly
-    /// false: w stays as it is at `nearest`. So with free bodies: linear, a raft floats 0.05 d higher, 0.19 d above Archimedes
-    /// (tests/validation/sim/bodies.cpp).
-    bool linear_when_near = true;
     SolidGate gate;  ///< w_i counts as w_i times its weight, in the density and in its derivative
     WallImage(KernelForm kernel, Real support, Real spacing, SolidGate gate = {});
 
@@ -48,8 +45,7 @@ struct WallImage {
         }
         const Real slope = W.slope(distance);
         g *= V * slope;
-        return {V * (W.value(distance) - (linear_when_near ? slope * nearest * beyond : Real(0))),
-                -V * slope * distance * distance * virial, g};
+        return {V * (W.value(distance) - slope * nearest * beyond), -V * slope * distance * distance * virial, g};
     }
     /// The share of the volume around i that solids, which fill w of it, leave to the fluid: 1 - w, but never 0, and how much it shrinks
     /// with w.
