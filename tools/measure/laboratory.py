@@ -8,7 +8,7 @@ import numpy as np
 
 from . import drawing
 from .registry import MeasureError, markdown, off, table
-from .runs import read_columns, read_rows, root
+from .runs import RunFailed, number, read_columns, read_rows, root
 
 folder = "scenes/studies/laboratory"
 file = "docs/studies/laboratory.csv"
@@ -89,8 +89,8 @@ def curves(axes, xlabel, ylabel, *lines, legend=True, **limits):
         axes.legend(frameon=False, fontsize=9)
 
 
-def number(value):
-    return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
+def digits(value):
+    return f"{value:.4g}" if abs(value) < 1e4 else f"{value:.0f}"
 
 
 @table("laboratory", "published experiments and exact flows: --only NAME for one", "25 minutes", keeps_rows=True,
@@ -99,23 +99,27 @@ def laboratory(m):
     unknown = [name for name in m.only if name not in experiments and "*" not in name]
     if unknown:
         raise MeasureError(f"no experiment {unknown[0]}; there are {', '.join(experiments)}")
-    kept = read_rows(m.into / file) if (m.into / file).exists() else []
+    measured = {}
     for name, make in experiments.items():
         if not m.wanted(name):
             continue
-        found = make(m)
+        try:
+            found = make(m)
+        except RunFailed as error:
+            measured[name] = [dict(zip(columns, (name, str(error), "", "", "", "")))]
+            continue
         if m.dry:
             continue
         size = sum(one.report["particle_steps"] / one.report["steps"] for one in found.runs) / len(found.runs)
         seconds = sum(one.cpu_seconds for one in found.runs)
-        kept = [row for row in kept if row["experiment"] != name]
-        kept += [dict(zip(columns, (name, quantity, number(right), number(value), f"{size:.0f}", f"{seconds:.1f}")))
-                 for quantity, right, value in found.rows]
+        measured[name] = [dict(zip(columns, (name, quantity, digits(right), digits(value), f"{size:.0f}", f"{seconds:.1f}")))
+                          for quantity, right, value in found.rows]
         if found.draw:
             m.write(f"docs/pictures/laboratory/{name}.svg", drawing.figure(5.2, 3.1, found.draw))
     if m.dry:
         return None
-    kept.sort(key=lambda row: list(experiments).index(row["experiment"]))  # the rows of one keep their order
+    old = read_rows(m.into / file) if (m.into / file).exists() else []
+    kept = [row for name in experiments for row in measured.get(name, [row for row in old if row["experiment"] == name])]
     text = io.StringIO()
     csv.DictWriter(text, columns, lineterminator="\n").writeheader()
     csv.DictWriter(text, columns, lineterminator="\n").writerows(kept)
@@ -125,6 +129,6 @@ def laboratory(m):
         first = row["experiment"] != last
         last = row["experiment"]
         lines.append([last if first else "", row["quantity"], row["published"], row["measured"],
-                      off(float(row["measured"]), float(row["published"])) if float(row["published"]) else "",
+                      off(number(row["measured"]), number(row["published"])) if row["published"] else "",
                       row["particles"] if first else "", row["seconds"] if first else ""])
     return markdown("experiment | quantity | published | Whorl | off by | particles, mean of a run | CPU s", lines)

@@ -68,7 +68,8 @@ def hanging_sheet(m):
     below, exact = theory.falling_thread_speed(4 / 3 * nu, 0.1, fall)  # a sheet resists with 4 nu where a thread does with 3
     places = np.arange(0.005, 0.1, 0.005)
     late = [p for t, p in snapshots(one) if t > 1.3]
-    speeds = np.array([np.mean([-p["velocity_y"][np.abs(fall - p["y"] - z) < 0.003].mean() for p in late]) for z in places])
+    depths, down = (np.concatenate([p[name] for p in late]) for name in ("y", "velocity_y"))
+    speeds = np.array([-down[np.abs(fall - depths - z) < 0.003].mean() for z in places])
     for z in (0.045, 0.08):
         found.add(f"speed {1e3 * z:.0f} mm below the slot, m/s", np.interp(z, below, exact), np.interp(z, places, speeds))
     found.draw = lambda axes: curves(axes, "distance from the slot, m", "speed, m/s", ("Whorl", places, speeds, "C0-"), ("theory", below, exact, "k--"),
