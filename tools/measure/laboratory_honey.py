@@ -96,11 +96,11 @@ def slump(m):
     return found
 
 
-@experiment("puddle")
+@experiment("fed_puddle")
 def puddle(m):
     found, nu, Q, lines = Found(), 0.005, pi * 0.01**2 * 0.025, []
     for words, settings, style in (("coupled", [], "C0-"), ("ppe and full", ["models.pressure=ppe", "models.viscosity=full"], "C1-")):
-        one = run(m, "puddle", *settings, name=words.split()[0])
+        one = run(m, "fed_puddle", *settings, name=words.split()[0])
         found.runs.append(one)
         if m.dry:
             continue

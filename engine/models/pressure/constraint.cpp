@@ -229,8 +229,7 @@ Real ConstraintPressure::correction_time(Span<const Vec3> u, const StepContext& 
     return speed > 0 ? std::max(step.dt, Real(0.4) * step.spacing / speed) : step.dt;
 }
 
-Real ConstraintPressure::correction_rate(Real rho, Real target, bool filled, bool at_body, const StepContext& step,
-                                       Real time) const {
+Real ConstraintPressure::correction_rate(Real rho, Real target, bool filled, bool at_body, const StepContext& step, Real time) const {
     // What an impact has pressed together is pushed apart no faster than 5 % of its density allow, or it would jump. Without a surface it
     // is 0.5 %: unevenness that alternates from neighbour to neighbour takes large velocities to mend.
     const Real rho_0 = step.rest_density;

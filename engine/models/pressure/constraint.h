@@ -52,8 +52,8 @@ struct ConstraintOptions {
     /// asked to mend.
     SolveLimits limits{1e-3, 200};
     double correction = 0.5;  ///< share of the density error that a step corrects; its motion stays in the velocity
-    /// Corrects 0.4 of that share, as beside free bodies and in full periodic domains: a drop that surface tension holds together loses some
-    /// of its pressure to a faster correction (a twentieth, with a radius of 11 spacings).
+    /// Corrects 0.4 of that share, as beside free bodies and in full periodic domains: a drop that surface tension holds together loses
+    /// some of its pressure to a faster correction (a twentieth, with a radius of 11 spacings).
     bool slow_correction = false;
     SolidGate gate;  ///< before solids
     ConstraintPreconditionerSetup preconditioner = diagonal_scaling;

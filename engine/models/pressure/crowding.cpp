@@ -112,7 +112,7 @@ void RelieveCrowding::operator()(const Surroundings& around, FluidPairs& pairs, 
                                  Update<field::velocity> u) {
     const StepContext& step = around.step;
     const Index n = x.size();
-    if (fills_periodic_domain(around, n)) return;  // there densities are held equal, not below rho_0
+    if (fills_periodic_domain(around, n)) return;                    // there densities are held equal, not below rho_0
     if (around.solids.any_free() && step.gravity.isZero(0)) return;  // there bodies would have to take up what they do to particles
     // A fifth of a spacing more than the kernel's reach: who comes into it while particles move is seen. A periodic axis may be too short
     // for that.

@@ -16,8 +16,8 @@ namespace whorl {
 /// pair that moves by -a r_ij and a r_ij takes +a and -a of its relative velocity across r_ij, so that the angular momentum stays and no
 /// energy of motion is gained; the centre of mass stays where it is but for what solids push and moves that are cut off. Up to a hundred
 /// sweeps; where those are not enough, the step reports a solve with the name `RelieveCrowding::name` that says so. Full periodic domains
-/// are left alone, and so are free bodies without weight, which would have to take up what they do to the particles. Writes the densities of the places where the step
-/// ends.
+/// are left alone, and so are free bodies without weight, which would have to take up what they do to the particles. Writes the densities
+/// of the places where the step ends.
 class RelieveCrowding {
 public:
     static constexpr std::string_view name = "crowding";  ///< of the solve that is reported; not counted with the linear ones

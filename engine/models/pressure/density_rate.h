@@ -19,11 +19,11 @@ namespace whorl {
 /// by d + stretch (r_is.n_s - d). Both are such that on a lattice that touches a flat wall the density is that of the lattice without a
 /// wall, and a uniform pressure pushes nothing.
 struct WallImage {
-    Real factor;   ///< on the solids' volumes
-    Real stretch;  ///< 1.85 for the cubic kernel with R = 2 d
-    Real virial;   ///< on what the layer adds to a particle's virial (DensityRate::virial)
-    Real spacing;  ///< m
-    Real nearest;  ///< m; where an image is closer than this along the normal, w grows linearly
+    Real factor;     ///< on the solids' volumes
+    Real stretch;    ///< 1.85 for the cubic kernel with R = 2 d
+    Real virial;     ///< on what the layer adds to a particle's virial (DensityRate::virial)
+    Real spacing;    ///< m
+    Real nearest;    ///< m; where an image is closer than this along the normal, w grows linearly
     SolidGate gate;  ///< w_i counts as w_i times its weight, in the density and in its derivative
     WallImage(KernelForm kernel, Real support, Real spacing, SolidGate gate = {});
 

@@ -119,10 +119,9 @@ namespace {
 std::string pond(bool plane, const std::string& models, const std::string& bodies) {
     const std::string low = plane ? "-0.15, 0" : "-0.05, 0, -0.04", water = plane ? "0.15, 0.1" : "0.05, 0.08, 0.04",
                       high = plane ? "0.15, 0.2" : "0.05, 0.2, 0.04";
-    return "[time]\nend = 20\nmax_step = 5e-3\n[domain]\nmin = [-0.2, -0.02" + std::string(plane ? "]" : ", -0.1]") +
-           "\nmax = [0.2, 0.3" + (plane ? "]\ndimensions = 2" : ", 0.1]") + "\n[fluid]\nspacing = 0.01\n" + models +
-           "[[block]]\nshape = \"box\"\nmin = [" + low + "]\nmax = [" + water + "]\n[[solid]]\nshape = \"box\"\ninside = true\nmin = [" +
-           low + "]\nmax = [" + high + "]\n" + bodies;
+    return "[time]\nend = 20\nmax_step = 5e-3\n[domain]\nmin = [-0.2, -0.02" + std::string(plane ? "]" : ", -0.1]") + "\nmax = [0.2, 0.3" +
+           (plane ? "]\ndimensions = 2" : ", 0.1]") + "\n[fluid]\nspacing = 0.01\n" + models + "[[block]]\nshape = \"box\"\nmin = [" + low +
+           "]\nmax = [" + water + "]\n[[solid]]\nshape = \"box\"\ninside = true\nmin = [" + low + "]\nmax = [" + high + "]\n" + bodies;
 }
 std::string lying(const std::string& min, const std::string& max, const std::string& density) {
     return "[[solid]]\nshape = \"box\"\nmin = [" + min + "]\nmax = [" + max + "]\ndensity = " + density + "\n";
@@ -161,16 +160,17 @@ Unrest unrest(const std::string& text, double seconds) {
 
 }  // namespace
 
-TEST_CASE("bodies that lie on the bottom of still water stay there and press nothing together: alone, stacked, side by side, in 2-D and 3-D",
-          "[sim][bodies]") {
+TEST_CASE(
+    "bodies that lie on the bottom of still water stay there and press nothing together: alone, stacked, side by side, in 2-D and 3-D",
+    "[sim][bodies]") {
     // The lattice melts meanwhile, as it does around fixed boxes: .01 to .03 % of the potential energy moves after half a second.
     const std::string stone = lying("-0.04, 0", "0.04, 0.04", "2000");
-    for (const std::string& text :
-         {pond(true, "", stone), pond(true, "", lying("-0.04, 0", "0.04, 0.04", "1200")),
-          pond(true, "", lying("-0.04, 0", "0.04, 0.02", "2000") + lying("-0.03, 0.02", "0.03, 0.04", "3000") +
-                             lying("-0.02, 0.04", "0.02, 0.07", "1500")),
-          pond(true, "", lying("-0.05, 0", "0, 0.04", "2000") + lying("0, 0", "0.04, 0.03", "2500")),
-          pond(false, "", lying("-0.02, 0, -0.02", "0.02, 0.03, 0.02", "2000"))}) {
+    for (const std::string& text : {pond(true, "", stone), pond(true, "", lying("-0.04, 0", "0.04, 0.04", "1200")),
+                                    pond(true, "",
+                                         lying("-0.04, 0", "0.04, 0.02", "2000") + lying("-0.03, 0.02", "0.03, 0.04", "3000") +
+                                             lying("-0.02, 0.04", "0.02, 0.07", "1500")),
+                                    pond(true, "", lying("-0.05, 0", "0, 0.04", "2000") + lying("0, 0", "0.04, 0.03", "2500")),
+                                    pond(false, "", lying("-0.02, 0, -0.02", "0.02, 0.03, 0.02", "2000"))}) {
         INFO(text);
         const Unrest found = unrest(text, 0.5);
         CHECK(found.density_error < 1e-3);

@@ -136,7 +136,7 @@ bool warns(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("a closed room into which more comes than fits is named by the plan; where fluid can leave, nothing is said", "[sim][emitter]") {
+TEST_CASE("a closed room into which more comes than fits is named by the plan, one that fluid can leave is not", "[sim][emitter]") {
     for (const int dimensions : {2, 3}) {
         const std::string depth = dimensions == 2 ? "]\n" : ", -0.01]\n", high = dimensions == 2 ? "]\n" : ", 0.01]\n";
         CHECK(warns(closed_box(dimensions, "")));

@@ -222,8 +222,7 @@ to = [0, 0.02, 0]
          {"top: height of the surface [m]", "jet: volume a second [m^3/s]", "jet: mass that has passed [kg]", "up: velocity_y [m/s]"})
         // Plots are drawn while they are in view.
         CHECK(browser.wait_for("[...document.querySelectorAll('#plots figure')].some(f => f.querySelector('figcaption').textContent == '" +
-                               std::string(title) +
-                               "' && (f.scrollIntoView(), f.querySelector('.legend').textContent.match(/[0-9]/)))"));
+                               std::string(title) + "' && (f.scrollIntoView(), f.querySelector('.legend').textContent.match(/[0-9]/)))"));
     CHECK(browser.evaluate("document.querySelector('#plots canvas[aria-label$=\"over s\"]') !== null") == true);
     CHECK(live.end().code == 0);
 }
