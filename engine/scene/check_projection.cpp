@@ -77,6 +77,13 @@ bool jet_lands(const Scene& scene, const SceneShapes& shapes, const EmitterKeys&
     return false;
 }
 
+/// Whether fluid stands behind the pipe of a nozzle, which the projection lets flow into it.
+bool pipe_in_fluid(const SceneShapes& shapes, const EmitterKeys& e, const Plan& plan) {
+    const Vec3 behind = (e.position - (plan.support + 2 * plan.spacing) * e.direction.normalized()).cast<Real>();
+    return !in_solids(shapes, behind, 0) &&
+           std::any_of(shapes.blocks.begin(), shapes.blocks.end(), [&](const auto& b) { return b->distance(behind) < 0; });
+}
+
 /// Share of a free body that stands in the blocks' fluid at the start. Looked at on a lattice of places in the box about it.
 double part_under_fluid(const Scene& scene, const SceneShapes& shapes, std::size_t solid) {
     constexpr int points = 21;  // an axis
@@ -171,6 +178,9 @@ void check_splashing(const Scene& scene, const Plan& plan, const SceneShapes& sh
         problem("pressure.form", "pressure.form = \"projection\" does not hold fluid that splashes, and " + what,
                 "take pressure.form = \"constraint\", or \"auto\", which does so");
     };
+    for (std::size_t k = 0; k < scene.emitters.size(); ++k)
+        if (pipe_in_fluid(shapes, scene.emitters[k], plan))
+            return report("the pipe of " + entry_name("emitter", k) + " stands in the fluid");
     for (std::size_t k = 0; k < scene.emitters.size(); ++k)
         if (jet_lands(scene, shapes, scene.emitters[k], plan.spacing)) return report(entry_name("emitter", k) + " pours onto something");
     if (const double open = part_unsupported(scene, shapes, plan.spacing); open > 0.03)

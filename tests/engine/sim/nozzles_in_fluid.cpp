@@ -102,6 +102,13 @@ TEST_CASE("a nozzle in the fluid of a tank with depth pours, with every pressure
     pours(tank, 0);
 }
 
+TEST_CASE("the projection, which lets fluid flow into a pipe from behind, refuses one that stands in the fluid", "[sim][emitter]") {
+    const std::string projection = "[pressure]\nform = \"projection\"\n";
+    CHECK_THROWS_WITH(simulation_of(Tank{.x = 0.1, .more = projection}.text()),
+                      Catch::Contains("the pipe of emitter[0] stands in the fluid"));
+    CHECK_NOTHROW(simulation_of(Tank{.speed = 0.1, .x = 0.4, .more = projection}.text()));
+}
+
 TEST_CASE("a run with a nozzle in the fluid goes on from a saved state with the same bits", "[sim][emitter]") {
     const Tank tank{.start = 0.1};
     Simulation whole = simulation_of(tank.text()), second = simulation_of(tank.text());
