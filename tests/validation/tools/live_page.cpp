@@ -182,7 +182,7 @@ TEST_CASE("the page draws the coil's frequency and radius with theory's beside t
                "')).map(f => f.querySelector('.legend').textContent).join()";
     };
     CHECK(browser.wait_for(legend("turns a second") + ".match(/measured [0-9.]+theory [0-9.]+/) !== null", 120));
-    CHECK(browser.wait_for(legend("radius of the coil") + ".match(/measured [0-9.]+theory [0-9.]+/) !== null"));
+    CHECK(browser.wait_for(legend("radius of the coil") + ".match(/measured [-0-9.e]+theory [-0-9.e]+/) !== null"));
     const double before = browser.evaluate("state.probes.coil.theory_frequency").get<double>();
     CHECK(before == Approx(2.14).epsilon(0.05));
     // A slider moves theory as it moves the fluid.
