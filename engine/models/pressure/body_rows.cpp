@@ -26,7 +26,7 @@ void BodyRows::build(const WallImage& wall, const Surroundings& around, Span<con
                 touch.h.setZero();
                 Real w = 0;
                 around.solid_pairs.of(touch.particle, [&](Index s, const Vec3& r, Real distance) {
-                    const WallImage::Share share = wall.share(W, r, distance, layer.normal[s], layer.volume[s]);
+                    const WallImage::Share share = wall.share(W, r, distance, layer, s);
                     w += share.value;
                     if (static_cast<std::size_t>(layer.solid[s]) != k) return;
                     touch.h += share.gradient;

@@ -178,7 +178,7 @@ void ConstraintPressure::write_ledgers(const WallImage& wall, const Surroundings
     const SolidParticles& layer = around.layer;
     with_kernel(around.step.kernel, around.step.support, [&](const auto& W) {
         const auto share = [&](Index s, const Vec3& r, Real distance) {
-            return wall.share(W, r, distance, layer.normal[s], layer.volume[s]);
+            return wall.share(W, r, distance, layer, s);
         };
         react(
             around, Push::pressure, role, around.step.mass,
@@ -257,7 +257,7 @@ void ConstraintPressure::operator()(const Surroundings& around, StepReport& repo
     const Span<Real> q = multiplier.values;
     b_.resize(n);
     residual_.resize(n);
-    const WallImage wall(step.kernel, step.support, step.spacing, options_.gate);
+    const WallImage wall(around, options_.gate);
     D_.build(wall, around, role, Read<field::velocity>{u.values}, rho.values, b_);
     bodies_.build(wall, around, rho.values, D_);
     const bool filled = fills_periodic_domain(around, n);

@@ -124,7 +124,7 @@ void RelieveCrowding::operator()(const Surroundings& around, FluidPairs& pairs, 
         search.find_wide(x.values, around.layer.position, reach, step.domain, solid_pairs);
     };
     find();
-    const WallImage wall(step.kernel, step.support, step.spacing, gate_);
+    const WallImage wall(around, gate_);
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         SolveReport left;
         left.why_not = relieve(wall, W, around, role, rho.values, x.values, u.values, find);

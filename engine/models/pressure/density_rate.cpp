@@ -9,6 +9,13 @@
 
 namespace whorl {
 
+WallImage::WallImage(const Surroundings& around, SolidGate solid_gate)
+    : WallImage(around.step.kernel, around.step.support, around.step.spacing, solid_gate) {
+    if (!around.solids.any_free()) return;
+    for (const Solid& solid : around.solids.all)
+        constant_when_near.push_back(solid.body && solid.body->mass < static_cast<double>(around.step.rest_density) * solid.body->volume);
+}
+
 WallImage::WallImage(KernelForm form, Real support, Real d, SolidGate gate_before) : spacing(d), nearest(d / 2), gate(gate_before) {
     with_kernel(form, support, [&](const auto& W) {
         const int reach = static_cast<int>(std::ceil(support / d)), beside_it = form.dimensions - 1;
@@ -132,10 +139,10 @@ void DensityRate::bend(const WallImage& wall, const Surroundings& around, Span<c
             around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
                 const Vec3 dr = dt * (v[i] - velocity_of(around, poses[static_cast<std::size_t>(around.layer.solid[s])], s, r)),
                            to = r + dr;
-                const WallImage::Share share = wall.share(W, r, distance, around.layer.normal[s], around.layer.volume[s]);
+                const WallImage::Share share = wall.share(W, r, distance, around.layer, s);
                 w += share.value;
                 w_linear += share.gradient.dot(dr);
-                w_moved += wall.share(W, to, to.norm(), around.layer.normal[s], around.layer.volume[s]).value;
+                w_moved += wall.share(W, to, to.norm(), around.layer, s).value;
             });
             const SolidGate::Gated gated = wall.gate.gated(w);
             const Real fluid = rho[i] / fill[i], f = 1 / WallImage::free_volume(wall.gate.gated(w_moved).sum).left;

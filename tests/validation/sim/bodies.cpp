@@ -183,4 +183,53 @@ TEST_CASE(
     }
 }
 
+TEST_CASE("for twenty seconds a stone and a stack of three lie still under water, and a brick floats on a raft", "[validation][bodies][long]") {
+    // Energy of motion over the water's potential energy, once the lattice has melted; standard and half the spacing.
+    struct Bed {
+        std::string name, bodies;
+        double energy;
+    };
+    const auto box = [](const std::string& min, const std::string& max, double density) {
+        return fmt::format("[[solid]]\nshape = \"box\"\nmin = [{}]\nmax = [{}]\ndensity = {}\n", min, max, density);
+    };
+    for (const Bed& bed :
+         {Bed{"stone", box("-0.06, 0", "0.06, 0.05", 2000), 1e-4},
+          Bed{"stack", box("-0.06, 0", "0.06, 0.03", 2000) + box("-0.05, 0.03", "0.05, 0.06", 3000) + box("-0.03, 0.06", "0.03, 0.09", 1500), 1e-4},
+          Bed{"raft", box("-0.09, 0.11", "0.09, 0.18", 450) + box("-0.03, 0.18", "0.03, 0.21", 1600), 3e-4}})
+        for (const double spacing : {0.01, 0.005}) {
+            INFO(bed.name << " " << spacing);
+            Simulation simulation = simulation_of(fmt::format(R"toml([time]
+end = 30
+[domain]
+dimensions = 2
+min = [-0.25, -0.05]
+max = [0.25, 0.4]
+[fluid]
+spacing = {}
+[models]
+viscosity = "xsph"
+[[block]]
+shape = "box"
+min = [-0.2, 0]
+max = [0.2, 0.14]
+[[solid]]
+shape = "box"
+inside = true
+min = [-0.2, 0]
+max = [0.2, 0.4]
+{})toml",
+                                                              spacing, bed.bodies));
+            for (run_until(simulation, 3); simulation.time() < 20;) {
+                run_until(simulation, simulation.time() + 0.5);
+                const Measures now = measure(simulation.world(), Vec3d(0, -9.81, 0), 1);
+                double energy = now.kinetic_energy;
+                for (const Solid& solid : simulation.world().solids.all)
+                    if (solid.body) energy += solid.body->kinetic_energy();
+                CHECK(now.density_error_mean < 1e-3);
+                CHECK(energy < bed.energy * now.potential_energy);
+            }
+            CHECK(simulation.totals().lost_particles == 0);
+        }
+}
+
 }  // namespace bodies_test
