@@ -13,12 +13,15 @@ namespace {
 constexpr double resting = 0.1, falling = 0.4;  ///< of the thread's speed: slower is pile, faster is thread
 constexpr double below = 2.5, above = 10;       ///< radii of thread about the pile's top between which it is looked at
 
-/// Mean velocity of what sticks to a solid: a pile on a plate that moves rests on the plate.
-Vec3d pile_velocity(Span<const Vec3> u, Span<const std::int16_t> role) {
+/// Mean velocity of the solids that fluid touches: a pile on a plate that moves rests on the plate.
+Vec3d pile_velocity(Span<const Vec3> x, Span<const std::int16_t> role, const Solids& solids, Real spacing) {
     Vec3d sum = Vec3d::Zero();
     double count = 0;
-    for (std::size_t k = 0; k < role.size(); ++k)
-        if (role[k] > 0) sum += u[k].cast<double>(), count += 1;
+    for (std::size_t k = 0; k < x.size(); ++k) {
+        Real distance = 0;
+        const int solid = role.empty() || role[k] == 0 ? solids.nearest(x[k], distance) : -1;
+        if (solid >= 0 && distance < Real(0.6) * spacing) sum += solids.all[solid].pose.velocity_at(x[k]).cast<double>(), count += 1;
+    }
     return count > 0 ? Vec3d(sum / count) : sum;
 }
 
@@ -49,7 +52,7 @@ CoilProbe::Step CoilProbe::observe(const World& world) const {
     const auto x = world.fluid.column<field::position>();
     const auto u = world.fluid.column<field::velocity>();
     const Span<const std::int16_t> role = world.fluid.has<field::role>() ? world.fluid.column<field::role>() : Span<const std::int16_t>();
-    const Vec3d carried = pile_velocity(u, role);
+    const Vec3d carried = pile_velocity(x, role, world.solids, world.step.spacing);
     Step step;
     step.spacing = static_cast<double>(world.step.spacing);
     step.fluid.reserve(x.size());

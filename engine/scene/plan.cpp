@@ -26,7 +26,8 @@ namespace {
 /// 9 % (docs/reports/tradeoff.md, lava_viscosity).
 constexpr double coupled_above = 0.25;
 
-std::string pressure_reason(PressureModel pressure, const Scene& scene, const SceneNumbers& n) {
+/// @param open the fluid has a free surface
+std::string pressure_reason(PressureModel pressure, const Scene& scene, const SceneNumbers& n, bool open) {
     if (facts_of(scene.models.micropolar).spins && pressure == PressureModel::wcsph)
         return "the usual company of micropolar terms where there is a free surface; \"ppe\" has them too";
     if (!n.free_surface) return "every axis is periodic: no free surface";
@@ -37,7 +38,8 @@ std::string pressure_reason(PressureModel pressure, const Scene& scene, const Sc
                            n.least_viscous_number, n.least_viscosity_key);
     const std::string number = fmt::format("viscous number nu dt/d^2 = {:.3g}", n.viscous_number);
     return pressure == PressureModel::coupled
-               ? fmt::format("{} > {:g} with a free surface: viscosity and pressure act together within a step", number, coupled_above)
+               ? fmt::format("{} > {:g}{}: viscosity and pressure act together within a step", number, coupled_above,
+                             open ? " with a free surface" : "")
                : fmt::format("{} <= {:g}: the flow hardly diffuses within a step", number, coupled_above);
 }
 
@@ -110,7 +112,7 @@ private:
 
     void choose_pressure() {
         const PressureModel automatic = automatic_pressure(scene_, n_, plan_.free_surface);
-        plan_.pressure = choose("models.pressure", scene_.models.pressure, automatic, pressure_reason(automatic, scene_, n_));
+        plan_.pressure = choose("models.pressure", scene_.models.pressure, automatic, pressure_reason(automatic, scene_, n_, plan_.free_surface));
         const PressureForm automatic_form = automatic_pressure_form();
         const PressureForm form = scene_.pressure.form.value_or(automatic_form);
         plan_.facts.pressure = facts_of(plan_.pressure, form, scene_.pressure.source);

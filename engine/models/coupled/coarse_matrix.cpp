@@ -186,7 +186,7 @@ private:
 
 CoarseRows::CoarseRows(const StrainForm& form, const RigidAggregates& aggregates, const RowBlock& block, GroupSums<BlockSum>& sums)
     : form_(form), aggregates_(aggregates), block_(block), at_(form.rows().positions(block)), sums_(sums),
-      springs_(2 * block.touched.size(), Vec4{}), number_(block.touched.size()) {
+      springs_(2 * block.entries(), Vec4{}), number_(block.touched.size()) {
     for (std::size_t place = 0; place < number_.size(); ++place) {
         const std::int32_t a = aggregates.of(block.touched[place]);
         number_[place] = a < 0 ? -1 : sums.number(a);
@@ -224,7 +224,7 @@ void CoarseRows::add_rows(const RowSlice& slice) {
     });
     for (Index lane = 0; lane < slice.rows; ++lane) {
         const Index row = slice.row[lane];
-        if (block_.count[row] == 0) continue;
+        if (block_.count[row] == 0 && slice.walls == 0) continue;
         find_shares(slice, lane);
         if (number_[row] >= 0) add_coupling(row);
         add_strains(slice, lane);
@@ -248,6 +248,15 @@ void CoarseRows::find_shares(const RowSlice& slice, Index lane) {
         add_monomials(r[0], r[1], r[2], pair[3][lane], shares_[k].sums.v);
         pair += 4;
     });
+    // Walls are in no aggregate.
+    for (Index k = slice.plain(); slice.walls > 0 && k < slice.width; ++k) {
+        const Lanes* wall = pairs_.data() + 4 * static_cast<std::size_t>(k);
+        if (!(wall[3][lane] > 0)) continue;
+        const auto held = std::find_if(shares_.begin(), shares_.end(), [](const Share& s) { return s.aggregate < 0; });
+        const std::size_t at = static_cast<std::size_t>(held - shares_.begin());
+        if (held == shares_.end()) shares_.push_back(Share{-1, Vec3::Zero()});
+        add_monomials(wall[0][lane], wall[1][lane], wall[2][lane], wall[3][lane], shares_[at].sums.v);
+    }
     for (Share& share : shares_) share.unpack(c);
 }
 

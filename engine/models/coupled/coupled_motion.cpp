@@ -44,11 +44,17 @@ struct Shifting {
         const Lanes3 own = gather(moved, slice.row, &own_strain);
         const auto moved_pair = [&](const PairLanes& p) { return p.r + (gather(moved, p.other, &strain) - own); };
         Lanes3 dx;
-        pairs.each([&](std::size_t k, const PairLanes& p) {
+        pairs.each_plain([&](std::size_t k, const PairLanes& p) {
             weight[k] = p.w;
             const Lanes3 r = moved_pair(p);
             const Lanes distance = at_least(square_root(dot(r, r)), Real(1e-6));
             const Lanes push = at_most(rate * (own_strain + strain), strongest) * at_least(range - distance, 0) / distance;
+            dx = dx - (p.w > 0 ? push : Lanes{}) * r;
+        });
+        pairs.each_wall([&](std::size_t, const PairLanes& p) {  // as from its mirror image
+            const Lanes3 r = lanes_of(2) * moved_pair(p);
+            const Lanes distance = at_least(square_root(dot(r, r)), Real(1e-6));
+            const Lanes push = at_most(rate * (own_strain + own_strain), strongest) * at_least(range - distance, 0) / distance;
             dx = dx - (p.w > 0 ? push : Lanes{}) * r;
         });
         Lanes thin;
@@ -63,7 +69,7 @@ struct Shifting {
         const Real evening_range = static_cast<Real>(o.evening_range), evening_rate = static_cast<Real>(o.evening_rate),
                    strongest_evening = Real(0.05);
         Lanes along{};
-        pairs.each([&](std::size_t, const PairLanes& p) {
+        pairs.each_plain([&](std::size_t, const PairLanes& p) {
             const Lanes s = dot(axis, moved_pair(p)), away = s > 0 ? s : -s;
             const Lanes fill = at_most(evening_rate * (own_strain + strain), strongest_evening) * at_least(evening_range - away, 0);
             along -= (p.w > 0 ? fill : Lanes{}) * s / (away + Real(0.2));
@@ -104,10 +110,12 @@ void CoupledShift::operator()(Update<field::position> x, Update<field::velocity>
         thread_local Column<Vec4> moved_here;
         thread_local Column<Lanes> weight;
         if (weight.size() < static_cast<std::size_t>(s.rows.widest_slice)) weight.resize(static_cast<std::size_t>(s.rows.widest_slice));
-        if (moved_here.size() < block.touched.size()) moved_here.resize(block.touched.size());
+        if (moved_here.size() < block.entries()) moved_here.resize(block.entries());
         for (std::size_t l = 0; l < block.touched.size(); ++l) moved_here[l] = moved[block.touched[l]];
+        for (std::size_t k = 0; k < block.walls.size(); ++k)
+            moved_here[block.touched.size() + k] = with_spare(step.dt / d * block.walls[k].velocity);
         Vec4* out = spread.data() + block.place;
-        std::fill(out, out + block.touched.size(), Vec4{{0, 0, 0, 0}});
+        std::fill(out, out + block.entries(), Vec4{{0, 0, 0, 0}});
         const Vec4* at = s.rows.positions(block);
         for (const RowSlice& slice : block.slices) {
             const Lanes3 dx = shifting.of(block, slice, s.rows.pairs_of(block, slice, at), moved_here.data(), weight.data());
@@ -123,7 +131,7 @@ void CoupledShift::operator()(Update<field::position> x, Update<field::velocity>
             }
             scatter(du - share, slice.row, out);
             const RowBlock::Place* other = block.other.data() + slice.begin;
-            for (std::size_t k = 0; k < static_cast<std::size_t>(slice.width); ++k)
+            for (std::size_t k = 0; k < static_cast<std::size_t>(slice.plain()); ++k)
                 scatter(-weight[k] * share, other + k * lane_count, out);
         }
     });
@@ -174,13 +182,11 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
             const Vec3 there = carried(solid, at, dt);
             if (distance < closest || travelled < length) x[i] = there;
             const Vec3 solid_velocity = solid.velocity_at(there);
-            if (solid.sticks()) {
-                role[i] = static_cast<std::int16_t>(k + 1);
-                u[i] = solid_velocity;
-                slip[i] = Vec3::Zero();
-                return;
-            }
             const Real approach = normal.dot(u[i] - solid_velocity);
+            if (solid.sticks()) {  // a neighbour of the fluid (CoupledRows): here it keeps out what comes too close
+                if (distance < closest && approach < 0) u[i] -= approach * normal;
+                continue;
+            }
             if (was_touching != Vec3::Zero() || approach < 0) slip[i] = normal;
         }
     });

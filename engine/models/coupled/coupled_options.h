@@ -33,6 +33,7 @@ struct CoupledOptions {
            evening_range =
                2;  ///< the same along thin threads, where stretching widens every gap and nobody close is there to be pushed into it
 
+    double wall_reach = 1.1;  ///< distance from a solid below which it holds a particle
     double stick = 0.5, closest = 0.3;  ///< distance from a solid below which a particle touches it, and which it never goes below
     double sliding_closest = 0.5;       ///< as `closest`, from a solid that it slides on: half a spacing is its share of the room there
 

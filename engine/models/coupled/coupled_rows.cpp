@@ -49,6 +49,21 @@ MomentShape shape_of(const Mat3& M, const CoupledOptions& o, Neighbourhood& n) {
     return shape;
 }
 
+/// The same with the walls, which resolve directions, but make no thread. @param M with them
+void add_walls(const RowBlock& block, Index row, Mat3 M, const CoupledOptions& o, Neighbourhood& n, MomentShape& shape) {
+    bool any = false;
+    for (const WallPoint& wall : block.walls)
+        if (wall.row == row) any = true, M += wall.lateral;
+    if (!any) return;
+    const Vec3 along = shape.directions.along;
+    const Real thin = n.thin;
+    n.unresolved = 0;
+    shape = shape_of(M, o, n);
+    shape.directions.along = along;
+    n.thin = thin;
+    shape.volume = n.unresolved == 0 && thin == 0;
+}
+
 }  // namespace
 
 /// What the rows are made of.
@@ -78,6 +93,7 @@ struct CoupledRows::Found {
 
 /// Candidates of one row: all particles within the widest support in use, lengths in spacings.
 struct CoupledRows::Scratch {
+    static constexpr Index most_walls = 6;  ///< that a particle feels
     Column<Real> x, y, z, r2, w;
     std::vector<Index> index;
     std::vector<Real> order;
@@ -89,11 +105,13 @@ struct CoupledRows::Scratch {
     std::vector<std::int32_t> place;  ///< of each particle in the block's touched list, -1: not in it. All -1 between two blocks
     std::vector<Index> reached;       ///< the particle whose close neighbours' close neighbours were marked last, this one among them
 
+    Real row_weight = 0;              ///< sum w of the row's particles
+
     unsigned long build = 0;  ///< for which `reached` was cleared
 
     /// -1: a block names no more. Only fluid that is pressed together forty-fold has so many neighbours.
     std::int32_t place_of(Index j) {
-        if (place[j] < 0 && touched.size() <= std::numeric_limits<RowBlock::Place>::max()) {
+        if (place[j] < 0 && touched.size() + most_walls * block_size <= std::numeric_limits<RowBlock::Place>::max()) {
             place[j] = static_cast<std::int32_t>(touched.size());
             touched.push_back(j);
         }
@@ -102,6 +120,8 @@ struct CoupledRows::Scratch {
     Real find_candidates(Index i, const Found& found, const CoupledOptions& options);
     void find_bridges(Index i, Real h, const Found& found, const CoupledOptions& options);
     void append_row(Index i, Real h, Span<const std::int16_t> role, const CoupledOptions& options);
+    void find_walls(RowBlock& block, const Vec3& at, Real h, Real d, const Solids& solids, const CoupledOptions& options, Real dt,
+                    Neighbourhood& n) const;
     void arrange(RowBlock& block) const;
     void resize(std::size_t n) {
         for (Column<Real>* c : {&x, &y, &z, &r2, &w}) c->resize(n);
@@ -191,7 +211,7 @@ void CoupledRows::Found::list_close(Real reach) {
 }
 
 void CoupledRows::build(Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real spacing,
-                        const CoupledOptions& options) {
+                        const CoupledOptions& options, const Solids& solids, Real dt) {
     const auto n = static_cast<Index>(x.size());
     static std::atomic<unsigned long> count{0};
     builds_ = ++count;
@@ -214,33 +234,37 @@ void CoupledRows::build(Span<const Vec3> x, Span<const std::int16_t> role, const
             RowBlock& block = blocks[(from + begin) / block_size];
             block.begin = from + begin;
             block.end = from + end;
-            build_block(block, found, role, options);
+            build_block(block, found, role, options, solids, dt);
         });
         found.near[from / Found::part_size] = {};  // nobody needs it any longer: rows take the place of neighbours
     }
     number_slots();
-    pairs = slices = 0;
+    pairs = slices = walls = 0;
     widest_slice = 0;
     for (RowBlock& block : blocks) {
         block.first_slice = slices;
         slices += block.slices.size();
+        walls += block.walls.size();
         for (const Index in_row : block.count) pairs += static_cast<std::size_t>(in_row);
         for (const RowSlice& slice : block.slices) widest_slice = std::max(widest_slice, slice.width);
     }
 }
 
-void CoupledRows::build_block(RowBlock& block, const Found& found, Span<const std::int16_t> role, const CoupledOptions& o) {
+void CoupledRows::build_block(RowBlock& block, const Found& found, Span<const std::int16_t> role, const CoupledOptions& o,
+                              const Solids& solids, Real dt) {
     thread_local Scratch s;
     s.place.resize(x_.size(), -1);
     if (s.reached.size() != x_.size() || s.build != builds_) s.reached.assign(x_.size(), -1), s.build = builds_;
     s.touched.clear(), s.row_other.clear(), s.row_h.clear();
     s.row_first.assign(1, 0);
+    block.walls.clear();
     for (Index i = block.begin; i < block.end; ++i) s.place_of(i);
     for (Index i = block.begin; i < block.end; ++i) {
         const Real h = s.find_candidates(i, found, o);
         neighbourhood[i].density = weigh(static_cast<Index>(s.index.size()), s.r2.data(), static_cast<Real>(o.support), h, s.w.data());
         s.find_bridges(i, h, found, o);
         s.append_row(i, h, role, o);
+        if (role[i] == 0) s.find_walls(block, position(i), h, found.spacing, solids, o, dt, neighbourhood[i]);
         s.row_first.push_back(s.row_other.size());
         s.row_h.push_back(h);
     }
@@ -285,6 +309,7 @@ void CoupledRows::Scratch::find_bridges(Index i, Real h, const Found& found, con
 void CoupledRows::Scratch::append_row(Index i, Real h, Span<const std::int16_t> role, const CoupledOptions& o) {
     const Real usual = static_cast<Real>(o.support), scale = h / usual;
     const Real gate = static_cast<Real>(o.gate) * scale, reach = static_cast<Real>(o.bridge) * scale;
+    row_weight = 0;
     for (std::size_t k = 0; k < index.size(); ++k) {
         if (w[k] == 0) continue;
         const Index j = index[k];
@@ -292,8 +317,80 @@ void CoupledRows::Scratch::append_row(Index i, Real h, Span<const std::int16_t> 
             const bool counts = h == usual ? reached[j] == i : bridged(k, reach * reach);
             if (!counts) continue;
         }
-        if (const std::int32_t at = place_of(j); at >= 0) row_other.push_back(static_cast<RowBlock::Place>(at));
+        if (const std::int32_t at = place_of(j); at >= 0) row_other.push_back(static_cast<RowBlock::Place>(at)), row_weight += w[k];
     }
+}
+
+namespace {
+
+/// Part of the volume of the weight of radius 1 that lies beyond a plane at distance q.
+Real beyond(Real q) {
+    if (q >= 1) return 0;
+    const Real t = q * q;
+    return Real(0.5) - Real(315.0 / 256) * q * (1 - t * (Real(4.0 / 3) - t * (Real(1.2) - t * (Real(4.0 / 7) - t / 9))));
+}
+
+/// What of it a solid fills there that may be thin. @param h distance of its surface [m] @param R the weight's radius [m]
+Real filled(const Solid& solid, const Vec3& x, const Vec3& normal, Real h, Real R) {
+    h = std::max(h, Real(0));
+    if (!(h < R)) return 0;
+    if (solid.distance(x - R * normal) < 0) return beyond(h / R);
+    constexpr int slabs = 4;
+    Real sum = 0;
+    for (int k = 0; k < slabs; ++k) {
+        const Real from = h + (R - h) * k / slabs, to = h + (R - h) * (k + 1) / slabs;
+        if (solid.distance(x - (from + to) / 2 * normal) < 0) sum += beyond(from / R) - beyond(to / R);
+    }
+    return sum;
+}
+
+}  // namespace
+
+/// Solids near the particle: what they add to its density, and those that hold it.
+void CoupledRows::Scratch::find_walls(RowBlock& block, const Vec3& at, Real h, Real d, const Solids& solids, const CoupledOptions& o, Real dt,
+                                      Neighbourhood& n) const {
+    const Real support = static_cast<Real>(o.support) * d, reach = static_cast<Real>(o.wall_reach) * d;
+    const Real half_moment = Real(2 * std::numbers::pi / 3 * 16 / 1155) * h * h * h * h * h;  // of a half space: sum w z^2
+    const std::size_t before = block.walls.size();
+    Real open = 1;
+    const auto add = [&](const Solid& solid, Index k, const Vec3& normal, Real height) {
+        const Real share = filled(solid, at, normal, height, support);
+        open *= 1 - share;
+        if (!solid.sticks() || !(height < reach) || block.walls.size() - before == most_walls) return;
+        WallPoint wall;
+        wall.row = static_cast<Index>(row_first.size()) - 1;
+        wall.solid = k;
+        wall.position = at - height * normal;
+        wall.velocity = solid.pose.velocity_at(wall.position + dt / 2 * solid.pose.velocity_at(wall.position));
+        const Real up = std::max(height / d, Real(0.2)), held = std::clamp((reach - height) / (Real(0.2) * d), Real(0), Real(1));
+        wall.weight = held * 2 * half_moment / up;
+        const Real lone = std::max(Real(0), 1 - row_weight / 2);
+        wall.lateral = held * lone * half_moment / 2 * (Mat3::Identity() - normal * normal.transpose());
+        n.volume *= 1 + held * (up - Real(0.5));
+        block.walls.push_back(wall);
+    };
+    for (std::size_t k = 0; k < solids.all.size(); ++k) {
+        const Solid& solid = solids.all[k];
+        const Real height = solid.distance(at);
+        if (!(height < support)) continue;
+        const Vec3 normal = solid.normal(at);
+        add(solid, static_cast<Index>(k), normal, height);
+        if (!(height < reach)) continue;
+        // Other faces of the same solid that meet the nearest one in a hollow edge.
+        int along = 0;
+        const Vec3 in_own_axes = solid.pose.rotation.transpose() * normal;
+        in_own_axes.cwiseAbs().minCoeff(&along);
+        const Vec3 axis = solid.pose.rotation.col(along), t = (axis - normal * normal.dot(axis)).normalized(), s = normal.cross(t);
+        for (const Vec3& way : {t, Vec3(-t), s, Vec3(-s)}) {
+            const Vec3 there = at + reach * way;
+            const Real beyond_it = solid.distance(there);
+            if (!(beyond_it < 0)) continue;
+            const Vec3 face = solid.normal(there);
+            if (face.dot(normal) > Real(0.7)) continue;
+            add(solid, static_cast<Index>(k), face, beyond_it - (there - at).dot(face));
+        }
+    }
+    n.density += 1 - open;
 }
 
 /// Puts rows of about the same length side by side.
@@ -305,11 +402,18 @@ void CoupledRows::Scratch::arrange(RowBlock& block) const {
     std::iota(by_length.begin(), by_length.end(), 0);
     std::stable_sort(by_length.begin(), by_length.end(), [&](Index a, Index b) { return block.count[a] > block.count[b]; });
     block.slices.assign(static_cast<std::size_t>((rows + lane_count - 1) / lane_count), RowSlice());
+    block.wall_weight.clear();
+    std::vector<Index> wall_count(rows, 0);
+    for (const WallPoint& wall : block.walls) ++wall_count[wall.row];
     std::size_t end = 0;
     for (std::size_t k = 0; k < block.slices.size(); ++k) {
         RowSlice& slice = block.slices[k];
         slice.begin = end;
-        slice.width = block.count[by_length[k * lane_count]];
+        slice.first_wall = block.wall_weight.size();
+        for (Index lane = 0; lane < std::min<Index>(lane_count, rows - static_cast<Index>(k) * lane_count); ++lane)
+            slice.walls = std::max(slice.walls, wall_count[by_length[k * lane_count + static_cast<std::size_t>(lane)]]);
+        slice.width = block.count[by_length[k * lane_count]] + slice.walls;
+        block.wall_weight.resize(slice.first_wall + static_cast<std::size_t>(slice.walls), Lanes{});
         end += static_cast<std::size_t>(slice.width) * lane_count;
     }
     block.other.resize(end);
@@ -327,12 +431,21 @@ void CoupledRows::Scratch::arrange(RowBlock& block) const {
             for (Index e = count; e < slice.width; ++e, to += lane_count) block.other[to] = static_cast<RowBlock::Place>(row);
         }
     }
+    for (std::size_t k = 0, of_row = 0; k < block.walls.size(); ++k) {
+        const Index row = block.walls[k].row;
+        of_row = k > 0 && block.walls[k - 1].row == row ? of_row + 1 : 0;
+        const RowSlice& slice = block.slice_of(row);
+        const Index lane = block.lane_in_slice(row);
+        block.wall_weight[slice.first_wall + of_row][lane] = block.walls[k].weight;
+        block.other[slice.begin + (static_cast<std::size_t>(slice.plain()) + of_row) * lane_count + static_cast<std::size_t>(lane)] =
+            static_cast<RowBlock::Place>(block.touched.size() + k);
+    }
 }
 
 template <bool with>
-const Vec4* CoupledRows::take(const RowBlock& block, Span<const Vec3> u) const {
+const Vec4* CoupledRows::take(const RowBlock& block, Span<const Vec3> u, bool moving) const {
     thread_local Column<Vec4> memory;
-    const std::size_t count = block.touched.size(), each = with ? 2 : 1;
+    const std::size_t count = block.entries(), each = with ? 2 : 1;
     if (memory.size() < each * count) memory.resize(each * count);
     const auto first = quad(x_[block.begin]);
     Vec4* to = memory.data();
@@ -340,10 +453,15 @@ const Vec4* CoupledRows::take(const RowBlock& block, Span<const Vec3> u) const {
         quad(*to++) = (quad(x_[j]) - first) * of_spacing_;
         if constexpr (with) *to++ = with_spare(u[j]);
     }
+    for (const WallPoint& wall : block.walls) {
+        const Vec4 point = with_spare(wall.position);
+        quad(*to++) = (quad(point) - first) * of_spacing_;
+        if constexpr (with) *to++ = with_spare(moving ? wall.velocity : Vec3(Vec3::Zero()));
+    }
     return memory.data();
 }
-const Vec4* CoupledRows::positions(const RowBlock& block) const { return take<false>(block, {}); }
-const Vec4* CoupledRows::positions(const RowBlock& block, Span<const Vec3> u) const { return take<true>(block, u); }
+const Vec4* CoupledRows::positions(const RowBlock& block) const { return take<false>(block, {}, false); }
+const Vec4* CoupledRows::positions(const RowBlock& block, Span<const Vec3> u, bool moving) const { return take<true>(block, u, moving); }
 
 /// Sums over the finished rows: M, its inverse, what tells a surface, and the fourth moment.
 void CoupledRows::find_moments(RowBlock& block, const CoupledOptions& o) {
@@ -355,30 +473,44 @@ void CoupledRows::find_moments(RowBlock& block, const CoupledOptions& o) {
         Lanes distances{}, weights{};
         FourthMoment& fourth = slice.fourth;
         for (Lanes& v : fourth.v) v = Lanes{};
-        pairs_of(block, slice, at).each([&](std::size_t, const PairLanes& p) {
+        const auto add = [&](const PairLanes& p) {
             const Lanes x = p.r.x, y = p.r.y, z = p.r.z, w = p.w;
             const Lanes xx = x * x, yy = y * y, zz = z * z, xy = x * y, xz = x * z, yz = y * z;
             M.xx += w * xx, M.yy += w * yy, M.zz += w * zz, M.xy += w * xy, M.xz += w * xz, M.yz += w * yz;
-            weights += w;
-            centre.x += w * x, centre.y += w * y, centre.z += w * z;
             const Lanes wi = w / p.r2;
-            distances += w * square_root(p.r2);
             const Lanes wxx = wi * xx, wyy = wi * yy, wzz = wi * zz;
             Lanes* f = fourth.v;
             f[0] += wxx * xx, f[1] += wxx * xy, f[2] += wxx * xz, f[3] += wxx * yy, f[4] += wxx * yz, f[5] += wxx * zz;
             f[6] += wyy * xy, f[7] += wyy * xz, f[8] += wzz * xy, f[9] += wzz * xz;
             f[10] += wyy * yy, f[11] += wyy * yz, f[12] += wyy * zz, f[13] += wzz * yz, f[14] += wzz * zz;
+        };
+        pairs_of(block, slice, at).each_plain([&](std::size_t, const PairLanes& p) {
+            add(p);
+            weights += p.w;
+            centre = centre + p.w * p.r;
+            distances += p.w * square_root(p.r2);
+        });
+        const SymmetricLanes without_walls = M;
+        // To the centre they are half spaces full of fluid: sum w z = pi/40 h^4 (1 - q^2)^5.
+        pairs_of(block, slice, at).each_wall([&](std::size_t, const PairLanes& p) {
+            add(p);
+            const Lanes q = at_least(lanes_of(1) - p.r2 * slice.of_h2, 0), q2 = q * q;
+            const Lanes first = p.w > 0 ? q2 * q2 * q * Real(std::numbers::pi / 40) / (slice.of_h2 * slice.of_h2) : Lanes{};
+            centre = centre + (first / square_root(p.r2)) * p.r;
+            distances += 2 * first;
         });
         slice.inverse_moment = SymmetricLanes();
         for (Index lane = 0; lane < slice.rows; ++lane) {
-            Neighbourhood& n = neighbourhood[block.begin + slice.row[lane]];
+            const Index row = slice.row[lane];
+            Neighbourhood& n = neighbourhood[block.begin + row];
             const Vec3 middle(centre.x[lane], centre.y[lane], centre.z[lane]);
             n.weights = weights[lane];
             n.spread = M.xx[lane] + M.yy[lane] + M.zz[lane];
             if (distances[lane] > 0) n.surface = middle.norm() / distances[lane];
             if (n.surface > 0) n.outward = -middle.normalized();
             if (n.spread > 0) {
-                const MomentShape shape = shape_of(lane_of(M, lane), o, n);
+                MomentShape shape = shape_of(lane_of(without_walls, lane), o, n);
+                if (slice.walls > 0) add_walls(block, row, lane_of(M, lane), o, n, shape);
                 set_lane(slice.inverse_moment, lane, shape.inverse_moment);
                 if (!shape.volume) {
                     n.directions = static_cast<std::int32_t>(block.directions.size());
@@ -396,12 +528,13 @@ void CoupledRows::number_slots() {
     std::size_t place = 0;
     for (RowBlock& block : blocks) {
         block.place = place;
-        place += block.touched.size();
+        place += block.entries();
         for (Index j : block.touched) ++first_slot_[j + 1];
     }
     WHORL_ASSERT(place <= std::numeric_limits<std::uint32_t>::max(), +std::to_string(place) + " entries");
     for (std::size_t i = 1; i < first_slot_.size(); ++i) first_slot_[i] += first_slot_[i - 1];
-    slot_.resize(place);
+    entries_ = place;
+    slot_.resize(first_slot_.back());
     std::vector<std::uint32_t> next(first_slot_.begin(), first_slot_.end() - 1);
     for (const RowBlock& block : blocks)
         for (std::size_t l = 0; l < block.touched.size(); ++l)

@@ -3,6 +3,7 @@
 /// coil, and a layout that the products run through at the speed of memory.
 #include <array>
 
+#include "engine/geometry/solids.h"
 #include "engine/math/lanes.h"
 #include "engine/models/coupled/coupled_options.h"
 #include "engine/particles/search.h"
@@ -15,7 +16,8 @@ struct Neighbourhood {
     Real thin = 0;        ///< 0 in a thick thread, 1 in a thin one
     Real weights = 0;     ///< sum w
     Real spread = 0;      ///< sum w r^2
-    Real density = 0;     ///< n/n0 with the weight of radius `support`, all neighbours
+    Real density = 0;     ///< n/n0 with the weight of radius `support`, all neighbours, and solids as if they were fluid
+    Real volume = 1;      ///< of the fluid whose strain the row stands for: up to a wall that holds it, however far that is
     Vec3 outward = Vec3::Zero();   ///< unit, away from the neighbours' centre
     Real surface = 0;              ///< |sum w r| / sum w |r|: 0 inside, about 0.4 on a flat surface
     std::int32_t directions = -1;  ///< its place in RowBlock::directions; -1: all are resolved, and no thread is thin
@@ -36,11 +38,23 @@ struct FourthMoment {
     Lanes of(int k, int l) const { return v[place[k][l]]; }
 };
 
+/// Where a wall that holds the fluid is nearest to a particle: a neighbour that moves with the wall (docs/physics.md 5).
+struct WallPoint {
+    Vec3 position, velocity;  ///< m, on the surface; m/s, of the straight way to where the wall takes it in this step
+    Index row = 0;            ///< of the particle in its block
+    Index solid = 0;
+    Real weight = 0;
+    Mat3 lateral = Mat3::Zero();  ///< what it adds to M along the wall
+};
+
 /// As many rows as there are lanes, side by side: pair k of the row in lane l stands at begin + lane_count k + l of the block's `other`.
-/// Shorter rows, and lanes without a row, end in pairs of weight 0 with themselves.
+/// Shorter rows, and lanes without a row, end in pairs of weight 0 with themselves. Pairs with walls come last.
 struct RowSlice {
     std::size_t begin = 0;
-    Index width = 0;                     ///< pairs of the longest row
+    Index width = 0;                     ///< pairs of the longest row and `walls`
+    Index walls = 0;                     ///< most pairs of a row with walls
+    std::size_t first_wall = 0;          ///< place of their weights in RowBlock::wall_weight
+    Index plain() const { return width - walls; }
     Index rows = 0;                      ///< lanes that have a row
     std::uint16_t row[lane_count] = {};  ///< the row in each lane; a lane without one names the first lane's row
     bool resolved = true;                ///< all directions of all its rows
@@ -62,12 +76,15 @@ struct RowBlock {
     std::vector<std::uint16_t> lane;   ///< of each row, counted through all slices
     std::vector<std::uint16_t> count;  ///< pairs of each row
     std::vector<Directions> directions;
-    Column<Place> other;  ///< place of j in touched
+    Column<Place> other;               ///< place of j in touched; of walls, behind them all
+    std::vector<WallPoint> walls;      ///< by row
+    std::vector<Lanes> wall_weight;
 
     Index size() const { return end - begin; }
+    std::size_t entries() const { return touched.size() + walls.size(); }  ///< places that pairs name
     const RowSlice& slice_of(Index row) const { return slices[lane[row] / lane_count]; }
     Index lane_in_slice(Index row) const { return lane[row] % lane_count; }
-    /// Calls f(place in touched) for each pair of a row, or every `step`-th.
+    /// Calls f(place in touched) for each pair of a row with a particle, or every `step`-th.
     template <class F>
     void each_pair(Index row, const F& f, Index step = 1) const {
         const Place* at = other.data() + slice_of(row).begin + lane_in_slice(row);
@@ -101,26 +118,48 @@ template <bool with>
 class SliceView {
 public:
     SliceView(const PairPeriod& period, const RowBlock& b, const RowSlice& slice, const Vec4* at)
-        : period_(period), slice_(slice), at_(at), other_(b.other.data() + slice.begin) {}
+        : period_(period), slice_(slice), at_(at), other_(b.other.data() + slice.begin),
+          wall_weight_(b.wall_weight.data() + slice.first_wall) {}
     /// Calls f(k, pair) for the k-th pairs of all lanes.
     template <class F>
     [[gnu::always_inline]] void each(const F& f) const {
+        each_plain(f);
+        each_wall(f);
+    }
+    /// Of particles alone.
+    template <class F>
+    [[gnu::always_inline]] void each_plain(const F& f) const {
         const TwoLanes3 own = taken(slice_.row);
         const Lanes one = lanes_of(1), none{};
-        for (Index k = 0; k < slice_.width; ++k) {
-            PairLanes p;
-            p.other = other_ + static_cast<std::size_t>(k) * lane_count;
-            const TwoLanes3 j = taken(p.other);
-            p.r = period_.shortest(j.first - own.first);
-            if constexpr (with) p.v = j.second - own.second;
-            p.r2 = dot(p.r, p.r) + coincident;
+        for (Index k = 0; k < slice_.plain(); ++k) {
+            PairLanes p = pair(own, k);
             const Lanes q = one - p.r2 * slice_.of_h2;
             p.w = p.r2 > 2 * coincident ? q * q * q : none;  // a pair with itself has none
             f(static_cast<std::size_t>(k), p);
         }
     }
+    /// Of walls alone.
+    template <class F>
+    void each_wall(const F& f) const {
+        if (slice_.walls == 0) return;
+        const TwoLanes3 own = taken(slice_.row);
+        for (Index k = slice_.plain(); k < slice_.width; ++k) {
+            PairLanes p = pair(own, k);
+            p.w = wall_weight_[k - slice_.plain()];
+            f(static_cast<std::size_t>(k), p);
+        }
+    }
 
 private:
+    [[gnu::always_inline]] PairLanes pair(const TwoLanes3& own, Index k) const {
+        PairLanes p;
+        p.other = other_ + static_cast<std::size_t>(k) * lane_count;
+        const TwoLanes3 j = taken(p.other);
+        p.r = period_.shortest(j.first - own.first);
+        if constexpr (with) p.v = j.second - own.second;
+        p.r2 = dot(p.r, p.r) + coincident;
+        return p;
+    }
     [[gnu::always_inline]] TwoLanes3 taken(const RowBlock::Place* place) const {
         if constexpr (with) return gather_two(at_, place);
         else return {gather(at_, place), {}};
@@ -131,6 +170,7 @@ private:
     const RowSlice& slice_;
     const Vec4* at_;
     const RowBlock::Place* other_;
+    const Lanes* wall_weight_;
 };
 
 class CoupledRows {
@@ -138,7 +178,9 @@ public:
     static constexpr Index block_size = 256;
 
     /// @param spacing d [m] @param role field::role: pairs of two prescribed particles pass the gate
-    void build(Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real spacing, const CoupledOptions& options);
+    /// @param solids those that the fluid sticks to become neighbours @param dt [s], for their velocities
+    void build(Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real spacing, const CoupledOptions& options,
+               const Solids& solids = {}, Real dt = 0);
 
     Index size() const { return static_cast<Index>(neighbourhood.size()); }
     const RowBlock& block_of(Index i) const { return blocks[i / block_size]; }
@@ -146,14 +188,15 @@ public:
     std::vector<Neighbourhood> neighbourhood;  ///< one a particle
     std::size_t pairs = 0;                     ///< in all rows, without padding
     std::size_t slices = 0;                    ///< of all blocks
+    std::size_t walls = 0;                     ///< pairs with walls
     Index widest_slice = 0;
 
     /// Where the particle was when the rows were built [m].
     Vec3 position(Index i) const { return Vec3(x_[i].v[0], x_[i].v[1], x_[i].v[2]); }
     /// Of those that the block touches, in spacings and seen from the block's first particle; in memory of the calling thread until its
-    /// next call. @param u stands beside each position
+    /// next call. @param u stands beside each position @param moving walls have their velocities, else none
     const Vec4* positions(const RowBlock& block) const;
-    const Vec4* positions(const RowBlock& block, Span<const Vec3> u) const;
+    const Vec4* positions(const RowBlock& block, Span<const Vec3> u, bool moving) const;
     SliceView<false> pairs_of(const RowBlock& block, const RowSlice& slice, const Vec4* at) const { return {period_, block, slice, at}; }
     /// @param at from positions() with u
     SliceView<true> pairs_with(const RowBlock& block, const RowSlice& slice, const Vec4* at) const { return {period_, block, slice, at}; }
@@ -172,23 +215,25 @@ public:
             for (std::size_t a = 0; a < pieces; ++a) quad(sum[a]) += quad(entries[pieces * slot_[k] + a]);
         return sum;
     }
-    std::size_t entries() const { return slot_.size(); }
+    std::size_t entries() const { return entries_; }
 
 private:
     struct Scratch;
     struct Found;
-    void build_block(RowBlock& block, const Found& found, Span<const std::int16_t> role, const CoupledOptions& options);
+    void build_block(RowBlock& block, const Found& found, Span<const std::int16_t> role, const CoupledOptions& options,
+                     const Solids& solids, Real dt);
     void find_moments(RowBlock& block, const CoupledOptions& options);
     void number_slots();
 
     template <bool with>
-    const Vec4* take(const RowBlock& block, Span<const Vec3> u) const;
+    const Vec4* take(const RowBlock& block, Span<const Vec3> u, bool moving) const;
 
     PairPeriod period_;
     Real of_spacing_ = 0;
     Column<Vec4> x_;
     unsigned long builds_ = 0;  ///< number of this build among all
     std::vector<std::uint32_t> first_slot_, slot_;
+    std::size_t entries_ = 0;
 };
 
 }  // namespace whorl

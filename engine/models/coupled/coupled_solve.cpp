@@ -66,9 +66,9 @@ void restore_momentum(Span<const Vec3> x, Span<const Vec3> wanted, bool turning,
 }  // namespace
 
 void CoupledNeighbourhood::operator()(Read<field::position> x, Read<field::role> role, Write<field::density> density,
-                                      const StepContext& step) const {
+                                      const Solids& solids, const StepContext& step) const {
     CoupledSystem& s = *system;
-    s.rows.build(x.values, role.values, step.domain, step.spacing, s.options);
+    s.rows.build(x.values, role.values, step.domain, step.spacing, s.options, solids, step.dt);
     parallel_for(x.size(), [&](Index i) { density[i] = step.rest_density * s.rows.neighbourhood[i].density; });
 }
 
@@ -146,7 +146,7 @@ void CoupledStep::find_unknowns() {
         free_particles += role[i] == 0;
         unknowns.any_slip |= slip[i] != Vec3::Zero();
     }
-    nothing_held = free_particles == n && !unknowns.any_slip && !system.friction.acts();
+    nothing_held = free_particles == n && !unknowns.any_slip && !system.friction.acts() && system.rows.walls == 0;
 }
 
 /// Of nozzles and solids. A particle that slides knows its velocity along the normal.
@@ -196,7 +196,7 @@ void CoupledStep::set_pressure() {
     const bool any_known = known_pressure.size() == x.values.size();
     parallel_for(n, [&](Index i) {
         pressure[i] =
-            form.coefficients(i).bulk * d * divergence[i] + dt * (p[i] + (any_known ? known_pressure[i] : 0)) / (step.rest_density * d);
+            form.coefficients(i).bulk * d * divergence[i] + system.rows.neighbourhood[i].volume * dt * (p[i] + (any_known ? known_pressure[i] : 0)) / (step.rest_density * d);
     });
 }
 
@@ -228,7 +228,7 @@ double CoupledStep::set_load() {
     unknowns.restrict_to(load);
     const double reference = preconditioned_norm(load);
     if (nothing_held) return reference;
-    form.apply(known, work);
+    form.apply(known, work, true);
     parallel_for(n, [&](Index i) { load[i] -= unknowns.part(i, work[i]); });
     return std::max(reference, 0.03 * preconditioned_norm(load));
 }
@@ -296,7 +296,7 @@ void CoupledStep::take_over() {
         const Vec3& solution = work[i];
         change[i] = solution - u[i];
         u[i] = solution;
-        const Real lambda = form.coefficients(i).bulk * step.rest_density * d * d / dt;
+        const Real lambda = form.coefficients(i).bulk * step.rest_density * d * d / (dt * system.rows.neighbourhood[i].volume);
         p[i] = static_cast<Real>(options.memory) * (p[i] - lambda * (form.divergence(i, G[i]) - divergence[i]));
     });
 }
@@ -304,7 +304,7 @@ void CoupledStep::take_over() {
 /// A solid that slips can push, not pull: where it would have to pull, it lets go.
 void CoupledStep::release_slipping() {
     if (!unknowns.any_slip) return;
-    form.apply(u.values, work);
+    form.apply(u.values, work, true);
     parallel_for(n, [&](Index i) { load[i] = loaded(i, u[i] - change[i]); });
     form.add_stress(pressure, curvature, load);
     parallel_for(n, [&](Index i) {

@@ -54,7 +54,7 @@ void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Span<c
             for (Index lane = 0; lane < lane_count; ++lane) {
                 const Index i = block.begin + block.slices[k].row[lane];
                 const Neighbourhood& n = rows.neighbourhood[i];
-                const double K = double(viscosity[i]) * dt / (double(density) * spacing * spacing);
+                const double K = n.volume * double(viscosity[i]) * dt / (double(density) * spacing * spacing);
                 const double sheared = counted.empty() ? K : (1 - counted[i]) * K, base = n.spread > 0 ? 2 * 3 / n.spread : 0;
                 StrainCoefficients c;
                 c.shear = static_cast<Real>(2 * sheared);
@@ -66,14 +66,14 @@ void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Span<c
     });
 }
 
-void StrainForm::find_forces(Span<const Vec3> u) const {
+void StrainForm::find_forces(Span<const Vec3> u, bool moving) const {
     const CoupledRows& rows = *rows_;
     parallel_blocks(rows.size(), CoupledRows::block_size, [&](Index begin, Index) {
         const RowBlock& block = rows.blocks[begin / CoupledRows::block_size];
         KeptPair* const kept = room_for_pairs(rows);
-        const Vec4* at = rows.positions(block, u);
+        const Vec4* at = rows.positions(block, u, moving);
         Vec4* out = forces_.data() + block.place;
-        std::fill(out, out + block.touched.size(), Vec4{{0, 0, 0, 0}});
+        std::fill(out, out + block.entries(), Vec4{{0, 0, 0, 0}});
         for (std::size_t k = 0; k < block.slices.size(); ++k) {
             const RowSlice& slice = block.slices[k];
             const CoefficientLanes& c = coefficients(block, k);
@@ -96,8 +96,8 @@ void StrainForm::find_forces(Span<const Vec3> u) const {
     });
 }
 
-void StrainForm::apply(Span<const Vec3> u, Span<Vec3> y) const {
-    find_forces(u);
+void StrainForm::apply(Span<const Vec3> u, Span<Vec3> y, bool moving) const {
+    find_forces(u, moving);
     parallel_for(rows_->size(), [&](Index i) { y[i] = applied(u, i); });
 }
 
@@ -114,7 +114,7 @@ void StrainForm::add_stress(Span<const Real> q, Span<const Mat3> T, Span<Vec3> y
     parallel_blocks(rows.size(), CoupledRows::block_size, [&](Index begin, Index) {
         const RowBlock& block = rows.blocks[begin / CoupledRows::block_size];
         Vec4* out = forces_.data() + block.place;
-        std::fill(out, out + block.touched.size(), Vec4{{0, 0, 0, 0}});
+        std::fill(out, out + block.entries(), Vec4{{0, 0, 0, 0}});
         const Vec4* at = rows.positions(block);
         for (std::size_t k = 0; k < block.slices.size(); ++k) {
             const RowSlice& slice = block.slices[k];
@@ -146,7 +146,7 @@ void StrainForm::add_stress(Span<const Real> q, Span<const Mat3> T, Span<Vec3> y
 void velocity_gradients(const CoupledRows& rows, Real spacing, Span<const Vec3> u, Span<Mat3> G) {
     parallel_blocks(rows.size(), CoupledRows::block_size, [&](Index begin, Index) {
         const RowBlock& block = rows.blocks[begin / CoupledRows::block_size];
-        const Vec4* at = rows.positions(block, u);
+        const Vec4* at = rows.positions(block, u, true);
         const Lanes per_metre = lanes_of(1 / spacing);
         for (const RowSlice& slice : block.slices) {
             Lanes33 A{};

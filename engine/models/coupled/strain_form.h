@@ -18,7 +18,7 @@
 namespace whorl {
 
 /// G d^-1 of every row [1/s] @param spacing d [m]
-void velocity_gradients(const CoupledRows& rows, Real spacing, Span<const Vec3> u, Span<Mat3> G);
+void velocity_gradients(const CoupledRows& rows, Real spacing, Span<const Vec3> u, Span<Mat3> G);  // walls move
 
 class StrainForm {
 public:
@@ -35,11 +35,12 @@ public:
     Mat3 friction(Index i) const { return friction_.empty() ? Mat3(Mat3::Zero()) : friction_[i]; }
 
     /// y = (1 + K) u: mass, strain and friction, over the mass [m/s].
-    void apply(Span<const Vec3> u, Span<Vec3> y) const;
+    /// @param moving walls have their velocities, else none
+    void apply(Span<const Vec3> u, Span<Vec3> y, bool moving = false) const;
     /// y_i = free(i, ((1 + K) u)_i): free takes out what is prescribed. @param y not u itself @returns u.y
     template <class F>
     double apply(Span<const Vec3> u, Span<Vec3> y, const F& free) const {
-        find_forces(u);
+        find_forces(u, false);
         return parallel_sum(rows_->size(), [&](Index i) {
             y[i] = free(i, applied(u, i));
             return dot_entry(u[i], y[i]);
@@ -65,7 +66,7 @@ public:
     const CoupledRows& rows() const { return *rows_; }
 
 private:
-    void find_forces(Span<const Vec3> u) const;
+    void find_forces(Span<const Vec3> u, bool moving) const;
     /// (1 + K) u of particle i, given the forces.
     Vec3 applied(Span<const Vec3> u, Index i) const {
         const Vec4 f = rows_->gathered(forces_, i)[0];

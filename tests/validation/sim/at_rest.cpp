@@ -418,8 +418,8 @@ TEST_CASE(
                                       -reach, width + reach, width, between_walls ? "false" : "true", spacing, between_walls ? walls : ""));
         run_until(simulation, 1.2);
         double pressure = 0, exact = 0;
-        while (simulation.time() < 1.8) {
-            REQUIRE_FALSE(simulation.step(1.8).diverged);
+        for (int frame = 1; frame <= 60; ++frame) {  // pressures are known at frame times
+            run_until(simulation, 1.2 + 0.01 * frame);
             const auto x = simulation.world().fluid.column<field::position>();
             const auto p = simulation.world().fluid.column<field::pressure>();
             double level = 0;
