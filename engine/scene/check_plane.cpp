@@ -9,9 +9,6 @@ void check_plane(const Scene& scene, const Plan& plan, std::vector<Problem>& pro
     if (scene.domain.dimensions == 3) return;
     const KeyProblems report(scene, problems);
     const std::string here = " in two dimensions (domain.dimensions = 2)";
-    if (!plan.facts.pressure.in_plane)
-        report("models.pressure", "models.pressure = " + described(plan.facts.pressure) + " does not work" + here,
-               "take " + described(pressure_models(), &PressureFacts::in_plane));
     if (scene.fluid.surface_tension > 0 && plan.facts.pressure.source != PressureSource::velocity)
         report("fluid.surface_tension", "particles that pull at each other make no surface tension" + here,
                "take 0, or pressure.form = \"projection\"", "allowed: 0");

@@ -71,7 +71,6 @@ const std::vector<PressureFacts>& pressure_models() {
          .solves_viscosity = true,
          .least_viscous_number = 0.04,
          .has_micropolar = false,
-         .in_plane = false,
          .kernel = KernelKind::wendland_c2,
          .support = 2.4,
          .widest_support = 4,

@@ -24,7 +24,6 @@ struct PressureFacts {
     /// part into drops, and its pools would lose height.
     double least_viscous_number = 0;
     bool has_micropolar = true;  ///< goes with micropolar terms
-    bool in_plane = true;        ///< knows flows of two dimensions
     bool moves_bodies = false;
     KernelKind kernel = KernelKind::cubic;  ///< its own
     double support = 2;                     ///< its own [spacings]

@@ -31,7 +31,6 @@ std::string pressure_reason(PressureModel pressure, const Scene& scene, const Sc
     if (facts_of(scene.models.micropolar).spins && pressure == PressureModel::wcsph)
         return "the usual company of micropolar terms where there is a free surface; \"ppe\" has them too";
     if (!n.free_surface) return "every axis is periodic: no free surface";
-    if (n.viscous_number > coupled_above && scene.domain.dimensions == 2) return "viscosity acts in a solve of its own in two dimensions";
     if (scene.any_free_solid()) return "it moves the free bodies in the same solve";
     if (n.viscous_number > coupled_above && pressure == PressureModel::ppe)
         return fmt::format("viscous number nu dt/d^2 = {:.3g} where {} is least: the flow there hardly diffuses within a step",
@@ -48,8 +47,7 @@ PressureModel automatic_pressure(const Scene& scene, const SceneNumbers& n, bool
     if (facts_of(scene.models.micropolar).spins) return open || scene.any_free_solid() ? PressureModel::wcsph : PressureModel::ppe;
     const PressureFacts& coupled = facts_of(PressureModel::coupled);
     const bool viscous = n.viscous_number > coupled_above && n.least_viscous_number >= coupled.least_viscous_number;
-    return n.free_surface && viscous && (coupled.in_plane || scene.domain.dimensions == 3) &&
-                   (coupled.moves_bodies || !scene.any_free_solid())
+    return n.free_surface && viscous && (coupled.moves_bodies || !scene.any_free_solid())
                ? PressureModel::coupled
                : PressureModel::ppe;
 }

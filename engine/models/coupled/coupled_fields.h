@@ -15,6 +15,11 @@ struct aggregate {
     static constexpr std::string_view name = "aggregate", unit = "",
                                       meaning = "rigid group that the particle belongs to in the coarse level";
 };
+/// 0: the particle is new. -1: no wall holds it. 1: one does, if any is near (CoupledOptions::wall_reach).
+struct held {
+    using type = std::int32_t;
+    static constexpr std::string_view name = "held", unit = "", meaning = "whether a wall that the fluid sticks to has been touched";
+};
 /// Zero where no solid that slips is touched: else the solid's unit normal; the velocity along it is the solid's.
 struct contact_normal {
     using type = Vec3;

@@ -44,17 +44,20 @@ struct Shifting {
         const Lanes3 own = gather(moved, slice.row, &own_strain);
         const auto moved_pair = [&](const PairLanes& p) { return p.r + (gather(moved, p.other, &strain) - own); };
         Lanes3 dx;
+        Lanes weights{}, strains{};
         pairs.each_plain([&](std::size_t k, const PairLanes& p) {
             weight[k] = p.w;
             const Lanes3 r = moved_pair(p);
             const Lanes distance = at_least(square_root(dot(r, r)), Real(1e-6));
             const Lanes push = at_most(rate * (own_strain + strain), strongest) * at_least(range - distance, 0) / distance;
             dx = dx - (p.w > 0 ? push : Lanes{}) * r;
+            weights += p.w, strains += p.w * strain;
         });
-        pairs.each_wall([&](std::size_t, const PairLanes& p) {  // as from its mirror image
+        const Lanes around = strains / at_least(weights, Real(1e-6));
+        pairs.each_wall([&](std::size_t, const PairLanes& p) {  // as from its mirror image, as strained as the fluid around
             const Lanes3 r = lanes_of(2) * moved_pair(p);
             const Lanes distance = at_least(square_root(dot(r, r)), Real(1e-6));
-            const Lanes push = at_most(rate * (own_strain + own_strain), strongest) * at_least(range - distance, 0) / distance;
+            const Lanes push = at_most(rate * (own_strain + around), strongest) * at_least(range - distance, 0) / distance;
             dx = dx - (p.w > 0 ? push : Lanes{}) * r;
         });
         Lanes thin;
@@ -146,7 +149,7 @@ void CoupledShift::operator()(Update<field::position> x, Update<field::velocity>
 
 // In the solid's own frame: the path from where the rows found it to x minus the solid's motion. Distances are Lipschitz, so a particle
 // that ends farther away than its path is long has met nothing; the others are followed along their path, thin plates included.
-void CoupledContact::operator()(Update<field::position> x, Update<field::velocity> u, Update<field::role> role,
+void CoupledContact::operator()(Update<field::position> x, Update<field::velocity> u, Read<field::role> role,
                                 Update<field::contact_normal> slip, const Solids& solids, const StepContext& step) const {
     if (solids.all.empty()) return;
     const CoupledSystem& s = *system;
@@ -160,8 +163,7 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
             const Solid& solid = solids.all[k];
             const Real closest = d * static_cast<Real>(solid.sticks() ? s.options.closest : s.options.sliding_closest);
             // What slides rests where it comes no closer: it must count as touching there whatever the rounding.
-            const Real stick = static_cast<Real>(s.options.stick) * d,
-                       touching = solid.sticks() ? stick : std::max(stick, closest + Real(0.05) * d);
+            const Real touching = closest + Real(0.05) * d;
             const Vec3 to = carried(solid, x[i], -dt);
             const Vec3 path = step.domain.minimum_image(to - from);
             const Real length = path.norm();
@@ -180,11 +182,12 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
             const Vec3 normal = solid.normal(at);
             if (distance < closest) at += (closest - distance) * normal;
             const Vec3 there = carried(solid, at, dt);
-            if (distance < closest || travelled < length) x[i] = there;
+            const bool stopped = distance < closest || travelled < length;
+            if (stopped) x[i] = there;
             const Vec3 solid_velocity = solid.velocity_at(there);
             const Real approach = normal.dot(u[i] - solid_velocity);
             if (solid.sticks()) {  // a neighbour of the fluid (CoupledRows): here it keeps out what comes too close
-                if (distance < closest && approach < 0) u[i] -= approach * normal;
+                if (stopped && approach < 0) u[i] -= approach * normal;
                 continue;
             }
             if (was_touching != Vec3::Zero() || approach < 0) slip[i] = normal;

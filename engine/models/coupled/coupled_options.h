@@ -11,9 +11,10 @@ struct CoupledOptions {
     /// step in which the fastest fluid moves by 0.4 d; shorter steps get their share.
     SolveLimits limits{1e-3, 300};
 
-    double support = 2.4, widest_support = 4;  ///< kernel radius; it grows where a particle has fewer than `enough_neighbours`
+    double support = 2.4, widest_support = 4;  ///< kernel radius; it grows where a particle has fewer than enough() neighbours
     double widest() const { return std::max(support, widest_support); }
-    int enough_neighbours = 16;
+    int enough_neighbours = 16, enough_in_plane = 6;
+    int enough(int dimensions) const { return dimensions == 2 ? enough_in_plane : enough_neighbours; }
 
     double bulk = 10;           ///< lambda over mu: resistance to a change of volume within one step (the multiplier does the rest)
     double smoothing = 0.15;    ///< penalty on what the linear field does not explain, over mu: removes zero-energy modes
@@ -33,9 +34,11 @@ struct CoupledOptions {
            evening_range =
                2;  ///< the same along thin threads, where stretching widens every gap and nobody close is there to be pushed into it
 
-    double wall_reach = 1.1;  ///< distance from a solid below which it holds a particle
-    double stick = 0.5, closest = 0.3;  ///< distance from a solid below which a particle touches it, and which it never goes below
-    double sliding_closest = 0.5;       ///< as `closest`, from a solid that it slides on: half a spacing is its share of the room there
+    /// Distances from a wall that the fluid sticks to: below the first a particle touches it, below the second, too, if one within `bridge`
+    /// does; beyond the third it comes off. New particles touch up to there: a lattice may fill a gap loosely.
+    double wall_touch = 0.55, wall_spread = 0.9, wall_reach = 1.1;
+    double closest = 0.3;          ///< distance from a solid that the fluid sticks to, below which no particle goes
+    double sliding_closest = 0.5;  ///< as `closest`, from a solid that it slides on: half a spacing is its share of the room there
 
     int aggregate = 64;           ///< particles in an aggregate of the coarse level
     int many = 10'000;            ///< in fluids of n > many particles an aggregate has aggregate sqrt(n/many)

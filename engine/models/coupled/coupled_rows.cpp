@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "engine/core/parallel.h"
+#include "engine/math/inverse_in.h"
 #include "engine/models/strain/moment.h"
 
 namespace whorl {
@@ -27,22 +28,22 @@ struct MomentShape {
     bool volume = false;  ///< all directions are resolved, and no thread is thin
 };
 
-MomentShape shape_of(const Mat3& M, const CoupledOptions& o, Neighbourhood& n) {
+MomentShape shape_of(const Mat3& M, const CoupledOptions& o, int dimensions, Neighbourhood& n) {
     MomentShape shape;
     const Mat3d wide = M.cast<double>();
     Eigen::SelfAdjointEigenSolver<Mat3d> axes;
     axes.computeDirect(wide, Eigen::EigenvaluesOnly);
     const Vec3d s = axes.eigenvalues();
     if (!(s[2] > 0)) return shape;
-    n.thin = static_cast<Real>(smooth_step((o.thin_below - s[1] / s[2]) / (o.thin_below - o.thin_at)));
-    const bool whole = resolves_all(s);
-    if (whole) shape.inverse_moment = wide.inverse().cast<Real>();
+    if (dimensions == 3) n.thin = static_cast<Real>(smooth_step((o.thin_below - s[1] / s[2]) / (o.thin_below - o.thin_at)));
+    const bool whole = dimensions == 3 ? resolves_all(s) : s[1] >= resolved_above * s[2];
+    if (whole) shape.inverse_moment = inverse_in(dimensions, wide).cast<Real>();
     shape.volume = whole && n.thin == 0;
     if (shape.volume) return shape;
     axes.computeDirect(wide);
     if (n.thin > 0) shape.directions.along = axes.eigenvectors().col(2).cast<Real>();
     if (whole) return shape;
-    const Moment moment = invert_moment(axes.eigenvalues(), axes.eigenvectors());
+    const Moment moment = invert_moment(axes.eigenvalues(), axes.eigenvectors(), dimensions);
     shape.inverse_moment = moment.inverse.cast<Real>();
     shape.directions.resolved = moment.resolved.cast<Real>();
     n.unresolved = static_cast<Real>(moment.unresolved);
@@ -50,7 +51,7 @@ MomentShape shape_of(const Mat3& M, const CoupledOptions& o, Neighbourhood& n) {
 }
 
 /// The same with the walls, which resolve directions, but make no thread. @param M with them
-void add_walls(const RowBlock& block, Index row, Mat3 M, const CoupledOptions& o, Neighbourhood& n, MomentShape& shape) {
+void add_walls(const RowBlock& block, Index row, Mat3 M, const CoupledOptions& o, int dimensions, Neighbourhood& n, MomentShape& shape) {
     bool any = false;
     for (const WallPoint& wall : block.walls)
         if (wall.row == row) any = true, M += wall.lateral;
@@ -58,7 +59,7 @@ void add_walls(const RowBlock& block, Index row, Mat3 M, const CoupledOptions& o
     const Vec3 along = shape.directions.along;
     const Real thin = n.thin;
     n.unresolved = 0;
-    shape = shape_of(M, o, n);
+    shape = shape_of(M, o, dimensions, n);
     shape.directions.along = along;
     n.thin = thin;
     shape.volume = n.unresolved == 0 && thin == 0;
@@ -73,6 +74,7 @@ struct CoupledRows::Found {
         std::uint16_t first = 0, count = 0;  ///< in the list of its block
     };
     Real spacing = 0;
+    int dimensions = 3;
     static constexpr Index part_size = 32 * block_size;
     std::vector<Pairs> near;          ///< neighbours within the usual support: the rows of part_size particles each
     Pairs far;                        ///< of sparse particles, within the widest support
@@ -89,6 +91,20 @@ struct CoupledRows::Found {
     const Pairs& near_of(Index i) const { return near[i / part_size]; }
     void search(Span<const Vec3> x, const Domain& domain, const CoupledOptions& options);
     void list_close(Real reach);
+};
+
+/// The solids about the particles.
+struct CoupledRows::Walls {
+    const Solids& solids;
+    int dimensions = 3;
+    Real dt = 0;
+    Span<std::int32_t> held;
+    Column<Real> nearest{}, height{};    ///< distance of any solid, and of those that the fluid sticks to [m]
+    std::vector<std::int32_t> touching{};  ///< field::held, as each particle knows by itself
+
+    void find(Span<const Vec3> x, Span<const std::int16_t> role, Real spacing, const CoupledOptions& o);
+    /// Writes field::held. @returns whether walls hold the particle
+    bool hold(Index i, const Found& found, const CoupledOptions& o) const;
 };
 
 /// Candidates of one row: all particles within the widest support in use, lengths in spacings.
@@ -120,7 +136,7 @@ struct CoupledRows::Scratch {
     Real find_candidates(Index i, const Found& found, const CoupledOptions& options);
     void find_bridges(Index i, Real h, const Found& found, const CoupledOptions& options);
     void append_row(Index i, Real h, Span<const std::int16_t> role, const CoupledOptions& options);
-    void find_walls(RowBlock& block, const Vec3& at, Real h, Real d, const Solids& solids, const CoupledOptions& options, Real dt,
+    void find_walls(RowBlock& block, const Vec3& at, Real h, Real d, const Walls& walls, bool held, const CoupledOptions& options,
                     Neighbourhood& n) const;
     void arrange(RowBlock& block) const;
     void resize(std::size_t n) {
@@ -159,13 +175,14 @@ struct CoupledRows::Scratch {
 namespace {
 
 /// The weights of all candidates, 0 beyond h; returns n/n0.
-Real weigh(Index count, const Real* __restrict r2, Real h0, Real h, Real* __restrict w) {
+Real weigh(int dimensions, Index count, const Real* __restrict r2, Real h0, Real h, Real* __restrict w) {
     const Real of_h0 = 1 / (h0 * h0), of_h = 1 / (h * h);
     Real density = 1;
     for (Index k = 0; k < count; ++k) {
         density += weight_at(r2[k] * of_h0);
         w[k] = r2[k] > Real(1e-12) ? weight_at(r2[k] * of_h) : 0;
     }
+    if (dimensions == 2) return density * static_cast<Real>(4 / std::numbers::pi) / (h0 * h0);
     return density * static_cast<Real>(315 / (64 * std::numbers::pi)) / (h0 * h0 * h0);
 }
 
@@ -182,7 +199,7 @@ void CoupledRows::Found::search(Span<const Vec3> x, const Domain& domain, const 
     // look further.
     sparse_place.assign(x.size(), -1);
     for (Index i = 0; i < n; ++i)
-        if (near_of(i).count(i % part_size) < options.enough_neighbours) {
+        if (near_of(i).count(i % part_size) < options.enough(dimensions)) {
             sparse_place[i] = static_cast<Index>(sparse.size());
             sparse.push_back(x[i]);
         }
@@ -210,8 +227,33 @@ void CoupledRows::Found::list_close(Real reach) {
     });
 }
 
+void CoupledRows::Walls::find(Span<const Vec3> x, Span<const std::int16_t> role, Real d, const CoupledOptions& o) {
+    if (solids.all.empty()) return;
+    nearest.resize(x.size()), height.resize(x.size()), touching.resize(x.size());
+    parallel_for(static_cast<Index>(x.size()), [&](Index i) {
+        nearest[i] = height[i] = std::numeric_limits<Real>::infinity();
+        if (role[i] != 0) return;
+        for (const Solid& solid : solids.all) {
+            const Real distance = solid.distance(x[i]);
+            nearest[i] = std::min(nearest[i], distance);
+            if (solid.sticks()) height[i] = std::min(height[i], distance);
+        }
+        const Real reach = static_cast<Real>(held[i] < 0 ? o.wall_touch : o.wall_reach) * d;
+        touching[i] = height[i] < reach ? 1 : -1;
+    });
+}
+
+bool CoupledRows::Walls::hold(Index i, const Found& found, const CoupledOptions& o) const {
+    held[i] = touching[i];
+    const Real touch = static_cast<Real>(o.wall_touch) * found.spacing, spread = static_cast<Real>(o.wall_spread) * found.spacing;
+    if (held[i] < 0 && height[i] < spread)
+        for (const Index j : found.close(i))
+            if (touching[j] > 0 && height[j] < touch) held[i] = 1;
+    return held[i] > 0;
+}
+
 void CoupledRows::build(Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real spacing,
-                        const CoupledOptions& options, const Solids& solids, Real dt) {
+                        const CoupledOptions& options, const Solids& solids, Real dt, Span<std::int32_t> held) {
     const auto n = static_cast<Index>(x.size());
     static std::atomic<unsigned long> count{0};
     builds_ = ++count;
@@ -224,9 +266,12 @@ void CoupledRows::build(Span<const Vec3> x, Span<const std::int16_t> role, const
     std::vector<std::uint32_t>().swap(slot_);
     Found found;
     found.spacing = spacing;
+    found.dimensions = dimensions_ = domain.dimensions();
     found.search(x, domain, options);
     found.list_close(static_cast<Real>(options.bridge) * spacing);
 
+    Walls near_walls{solids, dimensions_, dt, held};
+    near_walls.find(x, role, spacing, options);
     neighbourhood.assign(x.size(), {});
     blocks.resize((n + block_size - 1) / block_size);
     for (Index from = 0; from < n; from += Found::part_size) {
@@ -234,7 +279,7 @@ void CoupledRows::build(Span<const Vec3> x, Span<const std::int16_t> role, const
             RowBlock& block = blocks[(from + begin) / block_size];
             block.begin = from + begin;
             block.end = from + end;
-            build_block(block, found, role, options, solids, dt);
+            build_block(block, found, role, options, near_walls);
         });
         found.near[from / Found::part_size] = {};  // nobody needs it any longer: rows take the place of neighbours
     }
@@ -251,7 +296,7 @@ void CoupledRows::build(Span<const Vec3> x, Span<const std::int16_t> role, const
 }
 
 void CoupledRows::build_block(RowBlock& block, const Found& found, Span<const std::int16_t> role, const CoupledOptions& o,
-                              const Solids& solids, Real dt) {
+                              const Walls& near_walls) {
     thread_local Scratch s;
     s.place.resize(x_.size(), -1);
     if (s.reached.size() != x_.size() || s.build != builds_) s.reached.assign(x_.size(), -1), s.build = builds_;
@@ -261,10 +306,12 @@ void CoupledRows::build_block(RowBlock& block, const Found& found, Span<const st
     for (Index i = block.begin; i < block.end; ++i) s.place_of(i);
     for (Index i = block.begin; i < block.end; ++i) {
         const Real h = s.find_candidates(i, found, o);
-        neighbourhood[i].density = weigh(static_cast<Index>(s.index.size()), s.r2.data(), static_cast<Real>(o.support), h, s.w.data());
+        neighbourhood[i].density = weigh(dimensions_, static_cast<Index>(s.index.size()), s.r2.data(), static_cast<Real>(o.support), h, s.w.data());
         s.find_bridges(i, h, found, o);
         s.append_row(i, h, role, o);
-        if (role[i] == 0) s.find_walls(block, position(i), h, found.spacing, solids, o, dt, neighbourhood[i]);
+        if (!near_walls.nearest.empty() && near_walls.nearest[i] < static_cast<Real>(o.support) * found.spacing)
+            s.find_walls(block, position(i), h, found.spacing, near_walls, near_walls.hold(i, found, o), o, neighbourhood[i]);
+        else if (!near_walls.nearest.empty()) near_walls.held[i] = -1;
         s.row_first.push_back(s.row_other.size());
         s.row_h.push_back(h);
     }
@@ -284,9 +331,10 @@ Real CoupledRows::Scratch::find_candidates(Index i, const Found& found, const Co
         return usual;
     }
     take(found.far, sparse, inverse_spacing, i);
-    if (static_cast<int>(index.size()) < o.enough_neighbours) return widest;
+    const int enough_here = o.enough(found.dimensions);
+    if (static_cast<int>(index.size()) < enough_here) return widest;
     order.assign(r2.begin(), r2.end());
-    const auto enough = order.begin() + (o.enough_neighbours - 1);
+    const auto enough = order.begin() + (enough_here - 1);
     std::nth_element(order.begin(), enough, order.end());
     return std::clamp(std::sqrt(*enough), usual, widest);
 }
@@ -324,22 +372,27 @@ void CoupledRows::Scratch::append_row(Index i, Real h, Span<const std::int16_t> 
 namespace {
 
 /// Part of the volume of the weight of radius 1 that lies beyond a plane at distance q.
-Real beyond(Real q) {
+Real beyond(int dimensions, Real q) {
     if (q >= 1) return 0;
+    if (dimensions == 2) {  // 128/(35 pi) times the integral of (1 - t^2)^(7/2) = cos^8 a da, t = sin a
+        const double a = std::asin(static_cast<double>(q));
+        const double waves = 28 * std::sin(2 * a) + 7 * std::sin(4 * a) + 4 * std::sin(6 * a) / 3 + std::sin(8 * a) / 8;
+        return static_cast<Real>(0.5 - (a + waves / 35) / std::numbers::pi);
+    }
     const Real t = q * q;
     return Real(0.5) - Real(315.0 / 256) * q * (1 - t * (Real(4.0 / 3) - t * (Real(1.2) - t * (Real(4.0 / 7) - t / 9))));
 }
 
 /// What of it a solid fills there that may be thin. @param h distance of its surface [m] @param R the weight's radius [m]
-Real filled(const Solid& solid, const Vec3& x, const Vec3& normal, Real h, Real R) {
+Real filled(int dimensions, const Solid& solid, const Vec3& x, const Vec3& normal, Real h, Real R) {
     h = std::max(h, Real(0));
     if (!(h < R)) return 0;
-    if (solid.distance(x - R * normal) < 0) return beyond(h / R);
+    if (solid.distance(x - R * normal) < 0) return beyond(dimensions, h / R);
     constexpr int slabs = 4;
     Real sum = 0;
     for (int k = 0; k < slabs; ++k) {
         const Real from = h + (R - h) * k / slabs, to = h + (R - h) * (k + 1) / slabs;
-        if (solid.distance(x - (from + to) / 2 * normal) < 0) sum += beyond(from / R) - beyond(to / R);
+        if (solid.distance(x - (from + to) / 2 * normal) < 0) sum += beyond(dimensions, from / R) - beyond(dimensions, to / R);
     }
     return sum;
 }
@@ -347,26 +400,34 @@ Real filled(const Solid& solid, const Vec3& x, const Vec3& normal, Real h, Real 
 }  // namespace
 
 /// Solids near the particle: what they add to its density, and those that hold it.
-void CoupledRows::Scratch::find_walls(RowBlock& block, const Vec3& at, Real h, Real d, const Solids& solids, const CoupledOptions& o, Real dt,
-                                      Neighbourhood& n) const {
+void CoupledRows::Scratch::find_walls(RowBlock& block, const Vec3& at, Real h, Real d, const Walls& walls, bool held,
+                                      const CoupledOptions& o, Neighbourhood& n) const {
+    const Solids& solids = walls.solids;
+    const Real dt = walls.dt;
     const Real support = static_cast<Real>(o.support) * d, reach = static_cast<Real>(o.wall_reach) * d;
-    const Real half_moment = Real(2 * std::numbers::pi / 3 * 16 / 1155) * h * h * h * h * h;  // of a half space: sum w z^2
+    // Of a half space full of particles: sum w z^2.
+    const Real half_moment = walls.dimensions == 2 ? Real(std::numbers::pi / 80) * h * h * h * h
+                                                   : Real(2 * std::numbers::pi / 3 * 16 / 1155) * h * h * h * h * h;
+    const Real few = walls.dimensions == 2 ? 1 : 2;  // sum w of particles that stand in a row along the wall have 1.2, in a layer 3.5
     const std::size_t before = block.walls.size();
+    constexpr Real on_lattice = Real(0.95);  // the same share of a lattice that touches a flat wall
     Real open = 1;
     const auto add = [&](const Solid& solid, Index k, const Vec3& normal, Real height) {
-        const Real share = filled(solid, at, normal, height, support);
+        const Real share = on_lattice * filled(walls.dimensions, solid, at, normal, height, support);
         open *= 1 - share;
-        if (!solid.sticks() || !(height < reach) || block.walls.size() - before == most_walls) return;
+        if (!held || !solid.sticks() || !(height < reach) || block.walls.size() - before == most_walls) return;
         WallPoint wall;
         wall.row = static_cast<Index>(row_first.size()) - 1;
         wall.solid = k;
-        wall.position = at - height * normal;
+        wall.normal = normal;
+        const Real up = std::max(height / d, Real(0.2)), hold = std::clamp((reach - height) / (Real(0.2) * d), Real(0), Real(1));
+        wall.position = at - up * d * normal;
         wall.velocity = solid.pose.velocity_at(wall.position + dt / 2 * solid.pose.velocity_at(wall.position));
-        const Real up = std::max(height / d, Real(0.2)), held = std::clamp((reach - height) / (Real(0.2) * d), Real(0), Real(1));
-        wall.weight = held * 2 * half_moment / up;
-        const Real lone = std::max(Real(0), 1 - row_weight / 2);
-        wall.lateral = held * lone * half_moment / 2 * (Mat3::Identity() - normal * normal.transpose());
-        n.volume *= 1 + held * (up - Real(0.5));
+        wall.weight = hold * 2 * half_moment / up;
+        const Real lone = std::max(Real(0), 1 - row_weight / few);
+        wall.lateral = hold * lone * half_moment / 2 * (Mat3::Identity() - normal * normal.transpose());
+        if (walls.dimensions == 2) wall.lateral(2, 2) = 0;
+        n.volume *= 1 + hold * (up - Real(0.5));
         block.walls.push_back(wall);
     };
     for (std::size_t k = 0; k < solids.all.size(); ++k) {
@@ -491,26 +552,22 @@ void CoupledRows::find_moments(RowBlock& block, const CoupledOptions& o) {
             distances += p.w * square_root(p.r2);
         });
         const SymmetricLanes without_walls = M;
-        // To the centre they are half spaces full of fluid: sum w z = pi/40 h^4 (1 - q^2)^5.
-        pairs_of(block, slice, at).each_wall([&](std::size_t, const PairLanes& p) {
-            add(p);
-            const Lanes q = at_least(lanes_of(1) - p.r2 * slice.of_h2, 0), q2 = q * q;
-            const Lanes first = p.w > 0 ? q2 * q2 * q * Real(std::numbers::pi / 40) / (slice.of_h2 * slice.of_h2) : Lanes{};
-            centre = centre + (first / square_root(p.r2)) * p.r;
-            distances += 2 * first;
-        });
+        pairs_of(block, slice, at).each_wall([&](std::size_t, const PairLanes& p) { add(p); });
         slice.inverse_moment = SymmetricLanes();
         for (Index lane = 0; lane < slice.rows; ++lane) {
             const Index row = slice.row[lane];
             Neighbourhood& n = neighbourhood[block.begin + row];
-            const Vec3 middle(centre.x[lane], centre.y[lane], centre.z[lane]);
+            Vec3 middle(centre.x[lane], centre.y[lane], centre.z[lane]);
+            if (slice.walls > 0)  // the fluid's mirror image makes it good for what is missing behind a wall
+                for (const WallPoint& wall : block.walls)
+                    if (wall.row == row) middle -= wall.normal * wall.normal.dot(middle);
             n.weights = weights[lane];
             n.spread = M.xx[lane] + M.yy[lane] + M.zz[lane];
             if (distances[lane] > 0) n.surface = middle.norm() / distances[lane];
             if (n.surface > 0) n.outward = -middle.normalized();
             if (n.spread > 0) {
-                MomentShape shape = shape_of(lane_of(without_walls, lane), o, n);
-                if (slice.walls > 0) add_walls(block, row, lane_of(M, lane), o, n, shape);
+                MomentShape shape = shape_of(lane_of(without_walls, lane), o, dimensions_, n);
+                if (slice.walls > 0) add_walls(block, row, lane_of(M, lane), o, dimensions_, n, shape);
                 set_lane(slice.inverse_moment, lane, shape.inverse_moment);
                 if (!shape.volume) {
                     n.directions = static_cast<std::int32_t>(block.directions.size());

@@ -41,6 +41,7 @@ struct FourthMoment {
 /// Where a wall that holds the fluid is nearest to a particle: a neighbour that moves with the wall (docs/physics.md 5).
 struct WallPoint {
     Vec3 position, velocity;  ///< m, on the surface; m/s, of the straight way to where the wall takes it in this step
+    Vec3 normal;              ///< into the fluid
     Index row = 0;            ///< of the particle in its block
     Index solid = 0;
     Real weight = 0;
@@ -178,11 +179,15 @@ public:
     static constexpr Index block_size = 256;
 
     /// @param spacing d [m] @param role field::role: pairs of two prescribed particles pass the gate
-    /// @param solids those that the fluid sticks to become neighbours @param dt [s], for their velocities
+    void build(Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real spacing, const CoupledOptions& options) {
+        build(x, role, domain, spacing, options, {}, 0, {});
+    }
+    /// @param solids those that the fluid sticks to become neighbours @param dt [s], for their velocities @param held field::held
     void build(Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real spacing, const CoupledOptions& options,
-               const Solids& solids = {}, Real dt = 0);
+               const Solids& solids, Real dt, Span<std::int32_t> held);
 
     Index size() const { return static_cast<Index>(neighbourhood.size()); }
+    int dimensions() const { return dimensions_; }
     const RowBlock& block_of(Index i) const { return blocks[i / block_size]; }
     std::vector<RowBlock> blocks;
     std::vector<Neighbourhood> neighbourhood;  ///< one a particle
@@ -220,8 +225,9 @@ public:
 private:
     struct Scratch;
     struct Found;
+    struct Walls;
     void build_block(RowBlock& block, const Found& found, Span<const std::int16_t> role, const CoupledOptions& options,
-                     const Solids& solids, Real dt);
+                     const Walls& walls);
     void find_moments(RowBlock& block, const CoupledOptions& options);
     void number_slots();
 
@@ -229,6 +235,7 @@ private:
     const Vec4* take(const RowBlock& block, Span<const Vec3> u, bool moving) const;
 
     PairPeriod period_;
+    int dimensions_ = 3;
     Real of_spacing_ = 0;
     Column<Vec4> x_;
     unsigned long builds_ = 0;  ///< number of this build among all

@@ -66,9 +66,9 @@ void restore_momentum(Span<const Vec3> x, Span<const Vec3> wanted, bool turning,
 }  // namespace
 
 void CoupledNeighbourhood::operator()(Read<field::position> x, Read<field::role> role, Write<field::density> density,
-                                      const Solids& solids, const StepContext& step) const {
+                                      Update<field::held> held, const Solids& solids, const StepContext& step) const {
     CoupledSystem& s = *system;
-    s.rows.build(x.values, role.values, step.domain, step.spacing, s.options, solids, step.dt);
+    s.rows.build(x.values, role.values, step.domain, step.spacing, s.options, solids, step.dt, held.values);
     parallel_for(x.size(), [&](Index i) { density[i] = step.rest_density * s.rows.neighbourhood[i].density; });
 }
 

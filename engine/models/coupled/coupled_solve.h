@@ -9,8 +9,8 @@ namespace whorl {
 
 struct CoupledNeighbourhood {
     std::shared_ptr<CoupledSystem> system;
-    void operator()(Read<field::position> x, Read<field::role> role, Write<field::density> density, const Solids& solids,
-                    const StepContext& step) const;
+    void operator()(Read<field::position> x, Read<field::role> role, Write<field::density> density, Update<field::held> held,
+                    const Solids& solids, const StepContext& step) const;
 };
 
 struct CoupledGradient {

@@ -46,6 +46,15 @@ public:
             return dot_entry(u[i], y[i]);
         });
     }
+    /// Calls f(wall, v) for what walls have in the last product, or in the last add_stress(): what v is to a particle's y [m/s].
+    template <class F>
+    void each_wall(const F& f) const {
+        for (const RowBlock& block : rows_->blocks)
+            for (std::size_t k = 0; k < block.walls.size(); ++k) {
+                const Real* v = forces_[block.place + block.touched.size() + k].v;
+                f(block.walls[k], Vec3(v[0], v[1], v[2]));
+            }
+    }
     /// y_i += sum over rows of P (q + 2 K d T) M+ (w r): the forces of -q tr D - 2 K d T:D [m/s].
     /// @param T symmetric [1/s]; empty: none
     void add_stress(Span<const Real> q, Span<const Mat3> T, Span<Vec3> y) const;

@@ -30,6 +30,32 @@ TEST_CASE("thick honey with a free surface is solved with its pressure, and the 
     CHECK(plan.warnings.empty());
 }
 
+TEST_CASE("thick honey that fills its gap is solved with its pressure, and the reason names no free surface", "[plan]") {
+    const char* gap = R"toml([time]
+end = 1
+[domain]
+min = [-0.03, -0.02, -0.03]
+max = [0.03, 0.06, 0.03]
+periodic = [true, false, true]
+[fluid]
+spacing = 5e-3
+viscosity = 100
+[[block]]
+shape = "box"
+min = [-0.03, 0, -0.03]
+max = [0.03, 0.04, 0.03]
+[[solid]]
+shape = "plane"
+[[solid]]
+shape = "plane"
+normal = [0, -1, 0]
+position = ["0.1*t", "0.04", "0"]
+)toml";
+    const Plan plan = make_plan(scene_with({}, gap));
+    CHECK(plan.pressure == PressureModel::coupled);
+    CHECK(choice(plan, "models.pressure").reason.find("free surface") == std::string::npos);
+}
+
 TEST_CASE("a thinner fluid is solved with its pressure down to a viscous number of a quarter", "[plan]") {
     const auto with_number = [](double number) {  // nu = number d^2/dt, dt = 0.4 d/speed
         const double d = 2e-3, speed = std::sqrt(0.25 * 0.25 + 2 * 9.81 * 0.09);
@@ -295,9 +321,9 @@ inside = true
     const Plan plan = make_plan(scene_with({}, tank));
     CHECK(plan.estimated_particles == Approx(200));
     CHECK(plan.particle_volume() == Approx(1e-4));
-    CHECK(plan.pressure == PressureModel::ppe);  // coupled, which so thick a fluid would have in space, is none for the plane
+    CHECK(plan.pressure == PressureModel::coupled);
     CHECK(plan.kernel.dimensions == 2);
-    CHECK(plan.support == Approx(0.02));
+    CHECK(plan.support == Approx(0.024));
 
     const auto messages = [&](const std::string& change) {
         try {
@@ -306,7 +332,6 @@ inside = true
         return std::string("no error");
     };
     const std::string here = " in two dimensions (domain.dimensions = 2)";
-    CHECK(messages("models.pressure=coupled").find("models.pressure = \"coupled\" does not work" + here) != std::string::npos);
     CHECK(messages("fluid.surface_tension=0.07").find("particles that pull at each other make no surface tension" + here) !=
           std::string::npos);
     CHECK(messages("output.export=[\"vdb\"]").find("there is no surface to export as \"vdb\"" + here) != std::string::npos);
