@@ -36,10 +36,9 @@ std::string pressure_reason(PressureModel pressure, const Scene& scene, const Sc
         return fmt::format("viscous number nu dt/d^2 = {:.3g} where {} is least: the flow there hardly diffuses within a step",
                            n.least_viscous_number, n.least_viscosity_key);
     const std::string number = fmt::format("viscous number nu dt/d^2 = {:.3g}", n.viscous_number);
-    return pressure == PressureModel::coupled
-               ? fmt::format("{} > {:g}{}: viscosity and pressure act together within a step", number, coupled_above,
-                             open ? " with a free surface" : "")
-               : fmt::format("{} <= {:g}: the flow hardly diffuses within a step", number, coupled_above);
+    return pressure == PressureModel::coupled ? fmt::format("{} > {:g}{}: viscosity and pressure act together within a step", number,
+                                                            coupled_above, open ? " with a free surface" : "")
+                                              : fmt::format("{} <= {:g}: the flow hardly diffuses within a step", number, coupled_above);
 }
 
 /// @param open the fluid has a free surface
@@ -47,9 +46,7 @@ PressureModel automatic_pressure(const Scene& scene, const SceneNumbers& n, bool
     if (facts_of(scene.models.micropolar).spins) return open || scene.any_free_solid() ? PressureModel::wcsph : PressureModel::ppe;
     const PressureFacts& coupled = facts_of(PressureModel::coupled);
     const bool viscous = n.viscous_number > coupled_above && n.least_viscous_number >= coupled.least_viscous_number;
-    return n.free_surface && viscous && (coupled.moves_bodies || !scene.any_free_solid())
-               ? PressureModel::coupled
-               : PressureModel::ppe;
+    return n.free_surface && viscous && (coupled.moves_bodies || !scene.any_free_solid()) ? PressureModel::coupled : PressureModel::ppe;
 }
 
 /// Makes the choices one after the other; each finds those before it in the plan.
@@ -110,7 +107,8 @@ private:
 
     void choose_pressure() {
         const PressureModel automatic = automatic_pressure(scene_, n_, plan_.free_surface);
-        plan_.pressure = choose("models.pressure", scene_.models.pressure, automatic, pressure_reason(automatic, scene_, n_, plan_.free_surface));
+        plan_.pressure =
+            choose("models.pressure", scene_.models.pressure, automatic, pressure_reason(automatic, scene_, n_, plan_.free_surface));
         const PressureForm automatic_form = automatic_pressure_form();
         const PressureForm form = scene_.pressure.form.value_or(automatic_form);
         plan_.facts.pressure = facts_of(plan_.pressure, form, scene_.pressure.source);

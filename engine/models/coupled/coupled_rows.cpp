@@ -99,7 +99,7 @@ struct CoupledRows::Walls {
     int dimensions = 3;
     Real dt = 0;
     Span<std::int32_t> held;
-    Column<Real> nearest{}, height{};    ///< distance of any solid, and of those that the fluid sticks to [m]
+    Column<Real> nearest{}, height{};      ///< distance of any solid, and of those that the fluid sticks to [m]
     std::vector<std::int32_t> touching{};  ///< field::held, as each particle knows by itself
 
     void find(Span<const Vec3> x, Span<const std::int16_t> role, Real spacing, const CoupledOptions& o);
@@ -121,7 +121,7 @@ struct CoupledRows::Scratch {
     std::vector<std::int32_t> place;  ///< of each particle in the block's touched list, -1: not in it. All -1 between two blocks
     std::vector<Index> reached;       ///< the particle whose close neighbours' close neighbours were marked last, this one among them
 
-    Real row_weight = 0;              ///< sum w of the row's particles
+    Real row_weight = 0;  ///< sum w of the row's particles
 
     unsigned long build = 0;  ///< for which `reached` was cleared
 
@@ -306,7 +306,8 @@ void CoupledRows::build_block(RowBlock& block, const Found& found, Span<const st
     for (Index i = block.begin; i < block.end; ++i) s.place_of(i);
     for (Index i = block.begin; i < block.end; ++i) {
         const Real h = s.find_candidates(i, found, o);
-        neighbourhood[i].density = weigh(dimensions_, static_cast<Index>(s.index.size()), s.r2.data(), static_cast<Real>(o.support), h, s.w.data());
+        neighbourhood[i].density =
+            weigh(dimensions_, static_cast<Index>(s.index.size()), s.r2.data(), static_cast<Real>(o.support), h, s.w.data());
         s.find_bridges(i, h, found, o);
         s.append_row(i, h, role, o);
         if (!near_walls.nearest.empty() && near_walls.nearest[i] < static_cast<Real>(o.support) * found.spacing)
@@ -422,7 +423,7 @@ void CoupledRows::Scratch::find_walls(RowBlock& block, const Vec3& at, Real h, R
         wall.normal = normal;
         const Real up = std::max(height / d, Real(0.2)), hold = std::clamp((reach - height) / (Real(0.2) * d), Real(0), Real(1));
         wall.position = at - up * d * normal;
-        wall.velocity = solid.pose.velocity_at(wall.position + dt / 2 * solid.pose.velocity_at(wall.position));
+        wall.velocity = solid.velocity_at(wall.position + dt / 2 * solid.velocity_at(wall.position));
         wall.weight = hold * 2 * half_moment / up;
         const Real lone = std::max(Real(0), 1 - row_weight / few);
         wall.lateral = hold * lone * half_moment / 2 * (Mat3::Identity() - normal * normal.transpose());

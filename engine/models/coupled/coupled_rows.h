@@ -52,9 +52,9 @@ struct WallPoint {
 /// Shorter rows, and lanes without a row, end in pairs of weight 0 with themselves. Pairs with walls come last.
 struct RowSlice {
     std::size_t begin = 0;
-    Index width = 0;                     ///< pairs of the longest row and `walls`
-    Index walls = 0;                     ///< most pairs of a row with walls
-    std::size_t first_wall = 0;          ///< place of their weights in RowBlock::wall_weight
+    Index width = 0;             ///< pairs of the longest row and `walls`
+    Index walls = 0;             ///< most pairs of a row with walls
+    std::size_t first_wall = 0;  ///< place of their weights in RowBlock::wall_weight
     Index plain() const { return width - walls; }
     Index rows = 0;                      ///< lanes that have a row
     std::uint16_t row[lane_count] = {};  ///< the row in each lane; a lane without one names the first lane's row
@@ -77,8 +77,8 @@ struct RowBlock {
     std::vector<std::uint16_t> lane;   ///< of each row, counted through all slices
     std::vector<std::uint16_t> count;  ///< pairs of each row
     std::vector<Directions> directions;
-    Column<Place> other;               ///< place of j in touched; of walls, behind them all
-    std::vector<WallPoint> walls;      ///< by row
+    Column<Place> other;           ///< place of j in touched; of walls, behind them all
+    std::vector<WallPoint> walls;  ///< by row
     std::vector<Lanes> wall_weight;
 
     Index size() const { return end - begin; }
@@ -226,8 +226,7 @@ private:
     struct Scratch;
     struct Found;
     struct Walls;
-    void build_block(RowBlock& block, const Found& found, Span<const std::int16_t> role, const CoupledOptions& options,
-                     const Walls& walls);
+    void build_block(RowBlock& block, const Found& found, Span<const std::int16_t> role, const CoupledOptions& options, const Walls& walls);
     void find_moments(RowBlock& block, const CoupledOptions& options);
     void number_slots();
 

@@ -195,8 +195,8 @@ void CoupledStep::set_pressure() {
     const std::vector<Real>& known_pressure = *system.known_pressure;
     const bool any_known = known_pressure.size() == x.values.size();
     parallel_for(n, [&](Index i) {
-        pressure[i] =
-            form.coefficients(i).bulk * d * divergence[i] + system.rows.neighbourhood[i].volume * dt * (p[i] + (any_known ? known_pressure[i] : 0)) / (step.rest_density * d);
+        pressure[i] = form.coefficients(i).bulk * d * divergence[i] +
+                      system.rows.neighbourhood[i].volume * dt * (p[i] + (any_known ? known_pressure[i] : 0)) / (step.rest_density * d);
     });
 }
 

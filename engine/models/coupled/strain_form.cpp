@@ -55,7 +55,8 @@ void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Span<c
                 const Index i = block.begin + block.slices[k].row[lane];
                 const Neighbourhood& n = rows.neighbourhood[i];
                 const double K = n.volume * double(viscosity[i]) * dt / (double(density) * spacing * spacing);
-                const double sheared = counted.empty() ? K : (1 - counted[i]) * K, base = n.spread > 0 ? 2 * rows.dimensions() / n.spread : 0;
+                const double sheared = counted.empty() ? K : (1 - counted[i]) * K,
+                             base = n.spread > 0 ? 2 * rows.dimensions() / n.spread : 0;
                 StrainCoefficients c;
                 c.shear = static_cast<Real>(2 * sheared);
                 c.bulk = static_cast<Real>(2 * K * o.bulk / (2 + n.unresolved * o.bulk));

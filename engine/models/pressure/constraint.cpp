@@ -177,9 +177,7 @@ void ConstraintPressure::write_ledgers(const WallImage& wall, const Surroundings
                                        Span<const Real> q) const {
     const SolidParticles& layer = around.layer;
     with_kernel(around.step.kernel, around.step.support, [&](const auto& W) {
-        const auto share = [&](Index s, const Vec3& r, Real distance) {
-            return wall.share(W, r, distance, layer, s);
-        };
+        const auto share = [&](Index s, const Vec3& r, Real distance) { return wall.share(W, r, distance, layer, s); };
         react(
             around, Push::pressure, role, around.step.mass,
             [&](Index i) {

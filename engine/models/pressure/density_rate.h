@@ -19,13 +19,13 @@ namespace whorl {
 /// by d + stretch (r_is.n_s - d). Both are such that on a lattice that touches a flat wall the density is that of the lattice without a
 /// wall, and a uniform pressure pushes nothing.
 struct WallImage {
-    Real factor;     ///< on the solids' volumes
-    Real stretch;    ///< 1.85 for the cubic kernel with R = 2 d
-    Real virial;     ///< on what the layer adds to a particle's virial (DensityRate::virial)
-    Real spacing;    ///< m
-    Real nearest;    ///< m; where an image is closer than this along the normal, w grows linearly
-    /// By solid, 1: w stays as it is at `nearest`; empty: on it goes everywhere. So for free bodies lighter than the fluid: they would float
-    /// 0.05 d higher, up to 0.19 d above Archimedes (tests/validation/sim/bodies.cpp).
+    Real factor;   ///< on the solids' volumes
+    Real stretch;  ///< 1.85 for the cubic kernel with R = 2 d
+    Real virial;   ///< on what the layer adds to a particle's virial (DensityRate::virial)
+    Real spacing;  ///< m
+    Real nearest;  ///< m; where an image is closer than this along the normal, w grows linearly
+    /// By solid, 1: w stays as it is at `nearest`; empty: on it goes everywhere. So for free bodies lighter than the fluid: they would
+    /// float 0.05 d higher, up to 0.19 d above Archimedes (tests/validation/sim/bodies.cpp).
     std::vector<char> constant_when_near;
     SolidGate gate;  ///< w_i counts as w_i times its weight, in the density and in its derivative
     WallImage(KernelForm kernel, Real support, Real spacing, SolidGate gate = {});
@@ -125,9 +125,7 @@ Real density_at(const WallImage& wall, const Kernel& W, const Surroundings& arou
         sum += part;
     });
     if (around.layer.size() > 0)
-        around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-            w += wall.share(W, r, distance, around.layer, s).value;
-        });
+        around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { w += wall.share(W, r, distance, around.layer, s).value; });
     return around.step.mass * sum / WallImage::free_volume(wall.gate.gated(w).sum).left;
 }
 

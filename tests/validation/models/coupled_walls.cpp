@@ -147,9 +147,10 @@ TEST_CASE("coupled: a paddle that turns in a tank of syrup takes it along, and n
     }
 }
 
-TEST_CASE("coupled: a lid drags syrup along within 3 % of its speed across gaps of 6 to 20 spacings, in the plane, too, and is "
+TEST_CASE(
+    "coupled: a lid drags syrup along within 3 % of its speed across gaps of 6 to 20 spacings, in the plane, too, and is "
     "pulled back by mu U/H within 3 %",
-          "[validation][coupled][boundary]") {
+    "[validation][coupled][boundary]") {
     struct Gap {
         int dimensions, spacings, across;
         double gravity;

@@ -469,7 +469,7 @@ max = [0.1, 0.4, 0.1]
         for (; simulation.time() < 1; ++steps) {
             REQUIRE_FALSE(simulation.step(1).diverged);
             const auto x = simulation.world().fluid.column<field::position>();
-            const auto p = simulation.world().fluid.column<field::pressure>();
+            const auto p = simulation.world().fluid.column<field::constraint_pressure>();
             double sum = 0, exact = 0;
             for (std::size_t i = 0; i < x.size(); ++i)
                 if (x[i].y() < 0.05) sum += p[i], exact += rho_0 * g * (0.2 - x[i].y());

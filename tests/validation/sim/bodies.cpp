@@ -183,7 +183,8 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("for twenty seconds a stone and a stack of three lie still under water, and a brick floats on a raft", "[validation][bodies][long]") {
+TEST_CASE("for twenty seconds a stone and a stack of three lie still under water, and a brick floats on a raft",
+          "[validation][bodies][long]") {
     // Energy of motion over the water's potential energy, once the lattice has melted; standard and half the spacing.
     struct Bed {
         std::string name, bodies;
@@ -194,7 +195,8 @@ TEST_CASE("for twenty seconds a stone and a stack of three lie still under water
     };
     for (const Bed& bed :
          {Bed{"stone", box("-0.06, 0", "0.06, 0.05", 2000), 1e-4},
-          Bed{"stack", box("-0.06, 0", "0.06, 0.03", 2000) + box("-0.05, 0.03", "0.05, 0.06", 3000) + box("-0.03, 0.06", "0.03, 0.09", 1500), 1e-4},
+          Bed{"stack",
+              box("-0.06, 0", "0.06, 0.03", 2000) + box("-0.05, 0.03", "0.05, 0.06", 3000) + box("-0.03, 0.06", "0.03, 0.09", 1500), 1e-4},
           Bed{"raft", box("-0.09, 0.11", "0.09, 0.18", 450) + box("-0.03, 0.18", "0.03, 0.21", 1600), 3e-4}})
         for (const double spacing : {0.01, 0.005}) {
             INFO(bed.name << " " << spacing);
