@@ -208,7 +208,7 @@ void ConstraintPressure::find_pressures(const WallImage& wall, const Surrounding
             if (layer.size() > 0)
                 around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
                     const Vec3& normal = layer.normal[s];
-                    const WallImage::Share share = wall.share(W, r, distance, normal, layer.volume[s]);
+                    const WallImage::Share share = wall.share(W, r, distance, layer, s);
                     w += share.value, across += share.value * normal * normal.transpose();
                     walls -= share.gradient * std::max(Real(0), r.dot(normal) - step.spacing / 2) * normal.transpose();
                 });
