@@ -24,7 +24,7 @@ struct Thread {
     std::vector<std::int16_t> role;
     std::vector<Real> mu, p, rho;
     std::vector<Mat3> G;
-    std::vector<std::int32_t> aggregate;
+    std::vector<std::int32_t> aggregate, held;
 
     explicit Thread(Index n) {
         RandomNumbers random(1);
@@ -43,7 +43,7 @@ struct Thread {
         role.assign(count, 0);
         mu.assign(count, 1000), p.assign(count, 0), rho = p;
         G.assign(count, Mat3::Zero());
-        aggregate.assign(count, 0);
+        aggregate.assign(count, 0), held = aggregate;
         const Real length = static_cast<Real>(layers) * d;
         for (std::size_t i = 0; i < count; ++i) {
             if (x[i][1] > length - 4 * d) role[i] = -1;  // hangs from a nozzle
@@ -53,7 +53,7 @@ struct Thread {
         step.gravity = Vec3(Real(0.5), Real(-9.81), 0), step.dt = dt;
     }
     Index size() const { return static_cast<Index>(x.size()); }
-    void rows() { CoupledNeighbourhood{system}({x}, {role}, {rho}, step); }
+    void rows() { CoupledNeighbourhood{system}({x}, {role}, {rho}, {{held}}, solids, step); }
     void form() { rows(), system->form.set(system->rows, mu, {}, dt, 1000, d, system->options); }
     int solve() {
         report = {};
