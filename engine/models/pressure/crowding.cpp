@@ -50,8 +50,14 @@ std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, con
     Real moved = 0;  // at most, since the neighbours were found
     for (int sweep = 0;; ++sweep) {
         of.dense.clear();
+        const auto beside_light_body = [&](Index i) {  // which would have to give way
+            bool beside = false;
+            if (!wall.constant_when_near.empty())
+                around.solid_pairs.of(i, [&](Index s, const Vec3&, Real) { beside |= wall.constant_when_near[around.layer.solid[s]] != 0; });
+            return beside;
+        };
         const auto look = [&](Index i) {
-            if (rho[i] > too_dense && role[i] == 0) of.dense.push_back(i);
+            if (rho[i] > too_dense && role[i] == 0 && !beside_light_body(i)) of.dense.push_back(i);
         };
         if (sweep == 0)
             for (Index i = 0; i < n; ++i) look(i);

@@ -16,7 +16,8 @@ namespace whorl {
 /// pair that moves by -a r_ij and a r_ij takes +a and -a of its relative velocity across r_ij, so that the angular momentum stays and no
 /// energy of motion is gained; the centre of mass stays where it is but for what solids push and moves that are cut off. Up to a hundred
 /// sweeps; where those are not enough, the step reports a solve with the name `RelieveCrowding::name` that says so. Full periodic domains
-/// are left alone, and so are free bodies without weight, which would have to take up what they do to the particles. Writes the densities
+/// are left alone, and so are particles beside bodies lighter than the fluid, and scenes with bodies and without weight: there the bodies
+/// would have to give way. Writes the densities
 /// of the places where the step ends.
 class RelieveCrowding {
 public:
