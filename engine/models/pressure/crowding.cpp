@@ -53,7 +53,8 @@ std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, con
         const auto beside_light_body = [&](Index i) {  // which would have to give way
             bool beside = false;
             if (!wall.constant_when_near.empty())
-                around.solid_pairs.of(i, [&](Index s, const Vec3&, Real) { beside |= wall.constant_when_near[around.layer.solid[s]] != 0; });
+                around.solid_pairs.of(i,
+                                      [&](Index s, const Vec3&, Real) { beside |= wall.constant_when_near[around.layer.solid[s]] != 0; });
             return beside;
         };
         const auto look = [&](Index i) {

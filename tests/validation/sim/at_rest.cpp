@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "engine/models/pressure/constraint.h"
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
 #include "tests/support/runs.h"
