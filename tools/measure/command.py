@@ -4,7 +4,7 @@ import sys
 import traceback
 
 from . import registry, runs
-from . import coils, laboratory_honey, laboratory_water, live, micropolar, notes, pictures, pressure, references, steps  # noqa: F401
+from . import coils, laboratory_water, laboratory_honey, live, micropolar, notes, pictures, pressure, references, steps  # noqa: F401
 from . import sheet, surfaces, tradeoff, viscosity, vortices  # noqa: F401  (each registers tables)
 
 examples = """examples:
