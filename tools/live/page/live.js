@@ -148,8 +148,8 @@ function plot(s, described) {
     for (const {title, curves} of probe.plots) {
       const named = name + ': ' + title, dashed = curves.filter(c => c.dashed).map(c => c.label);
       const values = row => Object.fromEntries(curves.map(c => [c.label, row[c.column]]));
-      if (!probe.profile) Plots.add($('probe_plots'), named, s.time, values(s.probes[name]), dashed);
-      else if (s.profiles) Plots.profile($('probe_plots'), named, probe, s.profiles[name][probe.along], values(s.profiles[name]), dashed);
+      if (!probe.profile) Plots.add(where, named, s.time, values(s.probes[name]), dashed);
+      else if (s.profiles) Plots.profile(where, named, probe, s.profiles[name][probe.along], values(s.profiles[name]), dashed);
     }
   Plots.add(where, 'ms a frame, by stage', s.time, s.ms);
   Plots.add(where, 'frames a second', s.time, {frames: s.frames_per_second || null});

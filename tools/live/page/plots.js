@@ -41,11 +41,9 @@ const Plots = (() => {
 
   const colour = k => colours[k % colours.length];
   const number = v => typeof v === 'number' && isFinite(v) ? v : null;
-  const known = values => Object.values(values).some(v => (Array.isArray(v) ? v : [v]).some(one => number(one) !== null));
 
-  // Values at a time, under the newest 600. A plot begins with its first value.
+  // Values at a time, under the newest 600.
   function add(parent, title, time, values, dashed = []) {
-    if (!plots.has(title) && !known(values)) return;
     if (!plots.has(title)) plots.set(title, make(parent, title));
     const plot = plots.get(title);
     plot.times.push(time);
@@ -62,7 +60,6 @@ const Plots = (() => {
 
   // Lists of values at places, in the place of those before.
   function profile(parent, title, {along, along_unit}, places, values, dashed) {
-    if (!plots.has(title) && !known(values)) return;
     if (!plots.has(title)) plots.set(title, make(parent, title, along));
     const plot = plots.get(title);
     plot.times = places, plot.unit = along_unit;
