@@ -44,8 +44,8 @@ max = [0.06, 0.2]
                                                       height, models));
     run_until(simulation, 1.0);
     double difference = 0, exact = 0, fastest = 0;
-    while (simulation.time() < 1.2) {
-        REQUIRE_FALSE(simulation.step(1.2).diverged);
+    for (int frame = 1; frame <= 40; ++frame) {  // pressures are known at frame times
+        run_until(simulation, 1.0 + 0.005 * frame);
         const auto x = simulation.world().fluid.column<field::position>();
         const auto p = simulation.world().fluid.column<field::pressure>();
         const auto u = simulation.world().fluid.column<field::velocity>();
