@@ -13,7 +13,7 @@ using test::Pool;
 using test::puddle;
 
 TEST_CASE("a settled puddle falls asleep and is not solved for, what is poured onto it wakes it", "[sleep]") {
-    Pool pool(puddle("coupled", 0.05, 0.06, 1.05));
+    Pool pool(puddle("coupled", 0.25, 0.06, 1.05));
     pool.run_until(1);
     const Index all = pool.size();
     const double height = pool.measures().potential_energy;
