@@ -57,6 +57,7 @@ WHORL_SHARED_ARGUMENT(FluidPairs&, fluid_pairs)
 WHORL_SHARED_ARGUMENT(SolidPairs&, solid_pairs)
 WHORL_SHARED_ARGUMENT(NeighbourSearch&, search)
 WHORL_SHARED_ARGUMENT(const Solids&, solids)
+WHORL_SHARED_ARGUMENT(Solids&, solids)
 WHORL_SHARED_ARGUMENT(const StepContext&, step)
 WHORL_SHARED_ARGUMENT(StepReport&, report)
 #undef WHORL_SHARED_ARGUMENT

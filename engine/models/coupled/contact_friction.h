@@ -18,6 +18,13 @@ struct ContactFriction {
 
     void set(Span<const Vec3> x, Span<const std::int16_t> role, Span<const Real> mu, const Solids& solids, const StepContext& step);
     bool acts() const { return !coefficient.empty(); }
+    /// Of one solid: its part of the coefficient, of the particle's volume that counts, and its velocity.
+    struct Share {
+        Mat3 coefficient = Mat3::Zero();
+        Real counted = 0;
+        Vec3 wall = Vec3::Zero();
+    };
+    static Share share_of(const Solid& solid, const Vec3& x, Real mu, const StepContext& step);
 };
 
 }  // namespace whorl

@@ -150,10 +150,14 @@ void CoupledShift::operator()(Update<field::position> x, Update<field::velocity>
 // In the solid's own frame: the path from where the rows found it to x minus the solid's motion. Distances are Lipschitz, so a particle
 // that ends farther away than its path is long has met nothing; the others are followed along their path, thin plates included.
 void CoupledContact::operator()(Update<field::position> x, Update<field::velocity> u, Read<field::role> role,
-                                Update<field::contact_normal> slip, const Solids& solids, const StepContext& step) const {
+                                Update<field::contact_normal> slip, Solids& solids, const StepContext& step) const {
     if (solids.all.empty()) return;
     const CoupledSystem& s = *system;
     const Real d = step.spacing, dt = step.dt;
+    // By particle, if probes ask: the solid that stopper it, and its velocity before.
+    const auto recorded = static_cast<std::size_t>(solids.any_probed() ? x.size() : 0);
+    std::vector<int> stopper(recorded, -1);
+    Column<Vec3> before(u.values.begin(), u.values.begin() + static_cast<std::ptrdiff_t>(recorded));
     parallel_for(x.size(), [&](Index i) {
         if (role[i] != 0) return;
         const Vec3 was_touching = slip[i];
@@ -187,12 +191,21 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
             const Vec3 solid_velocity = solid.velocity_at(there);
             const Real approach = normal.dot(u[i] - solid_velocity);
             if (solid.sticks()) {  // a neighbour of the fluid (CoupledRows): here it keeps out what comes too close
-                if (stopped && approach < 0) u[i] -= approach * normal;
+                if (stopped && approach < 0) {
+                    u[i] -= approach * normal;
+                    if (recorded > 0) stopper[i] = static_cast<int>(k);
+                }
                 continue;
             }
             if (was_touching != Vec3::Zero() || approach < 0) slip[i] = normal;
         }
     });
+    for (std::size_t i = 0; i < recorded; ++i) {
+        if (stopper[i] < 0) continue;
+        Solid& solid = solids.all[stopper[i]];
+        const Vec3d impulse = static_cast<double>(step.mass) * (before[i] - u.values[i]).cast<double>();
+        solid.receive(Push::contact, Wrench::at(solid.image(x.values[i]).cast<double>() - solid.centre(), impulse));
+    }
 }
 
 }  // namespace whorl

@@ -22,7 +22,7 @@ struct CoupledShift {
 struct CoupledContact {
     std::shared_ptr<CoupledSystem> system;
     void operator()(Update<field::position> x, Update<field::velocity> u, Read<field::role> role, Update<field::contact_normal> slip,
-                    const Solids& solids, const StepContext& step) const;
+                    Solids& solids, const StepContext& step) const;
 };
 
 }  // namespace whorl

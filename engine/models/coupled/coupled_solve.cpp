@@ -4,6 +4,7 @@
 
 #include "engine/core/parallel.h"
 #include "engine/math/conjugate_gradients.h"
+#include "engine/models/bodies/remainder.h"
 #include "engine/particles/largest_speed.h"
 
 namespace whorl {
@@ -94,7 +95,7 @@ struct CoupledStep {
     Update<field::velocity_gradient> G;
     Update<field::aggregate> aggregate;
     Update<field::contact_normal> slip;
-    const Solids& solids;
+    Solids& solids;
     const StepContext& step;
 
     const CoupledOptions& options = system.options;
@@ -128,6 +129,7 @@ struct CoupledStep {
     void descend_along_last_change();
     void keep_momentum();
     void take_over();
+    void write_ledgers();
     void release_slipping();
 
     Vec3 loaded(Index i, const Vec3& before) const;
@@ -235,7 +237,7 @@ double CoupledStep::set_load() {
 
 /// Of what has become part of the load, unless release_slipping() wants it again.
 void CoupledStep::let_go() {
-    if (!unknowns.any_slip) Column<Mat3>().swap(curvature), Column<Real>().swap(pressure);
+    if (!unknowns.any_slip && !solids.any_probed()) Column<Mat3>().swap(curvature), Column<Real>().swap(pressure);
 }
 
 /// @returns v.y
@@ -301,6 +303,44 @@ void CoupledStep::take_over() {
     });
 }
 
+/// Of the momentum that the fluid lost: walls take what they do to their rows, by strain and by pressure; those that it slides along the
+/// friction, and what holds their particles along the normal. The residual of the solve is shared.
+void CoupledStep::write_ledgers() {
+    if (!solids.any_probed()) return;
+    const auto m = static_cast<double>(step.mass);
+    const auto push = [&](Solid& solid, Push kind, const Vec3& at, const Vec3& velocity) {
+        solid.receive(kind, Wrench::at(solid.image(at).cast<double>() - solid.centre(), m * velocity.cast<double>()));
+    };
+    const auto walls_take = [&](Push kind, Real sign) {
+        form.each_wall_force([&](const WallPoint& wall, const Vec3& f) { push(solids.all[wall.solid], kind, wall.position, sign * f); });
+    };
+    const Remainder rest(solids, Push::viscous);
+    form.apply(u.values, work, true);
+    walls_take(Push::viscous, -1);
+    parallel_for(n, [&](Index i) { load[i] = loaded(i, u[i] - change[i]); });
+    form.add_stress(pressure, curvature, load);
+    walls_take(Push::viscous, 1);
+    Column<Real> whole(n);
+    Column<Vec3> unused(n, Vec3::Zero());
+    parallel_for(n, [&](Index i) { whole[i] = pressure[i] - form.coefficients(i).bulk * d * form.divergence(i, G[i]); });
+    form.add_stress(whole, {}, unused);
+    walls_take(Push::pressure, 1);
+    walls_take(Push::viscous, -1);
+    const auto held = [&](Index i) { return Vec3(slip[i] * slip[i].dot(work[i] - load[i])); };
+    for (Index i = 0; i < n; ++i) {
+        if (role[i] != 0) continue;
+        Real distance = 0;
+        if (slip[i] != Vec3::Zero())
+            if (const int k = solids.nearest(x[i], distance); k >= 0) push(solids.all[k], Push::pressure, x[i], -held(i));
+        if (!system.friction.acts()) continue;
+        for (Solid& solid : solids.all)
+            if (const auto share = ContactFriction::share_of(solid, x[i], mu[i], step);
+                share.counted > 0 || share.coefficient != Mat3::Zero())
+                push(solid, Push::viscous, x[i], share.coefficient * (u[i] - share.wall));
+    }
+    rest.share(solids, step, -m * momentum_of(role, x.values, [&](Index i) { return Vec3(work[i] - load[i] - held(i)); }));
+}
+
 /// A solid that slips can push, not pull: where it would have to pull, it lets go.
 void CoupledStep::release_slipping() {
     if (!unknowns.any_slip) return;
@@ -316,7 +356,7 @@ void CoupledStep::release_slipping() {
 
 void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, Read<field::viscosity> mu, Update<field::velocity> u,
                               Update<field::pressure> p, Update<field::velocity_change> change, Update<field::velocity_gradient> G,
-                              Update<field::aggregate> aggregate, Update<field::contact_normal> slip, const Solids& solids,
+                              Update<field::aggregate> aggregate, Update<field::contact_normal> slip, Solids& solids,
                               const StepContext& step, StepReport& report) const {
     if (x.size() == 0) return;
     CoupledStep now{*system, x, role, mu, u, p, change, G, aggregate, slip, solids, step};
@@ -332,6 +372,7 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
     report.solves.push_back({"coupled", now.solve(reference)});
     now.keep_momentum();
     now.take_over();
+    now.write_ledgers();
     now.release_slipping();
 }
 

@@ -22,7 +22,7 @@ struct CoupledSolve {
     std::shared_ptr<CoupledSystem> system;
     void operator()(Read<field::position> x, Read<field::role> role, Read<field::viscosity> mu, Update<field::velocity> u,
                     Update<field::pressure> p, Update<field::velocity_change> change, Update<field::velocity_gradient> G,
-                    Update<field::aggregate> aggregate, Update<field::contact_normal> slip, const Solids& solids, const StepContext& step,
+                    Update<field::aggregate> aggregate, Update<field::contact_normal> slip, Solids& solids, const StepContext& step,
                     StepReport& report) const;
 };
 

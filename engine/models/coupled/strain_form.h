@@ -58,6 +58,15 @@ public:
     /// y_i += sum over rows of P (q + 2 K d T) M+ (w r): the forces of -q tr D - 2 K d T:D [m/s].
     /// @param T symmetric [1/s]; empty: none
     void add_stress(Span<const Real> q, Span<const Mat3> T, Span<Vec3> y) const;
+    /// Calls f(wall, force on it) for what the last apply() or add_stress() found [m/s].
+    template <class F>
+    void each_wall_force(const F& f) const {
+        for (const RowBlock& block : rows_->blocks)
+            for (std::size_t k = 0; k < block.walls.size(); ++k) {
+                const Vec4& v = forces_[block.place + block.touched.size() + k];
+                f(block.walls[k], Vec3(v.v[0], v.v[1], v.v[2]));
+            }
+    }
     /// velocity_gradients() of its rows.
     void gradient(Span<const Vec3> u, Span<Mat3> G) const { velocity_gradients(*rows_, spacing_, u, G); }
     /// The 3x3 diagonal blocks of 1 + K (to a few per cent where directions are unresolved).
