@@ -17,15 +17,15 @@ def die_swell(m):
         found.runs.append(one)
         if m.dry:
             continue
-        d, places = spacing(one), np.arange(0.5, 2.6, 0.1)  # from the end of the die, in its widths
+        places = np.arange(0.5, 2.6, 0.1)  # from the end of the die, in its widths
         *_, (_, p) = snapshots(one)
         width = 0.01
         ratios = []
-        for x in places:
+        for x in places:  # the piston's speed over that of the jet
             here = np.abs(p["x"] - x * width) < 0.15 * width
-            across = [np.ptp(p[axis][here]) + d for axis in ("y" if shape == "plane" else "yz") if here.sum() > 10]
-            ratios.append(np.mean(across) / width if across else math.nan)
-        found.add(f"thickness of the {shape} jet over that of the die", ratio, np.mean([r for x, r in zip(places, ratios) if 1.2 < x < 2]))
+            area = 0.02 / np.hypot(p["velocity_x"], p["velocity_y"])[here].mean() if here.sum() > 10 else math.nan
+            ratios.append(area if shape == "plane" else math.sqrt(area))
+        found.add(f"thickness of the {shape} jet over that of the die", ratio, np.nanmean([r for x, r in zip(places, ratios) if 1 < x < 2]))
         lines += [(f"Whorl, {shape}", places, ratios, style), (f"published, {shape}", [0.5, 2.5], [ratio, ratio], style + "-")]
     found.draw = lambda axes: curves(axes, "distance from the die over its width", "thickness over the die's", *lines, ylim=(0.9, 1.4))
     return found
