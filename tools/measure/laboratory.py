@@ -74,10 +74,10 @@ def depth(particles, x, width, d):
 
 
 def swing(time, values, omega):
-    """Amplitude of the fundamental over the whole periods at the end of a signal."""
-    period = 2 * math.pi / omega
-    whole = time > time[-1] - period * math.floor((time[-1] - time[0]) / period)
-    return 2 * abs((values[whole] * np.exp(-1j * omega * time[whole])).mean())
+    """Amplitude of the fundamental of a signal: least squares beside a level that drifts and the second harmonic."""
+    waves = [f(k * omega * time) for k in (1, 2) for f in (np.cos, np.sin)]
+    found, *_ = np.linalg.lstsq(np.stack([*waves, np.ones_like(time), time], axis=1), values, rcond=None)
+    return math.hypot(found[0], found[1])
 
 
 def curves(axes, xlabel, ylabel, *lines, legend=True, **limits):

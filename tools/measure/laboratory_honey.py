@@ -9,6 +9,9 @@ from .laboratory import Found, between, curves, experiment, force, published, ru
 g, rho, pi = theory.gravity, 1000, math.pi
 
 
+coupled, split = ["models.pressure=coupled"], ["models.pressure=ppe", "models.viscosity=full"]
+
+
 @experiment("die_swell")
 def die_swell(m):
     found, lines = Found(), []
@@ -99,7 +102,7 @@ def slump(m):
 @experiment("fed_puddle")
 def puddle(m):
     found, nu, Q, lines = Found(), 0.005, pi * 0.01**2 * 0.025, []
-    for words, settings, style in (("coupled", [], "C0-"), ("ppe and full", ["models.pressure=ppe", "models.viscosity=full"], "C1-")):
+    for words, settings, style in (("coupled", coupled, "C0-"), ("ppe and full", split, "C1-")):
         one = run(m, "fed_puddle", *settings, name=words.split()[0])
         found.runs.append(one)
         if m.dry:
@@ -138,15 +141,15 @@ def drum(m):
 
     slab = ["domain.dimensions=3", "domain.min=[-0.06,-0.06,-0.0125]", "domain.max=[0.06,0.06,0.0125]", "domain.periodic=[false,false,true]",
             "domain.gravity=[0,0,0]", "fluid.spacing=2.5e-3", "block[0].from=[0,0,-0.0125]", "block[0].to=[0,0,0.0125]",
-            "solid[0].from=[0,0,-0.1]", "solid[0].to=[0,0,0.1]", "models.pressure=coupled"]
-    for words, settings, style in (("plane", [], "C0-"), ("slab, coupled", slab, "C1-")):
-        one = run(m, "drum", *settings, name=words.split(",")[0])
+            "solid[0].from=[0,0,-0.1]", "solid[0].to=[0,0,0.1]"]
+    for words, settings, style in (("plane, coupled", coupled, "C0-"), ("plane, ppe and full", split, "C1-"), ("slab, coupled", slab + coupled, "C2-")):
+        one = run(m, "drum", *settings, name=words.replace(", ", "-").replace(" ", "_"))
         found.runs.append(one)
         if m.dry:
             continue
         d = one.table()
         *_, (_, p) = snapshots(one)
-        inertia = rho * spacing(one)**(2 if words == "plane" else 3) * len(p["x"]) * R**2 / 2
+        inertia = rho * spacing(one)**(2 if "plane" in words else 3) * len(p["x"]) * R**2 / 2
         turned = d["angular_momentum_z"] / (4 * inertia)
         for t in (0.1, 0.5):
             found.add(f"angular momentum over a rigid body's at {t} s, {words}", spun_up([t])[0], np.interp(t, d["time"], turned))
@@ -159,22 +162,27 @@ def drum(m):
 
 @experiment("couette")
 def couette(m):
-    found, a, b, omega, mu = Found(), 0.025, 0.05, 4, 5
-    one = run(m, "couette")
-    found.runs.append(one)
-    if m.dry:
-        return found
-    line = one.table("probes/across.csv")
-    last = line["time"] > 0.99
-    r, u = line["x"][last], line["velocity_y"][last]
+    found, a, b, omega, mu, lines = Found(), 0.025, 0.05, 4, 5, []
     B = omega / (1 / a**2 - 1 / b**2)
-    found.add("speed in the middle of the gap, m/s", B * (1 / 0.0375 - 0.0375 / b**2), np.interp(0.0375, r, u))
-    torque = 4 * pi * mu * B
-    for name, solid in (("inner", one.table("probes/inner.csv")), ("outer", one.table("probes/outer.csv"))):
-        if "torque_z" in solid:
-            found.add(f"torque on the {name} cylinder, N m/m", torque, abs(between(solid["time"], solid["torque_z"], 0.5, 1)))
+
+    def exact(r):
+        return B * (1 / r - r / b**2)
+
+    for words, settings, style in (("coupled", coupled, "C0o"), ("ppe and full", split, "C1s")):
+        one = run(m, "couette", *settings, name=words.split()[0])
+        found.runs.append(one)
+        if m.dry:
+            continue
+        line = one.table("probes/across.csv")
+        last = line["time"] > 0.99
+        r, u = line["x"][last], line["velocity_y"][last]
+        found.add(f"speed in the middle of the gap, {words}, m/s", exact(0.0375), np.interp(0.0375, r, u))
+        for name in ("inner", "outer"):
+            solid = one.table(f"probes/{name}.csv")
+            found.add(f"torque on the {name} cylinder, {words}, N m/m", 4 * pi * mu * B, abs(between(solid["time"], solid["torque_z"], 0.5, 1)))
+        lines.append((f"Whorl, {words}", r, u, style))
     even = np.linspace(a, b, 50)
-    found.draw = lambda axes: curves(axes, "r, m", "speed, m/s", ("Whorl", r, u, "C0o"), ("theory", even, B * (1 / even - even / b**2), "k-"))
+    found.draw = lambda axes: curves(axes, "r, m", "speed, m/s", *lines, ("theory", even, exact(even), "k-"))
     return found
 
 
