@@ -155,7 +155,7 @@ def drum(m):
             found.add(f"angular momentum over a rigid body's at {t} s, {words}", spun_up([t])[0], np.interp(t, d["time"], turned))
         lines.append((f"Whorl, {words}", d["time"], turned, style))
     even = np.linspace(0, 0.5, 100)
-    found.draw = lambda axes: curves(axes, "time, s", "angular momentum over a rigid body's", *lines, ("theory", even, spun_up(even), "k--"),
+    found.draw = lambda axes: curves(axes, "time, s", "angular momentum, rigid body 1", *lines, ("theory", even, spun_up(even), "k--"),
                                      ylim=(0, 1.05))
     return found
 

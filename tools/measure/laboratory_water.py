@@ -29,7 +29,7 @@ def dam_pressures(m):
             found.add("front meets the wall, t sqrt(g/H)", 2.43, arrival(T, p))
         found.add(f"pressure at {1e3 * height:.0f} mm over rho g H, T = 3.2 to 4.2", mean, between(T, p, 3.2, 4.2))
         lines += [(f"{1e3 * height:.0f} mm", T, p, colour + "-"), (None, [3.2, 4.2], [mean, mean], colour + "--")]
-    found.draw = lambda axes: curves(axes, "t sqrt(g/H)", "pressure over rho g H (dashed: measured means)", *lines, xlim=(2, 4.8), ylim=(0, 3))
+    found.draw = lambda axes: curves(axes, "t sqrt(g/H)", "pressure over rho g H", *lines, xlim=(2, 4.8), ylim=(0, 3))
     return found
 
 
