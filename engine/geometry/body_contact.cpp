@@ -1,6 +1,7 @@
 #include "engine/geometry/body_contact.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,6 +19,11 @@ Vec3d velocity_at(const Solids& solids, std::size_t k, const Vec3d& x) {
 }
 
 }  // namespace
+
+struct BodyContacts::Held {
+    Eigen::SparseMatrix<double> rows;                            ///< J M^-1
+    Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> between;  ///< J M^-1 J^T
+};
 
 void BodyContacts::find(const Solids& solids, const SolidParticles& layer, const ContactStep& step) {
     const std::size_t n = solids.all.size();
@@ -40,7 +46,7 @@ void BodyContacts::find(const Solids& solids, const SolidParticles& layer, const
     }
     lightness_.resize(slots_, slots_);
     lightness_.setFromTriplets(M.begin(), M.end());
-    held_.resize(0, slots_);
+    held_.reset();
     if (slots_ == 0 || !(step.dt > 0)) return;
     for (Index s = 0; s < layer.size(); ++s) {
         const auto k = static_cast<std::size_t>(layer.solid[s]);
@@ -172,6 +178,7 @@ double BodyContacts::push_apart(Point& p) {
 
 /// @returns the change of velocity [m/s]
 double BodyContacts::hold_back(Point& p) {
+    if (p.impulse == Vec3d::Zero()) return 0;
     const double pressed = p.impulse.dot(p.normal);
     const Vec3d v = relative(p), sliding = v - v.dot(p.normal) * p.normal, before = p.impulse - pressed * p.normal;
     const double speed = sliding.norm(), soft = speed > 0 ? softness(p, sliding / speed) : p.softness;
@@ -244,18 +251,22 @@ void BodyContacts::hold() {
         while (last < points_.size() && points_[last].a == points_[first].a && points_[last].b == points_[first].b) ++last;
         add_rows(first, last, J);
     }
-    Eigen::SparseMatrix<double> rows(J.empty() ? 0 : J.back().row() + 1, slots_);
+    held_.reset();
+    if (J.empty()) return;
+    Eigen::SparseMatrix<double> rows(J.back().row() + 1, slots_);
     rows.setFromTriplets(J.begin(), J.end());
-    held_ = rows * lightness_;
-    Eigen::SparseMatrix<double> S = held_ * rows.transpose();
+    const auto held = std::make_shared<Held>();
+    held->rows = rows * lightness_;
+    Eigen::SparseMatrix<double> S = held->rows * rows.transpose();
     // What several contacts hold would else divide by nothing.
     for (Eigen::Index r = 0; r < S.rows(); ++r) S.coeffRef(r, r) *= 1 + 1e-10;
-    if (S.rows() > 0) between_ = std::make_shared<Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>>(S);
+    held->between.compute(S);
+    held_ = held;
 }
 
 BodyVector BodyContacts::change(const BodyVector& impulses) const {
     BodyVector v = lightness_ * impulses;
-    if (held_.rows() > 0) v -= held_.transpose() * between_->solve(BodyVector(held_ * impulses));
+    if (held_) v -= held_->rows.transpose() * held_->between.solve(BodyVector(held_->rows * impulses));
     return v;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 /// Free bodies touch each other and the other solids (docs/physics.md 7).
-#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
 #include <memory>
 #include <vector>
 
@@ -93,9 +93,10 @@ private:
     ContactStep step_;
     std::vector<Moving> moving_;  ///< by solid
     Eigen::Index slots_ = 0;
-    std::vector<Point> points_;                                                    ///< in the order of the pairs of solids
-    Eigen::SparseMatrix<double> lightness_, held_;                                 ///< M^-1; J M^-1
-    std::shared_ptr<Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>> between_;  ///< J M^-1 J^T
+    std::vector<Point> points_;              ///< in the order of the pairs of solids
+    Eigen::SparseMatrix<double> lightness_;  ///< M^-1
+    struct Held;
+    std::shared_ptr<const Held> held_;  ///< null: nothing is held
 };
 
 }  // namespace whorl

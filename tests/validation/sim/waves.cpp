@@ -203,7 +203,7 @@ slip = "free"
 }
 
 TEST_CASE("waves from a piston, 1.7 spacings high, have the height of theory within 8 % and keep it over a wavelength",
-          "[validation][sim][waves]") {
+          "[validation][sim][waves][long]") {
     // Depth 0.25 m, period 1.1 s, stroke 0.04 m: H = 0.0414 m and 1.48 m from crest to crest in linear theory. With half the spacing
     // 0.0404 m was measured at 1 m from the piston and 0.0403 m at 3 m. The constraint has 0.030 and
     // 0.013 m here.
