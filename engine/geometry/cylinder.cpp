@@ -19,7 +19,7 @@ public:
         Vec3 radial;
         split(x, along, out, radial);
         const Real a = std::abs(along) - half_, b = out - radius_;
-        return std::hypot(std::max(a, Real(0)), std::max(b, Real(0))) + std::min(std::max(a, b), Real(0));
+        return a > 0 && b > 0 ? std::hypot(a, b) : std::max(a, b);
     }
     Vec3 normal(const Vec3& x) const override {
         Real along, out;

@@ -30,7 +30,7 @@ struct alignas(64) Monomials {
 /// The cube x_a q_k by its place among the distinct ones, with q = (xx, yy, zz, xy, xz, yz).
 constexpr int cube[3][6] = {{0, 3, 5, 1, 2, 4}, {1, 6, 8, 3, 4, 7}, {2, 7, 9, 4, 5, 8}};
 
-void add_monomials(Real x, Real y, Real z, Real w, Real* __restrict sum) {
+[[gnu::always_inline]] inline void add_monomials(Real x, Real y, Real z, Real w, Real* __restrict sum) {
     Real m[Monomials::count] = {};
     const Real wx = w * x, wy = w * y, wz = w * z, of_r2 = 1 / (x * x + y * y + z * z);
     m[0] = w, m[1] = wx, m[2] = wy, m[3] = wz;

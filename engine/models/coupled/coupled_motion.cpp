@@ -154,6 +154,11 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
     if (solids.all.empty()) return;
     const CoupledSystem& s = *system;
     const Real d = step.spacing, dt = step.dt;
+    Real fastest = 0;  // of any point of a solid in the domain
+    for (const Solid& solid : solids.all)
+        fastest = std::max(fastest, solid.pose.velocity_at(step.domain.min).norm() +
+                                        2 * solid.pose.angular_velocity.norm() * step.domain.size().norm());
+    const Real farthest_touch = d * static_cast<Real>(std::max(s.options.closest, s.options.sliding_closest) + 0.05);
     // By particle, if probes ask: the solid that stopper it, and its velocity before.
     const auto recorded = static_cast<std::size_t>(solids.any_probed() ? x.size() : 0);
     std::vector<int> stopper(recorded, -1);
@@ -163,6 +168,7 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
         const Vec3 was_touching = slip[i];
         slip[i] = Vec3::Zero();
         const Vec3 from = s.rows.position(i);
+        if (s.rows.nearest_solid[i] > 2 * ((x[i] - from).norm() + dt * fastest) + farthest_touch) return;
         for (std::size_t k = 0; k < solids.all.size(); ++k) {
             const Solid& solid = solids.all[k];
             const Real closest = d * static_cast<Real>(solid.sticks() ? s.options.closest : s.options.sliding_closest);

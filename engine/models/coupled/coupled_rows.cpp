@@ -99,7 +99,8 @@ struct CoupledRows::Walls {
     int dimensions = 3;
     Real dt = 0;
     Span<std::int32_t> held;
-    Column<Real> nearest{}, height{};      ///< distance of any solid, and of those that the fluid sticks to [m]
+    Column<Real>& nearest;                 ///< CoupledRows::nearest_solid
+    Column<Real> height{};                 ///< distance of the solids that the fluid sticks to [m]
     std::vector<std::int32_t> touching{};  ///< field::held, as each particle knows by itself
 
     void find(Span<const Vec3> x, Span<const std::int16_t> role, Real spacing, const CoupledOptions& o);
@@ -110,7 +111,7 @@ struct CoupledRows::Walls {
 /// Candidates of one row: all particles within the widest support in use, lengths in spacings.
 struct CoupledRows::Scratch {
     static constexpr Index most_walls = 6;  ///< that a particle feels
-    Column<Real> x, y, z, r2, w;
+    Column<Real> x, y, z, r2, w;  ///< w: 0 of those that do not count
     std::vector<Index> index;
     std::vector<Real> order;
     std::vector<std::size_t> bridges;
@@ -120,8 +121,6 @@ struct CoupledRows::Scratch {
     std::vector<Index> touched;
     std::vector<std::int32_t> place;  ///< of each particle in the block's touched list, -1: not in it. All -1 between two blocks
     std::vector<Index> reached;       ///< the particle whose close neighbours' close neighbours were marked last, this one among them
-
-    Real row_weight = 0;  ///< sum w of the row's particles
 
     unsigned long build = 0;  ///< for which `reached` was cleared
 
@@ -228,8 +227,9 @@ void CoupledRows::Found::list_close(Real reach) {
 }
 
 void CoupledRows::Walls::find(Span<const Vec3> x, Span<const std::int16_t> role, Real d, const CoupledOptions& o) {
-    if (solids.all.empty()) return;
-    nearest.resize(x.size()), height.resize(x.size()), touching.resize(x.size());
+    nearest.resize(solids.all.empty() ? 0 : x.size());
+    if (nearest.empty()) return;
+    height.resize(x.size()), touching.resize(x.size());
     parallel_for(static_cast<Index>(x.size()), [&](Index i) {
         nearest[i] = height[i] = std::numeric_limits<Real>::infinity();
         if (role[i] != 0) return;
@@ -270,7 +270,7 @@ void CoupledRows::build(Span<const Vec3> x, Span<const std::int16_t> role, const
     found.search(x, domain, options);
     found.list_close(static_cast<Real>(options.bridge) * spacing);
 
-    Walls near_walls{solids, dimensions_, dt, held};
+    Walls near_walls{solids, dimensions_, dt, held, nearest_solid};
     near_walls.find(x, role, spacing, options);
     neighbourhood.assign(x.size(), {});
     blocks.resize((n + block_size - 1) / block_size);
@@ -358,15 +358,15 @@ void CoupledRows::Scratch::find_bridges(Index i, Real h, const Found& found, con
 void CoupledRows::Scratch::append_row(Index i, Real h, Span<const std::int16_t> role, const CoupledOptions& o) {
     const Real usual = static_cast<Real>(o.support), scale = h / usual;
     const Real gate = static_cast<Real>(o.gate) * scale, reach = static_cast<Real>(o.bridge) * scale;
-    row_weight = 0;
     for (std::size_t k = 0; k < index.size(); ++k) {
         if (w[k] == 0) continue;
         const Index j = index[k];
         if (r2[k] > gate * gate && !(role[i] != 0 && role[j] != 0)) {
             const bool counts = h == usual ? reached[j] == i : bridged(k, reach * reach);
+            if (!counts) w[k] = 0;
             if (!counts) continue;
         }
-        if (const std::int32_t at = place_of(j); at >= 0) row_other.push_back(static_cast<RowBlock::Place>(at)), row_weight += w[k];
+        if (const std::int32_t at = place_of(j); at >= 0) row_other.push_back(static_cast<RowBlock::Place>(at));
     }
 }
 
@@ -425,7 +425,7 @@ void CoupledRows::Scratch::find_walls(RowBlock& block, const Vec3& at, Real h, R
         wall.position = at - up * d * normal;
         wall.velocity = solid.velocity_at(wall.position + dt / 2 * solid.velocity_at(wall.position));
         wall.weight = hold * 2 * half_moment / up;
-        const Real lone = std::max(Real(0), 1 - row_weight / few);
+        const Real lone = std::max(Real(0), 1 - std::accumulate(w.begin(), w.end(), Real(0)) / few);
         wall.lateral = hold * lone * half_moment / 2 * (Mat3::Identity() - normal * normal.transpose());
         if (walls.dimensions == 2) wall.lateral(2, 2) = 0;
         n.volume *= 1 + hold * (up - Real(0.5));

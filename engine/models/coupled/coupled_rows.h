@@ -191,6 +191,7 @@ public:
     const RowBlock& block_of(Index i) const { return blocks[i / block_size]; }
     std::vector<RowBlock> blocks;
     std::vector<Neighbourhood> neighbourhood;  ///< one a particle
+    Column<Real> nearest_solid;                ///< distance of each free particle to any solid [m]; empty: there are no solids
     std::size_t pairs = 0;                     ///< in all rows, without padding
     std::size_t slices = 0;                    ///< of all blocks
     std::size_t walls = 0;                     ///< pairs with walls
