@@ -1,8 +1,7 @@
 """Experiments and exact flows: docs/reports/laboratory.md, its table and its plots."""
-import csv
-import io
 import math
 from dataclasses import dataclass, field
+from typing import Callable
 
 import numpy as np
 
@@ -18,28 +17,51 @@ experiments = {}
 
 @dataclass
 class Found:
-    """What an experiment gave: rows of the table, runs, and a plot."""
+    """Results of an experiment: rows of the table, and a plot."""
 
     rows: list = field(default_factory=list)  # (quantity with unit, published, measured)
-    runs: list = field(default_factory=list)
-    draw: object = None  # of axes
+    draw: Callable | None = None  # of axes
 
     def add(self, quantity, published, measured):
         self.rows.append((quantity, published, measured))
 
+    def plot(self, xlabel, ylabel, *lines, **limits):
+        """@param lines (label, x, y, style)"""
 
-def experiment(name):
-    """Decorator of a function of a Measurement that returns what was Found."""
+        def draw(axes):
+            for label, x, y, style in lines:
+                axes.plot(x, y, style, label=label, linewidth=1.3, markersize=4)
+            axes.set(xlabel=xlabel, ylabel=ylabel, **limits)
+            axes.legend(frameon=False, fontsize=9)
 
-    def register(make):
-        experiments[name] = make
-        return make
+        self.draw = draw
+
+
+@dataclass
+class Experiment:
+    measure: Callable
+    variants: dict
+    scene: str
+
+    def render(self, m):
+        """The runs by variant."""
+        runs = {}
+        for variant, settings in self.variants.items():
+            scene = self.scene.format(variant)
+            name = scene + ("-" + str(variant).replace(", ", "-").replace(" ", "_") if settings else "")
+            runs[variant] = m.render(f"{folder}/{scene}.toml", f"laboratory/{name}", *settings, options=["--export", "points"])
+        return runs
+
+
+def experiment(name, variants={None: ()}, scene=None):
+    """Decorator of a function that fills a Found: from the run of the scene, or from the runs of all variants by variant.
+    @param variants settings by variant @param scene if its name is not the experiment's; {} in it is the variant"""
+
+    def register(measure):
+        experiments[name] = Experiment(measure, variants, scene or name)
+        return measure
 
     return register
-
-
-def run(m, scene, *settings, name="", **keys):
-    return m.render(f"{folder}/{scene}.toml", f"laboratory/{scene}{name and '-' + name}", *settings, options=["--export", "points"], **keys)
 
 
 def published(name):
@@ -59,8 +81,7 @@ def spacing(one):
 def force(one, name, axis):
     """Time and force of the fluid on a solid along an axis, mean since the last row [N]."""
     probe = one.table(f"probes/{name}.csv")
-    kinds = [kind for kind in ("pressure", "viscous", "contact") if f"{kind}_{axis}" in probe]
-    return probe["time"], sum(probe[f"{kind}_{axis}"] for kind in kinds)
+    return probe["time"], sum(probe[f"{kind}_{axis}"] for kind in ("pressure", "viscous", "contact"))
 
 
 def between(time, values, start, end):
@@ -80,15 +101,6 @@ def swing(time, values, omega):
     return math.hypot(found[0], found[1])
 
 
-def curves(axes, xlabel, ylabel, *lines, legend=True, **limits):
-    """@param lines (label, x, y, style)"""
-    for label, x, y, style in lines:
-        axes.plot(x, y, style, label=label, linewidth=1.3, markersize=4)
-    axes.set(xlabel=xlabel, ylabel=ylabel, **limits)
-    if legend:
-        axes.legend(frameon=False, fontsize=9)
-
-
 def digits(value):
     return f"{value:.4g}" if abs(value) < 1e4 else f"{value:.0f}"
 
@@ -100,30 +112,28 @@ def laboratory(m):
     if unknown:
         raise MeasureError(f"no experiment {unknown[0]}; there are {', '.join(experiments)}")
     measured = {}
-    for name, make in experiments.items():
+    for name, one in experiments.items():
         if not m.wanted(name):
             continue
         try:
-            found = make(m)
+            runs = one.render(m)
         except RunFailed as error:
-            measured[name] = [dict(zip(columns, (name, str(error), "", "", "", "")))]
+            measured[name] = [dict.fromkeys(columns, "") | {"experiment": name, "quantity": str(error)}]
             continue
         if m.dry:
             continue
-        size = sum(one.report["particle_steps"] / one.report["steps"] for one in found.runs) / len(found.runs)
-        seconds = sum(one.cpu_seconds for one in found.runs)
+        found = Found()
+        one.measure(found, runs.get(None, runs))
+        size = sum(run.report["particle_steps"] / run.report["steps"] for run in runs.values()) / len(runs)
+        seconds = sum(run.cpu_seconds for run in runs.values())
         measured[name] = [dict(zip(columns, (name, quantity, digits(right), digits(value), f"{size:.0f}", f"{seconds:.1f}")))
                           for quantity, right, value in found.rows]
-        if found.draw:
-            m.write(f"docs/pictures/laboratory/{name}.svg", drawing.figure(5.2, 3.1, found.draw))
+        m.write(f"docs/pictures/laboratory/{name}.svg", drawing.figure(5.2, 3.1, found.draw))
     if m.dry:
         return None
     old = read_rows(m.into / file) if (m.into / file).exists() else []
     kept = [row for name in experiments for row in measured.get(name, [row for row in old if row["experiment"] == name])]
-    text = io.StringIO()
-    csv.DictWriter(text, columns, lineterminator="\n").writeheader()
-    csv.DictWriter(text, columns, lineterminator="\n").writerows(kept)
-    m.write(file, text.getvalue().encode())
+    m.write_csv(file, columns, kept)
     lines, last = [], None
     for row in kept:
         first = row["experiment"] != last
