@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "engine/scene/tree.h"
 
@@ -21,7 +20,7 @@ double Comparison::at(const std::string& column, double along_value) const {
         }
         before = &row;
     }
-    return std::numeric_limits<double>::quiet_NaN();
+    return unknown;
 }
 
 std::optional<Comparison> comparison_of(const Scene& scene, std::size_t probe, const Probe& columns_of) {

@@ -1,5 +1,3 @@
-#include <limits>
-
 #include "engine/core/binary_io.h"
 #include "engine/particles/emitter.h"
 #include "engine/probes/experiments.h"
@@ -17,12 +15,11 @@ public:
                 {"volume", "m^3", "volume that has passed"},
                 {"mass", "kg", "mass that has passed"}};
     }
-    void after_step(const World& world, double time) override;
+    void after_step(const World& world, double) override { follow(world); }
     ProbeRows rows(const World& world, double time) override;
     void save(std::ostream& out) const override { put(out, memory_); }
     void load(std::istream& in) override {
-        if (!take(in, memory_) || !is_truth(memory_.any_row))
-            throw EnvironmentError("the saved state is none of a flux probe", "", "resume from an older checkpoint");
+        if (!take(in, memory_)) throw EnvironmentError("the saved state is none of a flux probe", "", "resume from an older checkpoint");
     }
 
 private:
@@ -31,11 +28,10 @@ private:
         long seen = 0;     ///< number of the newest step with the particle; 0: there is none
     };
     struct Memory {
-        double passed = 0, passed_at_row = 0, row_time = 0;  ///< particles; s
-        bool any_row = false;
+        double passed = 0, passed_at_row = 0, row_time = unknown;  ///< particles; s
     };
     Vec3d place(const Domain& domain, const Vec3& x) const { return axes_ * domain.minimum_image(x - centre_).cast<double>(); }
-    void follow(const World& world, bool count);
+    void follow(const World& world);
     int crossing(const StepContext& step, const Vec3& from, const Vec3& to) const;
 
     Vec3 centre_;
@@ -55,7 +51,7 @@ FluxProbe::FluxProbe(const ProbeKeys& keys, const World& world)
     opening_axes(opening, width, thickness);
     axes_.row(0) = width.cast<double>(), axes_.row(1) = thickness.cast<double>(), axes_.row(2) = keys.direction;
     if (opening.plane) half_thickness_ = std::numeric_limits<double>::infinity();
-    follow(world, false);
+    follow(world);
 }
 
 /// +1 or -1 if the path between two positions crosses the opening.
@@ -73,7 +69,7 @@ int FluxProbe::crossing(const StepContext& step, const Vec3& from, const Vec3& t
     return !through ? 0 : end.z() >= 0 ? 1 : -1;
 }
 
-void FluxProbe::follow(const World& world, bool count) {
+void FluxProbe::follow(const World& world) {
     const auto x = world.fluid.column<field::position>();
     const auto u = world.fluid.column<field::velocity>();
     const auto id = world.fluid.column<field::id>();
@@ -83,7 +79,7 @@ void FluxProbe::follow(const World& world, bool count) {
         const auto number = static_cast<std::size_t>(id[k]);
         if (number >= tracks_.size()) tracks_.resize(number + 1);
         Track& track = tracks_[number];
-        if (count && track.seen > 0 && !in_nozzle(role, k)) memory_.passed += crossing(world.step, track.x, x[k]);
+        if (track.seen > 0 && !in_nozzle(role, k)) memory_.passed += crossing(world.step, track.x, x[k]);
         track = {x[k], u[k], step_};
     }
     for (Track& track : tracks_) {
@@ -93,13 +89,10 @@ void FluxProbe::follow(const World& world, bool count) {
     }
 }
 
-void FluxProbe::after_step(const World& world, double) { follow(world, true); }
-
 ProbeRows FluxProbe::rows(const World& world, double time) {
     const double mass = static_cast<double>(world.step.mass), volume = static_cast<double>(world.step.volume);
-    const double rate = memory_.any_row && time > memory_.row_time ? (memory_.passed - memory_.passed_at_row) / (time - memory_.row_time)
-                                                                   : std::numeric_limits<double>::quiet_NaN();
-    memory_.passed_at_row = memory_.passed, memory_.row_time = time, memory_.any_row = true;
+    const double rate = time > memory_.row_time ? (memory_.passed - memory_.passed_at_row) / (time - memory_.row_time) : unknown;
+    memory_.passed_at_row = memory_.passed, memory_.row_time = time;
     return {{time, volume * rate, mass * rate, volume * memory_.passed, mass * memory_.passed}};
 }
 

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <numbers>
 
 #include "engine/core/binary_io.h"
@@ -85,13 +84,12 @@ void GaugeProbe::after_step(const World& world, double) {
 
 ProbeRows GaugeProbe::rows(const World&, double time) {
     const Memory m = std::exchange(memory_, {});
-    const double none = std::numeric_limits<double>::quiet_NaN();
-    return {{time, m.time > 0 ? m.impulse / (m.time * area_) : none, m.time > 0 ? m.peak : none}};
+    return {{time, m.time > 0 ? m.impulse / (m.time * area_) : unknown, m.time > 0 ? m.peak : unknown}};
 }
 
 void GaugeProbe::save(std::ostream& out) const {
     put(out, memory_), put(out, area_), put(out, parts_.size());
-    for (const Part& part : parts_) put(out, part);
+    for (const Part& part : parts_) put(out, part.particle), put(out, part.share);
 }
 
 void GaugeProbe::load(std::istream& in) {
@@ -99,7 +97,7 @@ void GaugeProbe::load(std::istream& in) {
     bool sound = take(in, memory_) && take(in, area_) && take(in, count) && area_ >= 0;
     parts_.clear();
     for (Part part; sound && parts_.size() < count; parts_.push_back(part))
-        sound = take(in, part) && part.particle >= 0 && part.particle < boundary_particles_;
+        sound = take(in, part.particle) && take(in, part.share) && part.particle >= 0 && part.particle < boundary_particles_;
     if (!sound) throw EnvironmentError("the saved state is none of a gauge probe", "", "resume from an older checkpoint");
 }
 

@@ -1,7 +1,5 @@
 #include "engine/probes/probes.h"
 
-#include <limits>
-
 #include "engine/core/parallel.h"
 #include "engine/io/columns.h"
 #include "engine/probes/coil_probe.h"
@@ -12,8 +10,6 @@
 
 namespace whorl {
 namespace {
-
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 class RegionProbe : public Probe {
 public:

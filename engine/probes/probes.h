@@ -1,6 +1,7 @@
 #pragma once
 /// Probes: what a scene asks to be measured while it runs, one CSV file each (probes/<name>.csv).
 #include <iosfwd>
+#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
@@ -12,7 +13,8 @@
 
 namespace whorl {
 
-/// Rows of a probe's table; NaN where a value is not known (an empty cell of the file).
+/// A value that is not known: an empty cell of the table's file.
+inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 using ProbeRows = std::vector<std::vector<double>>;
 
 class Probe {

@@ -1,7 +1,6 @@
 #include "engine/probes/solid_probe.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "engine/core/binary_io.h"
 
@@ -16,7 +15,7 @@ void SolidProbe::after_step(const World& world, double) {
 }
 
 ProbeRows SolidProbe::rows(const World&, double time) {
-    const double over = since_.time > 0 ? 1 / since_.time : std::numeric_limits<double>::quiet_NaN();
+    const double over = since_.time > 0 ? 1 / since_.time : unknown;
     std::vector<double> row{time};
     const auto add = [&](const Vec3d& mean) { row.insert(row.end(), {over * mean.x(), over * mean.y(), over * mean.z()}); };
     for (const Wrench& of : since_.impulses.impulse) add(of.force);

@@ -88,7 +88,6 @@ struct Simulation::State {
     std::optional<Divergence> changed_wrongly;  ///< a change gave a particle a viscosity that is none
     double since_look = 0;                      ///< s, since the last look at who sleeps
     std::vector<double> room_left;              ///< particles, by the plan's closed rooms
-    std::vector<char> room_told;
     RunTotals totals;
     StageTimes times;
 
