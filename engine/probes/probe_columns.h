@@ -25,8 +25,6 @@ struct ProbePlot {
     };
     std::string title, unit;
     std::vector<Curve> curves;
-    /// "height [m]"
-    std::string axis() const { return unit.empty() ? title : title + " [" + unit + "]"; }
 };
 std::vector<ProbePlot> plots_of(const ProbeColumns& columns);
 

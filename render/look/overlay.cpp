@@ -33,12 +33,15 @@ std::string unit_of(const std::string& field) {
 
 }  // namespace
 
+std::string axis_title(const std::string& name, const std::string& unit, int power) {
+    const std::string scaled = power == 0 ? unit : fmt::format("10^{}{}{}", power, unit.empty() ? "" : " ", unit);
+    return scaled.empty() ? name : name + " [" + scaled + "]";
+}
+
 std::string field_title(const LookOptions& look, int power) {
     const bool vector = look.field == "spin" || look.field == "vorticity" || look.field == "spin_difference";
-    std::string unit = unit_of(look.field);
-    if (power != 0) unit = fmt::format("10^{}{}{}", power, unit.empty() ? "" : " ", unit);
     const std::string name = look.field == "spin_difference" ? "spin - vorticity/2" : look.field == "q_criterion" ? "Q" : look.field;
-    return name + (vector && is_diverging(look.colour_map) ? " z" : "") + (unit.empty() ? "" : " [" + unit + "]");
+    return axis_title(name + (vector && is_diverging(look.colour_map) ? " z" : ""), unit_of(look.field), power);
 }
 
 Ticks ticks_of(double low, double high, int most) {

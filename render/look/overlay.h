@@ -10,8 +10,9 @@
 
 namespace whorl {
 
+/// "height [10^-3 m]": a name with its unit, neither of which needs to be there. @param power of ten that its numbers are given in
+std::string axis_title(const std::string& name, const std::string& unit, int power = 0);
 /// "speed [m/s]": the field with its unit; on a diverging map a vector's name is that of its component, "spin z [1/s]".
-/// @param power of ten that its numbers are given in
 std::string field_title(const LookOptions& look, int power = 0);
 
 /// Numbers for a scale from low to high.

@@ -5,15 +5,6 @@
 #include <limits>
 
 namespace whorl {
-namespace {
-
-/// "height [10^-3 m]"
-std::string axis_name(const std::string& name, const std::string& unit, int power) {
-    if (power == 0) return unit.empty() ? name : name + " [" + unit + "]";
-    return name + " [10^" + std::to_string(power) + (unit.empty() ? "" : " " + unit) + "]";
-}
-
-}  // namespace
 
 Vec3f curve_colour(std::size_t k, bool dark) {
     static const std::vector<Vec3f> colours{{0.12f, 0.31f, 0.59f}, {0.80f, 0.25f, 0.12f}, {0.16f, 0.53f, 0.40f},
@@ -82,8 +73,8 @@ Canvas draw_plots(const std::string& title, const std::vector<CurvePlot>& plots)
         draw_ticks(canvas, axes, up, along, text, ink, pale);
         const CurveAxes::Box& box = axes.box;
         canvas.line(box.left, box.bottom, box.right, box.bottom, ink), canvas.line(box.left, box.top, box.left, box.bottom, ink);
-        canvas.words((box.left + box.right) / 2, box.bottom + 38, axis_name(plot.x_name, plot.x_unit, along.power), ink, text, 0);
-        canvas.words(x0 + 20, y0 + 16, axis_name(plot.y_name, plot.y_unit, up.power), ink, text);
+        canvas.words((box.left + box.right) / 2, box.bottom + 38, axis_title(plot.x_name, plot.x_unit, along.power), ink, text, 0);
+        canvas.words(x0 + 20, y0 + 16, axis_title(plot.y_name, plot.y_unit, up.power), ink, text);
         if (!any) canvas.words((box.left + box.right) / 2, (box.top + box.bottom) / 2, "nothing measured", ink, text, 0);
         double legend = box.left;
         for (const Curve& curve : plot.curves) {

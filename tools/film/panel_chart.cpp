@@ -23,7 +23,7 @@ Image PanelChart::at(double time) const {
     Ticks along = ticks_of(0, axes.high_x, 7);
     if (!along.label.empty()) along.label.back() += " s";
     draw_ticks(canvas, axes, up, along, text, ink, pale);
-    canvas.words(axes.box.left, 1.4 * text, title + (up.power != 0 ? " [10^" + std::to_string(up.power) + "]" : ""), ink, text);
+    canvas.words(axes.box.left, 1.4 * text, axis_title(title, "", up.power), ink, text);
     for (std::size_t k = 0; k < curve.size(); ++k) {
         const Vec3f colour = curve_colour(k, dark), faint = 0.3f * colour + 0.7f * paper;
         draw_curve(canvas, axes, curve[k], 1e300, faint, 1.5 * thin);

@@ -1,7 +1,8 @@
 #include "tools/live/probe_curves.h"
 
-#include <cmath>
 #include <nlohmann/json.hpp>
+
+#include "render/look/overlay.h"
 
 namespace whorl {
 namespace {
@@ -10,17 +11,16 @@ using Json = nlohmann::ordered_json;
 
 const std::string compared = "compare_";
 
-Json number_json(double v) { return std::isfinite(v) ? Json(v) : Json(); }
-
+/// NaN is written as null.
 Json row_json(const Probe& probe, const std::vector<double>& row, const std::optional<Comparison>& comparison) {
     const ProbeColumns columns = probe.columns();
     Json all = Json::object();
-    for (std::size_t k = 0; k < columns.size(); ++k) all[columns[k].name] = number_json(row[k]);
+    for (std::size_t k = 0; k < columns.size(); ++k) all[columns[k].name] = row[k];
     if (!comparison) return all;
     for (const ProbePlot& plot : plots_of(columns))
         for (const ProbePlot::Curve& curve : plot.curves)
             if (const std::string& name = columns[curve.column].name; comparison->has(name))
-                all[compared + name] = number_json(comparison->at(name, row[probe.along()]));
+                all[compared + name] = comparison->at(name, row[probe.along()]);
     return all;
 }
 
@@ -38,7 +38,7 @@ Json described_plots(const Probe& probe, const std::optional<Comparison>& compar
                 curves.push_back({{"column", compared + name},
                                   {"label", comparison->name + (plot.curves.size() > 1 ? ", " + c.label : "")},
                                   {"dashed", true}});
-        plots.push_back({{"title", plot.axis()}, {"curves", curves}});
+        plots.push_back({{"title", axis_title(plot.title, plot.unit)}, {"curves", curves}});
     }
     return {{"profile", probe.along() != 0},
             {"along", columns[probe.along()].name},
