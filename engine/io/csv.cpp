@@ -44,7 +44,7 @@ std::size_t CsvTable::index(const std::string& column) const {
                      "there are: " + all);
 }
 
-CsvTable read_csv(const std::filesystem::path& file, const std::function<void(const std::vector<double>&)>& each) {
+CsvTable read_csv(const std::filesystem::path& file) {
     std::ifstream in(file);
     if (!in) throw InputError({file.string(), 0, 0}, "no such table", "a run folder holds diagnostics.csv, probes/NAME.csv and more");
     CsvTable table;
@@ -66,8 +66,7 @@ CsvTable read_csv(const std::filesystem::path& file, const std::function<void(co
             const double value = std::strtod(texts[k].c_str(), &end);
             if (end != texts[k].c_str()) row[k] = value;
         }
-        if (each) each(row);
-        else table.rows.push_back(std::move(row));
+        table.rows.push_back(std::move(row));
     }
     return table;
 }

@@ -1,7 +1,6 @@
 #pragma once
 /// CSV tables as runs and studies write and read them.
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -18,10 +17,9 @@ struct CsvTable {
     std::string file;  ///< for messages
 };
 
-/// Cells may stand in quotes, as csv_cell() writes them, between blanks; lines that begin with # are comments. @param each takes the rows
-/// one by one: then the table does not keep them
+/// Cells may stand in quotes, as csv_cell() writes them, between blanks; lines that begin with # are comments.
 /// @throws InputError where there is no such file
-CsvTable read_csv(const std::filesystem::path& file, const std::function<void(const std::vector<double>&)>& each = {});
+CsvTable read_csv(const std::filesystem::path& file);
 
 /// A text as a cell: in quotes where it holds commas or quotes; a line's end becomes a space.
 std::string csv_cell(const std::string& text);

@@ -14,22 +14,16 @@ namespace {
 
 using Rows = std::vector<std::vector<double>>;
 
-/// Rows of the table; if each frame has several, those of five frames, evenly spaced, by frames.
-std::vector<Rows> frames_of(const std::filesystem::path& table, bool several) {
-    if (!several) return {read_csv(table).rows};
+/// Rows by frames: at most five frames, evenly spaced.
+std::vector<Rows> some_frames(const Rows& rows) {
     constexpr std::size_t most = 5;
-    std::vector<double> times;
-    read_csv(table, [&](const auto& row) {
-        if (times.empty() || times.back() != row[0]) times.push_back(row[0]);
-    });
-    std::map<double, Rows> frames;
-    for (std::size_t k = 0; k < most && !times.empty(); ++k) frames[times[k * (times.size() - 1) / (most - 1)]];
-    read_csv(table, [&](const auto& row) {
-        if (const auto found = frames.find(row[0]); found != frames.end()) found->second.push_back(row);
-    });
-    std::vector<Rows> all;
-    for (auto& [time, rows] : frames) all.push_back(std::move(rows));
-    return all;
+    std::map<double, Rows> frames;  // by time
+    for (const std::vector<double>& row : rows) frames[row[0]].push_back(row);
+    std::vector<Rows> all, some;
+    for (auto& [time, frame] : frames) all.push_back(std::move(frame));
+    const std::size_t count = std::min(most, all.size());
+    for (std::size_t k = 0; k < count; ++k) some.push_back(all[k * (all.size() - 1) / std::max<std::size_t>(1, count - 1)]);
+    return some;
 }
 
 Curve curve_of(const std::string& label, const Rows& rows, std::size_t x, std::size_t y) {
@@ -50,7 +44,8 @@ Canvas plot_of_table(const std::string& title, const Probe& probe, const std::fi
                      const std::optional<Comparison>& comparison) {
     const ProbeColumns columns = probe.columns();
     const std::size_t along = probe.along();
-    const std::vector<Rows> frames = frames_of(table, along != 0);
+    const Rows rows = read_csv(table).rows;
+    const std::vector<Rows> frames = along == 0 ? std::vector<Rows>{rows} : some_frames(rows);
     std::vector<CurvePlot> plots;
     for (const ProbePlot& one : plots_of(columns)) {
         CurvePlot plot{columns[along].name, columns[along].unit, one.title, one.unit, {}};
