@@ -156,8 +156,8 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
     const Real d = step.spacing, dt = step.dt;
     Real fastest = 0;  // of any point of a solid in the domain
     for (const Solid& solid : solids.all)
-        fastest = std::max(fastest, solid.pose.velocity_at(step.domain.min).norm() +
-                                        2 * solid.pose.angular_velocity.norm() * step.domain.size().norm());
+        fastest = std::max(
+            fastest, solid.pose.velocity_at(step.domain.min).norm() + 2 * solid.pose.angular_velocity.norm() * step.domain.size().norm());
     const Real farthest_touch = d * static_cast<Real>(std::max(s.options.closest, s.options.sliding_closest) + 0.05);
     // By particle, if probes ask: the solid that stopper it, and its velocity before.
     const auto recorded = static_cast<std::size_t>(solids.any_probed() ? x.size() : 0);

@@ -36,7 +36,7 @@ struct CoupledOptions {
 
     /// Distances from a wall that the fluid sticks to: below the first a particle touches it, below the second, too, if one within `bridge`
     /// does; beyond the third it comes off. New particles touch up to there: a lattice may fill a gap loosely.
-    double wall_touch = 0.55, wall_spread = 0.9, wall_reach = 1.1;
+    double wall_touch = 0.55, wall_spread = 0.9, wall_reach = 1.6;
     double closest = 0.3;          ///< distance from a solid that the fluid sticks to, below which no particle goes
     double sliding_closest = 0.5;  ///< as `closest`, from a solid that it slides on: half a spacing is its share of the room there
 

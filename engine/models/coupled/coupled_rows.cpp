@@ -111,7 +111,7 @@ struct CoupledRows::Walls {
 /// Candidates of one row: all particles within the widest support in use, lengths in spacings.
 struct CoupledRows::Scratch {
     static constexpr Index most_walls = 6;  ///< that a particle feels
-    Column<Real> x, y, z, r2, w;  ///< w: 0 of those that do not count
+    Column<Real> x, y, z, r2, w;            ///< w: 0 of those that do not count
     std::vector<Index> index;
     std::vector<Real> order;
     std::vector<std::size_t> bridges;
@@ -137,6 +137,7 @@ struct CoupledRows::Scratch {
     void append_row(Index i, Real h, Span<const std::int16_t> role, const CoupledOptions& options);
     void find_walls(RowBlock& block, const Vec3& at, Real h, Real d, const Walls& walls, bool held, const CoupledOptions& options,
                     Neighbourhood& n) const;
+    Real uncovered(const Vec3& normal, int dimensions) const;
     void arrange(RowBlock& block) const;
     void resize(std::size_t n) {
         for (Column<Real>* c : {&x, &y, &z, &r2, &w}) c->resize(n);
@@ -400,6 +401,20 @@ Real filled(int dimensions, const Solid& solid, const Vec3& x, const Vec3& norma
 
 }  // namespace
 
+/// Part of the wall behind the particle that no other particle stands before: 1 minus sum K of those below, K a bump whose sum is about 1
+/// over a layer with one particle per spacing.
+Real CoupledRows::Scratch::uncovered(const Vec3& normal, int dimensions) const {
+    const Real of_radius2 = dimensions == 2 ? Real(1.138) : Real(std::numbers::pi / 3);
+    Real open = 1;
+    for (std::size_t k = 0; k < index.size(); ++k) {
+        const Real below = -(x[k] * normal[0] + y[k] * normal[1] + z[k] * normal[2]);
+        if (!(below > Real(0.25))) continue;
+        const Real bump = std::max(Real(0), 1 - (r2[k] - below * below) * of_radius2);
+        open -= std::min(Real(1), 2 * below - Real(0.5)) * bump * bump;
+    }
+    return std::max(Real(0), open);
+}
+
 /// Solids near the particle: what they add to its density, and those that hold it.
 void CoupledRows::Scratch::find_walls(RowBlock& block, const Vec3& at, Real h, Real d, const Walls& walls, bool held,
                                       const CoupledOptions& o, Neighbourhood& n) const {
@@ -421,7 +436,9 @@ void CoupledRows::Scratch::find_walls(RowBlock& block, const Vec3& at, Real h, R
         wall.row = static_cast<Index>(row_first.size()) - 1;
         wall.solid = k;
         wall.normal = normal;
-        const Real up = std::max(height / d, Real(0.2)), hold = std::clamp((reach - height) / (Real(0.2) * d), Real(0), Real(1));
+        const Real up = std::max(height / d, Real(0.2)),
+                   hold = std::clamp((reach - height) / (Real(0.2) * d), Real(0), Real(1)) * uncovered(normal, walls.dimensions);
+        if (!(hold > 0)) return;
         wall.position = at - up * d * normal;
         wall.velocity = solid.velocity_at(wall.position + dt / 2 * solid.velocity_at(wall.position));
         wall.weight = hold * 2 * half_moment / up;
@@ -444,7 +461,8 @@ void CoupledRows::Scratch::find_walls(RowBlock& block, const Vec3& at, Real h, R
         in_own_axes.cwiseAbs().minCoeff(&along);
         const Vec3 axis = solid.pose.rotation.col(along), t = (axis - normal * normal.dot(axis)).normalized(), s = normal.cross(t);
         for (const Vec3& way : {t, Vec3(-t), s, Vec3(-s)}) {
-            const Vec3 there = at + reach * way;
+            Vec3 there = at + reach * way;
+            if (!(solid.distance(there) < 0)) there = at + reach / 2 * way;  // it may be thin
             const Real beyond_it = solid.distance(there);
             if (!(beyond_it < 0)) continue;
             const Vec3 face = solid.normal(there);
