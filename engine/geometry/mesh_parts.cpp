@@ -99,6 +99,13 @@ std::vector<std::uint32_t> find_closed_parts(const TriangleMesh& mesh, const std
 
 }  // namespace
 
+void append(TriangleMesh& to, const TriangleMesh& more) {
+    const auto first = static_cast<std::uint32_t>(to.position.size());
+    to.position.insert(to.position.end(), more.position.begin(), more.position.end());
+    to.normal.insert(to.normal.end(), more.normal.begin(), more.normal.end());
+    for (const Triangle& t : more.triangle) to.triangle.push_back({first + t[0], first + t[1], first + t[2]});
+}
+
 std::vector<TriangleMesh> closed_parts(TriangleMesh mesh, const std::string& name) {
     std::map<std::uint32_t, std::vector<std::uint32_t>> triangles;
     const std::vector<std::uint32_t> part = find_closed_parts(mesh, name);

@@ -18,13 +18,6 @@ namespace {
 using Triangle = std::array<std::uint32_t, 3>;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-void append(TriangleMesh& to, const TriangleMesh& more) {
-    const auto first = static_cast<std::uint32_t>(to.position.size());
-    to.position.insert(to.position.end(), more.position.begin(), more.position.end());
-    to.normal.insert(to.normal.end(), more.normal.begin(), more.normal.end());
-    for (const Triangle& t : more.triangle) to.triangle.push_back({first + t[0], first + t[1], first + t[2]});
-}
-
 /// Signed distance by the nearest triangle, in a tree of boxes; the sign from the angle-weighted normal of the nearest corner, edge or face
 /// (Baerentzen and Aanaes 2005): right also where the nearest point is shared by triangles that disagree.
 class Mesh final : public Shape {

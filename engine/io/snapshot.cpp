@@ -1,6 +1,7 @@
 #include "engine/io/snapshot.h"
 
 #include "engine/core/parallel.h"
+#include "engine/geometry/mesh_parts.h"
 #include "engine/io/columns.h"
 #include "engine/io/derived_fields.h"
 #include "engine/io/nozzle.h"
@@ -15,14 +16,10 @@ TriangleMesh drawn_mesh(const Solid& solid, const Domain& domain, Real spacing, 
     if (solid.moves() || !solid.repeats.any()) return one;
     TriangleMesh all;
     for (const Vec3& shift : solid.repeats.shifts_into(domain)) {
-        const auto first = static_cast<std::uint32_t>(all.position.size());
+        TriangleMesh image = one;
         const Vec3f own = (solid.pose.rotation.transpose() * shift).cast<float>();
-        for (const Vec3f& x : one.position) all.position.push_back(x + own);
-        all.normal.insert(all.normal.end(), one.normal.begin(), one.normal.end());
-        for (auto t : one.triangle) {
-            for (auto& corner : t) corner += first;
-            all.triangle.push_back(t);
-        }
+        for (Vec3f& x : image.position) x += own;
+        append(all, image);
     }
     return all;
 }
