@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "engine/particles/search.h"
+#include "engine/probes/probes.h"
 
 namespace whorl {
 namespace {
@@ -21,19 +22,17 @@ Terms terms_of(const Vec3d& s) {
     return t;
 }
 
-}  // namespace
-
 // f(s) = c + b.t(s), s the place seen from the point over the reach. With the mean <> under the weights w, b minimises
 // <(f - <f> - b.(t - <t>))^2>, so that  b = C^+ <(t - <t>) f>,  C = <(t - <t>)(t - <t>)^T>,  f(0) = <f> - b.<t>.
-Interpolation interpolate(const World& world, const Vec3d& point, const std::vector<Index>& among) {
+Interpolation interpolate_among(const std::vector<Index>& near, const World& world, const Vec3d& point) {
     const auto x = world.fluid.column<field::position>();
-    const Span<const std::int16_t> role = world.fluid.has<field::role>() ? world.fluid.column<field::role>() : Span<const std::int16_t>();
+    const auto role = roles(world);
     const double radius = reach * static_cast<double>(world.step.spacing);
     Interpolation found;
     std::vector<Terms> terms;
     double sum = 0, nearest = 1;
-    for (const Index k : among) {
-        if (!role.empty() && role[k] < 0) continue;
+    for (const Index k : near) {
+        if (in_nozzle(role, k)) continue;
         const Vec3d s = world.step.domain.minimum_image(x[k] - point.cast<Real>()).cast<double>() / radius;
         const double q = s.norm();
         if (!(q < 1)) continue;
@@ -44,8 +43,7 @@ Interpolation interpolate(const World& world, const Vec3d& point, const std::vec
         nearest = std::min(nearest, q);
     }
     for (Interpolation::Share& one : found.shares) one.weight /= sum;
-    found.in_fluid = nearest < within / reach;
-    if (!found.in_fluid) return found;
+    if (nearest >= within / reach) return found;
 
     Terms mean = Terms::Zero();
     for (std::size_t k = 0; k < terms.size(); ++k) mean += found.shares[k].weight * terms[k];
@@ -59,6 +57,8 @@ Interpolation interpolate(const World& world, const Vec3d& point, const std::vec
     for (std::size_t k = 0; k < terms.size(); ++k) found.shares[k].weight *= 1 - along.dot(terms[k] - mean);
     return found;
 }
+
+}  // namespace
 
 std::vector<std::vector<Index>> particles_near(const World& world, const std::vector<Vec3d>& points, double radius) {
     const StepContext& step = world.step;
@@ -82,12 +82,10 @@ std::vector<std::vector<Index>> particles_near(const World& world, const std::ve
     return near;
 }
 
-Interpolation interpolate(const World& world, const Vec3d& point) { return interpolate(world, std::vector<Vec3d>{point}).front(); }
-
 std::vector<Interpolation> interpolate(const World& world, const std::vector<Vec3d>& points) {
     const auto near = particles_near(world, points, reach * static_cast<double>(world.step.spacing));
     std::vector<Interpolation> found;
-    for (std::size_t k = 0; k < points.size(); ++k) found.push_back(interpolate(world, points[k], near[k]));
+    for (std::size_t k = 0; k < points.size(); ++k) found.push_back(interpolate_among(near[k], world, points[k]));
     return found;
 }
 

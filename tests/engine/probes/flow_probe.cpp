@@ -38,7 +38,13 @@ World uneven_fluid(bool sheet, const std::function<Vec3d(const Vec3d&)>& u) {
     return world;
 }
 
-Vec3d interpolated_velocity(const World& world, const Vec3d& at) { return interpolate(world, at)(world.fluid.column<field::velocity>()); }
+Vec3d velocity_of(const World& world, const Interpolation& at) {
+    Vec3d sum = Vec3d::Zero();
+    for (const Interpolation::Share& one : at.shares)
+        sum += one.weight * world.fluid.column<field::velocity>()[one.particle].cast<double>();
+    return sum;
+}
+Vec3d interpolated_velocity(const World& world, const Vec3d& at) { return velocity_of(world, interpolate(world, {at}).front()); }
 
 }  // namespace
 
@@ -64,8 +70,7 @@ TEST_CASE("probes interpolate a quadratic field exactly between uneven particles
             }
             const std::vector<Interpolation> found = interpolate(world, points);
             REQUIRE(found.size() == points.size());
-            for (std::size_t k = 0; k < points.size(); ++k)
-                CHECK(found[k](std::as_const(world).fluid.column<field::velocity>()) == interpolated_velocity(world, points[k]));
+            for (std::size_t k = 0; k < points.size(); ++k) CHECK(velocity_of(world, found[k]) == interpolated_velocity(world, points[k]));
         }
     }
 }
@@ -76,14 +81,14 @@ TEST_CASE("outside of the fluid probes give the mean of what is near, and nothin
     CHECK(beside.x() == Approx(1).epsilon(1e-6));
     CHECK(beside.y() > 0.8);
     CHECK(beside.y() < 1);
-    CHECK(interpolate(world, Vec3d(1.5, 0.5, 0.5)).shares.empty());
+    CHECK(interpolate(world, {Vec3d(1.5, 0.5, 0.5)}).front().shares.empty());
     world.fluid.resize(1);
     const Vec3d alone = interpolated_velocity(world, world.fluid.column<field::position>()[0].cast<double>() + Vec3d(0.05, 0, 0));
     CHECK((alone - world.fluid.column<field::velocity>()[0].cast<double>()).norm() < 1e-6);
 }
 
 TEST_CASE("a flow probe measures energy, vorticity and the distance from the expected velocity", "[probe]") {
-    const World world = uneven_fluid(false, [](const Vec3d& x) { return Vec3d(-3 * x.y(), 3 * x.x(), 0); });
+    World world = uneven_fluid(false, [](const Vec3d& x) { return Vec3d(-3 * x.y(), 3 * x.x(), 0); });
     ProbeKeys keys;
     keys.kind = ProbeKind::flow;
     keys.min = Vec3d(-1, -1, -1), keys.max = Vec3d(2, 2, 2);
