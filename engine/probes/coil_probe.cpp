@@ -51,7 +51,7 @@ CoilProbe::CoilProbe(const ProbeKeys& keys, TheorySearch search)
 CoilProbe::Step CoilProbe::observe(const World& world) const {
     const auto x = world.fluid.column<field::position>();
     const auto u = world.fluid.column<field::velocity>();
-    const Span<const std::int16_t> role = world.fluid.has<field::role>() ? world.fluid.column<field::role>() : Span<const std::int16_t>();
+    const auto role = roles(world);
     const Vec3d carried = pile_velocity(x, role, world.solids, world.step.spacing);
     Step step;
     step.spacing = static_cast<double>(world.step.spacing);
@@ -60,7 +60,7 @@ CoilProbe::Step CoilProbe::observe(const World& world) const {
     for (std::size_t k = 0; k < x.size(); ++k) {
         const Vec3d r = x[k].cast<double>() - point_, v = u[k].cast<double>() - carried;
         const double z = r.dot(up_);
-        if (!role.empty() && role[k] < 0) {
+        if (in_nozzle(role, k)) {
             nozzle = std::min(nozzle, z);
             continue;
         }

@@ -105,6 +105,11 @@ TEST_CASE("a flow probe measures energy, vorticity and the distance from the exp
     CHECK(row[5] == Approx(square * 4 / 9).epsilon(1e-6));
     CHECK(row[6] == Approx(0.5).epsilon(1e-5));  // u is half as fast again as expected
     CHECK(std::isnan(probe->rows(world, 0).at(0)[6]));
+    // In a box a period further on, the expected velocity is that of places in the box.
+    world.step.domain.periodic = {true, true, true};
+    keys.min.x() += 20, keys.max.x() += 20;
+    keys.expected.component[1] = Expression("2*t*(x-20)");
+    CHECK(make_probe(keys, world)->rows(world, 1).at(0)[6] == Approx(0.5).epsilon(1e-5));
 
     keys.min = Vec3d(5, 5, 5), keys.max = Vec3d(6, 6, 6);
     const std::vector<double> empty = make_probe(keys, world)->rows(world, 1).at(0);
