@@ -4,8 +4,10 @@
 #include <regex>
 
 #include "engine/io/files.h"
+#include "engine/scene/read.h"
 #include "tests/support/film_runs.h"
 #include "tests/support/program.h"
+#include "tools/film/tables.h"
 
 using namespace whorl;
 using test::Outcome;
@@ -144,6 +146,18 @@ TEST_CASE("a resumed run gives the same tables and plots, byte for byte", "[tool
             CHECK(read_whole(scratch / "run/probes" / (std::string(name) + end)) ==
                   read_whole(scratch / "whole/probes" / (std::string(name) + end)));
         }
+}
+
+TEST_CASE("an experiment's table that goes while the run lasts is drawn at its end", "[tools][probe]") {
+    const Dam scratch;
+    const Scene scene = read_scene(scratch.scene());
+    const Simulation simulation(scene, make_plan(scene));
+    const NamedProbes probes = make_probes(simulation, TheorySearch::wait);
+    fs::create_directories(scratch / "run/probes");
+    const RunTables tables(scratch.run(), simulation, probes, false, nullptr);
+    fs::remove(scratch / "lobovsky.csv");
+    tables.draw_plots();
+    CHECK_THAT(read_whole(scratch / "run/probes/wave.svg"), Catch::Contains("\nlobovsky\n"));
 }
 
 TEST_CASE("a table that a probe cannot be compared with is refused at its key, before anything runs", "[tools][probe]") {

@@ -23,6 +23,7 @@ RunTables::RunTables(std::filesystem::path folder, const Simulation& simulation,
                 probe->load(state);
             }
         open(table_of(name), csv_header(probe->columns()), from);
+        comparisons_.push_back(comparison_of(simulation.scene(), comparisons_.size(), *probe));
     }
 }
 
@@ -44,10 +45,10 @@ void RunTables::add_frame(int frame, const FrameSummary& summary, double wall, d
 }
 
 void RunTables::draw_plots() const {
-    const Scene& scene = simulation_.scene();
     for (std::size_t k = 0; k < probes_.size(); ++k) {
         const auto& [name, probe] = probes_[k];
-        const Canvas plot = plot_of_table(scene.name + ": " + name, *probe, folder_ / table_of(name), comparison_of(scene, k, *probe));
+        const std::string title = simulation_.scene().name + ": " + name;
+        const Canvas plot = plot_of_table(title, *probe, folder_ / table_of(name), comparisons_[k]);
         write_text(folder_ / "probes" / (name + ".svg"), plot.svg());
     }
 }

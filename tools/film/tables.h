@@ -5,7 +5,7 @@
 
 #include "engine/io/checkpoint.h"
 #include "engine/io/files.h"
-#include "engine/probes/probes.h"
+#include "engine/probes/comparison.h"
 #include "tools/film/frame_loop.h"
 
 namespace whorl {
@@ -14,7 +14,7 @@ class RunTables {
 public:
     /// @param budgeted there is budget.csv too @param probes fill their tables; they outlive this
     /// @param from where the run goes on from: tables are cut back to what they held then, probes remember; null for a new run
-    /// @throws EnvironmentError where a table is shorter than it was, or cannot be made
+    /// @throws EnvironmentError where a table is shorter than it was, or cannot be made; InputError as comparison_of()
     RunTables(std::filesystem::path folder, const Simulation& simulation, const NamedProbes& probes, bool budgeted, const Checkpoint* from);
     /// The rows of a frame. @param wall,cpu s so far
     void add_frame(int frame, const FrameSummary& summary, double wall, double cpu);
@@ -35,6 +35,7 @@ private:
     const Simulation& simulation_;
     std::map<std::string, Table> tables_;  ///< by their path in the run folder
     const NamedProbes& probes_;
+    std::vector<std::optional<Comparison>> comparisons_;  ///< of each probe, as the run found them
 };
 
 }  // namespace whorl
