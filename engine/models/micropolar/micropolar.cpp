@@ -147,7 +147,7 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const Surroundings& around,
         const Real b = own.b;
         Sums s;
         add_fluid<central>(s, kernel, around.pairs, i, own, softening, rho.data(), u.data(), w.data());
-        if (any_solids && around.solid_pairs.count(i) > 0) { add_solids<central>(s, kernel, o, around, i, own, softening, gate_of(i)); }
+        if (any_solids && around.solid_pairs.count(i) > 0) add_solids<central>(s, kernel, o, around, i, own, softening, gate_of(i));
 
         Vec3 viscous = s.viscous.times(m * lattice * mu);
         if constexpr (central) viscous += s.central.times(m * along_pairs * mu_central);
