@@ -15,10 +15,10 @@ namespace {
 class RoomSearch {
 public:
     RoomSearch(const Scene& scene, const SceneShapes& shapes, double support)
-        : scene_(scene), shapes_(shapes), domain_(scene.domain.box()), D_(scene.domain.dimensions) {
+        : scene_(scene), shapes_(shapes), obstacles_(shapes.solids), D_(scene.domain.dimensions) {
         for (const EmitterKeys& e : scene.emitters)
-            pipes_.push_back(nozzle_body(opening_of(e, D_), nozzle_depth(support, scene.fluid.spacing),
-                                         static_cast<Real>(scene.fluid.spacing), domain_));
+            obstacles_.all.push_back(nozzle_body(opening_of(e, D_), nozzle_depth(support, scene.fluid.spacing),
+                                                 static_cast<Real>(scene.fluid.spacing), obstacles_.domain));
         double cells = 1;
         for (int a = 0; a < D_; ++a) {
             const double length = scene.domain.max[a] - scene.domain.min[a];
@@ -34,14 +34,11 @@ public:
         for (std::size_t e = 0; e < scene_.emitters.size() && !room_of_.empty(); ++e) {
             const EmitterKeys& keys = scene_.emitters[e];
             const Vec3d ahead = keys.position + scene_.fluid.spacing * keys.direction.normalized();
+            const Vec3d from_corner = obstacles_.domain.wrapped(ahead.cast<Real>()).cast<double>() - scene_.domain.min;
             Vec3d start = Vec3d::Zero();
-            for (int a = 0; a < D_; ++a)
-                start[a] = std::floor((static_cast<double>(domain_.wrapped(ahead.cast<Real>())[a]) - scene_.domain.min[a]) / cell_[a]);
+            for (int a = 0; a < D_; ++a) start[a] = std::floor(from_corner[a] / cell_[a]);
             if ((start.array() < 0).any() || (start.array() >= count_.array()).any() || distance(start) <= 0) continue;
-            if (room_of_[number(start)] < 0) {
-                found_.emplace_back();
-                if (!fill(start)) found_.back().volume = 0;
-            }
+            if (room_of_[number(start)] < 0) found_.emplace_back(), fill(start);
             ClosedRoom& room = found_[static_cast<std::size_t>(room_of_[number(start)])];
             room.emitters.push_back(e), room.coming += emitted_volume(keys, scene_.time.end, D_);
         }
@@ -59,11 +56,9 @@ private:
         if (D_ == 2) x.z() = 0;
         return x.cast<Real>();
     }
-    /// To the nearest solid or pipe.
     Real distance_at(const Vec3& x) const {
-        Real least = unknown / 2;
-        if (!shapes_.solids.all.empty()) shapes_.solids.nearest(x, least);
-        for (const Solid& pipe : pipes_) least = std::min(least, pipe.distance(x));
+        Real least = 0;
+        obstacles_.nearest(x, least);
         return least;
     }
     Real distance(const Vec3d& c) {
@@ -82,22 +77,22 @@ private:
         return clear(x, at_x, middle, there, halvings - 1) && clear(middle, there, y, at_y, halvings - 1);
     }
 
-    /// @return whether the newest room is closed
-    bool fill(const Vec3d& start) {
+    /// Measures the newest room, unless it is open: then its volume stays 0.
+    void fill(const Vec3d& start) {
         const int room = static_cast<int>(found_.size()) - 1;
         std::vector<Vec3d> queue{start}, rim;
         room_of_[number(start)] = room;
         for (std::size_t k = 0; k < queue.size(); ++k) {
             const Vec3d c = queue[k];
             for (const auto& drain : shapes_.drains)
-                if (drain->distance(place(c)) <= 0) return false;
+                if (drain->distance(place(c)) <= 0) return;
             for (int side = 0; side < 2 * D_; ++side) {
                 const int a = side / 2;
                 Vec3d to = c;
                 to[a] += side % 2 == 0 ? -1 : 1;
-                if (domain_.periodic[a]) to[a] -= count_[a] * std::floor(to[a] / count_[a]);
+                if (obstacles_.domain.periodic[a]) to[a] -= count_[a] * std::floor(to[a] / count_[a]);
                 else if (to[a] < 0 || to[a] >= count_[a]) {
-                    if (distance(c) > static_cast<Real>(cell_[a] / 2)) return false;  // what leaves here is gone
+                    if (distance(c) > static_cast<Real>(cell_[a] / 2)) return;  // what leaves here is gone
                     continue;
                 }
                 if (room_of_[number(to)] == room) continue;
@@ -109,7 +104,6 @@ private:
         for (const Vec3d& c : rim)  // cells that a surface cuts
             if (std::exchange(room_of_[number(c)], room) != room) queue.push_back(c);
         for (const Vec3d& c : queue) measure(c, found_.back());
-        return true;
     }
 
     void measure(const Vec3d& c, ClosedRoom& room) {
@@ -122,15 +116,15 @@ private:
             room.volume += volume;
             if (std::any_of(shapes_.blocks.begin(), shapes_.blocks.end(), [&](const auto& b) { return b->distance(x) < 0; }))
                 room.fluid += volume;
-            room.box.extend(Vec3d(x.cast<double>() - cell_ / (2 * n))), room.box.extend(Vec3d(x.cast<double>() + cell_ / (2 * n)));
+            const Vec3d middle = x.cast<double>(), half = cell_ / (2 * n);
+            room.box.extend(middle - half), room.box.extend(middle + half);
         }
     }
 
     const Scene& scene_;
     const SceneShapes& shapes_;
-    Domain domain_;
+    Solids obstacles_;  ///< with the pipes of emitters
     int D_;
-    std::vector<Solid> pipes_;
     Vec3d count_ = Vec3d::Ones(), cell_ = Vec3d::Zero();
     std::vector<int> room_of_;    ///< by cell, -1: not reached
     std::vector<Real> distance_;  ///< by cell, m
