@@ -134,7 +134,11 @@ private:
 }  // namespace
 
 std::string ClosedRoom::text() const {
-    const auto point = [](const Vec3d& x) { return fmt::format("({:.4g}, {:.4g}, {:.4g})", x.x(), x.y(), x.z()); };
+    const double rounding = 1e-6 * box.sizes().maxCoeff();
+    const auto point = [&](const Vec3d& corner) {
+        const Vec3d x = (corner.array().abs() > rounding).select(corner, 0);
+        return fmt::format("({:.4g}, {:.4g}, {:.4g})", x.x(), x.y(), x.z());
+    };
     return fmt::format("the closed room from {} to {} m", point(box.min()), point(box.max()));
 }
 

@@ -163,6 +163,9 @@ TEST_CASE("a closed room into which more comes than fits is named by the plan, o
     // 8^3 cells less the pipe, a cylinder of 18 mm radius over the 20 mm up to the lid.
     CHECK(plan.rooms[0].volume == Approx(0.08 * 0.08 * 0.08 - M_PI * 0.018 * 0.018 * 0.02).epsilon(0.01));
     CHECK(plan.rooms[0].box.min().y() == Approx(-0.04).margin(0.003));
+    ClosedRoom rounded;
+    rounded.box = Eigen::AlignedBox3d(Vec3d(4e-11, -0.2, 0), Vec3d(0.3, -3e-12, 0.5));
+    CHECK(rounded.text() == "the closed room from (0, -0.2, 0) to (0.3, 0, 0.5) m");
 }
 
 TEST_CASE("a room that is full takes no more: the run says so once and stays calm", "[sim][emitter]") {
