@@ -18,7 +18,7 @@ void BodyRows::build(const WallImage& wall, const Surroundings& around, Span<con
     for (std::size_t k = 0; k < around.solids.all.size(); ++k) {
         if (!around.solids.all[k].body) continue;
         const RigidBody& state = *around.solids.all[k].body;
-        Body body{k, mass_ / state.mass, mass_ * state.inverse_inertia(), std::vector<Touch>(near.size())};
+        Body body{k, std::vector<Touch>(near.size())};
         with_kernel(step.kernel, step.support, [&](const auto& W) {
             parallel_for(static_cast<Index>(near.size()), [&](Index e) {
                 Touch& touch = body.touches[e];
@@ -37,11 +37,13 @@ void BodyRows::build(const WallImage& wall, const Surroundings& around, Span<con
             });
         });
         std::erase_if(body.touches, [](const Touch& t) { return t.h == Vec3::Zero(); });
+        const double mass_ratio = mass_ / state.mass;
+        const Mat3d turning_ratio = mass_ * state.inverse_inertia();
         parallel_for(static_cast<Index>(body.touches.size()), [&](Index e) {
             const Touch& t = body.touches[e];
             if (!D.free[t.particle]) return;
             const Vec3d h = t.h.cast<double>(), turning = t.arm.cast<double>().cross(h);
-            D.diagonal[t.particle] += static_cast<Real>(body.mass_ratio * h.squaredNorm() + turning.dot(body.turning_ratio * turning));
+            D.diagonal[t.particle] += static_cast<Real>(mass_ratio * h.squaredNorm() + turning.dot(turning_ratio * turning));
         });
         bodies_.push_back(std::move(body));
     }

@@ -42,8 +42,6 @@ private:
     };
     struct Body {
         std::size_t solid;
-        double mass_ratio;    ///< m over the body's
-        Mat3d turning_ratio;  ///< m times the inverse of its inertia [1/m^2]
         std::vector<Touch> touches;
     };
     /// Over the mass of a particle.
