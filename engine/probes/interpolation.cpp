@@ -2,7 +2,6 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <numeric>
 
 #include "engine/particles/search.h"
 #include "engine/probes/probes.h"
@@ -65,16 +64,18 @@ std::vector<std::vector<Index>> particles_near(const World& world, const std::ve
     const Real far = static_cast<Real>(1.01 * radius);  // rounding loses none
     bool searchable = points.size() > 1;
     for (int a = 0; a < 3; ++a) searchable = searchable && (!step.domain.periodic[a] || step.domain.size()[a] >= 2 * far);
+    const auto x = world.fluid.column<field::position>();
+    std::vector<std::vector<Index>> near(points.size());
     if (!searchable) {
-        std::vector<Index> all(static_cast<std::size_t>(world.fluid.size()));
-        std::iota(all.begin(), all.end(), Index(0));
-        return std::vector<std::vector<Index>>(points.size(), all);
+        for (std::size_t k = 0; k < points.size(); ++k)
+            for (Index i = 0; i < world.fluid.size(); ++i)
+                if (step.domain.minimum_image(x[i] - points[k].cast<Real>()).norm() < far) near[k].push_back(i);
+        return near;
     }
     std::vector<Vec3> places;
     for (const Vec3d& point : points) places.push_back(step.domain.wrapped(point.cast<Real>()));
     Pairs pairs;
-    NeighbourSearch().find(places, world.fluid.column<field::position>(), far, step.domain, pairs);
-    std::vector<std::vector<Index>> near(points.size());
+    NeighbourSearch().find(places, x, far, step.domain, pairs);
     for (std::size_t k = 0; k < points.size(); ++k) {
         pairs.of(static_cast<Index>(k), [&](Index j, const Vec3&, Real) { near[k].push_back(j); });
         std::sort(near[k].begin(), near[k].end());  // sums in the order of all particles

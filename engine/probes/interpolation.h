@@ -15,8 +15,7 @@ struct Interpolation {
     std::vector<Share> shares;  ///< empty: no fluid within three spacings
 };
 
-/// For each of the points the particles within `radius` [m], to the nearest periodic image, in the order of the store; all particles if a
-/// periodic axis is too short for a search.
+/// For each of the points the particles within `radius` [m], to the nearest periodic image, in the order of the store; a few more.
 std::vector<std::vector<Index>> particles_near(const World& world, const std::vector<Vec3d>& points, double radius);
 
 /// Interpolates at each point by weighted least squares: the quadratic function of place that fits the particles within three spacings
