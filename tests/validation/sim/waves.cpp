@@ -7,8 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/scene/read.h"
-#include "engine/sim/simulation.h"
+#include "tests/support/runs.h"
 #include "tests/support/zeros.h"
 
 using namespace whorl;
@@ -32,7 +31,7 @@ TEST_CASE("the front of a collapsing column, 40 particles high, is within 5 % of
                                                           {1.98, 2.33}, {2.20, 2.56}, {2.32, 2.78}, {2.51, 3.00}, {2.65, 3.22},
                                                           {2.83, 3.44}, {2.98, 3.67}, {3.11, 3.89}};
     const double d = a / 20;
-    const Scene scene = read_scene_text(fmt::format(R"toml([time]
+    Simulation simulation = test::simulation_of(fmt::format(R"toml([time]
 end = 1
 max_step = 5e-3
 [domain]
@@ -53,9 +52,7 @@ shape = "plane"
 shape = "plane"
 normal = [1, 0, 0]
 )toml",
-                                                    -3 * d, 6 * a, 3 * a, 6 * d, d, a, 2 * a),
-                                        "column.toml");
-    Simulation simulation(scene, make_plan(scene));
+                                                            -3 * d, 6 * a, 3 * a, 6 * d, d, a, 2 * a));
     const double second = std::sqrt(2 * g / a);
     std::vector<std::pair<double, double>> run{{0, 1}};
     while (run.back().second < measured.back().second && run.back().first < 4) {
@@ -95,7 +92,7 @@ TEST_CASE("a standing wave, 40 particles long in water of 20 layers, has its per
     // the sixth zero of the sum of u_y cos kx. Scattered at the start: a lattice melts meanwhile, and what that does to a wave lower than a
     // spacing makes the period 4 % short (1.6 % without damping).
     constexpr double length = 0.4, h = 0.2, U = 0.1, d = 0.01, k = 2 * std::numbers::pi / length;
-    const Scene scene = read_scene_text(fmt::format(R"toml([time]
+    Simulation simulation = test::simulation_of(fmt::format(R"toml([time]
 end = 2
 max_step = 5e-3
 [domain]
@@ -115,9 +112,7 @@ sampling = "blue_noise"
 [[solid]]
 shape = "plane"
 )toml",
-                                                    length, d, h, U / std::sinh(k * h), k),
-                                        "wave.toml");
-    Simulation simulation(scene, make_plan(scene));
+                                                            length, d, h, U / std::sinh(k * h), k));
     const double period = 2 * std::numbers::pi / std::sqrt(g * k * std::tanh(k * h));
     Zeros zeros(period / 4);  // noise of a hundredth may cross to and fro within a step or two
     while (zeros.at.size() < 6 && simulation.time() < 2) {
@@ -155,7 +150,7 @@ TEST_CASE("a seiche, 40 particles by 16, keeps its period within 2 % and loses l
     // Half a wave in a tank of 0.5 m with water 0.2 m deep and smooth walls: omega^2 = g k tanh(k h), k = pi/0.5. Started flat with the
     // velocities of its passage, 1.3 spacings high. 1 % longer and no loss were measured; the constraint loses 32 % a period.
     constexpr double length = 0.5, h = 0.2, U = 0.12, k = std::numbers::pi / length;
-    const Scene scene = read_scene_text(fmt::format(R"toml([time]
+    Simulation simulation = test::simulation_of(fmt::format(R"toml([time]
 end = 4
 [domain]
 dimensions = 2
@@ -179,9 +174,7 @@ max = [{0}, 1]
 inside = true
 slip = "free"
 )toml",
-                                                    length, h, U / std::sinh(k * h), k),
-                                        "seiche.toml");
-    Simulation simulation(scene, make_plan(scene));
+                                                            length, h, U / std::sinh(k * h), k));
     const double period = 2 * std::numbers::pi / std::sqrt(g * k * std::tanh(k * h));
     Zeros zeros(period / 4);
     std::vector<std::pair<double, double>> first, last;
@@ -207,7 +200,7 @@ TEST_CASE("waves from a piston, 1.7 spacings high, have the height of theory wit
     // Depth 0.25 m, period 1.1 s, stroke 0.04 m: H = 0.0414 m and 1.48 m from crest to crest in linear theory. With half the spacing
     // 0.0404 m was measured at 1 m from the piston and 0.0403 m at 3 m. The constraint has 0.030 and
     // 0.013 m here.
-    const Scene scene = read_scene_text(R"toml([time]
+    Simulation simulation = test::simulation_of(R"toml([time]
 end = 5
 [domain]
 dimensions = 2
@@ -239,9 +232,7 @@ min = [-0.2, 0.0]
 max = [0.0, 0.55]
 position = ["0.02*(1-cos(2*pi*t/1.1))", "0"]
 slip = "free"
-)toml",
-                                        "piston.toml");
-    Simulation simulation(scene, make_plan(scene));
+)toml");
     // Depth, weighted by a hat of 0.15 m to both sides: of the wave's height it sees (sin(k b/2)/(k b/2))^2.
     constexpr double b = 0.15;
     std::vector<std::pair<double, double>> near, far;
