@@ -15,10 +15,10 @@ namespace {
 using Rows = std::vector<std::vector<double>>;
 
 /// Rows by frames: at most five frames, evenly spaced.
-std::vector<Rows> some_frames(const Rows& rows) {
+std::vector<Rows> some_frames(Rows rows) {
     constexpr std::size_t most = 5;
     std::map<double, Rows> frames;  // by time
-    for (const std::vector<double>& row : rows) frames[row[0]].push_back(row);
+    for (std::vector<double>& row : rows) frames[row[0]].push_back(std::move(row));
     std::vector<Rows> all, some;
     for (auto& [time, frame] : frames) all.push_back(std::move(frame));
     const std::size_t count = std::min(most, all.size());
@@ -44,8 +44,8 @@ Canvas plot_of_table(const std::string& title, const Probe& probe, const std::fi
                      const std::optional<Comparison>& comparison) {
     const ProbeColumns columns = probe.columns();
     const std::size_t along = probe.along();
-    const Rows rows = read_csv(table).rows;
-    const std::vector<Rows> frames = along == 0 ? std::vector<Rows>{rows} : some_frames(rows);
+    Rows rows = read_csv(table).rows;
+    const std::vector<Rows> frames = along == 0 ? std::vector<Rows>{rows} : some_frames(std::move(rows));
     std::vector<CurvePlot> plots;
     for (const ProbePlot& one : plots_of(columns)) {
         CurvePlot plot{columns[along].name, columns[along].unit, one.title, one.unit, {}};
