@@ -163,8 +163,8 @@ void CoilProbe::save(std::ostream& out) const {
 void CoilProbe::load(std::istream& in) {
     take(in, memory_), take(in, turns_.memory());
     const CoilTurns::Memory& turns = turns_.memory();
-    if (!is_truth(memory_.pile_seen) || !is_truth(turns.turning) || turns.turns_kept < 0 || turns.turns_kept > CoilTurns::kept)
-        throw EnvironmentError("the saved state is none of a coil probe", "", "resume from an older checkpoint");
+    check_saved(is_truth(memory_.pile_seen) && is_truth(turns.turning) && turns.turns_kept >= 0 && turns.turns_kept <= CoilTurns::kept,
+                "coil");
     expectation_.load(in);
 }
 

@@ -18,9 +18,7 @@ public:
     void after_step(const World& world, double) override { follow(world); }
     ProbeRows rows(const World& world, double time) override;
     void save(std::ostream& out) const override { put(out, memory_); }
-    void load(std::istream& in) override {
-        if (!take(in, memory_)) throw EnvironmentError("the saved state is none of a flux probe", "", "resume from an older checkpoint");
-    }
+    void load(std::istream& in) override { check_saved(take(in, memory_), "flux"); }
 
 private:
     struct Track {

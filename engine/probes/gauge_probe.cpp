@@ -98,7 +98,7 @@ void GaugeProbe::load(std::istream& in) {
     parts_.clear();
     for (Part part; sound && parts_.size() < count; parts_.push_back(part))
         sound = take(in, part.particle) && take(in, part.share) && part.particle >= 0 && part.particle < boundary_particles_;
-    if (!sound) throw EnvironmentError("the saved state is none of a gauge probe", "", "resume from an older checkpoint");
+    check_saved(sound, "gauge");
 }
 
 }  // namespace

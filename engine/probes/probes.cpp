@@ -6,7 +6,6 @@
 #include "engine/probes/experiments.h"
 #include "engine/probes/flow_probe.h"
 #include "engine/probes/interpolation.h"
-#include "engine/probes/solid_probe.h"
 
 namespace whorl {
 namespace {
@@ -99,7 +98,7 @@ std::unique_ptr<Probe> make_probe(const ProbeKeys& keys, const World& world, The
     switch (keys.kind) {
         case ProbeKind::region: return std::make_unique<RegionProbe>(keys);
         case ProbeKind::flow: return std::make_unique<FlowProbe>(keys);
-        case ProbeKind::solid: return std::make_unique<SolidProbe>(keys);
+        case ProbeKind::solid: return make_solid_probe(keys);
         case ProbeKind::coil: return std::make_unique<CoilProbe>(keys, search);
         case ProbeKind::level: return make_level_probe(keys);
         case ProbeKind::flux: return make_flux_probe(keys, world);

@@ -36,6 +36,11 @@ public:
     virtual void load(std::istream&) {}
 };
 
+/// @throws EnvironmentError if what a probe has loaded is not its own
+inline void check_saved(bool sound, const std::string& kind) {
+    if (!sound) throw EnvironmentError("the saved state is none of a " + kind + " probe", "", "resume from an older checkpoint");
+}
+
 /// Where particles are: free, stuck to a solid, in a nozzle (field::role); empty if the fluid has no such column.
 inline Span<const std::int16_t> roles(const World& world) {
     return world.fluid.has<field::role>() ? world.fluid.column<field::role>() : Span<const std::int16_t>();
@@ -48,9 +53,8 @@ inline bool in_nozzle(Span<const std::int16_t> role, std::size_t k) { return !ro
 ///   point   time, velocity_*, density, pressure, ...: those quantities that the run keeps, interpolated; not known where no fluid is near
 ///   line    time, s, x, y, z, velocity_*, ...: `count` points from `from` to `to` a frame, s [m] along the line
 ///   flow    see flow_probe.h
-///   solid   see solid_probe.h
 ///   coil    see coil_probe.h
-///   level, flux, extent, gauge  see experiments.h
+///   solid, level, flux, extent, gauge  see experiments.h
 /// Point and line interpolate as interpolation.h says.
 std::unique_ptr<Probe> make_probe(const ProbeKeys& keys, const World& world, TheorySearch search = TheorySearch::wait);
 

@@ -1,10 +1,31 @@
-#include "engine/probes/solid_probe.h"
-
 #include <algorithm>
 
 #include "engine/core/binary_io.h"
+#include "engine/probes/experiments.h"
 
 namespace whorl {
+namespace {
+
+class SolidProbe : public Probe {
+public:
+    explicit SolidProbe(const ProbeKeys& keys) : solid_(static_cast<std::size_t>(keys.solid)) {}
+    ProbeColumns columns() const override {
+        return ProbeColumns{{"time", "s", ""}} + vector_columns("pressure", "N") + vector_columns("viscous", "N") +
+               vector_columns("contact", "N") + vector_columns("torque", "N m") + ProbeColumns{{"peak", "N", "peak of the force"}};
+    }
+    void after_step(const World& world, double time) override;
+    ProbeRows rows(const World& world, double time) override;
+    void save(std::ostream& out) const override;
+    void load(std::istream& in) override;
+
+private:
+    std::size_t solid_;
+    struct Since {
+        double time = 0, peak = 0;  ///< s, N
+        Ledger impulses;
+    };
+    Since since_;  ///< the last row
+};
 
 void SolidProbe::after_step(const World& world, double) {
     const Ledger& step = world.solids.all[solid_].ledger;
@@ -25,8 +46,6 @@ ProbeRows SolidProbe::rows(const World&, double time) {
     return {row};
 }
 
-namespace {
-
 template <class Since, class F>
 void each_number(Since& since, F&& f) {
     f(since.time), f(since.peak);
@@ -34,14 +53,18 @@ void each_number(Since& since, F&& f) {
         for (int a = 0; a < 3; ++a) f(of.force[a]), f(of.torque[a]);
 }
 
-}  // namespace
-
 void SolidProbe::save(std::ostream& out) const {
     each_number(since_, [&](const double& number) { put(out, number); });
 }
 
 void SolidProbe::load(std::istream& in) {
-    each_number(since_, [&](double& number) { take(in, number); });
+    bool sound = true;
+    each_number(since_, [&](double& number) { sound = sound && take(in, number); });
+    check_saved(sound, "solid");
 }
+
+}  // namespace
+
+std::unique_ptr<Probe> make_solid_probe(const ProbeKeys& keys) { return std::make_unique<SolidProbe>(keys); }
 
 }  // namespace whorl

@@ -1,11 +1,10 @@
 // The probe of forces on a solid: what it makes of the ledger.
-#include "engine/probes/solid_probe.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <sstream>
 
 #include "engine/geometry/sphere.h"
+#include "engine/probes/experiments.h"
 
 using namespace whorl;
 
@@ -35,16 +34,16 @@ World with_ball() {
 
 TEST_CASE("a solid probe reports impulse over time since its last row, and the peak of a step", "[probe]") {
     World world = with_ball();
-    SolidProbe probe{ProbeKeys{}};
-    const ProbeColumns columns = probe.columns();
+    const auto probe = make_solid_probe({});
+    const ProbeColumns columns = probe->columns();
     const auto value = [&](const std::vector<double>& row, const std::string& name) {
         return row.at(static_cast<std::size_t>(
             std::find_if(columns.begin(), columns.end(), [&](const ProbeColumn& c) { return c.name == name; }) - columns.begin()));
     };
-    CHECK(std::isnan(probe.rows(world, 0).at(0).at(1)));
-    step(world, probe, 0.25, 1, 2);
-    step(world, probe, 0.75, 3, 0);
-    const std::vector<double> row = probe.rows(world, 1).at(0);
+    CHECK(std::isnan(probe->rows(world, 0).at(0).at(1)));
+    step(world, *probe, 0.25, 1, 2);
+    step(world, *probe, 0.75, 3, 0);
+    const std::vector<double> row = probe->rows(world, 1).at(0);
     REQUIRE(row.size() == columns.size());
     CHECK(value(row, "pressure_x") == Approx(4));
     CHECK(value(row, "viscous_x") == 0);
@@ -52,20 +51,21 @@ TEST_CASE("a solid probe reports impulse over time since its last row, and the p
     CHECK(value(row, "torque_z") == Approx(-4));
     CHECK(value(row, "torque_x") == Approx(2));
     CHECK(value(row, "peak") == Approx(std::hypot(1, 2) / 0.25));
-    step(world, probe, 0.5, -1, 0);
-    CHECK(value(probe.rows(world, 1.5).at(0), "pressure_x") == Approx(-2));
+    step(world, *probe, 0.5, -1, 0);
+    CHECK(value(probe->rows(world, 1.5).at(0), "pressure_x") == Approx(-2));
 }
 
 TEST_CASE("a solid probe that is resumed between rows reports the same row", "[probe]") {
     World world = with_ball();
-    SolidProbe probe{ProbeKeys{}}, resumed{ProbeKeys{}};
-    step(world, probe, 0.25, 1, 2);
+    const auto probe = make_solid_probe({}), resumed = make_solid_probe({});
+    step(world, *probe, 0.25, 1, 2);
     std::stringstream state;
-    probe.save(state);
-    resumed.load(state);
-    step(world, probe, 0.5, 5, 1);
-    step(world, resumed, 0.5, 5, 1);
-    CHECK(probe.rows(world, 1) == resumed.rows(world, 1));
+    probe->save(state);
+    resumed->load(state);
+    step(world, *probe, 0.5, 5, 1);
+    step(world, *resumed, 0.5, 5, 1);
+    CHECK(probe->rows(world, 1) == resumed->rows(world, 1));
+    CHECK_THROWS_WITH(resumed->load(state), Catch::Contains("none of a solid probe"));  // nothing is left in it
 }
 
 }  // namespace solid_probe_test
