@@ -20,6 +20,12 @@ std::unique_ptr<Probe> make_flux_probe(const ProbeKeys& keys, const World& world
 /// axis_point. Particles in nozzles do not count.
 std::unique_ptr<Probe> make_extent_probe(const ProbeKeys& keys);
 
+/// The flow in a box: energy, vorticity, and how far it is from what theory expects. largest_vorticity and mean_square_vorticity are of
+/// |curl u|, from gradients by least squares over two spacings. expected_energy is the kinetic energy that the same particles would have
+/// with the expected velocity v where they are, and velocity_error is sqrt(sum |u - v|^2/sum |v|^2). Both are empty where v is zero, and
+/// all but the energy where the box is empty.
+std::unique_ptr<Probe> make_flow_probe(const ProbeKeys& keys);
+
 /// Force of the fluid on a solid, from the ledger of momentum (geometry/ledger.h). pressure_*, viscous_* and contact_* are means since the
 /// row before: impulse over time. torque_* is that of all three about the solid's centre: a free body's centre of mass, else the middle of
 /// the shape's bounds. peak is the largest size of the total force of a single step. In two dimensions forces are those on a metre of

@@ -1,8 +1,27 @@
-#include "engine/probes/flow_probe.h"
-
 #include "engine/io/derived_fields.h"
+#include "engine/probes/experiments.h"
 
 namespace whorl {
+namespace {
+
+class FlowProbe : public Probe {
+public:
+    explicit FlowProbe(const ProbeKeys& keys) : min_(keys.min), max_(keys.max), expected_(keys.expected) {}
+    ProbeColumns columns() const override {
+        return {{"time", "s", ""},
+                {"particles", "", ""},
+                {"kinetic_energy", "J", "kinetic energy"},
+                {"largest_vorticity", "1/s", "largest vorticity"},
+                {"mean_square_vorticity", "1/s^2", "mean square of the vorticity"},
+                {"expected_energy", "J", "kinetic energy"},
+                {"velocity_error", "", "distance from the expected velocity"}};
+    }
+    ProbeRows rows(const World& world, double time) override;
+
+private:
+    Vec3d min_, max_;
+    VectorExpression expected_;
+};
 
 ProbeRows FlowProbe::rows(const World& world, double time) {
     const auto x = world.fluid.column<field::position>();
@@ -27,5 +46,9 @@ ProbeRows FlowProbe::rows(const World& world, double time) {
     return {{time, count, half_mass * square, known_if(count > 0, std::sqrt(largest)), known_if(count > 0, curl_square / count),
              known_if(expected > 0, half_mass * expected), known_if(expected > 0, std::sqrt(difference / expected))}};
 }
+
+}  // namespace
+
+std::unique_ptr<Probe> make_flow_probe(const ProbeKeys& keys) { return std::make_unique<FlowProbe>(keys); }
 
 }  // namespace whorl

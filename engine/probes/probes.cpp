@@ -4,7 +4,6 @@
 #include "engine/io/columns.h"
 #include "engine/probes/coil_probe.h"
 #include "engine/probes/experiments.h"
-#include "engine/probes/flow_probe.h"
 #include "engine/probes/interpolation.h"
 
 namespace whorl {
@@ -97,7 +96,7 @@ private:
 std::unique_ptr<Probe> make_probe(const ProbeKeys& keys, const World& world, TheorySearch search) {
     switch (keys.kind) {
         case ProbeKind::region: return std::make_unique<RegionProbe>(keys);
-        case ProbeKind::flow: return std::make_unique<FlowProbe>(keys);
+        case ProbeKind::flow: return make_flow_probe(keys);
         case ProbeKind::solid: return make_solid_probe(keys);
         case ProbeKind::coil: return std::make_unique<CoilProbe>(keys, search);
         case ProbeKind::level: return make_level_probe(keys);

@@ -52,9 +52,8 @@ inline bool in_nozzle(Span<const std::int16_t> role, std::size_t k) { return !ro
 ///           none is kept
 ///   point   time, velocity_*, density, pressure, ...: those quantities that the run keeps, interpolated; not known where no fluid is near
 ///   line    time, s, x, y, z, velocity_*, ...: `count` points from `from` to `to` a frame, s [m] along the line
-///   flow    see flow_probe.h
 ///   coil    see coil_probe.h
-///   solid, level, flux, extent, gauge  see experiments.h
+///   flow, solid, level, flux, extent, gauge  see experiments.h
 /// Point and line interpolate as interpolation.h says.
 std::unique_ptr<Probe> make_probe(const ProbeKeys& keys, const World& world, TheorySearch search = TheorySearch::wait);
 

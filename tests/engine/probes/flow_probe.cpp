@@ -1,11 +1,10 @@
 // Probes of a flow: fields between particles, energy, vorticity, distance from an expected velocity.
-#include "engine/probes/flow_probe.h"
-
 #include <catch2/catch.hpp>
 #include <numbers>
 
 #include "engine/core/random.h"
 #include "engine/probes/interpolation.h"
+#include "engine/probes/probes.h"
 
 using namespace whorl;
 
