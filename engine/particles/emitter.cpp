@@ -29,6 +29,19 @@ double opening_area(const EmitterShape& shape) {
 
 }  // namespace
 
+EmitterShape EmitterShape::narrower(Real by) const {
+    EmitterShape inner = *this;
+    inner.radius -= by, inner.width -= 2 * by, inner.thickness -= 2 * by;
+    return inner;
+}
+
+Solid nozzle_end(const EmitterShape& opening, Real depth, Real spacing, const Domain& domain) {
+    const Real support = depth - spacing;
+    EmitterShape end = opening.narrower(-support / 2);
+    end.centre -= (depth - support / 2) * opening.direction;
+    return nozzle_body(end, Real(1.1) * support + spacing / 2, spacing, domain);
+}
+
 Solid nozzle_body(const EmitterShape& opening, Real depth, Real spacing, const Domain& domain) {
     ShapeKeys keys;
     const Vec3d half(opening.slot || opening.plane ? opening.width / 2 : 0, 0, opening.slot && !opening.plane ? opening.thickness / 2 : 0);
@@ -60,7 +73,16 @@ struct Emitter::State {
     Real spacing, depth;
     std::int16_t role;
     Solid body, guarded;  ///< without the first spacing behind the opening: fluid that has left may come back so far
-    bool full = false;    ///< from the first on
+    Solid end;
+    Domain domain;
+    double faster = 1;  ///< area of the opening over what solids leave of it
+    bool full = false;  ///< from the first on
+    std::vector<Vec3> shell;  ///< not yet placed
+
+    /// Nearest place of the shell to where particles come in, behind it and beside it [spacings].
+    static constexpr Real behind = Real(0.9), beside = Real(0.3);
+    /// Whether a place in the opening's frame is in the part of the pipe that moves.
+    bool in_column(const Vec3& q) const { return pipe_distance(shape, q) < beside / 2 * spacing && q.z() > -depth - behind * spacing; }
 
     Vec3 width_axis, thickness_axis;
     double length = 0;            ///< m, of a block of the column; its particles repeat with this period
@@ -87,7 +109,7 @@ struct Emitter::State {
         return std::lround(column_points(opening_area(shape), static_cast<double>(spacing), shape.parabolic, dimensions()));
     }
 
-    double mean_speed(double t) const { return t < start || t > stop ? 0 : std::max(0.0, speed_of_time(t)); }
+    double mean_speed(double t) const { return t < start || t > stop ? 0 : faster * std::max(0.0, speed_of_time(t)); }
 
     /// Integral of the mean speed over [t, t + dt], by Simpson's rule on what lies between start and stop.
     double push_during(double t, double dt) const {
@@ -169,10 +191,13 @@ struct Emitter::State {
 };
 
 Emitter::Emitter(EmitterShape shape, Expression speed, double start, double stop, Real spacing, Real depth, int number, std::uint64_t seed,
-                 const Domain& domain)
+                 const Domain& domain, Real narrower)
     : state_(std::make_unique<State>()) {
     State& s = *state_;
-    s.shape = shape;
+    s.shape = shape.narrower(narrower);
+    s.faster = opening_area(shape) / opening_area(s.shape);
+    shape = s.shape;
+    s.domain = domain;
     s.speed_of_time = std::move(speed);
     s.start = start;
     s.stop = stop;
@@ -181,6 +206,7 @@ Emitter::Emitter(EmitterShape shape, Expression speed, double start, double stop
     s.role = static_cast<std::int16_t>(-number);
     opening_axes(shape, s.width_axis, s.thickness_axis);
     s.body = nozzle_body(shape, depth, spacing, domain);
+    s.end = nozzle_end(shape, depth, spacing, domain);
     shape.centre -= spacing * shape.direction;
     s.guarded = nozzle_body(shape, depth - spacing, spacing, domain);
 
@@ -198,7 +224,9 @@ void Emitter::enter(ParticleStore& fluid, double t, double dt) {
     const double push = s.push_during(t, dt);
 
     const Index before = fluid.size();
-    const std::vector<Vec3> entering = s.entering(s.pushed, push, s.next_copy);
+    std::vector<Vec3> entering = s.entering(s.pushed, push, s.next_copy);
+    entering.insert(entering.end(), s.shell.begin(), s.shell.end());
+    s.shell.clear();
     fluid.resize(before + static_cast<Index>(entering.size()));
     const auto x = fluid.column<field::position>();
     const auto u = fluid.column<field::velocity>();
@@ -212,7 +240,7 @@ void Emitter::enter(ParticleStore& fluid, double t, double dt) {
     for (std::size_t i = 0; i < x.size(); ++i) {
         if (role[i] != s.role) continue;
         const Vec3 q = s.local(x[i]);
-        u[i] = static_cast<Real>(speed * s.profile(q.x(), q.y())) * s.shape.direction;
+        u[i] = static_cast<Real>(s.in_column(q) ? speed * s.profile(q.x(), q.y()) : 0) * s.shape.direction;
     }
     s.pushed += push;
 }
@@ -233,11 +261,14 @@ void Emitter::keep_out(ParticleStore& fluid) const {
     const auto u = fluid.column<field::velocity>();
     const auto role = fluid.column<field::role>();
     const Real apart = Real(0.45) * s.spacing;
+    const Vec3 middle = s.shape.centre - s.depth / 2 * s.shape.direction;
+    const Real reach = 2 * s.depth + static_cast<Real>(s.half_width() + s.half_thickness());
     parallel_for(fluid.size(), [&](Index i) {
-        if (role[i] != 0) return;
-        const Real distance = s.guarded.distance(x[i]);
+        if (role[i] != 0 || s.domain.minimum_image(x[i] - middle).squaredNorm() > reach * reach) return;
+        const Solid& near = s.end.distance(x[i]) < s.guarded.distance(x[i]) ? s.end : s.guarded;
+        const Real distance = near.distance(x[i]);
         if (!(distance < apart)) return;
-        const Vec3 n = s.guarded.normal(x[i]);
+        const Vec3 n = near.normal(x[i]);
         x[i] += (apart - distance) * n;
         if (const Real inward = u[i].dot(n); inward < 0) u[i] -= inward * n;
     });
@@ -248,13 +279,26 @@ std::vector<Vec3> Emitter::filling() const {
     return state_->entering(0, 0, none);
 }
 
-void Emitter::be_full() { state_->full = true; }
+std::vector<Vec3> Emitter::shell() const {
+    const State& s = *state_;
+    Domain around = s.domain;
+    for (bool& periodic : around.periodic) periodic = false;
+    std::vector<Vec3> places = sample_shape(*s.end.shape, Sampling::lattice, s.spacing, around, 0);
+    for (Vec3& x : places) x = s.end.pose.rotation * x + s.end.pose.translation;
+    std::erase_if(places, [&](const Vec3& x) {
+        const Vec3 q = s.local(x);
+        return pipe_distance(s.shape, q) < State::beside * s.spacing && q.z() > -s.depth - State::behind * s.spacing;
+    });
+    return places;
+}
+
+void Emitter::be_full(std::vector<Vec3> shell) { state_->full = true, state_->shell = std::move(shell); }
 
 bool Emitter::is_full() const { return state_->full; }
 
 void Emitter::close(double t) { state_->stop = std::min(state_->stop, t); }
 
-Real Emitter::distance(const Vec3& x) const { return state_->body.distance(x); }
+Real Emitter::distance(const Vec3& x) const { return std::min(state_->body.distance(x), state_->end.distance(x)); }
 
 double Emitter::expected_particles() const { return state_->pushed * opening_area(state_->shape) / state_->volume(); }
 

@@ -19,6 +19,9 @@ struct EmitterShape {
     Real width = 0, thickness = 0;    ///< m
     bool parabolic = false;           ///< else a plug
     bool plane = false;               ///< a flow of two dimensions: a slot in the plane z = 0, `width` wide, of a metre of depth
+
+    /// The opening without a rim of `by` [m].
+    EmitterShape narrower(Real by) const;
 };
 
 /// Unit axes of the opening's plane: a slot's width lies along `width` (horizontal; along x where the fluid goes straight up or down),
@@ -41,6 +44,8 @@ double column_points(double area, double spacing, bool parabolic, int dimensions
 /// The pipe behind an opening: `depth` [m] of fluid, and an end of .45 spacings, so that fluid behind it is not where particles come in.
 /// @param domain whose periodic axes repeat it
 Solid nozzle_body(const EmitterShape& opening, Real depth, Real spacing, const Domain& domain);
+/// Wider and longer end of that pipe, at which new particles appear: from there other fluid is too far away to feel a jump of its density.
+Solid nozzle_end(const EmitterShape& opening, Real depth, Real spacing, const Domain& domain);
 /// Length of that pipe [m]: a particle at the opening must find its whole neighbourhood.
 inline Real nozzle_depth(double support, double spacing) { return static_cast<Real>(support + spacing); }
 
@@ -51,8 +56,9 @@ class Emitter {
 public:
     /// @param number 1, 2, ...: particles in this nozzle carry the role -number
     /// @param domain whose periodic axes repeat the pipe
+    /// @param narrower rim of the opening that solids take [m]; as much comes through the rest, faster
     Emitter(EmitterShape shape, Expression speed, double start, double stop, Real spacing, Real depth, int number, std::uint64_t seed,
-            const Domain& domain = {});
+            const Domain& domain = {}, Real narrower = 0);
 
     /// Call at the start of a step: fills the buffer with particles (other lasting columns of new particles start at zero), and sets the
     /// velocity that its particles have during [t, t + dt]. The step's own move stage then moves them like all others.
@@ -63,8 +69,8 @@ public:
     /// Call after release(): free particles that have come into the pipe are put back on its wall and lose the part of their velocity that
     /// points into it.
     void keep_out(ParticleStore& fluid) const;
-    /// The pipe lies in fluid: it is full from the first on.
-    void be_full();
+    /// The pipe lies in fluid: it is full from the first on. @param shell of it
+    void be_full(std::vector<Vec3> shell);
     bool is_full() const;
     /// Nothing is pushed from time t [s] on.
     void close(double t);
@@ -72,6 +78,8 @@ public:
     Real distance(const Vec3& x) const;
     /// Where the particles are that fill the pipe before anything has been pushed.
     std::vector<Vec3> filling() const;
+    /// Places of particles at rest that fill nozzle_end() around the pipe.
+    std::vector<Vec3> shell() const;
 
     /// Volume that has passed the opening so far over the volume of a particle, as the speed's integral says (not as counted).
     double expected_particles() const;

@@ -17,8 +17,9 @@ public:
     RoomSearch(const Scene& scene, const SceneShapes& shapes, double support)
         : scene_(scene), shapes_(shapes), obstacles_(shapes.solids), D_(scene.domain.dimensions) {
         for (const EmitterKeys& e : scene.emitters)
-            obstacles_.all.push_back(nozzle_body(opening_of(e, D_), nozzle_depth(support, scene.fluid.spacing),
-                                                 static_cast<Real>(scene.fluid.spacing), obstacles_.domain));
+            for (const auto part : {nozzle_body, nozzle_end})
+                obstacles_.all.push_back(part(opening_of(e, D_), nozzle_depth(support, scene.fluid.spacing),
+                                              static_cast<Real>(scene.fluid.spacing), obstacles_.domain));
         double cells = 1;
         for (int a = 0; a < D_; ++a) {
             const double length = scene.domain.max[a] - scene.domain.min[a];

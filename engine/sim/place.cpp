@@ -5,7 +5,9 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
+#include "engine/core/parallel.h"
 #include "engine/core/random.h"
 #include "engine/models/ink/ink.h"
 #include "engine/models/viscosity/ageing_viscosity.h"
@@ -216,8 +218,8 @@ std::vector<Vec3> points_of_block(const Scene& scene, const Plan& plan, const Wo
 }
 
 /// Takes as many particles of the blocks away as the pipe behind an opening holds among them, those deepest in it first, and lets the
-/// others near by find places around the pipe. @return whether it is in the fluid
-bool make_room(const Emitter& emitter, const std::vector<std::shared_ptr<const Shape>>& shapes, const World& world,
+/// others near by find places around the pipe, which is full from the first on.
+void make_room(Emitter& emitter, const std::vector<std::shared_ptr<const Shape>>& shapes, const World& world,
                std::vector<std::vector<Vec3>>& points) {
     const Real d = world.step.spacing;
     struct Near {
@@ -229,7 +231,7 @@ bool make_room(const Emitter& emitter, const std::vector<std::shared_ptr<const S
         for (std::size_t k = 0; k < points[b].size(); ++k)
             if (const Real distance = emitter.distance(points[b][k]); distance < 5 * d) near.push_back({distance, b, k});
     std::stable_sort(near.begin(), near.end(), [](const Near& a, const Near& b) { return a.distance < b.distance; });
-    if (near.empty() || near.front().distance > Real(0.45) * d) return false;
+    if (near.empty() || near.front().distance > Real(0.45) * d) return;
 
     // Inside where a particle of a block may be: in one, outside of solids.
     const auto in_fluid = [&](const Vec3& x) {
@@ -238,12 +240,13 @@ bool make_room(const Emitter& emitter, const std::vector<std::shared_ptr<const S
         return world.solids.nearest(x, wall) >= 0 ? std::max(least, -wall) : least;
     };
     const std::vector<Vec3> pipe = emitter.filling();
-    std::size_t gone = static_cast<std::size_t>(std::count_if(pipe.begin(), pipe.end(), [&](const Vec3& x) { return in_fluid(x) < 0; }));
-    // As many as have room in the pipe with its end.
-    const Real depth = nozzle_depth(static_cast<double>(world.step.support), static_cast<double>(d));
-    gone = static_cast<std::size_t>(std::lround(static_cast<Real>(gone) * (1 + Real(0.45) * d / depth)));
+    std::vector<Vec3> shell = emitter.shell();
+    std::erase_if(shell, [&](const Vec3& x) { return !(in_fluid(x) < -Real(0.3) * d); });
+    std::size_t gone = shell.size();
+    for (const Vec3& x : pipe) gone += in_fluid(x) < 0;
     gone = std::min(gone, near.size());
     std::vector<Vec3> moved, fixed = pipe;
+    fixed.insert(fixed.end(), shell.begin(), shell.end());
     std::size_t movable = gone;
     for (std::size_t k = gone; k < near.size(); ++k) {
         const Vec3& x = points[near[k].block][near[k].point];
@@ -255,7 +258,7 @@ bool make_room(const Emitter& emitter, const std::vector<std::shared_ptr<const S
     constexpr Real no_place = std::numeric_limits<Real>::quiet_NaN();
     for (std::size_t k = 0; k < gone; ++k) points[near[k].block][near[k].point].x() = no_place;
     for (auto& of_block : points) std::erase_if(of_block, [](const Vec3& x) { return std::isnan(x.x()); });
-    return true;
+    emitter.be_full(std::move(shell));
 }
 
 /// Appends particles at these places, with the block's velocity and spin.
@@ -327,8 +330,7 @@ void place_blocks(const Scene& scene, const Plan& plan, std::vector<Emitter>& em
         places.push_back(points_of_block(scene, plan, world, b));
         shapes.push_back(make_shape(scene.blocks[b].shape, world.step.domain));
     }
-    for (Emitter& emitter : emitters)
-        if (make_room(emitter, shapes, world, places)) emitter.be_full();
+    for (Emitter& emitter : emitters) make_room(emitter, shapes, world, places);
     for (std::size_t b = 0; b < scene.blocks.size(); ++b) {
         const std::vector<Vec3>& points = places[b];
         if (points.empty())
@@ -355,13 +357,60 @@ std::vector<Drain> make_drains(const Scene& scene) {
     return drains;
 }
 
-std::vector<Emitter> make_emitters(const Scene& scene, const Plan& plan) {
+namespace {
+
+/// How far solids reach into an opening from its rim [m]: about a nozzle in a pipe that is narrower, or made of flat faces. 0: those that
+/// leave less than half of it stand in its way.
+Real taken_by_solids(const EmitterShape& opening, const Solids& solids, Real spacing) {
+    Vec3 width, thickness;
+    opening_axes(opening, width, thickness);
+    const bool round = !opening.slot && !opening.plane;
+    const Real a = round ? opening.radius : opening.width / 2, b = round ? a : opening.plane ? 0 : opening.thickness / 2;
+    Real most = 0;
+    for (const Real along : {-Real(1.5) * spacing, Real(1.5) * spacing}) {
+        const Vec3 centre = opening.centre + along * opening.direction;
+        Real distance = 0;
+        if (solids.nearest(centre, distance) < 0 || distance <= 0) continue;  // the nozzle stands in a wall
+        constexpr int places = 64;
+        for (int k = 0; k < places; ++k) {
+            const Real angle = 2 * std::numbers::pi_v<Real> * k / places, c = std::cos(angle), s = std::sin(angle);
+            const Real out = round ? 1 : 1 / std::max(std::abs(c), std::abs(s));
+            solids.nearest(centre + out * (a * c * width + b * s * thickness), distance);
+            most = std::max(most, -distance);
+        }
+    }
+    return most > spacing / 100 && most < (opening.plane ? a : std::min(a, b)) / 2 ? most : 0;
+}
+
+}  // namespace
+
+void open_walls(const std::vector<Emitter>& emitters, World& world) {
+    SolidParticles& layer = world.solid_particles;
+    std::vector<char> open(static_cast<std::size_t>(layer.size()));
+    parallel_for(layer.size(), [&](Index s) {
+        if (world.solids.all[layer.solid[s]].moves()) return;
+        for (const Emitter& emitter : emitters)
+            if (emitter.distance(layer.position[s]) < 0) open[s] = 1;
+    });
+    if (std::find(open.begin(), open.end(), 1) == open.end()) return;
+    const auto cut = [&](auto& column) {
+        std::size_t kept = 0;
+        for (std::size_t s = 0; s < column.size(); ++s)
+            if (!open[s]) column[kept++] = column[s];
+        column.resize(kept);
+    };
+    cut(layer.solid), cut(layer.own_position), cut(layer.own_normal), cut(layer.position), cut(layer.velocity), cut(layer.normal);
+    cut(layer.volume), cut(layer.pressed);
+}
+
+std::vector<Emitter> make_emitters(const Scene& scene, const Plan& plan, const Solids& solids) {
     std::vector<Emitter> emitters;
     for (const EmitterKeys& keys : scene.emitters) {
         const int number = static_cast<int>(emitters.size()) + 1;
-        emitters.emplace_back(opening_of(keys, scene.domain.dimensions), keys.speed, keys.start, keys.stop, static_cast<Real>(plan.spacing),
+        const EmitterShape opening = opening_of(keys, scene.domain.dimensions);
+        emitters.emplace_back(opening, keys.speed, keys.start, keys.stop, static_cast<Real>(plan.spacing),
                               nozzle_depth(plan.support, plan.spacing), number, scene.seed + 77 * static_cast<std::uint64_t>(number),
-                              scene.domain.box());
+                              scene.domain.box(), taken_by_solids(opening, solids, static_cast<Real>(plan.spacing)));
     }
     return emitters;
 }

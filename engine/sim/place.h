@@ -29,6 +29,8 @@ std::optional<Divergence> change_viscosity(const Scene& scene, World& world);
 /// A particle that such a change left without one, where the column lives on from step to step.
 std::optional<Divergence> wrong_viscosity(const World& world);
 std::vector<Drain> make_drains(const Scene& scene);
-std::vector<Emitter> make_emitters(const Scene& scene, const Plan& plan);
+/// Where a nozzle goes through a wall, the wall has no particles: those of its pipe stand there.
+void open_walls(const std::vector<Emitter>& emitters, World& world);
+std::vector<Emitter> make_emitters(const Scene& scene, const Plan& plan, const Solids& solids);
 
 }  // namespace whorl

@@ -109,7 +109,8 @@ struct Simulation::State {
         }
         place_constants(scene, plan, world);
         place_solids(scene, plan, world);
-        emitters = make_emitters(scene, plan);
+        emitters = make_emitters(scene, plan, world.solids);
+        open_walls(emitters, world);
         place_blocks(scene, plan, emitters, world);
         set_ids(world, 0, next_id);
         emit(true);

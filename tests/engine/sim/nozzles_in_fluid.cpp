@@ -88,6 +88,10 @@ TEST_CASE("a nozzle that opens below the surface pours: no burst, exact mass, no
         pours({.x = 0, .direction = "[1, 1, 0]"}, 0);
         pours({.x = 0.4}, 0);
     }
+    SECTION("from a wall, weakly compressible, in water and in the air") {
+        pours({.speed = 0.2, .end = 0.1, .x = 0.4, .more = "[models]\npressure = \"wcsph\"\n"}, 0.2);
+        pours({.speed = 1, .end = 0.1, .height = 0.4, .x = 0.4, .more = "[models]\npressure = \"wcsph\"\n"}, 0.2);
+    }
     SECTION("weakly compressible: the fluid trembles by .5 m/s when it starts from blue noise") {
         for (const double start : {0.0, 0.05}) pours({.start = start, .end = 0.1, .more = "[models]\npressure = \"wcsph\"\n"}, 0.5);
     }
@@ -107,6 +111,28 @@ TEST_CASE("the projection, which lets fluid flow into a pipe from behind, refuse
     CHECK_THROWS_WITH(simulation_of(Tank{.x = 0.1, .more = projection}.text()),
                       Catch::Contains("the pipe of emitter[0] stands in the fluid"));
     CHECK_NOTHROW(simulation_of(Tank{.speed = 0.1, .x = 0.4, .more = projection}.text()));
+}
+
+TEST_CASE("a nozzle in a pipe that is as wide, or narrower by up to a spacing, fills it with as much as it brings", "[sim][emitter]") {
+    constexpr double d = 1e-3, radius = 4 * d, speed = 0.2;
+    for (const std::string models : {"pressure = \"ppe\"\n", "pressure = \"wcsph\"\n"})
+        for (const double narrower : {0.0, 0.3, 1.0})
+            for (const double opening : {-0.015, 0.0}) {  // in the middle of the pipe, at its end
+                INFO(models << narrower << ' ' << opening);
+                const double wall = radius - narrower * d;
+                Simulation run = simulation_of(fmt::format(
+                    "[time]\nend = 0.05\n[domain]\ndimensions = 2\nmin = [-0.03, -0.01]\nmax = [0.03, 0.01]\ngravity = [0, 0]\n"
+                    "[fluid]\nspacing = {}\n[models]\n{}[[emitter]]\nposition = [{}, 0]\ndirection = [1, 0]\nradius = {}\nspeed = {}\n"
+                    "[[solid]]\nshape = \"box\"\nmin = [-0.025, {}]\nmax = [0, 0.01]\n"
+                    "[[solid]]\nshape = \"box\"\nmin = [-0.025, -0.01]\nmax = [0, {}]\n",
+                    d, models, opening, radius, speed, wall, -wall));
+                for (double t = 0.01; t < 0.05 + 1e-9; t += 0.01) {
+                    run_until(run, t);
+                    REQUIRE(largest_speed(run.world()) < 2 * speed);
+                    REQUIRE(std::abs(run.totals().emitted_particles - t * speed * 2 * radius / (d * d)) <= 2 * radius / d);
+                }
+                CHECK(run.totals().lost_particles == 0);
+            }
 }
 
 TEST_CASE("a run with a nozzle in the fluid goes on from a saved state with the same bits", "[sim][emitter]") {

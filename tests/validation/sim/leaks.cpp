@@ -2,8 +2,10 @@
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
+#include <fstream>
 
 #include "tests/support/runs.h"
+#include "tests/support/scratch.h"
 
 using namespace whorl;
 
@@ -89,6 +91,53 @@ position = ["t < 0.016 ? 6.25*t : 0.1", 0, 0]
     }
     CHECK(simulation.totals().lost_particles == 0);
     CHECK(simulation.world().fluid.size() == particles);
+}
+
+TEST_CASE("a dam breaks against a plate from a mesh of a fiftieth of a spacing, upright or tilted, and no particle passes it",
+          "[validation][boundary]") {
+    const test::ScratchFolder folder;
+    constexpr double thickness = d / 50;
+    for (const double tilt : {0.0, 0.4}) {
+        std::ofstream mesh(folder / "plate.obj");
+        for (const double z : {-0.02, 0.12})
+            for (const auto& [y, side] : {std::pair{-0.02, -0.5}, {-0.02, 0.5}, {0.5, 0.5}, {0.5, -0.5}})
+                mesh << fmt::format("v {} {} {}\n", 0.15 + tilt * y + side * thickness * std::hypot(1, tilt), y, z);
+        mesh << "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+        mesh.close();
+        for (const std::string models : {"pressure = \"ppe\"\n", "pressure = \"wcsph\"\n"}) {
+            INFO(tilt << ' ' << models);
+            Simulation simulation = test::simulation_of(fmt::format(R"toml([time]
+end = 0.3
+max_step = 5e-3
+[domain]
+min = [-0.05, -0.05, -0.05]
+max = [0.4, 0.5, 0.15]
+[fluid]
+spacing = {}
+[[block]]
+shape = "box"
+min = [0, 0, 0]
+max = [0.1, 0.15, 0.1]
+[[solid]]
+shape = "box"
+min = [0, 0, 0]
+max = [0.35, 0.45, 0.1]
+inside = true
+[[solid]]
+shape = "mesh"
+file = "{}"
+[models]
+{})toml",
+                                                                    d, (folder / "plate.obj").string(), models));
+            test::run_until(simulation, 0.3);
+            CHECK(simulation.totals().lost_particles == 0);
+            double farthest = -1;
+            for (const Vec3& x : simulation.world().fluid.column<field::position>())
+                farthest = std::max(farthest, static_cast<double>(x.x()) - 0.15 - tilt * static_cast<double>(x.y()));
+            CHECK(farthest < thickness);
+            CHECK(farthest > -d);  // it has arrived
+        }
+    }
 }
 
 }  // namespace leaks_test
