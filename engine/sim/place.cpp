@@ -217,7 +217,7 @@ std::vector<Vec3> points_of_block(const Scene& scene, const Plan& plan, const Wo
     return points;
 }
 
-/// Takes as many particles of the blocks away as the pipe behind an opening holds among them, those deepest in it first, and lets the
+/// Takes as many particles of the blocks away as the pipe behind an opening has room for among them, those deepest in it first, and lets the
 /// others near by find places around the pipe, which is full from the first on.
 void make_room(Emitter& emitter, const std::vector<std::shared_ptr<const Shape>>& shapes, const World& world,
                std::vector<std::vector<Vec3>>& points) {
@@ -242,9 +242,17 @@ void make_room(Emitter& emitter, const std::vector<std::shared_ptr<const Shape>>
     const std::vector<Vec3> pipe = emitter.filling();
     std::vector<Vec3> shell = emitter.shell();
     std::erase_if(shell, [&](const Vec3& x) { return !(in_fluid(x) < -Real(0.3) * d); });
-    std::size_t gone = shell.size();
-    for (const Vec3& x : pipe) gone += in_fluid(x) < 0;
-    gone = std::min(gone, near.size());
+    // As much as the pipe takes of the fluid's volume, by parts of the cells that particles stand for.
+    constexpr int parts = 4;
+    const int dimensions = world.step.dimensions(), of_cell = dimensions == 2 ? parts * parts : parts * parts * parts;
+    std::size_t taken = 0;
+    for (const Near& of : near)
+        for (int k = 0; k < (of.distance < d ? of_cell : 0); ++k) {
+            Vec3 x = points[of.block][of.point];
+            for (int a = 0, rest = k; a < dimensions; ++a, rest /= parts) x[a] += d * ((Real(rest % parts) + Real(0.5)) / parts - Real(0.5));
+            if (emitter.distance(x) < 0 && in_fluid(x) < 0) ++taken;
+        }
+    const std::size_t gone = std::min(near.size(), (taken + static_cast<std::size_t>(of_cell) / 2) / static_cast<std::size_t>(of_cell));
     std::vector<Vec3> moved, fixed = pipe;
     fixed.insert(fixed.end(), shell.begin(), shell.end());
     std::size_t movable = gone;
