@@ -261,6 +261,31 @@ inside = true
     CHECK((*crowded)["what"].template get<std::string>().find("particles are still crowded, one by") != std::string::npos);
 }
 
+TEST_CASE("solves that end at their limit are told once, with residual and key, and counted at the end", "[tools][render]") {
+    const auto said = [](const std::string& text, const std::string& part) {
+        std::size_t count = 0;
+        for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+        return count;
+    };
+    const std::string ppe = "[models]\npressure = \"ppe\"\nviscosity = \"full\"\n", coupled = "[models]\npressure = \"coupled\"\n";
+    for (const auto& [models, name, key] : {std::tuple{ppe + "[pressure]\nmax_iterations = 1\n", "pressure", "pressure"},
+                                            std::tuple{ppe + "[viscosity]\nmax_iterations = 1\n", "viscosity", "viscosity"},
+                                            std::tuple{coupled + "[pressure]\nmax_iterations = 1\n", "coupled", "pressure"}}) {
+        INFO(models);
+        const Scratch scratch(
+            "name = \"short\"\n[time]\nend = 0.02\nfps = 100\n[domain]\nmin = [-0.02, -0.02, -0.02]\nmax = [0.12, 0.12, 0.12]\n"
+            "[fluid]\nspacing = 0.01\nviscosity = 1\n[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.05, 0.1, 0.05]\n"
+            "velocity = [\"y\", \"0\", \"0\"]\n[[solid]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.05]\ninside = true\n" +
+            models);
+        const Outcome run = test::whorl({"render", scratch.scene(), "--no-images", "--quiet", "--out", scratch.run()});
+        INFO(run.err);
+        CHECK(said(run.err, "unfinished solve at ") == 1);
+        CHECK(said(run.err, std::string(name) + ": residual ") == 1);
+        CHECK(said(run.err, std::string("; raise ") + key + ".max_iterations") == 1);
+        CHECK(said(run.err, "ended before their tolerance") == 1);
+    }
+}
+
 TEST_CASE("a drop of twenty micrometres is filmed", "[tools][render]") {
     const Scratch scratch;
     std::ofstream(scratch / "drop.toml")

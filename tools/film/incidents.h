@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/particles/step_context.h"
+#include "engine/scene/scene.h"
 
 namespace whorl {
 
@@ -18,13 +19,15 @@ struct Incident {
 class Incidents {
 public:
     /// Notes what the step's report tells; only the first of each kind is kept.
-    void add(const StepReport& report, double time, long step);
+    /// @returns the run's first solve that ended before its tolerance, with the key to raise where its limit is the cause; else empty
+    std::string add(const StepReport& report, const Scene& scene, double time, long step);
     nlohmann::ordered_json json() const;
     /// Those of the run's earlier part, from its run.json.
     void add_earlier(const nlohmann::json& earlier);
 
 private:
-    void add(Incident incident);
+    /// @returns whether it is the first of its kind
+    bool add(Incident incident);
     std::vector<Incident> first_;
 };
 

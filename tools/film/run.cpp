@@ -233,8 +233,9 @@ void Run::set_pictures(const SceneFile& file) {
 }
 
 void Run::after_step(const StepReport& report, double began) {
-    incidents_.add(report, began, simulation_.totals().steps + (report.diverged ? 1 : 0));
-    if (!report.full.empty()) progress_->note(report.full);
+    const long step = simulation_.totals().steps + (report.diverged ? 1 : 0);
+    for (const std::string& news : {incidents_.add(report, scene_, began, step), report.full})
+        if (!news.empty()) progress_->note(news);
     if (report.diverged) return;
     progress_->step(simulation_, frame_);
     if (replay_.apply_until(simulation_.time(), [&](const Scene& s, const Plan& p, double when) { simulation_.change(s, p, when); }))
@@ -302,6 +303,9 @@ void Run::predict_late() try {
 }
 
 void Run::say_done(double wall) {
+    if (const RunTotals& totals = simulation_.totals(); totals.unconverged_solves > 0)
+        progress_->note(fmt::format("{} solves of {} steps ended before their tolerance (run.json: first_troubles)",
+                                    totals.unconverged_solves, totals.steps));
     const bool video = scene_.output.frames && scene_.output.video && !request_.no_draw;
     const std::string folder = folder_.path().string();
     const std::string expected = predicted_ > 0 ? fmt::format(" ({} expected)", duration(predicted_)) : "";
