@@ -215,7 +215,7 @@ void ConstraintPressure::find_pressures(const WallImage& wall, const Surrounding
             const SolidGate::Gated gated = wall.gate.gated(w);
             const Mat3 stress = pairs + own * rho[i] * gated.slope * WallImage::free_volume(gated.sum).slope * walls;
             const Real mean = stress.trace() / static_cast<Real>(step.dimensions());
-            const Real at_walls = w > 0 ? stress.cwiseProduct(across).sum() / w : mean;
+            const Real facing = across.trace(), at_walls = facing > 0 ? stress.cwiseProduct(across).sum() / facing : mean;
             p[i] = rho[i] / step.dt * (mean + std::min(Real(1), gated.sum / touching) * (at_walls - mean));
         });
     });
@@ -233,6 +233,24 @@ Real ConstraintPressure::correction_rate(Real rho, Real target, bool filled, boo
     const Real rho_0 = step.rest_density;
     const Real excess = filled ? std::clamp(rho - target, -rho_0 / 200, rho_0 / 200) : std::min(rho - target, rho_0 / 20);
     return excess > 0 || filled ? correction_share(filled || at_body) * excess / time : excess / step.dt;
+}
+
+Real ConstraintPressure::calm_share(Span<const Real> rho, Span<const Vec3> u, const StepContext& step) const {
+    constexpr Real full = Real(0.99);  // of rho_0: particles without a surface
+    constexpr double slow = 0.1;
+    struct Sums {
+        double excess = 0, squares = 0;
+        void operator+=(const Sums& o) { excess += o.excess, squares += o.squares; }
+    };
+    const double g = static_cast<double>(step.gravity.norm()), rho_0 = static_cast<double>(step.rest_density);
+    const auto n = static_cast<Index>(rho.size());
+    const Sums sums = parallel_sum(n, Sums{}, [&](Index i) {
+        return Sums{rho[i] > full * step.rest_density ? static_cast<double>(rho[i]) - rho_0 : 0, static_cast<double>(u[i].squaredNorm())};
+    });
+    const double size = std::pow(n * static_cast<double>(step.volume), 1.0 / step.dimensions());
+    const double most = slow * (std::sqrt(g * size) + std::sqrt(sums.squares / n)) / size;
+    const double rate = options_.correction * sums.excess / (n * rho_0 * static_cast<double>(step.dt));
+    return g > 0 && rate > most ? static_cast<Real>(most / rate) : Real(1);
 }
 
 void ConstraintPressure::add_bend(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Vec3> u,
@@ -261,11 +279,12 @@ void ConstraintPressure::operator()(const Surroundings& around, StepReport& repo
     const bool filled = fills_periodic_domain(around, n);
     const Real target = filled ? static_cast<Real>(parallel_sum(n, [&](Index i) { return static_cast<double>(rho[i]); }) / n) : rho_0;
     const double mean_rate = filled ? parallel_sum(n, [&](Index i) { return static_cast<double>(b_[i]); }) / n : 0;
-    const Real time = correction_time(u.values, step);
+    const Real time = correction_time(u.values, step), calm = filled ? Real(1) : calm_share(rho.values, u.values, step);
     std::vector<char> at_bodies(static_cast<std::size_t>(n), 0);
     bodies_.mark(at_bodies);
     parallel_for(n, [&](Index i) {
-        b_[i] += correction_rate(rho[i], target, filled, at_bodies[i], step, at_bodies[i] ? time : step.dt);
+        const Real rate = correction_rate(rho[i], target, filled, at_bodies[i], step, at_bodies[i] ? time : step.dt);
+        b_[i] += rate > 0 ? calm * rate : rate;
         q[i] = D_.diagonal[i] > 0 ? q[i] / D_.virial[i] * step.dt / (rho[i] * rho[i]) : 0;
     });
     ConstraintMatrix matrix{D_, {}, Column<Padded>(n), around.pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};

@@ -364,6 +364,45 @@ TEST_CASE("water comes to rest in an open box, and with viscosity in a full clos
     comes_to_rest("full closed box", full_box, "[false, false, false]", {0.1, 0.1, 0.1}, xsph);
 }
 
+TEST_CASE("a deep tank in 2D stays calm when its first steps are short, on a lattice and jittered", "[validation][sim]") {
+    // 100 layers, d = 1 cm, steps of 0.1 ms. The lattice is 0.09 % too dense in 2D, a jittered block about as much: corrected within a few
+    // steps that threw the water up, at 4.5 m/s in the mean. The correction brings sqrt(g L)/10 at most, L = 0.32 m the size of the fluid,
+    // where the mean error is; the surface, three times as far from the floor, moves at most three times as fast.
+    for (const std::string sampling : {"lattice", "jittered"}) {
+        INFO(sampling);
+        Simulation simulation = simulation_of(fmt::format(R"toml([time]
+end = 1
+max_step = 1e-4
+[domain]
+dimensions = 2
+min = [-0.05, -0.05]
+max = [0.15, 1.3]
+[fluid]
+spacing = 0.01
+[[block]]
+shape = "box"
+min = [0, 0]
+max = [0.1, 1]
+sampling = "{}"
+[[solid]]
+shape = "box"
+inside = true
+min = [0, 0]
+max = [0.1, 1.2]
+)toml",
+                                                          sampling));
+        double most = 0;
+        for (int k = 1; k <= 20; ++k) {
+            run_until(simulation, 1e-3 / 2 * k);
+            double up = 0;
+            const auto u = simulation.world().fluid.column<field::velocity>();
+            for (const Vec3& one : u) up += static_cast<double>(one.y()) / static_cast<double>(u.size());
+            most = std::max(most, up);
+        }
+        CHECK(most < 0.1 * std::sqrt(g * 0.32));
+    }
+}
+
 TEST_CASE("water that fills the gap between floor and ceiling lies still", "[validation][sim]") {
     // No surface makes room for what the particles' motion bends. Root mean square over sqrt(2 g H): 0.010; where the pressure is asked for
     // it nevertheless, 0.24.
