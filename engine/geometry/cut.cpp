@@ -50,8 +50,7 @@ public:
         std::vector<LayerPoint> points;
         for (std::size_t i = 0; i < x.at.size(); ++i)
             for (std::size_t j = 0; j < y.at.size(); j += y.next(x.side[i] != 0))
-                if (x.side[i] != 0 || y.side[j] != 0)
-                    points.push_back({Vec3d(x.at[i], y.at[j], 0), Vec3d(x.side[i], y.side[j], 0).normalized()});
+                if (x.side[i] != 0 || y.side[j] != 0) add_faces(points, Vec3d(x.at[i], y.at[j], 0), Vec3d(x.side[i], y.side[j], 0));
         return points;
     }
 
@@ -87,7 +86,7 @@ public:
         for (double k = 0; k < count; ++k) {
             const double angle = 2 * std::numbers::pi * k / count;
             const Vec3d out(std::cos(angle), std::sin(angle), 0);
-            points.push_back({centre_.cast<double>() + R * out, out});
+            points.push_back({centre_.cast<double>() + R * out, out, 1 / static_cast<double>(radius_)});
         }
         return points;
     }

@@ -87,7 +87,7 @@ public:
             for (double k = 0; k < count; ++k) {
                 const double angle = 2 * pi * (k + turn) / count;
                 const Vec3d out = std::cos(angle) * u + std::sin(angle) * v;
-                points.push_back({c + along * n + radius * out, end ? *end : out});
+                points.push_back({c + along * n + radius * out, end ? *end : out, end ? 0 : 1 / static_cast<double>(radius_)});
             }
         };
         int axis = 0;
@@ -102,10 +102,8 @@ public:
         for (double k = 1; k < steps; ++k) ring(-half + 2 * half * k / steps, R, std::fmod(k, 2) / 2, nullptr);
         for (double side : {-1.0, 1.0}) {
             const double turn = side < 0 ? 0 : std::fmod(steps, 2) / 2;
-            const std::size_t rim = points.size();
-            ring(side * half, R, turn, nullptr);
-            for (std::size_t k = rim; k < points.size(); ++k) points[k].outward = (points[k].outward + side * n).normalized();
             const Vec3d end = side * n;
+            ring(side * half, R, turn, nullptr), ring(side * half, R, turn, &end);
             for (double k = 1; k <= rings; ++k) ring(side * half, R * (1 - k / rings), 0, &end);
         }
         return points;

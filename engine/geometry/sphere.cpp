@@ -57,7 +57,7 @@ public:
         for (double k = 0; k < count; ++k) {
             const double y = 1 - (2 * k + 1) / count, r = std::sqrt(1 - y * y);
             const Vec3d n(r * std::cos(golden * k), y, r * std::sin(golden * k));
-            points.push_back({centre_.cast<double>() + R * n, n});
+            points.push_back({centre_.cast<double>() + R * n, n, 2 / static_cast<double>(radius_)});
         }
         return points;
     }

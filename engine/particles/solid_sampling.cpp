@@ -53,6 +53,28 @@ Corners corners_in_own_axes(const Solid& plane, const Domain& domain, double aro
     return corners;
 }
 
+/// Share of a flat wall's image. A convex surface leaves more of the kernels of fluid beside it to the fluid, and its layer tells less than
+/// half of that: by quadrature for spheres and circles of 3.5 to 12 spacings, 0.26 to 0.32 of the curvature is missing (cubic kernel, R = 2
+/// d), on concave ones 0.3 to 0.37. @param curvature sum of the principal curvatures, times the spacing
+Real behind_surface(double curvature) {
+    const double bent = 0.3 * curvature;
+    return static_cast<Real>(bent > 0 ? 1 / (1 + bent) : 1 - bent);
+}
+
+/// Faces of solids that stay meet no fluid where they lie on another one: there they keep their volume, but face nothing.
+void close_seams(SolidParticles& particles, const Solids& solids, Real spacing) {
+    for (std::size_t k = 0; solids.all.size() > 1 && k < solids.all.size(); ++k) {
+        const Solid& other = solids.all[k];
+        if (other.moves()) continue;
+        parallel_for(particles.size(), [&](Index s) {
+            const Solid& own = solids.all[particles.solid[s]];
+            const Vec3& x = particles.position[s];
+            if (&own == &other || own.moves() || std::abs(other.distance(x)) > Real(0.75) * spacing) return;
+            if (particles.normal[s].dot(other.normal(x)) < Real(-0.9)) particles.normal[s] = particles.own_normal[s] = Vec3::Zero();
+        });
+    }
+}
+
 }  // namespace
 
 PlanePatch patch_of_moving_plane(const Solid& plane, Real spacing, const Domain& domain, Real support, double end) {
@@ -115,6 +137,7 @@ SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& d
             particles.solid.push_back(static_cast<Index>(k));
             particles.own_position.push_back(point.position.cast<Real>());
             particles.own_normal.push_back((solid.inside ? -point.outward : point.outward).cast<Real>());
+            particles.behind.push_back(behind_surface((solid.inside ? -1 : 1) * point.curvature * static_cast<double>(spacing)));
         }
     }
     const std::size_t n = particles.solid.size();
@@ -123,6 +146,7 @@ SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& d
     particles.normal.resize(n);
     particles.volume.resize(n);
     particles.follow(solids);
+    close_seams(particles, solids, spacing);
     set_solid_volumes(particles, solids, domain, kernel, reach);
     return particles;
 }
@@ -132,14 +156,22 @@ void set_solid_volumes(SolidParticles& particles, const Solids& solids, const Do
     NeighbourSearch().find(particles.position, support, domain, pairs);
     std::vector<char> moves;
     for (const Solid& solid : solids.all) moves.push_back(solid.moves());
+    std::vector<Real> faces(particles.solid.size(), 1);  // that share the place
+    parallel_for(particles.size(), [&](Index s) {
+        pairs.of(s, [&](Index other, const Vec3&, Real distance) {
+            if (particles.solid[s] == particles.solid[other] && distance < support / 1000) ++faces[s];
+        });
+    });
     with_kernel(kernel, support, [&](const auto& W) {
         parallel_for(particles.size(), [&](Index s) {
-            Real sum = W.value(0);
+            Real sum = W.value(0) / faces[s];
             pairs.of(s, [&](Index other, const Vec3&, Real distance) {
                 const Index a = particles.solid[s], b = particles.solid[other];
-                if (a == b || (!moves[a] && !moves[b])) sum += W.value(distance);
+                // Faces of different solids that meet in a corner are no one layer.
+                const bool flush = !moves[a] && !moves[b] && particles.normal[s].dot(particles.normal[other]) > Real(0.5);
+                if (a == b || flush) sum += W.value(distance) / faces[other];
             });
-            particles.volume[s] = 1 / sum;
+            particles.volume[s] = 1 / (sum * faces[s]);
         });
     });
 }

@@ -76,6 +76,7 @@ void TestWorld::add_wall(int axis, int side, double at, double slip_length) {
             all.velocity.push_back(Vec3::Zero());
             all.normal.push_back(side * Vec3::Unit(axis));
             all.volume.push_back(0);
+            all.behind.push_back(1);
         }
     Pairs pairs;
     solid_search.find(all.position, step.support, step.domain, pairs);

@@ -39,7 +39,7 @@ struct WallImage {
     template <class Kernel>
     Share share(const Kernel& W, const Vec3& r, Real distance, const SolidParticles& layer, Index s) const {
         const Vec3& normal = layer.normal[s];
-        const Real V = factor * layer.volume[s], height = r.dot(normal);
+        const Real V = factor * layer.volume[s] * layer.behind[s], height = r.dot(normal);
         Vec3 g = r;
         Real beyond = 0;   // how much closer than `nearest`
         if (height > 0) {  // else s belongs to a face that does not face i
