@@ -33,7 +33,7 @@ Extent extent_of(const Shape& shape, const Domain& domain) {
 }
 
 std::vector<Vec3> lattice(const Shape& shape, const Extent& e, double spacing, double jitter, std::uint64_t seed,
-                          Layers layers = Layers::nearest) {
+                          Layers layers = Layers::nearest, Real beyond = 0) {
     std::vector<Vec3> x;
     Vec3d step = Vec3d::Zero(), first = Vec3d::Zero();
     long count[3] = {1, 1, 1};
@@ -45,6 +45,7 @@ std::vector<Vec3> lattice(const Shape& shape, const Extent& e, double spacing, d
         // A layer more than fits is no use: its centre would be outside. A periodic axis is filled without a seam.
         step[a] = e.spans_period[a] ? length / static_cast<double>(count[a]) : spacing;
         first[a] = e.min[a] + 0.5 * (length - step[a] * static_cast<double>(count[a] - 1));
+        if (beyond > 0 && !e.spans_period[a]) first[a] -= step[a], count[a] += 2;
     }
     RandomNumbers random(seed);
     for (long k = 0; k < count[2]; ++k)
@@ -54,7 +55,7 @@ std::vector<Vec3> lattice(const Shape& shape, const Extent& e, double spacing, d
                     first + Vec3d(static_cast<double>(i) * step[0], static_cast<double>(j) * step[1], static_cast<double>(k) * step[2]);
                 Vec3d shift(random() - 0.5, random() - 0.5, random() - 0.5);
                 if (e.dimensions == 2) shift.z() = 0;
-                if (shape.distance(p.cast<Real>()) >= 0) continue;
+                if (shape.distance(p.cast<Real>()) >= beyond) continue;
                 const Vec3 moved = (p + 2 * jitter * spacing * shift).cast<Real>();
                 x.push_back(shape.distance(moved) < 0 ? moved : Vec3(p.cast<Real>()));
             }
@@ -143,9 +144,10 @@ void relax(std::vector<Vec3>& x, const Distance& distance, Real spacing, const D
 namespace {
 
 /// Where the shape lies, whether or not the domain reaches there.
-std::vector<Vec3> unwrapped(const Shape& shape, Sampling sampling, Real spacing, const Domain& domain, std::uint64_t seed, Layers layers) {
+std::vector<Vec3> unwrapped(const Shape& shape, Sampling sampling, Real spacing, const Domain& domain, std::uint64_t seed, Layers layers,
+                            Real beyond) {
     const Extent e = extent_of(shape, domain);
-    if (sampling == Sampling::lattice) return lattice(shape, e, spacing, 0, seed, layers);
+    if (sampling == Sampling::lattice) return lattice(shape, e, spacing, 0, seed, layers, beyond);
     if (sampling == Sampling::jittered) return lattice(shape, e, spacing, 0.2, seed, layers);
 
     // Blue noise starts from a strongly jittered lattice with as many points as the volume asks for.
@@ -170,9 +172,9 @@ std::vector<Vec3> unwrapped(const Shape& shape, Sampling sampling, Real spacing,
 
 }  // namespace
 
-std::vector<Vec3> sample_shape(const Shape& shape, Sampling sampling, Real spacing, const Domain& domain, std::uint64_t seed,
-                               Layers layers) {
-    std::vector<Vec3> x = unwrapped(Repeated(shape, domain), sampling, spacing, domain, seed, layers);
+std::vector<Vec3> sample_shape(const Shape& shape, Sampling sampling, Real spacing, const Domain& domain, std::uint64_t seed, Layers layers,
+                               Real beyond) {
+    std::vector<Vec3> x = unwrapped(Repeated(shape, domain), sampling, spacing, domain, seed, layers, beyond);
     for (Vec3& p : x) p = domain.wrapped(p);
     return x;
 }

@@ -21,9 +21,10 @@ using Distance = std::function<Real(const Vec3&)>;
 /// lattice: cubic (square), centred in the shape, fitted to periodic axes that the shape spans. jittered: the lattice, each point moved by
 /// up to a fifth of the spacing. blue_noise: irregular, no pair closer than about 0.7 spacings, the outermost particles about half a
 /// spacing inside the surface. What lies beyond a periodic face of the domain comes in again on the other side.
+/// @param beyond lattice: also points up to this far outside of the shape [m]
 /// @return empty where the shape holds no particle
 std::vector<Vec3> sample_shape(const Shape& shape, Sampling sampling, Real spacing, const Domain& domain, std::uint64_t seed,
-                               Layers layers = Layers::nearest);
+                               Layers layers = Layers::nearest, Real beyond = 0);
 
 /// Relaxes points towards blue noise: each is pushed away from neighbours nearer than 1.6 spacings, and from their mirror images behind the
 /// surface, so that the density stays even up to it.

@@ -230,7 +230,7 @@ private:
         kicks();
         force();
         if (facts_.viscosity.implicit) {
-            if (weightless()) {
+            if (weightless() || (!plan_.free_surface && !scene_.solids.empty())) {
                 stage("expected pressure", "pressure", ExpectPressure{system});
                 work_is(&EnergyWork::pressure);
             }

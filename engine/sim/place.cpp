@@ -177,18 +177,64 @@ void put_down(std::vector<Vec3>& points, const Shape& shape, const Vec3d& gravit
         if (gravity[a] == 0 || step.domain.periodic[a] || std::abs(gravity[a]) < 0.99 * gravity.norm()) continue;
         const bool down = gravity[a] < 0;
         Real room = std::numeric_limits<Real>::max();
-        for (const Vec3& x : points) room = std::min(room, (down ? x[a] - low[a] : high[a] - x[a]) - spacing / 2);
+        for (const Vec3& x : points)
+            if (shape.distance(x) < 0) room = std::min(room, (down ? x[a] - low[a] : high[a] - x[a]) - spacing / 2);
         if (room <= 0 || room > spacing / 2) continue;
         for (Vec3& x : points) x[a] += down ? -room : room;
     }
 }
 
+Real distance_from_solids(const World& world, const Vec3& x) {
+    Real distance = 0;
+    return world.solids.nearest(x, distance) >= 0 ? distance : std::numeric_limits<Real>::max();
+}
+
 /// Takes away the particles that solids leave no room. @return how many
 std::size_t remove_in_solids(std::vector<Vec3>& points, const World& world) {
-    return std::erase_if(points, [&](const Vec3& x) {
-        Real distance = std::numeric_limits<Real>::max();
-        return world.solids.nearest(x, distance) >= 0 && distance < Real(0.45) * world.step.spacing;
-    });
+    return std::erase_if(points, [&](const Vec3& x) { return distance_from_solids(world, x) < Real(0.45) * world.step.spacing; });
+}
+
+/// Distance from the nearest solid, if fluid sticks to it and its surface cuts through the layers of a lattice, as round and slanted ones
+/// do.
+Real distance_from_slanted(const World& world, const Vec3& x) {
+    Real distance = std::numeric_limits<Real>::max();
+    const int k = world.solids.nearest(x, distance);
+    if (k < 0 || distance > 5 * world.step.spacing || distance < -world.step.spacing) return std::numeric_limits<Real>::max();
+    const Solid& solid = world.solids.all[static_cast<std::size_t>(k)];
+    if (!solid.sticks()) return std::numeric_limits<Real>::max();
+    // Behind the surface: beside an edge of a box the normal turns, its faces keep theirs.
+    const Vec3 behind = x - (distance + Real(0.1) * world.step.spacing) * solid.normal(x);
+    return solid.normal(behind).cwiseAbs().maxCoeff() > Real(0.999) ? std::numeric_limits<Real>::max() : distance;
+}
+
+/// Gives the block as many particles near slanted and round solids as there is volume: a lattice without the points that are too near to
+/// such a surface lacks .45 spacings of fluid there. A point of a lattice counts by the share of its cell outside, .5 + distance/spacing,
+/// of blue noise if it is outside; those farthest from the solids stay, and all near by relax.
+/// @param all points of the block; on a lattice also those within half a spacing of it
+void fill_beside_slanted(std::vector<Vec3>& points, const std::vector<Vec3>& all, bool on_lattice, const Shape& shape, const World& world) {
+    const Real d = world.step.spacing;
+    std::vector<std::pair<Real, Vec3>> near;
+    double wanted = 0;
+    for (const Vec3& x : all)
+        if (const Real s = distance_from_slanted(world, x); std::abs(s) < d / 2 && (s < 0 || shape.distance(x) < 0))
+            near.emplace_back(s, x), wanted += on_lattice ? 0.5 + static_cast<double>(s / d) : s > 0;
+    if (near.empty()) return;
+    // Round-off must not decide between points that are equally far.
+    const auto far = [&](const auto& point) { return std::lround(1000 * point.first / d); };
+    std::stable_sort(near.begin(), near.end(), [&](const auto& a, const auto& b) { return far(a) > far(b); });
+    near.resize(static_cast<std::size_t>(std::lround(wanted)));
+    std::vector<Vec3> rest, fixed, moved;
+    for (const Vec3& x : points) {
+        const Real s = distance_from_slanted(world, x);
+        if (s >= d / 2) (s < Real(2.5) * d ? moved : s < 5 * d ? fixed : rest).push_back(x);
+    }
+    for (const auto& [s, x] : near) moved.push_back(x);
+    const auto from_solids = [&](const Vec3& x) { return distance_from_solids(world, x); };
+    relax(
+        moved, [&](const Vec3& x) { return std::max(shape.distance(x), -from_solids(x)); }, d, world.step.domain, 80, fixed, from_solids);
+    points.swap(rest);
+    points.insert(points.end(), fixed.begin(), fixed.end());
+    points.insert(points.end(), moved.begin(), moved.end());
 }
 
 /// Where the particles of a block stand at the start.
@@ -196,21 +242,26 @@ std::vector<Vec3> points_of_block(const Scene& scene, const Plan& plan, const Wo
     const BlockKeys& keys = scene.blocks[b];
     const auto shape = make_shape(keys.shape, world.step.domain);
     const std::uint64_t seed = scene.seed + 1000 * b;
-    const auto sample = [&](Layers layers) {
+    const auto sample = [&](Layers layers, Real beyond) {
         const Sampling even = keys.sampling == Sampling::jittered ? Sampling::lattice : keys.sampling;
-        std::vector<Vec3> points = sample_shape(*shape, even, world.step.spacing, world.step.domain, seed, layers);
+        std::vector<Vec3> points = sample_shape(*shape, even, world.step.spacing, world.step.domain, seed, layers, beyond);
         if (layers == Layers::within) {
             put_down(points, *shape, scene.domain.gravity(0), world.step);
-            std::erase_if(points, [&](const Vec3& x) { return shape->distance(x) >= 0; });
+            std::erase_if(points, [&](const Vec3& x) { return shape->distance(x) >= beyond; });
         }
         return points;
     };
-    std::vector<Vec3> points = sample(Layers::nearest);
-    if (remove_in_solids(points, world) > 0 && keys.sampling != Sampling::blue_noise) {
-        // Where a layer more than half fits, both at its ends would stand too near to the walls of a container and go.
-        std::vector<Vec3> within = sample(Layers::within);
-        remove_in_solids(within, world);
-        if (within.size() >= points.size()) points.swap(within);
+    Layers layers = Layers::nearest;
+    std::vector<Vec3> points = sample(layers, 0);
+    if (remove_in_solids(points, world) > 0) {
+        const bool on_lattice = keys.sampling != Sampling::blue_noise;
+        if (on_lattice) {
+            // Where a layer more than half fits, both at its ends would stand too near to the walls of a container and go.
+            std::vector<Vec3> within = sample(Layers::within, 0);
+            remove_in_solids(within, world);
+            if (within.size() >= points.size()) points.swap(within), layers = Layers::within;
+        }
+        if (plan.facts.viscous()) fill_beside_slanted(points, sample(layers, world.step.spacing / 2), on_lattice, *shape, world);
     }
     if (const double loose = looseness(keys, plan.facts.pressure); loose > 0)
         loosen(points, loose * static_cast<double>(world.step.spacing), seed, *shape, world);
@@ -233,11 +284,10 @@ void make_room(Emitter& emitter, const std::vector<std::shared_ptr<const Shape>>
     std::stable_sort(near.begin(), near.end(), [](const Near& a, const Near& b) { return a.distance < b.distance; });
     if (near.empty() || near.front().distance > Real(0.45) * d) return;
 
-    // Inside where a particle of a block may be: in one, outside of solids.
     const auto in_fluid = [&](const Vec3& x) {
-        Real least = std::numeric_limits<Real>::max(), wall = least;
+        Real least = std::numeric_limits<Real>::max();
         for (const auto& shape : shapes) least = std::min(least, shape->distance(x));
-        return world.solids.nearest(x, wall) >= 0 ? std::max(least, -wall) : least;
+        return std::max(least, -distance_from_solids(world, x));
     };
     const std::vector<Vec3> pipe = emitter.filling();
     std::vector<Vec3> shell = emitter.shell();

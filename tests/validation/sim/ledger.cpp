@@ -323,12 +323,13 @@ position = ["{} * t", {}, 0]
     }
 }
 
-TEST_CASE("a cylinder that turns in another with the coupled solve feels Couette's torque within 9 %, and within 5 % at half the spacing",
-          "[validation][ledger][coupled]") {
-    // Steady: (b - a)^2/nu is 0.125 s, and the slowest mode dies 10 times as fast. The lattice leaves 7 and 4 % of the gap empty, beside
-    // the cylinders: 8 and 4 % are missing.
-    constexpr double a = 0.025, b = 0.05, mu = 5, omega = 4;
-    for (const auto& [d, tolerance] : {std::pair{2e-3, 0.09}, std::pair{1e-3, 0.05}}) {
+TEST_CASE("cylinders that turn in each other feel the torque of Couette's flow within 5 %", "[validation][ledger]") {
+    // 12.5 spacings apart, radii of 12.5 and 25, steady within 1 %: (b - a)^2/nu is 0.125 s. 4 pi mu Omega/(1/a^2 - 1/b^2) is exact.
+    // Under the constraint, which `auto` does not choose here, the particles are still finding their places: 7 % too much, 2 % at 0.3 s.
+    constexpr double a = 0.025, b = 0.05, mu = 5, Omega = 4;
+    for (const std::string models : {"[models]\npressure = \"coupled\"\n", "[models]\npressure = \"ppe\"\nviscosity = \"full\"\n",
+                                     "[models]\npressure = \"ppe\"\nviscosity = \"full\"\n[pressure]\nform = \"constraint\"\n"}) {
+        INFO(models);
         Simulation simulation = simulation_of(fmt::format(R"toml([time]
 end = 9
 [domain]
@@ -337,35 +338,58 @@ min = [-0.06, -0.06]
 max = [0.06, 0.06]
 gravity = [0, 0]
 [fluid]
-spacing = {}
+spacing = 0.002
 viscosity = {}
-[models]
-pressure = "coupled"
-[[block]]
-shape = "cylinder"
-from = [0, 0, -0.01]
-to = [0, 0, 0.01]
+{}[[block]]
+shape = "sphere"
 radius = {}
 [[solid]]
-shape = "cylinder"
-from = [0, 0, -0.01]
-to = [0, 0, 0.01]
-radius = {}
-rotation = [0, 0, {}]
-[[solid]]
-shape = "cylinder"
-from = [0, 0, -0.01]
-to = [0, 0, 0.01]
+shape = "sphere"
 radius = {}
 inside = true
+[[solid]]
+shape = "sphere"
+radius = {}
+rotation = [0, 0, {}]
 {})toml",
-                                                          d, mu, b, a, omega, b, probe));
-        const std::vector<Wrench> on = mean_forces(simulation, 0.08, 0.1);
-        const double torque = 4 * std::numbers::pi * mu * omega / (1 / (a * a) - 1 / (b * b));
-        CAPTURE(d);
-        CHECK(on[0].torque.z() == Approx(-torque).epsilon(tolerance));
-        CHECK(on[1].torque.z() == Approx(torque).epsilon(tolerance));
+                                                          mu, models, b, b, a, Omega, probe));
+        const std::vector<Wrench> on = mean_forces(simulation, 0.06, 0.1);
+        const double torque = 4 * std::numbers::pi * mu * Omega / (1 / (a * a) - 1 / (b * b));
+        CHECK(on[1].torque.z() == Approx(-torque).epsilon(models.ends_with("\"constraint\"\n") ? 0.1 : 0.05));
+        CHECK(on[0].torque.z() == Approx(-on[1].torque.z()).epsilon(0.05));
     }
+}
+
+TEST_CASE("a ball in a lattice of balls has Hasimoto's drag within 7 %, with 5 spacings in its radius", "[validation][ledger]") {
+    // Pushed by its weight, steady within 1 %. Drag over 6 pi mu a U, U the mean velocity of ball and fluid: 1/(1 - 1.7601 c^(1/3) + c -
+    // 1.5593 c^2), c the ball's share of the volume. The pressure that pushes acts on the ball, too: 1/(1 - c) times the force. It is 5 to
+    // 6 % too small, as if the ball were .15 spacings smaller.
+    constexpr double a = 0.025, L = 0.1, mu = 100, G = 0.5;
+    Simulation simulation = simulation_of(fmt::format(R"toml([time]
+end = 9
+[domain]
+min = [-0.05, -0.05, -0.05]
+max = [0.05, 0.05, 0.05]
+periodic = [true, true, true]
+gravity = [{}, 0, 0]
+[fluid]
+spacing = 0.005
+viscosity = {}
+[[block]]
+shape = "box"
+min = [-0.05, -0.05, -0.05]
+max = [0.05, 0.05, 0.05]
+[[solid]]
+shape = "sphere"
+radius = {}
+)toml",
+                                                      G, mu, a));
+    run_until(simulation, 0.05);
+    double sum = 0;
+    for (const Vec3& u : simulation.world().fluid.column<field::velocity>()) sum += static_cast<double>(u.x());
+    const double volume = std::pow(0.005, 3), U = sum * volume / (L * L * L), c = 4 * std::numbers::pi / 3 * std::pow(a / L, 3);
+    const double drag = 1000 * G * volume * simulation.world().fluid.size() / (1 - c), k = std::cbrt(c);
+    CHECK(drag / (6 * std::numbers::pi * mu * a * U) == Approx(1 / (1 - 1.7601 * k + c - 1.5593 * c * c)).epsilon(0.07));
 }
 
 }  // namespace ledger_test
