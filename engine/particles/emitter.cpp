@@ -75,8 +75,8 @@ struct Emitter::State {
     Solid body, guarded;  ///< without the first spacing behind the opening: fluid that has left may come back so far
     Solid end;
     Domain domain;
-    double faster = 1;  ///< area of the opening over what solids leave of it
-    bool full = false;  ///< from the first on
+    double faster = 1;        ///< area of the opening over what solids leave of it
+    bool full = false;        ///< from the first on
     std::vector<Vec3> shell;  ///< not yet placed
 
     /// Nearest place of the shell to where particles come in, behind it and beside it [spacings].

@@ -268,8 +268,8 @@ std::vector<Vec3> points_of_block(const Scene& scene, const Plan& plan, const Wo
     return points;
 }
 
-/// Takes as many particles of the blocks away as the pipe behind an opening has room for among them, those deepest in it first, and lets the
-/// others near by find places around the pipe, which is full from the first on.
+/// Takes as many particles of the blocks away as the pipe behind an opening has room for among them, those deepest in it first, and lets
+/// the others near by find places around the pipe, which is full from the first on.
 void make_room(Emitter& emitter, const std::vector<std::shared_ptr<const Shape>>& shapes, const World& world,
                std::vector<std::vector<Vec3>>& points) {
     const Real d = world.step.spacing;
@@ -299,7 +299,8 @@ void make_room(Emitter& emitter, const std::vector<std::shared_ptr<const Shape>>
     for (const Near& of : near)
         for (int k = 0; k < (of.distance < d ? of_cell : 0); ++k) {
             Vec3 x = points[of.block][of.point];
-            for (int a = 0, rest = k; a < dimensions; ++a, rest /= parts) x[a] += d * ((Real(rest % parts) + Real(0.5)) / parts - Real(0.5));
+            for (int a = 0, rest = k; a < dimensions; ++a, rest /= parts)
+                x[a] += d * ((Real(rest % parts) + Real(0.5)) / parts - Real(0.5));
             if (emitter.distance(x) < 0 && in_fluid(x) < 0) ++taken;
         }
     const std::size_t gone = std::min(near.size(), (taken + static_cast<std::size_t>(of_cell) / 2) / static_cast<std::size_t>(of_cell));
