@@ -63,7 +63,7 @@ public:
         return m;
     }
 
-    /// A lattice on the six faces.
+    /// A lattice on the six faces, edges and corners once.
     std::vector<LayerPoint> layer(Real offset, const LayerRegion& region) const override {
         LatticeLine line[3];
         for (int a = 0; a < 3; ++a) line[a] = lattice_line(region, a, centre_[a], half_[a], offset, "box");
@@ -76,7 +76,7 @@ public:
                 for (std::size_t k = 0; k < line[2].at.size(); k += line[2].next(on_face)) {
                     if (!on_face && line[2].side[k] == 0) continue;
                     const Vec3d side(line[0].side[i], line[1].side[j], line[2].side[k]);
-                    add_faces(points, Vec3d(line[0].at[i], line[1].at[j], line[2].at[k]), side);
+                    points.push_back({Vec3d(line[0].at[i], line[1].at[j], line[2].at[k]), side.normalized()});
                 }
             }
         return points;

@@ -102,8 +102,11 @@ public:
         for (double k = 1; k < steps; ++k) ring(-half + 2 * half * k / steps, R, std::fmod(k, 2) / 2, nullptr);
         for (double side : {-1.0, 1.0}) {
             const double turn = side < 0 ? 0 : std::fmod(steps, 2) / 2;
+            const std::size_t rim = points.size();
+            ring(side * half, R, turn, nullptr);
+            for (std::size_t k = rim; k < points.size(); ++k)
+                points[k].outward = (points[k].outward + side * n).normalized(), points[k].curvature = 0;
             const Vec3d end = side * n;
-            ring(side * half, R, turn, nullptr), ring(side * half, R, turn, &end);
             for (double k = 1; k <= rings; ++k) ring(side * half, R * (1 - k / rings), 0, &end);
         }
         return points;

@@ -38,7 +38,7 @@ struct LayerRegion {
 
 struct LayerPoint {
     Vec3d position, outward;  ///< m; unit, away from the shape's inside
-    double curvature = 0;     ///< sum of the surface's principal curvatures, > 0 where it is convex [1/m]; 0 on meshes
+    double curvature = 0;     ///< sum of the surface's principal curvatures, > 0 where it is convex [1/m]; 0 on edges and meshes
 };
 
 /// What a shape is full of, at a density of 1; of a cut by the plane, what a metre of depth holds.

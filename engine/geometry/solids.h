@@ -98,7 +98,7 @@ struct SolidParticles {
     Column<Vec3> own_position;        ///< in the solid's axes, m
     Column<Vec3> own_normal;          ///< in the solid's axes, into the fluid; empty: normals stay as they are
     Column<Vec3> position, velocity;  ///< m, m/s, in the world's axes
-    Column<Vec3> normal;              ///< into the fluid; 0 where another solid covers the face
+    Column<Vec3> normal;              ///< into the fluid
     Column<Real> volume;              ///< 1/sum W over the solid particles near by, m^3 (Akinci et al. 2012)
     Column<Real> behind;              ///< how much of a kernel the solid behind it fills, over that of a flat wall
     /// Impulse of the fluid's pressure and contact on each in this step [N s], on solids that keep a ledger; empty: no probe asks for it.

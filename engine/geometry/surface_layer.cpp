@@ -61,11 +61,6 @@ LatticeLine lattice_line(const LayerRegion& region, int axis, double centre, dou
     return line;
 }
 
-void add_faces(std::vector<LayerPoint>& points, const Vec3d& at, const Vec3d& side) {
-    for (int a = 0; a < 3; ++a)
-        if (side[a] != 0) points.push_back({at, side[a] * Vec3d::Unit(a)});
-}
-
 void frame_of(const Vec3d& n, Vec3d& u, Vec3d& v) {
     int least = 0;
     n.cwiseAbs().minCoeff(&least);

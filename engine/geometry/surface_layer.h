@@ -22,9 +22,6 @@ struct LatticeLine {
 };
 LatticeLine lattice_line(const LayerRegion& region, int axis, double centre, double half, double offset, const std::string& shape);
 
-/// A point of a box's layer for each face that it lies on. @param side by axis: see LatticeLine::side
-void add_faces(std::vector<LayerPoint>& points, const Vec3d& at, const Vec3d& side);
-
 /// Two unit vectors that make a right-handed frame with the unit vector n.
 void frame_of(const Vec3d& n, Vec3d& u, Vec3d& v);
 

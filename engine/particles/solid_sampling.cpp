@@ -54,25 +54,11 @@ Corners corners_in_own_axes(const Solid& plane, const Domain& domain, double aro
 }
 
 /// Share of a flat wall's image. A convex surface leaves more of the kernels of fluid beside it to the fluid, and its layer tells less than
-/// half of that: by quadrature for spheres and circles of 3.5 to 12 spacings, 0.26 to 0.32 of the curvature is missing (cubic kernel, R = 2
-/// d), on concave ones 0.3 to 0.37. @param curvature sum of the principal curvatures, times the spacing
+/// half of that: by quadrature for spheres and circles of 3.5 to 12 spacings, 0.26 to 0.32 of the curvature is missing (cubic kernel, R =
+/// 2 d), on concave ones 0.3 to 0.37. @param curvature sum of the principal curvatures, times the spacing
 Real behind_surface(double curvature) {
     const double bent = 0.3 * curvature;
     return static_cast<Real>(bent > 0 ? 1 / (1 + bent) : 1 - bent);
-}
-
-/// Faces of solids that stay meet no fluid where they lie on another one: there they keep their volume, but face nothing.
-void close_seams(SolidParticles& particles, const Solids& solids, Real spacing) {
-    for (std::size_t k = 0; solids.all.size() > 1 && k < solids.all.size(); ++k) {
-        const Solid& other = solids.all[k];
-        if (other.moves()) continue;
-        parallel_for(particles.size(), [&](Index s) {
-            const Solid& own = solids.all[particles.solid[s]];
-            const Vec3& x = particles.position[s];
-            if (&own == &other || own.moves() || std::abs(other.distance(x)) > Real(0.75) * spacing) return;
-            if (particles.normal[s].dot(other.normal(x)) < Real(-0.9)) particles.normal[s] = particles.own_normal[s] = Vec3::Zero();
-        });
-    }
 }
 
 }  // namespace
@@ -146,7 +132,6 @@ SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& d
     particles.normal.resize(n);
     particles.volume.resize(n);
     particles.follow(solids);
-    close_seams(particles, solids, spacing);
     set_solid_volumes(particles, solids, domain, kernel, reach);
     return particles;
 }
@@ -156,22 +141,14 @@ void set_solid_volumes(SolidParticles& particles, const Solids& solids, const Do
     NeighbourSearch().find(particles.position, support, domain, pairs);
     std::vector<char> moves;
     for (const Solid& solid : solids.all) moves.push_back(solid.moves());
-    std::vector<Real> faces(particles.solid.size(), 1);  // that share the place
-    parallel_for(particles.size(), [&](Index s) {
-        pairs.of(s, [&](Index other, const Vec3&, Real distance) {
-            if (particles.solid[s] == particles.solid[other] && distance < support / 1000) ++faces[s];
-        });
-    });
     with_kernel(kernel, support, [&](const auto& W) {
         parallel_for(particles.size(), [&](Index s) {
-            Real sum = W.value(0) / faces[s];
+            Real sum = W.value(0);
             pairs.of(s, [&](Index other, const Vec3&, Real distance) {
                 const Index a = particles.solid[s], b = particles.solid[other];
-                // Faces of different solids that meet in a corner are no one layer.
-                const bool flush = !moves[a] && !moves[b] && particles.normal[s].dot(particles.normal[other]) > Real(0.5);
-                if (a == b || flush) sum += W.value(distance) / faces[other];
+                if (a == b || (!moves[a] && !moves[b])) sum += W.value(distance);
             });
-            particles.volume[s] = 1 / (sum * faces[s]);
+            particles.volume[s] = 1 / sum;
         });
     });
 }

@@ -28,8 +28,8 @@ SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& d
 /// @param plane in its pose at t = 0
 PlanePatch patch_of_moving_plane(const Solid& plane, Real spacing, const Domain& domain, Real support, double end);
 
-/// V_s = 1 / sum_s' W_ss', s itself included (Akinci et al. 2012) [m^D]. Of other solids those that stay count where they face the
-/// same way; solids that move count their own particles only, so that a volume stays as it is. Particles at one place share their volume.
+/// V_s = 1 / sum_s' W_ss', s itself included (Akinci et al. 2012) [m^D]. Solids that move count their own particles only, so that a volume
+/// stays as it is.
 void set_solid_volumes(SolidParticles& particles, const Solids& solids, const Domain& domain, KernelForm kernel, Real support);
 
 }  // namespace whorl

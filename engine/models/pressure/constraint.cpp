@@ -215,7 +215,7 @@ void ConstraintPressure::find_pressures(const WallImage& wall, const Surrounding
             const SolidGate::Gated gated = wall.gate.gated(w);
             const Mat3 stress = pairs + own * rho[i] * gated.slope * WallImage::free_volume(gated.sum).slope * walls;
             const Real mean = stress.trace() / static_cast<Real>(step.dimensions());
-            const Real facing = across.trace(), at_walls = facing > 0 ? stress.cwiseProduct(across).sum() / facing : mean;
+            const Real at_walls = w > 0 ? stress.cwiseProduct(across).sum() / w : mean;
             p[i] = rho[i] / step.dt * (mean + std::min(Real(1), gated.sum / touching) * (at_walls - mean));
         });
     });
@@ -237,7 +237,7 @@ Real ConstraintPressure::correction_rate(Real rho, Real target, bool filled, boo
 
 Real ConstraintPressure::calm_share(Span<const Real> rho, Span<const Vec3> u, const StepContext& step) const {
     constexpr Real full = Real(0.99);  // of rho_0: particles without a surface
-    constexpr double slow = 0.1;
+    constexpr double slow = 0.03;
     struct Sums {
         double excess = 0, squares = 0;
         void operator+=(const Sums& o) { excess += o.excess, squares += o.squares; }

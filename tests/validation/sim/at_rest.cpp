@@ -366,8 +366,8 @@ TEST_CASE("water comes to rest in an open box, and with viscosity in a full clos
 
 TEST_CASE("a deep tank in 2D stays calm when its first steps are short, on a lattice and jittered", "[validation][sim]") {
     // 100 layers, d = 1 cm, steps of 0.1 ms. The lattice is 0.09 % too dense in 2D, a jittered block about as much: corrected within a few
-    // steps that threw the water up, at 4.5 m/s in the mean. The correction brings sqrt(g L)/10 at most, L = 0.32 m the size of the fluid,
-    // where the mean error is; the surface, three times as far from the floor, moves at most three times as fast.
+    // steps that threw the water up, at 4.5 m/s in the mean. The correction brings 3 % of sqrt(g L) + the mean speed to a length L =
+    // 0.32 m of the fluid, so three times that to the surface, and half of it in the mean: 10 % of sqrt(g L) is twice the mean.
     for (const std::string sampling : {"lattice", "jittered"}) {
         INFO(sampling);
         Simulation simulation = simulation_of(fmt::format(R"toml([time]

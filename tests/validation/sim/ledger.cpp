@@ -269,7 +269,7 @@ max = [0.14, 0]
 slip = "free"
 )toml";
     for (const auto& [x, part] : exact)
-        scene += fmt::format("[[probe]]\nname = \"at {}\"\nkind = \"gauge\"\nsolid = 0\nradius = 0.004\nat = [{}, 0]\n", x, x);
+        scene += fmt::format("[[probe]]\nname = \"at_{}\"\nkind = \"gauge\"\nsolid = 0\nradius = 0.004\nat = [{}, 0]\n", x, x);
     Simulation simulation = simulation_of(scene);
     NamedProbes probes = make_probes(simulation, TheorySearch::wait);
     for (const double until : {0.2, 0.4}) {
