@@ -252,7 +252,8 @@ std::vector<Vec3> points_of_block(const Scene& scene, const Plan& plan, const Wo
         return points;
     };
     Layers layers = Layers::nearest;
-    std::vector<Vec3> points = sample(layers, 0);
+    const std::vector<Vec3> all = sample(layers, 0);
+    std::vector<Vec3> points = all;
     if (remove_in_solids(points, world) > 0) {
         const bool on_lattice = keys.sampling != Sampling::blue_noise;
         if (on_lattice) {
@@ -261,7 +262,8 @@ std::vector<Vec3> points_of_block(const Scene& scene, const Plan& plan, const Wo
             remove_in_solids(within, world);
             if (within.size() >= points.size()) points.swap(within), layers = Layers::within;
         }
-        if (plan.facts.viscous()) fill_beside_slanted(points, sample(layers, world.step.spacing / 2), on_lattice, *shape, world);
+        if (plan.facts.viscous())
+            fill_beside_slanted(points, on_lattice ? sample(layers, world.step.spacing / 2) : all, on_lattice, *shape, world);
     }
     if (const double loose = looseness(keys, plan.facts.pressure); loose > 0)
         loosen(points, loose * static_cast<double>(world.step.spacing), seed, *shape, world);
