@@ -82,7 +82,7 @@ struct Emitter::State {
     /// Nearest place of the shell to where particles come in, behind it and beside it [spacings].
     static constexpr Real behind = Real(0.9), beside = Real(0.3);
     /// Whether a place in the opening's frame is in the part of the pipe that moves.
-    bool in_column(const Vec3& q) const { return pipe_distance(shape, q) < beside / 2 * spacing && q.z() > -depth - behind * spacing; }
+    bool in_column(const Vec3& q) const { return pipe_distance(shape, q) < beside / 2 * spacing && q.z() > -depth - behind / 2 * spacing; }
 
     Vec3 width_axis, thickness_axis;
     double length = 0;            ///< m, of a block of the column; its particles repeat with this period
@@ -225,6 +225,7 @@ void Emitter::enter(ParticleStore& fluid, double t, double dt) {
 
     const Index before = fluid.size();
     std::vector<Vec3> entering = s.entering(s.pushed, push, s.next_copy);
+    const std::size_t in_shell = static_cast<std::size_t>(before) + entering.size();
     entering.insert(entering.end(), s.shell.begin(), s.shell.end());
     s.shell.clear();
     fluid.resize(before + static_cast<Index>(entering.size()));
@@ -240,7 +241,9 @@ void Emitter::enter(ParticleStore& fluid, double t, double dt) {
     for (std::size_t i = 0; i < x.size(); ++i) {
         if (role[i] != s.role) continue;
         const Vec3 q = s.local(x[i]);
-        u[i] = static_cast<Real>(s.in_column(q) ? speed * s.profile(q.x(), q.y()) : 0) * s.shape.direction;
+        // What comes in now starts behind the column's end, and reaches it in this step.
+        const bool moves = s.in_column(q) || (i >= static_cast<std::size_t>(before) && i < in_shell);
+        u[i] = static_cast<Real>(moves ? speed * s.profile(q.x(), q.y()) : 0) * s.shape.direction;
     }
     s.pushed += push;
 }

@@ -1,5 +1,7 @@
 #include "engine/models/boundary/keep_outside.h"
 
+#include <algorithm>
+
 #include "engine/core/parallel.h"
 
 namespace whorl {
@@ -34,6 +36,25 @@ void push_out(Solid& solid, Real mass, Vec3& x, Vec3& u) {
     solid.receive(Push::contact, Wrench::at(arm, -impulse * n));
 }
 
+/// Whether a particle that a step has brought to x has gone through the solid, or in it nearer to its far side; x becomes where it met it.
+bool back_through(const Solid& solid, Real distance, Real dt, const Vec3& u, Vec3& x) {
+    const Vec3 path = dt * (u - solid.velocity_at(x));
+    const Real length = path.norm();
+    if (!(distance < length)) return false;
+    constexpr Real close = Real(1e-3);  // of the path
+    Vec3 at = x - path;
+    for (Real gone = 0, near = solid.distance(at); near > 0 && gone < length; near = solid.distance(at)) {
+        if (near < close * length) {
+            if (solid.normal(at).dot(solid.normal(x)) >= 0) return false;
+            x = at;
+            return true;
+        }
+        gone += near;
+        at = x - std::max(Real(0), 1 - gone / length) * path;
+    }
+    return false;
+}
+
 }  // namespace
 
 void KeepOutside::operator()(const Surroundings& around, Read<field::role> role, Update<field::position> x,
@@ -50,8 +71,9 @@ void KeepOutside::operator()(const Surroundings& around, Read<field::role> role,
         if (around.solid_pairs.count(i) == 0 && u[i].squaredNorm() * step.dt * step.dt < far * far) return;
         Real distance = 0;
         const int k = solids.nearest(x[i], distance);
-        if (k < 0 || !(distance < 0)) return;
+        if (k < 0) return;
         const Solid& solid = solids.all[k];
+        if (!back_through(solid, distance, step.dt, u[i], x[i]) && !(distance < 0)) return;
         if (solid.keeps_ledger()) {
             struck[i] = k;
             return;
