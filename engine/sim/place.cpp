@@ -231,7 +231,7 @@ void fill_beside_slanted(std::vector<Vec3>& points, const std::vector<Vec3>& all
     for (const auto& [s, x] : near) moved.push_back(x);
     const auto from_solids = [&](const Vec3& x) { return distance_from_solids(world, x); };
     relax(
-        moved, [&](const Vec3& x) { return std::max(shape.distance(x), -from_solids(x)); }, d, world.step.domain, 80, fixed, from_solids);
+        moved, [&](const Vec3& x) { return std::max(shape.distance(x), -from_solids(x)); }, d, world.step.domain, 30, fixed, from_solids);
     points.swap(rest);
     points.insert(points.end(), fixed.begin(), fixed.end());
     points.insert(points.end(), moved.begin(), moved.end());

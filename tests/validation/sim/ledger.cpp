@@ -323,7 +323,8 @@ position = ["{} * t", {}, 0]
     }
 }
 
-TEST_CASE("cylinders that turn in each other feel the torque of Couette's flow within 5 %", "[validation][ledger]") {
+TEST_CASE("cylinders that turn in each other feel the torque of Couette's flow within 5 %, under the constraint within 10 %",
+          "[validation][ledger]") {
     // 12.5 spacings apart, radii of 12.5 and 25, steady within 1 %: (b - a)^2/nu is 0.125 s. 4 pi mu Omega/(1/a^2 - 1/b^2) is exact.
     // Under the constraint, which `auto` does not choose here, the particles are still finding their places: 7 % too much, 2 % at 0.3 s.
     constexpr double a = 0.025, b = 0.05, mu = 5, Omega = 4;
