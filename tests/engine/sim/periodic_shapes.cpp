@@ -90,7 +90,7 @@ TEST_CASE("a whole scene of a periodic domain may stand anywhere: particles and 
     NamedProbes probes = make_probes(here, TheorySearch::wait);
     const double first = here.world().fluid.size();
     // Round-off grows in time where particles are pressed together, fastest in a full room.
-    const double end = name == "full" ? 0.03125 : 0.125;
+    const double end = name == "full" ? 0.015625 : 0.125;
     run_until(here, end);
     const ProbeRows rows = rows_of(*probes[0].second, here);
     CHECK(here.totals().drained_particles > 0);
