@@ -8,10 +8,11 @@ namespace whorl {
 namespace {
 
 /// Whether a particle that a step has brought to x has gone through the solid, or in it nearer to its far side; x becomes where it met it.
-bool back_through(const Solid& solid, Real dt, const Vec3& u, Vec3& x) {
+/// @param distance of x from the solid [m]
+bool back_through(const Solid& solid, Real distance, Real dt, const Vec3& u, Vec3& x) {
     const Vec3 path = dt * (u - solid.velocity_at(x));
     const Real length = path.norm();
-    if (!(solid.distance(x) < length)) return false;
+    if (!(distance < length)) return false;
     constexpr Real close = Real(1e-3);  // of the path
     Vec3 at = x - path;
     for (Real gone = 0, near = solid.distance(at); near > 0 && gone < length; near = solid.distance(at)) {
@@ -28,7 +29,7 @@ bool back_through(const Solid& solid, Real dt, const Vec3& u, Vec3& x) {
 
 /// Puts a particle that is inside a solid on its surface and stops it there.
 void push_out(const Solid& solid, Real dt, Vec3& x, Vec3& u) {
-    back_through(solid, dt, u, x);
+    back_through(solid, solid.distance(x), dt, u, x);
     const Vec3 n = solid.normal(x);
     x -= solid.distance(x) * n;
     const Real inward = (u - solid.velocity_at(x)).dot(n);
@@ -40,7 +41,7 @@ void push_out(const Solid& solid, Real dt, Vec3& x, Vec3& u) {
 void push_out(Solid& solid, Real mass, Real dt, Vec3& x, Vec3& u) {
     const Vec3 x_before = x;
     const Vec3d centre = solid.centre(), u_before = u.cast<double>();
-    if (solid.body) back_through(solid, dt, u, x), x -= solid.distance(x) * solid.normal(x);
+    if (solid.body) back_through(solid, solid.distance(x), dt, u, x), x -= solid.distance(x) * solid.normal(x);
     else push_out(solid, dt, x, u);
     const Vec3d kick = u.cast<double>() - u_before, moved = (x - x_before).cast<double>();
     const Vec3d at = solid.image(x).cast<double>(), arm = at - centre;
@@ -75,7 +76,7 @@ void KeepOutside::operator()(const Surroundings& around, Read<field::role> role,
         if (k < 0) return;
         const Solid& solid = solids.all[k];
         Vec3 met = x[i];
-        if (!(distance < 0) && !back_through(solid, step.dt, u[i], met)) return;
+        if (!(distance < 0) && !back_through(solid, distance, step.dt, u[i], met)) return;
         if (solid.keeps_ledger()) {
             struck[i] = k;
             return;

@@ -159,7 +159,7 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
         fastest = std::max(
             fastest, solid.pose.velocity_at(step.domain.min).norm() + 2 * solid.pose.angular_velocity.norm() * step.domain.size().norm());
     const Real farthest_touch = d * static_cast<Real>(std::max(s.options.closest, s.options.sliding_closest) + 0.05);
-    // By particle, if probes ask: the solid that stopper it, and its velocity before.
+    // By particle, if probes ask: the solid that stopped it, and its velocity before.
     const auto recorded = static_cast<std::size_t>(solids.any_probed() ? x.size() : 0);
     std::vector<int> stopper(recorded, -1);
     Column<Vec3> before(u.values.begin(), u.values.begin() + static_cast<std::ptrdiff_t>(recorded));

@@ -88,6 +88,14 @@ TEST_CASE("a nozzle that opens below the surface pours: no burst, exact mass, no
         pours({.x = 0, .direction = "[1, 1, 0]"}, 0);
         pours({.x = 0.4}, 0);
     }
+    SECTION("a wall around an opening loses its boundary particles there, with all that is known of them") {
+        const Simulation open = simulation_of(Tank{.x = 0.4}.text()), whole = simulation_of(Tank{.x = 0.2}.text());
+        const SolidParticles &layer = open.world().solid_particles, &all = whole.world().solid_particles;
+        REQUIRE(layer.size() < all.size());
+        for (const Index size : {static_cast<Index>(layer.volume.size()), static_cast<Index>(layer.behind.size()),
+                                 static_cast<Index>(layer.normal.size()), static_cast<Index>(layer.position.size())})
+            CHECK(size == layer.size());
+    }
     SECTION("from a wall, weakly compressible, in water and in the air") {
         pours({.speed = 0.2, .end = 0.1, .x = 0.4, .more = "[models]\npressure = \"wcsph\"\n"}, 0.2);
         pours({.speed = 1, .end = 0.1, .height = 0.4, .x = 0.4, .more = "[models]\npressure = \"wcsph\"\n"}, 0.2);
