@@ -76,7 +76,7 @@ public:
                 for (std::size_t k = 0; k < line[2].at.size(); k += line[2].next(on_face)) {
                     if (!on_face && line[2].side[k] == 0) continue;
                     const Vec3d side(line[0].side[i], line[1].side[j], line[2].side[k]);
-                    points.push_back({Vec3d(line[0].at[i], line[1].at[j], line[2].at[k]), side.normalized()});
+                    points.push_back({Vec3d(line[0].at[i], line[1].at[j], line[2].at[k]), side.normalized(), 0, face_of(side)});
                 }
             }
         return points;

@@ -50,8 +50,8 @@ public:
         std::vector<LayerPoint> points;
         for (std::size_t i = 0; i < x.at.size(); ++i)
             for (std::size_t j = 0; j < y.at.size(); j += y.next(x.side[i] != 0))
-                if (x.side[i] != 0 || y.side[j] != 0)
-                    points.push_back({Vec3d(x.at[i], y.at[j], 0), Vec3d(x.side[i], y.side[j], 0).normalized()});
+                if (const Vec3d side(x.side[i], y.side[j], 0); !side.isZero())
+                    points.push_back({Vec3d(x.at[i], y.at[j], 0), side.normalized(), 0, face_of(side)});
         return points;
     }
 

@@ -105,7 +105,7 @@ public:
             const std::size_t rim = points.size();
             ring(side * half, R, turn, nullptr);
             for (std::size_t k = rim; k < points.size(); ++k)
-                points[k].outward = (points[k].outward + side * n).normalized(), points[k].curvature = 0;
+                points[k] = {points[k].position, (points[k].outward + side * n).normalized(), 0, points[k].outward};
             const Vec3d end = side * n;
             for (double k = 1; k <= rings; ++k) ring(side * half, R * (1 - k / rings), 0, &end);
         }

@@ -37,8 +37,9 @@ struct LayerRegion {
 };
 
 struct LayerPoint {
-    Vec3d position, outward;  ///< m; unit, away from the shape's inside
-    double curvature = 0;     ///< sum of the surface's principal curvatures, > 0 where it is convex [1/m]; 0 on edges and meshes
+    Vec3d position, outward;     ///< m; unit, away from the shape's inside
+    double curvature = 0;        ///< sum of the surface's principal curvatures, > 0 where it is convex [1/m]; 0 on edges and meshes
+    Vec3d face = Vec3d::Zero();  ///< on an edge, where two or three faces meet at right angles: outward normal of one of them
 };
 
 /// What a shape is full of, at a density of 1; of a cut by the plane, what a metre of depth holds.

@@ -171,6 +171,7 @@ void SolidParticles::follow(const Solids& solids) {
         position[s] = whose.pose.rotation * own_position[s] + whose.pose.translation;
         velocity[s] = whose.pose.velocity_at(position[s]);
         if (!own_normal.empty()) normal[s] = whose.pose.rotation * own_normal[s];
+        if (!own_face.empty()) face[s] = whose.pose.rotation * own_face[s];
     });
 }
 

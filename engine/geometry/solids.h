@@ -100,7 +100,8 @@ struct SolidParticles {
     Column<Vec3> position, velocity;  ///< m, m/s, in the world's axes
     Column<Vec3> normal;              ///< into the fluid
     Column<Real> volume;              ///< 1/sum W over the solid particles near by, m^3 (Akinci et al. 2012)
-    Column<Real> behind;              ///< how much of a kernel the solid behind it fills, over that of a flat wall
+    Column<Real> behind;              ///< how much of a kernel the solid behind it fills, over that of a flat wall; 0: an edge
+    Column<Vec3> own_face, face;      ///< on convex edges: LayerPoint::face; elsewhere 0
     /// Impulse of the fluid's pressure and contact on each in this step [N s], on solids that keep a ledger; empty: no probe asks for it.
     std::vector<Vec3d> pressed;
     Index size() const { return static_cast<Index>(solid.size()); }

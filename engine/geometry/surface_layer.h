@@ -22,6 +22,13 @@ struct LatticeLine {
 };
 LatticeLine lattice_line(const LayerRegion& region, int axis, double centre, double half, double offset, const std::string& shape);
 
+/// LayerPoint::face on a box. @param side by axis, see LatticeLine
+inline Vec3d face_of(const Vec3d& side) {
+    for (int a = 0; a < 2; ++a)
+        if (side[a] != 0 && side.squaredNorm() > 1) return side[a] * Vec3d::Unit(a);
+    return Vec3d::Zero();
+}
+
 /// Two unit vectors that make a right-handed frame with the unit vector n.
 void frame_of(const Vec3d& n, Vec3d& u, Vec3d& v);
 

@@ -123,13 +123,16 @@ SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& d
             particles.solid.push_back(static_cast<Index>(k));
             particles.own_position.push_back(point.position.cast<Real>());
             particles.own_normal.push_back((solid.inside ? -point.outward : point.outward).cast<Real>());
-            particles.behind.push_back(behind_surface((solid.inside ? -1 : 1) * point.curvature * static_cast<double>(spacing)));
+            const bool edge = !point.face.isZero();
+            particles.behind.push_back(edge ? 0 : behind_surface((solid.inside ? -1 : 1) * point.curvature * static_cast<double>(spacing)));
+            particles.own_face.push_back(solid.inside ? Vec3::Zero() : Vec3(point.face.cast<Real>()));
         }
     }
     const std::size_t n = particles.solid.size();
     particles.position.resize(n);
     particles.velocity.resize(n);
     particles.normal.resize(n);
+    particles.face.resize(n);
     particles.volume.resize(n);
     particles.follow(solids);
     set_solid_volumes(particles, solids, domain, kernel, reach);
@@ -139,14 +142,22 @@ SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& d
 void set_solid_volumes(SolidParticles& particles, const Solids& solids, const Domain& domain, KernelForm kernel, Real support) {
     Pairs pairs;
     NeighbourSearch().find(particles.position, support, domain, pairs);
-    std::vector<char> moves;
+    std::vector<char> moves, edges(solids.all.size());
     for (const Solid& solid : solids.all) moves.push_back(solid.moves());
+    for (Index s = 0; s < particles.size(); ++s) edges[particles.solid[s]] |= particles.behind[s] == 0;
+    // Whether other lies on a face of s, or on one that continues it. Lattices count their edges on both faces.
+    const auto counts = [&](Index s, Index other) {
+        const Index a = particles.solid[s], b = particles.solid[other];
+        const bool edge = particles.behind[s] == 0 || particles.behind[other] == 0;
+        const Real turn = particles.normal[s].dot(particles.normal[other]);
+        if (a == b) return edge || !edges[a] || std::abs(turn) > Real(0.5);
+        return !moves[a] && !moves[b] && turn > (edge ? Real(-0.5) : Real(0.5));
+    };
     with_kernel(kernel, support, [&](const auto& W) {
         parallel_for(particles.size(), [&](Index s) {
             Real sum = W.value(0);
             pairs.of(s, [&](Index other, const Vec3&, Real distance) {
-                const Index a = particles.solid[s], b = particles.solid[other];
-                if (a == b || (!moves[a] && !moves[b])) sum += W.value(distance);
+                if (counts(s, other)) sum += W.value(distance);
             });
             particles.volume[s] = 1 / sum;
         });

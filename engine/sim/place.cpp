@@ -461,7 +461,7 @@ void open_walls(const std::vector<Emitter>& emitters, World& world) {
         column.resize(kept);
     };
     cut(layer.solid), cut(layer.own_position), cut(layer.own_normal), cut(layer.position), cut(layer.velocity), cut(layer.normal);
-    cut(layer.volume), cut(layer.behind), cut(layer.pressed);
+    cut(layer.volume), cut(layer.behind), cut(layer.own_face), cut(layer.face), cut(layer.pressed);
 }
 
 std::vector<Emitter> make_emitters(const Scene& scene, const Plan& plan, const Solids& solids) {

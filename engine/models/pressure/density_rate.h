@@ -39,6 +39,7 @@ struct WallImage {
     template <class Kernel>
     Share share(const Kernel& W, const Vec3& r, Real distance, const SolidParticles& layer, Index s) const {
         const Vec3& normal = layer.normal[s];
+        if (layer.behind[s] == 0) return edge_share(W, r, layer, s);
         const Real V = factor * layer.volume[s] * layer.behind[s], height = r.dot(normal);
         Vec3 g = r;
         Real beyond = 0;   // how much closer than `nearest`
@@ -52,6 +53,28 @@ struct WallImage {
         g *= V * slope;
         if (!constant_when_near.empty() && constant_when_near[layer.solid[s]]) beyond = 0;
         return {V * (W.value(distance) - slope * nearest * beyond), -V * slope * distance * distance * virial, g};
+    }
+    /// A convex edge is seen like an image before each face that i stands before, h -> h [1 + (stretch - 1)(h/d - 1)], other edges at their
+    /// own place.
+    template <class Kernel>
+    Share edge_share(const Kernel& W, const Vec3& r, const SolidParticles& layer, Index s) const {
+        const Vec3 &normal = layer.normal[s], &one = layer.face[s];
+        Vec3 image = r, g = r;
+        const auto face = [&](const Vec3& n) {
+            const Real h = r.dot(n), near = (stretch - 1) / spacing * h;
+            if (h <= 0) return;
+            const Real at = h * (2 - stretch + near);
+            image += (at - h) * n, g += (at * (2 - stretch + 2 * near) - h) * n;
+        };
+        if (!one.isZero()) {
+            const Real part = one.dot(normal);
+            const Vec3 rest = normal / part - one, other = part > Real(0.6) ? Vec3::Zero() : one.cross(rest);
+            face(one);
+            if (other.isZero()) face(rest);
+            else face((rest + other) / 2), face((rest - other) / 2);
+        }
+        const Real V = factor * layer.volume[s], distance = image.norm(), slope = W.slope(distance);
+        return {V * W.value(distance), -V * slope * distance * distance * virial, V * slope * g};
     }
     /// The share of the volume around i that solids, which fill w of it, leave to the fluid: 1 - w, but never 0, and how much it shrinks
     /// with w.
