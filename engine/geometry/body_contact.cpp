@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <utility>
 
 namespace whorl {
 namespace {
@@ -106,12 +108,14 @@ void BodyContacts::look_from(const Solids& solids, const SolidParticles& layer, 
     Point p;
     p.place = deepest(solids.all[a], other, image, start);
     const auto apart = static_cast<double>(other.distance(p.place.cast<Real>()));
-    p.gap = apart < 0 ? apart : std::max(0.0, apart - step_.clearance);
+    // What rounding alone makes of a distance is none: the places of a rigid face would else contradict each other.
+    const double rounding = 1e-5 * step_.spacing + 4 * static_cast<double>(std::numeric_limits<Real>::epsilon()) * p.place.norm();
+    p.gap = std::min(0.0, apart + rounding) + std::max(0.0, apart - step_.clearance - rounding);
     if (p.gap > coming + 0.1 * step_.spacing) return;
     for (std::size_t k = points_.size(); k > 0 && points_[k - 1].a == a && points_[k - 1].b == b; --k)
         if ((points_[k - 1].place - p.place).norm() < 0.3 * step_.spacing) return;
     p.a = a, p.b = b;
-    p.normal = other.normal(p.place.cast<Real>()).cast<double>();
+    p.ways[0].along = other.normal(p.place.cast<Real>()).cast<double>();
     p.arm_a = p.place - image - solids.all[a].body->centre;
     if (other.body) p.arm_b = p.place - other.body->centre;
     p.friction = std::sqrt(solids.all[a].contact.friction * other.contact.friction);
@@ -123,11 +127,11 @@ void BodyContacts::thin(std::size_t first) {
     std::vector<char> seen(points_.size(), 0), kept(points_.size(), 0);
     for (std::size_t of = first; of < points_.size(); ++of) {
         if (seen[of]) continue;
-        const Vec3d n = points_[of].normal, t = n.unitOrthogonal();
+        const Vec3d n = points_[of].ways[0].along, t = n.unitOrthogonal();
         std::array<std::size_t, ways + 1> best;
         best.fill(of);
         for (std::size_t k = of; k < points_.size(); ++k) {
-            if (seen[k] || points_[k].normal.dot(n) < 0.9999) continue;
+            if (seen[k] || points_[k].ways[0].along.dot(n) < 0.9999) continue;
             seen[k] = 1;
             for (int way = 0; way < ways; ++way) {
                 const double angle = 2 * std::numbers::pi * (way + 0.5) / ways;
@@ -137,6 +141,22 @@ void BodyContacts::thin(std::size_t first) {
             if (points_[k].gap < points_[best[ways]].gap) best[ways] = k;
         }
         for (const std::size_t k : best) kept[k] = 1;
+        // The polygon of the places in the order of their ways, as triangles about its middle.
+        const auto corner = [&](std::size_t way) { return points_[best[way % ways]].place; };
+        Vec3d middle = Vec3d::Zero();
+        for (std::size_t way = 0; way < ways; ++way) middle += corner(way) / ways;
+        double farthest = 0, area = 0, moment = 0;
+        for (std::size_t way = 0; way < ways; ++way) {
+            const Vec3d p = corner(way) - middle, q = corner(way + 1) - middle;
+            const double triangle = p.cross(q).norm();
+            farthest = std::max(farthest, p.norm());
+            area += triangle, moment += triangle * 2 / 3 * (p.norm() + 2 * (p + q).norm() + q.norm()) / 6;
+        }
+        const double mean = area > 1e-3 * farthest * farthest ? moment / area : farthest / 2;  // distance over the face; of a line
+        for (const std::size_t k : best) {
+            const Vec3d out = points_[k].place - middle;
+            points_[k].grip = mean * (out.norm() > 1e-3 * farthest ? out.normalized() : t) - out;
+        }
     }
     std::size_t k = 0;
     points_.erase(std::remove_if(points_.begin(), points_.end(), [&](const Point&) { return k++ >= first && !kept[k - 1]; }),
@@ -148,58 +168,77 @@ void BodyContacts::want(const Solids& solids) {
     const double mending = std::max(dt, step_.gravity > 0 ? 0.1 * std::sqrt(step_.spacing / step_.gravity) : 0.0);
     for (Point& p : points_) {
         if (!solids.all[p.b].body) p.wall = velocity_at(solids, p.b, p.place);
-        p.softness = softness(p, p.normal);
-        const double coming = -relative(p).dot(p.normal);
+        const Vec3d n = p.ways[0].along, t = n.unitOrthogonal();
+        p.ways = {direction(p, n, Vec3d::Zero()), direction(p, t, p.grip), direction(p, n.cross(t), p.grip)};
+        p.crossed = p.ways[1].arm_a.dot(p.ways[2].turn_a) + p.ways[1].arm_b.dot(p.ways[2].turn_b);
+        const double coming = -speed(p, p.ways[0]);
         p.wanted = p.gap > 0 ? -p.gap / dt : -0.2 * p.gap / mending;
         const double bounce = std::max(solids.all[p.a].contact.bounce, solids.all[p.b].contact.bounce);
         if (coming * dt > p.gap && coming > slow) p.wanted = std::max(p.wanted, bounce * coming);
     }
 }
 
-Vec3d BodyContacts::relative(const Point& p) const {
+BodyContacts::Direction BodyContacts::direction(const Point& p, const Vec3d& along, const Vec3d& from_place) const {
     const Moving &a = moving_[p.a], &b = moving_[p.b];
-    return a.velocity + a.turning.cross(p.arm_a) - b.velocity - b.turning.cross(p.arm_b) - p.wall;
+    Direction n;
+    n.along = along, n.arm_a = (p.arm_a + from_place).cross(along);
+    if (b.slot >= 0) n.arm_b = (p.arm_b + from_place).cross(along);
+    n.turn_a = a.inverse_inertia * n.arm_a, n.turn_b = b.inverse_inertia * n.arm_b;
+    n.softness = a.lightness + b.lightness + n.arm_a.dot(n.turn_a) + n.arm_b.dot(n.turn_b);
+    return n;
 }
 
-void BodyContacts::push(Point& p, const Vec3d& impulse) {
-    p.impulse += impulse;
-    moving_[p.a].push(impulse, p.arm_a);
-    moving_[p.b].push(-impulse, p.arm_b);
+double BodyContacts::speed(const Point& p, const Direction& n) const {
+    const Moving &a = moving_[p.a], &b = moving_[p.b];
+    return n.along.dot(a.velocity - b.velocity - p.wall) + n.arm_a.dot(a.turning) - n.arm_b.dot(b.turning);
+}
+
+void BodyContacts::push(const Point& p, Direction& n, double impulse) {
+    Moving &a = moving_[p.a], &b = moving_[p.b];
+    n.impulse += impulse;
+    a.velocity += a.lightness * impulse * n.along, a.turning += impulse * n.turn_a;
+    b.velocity -= b.lightness * impulse * n.along, b.turning -= impulse * n.turn_b;
 }
 
 /// @returns the change of velocity [m/s]
 double BodyContacts::push_apart(Point& p) {
-    const double before = p.impulse.dot(p.normal);
-    const double after = std::max(0.0, before + (p.wanted - relative(p).dot(p.normal)) / p.softness);
-    if (after == before) return 0;
-    push(p, (after - before) * p.normal);
-    return std::abs(after - before) * p.softness;
+    Direction& n = p.ways[0];
+    const double change = std::max(-n.impulse, (p.wanted - speed(p, n)) / n.softness);
+    if (change == 0) return 0;
+    push(p, n, change);
+    return std::abs(change) * n.softness;
 }
 
 /// @returns the change of velocity [m/s]
 double BodyContacts::hold_back(Point& p) {
-    if (p.impulse == Vec3d::Zero()) return 0;
-    const double pressed = p.impulse.dot(p.normal);
-    const Vec3d v = relative(p), sliding = v - v.dot(p.normal) * p.normal, before = p.impulse - pressed * p.normal;
-    const double speed = sliding.norm(), soft = speed > 0 ? softness(p, sliding / speed) : p.softness;
-    Vec3d after = before - sliding / soft;
-    if (const double size = after.norm(); size > p.friction * pressed) after *= p.friction * pressed / size;
-    push(p, after - before);
-    return (after - before).norm() * soft;
+    auto& [n, s, t] = p.ways;
+    if (n.impulse == 0 && s.impulse == 0 && t.impulse == 0) return 0;
+    const double vs = speed(p, s), vt = speed(p, t), most = p.friction * n.impulse, det = s.softness * t.softness - p.crossed * p.crossed;
+    double to_s = s.impulse - (t.softness * vs - p.crossed * vt) / det, to_t = t.impulse - (s.softness * vt - p.crossed * vs) / det;
+    const double soft = (s.softness + t.softness) / 2 + std::hypot((s.softness - t.softness) / 2, p.crossed);  // in the softest direction
+    if (std::hypot(to_s, to_t) > most) {
+        to_s = s.impulse - vs / soft, to_t = t.impulse - vt / soft;
+        const double size = std::hypot(to_s, to_t);
+        if (size > most) to_s *= most / size, to_t *= most / size;
+    }
+    const double change = std::hypot(to_s - s.impulse, to_t - t.impulse) * soft;
+    push(p, s, to_s - s.impulse), push(p, t, to_t - t.impulse);
+    return change;
 }
 
 BodyVector BodyContacts::velocities(const BodyVector& free) {
     constexpr int rounds = 400;
-    constexpr double exactly = 1e-7;  // of the fastest relative velocity
+    constexpr double exactly = 1e-6;  // of the fastest relative velocity: a body that rests gains dt g in a step
     for (Moving& m : moving_)
         if (m.slot >= 0) m.velocity = free.segment<3>(m.slot), m.turning = free.segment<3>(m.slot + 3);
     double fastest = 0;
-    for (const Point& p : points_) fastest = std::max(fastest, relative(p).norm() + std::abs(p.wanted));
-    for (Point& p : points_) {
-        const Vec3d last = p.impulse;
-        p.impulse.setZero();
-        push(p, last);
+    for (const Point& p : points_) {
+        double square = 0;
+        for (const Direction& n : p.ways) square += std::pow(speed(p, n), 2);
+        fastest = std::max(fastest, std::sqrt(square) + std::abs(p.wanted));
     }
+    for (Point& p : points_)
+        for (Direction& n : p.ways) push(p, n, std::exchange(n.impulse, 0));
     for (int round = 0; round < rounds; ++round) {
         double largest = 0;
         for (Point& p : points_) largest = std::max(largest, push_apart(p));
@@ -222,14 +261,11 @@ void BodyContacts::add_rows(std::size_t first, std::size_t last, std::vector<Eig
     Mat6d rows = Mat6d::Zero();
     for (std::size_t k = first; k < last; ++k) {
         const Point& p = points_[k];
-        const double pressed = p.impulse.dot(p.normal);
-        if (!(pressed > 0)) continue;
-        const bool sticks = (p.impulse - pressed * p.normal).norm() < (1 - 1e-6) * p.friction * pressed;
-        const Vec3d t = p.normal.unitOrthogonal();
-        for (const Vec3d& n : {p.normal, t, Vec3d(p.normal.cross(t))}) {
-            const Vec6d r = (Vec6d() << n, p.arm_a.cross(n) / scale).finished();
+        if (!(p.ways[0].impulse > 0)) continue;
+        for (const Direction& n : p.ways) {
+            const Vec6d r = (Vec6d() << n.along, n.arm_a / scale).finished();
             rows += r * r.transpose();
-            if (!sticks) break;
+            if (p.slides()) break;
         }
     }
     const Eigen::SelfAdjointEigenSolver<Mat6d> modes(rows);
@@ -273,14 +309,16 @@ BodyVector BodyContacts::change(const BodyVector& impulses) const {
 void BodyContacts::resolve(Solids& solids) {
     if (points_.empty()) return;
     const auto give = [&](double times) {
-        for (const Point& p : points_) {
-            solids.all[p.a].body->push(Wrench::at(p.arm_a, times * p.given));
-            if (solids.all[p.b].body) solids.all[p.b].body->push(Wrench::at(p.arm_b, -times * p.given));
-        }
+        for (const Point& p : points_)
+            for (const Direction& n : p.ways) {
+                solids.all[p.a].body->push(times * n.given * Wrench{n.along, n.arm_a});
+                if (solids.all[p.b].body) solids.all[p.b].body->push(-times * n.given * Wrench{n.along, n.arm_b});
+            }
     };
     give(-1);
     velocities(velocities_of(solids));
-    for (Point& p : points_) p.given = p.impulse;
+    for (Point& p : points_)
+        for (Direction& n : p.ways) n.given = n.impulse;
     give(1);
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 /// Free bodies touch each other and the other solids (docs/physics.md 7).
 #include <Eigen/SparseCore>
+#include <array>
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -28,6 +30,8 @@ BodyVector velocities_of(const Solids& solids);
 /// the other solid: down along the body's surface to where it is deepest. Impulses are equal and opposite, so momentum and angular momentum
 /// stay. They are found one after the other in a fixed order, over and over (projected Gauss-Seidel). Overlaps are pushed apart by a fifth
 /// a step, or in 0.1 sqrt(d/g) where that is longer. A body bounces where it comes faster than free fall over a spacing.
+/// The places of a flat face are those that bound it. Friction acts nearer its middle, such that it brakes a spin about the normal as if
+/// the load were spread evenly over the face.
 class BodyContacts {
 public:
     /// Finds the places of contact of a step that begins with the bodies' velocities as they are.
@@ -46,45 +50,45 @@ public:
     void resolve(Solids& solids);
 
 private:
+    /// A direction in which an impulse acts on a and its opposite on b.
+    struct Direction {
+        Vec3d along;                         ///< unit vector
+        Vec3d arm_a, arm_b = Vec3d::Zero();  ///< torque about the centre for an impulse of 1 [m]; arm_b: if b is free
+        Vec3d turn_a, turn_b;                ///< change of angular velocity for an impulse of 1 [1/(kg m)]
+        double softness = 0;                 ///< change of the relative velocity for an impulse of 1 [1/kg]
+        double impulse = 0, given = 0;       ///< on a [kg m/s]; that the body has from resolve()
+    };
     /// A place on the surface of body `a` at the surface of solid `b`.
     struct Point {
         std::size_t a, b;
-        Vec3d normal;                        ///< from b to a
-        Vec3d arm_a, arm_b = Vec3d::Zero();  ///< from the centres [m]; arm_b: where b is free
-        Vec3d wall = Vec3d::Zero();          ///< m/s, of b, where it is not
-        double softness = 0;                 ///< 1/kg, along the normal
+        std::array<Direction, 3> ways;       ///< normal from b to a; two across it, for friction
+        double crossed = 0;                  ///< change of the velocity along one of the latter for an impulse along the other [1/kg]
         Vec3d place;                         ///< m
+        Vec3d arm_a, arm_b = Vec3d::Zero();  ///< from the centres [m]; arm_b: if b is free
+        Vec3d grip = Vec3d::Zero();          ///< from the place to where friction acts [m]
+        Vec3d wall = Vec3d::Zero();          ///< velocity of b if it is not free [m/s]
         double gap = 0;                      ///< m
         double wanted = 0;                   ///< m/s, the least v_n
         double friction = 0;
-        Vec3d impulse = Vec3d::Zero(), given = Vec3d::Zero();  ///< on a [kg m/s]; that the body has from resolve()
+        bool slides() const { return std::hypot(ways[1].impulse, ways[2].impulse) >= (1 - 1e-6) * friction * ways[0].impulse; }
     };
-    /// A body while impulses act on it; of other solids nothing moves.
+    /// A body while impulses act on it; other solids do not move.
     struct Moving {
         Vec3d velocity = Vec3d::Zero(), turning = Vec3d::Zero();  ///< m/s, rad/s
         double lightness = 0;                                     ///< 1/kg
         Mat3d inverse_inertia = Mat3d::Zero();
-        Eigen::Index slot = -1;  ///< where a BodyVector has it
-        void push(const Vec3d& impulse, const Vec3d& arm) {
-            velocity += lightness * impulse, turning += inverse_inertia * arm.cross(impulse);
-        }
-        /// How fast it moves along n at the arm for an impulse of 1 along it [1/kg].
-        double softness(const Vec3d& arm, const Vec3d& n) const {
-            const Vec3d torque = arm.cross(n);
-            return lightness + torque.dot(inverse_inertia * torque);
-        }
+        Eigen::Index slot = -1;  ///< position in a BodyVector
     };
 
     void look_from(const Solids& solids, const SolidParticles& layer, std::size_t a, std::size_t b, Index s, const Vec3d& image);
-    /// Of the points from `first` on, which are of one pair of solids, leaves those of each face that bound it, and the deepest: a face is
+    /// Of the points from `first` on, which are of one pair of solids, keeps those of each face that bound it, and the deepest: a face is
     /// flat, so the others hold where these do.
     void thin(std::size_t first);
     Vec3d deepest(const Solid& a, const Solid& b, const Vec3d& image, const Vec3d& start) const;
     void want(const Solids& solids);
-    Vec3d relative(const Point& p) const;
-    /// Of the two together.
-    double softness(const Point& p, const Vec3d& n) const { return moving_[p.a].softness(p.arm_a, n) + moving_[p.b].softness(p.arm_b, n); }
-    void push(Point& p, const Vec3d& impulse);
+    Direction direction(const Point& p, const Vec3d& along, const Vec3d& from_place) const;
+    double speed(const Point& p, const Direction& n) const;
+    void push(const Point& p, Direction& n, double impulse);
     double push_apart(Point& p);
     double hold_back(Point& p);
     /// Adds the independent ones of the velocities that points first to last, of one pair of solids, hold at rest to J.
