@@ -11,10 +11,8 @@
 #include "engine/io/csv.h"
 #include "tests/support/program.h"
 #include "tests/support/scratch.h"
-#include "tools/study/accuracy.h"
-#include "tools/study/point.h"
-#include "tools/study/recommend.h"
-#include "tools/study/sweep.h"
+#include "tools/study/front.h"
+#include "tools/study/judge.h"
 
 using namespace whorl;
 using namespace whorl::test;
@@ -80,7 +78,7 @@ TEST_CASE("goals are read, and nonsense is refused with an example", "[study]") 
     CHECK(parse_goal("error < 0.02").holds(1, 0.019, 1));
     CHECK(parse_goal("fps>24").holds(1, 1, 25));
     CHECK_FALSE(parse_goal("cost<60").holds(61, 0, 1));
-    CHECK_THROWS_WITH(parse_goal("speed>3"), "--recommend speed>3: is no goal; allowed: \"error<2%\", \"fps>24\", \"cost<60\"");
+    CHECK_THROWS_WITH(parse_goal("speed>3"), "--recommend speed>3: is not a goal; allowed: \"error<2%\", \"fps>24\", \"cost<60\"");
     CHECK_THROWS_AS(parse_goal("error>2%"), InputError);
 }
 

@@ -14,7 +14,7 @@
 #include "tools/film/run.h"
 #include "tools/process/interrupt.h"
 #include "tools/program/command.h"
-#include "tools/program/studies.h"
+#include "tools/program/sweep.h"
 
 namespace whorl {
 namespace {

@@ -1,31 +1,22 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
-#include <nlohmann/json.hpp>
 
-#include "engine/core/clock.h"
-#include "engine/core/whole_file.h"
 #include "engine/io/csv.h"
 #include "engine/sim/simulation.h"
-#include "tools/farm/stages.h"
 #include "tools/film/progress.h"
-#include "tools/film/run_folder.h"
-#include "tools/process/json_text.h"
 #include "tools/program/command.h"
-#include "tools/program/studies.h"
+#include "tools/program/sweep.h"
 #include "tools/scene_file/scene_file.h"
-#include "tools/study/jobs.h"
+#include "tools/study/judge.h"
 #include "tools/study/plot.h"
-#include "tools/study/stability.h"
 
 namespace whorl {
 namespace {
 
-namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr double not_measured = std::numeric_limits<double>::quiet_NaN();
@@ -39,31 +30,22 @@ struct Cell {
 /// One scene of a study, swept over two knobs (one: a map of one row), a map for each value of a third.
 class StabilityMap {
 public:
-    StabilityMap(const Study& study, const SweepOptions& options, std::string scene, fs::path folder)
-        : study_(study), options_(options), scene_(std::move(scene)), folder_(std::move(folder)),
-          runner_(study, folder_, options.threads, point_place(options)), nx_(values(0).size()), ny_(values(1).size()),
-          panels_(values(2).size()), cells_(nx_ * ny_ * panels_), was_run_(cells_.size(), false) {}
+    explicit StabilityMap(const Sweep& sweep)
+        : sweep_(sweep), study_(sweep.study), nx_(values(0).size()), ny_(values(1).size()), panels_(values(2).size()),
+          cells_(nx_ * ny_ * panels_), was_run_(cells_.size(), false) {}
 
     void run() {
-        const double began = wall_seconds(), budget = seconds_of(options_.budget);
-        Jobs<Cell> jobs(options_.jobs);
+        const double began = wall_seconds();
         std::size_t started = 0, done = 0;
-        while (started < cells_.size() || !jobs.empty()) {
-            const bool spent = budget > 0 && wall_seconds() - began > budget;
-            if (started < cells_.size() && !jobs.full() && !spent) {
-                start(jobs, started++);
-            } else if (!jobs.empty()) {
-                auto [k, cell] = jobs.next();
-                cells_[k] = std::move(cell), was_run_[k] = true;
-                ++done;
-                tell(k, done, (wall_seconds() - began) / static_cast<double>(done) * static_cast<double>(cells_.size() - done));
-            } else {
-                say(fmt::format("the budget of {} is spent; the same command goes on from here", options_.budget));
-                break;
-            }
-        }
-        write_table();
-        draw();
+        sweep_.run<Cell>([&](double) { return started < cells_.size() ? task(started++) : nullptr; },
+                         [&](std::size_t k, Cell cell) {
+                             cells_[k] = std::move(cell), was_run_[k] = true, ++done;
+                             const double spent = wall_seconds() - began;
+                             tell(k, done, spent / static_cast<double>(done) * static_cast<double>(cells_.size() - done));
+                         });
+        if (started < cells_.size())
+            sweep_.say(fmt::format("the budget of {} is spent; the same command continues from here", sweep_.options.budget));
+        sweep_.write("stability", table(), map());
         conclude();
     }
 
@@ -71,9 +53,6 @@ private:
     const std::vector<std::string>& values(std::size_t knob) const {
         static const std::vector<std::string> one{""};
         return knob < study_.knobs.size() ? study_.knobs[knob].values : one;
-    }
-    void say(const std::string& text) const {
-        if (!options_.json) fmt::print("{}\n", text), std::fflush(stdout);
     }
     bool bisects() const { return !study_.stability.bisect.empty(); }
 
@@ -92,13 +71,13 @@ private:
 
     void tell(std::size_t k, std::size_t done, double left) const {
         const Verdict& v = cells_[k].verdict;
-        say(fmt::format("cell {} of {}: {}: {}{} (about {} left)", done, cells_.size(), joined_settings(settings(k)), note(cells_[k]),
-                        v.why.empty() ? "" : ": " + v.why, duration(left)));
+        sweep_.say(fmt::format("cell {} of {}: {}: {}{} (about {} left)", done, cells_.size(), joined_settings(settings(k)),
+                               note(cells_[k]), v.why.empty() ? "" : ": " + v.why, duration(left)));
     }
 
     /// What the models allow at the start. @throws InputError where the plan refuses the scene
     std::map<std::string, double> limits_of(const std::vector<std::string>& settings) const {
-        const SceneFile file = read_scene_file(point_options(study_, scene_, run_settings(study_, settings)));
+        const SceneFile file = read_scene_file(point_options(study_, sweep_.scene, run_settings(study_, settings)));
         const Plan plan = make_plan(file.scene);
         const Simulation simulation(file.scene, plan);
         std::map<std::string, double> limits;
@@ -109,21 +88,20 @@ private:
         return limits;
     }
 
-    void start(Jobs<Cell>& jobs, std::size_t k) {
+    std::function<Cell()> task(std::size_t k) const {
         Cell empty;
         std::vector<std::string> all = settings(k);
         if (bisects()) all.push_back(fmt::format("{}={:.6g}", study_.stability.bisect, study_.stability.low));
         try {
             empty.limits = limits_of(all);
         } catch (const InputError& error) {
-            // Another program may take what this one refuses: a double one goes farther from the origin. It is asked itself.
+            // Another program may accept what this one refuses: one of double precision reaches farther from the origin.
             if (!name_a_program(run_settings(study_, all))) {
                 empty.verdict = refused(error);
-                jobs.start(k, [empty] { return empty; });
-                return;
+                return [empty] { return empty; };
             }
         }
-        jobs.start(k, [this, k, empty] { return bisects() ? bisected(settings(k), empty) : cell(settings(k), empty); });
+        return [this, k, empty] { return bisects() ? bisected(settings(k), empty) : cell(settings(k), empty); };
     }
 
     static Verdict refused(const InputError& error) { return {"refused", error.what(), 0, 0}; }
@@ -133,7 +111,7 @@ private:
             StabilityKeys keys = study_.stability;
             for (std::string* text : {&keys.noisy_speed, &keys.energy_scale})
                 if (!text->empty()) *text = with_values("{" + *text + "}", settings);
-            cell.verdict = judge(keys, runner_.run(scene_, settings, 1, false));
+            cell.verdict = judge(keys, sweep_.runner.run(sweep_.scene, settings, 1, false));
         } catch (const InputError& error) { cell.verdict = refused(error); }
         return cell;
     }
@@ -200,7 +178,7 @@ private:
         return all;
     }
 
-    void write_table() const {
+    std::string table() const {
         std::string csv;
         for (const Knob& knob : study_.knobs) csv += csv_cell(knob.key) + ",";
         csv += "state,largest_stable,first_bad_time,first_bad_step,limits,why\n";
@@ -208,18 +186,18 @@ private:
             if (!was_run_[k]) continue;
             const Cell& c = cells_[k];
             for (const std::string& setting : settings(k)) csv += csv_cell(setting.substr(setting.find('=') + 1)) + ",";
-            std::string limits;
-            for (const auto& [name, dt] : c.limits) limits += fmt::format("{}{} {:.3g}", limits.empty() ? "" : "; ", name, dt);
+            std::vector<std::string> limits;
+            for (const auto& [name, dt] : c.limits) limits.push_back(fmt::format("{} {:.3g}", name, dt));
             const bool placed = c.verdict.step > 0;
             csv += fmt::format("{},{},{},{},{},{}\n", c.verdict.state,
                                std::isfinite(c.largest_stable) ? fmt::format("{:.4g}", c.largest_stable) : "",
                                placed ? fmt::format("{:.6g}", c.verdict.time) : "", placed ? fmt::format("{}", c.verdict.step) : "",
-                               csv_cell(limits), csv_cell(c.verdict.why));
+                               csv_cell(fmt::format("{}", fmt::join(limits, "; "))), csv_cell(c.verdict.why));
         }
-        write_text(folder_ / "stability.csv", csv);
+        return csv;
     }
 
-    void draw() const {
+    Canvas map() const {
         std::vector<StabilityPanel> panels;
         for (std::size_t p = 0; p < panels_; ++p) {
             StabilityPanel panel{panels_ > 1 ? study_.knobs[2].title() + " = " + values(2)[p] : "", {}, predicted(p)};
@@ -229,39 +207,32 @@ private:
             panels.push_back(std::move(panel));
         }
         const std::string title = study_.name + (bisects() ? ": largest stable " + study_.stability.bisect : "");
-        const Canvas canvas =
-            draw_maps(panels, values(0), values(1), title, study_.knobs[0].title(), study_.knobs.size() > 1 ? study_.knobs[1].title() : "");
-        write_png(folder_ / "stability.png", canvas.image());
-        write_text(folder_ / "stability.svg", canvas.svg());
+        return draw_maps(panels, values(0), values(1), title, study_.knobs[0].title(),
+                         study_.knobs.size() > 1 ? study_.knobs[1].title() : "");
     }
 
     void conclude() const {
         std::map<std::string, int> count;
-        for (std::size_t k = 0; k < cells_.size(); ++k)
-            if (was_run_[k]) ++count[cells_[k].verdict.state];
-        std::string sums;
-        for (const auto& [state, n] : count) sums += fmt::format("{}{} {}", sums.empty() ? "" : ", ", n, state);
-        say(fmt::format("{}; {}/stability.csv, stability.png, stability.svg", sums, folder_.string()));
-        if (!options_.json) return;
         Json cells = Json::array();
         for (std::size_t k = 0; k < cells_.size(); ++k) {
+            if (!was_run_[k]) continue;
             const Cell& c = cells_[k];
-            if (was_run_[k])
-                cells.push_back({{"settings", settings(k)},
-                                 {"state", c.verdict.state},
-                                 {"why", c.verdict.why},
-                                 {"first_bad_step", c.verdict.step},
-                                 {"largest_stable", std::isfinite(c.largest_stable) ? Json(c.largest_stable) : Json()},
-                                 {"limits", c.limits}});
+            ++count[c.verdict.state];
+            cells.push_back({{"settings", settings(k)},
+                             {"state", c.verdict.state},
+                             {"why", c.verdict.why},
+                             {"first_bad_step", c.verdict.step},
+                             {"largest_stable", std::isfinite(c.largest_stable) ? Json(c.largest_stable) : Json()},
+                             {"limits", c.limits}});
         }
-        fmt::print("{}\n", json_text({{"study", study_.name}, {"scene", scene_}, {"folder", folder_.string()}, {"cells", cells}}, 2));
+        std::vector<std::string> sums;
+        for (const auto& [state, n] : count) sums.push_back(fmt::format("{} {}", n, state));
+        sweep_.say(fmt::format("{}; {}/stability.csv, stability.png, stability.svg", fmt::join(sums, ", "), sweep_.folder.string()));
+        sweep_.print_json("cells", cells);
     }
 
+    const Sweep& sweep_;
     const Study& study_;
-    const SweepOptions& options_;
-    std::string scene_;
-    fs::path folder_;
-    PointRunner runner_;
     std::size_t nx_, ny_, panels_;
     std::vector<Cell> cells_;
     std::vector<bool> was_run_;
@@ -269,30 +240,14 @@ private:
 
 }  // namespace
 
-int run_stability(SweepOptions options) {
+int run_stability(const SweepOptions& options) {
     const Study study = read_study(options.study);
     if (study.knobs.empty() || study.knobs.size() > 3)
         throw InputError(
             {options.study, 0, 0},
             fmt::format("a map has one knob or two, and may be drawn for each value of a third; this study has {}", study.knobs.size()),
-            "a further one can be searched for: stability.bisect");
-    seconds_of(options.budget);
-    check_farm({.on = options.on, .sbatch = options.sbatch});
-    share_cores(options, false);
-    const fs::path folder = folder_of(study, options);
-    const RunFolder held = RunFolder::any(folder);
-    if (!held.note().empty()) tell_note(held.note(), options.json);
-    try {
-        for (const std::string& scene : study.scenes) {
-            const fs::path own = study.scenes.size() == 1 ? folder : folder / fs::path(scene).stem();
-            fs::create_directories(own);
-            StabilityMap(study, options, scene, own).run();
-        }
-    } catch (const StudyInterrupted&) {
-        fmt::print(stderr, "whorl: interrupted; cells that are done are kept, the same command goes on\n");
-        return exit_interrupted;
-    }
-    return exit_done;
+            "search for a further one with stability.bisect");
+    return run_sweeps(study, options, false, [](const Sweep& sweep) { StabilityMap(sweep).run(); });
 }
 
 void add_stability(CLI::App& program, Job& chosen) {

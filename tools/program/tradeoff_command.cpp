@@ -1,25 +1,17 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
-#include <nlohmann/json.hpp>
 
-#include "engine/core/clock.h"
 #include "engine/core/whole_file.h"
 #include "engine/io/csv.h"
-#include "tools/farm/stages.h"
 #include "tools/film/progress.h"
-#include "tools/film/run_folder.h"
-#include "tools/process/json_text.h"
 #include "tools/program/command.h"
-#include "tools/program/studies.h"
-#include "tools/study/accuracy.h"
-#include "tools/study/jobs.h"
+#include "tools/program/sweep.h"
+#include "tools/study/judge.h"
 #include "tools/study/plot.h"
-#include "tools/study/recommend.h"
 
 namespace whorl {
 namespace {
@@ -28,53 +20,42 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 struct Row {
-    std::string scene;
     PointResult result;
     double cost_low = 0, cost_high = 0;
 };
 
-/// One scene of a study, swept.
+/// The trade-off of one scene of a study.
 class Tradeoff {
 public:
-    Tradeoff(const Study& study, const SweepOptions& options, std::string scene, fs::path folder)
-        : study_(study), options_(options), scene_(std::move(scene)), folder_(std::move(folder)),
-          runner_(study, folder_, options.threads, point_place(options)) {}
+    explicit Tradeoff(const Sweep& sweep) : sweep_(sweep), study_(sweep.study), options_(sweep.options) {}
 
     void run() {
-        const double began = wall_seconds(), budget = seconds_of(options_.budget);
         find_reference();
         std::vector<int> levels;
         for (const Knob& knob : study_.knobs) levels.push_back(static_cast<int>(knob.values.size()));
         const FrontSearch search(levels);
-        Jobs<PointResult> jobs(options_.jobs);
         std::vector<GridPoint> started;
-        while (true) {
-            const double left = budget > 0 ? budget - (wall_seconds() - began) : std::numeric_limits<double>::infinity();
-            // What is running counts as what it is guessed to be, so that no two ask the same question.
-            std::vector<Measured> known = measured_;
+        /// The points that were measured, and those that run as they are expected, so that no two ask the same question.
+        const auto known = [&] {
+            std::vector<Measured> all = measured_;
             for (const GridPoint& p : started)
-                if (!was_measured(p)) known.push_back(search.expected(p, measured_));
-            GridPoint next;
-            if (!jobs.full() && left > 0) {
-                if (!options_.all) next = search.next(known, left / wall_over_cost());
-                else if (started.size() < search.size()) next = search.point(started.size());
-            }
-            if (!next.empty()) {
-                started.push_back(next);
-                jobs.start(started.size() - 1, [this, settings = settings_at(study_, next)] { return run_point(settings); });
-            } else if (!jobs.empty()) {
-                auto [k, result] = jobs.next();
-                measure(started[k], std::move(result), search);
-            } else {
-                if (budget > 0 && started.size() < search.size() && !search.next(known).empty())
-                    say(
-                        fmt::format("the budget of {} is spent, or too little of it is left for what the front still needs; the same "
-                                    "command with a larger one "
-                                    "goes on from here",
-                                    options_.budget));
-                break;
-            }
-        }
+                if (!was_measured(p)) all.push_back(search.expected(p, measured_));
+            return all;
+        };
+        const auto next = [&](double left) -> std::function<PointResult()> {
+            GridPoint p;
+            if (!options_.all) p = search.next(known(), left / wall_over_cost());
+            else if (started.size() < search.size()) p = search.point(started.size());
+            if (p.empty()) return nullptr;
+            started.push_back(p);
+            return [this, settings = settings_at(study_, p)] { return run_point(settings); };
+        };
+        sweep_.run<PointResult>(next, [&](std::size_t k, PointResult result) { measure(started[k], std::move(result), search); });
+        if (!options_.budget.empty() && started.size() < search.size() && !search.next(known()).empty())
+            sweep_.say(
+                fmt::format("the budget of {} is spent, or what is left does not suffice for the rest of the front; the same command "
+                            "with a larger budget continues from here",
+                            options_.budget));
         write();
     }
 
@@ -83,9 +64,9 @@ private:
         return std::any_of(measured_.begin(), measured_.end(), [&](const Measured& m) { return m.at == p; });
     }
 
-    /// A point that the plan refuses is a result too.
+    /// A point that the plan refuses is a result, too.
     PointResult run_point(const std::vector<std::string>& settings) const try {
-        return runner_.run(scene_, settings, study_.cost.repeat, draws());
+        return sweep_.runner.run(sweep_.scene, settings, study_.cost.repeat, draws());
     } catch (const InputError& error) {
         PointResult refused;
         refused.status = "refused", refused.message = error.what();
@@ -110,36 +91,29 @@ private:
         return cost * wall_over_cost() / options_.jobs;
     }
 
-    void say(const std::string& text) const {
-        if (!options_.json) fmt::print("{}\n", text), std::fflush(stdout);
-    }
-
     void find_reference() {
         const AccuracyKind of = study_.accuracy.of;
         if (of != AccuracyKind::reference && of != AccuracyKind::picture) return;
-        say(fmt::format("the run that counts as true: {}", joined_settings(study_.accuracy.reference)));
-        const PointResult truth = runner_.run(scene_, study_.accuracy.reference, on_grid() ? study_.cost.repeat : 1, draws());
+        sweep_.say(fmt::format("the run that counts as true: {}", joined_settings(study_.accuracy.reference)));
+        const PointResult truth = sweep_.runner.run(sweep_.scene, study_.accuracy.reference, on_grid() ? study_.cost.repeat : 1, draws());
         if (!truth.done()) throw EnvironmentError(fmt::format("the run that counts as true ended as {}: {}", truth.status, truth.message));
         reference_ = truth.folder;
     }
 
-    /// Whether the run that counts as true is a point of the grid, too: it is timed as one then, and not made anew while others are
-    /// compared with it.
+    /// Whether the run that counts as true is also a point of the grid: then it is timed like one, and not run again.
     bool on_grid() const {
         const std::vector<std::string>& truth = study_.accuracy.reference;
-        bool on = truth.size() == study_.knobs.size();
-        for (std::size_t k = 0; on && k < truth.size(); ++k) {
-            const Knob& knob = study_.knobs[k];
-            on = std::any_of(knob.values.begin(), knob.values.end(), [&](const auto& value) { return truth[k] == knob.key + "=" + value; });
-        }
-        return on;
+        std::size_t on = 0;
+        for (std::size_t k = 0; k < std::min(truth.size(), study_.knobs.size()); ++k)
+            for (const std::string& value : study_.knobs[k].values) on += truth[k] == study_.knobs[k].key + "=" + value ? 1 : 0;
+        return truth.size() == study_.knobs.size() && on >= truth.size();
     }
 
     bool draws() const { return study_.pictures || study_.accuracy.of == AccuracyKind::picture; }
 
     void measure(const GridPoint& p, PointResult result, const FrontSearch& search) {
         const std::vector<std::string> settings = settings_at(study_, p);
-        Row row{scene_, std::move(result), 0, 0};
+        Row row{std::move(result)};
         if (measured_.empty() && row.result.status == "refused") throw InputError({study_.name, 0, 0}, row.result.message);
         Measured m{p, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
         std::vector<double> costs = study_.cost.of == CostKind::cpu ? row.result.cpu : row.result.wall;
@@ -151,10 +125,11 @@ private:
         }
         if (row.result.done()) m.error = error_of(study_.accuracy, row.result.folder, reference_);
         measured_.push_back(m), rows_.push_back(row);
-        say(fmt::format("point {} of {} {}: {}: {}, {}{} ({} {} left)", measured_.size(), options_.all ? "the" : "at most", search.size(),
-                        joined_settings(settings), cost_text(m.cost),
-                        row.result.done() ? "error " + error_text(m.error) : row.result.status + " (" + row.result.message + ")",
-                        row.result.kept ? ", kept from before" : "", options_.all ? "about" : "at most", duration(most_left(search))));
+        sweep_.say(fmt::format("point {} of {} {}: {}: {}, {}{} ({} {} left)", measured_.size(), options_.all ? "the" : "at most",
+                               search.size(), joined_settings(settings), cost_text(m.cost),
+                               row.result.done() ? "error " + error_text(m.error) : row.result.status + " (" + row.result.message + ")",
+                               row.result.kept ? ", kept from before" : "", options_.all ? "about" : "at most",
+                               duration(most_left(search))));
     }
 
     std::string cost_text(double cost) const {
@@ -171,34 +146,41 @@ private:
 
     void write() {
         const std::vector<std::size_t> front = pareto_front(measured_);
-        write_table(front);
-        draw(front);
+        sweep_.write("tradeoff", table(front), plot(front));
         print_front(front);
         if (!options_.recommend.empty()) recommend();
-        if (options_.json) print_json(front);
+        Json points = Json::array();
+        for (std::size_t i = 0; i < rows_.size(); ++i)
+            points.push_back({{"settings", settings_at(study_, measured_[i].at)},
+                              {"cost", measured_[i].cost},
+                              {"error", measured_[i].error},
+                              {"status", rows_[i].result.status},
+                              {"on_front", has(front, i)},
+                              {"kept", rows_[i].result.kept}});
+        sweep_.print_json("points", points);
     }
 
     static bool has(const std::vector<std::size_t>& front, std::size_t i) {
         return std::find(front.begin(), front.end(), i) != front.end();
     }
 
-    void write_table(const std::vector<std::size_t>& front) const {
+    std::string table(const std::vector<std::size_t>& front) const {
         std::string csv = "scene";
         for (const Knob& knob : study_.knobs) csv += "," + csv_cell(knob.key);
         csv += ",cost,cost_low,cost_high,error,wall_seconds,memory_bytes,fps,on_front,status,message\n";
         for (std::size_t i = 0; i < rows_.size(); ++i) {
             const Row& r = rows_[i];
-            csv += csv_cell(fs::path(r.scene).stem().string());
+            csv += csv_cell(fs::path(sweep_.scene).stem().string());
             for (std::size_t k = 0; k < study_.knobs.size(); ++k) csv += "," + csv_cell(study_.knobs[k].values[measured_[i].at[k]]);
             csv +=
                 fmt::format(",{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.0f},{:.4g},{},{},{}\n", measured_[i].cost, r.cost_low, r.cost_high,
                             measured_[i].error, r.result.wall.empty() ? 0 : r.result.wall.front(), r.result.memory,
                             r.result.wall.empty() ? 0 : r.result.fps(), has(front, i) ? 1 : 0, r.result.status, csv_cell(r.result.message));
         }
-        write_text(folder_ / "tradeoff.csv", csv);
+        return csv;
     }
 
-    void draw(const std::vector<std::size_t>& front) const {
+    Canvas plot(const std::vector<std::size_t>& front) const {
         std::vector<PlotPoint> points;
         const auto point = [&](std::size_t i) {
             return PlotPoint{
@@ -208,33 +190,30 @@ private:
         for (const std::size_t i : front) points.push_back(point(i));
         for (std::size_t i = 0; i < measured_.size(); ++i)
             if (!has(front, i) && std::isfinite(measured_[i].error)) points.push_back(point(i));
-        std::string keys;
-        for (const Knob& knob : study_.knobs) keys += (keys.empty() ? "" : ", ") + knob.title();
-        const Canvas canvas = draw_front(points, fmt::format("{}: {}", study_.name, keys), cost_name(),
-                                         study_.accuracy.of == AccuracyKind::picture ? "difference [dE]" : "relative error");
-        write_png(folder_ / "tradeoff.png", canvas.image());
-        write_text(folder_ / "tradeoff.svg", canvas.svg());
+        std::vector<std::string> titles;
+        for (const Knob& knob : study_.knobs) titles.push_back(knob.title());
+        return draw_front(points, fmt::format("{}: {}", study_.name, fmt::join(titles, ", ")), cost_name(),
+                          study_.accuracy.of == AccuracyKind::picture ? "difference [dE]" : "relative error");
     }
 
     /// What each step along the front changes, costs and buys.
     void print_front(const std::vector<std::size_t>& front) const {
-        say(fmt::format("\n{:>14}  {:>10}  settings on the front, from cheap to dear", cost_name(), "error"));
+        sweep_.say(fmt::format("\n{:>14}  {:>10}  settings on the front, from cheap to dear", cost_name(), "error"));
         for (const std::size_t i : front)
-            say(fmt::format("{:>14}  {:>10}  {}", cost_text(measured_[i].cost), error_text(measured_[i].error),
-                            joined_settings(settings_at(study_, measured_[i].at))));
+            sweep_.say(fmt::format("{:>14}  {:>10}  {}", cost_text(measured_[i].cost), error_text(measured_[i].error),
+                                   joined_settings(settings_at(study_, measured_[i].at))));
         for (std::size_t k = 1; k < front.size(); ++k) {
             const Measured &a = measured_[front[k - 1]], &b = measured_[front[k]];
-            std::string changes;
-            for (std::size_t j = 0; j < study_.knobs.size(); ++j)
-                if (a.at[j] != b.at[j])
-                    changes += fmt::format("{}{} {} -> {}", changes.empty() ? "" : ", ", study_.knobs[j].key,
-                                           study_.knobs[j].values[a.at[j]], study_.knobs[j].values[b.at[j]]);
-            say(fmt::format("  {}: {:.2g} times the {}, error {} -> {}", changes, b.cost / a.cost,
-                            study_.cost.of == CostKind::memory ? "memory" : "time", error_text(a.error), error_text(b.error)));
+            std::vector<std::string> changes;
+            for (std::size_t j = 0; const Knob& knob : study_.knobs)
+                if (const auto from = a.at[j], to = b.at[j++]; from != to)
+                    changes.push_back(fmt::format("{} {} -> {}", knob.key, knob.values[from], knob.values[to]));
+            sweep_.say(fmt::format("  {}: {:.2g} times the {}, error {} -> {}", fmt::join(changes, ", "), b.cost / a.cost,
+                                   study_.cost.of == CostKind::memory ? "memory" : "time", error_text(a.error), error_text(b.error)));
         }
         const auto failed = std::count_if(rows_.begin(), rows_.end(), [](const Row& r) { return !r.result.done(); });
-        if (failed > 0) say(fmt::format("{} of {} points did not end well; tradeoff.csv says how", failed, rows_.size()));
-        say(fmt::format("{0}/tradeoff.csv, {0}/tradeoff.png, {0}/tradeoff.svg", folder_.string()));
+        if (failed > 0) sweep_.say(fmt::format("{} of {} points did not end well; tradeoff.csv says how", failed, rows_.size()));
+        sweep_.say(fmt::format("{0}/tradeoff.csv, {0}/tradeoff.png, {0}/tradeoff.svg", sweep_.folder.string()));
     }
 
     void recommend() const {
@@ -247,7 +226,7 @@ private:
             if (!best || (goal.of == Goal::Of::error ? m.cost < best->cost : m.error < best->error)) best = &m;
         }
         if (!best) throw EnvironmentError(fmt::format("no point of the study reaches {}", goal.text), "", "widen the knobs' values");
-        const Options point = point_options(study_, scene_, run_settings(study_, settings_at(study_, best->at)));
+        const Options point = point_options(study_, sweep_.scene, run_settings(study_, settings_at(study_, best->at)));
         const std::string quality = point.quality == Options().quality ? "" : " --quality " + point.quality;
         std::string overlay = fmt::format("# {} of the study {}: {}, error {}{}\n", goal.text, study_.name, cost_text(best->cost),
                                           error_text(best->error), quality.empty() ? "" : ", with" + quality);
@@ -266,11 +245,11 @@ private:
             else if (key == "threads") options += " --threads " + value;
             else overlay += fmt::format("{} = {}\n", quoted(key), toml_value(value));
         }
-        const fs::path file = folder_ / "recommended.toml";
+        const fs::path file = sweep_.folder / "recommended.toml";
         write_text(file, overlay);
-        say(fmt::format("\nfor {}: {} ({}, error {}); {} holds them:\n  whorl render {} --with {}{}", goal.text,
-                        joined_settings(settings_at(study_, best->at)), cost_text(best->cost), error_text(best->error), file.string(),
-                        point.scene, file.string(), options));
+        sweep_.say(fmt::format("\nfor {}: {} ({}, error {}); {} holds them:\n  whorl render {} --with {}{}", goal.text,
+                               joined_settings(settings_at(study_, best->at)), cost_text(best->cost), error_text(best->error),
+                               file.string(), point.scene, file.string(), options));
     }
 
     /// A key as an overlay takes it: those of list entries in quotes.
@@ -285,23 +264,9 @@ private:
         return "\"" + value + "\"";
     }
 
-    void print_json(const std::vector<std::size_t>& front) const {
-        Json points = Json::array();
-        for (std::size_t i = 0; i < rows_.size(); ++i)
-            points.push_back({{"settings", settings_at(study_, measured_[i].at)},
-                              {"cost", measured_[i].cost},
-                              {"error", measured_[i].error},
-                              {"status", rows_[i].result.status},
-                              {"on_front", has(front, i)},
-                              {"kept", rows_[i].result.kept}});
-        fmt::print("{}\n", json_text({{"study", study_.name}, {"scene", scene_}, {"folder", folder_.string()}, {"points", points}}, 2));
-    }
-
+    const Sweep& sweep_;
     const Study& study_;
-    SweepOptions options_;
-    std::string scene_;
-    fs::path folder_;
-    PointRunner runner_;
+    const SweepOptions& options_;
     fs::path reference_;
     std::vector<Measured> measured_;
     std::vector<Row> rows_;
@@ -309,29 +274,13 @@ private:
 
 }  // namespace
 
-int run_tradeoff(SweepOptions options) {
+int run_tradeoff(const SweepOptions& options) {
     const Study study = read_study(options.study);
-    share_cores(options, study.cost.of != CostKind::memory);
-    if (study.knobs.empty()) throw InputError({options.study, 0, 0}, "the study turns no knob", "add a [[knob]] with key and values");
+    if (study.knobs.empty()) throw InputError({options.study, 0, 0}, "the study has no knob", "add a [[knob]] with key and values");
     if (study.accuracy.column.empty() && study.accuracy.of != AccuracyKind::picture)
         throw InputError({options.study, 0, 0}, "accuracy.column is missing", "it names a column of accuracy.table");
     if (!options.recommend.empty()) parse_goal(options.recommend);
-    seconds_of(options.budget);
-    check_farm({.on = options.on, .sbatch = options.sbatch});
-    const fs::path folder = folder_of(study, options);
-    const RunFolder held = RunFolder::any(folder);
-    if (!held.note().empty()) tell_note(held.note(), options.json);
-    try {
-        for (const std::string& scene : study.scenes) {
-            const fs::path own = study.scenes.size() == 1 ? folder : folder / fs::path(scene).stem();
-            fs::create_directories(own);
-            Tradeoff(study, options, scene, own).run();
-        }
-    } catch (const StudyInterrupted&) {
-        fmt::print(stderr, "whorl: interrupted; points that are done are kept, the same command goes on\n");
-        return exit_interrupted;
-    }
-    return exit_done;
+    return run_sweeps(study, options, study.cost.of != CostKind::memory, [](const Sweep& sweep) { Tradeoff(sweep).run(); });
 }
 
 void add_tradeoff(CLI::App& program, Job& chosen) {

@@ -1,8 +1,9 @@
 #include "tools/study/front.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <cstdlib>
 #include <numeric>
 
 namespace whorl {
@@ -19,40 +20,27 @@ double gain(double cost, double error, const std::vector<Measured>& measured) {
     return least;
 }
 
-/// Least squares of two quantities over the same few unknowns, by normal equations that a ridge keeps positive definite.
-class SmallFit {
-public:
-    SmallFit(std::size_t unknowns, double ridge) : n_(unknowns), normal_(n_ * n_, 0), right_(2 * n_, 0) {
-        for (std::size_t k = 0; k < n_; ++k) normal_[k * n_ + k] = ridge;
-    }
-    void add(const std::vector<double>& row, double weight, double first, double second) {
-        for (std::size_t i = 0; i < n_; ++i) {
-            for (std::size_t j = 0; j < n_; ++j) normal_[i * n_ + j] += weight * row[i] * row[j];
-            right_[2 * i] += weight * first * row[i], right_[2 * i + 1] += weight * second * row[i];
-        }
-    }
-    /// Unknown k of the first quantity at [2 k], of the second at [2 k + 1].
-    std::vector<double> solve() {
-        for (std::size_t i = 0; i < n_; ++i)
-            for (std::size_t r = i + 1; r < n_; ++r) {
-                const double factor = normal_[r * n_ + i] / normal_[i * n_ + i];
-                for (std::size_t j = i; j < n_; ++j) normal_[r * n_ + j] -= factor * normal_[i * n_ + j];
-                for (std::size_t q = 0; q < 2; ++q) right_[2 * r + q] -= factor * right_[2 * i + q];
-            }
-        for (std::size_t i = n_; i-- > 0;)
-            for (std::size_t q = 0; q < 2; ++q) {
-                for (std::size_t j = i + 1; j < n_; ++j) right_[2 * i + q] -= normal_[i * n_ + j] * right_[2 * j + q];
-                right_[2 * i + q] /= normal_[i * n_ + i];
-            }
-        return right_;
-    }
-
-private:
-    std::size_t n_;
-    std::vector<double> normal_, right_;
-};
-
 }  // namespace
+
+bool Goal::holds(double cost, double error, double fps) const {
+    return of == Of::error ? error < bound : of == Of::fps ? fps > bound : cost < bound;
+}
+
+Goal parse_goal(const std::string& text) {
+    Goal goal;
+    goal.text = text;
+    const std::size_t at = std::min(text.find_first_of("<>"), text.size() - 1);
+    const std::string name = text.substr(0, text.find_last_not_of(' ', at - 1) + 1), asked = name + text[at];
+    char* unit = nullptr;
+    goal.bound = std::strtod(text.c_str() + at + 1, &unit);
+    goal.of = name == "fps" ? Goal::Of::fps : name == "cost" ? Goal::Of::cost : Goal::Of::error;
+    const std::string after = unit;
+    if ((asked != "error<" && asked != "fps>" && asked != "cost<") || !(goal.bound > 0) ||
+        (!after.empty() && !(after == "%" && name == "error") && !(after == "s" && name == "cost")))
+        throw InputError({"--recommend " + text, 0, 0}, "is not a goal", "", "allowed: \"error<2%\", \"fps>24\", \"cost<60\"");
+    if (after == "%") goal.bound /= 100;
+    return goal;
+}
 
 std::vector<std::size_t> pareto_front(const std::vector<Measured>& points) {
     std::vector<std::size_t> order(points.size());
@@ -110,21 +98,26 @@ double FrontSearch::distance(const GridPoint& a, const GridPoint& b) const {
 }
 
 FrontSearch::Guess FrontSearch::guess(const GridPoint& p, const std::vector<Measured>& measured) const {
-    // Least squares of a + b.(index) with weights that fall off over a third of the grid; a little ridge keeps unknown slopes at zero.
-    SmallFit fit(levels_.size() + 1, 1e-3);
-    double nearest = std::numeric_limits<double>::infinity(), slope = 0;
-    std::vector<double> row(levels_.size() + 1, 1.0);
+    // Least squares of a + b.(index) for both, with weights that fall off over a third of the grid; a small ridge keeps unknown slopes at
+    // 0.
+    const auto n = static_cast<Eigen::Index>(levels_.size() + 1);
+    Eigen::MatrixXd normal = 1e-3 * Eigen::MatrixXd::Identity(n, n);
+    Eigen::MatrixX2d right = Eigen::MatrixX2d::Zero(n, 2);
+    Eigen::VectorXd row = Eigen::VectorXd::Ones(n);
+    double nearest = std::numeric_limits<double>::infinity();
     for (const Measured& m : measured) {
         if (!counts(m)) continue;
-        const double far = distance(p, m.at);
+        const double far = distance(p, m.at), weight = std::exp(-4.5 * far * far) + 1e-6;
         nearest = std::min(nearest, far);
-        for (std::size_t k = 0; k < levels_.size(); ++k) row[k + 1] = static_cast<double>(m.at[k] - p[k]) / std::max(1, levels_[k] - 1);
-        fit.add(row, std::exp(-4.5 * far * far) + 1e-6, std::log(m.cost), std::log(std::max(m.error, 1e-12)));
+        for (std::size_t k = 0; k < levels_.size(); ++k)
+            row[static_cast<Eigen::Index>(k) + 1] = static_cast<double>(m.at[k] - p[k]) / std::max(1, levels_[k] - 1);
+        normal += weight * row * row.transpose();
+        right += weight * row * Eigen::RowVector2d(std::log(m.cost), std::log(std::max(m.error, 1e-12)));
     }
-    if (!std::isfinite(nearest)) return {0, 0, std::numeric_limits<double>::infinity()};
-    const std::vector<double> found = fit.solve();
-    for (std::size_t k = 1; k <= levels_.size(); ++k) slope = std::max(slope, std::abs(found[2 * k + 1]));
-    return {found[0], found[1], 0.5 * nearest * std::max(slope, 0.5)};
+    if (!std::isfinite(nearest)) return {0, 0, nearest};
+    const Eigen::MatrixX2d fit = normal.ldlt().solve(right);
+    const double slope = n > 1 ? fit.col(1).tail(n - 1).cwiseAbs().maxCoeff() : 0;
+    return {fit(0, 0), fit(0, 1), 0.5 * nearest * std::max(slope, 0.5)};
 }
 
 Measured FrontSearch::expected(const GridPoint& p, const std::vector<Measured>& measured) const {

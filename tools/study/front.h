@@ -1,18 +1,25 @@
 #pragma once
 /// The Pareto front of a sweep, and which point to run next.
-#include <cstddef>
 #include <limits>
-#include <vector>
+
+#include "tools/study/study.h"
 
 namespace whorl {
-
-/// A point of the knobs' grid: which value each knob takes.
-using GridPoint = std::vector<int>;
 
 struct Measured {
     GridPoint at;
     double cost = 0, error = 0;  ///< both positive; not finite where the run failed
 };
+
+/// What a user wants of a point: "error<2%", "error<0.02", "fps>24", "cost<60".
+struct Goal {
+    enum class Of { error, fps, cost } of = Of::error;
+    double bound = 0;
+    std::string text;
+    bool holds(double cost, double error, double fps) const;
+};
+/// @throws InputError
+Goal parse_goal(const std::string& text);
 
 /// Indices of the points that no other beats in both cost and error, from cheap to dear.
 std::vector<std::size_t> pareto_front(const std::vector<Measured>& points);

@@ -176,23 +176,6 @@ struct PointRunner::Call {
     Options options;
 };
 
-/// Has a point's folder for itself: another call for the same point waits, and finds what this one leaves.
-struct PointRunner::Turn {
-    const PointRunner& runner;
-    const fs::path& folder;
-    Turn(const PointRunner& r, const fs::path& f) : runner(r), folder(f) {
-        std::unique_lock lock(runner.mutex_);
-        runner.changed_.wait(lock, [&] { return runner.busy_.insert(folder).second; });
-    }
-    ~Turn() {
-        const std::lock_guard lock(runner.mutex_);
-        runner.busy_.erase(folder);
-        runner.changed_.notify_all();
-    }
-    Turn(const Turn&) = delete;
-    Turn& operator=(const Turn&) = delete;
-};
-
 Options point_options(const Study& study, const std::string& scene, const std::vector<std::string>& settings) {
     Options options;
     options.scene = scene, options.quality = study.quality;
@@ -255,10 +238,13 @@ PointResult PointRunner::run(const std::string& scene, const std::vector<std::st
     PointResult result;
     result.folder = folder_ / "points" / folder_name(fs::path(call.options.scene).stem().string() + (words.empty() ? "" : "," + words));
     const fs::path record = result.folder.string() + ".json";
-    const Turn turn(*this, result.folder);
+    std::unique_lock lock(mutex_);
+    std::mutex& own = folders_[result.folder];
+    lock.unlock();
+    const std::lock_guard turn(own);  // another call for the same point waits, and finds what this one leaves
     const std::string identity = identity_of(call, pictures);
     if (take_record(record, identity, repeat, study_.limit, result)) {
-        const std::lock_guard lock(mutex_);
+        lock.lock();
         result.kept = !ran_.contains(result.folder);
         return result;
     }
@@ -274,7 +260,7 @@ PointResult PointRunner::run(const std::string& scene, const std::vector<std::st
     fs::remove(record);  // its run goes, too, also where this one is interrupted
     for (int k = 0; k < repeat && (k == 0 || result.done()); ++k) run_once(call, pictures, words, result);
     write_record(record, identity, study_.limit, result);
-    const std::lock_guard lock(mutex_);
+    lock.lock();
     ran_.insert(result.folder);
     return result;
 }

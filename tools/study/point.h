@@ -1,7 +1,7 @@
 #pragma once
 /// One point of a study: a run of its own process, kept when it is done.
-#include <condition_variable>
 #include <filesystem>
+#include <map>
 #include <mutex>
 #include <set>
 #include <string>
@@ -46,7 +46,6 @@ public:
 
 private:
     struct Call;
-    struct Turn;
     static Call call_of(const Study& study, int threads, const std::string& scene, std::vector<std::string> settings);
     static std::string identity_of(const Call& call, bool pictures);
     static std::vector<std::string> arguments_of(const Call& call, bool pictures, const std::filesystem::path& folder);
@@ -58,10 +57,9 @@ private:
     int threads_;
     PointPlace place_;
     InterruptGuard interrupt_;
-    mutable std::mutex mutex_;  ///< of what follows
-    mutable std::condition_variable changed_;
-    mutable std::set<std::filesystem::path> busy_;  ///< folders of points that run
-    mutable std::set<std::filesystem::path> ran_;   ///< of those that it ran
+    mutable std::mutex mutex_;                                     ///< of what follows
+    mutable std::map<std::filesystem::path, std::mutex> folders_;  ///< of points: one call at a time
+    mutable std::set<std::filesystem::path> ran_;                  ///< of those that it ran
 };
 
 /// The scene that a point reads, as the command line gives it. @param settings of run_settings()

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdlib>
 #include <map>
 #include <set>
 
@@ -258,6 +259,34 @@ std::vector<std::string> run_settings(const Study& study, const std::vector<std:
     for (const std::string& setting : settings)
         if (!is_name(setting.substr(0, setting.find('=')))) all.push_back(with_values(setting, settings));
     return all;
+}
+
+std::vector<std::string> settings_at(const Study& study, const GridPoint& p) {
+    std::vector<std::string> settings;
+    for (std::size_t k = 0; k < study.knobs.size(); ++k) settings.push_back(study.knobs[k].key + "=" + study.knobs[k].values[p[k]]);
+    return settings;
+}
+
+std::string label_at(const Study& study, const GridPoint& p) {
+    std::string label;
+    for (std::size_t k = 0; k < study.knobs.size(); ++k) {
+        const std::string& value = study.knobs[k].values[p[k]];
+        char* end = nullptr;
+        const double number = std::strtod(value.c_str(), &end);
+        label += (k ? ", " : "") + (*end == 0 && value.size() > 7 ? fmt::format("{:.3g}", number) : value);
+    }
+    return label;
+}
+
+double seconds_of(const std::string& budget) {
+    if (budget.empty()) return 0;
+    char* end = nullptr;
+    const double number = std::strtod(budget.c_str(), &end);
+    const std::string unit = end;
+    const double scale = unit.empty() || unit == "s" ? 1 : unit == "min" || unit == "m" ? 60 : unit == "h" ? 3600 : 0;
+    if (end == budget.c_str() || scale == 0 || !(number > 0))
+        throw InputError({"--budget " + budget, 0, 0}, "is not a duration", "", "allowed: as in 90s, 10min, 1h");
+    return number * scale;
 }
 
 Study read_study(const std::string& name) {

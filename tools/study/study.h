@@ -81,6 +81,15 @@ std::string with_values(const std::string& text, const std::vector<std::string>&
 /// Whether a knob is no setting itself, but a name that settings use.
 bool is_name(const std::string& key);
 
+/// A point of the knobs' grid: the number of each knob's value.
+using GridPoint = std::vector<int>;
+/// The settings at a point of the grid: "key=value" for each knob.
+std::vector<std::string> settings_at(const Study& study, const GridPoint& p);
+/// Values as labels: "0.002, 0.01".
+std::string label_at(const Study& study, const GridPoint& p);
+/// "90", "90s", "10min", "1.5h" in seconds; 0 for "". @throws InputError
+double seconds_of(const std::string& budget);
+
 /// @param file a path, or the name of a study that ships @throws InputError with all that is wrong
 Study read_study(const std::string& file);
 
