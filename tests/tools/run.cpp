@@ -423,7 +423,6 @@ TEST_CASE("a run that has no checkpoint yet begins again, to the same film as on
     REQUIRE(files_in(scratch / "run/frames").size() == 4);
     for (const char* same : {"frames/000004.png", "little_honey.mp4"})
         CHECK((read_whole(scratch / "run" / same) == read_whole(scratch / "whole" / same)));
-    CHECK_FALSE(fs::exists(scratch / "run/.replaced"));
     CHECK(fs::exists(scratch / "run/final_cut.mp4"));
     // One that had a checkpoint is left alone; of one that was killed the frames are kept; videos stay that are not of the run.
     const auto again = [&](const std::string& name) { return test::whorl({"resume", scratch.run(name), "--frames", "2", "--quiet"}); };

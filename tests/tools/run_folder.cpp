@@ -1,13 +1,10 @@
 #include "tools/film/run_folder.h"
 
-#include <signal.h>
-
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "engine/io/files.h"
-#include "render/image/image.h"
 #include "tests/support/film_runs.h"
 #include "tests/support/program.h"
 #include "tests/support/scenes.h"
@@ -61,29 +58,13 @@ TEST_CASE("a folder that is not a run's is left alone, a run's is kept under ano
     CHECK(test::whorl({"video", scratch.run()}).code == 2);
 }
 
-TEST_CASE("a run that is to be replaced is there again, all of it, where the new one gets no picture", "[tools][render]") {
+TEST_CASE("a video without ffmpeg is refused before an earlier run is touched", "[tools][render]") {
     const Scratch scratch;
-    const std::vector<std::string> arguments{"render", scratch.scene(), "--frames", "2",          "--size",
-                                             "64x36",  "--quiet",       "--out",    scratch.run()};
-    REQUIRE(test::whorl(arguments).code == 0);
-    std::ofstream(scratch / "run/budget.csv") << "of the first";
+    REQUIRE(test::whorl({"render", scratch.scene(), "--frames", "2", "--size", "64x36", "--quiet", "--out", scratch.run()}).code == 0);
     const auto first = files_in(scratch / "run");
     const std::string video = read_whole(scratch / "run/little_honey.mp4");
-    const auto check_first = [&](const fs::path& folder) {
-        CHECK(read_whole(folder / "little_honey.mp4") == video);
-        CHECK(read_whole(folder / "budget.csv") == "of the first");
-        CHECK(files_in(folder).size() == first.size());
-        CHECK(read_png(folder / "frames/000002.png").width == 64);
-    };
     std::ofstream(scratch / "panels.toml") << test::honey << "[[panel]]\nset = [\"seed=1\"]\n[[panel]]\nset = [\"seed=2\"]\n";
-    const auto without = [&](const std::string& setting, const std::string& command) {
-        return Program({"-c", setting + " exec " WHORL_PROGRAM " " + command}, "bash").wait();
-    };
     const std::string over_it = " --quiet --overwrite --out '" + scratch.run() + "' --frames 2 --size 96x54";
-    const Outcome no_device = without("__EGL_VENDOR_LIBRARY_DIRS=/nowhere", "render '" + scratch.scene() + "'" + over_it);
-    CHECK(no_device.code == 1);
-    CHECK(no_device.err.find("is there again") != std::string::npos);
-    check_first(scratch / "run");
     const std::string no_video = ", or run with --no-video";
     for (const auto& [command, way_out] : std::vector<std::pair<std::string, std::string>>{
              {"render '" + scratch.scene() + "'" + over_it, no_video},
@@ -91,54 +72,14 @@ TEST_CASE("a run that is to be replaced is there again, all of it, where the new
              {"farm '" + scratch.scene() + "' --on local --out '" + scratch.run() + "'", no_video},
              {"resume '" + scratch.run() + "' --frames 3", ", or set output.video = false in scene.resolved.toml"},
              {"video '" + scratch.run() + "'", ""}}) {
-        const Outcome no_encoder = without("PATH=/nowhere", command);
+        const Outcome no_encoder = Program({"-c", "PATH=/nowhere exec " WHORL_PROGRAM " " + command}, "bash").wait();
         INFO(command);
         CHECK(no_encoder.code == 1);
         CHECK_THAT(no_encoder.err, Catch::StartsWith("whorl: no video: cannot start ffmpeg: ") &&
                                        Catch::EndsWith("\n  remedy: apt-get install ffmpeg" + way_out + "\n"));
-        check_first(scratch / "run");
+        CHECK(read_whole(scratch / "run/little_honey.mp4") == video);
+        CHECK(files_in(scratch / "run").size() == first.size());
     }
-    // As a power cut leaves it that comes before the first picture.
-    fs::create_directory(scratch / "run/.replaced");
-    for (const fs::path& file : first) fs::rename(file, scratch / "run/.replaced" / file.filename());
-    fs::create_directory(scratch / "run/frames");
-    std::ofstream(scratch / "run/scene.resolved.toml") << "of the second";
-    REQUIRE(test::whorl(arguments).code == 0);
-    check_first(scratch / "run.1");
-    auto over = arguments;
-    over.emplace_back("--overwrite");
-    REQUIRE(test::whorl(over).code == 0);
-    CHECK_FALSE(fs::exists(scratch / "run/.replaced"));
-    // Ctrl-C after the first picture: a slip, maybe.
-    over[3] = "20";
-    Program slip(over);
-    REQUIRE(slip.wait_until([&] { return fs::exists(scratch / "run/frames/000001.png") && fs::exists(scratch / "run/.replaced"); }));
-    slip.signal(SIGINT);
-    const Outcome stopped = slip.wait();
-    CHECK(stopped.code == 130);
-    CHECK(stopped.err.find("is now in " + scratch.run() + ".2: the one that was to replace it ended early") != std::string::npos);
-    CHECK(read_whole(scratch / "run.2/little_honey.mp4") == video);
-    CHECK(fs::exists(scratch / "run/frames/000001.png"));
-}
-
-TEST_CASE("a run that diverges stands with its frames, and the one that it was to replace is kept beside it", "[tools][render]") {
-    const Scratch scratch;
-    std::vector<std::string> arguments{"render", scratch.scene(), "--no-images", "--quiet", "--out", scratch.run()};
-    REQUIRE(test::whorl({"render", scratch.scene(), "--no-images", "--quiet", "--frames", "1", "--out", scratch.run()}).code == 0);
-    arguments.insert(arguments.end(), {"--overwrite", "--set", std::string("fluid.viscosity=") + test::diverging_viscosity});
-    const auto check = [&](const std::string& beside) {
-        const Outcome diverged = test::whorl(arguments);
-        INFO(diverged.err);
-        CHECK(diverged.code == 1);
-        CHECK(diverged.err.find("is now in " + scratch.run() + beside) != std::string::npos);
-        CHECK(test::report(scratch / "run")["status"] == "diverged");
-        CHECK(test::lines(scratch / "run/diagnostics.csv").size() >= 1 + 3);
-    };
-    check(".1");
-    CHECK(test::report(scratch / "run.1")["status"] == "done");
-    arguments.insert(arguments.end(), {"--export", "raw"});
-    check(".2");
-    CHECK(fs::exists(scratch / "run/raw/000001.frame"));
 }
 
 TEST_CASE("what became of the run that stood there is told also with --quiet, and as an event with --json", "[tools][render]") {

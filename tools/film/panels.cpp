@@ -55,10 +55,6 @@ public:
         for (std::size_t k = 0; k < scenes_.size(); ++k) {
             const int code = run(k);
             if (code == exit_interrupted) {
-                if (folder_.replaces() && most_frames() == 0) {  // the film that stood there comes back
-                    write_report("interrupted", "interrupted before the first frame");
-                    return code;
-                }
                 const std::string go_on = "whorl resume " + folder_.path().string() + (request_.no_draw ? " --no-draw" : "");
                 write_report("interrupted", "go on with: " + go_on);
                 std::fprintf(stderr, "whorl: panel %zu of %zu was interrupted; go on with all of them: %s\n", k + 1, scenes_.size(),
@@ -72,7 +68,6 @@ public:
         if (filmed) film(frames);
         const std::string status = failed_ ? "diverged" : "done";
         write_report(status, failed_ ? "panel " + name_of(*failed_) + " diverged" : "");
-        if (!failed_) folder_.stands();  // else what it was to replace stays beside it
         if (!request_.quiet && !request_.json)
             std::fprintf(stderr, "%s of %zu panels: %s\n", counted(frames, "frame").c_str(), scenes_.size(),
                          (filmed && scene_.output.video ? video() : folder_.path()).c_str());
@@ -171,9 +166,7 @@ private:
         if (!request_.quiet && !request_.json)
             std::fprintf(stderr, "panel %zu of %zu: %s%s\n", k + 1, scenes_.size(), name_of(k).c_str(),
                          anew ? ", from the start: the difference needs all its frames, which --export raw would have kept" : "");
-        // A panel that is made anew replaces the one that stands there from its first frame on.
         panel.earlier = RunFolder::Earlier::replaced;
-        panel.slip_seconds = 0;
         if (next == Next::goes_on) resume_from_newest(panel);
         return run_scene(panel);
     }
@@ -183,12 +176,6 @@ private:
         int least = 1 << 30;
         for (std::size_t k = 0; k < scenes_.size(); ++k) least = std::min(least, frames_of(k));
         return least;
-    }
-
-    int most_frames() const {
-        int most = 0;
-        for (std::size_t k = 0; k < scenes_.size(); ++k) most = std::max(most, frames_of(k));
-        return most;
     }
 
     /// Where the pictures of a place in the film are, drawn first where it is a difference.

@@ -259,7 +259,6 @@ void Run::add_frame() {
     if (scene_.budget.any() && summary.steps > 0) loop_->hold_to_budget(summary, frame_, seconds, times_.wall());
     const bool due = frame_ == last_ || wall_seconds() - saved_at_ >= scene_.output.checkpoint_every;
     film_->add(snapshots_->take(simulation_, frame_), pictures_, state(), due);
-    if (film_->frames_written() > 0 && times_.wall() > request_.slip_seconds) folder_.stands();
     if (due) {
         saved_at_ = wall_seconds();
         write_report("running", "");
@@ -330,7 +329,7 @@ int Run::conclude(const std::string& status, const std::string& message) {
     tables_->draw_plots();
     write_report(status, message);
     const double wall = times_.wall();
-    if (status == "done") folder_.stands(), predict_late();
+    if (status == "done") predict_late();
     log_->info("{} after {} frames, {} steps, {:.1f} s{}{}", status, frames_written(), simulation_.totals().steps, wall,
                message.empty() ? "" : ": ", message);
     if (status == "done") say_done(wall);

@@ -15,9 +15,8 @@ struct RunRequest {
     std::optional<int> frames;  ///< end with this frame, whatever time.end says
     bool no_draw = false;       ///< frames are exported (raw) and drawn later, by whorl draw
     bool quiet = false, json = false;
-    RunFolder::Earlier earlier = RunFolder::Earlier::kept;  ///< a run that stands in the folder
-    double slip_seconds = 60;        ///< a run that ends sooner, and not at its end, may be a slip: what it was to replace is kept
-    std::optional<Checkpoint> from;  ///< where to resume; nothing: a new run
+    RunFolder::Earlier earlier = RunFolder::Earlier::kept;  ///< treatment of a run that is already in the folder
+    std::optional<Checkpoint> from;                         ///< where to resume; nothing: a new run
 };
 
 /// What a film does that is not to need ffmpeg. @param goes_on it is resumed

@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,8 +12,8 @@
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <thread>
+#include <utility>
 
 #include "engine/core/errors.h"
 #include "engine/core/version.h"
@@ -29,11 +28,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Folders inside the run's. The first holds all files of a run that is being replaced, the second some of them while they are moved.
-constexpr const char *replaced = ".replaced", *on_their_way = ".replacing";
-
-bool is_video(const fs::path& file) { return std::ranges::find(video_suffixes(), file.extension().string()) != video_suffixes().end(); }
-
 /// @param scene the name of the run's scene, which its videos have, too; "" where it is not known
 bool is_of_a_run(const fs::path& file, const std::string& scene) {
     static const std::vector<std::string> names{
@@ -43,7 +37,8 @@ bool is_of_a_run(const fs::path& file, const std::string& scene) {
         return std::find(all.begin(), all.end(), one) != all.end();
     };
     return has(names, file.filename().string()) || has(export_kinds(), file.filename().string()) ||
-           (file.stem().string() == scene && is_video(file)) || file.extension() == partial_video("film.mp4").extension();
+           (file.stem().string() == scene && has(video_suffixes(), file.extension().string())) ||
+           file.extension() == partial_video("film.mp4").extension();
 }
 
 std::vector<fs::path> files_of_run(const fs::path& path) {
@@ -73,37 +68,7 @@ bool has_begun(const fs::path& path) {
     return std::any_of(begin(panels), end(panels), [](const auto& panel) { return has_begun(panel.path()); });
 }
 
-/// Whether all that stands there are pictures that a version before 0.2.0 drew: it left no run.json.
-bool holds_drawings(const fs::path& path) {
-    if (!has_files(path / "frames")) return false;
-    return std::all_of(fs::directory_iterator(path), fs::directory_iterator(), [](const auto& entry) {
-        const fs::path& file = entry.path();
-        return file.filename().string().front() == '.' || is_of_a_run(file, file.stem().string());
-    });
-}
-
-void put_aside(const fs::path& path) {
-    fs::create_directory(path / on_their_way);
-    for (const fs::path& file : files_of_run(path)) fs::rename(file, path / on_their_way / file.filename());
-    fs::rename(path / on_their_way, path / replaced);
-}
-
-/// In steps that may each be the last one: what was interrupted is completed by the next call. A finished video is not of the run that
-/// made no frame.
-void put_back(const fs::path& path) {
-    if (fs::exists(path / replaced)) {
-        for (const fs::path& file : files_of_run(path))
-            if (!is_video(file)) fs::remove_all(file);
-        fs::rename(path / replaced, path / on_their_way);
-    }
-    if (!fs::exists(path / on_their_way)) return;
-    std::vector<fs::path> files;
-    for (const auto& entry : fs::directory_iterator(path / on_their_way)) files.push_back(entry.path());
-    for (const fs::path& file : files) fs::rename(file, path / file.filename());
-    fs::remove(path / on_their_way);
-}
-
-/// What tells the run from others that stood in its folder: when it began, as its log says, to which a run that goes on adds.
+/// Identifies the run among others in the same folder: the time when it began, the first line of its log.
 std::string beginning_of(const fs::path& path) {
     std::string line;
     std::ifstream log(path / "log.txt");
@@ -111,7 +76,7 @@ std::string beginning_of(const fs::path& path) {
     return line.substr(0, line.find(']') + 1);
 }
 
-/// Without what stands behind the name in "out/honey/".
+/// Without the last slash in "out/honey/".
 fs::path plain(const fs::path& path) {
     const fs::path normal = path.lexically_normal();
     return normal.has_filename() ? normal : normal.parent_path();
@@ -124,35 +89,11 @@ fs::path free_name(const fs::path& path) {
     return kept;
 }
 
-/// Ends what a run began that was to replace another, and did not: nothing is lost. @return what became of that one, "" where there is none
-std::string settle(const fs::path& path) {
-    if (fs::exists(path / replaced) && has_begun(path)) {
-        const fs::path kept = free_name(path);
-        fs::rename(path / replaced, kept);
-        return "the run that stood in " + path.string() + " is now in " + kept.string() + ": the one that was to replace it ended early";
-    }
-    if (!fs::exists(path / replaced) && !fs::exists(path / on_their_way)) return {};
-    put_back(path);
-    return "the run that stood in " + path.string() + " is there again: the one that was to replace it has no frame";
-}
-
-/// Jobs of Slurm's that a farm began in the folder and that have not ended, as it wrote them down; "" where there are none.
+/// Slurm jobs that a farm started in the folder and that have not ended; "" if there are none.
 std::string living_jobs(const fs::path& path) {
     std::ifstream in(path / "farm" / "jobs.txt");
     std::string jobs;
     return in >> jobs && slurm_jobs_live(jobs) ? jobs : "";
-}
-
-/// Those that have been spoken of.
-std::set<dev_t>& known_disks() {
-    static std::set<dev_t> known;
-    return known;
-}
-
-/// Whether the disk has not been spoken of. @param folder open
-bool is_new_disk(int folder) {
-    struct stat about {};
-    return ::fstat(folder, &about) != 0 || known_disks().insert(about.st_dev).second;
 }
 
 /// @return the folder's new name
@@ -197,10 +138,7 @@ nlohmann::json report_of(const fs::path& path) {
     return run;
 }
 
-bool is_run_folder(const fs::path& path) {
-    return report_of(path).contains("whorl") || fs::exists(path / "scene.resolved.toml") || fs::exists(path / replaced) ||
-           fs::exists(path / on_their_way);
-}
+bool is_run_folder(const fs::path& path) { return report_of(path).contains("whorl") || fs::exists(path / "scene.resolved.toml"); }
 
 RunFolder::RunFolder(fs::path path, Hold hold) : path_(std::move(path)) {
     // The lock goes with the process, however it ends.
@@ -221,34 +159,18 @@ RunFolder::RunFolder(fs::path path, Hold hold) : path_(std::move(path)) {
         throw InputError({path_.string(), 0, 0}, "another run is at work in this folder",
                          "wait for it, or choose another folder with --out");
     }
-    const int why = errno;
-    if (is_new_disk(lock_))
-        note_ = fmt::format("the disk of {} has no locks ({}): see to it that no other run is at work there", path_.string(),
-                            std::strerror(why));
+    note_ = fmt::format("the disk of {} has no locks ({}): make sure that no other run works there", path_.string(), std::strerror(errno));
 }
 
 RunFolder::RunFolder(RunFolder&& other) noexcept
-    : path_(std::move(other.path_)), note_(std::move(other.note_)), lock_(other.lock_), replaces_(other.replaces_) {
-    other.lock_ = -1, other.replaces_ = false;
-}
+    : path_(std::move(other.path_)), note_(std::move(other.note_)), lock_(std::exchange(other.lock_, -1)) {}
 
 RunFolder::~RunFolder() {
-    try {
-        if (const std::string note = replaces_ ? settle(path_) : ""; !note.empty()) fmt::print(stderr, "whorl: {}\n", note);
-    } catch (const std::exception&) {  // the folder was removed, say; the next run does what is left to do
-    }
     if (lock_ >= 0) ::close(lock_);
 }
 
 void RunFolder::add_note(const std::string& sentence) {
     if (!sentence.empty()) note_ += (note_.empty() ? "" : "; ") + sentence;
-}
-
-void RunFolder::stands() {
-    std::error_code left;  // what cannot be removed now goes at the end
-    if (replaces_) fs::remove_all(path_ / replaced, left);
-    if (left) return;
-    replaces_ = false;
 }
 
 /// A farm holds its own folder in the run's, because its tasks make the run, not itself. @throws InputError where it is at work, or its
@@ -265,32 +187,27 @@ void RunFolder::check_fresh(const fs::path& path) {
     refuse_file(path);
     refuse_other_files(path);
     if (!fs::exists(path)) return;
-    const std::set<dev_t> known = known_disks();  // what is to be told of one, fresh() tells
-    const RunFolder held(path);
+    const RunFolder held(path, Hold::alone);
     refuse_farm(path);
-    known_disks() = known;
 }
 
 RunFolder RunFolder::fresh(const fs::path& path, Earlier earlier) {
     make_folder(path);
     if (fs::is_empty(path)) return RunFolder(path);
     refuse_other_files(path);
-    RunFolder folder(path);  // nobody is at work in it
-    folder.add_note(settle(path));
+    RunFolder folder(path);  // no other process works in it
     refuse_farm(path);
-    const bool is_over = earlier == Earlier::begun_again || (earlier == Earlier::replaced && report_of(path).empty());
-    if (is_over && !has_begun(path)) {                   // also a farm's folder
-        for (const fs::path& file : files_of_run(path))  // by its scene the folder is a run's until that is written anew
-            if (file.filename() != "scene.resolved.toml" && !is_video(file)) fs::remove_all(file);
-    } else if (earlier == Earlier::replaced) {
-        put_aside(path);
-        folder.replaces_ = true;
-        folder.add_note("the run that stood in " + path.string() + " is replaced");
-    } else folder.keep();
+    const bool begun = has_begun(path);
+    if (earlier == Earlier::kept || (earlier == Earlier::begun_again && begun)) folder.keep();
+    else {
+        if (begun) folder.add_note("the run in " + path.string() + " is replaced");
+        for (const fs::path& file : files_of_run(path))  // the scene marks the folder as a run's until it is written again
+            if (file.filename() != "scene.resolved.toml") fs::remove_all(file);
+    }
     return folder;
 }
 
-/// Renames what stands there, and goes on with an empty folder.
+/// Renames the folder, and continues with an empty one.
 void RunFolder::keep() {
     add_note("the run that stood in " + path_.string() + " is now in " + set_aside(path_).string());
     make_folder(path_);
@@ -307,9 +224,7 @@ RunFolder RunFolder::existing(const fs::path& path, Hold hold) {
     }
     if (!fs::is_directory(path)) throw InputError({path.string(), 0, 0}, "there is no such folder", "", allowed);
     if (!is_run_folder(path)) throw InputError({path.string(), 0, 0}, "no run folder (it has no run.json)");
-    RunFolder folder(path, hold);
-    if (hold == Hold::alone) folder.add_note(settle(path));
-    return folder;
+    return RunFolder(path, hold);
 }
 
 RunFolder RunFolder::drawing(const fs::path& path, const fs::path& of, const std::string& scene, Hold hold) {
@@ -318,23 +233,13 @@ RunFolder RunFolder::drawing(const fs::path& path, const fs::path& of, const std
         return nlohmann::json::parse(json_text(text)).get<std::string>();
     };  // also odd bytes
     const std::string source = as_written(fs::canonical(of).string()), began = as_written(beginning_of(of));
-    // Marks of earlier builds do not say when the run began.
-    const auto is_marked = [&](const std::string& where_missing) {
+    const auto is_marked = [&] {
         const nlohmann::json report = report_of(path);
-        return report.value("drawn_from", "") == source && report.value("run_began", where_missing) == began;
+        return report.value("drawn_from", "") == source && report.value("run_began", "") == began;
     };
-    std::string note;
-    if (has_files(path) && !is_marked(began)) {
-        if (is_run_folder(path) || !holds_drawings(path)) note = fresh(path).note();
-        else {
-            RunFolder drawn(path);
-            drawn.keep();
-            note = drawn.note();
-        }
-    }
+    const std::string note = has_files(path) && !is_marked() ? fresh(path).note() : "";
     RunFolder folder(path, hold);
-    if (note.empty()) note = folder.note_;
-    folder.note_ = note;
+    folder.add_note(note);
     // Under a name of its own: another range may be drawn at the same time.
     const auto write = [&](const char* name, const std::string& text) {
         const fs::path temporary = path / fmt::format(".{}.{}", name, getpid());
@@ -346,7 +251,7 @@ RunFolder RunFolder::drawing(const fs::path& path, const fs::path& of, const std
                                       {"status", "drawn"},
                                       {"drawn_from", source},
                                       {"run_began", began}};
-    if (!is_marked("")) write("run.json", json_text(mark, 2) + "\n");
+    if (!is_marked()) write("run.json", json_text(mark, 2) + "\n");
     write("scene.resolved.toml", scene);
     return folder;
 }

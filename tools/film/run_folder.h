@@ -10,13 +10,12 @@ namespace whorl {
 class RunFolder {
 public:
     enum class Earlier { kept, replaced, begun_again };
-    /// A new run: makes the folder. A run that stands there already is kept under the name NAME.1, or the first number that is free. Where
-    /// it is to be replaced, its files go when the new one stands(); other files stay, such as videos of other names. Where it is begun
-    /// again, and has nothing to show, its files go at once, and nothing is said of it.
-    /// @throws InputError where it holds something that is no run, or another process or a farm's jobs are at work in it; EnvironmentError
-    /// where it cannot be made
+    /// A new run: makes the folder. `kept`: a run that is already there is renamed to NAME.1, or the first number that is free. `replaced`:
+    /// its files are deleted; other files stay, such as videos of other names. `begun_again`: the same, but a run with frames is kept.
+    /// @throws InputError if it holds something that is not a run, or another process or a farm's jobs work in it; EnvironmentError if it
+    /// cannot be made
     static RunFolder fresh(const std::filesystem::path& path, Earlier earlier = Earlier::kept);
-    /// What fresh() refuses, before there is anything to write: it writes nothing. @throws InputError as fresh()
+    /// Refuses what fresh() refuses, and writes nothing. @throws InputError as fresh()
     static void check_fresh(const std::filesystem::path& path);
     enum class Hold { alone, shared };
     /// A run to go on with. @throws InputError where there is none, or another process is at work in it (that does not share it, too)
@@ -31,13 +30,8 @@ public:
     RunFolder(RunFolder&& other) noexcept;
 
     const std::filesystem::path& path() const { return path_; }
-    /// What became of the run that stood there, and what else there is to know, as sentences; "" where there is nothing.
+    /// What became of an earlier run, and other remarks, as sentences; "" if there are none.
     const std::string& note() const { return note_; }
-    /// The new run is no slip: the one that it replaces goes. Without this, also after a power cut, that one comes back where the new one
-    /// has no frame yet, and is kept under the name NAME.1 where it has.
-    void stands();
-    /// Whether there is one that it may yet give way to.
-    bool replaces() const { return replaces_; }
 
 private:
     explicit RunFolder(std::filesystem::path path, Hold hold = Hold::alone);
@@ -47,7 +41,6 @@ private:
     std::filesystem::path path_;
     std::string note_;
     int lock_ = -1;
-    bool replaces_ = false;
 };
 
 /// The folder's run.json; empty where there is none. Names, states and counts of frames that are no such values are left out.

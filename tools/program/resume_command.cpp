@@ -29,10 +29,7 @@ std::optional<double> wanted_end(const Options& options, const Scene& scene) {
 
 int resume(const ResumeOptions& options) {
     set_threads(options.shared.threads);
-    {  // throws where there is no run, or somebody is at work in it
-        const RunFolder held = RunFolder::existing(options.folder);
-        if (!held.note().empty()) tell_note(held.note(), options.shared.json);
-    }
+    RunFolder::existing(options.folder);  // throws if there is no run, or another process works in it
     RunRequest request;
     request.file = read_scene_file(options.folder / "scene.resolved.toml");
     if (const auto until = wanted_end(options.shared, request.file.scene)) {
