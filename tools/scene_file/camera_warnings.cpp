@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -15,57 +16,32 @@ constexpr double least_part = 0.02;  ///< of the picture's height that the domai
 
 std::string point(const Vec3f& x) { return fmt::format("[{:.4g}, {:.4g}, {:.4g}]", x.x(), x.y(), x.z()); }
 
-using Polygon = std::vector<Vec3d>;
-
-/// The part of a polygon where normal . x >= least.
-Polygon clipped(const Polygon& polygon, const Vec3d& normal, double least) {
-    Polygon kept;
-    for (std::size_t k = 0; k < polygon.size(); ++k) {
-        const Vec3d &a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
-        const double before = normal.dot(a) - least, after = normal.dot(b) - least;
-        if (before >= 0) kept.push_back(a);
-        if ((before < 0) != (after < 0)) kept.push_back(a + before / (before - after) * (b - a));
-    }
-    return kept;
-}
-
-/// The six sides of a box.
-std::vector<Polygon> sides_of(const Vec3d& low, const Vec3d& high) {
-    std::vector<Polygon> sides;
-    for (int a = 0; a < 3; ++a)
-        for (const Vec3d& at : {low, high}) {
-            const int b = (a + 1) % 3, c = (a + 2) % 3;
-            Polygon side(4, at);
-            for (int k = 0; k < 4; ++k) side[k][b] = k == 1 || k == 2 ? high[b] : low[b], side[k][c] = k > 1 ? high[c] : low[c];
-            sides.push_back(side);
-        }
-    return sides;
-}
-
-/// What a picture from there would show of the box.
-struct Seen {
-    bool any = false;
-    double part = 0;  ///< its larger side in the picture over the picture's height
-};
-Seen seen_from(const View& view, float aspect, const Vec3f& low, const Vec3f& high) {
-    const Vec3d ahead = (view.target - view.position).cast<double>().normalized();
+/// The larger side of a box in the picture over the picture's height; 0: no corner is in the picture, and no ray through it meets the box.
+double part_of_picture(const View& view, double aspect, const Vec3d& low, const Vec3d& high) {
+    const Vec3d position = view.position.cast<double>(), ahead = (view.target - view.position).cast<double>().normalized();
     const Vec3d side = ahead.cross(view.up.cast<double>()).normalized(), above = side.cross(ahead);
-    const double tall = std::tan(0.5 * static_cast<double>(view.fov) * std::numbers::pi / 180), wide = static_cast<double>(aspect) * tall;
-    // A box that the view meets has a part of a side in it, even with the camera inside.
-    Vec3d from = Vec3d::Constant(1e300), to = -from;
-    const Vec3d position = view.position.cast<double>(), near = low.cast<double>() - position, far = high.cast<double>() - position;
-    for (Polygon polygon : sides_of(near, far)) {
-        polygon = clipped(polygon, ahead, 1e-6 * (far - near).norm());
-        for (const int sign : {-1, 1}) {
-            polygon = clipped(polygon, wide * ahead + sign * side, 0);
-            polygon = clipped(polygon, tall * ahead + sign * above, 0);
+    const double tall = std::tan(0.5 * static_cast<double>(view.fov) * std::numbers::pi / 180);
+    const Eigen::AlignedBox3d box(low - position, high - position);
+    Eigen::AlignedBox2d seen;
+    bool any = false, behind = false;
+    for (int corner = 0; corner < 8; ++corner) {
+        const Vec3d x = box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner));
+        const double far = tall * x.dot(ahead);
+        if (far <= 0) {
+            behind = true;
+            continue;
         }
-        for (const Vec3d& x : polygon) {
-            const Vec3d seen = Vec3d(x.dot(side), x.dot(above), 0) / (2 * tall * x.dot(ahead));
-            from = from.cwiseMin(seen), to = to.cwiseMax(seen);
-        }
+        const Eigen::Vector2d at(x.dot(side) / far, x.dot(above) / far);
+        seen.extend(at), any = any || (std::abs(at.x()) <= aspect && std::abs(at.y()) <= 1);
     }
-    return from.x() > to.x() ? Seen{} : Seen{true, (to - from).maxCoeff()};
+    constexpr int rays = 16;  // along each axis of the picture
+    for (int k = 0; !any && k <= rays * rays; ++k) {
+        const double u = 2.0 * (k % rays) / (rays - 1) - 1, v = 2.0 * (k / rays) / rays - 1;
+        const Vec3d inverse = (ahead + tall * (aspect * u * side + v * above)).cwiseInverse();
+        const Vec3d a = box.min().cwiseProduct(inverse), b = box.max().cwiseProduct(inverse);
+        any = std::max(0.0, a.cwiseMin(b).maxCoeff()) <= a.cwiseMax(b).minCoeff();
+    }
+    return !any ? 0 : behind ? 1 : 0.5 * seen.sizes().maxCoeff();
 }
 
 /// The keys that say where the camera stands, looks and what is up.
@@ -132,7 +108,7 @@ std::vector<std::string> view_warnings(const SceneFile& file) {
     for (const CameraKey& key : camera.keys)
         if (camera.kind == "keys" && key.time <= scene.time.end) times.push_back(key.time);
     const Vec3f low = scene.domain.min.cast<float>(), high = scene.domain.max.cast<float>(), middle = 0.5f * (low + high);
-    const float aspect = static_cast<float>(scene.output.size[0]) / static_cast<float>(scene.output.size[1]);
+    const double aspect = static_cast<double>(scene.output.size[0]) / scene.output.size[1];
     for (const double time : times) {
         const View view = view_at(camera, time, low, high);
         const CameraNames name = names_of(camera, time);
@@ -143,14 +119,14 @@ std::vector<std::string> view_warnings(const SceneFile& file) {
         if (ahead.normalized().cross(view.up.normalized()).norm() < 1e-4f)
             return {fmt::format("{}: the camera looks along what is up in the picture, {}{}: take another direction", name.up,
                                 point(view.up), when)};
-        const Seen seen = seen_from(view, aspect, low, high);
+        const double part = part_of_picture(view, aspect, scene.domain.min, scene.domain.max);
         const float away = (middle - view.position).norm();
-        if (!seen.any)
+        if (part == 0)
             return {fmt::format("{}: the camera at {} looks past the whole domain{}; {} is its middle", name.target, point(view.position),
                                 when, point(middle))};
-        if (seen.part < least_part)
+        if (part < least_part)
             return {fmt::format("{}: the domain is {:.2g} % of the picture's height, the camera is {:.3g} m away{}; lengths are in metres",
-                                name.position, 100 * seen.part, away, when)};
+                                name.position, 100 * part, away, when)};
         std::vector<std::string> of_lens;
         if (camera.kind != "auto") warn_of_lens(file, view, name.fov, when, of_lens);
         if (!of_lens.empty()) return of_lens;
