@@ -17,7 +17,7 @@ constexpr double lightest_body = 10;                        // kg/m^3; foams hav
 constexpr double strongest_tension = 4;                     // N/m; molten metals have up to 2.7
 constexpr double strongest_gravity = 300;                   // m/s^2; the sun's is 274
 
-/// "5 m", "0.3 mm": as people say a length.
+/// A length with a unit that suits it: "5 m", "0.3 mm".
 std::string length(double metres) {
     if (metres >= 1000) return fmt::format("{:.3g} km", metres / 1000);
     if (metres >= 0.1) return fmt::format("{:.3g} m", metres);
@@ -30,9 +30,13 @@ public:
     ScaleWarnings(const Scene& scene, const SceneShapes& shapes) : scene_(scene), shapes_(shapes) {}
 
     std::vector<ScaleWarning> all() {
-        film();
-        domain();
-        properties();
+        const double room = longest_side(scene_.domain), g = scene_.domain.gravity(0).norm();
+        if (scene_.time.fps > most_fps)
+            add("time.fps", " = {:g}: no player shows that many frames per second; use time.slow_motion to slow the video down",
+                scene_.time.fps);
+        if (room > longest_domain) add("domain.max", ": the domain is {} long; lengths are in metres", length(room));
+        if (g > strongest_gravity) add("domain.gravity", " = {:g} is {:.3g} times the earth's; it is in m/s^2", g, g / 9.81);
+        if (has_units()) properties();
         for (std::size_t i = 0; i < scene_.emitters.size(); ++i) emitter(entry_name("emitter", i), scene_.emitters[i]);
         speeds();
         for (std::size_t i = 0; i < scene_.solids.size(); ++i) solid(entry_name("solid", i), i);
@@ -43,24 +47,10 @@ public:
     }
 
 private:
-    void add(const std::string& key, const std::string& text) { found_.push_back({key, text}); }
-
-    void film() {
-        if (const TimeKeys& t = scene_.time; t.fps > most_fps)
-            add("time.fps",
-                fmt::format("time.fps = {:g}: no player shows so many pictures a second; time.fps = 24 and time.slow_motion = {:.4g} "
-                            "take the same pictures, and show them slowly",
-                            t.fps, t.slow_motion * t.fps / 24));
-    }
-
-    void domain() {
-        if (longest_side(scene_.domain) > longest_domain)
-            add("domain.max",
-                fmt::format("domain.max: the domain is {} long; lengths are in metres, and {:g} mm would be {:g}",
-                            length(longest_side(scene_.domain)), longest_side(scene_.domain), longest_side(scene_.domain) / 1000));
-        if (const double g = scene_.domain.gravity(0).norm(); g > strongest_gravity)
-            add("domain.gravity", fmt::format("domain.gravity = {:g} m/s^2 is {:.3g} times that of the earth; it is in m/s^2, not {}/s^2",
-                                              g, g / 9.81, g < 3000 ? "cm" : "mm"));
+    /// @param text what follows the key
+    template <class... T>
+    void add(const std::string& key, fmt::format_string<T...> text, T&&... values) {
+        found_.push_back({key, key + fmt::format(text, std::forward<T>(values)...)});
     }
 
     /// Flows without dimensions are written with a density of 1, and with no gravity or one of 1; the earth's has units.
@@ -70,58 +60,36 @@ private:
                std::any_of(times.begin(), times.end(), [&](double t) { return std::abs(scene_.domain.gravity(t).norm() - 9.81) < 0.25; });
     }
     void properties() {
-        if (!has_units()) return;
-        const double rho = scene_.fluid.density;
-        if (rho < lightest)
-            add("fluid.density",
-                fmt::format("fluid.density = {:g} kg/m^3 is that of a gas (air has 1.2, water 1000): {:g} g/cm^3 would be {:g}", rho, rho,
-                            1000 * rho));
-        if (rho > heaviest)
-            add("fluid.density",
-                fmt::format("fluid.density = {:g} kg/m^3 is more than that of any liquid (water has 1000, mercury 13500)", rho));
+        if (const double rho = scene_.fluid.density; rho < lightest || rho > heaviest)
+            add("fluid.density", " = {:g}: liquids have {:g} to {:g} kg/m^3 (water 1000, air 1.2)", rho, lightest, heaviest);
         if (const double tension = scene_.fluid.surface_tension; tension > strongest_tension)
-            add("fluid.surface_tension", fmt::format("fluid.surface_tension = {:g} N/m is more than that of any liquid (water has 0.072, "
-                                                     "mercury 0.49): {:g} mN/m would be {:g}",
-                                                     tension, tension, tension / 1000));
-        for (std::size_t i = 0; i < scene_.solids.size(); ++i) {
-            const std::string key = entry_name("solid", i) + ".density";
-            const double body = scene_.solids[i].density;
-            if (body > 0 && body < lightest_body)
-                add(key, fmt::format("{} = {:g} kg/m^3 is less than that of any foam (cork has 200, wood 600), as only hollow bodies have: "
-                                     "{:g} g/cm^3 would be {:g}",
-                                     key, body, body, 1000 * body));
-            if (body > heaviest)
-                add(key, fmt::format("{} = {:g} kg/m^3 is more than that of any solid (steel has 7800, gold 19300)", key, body));
-        }
+            add("fluid.surface_tension", " = {:g}: liquids have up to {:g} N/m (water 0.072)", tension, strongest_tension);
+        for (std::size_t i = 0; i < scene_.solids.size(); ++i)
+            if (const double body = scene_.solids[i].density; body > 0 && (body < lightest_body || body > heaviest))
+                add(entry_name("solid", i) + ".density", " = {:g}: solids have {:g} to {:g} kg/m^3 (cork 200, steel 7800)", body,
+                    lightest_body, heaviest);
     }
 
     void emitter(const std::string& name, const EmitterKeys& e) {
         const bool disc = e.shape == "disc";
         const double across = disc ? 2 * e.radius : std::max(e.width, scene_.domain.dimensions == 2 ? 0 : e.thickness);
-        const double given = disc ? e.radius : across;
-        const std::string key = name + (disc ? ".radius" : e.width >= e.thickness ? ".width" : ".thickness");
         if (across > widest_opening)
-            add(key, fmt::format("{} = {:g}: the nozzle is {} across; lengths are in metres, and {:g} mm would be {:g}", key, given,
-                                 length(across), given, given / 1000));
+            add(name + (disc                     ? ".radius"
+                        : e.width >= e.thickness ? ".width"
+                                                 : ".thickness"),
+                ": the nozzle is {} across; lengths are in metres", length(across));
     }
 
-    /// Fluid that no picture of the film shows on its way, of centimetres a second as a rule.
-    void too_fast_to_see(const std::string& key, double u) {
-        const double room = longest_side(scene_.domain), picture = 1 / (std::max(24.0, scene_.time.fps) * scene_.time.slow_motion);
-        if (u > 1 && u <= fastest_fluid && u * picture > room)
-            add(key, fmt::format("{}: {:.4g} m/s crosses the whole domain of {} in {:.2g} s, less than a picture of the film takes; {:.4g} "
-                                 "cm/s would be {:.4g}",
-                                 key, u, length(room), room / u, u, u / 100));
-    }
-
-    /// Of everything, the largest over the run.
+    /// Maximum over the run of every speed.
     void speeds() {
-        const double end = scene_.time.end;
+        const double end = scene_.time.end, room = longest_side(scene_.domain),
+                     frame = 1 / (std::max(24.0, scene_.time.fps) * scene_.time.slow_motion);
         for (std::size_t i = 0; i < scene_.emitters.size(); ++i) {
             const std::string key = entry_name("emitter", i) + ".speed";
-            const double fastest = fastest_of(scene_.emitters[i], end);
-            speed(key, "fluid", fastest);
-            too_fast_to_see(key, fastest);
+            const double u = fastest_of(scene_.emitters[i], end);
+            speed(key, "fluid", u);
+            if (u > 1 && u <= fastest_fluid && u * frame > room)
+                add(key, ": {:.4g} m/s crosses the whole domain of {} in less than a frame; speeds are in m/s", u, length(room));
         }
         for (std::size_t i = 0; i < scene_.blocks.size(); ++i)
             speed(entry_name("block", i) + ".velocity", "fluid",
@@ -137,14 +105,12 @@ private:
             speed(entry_name("solid", i) + (free    ? ".velocity"
                                             : turns ? ".rotation"
                                                     : ".position"),
-                  "solid", free ? s.velocity.norm() : fastest_of(s, shapes_.solid_extent[i], end), turns);
+                  "solid", free ? s.velocity.norm() : fastest_of(s, shapes_.solid_extent[i], end));
         }
     }
-    void speed(const std::string& key, const char* what, double u, bool turns = false) {
-        if (!(u > fastest_fluid) || std::isinf(u)) return;
-        const std::string slip = turns ? "rotation is in rad/s, and a turn a second is 6.28"
-                                       : fmt::format("speeds are in m/s, and {0:.4g} mm/s would be {1:.4g}", u, u / 1000);
-        add(key, fmt::format("{}: the {} moves with {:.4g} m/s, {:.0f} km/h; {}", key, what, u, 3.6 * u, slip));
+    void speed(const std::string& key, const char* what, double u) {
+        if (u > fastest_fluid && std::isfinite(u))
+            add(key, ": the {} moves at {:.4g} m/s, {:.0f} km/h; speeds are in m/s, rotations in rad/s", what, u, 3.6 * u);
     }
 
     /// A floor may be much wider than what flows on it.
@@ -154,12 +120,11 @@ private:
         const double across = longest_side(e, scene_.domain.dimensions), room = longest_side(scene_.domain);
         const std::string key = name + "." + size_key(shape);
         if (across > (mesh ? 20 : 100) * room)
-            add(key, fmt::format("{}: the {} is {} across in a domain of {}; {}", key, shape.kind, length(across), length(room),
-                                 mesh ? "a mesh in millimetres needs scale = 1e-3"
-                                      : fmt::format("lengths are in metres, and {:g} mm would be {:g}", across, across / 1000)));
+            add(key, ": the {} is {} across in a domain of {}; {}", shape.kind, length(across), length(room),
+                mesh ? "a mesh in millimetres needs scale = 1e-3" : "lengths are in metres");
         else if (mesh && across < 2 * scene_.fluid.spacing)
-            add(key, fmt::format("{}: the mesh is {} across, less than two particles of {}; scale is in metres per unit of the file", key,
-                                 length(across), length(scene_.fluid.spacing)));
+            add(key, ": the mesh is {} across, less than two particles of {}; scale is in metres per unit of the file", length(across),
+                length(scene_.fluid.spacing));
         else return false;
         return true;
     }
@@ -170,9 +135,8 @@ private:
         // Walls at the domain's end hold fluid: their particles stand outside.
         if (size(name, s.shape, e) || !s.inside || !holds_domain(*shapes_.solids.all[i].shape, s.position(0), scene_.fluid.spacing)) return;
         const double across = longest_side(e, scene_.domain.dimensions);
-        const std::string key = name + "." + size_key(s.shape);
-        add(key, fmt::format("{}: the whole domain of {} lies inside of this container, which is {} across: it holds nothing; {}", key,
-                             length(longest_side(scene_.domain)), length(across), size_hint(s.shape, across)));
+        add(name + "." + size_key(s.shape), ": this container is {} across and holds the whole domain of {}, so it holds nothing back; {}",
+            length(across), length(longest_side(scene_.domain)), size_hint(s.shape, across));
     }
 
     void drain(const std::string& name, std::size_t i) {
@@ -182,9 +146,8 @@ private:
         if (limits_age || d.after >= scene_.time.end) return;
         if (!holds_domain(*shapes_.drains[i], Vec3d::Zero(), -0.5 * scene_.fluid.spacing)) return;
         const double across = longest_side(shapes_.drain_extent[i], scene_.domain.dimensions);
-        const std::string key = name + "." + size_key(d.shape);
-        add(key, fmt::format("{}: the drain is {} across and takes in the whole domain of {}: all fluid is gone at {:g} s; {}", key,
-                             length(across), length(longest_side(scene_.domain)), d.after, size_hint(d.shape, across)));
+        add(name + "." + size_key(d.shape), ": the drain is {} across and holds the whole domain of {}: no fluid is left after {:g} s; {}",
+            length(across), length(longest_side(scene_.domain)), d.after, size_hint(d.shape, across));
     }
     /// Whether a shape that has moved holds all corners of the domain, and as much around it. Nothing stands beyond a periodic end.
     bool holds_domain(const Shape& shape, const Vec3d& moved, double around) const {
@@ -213,9 +176,7 @@ const char* size_key(const ShapeKeys& shape) {
     return shape.kind == "cylinder" && (shape.to - shape.from).norm() > 2 * shape.radius ? "to" : "radius";
 }
 
-std::string size_hint(double across) {
-    return fmt::format("lengths are in metres: for millimetres take a thousandth, {:.3g} m across", across / 1000);
-}
+std::string size_hint(double across) { return fmt::format("lengths are in metres: millimetres would be {:.3g} m across", across / 1000); }
 
 std::string size_hint(const ShapeKeys& shape, double across) {
     if (shape.kind == "mesh") return fmt::format("a mesh in millimetres needs scale = {:.3g}", shape.scale < 1 ? 1e-3 * shape.scale : 1e-3);
