@@ -9,7 +9,6 @@
 #include "engine/core/clock.h"
 #include "engine/theory/falling_thread.h"
 #include "tests/support/scratch.h"
-#include "tools/cost/coarse_run.h"
 #include "tools/cost/estimate.h"
 #include "tools/cost/pace.h"
 #include "tools/cost/sample_run.h"

@@ -1,11 +1,10 @@
-#include "tools/film/film_extent.h"
-
 #include <catch2/catch.hpp>
 #include <fstream>
 
 #include "engine/io/snapshot.h"
 #include "tests/support/film_runs.h"
 #include "tests/support/program.h"
+#include "tools/film/first_pass.h"
 #include "tools/film/panel_scenes.h"
 
 using namespace whorl;

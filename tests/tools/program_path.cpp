@@ -1,11 +1,10 @@
-#include "tools/process/program_path.h"
-
 #include <catch2/catch.hpp>
 #include <fstream>
 
 #include "engine/io/files.h"
 #include "tests/support/program.h"
 #include "tests/support/scratch.h"
+#include "tools/process/process.h"
 
 using namespace whorl;
 namespace fs = std::filesystem;

@@ -10,8 +10,8 @@
 #include "tests/support/film_runs.h"
 #include "tests/support/program.h"
 #include "tests/support/scenes.h"
+#include "tools/film/report.h"
 #include "tools/film/resume_run.h"
-#include "tools/film/run_times.h"
 
 using namespace whorl;
 using test::Outcome;

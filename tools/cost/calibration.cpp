@@ -4,6 +4,7 @@
 #include <malloc.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <functional>
@@ -20,7 +21,6 @@
 #include "render/image/exr.h"
 #include "render/look/camera.h"
 #include "render/look/field_values.h"
-#include "tools/cost/coarse_run.h"
 #include "tools/cost/estimate.h"
 #include "tools/cost/sample_run.h"
 #include "tools/process/usage.h"
@@ -321,6 +321,41 @@ void keep_calibration(const SceneFile& file, const Plan& plan, const Calibration
     write_text(own, all.dump(1) + "\n");
     fs::rename(own, calibration_file());
 } catch (const std::exception&) {  // it is measured again next time
+}
+
+StepCosts mean(const StepCosts& a, const StepCosts& b) {
+    StepCosts half;
+    for (const StepCosts* costs : {&a, &b})
+        for (const auto& [name, cost] : *costs) half[name].particle += 0.5 * cost.particle, half[name].waits += 0.5 * cost.waits;
+    return half;
+}
+
+void StepMeter::begin(const Simulation& simulation) {
+    with_all_ = !with_all_ && threads() > 1;
+    if (!with_all_) alone_.emplace();
+    times_ = simulation.times(), totals_ = simulation.totals();
+}
+
+void StepMeter::end(const Simulation& simulation) {
+    alone_.reset();
+    Sum& sum = with_all_ ? all_ : one_;
+    for (const auto& [name, t] : simulation.times()) {
+        const auto before = times_.find(name);
+        sum.cpu[name] += t.cpu - (before == times_.end() ? 0 : before->second.cpu);
+    }
+    sum.particle_steps += simulation.totals().particle_steps - totals_.particle_steps;
+    sum.steps += simulation.totals().steps - totals_.steps;
+}
+
+StepCosts StepMeter::costs() const {
+    StepCosts costs;
+    const Sum& own = one_.particle_steps > 0 ? one_ : all_;
+    for (const auto& [name, cpu] : own.cpu) costs[name].particle = cpu / std::max(1.0, own.particle_steps);
+    if (one_.particle_steps > 0 && all_.particle_steps > 0)
+        for (const auto& [name, cpu] : all_.cpu)
+            costs[name].waits =
+                std::max(0.0, cpu - costs[name].particle * all_.particle_steps) / static_cast<double>(std::max(1L, all_.steps));
+    return costs;
 }
 
 }  // namespace whorl

@@ -11,7 +11,7 @@
 #include "tools/film/first_pass.h"
 #include "tools/film/panel_scenes.h"
 #include "tools/film/run_folder.h"
-#include "tools/process/program_path.h"
+#include "tools/process/process.h"
 #include "tools/scene_file/camera_warnings.h"
 
 namespace whorl {

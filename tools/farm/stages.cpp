@@ -17,8 +17,7 @@
 #include "engine/core/errors.h"
 #include "engine/core/whole_file.h"
 #include "render/video/process.h"
-#include "tools/process/exit_codes.h"
-#include "tools/process/slurm_job.h"
+#include "tools/process/process.h"
 
 namespace whorl {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/process/interrupt.h"
+#include "tools/process/process.h"
 
 namespace whorl {
 

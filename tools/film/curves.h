@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "render/image/canvas.h"
+#include "render/image/image.h"
 #include "render/look/overlay.h"
 
 namespace whorl {
@@ -44,5 +45,15 @@ struct CurvePlot {
 };
 /// Plots side by side under a title, each with its legend, names and units on both axes.
 Canvas draw_plots(const std::string& title, const std::vector<CurvePlot>& plots);
+
+struct PanelChart {
+    std::string title;          ///< of the values
+    std::vector<Curve> curve;   ///< over time [s]; their whole length decides the axes
+    int width = 0, height = 0;  ///< pixels
+    bool dark = false;          ///< pale lines on black
+
+    /// Curves are strong up to this time [s] and pale after it.
+    Image at(double time) const;
+};
 
 }  // namespace whorl

@@ -5,12 +5,21 @@
 #include <string>
 #include <vector>
 
+#include "engine/particles/store.h"
 #include "engine/scene/scene.h"
 #include "render/export/gltf.h"
 #include "render/export/vtk.h"
-#include "tools/film/picture_options.h"
+#include "render/look/camera.h"
+#include "render/look/look_options.h"
+#include "render/surface/surface.h"
 
 namespace whorl {
+
+struct PictureOptions {
+    SurfaceOptions surface;
+    CameraOptions camera;
+    LookOptions look;
+};
 
 struct ExportOptions {
     std::filesystem::path folder;    ///< the run folder

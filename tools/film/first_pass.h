@@ -1,9 +1,60 @@
 #pragma once
-/// What only the flow itself can tell, found before the film by running it coarsely.
+/// The camera box and the colour range of a whole film, found before it: from the scene alone, or from a coarse run.
+#include <Eigen/Geometry>
+#include <array>
+
+#include "engine/io/frame.h"
 #include "engine/sim/simulation.h"
+#include "render/look/look_options.h"
 #include "tools/scene_file/scene_file.h"
 
 namespace whorl {
+
+using Extent = Eigen::AlignedBox3f;  ///< m, in the world's axes
+
+/// Grows by what a frame shows: 99 % of the fluid along each axis, so that a few drops do not widen the picture; the openings that fluid
+/// comes from; the solids that stand elsewhere than at the start. Nothing outside of the domain counts.
+void add_seen(Extent& extent, const Frame& frame, const Frame& start);
+
+/// Grows by the solids that reach into it, where that makes it less than half larger: the plate under honey is seen whole, a floor is not.
+/// @param frame the start
+void add_still_solids(Extent& extent, const Frame& frame);
+
+/// All of this for a whole film, from its scene alone: the fluid at the start and in the openings, where it lands when it falls or flies
+/// freely until a solid or the domain stops it, and the way of solids with a motion of their own. Fluid that lands spreads about as far as
+/// the edge of a cube that holds all of it.
+Extent foreseen_extent(const Simulation& start);
+
+/// Whether the film has an automatic camera that still wants its box. A slice that fills the picture has no camera.
+bool wants_extent(const SceneFile& file);
+
+/// Gives an automatic camera the extent as its box, in numbers rounded outwards. An empty one changes nothing.
+void look_at(CameraOptions& camera, const Extent& extent);
+
+/// Whether the look shows a field and leaves the range of its colours open.
+bool wants_range(const LookOptions& look);
+
+/// The look's own range where it has one. Else an estimate from the scene, the same for every frame of the film and rounded to a number
+/// that is easy to read: of speed the largest that the start, the emitters, the solids or a free fall through the domain give; of pressure
+/// that of the domain's height full of fluid and of a stop from the largest speed; of density 3 % about rest; of spin and vorticity what
+/// the start and the solids' turning give, else the largest speed over eight spacings. Symmetric about zero on a diverging map.
+/// @param start the frame at the beginning of the run
+std::array<float, 2> film_range(const LookOptions& look, const Simulation& simulation, const Frame& start);
+/// The same for a simulation that has not begun.
+std::array<float, 2> film_range(const LookOptions& look, const Simulation& simulation);
+
+/// That of density, which goes by the scene alone.
+std::array<float, 2> density_range(const Scene& scene);
+
+/// The next of 1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8 times a power of ten. @param value above 0
+double round_number_above(double value);
+
+/// Whether the look has streaks or arrows and leaves their time open.
+bool wants_streak_time(const LookOptions& look);
+
+/// The way that streaks and arrows of a slice show [s], the same for every frame of the film: as the look says, else as long as a frame
+/// lasts, or what the fastest fluid takes for a few hundredths of the domain.
+float film_streak_time(const LookOptions& look, const Simulation& simulation);
 
 /// The scene with what it leaves open for a whole film to have: the range of its colour map, and the box that an automatic camera shows, as
 /// the scene alone lets them be estimated (film_range(), foreseen_extent()). @param start the run at its beginning

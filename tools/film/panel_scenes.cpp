@@ -7,9 +7,7 @@
 #include <map>
 
 #include "engine/probes/comparison.h"
-#include "tools/film/colour_range.h"
 #include "tools/film/exports.h"
-#include "tools/film/film_extent.h"
 #include "tools/film/first_pass.h"
 #include "tools/process/usage.h"
 #include "tools/scene_file/camera_warnings.h"

@@ -11,18 +11,18 @@
 #include "engine/io/files.h"
 #include "engine/io/frame_file.h"
 #include "engine/scene/frame_times.h"
+#include "render/flow/plate.h"
 #include "render/image/arrange.h"
 #include "render/video/encoder.h"
 #include "tools/film/contact_sheet.h"
+#include "tools/film/curves.h"
 #include "tools/film/first_pass.h"
-#include "tools/film/panel_chart.h"
-#include "tools/film/panel_difference.h"
 #include "tools/film/panel_scenes.h"
 #include "tools/film/progress.h"
 #include "tools/film/resume_run.h"
 #include "tools/film/run_folder.h"
-#include "tools/process/exit_codes.h"
 #include "tools/process/json_text.h"
+#include "tools/process/process.h"
 
 namespace whorl {
 namespace {
@@ -264,6 +264,27 @@ int run_panels(const RunRequest& request, PanelRuns how) {
     if (wants_pictures(request) && request.file.scene.output.video)
         check_video_rate(request.file.scene), check_encoder(without_video(how == PanelRuns::resumed));
     return PanelFilm(request, how).go();
+}
+
+void draw_differences(const SceneFile& file, const std::string& title, const fs::path& one, const fs::path& other, const fs::path& folder,
+                      int frames) {
+    if (!fs::exists(frame_file(one, frames)) && fs::exists(picture_file(folder, frames))) return;
+    const auto pair_of = [&](int number) { return std::pair{read_frame(frame_file(one, number)), read_frame(frame_file(other, number))}; };
+    constexpr int looked_at = 24;  // frames
+    float most = 0;
+    for (int n = 0; n < std::min(frames, looked_at); ++n) {
+        const auto [a, b] = pair_of(frames <= looked_at ? n + 1 : 1 + n * (frames - 1) / (looked_at - 1));
+        most = std::max(most, usual_difference(a, b, file.look));
+    }
+    const float high = most > 0 ? static_cast<float>(round_number_above(most)) : 1;
+    LookOptions look = file.look;
+    look.title = title;
+    fs::create_directories(folder / "frames");
+    for (int number = 1; number <= frames; ++number) {
+        const auto [a, b] = pair_of(number);
+        const auto& size = file.scene.output.size;
+        write_png(picture_file(folder, number), draw_difference_plate(a, b, look, {-high, high}, size[0], size[1]));
+    }
 }
 
 }  // namespace whorl

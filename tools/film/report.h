@@ -3,12 +3,38 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "engine/core/clock.h"
+#include "engine/io/checkpoint.h"
+#include "engine/particles/step_context.h"
+#include "engine/scene/scene.h"
 #include "engine/sim/simulation.h"
-#include "tools/film/incidents.h"
+#include "tools/process/usage.h"
 
 namespace whorl {
+
+struct Incident {
+    std::string kind;  ///< crowded | unconverged | full | lost | diverged
+    double time = 0;   ///< s, at the start of the step
+    long step = 0;     ///< from 1
+    std::string what;
+};
+
+class Incidents {
+public:
+    /// Notes what the step's report tells; only the first of each kind is kept.
+    /// @returns the run's first solve that ended before its tolerance, with the key to raise where its limit is the cause; else empty
+    std::string add(const StepReport& report, const Scene& scene, double time, long step);
+    nlohmann::ordered_json json() const;
+    /// Those of the run's earlier part, from its run.json.
+    void add_earlier(const nlohmann::json& earlier);
+
+private:
+    /// @returns whether it is the first of its kind
+    bool add(Incident incident);
+    std::vector<Incident> first_;
+};
 
 struct RunReport {
     std::string status = "running";      ///< running | done | interrupted | diverged | failed
@@ -24,5 +50,38 @@ struct RunReport {
 };
 
 nlohmann::ordered_json run_json(const Simulation& simulation, const RunReport& report);
+
+class RunTimes {
+public:
+    /// Begins to count. Another panel may have run in this process before.
+    RunTimes();
+    /// Does a part of the simulation, whose CPU time is counted as its stages'.
+    template <class Work>
+    auto simulate(const Work& work) {
+        const double before = simulation_cpu_seconds();
+        auto result = work();
+        simulation_cpu_ += simulation_cpu_seconds() - before;
+        return result;
+    }
+    /// The run is the next part of another one.
+    void add_earlier(const Checkpoint& checkpoint);
+
+    double began() const { return began_; }  ///< wall_seconds(), of this part
+    double wall() const;                     ///< s
+    double cpu() const;                      ///< s
+    int resumed() const { return resumed_; }
+    /// @param simulation,film of this part
+    StageTimes stages(const StageTimes& simulation, const StageTimes& film) const;
+
+private:
+    double began_, cpu_before_, simulation_cpu_ = 0;
+    double earlier_wall_ = 0, earlier_cpu_ = 0;
+    StageTimes earlier_stages_;
+    int resumed_ = 0;
+};
+
+/// CPU seconds of the simulation's stages: the simulation's threads' CPU time, shared out by the stages' wall time (measured stage by
+/// stage, the threads that draw meanwhile would count too).
+StageTimes with_shared_cpu(StageTimes stages, double simulation_cpu);
 
 }  // namespace whorl

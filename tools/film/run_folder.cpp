@@ -20,7 +20,7 @@
 #include "engine/scene/scene_keys.h"
 #include "render/video/encoder.h"
 #include "tools/process/json_text.h"
-#include "tools/process/slurm_job.h"
+#include "tools/process/process.h"
 
 namespace whorl {
 

@@ -1,11 +1,13 @@
 #pragma once
 /// The tables of a run, some rows a frame: diagnostics.csv, bodies.csv where solids are free, budget.csv where the scene has one,
 /// probes/NAME.csv with the probes that fill them, and plots of those beside them.
+#include <filesystem>
 #include <map>
 
 #include "engine/io/checkpoint.h"
 #include "engine/io/files.h"
 #include "engine/probes/comparison.h"
+#include "render/image/canvas.h"
 #include "tools/film/frame_loop.h"
 
 namespace whorl {
@@ -37,5 +39,10 @@ private:
     const NamedProbes& probes_;
     std::vector<std::optional<Comparison>> comparisons_;  ///< of each probe, as the run found them
 };
+
+/// Curves over time; of a probe that measures several places a frame, curves over the place at some of the frames. Theory is dashed, a
+/// comparison dotted. @param table as a run has written it
+Canvas plot_of_table(const std::string& title, const Probe& probe, const std::filesystem::path& table,
+                     const std::optional<Comparison>& comparison);
 
 }  // namespace whorl

@@ -6,7 +6,7 @@
 
 #include "engine/core/clock.h"
 #include "engine/probes/comparison.h"
-#include "tools/film/film_extent.h"
+#include "tools/film/first_pass.h"
 #include "tools/scene_file/camera_warnings.h"
 
 namespace whorl {

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <utility>
 
+#include "engine/core/clock.h"
 #include "engine/core/parallel.h"
 #include "render/gl/renderer.h"
 #include "render/look/camera.h"
@@ -199,6 +200,28 @@ std::string Screen::device() const {
 void Screen::check() const {
     const std::lock_guard lock(mutex_);
     if (error_) std::rethrow_exception(error_);
+}
+
+namespace {
+
+constexpr int jpeg_quality = 85;
+
+std::string text_of(const std::vector<std::uint8_t>& bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+
+}  // namespace
+
+const std::string& Picture::jpeg() const {
+    std::call_once(jpeg_made_, [&] {
+        const double began = wall_seconds();
+        jpeg_ = text_of(encode_jpeg(image, jpeg_quality));
+        encode_seconds_ = wall_seconds() - began;
+    });
+    return jpeg_;
+}
+
+const std::string& Picture::png() const {
+    std::call_once(png_made_, [&] { png_ = text_of(encode_png(image)); });
+    return png_;
 }
 
 }  // namespace whorl

@@ -5,7 +5,7 @@
 /// and returns. main() parses, then calls `chosen` inside run_guarded(), which alone turns exceptions into messages and exit codes.
 #include <functional>
 
-#include "tools/process/exit_codes.h"
+#include "tools/process/process.h"
 
 namespace CLI {
 class App;

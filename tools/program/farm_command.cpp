@@ -12,7 +12,7 @@
 #include "tools/film/panel_scenes.h"
 #include "tools/film/progress.h"
 #include "tools/film/run.h"
-#include "tools/process/interrupt.h"
+#include "tools/process/process.h"
 #include "tools/program/command.h"
 #include "tools/program/sweep.h"
 

@@ -14,8 +14,8 @@
 #include "tools/live/access.h"
 #include "tools/live/file_watch.h"
 #include "tools/live/server.h"
-#include "tools/process/interrupt.h"
 #include "tools/process/json_text.h"
+#include "tools/process/process.h"
 #include "tools/program/command.h"
 #include "tools/scene_file/scene_file.h"
 

@@ -8,8 +8,8 @@
 #include "tools/farm/stages.h"
 #include "tools/film/progress.h"
 #include "tools/film/run_folder.h"
-#include "tools/process/exit_codes.h"
 #include "tools/process/json_text.h"
+#include "tools/process/process.h"
 
 namespace whorl {
 

@@ -12,7 +12,7 @@
 #include "render/look/field_values.h"
 #include "render/look/look_keys.h"
 #include "render/surface/surface_keys.h"
-#include "tools/process/program_path.h"
+#include "tools/process/process.h"
 #include "tools/scene_file/scene_changes.h"
 
 namespace whorl {

@@ -21,10 +21,8 @@
 #include "engine/core/whole_file.h"
 #include "engine/io/checkpoint.h"
 #include "render/video/process.h"
-#include "tools/process/exit_codes.h"
 #include "tools/process/json_text.h"
-#include "tools/process/program_path.h"
-#include "tools/process/slurm_job.h"
+#include "tools/process/process.h"
 #include "tools/scene_file/scene_file.h"
 
 namespace whorl {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/process/interrupt.h"
+#include "tools/process/process.h"
 #include "tools/scene_file/options.h"
 #include "tools/study/study.h"
 

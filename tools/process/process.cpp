@@ -1,0 +1,107 @@
+#include "tools/process/process.h"
+
+#include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstdlib>
+#include <initializer_list>
+#include <new>
+#include <sstream>
+#include <system_error>
+
+#include "engine/core/errors.h"
+#include "render/video/process.h"
+
+namespace whorl {
+
+int run_guarded(const std::function<int()>& job) {
+    try {
+        return job();
+    } catch (const InputError& e) {
+        for (const Problem& p : e.problems()) fmt::print(stderr, "{}\n", p.message());
+        return exit_bad_input;
+    } catch (const std::bad_alloc&) {
+        fmt::print(stderr, "whorl: memory ran out\n  remedy: free some, or allow more (ulimit -v), or take a larger fluid.spacing\n");
+        return exit_failed;
+    } catch (const std::system_error& e) {
+        const bool thread = e.code() == std::errc::resource_unavailable_try_again;
+        if (thread)
+            fmt::print(stderr, "whorl: a thread cannot be started: {}\n  remedy: allow more memory (ulimit -v) or threads (ulimit -u)\n",
+                       e.what());
+        else fmt::print(stderr, "whorl: {}\n", e.what());
+        return exit_failed;
+    } catch (const std::exception& e) {  // EnvironmentError, most of all
+        fmt::print(stderr, "whorl: {}\n", e.what());
+        return exit_failed;
+    }
+}
+
+namespace {
+
+/// The signal may come to any thread.
+std::atomic<bool> received = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+void note(int) {
+    if (received.exchange(true)) _exit(130);
+}
+
+void handle(void (*handler)(int)) {
+    struct sigaction action {};
+    action.sa_handler = handler;
+    action.sa_flags = SA_RESTART;
+    for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
+}
+
+}  // namespace
+
+InterruptGuard::InterruptGuard() {
+    received = false;
+    handle(note);
+}
+InterruptGuard::~InterruptGuard() { handle(SIG_DFL); }
+bool InterruptGuard::interrupted() const { return received; }
+
+namespace fs = std::filesystem;
+
+fs::path program_called(const std::string& word, const std::string& folders) {
+    const auto runs = [](const fs::path& file) {
+        std::error_code ignored;
+        return fs::is_regular_file(file, ignored) && ::access(file.c_str(), X_OK) == 0;
+    };
+    if (word.find('/') != std::string::npos) return runs(word) ? fs::absolute(word) : fs::path();
+    std::istringstream in(folders);
+    for (std::string folder; std::getline(in, folder, ':');)
+        if (const fs::path file = fs::path(folder.empty() ? "." : folder) / word; runs(file)) return fs::absolute(file);
+    return {};
+}
+
+fs::path program_path() {
+    std::error_code error;
+    if (const fs::path file = fs::read_symlink("/proc/self/exe", error); !error) return file;
+    const char* folders = std::getenv("PATH");
+    const fs::path file = program_called(program_invocation_name, folders ? folders : "");
+    if (!file.empty()) return file;
+    throw EnvironmentError("cannot tell which file this program is: /proc/self/exe cannot be read (" + error.message() + "), and \"" +
+                               program_invocation_name + "\" is not found",
+                           "", "mount /proc, or call the program by its whole path");
+}
+
+std::string slurm_job(const std::string& said) {
+    std::istringstream in(said);
+    for (std::string line; std::getline(in, line);) {
+        const std::string number = line.substr(0, line.find(';'));
+        if (!number.empty() && number.find_first_not_of("0123456789") == std::string::npos) return number;
+    }
+    return {};
+}
+
+bool slurm_jobs_live(const std::string& jobs) try {
+    ChildProcess squeue({"squeue", "--noheader", "--jobs=" + jobs, "--format=%i"});
+    return squeue.wait() == 0 && squeue.output().find_first_not_of('\n') != std::string::npos;
+} catch (const std::system_error&) { return false; }
+
+}  // namespace whorl

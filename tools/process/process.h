@@ -1,0 +1,43 @@
+#pragma once
+/// The program as a process: how it ends, interrupts, its own file, jobs of Slurm.
+#include <filesystem>
+#include <functional>
+#include <string>
+
+namespace whorl {
+
+enum ExitCode : int {
+    exit_done = 0,
+    exit_failed = 1,        ///< the run failed: diverged, disk full, no EGL device; what was made stays
+    exit_bad_input = 2,     ///< the user's mistake; nothing was written
+    exit_interrupted = 130  ///< SIGINT or SIGTERM; the state is saved
+};
+
+/// Runs the job; prints whatever it throws on standard error ("whorl: ..."), one line a problem, and returns the exit code.
+int run_guarded(const std::function<int()>& job);
+
+/// While it lives, the first SIGINT or SIGTERM only sets a flag; the second ends the program at once.
+class InterruptGuard {
+public:
+    InterruptGuard();
+    ~InterruptGuard();
+    InterruptGuard(const InterruptGuard&) = delete;
+    InterruptGuard& operator=(const InterruptGuard&) = delete;
+    bool interrupted() const;
+};
+
+/// As the kernel says (/proc/self/exe); where there is no /proc, as the program was called. @throws EnvironmentError where neither tells
+std::filesystem::path program_path();
+
+/// The file that a shell runs for this word. @param word a path with a slash in it, or a name that is looked for @param folders where to
+/// look, with colons between them, as in PATH @return "" where there is none
+std::filesystem::path program_called(const std::string& word, const std::string& folders);
+
+/// The number of the job that sbatch made. @param said what `sbatch --parsable` wrote: the number, in some places with the cluster's name
+/// ("7;north"), among notices of the place's own @return "" where it made none
+std::string slurm_job(const std::string& said);
+
+/// Whether one of the jobs ("7,8") waits or is at work. Not where there is no Slurm, or none that knows them any more.
+bool slurm_jobs_live(const std::string& jobs);
+
+}  // namespace whorl
