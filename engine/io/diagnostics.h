@@ -3,6 +3,7 @@
 #include <string>
 
 #include "engine/sim/simulation.h"
+#include "engine/sim/world.h"
 
 namespace whorl {
 
@@ -27,5 +28,10 @@ std::string diagnostics_header();
 /// One row, with the newline. Iterations are the mean a step between `before` (the totals at the last row) and `now`.
 std::string diagnostics_row(int frame, double time, const Measures& measures, const RunTotals& before, const RunTotals& now, double wall,
                             double cpu);
+
+std::string bodies_header();
+
+/// @param gravity m/s^2 at the rows' time
+std::string bodies_rows(int frame, double time, const World& world, const Vec3d& gravity);
 
 }  // namespace whorl

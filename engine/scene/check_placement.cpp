@@ -1,5 +1,3 @@
-#include "engine/scene/check_placement.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,8 +8,8 @@
 #include "engine/models/surface_tension/surface_tension.h"
 #include "engine/models/viscosity/ageing_viscosity.h"
 #include "engine/particles/emitter.h"
+#include "engine/scene/checks.h"
 #include "engine/scene/free_memory.h"
-#include "engine/scene/key_problems.h"
 #include "engine/scene/names.h"
 #include "engine/scene/tree.h"
 #include "engine/scene/warn_scale.h"

@@ -1,12 +1,10 @@
-#include "engine/scene/check_projection.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "engine/scene/key_problems.h"
+#include "engine/scene/checks.h"
 #include "engine/scene/numbers.h"
 #include "engine/scene/tree.h"
 

@@ -1,8 +1,6 @@
-#include "engine/scene/check_unread.h"
-
 #include <fmt/format.h>
 
-#include "engine/scene/key_problems.h"
+#include "engine/scene/checks.h"
 #include "engine/scene/names.h"
 #include "engine/scene/scene_keys.h"
 #include "engine/scene/tree.h"

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "engine/models/micropolar/micropolar.h"
-#include "engine/scene/key_problems.h"
+#include "engine/scene/checks.h"
 #include "engine/scene/names.h"
 #include "engine/scene/plan.h"
 

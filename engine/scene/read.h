@@ -31,4 +31,9 @@ Scene read_scene(const std::string& file, const ReadRequest& request = {});
 /// The same from a text. @param file stands for it in messages; mesh files are found from its folder
 Scene read_scene_text(const std::string& text, const std::string& file, const ReadRequest& request = {});
 
+/// JSON Schema (draft 7) of scene files, for editors.
+std::string json_schema(const std::vector<Section>& sections = {});
+/// The same keys as a page of Markdown tables.
+std::string markdown_reference(const std::vector<Section>& sections = {});
+
 }  // namespace whorl

@@ -1,5 +1,3 @@
-#include "engine/scene/schema.h"
-
 #include <fmt/format.h>
 
 #include <cmath>
@@ -8,7 +6,7 @@
 #include "engine/core/variables.h"
 #include "engine/scene/read.h"
 #include "engine/scene/scene_keys.h"
-#include "engine/scene/value_json.h"
+#include "engine/scene/write.h"
 
 namespace whorl {
 namespace {

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "engine/scene/scene_keys.h"
 #include "engine/scene/tree.h"
 
@@ -55,6 +57,17 @@ std::string resolved_toml(const Scene& scene, const std::vector<Section>& sectio
     writer.table(root, "", "");
     for (const Section& s : sections) writer.table({s.table, s.object}, "[" + s.name + "]", s.name);
     return std::move(writer.text);
+}
+
+nlohmann::ordered_json json_of(const Value& v) {
+    if (const bool* flag = v.as<bool>()) return *flag;
+    if (const auto* whole = v.as<std::int64_t>()) return *whole;
+    if (const double* number = v.as<double>()) return *number;
+    if (const std::string* text = v.as<std::string>()) return *text;
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    if (const auto* values = v.as<Value::List>())
+        for (const Value& e : *values) list.push_back(json_of(e));
+    return list;
 }
 
 }  // namespace whorl

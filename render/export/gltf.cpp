@@ -13,7 +13,7 @@
 #include "engine/core/whole_file.h"
 #include "render/look/material.h"
 #include "render/look/studio.h"
-#include "render/surface/creases.h"
+#include "render/surface/smooth.h"
 
 namespace whorl {
 namespace {

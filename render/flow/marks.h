@@ -1,5 +1,5 @@
 #pragma once
-/// What is laid over a slice's colours: iso-lines, relief, arrows. All of them stand still where the flow does.
+/// What is laid over a slice's colours: iso-lines, relief, arrows, streaks. All of them stand still where the flow does.
 #include <array>
 #include <vector>
 
@@ -25,5 +25,11 @@ struct Arrows {
     std::vector<float> halo;  ///< the same of a rim, so that an arrow can be read on any colour
 };
 Arrows arrows(const PlaneField& field, int count, float seconds, float pixel);
+
+/// Line integral convolution (Cabral and Leedom 1993): noise smeared along the flow. The noise moves with the particles, so streaks move
+/// from frame to frame as the fluid does.
+/// @param seconds of the flow's way to each side that a streak shows @param pixel its edge [m]
+/// @return brightness of each pixel, mean 0 and variance 1 where the flow moves by more than a few pixels, 0 where it stands still
+std::vector<float> streaks(const PlaneField& field, float seconds, float pixel);
 
 }  // namespace whorl

@@ -15,4 +15,14 @@ Image draw_difference_plate(const Frame& one, const Frame& other, const LookOpti
 /// The difference's size that all but a hundredth of the fluid stays below, looked at on a coarse grid of pixels.
 float usual_difference(const Frame& one, const Frame& other, const LookOptions& look);
 
+struct DifferenceField {
+    PixelPlane plane;
+    std::vector<float> value;  ///< of each pixel, in the field's unit
+    std::vector<float> cover;  ///< the lesser of both: 0 where one has no fluid .. 1
+};
+
+/// @param look whose field it is; of inks the first
+DifferenceField difference_field(const Frame& one, const Frame& other, const LookOptions& look, const PixelPlane& plane);
+FlowSlice coloured(const DifferenceField& field, const std::string& colour_map, const std::array<float, 2>& range);
+
 }  // namespace whorl

@@ -1,6 +1,7 @@
 #pragma once
 /// A plane through the flow as a picture: the field's colours, streaked along the flow.
 #include <array>
+#include <vector>
 
 #include "render/flow/plane_field.h"
 #include "render/look/look_options.h"
@@ -21,5 +22,14 @@ PixelPlane slice_plane(const Frame& frame, const LookOptions& look, int longest)
 /// @param range of the colour map @param ground linear RGB of what inks lie on
 FlowSlice flow_slice(const Frame& frame, const LookOptions& look, const std::array<float, 2>& range, const PixelPlane& plane,
                      const Vec3f& ground);
+
+struct SolidCut {
+    bool container = false;      ///< the fluid is inside the outline
+    std::vector<float> inside;   ///< share of each pixel that lies within the outline, rows from below; empty where the plane misses it
+    std::vector<float> outline;  ///< share of each pixel that its line covers
+};
+
+/// @param line width of the outline [pixels]
+std::vector<SolidCut> cut_solids(const Frame& frame, const PixelPlane& plane, float line);
 
 }  // namespace whorl

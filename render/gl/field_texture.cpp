@@ -1,7 +1,10 @@
 #include "render/gl/field_texture.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+
 #include "engine/core/parallel.h"
-#include "render/gl/far_field.h"
 
 namespace whorl {
 namespace {
@@ -45,6 +48,76 @@ void FieldTexture::bind(gl::Program& program, int unit) const {
     program.set("far_offset", far_offset_);
     program.set("field_size", size_);
     program.set("far_half", far_half_);
+}
+
+namespace {
+
+constexpr float unknown = 1e6f;
+
+/// The distance that makes |grad phi| = 1 from the smaller neighbour along each axis (Zhao, Math. Comp. 74, 2005), voxels of size h.
+float eikonal(std::array<float, 3> a, float h) {
+    std::sort(a.begin(), a.end());
+    float phi = a[0] + h;
+    if (phi <= a[1]) return phi;
+    phi = 0.5f * (a[0] + a[1] + std::sqrt(std::max(0.0f, 2 * h * h - (a[0] - a[1]) * (a[0] - a[1]))));
+    if (phi <= a[2]) return phi;
+    const float sum = a[0] + a[1] + a[2], squares = a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
+    return (sum + std::sqrt(std::max(0.0f, sum * sum - 3 * (squares - h * h)))) / 3;
+}
+
+/// Fills in what is unknown by sweeping in all eight diagonal directions.
+void sweep(Volume& v) {
+    for (int direction = 0; direction < 8; ++direction) {
+        const auto place = [&](int n, int count, int bit) { return (direction >> bit) & 1 ? count - 1 - n : n; };
+        for (int c = 0; c < v.nz; ++c)
+            for (int b = 0; b < v.ny; ++b)
+                for (int a = 0; a < v.nx; ++a) {
+                    const int i = place(a, v.nx, 0), j = place(b, v.ny, 1), k = place(c, v.nz, 2);
+                    const auto value = [&](int x, int y, int z) {
+                        return x < 0 || y < 0 || z < 0 || x >= v.nx || y >= v.ny || z >= v.nz ? unknown : v.value[v.index(x, y, z)];
+                    };
+                    float& phi = v.value[v.index(i, j, k)];
+                    phi = std::min(
+                        phi, eikonal({std::min(value(i - 1, j, k), value(i + 1, j, k)), std::min(value(i, j - 1, k), value(i, j + 1, k)),
+                                      std::min(value(i, j, k - 1), value(i, j, k + 1))},
+                                     v.voxel));
+                }
+    }
+}
+
+}  // namespace
+
+Volume far_field(const Volume& band, int coarseness, int margin) {
+    Volume wide;
+    wide.voxel = band.voxel * static_cast<float>(coarseness);
+    wide.origin = band.origin - Vec3f::Constant(wide.voxel * static_cast<float>(margin));
+    const auto count = [&](int n) { return (n + coarseness - 1) / coarseness + 2 * margin; };
+    wide.nx = count(band.nx), wide.ny = count(band.ny), wide.nz = count(band.nz);
+    const Index cells = static_cast<Index>(wide.nx) * wide.ny * wide.nz;
+    wide.value.assign(cells, unknown);
+    std::vector<float> sign(wide.value.size(), 1.0f);
+
+    // A cell that the surface passes near takes the nearest of its fine voxels' distances, by way of that voxel.
+    const int reach = coarseness / 2;
+    parallel_for(cells, [&](Index n) {
+        const int i = (n % wide.nx - margin) * coarseness, j = (n / wide.nx % wide.ny - margin) * coarseness,
+                  k = (n / wide.nx / wide.ny - margin) * coarseness;
+        if (i >= 0 && j >= 0 && k >= 0 && i < band.nx && j < band.ny && k < band.nz)
+            sign[n] = band.value[band.index(i, j, k)] < 0 ? -1.0f : 1.0f;
+        float nearest = unknown;
+        for (int z = std::max(k - reach, 0); z <= std::min(k + reach, band.nz - 1); ++z)
+            for (int y = std::max(j - reach, 0); y <= std::min(j + reach, band.ny - 1); ++y)
+                for (int x = std::max(i - reach, 0); x <= std::min(i + reach, band.nx - 1); ++x) {
+                    const float d = std::abs(band.value[band.index(x, y, z)]);
+                    if (d > band.voxel) continue;
+                    const float away = std::sqrt(static_cast<float>((x - i) * (x - i) + (y - j) * (y - j) + (z - k) * (z - k)));
+                    nearest = std::min(nearest, d + band.voxel * away);
+                }
+        wide.value[n] = nearest;
+    });
+    sweep(wide);
+    for (std::size_t n = 0; n < wide.value.size(); ++n) wide.value[n] *= sign[n];
+    return wide;
 }
 
 }  // namespace whorl

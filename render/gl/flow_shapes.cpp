@@ -7,7 +7,6 @@
 
 #include "render/flow/cloud.h"
 #include "render/flow/slice.h"
-#include "render/flow/trails.h"
 #include "render/flow/vortex_lines.h"
 #include "render/look/field_values.h"
 #include "render/look/studio.h"

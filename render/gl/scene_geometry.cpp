@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "render/surface/creases.h"
+#include "render/surface/smooth.h"
 
 namespace whorl {
 namespace {

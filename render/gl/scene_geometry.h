@@ -5,7 +5,6 @@
 #include <memory>
 
 #include "render/flow/slice.h"
-#include "render/flow/trails.h"
 #include "render/flow/vortex_lines.h"
 #include "render/gl/objects.h"
 #include "render/gl/setup.h"

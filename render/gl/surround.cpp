@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "render/gl/noise.h"
+#include "engine/core/random.h"
 #include "render/look/environment.h"
 #include "render/look/material.h"
 
@@ -106,6 +106,19 @@ void Surround::bind(gl::Program& program, const LookOptions& look, const View& v
     program.set("environment_light", terms);
     program.texture("lattice_noise", unit, GL_TEXTURE_3D, noise_.id());
     program.texture("environment_map", unit + 1, GL_TEXTURE_2D, picture_.id());
+}
+
+gl::Texture lattice_noise() {
+    constexpr int n = 64;
+    RandomNumbers random(1);
+    std::vector<float> value(n * n * n);
+    for (float& v : value) v = static_cast<float>(random());
+    gl::Texture texture;
+    gl::fill_3d(texture, n, n, n, value.data());
+    glGenerateMipmap(GL_TEXTURE_3D);
+    glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+    for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R}) glTexParameteri(GL_TEXTURE_3D, axis, GL_REPEAT);
+    return texture;
 }
 
 }  // namespace whorl

@@ -31,4 +31,7 @@ private:
     std::array<Vec3f, 9> light_;
 };
 
+/// 64^3 values between 0 and 1; on every coarser level each is the mean of eight, so that what is finer than a pixel is smooth.
+gl::Texture lattice_noise();
+
 }  // namespace whorl

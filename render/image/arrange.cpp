@@ -6,7 +6,7 @@
 
 #include "engine/core/errors.h"
 #include "engine/core/parallel.h"
-#include "render/image/linear_light.h"
+#include "render/image/image.h"
 
 namespace whorl {
 namespace {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/core/grid_index.h"
+#include "engine/core/types.h"
 
 namespace whorl {
 
@@ -37,5 +38,17 @@ FloatImage read_hdr(const std::filesystem::path& file);
 std::vector<std::uint8_t> encode_png(const Image& image);
 /// JPEG has no alpha: a transparent picture is laid over grey.
 std::vector<std::uint8_t> encode_jpeg(const Image& image, int quality);
+
+/// The light of an sRGB byte, 0 to 1.
+float linear_light(std::uint8_t srgb);
+/// The nearest sRGB byte of a light, clamped.
+std::uint8_t srgb_byte(float light);
+
+/// Mean and largest perceptual difference (CIE76 delta E in L*a*b*, after a 3x3 blur so that one-pixel shifts of an edge count little);
+/// infinite where the sizes differ.
+struct PictureDifference {
+    double mean = 0, p99 = 0, max = 0;
+};
+PictureDifference difference(const Image& a, const Image& b);
 
 }  // namespace whorl

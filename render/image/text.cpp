@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "render/image/font.h"
-#include "render/image/linear_light.h"
+#include "render/image/image.h"
 
 namespace whorl {
 namespace {

@@ -1,5 +1,3 @@
-#include "render/look/look_keys.h"
-
 #include "render/look/camera.h"
 #include "render/look/colour_map.h"
 #include "render/look/look_options.h"

@@ -6,7 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "engine/core/keys.h"
 #include "engine/core/types.h"
+#include "render/look/camera.h"
 
 namespace whorl {
 
@@ -63,5 +65,8 @@ inline bool draws_lines(const LookOptions& look) { return look.style == "tubes" 
 inline bool shows_field(const LookOptions& look) {
     return look.style == "particles" || look.style == "slice" || look.style == "volume" || draws_lines(look);
 }
+
+const KeyTable& camera_keys();  ///< of CameraOptions
+const KeyTable& look_keys();    ///< of LookOptions
 
 }  // namespace whorl

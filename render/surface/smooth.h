@@ -1,5 +1,8 @@
 #pragma once
 /// Smoothing of a closed mesh that keeps its volume.
+#include <utility>
+#include <vector>
+
 #include "engine/core/mesh.h"
 
 namespace whorl {
@@ -13,5 +16,12 @@ void set_normals(TriangleMesh& mesh);
 /// Normals of the same mesh after a blur of so many steps: what it mirrors gets clean edges, and its outline stays. That the blur shrinks
 /// it does not show in its normals.
 void set_smooth_normals(TriangleMesh& mesh, int steps);
+
+/// The mesh with a normal for every corner: faces that meet at less than 40 degrees share one. Meshes that have normals come back as they
+/// are.
+TriangleMesh with_normals(const TriangleMesh& mesh);
+
+/// Edges of a mesh where its faces meet at more than 40 degrees, or that only one face has: pairs of ends.
+std::vector<std::pair<Vec3f, Vec3f>> sharp_edges(const TriangleMesh& mesh);
 
 }  // namespace whorl

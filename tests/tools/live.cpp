@@ -11,7 +11,6 @@
 #include "engine/io/csv.h"
 #include "engine/io/files.h"
 #include "engine/theory/coil_theory.h"
-#include "render/image/difference.h"
 #include "render/image/image.h"
 #include "tests/support/live_program.h"
 #include "tests/support/scenes.h"

@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/io/files.h"
-#include "render/image/difference.h"
 #include "render/image/image.h"
 #include "tests/support/program.h"
 #include "tests/support/scratch.h"

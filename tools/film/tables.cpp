@@ -8,7 +8,6 @@
 #include <sstream>
 
 #include "engine/core/whole_file.h"
-#include "engine/io/bodies.h"
 #include "engine/io/csv.h"
 #include "engine/io/diagnostics.h"
 #include "tools/film/curves.h"

@@ -3,7 +3,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 
-#include "engine/scene/value_json.h"
+#include "engine/scene/write.h"
 #include "tools/scene_file/scene_changes.h"
 
 namespace whorl {

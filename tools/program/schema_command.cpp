@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <memory>
 
-#include "engine/scene/schema.h"
+#include "engine/scene/read.h"
 #include "tools/program/command.h"
 #include "tools/scene_file/scene_file.h"
 

@@ -8,7 +8,7 @@
 #include "engine/scene/tree.h"
 #include "engine/scene/write.h"
 #include "engine/sim/model_changes.h"
-#include "render/look/look_keys.h"
+#include "render/look/look_options.h"
 #include "render/surface/surface_keys.h"
 
 namespace whorl {

@@ -10,7 +10,7 @@
 #include "engine/scene/write.h"
 #include "render/look/environment.h"
 #include "render/look/field_values.h"
-#include "render/look/look_keys.h"
+#include "render/look/look_options.h"
 #include "render/surface/surface_keys.h"
 #include "tools/process/process.h"
 #include "tools/scene_file/scene_changes.h"

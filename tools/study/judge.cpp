@@ -10,7 +10,6 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/io/csv.h"
-#include "render/image/difference.h"
 #include "render/image/image.h"
 
 namespace whorl {

@@ -5,7 +5,6 @@
 
 #include "engine/scene/scene_difference.h"
 #include "engine/scene/scene_keys.h"
-#include "engine/scene/schema.h"
 #include "engine/scene/tree.h"
 #include "engine/scene/write.h"
 #include "tests/support/poured_honey.h"

@@ -1,6 +1,4 @@
 /// Free bodies in whole runs: what is conserved, what is saved, what is refused.
-#include "engine/io/bodies.h"
-
 #include <catch2/catch.hpp>
 #include <sstream>
 

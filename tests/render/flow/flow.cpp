@@ -5,7 +5,7 @@
 
 #include "engine/core/parallel.h"
 #include "render/flow/flow_grid.h"
-#include "render/flow/trails.h"
+#include "render/flow/vortex_lines.h"
 
 using namespace whorl;
 

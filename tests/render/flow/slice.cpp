@@ -6,10 +6,9 @@
 
 #include "engine/core/parallel.h"
 #include "engine/core/random.h"
+#include "render/flow/marks.h"
 #include "render/flow/plate.h"
-#include "render/flow/solid_cut.h"
-#include "render/flow/streaks.h"
-#include "render/image/difference.h"
+#include "render/image/image.h"
 #include "tests/support/shapes.h"
 
 using namespace whorl;

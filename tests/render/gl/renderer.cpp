@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "engine/core/errors.h"
-#include "render/image/difference.h"
+#include "render/image/image.h"
 #include "tests/support/scratch.h"
 #include "tests/support/shapes.h"
 

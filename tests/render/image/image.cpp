@@ -6,7 +6,6 @@
 
 #include "engine/core/errors.h"
 #include "render/image/arrange.h"
-#include "render/image/difference.h"
 #include "tests/support/pictures.h"
 #include "tests/support/scratch.h"
 

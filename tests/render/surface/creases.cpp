@@ -1,7 +1,6 @@
-#include "render/surface/creases.h"
-
 #include <catch2/catch.hpp>
 
+#include "render/surface/smooth.h"
 #include "tests/support/shapes.h"
 
 using namespace whorl;

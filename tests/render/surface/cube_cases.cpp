@@ -1,7 +1,7 @@
-#include "render/surface/cube_cases.h"
-
 #include <catch2/catch.hpp>
 #include <set>
+
+#include "render/surface/march.h"
 
 using namespace whorl;
 

@@ -1,0 +1,46 @@
+#pragma once
+/// Checks of a scene against its plan: each adds what is wrong, with its key.
+#include <utility>
+
+#include "engine/core/errors.h"
+#include "engine/scene/numbers.h"
+#include "engine/scene/plan.h"
+#include "engine/scene/scene.h"
+
+namespace whorl {
+
+/// Called with a key ("solid[0].slip"), what is wrong with it, the way out and what is allowed; the last two may be left out.
+class KeyProblems {
+public:
+    KeyProblems(const Scene& scene, std::vector<Problem>& problems) : scene_(scene), problems_(problems) {}
+    void operator()(const std::string& key, std::string what, std::string hint = "", std::string allowed = "") const {
+        problems_.push_back({scene_.place(key), std::move(what), std::move(hint), std::move(allowed)});
+    }
+    bool none() const { return problems_.empty(); }
+
+private:
+    const Scene& scene_;
+    std::vector<Problem>& problems_;
+};
+
+void check_placement(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, const SceneShapes& shapes,
+                     std::vector<Problem>& problems);
+
+/// The part of a block, 0 to 1, that lies inside solids, or nearer to them than `margin` [m]: no particle is placed within .45 spacings.
+double part_inside_solids(const SceneShapes& shapes, std::size_t block, double margin);
+/// Share of the domain outside the solids where no block puts fluid at the start.
+double part_left_empty(const Scene& scene, const SceneShapes& shapes);
+
+void check_models(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, std::vector<Problem>& problems);
+
+void check_projection(const Scene& scene, const Plan& plan, const SceneShapes& shapes, std::vector<Problem>& problems);
+
+/// Of keys that belong to another model than the one that "auto" took, and of those that a chosen form leaves aside. (What the scene itself
+/// contradicts is found as it is read.)
+void check_unread(const Scene& scene, const Plan& plan, std::vector<Problem>& problems);
+
+void check_bodies(const Scene& scene, const Plan& plan, std::vector<Problem>& problems);
+
+void check_plane(const Scene& scene, const Plan& plan, std::vector<Problem>& problems);
+
+}  // namespace whorl
