@@ -1,13 +1,17 @@
 #include "engine/io/snapshot.h"
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
 #include "engine/core/parallel.h"
 #include "engine/geometry/mesh_parts.h"
 #include "engine/io/columns.h"
-#include "engine/io/derived_fields.h"
-#include "engine/io/nozzle.h"
+#include "engine/particles/search.h"
 
 namespace whorl {
-
 namespace {
 
 /// In the solid's own axes. Of one that stands still, all images that reach into the domain.
@@ -112,6 +116,135 @@ Frame particles_of(const World& world, const std::vector<std::string>& fields) {
         }
     }
     return frame;
+}
+
+namespace {
+
+/// A closed loop in the plane of an opening, and where corners between its vertices are round.
+using Loop = std::vector<Vec3f>;
+
+/// The band between two loops of equal length, seen from the side where `from` to `to` is to the left of going along the loop.
+void add_band(TriangleMesh& mesh, const Loop& from, const Loop& to, const Loop* round_normals) {
+    const std::size_t n = from.size();
+    for (std::size_t k = 0; k < n; ++k) {
+        const std::size_t next = (k + 1) % n;
+        const auto first = static_cast<std::uint32_t>(mesh.position.size());
+        for (const Vec3f& p : {from[k], from[next], to[next], to[k]}) mesh.position.push_back(p);
+        const Vec3f flat = (from[next] - from[k]).cross(to[k] - from[k]).normalized();
+        for (const std::size_t v : {k, next, next, k}) mesh.normal.push_back(round_normals ? (*round_normals)[v] : flat);
+        mesh.triangle.push_back({first, first + 1, first + 2});
+        mesh.triangle.push_back({first, first + 2, first + 3});
+    }
+}
+
+Loop shifted(Loop loop, const Vec3f& by) {
+    for (Vec3f& p : loop) p += by;
+    return loop;
+}
+
+Loop negative(Loop loop) {
+    for (Vec3f& p : loop) p = -p;
+    return loop;
+}
+
+}  // namespace
+
+TriangleMesh nozzle_mesh(const EmitterShape& opening, Real spacing, Real length) {
+    const Vec3f back = -opening.direction.cast<float>(), centre = opening.centre.cast<float>();
+    const float gap = 0.5f * static_cast<float>(spacing), wall = 0.75f * static_cast<float>(spacing);
+    Vec3 across = Vec3::Zero(), along = Vec3::Zero();
+    opening_axes(opening, across, along);
+    const Vec3f a = across.cast<float>(), b = along.cast<float>();  // a x b points back, against the flow
+
+    Loop inner, outer, normals;
+    if (opening.slot) {
+        const float w = static_cast<float>(opening.width) / 2, t = static_cast<float>(opening.thickness) / 2;
+        for (const auto& [s, q] : {std::pair{1.f, 1.f}, {-1.f, 1.f}, {-1.f, -1.f}, {1.f, -1.f}}) {
+            inner.push_back(centre + s * (w + gap) * a + q * (t + gap) * b);
+            outer.push_back(centre + s * (w + gap + wall) * a + q * (t + gap + wall) * b);
+        }
+    } else {
+        constexpr int segments = 64;
+        for (int k = 0; k < segments; ++k) {
+            const float angle = 2 * std::numbers::pi_v<float> * static_cast<float>(k) / segments;
+            normals.push_back(std::cos(angle) * a + std::sin(angle) * b);
+            inner.push_back(centre + (static_cast<float>(opening.radius) + gap) * normals.back());
+            outer.push_back(centre + (static_cast<float>(opening.radius) + gap + wall) * normals.back());
+        }
+    }
+    const Vec3f rise = static_cast<float>(length) * back;
+    const Loop inward = negative(normals);
+    TriangleMesh mesh;
+    add_band(mesh, outer, shifted(outer, rise), opening.slot ? nullptr : &normals);
+    add_band(mesh, shifted(inner, rise), inner, opening.slot ? nullptr : &inward);
+    add_band(mesh, inner, outer, nullptr);
+    add_band(mesh, shifted(outer, rise), shifted(inner, rise), nullptr);
+    return mesh;
+}
+
+namespace {
+
+bool contains(const std::vector<std::string>& names, const char* name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+}  // namespace
+
+Column<Mat3> velocity_gradients(Span<const Vec3> x, Span<const Vec3> u, Real support, const Domain& domain) {
+    Pairs pairs;
+    NeighbourSearch().find(x, support, domain, pairs);
+    Column<Mat3> gradient(x.size());
+    parallel_for(pairs.size(), [&](Index i) {
+        // G minimises sum w |u_i - u_j - G r_ij|^2: G = (sum w (u_i - u_j) r^T) (sum w r r^T)^-1.
+        Mat3 moments = Mat3::Zero(), change = Mat3::Zero();
+        pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
+            const Real near = 1 - distance / support, w = near * near;
+            moments += w * r * r.transpose();
+            change += w * (u[i] - u[j]) * r.transpose();
+        });
+        const Real size = moments.trace();
+        gradient[i] = Mat3::Zero();
+        if (!(size > 0)) return;
+        moments.diagonal().array() += Real(1e-4) * size;  // neighbours in a line or a sheet say nothing about the other directions
+        gradient[i] = change * moments.inverse();
+    });
+    return gradient;
+}
+
+Vec3 curl_of(const Mat3& G) { return Vec3(G(2, 1) - G(1, 2), G(0, 2) - G(2, 0), G(1, 0) - G(0, 1)); }
+
+Column<Vec3> vorticity(Span<const Vec3> x, Span<const Vec3> u, Real support, const Domain& domain) {
+    const Column<Mat3> G = velocity_gradients(x, u, support, domain);
+    Column<Vec3> curl(x.size());
+    parallel_for(static_cast<Index>(x.size()), [&](Index i) { curl[i] = curl_of(G[i]); });
+    return curl;
+}
+
+Real q_criterion(const Mat3& G) {
+    const Mat3 strain = (G + G.transpose()) / 2, turning = (G - G.transpose()) / 2;
+    return (turning.squaredNorm() - strain.squaredNorm()) / 2;
+}
+
+void add_derived_fields(const World& world, const std::vector<std::string>& fields, Frame& frame) {
+    const bool difference = contains(fields, "spin_difference") && world.fluid.find("spin") != nullptr;
+    const bool q = contains(fields, "q_criterion");
+    if (!difference && !q && !contains(fields, "vorticity")) return;
+    const auto x = world.fluid.column<field::position>();
+    const Column<Mat3> G = velocity_gradients(x, world.fluid.column<field::velocity>(), world.step.support, world.step.domain);
+    const auto put = [&](const char* name, auto&& value) {
+        std::vector<Vec3f>& values = frame.vector[name];
+        values.resize(x.size());
+        parallel_for(world.fluid.size(), [&](Index i) { values[i] = value(i).template cast<float>(); });
+    };
+    if (q) {
+        std::vector<float>& values = frame.scalar["q_criterion"];
+        values.resize(x.size());
+        parallel_for(world.fluid.size(), [&](Index i) { values[i] = static_cast<float>(q_criterion(G[i])); });
+    }
+    if (contains(fields, "vorticity")) put("vorticity", [&](Index i) { return curl_of(G[i]); });
+    if (!difference) return;
+    const auto spin = world.fluid.column<field::spin>();
+    put("spin_difference", [&](Index i) -> Vec3 { return spin[i] - curl_of(G[i]) / 2; });
 }
 
 }  // namespace whorl

@@ -1,4 +1,4 @@
-#include "engine/io/derived_fields.h"
+#include "engine/io/snapshot.h"
 #include "engine/probes/experiments.h"
 
 namespace whorl {

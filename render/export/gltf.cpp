@@ -11,8 +11,8 @@
 
 #include "engine/core/errors.h"
 #include "engine/core/whole_file.h"
+#include "render/look/environment.h"
 #include "render/look/material.h"
-#include "render/look/studio.h"
 #include "render/surface/smooth.h"
 
 namespace whorl {

@@ -7,7 +7,7 @@
 #include "render/flow/marks.h"
 #include "render/look/colour_map.h"
 #include "render/look/field_values.h"
-#include "render/look/pigments.h"
+#include "render/look/material.h"
 
 namespace whorl {
 namespace {

@@ -8,8 +8,8 @@
 #include "render/flow/cloud.h"
 #include "render/flow/slice.h"
 #include "render/flow/vortex_lines.h"
+#include "render/look/environment.h"
 #include "render/look/field_values.h"
-#include "render/look/studio.h"
 
 namespace whorl {
 namespace {

@@ -1,10 +1,32 @@
 #pragma once
 /// Light that reaches the ground and the solids: through the fluid (coloured, gathered), past the solids, and from the open sky.
+#include <functional>
+
+#include "render/gl/objects.h"
 #include "render/gl/scene_geometry.h"
 #include "render/look/look_options.h"
 #include "render/look/material.h"
 
 namespace whorl {
+
+class SolidLight {
+public:
+    /// @param width, height of the picture [pixels]
+    SolidLight(int width, int height);
+    /// From here on the screen's triangle reaches only the texels that show a solid. @param camera world -> clip @param faces sets the
+    /// uniforms of faces.glsl
+    void begin(const Eigen::Matrix4f& camera, const std::function<void(gl::Program&)>& faces, GLuint no_vertices);
+    void end() const;
+    /// Sets the uniforms of solid_light.glsl; takes two texture units from `unit` on.
+    void bind(gl::Program& program, int unit) const;
+
+private:
+    int width_, height_;
+    gl::Program mask_{{"screen.vert"}, {"faces.glsl", "mask.frag"}};
+    Eigen::Matrix4f camera_ = Eigen::Matrix4f::Identity();
+    gl::Texture light_, place_, depth_;
+    gl::Framebuffer target_;
+};
 
 class GroundLight {
 public:

@@ -3,7 +3,7 @@
 /// moment, what stands there. Made when it is first asked for.
 #include "render/gl/objects.h"
 #include "render/gl/scene_geometry.h"
-#include "render/image/layers.h"
+#include "render/image/exr.h"
 #include "render/look/camera.h"
 
 namespace whorl {

@@ -14,19 +14,17 @@
 #include "render/gl/flow_shapes.h"
 #include "render/gl/ground_light.h"
 #include "render/gl/hot_patches.h"
-#include "render/gl/ink_field.h"
 #include "render/gl/layer_pass.h"
 #include "render/gl/objects.h"
 #include "render/gl/samples.h"
 #include "render/gl/scene_geometry.h"
 #include "render/gl/setup.h"
 #include "render/gl/solid_field.h"
-#include "render/gl/solid_light.h"
 #include "render/gl/surround.h"
+#include "render/look/environment.h"
 #include "render/look/field_values.h"
 #include "render/look/material.h"
 #include "render/look/overlay.h"
-#include "render/look/studio.h"
 
 namespace whorl {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/io/frame.h"
-#include "render/image/layers.h"
+#include "render/image/exr.h"
 #include "render/look/camera.h"
 #include "render/look/look_options.h"
 #include "render/surface/surface.h"

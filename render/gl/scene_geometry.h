@@ -35,7 +35,7 @@ public:
                      const std::function<bool(const FrameSolid&)>& wanted = {}) const;
     /// The edges of containers, as strips as wide as the program of edge.vert makes them.
     void draw_edges(gl::Program& program) const;
-    /// Draws the surface and the solids with a program of layers.vert, each with its number (render/image/layers.h).
+    /// Draws the surface and the solids with a program of layers.vert, each with its number (render/image/exr.h).
     /// @param interval s, until the next picture @param tolerance m, of the fluid's cut at the ground
     void draw_numbered(gl::Program& program, float interval, float tolerance) const;
     bool any_solids() const { return !solids_.empty(); }

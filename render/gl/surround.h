@@ -4,8 +4,8 @@
 #include <filesystem>
 
 #include "render/gl/objects.h"
+#include "render/look/environment.h"
 #include "render/look/look_options.h"
-#include "render/look/studio.h"
 
 namespace whorl {
 

@@ -1,8 +1,26 @@
 #pragma once
 /// OpenEXR files. The only place that includes OpenEXR (exr.cpp).
-#include "render/image/layers.h"
+#include "render/image/image.h"
 
 namespace whorl {
+
+/// Depth where nothing stands [m].
+inline constexpr float nothing_there = 1e10f;
+
+/// Rows from the top. A layer that is empty was not asked for.
+struct PictureLayers {
+    int width = 0, height = 0;
+    std::vector<float> light = {};       ///< red, green, blue, alpha a pixel: linear, Rec. 709, multiplied by alpha; of half precision
+    std::vector<float> shadow = {};      ///< red, green, blue: what the ground's light is multiplied by; only of a transparent picture
+    std::vector<float> depth = {};       ///< m along the view axis; nothing_there where nothing is
+    std::vector<float> normal = {};      ///< x, y, z of the world, towards the viewer; 0 where nothing is
+    std::vector<float> motion = {};      ///< pixels to the right and up, from this picture to the next
+    std::vector<std::uint32_t> id = {};  ///< 0 nothing or the ground, 1 the fluid, 2 the first solid, ...
+};
+
+/// The picture that screens show: tone-mapped, sRGB. A transparent one has straight alpha, which holds the shadow too, as black: it is to
+/// be laid over the values of pixels, as video editors do.
+Image shown(const PictureLayers& layers);
 
 /// What the file tells besides its pixels.
 struct ExrNotes {

@@ -5,7 +5,6 @@
 
 #include "render/look/colour_map.h"
 #include "render/look/material.h"
-#include "render/look/pigments.h"
 
 namespace whorl {
 

@@ -1,9 +1,8 @@
 #include "render/look/camera.h"
 #include "render/look/colour_map.h"
+#include "render/look/environment.h"
 #include "render/look/look_options.h"
 #include "render/look/material.h"
-#include "render/look/pigments.h"
-#include "render/look/studio.h"
 
 namespace whorl {
 namespace {}  // namespace

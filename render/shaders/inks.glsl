@@ -1,4 +1,4 @@
-// Inks in the fluid (render/look/pigments.h).
+// Inks in the fluid (render/look/material.h).
 uniform bool has_inks;
 uniform sampler3D ink_field;   // concentrations, and 1 where there is fluid
 uniform vec3 ink_low;          // m

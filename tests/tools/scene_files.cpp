@@ -7,7 +7,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/scratch.h"
 #include "tools/film/panel_scenes.h"
-#include "tools/live/journal.h"
+#include "tools/live/controls.h"
 #include "tools/scene_file/scene_changes.h"
 
 using namespace whorl;

@@ -17,7 +17,7 @@
 #include "engine/core/clock.h"
 #include "engine/io/checkpoint.h"
 #include "engine/io/frame.h"
-#include "render/image/layers.h"
+#include "render/image/exr.h"
 #include "tools/film/bounded_queue.h"
 #include "tools/film/exports.h"
 

@@ -11,7 +11,6 @@
 #include "engine/probes/comparison.h"
 #include "tools/film/frame_loop.h"
 #include "tools/live/controls.h"
-#include "tools/live/journal.h"
 #include "tools/live/screen.h"
 
 namespace whorl {

@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <exception>
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -13,11 +14,34 @@
 #include <thread>
 
 #include "render/image/image.h"
+#include "render/video/encoder.h"
 #include "tools/film/film.h"
 #include "tools/live/pace.h"
-#include "tools/live/recorder.h"
 
 namespace whorl {
+
+// What is seen, on disk: frames/000001.png ... and a video, in a folder of its own.
+
+struct Recorded {
+    std::filesystem::path folder, video;  ///< video: empty where there is no encoder
+    int pictures = 0;
+    std::string problem;  ///< why there is no video, or why it ended early
+};
+
+class Recorder {
+public:
+    /// @throws EnvironmentError where the folder cannot be made
+    Recorder(std::filesystem::path folder, int width, int height, double fps);
+    /// A disk that is full ends the recording, not the run.
+    void add(const Image& image);
+    Recorded finish();
+    int pictures() const { return recorded_.pictures; }
+
+private:
+    Recorded recorded_;
+    std::optional<VideoEncoder> encoder_;
+    bool ended_ = false;
+};
 
 /// The newest change of the scene (Controls::revision) that a picture shows: of the fluid, and of how it is drawn.
 struct Revisions {

@@ -1,10 +1,9 @@
 // Fields that are worked out for a frame.
-#include "engine/io/derived_fields.h"
-
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 
 #include "engine/core/random.h"
+#include "engine/io/snapshot.h"
 #include "engine/particles/sample.h"
 
 using namespace whorl;

@@ -1,5 +1,3 @@
-#include "render/image/layers.h"
-
 #include <catch2/catch.hpp>
 #include <cstring>
 #include <fstream>

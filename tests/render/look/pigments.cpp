@@ -1,8 +1,7 @@
-#include "render/look/pigments.h"
-
 #include <catch2/catch.hpp>
 
 #include "render/look/colour_map.h"
+#include "render/look/material.h"
 
 using namespace whorl;
 
